@@ -8,9 +8,9 @@ __version__ = "0.15.0"
 
 
 class _Package(ModuleType):
-    """Module type of ``rollbench.compare``; a call of the module raises an error that names the renamed function.
+    """Module type of ``rollbench.compare``; calling the module raises an error.
 
-    The function ``rollbench.compare`` existed up to version 0.14.
+    Up to version 0.14, ``rollbench.compare`` was a function; the error names its successor ``rollbench.compare_models``.
     """
 
     def __call__(self, *_: object, **__: object) -> NoReturn:

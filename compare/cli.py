@@ -24,7 +24,7 @@ from rollbench.compare.running import clear_progress_line
 from rollbench.compare.text.printing import StandardOutputError, guard_standard_output
 from rollbench.meshes.processes import limit_to_one_thread
 
-#: Largest time [s] to wait, after an interrupt, for threads that clean up after parallel workers.
+#: Largest time [s] for which an interrupted command waits for threads that clean up after parallel workers.
 TIDYING = 2.0
 #: Command-line options by name of the argument of a library function, where the option is not the same name with dashes;
 #: positional arguments of the command line are without dashes.
@@ -39,7 +39,7 @@ OPTIONS = {
 }
 
 
-#: Headings of ``rollbench --help``, each with its commands and the modules in ``compare.commands`` that define them.
+#: Commands below each heading of ``rollbench --help``, with the module in ``compare.commands`` that defines each command.
 COMMANDS = {
     "Start here": {
         "new": "new",
@@ -121,7 +121,7 @@ def option_of_argument(argument: str) -> str:
 
 
 def error_with_option_names(error: InputError) -> InputError:
-    """Return a copy of an error with the names of arguments of library functions replaced by command-line options."""
+    """Return a copy of an input error whose message names command-line options in place of arguments of functions."""
     said = copy(error)
     for part in ("allowed", "advice"):
         setattr(
@@ -170,7 +170,8 @@ def _print_to_stderr(lines: Iterable[str]) -> None:
 def _wait_for_threads() -> None:
     """Wait up to `TIDYING` seconds for threads that clean up after parallel workers.
 
-    If a thread ended after it removed a semaphore but before it reported this, joblib would warn of a leak.
+    If this process ended while such a thread had removed a semaphore but not yet reported this, joblib would warn of a
+    leak.
     """
     until = time.monotonic() + TIDYING
     for thread in threading.enumerate():

@@ -40,40 +40,41 @@ class PrintedEntryComparison:
 
     #: The printed number or claim.
     printed: PrintedEntry
-    #: Value computed correctly, in the printed unit.
+    #: Value computed without the mistake of the publication, in the printed unit.
     value: float | None = None
-    #: Value computed with the publication's mistakes repeated.
+    #: Value computed with the publication's errors repeated, in the printed unit; None: no error changes the number.
     as_printed: float | None = None
     #: Value computed under an assumption that was inferred from the printed results, so that agreement with these
     #: results confirms nothing.
     value_by_inferred_assumption: float | None = None
-    #: Value by the 3D reference.
+    #: Value computed by the 3D model, in the printed unit; None: not computed in 3D.
     reference: float | None = None
-    #: Whether a claim is true; None for a number.
+    #: Whether a claim in words is true; None for a number, or if the claim was not tested.
     claim_is_true: bool | None = None
     #: Text with the numbers that support or contradict a claim, or a remark on a number.
     remark: str = ""
 
     @property
     def compared_value(self) -> float | None:
-        """Computed value that is compared with the printed number: with or without the mistakes of the publication.
+        """Computed value that is compared with the printed number, in the printed unit.
 
-        It is the value with the mistakes for a number of class "as-printed", else the correct value.
+        It is computed correctly, unless the number is of the class "as-printed", which follows only if a mistake of the
+        publication is repeated.
         """
         return self.as_printed if self.printed.entry_class == "as-printed" else self.value
 
     @property
     def error_percent(self) -> float | None:
         """Error of the computed value against the printed number [%]; None if there is no value or no number."""
-        return self._against_printed(self.compared_value)
+        return self._error_against_printed_number(self.compared_value)
 
     @property
     def reading_error_percent(self) -> float | None:
-        """Error against the printed number [%] of the value that was computed under an inferred assumption."""
-        return self._against_printed(self.value_by_inferred_assumption)
+        """Error [%] of the value computed under an assumption that was inferred from the publication's printed results."""
+        return self._error_against_printed_number(self.value_by_inferred_assumption)
 
-    def _against_printed(self, value: float | None) -> float | None:
-        """Return the error of a value against the printed number [%]; None if one is missing or the number is zero."""
+    def _error_against_printed_number(self, value: float | None) -> float | None:
+        """Return the error of ``value`` against the printed number [%]; None if one is missing or the number is zero."""
         if value is None or self.printed.value is None:
             return None
         percent = float(error_percent(value, self.printed.value))
@@ -169,7 +170,7 @@ class ComputedEntryValues:
         key
             Key of the printed number in its table.
         value
-            Value computed correctly.
+            Value computed without the mistake of the publication.
         words
             Remark on the value.
         as_printed
@@ -441,8 +442,8 @@ def count_entries_by_verdict(rows: Sequence[PrintedEntryComparison]) -> list[dic
     """Count printed numbers and claims by publication and verdict.
 
     ``rows``: printed numbers and claims with their verdicts. Returned is a row for each publication, and a last one for all
-    publications, with the counts by verdict, ``judged`` (count of those that judge a model, which are all except inputs and
-    identities) and ``all`` (count of all).
+    publications, with the counts by verdict, ``judged`` (count of the entries that test a model: all except input data and
+    numbers that only repeat arithmetic) and ``all`` (count of all entries).
     """
     out = []
     for title in (*publication_titles(), "all"):
@@ -466,9 +467,8 @@ def reproduction_sentence(counts_of_publication: Mapping[str, Any]) -> str:
         v: f"{counts_of_publication[v]} ({100.0 * counts_of_publication[v] / n:.0f} %)" for v in VERDICTS if v not in APART
     }
     return (
-        f"{counts_of_publication['source']}: of {n} numbers and claims by which a model can be judged, "
-        f"{share['reproduced']} are reproduced "
-        f"as printed, {share['band']} lie within a band, {share['only as printed']} are reproduced only if a mistake of "
-        f"the publication is repeated, {share['contradicted']} are contradicted, and {share['not identifiable']} cannot be "
-        "computed from what the publication states."
+        f"Of {n} numbers and claims by which a model can be judged ({counts_of_publication['source']}), "
+        f"{share['reproduced']} are reproduced, {share['band']} lie within a tolerance band, {share['only as printed']} "
+        f"are reproduced only with the publication's error, {share['contradicted']} are contradicted, and "
+        f"{share['not identifiable']} are not determined by what the publication states."
     )

@@ -1,4 +1,4 @@
-"""Access to files included with rollbench, reading of users' text files, and writing of files completely or not at all.
+"""Access to files that are included with rollbench, decoding of users' text files, and writing of complete files only.
 
 A user's file is read as UTF-8, or as UTF-16 if it starts with that byte order mark. If a file does not exist, error
 messages suggest similar names.
@@ -119,7 +119,7 @@ def similar_names(name: str, names: Iterable[str]) -> list[str]:
 
 
 def similar_paths(path: Path, others: Iterable[str] = ()) -> str:
-    """Return a question that suggests names similar to that of the missing file ``path``; empty if no name is similar.
+    """Return the question "did you mean ...?" with names similar to the missing file ``path``; empty if none is similar.
 
     The names are those of files in the same folder; if none of these is similar, those in ``others``. See `did_you_mean`.
     """

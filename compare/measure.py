@@ -1,4 +1,4 @@
-"""Definitions of errors in per cent, and of the mean contact load; all percentages are computed by this module."""
+"""Definitions of errors in per cent and of the mean contact load, by which all commands and pages compute them."""
 
 from __future__ import annotations
 
@@ -101,7 +101,7 @@ def load_error(value: Array, reference: Array, contacts: int = 0) -> LoadError:
     Parameters
     ----------
     value
-        Contact loads, (n, 4) [N].
+        Contact loads of n balls on 4 flanks (SL, SR, NL, NR: left and right flank of screw and nut), (n, 4) [N].
     reference
         Contact loads of the reference, (n, 4) [N].
     contacts
@@ -186,7 +186,7 @@ def mean_load(load: Array, contacts: int = 0) -> float:
     load : Array of any shape
         Contact loads [N].
     contacts : int, default 0
-        Number of loaded contacts in the error-free screw (`lowfi.statics.nominal.nominal_contacts`), the same for all
+        Number of loaded contacts in the error-free screw (`lowfi.statics.nominal.count_nominal_contacts`), the same for all
         models, meshes and specimens of a scene. 0 where it is not known: for loads without a scene, for one of several nuts
         on a shaft, or where only geometric errors load the screw. Then the contacts of `mask_of_loaded_contacts` are
         counted.

@@ -1,4 +1,4 @@
-"""Records of the numbers and claims that publications print, with tolerances; models never read them."""
+"""Records of the numbers and claims that publications print, with their tolerances; no model uses them as input."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ CLASSES: dict[Class, str] = {
 
 Kind = Literal["number", "claim", "arithmetic", "zero", "input"]
 
-#: Kinds of printed numbers and claims, with their descriptions; the kind shows whether reproducing one tests a model. The
-#: file of a printed table states the kinds `NAMED` only; the others follow from the class and from whether the entry is a
-#: claim.
+#: Kinds of printed numbers and claims, with their descriptions; the kind shows whether reproducing the number tests a
+#: model. The file of a printed table states the kinds `NAMED` only; the other kinds follow from the class of the entry and
+#: from whether it is a number or a claim.
 KINDS: dict[Kind, str] = {
     "number": "computed number",
     "claim": "claim in words",
@@ -53,8 +53,19 @@ VERDICTS: dict[Verdict, str] = {
     "identity": "arithmetic on printed numbers, or zero by symmetry: it tests no model",
 }
 
-#: Largest ratio of half the width of a tolerance band to its middle: a wider band contains nearly any value, and tests
-#: nothing.
+#: Names of the verdicts in tables and sentences of the report.
+VERDICT_NAMES: dict[Verdict, str] = {
+    "reproduced": "reproduced",
+    "only as printed": "only with the publication's error",
+    "band": "within a tolerance band",
+    "contradicted": "contradicted",
+    "not identifiable": "not determined by the publication",
+    "input": "input",
+    "identity": "identity",
+}
+
+#: Largest ratio of half the width of a tolerance band to the middle of the band: a wider band contains nearly any value
+#: and tests nothing.
 WIDEST = 0.25
 
 _TEXTS = (
@@ -68,15 +79,15 @@ _NUMBERS = ("tolerance", "low", "high")
 class PrintedEntry:
     """One number or claim that a publication prints, with its tolerance and the verdict that is expected for it."""
 
-    #: Name of the printed table.
+    #: Name of the file of printed numbers, such as "lin-3.5" for Table 3.5 of Lin's thesis.
     table: str
-    #: Key of the number or claim in the table.
+    #: Key of the number or claim in this file.
     key: str
-    #: Description of the quantity or claim.
+    #: Description of the printed quantity or claim.
     label: str
-    #: Number in ``unit``; None for a claim.
+    #: Printed number, in the unit ``unit``; None for a claim in words.
     value: float | None
-    #: Unit as printed.
+    #: Unit of the number, as the publication prints it.
     unit: str
     #: Section or table of the publication that prints the number or claim.
     place: str
@@ -84,11 +95,12 @@ class PrintedEntry:
     #: (must lie between ``low`` and ``high``), "open" (shown, but never a reason to fail a check) or "input" (input data
     #: that the publication states or that were inferred from it; nothing reproduces them).
     entry_class: Class
-    #: Absolute tolerance in ``unit``; half a unit of the last printed digit unless the table states another.
+    #: Largest difference between computed and printed number that counts as agreement, in the unit ``unit``; half a unit of
+    #: the last printed digit unless the file states another.
     tolerance: float
     #: Remark on the number or claim; may be empty.
     remark: str
-    #: Number as printed.
+    #: Number as text, with the digits that the publication prints.
     number_as_printed: str = ""
     #: Lower end of the tolerance band; None: no band.
     low: float | None = None
@@ -100,7 +112,7 @@ class PrintedEntry:
     claim: str = ""
     #: Kind of the number or claim, a key of `KINDS`.
     kind: Kind = "number"
-    #: Expected verdict, a key of `VERDICTS`; None: no verdict is stored.
+    #: Expected verdict on the computed value, a key of `VERDICTS`; None: no verdict is stored.
     expected_verdict: Verdict | None = None
     #: Sentence on the result or statement that contradicts a number or claim of class "open"; empty if nothing does.
     contradicting_statement: str = ""
@@ -112,7 +124,7 @@ class PrintedEntry:
 
 
 def printed_table_names() -> list[str]:
-    """Return the sorted names of all tables of printed numbers, such as "lin-3.5" for table 3.5 of Lin's thesis."""
+    """Return the sorted names of all files of printed numbers, such as "lin-3.5" for table 3.5 of Lin's thesis."""
     return list(shipped_toml_files("printed"))
 
 
@@ -130,9 +142,9 @@ def load_printed_table(name: str) -> tuple[PrintedEntry, ...]:
 
 
 def printed_entry(table: str, key: str) -> PrintedEntry:
-    """Return the printed number or claim ``key`` of a table.
+    """Return the printed number or claim with the key ``key`` in the file of printed numbers called ``table``.
 
-    InputError for an unknown table, KeyError for an unknown key.
+    InputError for an unknown file, KeyError for an unknown key.
     """
     for row in load_printed_table(table):
         if row.key == key:
@@ -141,9 +153,9 @@ def printed_entry(table: str, key: str) -> PrintedEntry:
 
 
 def printed_value(table: str, key: str) -> float:
-    """Return the printed number ``key`` of a table, in its printed unit.
+    """Return the printed number with the key ``key`` in the file of printed numbers ``table``, in the printed unit.
 
-    KeyError for a claim or unknown key, InputError for an unknown table.
+    KeyError for a claim or unknown key, InputError for an unknown file.
     """
     value = printed_entry(table, key).value
     if value is None:
@@ -188,16 +200,16 @@ def half_unit_of_last_digit(printed: str) -> float:
 
 
 def _parse_row(table: str, data: Mapping[str, Any], raw: Mapping[str, Any], index: int) -> PrintedEntry:
-    """Convert the ``[[row]]`` of a printed table to a record; InputError if a key or value is not valid.
+    """Convert a ``[[row]]`` of a file of printed numbers to a record; InputError if a key or value of the row is not valid.
 
-    ``table``: name of the table. ``data``: content of the whole file. ``raw``: the row. ``index``: its number, from 0.
+    ``table``: name of the file. ``data``: content of the whole file. ``raw``: the row. ``index``: its number, from 0.
     """
 
     def refuse(key: str, allowed: str, advice: str, shown: str = "") -> InputError:
-        """Return the InputError to raise for a key of this row of the printed table.
+        """Return the InputError to raise for a faulty key of the ``[[row]]`` that is being read.
 
-        ``allowed``, ``advice``: what is allowed, and what to do, as texts of the message; ``shown``: text that the message
-        shows instead of the value of the key; empty: the value is shown.
+        ``key``: the faulty key; ``allowed``, ``advice``: what is allowed, and what to do, as texts of the message;
+        ``shown``: text that the message shows instead of the value of the key; empty: the value is shown.
         """
         given = raw.get(key)
         value = shown or ("nothing" if given is None else f'"{given}"' if isinstance(given, str) else f"{given}")
@@ -281,7 +293,7 @@ def _parse_row(table: str, data: Mapping[str, Any], raw: Mapping[str, Any], inde
 
 
 def _check_value_types(raw: Mapping[str, Any], refuse: Any) -> None:
-    """Raise an error if the ``[[row]]`` of a printed table has an unknown key or a value of the wrong type.
+    """Raise an error if a ``[[row]]`` of a file of printed numbers has an unknown key or a value of the wrong type.
 
     ``raw``: the row. ``refuse``: function that returns the error to raise, for a key, its allowed values and an advice.
     """

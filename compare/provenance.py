@@ -14,11 +14,11 @@ from rollbench.reports.manifest import sha256
 
 #: Packages whose source code affects the pages of a report.
 PACKAGES = ("compare", "hifi", "lowfi", "meshes", "reports")
-#: Patterns of the names of files in a folder of stored runs.
+#: Patterns of the file names in a folder of stored runs of the 3D reference.
 STORED = ("*.json", "*.npz", "*.toml")
 #: Name of the source code in a manifest, which is the list of a report's inputs with their hashes.
 SOURCES = "sources of rollbench"
-#: First words of the other names in a manifest: scenes, printed data, stored runs of the 3D reference.
+#: First word of the names of scenes, of printed data and of stored runs of the 3D reference in a report's manifest.
 SCENE, DATA, RUN = "scene ", "printed ", "reference "
 
 

@@ -1,4 +1,4 @@
-"""Conversion of physical quantities from the fields of records to JSON and text, in the units that their keys end with.
+"""Conversion of physical quantities from the fields of records to JSON and text, in the unit at the end of each JSON key.
 
 For example, the JSON key ``approach_um`` has 1e6 times the value of the field ``approach`` in m. The fields state their
 quantities by `meshes.quantity`.
@@ -81,7 +81,7 @@ def words_and_unit_of_key(key: str) -> tuple[str, str]:
 
 @cache
 def quantities_of_record(kind: type) -> dict[str, TableColumn]:
-    """Return the quantities that the fields of the record class ``kind`` define, by their JSON keys."""
+    """Return a table column (heading, unit, format) for each field of the record class ``kind``, by the JSON key."""
     return {
         x.key: _quantity_of_field(name, x)
         for name, x in quantity_descriptions(kind)
@@ -113,7 +113,7 @@ def _quantity_of_field(name: str, description: QuantityDescription) -> TableColu
     factor = 1.0 if unit is None else unit.factor
 
     def value(holder: Any) -> Any:
-        """Return the value of the field in the record ``holder`` for JSON, in the unit of the key."""
+        """Return the field ``name`` of the record ``holder`` as a JSON value, in the unit with which the JSON key ends."""
         return _in_key_unit(description.shown(getattr(holder, name)), factor)
 
     return TableColumn(description.key, *heading_and_unit(description), description.form, value)

@@ -15,29 +15,25 @@ from pathlib import Path
 from time import monotonic
 
 from rollbench.compare.errors import ArgumentError, InputError
-from rollbench.meshes.libraries import (
-    MESHING,
-    REFERENCE,
-    apt_command,
-    installed_version,
-    missing_system_libraries,
-    pip_command,
-    reason_of_failed_import,
-)
+from rollbench.meshes import libraries
 
 
 def gmsh_fault() -> str:
     """Return the reason why gmsh cannot be loaded, with the missing shared libraries; empty if it can be loaded."""
-    reason = reason_of_failed_import("gmsh")
-    if not reason or installed_version("gmsh") is None:
+    reason = libraries.reason_of_failed_import("gmsh")
+    if not reason or libraries.installed_version("gmsh") is None:
         return reason
-    lacking = [name for name in missing_system_libraries(MESHING) if name not in reason]
+    lacking = [name for name in libraries.missing_system_libraries(libraries.MESHING) if name not in reason]
     return reason + (f"; also missing: {', '.join(lacking)}" if lacking else "")
 
 
 def gmsh_install_advice() -> str:
     """Return advice on how to install gmsh, or the shared libraries that it lacks."""
-    return pip_command("gmsh") if installed_version("gmsh") is None else apt_command(MESHING)
+    return (
+        libraries.pip_command("gmsh")
+        if libraries.installed_version("gmsh") is None
+        else libraries.apt_command(libraries.MESHING)
+    )
 
 
 def check_gmsh() -> None:
@@ -51,20 +47,20 @@ def check_gmsh() -> None:
 def check_packages(*packages: str) -> None:
     """Raise InputError for the first of the Python packages that cannot be imported."""
     for package in packages:
-        if reason := reason_of_failed_import(package):
-            advice = f"{pip_command(package)}; rollbench doctor lists what works without it"
+        if reason := libraries.reason_of_failed_import(package):
+            advice = f"{libraries.pip_command(package)}; rollbench doctor lists what works without it"
             raise InputError("this computer", package, reason, "an installed package, which this command needs", advice)
 
 
 def check_reference_programs() -> None:
     """Raise InputError if gmsh or a package that the 3D reference needs cannot be used."""
     check_gmsh()
-    check_packages(*REFERENCE)
+    check_packages(*libraries.REFERENCE)
 
 
 def package_versions(packages: Sequence[str]) -> str:
     """Return a text with the names of packages and their installed versions, such as "numpy 2.1, gmsh not installed"."""
-    return ", ".join(f"{name} {installed_version(name) or 'not installed'}" for name in packages)
+    return ", ".join(f"{name} {libraries.installed_version(name) or 'not installed'}" for name in packages)
 
 
 def machine_description() -> str:
@@ -82,7 +78,10 @@ def usable_cores() -> int:
 
 
 def out_of_memory_error(reason: object) -> InputError:
-    """Return the InputError for a computation that needs more memory than this computer has; ``reason``: what failed."""
+    """Return the InputError for a computation that needs more memory than this computer has.
+
+    ``reason``: the error that was raised for lack of memory.
+    """
     advice = "end other programs, choose a coarser mesh level or fewer workers, or use a cluster (`backend=dask`)"
     return InputError("this computer", "memory", str(reason) or "no free memory", "enough memory for the run", advice)
 
@@ -102,14 +101,14 @@ def available_GB(proc: Path = Path("/proc/meminfo"), group: Path = Path("/sys/fs
     return min(limits, default=None)
 
 
-#: Seconds until the first message that a computation is still running, and seconds between two such messages.
+#: Time until the first message that a computation is still running, and time between two such messages [s].
 FIRST, AGAIN = 2.0, 1.0
 
 #: Characters of a full progress bar; control sequence that erases the line; start of the process, for the time left.
 BAR, ERASE, START = 24, "\r\033[K", monotonic()
 _drawn = False
 
-#: Exit code if the time limit ends a computation, the same as without equilibrium.
+#: Exit code of a command that the time limit ends; it is the same as for a scene without equilibrium.
 ENDED = 1
 
 
@@ -228,7 +227,10 @@ def _draw_progress_line(text: str, share: float | None = None) -> None:
 
 
 def output_closed(outputs: Sequence[int] = (1, 2)) -> bool:
-    """Return whether one of the outputs (file numbers) is a pipe whose reader has ended, as in ``| head``."""
+    """Return whether standard output or error is a pipe whose reader has ended, as in ``| head``.
+
+    ``outputs``: numbers of the checked outputs, 1 for standard output, 2 for standard error.
+    """
     if not hasattr(select, "poll"):
         return False
     poll = select.poll()

@@ -37,18 +37,7 @@ from rollbench.hifi.bodies.patch import CondensedPatch, condense_patch
 from rollbench.hifi.elements.forms import cell_basis
 from rollbench.hifi.elements.rigid import nodal_displacements_of_rigid_motions, rigid_motion_transfer_along_z
 from rollbench.hifi.linear_algebra import symmetric_compliance_of_loads
-from rollbench.hifi.meshing.part_meshes import (
-    FlankSockets,
-    PartMeshes,
-    ball_socket_and_map,
-    contact_normals_of_patch,
-    contact_positions_on_body,
-    element_type_of_bodies,
-    mesh_coarser_patch,
-    mesh_patch,
-    rotation_about_z,
-    sockets_at_contact_azimuths,
-)
+from rollbench.hifi.meshing import part_meshes
 from rollbench.hifi.meshing.settings import Settings
 from rollbench.hifi.shaft.mounting import MeshedShaftPart
 from rollbench.meshes.arrays import Array, Index
@@ -70,7 +59,7 @@ BEYOND = 1.5
 #: flanks onto right ones.
 TURN = np.array([1.0, -1.0, -1.0])
 
-SideArguments = tuple[GrooveMap, int, tuple[float, float], tuple[Material, Material], FlankSockets, Settings]
+SideArguments = tuple[GrooveMap, int, tuple[float, float], tuple[Material, Material], part_meshes.FlankSockets, Settings]
 
 
 @dataclass(frozen=True)
@@ -80,20 +69,20 @@ class FlankPatches:
     The contact nodes of groove and ball coincide.
     """
 
-    #: Patch of the groove.
+    #: Condensed fine mesh (patch) of the groove at the contact.
     groove_patch: CondensedPatch
-    #: Patch of the ball.
+    #: Condensed fine mesh (patch) of the ball at the contact.
     ball_patch: CondensedPatch
-    #: Local compliance of the contact between groove and ball, less the part that the coarse bodies' modes represent,
-    #: between its c pressure functions (basis functions of the contact pressure) ``(c, c)`` [m/N] (`hifi.bodies.coarse`).
+    #: Local compliance of ball and groove between the c contact nodes, less the part that the displacement modes of the
+    #: coarse bodies represent ``(c, c)`` [m/N] (`hifi.bodies.coarse`).
     local_compliance: Array
-    #: Correction of the gap for the position of the contact's centre relative to the nodes of the mesh; None: no
-    #: correction.
+    #: Correction of the gap between ball and groove for the position of the contact's centre relative to the nodes of the
+    #: mesh; None: no correction.
     gap_correction: GapCorrectionTable | None
 
 
 def collect_flank_condensation_arguments(
-    scene: Scene, m: GrooveMap, dims: Dimensions, meshes: PartMeshes, side: int, settings: Settings
+    scene: Scene, m: GrooveMap, dims: Dimensions, meshes: part_meshes.PartMeshes, side: int, settings: Settings
 ) -> SideArguments:
     """Return the arguments of `condense_patches_of_flank`, in their order, for one flank of a ball screw or bearing.
 
@@ -102,7 +91,7 @@ def collect_flank_condensation_arguments(
     """
     part, inner = (scene.screw, dims.hole) if side < 2 else (scene.nut, dims.land)
     radii, materials = (inner, part.outer_diameter / 2.0), (part.material, scene.balls.material)
-    return m, side, radii, materials, meshes.sockets_of_flank(side), settings
+    return m, side, radii, materials, meshes.refinement_boxes_of_flank(side), settings
 
 
 def condense_patches_of_flank(
@@ -110,7 +99,7 @@ def condense_patches_of_flank(
     side: int,
     body_radii: tuple[float, float],
     materials: tuple[Material, Material],
-    sockets: FlankSockets,
+    sockets: part_meshes.FlankSockets,
     settings: Settings,
 ) -> FlankPatches:
     """Condense the fine meshes (patches) of groove and ball at one flank, and compute the local compliance of the contact.
@@ -134,7 +123,7 @@ def condense_patches_of_flank(
     Returns
     -------
     FlankPatches
-        Condensed patches of groove and ball, and their local compliance.
+        Condensed fine meshes (patches) of groove and ball, and their local compliance.
 
     Raises
     ------
@@ -142,11 +131,11 @@ def condense_patches_of_flank(
         The contact nodes of groove and ball do not match, or a submodel cannot be meshed.
     """
     groove_place = partial(points_in_box_at_azimuth_zero, m, sockets.socket_size, side)
-    ball_socket, place = ball_socket_and_map(m, sockets.socket_size, side, sockets.relative_zone_size)
-    mesh = mesh_patch(sockets, sockets.groove_socket, groove_place, settings)
-    ball_mesh = mesh_patch(sockets, sockets.ball_socket, place, settings)
-    normals = contact_normals_of_patch(mesh, np.array([m.R, 0.0, 0.0]))
-    ball_normals = contact_normals_of_patch(ball_mesh, np.zeros(3))
+    ball_socket, place = part_meshes.ball_refinement_box_and_map(m, sockets.socket_size, side, sockets.relative_zone_size)
+    mesh = part_meshes.mesh_patch(sockets, sockets.groove_socket, groove_place, settings)
+    ball_mesh = part_meshes.mesh_patch(sockets, sockets.ball_socket, place, settings)
+    normals = part_meshes.contact_normals_of_patch(mesh, np.array([m.R, 0.0, 0.0]))
+    ball_normals = part_meshes.contact_normals_of_patch(ball_mesh, np.zeros(3))
     spread = float(np.abs(ball_normals - normals).max())
     if spread > 1e-9:
         raise ValueError(
@@ -158,19 +147,19 @@ def condense_patches_of_flank(
         mesh,
         normals,
         *_youngs_modulus_and_poissons_ratio(e),
-        mesh_coarser_patch(sockets, sockets.groove_socket, groove_place, settings),
+        part_meshes.mesh_coarser_patch(sockets, sockets.groove_socket, groove_place, settings),
     )
     ball = condense_patch(
         ball_mesh,
         -normals,
         *_youngs_modulus_and_poissons_ratio(b),
-        mesh_coarser_patch(sockets, sockets.ball_socket, place, settings),
+        part_meshes.mesh_coarser_patch(sockets, sockets.ball_socket, place, settings),
     )
     if settings.element == "P1":  # the mesh of Lin's thesis is not changed
         return FlankPatches(groove, ball, groove.A + ball.A, None)
     fine = replace(sockets.socket_size, edge_divisions=settings.own_cuts)
 
-    def groove_piece(scale: float, *, coarse: bool) -> tuple[ContactSubmodel, RefinementBoxFaces]:
+    def mesh_groove_piece(scale: float, *, coarse: bool) -> tuple[ContactSubmodel, RefinementBoxFaces]:
         size, sizes = (sockets.socket_size, (settings.fine, settings.coarse)) if coarse else (fine, settings.own_sizes)
         half = max(axial_reach_of_refinement_boxes(m, sockets.socket_size, (side,))) + BEYOND * m.ball
         spec = GroovedBodySpec(
@@ -185,10 +174,10 @@ def condense_patches_of_flank(
         )
         body: CoarseGroovedBodyMesh = mesh_grooved_body(m, spec)
         return ContactSubmodel(
-            body.mesh, body.nodes_on_box_faces[0], rotation_about_z(m.phase), ("low end", "high end")
+            body.mesh, body.nodes_on_box_faces[0], part_meshes.rotation_about_z(m.phase), ("low end", "high end")
         ), body.box_faces[side]
 
-    def ball_piece(scale: float, *, coarse: bool) -> tuple[ContactSubmodel, RefinementBoxFaces]:
+    def mesh_ball_piece(scale: float, *, coarse: bool) -> tuple[ContactSubmodel, RefinementBoxFaces]:
         sizes = (settings.ball_fine, settings.ball_coarse) if coarse else settings.own_ball_sizes
         cuts = sockets.socket_size.edge_divisions if coarse else settings.own_cuts
         body = mesh_ball_with_refinement_boxes(m, (ball_socket,), scale * sizes[0], scale * sizes[1], cuts)
@@ -196,21 +185,24 @@ def condense_patches_of_flank(
 
     local, total = np.zeros_like(groove.A), np.zeros_like(groove.A)
     for piece_of, points_at, condensed, along, material, modes in (
-        (groove_piece, groove_place, groove, normals, e, settings.modes),
-        (ball_piece, place, ball, -normals, b, settings.ball_modes),
+        (mesh_groove_piece, groove_place, groove, normals, e, settings.modes),
+        (mesh_ball_piece, place, ball, -normals, b, settings.ball_modes),
     ):
         piece, socket = piece_of(1.0, coarse=False)
         C = contact_compliance_in_fine_submodel(
-            piece, mesh_patch(sockets, socket, points_at, settings), along, *_youngs_modulus_and_poissons_ratio(material)
+            piece,
+            part_meshes.mesh_patch(sockets, socket, points_at, settings),
+            along,
+            *_youngs_modulus_and_poissons_ratio(material),
         )
         V, rows = contact_modes_of_patch(condensed, modes)
 
-        def coarse_response(scale: float, piece_of=piece_of, condensed=condensed, rows=rows, material=material) -> Array:  # type: ignore[no-untyped-def]
+        def coarse_compliance(scale: float, piece_of=piece_of, condensed=condensed, rows=rows, material=material) -> Array:  # type: ignore[no-untyped-def]
             return mode_compliance_in_coarse_submodel(
                 piece_of(scale, coarse=True)[0], condensed, rows, *_youngs_modulus_and_poissons_ratio(material)
             )
 
-        local += local_contact_compliance(C, V, coarse_response)
+        local += local_contact_compliance(C, V, coarse_compliance)
         total += C
     return FlankPatches(groove, ball, local, tabulate_gap_corrections(m, side, groove, total, b))
 
@@ -221,7 +213,7 @@ def _youngs_modulus_and_poissons_ratio(material: Material) -> tuple[float, float
 
 
 def is_left_flank_after_half_turn(m: GrooveMap, side: int) -> bool:
-    """Return whether a flank is a right one that coincides with the left flank of its groove after a turn by 180 degrees.
+    """Return whether a right flank coincides with the left flank of its groove after a turn by 180 degrees.
 
     The axis of the turn is the radius through the ball's centre.
 
@@ -235,7 +227,7 @@ def is_left_flank_after_half_turn(m: GrooveMap, side: int) -> bool:
     Returns
     -------
     bool
-        True for a right flank with the groove radius of the left one.
+        True for a right flank with the groove radius of the left flank; False for a left flank.
     """
     return side % 2 == 1 and float(m.radius[side]) == float(m.radius[side - 1])
 
@@ -259,7 +251,7 @@ def turn_patches_to_right_flank(patches: FlankPatches) -> FlankPatches:
     assert shape is not None  # a grid
     order = np.arange(shape[0] * shape[1]).reshape(shape)[:, ::-1].ravel()
 
-    def turn(patch: CondensedPatch) -> CondensedPatch:
+    def turn_patch(patch: CondensedPatch) -> CondensedPatch:
         signs = np.tile(TURN, patch.H.shape[1] // 3)
         return replace(
             patch,
@@ -278,7 +270,10 @@ def turn_patches_to_right_flank(patches: FlankPatches) -> FlankPatches:
     if wave is not None:
         wave = replace(wave, middle_node=wave.middle_node * TURN, grid_directions=wave.grid_directions * TURN)
     return FlankPatches(
-        turn(patches.groove_patch), turn(patches.ball_patch), patches.local_compliance[np.ix_(order, order)], wave
+        turn_patch(patches.groove_patch),
+        turn_patch(patches.ball_patch),
+        patches.local_compliance[np.ix_(order, order)],
+        wave,
     )
 
 
@@ -302,16 +297,16 @@ SLICE, LEAST = 0.25, 30
 class CondensedBody:
     """Base class of an elastic body condensed to displacement modes of its contacts, ordered by ball, then by flank."""
 
-    #: By flank, the k displacement modes V of a contact of c pressure functions ``(c, k)``.
+    #: By flank, the k displacement modes V of one contact with c contact nodes ``(c, k)``.
     modes_by_flank: dict[int, Array]
 
     @property
     def modes_per_ball(self) -> int:
-        """Number of displacement modes of this body at all contacts of one ball."""
+        """Number of displacement modes that this body has at the contacts of one ball, all flanks together."""
         return sum(V.shape[1] for V in self.modes_by_flank.values())
 
     def mode_indices_of_contact(self, side: int, ball: int = 0) -> Index:
-        """Return the rows of the body's modal compliance matrix that belong to the displacement modes of one contact.
+        """Return the rows of the body's modal compliance matrix that belong to one contact's displacement modes.
 
         Parameters
         ----------
@@ -336,14 +331,14 @@ class CondensedScrew(CondensedBody):
     In a `CondensedGeometry` the compliance is corrected for the effect of cutting the shaft at the ends of this part.
     """
 
-    #: Flexibility of this part of the screw.
+    #: Compliance of this part of the screw at its contacts, upper end, supports and loads.
     stretch: MeshedShaftPart
-    #: By flank, the k displacement modes V of a contact of c pressure functions ``(c, k)``.
+    #: By flank, the k displacement modes V of one contact with c contact nodes ``(c, k)``.
     modes_by_flank: dict[int, Array]
     #: Displacements of every contact's modes by unit rigid motions of the screw (translations and rotations about the
     #: contact's axial position) ``(contacts, k, 6)``.
     modes_by_rigid_motions: Array
-    #: Degrees of freedom that were condensed.
+    #: Number of degrees of freedom before condensation.
     degree_of_freedom_count: int
 
     @property
@@ -354,13 +349,13 @@ class CondensedScrew(CondensedBody):
 
 @dataclass(frozen=True)
 class CondensedNut(CondensedBody):
-    """Compliance of the nut, condensed to displacement modes of its contacts and fixed where the scene says."""
+    """Compliance of the nut, condensed to displacement modes of its contacts; the nut is fixed where the scene says."""
 
-    #: Compliance matrix between the modes of all contacts [m/N].
+    #: Compliance matrix between the displacement modes of all contacts of the nut [m/N].
     G: Array
-    #: By flank, the k displacement modes V of a contact of c pressure functions ``(c, k)``.
+    #: By flank, the k displacement modes V of one contact with c contact nodes ``(c, k)``.
     modes_by_flank: dict[int, Array]
-    #: Number of degrees of freedom that were condensed.
+    #: Number of degrees of freedom before condensation.
     degree_of_freedom_count: int
     #: Displacements of the modes of all contacts by unit rigid motions of the nut (translations and rotations about the
     #: point z = 0 of the axis) ``(k, 6)``.
@@ -371,11 +366,11 @@ class CondensedNut(CondensedBody):
 class CondensedBall(CondensedBody):
     """Compliance of one ball, condensed to displacement modes of its contacts, with its six rigid motions constrained."""
 
-    #: Compliance matrix between the modes of its contacts, flank after flank [m/N].
+    #: Compliance matrix between the displacement modes of the ball's contacts, flank after flank [m/N].
     G: Array
-    #: By flank, the k displacement modes V of a contact of c pressure functions ``(c, k)``.
+    #: By flank, the k displacement modes V of one contact with c contact nodes ``(c, k)``.
     modes_by_flank: dict[int, Array]
-    #: Degrees of freedom that were condensed.
+    #: Number of degrees of freedom before condensation.
     degree_of_freedom_count: int
 
 
@@ -387,7 +382,7 @@ def assemble_stiffness_and_contact_modes(
     count: int,
     settings: Settings,
 ) -> tuple[sp.csc_array, sp.csr_array, dict[int, tuple[Array, Array]]]:
-    """Assemble the stiffness of a body with its condensed patches, and the displacement modes of its contacts.
+    """Assemble the stiffness of a body with its condensed fine meshes (patches), and its contacts' displacement modes.
 
     Parameters
     ----------
@@ -398,7 +393,7 @@ def assemble_stiffness_and_contact_modes(
     sockets : Sequence[BodySocket]
         Refinement boxes of the body: pockets of its coarse mesh that the fine patches fill.
     patches : dict[int, CondensedPatch]
-        Condensed patch of each flank.
+        Condensed fine mesh (patch) at the contacts of each flank.
     count : int
         Number of displacement modes of every contact.
     settings : Settings
@@ -414,7 +409,7 @@ def assemble_stiffness_and_contact_modes(
         For each flank, the modes V and their rows Q, both in the frame of the patch.
     """
     K = assemble_body_stiffness(
-        convert_mesh_order(mesh, element_type_of_bodies(settings)),
+        convert_mesh_order(mesh, part_meshes.element_type_of_bodies(settings)),
         sockets,
         patches,
         material.youngs_modulus,
@@ -438,7 +433,7 @@ def condense_ball(
     mesh : CoarseBallMesh
         Mesh of the ball.
     patches : dict[int, FlankPatches]
-        Condensed patches of each flank.
+        Condensed fine meshes (patches) at the contacts of each flank.
     settings : Settings
         Mesh settings: cell sizes, modes and element type.
 
@@ -479,7 +474,7 @@ def condense_screw(
     material : Material
         Elastic material.
     nut : Nut
-        The nut; the motion of the screw is computed at five sections between its faces.
+        The nut; the motion of the screw is computed at five sections, from one face of the nut to the other.
     end_positions : tuple[float, float]
         Axial positions of the ends of that part [m].
     stations_inside : Sequence[float]
@@ -491,7 +486,7 @@ def condense_screw(
     sides : tuple[int, ...]
         Groove flanks (0, 1: screw, 2, 3: nut) that carry contacts.
     patches : dict[int, CondensedPatch]
-        Condensed patch of each flank of the screw.
+        Condensed fine mesh (patch) at the contacts of each flank of the screw.
     settings : Settings
         Mesh settings: cell sizes, modes and element type.
     dims : Dimensions
@@ -502,9 +497,14 @@ def condense_screw(
     CondensedScrew
         The condensed screw.
     """
-    places = contact_positions_on_body(layout, sides, True)
+    places = part_meshes.contact_positions_on_body(layout, sides, True)
     K, modes, kept = assemble_stiffness_and_contact_modes(
-        material, mesh.mesh, sockets_at_contact_azimuths(mesh, places), patches, settings.modes, settings
+        material,
+        mesh.mesh,
+        part_meshes.refinement_boxes_at_contact_azimuths(mesh, places),
+        patches,
+        settings.modes,
+        settings,
     )
     low, high = end_positions
     bore = dims.screw_held == "bore"
@@ -566,7 +566,7 @@ def section_motion_matrix(mesh: Mesh, z: float) -> sp.csr_array:
 
 
 def screw_freedoms_from_free_ones(mesh: CoarseGroovedBodyMesh, dims: Dimensions, high: float) -> sp.csc_array:
-    """Return the matrix that gives all degrees of freedom of the screw's 3D mesh from those that are free.
+    """Return the matrix that gives all degrees of freedom of the screw's 3D mesh from its free degrees of freedom.
 
     ``mesh``: mesh of the screw's part; ``dims``: dimensions, which say whether the bore of the screw is fixed; ``high``:
     axial position of the upper end [m]. If the bore is not fixed, the lower end is, and the upper end is a rigid section,
@@ -578,7 +578,7 @@ def screw_freedoms_from_free_ones(mesh: CoarseGroovedBodyMesh, dims: Dimensions,
 
 
 def points_clamped_by_bolts(x: Array, y: Array, seat: tuple[float, float], count: int) -> Array:
-    """Find the points of a nut flange's face that lie in the circular areas clamped by its bolts.
+    """Find which points of a nut flange's face lie in the circular areas clamped by the flange's bolts.
 
     Parameters
     ----------
@@ -604,7 +604,7 @@ def points_clamped_by_bolts(x: Array, y: Array, seat: tuple[float, float], count
 
 
 def nut_freedoms_from_free_ones(mesh: CoarseGroovedBodyMesh, dims: Dimensions) -> sp.csc_array:
-    """Return the matrix that gives all degrees of freedom of the nut's mesh from those that are not fixed.
+    """Return the matrix that gives all degrees of freedom of the nut's mesh from its free degrees of freedom.
 
     ``dims``: dimensions of the solid parts, which name the fixed surface of the nut (`Dimensions.nut_held`).
     """
@@ -644,7 +644,7 @@ def condense_nut(
     sides : tuple[int, ...]
         Groove flanks (0, 1: screw, 2, 3: nut) that carry contacts.
     patches : dict[int, CondensedPatch]
-        Condensed patch of each flank of the nut.
+        Condensed fine mesh (patch) at the contacts of each flank of the nut.
     settings : Settings
         Mesh settings: cell sizes, modes and element type.
     dims : Dimensions
@@ -655,7 +655,9 @@ def condense_nut(
     CondensedNut
         The condensed nut.
     """
-    sockets = sockets_at_contact_azimuths(mesh, contact_positions_on_body(layout, sides, False))
+    sockets = part_meshes.refinement_boxes_at_contact_azimuths(
+        mesh, part_meshes.contact_positions_on_body(layout, sides, False)
+    )
     K, rows, kept = assemble_stiffness_and_contact_modes(material, mesh.mesh, sockets, patches, settings.modes, settings)
     T = nut_freedoms_from_free_ones(mesh, dims)
     K = (T.T @ K @ T).tocsc()

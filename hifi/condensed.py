@@ -16,11 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.linalg import block_diag
 
-from rollbench.hifi.bodies.grid_wave import (
-    forces_resolved_by_grid,
-    hertz_contact_under_unit_force,
-    mean_approaches_over_grid_cell,
-)
+from rollbench.hifi.bodies import grid_wave
 from rollbench.hifi.contact.hertz import solve_hertz
 from rollbench.hifi.elements.forms import normalise_weight_rows
 from rollbench.meshes.arrays import Array
@@ -37,22 +33,22 @@ SAMPLES = 16
 
 
 def sampled_contact_forces(setup: CondensedGeometry, side: int) -> Array:
-    """Return the f contact forces ``(f,)`` [N] for which the approach of ball and groove is computed on one flank.
+    """Return the f forces ``(f,)`` [N] at which the force-approach curve of ball and groove is sampled on one flank.
 
     ``side``: groove flank, 0 or 1 on the screw, 2 or 3 on the nut.
     """
-    return forces_resolved_by_grid(
+    return grid_wave.forces_resolved_by_grid(
         setup.groove_map, side, setup.patches_by_flank[side].groove_patch, setup.scene.balls.material, SAMPLES
     )
 
 
 def _unit_hertz_approach(setup: CondensedGeometry, side: int) -> float:
     """Return the approach of ball and groove at a flank (0 to 3) under 1 N by Hertz's theory [m]."""
-    return float(hertz_contact_under_unit_force(setup.groove_map, side, setup.scene.balls.material).approach)
+    return float(grid_wave.hertz_contact_under_unit_force(setup.groove_map, side, setup.scene.balls.material).approach)
 
 
 def approaches_with_fixed_bodies(setup: CondensedGeometry, side: int, loads: Array) -> Array:
-    """Compute the approach of ball and groove with fixed bodies: only the fine meshes around their contact deform.
+    """Compute the approach of ball and groove if only the fine meshes around their contact deform.
 
     The result is the mean over positions of the contact within one cell of its mesh grid.
 
@@ -71,7 +67,7 @@ def approaches_with_fixed_bodies(setup: CondensedGeometry, side: int, loads: Arr
         Approach under each force [m].
     """
     pair = setup.patches_by_flank[side]
-    return mean_approaches_over_grid_cell(setup.groove_map, side, pair.groove_patch, pair.local_compliance, loads)
+    return grid_wave.mean_approaches_over_grid_cell(setup.groove_map, side, pair.groove_patch, pair.local_compliance, loads)
 
 
 def hertz_shares_of_nodes(setup: CondensedGeometry, side: int, load: float) -> Array:
@@ -101,7 +97,7 @@ def hertz_shares_of_nodes(setup: CondensedGeometry, side: int, load: float) -> A
 
 
 def mean_contact_compliance_of_body(setup: CondensedGeometry, side: int, nodal_shares: Array) -> float:
-    """Compute the displacement of a contact under a unit force on it that comes from the deformation of screw or nut.
+    """Compute how far a contact moves under a unit force on it because the screw or nut deforms.
 
     The result is the mean over the contacts of all balls on one flank.
 
@@ -130,7 +126,7 @@ def mean_contact_compliance_of_body(setup: CondensedGeometry, side: int, nodal_s
 
 
 def ball_compliance_matrix(setup: CondensedGeometry, nodal_shares: dict[int, Array]) -> Array:
-    """Compute the compliance between the contacts of one ball, without the local compliance of the contacts themselves.
+    """Compute the compliance matrix between the contacts of one ball, without the local compliance at each contact.
 
     Parameters
     ----------
@@ -149,7 +145,7 @@ def ball_compliance_matrix(setup: CondensedGeometry, nodal_shares: dict[int, Arr
 
 
 def contact_compliance_of_bodies(setup: CondensedGeometry, nodal_shares: dict[int, Array]) -> Array:
-    """Compute the displacement of each contact per unit of its force, without the contact's own local compliance.
+    """Compute how far screw or nut and ball deform at each contact per unit of its force, without local compliance.
 
     The result is the sum of the displacement of screw or nut and of half the response of the ball to two opposite forces.
 
@@ -173,7 +169,7 @@ def contact_compliance_of_bodies(setup: CondensedGeometry, nodal_shares: dict[in
 
 
 def unexplained_approach_over_force(setup: CondensedGeometry, nodal_shares: dict[int, Array]) -> tuple[Array, Array]:
-    """Compute the part of each contact's approach that neither Hertz's law nor the compliance of the bodies explains.
+    """Compute the part of each contact's approach, over the force, that Hertz's law and body compliance do not explain.
 
     Parameters
     ----------
@@ -207,9 +203,10 @@ def unexplained_approach_over_force(setup: CondensedGeometry, nodal_shares: dict
 
 
 def body_compliance_matrix(ball_count: int, body: CondensedScrew | CondensedNut, nodal_shares: dict[int, Array]) -> Array:
-    """Compute the compliance between all contacts of screw or nut, ball after ball, for Hertz-like pressures.
+    """Compute the compliance matrix between all contacts of screw or nut, for nodal forces shared as by Hertz's pressure.
 
-    It follows from the compliance between the displacement modes of the contacts.
+    The contacts are ordered by ball, then by flank. The matrix follows from the compliance between the displacement modes
+    of the contacts.
 
     Parameters
     ----------

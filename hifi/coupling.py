@@ -31,13 +31,13 @@ from rollbench.meshes.surface import groove_radius_with_slopes
 class PlacedNut:
     """One nut or bearing with its balls, meshed and condensed, at its place on the shaft and on its housing."""
 
-    #: The prepared geometry.
+    #: Meshed and condensed parts of the nut or bearing.
     geometry: CondensedGeometry
-    #: Scene that gives the manufacturing errors.
+    #: Scene of the nut or bearing with its manufacturing errors.
     scene_with_errors: Scene
-    #: Flanks (0 to 3) whose contacts may close.
+    #: Groove flanks (0, 1: screw, 2, 3: nut) whose contacts may close.
     closable_flanks: tuple[int, ...]
-    #: Axial position on the shaft of the origin of the geometry's local axis [m].
+    #: Axial position on the shaft of the point z = 0 of ``geometry`` [m].
     origin_on_shaft: float = 0.0
     #: Index of the movable housing that carries the nut; None: the nut is fixed.
     housing_index: int | None = None
@@ -105,7 +105,7 @@ def assemble_contact_compliance(
         screw += p.geometry.condensed_screw.stretch.mode_count
         if nut is not None and p.housing_index is None:
             couplings.append(
-                without_coupling_of_contacts(nut.G, nut) if leave_out & {"elastic nut", "patch coupling"} else nut.G
+                compliance_without_contact_coupling(nut.G, nut) if leave_out & {"elastic nut", "patch coupling"} else nut.G
             )
             held += len(nut.G)
         elif nut is not None:
@@ -115,7 +115,7 @@ def assemble_contact_compliance(
 
 
 def compliance_block_of_ball(setup: CondensedGeometry, sides: tuple[int, ...], *, rigid: bool) -> BallContactCompliance:
-    """Return the compliance between the contact nodes of one ball, including the local compliance of its grooves.
+    """Return the compliance between the contact nodes of one ball, with the local compliance of ball and grooves.
 
     Parameters
     ----------
@@ -139,7 +139,7 @@ def compliance_block_of_ball(setup: CondensedGeometry, sides: tuple[int, ...], *
     return BallContactCompliance(local, tuple(ball.modes_by_flank[s] for s in sides), ball.G[np.ix_(pick, pick)])
 
 
-def without_coupling_of_contacts(compliance: Array, body: CondensedBody) -> Array:
+def compliance_without_contact_coupling(compliance: Array, body: CondensedBody) -> Array:
     """Set the compliance of a body to zero between different contacts, so that each load moves only its own contact.
 
     Every contact keeps its response to its own load, averaged over all contacts of its flank.
@@ -195,7 +195,7 @@ def compliance_of_supported_screw(
     stations = np.repeat(setup.ball_positions.z, len(setup.condensed_screw.modes_by_flank))
     beam = replace_shaft_part_by_beam(setup.condensed_screw.modes_by_rigid_motions, stations, full, setup.shaft_section)
     F = beam.F.copy()
-    F[:m, :m] += without_coupling_of_contacts(full.F[:m, :m] - beam.F[:m, :m], setup.condensed_screw)
+    F[:m, :m] += compliance_without_contact_coupling(full.F[:m, :m] - beam.F[:m, :m], setup.condensed_screw)
     return support_shaft_part(replace(beam, F=F), scene, setup.shaft_section)
 
 
@@ -241,7 +241,7 @@ def expected_touching_nodes(p: PlacedNut, gap: Array) -> Array:
 
 
 def average_over_pressure_functions(p: PlacedNut, values: Array) -> Array:
-    """Average values at the contact nodes, with the pressure basis function of each node as weight.
+    """Average values over the surroundings of each contact node, with the node's pressure basis function as weight.
 
     Parameters
     ----------
@@ -266,7 +266,7 @@ def average_over_pressure_functions(p: PlacedNut, values: Array) -> Array:
 
 
 def grid_position_gap_corrections(p: PlacedNut, forces: Array, normals: Array) -> Array:
-    """Compute corrections of all gaps that remove the discretisation error due to each contact's position on its mesh grid.
+    """Compute gap corrections that remove the discretisation error due to each contact's position on its mesh grid.
 
     The corrections are interpolated in the tables of `hifi.bodies.grid_wave`.
 
@@ -397,9 +397,10 @@ def ball_motion_relative_to_grooves(
     under its helical motion, which changes no gap and in which frictionless contact forces do no work, so that every
     contact stays level with its ball.
 
-    Linear kinematics alone would give wrong normals: a screw that winds up by an angle theta moves its contacts R theta/2
-    along the track and R theta^2/2 out of their section. The motion could also be taken from the centre of pressure, but
-    under a light contact that closes few nodes of the grid the centre of pressure sticks to them, or jumps.
+    Linear kinematics alone would give wrong normals: a screw that winds up by an angle theta moves its contacts, at the
+    pitch radius R, by R theta/2 along the track and by R theta^2/2 out of the section in which they lie. The motion could
+    also be taken from the centre of pressure, but under a light contact that closes few nodes of the grid the centre of
+    pressure sticks to them, or jumps.
 
     Parameters
     ----------

@@ -15,42 +15,15 @@ import numpy as np
 import scipy.sparse as sp
 from skfem import Mesh, condense
 
-from rollbench.hifi.bodies.coarse import (
-    BodySocket,
-    assemble_body_stiffness,
-    convert_mesh_order,
-    degrees_of_freedom_of_nodes,
-    select_isostatic_freedoms,
-)
+from rollbench.hifi import condensation
+from rollbench.hifi.bodies import coarse
 from rollbench.hifi.bodies.patch import CondensedPatch, PatchMesh, nodal_displacements_of_patch
-from rollbench.hifi.condensation import (
-    assemble_stiffness_and_contact_modes,
-    collect_flank_condensation_arguments,
-    condense_ball,
-    condense_patches_of_flank,
-    nut_freedoms_from_free_ones,
-    screw_freedoms_from_free_ones,
-)
-from rollbench.hifi.contact.balls import (
-    BallContactCompliance,
-    contact_compliance_of_single_ball,
-    solve_contacts_of_all_balls,
-)
+from rollbench.hifi.contact import balls
 from rollbench.hifi.contact.hertz import HertzSolution, solve_hertz
 from rollbench.hifi.elements import forms
 from rollbench.hifi.elements.forms import isotropic_stress_law, normalise_weight_rows
 from rollbench.hifi.linear_algebra import factorise_positive_definite
-from rollbench.hifi.meshing.part_meshes import (
-    PartMeshes,
-    ball_socket_and_map,
-    contact_normals_of_patch,
-    contact_positions_on_body,
-    element_type_of_bodies,
-    mesh_parts,
-    mesh_patch,
-    rotation_about_z,
-    sockets_at_contact_azimuths,
-)
+from rollbench.hifi.meshing import part_meshes
 from rollbench.hifi.meshing.settings import Settings
 from rollbench.hifi.reference import ReferenceResult
 from rollbench.hifi.setup import CondensedGeometry
@@ -73,11 +46,11 @@ class SolidField:
     points: Array
     #: Indices of the nodes of each cell ``(cells, nodes per cell)``, in gmsh's order.
     cell_nodes: Index
-    #: Type of the cells: tetrahedra of first or second order, "P1" or "P2", or such hexahedra, "Q1" or "Q2".
+    #: Type of the cells: tetrahedra of first or second order, "P1" or "P2"; hexahedra of first or second order, "Q1", "Q2".
     element_type: str
-    #: Displacements ``(n, 3)`` [m].
+    #: Nodal displacements ``(n, 3)`` [m].
     displacements: Array
-    #: Stresses ``(n, 6)`` [Pa]: xx, yy, zz, yz, xz, xy.
+    #: Nodal stresses ``(n, 6)`` [Pa]: xx, yy, zz, yz, xz, xy.
     stresses: Array
 
     @property
@@ -112,7 +85,7 @@ def von_mises(stress: Array) -> Array:
 
 
 def nodal_stress(mesh: Mesh, u: Array, material: Material, elements: Index | None = None) -> Array:
-    """Compute nodal stresses from displacements: the stress of each cell at its nodes, averaged over the cells of a node.
+    """Compute nodal stresses from displacements: mean over all cells at a node of the stress that each cell has there.
 
     Extrapolating the values of the reduced Gauss points to the nodes would overshoot by a fifth below a contact with three
     cells across it; this average overshoots by a twentieth.
@@ -201,12 +174,12 @@ def nodal_displacements_of_screw(
     refuse_supports_beyond_low_end(scene or setup.scene, setup.solid_dimensions)
     high = setup.solid_dimensions.ends_of_meshed_screw(setup.scene)[1]
     return _nodal_displacements_of_coarse_body(
-        setup, mesh, forces, screw_freedoms_from_free_ones(mesh, setup.solid_dimensions, high), screw=True
+        setup, mesh, forces, condensation.screw_freedoms_from_free_ones(mesh, setup.solid_dimensions, high), screw=True
     )
 
 
 def refuse_supports_beyond_low_end(scene: Scene, dims: Dimensions) -> None:
-    """Raise ValueError if a support or load lies above the low end of the part of the screw that is meshed in 3D.
+    """Raise ValueError if a support or load lies above the low end of the screw's part that is meshed in 3D.
 
     Parameters
     ----------
@@ -242,7 +215,7 @@ def nodal_displacements_of_nut(setup: CondensedGeometry, mesh: CoarseGroovedBody
         Displacements [m].
     """
     return _nodal_displacements_of_coarse_body(
-        setup, mesh, forces, nut_freedoms_from_free_ones(mesh, setup.solid_dimensions), screw=False
+        setup, mesh, forces, condensation.nut_freedoms_from_free_ones(mesh, setup.solid_dimensions), screw=False
     )
 
 
@@ -257,8 +230,10 @@ def _nodal_displacements_of_coarse_body(
     """
     material = (setup.scene.screw if screw else setup.scene.nut).material
     patches = {s: p.groove_patch for s, p in setup.patches_by_flank.items() if (s < 2) == screw}
-    sockets = sockets_at_contact_azimuths(mesh, contact_positions_on_body(setup.ball_positions, setup.loaded_flanks, screw))
-    K, Q, kept = assemble_stiffness_and_contact_modes(
+    sockets = part_meshes.refinement_boxes_at_contact_azimuths(
+        mesh, part_meshes.contact_positions_on_body(setup.ball_positions, setup.loaded_flanks, screw)
+    )
+    K, Q, kept = condensation.assemble_stiffness_and_contact_modes(
         material, mesh.mesh, sockets, patches, setup.mesh_settings.modes, setup.mesh_settings
     )
     amplitude = [
@@ -270,7 +245,7 @@ def _nodal_displacements_of_coarse_body(
     return np.asarray(T @ q).reshape(-1, 3)
 
 
-def mesh_groove_patch(setup: CondensedGeometry, meshes: PartMeshes, side: int) -> PatchMesh:
+def mesh_groove_patch(setup: CondensedGeometry, meshes: part_meshes.PartMeshes, side: int) -> PatchMesh:
     """Create the fine mesh (patch) of the groove around a contact on one flank, for a ball at azimuth 0 and z = 0.
 
     Parameters
@@ -285,10 +260,10 @@ def mesh_groove_patch(setup: CondensedGeometry, meshes: PartMeshes, side: int) -
     Returns
     -------
     PatchMesh
-        The patch.
+        Fine mesh (patch) around the contact.
     """
     body = meshes.screw_mesh if side < 2 else meshes.nut_mesh
-    return mesh_patch(
+    return part_meshes.mesh_patch(
         meshes,
         body.box_faces[side],
         partial(points_in_box_at_azimuth_zero, setup.groove_map, meshes.socket_size, side),
@@ -296,14 +271,21 @@ def mesh_groove_patch(setup: CondensedGeometry, meshes: PartMeshes, side: int) -
     )
 
 
-def mesh_ball_patch(setup: CondensedGeometry, meshes: PartMeshes, side: int) -> PatchMesh:
+def mesh_ball_patch(setup: CondensedGeometry, meshes: part_meshes.PartMeshes, side: int) -> PatchMesh:
     """Create the fine mesh (patch) of the ball at its contact with a flank (0 to 3); the ball's centre is the origin."""
-    place = ball_socket_and_map(setup.groove_map, meshes.socket_size, side, meshes.relative_zone_size)[1]
-    return mesh_patch(meshes, meshes.ball_mesh.box_faces[side], place, setup.mesh_settings)
+    place = part_meshes.ball_refinement_box_and_map(setup.groove_map, meshes.socket_size, side, meshes.relative_zone_size)[
+        1
+    ]
+    return part_meshes.mesh_patch(meshes, meshes.ball_mesh.box_faces[side], place, setup.mesh_settings)
 
 
 def stress_field_of_groove_patch(
-    setup: CondensedGeometry, meshes: PartMeshes, body_displacements: Array, ball: int, side: int, forces: dict[int, Array]
+    setup: CondensedGeometry,
+    meshes: part_meshes.PartMeshes,
+    body_displacements: Array,
+    ball: int,
+    side: int,
+    forces: dict[int, Array],
 ) -> SolidField:
     """Compute displacements and stresses in the fine mesh (patch) of a groove at the contact with one ball.
 
@@ -333,8 +315,8 @@ def stress_field_of_groove_patch(
     body, part = (meshes.screw_mesh, setup.scene.screw) if side < 2 else (meshes.nut_mesh, setup.scene.nut)
     body_sides = [s for s in setup.loaded_flanks if (s < 2) == (side < 2)]
     nodes = body.nodes_on_box_faces[ball * len(body_sides) + body_sides.index(side)]
-    R = rotation_about_z(float(setup.ball_positions.azimuth[ball]))
-    normals = contact_normals_of_patch(mesh, np.array([setup.groove_map.R, 0.0, 0.0]))
+    R = part_meshes.rotation_about_z(float(setup.ball_positions.azimuth[ball]))
+    normals = part_meshes.contact_normals_of_patch(mesh, np.array([setup.groove_map.R, 0.0, 0.0]))
     return _stress_field_of_patch(mesh, normals, part.material, forces[side][ball], (body_displacements[nodes] @ R).ravel())
 
 
@@ -385,11 +367,13 @@ def stress_field_near_ball(
     SolidField
         Displacements and stresses of the cells near the ball.
     """
-    R = rotation_about_z(float(setup.ball_positions.azimuth[ball]))
+    R = part_meshes.rotation_about_z(float(setup.ball_positions.azimuth[ball]))
     points = (mesh.points - np.array([0.0, 0.0, setup.ball_positions.z[ball]])) @ R
     near = np.linalg.norm(points - np.array([setup.groove_map.R, 0.0, 0.0]), axis=1) < max_distance
     elements = np.flatnonzero(near[mesh.cells].any(axis=1))
-    body = convert_mesh_order(with_node_coordinates(mesh.mesh, points), kind := element_type_of_bodies(setup.mesh_settings))
+    body = coarse.convert_mesh_order(
+        with_node_coordinates(mesh.mesh, points), kind := part_meshes.element_type_of_bodies(setup.mesh_settings)
+    )
     if kind == "P1":  # eight first-order cells for each second-order one
         elements = (8 * elements[:, None] + np.arange(8)).ravel()
     stress = nodal_stress(body, displacements @ R, material, elements)
@@ -398,7 +382,7 @@ def stress_field_near_ball(
 
 
 def stress_fields_of_ball(
-    setup: CondensedGeometry, meshes: PartMeshes, ball: int, forces: dict[int, Array]
+    setup: CondensedGeometry, meshes: part_meshes.PartMeshes, ball: int, forces: dict[int, Array]
 ) -> dict[int | None, SolidField]:
     """Compute displacements and stresses in the coarse mesh and the fine contact meshes of one ball.
 
@@ -423,15 +407,15 @@ def stress_fields_of_ball(
     material, mesh = setup.scene.balls.material, meshes.ball_mesh
     e, nu = material.youngs_modulus, material.poissons_ratio
     patches: dict[int, CondensedPatch] = {s: p.ball_patch for s, p in setup.patches_by_flank.items()}
-    sockets = [BodySocket(mesh.nodes_on_box_faces[s], np.eye(3), s) for s in patches]
-    body = convert_mesh_order(mesh.mesh, kind := element_type_of_bodies(setup.mesh_settings))
-    K = assemble_body_stiffness(body, sockets, patches, e, nu)
-    held = select_isostatic_freedoms(mesh.points, np.concatenate([s.node_indices for s in sockets]))
+    sockets = [coarse.BodySocket(mesh.nodes_on_box_faces[s], np.eye(3), s) for s in patches]
+    body = coarse.convert_mesh_order(mesh.mesh, kind := part_meshes.element_type_of_bodies(setup.mesh_settings))
+    K = coarse.assemble_body_stiffness(body, sockets, patches, e, nu)
+    held = coarse.select_isostatic_freedoms(mesh.points, np.concatenate([s.node_indices for s in sockets]))
     free = np.setdiff1d(np.arange(K.shape[0]), held)
     load = np.zeros(K.shape[0])
     for s, patch in patches.items():
         if s in forces:
-            np.add.at(load, degrees_of_freedom_of_nodes(mesh.nodes_on_box_faces[s]), patch.H.T @ forces[s][ball])
+            np.add.at(load, coarse.degrees_of_freedom_of_nodes(mesh.nodes_on_box_faces[s]), patch.H.T @ forces[s][ball])
     u = np.zeros(K.shape[0])
     u[free] = factorise_positive_definite(condense(K, D=held, expand=False))(load[free])
     u = u.reshape(-1, 3)
@@ -440,7 +424,7 @@ def stress_fields_of_ball(
     }
     for s in forces:
         piece = mesh_ball_patch(setup, meshes, s)
-        normals = -contact_normals_of_patch(piece, np.zeros(3))
+        normals = -part_meshes.contact_normals_of_patch(piece, np.zeros(3))
         by_side[s] = _stress_field_of_patch(
             piece, normals, material, forces[s][ball], u[mesh.nodes_on_box_faces[s]].ravel()
         )
@@ -451,24 +435,24 @@ def stress_fields_of_ball(
 class ContactPressure:
     """Pressure distribution of one contact at its c nodes, and Hertz's solution for the same load.
 
-    Positions are in the plane that touches the ball at the nominal contact point.
+    Positions are in the tangent plane of the ball at the nominal contact point.
     """
 
-    #: Coordinate of the nodes in that plane across the groove, growing with the contact angle ``(c,)`` [m].
+    #: Coordinate of the nodes in the tangent plane across the groove, growing with the contact angle ``(c,)`` [m].
     position_across: Array
-    #: Coordinate of the nodes in that plane along the groove ``(c,)`` [m].
+    #: Coordinate of the nodes in the tangent plane along the groove ``(c,)`` [m].
     position_along: Array
-    #: Pressures ``(c,)`` [Pa].
+    #: Contact pressures at the nodes ``(c,)`` [Pa].
     pressure: Array
-    #: Centre of pressure, across and along ``(2,)`` [m].
+    #: Centre of pressure, across and along the groove ``(2,)`` [m].
     pressure_centre: Array
-    #: Contact load [N].
+    #: Contact load, the resultant of the pressures [N].
     load: float
-    #: Hertz's closed form for that load.
+    #: Hertz's closed-form solution of the contact under this load.
     hertz_solution: HertzSolution
-    #: Areas of the pressure functions ``(c,)`` [m2].
+    #: Area that each node carries (integral of its pressure basis function) ``(c,)`` [m2].
     nodal_areas: Array
-    #: Numbers of nodes across and along the groove, of a grid of nodes; None: the nodes form no grid.
+    #: Numbers of nodes across and along the groove; None: the nodes form no grid.
     grid_shape: tuple[int, int] | None
 
 
@@ -522,11 +506,11 @@ def pressure_from_nodal_forces(
 def contact_pressures_of_ball(
     scene: Scene, settings: Settings, ball: int, loads: Array, angles: Array
 ) -> dict[int, ContactPressure]:
-    """Compute the contact pressures of one ball that its grooves press with given loads at given contact angles.
+    """Compute the contact pressures on one ball that its grooves press with given loads at given contact angles.
 
-    The whole ball is elastic, and of each groove a fine mesh around the contact. These meshes are fixed where they meet
-    screw or nut, whose compliance hardly changes the curvature at a contact. Each of them moves as a whole until it carries
-    its load. Flanks without load are left out.
+    The whole ball is elastic; each groove is a fine elastic mesh around the contact, fixed where it meets screw or nut,
+    whose compliance hardly changes the curvature at a contact. Each groove mesh moves as a whole until it carries its
+    load. Flanks without load are left out.
 
     Parameters
     ----------
@@ -559,13 +543,15 @@ def contact_pressures_of_ball(
     m, all_balls, dims = GrooveMap.from_scene(scene), ball_layout(scene), dimensions_of_3d_parts(scene)
     row = slice(ball, ball + 1)
     layout = BallLayout(*(getattr(all_balls, x.name)[row] for x in fields(BallLayout)))
-    meshes = mesh_parts(scene, m, layout, dims, sides, settings)
+    meshes = part_meshes.mesh_parts(scene, m, layout, dims, sides, settings)
     patches = {
-        s: condense_patches_of_flank(*collect_flank_condensation_arguments(scene, m, dims, meshes, s, settings))
+        s: condensation.condense_patches_of_flank(
+            *condensation.collect_flank_condensation_arguments(scene, m, dims, meshes, s, settings)
+        )
         for s in sides
     }
-    whole_ball = condense_ball(scene.balls.material, meshes.ball_mesh, patches, settings)
-    block = BallContactCompliance(
+    whole_ball = condensation.condense_ball(scene.balls.material, meshes.ball_mesh, patches, settings)
+    block = balls.BallContactCompliance(
         tuple(patches[s].local_compliance for s in sides), tuple(whole_ball.modes_by_flank[s] for s in sides), whole_ball.G
     )
     x3, _, z3 = m.section_axes()
@@ -581,8 +567,8 @@ def contact_pressures_of_ball(
         f[columns] = loads[s] * (sx * np.cos(angles[s]) * x3 + sz * np.sin(angles[s]) * z3)
         gaps.append(mean @ (length - m.ball))
         start = pairs.stop
-    result, _ = solve_contacts_of_all_balls(
-        contact_compliance_of_single_ball(block), np.concatenate(gaps), sp.csr_array(N), f
+    result, _ = balls.solve_contacts_of_all_balls(
+        balls.contact_compliance_of_single_ball(block), np.concatenate(gaps), sp.csr_array(N), f
     )
     if not result.converged:
         raise ValueError(f"the contact pressures of ball {ball + 1} cannot be computed: {result.status}")
@@ -637,10 +623,10 @@ def von_mises_below_hertz_contact(contact: HertzSolution, depth: Array, poisson:
         R = np.sqrt(r2 + z * z)
         share = r2 / (R * (R + z)) / r2**2  # (1 - z/R) / r^4 without cancellation
 
-        def direct_stress(u: Array, v: Array, z: float = z, R: Array = R, share: Array = share) -> float:
+        def stress_along_axis(u: Array, v: Array, z: float = z, R: Array = R, share: Array = share) -> float:
             soft = (1.0 - 2.0 * poisson) * (share * (u * u - v * v) + z * v * v / (r2 * R**3))
             return float((P * (soft - 3.0 * z * u * u / R**5)).sum() / (2.0 * np.pi))
 
         axial = -float((P * 3.0 * z**3 / R**5).sum() / (2.0 * np.pi))
-        out[k] = von_mises(np.array([direct_stress(x, y), direct_stress(y, x), axial, 0.0, 0.0, 0.0]))
+        out[k] = von_mises(np.array([stress_along_axis(x, y), stress_along_axis(y, x), axial, 0.0, 0.0, 0.0]))
     return out

@@ -38,9 +38,12 @@ LEAF = 32
 
 
 class SymbolicFactor(NamedTuple):
-    """Symbolic Cholesky factor of a sparse matrix: elimination order, and rows and columns of the supernodes."""
+    """Symbolic Cholesky factor of a sparse matrix: elimination order, and rows and columns of the supernodes.
 
-    #: Number of the degree of freedom that is eliminated at each step ``(n,)``.
+    A supernode is a group of consecutive columns of the factor with the same pattern of rows.
+    """
+
+    #: Number of the degree of freedom that each of the n elimination steps eliminates ``(n,)``.
     elimination_order: Index
     #: First column of each supernode, in the elimination order; n comes last.
     first_columns: Index
@@ -76,7 +79,7 @@ def find_elimination_order(K: sp.csc_array) -> SymbolicFactor:
 
 
 def graph_of_equal_columns(K: sp.csc_array) -> tuple[sp.csr_array, Index]:
-    """Build the graph of a matrix in which all degrees of freedom with the same pattern of their columns form one vertex.
+    """Build the compressed graph of a matrix: degrees of freedom whose columns have the same pattern form one vertex.
 
     The graph has no edge from a vertex to itself. It is symmetric, as elimination needs it, even if round-off
     left an entry on only one side of the diagonal.
@@ -139,7 +142,7 @@ def _elimination_tree(graph: sp.csr_array) -> Index:
     """
     n = graph.shape[0]
     edges = sp.tril(graph, -1).tocoo()
-    spanning = minimum_spanning_tree(_weighted_graph(edges.row.astype(float), edges.row, edges.col, n)).tocoo()
+    spanning = minimum_spanning_tree(_sparse_adjacency_matrix(edges.row.astype(float), edges.row, edges.col, n)).tocoo()
     parent, top = [n] * n, list(range(n))  # top: ancestor, compressed towards the highest vertex that is connected so far
     ascending = np.argsort(spanning.row, kind="stable")
     for i, j in zip(spanning.row[ascending].tolist(), spanning.col[ascending].tolist(), strict=True):
@@ -150,7 +153,7 @@ def _elimination_tree(graph: sp.csr_array) -> Index:
     return np.array(parent, dtype=np.int64)
 
 
-def _weighted_graph(weights: Array, rows: Index, columns: Index, n: int) -> sp.csr_array:
+def _sparse_adjacency_matrix(weights: Array, rows: Index, columns: Index, n: int) -> sp.csr_array:
     """Make the sparse matrix ``(n, n)`` of a graph, with the entries ``weights`` at ``rows`` and ``columns``.
 
     The indices of the matrix have 32 bits, because csgraph of scipy 1.15 takes no others.
@@ -164,7 +167,7 @@ def _postorder_of_tree(parent: Index) -> Index:
     ``parent``: parent of each vertex (n,), n for a root.
     """
     n = parent.size
-    down = _weighted_graph(np.ones(n), parent, np.arange(n), n + 1)
+    down = _sparse_adjacency_matrix(np.ones(n), parent, np.arange(n), n + 1)
     return np.asarray(depth_first_order(down, n, return_predecessors=False)[:0:-1], dtype=np.int64)
 
 
@@ -197,7 +200,7 @@ def _first_columns_of_supernodes(parent: Index) -> Index:
 
 
 def _supernode_rows(graph: sp.csr_array, first: Index) -> list[Index]:
-    """List the factor's rows of every supernode: its own vertices, their neighbours, and rows filled by eliminated ones.
+    """List the rows that each supernode has in the factor: its vertices, their neighbours, and rows filled by elimination.
 
     ``graph``: adjacency matrix of the vertices in elimination order; ``first``: first vertex of each supernode.
     """
@@ -230,33 +233,36 @@ WIDTH = 64
 class FrontUpdate(NamedTuple):
     """Contribution (Schur complement) of an eliminated front to the front of its parent in the elimination tree."""
 
-    #: Rows of the matrix that the front changes.
+    #: Rows of the matrix to which the Schur complement is added.
     rows: Index
-    #: Indices of the columns of B in its border.
+    #: Indices of the columns of B that load the front.
     load_columns: Index
     #: Schur complement ``(rows, rows)``, of which only the lower triangle is used.
     schur_complement: Array
-    #: Border of the Schur complement ``(columns of B, rows)``.
+    #: Loads by these columns of B on ``rows``, after the elimination of the front's pivots ``(columns of B, rows)``.
     load_block: Array
 
 
 class EliminatedFront(NamedTuple):
-    """Columns of the Cholesky factor that the elimination of one supernode's front gives, and the loads L^-1 B there."""
+    """Columns of the Cholesky factor L that the elimination of one supernode's front gives, and rows of L^-1 B.
+
+    B: loads as columns. The rows are those of the front's pivots.
+    """
 
     #: Rows of the front, its pivots first.
     rows: Index
-    #: Indices of the columns of B in its border.
+    #: Indices of the columns of B that load the front.
     load_columns: Index
     #: Cholesky factor of the pivot block ``(pivots, pivots)``.
     pivot_factor: Array
-    #: Factor below the pivot block ``(other rows, pivots)``.
+    #: Rows of the Cholesky factor below the pivot block ``(other rows, pivots)``.
     factor_below_pivots: Array
-    #: L^-1 applied to the border ``(columns of B, pivots)``.
+    #: Rows of L^-1 B that belong to the pivots, transposed ``(columns of B, pivots)``.
     solved_loads: Array
 
 
 def compliance_by_elimination(K: sp.csc_array, B: sp.csr_array, symbolic_factor: SymbolicFactor) -> Array:
-    """Compute the matrix B^T K^-1 B by multifrontal elimination, without storing the factor of K.
+    """Compute the compliance B^T K^-1 B between loads B by multifrontal elimination, without storing the factor of K.
 
     Parameters
     ----------
@@ -308,7 +314,7 @@ def factorise_by_elimination(K: sp.csc_array, symbolic_factor: SymbolicFactor) -
     size = K.shape[0]
     fronts = list(_eliminate_fronts(K, sp.csr_array((size, 0)), symbolic_factor))
 
-    def solve(rhs: Array) -> Array:
+    def solve_right_hand_sides(rhs: Array) -> Array:
         x = rhs[symbolic_factor.elimination_order].reshape(size, -1)
         for rows, _, L, below, _ in fronts:
             pivots, later = slice(rows[0], rows[0] + len(L)), rows[len(L) :]
@@ -321,7 +327,7 @@ def factorise_by_elimination(K: sp.csc_array, symbolic_factor: SymbolicFactor) -
         out[symbolic_factor.elimination_order] = x
         return out.reshape(rhs.shape)
 
-    return solve
+    return solve_right_hand_sides
 
 
 def _eliminate_fronts(K: sp.csc_array, B: sp.csr_array, symbolic_factor: SymbolicFactor) -> Iterator[EliminatedFront]:
@@ -379,11 +385,11 @@ def _entries_of_rows_or_columns(A: sp.csc_array | sp.csr_array, lines: Index) ->
 
 
 def _add_lower_triangle(target: Array, places: Index, block: Array) -> None:
-    """Add the lower triangle of a child's block to the block of its parent front, in place.
+    """Add the lower triangle of a front's Schur complement (block) to the block of its parent front, in place.
 
     ``target``: block of the parent, in Fortran order, which is changed; ``places``: indices of the rows of ``target`` to
-    which the rows of ``block`` are added. The first of them are also the indices of the columns. `WIDTH` columns are added
-    at once.
+    which the rows of ``block`` are added. Column j of ``block`` is added to the column of ``target`` with the index
+    ``places[j]``. `WIDTH` columns are added at once.
     """
     flat, start = target.ravel(order="K"), places * target.shape[0]
     for k in range(0, block.shape[1], WIDTH):
@@ -397,8 +403,9 @@ def _eliminate_front(
     """Eliminate the pivots of a front, and return its factor and its contribution to the front of its parent.
 
     ``panel``: columns of the pivots (rows, pivots); ``block``: block of the other rows, overwritten by its Schur
-    complement; ``bordering``: border (columns of B, rows), overwritten; ``rows``: rows of the front, its pivots first;
-    ``border``: indices of the columns of B. Raises ArithmeticError if the pivot block is not positive definite.
+    complement; ``bordering``: loads on the rows of the front, transposed (columns of B, rows), overwritten; ``rows``: rows
+    of the front, its pivots first; ``border``: indices of those columns of the load matrix B that act on the front. Raises
+    ArithmeticError if the pivot block is not positive definite.
     """
     count = panel.shape[1]
     L, fault = dpotrf(panel[:count], lower=1)
@@ -576,7 +583,7 @@ def _check_response_to_random_load(solve: Solve, diagonal: Array) -> None:
 
 
 def _eliminate_or_raise_factor_error(eliminate: Callable[[], T]) -> T:
-    """Call a function that eliminates a matrix, and turn its ArithmeticError into a FactorError that names the column.
+    """Call a function that eliminates a matrix; turn its ArithmeticError into a FactorError that names the failed column.
 
     ``eliminate``: function without arguments, whose result is returned.
     """

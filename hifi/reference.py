@@ -66,15 +66,15 @@ class ReferenceResult:
 
     #: "converged", or the reason why the solution did not converge.
     status: str
-    #: Contact loads ``(n, 4)`` [N].
+    #: Contact load of each ball on its four groove flanks ``(n, 4)`` [N].
     contact_loads: Array
-    #: Contact angles ``(n, 4)`` [rad]; not a number where a contact is open.
+    #: Contact angle of each ball on its four groove flanks ``(n, 4)`` [rad]; not a number where a contact is open.
     contact_angles: Array
     #: Contact loads with normals and gaps frozen at the nominal state ``(n, 4)`` [N]; None if not requested.
     loads_with_nominal_normals: Array | None
-    #: Axial positions at which the centreline's motion is given ``(s,)`` [m].
+    #: Axial positions at which the motion of the shaft's centreline is given ``(s,)`` [m].
     centreline_positions: Array
-    #: Translation and rotation of the centreline at these positions ``(s, 6)`` [m, rad].
+    #: Translation and rotation of the shaft's centreline at the ``centreline_positions`` ``(s, 6)`` [m, rad].
     centreline_motion: Array
     #: Translation and rotation of the h housings that can move ``(h, 6)`` [m, rad].
     housing_motions: Array
@@ -82,11 +82,11 @@ class ReferenceResult:
     forces_on_shaft: tuple[Array, ...]
     #: Axial shift of each nut relative to its housing [m].
     nut_offsets: tuple[float, ...]
-    #: Forces and gaps of all contact pairs.
+    #: Forces and gaps of all contact pairs (facing nodes of ball and groove).
     contact_solution: ContactResult
-    #: Flanks (0 to 3) whose contacts may close.
+    #: Groove flanks (0, 1: screw, 2, 3: nut) whose contacts may close.
     closable_flanks: tuple[int, ...]
-    #: Contact normals of each nut or bearing ``(balls, nodes, 3)``.
+    #: Contact normals at the contact nodes of every ball, for each nut or bearing ``(balls, nodes, 3)``.
     contact_normals: tuple[Array, ...]
     #: Largest unbalanced force on a ball, over the largest contact load.
     unbalanced_ball_force: float
@@ -95,13 +95,14 @@ class ReferenceResult:
     #: Largest unbalanced force on shaft and housings along the rigid-body motions that no support prevents, over the
     #: largest contact load.
     unbalanced_shaft_force: float
-    #: Degrees of freedom of the equivalent monolithic mesh.
+    #: Number of degrees of freedom that one mesh of all bodies, without condensation, would have.
     degree_of_freedom_count: int
-    #: Time of the solution [s].
+    #: Computing time of the solution [s].
     solve_seconds: float
-    #: Number of updates of normals and gaps.
+    #: Number of updates of contact normals and gaps to the displaced state.
     normal_update_count: int
-    #: Largest change of a contact load that further updates may cause, if the loads still change [N]; else 0.
+    #: Largest change of a contact load that further updates of normals and gaps may cause [N]; 0 if the loads no longer
+    #: change.
     remaining_load_change: float
 
 
@@ -160,11 +161,11 @@ def solve_reference(
 class ContactRound(NamedTuple):
     """Contact forces and rigid motions for given contact normals and gaps: one round of the iteration in `LoadCase`."""
 
-    #: Forces, gaps and rigid motions.
+    #: Contact forces, gaps, and rigid motions of shaft and housings.
     contact_solution: ContactResult
-    #: State from which the next round starts.
+    #: State of the contact solver from which the next round starts.
     solver_state: SolverState
-    #: Contact normals of each nut or bearing ``(balls, n, 3)``.
+    #: Contact normals at the n contact nodes of every ball, for each nut or bearing ``(balls, n, 3)``.
     contact_normals: list[Array]
     #: Motion of the n nodes of each ball along their normals by unit rigid motions of the shaft and of h housings, for each
     #: nut or bearing ``(balls, n, 6 (1 + h))``.
@@ -172,11 +173,11 @@ class ContactRound(NamedTuple):
     #: Motion of the nodes of all contact pairs along their normals by the k rigid motions of shaft and housings that no
     #: support prevents ``(pairs, k)``.
     normal_motion_by_free_motions: Array
-    #: Contact forces of each nut or bearing ``(balls, n)`` [N].
+    #: Contact forces at the n contact nodes of every ball, for each nut or bearing ``(balls, n)`` [N].
     nodal_forces_by_set: list[Array]
-    #: Loads of all balls ``(balls, 4)`` [N].
+    #: Contact loads of all balls on their four flanks ``(balls, 4)`` [N].
     contact_loads: Array
-    #: Contact angles of all balls ``(balls, 4)`` [rad].
+    #: Contact angles of all balls on their four flanks ``(balls, 4)`` [rad].
     contact_angles: Array
 
 
@@ -390,7 +391,7 @@ class LoadCase:
         return "converged", 0.0
 
     def shaft_and_housing_motion(self, last: ContactRound) -> tuple[Array, Array, Array]:
-        """Compute the motion of the shaft's centreline and of the housings.
+        """Compute the motion of the shaft's centreline, at axial positions along it, and of the housings.
 
         Parameters
         ----------
@@ -420,7 +421,7 @@ class LoadCase:
         return z, line[first], housings
 
     def unbalanced_forces(self, last: ContactRound) -> tuple[float, float, float]:
-        """Compute how far balls, shaft and housings are from equilibrium.
+        """Compute the largest unbalanced forces on balls, shaft and housings, relative to the largest contact load.
 
         Parameters
         ----------
@@ -510,17 +511,17 @@ class LoadCase:
 
 
 def make_slow_round_reporter(name: str, begin: float, step: Callable[[str], None]) -> Callable[[int], None]:
-    """Return a function that reports the number of each round once a solution has taken longer than `SLOW` seconds.
+    """Return a function that reports each round of an iterative solution, once that has taken longer than `SLOW` seconds.
 
     ``name``: name of the scene; ``begin``: time at which the solution began, of `perf_counter` [s]; ``step``: function that
     is called with the progress text.
     """
 
-    def report(number: int) -> None:
+    def report_round(number: int) -> None:
         if perf_counter() - begin > SLOW:
             step(f"contacts of {name}: round {number}, {perf_counter() - begin:.0f} s")
 
-    return report
+    return report_round
 
 
 def remaining_load_change(loads: Sequence[Array]) -> float:
@@ -575,7 +576,7 @@ def _contact_loads_and_angles(p: PlacedNut, forces: Array, normals: Array) -> tu
 
 
 def _is_outermost_node_loaded(p: PlacedNut, forces: Array) -> bool:
-    """Return whether any ball of a nut or bearing presses on the outermost nodes of a contact zone.
+    """Return whether any ball of a nut or bearing presses on the outermost nodes of the meshed zone around its contacts.
 
     ``forces``: contact forces (balls, n) [N].
     """

@@ -22,19 +22,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rollbench.hifi.condensation import (
-    CondensedBall,
-    CondensedNut,
-    CondensedScrew,
-    FlankPatches,
-    collect_flank_condensation_arguments,
-    condense_ball,
-    condense_nut,
-    condense_patches_of_flank,
-    condense_screw,
-    is_left_flank_after_half_turn,
-    turn_patches_to_right_flank,
-)
+from rollbench.hifi import condensation
 from rollbench.hifi.meshing.part_meshes import PartMeshes, list_part_mesh_calls
 from rollbench.hifi.meshing.settings import Settings
 from rollbench.hifi.shaft.beam import ShaftSection, round_section, tube_section
@@ -67,50 +55,50 @@ TOGETHER = 160
 
 @dataclass
 class CondensedGeometry:
-    """Screw, nut and balls of one geometry, meshed and condensed to compliance matrices, which all its load cases share."""
+    """Screw, nut and balls of one geometry, meshed and condensed to compliance matrices, for all load cases of it."""
 
-    #: Scene from which it was prepared.
+    #: Scene whose geometry was meshed and condensed.
     scene: Scene
-    #: Map of the track.
+    #: Geometry of the track: the map from groove coordinates to space.
     groove_map: GrooveMap
     #: Positions of the balls on the track.
     ball_positions: BallLayout
     #: Dimensions of the solid parts.
     solid_dimensions: Dimensions
-    #: Mesh choices.
+    #: Mesh settings: cell sizes, modes and element type.
     mesh_settings: Settings
-    #: Flanks (0 to 3) that may carry load.
+    #: Groove flanks (0, 1: screw, 2, 3: nut) that may carry load.
     loaded_flanks: tuple[int, ...]
-    #: Condensed patches of each flank.
-    patches_by_flank: dict[int, FlankPatches]
-    #: Condensed screw.
-    condensed_screw: CondensedScrew
-    #: Condensed nut; None: rigid.
-    condensed_nut: CondensedNut | None
-    #: Condensed ball.
-    condensed_ball: CondensedBall
-    #: Section of the shaft outside the part that is meshed in 3D.
+    #: Condensed fine meshes (patches) of groove and ball at the contact on each flank.
+    patches_by_flank: dict[int, condensation.FlankPatches]
+    #: Screw, condensed to compliance matrices at its contacts.
+    condensed_screw: condensation.CondensedScrew
+    #: Nut, condensed to compliance matrices at its contacts; None: rigid.
+    condensed_nut: condensation.CondensedNut | None
+    #: One ball, condensed to a compliance matrix at its contacts.
+    condensed_ball: condensation.CondensedBall
+    #: Cross-section (beam stiffnesses) of the shaft outside the part that is meshed in 3D.
     shaft_section: ShaftSection
     #: Uniform beam equivalent to the grooved shaft; None where it is not needed.
     equivalent_beam: EquivalentBeam | None
-    #: Degrees of freedom of the equivalent monolithic mesh.
+    #: Number of degrees of freedom that one mesh of all bodies, without condensation, would have.
     degree_of_freedom_count: int
-    #: Number of cells across the contact, smallest scaled Jacobian of each mesh, and largest deviation of the meshed
-    #: grooves from their exact surface [m].
+    #: Measures of mesh quality by name: number of cells across a contact, smallest scaled Jacobian of each mesh, and
+    #: largest deviation of the meshed grooves from their exact surface [m].
     mesh_quality: dict[str, float]
-    #: Time of every stage [s]. A cached record counts with the time that its computation took, a parallel stage with its
-    #: share of the elapsed time.
+    #: Time of every stage of meshing and condensing [s]. A cached result counts with the time that its computation took, a
+    #: parallel stage with its share of the elapsed time.
     seconds_by_stage: dict[str, float] = field(default_factory=dict)
-    #: Sum of the memory peaks of all worker processes, without this process [MB].
+    #: Sum of the peak memory of all worker processes, without the main process [MB].
     worker_peak_memory_MB: float = 0.0
 
-    def condensed_body_of_flank(self, side: int) -> CondensedScrew | CondensedNut | None:
+    def condensed_body_of_flank(self, side: int) -> condensation.CondensedScrew | condensation.CondensedNut | None:
         """Return the condensed body on which a groove flank (0 to 3) lies: screw or nut; None for a rigid nut."""
         return self.condensed_screw if side < 2 else self.condensed_nut
 
 
 class _StageRunner:
-    """Runs the stages of meshing and condensing one geometry; records their times and the memory of worker processes.
+    """Runs the stages of meshing and condensing one geometry; records stage times and the memory of worker processes.
 
     ``cache``: cache of computed records; ``step``: function that is called with a text on the progress.
     """
@@ -131,7 +119,7 @@ class _StageRunner:
         by_stage: dict[str, list[ComputedRecord]] = {job.stage_name: [] for job in jobs}
         wanted = Counter(job.stage_name for job in jobs)
 
-        def on_done(k: int, record: ComputedRecord) -> None:
+        def report_finished_stage(k: int, record: ComputedRecord) -> None:
             records = by_stage[jobs[k].stage_name]
             records.append(record)
             if len(records) == wanted[jobs[k].stage_name]:
@@ -140,7 +128,7 @@ class _StageRunner:
                 spent = sum(x.elapsed_seconds for x in records)
                 self.step(StageMessage(jobs[k].stage_name, f"{spent:.1f} s{origin}", cached=all(cached)))
 
-        done = compute_records(jobs, self.cache, processes, on_done)
+        done = compute_records(jobs, self.cache, processes, report_finished_stage)
         share = (perf_counter() - start) / max(sum(record.elapsed_seconds for record in done), 1e-9)
         for stage, records in by_stage.items():
             self.seconds[stage] = sum(
@@ -202,7 +190,9 @@ def mesh_and_condense_geometry(
     jobs = _list_patch_jobs(scene, m, dims, meshes, sides, settings)
     records = stages.run([*jobs.values(), *_list_shaft_section_jobs(scene, m, dims, settings, stations)], processes)
     condensed = dict(zip(jobs, records[: len(jobs)], strict=True))
-    patches = {s: condensed[s] if s in condensed else turn_patches_to_right_flank(condensed[s - 1]) for s in sides}
+    patches = {
+        s: condensed[s] if s in condensed else condensation.turn_patches_to_right_flank(condensed[s - 1]) for s in sides
+    }
     section, *meshed = records[len(jobs) :]
     homogenised = (
         compute_equivalent_beam(m, scene.screw.bore / 2.0, scene.screw.material, section, meshed) if meshed else None
@@ -211,7 +201,7 @@ def mesh_and_condense_geometry(
     bodies = _list_body_jobs(scene, layout, dims, meshes, sides, settings, patches, stations)
     together = processes if layout.z.size * len(sides) <= TOGETHER else 1
     screw, *nuts, ball = stages.run(bodies, together)
-    nut: CondensedNut | None = nuts[0] if nuts else None
+    nut: condensation.CondensedNut | None = nuts[0] if nuts else None
     screw = _correct_screw_stiffness(screw, homogenised, m, layout, sides, stations)
     unknowns = (
         screw.degree_of_freedom_count
@@ -245,7 +235,7 @@ def mesh_and_condense_geometry(
 def _list_patch_jobs(
     scene: Scene, m: GrooveMap, dims: Dimensions, meshes: PartMeshes, sides: tuple[int, ...], settings: Settings
 ) -> dict[int, RecordJob]:
-    """List the jobs that condense the fine contact patches, by groove flank.
+    """List the jobs that condense the fine meshes (patches) around the contacts, by groove flank.
 
     ``m``: geometry of the track; ``dims``: dimensions of the solid parts; ``sides``: flanks that carry contacts. A right
     flank has no job if its patches are those of the left flank of the same groove, turned by 180 degrees.
@@ -255,15 +245,15 @@ def _list_patch_jobs(
         alike = (
             s - 1 in sides
             and settings.element == "Q2"
-            and is_left_flank_after_half_turn(m, s)
-            and _have_mirrored_sockets(meshes, s)
+            and condensation.is_left_flank_after_half_turn(m, s)
+            and _are_refinement_boxes_mirrored(meshes, s)
         )
         if not alike:
             jobs[s] = RecordJob(
                 "patches",
-                condense_patches_of_flank,
-                collect_flank_condensation_arguments(scene, m, dims, meshes, s, settings),
-                FlankPatches,
+                condensation.condense_patches_of_flank,
+                condensation.collect_flank_condensation_arguments(scene, m, dims, meshes, s, settings),
+                condensation.FlankPatches,
             )
     return jobs
 
@@ -301,7 +291,7 @@ def _list_body_jobs(
     meshes: PartMeshes,
     sides: tuple[int, ...],
     settings: Settings,
-    patches: dict[int, FlankPatches],
+    patches: dict[int, condensation.FlankPatches],
     stations: tuple[float, ...],
 ) -> list[RecordJob]:
     """List the jobs that condense screw, nut (if it is elastic) and ball to their contacts.
@@ -314,23 +304,25 @@ def _list_body_jobs(
     on_nut = {s: p.groove_patch for s, p in patches.items() if s >= 2}
     of_screw = (screw.material, nut, ends, inside, meshes.screw_mesh, layout, sides, on_screw, settings, dims)
     of_nut = (nut.material, meshes.nut_mesh, layout, sides, on_nut, settings, dims)
-    nuts = [RecordJob("nut", condense_nut, of_nut, CondensedNut)]
+    nuts = [RecordJob("nut", condensation.condense_nut, of_nut, condensation.CondensedNut)]
     return [
-        RecordJob("screw", condense_screw, of_screw, CondensedScrew),
+        RecordJob("screw", condensation.condense_screw, of_screw, condensation.CondensedScrew),
         *(nuts if scene.solid.nut == "elastic" else []),
-        RecordJob("ball", condense_ball, (ball, meshes.ball_mesh, patches, settings), CondensedBall),
+        RecordJob(
+            "ball", condensation.condense_ball, (ball, meshes.ball_mesh, patches, settings), condensation.CondensedBall
+        ),
     ]
 
 
 def _correct_screw_stiffness(
-    screw: CondensedScrew,
+    screw: condensation.CondensedScrew,
     homogenised: EquivalentBeam | None,
     m: GrooveMap,
     layout: BallLayout,
     sides: tuple[int, ...],
     stations: tuple[float, ...],
-) -> CondensedScrew:
-    """Correct the compliance of the screw's 3D mesh to the beam stiffness of the grooved shaft, and for its cut ends.
+) -> condensation.CondensedScrew:
+    """Correct the compliance of the screw's 3D mesh: to the beam stiffness of the grooved shaft, and for its cut ends.
 
     ``homogenised``: uniform beam that is equivalent to the grooved shaft, or None for no correction; ``stations``: axial
     positions of all supports and loads [m], which show at which ends the shaft continues.
@@ -347,7 +339,7 @@ def _correct_screw_stiffness(
 def _collect_mesh_quality(meshes: PartMeshes, settings: Settings) -> dict[str, float]:
     """Collect measures of mesh quality by name: elements across a contact, smallest scaled Jacobian of each mesh.
 
-    The last one, "deviation", is the largest distance of the meshed grooves from their exact surface [m].
+    The measure "deviation" is the largest distance of the meshed grooves from their exact surface [m].
     """
     across = 2.0 * settings.b_over_h if settings.element == "Q2" else 2.0 * settings.semi[1] / settings.tet
     return {
@@ -359,10 +351,11 @@ def _collect_mesh_quality(meshes: PartMeshes, settings: Settings) -> dict[str, f
     }
 
 
-def _have_mirrored_sockets(meshes: PartMeshes, side: int) -> bool:
-    """Return whether the refinement boxes (for fine patches) of a right flank are mirror images of those of the left flank.
+def _are_refinement_boxes_mirrored(meshes: PartMeshes, side: int) -> bool:
+    """Return whether the refinement boxes of a right flank are mirror images of those of the left flank.
 
-    ``side``: the right flank. Compared are the nodes and triangles of the refinement boxes' faces in groove and ball.
+    A refinement box is a hole in a coarse mesh that a fine mesh fills. ``side``: the right flank. Compared are the nodes
+    and triangles of the faces of the refinement boxes in groove and ball.
     """
     bodies = (meshes.screw_mesh if side < 2 else meshes.nut_mesh, meshes.ball_mesh)
     return all(
@@ -375,13 +368,13 @@ def _have_mirrored_sockets(meshes: PartMeshes, side: int) -> bool:
 class RecordJob(NamedTuple):
     """One independent computation (such as a mesh or a condensed part) whose result may be cached; can be pickled."""
 
-    #: Name of the stage of the set-up to which the job belongs.
+    #: Name of the stage of meshing and condensing to which the job belongs.
     stage_name: str
-    #: Function that computes the record, as for `Cache.get`.
+    #: Function that computes the result, as for `Cache.get`.
     compute: Callable[..., Any]
-    #: Arguments of the function.
+    #: Arguments of the function ``compute``.
     arguments: tuple[Any, ...]
-    #: Class of the record.
+    #: Class of the result, by which it is read from the cache.
     result_type: type
 
 
@@ -389,19 +382,19 @@ class RecordJob(NamedTuple):
 class ComputedRecord:
     """Result of a `RecordJob`, with the time and memory that its computation took."""
 
-    #: The record.
+    #: Result of the job, such as a mesh or a condensed part.
     result: Any
-    #: Time of computing the record, or of reading it from the cache [s].
+    #: Time of computing the result, or of reading it from the cache [s].
     elapsed_seconds: float
-    #: Whether the record came from the cache.
+    #: Whether the result came from the cache.
     from_cache: bool
-    #: Time that its computation took, now or when it was written to the cache [s].
+    #: Time that the computation of the result took, now or when it was written to the cache [s].
     seconds_without_cache: float
-    #: Identifier of the process that computed or read the record.
+    #: Identifier of the process that computed or read the result.
     process_id: int
-    #: Peak memory of that process [MB]; None: not measured.
+    #: Peak memory of the process that computed or read the result [MB]; None: not measured.
     peak_memory_MB: float | None
-    #: Reason why that process no longer writes to the cache; empty if it still does.
+    #: Reason why the process no longer writes to the cache; empty if it still writes.
     cache_fault: str = ""
 
 
@@ -447,7 +440,7 @@ def compute_records(
     others = get_memmapping_executor(helpers, **of_worker, max_nbytes=None)
     left, done, one_at_a_time = deque(enumerate(jobs)), dict[int, ComputedRecord](), Lock()
 
-    def take_jobs(maker: Callable[[RecordJob], ComputedRecord]) -> None:
+    def run_jobs_from_queue(maker: Callable[[RecordJob], ComputedRecord]) -> None:
         """Take jobs from the common queue and compute their results by the function ``maker``, until none is left."""
         while left:
             try:
@@ -464,9 +457,9 @@ def compute_records(
         return found
 
     with without_restart_warnings(), ThreadPoolExecutor(helpers) as threads:
-        helping = [threads.submit(take_jobs, run_in_worker) for _ in range(helpers)]
+        helping = [threads.submit(run_jobs_from_queue, run_in_worker) for _ in range(helpers)]
         try:
-            take_jobs(lambda job: _compute_or_read_record(job, cache))
+            run_jobs_from_queue(lambda job: _compute_or_read_record(job, cache))
             for future in helping:
                 future.result()
         except BrokenProcessPool as error:
@@ -487,14 +480,14 @@ def compute_records(
 
 
 def _compute_record_in_worker(job: RecordJob, cache: Cache) -> ComputedRecord:
-    """Compute the result of a job; called in a worker process, whose record of peak memory is reset first."""
+    """Reset this worker process's record of peak memory, then compute a job's result or read it from the cache."""
     reset_peak_memory()
     cache.quiet = True
     return _compute_or_read_record(job, cache)
 
 
 def _compute_or_read_record(job: RecordJob, cache: Cache) -> ComputedRecord:
-    """Compute the result of a job in this process, or read it from the cache, and measure time and memory."""
+    """Compute the result of a job (a mesh or condensed part), or read it from the cache; measure time and memory."""
     start, hits, cold = perf_counter(), cache.hits, cache.cold_seconds
     value = cache.get(job.compute, job.arguments, job.result_type)
     spent, known = perf_counter() - start, cache.cold_seconds - cold

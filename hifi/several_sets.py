@@ -41,11 +41,12 @@ DIFFERENCE, NOISE = 0.05, 1e-2
 class MeshedSetGeometry:
     """Geometry that is meshed in 3D for one of several nuts or bearings on a shaft, with the shaft around it."""
 
-    #: Parts without manufacturing errors, in local axial positions.
+    #: Shaft part, balls, and nut or bearing rings without manufacturing errors, at axial positions from
+    #: ``origin_on_shaft``.
     parts_without_errors: Scene
-    #: Parts with their manufacturing errors.
+    #: The same parts with their manufacturing errors.
     parts_with_errors: Scene
-    #: Axial position on the shaft of the origin of the local axial positions [m].
+    #: Axial position on the shaft from which the axial positions of the two scenes are counted [m].
     origin_on_shaft: float
 
 
@@ -79,7 +80,7 @@ def meshed_geometry_of_each_set(assembly: Assembly) -> tuple[MeshedSetGeometry, 
         if s.carrier is not None:
             raise ValueError(f"{s.name}: the 3D reference cannot model a bearing whose inner ring is on a housing")
     if assembly.thermal_strain:
-        raise ValueError("the 3D reference does not model thermal expansion of the shaft: remove the warming")
+        raise ValueError("the 3D reference does not model thermal expansion of the shaft: remove its warming")
     sets = [(s, s.parts) for s in assembly.sets if isinstance(s.parts, Scene)]
     faces = [(p.nut.position - p.nut.length / 2.0, p.nut.position + p.nut.length / 2.0) for _, p in sets]
     order = sorted(range(len(sets)), key=lambda k: faces[k])
@@ -209,9 +210,9 @@ def _compliance_of_supported_shaft(assembly: Assembly, placed: Sequence[PlacedNu
 
 
 def _shaft_section_by_position(assembly: Assembly, placed: Sequence[PlacedNut]) -> Callable[[float], ShaftSection]:
-    """Return a function that gives the beam stiffnesses of the shaft's cross-section at an axial position [m].
+    """Return a function that gives the shaft's cross-section (its beam stiffnesses) at an axial position [m].
 
-    On a plain segment of the shaft they are those of the segment, elsewhere those of the first threaded part.
+    On a plain segment of the shaft it is that of the segment, elsewhere that of the first threaded part.
     """
     screw, threads = assembly.screw, [p.geometry for p in placed if p.geometry.groove_map.rg != 0.0]
     known = [
@@ -220,10 +221,10 @@ def _shaft_section_by_position(assembly: Assembly, placed: Sequence[PlacedNut]) 
     base = known[0].shaft_section if known else tube_section(screw.outer_diameter / 2.0, screw.bore / 2.0, screw.material)
     plain = [(s.start, s.end, tube_section(s.diameter / 2.0, s.bore / 2.0, screw.material)) for s in assembly.segments]
 
-    def at(z: float) -> ShaftSection:
+    def section_at_position(z: float) -> ShaftSection:
         return next((section for low, high, section in plain if low <= z <= high), base)
 
-    return at
+    return section_at_position
 
 
 def _find_shifts_for_preloads(
@@ -252,7 +253,7 @@ def _find_shifts_for_preloads(
         return tuple(out)
 
     def logarithm_of_force_ratio(depth: Array) -> Array:
-        """Return the logarithm of the force of each preloaded nut over its preload, for shifts exp(depth) [m]."""
+        """Return, for shifts exp(depth) [m], the logarithm of each preloaded nut's axial force over its preload."""
         found = LoadCase(with_shifted_nuts(depth), bare, mounted).solve(ROUNDS)
         force = np.abs([wrench[2] for wrench in found.forces_on_shaft])[preloaded]
         return np.asarray(np.log(np.maximum(force, 1e-300)) - goal)

@@ -39,9 +39,9 @@ MOST = 60
 
 @dataclass(frozen=True)
 class LinEquationsSolution:
-    """Solution of Lin's equilibrium equations for N balls and n beam nodes; the last iterate if Newton's method failed."""
+    """Solution of Lin's equilibrium equations for N balls and n beam nodes; that of the last Newton step on failure."""
 
-    #: ``"converged"``, or the reason of the failure.
+    #: ``"converged"``, or the reason why Newton's method failed.
     status: str
     #: Normal forces of the balls on the four groove flanks SL, SR, NL, NR ``(N, 4)`` [N].
     contact_loads: Array
@@ -51,16 +51,16 @@ class LinEquationsSolution:
     ball_displacements: Array
     #: Displacements and rotations of the nodes of the screw's beam ``(n, 6)`` [m, rad].
     node_motions: Array
-    #: Reactions of the supports ``(n, 6)`` [N, N m].
+    #: Reaction forces and moments of the supports at the n beam nodes ``(n, 6)`` [N, N m].
     support_reactions: Array
-    #: Number of Newton steps.
+    #: Number of Newton steps of the solution.
     iterations: int
     #: Relative residual: largest unbalanced force over the largest force, or largest contact condition over the groove
     #: radius, whichever is larger.
     residual: float
     #: Time that the solution took [s].
     seconds: float
-    #: Number of unknowns.
+    #: Number of unknowns of the equations.
     unknown_count: int
 
     @property
@@ -117,13 +117,13 @@ def screw_beam_stiffness_matrix(problem: Problem) -> Array:
 
 @dataclass
 class LinEquations:
-    """Lin's equilibrium equations of one ball screw with N balls: constants, and functions for the motion of the flanks."""
+    """Constants of Lin's equilibrium equations of a ball screw with N balls, and functions for the flanks' motion."""
 
-    #: Arrays of the scene.
+    #: Arrays of the scene: geometry, loads, supports and the beam of the screw.
     problem: Problem
     #: Lever arms of the contacts: ``"source"``, dependent on the contact angle as in Lin's thesis; ``"arc"``, constant.
     kinematics: Kinematics
-    #: Stiffness matrix of the screw ``(6 n, 6 n)``.
+    #: Stiffness matrix of the screw's beam of n nodes ``(6 n, 6 n)``.
     K: Array
     #: Indices of the free unknowns among all 6 N + 6 n (ball centres, contact angles, nodal motions); the others are
     #: prescribed.
@@ -162,23 +162,32 @@ class LinEquations:
         n0, n1, n2 = (beam_shape_functions(xi, length, p.section, order) for order in range(3))
         flat = np.array([1.0, 1.0, 0.0])
 
-        def arm(r: Array) -> Array:
-            """Return the cross products of r (without its axial component) with both axes of each ball's section."""
+        def lever_arm_products(r: Array) -> Array:
+            """Return the cross products of vectors r with the radial and the binormal axis of the groove at each ball.
+
+            ``r``: contact points, or their derivatives by the contact angle; the axial component is left out.
+            """
             return np.cross((r * flat)[:, None, :], self.section_axes)
 
-        def motion(n: Array, lever: Array | None) -> Array:
-            """Return the flank's motion matrix from shape functions n: by translation, and by rotation with ``lever``.
+        def flank_motion_matrix(n: Array, lever: Array | None) -> Array:
+            """Return the matrix from nodal motions to the flank's motion, radial and binormal, at each contact.
 
-            ``lever``: lever arm vectors, from ``arm``; None: without rotation.
+            ``n``: shape functions of the beam, three rows for translation and three for rotation; ``lever``: lever arms of
+            the rotation, from ``lever_arm_products``; None: without rotation.
             """
             if lever is None:
                 return self.section_axes @ n[:, :3]
             return self.section_axes @ n[:, :3] + lever @ n[:, 3:]
 
         s1, s2 = (x1[:, 2] / length)[:, None, None], (x2[:, 2] / length)[:, None, None]
-        m0 = motion(n0, arm(x))
-        m1 = s1 * motion(n1, arm(x)) + arm(x1) @ n0[:, 3:]
-        m2 = s1**2 * motion(n2, arm(x)) + s2 * motion(n1, arm(x)) + 2.0 * s1 * (arm(x1) @ n1[:, 3:]) + arm(x2) @ n0[:, 3:]
+        m0 = flank_motion_matrix(n0, lever_arm_products(x))
+        m1 = s1 * flank_motion_matrix(n1, lever_arm_products(x)) + lever_arm_products(x1) @ n0[:, 3:]
+        m2 = (
+            s1**2 * flank_motion_matrix(n2, lever_arm_products(x))
+            + s2 * flank_motion_matrix(n1, lever_arm_products(x))
+            + 2.0 * s1 * (lever_arm_products(x1) @ n1[:, 3:])
+            + lever_arm_products(x2) @ n0[:, 3:]
+        )
         return 6 * j, m0, m1, m2
 
     def contact_point_on_flank(self, side: int, gamma: Array) -> tuple[Array, Array, Array]:

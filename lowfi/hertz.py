@@ -34,7 +34,7 @@ class HertzConstants:
     eccentricity: Array
 
     def pressure(self, force: Array) -> Array:
-        """Return the largest pressure of the contact, 3 F/(2 pi a b) [Pa] (Johnson 1985, 4.30).
+        """Return the largest contact pressure, at the centre of the ellipse, 3 F/(2 pi a b) [Pa] (Johnson 1985, 4.30).
 
         `lowfi.rating.contacts` calls it for all balls of a solved scene.
 
@@ -140,7 +140,8 @@ def contact_modulus(e1: float, nu1: float, e2: float, nu2: float) -> float:
 def ellipse_semi_axis_ratio(curvature_ratio: Array) -> Array:
     """Return the ratio b/a of a contact ellipse's semi-axes from the ratio A/B of the relative curvatures.
 
-    Solves A/B = R_D(0, k^2, 1)/R_D(0, 1, k^2) for k = b/a by Newton's method in log k, to round-off.
+    Solves A/B = R_D(0, k^2, 1)/R_D(0, 1, k^2) for k = b/a by Newton's method in log k, to round-off. R_D is Carlson's
+    elliptic integral of the second kind.
 
     Parameters
     ----------
@@ -191,10 +192,10 @@ def _log_curvature_ratio(x: Array) -> Array:
 
 
 def complete_elliptic_integrals(k: Array) -> tuple[Array, Array, Array]:
-    """Return the elliptic integrals R_F(0, 1, k^2), R_D(0, k^2, 1) and R_D(0, 1, k^2), to a few round-offs.
+    """Return Carlson's elliptic integrals R_F(0, 1, k^2), R_D(0, k^2, 1) and R_D(0, 1, k^2), to a few round-offs.
 
-    They follow from the arithmetic-geometric mean of 1 and k: R_F = K; with the sum s of the mean's differences,
-    R_D(0, k^2, 1) = 3 K (1/2 + s) and R_D(0, 1, k^2) = 3 K (1/2 - s)/k^2. scipy.special offers the integrals too, but
+    R_F is pi/2 over the arithmetic-geometric mean of 1 and k. With a sum s over the iterations of this mean,
+    R_D(0, k^2, 1) = 3 R_F (1/2 + s) and R_D(0, 1, k^2) = 3 R_F (1/2 - s)/k^2. scipy.special offers the integrals too, but
     importing it takes longer than solving a scene.
 
     Parameters
@@ -225,7 +226,8 @@ def hertz_constants(curvature_1: Array, curvature_2: Array, modulus: float | Arr
 
     With the largest pressure p0, the semi-axes a >= b and the halved relative curvatures A <= B,
     p0 a b R_D(0, a^2, b^2)/(3 E*) = B, the same for A with a and b exchanged, and approach = p0 a b R_F(0, a^2, b^2)/E*.
-    Valid for semi-axes small against the radii of curvature, without friction and plastic deformation.
+    R_D and R_F are Carlson's elliptic integrals. Valid for semi-axes small against the radii of curvature, without friction
+    and plastic deformation.
 
     Parameters
     ----------
@@ -275,25 +277,25 @@ def hertz_constants(curvature_1: Array, curvature_2: Array, modulus: float | Arr
 class PrintedHertzConstants:
     """Hertz constants of a ball on one raceway as Table B.1 of Lin's thesis prints them, misprints included."""
 
-    #: First eigenvalue of the second fundamental form, which Lin takes for a radius of curvature [m].
+    #: First eigenvalue of the raceway's second fundamental form, which Lin takes for a radius of curvature [m].
     rho_1: float
-    #: Second eigenvalue of the second fundamental form, also taken for a radius of curvature [m].
+    #: Second eigenvalue of the raceway's second fundamental form, which Lin takes for a radius of curvature [m].
     rho_2: float
     #: Smaller relative radius of curvature [m].
     R_1: float
     #: Larger relative radius of curvature [m].
     R_2: float
-    #: Equivalent radius sqrt(R_1 R_2) [m].
+    #: Equivalent relative radius of curvature sqrt(R_1 R_2) [m].
     rho_eq: float
     #: Eccentricity of the contact ellipse, sqrt(1 - b^2/a^2).
     e: float
     #: Correction factor of the approach in eq. B.11 of Lin's thesis; the table uses 1.
     F_1: float
-    #: Constant of the approach [m/N^(2/3)].
+    #: Constant C of the approach C F^(2/3) [m/N^(2/3)].
     C: float
-    #: Constant of the major semi-axis [m/N^(1/3)].
+    #: Constant C_a of the major semi-axis C_a F^(1/3) [m/N^(1/3)].
     C_a: float
-    #: Constant of the minor semi-axis [m/N^(1/3)].
+    #: Constant C_b of the minor semi-axis C_b F^(1/3) [m/N^(1/3)].
     C_b: float
 
 
@@ -302,7 +304,8 @@ def hertz_constants_as_printed(
 ) -> PrintedHertzConstants:
     """Compute Hertz constants by eqs. B.1 to B.11 of Lin's thesis with the misprints of Table B.1, to show their effect.
 
-    The misprints are: radii of curvature from the second fundamental form only, F_1 = 1, and the inverted ratio of B.8.
+    The misprints are: radii of curvature from the second fundamental form only, a correction factor F_1 = 1 of the approach
+    (B.11), and the inverted ratio of B.8.
 
     Parameters
     ----------

@@ -62,7 +62,7 @@ def is_compiled_module(module_name: str) -> bool:
 
 
 def kernel(function: F) -> F:
-    """Decorate a kernel (a function with numerical loops): compile it by numba if its module belongs to a compiled copy.
+    """Decorate a kernel (a function with numerical loops): in a compiled copy of its package, numba compiles it.
 
     In the plain package the function is returned unchanged.
     """
@@ -104,7 +104,7 @@ def load_kernel_package(package: str, *, compiled: bool) -> ModuleType:
 
 @cache
 def _numba_works() -> bool:
-    """Return whether numba can be imported; print a message on standard error if not."""
+    """Return whether numba can be imported; print a message on standard error if it cannot."""
     from rollbench.meshes.libraries import ONLY_FOR, pip_command, reason_of_failed_import
 
     missing = reason_of_failed_import("numba")
@@ -274,7 +274,7 @@ def _delay_signals_while_compiling() -> None:
         """Listener that withholds signals while the main thread, the only one that handles them, has numba's lock."""
 
         def __init__(self) -> None:
-            """Begin without withheld signals."""
+            """Create a listener that has not yet withheld a signal."""
             self.depth = 0
             self.came: list[int] = []
             self.before: dict[int, Any] = {}

@@ -109,7 +109,8 @@ class LineContactLaw:
     bodies; steel rollers stay far below.
     """
 
-    #: Constant g [m^2/N], for q in N/m under the logarithm; an array for several positions along a roller.
+    #: Constant g of material and radii [m^2/N], for q in N/m under the logarithm; an array for several positions along a
+    #: roller.
     g: Array
     #: Constant S = 4 (1 - nu^2)/(pi E) [m^2/N], for both contacts together.
     s: float
@@ -210,7 +211,7 @@ class TaperedBearing:
     Raises
     ------
     ValueError
-        A value is out of range, or the cone's half angle alpha - 2 gamma is not positive.
+        A value is out of range, or the cone's half angle, ``cup_angle`` - 2 ``roller_angle``, is not positive.
     """
 
     #: Number of rollers N.
@@ -244,7 +245,7 @@ class TaperedBearing:
 
     @property
     def cone_angle(self) -> float:
-        """Half included angle of the inner race, alpha - 2 gamma [rad]."""
+        """Half the included angle of the inner race [rad]: that of the cup less the full included angle of a roller."""
         return self.cup_angle - 2.0 * self.roller_angle
 
     @property
@@ -254,7 +255,10 @@ class TaperedBearing:
 
     @property
     def pitch_diameter(self) -> float:
-        """Diameter of the circle through the rollers' mean centres, D sin(alpha - gamma)/tan(gamma) [m]."""
+        """Diameter of the circle through the middles of the rollers' axes [m], D sin(alpha - gamma)/tan(gamma).
+
+        D: mean roller diameter; alpha, gamma: half the included angles of cup and roller.
+        """
         return float(self.diameter * np.sin(self.cup_angle - self.roller_angle) / np.tan(self.roller_angle))
 
     def curvature_radii(self, along: Array | float = 0.0) -> tuple[Array, Array, Array]:
@@ -279,11 +283,11 @@ class TaperedBearing:
 class RollerContacts:
     """Line contacts of a straight, untilted roller with both races; the arrays ``(2,)`` hold inner, then outer race."""
 
-    #: Half-widths b [m].
+    #: Half-widths b of the line contacts [m].
     half_widths: Array
-    #: Largest pressures [Pa].
+    #: Largest contact pressures [Pa].
     pressures: Array
-    #: Contact areas 2 b L [m^2].
+    #: Areas 2 b L of the line contacts [m^2].
     areas: Array
     #: Force of the rib on the roller's large end [N].
     rib_load: float
@@ -301,8 +305,9 @@ def roller_line_contacts(bearing: TaperedBearing, load: float) -> RollerContacts
 
     References
     ----------
-    Corrects Smith (1994), 3.23 to 3.27. He uses the area pi a b of an ellipse where a line contact has 2 b L, and neglects
-    the load 2 Q sin(gamma) of the rib.
+    Corrects Smith (1994), 3.23 to 3.27. He uses the area pi a b of an ellipse with semi-axes a and b, where a line
+    contact of half-width b and length L has the area 2 b L. He also neglects the load 2 Q sin(gamma) of the rib, with half
+    the included angle gamma of the roller.
     """
     roller, cone, cup = bearing.curvature_radii()
     modulus = contact_modulus(bearing.young, bearing.poisson, bearing.young, bearing.poisson)
@@ -319,7 +324,7 @@ class StraightTaperedRow:
     An axial deflection u of one ring compresses every roller by u sin(alpha); alpha is half the included angle of the cup.
     """
 
-    #: The bearing.
+    #: Dimensions and material of the bearing.
     bearing: TaperedBearing
 
     def thrust(self, deflection: float) -> float:
@@ -372,13 +377,13 @@ def tapered_bearing_of_row(row: RollerRow) -> TaperedBearing:
 class SlicedRoller:
     """Roller with a crowned profile, cut into n slices of equal width."""
 
-    #: Law of approach and line load, the same for every slice.
+    #: Law between approach and line load, the same for every slice.
     slice_law: LineContactLaw
     #: Positions of the middles of the slices along the roller ``(n,)`` [m], from the roller's middle.
     slice_positions: Array
     #: Effective length of the roller [m].
     length: float
-    #: Drop of the crowned profile below a straight one at each slice ``(n,)`` [m], the sum for both contacts; it is
+    #: Drop of the crowned profile below a straight profile at each slice ``(n,)`` [m], the sum for both contacts; it is
     #: subtracted from the approach of the slice.
     profile_drops: Array
 
@@ -389,7 +394,7 @@ class SlicedRollerState:
 
     #: Force of either race on the roller [N].
     race_force: float
-    #: Derivative of the force with respect to the approach [N/m].
+    #: Derivative of the race force with respect to the approach of the raceways [N/m].
     stiffness: float
     #: Load per length of each slice ``(n,)`` [N/m].
     line_loads: Array
@@ -409,7 +414,7 @@ def slice_middles(length: float, slices: int) -> Array:
 
 
 def circular_crown_profile(radius: float) -> Callable[[Array], Array]:
-    """Return the profile drop of a roller with a circular crown: the function x^2/R [m] of the distance x from the middle.
+    """Return the function that gives the profile drop x^2/R [m] of a circular crown at the distance x from the middle.
 
     It is the sum of the drops x^2/(2 R) at both contacts, valid for x small against the radius R of the crown.
 
@@ -440,7 +445,7 @@ def slice_roller(bearing: TaperedBearing, slices: int, profile: Callable[[Array]
 
 
 def half_widths_and_pressures_of_slices(bearing: TaperedBearing, line_loads: Array) -> tuple[Array, Array]:
-    """Return half-width and largest pressure of the contacts of every slice of a roller with cone and cup.
+    """Return half-width and largest pressure of the line contacts of every roller slice with cone and cup.
 
     They follow from Hertz's line contact, b^2 = 4 q R/(pi E*), p = 2 q/(pi b) = sqrt(q E*/(pi R)), with each slice's
     curvature 1/R = 1/R_roller +- 1/R_race. Valid for b small against the roller's radius; the peak at the sharp end of a
@@ -503,14 +508,14 @@ def sliced_roller_approach_under_force(roller: SlicedRoller, force: float) -> fl
 class SlicedTaperedRow:
     """Load-deflection law of a tapered roller bearing under pure thrust, with rollers that are cut into slices."""
 
-    #: The bearing.
+    #: Dimensions and material of the bearing.
     bearing: TaperedBearing
     #: Number of equal slices of a roller.
     slices: int = 31
     #: Drop of the profile [m], the sum for both contacts, as a function of the distance from the roller's middle [m]; None:
     #: straight rollers.
     profile: Callable[[Array], Array] | None = None
-    #: The sliced roller, computed from the fields above.
+    #: Roller cut into slices, computed from the other fields.
     roller: SlicedRoller = field(init=False)
 
     def __post_init__(self) -> None:

@@ -30,7 +30,7 @@ Kind = Literal[
 
 
 class ResultWarning(str):
-    """Text of a warning about a result, with its subject and, if it is also printed above the results, a short form.
+    """Text of a warning about a result, with a keyword for its subject and a short form for the line above the results.
 
     Examples
     --------
@@ -41,11 +41,11 @@ class ResultWarning(str):
 
     #: Keyword for the subject of the warning, such as "pressure".
     kind: Kind
-    #: Short form for the line above the results; empty if the warning is not printed there.
+    #: Short form of the warning for the line above a printed table of results; empty if it does not appear in that line.
     brief: str
 
     def __new__(cls, kind: Kind, text: str, brief: str = "") -> ResultWarning:
-        """Create a warning from its subject, its text and its short form (empty: not printed above the results)."""
+        """Create a warning from its subject, its text and its short form (empty: not in the line above the results)."""
         warned = super().__new__(cls, text)
         warned.kind, warned.brief = kind, brief
         return warned

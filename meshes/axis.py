@@ -61,7 +61,7 @@ class Housing:
 
     #: Name of the housing, to which rolling sets, joints and results refer.
     name: str
-    #: Axial position of the reference point [m].
+    #: Axial position z of the housing's reference point [m].
     at: float
     #: Pairs of a degree of freedom (of `FREEDOMS`) and its prescribed displacement [m] or rotation [rad].
     fixed: tuple[tuple[str, float], ...] = frozen_default(())
@@ -82,9 +82,9 @@ class Housing:
 class Joint:
     """Springs between two housings, as a stiffness matrix at one position on the shaft's axis."""
 
-    #: Name of the first housing.
+    #: Name of the first of the two housings.
     first: str
-    #: Name of the second housing.
+    #: Name of the second of the two housings.
     second: str
     #: Axial position on the shaft's axis at which the springs act [m].
     at: float
@@ -162,7 +162,7 @@ class RollingSet:
 @register_frozen_defaults
 @dataclass(frozen=True)
 class Drive:
-    """Mass and inertia that the motor moves in addition to the shaft, for motor torque and inertia of the axis."""
+    """Data of a machine axis for motor torque and moment of inertia: moved mass, motor, friction and acceleration."""
 
     mass: Mass = frozen_default(0.0, "mass that the nut moves along the shaft", "200 kg")
     motor_inertia: Inertia = frozen_default(0.0, "moment of inertia of motor and coupling", "20 kg cm2")
@@ -193,7 +193,7 @@ class Assembly:
     segments: tuple[Segment, ...] = frozen_default(())
     #: Rigid housings that carry nuts or outer rings.
     housings: tuple[Housing, ...] = frozen_default(())
-    #: Springs between housings.
+    #: Springs between pairs of housings.
     joints: tuple[Joint, ...] = frozen_default(())
     #: Supports of the shaft.
     supports: tuple[Support, ...] = frozen_default(())
@@ -237,7 +237,7 @@ def diagonal_stiffness(values: tuple[float, float, float, float, float, float]) 
     Parameters
     ----------
     values : tuple[float, float, float, float, float, float]
-        Stiffnesses in the order of `FREEDOMS`: three in N/m, three in N m/rad.
+        Stiffnesses in the order ux, uy, uz, rx, ry, rz (`FREEDOMS`): three in N/m, three in N m/rad.
 
     Returns
     -------
@@ -263,7 +263,7 @@ def checked_stiffness(matrix: NDArray[np.float64]) -> Stiffness:
     Parameters
     ----------
     matrix : (6, 6) array
-        Stiffness matrix; rows and columns in the order of `FREEDOMS` [N/m, N, N m].
+        Stiffness matrix [N/m, N, N m]; rows and columns in the order ux, uy, uz, rx, ry, rz (`FREEDOMS`).
 
     Returns
     -------

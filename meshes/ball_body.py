@@ -17,27 +17,14 @@ import numpy as np
 from numpy.typing import NDArray
 from skfem import Mesh
 
+from rollbench.meshes import shell as meshes_shell
+from rollbench.meshes import sockets as meshes_sockets
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.fem import MeshedBody, MeshQuality, improve_curved_cells
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import SIDES
-from rollbench.meshes.shell import (
-    BEND,
-    POOREST,
-    ClosedSurfaceMesh,
-    best_mesh_of_attempts,
-    edge_length_growing_with_distance,
-    mesh_inside_closed_surface,
-)
-from rollbench.meshes.sockets import (
-    RefinementBoxFaces,
-    RefinementBoxSize,
-    mesh_refinement_box_faces,
-    mesh_refinement_box_of_flank,
-    points_in_box_at_azimuth_zero,
-    rim_nodes_of_refinement_box,
-)
 
+#: Array of truth values, such as whether each of several points is inside a cone.
 Flags = NDArray[np.bool_]
 
 #: Distances from the refinement boxes between which the element size grows from that at the boxes to that far away, as
@@ -55,7 +42,7 @@ class BallRefinementBox:
     #: Flank 0 to 3 with which the ball is in contact.
     side: int
     #: Size of the groove's refinement box at the same contact.
-    groove_box_size: RefinementBoxSize
+    groove_box_size: meshes_sockets.RefinementBoxSize
     #: Depth of the bottom below the sphere, along the contact normal [m].
     depth: float
     #: Fraction of the refinement box's length, about its middle, in which the rays from the ball's centre meet the groove's
@@ -67,8 +54,8 @@ class BallRefinementBox:
 class CoarseBallMesh(MeshedBody):
     """Coarse mesh of a ball with refinement boxes left free around its contacts; the ball's centre is the origin.
 
-    Contacts are those of a ball at azimuth 0. Names of boundaries: "sphere"; "socket SL" (SR, NL, NR), the faces of the
-    refinement box at the contact with this flank.
+    Contacts are those of a ball at azimuth 0. Names of boundaries: "sphere"; and, for the faces of the refinement box at
+    each contact, "socket SL" (screw left), "socket SR" (screw right), "socket NL" (nut left), "socket NR" (nut right).
     """
 
     #: Mesh of second-order tetrahedra.
@@ -76,8 +63,8 @@ class CoarseBallMesh(MeshedBody):
     #: Nodes on the inner faces of each refinement box, by flank 0 to 3.
     nodes_on_box_faces: dict[int, Index]
     #: Mesh of each refinement box's faces, by flank 0 to 3.
-    box_faces: dict[int, RefinementBoxFaces]
-    #: Number of cells and nodes, and the scaled Jacobians of the cells.
+    box_faces: dict[int, meshes_sockets.RefinementBoxFaces]
+    #: Number of cells and nodes of the mesh, and smallest and median scaled Jacobian of its cells.
     quality: MeshQuality
 
 
@@ -127,7 +114,7 @@ def rays_from_ball_centre(m: GrooveMap, box: BallRefinementBox, local_coordinate
     n, t1, t2 = contact_frame_vectors(m, box.side)
 
     def project_to_tangent_plane(at: Array) -> tuple[Array, Array]:
-        x = points_in_box_at_azimuth_zero(m, box.groove_box_size, box.side, at * [1.0, 0.0, 1.0]) - np.array(
+        x = meshes_sockets.points_in_box_at_azimuth_zero(m, box.groove_box_size, box.side, at * [1.0, 0.0, 1.0]) - np.array(
             [m.R, 0.0, 0.0]
         )
         return (x @ t1) / (x @ n), (x @ t2) / (x @ n)
@@ -164,7 +151,7 @@ def points_in_ball_refinement_box(m: GrooveMap, box: BallRefinementBox, xi: Arra
     return np.asarray(ray * (outer + xi[:, 1] * (m.ball - box.depth - outer))[:, None])
 
 
-def depth_of_ball_refinement_box(m: GrooveMap, groove_box_size: RefinementBoxSize, side: int) -> float:
+def depth_of_ball_refinement_box(m: GrooveMap, groove_box_size: meshes_sockets.RefinementBoxSize, side: int) -> float:
     """Compute the depth of a ball's refinement box from the size of the groove's box at the same contact.
 
     It is `SHALLOWER` times the depth of the groove's box, or more where the corners of the box would otherwise be less than
@@ -229,7 +216,7 @@ def mesh_ball_with_refinement_boxes(
         There is no refinement box, refinement boxes overlap, or no attempt of gmsh gives a good mesh.
     """
 
-    def socket_map(side: int) -> Callable[[Array], Array]:
+    def point_map_of_box(side: int) -> Callable[[Array], Array]:
         like = next(socket for socket in boxes if socket.side // 2 == side // 2)
         return partial(points_in_ball_refinement_box, m, replace(like, side=side))
 
@@ -238,7 +225,10 @@ def mesh_ball_with_refinement_boxes(
         return _mesh_ball_around_refinement_boxes(
             m,
             boxes,
-            [mesh_refinement_box_of_flank(socket_map, socket.side, edge_divisions) for socket in boxes],
+            [
+                meshes_sockets.mesh_refinement_box_of_flank(point_map_of_box, socket.side, edge_divisions)
+                for socket in boxes
+            ],
             cell_size_at_boxes,
             cell_size_far_away,
         )
@@ -248,7 +238,7 @@ def mesh_ball_with_refinement_boxes(
     return _mesh_ball_around_refinement_boxes(
         m,
         boxes,
-        [mesh_refinement_box_faces(socket_map(socket.side), edge_divisions) for socket in boxes],
+        [meshes_sockets.mesh_refinement_box_faces(point_map_of_box(socket.side), edge_divisions) for socket in boxes],
         cell_size_at_boxes,
         cell_size_far_away,
     )
@@ -257,7 +247,7 @@ def mesh_ball_with_refinement_boxes(
 def _mesh_ball_around_refinement_boxes(
     m: GrooveMap,
     sockets: tuple[BallRefinementBox, ...],
-    boxes: list[tuple[RefinementBoxFaces, Array]],
+    boxes: list[tuple[meshes_sockets.RefinementBoxFaces, Array]],
     fine: float,
     coarse: float,
 ) -> CoarseBallMesh:
@@ -271,19 +261,25 @@ def _mesh_ball_around_refinement_boxes(
         [points_in_ball_refinement_box(m, socket, box.xi) for socket, (box, _) in zip(sockets, boxes, strict=True)]
     )
 
-    def attempt(gmsh: Any, plane: int, volume: int, share: float) -> tuple[CoarseBallMesh, float]:
+    def mesh_once(gmsh: Any, plane: int, volume: int, share: float) -> tuple[CoarseBallMesh, float]:
         sizes = share * fine, share * coarse
-        shell = ClosedSurfaceMesh(
-            gmsh, edge_length_growing_with_distance(near, *sizes, *(m.ball * g for g in GROWTH)), min(sizes), plane
+        shell = meshes_shell.ClosedSurfaceMesh(
+            gmsh,
+            meshes_shell.edge_length_growing_with_distance(near, *sizes, *(m.ball * g for g in GROWTH)),
+            min(sizes),
+            plane,
         )
         corners = []
         for socket, (box, raised) in zip(sockets, boxes, strict=True):
             places = (points_in_ball_refinement_box(m, socket, xi) for xi in (box.xi, raised))
             corners.append(shell.add_refinement_box(f"socket {SIDES[socket.side]}", box, *places))
         triangulate_sphere(
-            m, shell, [c[rim_nodes_of_refinement_box(box)] for c, (box, _) in zip(corners, boxes, strict=True)], share
+            m,
+            shell,
+            [c[meshes_sockets.rim_nodes_of_refinement_box(box)] for c, (box, _) in zip(corners, boxes, strict=True)],
+            share,
         )
-        filled = mesh_inside_closed_surface(shell, volume)
+        filled = meshes_shell.mesh_inside_closed_surface(shell, volume)
         box_nodes = [filled.nodes_on_refinement_box(c, box) for c, (box, _) in zip(corners, boxes, strict=True)]
         kept = np.concatenate(box_nodes)
         mesh, moved, quality = improve_curved_cells(
@@ -292,12 +288,14 @@ def _mesh_ball_around_refinement_boxes(
         nodes = {socket.side: n for socket, n in zip(sockets, box_nodes, strict=True)}
         meshes = {socket.side: box for socket, (box, _) in zip(sockets, boxes, strict=True)}
         body = CoarseBallMesh(mesh, nodes, meshes, quality)
-        return body, moved + max(0.0, POOREST - quality.smallest_jacobian)
+        return body, moved + max(0.0, meshes_shell.POOREST - quality.smallest_jacobian)
 
-    return best_mesh_of_attempts("ball", attempt)
+    return meshes_shell.best_mesh_of_attempts("ball", mesh_once)
 
 
-def triangulate_sphere(m: GrooveMap, shell: ClosedSurfaceMesh, box_rims: list[Index], edge_factor: float) -> None:
+def triangulate_sphere(
+    m: GrooveMap, shell: meshes_shell.ClosedSurfaceMesh, box_rims: list[Index], edge_factor: float
+) -> None:
     """Triangulate the surface of a ball outside its refinement boxes, one hemisphere after the other.
 
     Parameters
@@ -311,28 +309,28 @@ def triangulate_sphere(m: GrooveMap, shell: ClosedSurfaceMesh, box_rims: list[In
     edge_factor : float
         Factor on the default length of the longest edge.
     """
-    axis, limit = normal_between_hemispheres(m), edge_factor * BEND[1] * m.ball
+    axis, limit = normal_between_hemispheres(m), edge_factor * meshes_shell.BEND[1] * m.ball
     along = contact_frame_vectors(m, 0)[2]
     middle = np.stack([along, np.cross(axis, along)])
     equator = shell.add_divided_curve(
         lambda t: m.ball * (np.stack([np.cos(t), np.sin(t)], axis=1) @ middle), 0.0, 2.0 * np.pi, limit
     )
 
-    def stretch(flat: Array) -> Array:
+    def length_ratio_plane_to_sphere(flat: Array) -> Array:
         return np.asarray(0.5 * (1.0 + np.sum((flat / m.ball) ** 2, axis=1)))
 
     for pole in (-axis, axis):
 
-        def plane(x: Array, pole: Array = pole) -> Array:
+        def sphere_to_plane(x: Array, pole: Array = pole) -> Array:
             return np.asarray(x @ middle.T / (1.0 - x @ pole / m.ball)[:, None])
 
-        def space(flat: Array, pole: Array = pole) -> Array:
+        def plane_to_sphere(flat: Array, pole: Array = pole) -> Array:
             square = np.sum((flat / m.ball) ** 2, axis=1)[:, None]
             return np.asarray((m.ball * (square - 1.0) * pole + 2.0 * flat @ middle) / (square + 1.0))
 
         closed = [np.append(r, r[0]) for r in box_rims if shell.points[r[0]] @ pole < 0.0]
-        loops = [[(n, plane(shell.points[n]))] for n in (equator.nodes, *closed)]
-        shell.add_face("sphere", loops, space, limit, stretch)
+        loops = [[(n, sphere_to_plane(shell.points[n]))] for n in (equator.nodes, *closed)]
+        shell.add_face("sphere", loops, plane_to_sphere, limit, length_ratio_plane_to_sphere)
 
 
 def normal_between_hemispheres(m: GrooveMap) -> Array:

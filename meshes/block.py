@@ -13,36 +13,28 @@ from typing import Any
 import numpy as np
 from skfem import Mesh
 
+from rollbench.meshes import fem
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.fem import (
-    MeshedBody,
-    build_mesh,
-    element_type_of_mesh,
-    mesh_rectangular_grid,
-    node_coordinates,
-    with_boundaries_from_facets,
-    with_node_coordinates,
-)
 from rollbench.meshes.shell import gmsh_session
 
 
 @dataclass(frozen=True)
-class QuarterBlockMesh(MeshedBody):
+class QuarterBlockMesh(fem.MeshedBody):
     """Mesh of a quarter of a block that stands for an elastic half-space in contact.
 
     Names of boundaries: "contact" (the plane z = 0), "x = 0" and "y = 0" (the planes of symmetry), "cut" (the planes where
     the half-space is cut off).
     """
 
-    #: The mesh.
+    #: Mesh of the quarter block: hexahedra or tetrahedra.
     mesh: Mesh
-    #: Edge of the block [m].
+    #: Length of the block's edges [m].
     edge_length: float
 
     @property
     def element(self) -> str:
         """Element type of the mesh: P1, P2, Q1 or Q2."""
-        return element_type_of_mesh(self.mesh)
+        return fem.element_type_of_mesh(self.mesh)
 
 
 def graded_coordinates(cell_length: float, fine_length: float, block_edge: float, growth_ratio: float) -> Array:
@@ -128,7 +120,7 @@ def mesh_block_with_hexahedra(
         graded_coordinates(order * step, length, block_edge, growth_ratio)
         for step, length in zip(node_spacing, fine_lengths, strict=True)
     )
-    return _block_with_named_boundaries(mesh_rectangular_grid(x, y, z, f"Q{order}"), block_edge)
+    return _block_with_named_boundaries(fem.mesh_rectangular_grid(x, y, z, f"Q{order}"), block_edge)
 
 
 @dataclass(frozen=True)
@@ -141,7 +133,7 @@ class EllipsoidElementSizes:
     semi_axes: tuple[float, float, float]
     #: Increase of the edge length per unit of distance outside the ellipsoid.
     growth_per_distance: float
-    #: Largest edge length [m].
+    #: Largest edge length, far from the ellipsoid [m].
     largest_edge_length: float
 
     def scaled(self, factor: float) -> EllipsoidElementSizes:
@@ -199,8 +191,10 @@ def mesh_block_with_tetrahedra(order: int, element_sizes: EllipsoidElementSizes,
         _, nodes = gmsh.model.mesh.getElementsByType({1: 4, 2: 11}[order])
         gmsh.model.remove()
     cells = np.searchsorted(tags[ascending], nodes).reshape(-1, {1: 4, 2: 10}[order])
-    mesh, _ = build_mesh(xyz.reshape(-1, 3)[ascending], cells, f"P{order}")
-    return _block_with_named_boundaries(with_node_coordinates(mesh, block_edge * node_coordinates(mesh)), block_edge)
+    mesh, _ = fem.build_mesh(xyz.reshape(-1, 3)[ascending], cells, f"P{order}")
+    return _block_with_named_boundaries(
+        fem.with_node_coordinates(mesh, block_edge * fem.node_coordinates(mesh)), block_edge
+    )
 
 
 def _block_with_named_boundaries(mesh: Mesh, size: float) -> QuarterBlockMesh:
@@ -215,7 +209,7 @@ def _block_with_named_boundaries(mesh: Mesh, size: float) -> QuarterBlockMesh:
     faces = {"contact": lies_on_plane(2, 0.0), "x = 0": lies_on_plane(0, 0.0), "y = 0": lies_on_plane(1, 0.0)}
     facets = {name: mesh.facets_satisfying(test, boundaries_only=True) for name, test in faces.items()}
     cut = [mesh.facets_satisfying(lies_on_plane(axis, size), boundaries_only=True) for axis in range(3)]
-    return QuarterBlockMesh(with_boundaries_from_facets(mesh, {**facets, "cut": np.unique(np.concatenate(cut))}), size)
+    return QuarterBlockMesh(fem.with_boundaries_from_facets(mesh, {**facets, "cut": np.unique(np.concatenate(cut))}), size)
 
 
 def _set_element_sizes(gmsh: Any, influence: EllipsoidElementSizes) -> None:

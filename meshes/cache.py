@@ -65,13 +65,14 @@ class StageMessage(str):
 P = ParamSpec("P")
 T = TypeVar("T")
 
-#: Subfolder of a cache for its files; and the subfolder that versions before 0.5 used, which is deleted.
+#: Subfolder of a cache for the files of its results; and path of the subfolder that versions before 0.5 used, which is
+#: deleted.
 RECORDS, BEFORE = "records", ("joblib", "rollbench")
-#: Length of the digest at the beginning of a file [bytes].
+#: Length of the digest at the beginning of a result's file [bytes].
 _DIGEST = 32
-#: Computing time of a result [s], stored between digest and content.
+#: Binary format of a result's computing time [s], which its file holds between the digest and the result itself.
 _SECONDS = struct.Struct("<d")
-#: Default of the largest size of a cache [bytes].
+#: Default limit of the size of all files of a cache together [bytes].
 LIMIT = 4_000_000_000
 #: Folder of the results of functions decorated by `cached_on_disk`, inside the folder of all caches, and largest size of
 #: its files together [bytes].
@@ -79,6 +80,7 @@ GEOMETRIES, GEOMETRIES_LIMIT = "geometries", 300_000_000
 #: Packages whose records and classes may occur in stored results.
 TRUSTED = ("rollbench", "skfem")
 
+#: Time at which this process loaded the module; sources changed later may differ from the running ones.
 _BEGAN = time.time()
 
 
@@ -106,8 +108,8 @@ class Cache:
     If the folder cannot be written to, if other users may write to it, or if the disk is full, one message is printed on
     standard error, and the computation continues without the cache. ``hits`` counts the results that `get` read from files,
     ``misses`` those that it computed. ``cold_seconds`` is the sum of the computing times of all these results, also of
-    those read from files. ``fault`` is the message, empty without an error; with ``quiet`` it is not printed, because
-    another process prints it.
+    those read from files. ``fault`` is the text of the message, empty without an error; if ``quiet`` is True, it is not
+    printed, because another process prints it.
 
     Parameters
     ----------
@@ -147,10 +149,10 @@ class Cache:
         Raises
         ------
         TypeError
-            The result is not a ``type_``; or no key can be computed, because the function is local or an argument has no
-            canonical text.
+            The result is not a ``type_``; or the file's name cannot be computed, because the function is local or an
+            argument has no canonical text (`record_keys.canonical_text`).
         """
-        path = self._path(build, arguments, type_)
+        path = self._path_of_result(build, arguments, type_)
         record = None if path is None else _read_stored_result(path, type_)
         if record is not None:
             self.hits += 1
@@ -173,7 +175,7 @@ class Cache:
             print(f"rollbench: cache {self.root}: {fault}; the computation continues without the cache", file=sys.stderr)
         self.fault = self.fault or fault
 
-    def _path(self, build: Callable[..., object], arguments: tuple[object, ...], type_: type) -> Path | None:
+    def _path_of_result(self, build: Callable[..., object], arguments: tuple[object, ...], type_: type) -> Path | None:
         """Return the path of the file for a result of a function; None without a folder to which only this user can write.
 
         ``build``, ``arguments``, ``type_``: function, its arguments and the class of its result, as for `Cache.get`.
@@ -209,7 +211,7 @@ class Cache:
 
 
 def _remove_oldest_files(folder: Path, limit: int) -> None:
-    """Delete files of the cache folder, those not used for the longest time first, until the others fit into ``limit``.
+    """Delete the least recently used files of the cache folder, until the remaining files fit into ``limit``.
 
     ``limit``: largest size of all files together [bytes].
     """
@@ -363,7 +365,7 @@ def cached_on_disk(result_class: type[T]) -> Callable[[Callable[P, T]], Callable
         Decorator for a function whose arguments are plain records. Calls with keyword arguments do not use the cache.
     """
 
-    def decorate(build: Callable[P, T]) -> Callable[P, T]:
+    def decorate_function(build: Callable[P, T]) -> Callable[P, T]:
         @wraps(build)
         def cached(*args: P.args, **kwargs: P.kwargs) -> T:
             if not _stores or kwargs:
@@ -372,7 +374,7 @@ def cached_on_disk(result_class: type[T]) -> Callable[[Callable[P, T]], Callable
 
         return cached
 
-    return decorate
+    return decorate_function
 
 
 def record_to_bytes(value: object) -> bytes:
@@ -434,7 +436,7 @@ def record_from_bytes(content: bytes, *packages: str) -> Any:
 
 
 def _json_structure(value: Any, arrays: list[Any]) -> Any:
-    """Return a description of a value that can be written as JSON; plain values are unchanged, others become a list.
+    """Return a description of a value that can be written as JSON; plain values are unchanged, other values become a list.
 
     The list begins with the type of the value, such as "tuple". ``arrays``: list to which the arrays in the value are
     appended; the description refers to them by their indices in this list.
@@ -484,18 +486,22 @@ def _unpack_value(structure: Any, arrays: list[Any], packages: tuple[str, ...]) 
         return structure
     sort, *content = structure
 
-    def unpack(x: Any) -> Any:
+    def unpack_part(x: Any) -> Any:
         return _unpack_value(x, arrays, packages)
 
     makers: dict[str, Callable[[], Any]] = {
         "array": lambda: arrays[content[0]],
         "scalar": lambda: arrays[content[0]][()],
-        "tuple": lambda: tuple(map(unpack, content)),
-        "list": lambda: list(map(unpack, content)),
-        "dict": lambda: {unpack(k): unpack(x) for k, x in content},
-        "sparse": lambda: _import_class(content[0], ("scipy",))(tuple(map(unpack, content[2:])), shape=tuple(content[1])),
+        "tuple": lambda: tuple(map(unpack_part, content)),
+        "list": lambda: list(map(unpack_part, content)),
+        "dict": lambda: {unpack_part(k): unpack_part(x) for k, x in content},
+        "sparse": lambda: _import_class(content[0], ("scipy",))(
+            tuple(map(unpack_part, content[2:])), shape=tuple(content[1])
+        ),
         "class": lambda: _import_class(content[0], packages),
-        "record": lambda: _build_record(_import_class(content[0], packages), {k: unpack(x) for k, x in content[1].items()}),
+        "record": lambda: _build_record(
+            _import_class(content[0], packages), {k: unpack_part(x) for k, x in content[1].items()}
+        ),
     }
     return makers[sort]()
 

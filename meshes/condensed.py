@@ -25,13 +25,13 @@ from rollbench.meshes.files import create_folder_for_group, make_readable_for_gr
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.record_keys import digest_of_values
 
-#: Version of the file format; files of other versions are not read.
+#: Version of the format of files with compliance matrices; files of other versions are not read.
 FORMAT = 2
 #: Largest size of all arrays in a file together [bytes]; those of a screw with 1000 contacts need a tenth of it.
 LARGEST_FILE = 200_000_000
 #: Exceptions that reading a damaged zip archive can raise.
 DAMAGE = (zipfile.BadZipFile, zlib.error, struct.error, EOFError, NotImplementedError, OverflowError, ValueError)
-#: Compression methods that numpy uses.
+#: Compression methods of the zip archives (.npz files) that numpy writes.
 PACKED = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 #: Header of an array in numpy's file format: type of the numbers (or text), order of the indices, and shape.
 HEAD = re.compile(
@@ -58,7 +58,7 @@ class CondensedBodies:
 
     #: Digest of the scene's parameters on which the compliance depends, from `digest_of_geometry`.
     geometry: str
-    #: Refinement level of the 3D model's mesh.
+    #: Level of the 3D mesh from which the compliances were computed, from 1 (coarsest).
     level: int
     #: Flanks (0 to 3) that carry contacts ``(k,)``, ascending.
     sides: Array
@@ -80,16 +80,16 @@ class CondensedBodies:
     hertz: Array
 
     def fit_local_approach_over_load(self, side: int) -> tuple[float, float]:
-        """Fit e F + h F^(4/3) to the part of the contacts' approach that neither Hertz's formula nor the matrices give.
+        """Fit e F + h F^(4/3) to the approach at a contact, without the parts by Hertz and by the compliance matrices.
 
         F is the contact force. The first term is the linear elasticity of the bodies. The next term for a smooth contact is
         of the order of F times the contact area, that is F^(4/3); a logarithm of the contact's size does not fit better.
-        The fit minimises the squared deviations divided by the whole approach.
+        The fit minimises the squared deviations, each divided by Hertz's approach under the force F.
 
         Parameters
         ----------
         side : int
-            Flank 0 to 3 (SL, SR, NL, NR); one of ``sides``.
+            Flank: 0 and 1 are left and right on the screw, 2 and 3 on the nut; one of ``sides``.
 
         Returns
         -------
@@ -101,11 +101,11 @@ class CondensedBodies:
         e, h = self._fit_local_approach_of_flank(list(self.sides).index(side))[0]
         return float(e), float(h)
 
-    def scatter(self, side: int) -> float:
+    def relative_deviation_of_fit(self, side: int) -> float:
         """Return the RMS deviation of a flank's computed approaches from their fit (`fit_local_approach_over_load`).
 
-        Each deviation is divided by the whole approach of the contact. The deviations are due to the finite contact grid of
-        the 3D model. ``side``: flank 0 to 3 (SL, SR, NL, NR).
+        Each deviation is divided by Hertz's approach of ball and groove under the same force. The deviations are due to the
+        finite contact grid of the 3D model. ``side``: flank; 0 and 1 are left and right on the screw, 2 and 3 on the nut.
         """
         return self._fit_local_approach_of_flank(list(self.sides).index(side))[1]
 
@@ -113,7 +113,7 @@ class CondensedBodies:
         """Fit the coefficients of `fit_local_approach_over_load` to the approaches of one flank's contacts.
 
         ``k``: index of the flank in ``sides``. Returns the coefficients e [m/N] and h [m/N^(4/3)] ``(2,)``, and the RMS
-        deviation of the samples from the fit, divided by the whole approach.
+        deviation of the samples from the fit, each divided by Hertz's approach.
         """
         force = self.force[k]
         share = np.cbrt(force) / self.hertz[k]

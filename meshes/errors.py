@@ -28,8 +28,8 @@ class GeometryWithErrors:
 
     #: Ball radii ``(n,)`` [m].
     ball_radii: Array
-    #: Centres of the arcs of the flanks SL, SR, NL, NR in the section normal to the track at each ball ``(n, 4, 2)`` [m]:
-    #: coordinates x3 radial, z3 across the track.
+    #: Centres of the arcs of the four flanks (screw left, screw right, nut left, nut right) in the section normal to the
+    #: track at each ball ``(n, 4, 2)`` [m]: coordinates x3 radial, z3 across the track.
     groove_centres: Array
     #: First and second derivatives of the groove centres with respect to azimuth ``(2, n, 4, 2)`` [m/rad, m/rad2].
     groove_centre_derivatives: Array
@@ -112,7 +112,7 @@ def draw_ball_radii(scene: Scene, rng: np.random.Generator, return_path_balls: i
 
 @dataclass(frozen=True)
 class ErrorsAfterDrawing:
-    """Errors of one screw or bearing (specimen) after random ones are drawn: ball radii, and errors along the flanks."""
+    """Errors of one screw or bearing (specimen) after random errors are drawn: ball radii, and errors along the flanks."""
 
     #: Radii of the balls ``(n,)`` [m].
     ball_radii: Array
@@ -176,7 +176,8 @@ class ErrorsAfterDrawing:
 def are_in_shifted_half(scene: Scene, axial_positions: Array) -> Mask:
     """Return whether each ball is in the half of the nut at larger z, in which a lead offset shifts the groove.
 
-    The groove steps between two balls. A ball at the nut's centre belongs to the half that is not shifted.
+    The groove has a step at the nut's centre, between two balls. A ball at this centre belongs to the half that is not
+    shifted.
 
     Parameters
     ----------
@@ -212,8 +213,8 @@ def _groove_centres_with_lead_offset(scene: Scene, axial_positions: Array) -> Ar
 def draw_errors(scene: Scene, specimen_number: int = 0) -> ErrorsAfterDrawing:
     """Draw the random errors of one specimen, that is, one screw or bearing with its own random errors.
 
-    The same seed and number give the same specimen. Random numbers are drawn first for the ball radii, then for each flank
-    SL, SR, NL, NR for pitch, roundness and profile.
+    The same seed and number give the same specimen. Random numbers are drawn first for the ball radii, then for pitch,
+    roundness and profile of one flank after the other (screw left, screw right, nut left, nut right).
 
     Parameters
     ----------
@@ -334,7 +335,7 @@ def draw_geometries_with_errors(scene: Scene, layout: BallLayout, first_number: 
 
 
 def scene_with_drawn_errors(scene: Scene, specimen_number: int = 0) -> Scene:
-    """Return a scene with fixed errors: the errors drawn for one specimen replace the random ones.
+    """Return a scene with fixed errors: the values drawn for one specimen replace the random errors.
 
     Parameters
     ----------
@@ -381,12 +382,14 @@ def scene_without_random_errors(scene: Scene) -> Scene:
         Copy of the scene without random errors.
     """
 
-    def without_sigma(terms: tuple[FourierTerm, ...]) -> tuple[FourierTerm, ...]:
+    def without_random_amplitudes(terms: tuple[FourierTerm, ...]) -> tuple[FourierTerm, ...]:
         return tuple(replace(term, sigma=0.0) for term in terms)
 
     errors = scene.errors
     sides: dict[str, Any] = {
-        name: replace(e, profile_sigma=(), pitch=without_sigma(e.pitch), roundness=without_sigma(e.roundness))
+        name: replace(
+            e, profile_sigma=(), pitch=without_random_amplitudes(e.pitch), roundness=without_random_amplitudes(e.roundness)
+        )
         for name, e in ((name, errors.side(name)) for name in SIDES)
     }
     balls = replace(errors.balls, sigma=0.0, distribution="normal")

@@ -101,11 +101,11 @@ def with_boundaries_from_corners(mesh: Mesh, faces: Mapping[str, Index]) -> Mesh
         A face belongs to no cell, or a boundary has no faces.
     """
     count = mesh.doflocs.shape[1]
-    known = _integers_of_faces(np.sort(mesh.facets.T), count)
+    known = _identifying_integers_of_faces(np.sort(mesh.facets.T), count)
     order = np.argsort(known)
     facets = {}
     for name, corners in faces.items():
-        wanted = _integers_of_faces(np.sort(corners), count)
+        wanted = _identifying_integers_of_faces(np.sort(corners), count)
         place = order[np.minimum(np.searchsorted(known, wanted, sorter=order), len(order) - 1)]
         lost = int(np.count_nonzero(known[place] != wanted))
         if lost:
@@ -138,10 +138,10 @@ def with_boundaries_from_facets(mesh: Mesh, facets: Mapping[str, Index]) -> Mesh
         if not len(numbers):
             raise ValueError(f"boundary {name!r} is empty: it has no facets")
     added = {name: np.asarray(numbers, dtype=np.int32) for name, numbers in facets.items()}
-    return _with_attributes(mesh, _boundaries={**(mesh.boundaries or {}), **added})
+    return _mesh_with_attributes(mesh, _boundaries={**(mesh.boundaries or {}), **added})
 
 
-def _integers_of_faces(corners: Index, count: int) -> Index:
+def _identifying_integers_of_faces(corners: Index, count: int) -> Index:
     """Compute an integer that identifies each edge or face of a mesh by its corners ``(k,)``, for sorting and searching.
 
     ``corners``: numbers of the corners, ascending in each row ``(k, 2 or more)``; ``count``: number of nodes of the mesh.
@@ -300,10 +300,10 @@ def mesh_rectangular_grid(x: Array, y: Array, z: Array, element_type: str, *, le
     """
     mirrored = MeshHex1.init_tensor(x, y, z)  # left-handed
     grid = MeshHex1(mirrored.doflocs, mirrored.t if left_handed else mirrored.t[[3, 5, 6, 0, 7, 1, 2, 4]])
-    return grid if element_type == "Q1" else to_second_order(grid)
+    return grid if element_type == "Q1" else to_second_order_mesh(grid)
 
 
-def to_second_order(mesh: Mesh) -> Mesh:
+def to_second_order_mesh(mesh: Mesh) -> Mesh:
     """Convert a mesh of linear cells to second-order cells with the same vertices and straight edges.
 
     Named boundaries are not copied.
@@ -320,7 +320,7 @@ def to_second_order(mesh: Mesh) -> Mesh:
     """
     quadratic = MESHES[{"P1": "P2", "Q1": "Q2"}[element_type_of_mesh(mesh)]].from_mesh(mesh)
     known = {name: value for name, value in vars(mesh).items() if name in ("_facets", "_t2f", "_f2t", "_edges", "_t2e")}
-    return _with_attributes(quadratic, **known)
+    return _mesh_with_attributes(quadratic, **known)
 
 
 def with_node_coordinates(mesh: Mesh, points: Array) -> Mesh:
@@ -338,10 +338,10 @@ def with_node_coordinates(mesh: Mesh, points: Array) -> Mesh:
     Mesh
         Copy of the mesh with these coordinates.
     """
-    return _with_attributes(mesh, doflocs=np.ascontiguousarray(points.T))
+    return _mesh_with_attributes(mesh, doflocs=np.ascontiguousarray(points.T))
 
 
-def _with_attributes(mesh: Mesh, **fields: Any) -> Mesh:
+def _mesh_with_attributes(mesh: Mesh, **fields: Any) -> Mesh:
     """Return a copy of a mesh of scikit-fem in which the attributes ``fields`` have new values; cells are unchanged."""
     changed = copy(mesh)
     for name in ("_cached_mapping", "_cached_tree"):
@@ -358,9 +358,9 @@ CHUNK = 8192
 class MeshQuality:
     """Size and quality of a mesh: numbers of cells and nodes, and smallest and median scaled Jacobian of the cells."""
 
-    #: Number of cells.
+    #: Number of cells of the mesh.
     cell_count: int
-    #: Number of nodes.
+    #: Number of nodes of the mesh.
     node_count: int
     #: Smallest scaled Jacobian of all cells.
     smallest_jacobian: float

@@ -11,17 +11,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from rollbench.meshes import sockets as meshes_sockets
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import Flange, UnfitKey
 from rollbench.meshes.shell import Placing
-from rollbench.meshes.sockets import (
-    ON_GROOVE,
-    RefinementBoxSize,
-    helix_constants_of_starts,
-    section_angles_of_flank,
-    turns_and_distance_to_groove,
-)
 from rollbench.meshes.solid import RUN_OUT, WHOLE
 
 #: Distance [m] below which two circles on the contour of a flanged nut count as one circle.
@@ -38,7 +32,7 @@ class GrooveRunOut:
     everywhere.
     """
 
-    #: Constant z - r_g phi of the helix of each start's groove ``(n,)`` [m], with the lead per radian r_g.
+    #: Constant z - r_g phi of the helix of each of n starts ``(n,)`` [m], with the lead per radian r_g.
     helix_constants: Array
     #: Azimuths, counted along the helix, between which the groove has its full depth ``(n, 2)`` [rad]; NaN for a start
     #: without balls.
@@ -50,9 +44,9 @@ class GrooveRunOut:
 
     @classmethod
     def from_ball_positions(
-        cls, m: GrooveMap, sockets: Iterable[tuple[float, float, int]], size: RefinementBoxSize
+        cls, m: GrooveMap, sockets: Iterable[tuple[float, float, int]], size: meshes_sockets.RefinementBoxSize
     ) -> GrooveRunOut:
-        """Compute where the groove of each start ends, from the positions of the loaded balls.
+        """Compute where the groove of each thread start ends, from the positions of the loaded balls.
 
         Parameters
         ----------
@@ -66,7 +60,7 @@ class GrooveRunOut:
         Returns
         -------
         GrooveRunOut
-            Ends of each start's groove.
+            Ends of the groove of each thread start.
 
         Raises
         ------
@@ -75,13 +69,13 @@ class GrooveRunOut:
         """
         if not m.rg:
             raise UnfitKey("solid.nut_groove", "the groove of a bearing ring has no ends: remove solid.nut_groove")
-        lines = helix_constants_of_starts(m)
+        lines = meshes_sockets.helix_constants_of_starts(m)
         ball = 2.0 * m.ball / float(np.hypot(m.R, m.rg))
         reach = max(WHOLE * ball, size.phi)
         whole = np.full((len(lines), 2), np.nan)
         for k, line in enumerate(lines):
-            places = [(phi, *turns_and_distance_to_groove(m, phi, z, line)) for phi, z, _ in sockets]
-            on_line = [phi + 2.0 * np.pi * turns for phi, turns, off in places if off <= ON_GROOVE * m.ball]
+            places = [(phi, *meshes_sockets.turns_and_distance_to_groove(m, phi, z, line)) for phi, z, _ in sockets]
+            on_line = [phi + 2.0 * np.pi * turns for phi, turns, off in places if off <= meshes_sockets.ON_GROOVE * m.ball]
             if on_line:
                 whole[k] = min(on_line) - reach, max(on_line) + reach
         return cls(np.array(lines), whole, RUN_OUT * ball, m.rg)
@@ -132,13 +126,13 @@ class GrooveRunOut:
 class GroovedBodySpec:
     """Dimensions, contact positions and element sizes for the mesh of a grooved screw, nut or ring with flat ends."""
 
-    #: Inner radius [m]; 0 for a body without bore.
+    #: Inner radius of the body [m]; 0 for a body without bore.
     inner_radius: float
-    #: Outer radius [m].
+    #: Outer radius of the body [m].
     outer_radius: float
-    #: Axial position of the end at smaller z [m].
+    #: Axial position of the body's flat end at smaller z [m].
     z_low: float
-    #: Axial position of the end at larger z [m].
+    #: Axial position of the body's flat end at larger z [m].
     z_high: float
     #: Whether the groove is in the outer surface (True, screw) or in the inner one (False, nut).
     groove_outside: bool
@@ -146,7 +140,7 @@ class GroovedBodySpec:
     #: flank 0 to 3. Around each contact the mesh leaves a refinement box free for a finer mesh.
     contact_positions: tuple[tuple[float, float, int], ...]
     #: Size of the refinement boxes.
-    refinement_box_size: RefinementBoxSize
+    refinement_box_size: meshes_sockets.RefinementBoxSize
     #: Element size at the refinement boxes [m].
     cell_size_at_contacts: float
     #: Element size far from the refinement boxes [m].
@@ -158,7 +152,7 @@ class GroovedBodySpec:
 
 
 def points_from_cylindrical(r: float | Array, phi: float | Array, z: float | Array) -> Array:
-    """Convert cylindrical coordinates to Cartesian ones.
+    """Convert cylindrical coordinates to Cartesian coordinates.
 
     Parameters
     ----------
@@ -196,9 +190,9 @@ class GrooveCrossSection:
     apex_angle: float
     #: Section angle of the edge at which a flank meets the land [rad].
     edge_angle: float
-    #: Axial distance from the groove's centre line to the middle of its opening [m].
+    #: Axial distance from the groove's centre line to the middle of the groove's opening at the land [m].
     opening_position: float
-    #: Half width of the opening along z [m].
+    #: Half width of the groove's opening along z [m].
     opening_half_width: float
     #: Thickness of the wall under the groove [m].
     wall_thickness: float
@@ -232,7 +226,7 @@ class GrooveCrossSection:
         land, behind = (
             (spec.outer_radius, spec.inner_radius) if spec.groove_outside else (spec.inner_radius, spec.outer_radius)
         )
-        apex, edge = section_angles_of_flank(m, sides[-1], land)
+        apex, edge = meshes_sockets.section_angles_of_flank(m, sides[-1], land)
         apex = max(apex, 0.0)
         gamma = np.linspace(apex, edge, 65)
         r, zeta, _ = m.section_to_unrolled(*m.polar_to_section(sides[-1], gamma, np.full(65, m.radius[sides[-1]])))
@@ -271,7 +265,7 @@ class GrooveCrossSection:
         side : int
             Flank: 0 and 1 are left and right on the screw, 2 and 3 on the nut.
         gamma : Array
-            Section angles of the points [rad].
+            Section angles of the points: around the centre of the flank's arc, from the radial direction [rad].
 
         Returns
         -------
@@ -291,7 +285,7 @@ class GrooveCrossSection:
         side : int
             Flank: 0 and 1 are left and right on the screw, 2 and 3 on the nut.
         gamma : Array
-            Section angles of the points [rad].
+            Section angles of the points: around the centre of the flank's arc, from the radial direction [rad].
 
         Returns
         -------

@@ -84,16 +84,16 @@ class GrooveMap:
 
     @cached_property
     def _field_values(self) -> tuple[object, ...]:
-        """Values of all fields, with arrays as bytes, for comparison and hashing."""
+        """Values of all fields of the groove surfaces, with arrays as bytes, for comparison and hashing."""
         values = (getattr(self, field.name) for field in fields(self))
         return tuple(value.tobytes() if isinstance(value, np.ndarray) else value for value in values)
 
     def __eq__(self, other: object) -> bool:
-        """Return whether all fields have the same values."""
+        """Return whether two groove surfaces have the same values in all fields."""
         return isinstance(other, GrooveMap) and self._field_values == other._field_values
 
     def __hash__(self) -> int:
-        """Hash the values of all fields."""
+        """Return a hash of the values of all fields."""
         return hash(self._field_values)
 
     @property
@@ -131,7 +131,7 @@ class GrooveMap:
         Parameters
         ----------
         side : int
-            Flank 0 to 3 (SL, SR, NL, NR).
+            Flank: 0 and 1 are left and right on the screw, 2 and 3 on the nut.
         angle : float
             Contact angle [rad].
 
@@ -159,7 +159,7 @@ class GrooveMap:
         Parameters
         ----------
         side : int
-            Flank 0 to 3 (SL, SR, NL, NR).
+            Flank: 0 and 1 are left and right on the screw, 2 and 3 on the nut.
         gamma : Array
             Section angle, measured from the radial direction [rad].
         rho : Array
@@ -230,14 +230,14 @@ class GrooveMap:
         return np.sqrt(np.maximum(r * r - (z3 * s) ** 2, 0.0)) - self.R, z3
 
     def section_to_polar(self, side: int, x3: Array, z3: Array) -> tuple[Array, Array]:
-        """Convert coordinates x3, z3 in the groove section to polar ones about the centre of a flank's arc.
+        """Convert coordinates x3, z3 in the groove section to polar coordinates about the centre of a flank's arc.
 
         This is the inverse of `polar_to_section`.
 
         Parameters
         ----------
         side : int
-            Flank 0 to 3 (SL, SR, NL, NR).
+            Flank: 0 and 1 are left and right on the screw, 2 and 3 on the nut.
         x3, z3 : Array
             Section coordinates [m].
 

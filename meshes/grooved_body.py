@@ -16,57 +16,13 @@ from typing import Any
 import numpy as np
 from skfem import Mesh
 
+from rollbench.meshes import fem
+from rollbench.meshes import groove as meshes_groove
+from rollbench.meshes import shell as meshes_shell
+from rollbench.meshes import sockets as meshes_sockets
 from rollbench.meshes.arrays import Array, Index
-from rollbench.meshes.fem import (
-    MeshedBody,
-    MeshQuality,
-    improve_curved_cells,
-    largest_arc_deviation,
-    node_coordinates,
-    nodes_on_boundaries,
-)
-from rollbench.meshes.groove import (
-    GrooveCrossSection,
-    GroovedBodySpec,
-    azimuth_of_widest_gap,
-    circle_in_plane,
-    circle_in_space,
-    helix_in_plane_coordinates,
-    line_along_first_axis,
-    line_along_second_axis,
-    outer_surfaces_of_flanged_nut,
-    point_map_at_z,
-    points_from_cylindrical,
-)
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import SIDE_SIGNS, SIDES
-from rollbench.meshes.shell import (
-    BEND,
-    EXACT,
-    GROWTH,
-    POOREST,
-    WALL,
-    ClosedSurfaceMesh,
-    DividedCurve,
-    FilledSurfaceMesh,
-    Placing,
-    Side,
-    best_mesh_of_attempts,
-    edge_length_growing_with_distance,
-    mesh_inside_closed_surface,
-)
-from rollbench.meshes.sockets import (
-    ON_GROOVE,
-    RefinementBoxFaces,
-    check_refinement_boxes_fit,
-    helix_constants_of_starts,
-    mesh_refinement_box_of_flank,
-    points_in_box_at_azimuth_zero,
-    points_in_refinement_box,
-    rim_nodes_of_refinement_box,
-    turns_and_distance_to_groove,
-    unrolled_nominal_contact_point,
-)
 
 #: Longest edges on flanks, as a ratio to the coarse element size. Most cells of a body are at its long, narrow groove.
 FLANK = 0.48
@@ -77,12 +33,13 @@ SLIVER = 0.1
 
 
 @dataclass(frozen=True)
-class CoarseGroovedBodyMesh(MeshedBody):
+class CoarseGroovedBodyMesh(fem.MeshedBody):
     """Coarse mesh of a screw, nut or ring, with a refinement box left free around each contact for a finer mesh.
 
-    Names of its boundaries: "low end", "high end", "flank SL" (SR, NL, NR), "land"; "bore" of a hollow screw or "outside"
-    of a nut; "sockets", the faces of the refinement boxes, if there are any. A flanged nut also has "rim", "seat" (the ring
-    at which the flange may be fixed), "flange" (the rest of that face) and "centring" (the cylindrical fit next to it).
+    Names of its boundaries: "low end", "high end", "land"; "flank SL" (left) and "flank SR" (right) of a screw, or "flank
+    NL" and "flank NR" of a nut; "bore" of a hollow screw or "outside" of a nut; "sockets", the faces of the refinement
+    boxes, if there are any. A flanged nut also has "rim", "seat" (the ring at which the flange may be fixed), "flange" (the
+    rest of that face) and "centring" (the cylindrical fit next to it).
     """
 
     #: Mesh of second-order tetrahedra.
@@ -90,11 +47,11 @@ class CoarseGroovedBodyMesh(MeshedBody):
     #: Nodes on the faces of each refinement box ``(count, k)``, in the order of the nodes of its mesh in ``box_faces``.
     nodes_on_box_faces: Index
     #: Mesh of the faces of a refinement box, by the flank (0 to 3) on which the box lies.
-    box_faces: dict[int, RefinementBoxFaces]
+    box_faces: dict[int, meshes_sockets.RefinementBoxFaces]
     #: Largest distance of the flanks' nodes, including the refinement boxes' rims, from the exact flanks [m].
     flank_deviation: float
-    #: Number of cells and nodes, and the scaled Jacobians of the cells.
-    quality: MeshQuality
+    #: Number of cells and nodes of the mesh, and smallest and median scaled Jacobian of its cells.
+    quality: fem.MeshQuality
 
 
 class GroovedBodySurface:
@@ -105,11 +62,11 @@ class GroovedBodySurface:
 
     def __init__(
         self,
-        shell: ClosedSurfaceMesh,
+        shell: meshes_shell.ClosedSurfaceMesh,
         m: GrooveMap,
-        spec: GroovedBodySpec,
+        spec: meshes_groove.GroovedBodySpec,
         share: float = 1.0,
-        groove: GrooveCrossSection | None = None,
+        groove: meshes_groove.GrooveCrossSection | None = None,
     ) -> None:
         """Divide the curves of the body's surface and triangulate its faces.
 
@@ -130,11 +87,11 @@ class GroovedBodySurface:
             Cross-section of the groove; None: it is computed from ``m`` and ``spec``.
         """
         self.shell, self.m, self.spec = shell, m, spec
-        self.groove = groove or GrooveCrossSection.from_body(m, spec)
+        self.groove = groove or meshes_groove.GrooveCrossSection.from_body(m, spec)
         self.z = (spec.z_low, spec.z_high)
         kinds = {
-            s: mesh_refinement_box_of_flank(
-                partial(partial, points_in_box_at_azimuth_zero, m, spec.refinement_box_size),
+            s: meshes_sockets.mesh_refinement_box_of_flank(
+                partial(partial, meshes_sockets.points_in_box_at_azimuth_zero, m, spec.refinement_box_size),
                 s,
                 spec.refinement_box_size.edge_divisions,
             )
@@ -144,15 +101,19 @@ class GroovedBodySurface:
         self.corners = []
         for socket in spec.contact_positions:
             box, raised = kinds[socket[2]]
-            places = (points_in_refinement_box(m, spec.refinement_box_size, socket, x) for x in (box.xi, raised))
+            places = (
+                meshes_sockets.points_in_refinement_box(m, spec.refinement_box_size, socket, x) for x in (box.xi, raised)
+            )
             self.corners.append(shell.add_refinement_box("sockets", box, *places))
-        self.flank_limit = share * min(BEND[0] * float(m.radius[self.groove.sides[0]]), FLANK * spec.cell_size_far_away)
-        self.bend = share * BEND[1]
-        self.start = azimuth_of_widest_gap(spec)
+        self.flank_limit = share * min(
+            meshes_shell.BEND[0] * float(m.radius[self.groove.sides[0]]), FLANK * spec.cell_size_far_away
+        )
+        self.bend = share * meshes_shell.BEND[1]
+        self.start = meshes_groove.azimuth_of_widest_gap(spec)
         self._triangulate_end_faces(self._triangulate_helical_groove() if m.rg else self._triangulate_ring_groove())
 
-    def _box_rims_on_flank(self, side: int, line: float) -> list[list[Side]]:
-        """Return the rims of the refinement boxes on a flank of one start's groove, the holes in the face of the flank.
+    def _box_rims_on_flank(self, side: int, line: float) -> list[list[meshes_shell.Side]]:
+        """Return the rims of the refinement boxes on a flank of one thread start, which are the holes in the flank's face.
 
         ``side``: flank 0 to 3; ``line``: constant z - r_g phi of the groove [m], with the lead per radian r_g. Each rim is
         a closed loop of one boundary segment, in the plane coordinates (azimuth, section angle gamma) [rad].
@@ -160,13 +121,13 @@ class GroovedBodySurface:
         m, spec = self.m, self.spec
         holes = []
         for corners, (phi, z, socket_side) in zip(self.corners, spec.contact_positions, strict=True):
-            turns, off = turns_and_distance_to_groove(m, phi, z, line)
-            if socket_side != side or off > ON_GROOVE * m.ball:
+            turns, off = meshes_sockets.turns_and_distance_to_groove(m, phi, z, line)
+            if socket_side != side or off > meshes_sockets.ON_GROOVE * m.ball:
                 continue
-            top = rim_nodes_of_refinement_box(self.boxes[side])
+            top = meshes_sockets.rim_nodes_of_refinement_box(self.boxes[side])
             top = np.append(top, top[0])
             xi = self.boxes[side].xi[top]
-            middle = phi + 2.0 * np.pi * turns + unrolled_nominal_contact_point(m, side)[2]
+            middle = phi + 2.0 * np.pi * turns + meshes_sockets.unrolled_nominal_contact_point(m, side)[2]
             if not m.rg:
                 middle = self.start + np.mod(middle - self.start, 2.0 * np.pi)
             at = np.stack(
@@ -176,8 +137,8 @@ class GroovedBodySurface:
             holes.append([(corners[top], at)])
         return holes
 
-    def _triangulate_flank(self, side: int, line: float, boundary: list[Side]) -> None:
-        """Triangulate a flank of one start's groove.
+    def _triangulate_flank(self, side: int, line: float, boundary: list[meshes_shell.Side]) -> None:
+        """Triangulate a flank of the helical groove of one thread start.
 
         ``side``: flank 0 to 3; ``line``: constant z - r_g phi of the groove [m], with the lead per radian r_g;
         ``boundary``: segments of the boundary of the face in the coordinates (azimuth, section angle) [rad]. gmsh
@@ -185,21 +146,23 @@ class GroovedBodySurface:
         distorts angles least.
         """
         m = self.m
-        scale = np.array([np.hypot(m.rg, unrolled_nominal_contact_point(m, side)[0]), float(m.radius[side])])
+        scale = np.array([np.hypot(m.rg, meshes_sockets.unrolled_nominal_contact_point(m, side)[0]), float(m.radius[side])])
 
-        def to_plane(x: Array) -> Array:
+        def to_plane_of_gmsh(x: Array) -> Array:
             return scale * np.stack([x[:, 0] - self.groove.unrolled_coordinates(side, x[:, 1])[2], x[:, 1]], axis=1)
 
-        def space(plane: Array) -> Array:
+        def plane_to_flank(plane: Array) -> Array:
             along, gamma = (plane / scale).T
             r, zeta, turn = self.groove.unrolled_coordinates(side, gamma)
             phi = along + turn
-            return points_from_cylindrical(self.groove.radius_with_run_out(line, r, phi), phi, line + zeta + m.rg * phi)
+            return meshes_groove.points_from_cylindrical(
+                self.groove.radius_with_run_out(line, r, phi), phi, line + zeta + m.rg * phi
+            )
 
-        loops = [[(n, to_plane(x)) for n, x in loop] for loop in (boundary, *self._box_rims_on_flank(side, line))]
-        self.shell.add_face(f"flank {SIDES[side]}", loops, space, self.flank_limit)
+        loops = [[(n, to_plane_of_gmsh(x)) for n, x in loop] for loop in (boundary, *self._box_rims_on_flank(side, line))]
+        self.shell.add_face(f"flank {SIDES[side]}", loops, plane_to_flank, self.flank_limit)
 
-    def _triangulate_on_cylinder(self, name: str, r: float, boundary: list[Side], limit: float) -> None:
+    def _triangulate_on_cylinder(self, name: str, r: float, boundary: list[meshes_shell.Side], limit: float) -> None:
         """Triangulate a face on the cylinder of radius ``r`` [m] about the axis, with edges of at most ``limit`` [m].
 
         ``name``: name of the boundary of the mesh to which the face belongs; ``boundary``: segments of the boundary of the
@@ -207,15 +170,22 @@ class GroovedBodySurface:
         """
         scale = np.array([r, 1.0])
         loop = [(n, x * scale) for n, x in boundary]
-        self.shell.add_face(name, [loop], lambda x: points_from_cylindrical(r, x[:, 0] / r, x[:, 1]), limit)
+        self.shell.add_face(name, [loop], lambda x: meshes_groove.points_from_cylindrical(r, x[:, 0] / r, x[:, 1]), limit)
 
-    def _divide_circle(self, r: float, z: float, limit: float) -> DividedCurve:
+    def _divide_circle(self, r: float, z: float, limit: float) -> meshes_shell.DividedCurve:
         """Divide the circle of radius ``r`` about the axis, at the position ``z``, into edges of at most ``limit`` [m]."""
-        return self.shell.add_divided_curve(circle_in_space(r, z), self.start, self.start + 2.0 * np.pi, limit)
+        return self.shell.add_divided_curve(
+            meshes_groove.circle_in_space(r, z), self.start, self.start + 2.0 * np.pi, limit
+        )
 
     def _sides_of_closed_face(
-        self, low: DividedCurve, high: DividedCurve, at: tuple[float, float], seam: Placing, limit: float
-    ) -> list[Side]:
+        self,
+        low: meshes_shell.DividedCurve,
+        high: meshes_shell.DividedCurve,
+        at: tuple[float, float],
+        seam: meshes_shell.Placing,
+        limit: float,
+    ) -> list[meshes_shell.Side]:
         """Return the four boundary segments of a face between two circles about the axis, cut open along a seam.
 
         ``low``, ``high``: the two divided circles; ``at``: the second plane coordinate (z or section angle) of ``low`` and
@@ -223,26 +193,37 @@ class GroovedBodySurface:
         ``limit``: length of the longest edge on the seam [m].
         """
         cut = self.shell.add_divided_curve(seam, *at, limit, (int(low.nodes[0]), int(high.nodes[0])))
-        begin, end = line_along_second_axis(self.start), line_along_second_axis(self.start + 2.0 * np.pi)
+        begin, end = (
+            meshes_groove.line_along_second_axis(self.start),
+            meshes_groove.line_along_second_axis(self.start + 2.0 * np.pi),
+        )
         return [
-            low.as_side_of_face(line_along_first_axis(at[0])),
+            low.as_side_of_face(meshes_groove.line_along_first_axis(at[0])),
             cut.as_side_of_face(end),
-            high.as_reversed_side_of_face(line_along_first_axis(at[1])),
+            high.as_reversed_side_of_face(meshes_groove.line_along_first_axis(at[1])),
             cut.as_reversed_side_of_face(begin),
         ]
 
     def _triangulate_tube(
-        self, name: str, r: float, low: DividedCurve, high: DividedCurve, z: tuple[float, float], limit: float
+        self,
+        name: str,
+        r: float,
+        low: meshes_shell.DividedCurve,
+        high: meshes_shell.DividedCurve,
+        z: tuple[float, float],
+        limit: float,
     ) -> None:
         """Triangulate the face between two divided circles, ``low`` and ``high``, on the cylinder of radius ``r`` [m].
 
         ``name``: name of the boundary of the mesh to which the face belongs; ``z``: axial positions of ``low`` and ``high``
         [m]; ``limit``: length of the longest edge [m].
         """
-        seam = self._sides_of_closed_face(low, high, z, lambda t: points_from_cylindrical(r, self.start, t), limit)
+        seam = self._sides_of_closed_face(
+            low, high, z, lambda t: meshes_groove.points_from_cylindrical(r, self.start, t), limit
+        )
         self._triangulate_on_cylinder(name, r, seam, limit)
 
-    def _triangulate_end_faces(self, bounds: list[list[Side]]) -> None:
+    def _triangulate_end_faces(self, bounds: list[list[meshes_shell.Side]]) -> None:
         """Triangulate the two flat ends, and the bore of a hollow screw or the outside of a nut.
 
         ``bounds``: for the end at smaller z, then for that at larger z, the segments of the end's closed boundary at the
@@ -251,7 +232,7 @@ class GroovedBodySurface:
         r = self.groove.back_radius
         loops = [[bound] for bound in bounds]
         if r > 0.0:
-            limit = min(self.bend * r, max(WALL * self.groove.wall_thickness, self.shell.fine))
+            limit = min(self.bend * r, max(meshes_shell.WALL * self.groove.wall_thickness, self.shell.fine))
             places = [(r, z) for z in self.z]
             if self.spec.flange is None:
                 circles = [self._divide_circle(r, z, limit) for z in self.z]
@@ -260,16 +241,18 @@ class GroovedBodySurface:
                 )
             else:
                 thin = max(THICKNESS * self.spec.flange.thickness, self.shell.fine)
-                names, places = outer_surfaces_of_flanged_nut(self.spec.flange, r, self.z, SLIVER * thin)
+                names, places = meshes_groove.outer_surfaces_of_flanged_nut(self.spec.flange, r, self.z, SLIVER * thin)
                 circles = self._triangulate_flanged_outside(names, places, limit, thin)
             for loop, ring, (radius, _) in zip(loops, (circles[0], circles[-1]), (places[0], places[-1]), strict=True):
-                loop.insert(1 if self.spec.groove_outside else 0, [ring.as_side_of_face(circle_in_plane(radius))])
+                loop.insert(
+                    1 if self.spec.groove_outside else 0, [ring.as_side_of_face(meshes_groove.circle_in_plane(radius))]
+                )
         for name, z, loop in zip(("low end", "high end"), self.z, loops, strict=True):
-            self.shell.add_face(name, loop, point_map_at_z(z), np.inf)
+            self.shell.add_face(name, loop, meshes_groove.point_map_at_z(z), np.inf)
 
     def _triangulate_flanged_outside(
         self, names: list[str], places: list[tuple[float, float]], limit: float, thin: float
-    ) -> list[DividedCurve]:
+    ) -> list[meshes_shell.DividedCurve]:
         """Triangulate the outer surfaces of a flanged nut, and return the divided circles between which they lie.
 
         ``names``: names of the surfaces, from smaller to larger z; ``places``: radius and z [m] of the circles that bound
@@ -286,11 +269,14 @@ class GroovedBodySurface:
             else:
                 outer, inner = sorted(((r, circles[k]), (other, circles[k + 1])), key=lambda x: -x[0])
                 self.shell.add_face(
-                    name, [[c.as_side_of_face(circle_in_plane(x))] for x, c in (outer, inner)], point_map_at_z(z), size
+                    name,
+                    [[c.as_side_of_face(meshes_groove.circle_in_plane(x))] for x, c in (outer, inner)],
+                    meshes_groove.point_map_at_z(z),
+                    size,
                 )
         return circles
 
-    def _triangulate_ring_groove(self) -> list[list[Side]]:
+    def _triangulate_ring_groove(self) -> list[list[meshes_shell.Side]]:
         """Triangulate the flanks and lands of a bearing ring, and return the boundaries of both flat ends at the land.
 
         Each boundary, first that at smaller z, is a circle in the plane coordinates (x, y) [m].
@@ -313,19 +299,19 @@ class GroovedBodySurface:
 
             def seam_points(gamma: Array, side: int = side) -> Array:
                 r, zeta = g.profile_points(side, gamma)
-                return points_from_cylindrical(r, self.start, line + zeta)
+                return meshes_groove.points_from_cylindrical(r, self.start, line + zeta)
 
             self._triangulate_flank(
                 side, line, self._sides_of_closed_face(first, last, (begin, g.edge_angle), seam_points, self.flank_limit)
             )
-        return [[c.as_side_of_face(circle_in_plane(g.land_radius))] for c in circles]
+        return [[c.as_side_of_face(meshes_groove.circle_in_plane(g.land_radius))] for c in circles]
 
-    def _triangulate_helical_groove(self) -> list[list[Side]]:
+    def _triangulate_helical_groove(self) -> list[list[meshes_shell.Side]]:
         """Triangulate the flanks and lands of a screw or nut, and return the boundaries of both flat ends at the groove.
 
         Each boundary, first that at smaller z, is a list of segments in the plane coordinates (x, y) [m].
         """
-        g, rg, lines = self.groove, self.m.rg, helix_constants_of_starts(self.m)
+        g, rg, lines = self.groove, self.m.rg, meshes_sockets.helix_constants_of_starts(self.m)
         threads = [
             HelicalGrooveCurves(self.shell, g, line, self.z, min(self.flank_limit, self.bend * g.land_radius))
             for line in lines
@@ -337,8 +323,8 @@ class GroovedBodySurface:
                 self._triangulate_flank(side, thread.line, thread.sides_of_flank(place))
             following = threads[(k - 1 if rg > 0.0 else k + 1) % len(threads)]
             near, far = (
-                helix_in_plane_coordinates(thread.line, g.opening_half_width, rg),
-                helix_in_plane_coordinates(thread.line, pitch - g.opening_half_width, rg),
+                meshes_groove.helix_in_plane_coordinates(thread.line, g.opening_half_width, rg),
+                meshes_groove.helix_in_plane_coordinates(thread.line, pitch - g.opening_half_width, rg),
             )
             pair = []
             for end, z in zip((0, -1), self.z, strict=True):
@@ -346,20 +332,22 @@ class GroovedBodySurface:
                 ends = int(thread.rails[2].nodes[end]), int(following.rails[0].nodes[end])
                 pair.append(
                     self.shell.add_divided_curve(
-                        circle_in_space(g.land_radius, z), begin, stop, self.bend * g.land_radius, ends
+                        meshes_groove.circle_in_space(g.land_radius, z), begin, stop, self.bend * g.land_radius, ends
                     )
                 )
             low, high = (
-                pair[0].as_side_of_face(line_along_first_axis(self.z[0])),
-                pair[1].as_reversed_side_of_face(line_along_first_axis(self.z[1])),
+                pair[0].as_side_of_face(meshes_groove.line_along_first_axis(self.z[0])),
+                pair[1].as_reversed_side_of_face(meshes_groove.line_along_first_axis(self.z[1])),
             )
             boundary = [low, following.rails[0].as_side_of_face(far), high, thread.rails[2].as_reversed_side_of_face(near)]
             self._triangulate_on_cylinder("land", g.land_radius, boundary, self.bend * g.land_radius)
             arcs.append(pair)
         return [self._boundary_of_end_face(threads, [pair[end] for pair in arcs], end) for end in (0, 1)]
 
-    def _boundary_of_end_face(self, threads: list[HelicalGrooveCurves], arcs: list[DividedCurve], end: int) -> list[Side]:
-        """Return the segments of a flat end's boundary at the grooves: per start, right flank, land, and next left flank.
+    def _boundary_of_end_face(
+        self, threads: list[HelicalGrooveCurves], arcs: list[meshes_shell.DividedCurve], end: int
+    ) -> list[meshes_shell.Side]:
+        """Return the segments of a flat end's boundary: for each thread start, right flank, land, and next left flank.
 
         ``threads``: curves of each start's groove; ``arcs``: for each start, the arc of its land at this end; ``end``: 0
         for the end at smaller z, 1 for that at larger z. Plane coordinates are (x, y) [m].
@@ -370,7 +358,7 @@ class GroovedBodySurface:
             n = (k + step) % len(threads)
             loop += [
                 threads[k].cuts[1][end].as_side_of_face(threads[k].end_curve_in_plane(1, end)),
-                arcs[k].as_side_of_face(circle_in_plane(g.land_radius)),
+                arcs[k].as_side_of_face(meshes_groove.circle_in_plane(g.land_radius)),
                 threads[n].cuts[0][end].as_reversed_side_of_face(threads[n].end_curve_in_plane(0, end)),
             ]
             k = n
@@ -378,14 +366,19 @@ class GroovedBodySurface:
 
 
 class HelicalGrooveCurves:
-    """Curves that bound the two flanks of one start's helical groove.
+    """Curves that bound the two flanks of the helical groove of one thread start.
 
     The attribute ``rails`` holds the curves along the left edge, the apex and the right edge of the groove; ``cuts`` holds,
     for the left and the right flank, the curves in which it meets the two flat ends.
     """
 
     def __init__(
-        self, shell: ClosedSurfaceMesh, groove: GrooveCrossSection, line: float, z: tuple[float, float], limit: float
+        self,
+        shell: meshes_shell.ClosedSurfaceMesh,
+        groove: meshes_groove.GrooveCrossSection,
+        line: float,
+        z: tuple[float, float],
+        limit: float,
     ) -> None:
         """Divide the curves into edges of at most ``limit`` [m], and add their nodes to ``shell``.
 
@@ -403,12 +396,12 @@ class HelicalGrooveCurves:
         self.rails = []
         for radius, height in places:
 
-            def space(t: Array, radius: float = radius, height: float = height) -> Array:
+            def rail_points(t: Array, radius: float = radius, height: float = height) -> Array:
                 phi = (t - line - height) / groove.groove_map.rg
-                return points_from_cylindrical(groove.radius_with_run_out(line, radius, phi), phi, t)
+                return meshes_groove.points_from_cylindrical(groove.radius_with_run_out(line, radius, phi), phi, t)
 
-            first, last = shell.add_nodes(space(np.array(z)))
-            self.rails.append(shell.add_divided_curve(space, *z, limit, (int(first), int(last))))
+            first, last = shell.add_nodes(rail_points(np.array(z)))
+            self.rails.append(shell.add_divided_curve(rail_points, *z, limit, (int(first), int(last))))
         self.cuts = [
             [
                 shell.add_divided_curve(
@@ -433,14 +426,16 @@ class HelicalGrooveCurves:
         phi = (self.z[end] - self.line - zeta) / self.groove.groove_map.rg
         return self.groove.radius_with_run_out(self.line, r, phi), phi
 
-    def _end_curve_in_space(self, place: int, end: int) -> Placing:
+    def _end_curve_in_space(self, place: int, end: int) -> meshes_shell.Placing:
         """Return the curve in space in which a flank meets a flat end, as a function of the section angle gamma [rad].
 
         ``place``: 0 left, 1 right flank; ``end``: 0 for the end at smaller z, 1 for that at larger z.
         """
-        return lambda gamma: points_from_cylindrical(*self._radius_and_azimuth_at_end(place, end, gamma), self.z[end])
+        return lambda gamma: meshes_groove.points_from_cylindrical(
+            *self._radius_and_azimuth_at_end(place, end, gamma), self.z[end]
+        )
 
-    def end_curve_in_plane(self, place: int, end: int) -> Placing:
+    def end_curve_in_plane(self, place: int, end: int) -> meshes_shell.Placing:
         """Return the curve in which a flank meets a flat end, in the plane coordinates (x, y) [m] of the end.
 
         ``place``: 0 left, 1 right flank; ``end``: 0 for the end at smaller z, 1 for that at larger z. The parameter of the
@@ -448,30 +443,30 @@ class HelicalGrooveCurves:
         """
         return lambda gamma: self._end_curve_in_space(place, end)(gamma)[:, :2]
 
-    def sides_of_flank(self, place: int) -> list[Side]:
+    def sides_of_flank(self, place: int) -> list[meshes_shell.Side]:
         """Return the four boundary segments of a flank in the plane coordinates (azimuth, section angle gamma) [rad].
 
         ``place``: 0 left, 1 right flank.
         """
         g = self.groove
 
-        def cut(end: int) -> Placing:
+        def end_curve_in_flank_coordinates(end: int) -> meshes_shell.Placing:
             return lambda gamma: np.stack([self._radius_and_azimuth_at_end(place, end, gamma)[1], gamma], axis=1)
 
         apex, edge = (
-            helix_in_plane_coordinates(self.line, self.zeta[k], g.groove_map.rg, at)
+            meshes_groove.helix_in_plane_coordinates(self.line, self.zeta[k], g.groove_map.rg, at)
             for k, at in ((1, g.apex_angle), (2 * place, g.edge_angle))
         )
         low, high = self.cuts[place]
         return [
-            low.as_side_of_face(cut(0)),
+            low.as_side_of_face(end_curve_in_flank_coordinates(0)),
             self.rails[2 * place].as_side_of_face(edge),
-            high.as_reversed_side_of_face(cut(1)),
+            high.as_reversed_side_of_face(end_curve_in_flank_coordinates(1)),
             self.rails[1].as_reversed_side_of_face(apex),
         ]
 
 
-def mesh_grooved_body(m: GrooveMap, spec: GroovedBodySpec) -> CoarseGroovedBodyMesh:
+def mesh_grooved_body(m: GrooveMap, spec: meshes_groove.GroovedBodySpec) -> CoarseGroovedBodyMesh:
     """Mesh a screw, nut or ring coarsely, and leave a refinement box free around each contact for a finer mesh.
 
     Parameters
@@ -492,30 +487,38 @@ def mesh_grooved_body(m: GrooveMap, spec: GroovedBodySpec) -> CoarseGroovedBodyM
         A refinement box does not fit, or no attempt of gmsh gives a good mesh.
     """
     land, behind = (spec.outer_radius, spec.inner_radius) if spec.groove_outside else (spec.inner_radius, spec.outer_radius)
-    check_refinement_boxes_fit(m, spec.refinement_box_size, spec.contact_positions, land, behind, (spec.z_low, spec.z_high))
-    GrooveCrossSection.from_body(m, spec)
+    meshes_sockets.check_refinement_boxes_fit(
+        m, spec.refinement_box_size, spec.contact_positions, land, behind, (spec.z_low, spec.z_high)
+    )
+    meshes_groove.GrooveCrossSection.from_body(m, spec)
     xi = np.array(list(product((-1.0, 0.0, 1.0), (0.0, 0.5, 1.0), (-1.0, 0.0, 1.0))))
     near = np.concatenate(
         [
             np.zeros((0, 3)),
-            *(points_in_refinement_box(m, spec.refinement_box_size, socket, xi) for socket in spec.contact_positions),
+            *(
+                meshes_sockets.points_in_refinement_box(m, spec.refinement_box_size, socket, xi)
+                for socket in spec.contact_positions
+            ),
         ]
     )
 
-    def attempt(gmsh: Any, plane: int, volume: int, share: float) -> tuple[CoarseGroovedBodyMesh, float]:
+    def mesh_once(gmsh: Any, plane: int, volume: int, share: float) -> tuple[CoarseGroovedBodyMesh, float]:
         sizes = share * spec.cell_size_at_contacts, share * spec.cell_size_far_away
-        shell = ClosedSurfaceMesh(
-            gmsh, edge_length_growing_with_distance(near, *sizes, *(m.ball * g for g in GROWTH)), min(sizes), plane
+        shell = meshes_shell.ClosedSurfaceMesh(
+            gmsh,
+            meshes_shell.edge_length_growing_with_distance(near, *sizes, *(m.ball * g for g in meshes_shell.GROWTH)),
+            min(sizes),
+            plane,
         )
         surface = GroovedBodySurface(shell, m, spec, share)
-        body = _build_body_record(surface, mesh_inside_closed_surface(shell, volume))
-        off = body.flank_deviation / m.ball if body.flank_deviation > EXACT else 0.0
-        return body, off + max(0.0, POOREST - body.quality.smallest_jacobian)
+        body = _build_body_record(surface, meshes_shell.mesh_inside_closed_surface(shell, volume))
+        off = body.flank_deviation / m.ball if body.flank_deviation > meshes_shell.EXACT else 0.0
+        return body, off + max(0.0, meshes_shell.POOREST - body.quality.smallest_jacobian)
 
-    return best_mesh_of_attempts("screw" if spec.groove_outside else "nut", attempt)
+    return meshes_shell.best_mesh_of_attempts("screw" if spec.groove_outside else "nut", mesh_once)
 
 
-def _build_body_record(surface: GroovedBodySurface, filled: FilledSurfaceMesh) -> CoarseGroovedBodyMesh:
+def _build_body_record(surface: GroovedBodySurface, filled: meshes_shell.FilledSurfaceMesh) -> CoarseGroovedBodyMesh:
     """Build the record of a body's mesh: name its boundaries, improve badly curved cells, measure deviation and quality.
 
     ``surface``: surface of the body; ``filled``: mesh of the volume inside it. Edges that would invert cells are
@@ -526,10 +529,12 @@ def _build_body_record(surface: GroovedBodySurface, filled: FilledSurfaceMesh) -
     rows = [filled.nodes_on_refinement_box(corners, surface.boxes[side]) for corners, (_, _, side) in places]
     sockets = np.array(rows, dtype=np.int64).reshape(len(rows), -1 if rows else 0)
     name = "screw" if spec.groove_outside else "nut"
-    mesh, _, quality = improve_curved_cells(
+    mesh, _, quality = fem.improve_curved_cells(
         filled.with_named_boundaries(shell), name, filled.nodes_of_triangles(shell.triangles_on_boundary()), sockets
     )
-    flanks = {s: node_coordinates(mesh)[nodes_on_boundaries(mesh, f"flank {SIDES[s]}")] for s in surface.groove.sides}
+    flanks = {
+        s: fem.node_coordinates(mesh)[fem.nodes_on_boundaries(mesh, f"flank {SIDES[s]}")] for s in surface.groove.sides
+    }
     ends = surface.groove.run_out
     deviation = max(
         _largest_flank_deviation(m, s, x if ends is None else x[ends.has_full_depth(x)]) for s, x in flanks.items()
@@ -547,4 +552,4 @@ def _largest_flank_deviation(m: GrooveMap, side: int, points: Array) -> float:
         zeta = zeta - m.rg * (np.arctan2(points[:, 1], points[:, 0]) - m.phase)
         pitch = 2.0 * np.pi * abs(m.rg) / m.starts
         zeta = zeta - pitch * np.round(zeta / pitch)
-    return largest_arc_deviation(*m.unrolled_to_section(r, zeta), m.centre[side], float(m.radius[side]))
+    return fem.largest_arc_deviation(*m.unrolled_to_section(r, zeta), m.centre[side], float(m.radius[side]))

@@ -70,9 +70,9 @@ def lead_angle(track: Track) -> float:
 
 @dataclass(frozen=True)
 class BallLayout:
-    """Nominal positions of n balls, sorted by start, and frames at their centres: radial, across and along the track."""
+    """Nominal positions of n balls, one thread start after the other, and the axes of the groove section at each ball."""
 
-    #: Azimuths ``(n,)`` [rad], counted on over whole turns, each with the offset of its start.
+    #: Azimuths of the balls ``(n,)`` [rad], counted on over whole turns; they include the offset of the thread start.
     azimuth: Array
     #: Axial positions of the ball centres ``(n,)`` [m].
     z: Array
@@ -99,7 +99,7 @@ def ball_layout(scene: Scene) -> BallLayout:
     Returns
     -------
     BallLayout
-        Positions of all balls, sorted by start.
+        Positions of all balls, one thread start after the other.
 
     References
     ----------
@@ -152,7 +152,7 @@ def ball_layout_at_positions(track: Track, azimuth: Array, z: Array) -> BallLayo
 
 
 def nominal_groove_radii(scene: Scene) -> Array:
-    """Return the nominal groove radii of the flanks SL, SR, NL, NR.
+    """Return the nominal groove radii of the four flanks (screw left, screw right, nut left, nut right).
 
     Parameters
     ----------
@@ -168,12 +168,12 @@ def nominal_groove_radii(scene: Scene) -> Array:
 
 
 def _listed_groove_radii(scene: Scene) -> list[float]:
-    """Return the nominal groove radii of the flanks SL, SR, NL, NR [m]."""
+    """Return the nominal groove radii of the four flanks (screw left, screw right, nut left, nut right) [m]."""
     return [scene.screw.groove_radius] * 2 + [scene.nut.groove_radius] * 2
 
 
 def nominal_groove_centres(scene: Scene) -> Array:
-    """Return the nominal centres of the arcs of the flanks SL, SR, NL, NR, relative to the ball's centre.
+    """Return the nominal centres of the arcs of the four flanks, relative to the ball's centre.
 
     Parameters
     ----------
@@ -183,8 +183,9 @@ def nominal_groove_centres(scene: Scene) -> Array:
     Returns
     -------
     (4, 2) Array
-        Coordinates x3 (radial) and z3 (across the track) [m]: at the distance r_G - r_B from the ball's centre, opposite
-        to the contact, with the radii r_G of the groove and r_B of the ball.
+        Coordinates x3 (radial) and z3 (across the track) [m] for screw left, screw right, nut left, nut right: at the
+        distance r_G - r_B from the ball's centre, opposite to the contact, with the radii r_G of the groove and r_B of the
+        ball.
 
     References
     ----------
@@ -200,7 +201,7 @@ def nominal_groove_centres(scene: Scene) -> Array:
 
 
 def nominal_contact_points(scene: Scene) -> Array:
-    """Return the nominal contact points of a ball on the flanks SL, SR, NL, NR, relative to the ball's centre.
+    """Return the nominal contact points of a ball on the four flanks, relative to the ball's centre.
 
     Parameters
     ----------
@@ -210,7 +211,8 @@ def nominal_contact_points(scene: Scene) -> Array:
     Returns
     -------
     (4, 2) Array
-        Coordinates x3 (radial) and z3 (across the track) [m]: at the distance r_B, the ball's radius, from its centre.
+        Coordinates x3 (radial) and z3 (across the track) [m] for screw left, screw right, nut left, nut right; the distance
+        from the ball's centre is the ball's radius.
 
     Examples
     --------
@@ -224,8 +226,8 @@ def nominal_contact_points(scene: Scene) -> Array:
 def _points_along_contact_directions(scene: Scene, distance: list[float]) -> Array:
     """Return one point for each flank, at a given distance from the ball's centre along the contact direction.
 
-    ``distance``: distance for each of the flanks SL, SR, NL, NR [m]. The points are given by their coordinates (x3, z3) in
-    the section ``(4, 2)`` [m]; a negative distance is opposite to the contact.
+    ``distance``: distance for each of the four flanks (screw left, screw right, nut left, nut right) [m]. The points are
+    given by their coordinates (x3, z3) in the section ``(4, 2)`` [m]; a negative distance is opposite to the contact.
     """
     c, s = cos(scene.track.contact_angle), sin(scene.track.contact_angle)
     return np.array([(d * (x * c), d * (z * s)) for d, (x, z) in zip(distance, SIDE_SIGNS, strict=True)])
@@ -245,7 +247,7 @@ def evenly_spaced_azimuths(
     helix_azimuth : float
         Azimuth of the middle of all circuits together [rad].
     circuits : int, default 1
-        Number of circuits of one start.
+        Number of circuits of one thread start.
     circuit_gap : float, default 0.0
         Number of turns without balls between two circuits.
 

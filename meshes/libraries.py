@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from functools import cache
 from importlib import import_module, metadata
 
-#: Shared libraries that gmsh loads, with their Debian packages; only meshing needs them.
+#: Shared libraries that gmsh loads for meshing, each with the Debian package that contains it.
 MESHING = {
     "libGLU.so.1": "libglu1-mesa",
     "libGL.so.1": "libgl1",
@@ -19,7 +19,7 @@ MESHING = {
     "libfontconfig.so.1": "libfontconfig1",
     "libgomp.so.1": "libgomp1",
 }
-#: Shared libraries with which VTK draws where there is no screen, with their Debian packages; only 3D pictures need them.
+#: Shared libraries with which VTK draws 3D pictures where there is no screen, each with its Debian package.
 PICTURES = {"libEGL.so.1": "libegl1", "libGL.so.1": "libgl1", "libXrender.so.1": "libxrender1"}
 #: Python packages that are optional, and the extra of rollbench that installs each; all commands need the other packages.
 EXTRA = {
@@ -29,8 +29,9 @@ EXTRA = {
     **dict.fromkeys(("dask", "distributed"), "cluster"),
     **dict.fromkeys(("pyarrow", "xarray"), "tables"),
 }
+#: What is missing without a package that meshes or solves the 3D reference.
 _NO_RUN = "no run of the 3D reference is computed; stored ones are read"
-#: Functions that are missing without an optional package.
+#: What rollbench cannot do, or does more slowly, without an optional Python package, by the name of the package.
 ONLY_FOR = {
     "gmsh": f"no 3D meshes: no export and no condense, {_NO_RUN}",
     "meshio": "no export of meshes",
@@ -47,10 +48,11 @@ ONLY_FOR = {
     "matplotlib": "no report; compare, mesh-study, sweep and the curve of solve write tables without figures",
     "numba": "kernels are interpreted: friction, large screws and ensembles take some hundred times as long",
 }
-#: Optional packages needed for a run of the 3D reference, and for pages of a report.
+#: Optional Python packages that are needed to compute a run of the 3D reference.
 REFERENCE = ("gmsh", "scikit-fem", "pymetis")
+#: Optional Python packages that are needed to write the pages of a report.
 PAGES = ("matplotlib", "pillow", "jinja2")
-#: Names of modules that differ from the names of their packages.
+#: Name under which a Python package is imported, where it differs from the name of the package.
 _MODULES = {"scikit-fem": "skfem", "pillow": "PIL"}
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from rollbench.meshes.arrays import Array, Index
 
-#: Least relative tolerance: four units in the last place.
+#: Smallest relative tolerance that `brentq` accepts: four units in the last place.
 LEAST = 8.881784197001252e-16
 
 
@@ -53,7 +53,7 @@ def brentq(f: Callable[[float], float], low: float, high: float, xtol: float = 2
     if f_at == 0.0:
         return at
     if copysign(1.0, f_before) == copysign(1.0, f_at):
-        raise ValueError("the function must have different signs at the two ends of the interval")
+        raise ValueError("Brent's method: the function must have different signs at the two ends of the interval")
     other = f_other = step_before = step = 0.0
     for _ in range(300):
         if f_before != 0.0 and f_at != 0.0 and copysign(1.0, f_before) != copysign(1.0, f_at):
@@ -82,7 +82,8 @@ def brentq(f: Callable[[float], float], low: float, high: float, xtol: float = 2
     raise ArithmeticError("Brent's method finds no root of the function in 300 steps")
 
 
-#: Number of points up to which all distances are computed, which is faster than importing and building a k-d tree.
+#: Number of points up to which `pairs_of_close_points` computes the distances of all pairs, which is then faster than
+#: importing scipy and building a k-d tree.
 FEW = 500
 
 

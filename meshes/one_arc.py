@@ -47,7 +47,7 @@ def flanks_of_single_arc_contacts(scene: Scene) -> tuple[int, ...]:
     Returns
     -------
     tuple[int, ...]
-        One flank of the inner and one of the outer ring (0 to 3 for SL, SR, NL, NR); empty for gothic arches.
+        One flank of the inner ring (0 left, 1 right) and one of the outer ring (2 left, 3 right); empty for gothic arches.
     """
     radius = min(scene.screw.groove_radius, scene.nut.groove_radius)
     track = scene.track
@@ -73,7 +73,7 @@ def flanks_with_contacts_of_arcs(lead: float, arcs: str, contacts_merge: bool) -
     Returns
     -------
     tuple[int, ...]
-        One flank of the inner and one of the outer ring (0 to 3 for SL, SR, NL, NR); empty for gothic arches.
+        One flank of the inner ring (0 left, 1 right) and one of the outer ring (2 left, 3 right); empty for gothic arches.
     """
     if lead != 0.0 or (arcs == "two" and not contacts_merge):
         return ()

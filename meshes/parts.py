@@ -108,17 +108,20 @@ class Material:
 @register_frozen_defaults
 @dataclass(frozen=True)
 class Track:
-    """Nominal path of the ball centres in a screw or bearing, and number of arcs per groove (Lin 2019, 2.1, 2.2, 2.5)."""
+    """Nominal path of the ball centres in a screw or bearing, and number of arcs of each groove.
+
+    Lin (2019), equations 2.1, 2.2 and 2.5.
+    """
 
     #: Pitch radius R_p [m].
     pitch_radius: Radius
-    #: Lead [m]; 0 for a bearing.
+    #: Lead of the helix [m]; 0 for a bearing.
     lead: Lead
     #: Nominal contact angle beta [rad].
     contact_angle: ContactAngle
     #: Hand of the helix.
     hand: Literal["right", "left"] = frozen_default("right")
-    #: Number of starts.
+    #: Number of starts of the screw thread.
     starts: int = frozen_default(1)
     #: Azimuth of the helix at the nut's centre [rad].
     phase: Azimuth = frozen_default(0.0)
@@ -132,9 +135,9 @@ class Track:
 class Screw:
     """Dimensions and material of a screw shaft, or of the inner ring of a bearing."""
 
-    #: Length [m]; the shaft begins at z = 0.
+    #: Length of the shaft or ring [m]; it begins at z = 0.
     length: Size
-    #: Diameter of the lands [m].
+    #: Diameter of the lands, the cylindrical surface between the turns of the groove [m].
     outer_diameter: Size
     #: Radius of the groove's arcs [m].
     groove_radius: Radius
@@ -149,9 +152,9 @@ class Screw:
 class Flange:
     """Dimensions of the flange at one end of a nut, and how it is fixed; the nut's length includes the flange."""
 
-    #: Outer diameter [m].
+    #: Outer diameter of the flange [m].
     diameter: Size
-    #: Thickness [m].
+    #: Axial thickness of the flange [m].
     thickness: Size
     #: Inner and outer radius [m] of the ring that may be fixed, on the face towards the rest of the nut.
     seat: tuple[float, float]
@@ -196,11 +199,11 @@ class Flange:
 class Nut:
     """Dimensions, position and material of a nut, or of the outer ring of a bearing."""
 
-    #: Axial position z of its centre [m].
+    #: Axial position z of the centre of nut or ring [m].
     position: Station
-    #: Length [m].
+    #: Length of the nut, including its flange, or width of the ring [m].
     length: Size
-    #: Outer diameter [m].
+    #: Outer diameter of nut or ring [m]; for a flanged nut, of the part beside the flange.
     outer_diameter: Size
     #: Radius of the groove's arcs [m].
     groove_radius: Radius
@@ -216,12 +219,12 @@ class Nut:
 class Balls:
     """Radius, material and azimuths of the balls of a screw or bearing."""
 
-    #: Nominal radius [m].
+    #: Nominal radius of the balls [m].
     radius: Radius
-    #: Elastic material.
+    #: Elastic material of the balls.
     material: Material
-    #: Azimuths of the balls of one start [rad], counted on over whole turns. The balls of the other starts have the same
-    #: azimuths plus the offset of their start.
+    #: Azimuths of the balls of the first thread start [rad], counted on over whole turns. The balls of each further start
+    #: have these azimuths plus the offset of that start.
     azimuths: tuple[Azimuth, ...]
 
 
@@ -239,6 +242,7 @@ class FourierTerm:
     sigma: Spread = frozen_default(0.0, "standard deviation of normal draws added to both amplitudes", "1 um")
 
 
+#: Type of the Fourier terms of one manufacturing error along the track.
 Terms = Annotated[tuple[FourierTerm, ...], ListLength(0, 1000)]
 
 
@@ -247,7 +251,7 @@ Terms = Annotated[tuple[FourierTerm, ...], ListLength(0, 1000)]
 class SideErrors:
     """Manufacturing errors of one groove flank: screw left (SL), screw right (SR), nut left (NL) or nut right (NR).
 
-    Lengths are in metres, the section angle gamma in radians (Lin 2019, 2.27, 4.1, 4.3).
+    Lengths are in metres, the section angle gamma in radians. Lin (2019), equations 2.27, 4.1 and 4.3.
     """
 
     profile: Annotated[tuple[Deviation, ...], ListLength(0, 7)] = frozen_default(
@@ -270,13 +274,13 @@ class SideErrors:
 @register_frozen_defaults
 @dataclass(frozen=True)
 class BallErrors:
-    """Errors of the balls' radii: one for all balls, additional ones for single balls, and random ones."""
+    """Errors of ball radii: an error common to all balls, additional errors of single balls, and random errors."""
 
-    #: Error of all radii [m].
+    #: Error that all ball radii have in common [m].
     oversize: Deviation = frozen_default(0.0)
     #: Number of a ball (from 1) and additional error of its radius [m], one pair for each ball that has such an error.
     listed: tuple[tuple[int, float], ...] = frozen_default(())
-    #: Standard deviation of a random error of each radius [m].
+    #: Standard deviation of the random error of each ball radius [m].
     sigma: Spread = frozen_default(0.0)
     #: Distribution of the random errors; a uniform one has the half width sqrt(3) sigma.
     distribution: Literal["normal", "uniform"] = frozen_default("normal")
@@ -285,7 +289,7 @@ class BallErrors:
 @register_frozen_defaults
 @dataclass(frozen=True)
 class Errors:
-    """All manufacturing errors of balls and grooves of a scene, and the seed of the random ones."""
+    """All manufacturing errors of balls and grooves of a scene, and the seed of the random errors."""
 
     #: Errors of the balls' radii.
     balls: BallErrors = frozen_default(BallErrors())
@@ -309,7 +313,7 @@ class Errors:
         Parameters
         ----------
         name : str
-            Name of the flank: SL, SR, NL or NR.
+            Name of the flank: SL (screw left), SR (screw right), NL (nut left) or NR (nut right).
 
         Returns
         -------
@@ -332,7 +336,7 @@ class Errors:
 class Support:
     """Support of the screw: displacements and rotations prescribed at one axial position."""
 
-    #: Axial position z [m].
+    #: Axial position z of the support [m].
     at: Station
     #: Pairs of a degree of freedom (of `FREEDOMS`) and its prescribed displacement [m] or rotation [rad].
     fixed: tuple[tuple[str, float], ...]
@@ -356,9 +360,10 @@ class Load:
 class Ingredients:
     """Options of the low-order models: contact constants, screw as a beam or rigid, beam elements, and lever arms.
 
-    With ``hertz = "nominal"`` each contact's constants follow from its own radii. With
-    ``partition = "source"`` the beam's nodes outside the nut are about one pitch diameter apart. With ``arm = "ball"`` only
-    the lever arm is that of the ball's centre; the force still acts at the current contact point.
+    With ``hertz = "nominal"`` the Hertz constants of each contact follow from its own radii, errors included, at the
+    nominal contact angle. With ``partition = "source"`` the beam's nodes outside the nut are about one pitch diameter
+    apart. With ``arm = "ball"`` a contact force acts on the beam at the axial position of the ball's centre; its line of
+    action is still that through the current contact point.
     """
 
     hertz: Literal["nominal", "error-free", "actual", "as printed"] = frozen_default(
@@ -616,7 +621,7 @@ class Scene:
     nut: Nut
     #: Radius, material and azimuths of the balls.
     balls: Balls
-    #: Geometric errors.
+    #: Geometric errors of balls and grooves.
     errors: Errors = frozen_default(Errors())
     #: Supports of the screw.
     supports: tuple[Support, ...] = frozen_default(())
@@ -634,19 +639,19 @@ class Scene:
     members: int = frozen_default(1)
     #: Coulomb friction of the balls; None: no friction.
     friction: Friction | None = frozen_default(None)
-    #: Rotating part and its angular speed.
+    #: Part that rotates, and its angular speed; None where not given.
     motion: Motion | None = frozen_default(None)
     #: Role in the validation report of a scene that is included in rollbench; empty for other scenes.
     role: str = frozen_default("", compare=False)
-    #: Ball circuits.
+    #: Number of ball circuits, and how far balls fill them; None where not given.
     circulation: Circulation | None = frozen_default(None)
-    #: Computation over time.
+    #: Duration and steps of a computation over time; None where not given.
     time: Time | None = frozen_default(None)
     #: Largest accepted errors of contact loads against the 3D reference.
     gate: GateLimits = frozen_default(GateLimits(), compare=False)
     #: Operating conditions for the modified life.
     operation: Operation = frozen_default(Operation(), compare=False)
-    #: Oil, or base oil of the grease.
+    #: Properties of the oil, or of the base oil of a grease; None where not given.
     lubricant: Lubricant | None = frozen_default(None)
 
     def __hash__(self) -> int:

@@ -42,7 +42,7 @@ class QuantityRange:
     lower_limit: str | float
     #: Upper limit, as written in a scene file.
     upper_limit: str | float
-    #: Typical value; values are written in its unit.
+    #: Typical value as written in a scene file; scenes are written with its unit.
     example: str | float
     #: Whether the lower limit is excluded.
     lower_limit_excluded: bool = False
@@ -108,7 +108,7 @@ class QuantityRange:
             raise self._refused_value_error(allowed, f"the value {error.reason}: {error.advice}") from None
 
     def text_with_unit(self, value: float, added_offset: float = 0.0) -> str | float:
-        """Return the shortest text, in the unit of the example, from which exactly the same value is read.
+        """Return the shortest text, in the unit of the field ``example``, from which exactly the same value is read.
 
         Parameters
         ----------
@@ -232,9 +232,9 @@ class RateRange(QuantityRange):
 class IntegerRange:
     """Allowed range of an integer in scene files; used to annotate the type of a field."""
 
-    #: Smallest number.
+    #: Smallest allowed integer.
     low: int
-    #: Largest number.
+    #: Largest allowed integer.
     high: int
 
     def __get_pydantic_core_schema__(self, _source: object, _handler: GetCoreSchemaHandler) -> Any:
@@ -278,55 +278,76 @@ def quantity_of_type(annotated_type: Any) -> QuantityRange:
     return found
 
 
-#: Largest number of balls of a scene.
+#: Largest number of balls that a scene may have.
 MAX_BALLS = 100_000
 
+#: Types of lengths: a dimension of a part, a radius of groove, ball or pitch circle, a diameter that may be zero, and an
+#: axial position.
 Size = Annotated[float, QuantityRange("length", "0.01 mm", "100 m", "20 mm")]
 Radius = Annotated[float, QuantityRange("length", "0.01 mm", "1 m", "2.778 mm")]
 Bore = Annotated[float, QuantityRange("length", "0 mm", "100 m", "10 mm")]
 Station = Annotated[float, QuantityRange("length", "0 mm", "100 m", "400 mm")]
+#: Lead of a helix; zero for a bearing.
 Lead = Annotated[float, QuantityRange("length", "0 mm", "1 m", "20 mm")]
+#: Geometric error as a length, with its sign; and standard deviation of a random geometric error.
 Deviation = Annotated[float, QuantityRange("length", "-10 mm", "10 mm", "1 um")]
 Spread = Annotated[float, QuantityRange("length", "0 mm", "10 mm", "1 um")]
+#: Prescribed displacement and prescribed rotation of a support.
 Shift = Annotated[float, QuantityRange("length", "-1 m", "1 m", "300 um")]
 Turn = Annotated[float, QuantityRange("angle", "-200 mrad", "200 mrad", "1 mrad")]
+#: Azimuth, counted on over whole turns.
 Azimuth = Annotated[float, QuantityRange("angle", "-1000000 deg", "1000000 deg", "-360 deg")]
 ContactAngle = Annotated[
     float, QuantityRange("angle", "0 deg", "90 deg", "45 deg", lower_limit_excluded=True, upper_limit_excluded=True)
 ]
+#: Young's modulus and Poisson's ratio of a material.
 Modulus = Annotated[float, QuantityRange("pressure", "1 MPa", "5000 GPa", "210 GPa")]
 Poisson = Annotated[float, QuantityRange("number", 0, 0.5, 0.28, upper_limit_excluded=True)]
+#: Groove radius over ball diameter; number of turns; harmonic of an error, in cycles per turn.
 Conformity = Annotated[float, QuantityRange("number", 0.5, 5, 0.52, lower_limit_excluded=True)]
 Turns = Annotated[float, QuantityRange("number", 0, 10_000, 2, lower_limit_excluded=True)]
 Harmonic = Annotated[float, QuantityRange("number", 0, 10_000, 1)]
+#: Component of a force; component of a moment.
 Force = Annotated[float, QuantityRange("force", "-1000 MN", "1000 MN", "5 kN")]
 Moment = Annotated[float, QuantityRange("moment", "-1000000 kN m", "1000000 kN m", "3 N m")]
 #: Components x, y, z of a force and of a moment.
 Forces = Annotated[tuple[Force, Force, Force], ListLength(3, 3)]
 Moments = Annotated[tuple[Moment, Moment, Moment], ListLength(3, 3)]
+#: Inputs of the modified rating life: reliability [%], contamination factor, viscosity ratio; and the limit of pitch
+#: diameter times rotational speed [mm/min].
 Reliability = Annotated[float, QuantityRange("number", 90, 99.95, 95)]
 Contamination = Annotated[float, QuantityRange("number", 0, 1, 0.6)]
 ViscosityRatio = Annotated[float, QuantityRange("number", 0.1, 1000, 1.5)]
 SpeedLimit = Annotated[float, QuantityRange("number", 1000, 1_000_000, 76_200)]
+#: Increment of the axial load for a stiffness; length of a beam element.
 LoadStep = Annotated[float, QuantityRange("force", "0.001 N", "1000 MN", "600 N")]
 Element = Annotated[float, QuantityRange("length", "0.01 mm", "1 m", "1 mm")]
+#: Coefficient of friction; clearance of a bearing or between balls; fraction of a ball circuit that is filled.
 Coefficient = Annotated[float, QuantityRange("number", 0, 2, 0.1)]
 Clearance = Annotated[float, QuantityRange("length", "0 mm", "1 m", "50 um")]
 Filling = Annotated[float, QuantityRange("number", 0, 1, 0.8, lower_limit_excluded=True)]
+#: Computation over time: angle of rotation, duration, and largest accepted error of the time steps (a fraction).
 Travel = Annotated[float, QuantityRange("angle", "0.001 deg", "1000000 deg", "360 deg")]
 Duration = Annotated[float, RateRange("time", "0 s", "1000000 s", "1 s", lower_limit_excluded=True)]
 StepGoal = Annotated[float, QuantityRange("number", 0.0001, 0.1, 0.01)]
+#: Angular speed of the rotating part.
 Turning = Annotated[float, RateRange("angular speed", "-100000 rps", "100000 rps", "600 rpm")]
+#: Error limit in per cent.
 Percent = Annotated[float, QuantityRange("number", 0, 100, 7, lower_limit_excluded=True)]
+#: Stiffness of a spring for a displacement; stiffness of a spring for a rotation, as a moment per radian.
 Spring = Annotated[float, QuantityRange("stiffness", "0 N/m", "1000000 kN/um", "200 N/um")]
 Twist = Annotated[float, QuantityRange("moment", "0 N m", "1000000 kN m", "5 kN m")]
+#: Properties of lubricants and materials: kinematic viscosity, density, pressure-viscosity coefficient.
 Viscosity = Annotated[float, RateRange("kinematic viscosity", "0.1 mm2/s", "100000 mm2/s", "27 mm2/s")]
 Density = Annotated[float, RateRange("density", "100 kg/m3", "30000 kg/m3", "900 kg/m3")]
 PressureViscosity = Annotated[float, RateRange("pressure coefficient", "1 1/GPa", "100 1/GPa", "20 1/GPa")]
+#: Manufacturer's factor G_1 of the friction torque of tapered rollers; friction torque.
 TorqueFactor = Annotated[float, QuantityRange("number", 0, 100_000, 40, lower_limit_excluded=True)]
 Torque = Annotated[float, QuantityRange("moment", "0 N m", "1000000 kN m", "100 N mm")]
+#: Mass and moment of inertia that a motor moves.
 Mass = Annotated[float, RateRange("mass", "0 kg", "1000000 t", "200 kg")]
 Inertia = Annotated[float, RateRange("moment of inertia", "0 kg m2", "1000000 kg m2", "20 kg cm2")]
+#: Factor f0 of the lubrication in Palmgren's friction torque; efficiency of a ball screw.
 Factor0 = Annotated[float, QuantityRange("number", 0, 100, 2, lower_limit_excluded=True)]
 Efficiency = Annotated[float, QuantityRange("number", 0.1, 1, 0.92)]
 #: Smallest and largest Young's modulus [Pa] of materials used for machine parts.

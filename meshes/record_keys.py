@@ -27,6 +27,7 @@ T = TypeVar("T")
 
 #: Frozen defaults: for the name of each record, the default of each field by the field's name.
 FROZEN: dict[str, dict[str, object]] = {}
+#: Stands for an argument that is not given.
 _NONE: Any = object()
 
 
@@ -146,7 +147,7 @@ def digest_of_values(*parts: object) -> str:
 
 
 def canonical_text(value: object) -> str:
-    """Return the canonical text of a value: the same for equal values, and different for different ones.
+    """Return the canonical text of a value: the same for equal values, and different for different values.
 
     Parameters
     ----------

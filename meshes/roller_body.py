@@ -22,7 +22,7 @@ from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.fem import MeshedBody, build_mesh
 from rollbench.meshes.shell import gmsh_session
 
-#: Number of layers of cells below the zone of contact, each as deep as the cells are wide.
+#: Number of equally thick layers of cells below the zone of contact, each as thick as its cells are wide.
 DEEP = 2
 #: The two corners of each edge of a hexahedron, in gmsh's order of the edges.
 _EDGES = ((0, 1), (0, 3), (0, 4), (1, 2), (1, 5), (2, 3), (2, 6), (3, 7), (4, 5), (4, 7), (5, 6), (6, 7))
@@ -32,7 +32,7 @@ _EDGES = ((0, 1), (0, 3), (0, 4), (1, 2), (1, 5), (2, 3), (2, 6), (3, 7), (4, 5)
 class RollerContactZone:
     """Strip along the contact line in which roller and raceway may touch, and the sizes of the cells in it."""
 
-    #: Half width of the strip [m].
+    #: Half width of the strip across the contact line [m].
     half_width: float
     #: Number of cells across the half width.
     cells_across: int
@@ -44,7 +44,7 @@ class RollerContactZone:
 class RollerSectionMesh:
     """Plane mesh of the cross-section of a roller or raceway: second-order quadrilaterals."""
 
-    #: Coordinates y, z of the nodes ``(n, 2)`` [m].
+    #: Coordinates y (across the contact line) and z (into the body) of the nodes ``(n, 2)`` [m].
     points: Array
     #: Nodes of the cells ``(m, 9)``, in gmsh's order.
     cells: Index
@@ -67,7 +67,9 @@ class ExtrudedRollerBody(MeshedBody):
     inward_normals: Array
 
 
-def mesh_section(zone: RollerContactZone, width: float, depth: float, *, is_roller: bool) -> RollerSectionMesh:
+def mesh_roller_or_raceway_section(
+    zone: RollerContactZone, width: float, depth: float, *, is_roller: bool
+) -> RollerSectionMesh:
     """Mesh the cross-section of a raceway (half of a rectangle) or of a roller (a quarter of a disc) by gmsh.
 
     Parameters
@@ -236,13 +238,13 @@ def build_extruded_roller_body(
     rows = np.unique(along[held])
     grid = held.reshape(len(rows), -1)
     near = 1e-6 * depth  # a little deeper
-    shifted = at[held] + near * _inward_direction(at[held], depth, is_roller)
+    shifted = at[held] + near * _inward_normals_of_section(at[held], depth, is_roller)
     inward = point_map(shifted, along[held]) - points[held]
     inward /= np.linalg.norm(inward, axis=1)[:, None]
     return ExtrudedRollerBody(mesh, number[grid], at[grid[0], 0], rows, inward.reshape(*grid.shape, 3))
 
 
-def _inward_direction(at: Array, depth: float, round: bool) -> Array:
+def _inward_normals_of_section(at: Array, depth: float, round: bool) -> Array:
     """Return the unit normals into the body at points on the contour of a cross-section ``(n, 2)``.
 
     ``at``: section coordinates y, z ``(n, 2)`` [m]; ``depth``: depth of the section, for a roller its radius [m];
@@ -267,13 +269,13 @@ def roller_point_map(
         Function that returns the profile drop, the decrease of the radius by crowning [m], at distances from the apex [m].
     """
 
-    def place(at: Array, along: Array) -> Array:
+    def section_to_roller(at: Array, along: Array) -> Array:
         ray = np.column_stack([radius - at[:, 1], at[:, 0], np.full(len(at), radius / np.tan(roller_half_angle))])
         out = along[:, None] * ray / np.linalg.norm(ray, axis=1)[:, None]
         out[:, :2] *= 1.0 - (profile_drop(along) / radius)[:, None]
         return np.asarray(out)
 
-    return place
+    return section_to_roller
 
 
 def raceway_point_map(
@@ -291,10 +293,10 @@ def raceway_point_map(
         1 for the cup, whose body is outside its raceway; -1 for the cone (inner ring).
     """
 
-    def place(at: Array, along: Array) -> Array:
+    def section_to_raceway(at: Array, along: Array) -> Array:
         phi = np.arcsin(at[:, 0] / (true_size_distance * np.sin(cone_half_angle)))
         radial = along * np.sin(cone_half_angle) + outward_sign * at[:, 1] * np.cos(cone_half_angle)
         axial = along * np.cos(cone_half_angle) - outward_sign * at[:, 1] * np.sin(cone_half_angle)
         return np.column_stack([radial * np.cos(phi), radial * np.sin(phi), axial])
 
-    return place
+    return section_to_raceway

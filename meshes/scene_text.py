@@ -38,6 +38,7 @@ from rollbench.meshes.ranges import (
 LINE = 100
 #: Coefficient of thermal expansion of steel [1/K], with which a thermal strain is written as a temperature rise.
 STEEL = 11.5e-6
+#: Keys of a table of a scene file, with their values or inner tables.
 Table = dict[str, Any]
 
 
@@ -47,7 +48,7 @@ def toml_of_tables(tables: Mapping[str, Any]) -> str:
     Parameters
     ----------
     tables : Mapping[str, Any]
-        Keys and tables, as returned by `scene_tables`.
+        Keys and tables of a scene file, as returned by `scene_file_tables`.
 
     Returns
     -------
@@ -141,7 +142,7 @@ def scene_file_tables_of_shaft(axis: Assembly) -> Table:
                 name=h.name,
                 **_support_table(Support(h.at, h.fixed)),
                 **_stiffness_table(h.stiffness),
-                **_force_and_moment(h.force, h.moment),
+                **_force_and_moment_keys(h.force, h.moment),
             )
             for h in axis.housings
         ],
@@ -199,7 +200,7 @@ def load_case_table(
     if isinstance(scene_without_cases, Assembly) and isinstance(scene_of_case, Assembly):
         each = zip(scene_without_cases.housings, scene_of_case.housings, strict=True)
         table |= without_empty_values(
-            housings=[{"name": b.name} | _force_and_moment(b.force, b.moment) for a, b in each if a != b]
+            housings=[{"name": b.name} | _force_and_moment_keys(b.force, b.moment) for a, b in each if a != b]
         )
     return table | without_empty_values(supports=[x for x in supports if x])
 
@@ -298,7 +299,8 @@ def groove_table(radius: float, ball: float) -> Table:
 def _screw_or_nut_table(scene: Scene, part: Screw | Nut, shared: Material) -> Table:
     """Return the keys of the screw or nut ``part`` in a scene file: dimensions, groove and material.
 
-    ``scene``: scene with the ball radius; ``shared``: material at the head of the scene file, for which a part gets no key.
+    ``scene``: scene with the ball radius; ``shared``: material at the head of the scene file; a part of this material gets
+    no key for it.
     """
     table = keys_of_record(part, "groove_radius", "material", "flange")
     return table | groove_table(part.groove_radius, scene.balls.radius) | _material_table(part.material, shared)
@@ -414,7 +416,7 @@ def _rolling_set_table(axis: Assembly, rolling_set: RollingSet, shared: Material
     )
 
 
-def _force_and_moment(force: Sequence[float], moment: Sequence[float]) -> Table:
+def _force_and_moment_keys(force: Sequence[float], moment: Sequence[float]) -> Table:
     """Return the keys ``force`` and ``moment`` of a load [N, N m], with units; a zero vector is left out."""
     from rollbench.meshes.parts import Load
 
@@ -489,7 +491,7 @@ def keys_of_record(record: Any, *left_out: str) -> Table:
     record : Any
         Dataclass whose fields are keys of scene files.
     *left_out : str
-        Names of fields that are not collected.
+        Names of fields that are left out.
 
     Returns
     -------

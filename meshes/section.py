@@ -30,8 +30,9 @@ class ScrewGrooveSection:
 def screw_groove_section(scene: Scene) -> ScrewGrooveSection:
     """Compute the section angles at which the screw's groove begins and ends, and the area of its cross-section.
 
-    Valid while the screw's outer surface intersects both arcs: abs(D_2) < r_G, with the radial distance D_2 from
-    that surface to the centres of the arcs.
+    A section angle is measured around the centre of a groove arc, from the radial direction. The result is valid
+    while the screw's outer surface intersects both arcs: abs(D_2) < r_G, with the radial distance D_2 from that surface to
+    the centres of the arcs, and the groove radius r_G.
 
     Parameters
     ----------
@@ -56,7 +57,7 @@ def screw_groove_section(scene: Scene) -> ScrewGrooveSection:
     --------
     >>> import rollbench
     >>> groove = screw_groove_section(rollbench.read("lin-case1"))
-    >>> [round(x / pi, 3) for x in (groove.apex_angle, groove.edge_angle)]  # printed: [0.033, 0.417] pi
+    >>> [round(x / pi, 3) for x in (groove.apex_angle, groove.edge_angle)]  # Lin: [0.033, 0.417] pi
     [0.033, 0.417]
     >>> round(1e6 * groove.area, 4)  # mm2
     9.6251
@@ -77,6 +78,7 @@ def screw_groove_section(scene: Scene) -> ScrewGrooveSection:
 def section_angle_range_of_nut_groove(scene: Scene) -> tuple[float, float]:
     """Return the section angles between which a flank of the nut's groove extends: from the apex to pi/2.
 
+    A section angle is measured around the centre of a groove arc, from the radial direction.
     No publication gives the diameter of the nut's lands; so pi/2 is taken instead of the angle at which the flank ends.
 
     Parameters
@@ -101,7 +103,7 @@ def grooved_volume_ratio(scene: Scene) -> float:
     Parameters
     ----------
     scene : Scene
-        Scene with the quantities of `screw_groove_section`, lead and number of starts.
+        Scene with a ball screw or bearing: dimensions of the screw and its groove, lead and number of starts.
 
     Returns
     -------
@@ -209,9 +211,10 @@ def tube_section(outer_diameter: float, bore_diameter: float, material: Material
 def screw_section(scene: Scene) -> BeamSection:
     """Return the beam stiffnesses of the grooved screw: of a circular section with a diameter reduced for the groove.
 
-    The outer diameter is multiplied by a factor, which the scene's ``ingredients.section`` selects. With k the
-    `grooved_volume_ratio`: ``"groove"`` sqrt(k), which preserves the volume; ``"groove squared"`` k, that is, eq. (C.8)
-    without its square root; ``"full"`` 1.
+    The outer diameter is multiplied by a factor, which the scene's ``ingredients.section`` selects. With the ratio k of the
+    screw's volume to that of a full cylinder (`grooved_volume_ratio`) it is for
+    ``"groove"`` sqrt(k), which preserves the volume; for ``"groove squared"`` k, that is, eq. (C.8) without its square
+    root; for ``"full"`` 1.
 
     Parameters
     ----------
@@ -335,9 +338,9 @@ def nodes_of_whole_beam(scene: Scene, *others: Scene) -> Array:
     """Return the nodes of a beam over the whole screw, divided as in Lin's thesis or into equal elements in the nut.
 
     ``ingredients.partition`` of the scene selects one of the two. ``"source"`` is the partition of Lin's thesis: inside the
-    nut as many elements of 15 mm as fit, centred on it; outside, equal elements of at most the pitch diameter. For the
+    nut as many elements of 15 mm as fit, centred in the nut; outside, equal elements of at most the pitch diameter. For the
     screw of Table 2.1 these are 12 + 3 + 12 = 27 elements, the number in Table 2.2. ``"uniform"``: inside the nut, elements
-    of at most ``ingredients.element_length``; outside as before.
+    of at most ``ingredients.element_length``; outside as for ``"source"``.
 
     Parameters
     ----------
@@ -405,10 +408,10 @@ def beam_nodes(scene: Scene, contact_positions: Array, *, whole_screw: bool = Fa
         nodes = merge_close_positions(np.concatenate([needed, ends]), held)
     else:
         nodes = merge_close_positions(np.concatenate([nodes_of_whole_beam(scene), support_and_load_positions(scene)]), held)
-    return (nodes, 0) if whole_screw else enclosing_nodes(nodes, needed)
+    return (nodes, 0) if whole_screw else nodes_enclosing_positions(nodes, needed)
 
 
-def enclosing_nodes(nodes: Array, enclosed_positions: Array) -> tuple[Array, int]:
+def nodes_enclosing_positions(nodes: Array, enclosed_positions: Array) -> tuple[Array, int]:
     """Return the part of a beam's nodes that encloses given axial positions; at least two nodes.
 
     Parameters
@@ -427,7 +430,7 @@ def enclosing_nodes(nodes: Array, enclosed_positions: Array) -> tuple[Array, int
 
     Examples
     --------
-    >>> enclosing_nodes(np.array([0.0, 1.0, 2.0, 3.0]), np.array([1.2, 1.9]))
+    >>> nodes_enclosing_positions(np.array([0.0, 1.0, 2.0, 3.0]), np.array([1.2, 1.9]))
     (array([1., 2.]), 2)
     """
     first = int(np.searchsorted(nodes, enclosed_positions.min() + MERGE, side="right")) - 1

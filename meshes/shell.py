@@ -23,10 +23,10 @@ from scipy.spatial import cKDTree
 from skfem import Mesh, MeshTet1
 
 from rollbench.meshes.arrays import Array, Index
-from rollbench.meshes.fem import to_second_order, with_boundaries_from_corners, with_node_coordinates
+from rollbench.meshes.fem import to_second_order_mesh, with_boundaries_from_corners, with_node_coordinates
 from rollbench.meshes.sockets import RefinementBoxFaces
 
-#: Signals whose handlers gmsh replaces by the default ones of the operating system.
+#: Names of the signals whose handlers gmsh replaces by the default handlers of the operating system.
 RESET = ("SIGHUP", "SIGQUIT", "SIGPIPE", "SIGTERM")
 
 
@@ -36,8 +36,9 @@ def gmsh_session(options: Mapping[str, float] = MappingProxyType({})) -> Iterato
 
     If gmsh is initialised already, only the options are set, and gmsh is not finalised.
 
-    The signal handlers of this process are restored, because gmsh replaces them: SIGTERM would then end the process before
-    it has cleaned up, SIGHUP in spite of nohup, and SIGPIPE without a message. Only the main thread can restore handlers.
+    The signal handlers of this process, which gmsh replaces, are restored. With gmsh's handlers, SIGTERM would end the
+    process before it has cleaned up, SIGHUP would end it in spite of nohup, and SIGPIPE without a message. Only the main
+    thread can restore handlers.
 
     Parameters
     ----------
@@ -92,6 +93,7 @@ Side = tuple[Index, Array]
 
 Body = TypeVar("Body")
 
+#: Millimetres per metre: factor on lengths for gmsh.
 MM = 1e3
 
 #: Distances from the refinement boxes between which the element size grows from the fine to the coarse size, as ratios to
@@ -104,7 +106,7 @@ BEND = (1.2, 1.1)
 #: Longest edges on the smooth surface behind a groove, as a ratio to the wall's thickness.
 WALL = 1.6
 
-#: Increase of the edge length per unit of distance from the surface.
+#: Increase of the edge length of tetrahedra per unit of distance from the body's surface.
 INWARD = 0.5
 
 #: Number of cubes along x, y and z for which gmsh's size callback evaluates sizes at once: on faces, and in volumes.
@@ -247,7 +249,7 @@ class ClosedSurfaceMesh:
     """
 
     def __init__(self, gmsh: Any, size: Placing, fine: float, algorithm: int) -> None:
-        """Create a surface that has no nodes and faces yet.
+        """Create a closed surface that has no nodes and faces yet.
 
         Parameters
         ----------
@@ -418,7 +420,7 @@ def gmsh_size_callback(
     inverse, (a, b, c) = 1.0 / (MM * cube_edge), cubes_per_block
     cubes = np.array(list(product(*map(range, cubes_per_block))))
 
-    def size_at(_dim: int, _tag: int, x: float, y: float, z: float, lc: float) -> float:
+    def element_size_at_point(_dim: int, _tag: int, x: float, y: float, z: float, lc: float) -> float:
         i, j, k = round(x * inverse), round(y * inverse), round(z * inverse)
         key = (i // a, j // b, k // c)
         sizes = known.get(key)
@@ -426,7 +428,7 @@ def gmsh_size_callback(
             sizes = known[key] = (MM * length_function(cube_edge * (np.multiply(key, cubes_per_block) + cubes))).tolist()
         return min(sizes[((i % a) * b + j % b) * c + k % c], lc)
 
-    return size_at
+    return element_size_at_point
 
 
 def triangulate_plane_region(
@@ -482,7 +484,7 @@ def triangulate_plane_region(
     if len(boundary) != len(loop_coordinates) or not np.allclose(
         at.reshape(-1, 3)[:, :2], MM * loop_coordinates, atol=1e-9
     ):
-        raise ValueError("gmsh added or moved nodes on the boundary of a face, which it must not change")
+        raise ValueError("gmsh added or moved nodes on the boundary of a face, whose nodes must not change")
     number = np.full(int(max(tags.max(initial=0), boundary.max())) + 1, -1, dtype=np.int64)
     number[boundary.astype(np.int64)] = np.arange(len(loop_coordinates))
     number[tags.astype(np.int64)] = len(loop_coordinates) + np.arange(len(tags))
@@ -556,7 +558,7 @@ def fill_with_tetrahedra(
 class FilledSurfaceMesh:
     """Second-order tetrahedra inside a closed surface (`ClosedSurfaceMesh`), whose corner nodes keep their numbers."""
 
-    #: The mesh.
+    #: Mesh of second-order tetrahedra.
     mesh: Mesh
     #: One integer for each edge of the mesh, computed from the numbers of its two corners; in ascending order.
     edge_keys: Index
@@ -628,7 +630,7 @@ class FilledSurfaceMesh:
         return np.unique(np.concatenate([tris.ravel(), self.midside_nodes_of_edges(pairs)]))
 
 
-def with_positive_volumes(points: Array, cells: Index) -> Index:
+def tetrahedra_with_positive_volumes(points: Array, cells: Index) -> Index:
     """Return the corner nodes of tetrahedra ``(m, 4)``, reordered where needed so that all volumes are positive.
 
     ``points``: coordinates of the mesh's nodes ``(n, 3)`` [m]; ``cells``: corner nodes of the tetrahedra ``(m, 4)``.
@@ -725,14 +727,14 @@ def mesh_inside_closed_surface(surface: ClosedSurfaceMesh, algorithm: int) -> Fi
     cells, inner = fill_with_tetrahedra(
         surface.gmsh, points, tris, gmsh_size_callback(edge_lengths, 0.6 * surface.fine, VOLUME_BLOCK), algorithm
     )
-    cells = with_positive_volumes(np.concatenate([points, inner]), cells)
+    cells = tetrahedra_with_positive_volumes(np.concatenate([points, inner]), cells)
     corners = np.concatenate([surface.points, inner])
     cells = remove_cells_flat_on_surface(surface, corners, cells)
     used = np.zeros(len(corners), dtype=bool)
     used[: len(surface.points)] = True
     used[cells] = True
     cells, corners = (np.cumsum(used) - 1)[cells], corners[used]
-    straight = to_second_order(MeshTet1(np.ascontiguousarray(corners.T), np.ascontiguousarray(cells.T)))
+    straight = to_second_order_mesh(MeshTet1(np.ascontiguousarray(corners.T), np.ascontiguousarray(cells.T)))
     pairs = np.sort(straight.edges, axis=0).T @ np.array([len(corners), 1])
     order = np.argsort(pairs)
     filled = FilledSurfaceMesh(straight, pairs[order], straight.dofs.edge_dofs[0, order].astype(np.int64))
@@ -766,11 +768,11 @@ def edge_length_growing_with_distance(
         return lambda x: np.full(len(x), largest_size)
     tree = cKDTree(fine_points)
 
-    def size(x: Array) -> Array:
+    def edge_length_at_points(x: Array) -> Array:
         share = (tree.query(x, distance_upper_bound=coarse_distance)[0] - fine_distance) / (coarse_distance - fine_distance)
         return np.asarray(smallest_size + (largest_size - smallest_size) * np.minimum(np.maximum(share, 0.0), 1.0))
 
-    return size
+    return edge_length_at_points
 
 
 def best_mesh_of_attempts(name: str, attempt: Callable[[Any, int, int, float], tuple[Body, float]]) -> Body:

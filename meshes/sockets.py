@@ -23,7 +23,7 @@ from rollbench.meshes.parts import SIDES
 #: Default size of a refinement box: half width in the section angle gamma [rad]; depth, and half length along the track,
 #: both as ratios to the ball's radius (1.2 mm and 1.24 mm for the ball radius 2.778 mm of case 1 of Lin's thesis).
 GAMMA, DEPTH, ALONG = 0.30, 1.2 / 2.778, 1.24 / 2.778
-#: Smallest accepted ratio of a refinement box's size to the default size.
+#: Smallest accepted ratio of a refinement box's width, depth or length to its default.
 LEAST = 0.4
 #: Smallest accepted ratio of a refinement box's size to the default size near a flat end of the part, where the wall is too
 #: thin for a deeper refinement box. Width and length are never smaller than the contact needs.
@@ -50,10 +50,10 @@ THIN = 0.05
 TAPER = 0.2
 #: Largest accepted distance of a ball's centre from the groove's centre line, as a ratio to the ball's radius.
 ON_GROOVE = 1e-3
-#: RAISED: relative bulges of a refinement box's faces that are tried while a body is filled with cells, see
-#: `mesh_refinement_box_faces`. RIDGE: smallest height of the protruding diagonals as a ratio to their lengths. TWIST: terms
-#: that twist the rectangles of side faces and of the bottom, so that one diagonal protrudes. SKEW: the same for rectangles
-#: in the middle of symmetric faces.
+#: RAISED: bulges of a refinement box's faces, as ratios to their half width, that are tried while gmsh fills a body with
+#: cells, see `mesh_refinement_box_faces`. RIDGE: smallest height of the protruding diagonals as a ratio to their lengths.
+#: TWIST: terms that twist the rectangles of side faces and of the bottom, so that one diagonal protrudes. SKEW: the same
+#: for rectangles in the middle of symmetric faces.
 RAISED, RIDGE, TWIST = (0.04, 0.06, 0.08), 1e-4, (0.8, 0.4)
 SKEW = 0.2
 #: Factors on the local coordinates that reverse the azimuth: a box on a left flank becomes one on the right flank.
@@ -93,13 +93,14 @@ class RefinementBoxFaces:
 def mesh_refinement_box_faces(
     point_map: Callable[[Array], Array], divisions: tuple[int, int, int]
 ) -> tuple[RefinementBoxFaces, Array]:
-    """Mesh the inner faces of a refinement box, and compute the shape in which they bulge while gmsh works.
+    """Mesh the inner faces of a refinement box, and compute the shape in which they bulge while gmsh fills the body.
 
     While gmsh fills the body around the box with tetrahedra, the corner nodes of the box are displaced into the body; only
     the rim at the groove does not move. The bulging faces make the box convex: no flat tetrahedron fits between nodes of
-    one face. Each rectangle is cut along the diagonal that protrudes into the body. The bulge is the smallest of
-    `RAISED` at which every diagonal protrudes by `RIDGE` of its length, or else the one at which the smallest height is
-    largest.
+    one face. The faces are divided into rectangles, each of which is cut into two triangles along the diagonal that
+    protrudes farther into the body than the other one. The bulge is the smallest of the ratios `RAISED` at which this
+    difference, relative to the diagonals' lengths, is at least `RIDGE` in every rectangle, or else the ratio at which its
+    smallest value is largest.
 
     Parameters
     ----------
@@ -424,7 +425,7 @@ def turns_and_distance_to_groove(m: GrooveMap, phi: float, z: float, helix_const
 
 
 def helix_constants_of_starts(m: GrooveMap) -> list[float]:
-    """Return the constant z - r_g phi of the helix of each start's groove [m], with the lead per radian r_g.
+    """Return the constant z - r_g phi of the groove's helix for each thread start [m], with the lead per radian r_g.
 
     It is the axial position at which the helix crosses azimuth 0; for a bearing ring, the axial position of its one groove.
 
@@ -436,7 +437,7 @@ def helix_constants_of_starts(m: GrooveMap) -> list[float]:
     Returns
     -------
     list[float]
-        Axial positions [m], one for each start.
+        Axial positions [m], one for each thread start.
     """
     return [m.z0 - m.rg * (m.phase + 2.0 * np.pi * k / m.starts) for k in range(m.starts if m.rg else 1)]
 
@@ -496,7 +497,8 @@ def _largest_fitting_factor(fits: Callable[[float], bool]) -> float:
 def _sample_points_in_refinement_box(m: GrooveMap, size: RefinementBoxSize, side: int) -> Array:
     """Return points on a regular grid that fills a refinement box, ``(n, 3)`` [m], for a ball at azimuth 0 and z = 0.
 
-    ``m``: groove surfaces of the track; ``size``: size of the refinement box; ``side``: flank 0 to 3 (SL, SR, NL, NR).
+    ``m``: groove surfaces of the track; ``size``: size of the refinement box; ``side``: flank, 0 left and 1 right on
+    the screw, 2 left and 3 right on the nut.
     """
     axes = (np.linspace(-1.0, 1.0, 7), np.linspace(0.0, 1.0, 3), np.linspace(-1.0, 1.0, 3))
     return points_in_box_at_azimuth_zero(m, size, side, np.stack(np.meshgrid(*axes, indexing="ij"), -1).reshape(-1, 3))
@@ -549,7 +551,8 @@ def axial_reach_of_refinement_boxes(m: GrooveMap, size: RefinementBoxSize, sides
 def distance_to_next_turn(m: GrooveMap, size: RefinementBoxSize, sides: tuple[int, ...]) -> float:
     """Return the smallest distance from the refinement boxes of a screw or nut to the next turn of its groove.
 
-    Where both flanks carry contacts, the axial distance to the middle between this turn and the next counts too.
+    Where both flanks carry contacts, the axial distance from the boxes to the middle between their own turn of the groove
+    and the next one counts too.
 
     Parameters
     ----------
@@ -640,7 +643,7 @@ def largest_fitting_refinement_box(
     size = replace(wide, gamma=gamma)
     cause = {"gamma": why_gamma, "depth": "", "phi": ""}
 
-    def in_mm(x: float) -> str:
+    def length_text_in_mm(x: float) -> str:
         return f"{1e3 * x:.4g} mm"
 
     for side in sides:
@@ -656,25 +659,27 @@ def largest_fitting_refinement_box(
         if depth < size.depth:
             size = replace(size, depth=depth)
             wall = wall_thickness_under_refinement_box(m, replace(size, gamma=1e-3, depth=0.0), side, behind)
-            cause["depth"] = f"the wall between the contact and the {name} is only {in_mm(wall)} thick; thicken the wall"
+            cause["depth"] = (
+                f"the wall between the contact and the {name} is only {length_text_in_mm(wall)} thick; thicken the wall"
+            )
 
     if layout.z.size > 1 or m.rg == 0.0:
         gaps, pairs = azimuth_gaps_between_balls(m, layout.azimuth, layout.z)
         if gaps.size and gaps.min() < (2.0 + BETWEEN) * wide.phi:
             size = replace(size, phi=float(gaps.min()) / (2.0 + BETWEEN))
             first, second = pairs[gaps.round(9).argmin()] + 1
-            apart = in_mm(gaps.min() * m.R)
+            apart = length_text_in_mm(gaps.min() * m.R)
             cause["phi"] = f"balls {first} and {second} are only {apart} apart along the track; move them further apart"
 
     low, high = layout.z.min() - nut_end_positions[0], nut_end_positions[1] - layout.z.max()
 
-    def scaled_socket(share: float) -> RefinementBoxSize:
+    def scaled_refinement_box(share: float) -> RefinementBoxSize:
         narrow = max(share * size.gamma, min(size.gamma, least))
         short = max(share * size.phi, min(size.phi, contact_half_lengths[1] / (ZONE * m.R)))
         return replace(size, gamma=narrow, depth=share * size.depth, phi=short)
 
     def fits_between_ends(share: float, away: float = AWAY) -> bool:
-        below, above = axial_reach_of_refinement_boxes(m, scaled_socket(share), sides)
+        below, above = axial_reach_of_refinement_boxes(m, scaled_refinement_box(share), sides)
         return bool(below + away * m.ball <= low and above + away * m.ball <= high)
 
     def fits_with_thin_wall(share: float) -> bool:
@@ -682,7 +687,7 @@ def largest_fitting_refinement_box(
 
     def clears_next_turn(share: float) -> bool:
         return (
-            min(distance_to_next_turn(m, scaled_socket(share), body_sides) for body_sides in bodies if body_sides)
+            min(distance_to_next_turn(m, scaled_refinement_box(share), body_sides) for body_sides in bodies if body_sides)
             >= AWAY * m.ball
         )
 
@@ -690,17 +695,18 @@ def largest_fitting_refinement_box(
     for fits, why in (
         (
             fits_with_thin_wall if lip else fits_between_ends,
-            f"the outermost balls are only {in_mm(low)} and {in_mm(high)} from the flat ends; "
+            f"the outermost balls are only {length_text_in_mm(low)} and {length_text_in_mm(high)} from the flat ends; "
             "lengthen the nut or move the balls",
         ),
         (
             clears_next_turn,
-            f"the next turn of the groove is only {in_mm(2.0 * np.pi * abs(m.rg) / m.starts)} away; raise the lead",
+            f"the next turn of the groove is only {length_text_in_mm(2.0 * np.pi * abs(m.rg) / m.starts)} away; "
+            "raise the lead",
         ),
     ):
         share = _largest_fitting_factor(fits)
         if share < 1.0:
-            size = scaled_socket(share) if share else replace(size, gamma=0.0, depth=0.0, phi=0.0)
+            size = scaled_refinement_box(share) if share else replace(size, gamma=0.0, depth=0.0, phi=0.0)
             cause = dict.fromkeys(cause, why)
     for name, word, floor in (
         ("gamma", "narrow", least or LEAST * GAMMA),
@@ -782,7 +788,7 @@ def check_refinement_boxes_fit(
     wall_radius: float,
     end_positions: tuple[float, float],
 ) -> None:
-    """Raise ValueError where refinement boxes of a screw or nut overlap, or extend beyond the surfaces of the part.
+    """Raise ValueError where refinement boxes of a screw or nut overlap each other, or extend beyond the part's surfaces.
 
     Parameters
     ----------
@@ -806,15 +812,16 @@ def check_refinement_boxes_fit(
             > ON_GROOVE * m.ball
         ):
             raise ValueError(
-                f"the refinement box at azimuth {np.degrees(phi):.4g} deg, z = {1e3 * z:.4g} mm does not lie on a groove: "
-                "place the balls with rollbench.meshes.helix.ball_layout"
+                f"the refinement box of the ball at azimuth {np.degrees(phi):.4g} deg, z = {1e3 * z:.4g} mm does not lie "
+                "on a groove: place the balls with rollbench.meshes.helix.ball_layout"
             )
     for side in sides:
         apex, edge = section_angles_of_flank(m, side, land_radius)
         if not (apex < m.beta - size.gamma and m.beta + size.gamma < edge):
             raise ValueError(
-                f"a refinement box on flank {SIDES[side]}, {m.beta - size.gamma:.3g} to {m.beta + size.gamma:.3g} rad, "
-                f"extends beyond the flank, from {apex:.3g} to {edge:.3g} rad: {remedy}"
+                f"a refinement box on flank {SIDES[side]}, at section angles {m.beta - size.gamma:.3g} to "
+                f"{m.beta + size.gamma:.3g} rad, extends beyond the flank, which lies at section angles {apex:.3g} to "
+                f"{edge:.3g} rad: {remedy}"
             )
         if wall_thickness_under_refinement_box(m, size, side, wall_radius) <= 0.0:
             raise ValueError(f"a refinement box on flank {SIDES[side]} reaches through the wall of the part: {remedy}")

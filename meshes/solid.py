@@ -55,7 +55,7 @@ class Dimensions:
         """Return the axial positions between which the screw is meshed in 3D; there it has flat ends.
 
         An end closer than `SAME` to a support or load is moved to it, because the two may differ by rounding. Otherwise the
-        load would act on the surface of the hole just inside the end, instead of the whole flat end.
+        load would act on the surface of the screw's axial hole just inside the end, instead of the whole flat end.
 
         Parameters
         ----------
@@ -143,7 +143,8 @@ def dimensions_of_3d_parts(scene: Scene) -> Dimensions:
     Raises
     ------
     UnfitKey
-        Because of the lands or the hole no groove or no wall remains, or keys of ``[solid]`` contradict the parts.
+        The radius of the lands or of the screw's axial hole leaves no groove or no wall, or keys of ``[solid]`` contradict
+        the parts.
     """
     solid, assumed, mesh_only = scene.solid, [], []
     R, outer = scene.track.pitch_radius, scene.screw.outer_diameter / 2.0

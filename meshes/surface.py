@@ -27,7 +27,7 @@ def groove_radius_with_slopes(gamma: Array, radius: float | Array, profile: Arra
     Parameters
     ----------
     gamma : Array of any shape
-        Section angles [rad].
+        Section angles, around the centre of the groove's arc from the radial direction [rad].
     radius : float or Array
         Groove radius without profile error [m].
     profile : (d,) Array
@@ -64,9 +64,11 @@ def surface_derivatives(scene: Scene, geometry: GeometryWithErrors, side: int | 
     geometry : GeometryWithErrors
         Geometry of the grooves at the balls, with errors.
     side : int | slice
-        Flank 0 to 3 (SL, SR, NL, NR), or `ALL` for all four flanks, which are then the second axis of the results.
+        Flank: 0 and 1 are left and right on the screw, 2 and 3 on the nut; or `ALL` for all four flanks, which are then the
+        second axis of the results.
     gamma : (n,) or (n, 4) Array
-        Section angle at each ball [rad]; ``(n, 4)`` for all flanks.
+        Section angle at each ball, around the centre of the groove's arc from the radial direction [rad]; ``(n, 4)`` for
+        all flanks.
 
     Returns
     -------
@@ -94,24 +96,24 @@ def surface_derivatives(scene: Scene, geometry: GeometryWithErrors, side: int | 
     alpha = lead_angle(scene.track)
 
     def cylindrical_components(plane: Array) -> Array:
-        """Convert components x3 (radial) and z3 (across the track) of vectors to radial, azimuthal and axial ones."""
+        """Convert components x3 (radial) and z3 (across the track) of vectors to radial, azimuthal and axial components."""
         return np.stack([plane[..., 0], -plane[..., 1] * sin(alpha), plane[..., 1] * cos(alpha)], -1)
 
-    def differentiate(x: Array, dx: Array) -> Array:
+    def differentiate_by_azimuth(x: Array, dx: Array) -> Array:
         """Differentiate vectors ``x`` by azimuth; ``dx``: derivatives of their radial, azimuthal and axial components."""
         return np.stack([dx[..., 0] - x[..., 1], dx[..., 1] + x[..., 0], dx[..., 2]], -1)
 
     rise = np.stack([zero, zero, zero + lead_per_radian(scene.track)], -1)
     x = cylindrical_components(a) + np.array([scene.track.pitch_radius, 0.0, 0.0])
     x_p = cylindrical_components(a_p) + rise
-    sp = differentiate(x, x_p)
-    spp = differentiate(sp, differentiate(x_p, cylindrical_components(a_pp)))
+    sp = differentiate_by_azimuth(x, x_p)
+    spp = differentiate_by_azimuth(sp, differentiate_by_azimuth(x_p, cylindrical_components(a_pp)))
     return {
         "S": x,
         "Sp": sp,
         "Sg": cylindrical_components(a_g),
         "Spp": spp,
-        "Spg": differentiate(cylindrical_components(a_g), np.zeros_like(x)),
+        "Spg": differentiate_by_azimuth(cylindrical_components(a_g), np.zeros_like(x)),
         "Sgg": cylindrical_components(a_gg),
     }
 

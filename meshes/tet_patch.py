@@ -35,7 +35,7 @@ SUB_TRIANGLES = ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5))
 class TetrahedralPatchSizes:
     """Dimensions of a contact patch, a box of fine tetrahedra around a contact, and edge lengths of the tetrahedra."""
 
-    #: Half widths of the patch across the groove (section angle) and along it (azimuth) [m].
+    #: Half widths of the patch: across the groove (along the section angle), and along the groove (azimuth) [m].
     half_widths: tuple[float, float]
     #: Depth of the patch [m].
     depth: float
@@ -45,7 +45,7 @@ class TetrahedralPatchSizes:
     fine_box: tuple[float, float, float]
     #: Edge length of the cells in the inner box [m].
     smallest_edge_length: float
-    #: Largest edge length [m].
+    #: Largest edge length of the cells [m].
     largest_edge_length: float
     #: Increase of the edge length per unit of distance from the inner box.
     growth_per_distance: float = 0.2
@@ -74,12 +74,15 @@ def patch_as_in_thesis(
     contact_size: float = 0.08e-3,
     edge_size: float = 0.5e-3,
 ) -> TetrahedralPatchSizes:
-    """Return a contact patch with given dimensions and the cell sizes of Lin's thesis: equal in the whole contact zone.
+    """Return the dimensions of a contact patch, and the cell sizes of Lin's thesis: equal in the whole contact zone.
+
+    A contact patch is a box of fine tetrahedra around a contact.
 
     Parameters
     ----------
     width, depth, zone
-        Dimensions of the patch and its contact zone, as the fields of `TetrahedralPatchSizes`.
+        Half widths of the patch across and along the groove [m], its depth [m], and the half widths of the contact zone as
+        fractions of those of the patch, as the fields of `TetrahedralPatchSizes`.
     contact_size : float, default 8e-05
         Edge length in the contact zone, down to a depth of the shorter half width of the zone [m].
     edge_size : float, default 0.0005
@@ -132,7 +135,7 @@ def mesh_patch_with_tetrahedra(
 
 
 def _set_element_sizes(gmsh: Any, box: TetrahedralPatchSizes) -> None:
-    """Set gmsh's element sizes: ``box.smallest_edge_length`` in the inner box at the contact, and larger ones outside.
+    """Set gmsh's element sizes: ``box.smallest_edge_length`` in the inner box at the contact, larger sizes outside.
 
     Inside the volume, sizes are divided by `LARGER`, because gmsh's tetrahedra are larger than requested.
     """
@@ -152,7 +155,7 @@ def _set_element_sizes(gmsh: Any, box: TetrahedralPatchSizes) -> None:
 
 
 def _polygons_of_patch_faces(socket: RefinementBoxFaces | None) -> tuple[Array, list[list[int]]]:
-    """Return the polygons that form the faces between a contact patch and the coarse body.
+    """Return the polygons that form the faces between a contact patch, a box of fine cells, and the coarse body around it.
 
     Returns the local coordinates of the corners ``(c, 3)``, and for each polygon the list of the indices of its corners.
     ``socket``: face mesh of the refinement box that the patch fills; None: five plane faces.
@@ -165,9 +168,10 @@ def _polygons_of_patch_faces(socket: RefinementBoxFaces | None) -> tuple[Array, 
 
 
 def _corners_around_rim(corners: Array, polygons: list[list[int]]) -> list[int]:
-    """Return in order the corners around the open top of a contact patch's faces; ValueError without exactly one rim.
+    """Return in order the corners around the open top of the faces that bound a contact patch, a box of fine cells.
 
-    ``corners``: local coordinates of the corners ``(c, 3)``; ``polygons``: indices of the corners of each face.
+    Raises ValueError unless the faces have exactly one open rim, at depth 0. ``corners``: local coordinates of the corners
+    ``(c, 3)``; ``polygons``: indices of the corners of each face.
     """
     sides: dict[tuple[int, int], int] = {}
     for p in polygons:
@@ -190,7 +194,7 @@ def _corners_around_rim(corners: Array, polygons: list[list[int]]) -> list[int]:
 
 
 def _add_patch_volume(gmsh: Any, box: TetrahedralPatchSizes, socket: RefinementBoxFaces | None) -> tuple[int, int]:
-    """Add a contact patch to gmsh's model, as a volume bounded by plane faces.
+    """Add a contact patch, a box of fine cells around a contact, to gmsh's model, as a volume bounded by plane faces.
 
     ``box``: dimensions of the patch; ``socket``: face mesh of the refinement box that it fills, None for five plane faces.
     Returns the numbers of two surfaces at depth 0 in gmsh's model: the contact zone, and the ring around it.
@@ -209,14 +213,17 @@ def _add_patch_volume(gmsh: Any, box: TetrahedralPatchSizes, socket: RefinementB
             lines[i, j] = geo.addLine(points[i], points[j])
         return lines[i, j]
 
-    def add_loop(p: list[int]) -> int:
+    def add_loop_around_polygon(p: list[int]) -> int:
         return int(geo.addCurveLoop([add_line(i, j) for i, j in zip(p, [*p[1:], p[0]], strict=True)]))
 
     a, b = scale[0] * box.contact_zone_fractions[0], scale[2] * box.contact_zone_fractions[1]
     square = [geo.addPoint(x, 0.0, z) for x, z in ((-a, -b), (a, -b), (a, b), (-a, b))]
     zone = geo.addCurveLoop([geo.addLine(square[k], square[(k + 1) % 4]) for k in range(4)])
-    inner, ring = geo.addPlaneSurface([zone]), geo.addPlaneSurface([add_loop(_corners_around_rim(corners, polygons)), zone])
-    shell = [inner, ring, *(geo.addPlaneSurface([add_loop(p)]) for p in polygons)]
+    inner, ring = (
+        geo.addPlaneSurface([zone]),
+        geo.addPlaneSurface([add_loop_around_polygon(_corners_around_rim(corners, polygons)), zone]),
+    )
+    shell = [inner, ring, *(geo.addPlaneSurface([add_loop_around_polygon(p)]) for p in polygons)]
     geo.addVolume([geo.addSurfaceLoop(shell)])
     geo.synchronize()
     return inner, ring
@@ -225,27 +232,29 @@ def _add_patch_volume(gmsh: Any, box: TetrahedralPatchSizes, socket: RefinementB
 def _read_patch_mesh(gmsh: Any, box: TetrahedralPatchSizes, inner: int, ring: int, begin: float) -> TetrahedralPatchMesh:
     """Read the mesh of a contact patch from gmsh's model, and convert its nodes to local coordinates.
 
-    ``inner``, ``ring``: numbers of the model's surfaces for the contact zone and for the ring around it; ``begin``: time at
-    which meshing began [s].
+    A contact patch is a box of fine cells around a contact; ``box``: its dimensions; ``inner``, ``ring``: numbers of the
+    model's surfaces for the contact zone and for the ring around it; ``begin``: time at which meshing began [s].
     """
     tags, xyz, _ = gmsh.model.mesh.getNodes()
     index = np.full(int(tags.max()) + 1, -1, dtype=np.int64)
     index[tags.astype(np.int64)] = np.arange(tags.size)
     xi = xyz.reshape(-1, 3) / (MM * np.array([box.half_widths[0], box.depth, box.half_widths[1]]))
 
-    def cells(kind: int, dimension: int, entity: int = -1) -> Index:
+    def nodes_of_elements(kind: int, dimension: int, entity: int = -1) -> Index:
         nodes = gmsh.model.mesh.getElementsByType(kind, entity)[1]
         return np.asarray(index[nodes.astype(np.int64)].reshape(-1, dimension + 1), dtype=np.int64)
 
-    tets, zone = cells(4, 3), cells(2, 2, inner)
+    tets, zone = nodes_of_elements(4, 3), nodes_of_elements(2, 2, inner)
     contact = np.unique(zone)
     place = np.round(xi[contact], 9)
     contact = contact[np.lexsort((place[:, 2], place[:, 0]))]
-    return TetrahedralPatchMesh(xi, tets, np.concatenate([zone, cells(2, 2, ring)]), contact, perf_counter() - begin)
+    return TetrahedralPatchMesh(
+        xi, tets, np.concatenate([zone, nodes_of_elements(2, 2, ring)]), contact, perf_counter() - begin
+    )
 
 
 def signed_volumes(points: Array, tetrahedra: Index) -> Array:
-    """Compute the volumes of tetrahedra; negative for inverted ones.
+    """Compute the volumes of tetrahedra; the volume of an inverted tetrahedron is negative.
 
     Parameters
     ----------

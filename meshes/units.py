@@ -23,7 +23,7 @@ DIMENSIONS = {
     "number": ("", "0.28"),
 }
 
-#: Common units of each dimension, which error messages list.
+#: Common units of each dimension, which error messages suggest.
 COMMON = {
     "length": ("m", "cm", "mm", "um", "nm", "in", "inch"),
     "force": ("N", "kN", "MN", "lbf"),
@@ -97,6 +97,7 @@ _TABLE = {
         "degR rankine": "5/9",
     },
 }
+#: Dimension of each unit, and its conversion factor to the SI unit, by each name of the unit.
 UNITS = {name: (of, factor) for of, units in _TABLE.items() for names, factor in units.items() for name in names.split()}
 #: Exponent of ten for each prefix, by its symbol and its name.
 PREFIXES = {
@@ -134,8 +135,9 @@ _NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,4})?"
 _QUANTITY = re.compile(rf"({_NUMBER})\s*(\S.*)?")
 _FACTOR = re.compile(r"([A-Za-zµ°Å_]+)(?:(?:\^|\*\*)?(-?[1-9]))?")
 _COMMA = re.compile(r"\s*[+-]?[0-9.]*[0-9],[0-9]")
+#: Largest number of characters of a text that is read as a quantity.
 _LONGEST = 64
-#: Advice for a number with a comma.
+#: Advice in error messages about a number that is written with a comma.
 COMMA = "is it a decimal comma? write a point, and nothing between thousands"
 
 

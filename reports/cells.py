@@ -174,11 +174,11 @@ def cell_text_and_css_classes(column: TableColumn, value: Cell, *, right_aligned
 
 
 def colour_class_of_verdict(text: str) -> str:
-    """Return the colour class of a verdict such as "reproduced" or "not identifiable", by its first word.
+    """Return the colour class of a verdict, such as "reproduced" or "contradicted", by the first word of the verdict.
 
     The classes are ``good``, ``bad``, ``open`` and ``other``.
     """
-    if text == "not identifiable":
+    if text == "not identifiable" or text.startswith("not determined"):
         return "open"
     first = re.split(r"\W", text.strip().lower(), maxsplit=1)[0]
     kinds = {

@@ -108,7 +108,7 @@ def _as_table_column(column_or_heading: TableColumn | str) -> TableColumn:
 class Series:
     """Curve, band, histogram or bar chart in one panel of a figure."""
 
-    #: Label in the legend.
+    #: Label of the curve in the legend of its panel.
     label: str
     #: Abscissae of the points.
     x: Sequence[float]
@@ -127,7 +127,7 @@ class Series:
     pale: bool = False
     #: Texts written next to the points; the curve then has no entry in the legend.
     point_labels: Sequence[str] = ()
-    #: Names of the points, which a web page shows when the mouse pointer is on them.
+    #: Names of the points; a web page shows the name of the point under the mouse pointer.
     point_names: Sequence[str] = ()
 
 
@@ -220,7 +220,7 @@ class SceneView:
 
     #: Title of the page.
     title: str
-    #: Line below the title.
+    #: Line of text below the title of the page.
     subtitle: str
     #: Load cases, in the order of ``results``.
     load_cases: Sequence[LoadCaseView]
@@ -282,7 +282,7 @@ class MeshPart:
     edges: bool = True
     #: Whether the outline of a plane section through the mesh is drawn.
     outline: bool = False
-    #: Width of the edges [pixels].
+    #: Width of the drawn element edges [pixels].
     line: float = 1.2
 
 
@@ -296,13 +296,13 @@ class FieldPicture:
     title: str
     #: Meshes in the picture.
     parts: Sequence[MeshPart]
-    #: Direction from the picture to the viewer.
+    #: Direction from the pictured body to the viewer.
     sight: Sequence[float]
     #: Direction that points upwards in the picture.
     up: Sequence[float]
     #: Point in the middle of the picture (3,) [m].
     focus: Sequence[float]
-    #: Visible height [m].
+    #: Height of the region that the picture shows [m].
     height: float
     #: Cutting planes (point, normal); elements whose centre lies in front of all of them are not drawn.
     cuts: Sequence[tuple[Sequence[float], Sequence[float]]] = ()
@@ -328,11 +328,11 @@ class PressurePanel:
 
     #: Title of the plot.
     title: str
-    #: Abscissae of the nodes.
+    #: Abscissae of the contact's nodes, in the unit of the axis label.
     x: Numbers
-    #: Ordinates of the nodes.
+    #: Ordinates of the contact's nodes, in the unit of the axis label.
     y: Numbers
-    #: Pressure or other field at the nodes.
+    #: Pressure or other field at these nodes, in the unit of the colour scale.
     values: Numbers
     #: Ellipse in the plot: x and y of its centre, semi-axes along x and y.
     ellipse: tuple[float, float, float, float]
@@ -340,7 +340,7 @@ class PressurePanel:
     text_above: str = ""
     #: Components (x, y) of arrows at the nodes.
     arrows: tuple[Numbers, Numbers] | None = None
-    #: Arrows are drawn only at every ``skip``-th node.
+    #: Step of the nodes at which arrows are drawn: at every ``arrow_step``-th node.
     arrow_step: int = 1
     #: Whether each node is marked by a square; None: no node is marked.
     marked_nodes: Sequence[bool] | None = None
@@ -396,7 +396,7 @@ class Summary:
     answer: str
     #: Figure that shows the answer.
     figure: Figure
-    #: Same figure for a narrow screen.
+    #: The figure that shows the answer, laid out for a narrow screen.
     narrow: Figure
     #: Statements on what the answer covers.
     coverage: Sequence[str]
@@ -404,7 +404,7 @@ class Summary:
     limits: Sequence[str]
     #: Table with the numbers of the answer, for a printed report.
     table: Table | None = None
-    #: Tables and figures below the limits.
+    #: Further tables and figures of the report's first page.
     items: Sequence[Table | Figure] = ()
 
 
@@ -444,7 +444,7 @@ class Report:
 
     #: Title of the report.
     title: str
-    #: Line below the title.
+    #: Line of text below the title of the report.
     subtitle: str
     #: Facts on the report's origin, such as version and date.
     provenance: Mapping[str, str]

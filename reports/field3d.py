@@ -140,7 +140,7 @@ def _picture_unit_vectors(picture: FieldPicture) -> tuple[Array, Array, Array]:
 
 
 def _write_field_picture(picture: FieldPicture, path: str) -> None:
-    """Draw meshes or fields and write the PNG file ``path``; runs in the child process."""
+    """Draw meshes or fields and write the PNG file ``path``; runs in a child process of `draw_field_picture`."""
     import matplotlib
     import pyvista
 

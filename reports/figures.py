@@ -32,7 +32,7 @@ MARKERS = ("o", "s", "^", "D", "v", "x", "P", "*")
 DASHES: tuple[Any, ...] = ("-", (0, (5, 1.6)), (0, (1.4, 1.3)), (0, (6, 1.5, 1.4, 1.5)))
 #: Colour map of fields such as the contact pressure: lightness grows with the value, also in grey print.
 COLOURS = "viridis"
-#: Permitted values of ``Series.style`` and ``Panel.log``.
+#: Permitted values of ``Series.style``, and of ``Panel.log_axes``.
 STYLES, SCALES = ("line", "markers", "line+markers", "band", "steps", "bars"), ("", "x", "y", "xy")
 
 #: Largest number of panels in a figure.
@@ -75,9 +75,9 @@ _RC = {
     "legend.frameon": False,
     "path.simplify": False,
 }
-#: Distance between neighbouring labels of data points, and between labels and points [1/72 inch].
+#: Vertical distance between neighbouring labels of data points, and distance of the labels from the points [1/72 inch].
 LINE, AWAY = 10.0, 10.0
-#: Approximate width of a letter in these labels [1/72 inch].
+#: Approximate width of a letter in the labels of data points [1/72 inch].
 LETTER = 4.1
 #: Width of a tick label such as 10⁻³ on a logarithmic abscissa [1/72 inch].
 TICK = 32.0
@@ -353,7 +353,7 @@ def _svg_for_web_page(svg: str, name: str) -> str:
 
 
 def _draw_contours(axes: Any, panel: PressurePanel, levels: Any, item: PressureMap) -> Any:
-    """Draw the pressure contours of one contact with nodes, arrows and the contact ellipse.
+    """Draw the pressure contours of one contact with the contact ellipse, the nodes, and arrows at nodes if there are any.
 
     ``axes``: axes of matplotlib. ``levels``: pressures at which contours are drawn, common to all contacts of the figure
     ``item``, which has the labels of the legend. Returns the contours, for the colour scale.

@@ -10,7 +10,7 @@ from typing import Any
 
 #: Name of the manifest file in the folder of a report.
 FILE = "manifest.json"
-#: Size above which a file of a report is not read [bytes]; about ten times the largest page.
+#: Size of a report's file above which it is not read [bytes]; about ten times the largest page.
 LARGEST = 200_000_000
 
 
@@ -35,7 +35,7 @@ def read_report_file(path: Path) -> str:
     """Return the text of one file in a report's folder; files above `LARGEST` bytes are refused.
 
     Raises OSError if the file is missing, and ValueError if it is no regular file or is too large; the message of the
-    latter describes the file, such as "a pipe, a device or a folder".
+    ValueError describes the file, such as "a pipe, a device or a folder".
     """
     if path.exists() and not path.is_file():
         raise ValueError("a pipe, a device or a folder, from which no report file can be read")

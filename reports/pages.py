@@ -14,28 +14,8 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 
 from rollbench.meshes.files import temporary_path
-from rollbench.reports import field3d, figures, scene3d, sketch, view
-from rollbench.reports.cells import (
-    cell_text_and_css_classes,
-    filled_columns_and_empty_headings,
-    is_number_column,
-    replace_um_by_micrometre,
-    with_typographic_signs,
-    write_csv,
-)
-from rollbench.reports.content import (
-    FieldPicture,
-    Figure,
-    LoadedScrew,
-    Page,
-    PressureMap,
-    Report,
-    Section,
-    Sketch,
-    Summary,
-    Table,
-    Text,
-)
+from rollbench.reports import cells as reports_cells
+from rollbench.reports import content, field3d, figures, scene3d, sketch, view
 from rollbench.reports.manifest import FILE as MANIFEST
 from rollbench.reports.manifest import write_manifest
 from rollbench.reports.view import MARKER
@@ -65,7 +45,15 @@ _NAMED = re.compile(r"\b([Tt]ables?|[Ff]igures?|[Ss]ections?) ([a-z0-9][\w.-]*\w
 Progress = Callable[[str], None]
 
 #: What a section of a report may contain.
-Item = Text | Table | Figure | Sketch | LoadedScrew | FieldPicture | PressureMap
+Item = (
+    content.Text
+    | content.Table
+    | content.Figure
+    | content.Sketch
+    | content.LoadedScrew
+    | content.FieldPicture
+    | content.PressureMap
+)
 
 
 @dataclass
@@ -88,7 +76,7 @@ class _ReportWriter:
             place = self.link_targets.get(found[2])
             return found[0] if place is None else f'{found[1]} <a href="{place}">{found[2]}</a>'
 
-        return Markup(_NAMED.sub(link_reference, str(escape(with_typographic_signs(text)))))
+        return Markup(_NAMED.sub(link_reference, str(escape(reports_cells.with_typographic_signs(text)))))
 
 
 def load_templates() -> Environment:
@@ -97,7 +85,7 @@ def load_templates() -> Environment:
     return Environment(loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
 
 
-def write_pages(report: Report, folder: Path, show_progress: Progress) -> None:
+def write_pages(report: content.Report, folder: Path, show_progress: Progress) -> None:
     """Write all files of a report: pages, tables, figures, search index, and manifest.
 
     Parameters
@@ -112,7 +100,9 @@ def write_pages(report: Report, folder: Path, show_progress: Progress) -> None:
     environment = load_templates()
     writer = _ReportWriter(folder, show_progress, _link_targets(report))
     environment.filters.update(
-        typeset=with_typographic_signs, linked=writer.html_with_links, place=lambda name: writer.link_targets.get(name, "")
+        typeset=reports_cells.with_typographic_signs,
+        linked=writer.html_with_links,
+        place=lambda name: writer.link_targets.get(name, ""),
     )
     pages = [_page_template_data(page, number, len(report.pages), writer) for number, page in enumerate(report.pages, 1)]
     common = {"report": report, "pages": pages, "marker": Markup(MARKER)}
@@ -133,20 +123,20 @@ def write_pages(report: Report, folder: Path, show_progress: Progress) -> None:
         write_manifest(folder, report.origin)
 
 
-def _link_targets(report: Report) -> dict[str, str]:
+def _link_targets(report: content.Report) -> dict[str, str]:
     """Return the link target (``PAGE.html#ANCHOR``) of each section, table and figure of a report, by its name."""
     found = {}
     for page in report.pages:
         for section in page.sections:
             found[section.name] = f"{page.name}.html#section-{section.name}"
-            named = (item for item in section.items if not isinstance(item, Text))
+            named = (item for item in section.items if not isinstance(item, content.Text))
             found |= {item.name: f"{page.name}.html#{_html_anchor_prefix(item)}-{item.name}" for item in named}
     return found
 
 
 def _html_anchor_prefix(item: Item) -> str:
-    """Return "table" or "figure", the word with which the HTML anchor of this item of a section begins."""
-    return "table" if isinstance(item, Table) else "figure"
+    """Return the word with which the HTML anchor of a section's item begins: "table" for a table, otherwise "figure"."""
+    return "table" if isinstance(item, content.Table) else "figure"
 
 
 def _write_text(path: Path, text: str) -> None:
@@ -154,7 +144,7 @@ def _write_text(path: Path, text: str) -> None:
     path.write_text(text, encoding="utf-8", newline="\n")
 
 
-def _page_template_data(page: Page, number: int, total: int, writer: _ReportWriter) -> dict[str, Any]:
+def _page_template_data(page: content.Page, number: int, total: int, writer: _ReportWriter) -> dict[str, Any]:
     """Write the figures and tables of one page to files, and return the data for the page's HTML template.
 
     ``number``, ``total``: number of the page, from 1, and number of pages, for the line of progress. Entries of the search
@@ -190,13 +180,13 @@ def split_conclusion_into_heading(conclusion: str, title: str) -> tuple[str, str
     return first, f"{rest[0]}." if rest else ""
 
 
-def _section_template_data(section: Section, file: str, writer: _ReportWriter) -> dict[str, Any]:
+def _section_template_data(section: content.Section, file: str, writer: _ReportWriter) -> dict[str, Any]:
     """Write the figures and tables of one section to files, and return the section's data for its page's HTML template.
 
     ``file``: file name of the page. Entries of the search index are added to ``writer``.
     """
     items = [_item_template_data(item, file, writer) for item in section.items]
-    words = [p for item in section.items if isinstance(item, Text) for p in item.paragraphs]
+    words = [p for item in section.items if isinstance(item, content.Text) for p in item.paragraphs]
     writer.search_entries.append(
         _search_index_entry(section.title, f"{file}#section-{section.name}", "section", " ".join(words))
     )
@@ -216,10 +206,10 @@ def _search_index_entry(title: str, link_target: str, location: str, text: str) 
     ``location``: location in words, such as "table NAME, SECTION".
     """
     return {
-        "t": replace_um_by_micrometre(title),
+        "t": reports_cells.replace_um_by_micrometre(title),
         "h": link_target,
         "s": location,
-        "x": replace_um_by_micrometre(re.sub(r"\s+", " ", text))[:KNOWN],
+        "x": reports_cells.replace_um_by_micrometre(re.sub(r"\s+", " ", text))[:KNOWN],
     }
 
 
@@ -228,13 +218,13 @@ def _searchable_text(record: Any) -> str:
 
     ``record``: the table or figure.
     """
-    if not isinstance(record, Table):
+    if not isinstance(record, content.Table):
         return str(record.caption)
     texts = [str(row[c.key]) for row in record.rows for c in record.columns if isinstance(row.get(c.key), str)]
     return " ".join(dict.fromkeys([*(c.label for c in record.columns), record.note, *texts]))
 
 
-def _summary_template_data(summary: Summary, writer: _ReportWriter) -> dict[str, Any]:
+def _summary_template_data(summary: content.Summary, writer: _ReportWriter) -> dict[str, Any]:
     """Write the figures and tables of the report's first page to files, and return the data for its HTML template.
 
     The data contain the summary's figure twice, for wide and for narrow screens.
@@ -253,18 +243,18 @@ def _item_template_data(item: Item, page: str, writer: _ReportWriter) -> dict[st
 
     ``page``: file name of the page that contains the item. ``writer``: has the folder of the report.
     """
-    if isinstance(item, Text):
+    if isinstance(item, content.Text):
         return {"kind": "text", "text": item}
-    if isinstance(item, Table):
+    if isinstance(item, content.Table):
         return table_template_data(item, writer.folder)
     view: dict[str, Any] = {"kind": "figure", "figure": item}
     view |= dict.fromkeys(("file", "drawing", "narrow", "image", "missing", "turned"))
     name = f"figures/{item.name}"
-    if isinstance(item, Figure | PressureMap | Sketch):
+    if isinstance(item, content.Figure | content.PressureMap | content.Sketch):
         narrow = ""
-        if isinstance(item, Sketch):
+        if isinstance(item, content.Sketch):
             svg = sketch.draw_sketch(item)
-        elif isinstance(item, Figure):
+        elif isinstance(item, content.Figure):
             svg, narrow = figures.draw_figure(item), figures.draw_figure(figures.phone_figure(item))
         else:
             svg, narrow = (
@@ -280,7 +270,7 @@ def _item_template_data(item: Item, page: str, writer: _ReportWriter) -> dict[st
 
 
 def _picture_template_data(
-    item: LoadedScrew | FieldPicture, name: str, back_link: str, writer: _ReportWriter
+    item: content.LoadedScrew | content.FieldPicture, name: str, back_link: str, writer: _ReportWriter
 ) -> dict[str, Any]:
     """Write a 3D picture to the file ``name``, and return its data for the HTML template.
 
@@ -289,7 +279,7 @@ def _picture_template_data(
     """
     path = writer.folder / name
     try:
-        if isinstance(item, LoadedScrew):
+        if isinstance(item, content.LoadedScrew):
             scene3d.draw_loaded_screw(item, path)
         else:
             field3d.draw_field_picture(item, path)
@@ -298,7 +288,7 @@ def _picture_template_data(
         writer.show_progress(f"WARNING: the report lacks the picture {item.name!r}. {error}")
         return {"missing": str(error)}
     turned = None
-    if isinstance(item, LoadedScrew) and item.view is not None:
+    if isinstance(item, content.LoadedScrew) and item.view is not None:
         turned = f"view-{item.name}.html"
         _write_text(writer.folder / turned, view.viewer_page_html(item.view, back_link))
     return {"file": name, "image": name, "turned": turned}
@@ -315,23 +305,23 @@ def svg_as_html_element(svg: str) -> Markup:
     return Markup(colour.sub(lambda c: f"var(--{theme[c[0].lower()]}, {c[0]})" if c[0].lower() in theme else c[0], element))
 
 
-def table_template_data(table: Table, folder: Path) -> dict[str, Any]:
+def table_template_data(table: content.Table, folder: Path) -> dict[str, Any]:
     """Write the CSV file of a table, and return the table's data for the HTML template.
 
     ``folder``: folder of the report. The data omit empty columns and say whether the table is folded, because it is long,
     or set in a narrower font.
     """
-    write_csv(table, folder / "tables" / f"{table.name}.csv")
-    shown, empty = filled_columns_and_empty_headings(table)
+    reports_cells.write_csv(table, folder / "tables" / f"{table.name}.csv")
+    shown, empty = reports_cells.filled_columns_and_empty_headings(table)
     shown = [c for c in shown if c.key != HOW and c.key not in table.csv_only]
-    numbers = [is_number_column(column, table) for column in shown]
+    numbers = [reports_cells.is_number_column(column, table) for column in shown]
     heads: Sequence[dict[str, str]] = [
         {"label": c.label, "unit": c.unit, "align": "num" if number else "text"}
         for c, number in zip(shown, numbers, strict=True)
     ]
     cells = [
         [
-            cell_text_and_css_classes(c, row.get(c.key), right_aligned=number)
+            reports_cells.cell_text_and_css_classes(c, row.get(c.key), right_aligned=number)
             for c, number in zip(shown, numbers, strict=True)
         ]
         for row in table.rows
@@ -353,7 +343,7 @@ _FOLDERS = {"tables": (".csv",), "figures": (".svg", ".png")}
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
 
 
-def write_report(report: Report, out: Path, progress: Progress | None = None) -> Path:
+def write_report(report: content.Report, out: Path, progress: Progress | None = None) -> Path:
     """Write a report to a folder that contains nothing else afterwards.
 
     All files are first written to a temporary folder, which replaces ``out`` when it is complete. After an error or an
@@ -435,7 +425,7 @@ def _is_report_file(entry: Path) -> bool:
     )
 
 
-def _check_report_names(report: Report) -> None:
+def _check_report_names(report: content.Report) -> None:
     """Raise ValueError if a name in a report occurs twice or cannot be part of a file name or link."""
     seen: set[tuple[str, str]] = {("page", "index")}
     for page in report.pages:
@@ -443,8 +433,8 @@ def _check_report_names(report: Report) -> None:
             raise ValueError(f"name {page.name!r} of a report page is not a valid file name or is used twice")
         seen.add(("page", page.name))
     for section in report.sections:
-        items = [item for item in section.items if not isinstance(item, Text)]
-        named = [("table" if isinstance(item, Table) else "figure", item.name) for item in items]
+        items = [item for item in section.items if not isinstance(item, content.Text)]
+        named = [("table" if isinstance(item, content.Table) else "figure", item.name) for item in items]
         if section.summary:
             named += [("figure", figure.name) for figure in (section.summary.figure, section.summary.narrow)]
         for kind, name in [("section", section.name), *named]:

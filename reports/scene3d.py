@@ -65,7 +65,7 @@ class _DrawnGrooves:
     track_radius: float
     #: Groove radius: radius of the two arcs of the gothic arch [m].
     groove_radius: float
-    #: Distance of the centres of these arcs from the ball track [m].
+    #: Offset of the centres of the two arcs from the ball track [m], equal along the radius and across the groove.
     arc_centre_offset: float
     #: Axial advance of the helix per angle [m/rad].
     advance_per_radian: float
@@ -76,10 +76,10 @@ class _DrawnGrooves:
     #: Axial position of each helix at its start azimuth [m].
     axial_offset: float
 
-    def depth(self, phi: Array, z: Array) -> Array:
-        """Return the depth of the groove below or above the pitch radius [m] at azimuth phi [rad] and position z [m].
+    def groove_depth(self, phi: Array, z: Array) -> Array:
+        """Return the radial distance of the groove surface from the pitch radius [m] at azimuth phi [rad], position z [m].
 
-        It is nan outside the groove.
+        The distance is nan outside the groove. Screw and nut have the same distance, inwards and outwards.
         """
         path = self.axial_offset + self.advance_per_radian * (phi[..., None] - self.start_azimuths)
         away = z[..., None] - path
@@ -92,13 +92,13 @@ class _DrawnGrooves:
         )
         return half
 
-    def surface(self, phi: Array, z: Array, land_radius: float) -> Array:
-        """Return the radius [m] of the grooved surface at azimuth phi [rad] and axial position z [m].
+    def surface_radius(self, phi: Array, z: Array, land_radius: float) -> Array:
+        """Return the radius [m] of the grooved surface of screw or nut at azimuth phi [rad] and axial position z [m].
 
         ``land_radius``: radius between the grooves [m]. The surface is that of the screw if this radius is smaller than the
         pitch radius, and that of the nut otherwise.
         """
-        depth = self.depth(phi, z)
+        depth = self.groove_depth(phi, z)
         if land_radius < self.track_radius:
             return np.fmin(land_radius, self.track_radius - depth)
         return np.fmax(land_radius, self.track_radius + depth)
@@ -122,8 +122,8 @@ def _grooved_cylinder_grid(
 ) -> tuple[Array, Array]:
     """Return azimuths [rad] and axial positions [m] of the grid points on a grooved cylinder, each (rows, columns).
 
-    The grid lines follow the helix of the groove, so that its edges are sharp. ``phi``: azimuths of the rows [rad].
-    ``ends``: axial range [m]. ``step``: axial distance of the grid lines [m].
+    The grid lines follow the helix of the groove, so that the groove's edges are sharp. ``phi``: azimuths of the rows
+    [rad]. ``ends``: axial range [m]. ``step``: axial distance of the grid lines [m].
     """
     rise = grooves.advance_per_radian * (phi - phi[0])
     low, high = ends[0] - max(rise.max(), 0.0), ends[1] - min(rise.min(), 0.0)
@@ -167,7 +167,7 @@ def _screw_surfaces_near_nut(scene: Scene, coarsening: float = 1.0, length_beyon
     back = _VIEW + np.pi
     around = np.linspace(back, back + 2.0 * np.pi, round(360 / coarsening) + 1)
     phi, z = _grooved_cylinder_grid(grooves, around, (low, high), 0.06 * coarsening * drawn_ball_radius(scene))
-    radius = grooves.surface(phi, z, scene.screw.outer_diameter / 2.0)
+    radius = grooves.surface_radius(phi, z, scene.screw.outer_diameter / 2.0)
     grids, inner = [(radius, phi, z)], scene.screw.bore / 2.0
     for column in (0, -1):
         share = np.linspace(0.0, 1.0, 12)[None, :]
@@ -189,12 +189,15 @@ def _opened_nut_surfaces(scene: Scene, coarsening: float = 1.0) -> tuple[list[Gr
     ends = (scene.nut.position - 0.5 * scene.nut.length, scene.nut.position + 0.5 * scene.nut.length)
     around = np.linspace(_VIEW + 0.5 * np.pi, _VIEW + 1.5 * np.pi, round(180 / coarsening) + 1)
     phi, z = _grooved_cylinder_grid(grooves, around, ends, 0.06 * coarsening * drawn_ball_radius(scene))
-    inner = np.minimum(grooves.surface(phi, z, bore), 0.98 * scene.nut.outer_diameter / 2.0)
+    inner = np.minimum(grooves.surface_radius(phi, z, bore), 0.98 * scene.nut.outer_diameter / 2.0)
     outer = np.full_like(inner, scene.nut.outer_diameter / 2.0)
     share = np.linspace(0.0, 1.0, 8)
 
     def radial_face(index: Any) -> Grid:
-        """Return the flat face of the nut, from bore to outer diameter, at one edge of its surface grid (``index``)."""
+        """Return a flat face of the half nut, from bore to outer diameter, at one edge of the grid of the nut's bore.
+
+        ``index``: index of this edge in the arrays of the grid, the first or last of its rows or columns.
+        """
         wall = inner[index][:, None] * (1.0 - share) + outer[index][:, None] * share
         flat = np.zeros_like(wall)
         return wall, phi[index][:, None] + flat, z[index][:, None] + flat
@@ -212,7 +215,7 @@ def viewer_and_upward_vectors() -> tuple[Array, Array]:
 
 
 def direction_to_viewer() -> Array:
-    """Return the unit vector from the nut to the viewer: from the open side, slightly above and to the right."""
+    """Return the unit vector from the nut to the viewer: out of the nut's open side, slightly upwards and towards +z."""
     outward, upward = viewer_and_upward_vectors()
     eye: Array = outward + 0.22 * upward + 0.34 * np.array([0.0, 0.0, 1.0])
     return eye / float(np.linalg.norm(eye))
@@ -229,7 +232,7 @@ def screw_and_nut_surfaces_by_colour(scene: Scene, coarsening: float, length_bey
 
 
 def _write_loaded_screw_picture(picture: LoadedScrew, path: str) -> None:
-    """Draw a loaded screw and write the PNG file ``path``; runs in the child process."""
+    """Draw a loaded screw and write the PNG file ``path``; runs in a child process of `draw_loaded_screw`."""
     import pyvista
 
     pyvista.OFF_SCREEN = True

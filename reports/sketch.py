@@ -35,7 +35,7 @@ class _DrawingScale:
     to_scale_end: float
     #: Length of the shaft [m].
     shaft_length: float
-    #: Abscissa of the axial position ``low`` in the drawing [pixels].
+    #: Abscissa of the axial position ``to_scale_start`` in the drawing [pixels].
     start_abscissa: float
     #: Pixels per metre.
     pixels_per_metre: float
@@ -43,7 +43,7 @@ class _DrawingScale:
     axis_ordinate: float
 
     def abscissa(self, station: float) -> float:
-        """Return the abscissa in the drawing [pixels] of an axial position ``station`` [m] on the shaft."""
+        """Return the abscissa in the drawing [pixels] of the axial position ``station`` [m] on the shaft."""
         if station < self.to_scale_start:
             share = (self.to_scale_start - station) / max(self.to_scale_start, 1e-12)
             return self.start_abscissa - share * self._drawn_end_length(self.to_scale_start)
@@ -58,11 +58,11 @@ class _DrawingScale:
         return self.axis_ordinate - self.pixels_per_metre * radius
 
     def _drawn_end_length(self, length: float) -> float:
-        """Return the length [pixels] with which a shaft end of this length [m] is drawn, at most `END`."""
+        """Return the length [pixels] with which a shaft end of the length ``length`` [m] is drawn, at most `END`."""
         return min(self.pixels_per_metre * length, END)
 
     def is_end_shortened(self, length: float) -> bool:
-        """Return whether a shaft end of this length [m] is drawn shortened, with a break line."""
+        """Return whether a shaft end of the length ``length`` [m] is drawn shortened, with a break line."""
         return self.pixels_per_metre * length > END
 
 

@@ -88,8 +88,8 @@ def _viewer_unit_vectors() -> dict[str, list[float]]:
 def _load_case_data(case: LoadCaseView, surfaces: dict[str, int]) -> dict[str, Any]:
     """Return the data of one load case for the script of the 3D viewer.
 
-    ``surfaces``: numbers of all surfaces so far, by the JSON text of the surface. New surfaces are added to it; load cases
-    share equal surfaces.
+    ``surfaces``: number of each surface of earlier load cases, by the JSON text of the surface. New surfaces are added to
+    this mapping; a surface that is equal in several load cases is stored only once.
     """
     drawn = [s for one in case.nuts_and_bearings for s in _surfaces_of_nut_or_bearing(one, case.shaft is not None)]
     if case.shaft is not None:
@@ -167,7 +167,10 @@ def _shaft_range_drawn_with_nut(rolling_set: RollingSet, parts: Scene, length: f
 
 
 def _viewer_data_of_nut_or_bearing(nut_or_bearing: NutOrBearingView) -> dict[str, Any]:
-    """Return the data of one nut or bearing row for the 3D viewer; lengths are in mm, reductions of clearance in um."""
+    """Return the data of one nut or bearing row for the 3D viewer; lengths are in mm.
+
+    Reductions of the clearance at contacts by errors of the parts are in um.
+    """
     head = {"name": nut_or_bearing.name, "kind": nut_or_bearing.kind, "expected": nut_or_bearing.expected}
     if isinstance(nut_or_bearing.parts, RollerRow):
         return head | _viewer_data_of_rollers(

@@ -9,14 +9,9 @@ from rollbench.lowfi.friction.contact.equilibrium import ContactLoadSolution
 from rollbench.lowfi.friction.contact.laws import EllipticalContacts
 from rollbench.lowfi.friction.linear.bearing import LinearBearing
 from rollbench.lowfi.friction.screw import motion
+from rollbench.lowfi.friction.screw import motion as screw_motion
 from rollbench.lowfi.friction.screw.chain import PATIENCE, solve_loads_and_motion
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
-from rollbench.lowfi.friction.screw.motion import (
-    BallsBetweenGrooves,
-    balls_without_friction,
-    screw_displacement_maps,
-    solve_screw_contact_loads,
-)
 from rollbench.meshes.arrays import Array
 
 
@@ -79,11 +74,13 @@ def pure_spin_moment(at: EllipticalContacts) -> Array:
     return np.asarray(0.375 * at.friction_bound * at.a * ellipe(1.0 - (at.b / at.a) ** 2))
 
 
-def ball_cell(groove: ScrewGroove, deviation: Array, oversize: float, free: str, force: Array) -> BallsBetweenGrooves:
+def ball_cell(
+    groove: ScrewGroove, deviation: Array, oversize: float, free: str, force: Array
+) -> screw_motion.BallsBetweenGrooves:
     """One ball at azimuth 0: deviations (4,) of its groove angles [rad], oversize of its radius [m], free, force (m,)."""
     angle = np.asarray(groove.contact_angle + deviation, dtype=float)[None, :]
-    rows, pull = screw_displacement_maps(groove, np.zeros(1), free), np.asarray(force, dtype=float)
-    return balls_without_friction(groove, angle, np.full((1, 4), float(oversize)), rows, pull)
+    rows, pull = screw_motion.screw_displacement_maps(groove, np.zeros(1), free), np.asarray(force, dtype=float)
+    return screw_motion.balls_without_friction(groove, angle, np.full((1, 4), float(oversize)), rows, pull)
 
 
 @dataclass(frozen=True)
@@ -97,15 +94,17 @@ class CoupledBall:
     converged: bool
 
 
-def coupled_ball(cell: BallsBetweenGrooves, coupling: motion.Coupling = "ball and screw", fast: bool = True) -> CoupledBall:
+def coupled_ball(
+    cell: screw_motion.BallsBetweenGrooves, coupling: motion.Coupling = "ball and screw", fast: bool = True
+) -> CoupledBall:
     """Loads and motion of the one ball of a cell in agreement, with rest and slip exact; see ``coupled_chain``.
 
     Failure is data: see ``converged``.
     """
-    load = solve_screw_contact_loads(cell)
+    load = screw_motion.solve_screw_contact_loads(cell)
     if coupling == "ball":
-        cell = motion.with_fixed_screw(cell, load)
-        load = solve_screw_contact_loads(cell, (load.ball_displacements, np.zeros(0)))
+        cell = motion.balls_with_fixed_screw(cell, load)
+        load = screw_motion.solve_screw_contact_loads(cell, (load.ball_displacements, np.zeros(0)))
     groove, mixer, bare = (
         cell.groove,
         motion.AndersonAcceleration(),
@@ -126,11 +125,13 @@ def coupled_ball(cell: BallsBetweenGrooves, coupling: motion.Coupling = "ball an
         if joint is not None and joint.reached_full_friction:
             push, drag = joint.ball_friction_forces, joint.screw_friction_forces
             with_friction = replace(cell, ball_friction_forces=push, screw_friction_forces=drag)
-            load = solve_screw_contact_loads(with_friction, (joint.ball_displacements, joint.screw_displacements))
+            load = screw_motion.solve_screw_contact_loads(
+                with_friction, (joint.ball_displacements, joint.screw_displacements)
+            )
         else:
             x = mixer.next_iterate(x, g)
             push, drag = x[:2].reshape(1, 2), x[2:]
-            load = solve_screw_contact_loads(
+            load = screw_motion.solve_screw_contact_loads(
                 replace(cell, ball_friction_forces=push, screw_friction_forces=drag),
                 (load.ball_displacements, load.inner_body_displacements),
             )

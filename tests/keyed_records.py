@@ -7,12 +7,7 @@ import typing
 
 import numpy as np
 
-from rollbench.compare.scenes.friction_kinds.bearings import (
-    BearingBallScene,
-    BearingPairScene,
-    LinearChainScene,
-    LinearPairScene,
-)
+from rollbench.compare.scenes.friction_kinds import bearings
 from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene, ScrewRunScene
 from rollbench.hifi.meshing.settings import Settings
 from rollbench.hifi.rolling.bodies import Sizes
@@ -23,7 +18,17 @@ from rollbench.meshes.solid import Dimensions
 
 #: Records that hold all others.
 ROOTS = (
-    *(Scene, Assembly, Dimensions, Settings, Sizes, BearingBallScene, BearingPairScene, LinearChainScene, LinearPairScene),
+    *(
+        Scene,
+        Assembly,
+        Dimensions,
+        Settings,
+        Sizes,
+        bearings.BearingBallScene,
+        bearings.BearingPairScene,
+        bearings.LinearChainScene,
+        bearings.LinearPairScene,
+    ),
     *(ScrewPairScene, ScrewRunScene, GrooveMap),
 )
 

@@ -17,15 +17,7 @@ from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.studies.survey import SEED, random_screw_scene_text
 from rollbench.hifi.bodies.patch import condense_patch
 from rollbench.hifi.condensation import condense_nut
-from rollbench.hifi.meshing.part_meshes import (
-    FlankSockets,
-    choose_patch_cells,
-    choose_socket_size,
-    contact_normals_of_patch,
-    contact_positions_on_body,
-    mesh_coarser_patch,
-    mesh_patch,
-)
+from rollbench.hifi.meshing import part_meshes
 from rollbench.hifi.meshing.settings import Settings
 from rollbench.meshes.groove import GroovedBodySpec
 from rollbench.meshes.groove_map import GrooveMap
@@ -75,20 +67,23 @@ def lip(scene: Scene, distance: float, choices: Settings) -> float:
     )
     m, layout, dims, nut = GrooveMap.from_scene(near), ball_layout(near), dimensions_of_3d_parts(near), near.nut
     sides = tuple(s for s in flanks_to_mesh(scene) if s >= 2)
-    size = choose_socket_size(near, m, layout, (0, 1, 2, 3), dims, choices)
+    size = part_meshes.choose_refinement_box_size(near, m, layout, (0, 1, 2, 3), dims, choices)
     widths = (size.gamma * float(m.radius.mean()), size.phi * m.R)
-    zone = choose_patch_cells(choices, widths, size.depth)[1]
+    zone = part_meshes.choose_patch_cells(choices, widths, size.depth)[1]
     ends = nut.position - HALF * r, nut.position + HALF * r
-    places = contact_positions_on_body(layout, sides, False)
+    places = part_meshes.contact_positions_on_body(layout, sides, False)
     spec = GroovedBodySpec(
         dims.land, nut.outer_diameter / 2.0, *ends, False, places, size, choices.fine, choices.coarse, dims.groove_ends
     )
     body, e, patches = mesh_grooved_body(m, spec), nut.material, {}
     for side in sides:
         place, socket = partial(points_in_box_at_azimuth_zero, m, size, side), body.box_faces[side]
-        fits = FlankSockets(socket, socket, size, zone, widths)
-        mesh, carrier = mesh_patch(fits, socket, place, choices), mesh_coarser_patch(fits, socket, place, choices)
-        normals = contact_normals_of_patch(mesh, np.array([m.R, 0.0, 0.0]))
+        fits = part_meshes.FlankSockets(socket, socket, size, zone, widths)
+        mesh, carrier = (
+            part_meshes.mesh_patch(fits, socket, place, choices),
+            part_meshes.mesh_coarser_patch(fits, socket, place, choices),
+        )
+        normals = part_meshes.contact_normals_of_patch(mesh, np.array([m.R, 0.0, 0.0]))
         patches[side] = condense_patch(mesh, normals, e.youngs_modulus, e.poissons_ratio, carrier)
     found, patch = condense_nut(e, body, layout, sides, patches, choices, dims), patches[PRESSED]
     flat = patch.contact_points - points_in_box_at_azimuth_zero(m, size, PRESSED, np.zeros((1, 3)))

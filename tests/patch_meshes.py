@@ -7,15 +7,8 @@ import numpy as np
 from tests.fe_meshes import boundary_faces, cube
 from tests.helpers import small_screw
 
-from rollbench.hifi.bodies.patch import (
-    PatchCellBoundaries,
-    condense_patch,
-    fit_tetrahedral_patch,
-    graded_cell_boundaries,
-    growing_cell_boundaries,
-    mesh_hexahedral_patch,
-)
-from rollbench.hifi.meshing.part_meshes import ball_socket_and_map
+from rollbench.hifi.bodies import patch as bodies_patch
+from rollbench.hifi.meshing.part_meshes import ball_refinement_box_and_map
 from rollbench.meshes.fem import build_mesh
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.sockets import RefinementBoxFaces, RefinementBoxSize, points_in_box_at_azimuth_zero
@@ -32,9 +25,11 @@ ZONE = (0.62, 0.17)
 def lines(b_over_h, growth=1.7):
     """Elements of a second-order patch with so many nodes across the short semi-axis; growth: beside the contact zone."""
     step = 2.0 * SEMI[1] / b_over_h / WIDTH[1]
-    across = graded_cell_boundaries(ZONE[0], 2.0 * SEMI[0] / b_over_h / WIDTH[0], growth)
-    return PatchCellBoundaries(
-        across, growing_cell_boundaries(0.0, 1.0, 0.6 * step, 1.8), graded_cell_boundaries(ZONE[1], step, growth)
+    across = bodies_patch.graded_cell_boundaries(ZONE[0], 2.0 * SEMI[0] / b_over_h / WIDTH[0], growth)
+    return bodies_patch.PatchCellBoundaries(
+        across,
+        bodies_patch.growing_cell_boundaries(0.0, 1.0, 0.6 * step, 1.8),
+        bodies_patch.graded_cell_boundaries(ZONE[1], step, growth),
     )
 
 
@@ -73,7 +68,7 @@ def places(side):
     groove = partial(points_in_box_at_azimuth_zero, MAP, SIZE, side)
     return {
         "groove": (groove, np.array([MAP.R, 0.0, 0.0])),
-        "ball": (ball_socket_and_map(MAP, SIZE, side, ZONE)[1], np.zeros(3)),
+        "ball": (ball_refinement_box_and_map(MAP, SIZE, side, ZONE)[1], np.zeros(3)),
     }
 
 
@@ -88,9 +83,9 @@ def patch(kind, where="groove", side=0, fine=0.16e-3):
     """Patch mesh and the directions of its contact forces."""
     place, centre = places(side)[where]
     mesh = (
-        mesh_hexahedral_patch(lines(2.0), ZONE, place, socket())
+        bodies_patch.mesh_hexahedral_patch(lines(2.0), ZONE, place, socket())
         if kind == "Q2"
-        else fit_tetrahedral_patch(tets(fine), place, socket())
+        else bodies_patch.fit_tetrahedral_patch(tets(fine), place, socket())
     )
     arms = mesh.points[mesh.contact_nodes] - centre
     return mesh, arms / np.linalg.norm(arms, axis=1)[:, None]
@@ -99,4 +94,4 @@ def patch(kind, where="groove", side=0, fine=0.16e-3):
 @cache
 def condensed(*args, **options):
     mesh, normals = patch(*args, **options)
-    return mesh, normals, condense_patch(mesh, normals, E, NU)
+    return mesh, normals, bodies_patch.condense_patch(mesh, normals, E, NU)

@@ -20,15 +20,11 @@ from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.reference.tasks import flanks_to_mesh, mesh_settings
 from rollbench.compare.running import machine_description
 from rollbench.compare.scenes import catalogue, scene_file
-from rollbench.compare.studies.run_times import SET_UP_COSTS, utc_date_text
+from rollbench.compare.studies.run_times import SET_UP_COSTS, utc_date_today
 from rollbench.compare.studies.survey import SEED, random_screw_scene_text
 from rollbench.hifi import condensation, linear_algebra, setup
+from rollbench.hifi import condensation as hifi_condensation
 from rollbench.hifi.bodies import patch
-from rollbench.hifi.condensation import (
-    collect_flank_condensation_arguments,
-    condense_patches_of_flank,
-    turn_patches_to_right_flank,
-)
 from rollbench.hifi.elements import forms
 from rollbench.hifi.meshing.part_meshes import mesh_parts
 from rollbench.hifi.meshing.settings import Settings
@@ -128,7 +124,7 @@ def ways_of(name: str) -> list[dict[str, Any]]:
     fine = condensation.contact_compliance_in_fine_submodel
     with pytest.MonkeyPatch.context() as put:
         put.setattr(
-            condensation, "contact_compliance_in_fine_piece", lambda *given: begun.append(process_time()) or fine(*given)
+            condensation, "contact_compliance_in_fine_submodel", lambda *given: begun.append(process_time()) or fine(*given)
         )
         put.setattr(condensation, "local_contact_compliance", watched)  # of groove and ball of one side after the other
         put.setattr(setup, "_correct_screw_stiffness", lambda *given: raw.append(given) or finished(*given))
@@ -141,16 +137,18 @@ def ways_of(name: str) -> list[dict[str, Any]]:
         return {"scene": name, "way": way, "saved": round(saved, 2), "moved": round(100.0 * float(moved), 4)}
 
     def with_own(side: int, value: Array) -> setup.CondensedGeometry:
-        patches = {**base.patches_by_flank, side: replace(base.patches_by_flank[side], local=value)}
+        patches = {**base.patches_by_flank, side: replace(base.patches_by_flank[side], local_compliance=value)}
         if len(wanted) == 4:
-            patches[side + 1] = turn_patches_to_right_flank(patches[side])
-        return replace(base, patches=patches)
+            patches[side + 1] = hifi_condensation.turn_patches_to_right_flank(patches[side])
+        return replace(base, patches_by_flank=patches)
 
     one, other = (s for s in wanted if len(wanted) == 2 or s % 2 == 0)
     like = (
         A_s[1]
         if one % 2 == other % 2
-        else turn_patches_to_right_flank(replace(base.patches_by_flank[one], local=A_s[1])).local_compliance
+        else hifi_condensation.turn_patches_to_right_flank(
+            replace(base.patches_by_flank[one], local_compliance=A_s[1])
+        ).local_compliance
     )
     out = [
         row(
@@ -172,8 +170,8 @@ def _own_of(scene: Scene, share: float, choices: Settings, wanted: tuple[int, ..
     near = replace(scene, track=track, screw=screw, nut=nut)
     m, layout, dims = GrooveMap.from_scene(near), ball_layout(near), dimensions_of_3d_parts(near)
     meshes = mesh_parts(near, m, layout, dims, wanted, choices)
-    return condense_patches_of_flank(
-        *collect_flank_condensation_arguments(near, m, dims, meshes, wanted[0], choices)
+    return hifi_condensation.condense_patches_of_flank(
+        *hifi_condensation.collect_flank_condensation_arguments(near, m, dims, meshes, wanted[0], choices)
     ).local_compliance
 
 
@@ -189,7 +187,7 @@ def _shafts(
         begin, radii = process_time(), (scene.screw.outer_diameter / 2.0, base.solid_dimensions.hole)
         meshed = [cell.meshed_shaft_flexibility(m, *radii, e, cells * choices.cell, length) for length in lengths]
         spent, found = process_time() - begin, cell.compute_equivalent_beam(m, bore, e, section, meshed)
-        return replace(base, screw=setup._correct_screw_stiffness(screw, found, *rest)), spent
+        return replace(base, condensed_screw=setup._correct_screw_stiffness(screw, found, *rest)), spent
 
     whole = cell.choose_lengths_of_fitted_shafts(m)
     lead = 2.0 * np.pi * abs(m.rg)
@@ -208,7 +206,7 @@ if __name__ == "__main__":
     found = {
         "version": __version__,
         "machine": machine_description(),
-        "date": utc_date_text(),
+        "date": utc_date_today(),
         "jobs": [stages_of(*job) for job in JOBS],
     }
     found["ways"] = [row for name in ("new screw", "flanged") for row in ways_of(name)]

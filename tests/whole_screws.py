@@ -44,7 +44,7 @@ def single(force, angle, groove):
 def contacts_in(groove, force, angle, azimuth):
     """Contacts of N balls in a groove with its Hertz constants; force, angle (N, 4), azimuth (N,)."""
     h, cube = groove.contact_hertz_constants, np.cbrt(np.maximum(force, 1e-9 * force.max()))
-    layout = ball_layout_at_positions(scene_of(groove).track, azimuth, groove.ratio * azimuth)
+    layout = ball_layout_at_positions(scene_of(groove).track, azimuth, groove.advance_per_radian * azimuth)
     size, across = np.full(azimuth.size, groove.ball_radius), np.ones(force.shape, dtype=bool)
     return StaticContacts(size, force, angle, h.C_a * cube, h.C_b * cube, across, layout)
 

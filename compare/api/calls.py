@@ -46,7 +46,7 @@ LOG = logging.getLogger("rollbench")
 
 
 def read(name: str | Path) -> Described:
-    """Read a scene from a TOML file, or a scene that is included with rollbench by its name.
+    """Read a scene (parts, supports and loads) from a TOML file, or by name one that is included with rollbench.
 
     Parameters
     ----------
@@ -130,7 +130,8 @@ def solve(
     member
         Number of the specimen, from 0, of a scene with random geometric errors; each specimen has its own errors.
     everything
-        Whether all terms of the model are computed, including those that cannot change the contact loads of this scene.
+        Whether the model also has parts that cannot change the contact loads of this scene, such as groove flanks that no
+        ball can touch, and unloaded ends of the shaft.
     condensed
         File that ``rollbench condense`` wrote, with the compliance of screw and nut from the 3D mesh. If it is given and
         ``model`` is empty, the model is ``"condensed"``.
@@ -141,8 +142,9 @@ def solve(
     Returns
     -------
     Result
-        Loads, contact angles, pressures, displacement, stiffness, life and the error to expect, in SI units. If no
-        equilibrium exists, no exception is raised: `Result.status` and `Result.reason` say why there is none.
+        Loads, contact angles, pressures, displacement, stiffness and life in SI units, and the errors [%] to expect of the
+        model against the 3D finite-element reference. If no equilibrium exists, no exception is raised: `Result.status` and
+        `Result.reason` say why there is none.
 
     Raises
     ------
@@ -190,7 +192,8 @@ def solve_scene_record(
     name_for_messages
         File or name by which error messages refer to the scene; if empty, the name of the scene.
     stiffness
-        Whether the stiffness at the nut's centre is computed even without axial force, when no other result needs it.
+        Whether the stiffness at the nut's centre of a single nut or bearing row is computed even if the axial force is
+        zero; if False, it is then left out.
 
     Returns
     -------
@@ -425,9 +428,9 @@ def friction(scene: Described | str | Path, *, mu: Sequence[float] = (), model: 
     >>> round(found.torque, 3), round(found.efficiency_forward, 3)
     (0.838, 0.95)
     """
-    from rollbench.compare.studies.friction.solve import friction_for_library
+    from rollbench.compare.studies.friction.solve import friction_json_for_library
 
-    data = friction_for_library(_scene_record(scene), tuple(mu), model)
+    data = friction_json_for_library(_scene_record(scene), tuple(mu), model)
     return friction_record_from_json(data)
 
 
@@ -522,7 +525,9 @@ def compare_models(
     from rollbench.meshes.cache import default_cache_folder
 
     if reference is not None and levels is not None:
-        raise ArgumentError("reference", str(reference), "a reference file or `levels`, not both", "leave one of them out")
+        raise ArgumentError(
+            "reference", str(reference), "either a reference file or `levels`", "leave out one of the two arguments"
+        )
     described = _scene_record(scene)
     found = prepare_comparison(
         [described],
@@ -566,7 +571,7 @@ def check(
         Name of the model whose loads are judged, as for `solve`.
     loads
         CSV file with contact loads of another program, which are judged instead of a model's: columns ball, flank (SL, SR,
-        NL, NR), newton.
+        NL or NR: screw or nut, left or right), newton.
     values
         CSV file with further values that are judged: columns quantity (displacement, rigidity, torque, life),
         value, unit, where (a load such as 5 kN, or an axial position).
@@ -586,7 +591,7 @@ def check(
     Returns
     -------
     Verdict
-        A row for each quantity, and the worst judgement over all quantities, such as pass, undecided or fail.
+        A row for each quantity with its judgement, such as pass, undecided or fail, and the worst of these judgements.
 
     Raises
     ------
@@ -656,7 +661,7 @@ def mesh_study(
     -------
     MeshStudy
         The mesh levels, and for each quantity its values, observed order of convergence and uncertainty. For a scene with
-        tapered roller bearings, these are listed once for all bearings with equal rollers, under their names.
+        tapered roller bearings, all bearings with equal rollers have one common entry, which lists the bearings' names.
 
     Raises
     ------
@@ -770,8 +775,8 @@ def table(
     Returns
     -------
     Table
-        Rows with the 6 x 6 tangent stiffness [N/m, N/rad, N m/rad], the other quantities, and the error to expect of each.
-        A row without equilibrium has a status that says why.
+        Rows with the 6 x 6 tangent stiffness [N/m, N/rad, N m/rad], the other quantities, and the errors to expect of the
+        model against the 3D reference. A row without equilibrium has a status that says why.
 
     Raises
     ------

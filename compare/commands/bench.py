@@ -56,13 +56,20 @@ def bench(
     if drawn:
         if names or long or source is not None:
             allowed = "no names of scenes, `long` or `source` with this option"
-            raise ArgumentError("drawn", "this option with scenes, --long or --source", allowed, "leave these out")
+            raise ArgumentError(
+                "drawn",
+                "this option with scenes, --long or --source",
+                allowed,
+                "leave out all options but `drawn` and `store`",
+            )
         if store is None:
             advice = "add `store` with a folder in which the timed runs are stored"
             raise ArgumentError("drawn", "this option without a folder for the runs", "only together with `store`", advice)
         return print_command_output(measure_drawn_screws(store), as_json)
     if source is not None and (names or long):
-        raise ArgumentError("source", f"{source} with scenes or --long", "only without scenes and `long`", "leave both out")
+        raise ArgumentError(
+            "source", f"{source} with scenes or --long", "only without scenes and `long`", "leave out scenes and `long`"
+        )
     if store is not None and names:
         advice = "leave the names out: the report shows the times of all scenes from one run of this command"
         raise ArgumentError("store", f"{store} with names of scenes", "only without names of scenes", advice)
@@ -81,24 +88,24 @@ def measure_publication_times(source: str, store: Path | None) -> CommandOutput:
     from rollbench.compare.case import all_cases
     from rollbench.compare.models.study import SceneResultCache
     from rollbench.compare.reference.store import shipped_store
-    from rollbench.compare.studies.run_times import RunTimeRow, save_run_times
+    from rollbench.compare.studies.run_times import RunTimeRow, StoredRunTimes, save_run_times
 
     timed = {case.name: case for case in all_cases() if (case.folder / "times.py").is_file()}
     if source not in timed:
         raise ArgumentError("source", f'"{source}"', ", ".join(timed), "choose a publication whose page shows times")
     study = SceneResultCache(None if store is None else (store, shipped_store()))
-    kept = timed[source].import_object("times:measure_run_times")(study, show_progress_message)
+    kept: StoredRunTimes = timed[source].import_object("times:measure_run_times")(study, show_progress_message)
     if store is not None:
         save_run_times(store, kept, source)
     note = "new process, empty caches; a further load case {:.3g} s"
     jobs = [
         RunTimeRow(f"{scene}: {way}", t.cold, None, None, t.memory, None, note.format(t.warm))
-        for (scene, way), t in kept.times.items()
+        for (scene, way), t in kept.times_by_scene_and_model.items()
     ]
-    for one in kept.levels:
+    for one in kept.mesh_level_times:
         further = note.format(one.load_case or 0.0)
         jobs.append(RunTimeRow(f"{one.scene}: 3D level {one.level}", one.process, None, None, one.memory, None, further))
-    return CommandOutput([asdict(job) for job in jobs], _tables_of_times(jobs))
+    return CommandOutput([asdict(job) for job in jobs], _run_time_tables(jobs))
 
 
 def measure_drawn_screws(store: Path) -> CommandOutput:
@@ -121,7 +128,7 @@ def measure_drawn_screws(store: Path) -> CommandOutput:
         )
         for s in errors_and_times_of_models(runs, survey.records_for_error_estimates())
     ]
-    return CommandOutput([asdict(job) for job in jobs], _tables_of_times(jobs))
+    return CommandOutput([asdict(job) for job in jobs], _run_time_tables(jobs))
 
 
 def measure_default_times(names: Sequence[str], store: Path | None, *, long: bool) -> CommandOutput:
@@ -140,7 +147,7 @@ def measure_default_times(names: Sequence[str], store: Path | None, *, long: boo
         if store is not None:
             save_run_times(store, kept, TYPED)
         jobs += [*(command.job for command in kept.command_times), *time_ensemble_with_threads()]
-    return CommandOutput([asdict(job) for job in jobs], _tables_of_times(jobs))
+    return CommandOutput([asdict(job) for job in jobs], _run_time_tables(jobs))
 
 
 def measure_model_times(names: Sequence[str], store: Path | None, *, long: bool) -> Iterator[RunTimeRow]:
@@ -169,10 +176,10 @@ def measure_model_times(names: Sequence[str], store: Path | None, *, long: bool)
         save_run_times(store, kept)
     study.computed_values[run_times_to_show, show_progress_message] = kept
     for name in wanted:
-        yield from timed_jobs_of_scene(name, error_and_time_points(name, known[name], study, show_progress_message))
+        yield from run_time_rows_of_scene(name, error_and_time_points(name, known[name], study, show_progress_message))
 
 
-def timed_jobs_of_scene(scene: str, points: Sequence[ErrorAndRunTime]) -> Iterator[RunTimeRow]:
+def run_time_rows_of_scene(scene: str, points: Sequence[ErrorAndRunTime]) -> Iterator[RunTimeRow]:
     """Yield, for the table of computing times, the time and error of each model and mesh level on a scene.
 
     ``scene``: name of the scene. ``points``: errors and times of all models and mesh levels; those without a time are left
@@ -187,9 +194,9 @@ def timed_jobs_of_scene(scene: str, points: Sequence[ErrorAndRunTime]) -> Iterat
             yield RunTimeRow(f"{scene}: {p.label}", p.cold, None, p.unknowns, p.memory, p.error, note)
 
 
-def _tables_of_times(jobs: Sequence[RunTimeRow]) -> Iterator[object]:
+def _run_time_tables(jobs: Sequence[RunTimeRow]) -> Iterator[object]:
     """Yield the table of all measured computing times for the terminal."""
     forms = {"seconds": ".3g", "error_percent": ".2f", "ratio": ".3g", "unknowns": "d", "peak_MB": ".0f"}
     rows = ([job.job, *(format_cell(getattr(job, name), form) for name, form in forms.items()), job.note] for job in jobs)
-    headings = ("job", "seconds", "error %", "ratio", "unknowns", "peak MB", "what is included")
-    yield ruled_table("computing times on this computer", headings, rows, ("job", "what is included"))
+    headings = ("timed", "seconds", "load error %", "ratio of times", "unknowns", "peak memory MB", "what is included")
+    yield ruled_table("computing times on this computer", headings, rows, ("timed", "what is included"))

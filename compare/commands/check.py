@@ -9,17 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from rollbench.compare.commands.terminal import (
-    Flag,
-    Json,
-    Names,
-    ProgramOptions,
-    Verbose,
-    Word,
-    app,
-    cache_folder,
-    model_or_program_name,
-)
+from rollbench.compare.commands import terminal
 from rollbench.compare.errors import ArgumentError, InputError
 from rollbench.compare.running import show_progress_message
 from rollbench.compare.text.printing import CommandOutput, format_cell, print_command_output, ruled_table, text_width
@@ -38,9 +28,13 @@ if TYPE_CHECKING:
 class VerdictFiles:
     """Files to which ``rollbench check`` writes its verdicts, and an earlier such file (baseline) to compare them with."""
 
+    #: File for the verdicts as JUnit XML; None: not written.
     junit: Path | None = None
+    #: File for the verdicts as Markdown; None: not written.
     markdown: Path | None = None
+    #: File for the verdicts as CSV; None: not written.
     csv: Path | None = None
+    #: Earlier file of verdicts, with which the new ones are compared; None: no comparison.
     baseline: Path | None = None
 
     def changes_since_baseline(self, outcomes: Sequence[VerdictFileRow]) -> list[VerdictChange]:
@@ -125,7 +119,7 @@ def check_shipped_data(cache: SceneResultCache, max_error: float) -> list[GateCh
         check_published_entries,
         check_solvers,
     )
-    from rollbench.compare.studies.rolling.rows import gate_rows_of_rolling_balls
+    from rollbench.compare.studies.rolling.rows import checks_of_rolling_balls
 
     return [
         *check_published_entries(cache, max_error),
@@ -133,7 +127,7 @@ def check_shipped_data(cache: SceneResultCache, max_error: float) -> list[GateCh
         *check_solvers(cache, max_error),
         *check_default_model(cache, max_error),
         *check_known_errors_of_lin_model(cache, max_error),
-        *gate_rows_of_rolling_balls(cache, max_error),
+        *checks_of_rolling_balls(cache, max_error),
         *check_external_tolerance_bands(cache),
     ]
 
@@ -190,36 +184,39 @@ def shipped_checks_table(rows: Sequence[GateCheck]) -> Table:
         for row in sorted(rows, key=lambda row: row.passed)
     )
     return ruled_table(
-        "shipped data", ("", "check", "kind", "value", "reference", "error %", "limit %"), texts, ("", "check", "kind")
+        "checks of shipped data",
+        ("", "check", "kind", "value", "reference", "error %", "limit %"),
+        texts,
+        ("", "check", "kind"),
     )
 
 
-@app.command
+@terminal.app.command
 def check(
     scenes: list[str] | None = None,
     /,
     *,
-    model: Word = "",
+    model: terminal.Word = "",
     loads: Path | None = None,
     values: Path | None = None,
     max_error: float | None = None,
     limit: Annotated[list[str] | None, Parameter(negative="")] = None,
-    strict: Flag = False,
+    strict: terminal.Flag = False,
     reference: Path | None = None,
     levels: int | None = None,
     stored: Path | None = None,
-    no_compute: Flag = False,
+    no_compute: terminal.Flag = False,
     store: Path = Path("rollbench-reference"),
     junit: Path | None = None,
     markdown: Path | None = None,
     csv: Path | None = None,
     baseline: Path | None = None,
-    printed: Flag = False,
-    source: Names = None,
-    only: Names = None,
-    verbose: Verbose = False,
-    as_json: Json = False,
-    program: ProgramOptions | None = None,
+    printed: terminal.Flag = False,
+    source: terminal.Names = None,
+    only: terminal.Names = None,
+    verbose: terminal.Verbose = False,
+    as_json: terminal.Json = False,
+    program: terminal.ProgramOptions | None = None,
 ) -> int:
     """Judge the loads of a model against the 3D reference of scenes: pass, fail or undecided.
 
@@ -242,9 +239,10 @@ def check(
     model
         Low-order model to judge. Default: refined.
     loads
-        Judge the contact loads of another program, from a CSV file with the columns ball, flank (SL, SR, NL, NR), newton.
-        If the file also has azimuth_deg and z_mm, balls are matched by position. The columns contact_angle_deg, approach_um
-        and pressure_MPa are judged too. The headings state the units: load_kN, angle_rad, z_um.
+        Judge the contact loads of another program, from a CSV file with the columns ball, flank (SL, SR, NL or NR: screw or
+        nut, left or right), newton. If the file also has azimuth_deg and z_mm, balls are matched by position. The columns
+        contact_angle_deg, approach_um and pressure_MPa are judged too. The headings state the units: load_kN, angle_rad,
+        z_um.
     values
         Judge values of the whole screw from another program, from a CSV file with the columns quantity (displacement,
         rigidity, torque, life), value, unit, where (empty: at the scene's loads; an axial load such as 5 kN; for a
@@ -289,7 +287,7 @@ def check(
     verbose
         Without scenes: also list the checks that pass.
     """
-    model = model_or_program_name(program, model)
+    model = terminal.model_or_program_name(program, model)
     if printed:
         given: dict[str, object] = {"scenes": scenes, "model": model, "loads": loads, "values": values}
         given |= {"max_error": max_error, "limits": limit, "strict": strict, "reference": reference, "levels": levels}
@@ -319,7 +317,7 @@ def check(
     )
     if scenes:
         return print_command_output(
-            judge_and_report(scenes, request, ComputingSettings(cache_folder=cache_folder()), files), as_json
+            judge_and_report(scenes, request, ComputingSettings(cache_folder=terminal.cache_folder()), files), as_json
         )
     given = {"model": model, "loads": loads, "values": values, "limits": limit}
     given |= {"reference": reference, "strict": strict, "levels": levels, "stored": stored, "no_compute": no_compute}

@@ -7,28 +7,10 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rollbench.compare.commands.terminal import (
-    ComputeOptions,
-    Flag,
-    Json,
-    Names,
-    ProgramOptions,
-    Verbose,
-    app,
-    engine_from_options,
-    model_or_program_name,
-)
+from rollbench.compare.commands import terminal
 from rollbench.compare.errors import ArgumentError
 from rollbench.compare.running import check_packages, show_progress_message
-from rollbench.compare.text.printing import (
-    CommandOutput,
-    format_cell,
-    plain_table,
-    print_command_output,
-    ruled_table,
-    table_of_records,
-    text_width,
-)
+from rollbench.compare.text import printing
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -45,12 +27,15 @@ if TYPE_CHECKING:
     from rollbench.reports.content import Figure
 
 
-#: Exit code if contact loads of a 3D reference did not converge with mesh refinement.
+#: Exit code if contact loads of a 3D reference still change after its last update of contact normals and gaps.
 NOT_SETTLED = 5
 
 
 def exit_code_of_references(references: Iterable[Reference]) -> int:
-    """Return the exit code: 5 if contact loads of a 3D reference did not converge with mesh refinement, otherwise 0."""
+    """Return the exit code: 5 if contact loads of a 3D reference still change after its last update, otherwise 0.
+
+    An update recomputes contact normals and gaps for the solved motion.
+    """
     return NOT_SETTLED if any(reference.unsettled for reference in references) else 0
 
 
@@ -83,7 +68,7 @@ def compare_and_report(
     balls: bool = False,
     verbose: bool = False,
     reference: Path | None = None,
-) -> CommandOutput:
+) -> printing.CommandOutput:
     """Compare low-order models with the 3D reference of every scene, and return what the terminal shows.
 
     Missing runs of the reference are computed first. The result has a verdict, a table of models and the names of written
@@ -111,20 +96,23 @@ def compare_and_report(
     described = [catalogue.scene_of_any_kind(name) for name in names]
     for name, beside in (("levels", levels is not None), ("fresh", fresh)) if reference is not None else ():
         if beside:
-            given, advice = "this option with `reference`", "leave one out: the file replaces the 3D reference"
+            given, advice = (
+                "this option with `reference`",
+                "leave one of the two options out: the file replaces the 3D reference",
+            )
             raise ArgumentError(name, given, "only without `reference`", advice)
     how: dict[str, Any] = {"store": store, "levels": levels, "fresh": fresh, "reference": reference}
     found = prepare_comparison(described, names, chosen, engine, show_progress_message, **how)
     origins = [(x, name) for one, name in zip(described, names, strict=True) for x in scenes_to_solve(one, name)]
     cases, warnings, stores, own = load_cases_by_scene_name(described), found.warnings, found.stores, found.from_user_file
 
-    def heading(one: SceneWithReference) -> dict[str, Any]:
+    def identifying_keys(one: SceneWithReference) -> dict[str, Any]:
         """Return the JSON keys that identify the scene, its nut or bearing, and its load case."""
         return scene_and_set_keys(one) | (
             cases[one.described_scene_name].identifying_values if one.described_scene_name in cases else {}
         )
 
-    def parts() -> Iterator[Any]:
+    def terminal_parts() -> Iterator[Any]:
         """Yield the texts and tables for the terminal: verdict, results and errors of the models for each scene."""
         comparisons, warned = [], [f"WARNING: {warning}" for warning in warnings]
         for one, whole in found.compare_each():
@@ -138,7 +126,7 @@ def compare_and_report(
             warned = []
             headings, answers = model_and_reference_rows(whole)
             yield from (
-                format_table_as_text(answers, text_width(), headings),
+                format_table_as_text(answers, printing.text_width(), headings),
                 "",
                 model_errors_table(whole.models, whole.reference_loads),
                 "",
@@ -158,16 +146,16 @@ def compare_and_report(
                 yield "--verbose also shows: causes of the uncertainty, rule of rollbench check, times of stored runs"
         yield from (line for cycle in distinct_duty_cycles(cases) for line in duty_cycle_lines(cycle, dict(comparisons)))
 
-    def data() -> dict[str, Any]:
+    def json_output() -> dict[str, Any]:
         """Return the JSON output: loads of every contact, and results and errors of the models, for each scene."""
         pairs = list(found.compare_each())
         listed = [
-            row.as_json() | heading(one)
+            row.as_json() | identifying_keys(one)
             for one, whole in pairs
             for b in whole.models
             for row in comparison_rows(one.scene, b.contact_loads, one.reference)
         ]
-        answers = [(one, comparison_json(whole, one.reference) | heading(one)) for one, whole in pairs]
+        answers = [(one, comparison_json(whole, one.reference) | identifying_keys(one)) for one, whole in pairs]
         out = add_schema_version(
             {"scenes": [x for one, x in answers if one.described_scene_name not in cases], "rows": listed}
         )
@@ -178,7 +166,9 @@ def compare_and_report(
         summaries = [row for cycle in distinct_duty_cycles(cases) for row in cycle_summaries_json(cycle, by_name)]
         return out | {"summary": summaries, "cases": [x for one, x in answers if one.described_scene_name in cases]}
 
-    return CommandOutput(data, parts(), exit_code_of_references(one.reference for sets in found.references for one in sets))
+    return printing.CommandOutput(
+        json_output, terminal_parts(), exit_code_of_references(one.reference for sets in found.references for one in sets)
+    )
 
 
 def contact_loads_table(scene: Scene, models: Sequence[LoadsWithErrors], reference: Reference) -> Any:
@@ -189,7 +179,7 @@ def contact_loads_table(scene: Scene, models: Sequence[LoadsWithErrors], referen
     listed = [
         {k.removesuffix("_N"): v for k, v in [*row.items()][1:]} for row in contact_load_rows(scene, models, reference)
     ]
-    return table_of_records(listed, ".2f", f"{scene.name}: contact loads / N")
+    return printing.table_of_records(listed, ".2f", f"{scene.name}: contact loads / N")
 
 
 def duty_cycle_lines(cycle: DutyCycle, each: ByCase) -> list[str]:
@@ -203,7 +193,7 @@ def duty_cycle_lines(cycle: DutyCycle, each: ByCase) -> list[str]:
 
 
 def _duty_cycle_sentence(data: dict[str, Any]) -> str:
-    """Return a sentence on a model's largest error and its life over a duty cycle.
+    """Return a sentence on the largest error of a model's contact loads, and the life that follows, over a duty cycle.
 
     ``data``: JSON summary of the comparison over all load cases, for one nut or bearing.
     """
@@ -220,28 +210,28 @@ def _duty_cycle_sentence(data: dict[str, Any]) -> str:
     return f"{data['scene']}{', ' + data['set'] if 'set' in data else ''}: {worst}{life}"
 
 
-@app.command
+@terminal.app.command
 def compare(
     scenes: list[str],
     *,
-    model: Names = None,
+    model: terminal.Names = None,
     levels: str | None = None,
     store: Path = Path("rollbench-reference"),
-    fresh: Flag = False,
-    balls: Flag = False,
-    verbose: Verbose = False,
+    fresh: terminal.Flag = False,
+    balls: terminal.Flag = False,
+    verbose: terminal.Verbose = False,
     reference: Path | None = None,
     bodies: str = "half-space",
-    as_json: Json = False,
-    program: ProgramOptions | None = None,
-    where: ComputeOptions | None = None,
+    as_json: terminal.Json = False,
+    program: terminal.ProgramOptions | None = None,
+    where: terminal.ComputeOptions | None = None,
 ) -> int:
     """Compare low-order models with the 3D reference of scenes; the reference is computed if none is stored.
 
     Prints a verdict, the results of model and reference, and a table of models. Writes the loads of every contact to
     <scene>-compare.csv and .svg in the folder of stored runs. Scenes are compared with one another by rollbench solve A B;
-    rollbench report SCENE writes a page on one scene. Exit code 5 if loads of the reference did not converge with mesh
-    refinement: the remaining change is printed, stored with the run and added to its uncertainty.
+    rollbench report SCENE writes a page on one scene. Exit code 5 if loads of the reference still change after its last
+    update of contact normals and gaps: the remaining change is printed, stored with the run and added to its uncertainty.
 
     Parameters
     ----------
@@ -269,16 +259,18 @@ def compare(
         reference; on straight tracks a ball and grooved bars).
     """
     wanted = None if levels is None else parse_levels(levels)
-    command = model_or_program_name(program)
+    command = terminal.model_or_program_name(program)
     means_nothing = {"model": model is not None, "model_command": command != ""}
     means_nothing |= {"balls": balls, "verbose": verbose, "reference": reference is not None}
     if rolling := scenes_of_friction_or_none(scenes, bodies, means_nothing):
-        answer = compare_rolling_and_report(rolling, wanted, store, engine_from_options(where), fresh=fresh, bodies=bodies)
+        answer = compare_rolling_and_report(
+            rolling, wanted, store, terminal.engine_from_options(where), fresh=fresh, bodies=bodies
+        )
     else:
         models = [*(model or ()), *filter(None, [command])]
         how: dict[str, Any] = {"fresh": fresh, "balls": balls, "verbose": verbose, "reference": reference}
-        answer = compare_and_report(scenes, models, wanted, store, engine_from_options(where), **how)
-    return print_command_output(answer, as_json)
+        answer = compare_and_report(scenes, models, wanted, store, terminal.engine_from_options(where), **how)
+    return printing.print_command_output(answer, as_json)
 
 
 def compare_rolling_and_report(
@@ -289,18 +281,18 @@ def compare_rolling_and_report(
     *,
     fresh: bool,
     bodies: str,
-) -> CommandOutput:
+) -> printing.CommandOutput:
     """Compare the low-order models of friction with the 3D model of rolling contact, and return a table for each scene.
 
     ``levels``: levels of the 3D model's grids; None: all. ``store``: folder of its stored runs. ``engine``: computes
     missing runs. ``fresh``: compute stored runs again. ``bodies``: "half-space", or "finite" for bodies of finite size.
     """
-    from rollbench.compare.studies.rolling.rows import none_for_infinity, rolling_comparison
+    from rollbench.compare.studies.rolling.rows import rolling_comparison, row_with_none_for_infinity
 
     rows = rolling_comparison(scenes, levels, store, engine, fresh=fresh, bodies=bodies)
     shown = dict.fromkeys(row.scene for row in rows)
     tables = (rolling_comparison_table(name, [row for row in rows if row.scene == name]) for name in shown)
-    return CommandOutput({"rows": [none_for_infinity(row.as_json()) for row in rows]}, tables)
+    return printing.CommandOutput({"rows": [row_with_none_for_infinity(row.as_json()) for row in rows]}, tables)
 
 
 def scenes_of_friction_or_none(
@@ -338,7 +330,18 @@ def scenes_of_friction_or_none(
 
 
 #: Headings of the table of models.
-MODEL_COLUMNS = ("model", "max err %", "at", "RMS %", "gate %", "max N", "mean N", "MPa", "uz um", "s")
+MODEL_COLUMNS = (
+    "model",
+    "largest\nerror %",
+    "ball,\nflank",
+    "RMS\nerror %",
+    "check\nerror %",
+    "largest\nload N",
+    "mean\nload N",
+    "peak\nMPa",
+    "axial\nuz um",
+    "time\ns",
+)
 
 
 def displacement_origin_lines(comparison: NutOrBearingComparison) -> list[str]:
@@ -386,7 +389,7 @@ def model_errors_table(models: Sequence[LoadsWithErrors], reference: LoadsWithEr
 
     ``models``: loads and errors of models and coarser meshes. ``reference``: loads of the reference.
     """
-    return plain_table(MODEL_COLUMNS, map(_model_table_cells, (reference, *models)), MODEL_COLUMNS[:1])
+    return printing.plain_table(MODEL_COLUMNS, map(_model_table_cells, (reference, *models)), MODEL_COLUMNS[:1])
 
 
 def stored_times_lines(models: Sequence[LoadsWithErrors], reference: LoadsWithErrors) -> list[str]:
@@ -405,7 +408,7 @@ def stored_times_lines(models: Sequence[LoadsWithErrors], reference: LoadsWithEr
 def contact_load_rows(scene: Scene, models: Sequence[LoadsWithErrors], reference: Reference) -> list[dict[str, Any]]:
     """Return a row for each loaded contact: load of the reference, its uncertainty, and loads of the models [N].
 
-    ``models``: loads of models and coarser meshes, (n, 4) [N] each.
+    ``models``: loads of models and coarser meshes, each (n, 4) [N] for n balls and four groove flanks.
     """
     import numpy as np
 
@@ -464,9 +467,9 @@ def write_contact_loads(scene: Scene, models: Sequence[LoadsWithErrors], referen
 ROLLING_COLUMNS = (
     ("low", "low-order", ".5g"),
     ("reference", "3D", ".5g"),
-    ("uncertainty", "+-", ".2g"),
+    ("uncertainty", "3D +-", ".2g"),
     ("error_percent", "error %", ".2f"),
-    ("uncertainty_percent", "+- %", ".2f"),
+    ("uncertainty_percent", "3D +- %", ".2f"),
     ("printed", "printed", ".5g"),
     ("printed_ansys", "ANSYS", ".5g"),
     ("flat", "3D flat", ".5g"),
@@ -480,16 +483,16 @@ def rolling_comparison_table(name: str, rows: Sequence[RollingComparisonRow]) ->
 
     ``name``: name of the scene. ``rows``: for each quantity, its values by all models.
     """
-    from rollbench.compare.studies.rolling.rows import UNSTATED, none_for_infinity
+    from rollbench.compare.studies.rolling.rows import UNSTATED, row_with_none_for_infinity
 
     state = f" ({rows[0].load_state} load state{UNSTATED})" if rows[0].load_state else ""
     title = f"{name}{state}: low-order model against the 3D model of rolling"
-    known = [none_for_infinity({key: getattr(r, key) for key, *_ in ROLLING_COLUMNS}) for r in rows]
+    known = [row_with_none_for_infinity({key: getattr(r, key) for key, *_ in ROLLING_COLUMNS}) for r in rows]
     cells = (
-        [f"{r.quantity} [{r.unit}]", *(format_cell(x[key], form) for key, _, form in ROLLING_COLUMNS)]
+        [f"{r.quantity} [{r.unit}]", *(printing.format_cell(x[key], form) for key, _, form in ROLLING_COLUMNS)]
         for r, x in zip(rows, known, strict=True)
     )
-    table = ruled_table(title, ["quantity", *(heading for _, heading, _ in ROLLING_COLUMNS)], cells, ["quantity"])
+    table = printing.ruled_table(title, ["quantity", *(heading for _, heading, _ in ROLLING_COLUMNS)], cells, ["quantity"])
     table.caption = f"time of the low-order model: {1e3 * rows[0].low_seconds:.2f} ms, measured now; of the 3D model on "
     table.caption += f"the finest grid: {rows[0].seconds:.2f} s, measured with {rows[0].measured_with}"
     return table

@@ -18,6 +18,7 @@ from rollbench.compare.commands.terminal import Flag, Json, app
 from rollbench.compare.running import available_GB, gmsh_fault, gmsh_install_advice, usable_cores
 from rollbench.compare.text.printing import CommandOutput, guard_standard_output, print_command_output
 
+#: Outcome of a check of the computer.
 State = Literal["ok", "missing", "optional"]
 
 #: Oldest supported version of Python.
@@ -26,6 +27,7 @@ PYTHON = (3, 11)
 #: Licences of packages that impose conditions on those who distribute the package together with rollbench.
 STRICT = {"gmsh": "GPL-2.0-or-later, with exceptions for linking"}
 
+#: Text on the licences of rollbench and of the packages that it imports.
 LICENCES = (
     "The code of rollbench is under the MIT licence. It imports gmsh, which is under the GNU GPL: whoever distributes it "
     "together with gmsh must comply with the GPL. Only the 3D reference imports gmsh."
@@ -43,16 +45,17 @@ PROGRAMS = {
 
 @dataclass(frozen=True)
 class MachineCheck:
-    """Result of one check of the computer, such as whether a package is installed.
+    """Result of one check of the computer, such as whether a package is installed."""
 
-    state: "ok", "missing", or "optional" if it is missing but not needed. found: what was found. cost: effect if it is
-    missing. advice: remedy. Cost and advice are empty if nothing is missing.
-    """
-
+    #: Name of the check, such as the package.
     name: str
+    #: Outcome: "ok", "missing", or "optional" if the checked item is missing but not needed.
     state: State
+    #: What was found.
     found: str
+    #: Effect if the checked item is missing; empty if nothing is missing.
     cost: str = ""
+    #: What the user should do; empty if nothing is missing.
     advice: str = ""
 
     def line(self) -> str:

@@ -13,16 +13,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
+from rollbench.compare import running
 from rollbench.compare.commands.terminal import Flag, Json, Word, app, cache_folder
 from rollbench.compare.errors import ArgumentError, InputError, SceneNotCoveredError
-from rollbench.compare.running import (
-    check_gmsh,
-    check_packages,
-    check_reference_programs,
-    out_of_memory_error,
-    show_progress_message,
-    usable_cores,
-)
 from rollbench.compare.text.printing import CommandOutput, format_cell, print_command_output, ruled_table
 
 if TYPE_CHECKING:
@@ -66,9 +59,9 @@ def export(
         Name of a shipped scene, or a scene file.
     part
         Part to mesh: screw, nut, ball or whole; screw-with-sockets, nut-with-sockets, ball-with-sockets: the body with a
-        hole (socket) at every contact, as the 3D reference condenses it; patch-SL (SR, NL, NR) and ball-patch-SL: the fine
-        meshes that fill these holes; block-source: the mesh of one contact in Lin's thesis. Not with --deck or --format
-        step.
+        hole (socket) at every contact, as the 3D reference condenses it; patch-SL and ball-patch-SL: the fine meshes that
+        fill these holes (SL: left flank of the screw; also SR, NL, NR, with N for nut, R for right); block-source: the mesh
+        of one contact in Lin's thesis. Not with --deck or --format step.
     out
         File to write; an existing file is replaced. Default: <scene>-<part>.vtu, <scene>.step or, with --deck,
         <scene>.inp.
@@ -88,7 +81,7 @@ def export(
     b_over_h
         Number of elements in the deck along the minor semi-axis of the contact ellipse under the mean load.
     growth
-        Growth of the deck's element size with the distance from the contacts.
+        Increase of the deck's element size per unit of distance from the contacts.
     stiffness
         Contact pressure in the deck per mm of overlap of the surfaces, in N/mm3.
     ross
@@ -105,7 +98,7 @@ def export(
     from rollbench.compare.scenes import catalogue, scene_file
 
     if model and rexs is None:
-        raise ArgumentError("model", model, "only with `rexs`", "leave it out")
+        raise ArgumentError("model", model, "only with `rexs`", "leave `model` out")
     if rexs is not None and (ross is not None or modelica is not None):
         allowed = "either `rexs`, for a scene, or `ross` and `modelica`, for a table"
         raise ArgumentError("rexs", f"{rexs} with a file for a table", allowed, "run the command once for each file")
@@ -121,8 +114,10 @@ def export(
     if deck:
         if part or format or level != 1 or ball is not None:
             given = f"{deck} with an option for meshes"
-            raise ArgumentError("deck", given, "no part, `format`, `level` or `ball` with a deck", "leave these out")
-        check_packages("scikit-fem")
+            raise ArgumentError(
+                "deck", given, "no part, `format`, `level` or `ball` with a deck", "leave out the options for meshes"
+            )
+        running.check_packages("scikit-fem")
         from rollbench.compare.studies.export import write_calculix_deck
 
         return print_command_output(
@@ -153,9 +148,9 @@ def export(
 
 
 def write_scene_json(scene: Scene, out: Path | None) -> CommandOutput:
-    """Write a scene as the JSON file that an external program reads as a model; InputError if it cannot be written.
+    """Write a scene as JSON, the input of an external program that serves as a low-order model.
 
-    ``out``: the file; None: ``<scene>.json``.
+    ``out``: the file; None: ``<scene>.json``. Raises InputError if it cannot be written.
     """
     from rollbench.compare.files import replace_file
     from rollbench.compare.models.programs import scene_json
@@ -181,11 +176,11 @@ def write_part_mesh(
     that ball or its patches, or of the screw or nut with sockets.
 
     Raises InputError for an unknown part, format or level, a missing package, a mesh that cannot be built, a result field
-    that cannot be computed (because supports or loads act on the screw at lower z than the stretch that the 3D model
-    contains), and a file that cannot be written.
+    that cannot be computed (because supports or loads act on the screw above the low end, in z, of its 3D mesh, and the
+    mesh is fixed at this end), and a file that cannot be written.
     """
-    check_gmsh()
-    check_packages("scikit-fem")
+    running.check_gmsh()
+    running.check_packages("scikit-fem")
     from rollbench.compare.studies.export import (
         BLOCK,
         BODIES,
@@ -255,7 +250,7 @@ def write_part_mesh(
 
 
 def write_axis_as_rexs(typed: str, out: Path, model: str = "") -> CommandOutput:
-    """Solve an axis, and write its shaft, loads, bearings and results to a REXS file.
+    """Solve a shaft with several nuts or bearings, and write shaft, loads, bearings and results to a REXS file.
 
     ``typed``: name or file of the scene. Raises InputError for another kind of scene, SceneNotCoveredError if there is
     no equilibrium or the REXS format cannot represent the scene.
@@ -311,6 +306,7 @@ def write_stiffness_tables(scene: str, ross: Path | None, modelica: Path | None)
     return CommandOutput(texts_and_tables=lines, wrap_always=True)
 
 
+#: Names of the finite elements of a mesh, by their type.
 _LABELS = {"P1": "4-node tetrahedra", "P2": "10-node tetrahedra", "Q1": "8-node hexahedra", "Q2": "27-node hexahedra"}
 
 
@@ -321,8 +317,8 @@ def write_step_bodies(described: Solvable, out: Path | None) -> CommandOutput:
     file cannot be written, SceneNotCoveredError for roller bearings (which have no groove) and for parts without wall
     thickness.
     """
-    check_gmsh()
-    check_packages("scikit-fem")
+    running.check_gmsh()
+    running.check_packages("scikit-fem")
     from rollbench.compare.studies.export import nuts_and_bearings_on_shaft
     from rollbench.meshes.exchange.step_files import write_step
 
@@ -364,7 +360,7 @@ def write_condensed_bodies(typed: str, out: Path | None, level: int, *, cache: P
     scene = scenes[0]
     out = out or Path(f"{described.name}-condensed.npz")
     check_writable(out)
-    check_reference_programs()
+    running.check_reference_programs()
     from rollbench.hifi.condensed import collect_condensed_bodies
     from rollbench.hifi.setup import mesh_and_condense_geometry
     from rollbench.meshes.cache import Cache
@@ -374,12 +370,12 @@ def write_condensed_bodies(typed: str, out: Path | None, level: int, *, cache: P
             scene,
             (0, 1, 2, 3),
             mesh_settings(scenes, level),
-            show_progress_message,
+            running.show_progress_message,
             cache=Cache(cache),
-            processes=usable_cores(),
+            processes=running.usable_cores(),
         )
     except MemoryError as error:
-        raise out_of_memory_error(error) from error
+        raise running.out_of_memory_error(error) from error
     except ValueError as error:
         raise SceneNotCoveredError(scene.name, "3D bodies", str(error), "change the keys that the reason names") from error
     with raise_input_error_if_not_writable(out):
@@ -420,7 +416,7 @@ def compare_with_calculix(
         compare_contact_loads,
         load_calculix_results,
         save_calculix_results,
-        shipped_results_folder,
+        shipped_calculix_results_folder,
     )
     from rollbench.compare.studies.crosscheck.study import (
         NUT_SCENE,
@@ -432,15 +428,14 @@ def compare_with_calculix(
         solve_decks_of_scene,
     )
 
-    scene, folder = scene_compared_with_calculix(name), data or shipped_results_folder()
+    scene, folder = scene_compared_with_calculix(name), data or shipped_calculix_results_folder()
     written = []
     if run:
-        check_gmsh()
+        running.check_gmsh()
         kept = None if fresh else load_calculix_results(folder, scene.name)
         stored_runs = kept.runs if kept is not None and kept.key == digest_of_shipped_scene(scene.name) else ()
-        written.append(
-            f"wrote {save_calculix_results(folder, solve_decks_of_scene(scene, work, show_progress_message, stored_runs))}"
-        )
+        results = solve_decks_of_scene(scene, work, running.show_progress_message, stored_runs)
+        written.append(f"wrote {save_calculix_results(folder, results)}")
         if scene.name == NUT_SCENE and (fresh or load_nut_compliance(folder) is None):
             compliance = compare_nut_compliance(scene, work, key=digest_of_shipped_scene(scene.name))
             written.append(f"wrote {save_nut_compliance(folder, compliance)}")
@@ -453,7 +448,7 @@ def compare_with_calculix(
         [alone.sentence_on_agreement()] if alone is not None and alone.key == digest_of_shipped_scene(scene.name) else []
     )
     answer = {"scene": scene.name, "agreement": agreed, "contacts": [r.cells() for r in rows]}
-    return CommandOutput(answer, [*written, _loads_table(scene, rows), agreed, *sentence])
+    return CommandOutput(answer, [*written, _calculix_loads_table(scene, rows), agreed, *sentence])
 
 
 def stored_calculix_results(folder: Path, scene: Scene) -> CalculixRunsOfScene:
@@ -480,14 +475,16 @@ def _find_or_compute_reference(scene: Scene, store: Path, engine: ComputingSetti
     ``store``: folder of stored runs. ``engine``: computes missing runs. Raises InputError if no run converged.
     """
     from rollbench.compare.reference.estimate import reference_of_scene
-    from rollbench.compare.reference.jobs import ensure_runs_are_stored, plan_tasks
+    from rollbench.compare.reference.jobs import ensure_runs_are_stored, plan_reference_tasks
     from rollbench.compare.reference.levels import LEVELS
     from rollbench.compare.reference.store import shipped_store
 
     stores = (store, shipped_store())
     found = reference_of_scene(scene, stores)
     if found is None:
-        ensure_runs_are_stored(plan_tasks([scene], tuple(LEVELS)), store, engine, show_progress_message, stores)
+        ensure_runs_are_stored(
+            plan_reference_tasks([scene], tuple(LEVELS)), store, engine, running.show_progress_message, stores
+        )
         found = reference_of_scene(scene, stores)
     if found is None:
         wanted = "a scene whose contact problem has a solution", f"read the status of the runs in the folder {store}"
@@ -495,7 +492,7 @@ def _find_or_compute_reference(scene: Scene, store: Path, engine: ComputingSetti
     return found
 
 
-def _loads_table(scene: Scene, rows: Sequence[ContactLoadComparison]) -> Any:
+def _calculix_loads_table(scene: Scene, rows: Sequence[ContactLoadComparison]) -> Any:
     """Return the table that compares the loads of every contact by CalculiX and by the 3D reference.
 
     ``rows``: for each contact, the loads with their errors and uncertainties.

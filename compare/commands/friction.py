@@ -35,8 +35,9 @@ def friction(
 ) -> int:
     """Compute ball motion, power losses, friction torque and efficiency of a screw or bearing under its static loads.
 
-    This command also solves kinds of scenes that no other command solves: balls of a rotary or linear bearing, two balls or
-    a whole ball screw over time, bearings in pairs. For these, only --time-limit, --strict, --verbose and --json apply.
+    This command also solves kinds of scenes that no other command solves: one ball of a rotary bearing, several balls of a
+    linear bearing, two touching balls of a ball screw, a whole ball screw that turns for some time, and a four-point and a
+    double-row bearing under the same force. For these, only --time-limit, --strict, --verbose and --json apply.
 
     Parameters
     ----------
@@ -59,7 +60,7 @@ def friction(
         Stop after this many seconds, with exit code 1. Default: no limit.
     strict
         Return exit code 1 if a WARNING is printed: pressure, preload, static safety or rotations are outside the models'
-        range of validity, or the scene has play that it does not state.
+        range of validity, or the scene states neither play nor preload of a screw, and friction depends on the play.
     verbose
         Also print further quantities and explanations, the assumptions, neglected effects, the force balance and data of
         the solver.
@@ -105,7 +106,7 @@ def friction_terminal_parts(answer: FrictionAnswer, *, balls: bool = False, deta
     """Return the texts and tables in which the terminal shows the friction in a scene.
 
     ``answer``: the computed friction. ``balls``: also the table of all balls. ``details``: also explanations, force
-    balance, solver, assumptions and neglected effects, instead of a line that names the option which shows them.
+    balance, data of the solver, assumptions and neglected effects; without it, a line refers to --verbose.
     """
     from rollbench.compare.results.base import format_table_as_text
     from rollbench.compare.results.rows import friction_rows

@@ -34,8 +34,8 @@ def mesh_study(
     For a scene with tapered rollers, one roller of each kind is pressed between its races by the largest load that it
     carries in the scene, and compared with low-order laws.
 
-    Exit code 5 if loads did not converge with mesh refinement: the remaining change is printed, stored with the run and
-    added to its uncertainty.
+    Exit code 5 if contact loads of a run still change after the last update of the contact normals and gaps: their
+    remaining change is printed, stored with the run, and added to the uncertainty of its loads.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ def mesh_study(
         Names of shipped scenes, or scene files; scenes with the same parts share their meshes.
     levels
         Number of the finest mesh level; all levels from 1 to this one are solved. Default: levels 1 and 3, of which 3 is
-        clearly more accurate (for scenes of friction and of rollers: 1 to 3). Each run is stored when it is complete, so an
+        clearly more accurate (for scenes of friction or rollers: 1, 2 and 3). Each run is stored when it is complete, so an
         interrupted study resumes.
     store
         Folder to which runs, the table (CSV) and the figure (SVG) are written.
@@ -54,8 +54,8 @@ def mesh_study(
     fresh
         Compute runs even if they are stored.
     bodies
-        Bodies of the 3D model for scenes of friction: half-space, or finite (contact patches of the static 3D
-        reference; on straight tracks a ball and grooved bars).
+        Bodies of the 3D model of rolling contact, for scenes of friction: half-space, or finite (bodies of finite size:
+        pieces of screw, ring, nut and ball as in the static 3D reference; for a linear bearing, a ball and grooved bars).
     """
     from rollbench.compare.commands.compare import scenes_of_friction_or_none
 
@@ -87,8 +87,8 @@ def study_rolling_contact(
     """Compute missing runs of the 3D model of rolling contact, and return a table of mesh levels for each scene.
 
     ``levels``: number of the finest level; None: the default. ``store``: folder of stored runs. ``source``: whether a grid
-    with the element size of Lin's thesis is added. ``fresh``: compute stored runs again. ``bodies``: "half-space", or
-    "finite" for bodies of finite size.
+    with the element size of Lin's thesis is added. ``fresh``: compute stored runs again. ``bodies``: "half-space" if ball
+    and grooves are half-spaces in the 3D model, or "finite" if they have their finite size.
     """
     from rollbench.compare.studies.rolling.rows import rolling_mesh_study
 

@@ -32,8 +32,9 @@ def new(
         File to write; an existing file is never overwritten.
     kind
         Kind of scene: ball-screw (default) or bearing; for several nuts or bearings on one shaft: axis, double-nut,
-        angular-contact-bearing, support-bearings; for friction only: bearing-ball, bearing-pair, linear-pair, linear-chain,
-        screw-pair, screw-run.
+        angular-contact-bearing, support-bearings; for friction only: bearing-ball (one ball of a rotary bearing),
+        bearing-pair (a four-point and a double-row bearing), linear-pair (two balls of a linear bearing), linear-chain
+        (more balls of it), screw-pair (two balls of a ball screw), screw-run (a ball screw that turns for some time).
     like
         Nominal diameter and lead of a ball screw or double nut in mm, such as 40x10; other dimensions are typical of this
         size.

@@ -20,13 +20,15 @@ if TYPE_CHECKING:
 def judge_printed_numbers(sources: Sequence[str], only: Sequence[str], write: Path | None = None) -> CommandOutput:
     """Judge the numbers and claims that publications print; exit code 1 if a verdict differs from the expected one.
 
+    The file of printed numbers states the expected verdict of each number or claim.
+
     ``sources``: names of publications; if empty, all. ``only``: names of printed tables and entries ("table:key"); if
     empty, all tables of these publications. ``write``: file for the verdicts. Raises InputError for an unknown name.
     """
     from rollbench.compare.files import replace_file
     from rollbench.compare.models.study import SceneResultCache
 
-    rows = judged_entries(SceneResultCache(), sources, only)
+    rows = judged_printed_entries(SceneResultCache(), sources, only)
     if write is not None:
         verdicts = {row.printed.name: row.verdict for row in rows}
         replace_file(write, json.dumps(verdicts, indent=0) + "\n")
@@ -34,7 +36,7 @@ def judge_printed_numbers(sources: Sequence[str], only: Sequence[str], write: Pa
     return CommandOutput(printed_entries_json(rows, changed), printed_entries_table(rows, changed), 1 if changed else 0)
 
 
-def judged_entries(
+def judged_printed_entries(
     cache: SceneResultCache, sources: Sequence[str] = (), only: Sequence[str] = ()
 ) -> list[PrintedEntryComparison]:
     """Return the numbers and claims of some publications or printed tables with the values computed for them.
@@ -76,21 +78,21 @@ def _refuse_unknown_names(argument: str, given: Sequence[str], names: Sequence[s
 def printed_entries_json(rows: Sequence[PrintedEntryComparison], changed: Sequence[str]) -> dict[str, Any]:
     """Return judged printed numbers and claims as JSON, with counts of the verdicts, misprints, and numbers not compared.
 
-    ``rows``: printed numbers and claims with their verdicts. ``changed``: texts on verdicts that differ from the expected
-    ones.
+    ``rows``: printed numbers and claims with their verdicts. ``changed``: a text for each verdict that differs from the
+    expected one, which the file of printed numbers states.
     """
     from rollbench.compare.evidence import count_entries_by_verdict, misprint_rows, uncompared_number_rows
 
     return {
         "counts": count_entries_by_verdict(rows),
-        "entries": [entry_json(row) for row in rows],
+        "entries": [printed_entry_json(row) for row in rows],
         "misprints": misprint_rows(),
         "left_out": uncompared_number_rows(),
         "changed_verdicts": list(changed),
     }
 
 
-def entry_json(e: PrintedEntryComparison) -> dict[str, Any]:
+def printed_entry_json(e: PrintedEntryComparison) -> dict[str, Any]:
     """Return one printed number or claim as JSON: printed and computed value, error, verdict and reason of the verdict."""
     from rollbench.compare.evidence import publication_title_of
 
@@ -117,8 +119,8 @@ def entry_json(e: PrintedEntryComparison) -> dict[str, Any]:
 def printed_entries_table(rows: Sequence[PrintedEntryComparison], changed: Sequence[str]) -> list[Any]:
     """Return tables and lines for the terminal: verdicts by publication, printed numbers and claims, changed verdicts.
 
-    ``rows``: printed numbers and claims with their verdicts. ``changed``: texts on verdicts that differ from the expected
-    ones.
+    ``rows``: printed numbers and claims with their verdicts. ``changed``: a text for each verdict that differs from the
+    expected one, which the file of printed numbers states.
     """
     from rich.table import Table
 
@@ -141,7 +143,7 @@ def printed_entries_table(rows: Sequence[PrintedEntryComparison], changed: Seque
     for heading in ("table:key", "printed", "with mistakes", "computed", "3D reference", "error %", "verdict", "reason"):
         entries.add_column(heading, overflow="fold")
     for one in rows:
-        data = entry_json(one)
+        data = printed_entry_json(one)
         numbers = (format_cell(data[k], ".5g") for k in ("as_printed", "right", "reference_3d", "error_percent"))
         entries.add_row(one.printed.name, f"{data['printed']} {data['unit']}".rstrip(), *numbers, one.verdict, one.reason)
     lines = [reproduction_sentence(row) for row in count_entries_by_verdict(rows)]
@@ -150,7 +152,7 @@ def printed_entries_table(rows: Sequence[PrintedEntryComparison], changed: Seque
     return [table, *lines, entries, *(f"changed: {line}" for line in changed)]
 
 
-def computation_trace(table: str = "") -> CommandOutput:
+def list_computations_of_printed_numbers(table: str = "") -> CommandOutput:
     """Return a list of how the value for every printed number of one table, or of all tables, is computed and tested.
 
     ``table``: name of the printed table; empty: all. The list has the number as printed, the scenes from which its value is
@@ -235,6 +237,6 @@ def list_(*, trace: Flag = False, table: Word = "", as_json: Json = False) -> No
         List the numbers and claims of this printed table only, as --trace does.
     """
     if trace or table:
-        print_command_output(computation_trace(table), as_json)
+        print_command_output(list_computations_of_printed_numbers(table), as_json)
     else:
         print_command_output(list_shipped(), as_json)

@@ -87,7 +87,7 @@ def report(
         given["scheduler"] = where and where.scheduler
         for name, value in given.items():
             if value:
-                raise ArgumentError(name, str(value), "only for a report without a scene", "leave it out")
+                raise ArgumentError(name, str(value), "only for a report without a scene", f"leave `{name}` out")
         return open_written_page(
             print_command_output(write_and_compare_pages(scene, out, store, against, reference)),
             out / "index.html",

@@ -34,25 +34,29 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class SolveOptions:
-    """Command-line options of ``rollbench solve`` for one scene; their names are those of the arguments of `solve`.
+    """Command-line options of ``rollbench solve`` for one scene; their names are those of the arguments of `solve`."""
 
-    model: name of the low-order model (empty: the default). everything: compute all terms of the model, also those that
-    cannot change the loads. member: number of the specimen (random draw of the geometric errors), from 0. condensed: file
-    with the condensed stiffness of screw and nut. balls: print the table of balls. stiffness_at: axial position of the
-    stiffness, with its unit. matrix: file for the stiffness matrix. loads_csv: file for the contact loads. time_limit:
-    longest computing time [s]. strict: exit code 1 if there is a warning. verbose: print details.
-    """
-
+    #: Name of the low-order model; empty: the default.
     model: str = ""
+    #: Whether all terms of the model are computed, also those that cannot change the loads.
     everything: bool = False
+    #: Number of the specimen (random draw of the geometric errors), from 0.
     member: int = 0
+    #: File with the condensed stiffness of screw and nut; None: no file.
     condensed: Path | None = None
+    #: Whether the table of balls is printed.
     balls: bool = False
+    #: Axial position at which the stiffness is computed, with its unit; empty: none.
     stiffness_at: str = ""
+    #: File for the stiffness matrix; None: not written.
     matrix: Path | None = None
+    #: File for the contact loads; None: not written.
     loads_csv: Path | None = None
+    #: Longest computing time [s]; None: no limit.
     time_limit: float | None = None
+    #: Whether the exit code is 1 if there is a warning.
     strict: bool = False
+    #: Whether details are printed.
     verbose: bool = False
 
 
@@ -101,11 +105,11 @@ def _options_of_load_case(solve_options: SolveOptions, name: str) -> SolveOption
     ``name``: name of the load case, which is added to the name of that file.
     """
 
-    def named(path: Path | None) -> Path | None:
+    def with_case_in_file_name(path: Path | None) -> Path | None:
         """Return the path with the name of the load case added to the file name; None stays None."""
         return None if path is None else path.with_stem(f"{path.stem}-{name}")
 
-    return replace(solve_options, matrix=named(solve_options.matrix))
+    return replace(solve_options, matrix=with_case_in_file_name(solve_options.matrix))
 
 
 def _write_contact_loads(path: Path, solved: Sequence[SceneSolution | ShaftSolution], names: Sequence[str]) -> list[str]:
@@ -214,7 +218,7 @@ def _write_stiffness_matrix(
     """Write the stiffness matrix of a load case to the file that the user asked for, if any; return a line that names it.
 
     ``solved_case``: solution of a load case. ``tangent``: its stiffness at the requested axial position. Raises InputError
-    if a degree of freedom is fixed, so that the matrix has no finite stiffness there.
+    if a degree of freedom of the shaft is fixed at this position, because its stiffness would be infinite.
     """
     import numpy as np
 
@@ -238,10 +242,10 @@ def _write_stiffness_matrix(
 def _requested_stiffness(
     solved_case: SceneSolution | ShaftSolution, tangent: TangentStiffness | None
 ) -> tuple[Array | None, str]:
-    """Return the stiffness matrix (6, 6) [N, m, rad] that the user asked for, and a text on its position and what is fixed.
+    """Return the stiffness matrix (6, 6) [N, m, rad] that the user asked for, and where it applies as text.
 
     ``solved_case``: solution of a load case. ``tangent``: stiffness of a single nut at the requested axial position. The
-    matrix is None if it was not computed.
+    text states this position and the parts that are held fixed. The matrix is None if it was not computed.
     """
     from rollbench.compare.models.load_cases import ShaftSolution
 
@@ -287,7 +291,7 @@ def solve(
     model
         Low-order model (rollbench list shows all). Default: refined, or condensed if --condensed is given.
     everything
-        Compute all terms of the model, including those that cannot change the loads of this scene.
+        Also model flanks that no ball can touch and shaft ends that carry no load, which do not change the contact loads.
     member
         Number of the specimen, from 0, in a scene with random errors.
     condensed
@@ -322,7 +326,7 @@ def solve(
         Stop after this many seconds, with exit code 1. Default: no limit.
     strict
         Return exit code 1 if a WARNING is printed: pressure, preload, static safety or rotations are outside the models'
-        range of validity, or little of a load reaches the contacts.
+        range of validity, or the supports carry nearly all of a load, so that little of it reaches the contacts.
     verbose
         Also print further quantities, the assumptions, neglected effects, the force balance and data of the solver.
     """
@@ -452,8 +456,8 @@ def solve_specimens(
 def _statistics_table(title: str, headings: Mapping[str, str], rows: Mapping[str, dict[str, Any] | None]) -> Any:
     """Return the table with the mean, standard deviation and quantiles of each computed quantity over the specimens.
 
-    ``headings``: name of each quantity in the table, by its key. ``rows``: statistics of each quantity by its key; those of
-    None are left out.
+    ``headings``: name of each quantity in the table, by its key. ``rows``: statistics of each quantity by its key; a
+    quantity with None gets no row.
     """
     table = []
     for key, stats in rows.items():
@@ -462,7 +466,7 @@ def _statistics_table(title: str, headings: Mapping[str, str], rows: Mapping[str
         q = {row["level"]: f"{row['value']:.4g} ({row['low']:.4g} to {row['high']:.4g})" for row in stats["quantiles"]}
         first = (f"{stats[k]:.4g}" for k in ("mean", "standard_error", "standard_deviation", "smallest"))
         table.append([headings[key], *first, q[0.05], q[0.5], q[0.95], q[0.99], f"{stats['largest']:.4g}"])
-    heads = ("", "mean", "standard error", "deviation", "smallest", "5 %", "median", "95 %", "99 %", "largest")
+    heads = ("", "mean", "standard error", "standard deviation", "smallest", "5 %", "median", "95 %", "99 %", "largest")
     return ruled_table(title, heads, table, ("",))
 
 
@@ -579,7 +583,7 @@ def write_load_curve(path: Path, curve: LoadCurve) -> list[str]:
 
 
 def load_curve_figure(curve: LoadCurve, rows: list[dict[str, Any]]) -> Figure:
-    """Return the figure of a load curve, with a panel over the load for each quantity that has values.
+    """Return the figure of a load curve: a panel for each computed quantity, with the load on the horizontal axis.
 
     ``rows``: points of the curve as JSON values.
     """

@@ -157,7 +157,7 @@ def write_drawn_screw(number: int, out: Path) -> CommandOutput:
 
 
 def solve_extreme_scenes() -> CommandOutput:
-    """Solve extreme scenes with all solvers, and return the outcomes; exit code 1 if the solver of rollbench fails."""
+    """Solve extreme scenes by rollbench's solvers and Lin's Newton method; exit code 1 if a solver of rollbench fails."""
     from rollbench.compare.studies.extremes import solve_all_hard_scenes, unexpected_outcomes
 
     rows = solve_all_hard_scenes(lambda done, total, case: show_progress_message(f"[{done}/{total}] {case}"))
@@ -171,7 +171,8 @@ def _stability_tables(
 ) -> Iterator[RenderableType]:
     """Yield the table of how each solver fared on each extreme scene, counts for each solver, and a line for each failure.
 
-    ``rows``: outcomes of every solver on every scene. ``failures``: those outcomes that are not as expected.
+    ``rows``: outcomes of every solver on every scene. ``failures``: outcomes of rollbench's own solvers that did not
+    converge as expected, or whose contact loads differ between two solvers.
     """
     from rollbench.compare.studies.extremes import FORMULATIONS, count_expected_outcomes, stability_table_rows
 
@@ -227,10 +228,12 @@ def stability(
     keep: Path | None = None,
     as_json: Json = False,
 ) -> int:
-    """Solve a table of very stiff and other extreme scenes with all solvers; exit code 1 if the solver of rollbench fails.
+    """Solve very stiff and other extreme scenes by rollbench's solvers and by Lin's Newton method, and print a table.
+
+    Exit code 1 if a solver of rollbench fails; failures of Lin's Newton method are only shown.
 
     With --survey, solves the 3D reference of ordinary catalogue screws instead, which takes half a minute to some minutes
-    for each; exit code 1 if a screw has no result, or if its loads did not converge with mesh refinement.
+    for each; exit code 1 if a screw has no result, or if its contact loads did not converge.
 
     Parameters
     ----------

@@ -11,15 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
-from rollbench.compare.commands.terminal import (
-    ComputeOptions,
-    Json,
-    ProgramOptions,
-    Word,
-    app,
-    engine_from_options,
-    model_or_program_name,
-)
+from rollbench.compare.commands import terminal
 from rollbench.compare.running import show_progress_message
 from rollbench.compare.text.printing import CommandOutput, format_cell, print_command_output, ruled_table
 
@@ -29,20 +21,20 @@ if TYPE_CHECKING:
     from rollbench.compare.studies.sweep.run import SweepDefinition
 
 
-@app.command
+@terminal.app.command
 def sweep(
     scene: str,
     *,
     vary: Annotated[list[str], Parameter(negative="")],
     samples: int = 256,
     method: Literal["sobol", "lhs", "grid"] = "sobol",
-    model: Word = "",
+    model: terminal.Word = "",
     seed: int = 0,
-    outputs: Word = "",
+    outputs: terminal.Word = "",
     out: Path = Path("rollbench-sweep"),
-    as_json: Json = False,
-    program: ProgramOptions | None = None,
-    where: ComputeOptions | None = None,
+    as_json: terminal.Json = False,
+    program: terminal.ProgramOptions | None = None,
+    where: terminal.ComputeOptions | None = None,
 ) -> int:
     """Solve a scene for many sampled values of its parameters, and print statistics and the effect of each parameter.
 
@@ -75,9 +67,9 @@ def sweep(
     from rollbench.compare.studies.sweep.run import sweep_definition
 
     names = [name.strip() for name in outputs.split(",") if name.strip()]
-    model = model_or_program_name(program, model)
+    model = terminal.model_or_program_name(program, model)
     what = sweep_definition(scene, vary, samples, method, seed, model, names)
-    return print_command_output(solve_and_report_sweep(what, out, engine_from_options(where)), as_json)
+    return print_command_output(solve_and_report_sweep(what, out, terminal.engine_from_options(where)), as_json)
 
 
 def solve_and_report_sweep(sweep: SweepDefinition, out: Path, engine: ComputingSettings) -> CommandOutput:
@@ -109,7 +101,7 @@ def sweep_terminal_parts(keys: Sequence[VariedKey], found: Mapping[str, Any]) ->
     parts.append(ruled_table("computed quantities", ["", *(n.replace("_", " ") for n in names)], rows))
     parts.append(_parameter_effects_table(keys, found))
     worst = ([str(row["sample"]), f"{row[MAIN]:.5g}", row["at"], *map(str, row["values"])] for row in found["worst"])
-    headings = ["sample", OUTPUTS[MAIN], "at", *(v.short_name for v in keys)]
+    headings = ["sample", OUTPUTS[MAIN], "at contact", *(v.short_name for v in keys)]
     return [*parts, ruled_table("samples with the largest loads", headings, worst)]
 
 
@@ -141,17 +133,17 @@ def _sobol_index_text(row: Mapping[str, float], kind: str) -> str:
     return f"{row[kind]:.3f} ({row[f'{kind}_low']:.3f} to {row[f'{kind}_high']:.3f})"
 
 
-@app.command
+@terminal.app.command
 def table(
     scene: str,
     *,
     over: Annotated[list[str] | None, Parameter(negative="", consume_multiple=True)] = None,
-    quantities: Word = "",
-    model: Word = "",
-    stiffness_at: Word = "",
+    quantities: terminal.Word = "",
+    model: terminal.Word = "",
+    stiffness_at: terminal.Word = "",
     out: Path | None = None,
-    as_json: Json = False,
-    where: ComputeOptions | None = None,
+    as_json: terminal.Json = False,
+    where: terminal.ComputeOptions | None = None,
 ) -> int:
     """Print a table of 6 x 6 stiffness, preload, pressure and life over values of a scene's parameters.
 
@@ -166,8 +158,8 @@ def table(
         every parameter. KEY is the key in the scene file, with units as there, such as nut.position=100:900:9 mm; the key
         load is the axial load.
     quantities
-        Quantities to tabulate, NAME,NAME, out of stiffness, displacement, load, preload, pressure, life. Default:
-        stiffness,preload,pressure,life.
+        Quantities to tabulate, NAME,NAME, out of stiffness, displacement, load (the largest contact load), preload,
+        pressure, life. Default: stiffness,preload,pressure,life.
     model
         Low-order model (rollbench list shows all). Default: refined.
     stiffness_at
@@ -193,7 +185,7 @@ def table(
     if out is not None:
         check_file_format(out)
         check_writable(out)
-    found = solve_table(asked, engine_from_options(where), show_progress_message)
+    found = solve_table(asked, terminal.engine_from_options(where), show_progress_message)
     parts = parameter_table_parts(found)
     if out is not None:
         write_table_file(out, found)

@@ -35,6 +35,7 @@ Names = Annotated[list[str] | None, Parameter(consume_multiple=True, negative=""
 #: Help texts of the options for parallel runs.
 WORKERS = "Number of parallel runs; 3D runs need 1 to 3 GB each. Default: 1 (report: 2); on a cluster, all its workers."
 WAIT = "Seconds to wait until a worker of the cluster is free. Default: 60."
+#: Type of the option that prints the results as JSON.
 Json = Annotated[bool, Parameter(name="--json", negative="", show_default=False, help="Print exactly one JSON value.")]
 
 
@@ -69,7 +70,7 @@ def model_or_program_name(program: ProgramOptions | None, model: str = "") -> st
         raise ArgumentError("model_seconds", f"{program.model_seconds:g}", "only with `model_command`", advice)
     if model:
         given = f"{program.model_command} together with the model {model}"
-        raise ArgumentError("model_command", given, "either `model` or `model_command`", "leave one of them out")
+        raise ArgumentError("model_command", given, "either `model` or `model_command`", "leave out one of the two options")
     from rollbench.compare.models.programs import SECONDS, model_command
 
     seconds = SECONDS if program.model_seconds is None else program.model_seconds

@@ -55,7 +55,7 @@ def sphere_on_flat_by_program_and_formula(scene: Scene, force: float) -> list[tu
         ("Hertz, sphere on flat: approach", "um", 1e6 * float(c.C) * force ** (2.0 / 3.0), 1e6 * a * a / r),
         ("Hertz, sphere on flat: contact radius", "mm", 1e3 * float(c.C_a) * force ** (1.0 / 3.0), 1e3 * a),
         (
-            "Hertz, sphere on flat: pole pressure",
+            "Hertz, sphere on flat: largest pressure",
             "MPa",
             1e-6 * float(c.pressure(np.array(force))),
             1e-6 * 1.5 * force / (pi * a * a),
@@ -83,23 +83,23 @@ def rigid_screw_load_by_solver_and_formula(scene: Scene) -> tuple[float, float]:
     d = scene.screw.groove_radius + scene.nut.groove_radius - 2.0 * scene.balls.radius
     pair = float(constants[0] + constants[3])
 
-    def ball(s: float) -> tuple[float, float]:
-        """Return the load of a ball [N], and the axial part of its direction, at an axial displacement s [m]."""
+    def ball_load_and_axial_share(s: float) -> tuple[float, float]:
+        """Return the load of a ball [N] at an axial screw displacement s [m], and its axial component over the load."""
         x, z = d * cos(beta), d * sin(beta) + s * cos(alpha)
         size = hypot(x, z)
         return ((size - d) / pair) ** 1.5, z / size * cos(alpha)
 
-    def excess(s: float) -> float:
+    def axial_force_above_load(s: float) -> float:
         """Return by how much the axial force of all balls exceeds the load [N] at an axial displacement s [m]."""
-        load, share = ball(s)
+        load, share = ball_load_and_axial_share(s)
         return scene.ball_count * load * share - force
 
-    s = float(brentq(excess, 0.0, 1e-3, xtol=1e-20, rtol=1e-15))
-    return float(solve_static(rigid).load[:, 0].mean()), ball(s)[0]
+    s = float(brentq(axial_force_above_load, 0.0, 1e-3, xtol=1e-20, rtol=1e-15))
+    return float(solve_static(rigid).load[:, 0].mean()), ball_load_and_axial_share(s)[0]
 
 
 def tip_deflection_by_solver_and_formula(scene: Scene) -> tuple[float, float]:
-    """Compute the tip deflection of a shaft as a cantilever under 1 N across [m]: by the solver, then in closed form.
+    """Compute the tip deflection [m] of a cantilever shaft under 1 N transverse force: by the solver, then in closed form.
 
     Closed form of a Timoshenko beam of length L: L^3/(3 E I) + L/(kappa G A), with the bending stiffness E I and the shear
     stiffness kappa G A. In the solved scene small balls with clearance keep the ball contacts unloaded.
@@ -139,9 +139,10 @@ def oversize_preload_by_solver_and_formula(scene: Scene, oversize: float) -> tup
     """Compute the preload on a screw contact due to balls with oversize [N]: by the solver, then in closed form.
 
     The screw is rigid and carries no external load. By symmetry a ball moves only radially, by x. Its approach to each
-    screw flank is e + |(x - d cos beta, d sin beta)| - d, to each nut flank the same with x + d cos beta. Here e is the
-    oversize of the ball radius (``oversize``) [m], beta the contact angle, and d the distance of the groove centre from the
-    ball centre. The closed form is the x at which the radial forces on the ball balance.
+    screw flank is e + |(d cos beta - x, d sin beta)| - d, its approach to each nut flank e + |(d cos beta + x, d sin beta)|
+    - d. Here e is the oversize of the ball radius (``oversize``) [m], beta the contact angle, and d the distance of the
+    groove centre of screw or nut from the unmoved ball centre. The load follows from the x at which the radial forces on
+    the ball balance.
     """
     squeezed = replace(
         scene,
@@ -153,20 +154,26 @@ def oversize_preload_by_solver_and_formula(scene: Scene, oversize: float) -> tup
     beta = scene.track.contact_angle
     screw, nut = (body.groove_radius - scene.balls.radius for body in (scene.screw, scene.nut))
 
-    def contact(x: float, d: float, sign: float, c: float) -> tuple[float, float]:
-        """Return the contact load [N], and the radial part of its direction, at a radial displacement x of the ball [m]."""
+    def contact_load_and_radial_share(x: float, d: float, sign: float, c: float) -> tuple[float, float]:
+        """Return the contact load [N] at a radial displacement x of the ball [m], and its radial component over the load.
+
+        ``d``: distance of the groove centre from the unmoved ball centre [m]; ``sign``: -1 on the screw, 1 on the nut;
+        ``c``: Hertz constant of the contact [m/N^(2/3)].
+        """
         reach = d * cos(beta) + sign * x
         size = hypot(reach, d * sin(beta))
         return ((oversize + size - d) / c) ** 1.5, reach / size
 
-    def excess(x: float) -> float:
+    def difference_of_radial_forces(x: float) -> float:
         """Return the difference of the radial forces of a screw and a nut contact [N] at a radial displacement x [m]."""
-        fs, cs = contact(x, screw, -1.0, float(constants[0]))
-        fn, cn = contact(x, nut, 1.0, float(constants[3]))
+        fs, cs = contact_load_and_radial_share(x, screw, -1.0, float(constants[0]))
+        fn, cn = contact_load_and_radial_share(x, nut, 1.0, float(constants[3]))
         return fs * cs - fn * cn
 
-    x = float(brentq(excess, -oversize, oversize, xtol=1e-20, rtol=1e-15))
-    return float(solve_static(squeezed).load[:, :2].mean()), contact(x, screw, -1.0, float(constants[0]))[0]
+    x = float(brentq(difference_of_radial_forces, -oversize, oversize, xtol=1e-20, rtol=1e-15))
+    return float(solve_static(squeezed).load[:, :2].mean()), contact_load_and_radial_share(
+        x, screw, -1.0, float(constants[0])
+    )[0]
 
 
 #: Limit of the default model's largest contact-load error [% of the mean load]; so low that a deterioration is noticed.
@@ -175,7 +182,7 @@ TIGHT = 2.0
 #: Scenes with a higher limit than `TIGHT`: the limit [% of the mean load], and the reason.
 WIDER = {"unseen-thin-nut": (2.4, "the wall under the nut's groove is thin, and the model's nut a smooth tube")}
 
-#: Limit [%] of checks that are exact except for round-off and the tolerance of a root search.
+#: Error limit [%] of checks whose values are exact except for round-off and the tolerance of a root search.
 EXACT = 1e-6
 
 
@@ -186,13 +193,13 @@ class GateCheck:
     Value, reference, error and limit are None for a claim.
     """
 
-    #: Name of the checked quantity.
+    #: Name of the scene or formula, and of the quantity that is checked.
     name: str
     #: Kind of the reference: value printed in a publication, closed form, 3D reference and so on.
     kind: str
-    #: Computed value.
+    #: Value computed by rollbench.
     value: float | None
-    #: Reference value.
+    #: Value that the checked quantity should have, in the same unit.
     reference: float | None
     #: Error of the computed value [%].
     error_percent: float | None
@@ -280,7 +287,7 @@ def gate_check_of_published_entry(entry: PrintedEntryComparison, max_error: floa
 
 
 def check_published_entries(cache: SceneResultCache, max_error: float) -> list[GateCheck]:
-    """Check those published numbers and claims that the program must reproduce: classes hard, as-printed and input.
+    """Check the published numbers and claims that rollbench must reproduce: those of the classes hard, as-printed, input.
 
     `printed.CLASSES` describes the classes. Entries without a computed value are left out. ``max_error``: upper limit of
     the error [%].
@@ -325,11 +332,14 @@ def check_closed_forms(cache: SceneResultCache, max_error: float) -> list[GateCh
         for name, unit, value, reference in sphere_on_flat_by_program_and_formula(scene, 225.0)
     ]
     for name, (value, reference) in (
-        ("rigid screw, axial load: load of every ball [N]", rigid_screw_load_by_solver_and_formula(scene)),
-        ("shaft as a cantilever: tip deflection [m]", tip_deflection_by_solver_and_formula(scene)),
-        ("two opposite balls, no lead: load [N]", two_ball_load_by_solver_and_formula(scene)),
+        ("rigid screw under axial load: load of each ball [N]", rigid_screw_load_by_solver_and_formula(scene)),
+        ("shaft as a cantilever under 1 N: tip deflection [m]", tip_deflection_by_solver_and_formula(scene)),
         (
-            "7 um oversize, no load, rigid screw: load of a screw contact [N]",
+            "two opposite balls under 100 N axial load, no lead: load of each ball [N]",
+            two_ball_load_by_solver_and_formula(scene),
+        ),
+        (
+            "balls with 7 um oversize, rigid screw without external load: load of a screw contact [N]",
             oversize_preload_by_solver_and_formula(scene, 7e-6),
         ),
     ):
@@ -340,7 +350,7 @@ def check_closed_forms(cache: SceneResultCache, max_error: float) -> list[GateCh
 def check_solvers(cache: SceneResultCache, max_error: float) -> list[GateCheck]:
     """Check the equilibrium of the solution of every built-in scene, and the agreement of both solvers of Lin's model.
 
-    Limit of the errors: `EXACT`, at most ``max_error`` [%].
+    The limit of the errors is `EXACT`, which leaves room for round-off only, or ``max_error`` [%] if that is smaller.
     """
     rows = []
     limit = min(EXACT, max_error)
@@ -349,28 +359,28 @@ def check_solvers(cache: SceneResultCache, max_error: float) -> list[GateCheck]:
         e = result.equilibrium
         worst = max(e.force_residual, e.moment_residual) if e is not None else float("inf")
         percent = float(error_percent(worst, 0.0, 1.0))
-        passed, label = result.converged and percent <= limit, f"{name}: balance of the screw"
+        passed, label = result.converged and percent <= limit, f"{name}: balance of forces and moments on the screw"
         rows.append(GateCheck(label, "balance", worst, 0.0, percent, limit, passed, result.status))
     for name in ("lin-case1", "lin-case3-offset"):
         by_source = solve_lin_equations_with_fallback(cache.built_in_scene(name), "arc")
         e2 = load_error(cache.solve_once(name).load, by_source.contact_loads)
         passed, label = (
             by_source.converged and e2.max_percent <= limit,
-            f"{name}: energy solver against Lin's Newton method",
+            f"{name}: contact loads by the energy solver against Lin's Newton method",
         )
-        words = f"worst at ball {e2.ball} {e2.side}; {by_source.status}"
+        words = f"largest difference at ball {e2.ball} {e2.side}; Lin's Newton method: {by_source.status}"
         rows.append(gate_check_of_error(f"{label}, same equations", "two solvers", e2.max_percent, limit, passed, words))
     return rows
 
 
 def check_default_model(cache: SceneResultCache, max_error: float) -> list[GateCheck]:
-    """Check the default model against the stored 3D references of case studies and of screws not used in development.
+    """Check the default model's contact loads against the 3D reference: case studies, and screws not used in development.
 
-    Two errors of each scene have a limit. The error of the worst contact, in per cent of its reference load (of the mean
-    load for small loads), has the limit ``max_error``. The largest error in per cent of the mean load has the limit
-    ``TIGHT``, or that in ``WIDER``. An error passes if it exceeds its limit by no more than the uncertainty of the
-    reference. For the second error this allowance is at most as large as the limit, so that a reference on a coarse mesh
-    cannot excuse every error.
+    Two errors of each scene have a limit. The largest error of a contact load in per cent of that contact's reference load
+    (of the mean load for small loads) has the limit ``max_error`` [%]. The largest error in per cent of the mean load has
+    the lower limit `TIGHT`, or the limit that `WIDER` states for the scene, but at most ``max_error``. An error passes if
+    it exceeds its limit by no more than the uncertainty of the reference. For the second error this allowance is at most as
+    large as the limit, so that a reference on a coarse mesh cannot excuse every error.
     """
     rows: list[GateCheck] = []
     for name in (*REFERENCED, *UNSEEN):
@@ -384,18 +394,18 @@ def check_default_model(cache: SceneResultCache, max_error: float) -> list[GateC
         points = contact_load_errors(name, reference, max_error, load)
         over = [p for p in points if p.exceeds]
         for p in over:
-            share, label = p.uncertainty_percent, f"{p.scene}: ball {p.ball} {p.side} against the 3D reference"
-            text = f"reference's uncertainty {share:.2f} %"
+            share, label = p.uncertainty_percent, f"{p.scene}: load of ball {p.ball} {p.side} against the 3D reference"
+            text = f"uncertainty of the 3D reference {share:.2f} %"
             rows.append(gate_check_of_error(label, kind, p.error_percent, max_error, False, text, share))
         if not over:
             top = max(points, key=lambda p: abs(p.error_percent))
-            label = f"{name}: worst contact (ball {top.ball} {top.side}) against the 3D reference"
+            label = f"{name}: contact load with the largest error (ball {top.ball} {top.side}) against the 3D reference"
             rows.append(gate_check_of_error(label, kind, top.error_percent, max_error, True, "", top.uncertainty_percent))
         e = load_error(load, reference.load, reference.contacts)
         limit, cause = WIDER.get(name, (TIGHT, ""))
         tight = min(limit, max_error)
-        label = f"{name}: largest error of the mean load (ball {e.ball} {e.side})"
-        text = "; ".join(filter(None, (f"reference's uncertainty {bar:.2f} %", cause)))
+        label = f"{name}: largest contact-load error in per cent of the mean load (ball {e.ball} {e.side})"
+        text = "; ".join(filter(None, (f"uncertainty of the 3D reference {bar:.2f} %", cause)))
         passed = e.max_percent - min(bar, tight) <= tight
         rows.append(gate_check_of_error(label, "3D reference, tight", e.max_percent, tight, passed, text, bar))
     return rows
@@ -417,12 +427,14 @@ def check_known_errors_of_lin_model(cache: SceneResultCache, max_error: float) -
         over = {(p.scene, p.ball, p.side) for p in points if p.exceeds}
         top = max(points, key=lambda p: abs(p.error_percent))
         named = {k for k in known if k[0] == name}
-        wrong = [f"ball {b} {side} is beyond the limit but not listed" for _, b, side in sorted(over - named)]
-        wrong += [f"ball {b} {side} is listed but no longer beyond the limit" for _, b, side in sorted(named - over)]
-        side = "over" if over else "under"
+        wrong = [f"the error of ball {b} {side} is above the limit but not listed" for _, b, side in sorted(over - named)]
+        wrong += [
+            f"the error of ball {b} {side} is listed but no longer above the limit" for _, b, side in sorted(named - over)
+        ]
+        side = "above" if over else "below"
         label = (
-            f"{name}: Lin's model, reported only: {side} the limit ({len(over)} of {len(points)} contacts beyond; worst: "
-            f"ball {top.ball} {top.side})"
+            f"{name}: contact-load errors of Lin's model, reported only: {side} the limit ({len(over)} of {len(points)} "
+            f"contacts above it; largest error at ball {top.ball} {top.side})"
         )
         error, words = top.error_percent, "; ".join(wrong[:3])
         rows.append(GateCheck(label, "source's model", None, None, error, max_error, not wrong, words, gated=False))

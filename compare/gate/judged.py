@@ -58,14 +58,16 @@ class JudgedQuantity:
 
     @property
     def display_factor(self) -> float:
-        """Factor by which a value in SI units is multiplied to obtain it in the shown unit; 1 for a life."""
+        """Factor that converts a value of the quantity from SI units to the unit in which it is shown; 1 for a life."""
         unit = name_and_unit_of_key(self.key)[1]
         return 1.0 if unit is None else unit.factor
 
 
+#: Quantities that `rollbench check` judges on every contact.
 ANGLE = JudgedQuantity("contact_angle_deg", "contact angle", default_limit=1.0)
 APPROACH = JudgedQuantity("approach_um", "approach", 2.0 / 3.0)
 PRESSURE = JudgedQuantity("pressure_MPa", "pressure", 1.0 / 3.0)
+#: Quantities of the whole screw that `rollbench check` judges.
 DISPLACEMENT = JudgedQuantity("displacement_um", "displacement")
 RIGIDITY = JudgedQuantity("rigidity_N_per_um", "rigidity")
 TORQUE = JudgedQuantity("torque_Nmm", "torque")
@@ -130,8 +132,8 @@ def error_limit_of(quantity: JudgedQuantity, stated_limits: Mapping[str, float],
 def hertz_approach_or_pressure(scene: Scene, quantity: JudgedQuantity, load: Array) -> Array:
     """Compute the elastic approach [m] or the largest pressure [Pa] of all contacts from their loads by Hertz's theory.
 
-    ``quantity``: `PRESSURE` for the pressure, any other for the approach; ``load``: contact loads (n, 4) [N]. The result
-    has the shape of the loads.
+    ``quantity``: `PRESSURE` for the pressure, any other for the approach; ``load``: contact loads of n balls on 4
+    flanks (n, 4) [N]. The result has the shape of the loads.
     """
     h = hertz_of_every_contact(scene, draw_geometry_with_errors(scene, ball_layout(scene)))
     return h.pressure(load) if quantity is PRESSURE else np.asarray(h.C * np.cbrt(load) ** 2)
@@ -149,7 +151,7 @@ def uncertainty_from_loads(
     quantity_of_loads
         Function that computes the quantity from the loads; monotone in each load.
     load
-        Contact loads, (n, 4) [N].
+        Contact loads of n balls on 4 flanks, (n, 4) [N].
     uncertainty
         Uncertainty of the loads, (n, 4) [N].
 
@@ -168,7 +170,7 @@ def uncertainty_from_loads(
 def contact_quantity_of_reference(scene: Scene, reference: Reference, quantity: JudgedQuantity) -> tuple[Array, Array]:
     """Return the reference's values of a contact quantity (angle, approach or pressure), and their uncertainty.
 
-    Both are arrays (n, 4) in SI units; an uncertainty that is not known is nan.
+    Both are arrays (n, 4) in SI units, for n balls on 4 flanks; an uncertainty that is not known is nan.
     """
     given = reference.further.get(quantity.name)
     if quantity is ANGLE:
@@ -245,7 +247,9 @@ class WholeScrewEvaluation:
                 results_of_contact_loads(self.scene, ref.load, np.radians(ref.best.angle)).words
                 or "no contact carries load"
             )
-        return f"{ref.label} has no value of it" if ref.stated else "the screw does not move in the direction of its load"
+        return (
+            f"{ref.label} states no value of it" if ref.stated else "the screw does not move in the direction of its load"
+        )
 
     def computation_note(self, quantity: JudgedQuantity) -> str:
         """Return a note on how the reference's value of a quantity of the whole screw is computed; may be empty."""
@@ -263,8 +267,8 @@ class WholeScrewEvaluation:
 
         It cannot be computed without coefficients of friction, or if the default model finds no equilibrium.
 
-        ``load``: contact loads (n, 4) [N]; ``angle``: contact angles (n, 4) [rad]. Angles that are nan are replaced by
-        those of the default model.
+        ``load``: contact loads of n balls on 4 flanks (n, 4) [N]; ``angle``: contact angles (n, 4) [rad]. Angles that
+        are nan are replaced by those of the default model.
         """
         solved = self._default_solution
         if self.scene.friction is None or not solved.converged:
@@ -277,16 +281,20 @@ class WholeScrewEvaluation:
 
     @cached_property
     def _default_solution(self) -> StaticResult:
-        """Solution of the scene by the default model; its loads and angles are replaced by others to compute friction."""
+        """Solution of the scene by the default model; to compute friction, its loads and angles are replaced by others."""
         return run_model(self.scene, DEFAULT, INTERPRETED)
 
 
+#: Required columns of a user's file with values of the whole screw.
 VALUE_COLUMNS = ("quantity", "value", "unit")
 
+#: Column for the axial load or the axial position at which a value applies.
 WHERE = "where"
 
+#: Advice in error messages with an example of a user's file of values.
 VALUE_EXAMPLE = "begin with the line quantity,value,unit,where and add rows such as rigidity,540,N/um,5 kN"
 
+#: Dimension of the unit of each quantity of the whole screw except life.
 DIMENSIONS = {DISPLACEMENT: "length", RIGIDITY: "stiffness", TORQUE: "moment"}
 
 #: Accepted units of life, each with its size in million revolutions.
@@ -322,7 +330,8 @@ def read_user_values(path: Path, case: str | None = None) -> tuple[list[UserValu
     Parameters
     ----------
     path
-        Path of the file, with the columns quantity, value and unit, and optionally where, set and case.
+        Path of the file, with the columns quantity, value and unit, and optionally where (axial load or position at which
+        the value applies), set (nut or bearing) and case (load case).
     case
         Load case whose rows are read, as named in the column ``case``; None: all rows.
 

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 #: Environment variables by which continuous-integration services pass the path of a job's summary file.
 SUMMARIES = ("GITHUB_STEP_SUMMARY",)
 
+#: Column headings of the table of verdicts in CSV and Markdown files.
 HEADINGS = (
     "verdict",
     "scene or check",
@@ -47,7 +48,7 @@ HEADINGS = (
 class VerdictFileRow:
     """Row of the table that output files list: a verdict on a user's scene, or a check of the built-in scenes."""
 
-    #: Whether the row counts as passed.
+    #: Whether the verdict counts as passed.
     good: bool
     #: Verdict as text, such as "pass".
     word: str
@@ -55,9 +56,9 @@ class VerdictFileRow:
     scene: str
     #: Model or file whose values are judged.
     judged: str
-    #: Name of the quantity.
+    #: Name of the judged quantity.
     quantity: str
-    #: Error in ``unit``; None if there is none.
+    #: Error against the reference in ``unit``; None if there is none.
     error: float | None
     #: Uncertainty of the reference in ``unit``; None if not known.
     uncertainty: float | None
@@ -69,7 +70,7 @@ class VerdictFileRow:
     ball: int | None = None
     #: Groove flank of the contact that determines the verdict.
     flank: str = ""
-    #: Further explanation.
+    #: Explanation of the verdict; may be empty.
     note: str = ""
     #: For each ball next to this contact: number of the ball, judged load, reference load, uncertainty of the latter [N].
     neighbouring_loads: tuple[tuple[int, float, float, float], ...] = ()
@@ -83,7 +84,7 @@ class VerdictFileRow:
         return tuple(one_line(cell, 2000) for cell in cells)
 
     def text(self) -> str:
-        """Return the row without its verdict as one line: ``heading: cell`` of each cell that is not empty."""
+        """Return the row without its verdict as one line of text: "heading: cell" for each cell that is not empty."""
         return "; ".join(f"{head}: {cell}" for head, cell in zip(HEADINGS[1:], self.cells[1:], strict=True) if cell)
 
 
@@ -162,7 +163,7 @@ def row_for_load_chart(outcomes: Sequence[VerdictFileRow]) -> VerdictFileRow | N
 def _chart_title(o: VerdictFileRow) -> str:
     """Return the title of the chart of contact loads around a ball: scene, ball, error and limit of the row ``o``."""
     name = one_line(o.scene, 2000).replace('"', "'")
-    return f"{name}, ball {o.ball} {o.flank}: {abs(o.error or 0.0):.2f} {o.unit}, limit {o.limit:.4g} {o.unit}"
+    return f"{name}, ball {o.ball} {o.flank}: error {abs(o.error or 0.0):.2f} {o.unit}, limit {o.limit:.4g} {o.unit}"
 
 
 def _load_chart_lines(o: VerdictFileRow | None) -> list[str]:
@@ -177,12 +178,13 @@ def _load_chart_lines(o: VerdictFileRow | None) -> list[str]:
     series = [", ".join(f"{x:.4g}" for x in of) for of in (reference, loads)]
     return [
         "",
-        f"Contact loads around the worst ball: bars show the reference, the line shows {_escape_markup(o.judged)}.",
+        f"Contact loads around the ball with the largest error: bars show the reference, the line shows "
+        f"{_escape_markup(o.judged)}.",
         "",
         "```mermaid",
         "xychart-beta",
         f'    title "{_chart_title(o)}"',
-        f'    x-axis "ball" [{", ".join(map(str, balls))}]',
+        f'    x-axis "number of the ball" [{", ".join(map(str, balls))}]',
         f'    y-axis "contact load / N" 0 --> {top:.4g}',
         f"    bar [{series[0]}]",
         f"    line [{series[1]}]",
@@ -200,12 +202,14 @@ def worst_ball_figure(o: VerdictFileRow) -> Figure:
         Series("reference", balls, reference, "markers", bold=True, error_bars=ends),
         Series(o.judged, balls, loads, "line+markers"),
     )
-    panel = Panel(f"flank {o.flank}", "ball", "contact load / N", series, include_zero=True, integer_x=True)
+    panel = Panel(
+        f"contacts on flank {o.flank}", "number of the ball", "contact load / N", series, include_zero=True, integer_x=True
+    )
     return Figure("worst-ball", _chart_title(o), (panel,))
 
 
 def _table_line(cells: Sequence[str]) -> str:
-    """Return texts as one row of a Markdown table."""
+    """Return the texts of cells as one row of a Markdown table."""
     return f"| {' | '.join(map(_escape_markup, cells))} |"
 
 
@@ -284,7 +288,7 @@ def _append_to_file(path: Path, text: str) -> Path:
     return path
 
 
-#: Pair that identifies a row of verdicts: name of the scene or check, and name of the quantity.
+#: Names that identify a row of verdicts: of the scene or check, and of the quantity.
 Label = tuple[str, str]
 
 
@@ -302,7 +306,7 @@ class RoundedVerdict(NamedTuple):
 
     @property
     def error_text(self) -> str:
-        """Absolute error as text with two decimals, with its unit unless that is per cent; empty if there is no error."""
+        """Absolute error of the judged quantity as text with two decimals, with its unit unless per cent; may be empty."""
         return "" if self.error is None else f"{abs(self.error):.2f}{'' if self.unit == '%' else f' {self.unit}'}"
 
 
@@ -383,7 +387,7 @@ def _verdict_and_error_text(row: RoundedVerdict | None) -> tuple[str, str] | Non
 
 
 def _rounded_verdict(verdict: str, error: float | None, limit: float | None, unit: str) -> RoundedVerdict:
-    """Return a verdict with its error and limit rounded to four digits, as in published files."""
+    """Return a verdict with its error and limit rounded to four digits, as in the files that hold verdicts."""
     error, limit = (None if x is None else float(f"{x:.4g}") for x in (error, limit))
     return RoundedVerdict(verdict, error, limit, unit)
 
@@ -407,7 +411,7 @@ def _read_earlier_verdicts(path: Path) -> dict[Label, RoundedVerdict]:
         )
     except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
         advice = "write a file of verdicts with `csv=gate.csv` and compare with that"
-        value = "contents that are no verdicts"
+        value = "a file without verdicts"
         raise InputError(str(path), "file", value, "a CSV or JSON file written by rollbench check", advice) from None
 
 

@@ -13,49 +13,20 @@ from pathlib import Path
 import numpy as np
 
 from rollbench.compare.errors import ArgumentError, InputError, SceneNotCoveredError
-from rollbench.compare.gate.judged import (
-    ANGLE,
-    LIFE,
-    OF_CONTACTS,
-    UserValue,
-    error_limit_of,
-    parse_error_limits,
-    read_user_values,
-)
-from rollbench.compare.gate.verdict import (
-    LARGEST,
-    LIMIT,
-    ErrorLimits,
-    JudgedContactValues,
-    Verdict,
-    contact_values_by_model,
-    judge_contact_loads,
-    judge_contact_quantities,
-    judge_given_value,
-    screw_values_by_model,
-    suspected_cause_text,
-)
+from rollbench.compare.gate import judged as gate_judged
+from rollbench.compare.gate import verdict
 from rollbench.compare.measure import error_percent, mean_load
-from rollbench.compare.models.comparison import (
-    NutOrBearingOnShaft,
-    SceneWithReference,
-    comparison_options,
-    contact_load_errors,
-    models_by_name,
-    solution_from_result,
-    solution_of_nut_or_bearing,
-    stored_references,
-)
+from rollbench.compare.models import comparison
 from rollbench.compare.models.loading import with_scaled_loads
 from rollbench.compare.models.loads_file import EVERY, ContactLoadsFromFile, Only, decimal_comma_advice, read_loads
 from rollbench.compare.models.programs import model_title
 from rollbench.compare.models.registry import DEFAULT, model_by_name, run_model
 from rollbench.compare.reference.estimate import MeshUncertainty, Reference
-from rollbench.compare.reference.jobs import ComputingSettings, ensure_runs_are_stored, plan_tasks
+from rollbench.compare.reference.jobs import ComputingSettings, ensure_runs_are_stored, plan_reference_tasks
 from rollbench.compare.reference.levels import LEVELS
 from rollbench.compare.reference.store import Run, load_stored_run, shipped_store
-from rollbench.compare.reference.tasks import Solvable, group_by_geometry
-from rollbench.lowfi.statics.nominal import nominal_contacts
+from rollbench.compare.reference.tasks import Solvable, group_scenes_by_geometry
+from rollbench.lowfi.statics.nominal import count_nominal_contacts
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import SIDES, Scene
@@ -107,13 +78,15 @@ def read_reference_file(
     if not given.load.any():
         advice = "check that the file holds the reference loads of this scene"
         raise InputError(str(path), "file", "only loads of 0", "at least one contact load above 0", advice)
-    contacts = nominal_contacts(scene) if contacts is None else contacts
+    contacts = count_nominal_contacts(scene) if contacts is None else contacts
     bars, words = _load_uncertainty_in_file(path, given, mean_load(given.load, contacts))
     source = given.notes.get(PROVENANCE, "")
     stated = f"against {path.name}{f' ({source})' if source else ''}, {words}"
     angle = np.degrees(given.further_quantities.get("angle", np.full(given.load.shape, np.nan)))
     further = {
-        q.name: given.further_quantities[name] for name, q in OF_CONTACTS.items() if name in given.further_quantities
+        q.name: given.further_quantities[name]
+        for name, q in gate_judged.OF_CONTACTS.items()
+        if name in given.further_quantities
     }
     share = float(error_percent(bars.max(), 0.0, mean_load(given.load, contacts)))
     parts = MeshUncertainty(share)
@@ -128,7 +101,7 @@ def uncertainty_warning(ref: Reference, limit: float) -> str:
     ``ref``: the reference; ``limit``: error limit of contact loads [% of the contact's load; of the mean load for small
     loads].
     """
-    worst = max(contact_load_errors(ref.scene, ref, limit, ref.load), key=lambda p: p.uncertainty_percent)
+    worst = max(comparison.contact_load_errors(ref.scene, ref, limit, ref.load), key=lambda p: p.uncertainty_percent)
     if worst.uncertainty_percent <= limit:
         return ""
     return (
@@ -139,6 +112,8 @@ def uncertainty_warning(ref: Reference, limit: float) -> str:
 
 def _load_uncertainty_in_file(path: Path, given: ContactLoadsFromFile, mean: float) -> tuple[Array, str]:
     """Return the uncertainty of the contact loads (n, 4) [N] that a user's reference file states, and a text about it.
+
+    n is the number of balls; each has 4 flanks.
 
     ``given``: contents of the file; ``mean``: mean contact load [N], to which a percentage in a note refers. InputError if
     the file states the uncertainty in several ways or not validly.
@@ -174,8 +149,8 @@ def _load_uncertainty_in_file(path: Path, given: ContactLoadsFromFile, mean: flo
 def loads_as_run_record(scene: Scene, load: Array, angle: Array) -> Run:
     """Return given contact loads and angles as the record of a 3D run that has no mesh, displacements and times.
 
-    ``load``: contact loads (n, 4) [N]; ``angle``: contact angles (n, 4) [deg]. Loads from a file can then be used wherever
-    a run of the 3D reference is expected.
+    ``load``: contact loads of n balls on 4 flanks (n, 4) [N]; ``angle``: contact angles (n, 4) [deg]. Loads from a file can
+    then be used wherever a run of the 3D reference is expected.
     """
     return Run(
         scene=scene.name,
@@ -204,7 +179,8 @@ def loads_as_run_record(scene: Scene, load: Array, angle: Array) -> Run:
     )
 
 
-#: Number of mesh levels computed by default: the smallest number from which a mesh uncertainty can be estimated.
+#: Number of mesh levels of the 3D reference that are computed by default: the smallest number from which its uncertainty
+#: can be estimated.
 ENOUGH = 2
 
 #: Error limit [%] below which the user may have meant a fraction (0.07 for 7 %): no reference is that accurate.
@@ -216,14 +192,16 @@ NONE_STORED = "no run of its 3D reference is stored, and none is to be computed"
 #: Known columns of a file of contact loads, as text for messages.
 KNOWN = "ball, flank, newton, azimuth_deg, z_mm, contact_angle_deg, approach_um, pressure_MPa, uncertainty_N in any unit"
 
+#: Default for error limits of other quantities: none are stated.
 NO_OTHERS: Mapping[str, float] = {}
 
+#: Default for names of load cases: the scenes have none.
 NO_CASES: Mapping[str, str] = {}
 
 
 @dataclass(frozen=True)
 class GateRequest:
-    """What is to be judged (a model or a file), by which error limits, and against which reference."""
+    """Request to judge the results of a model or a user's file: error limits, and reference to judge them against."""
 
     #: Folders with stored runs of the 3D reference; new runs are stored in the first.
     stores: tuple[Path, ...]
@@ -302,7 +280,7 @@ def gate_request(
             raise ArgumentError(name, str(file), "only without `model`", advice)
     if stored is not None and not stored.is_dir():
         raise ArgumentError("stored", str(stored), "a folder with stored runs of the 3D reference", "check the path")
-    models_by_name((model,) if model else (), "model")
+    comparison.models_by_name((model,) if model else (), "model")
     return GateRequest(
         (store if stored is None else stored, shipped_store()),
         model or DEFAULT,
@@ -311,7 +289,7 @@ def gate_request(
         levels,
         compute and stored is None and reference is None,
         values,
-        parse_error_limits(limits),
+        gate_judged.parse_error_limits(limits),
         reference,
         strict,
     )
@@ -324,11 +302,11 @@ class UserFileContents:
     #: Contact loads of another program, one record for each nut or bearing.
     loads: tuple[ContactLoadsFromFile, ...] = ()
     #: Values of quantities of the whole screw (such as stiffness or life).
-    values: tuple[UserValue, ...] = ()
+    values: tuple[gate_judged.UserValue, ...] = ()
     #: For each axial load [N] at which a value is given, the scene with its loads scaled to that axial load.
     scenes_by_axial_load: Mapping[float, Scene] = field(default_factory=dict)
     #: User's reference, one record for each nut or bearing.
-    reference: tuple[SceneWithReference, ...] = ()
+    reference: tuple[comparison.SceneWithReference, ...] = ()
 
 
 def check_scenes(
@@ -338,7 +316,7 @@ def check_scenes(
     step: Callable[[str], None],
     warn: Callable[[str], None] = lambda _: None,
     cases: Mapping[str, str] = NO_CASES,
-) -> list[Verdict]:
+) -> list[verdict.Verdict]:
     """Judge contact loads and other values of a model or a file on each scene, against the 3D or the user's reference.
 
     Missing runs of the 3D reference are computed first, unless the request forbids it.
@@ -385,32 +363,34 @@ def check_scenes(
         if request.compute_missing_runs
         else {}
     )
-    out: list[Verdict] = []
+    out: list[verdict.Verdict] = []
     for scene, files in zip(scenes, each_files, strict=True):
         limits = limits_for_scene(scene, request.max_error, request.other_limits)
-        each: Sequence[SceneWithReference] = files.reference or stored_references(scene, request.stores)
+        each: Sequence[comparison.SceneWithReference] = files.reference or comparison.stored_references(
+            scene, request.stores
+        )
         reason = why.get(scene.name, NONE_STORED)
         if request.values_file is None or request.loads_file is not None:
-            out += [v for one in each for v in _contact_verdicts_of_set(one, files, limits, request)]
+            out += [v for one in each for v in _contact_verdicts_of_nut_or_bearing(one, files, limits, request)]
             judged = model_title(request.model) if request.loads_file is None else request.loads_file.name
-            out += [] if each else [_not_covered_verdict(scene, judged, LARGEST, limits.largest_load_error, reason)]
+            out += [] if each else [_not_covered_verdict(scene, judged, verdict.LARGEST, limits.largest_load_error, reason)]
         for value in files.values:
             beside = (
                 each
                 if value.axial_load is None
-                else stored_references(files.scenes_by_axial_load[value.axial_load], request.stores)
+                else comparison.stored_references(files.scenes_by_axial_load[value.axial_load], request.stores)
             )
             out.append(
                 _verdict_on_user_value(
-                    value, [x for x in beside if is_name_of_set(x, value.set)], scene, limits, request, reason
+                    value, [x for x in beside if is_name_of_nut_or_bearing(x, value.set)], scene, limits, request, reason
                 )
             )
     return out
 
 
-def _contact_verdicts_of_set(
-    one: SceneWithReference, files: UserFileContents, limits: ErrorLimits, request: GateRequest
-) -> list[Verdict]:
+def _contact_verdicts_of_nut_or_bearing(
+    one: comparison.SceneWithReference, files: UserFileContents, limits: verdict.ErrorLimits, request: GateRequest
+) -> list[verdict.Verdict]:
     """Return the verdicts on the contact loads of one nut or bearing by a model or by a user's file.
 
     ``one``: the nut or bearing with its reference; ``files``: contents of the user's files; ``limits``: error limits;
@@ -420,10 +400,10 @@ def _contact_verdicts_of_set(
         return _add_scene_and_set_names(_verdicts_on_model(one, request.model, limits, request.stores), one)
     given, judged = files.loads[0 if one.place_on_shaft is None else one.place_on_shaft.index], request.loads_file.name
     detail = "; ".join(filter(None, _explanations_on_user_loads(given, one.reference, limits)))
-    verdicts = judge_contact_loads(judged, given.load, one.reference, limits, given.flanks_with_rows, detail)
-    further = judge_contact_quantities(
+    verdicts = verdict.judge_contact_loads(judged, given.load, one.reference, limits, given.flanks_with_rows, detail)
+    further = verdict.judge_contact_quantities(
         judged,
-        JudgedContactValues(given.load, given.further_quantities, given.flanks_with_rows),
+        verdict.JudgedContactValues(given.load, given.further_quantities, given.flanks_with_rows),
         one.scene,
         one.reference,
         limits,
@@ -431,7 +411,7 @@ def _contact_verdicts_of_set(
     return _add_scene_and_set_names(_add_stored_reference_verdict(verdicts, given, one, limits, request) + further, one)
 
 
-def _add_scene_and_set_names(verdicts: list[Verdict], one: SceneWithReference) -> list[Verdict]:
+def _add_scene_and_set_names(verdicts: list[verdict.Verdict], one: comparison.SceneWithReference) -> list[verdict.Verdict]:
     """Return the verdicts with the names of the scene and of its nut or bearing filled in, if the scene has several.
 
     ``one``: the nut or bearing that they judge; the verdicts of a scene with a single one are unchanged.
@@ -444,29 +424,33 @@ def _add_scene_and_set_names(verdicts: list[Verdict], one: SceneWithReference) -
 
 
 def _add_stored_reference_verdict(
-    verdicts: list[Verdict], given: ContactLoadsFromFile, one: SceneWithReference, limits: ErrorLimits, request: GateRequest
-) -> list[Verdict]:
+    verdicts: list[verdict.Verdict],
+    given: ContactLoadsFromFile,
+    one: comparison.SceneWithReference,
+    limits: verdict.ErrorLimits,
+    request: GateRequest,
+) -> list[verdict.Verdict]:
     """Return the verdicts, with the verdict by the stored 3D reference added to the explanation of the first one.
 
     Nothing is added unless ``verdicts`` refer to a user's reference file and a 3D reference is stored, too. ``given``: the
     user's contact loads; ``one``: the nut or bearing with the reference against which it was judged.
     """
-    ours = stored_reference_of_set(one, request.stores) if one.reference.stated else None
+    ours = stored_reference_of_nut_or_bearing(one, request.stores) if one.reference.stated else None
     if ours is None:
         return verdicts
-    other = judge_contact_loads("", given.load, ours, limits, given.flanks_with_rows)[0]
-    words = f"by the stored 3D reference: {other.compared()}, {other.word}"
+    other = verdict.judge_contact_loads("", given.load, ours, limits, given.flanks_with_rows)[0]
+    words = f"by the stored 3D reference: {other.comparison_text()}, {other.word}"
     return [replace(verdicts[0], detail=f"{verdicts[0].detail}; {words}"), *verdicts[1:]]
 
 
 def _verdict_on_user_value(
-    value: UserValue,
-    referenced_sets: Sequence[SceneWithReference],
+    value: gate_judged.UserValue,
+    referenced_sets: Sequence[comparison.SceneWithReference],
     scene: Solvable,
-    limits: ErrorLimits,
+    limits: verdict.ErrorLimits,
     request: GateRequest,
     reason: str,
-) -> Verdict:
+) -> verdict.Verdict:
     """Return the verdict on a user's value of a quantity of the whole screw (such as life or rigidity).
 
     ``value``: the user's value; ``referenced_sets``: the nuts or bearings to which it belongs, with their references; if
@@ -475,36 +459,36 @@ def _verdict_on_user_value(
     """
     assert request.values_file is not None
     one = next(iter(referenced_sets), None)
-    if one is None or (one.place_on_shaft is not None and value.quantity is not LIFE):
-        limit = error_limit_of(value.quantity, limits.limits_by_quantity, limits.largest_load_error)
+    if one is None or (one.place_on_shaft is not None and value.quantity is not gate_judged.LIFE):
+        limit = gate_judged.error_limit_of(value.quantity, limits.limits_by_quantity, limits.largest_load_error)
         reason = reason if one is None else "with several nuts or bearings on one shaft, only the life of each is judged"
         return _not_covered_verdict(scene, request.values_file.name, value.name, limit, reason)
     return _add_scene_and_set_names(
-        [judge_given_value(request.values_file.name, value, one.scene, one.reference, limits)], one
+        [verdict.judge_given_value(request.values_file.name, value, one.scene, one.reference, limits)], one
     )[0]
 
 
-def is_name_of_set(referenced: SceneWithReference, text: str) -> bool:
+def is_name_of_nut_or_bearing(referenced: comparison.SceneWithReference, text: str) -> bool:
     """Return whether a text is the number (from 1) or the name of a nut or bearing; True for a scene with a single one.
 
     ``referenced``: the nut or bearing with its reference.
     """
-    return referenced.place_on_shaft is None or text in _names_of_set(
+    return referenced.place_on_shaft is None or text in _accepted_names_of_nut_or_bearing(
         referenced.place_on_shaft.assembly, referenced.place_on_shaft.index
     )
 
 
-def _names_of_set(assembly: Assembly, k: int) -> tuple[str, str]:
+def _accepted_names_of_nut_or_bearing(assembly: Assembly, k: int) -> tuple[str, str]:
     """Return the two texts by which users' files may name the nut or bearing ``k`` (from 0): number from 1, and name."""
     return str(k + 1), assembly.sets[k].name
 
 
-def _not_covered_verdict(scene: Solvable, judged: str, quantity: str, limit: float, why: str) -> Verdict:
+def _not_covered_verdict(scene: Solvable, judged: str, quantity: str, limit: float, why: str) -> verdict.Verdict:
     """Return the verdict "not covered" on a quantity of a scene that has no reference.
 
     ``judged``: name of the model or file; ``limit``: error limit of the quantity; ``why``: the reason.
     """
-    return Verdict(scene.name, judged, quantity, "not covered", None, None, limit, detail=why)
+    return verdict.Verdict(scene.name, judged, quantity, "not covered", None, None, limit, detail=why)
 
 
 def _scenes_with_user_files(
@@ -530,8 +514,8 @@ def _read_user_files(
 
     ``warn``: function that is called with each warning; ``case``: load case whose rows are read; None: all rows.
     """
-    reference: list[SceneWithReference] = []
-    loads, values = [], list[UserValue]()
+    reference: list[comparison.SceneWithReference] = []
+    loads, values = [], list[gate_judged.UserValue]()
     at: dict[float, Scene] = {}
     if request.reference_file is not None:
         limit = limits_for_scene(scene, request.max_error).largest_load_error
@@ -539,15 +523,15 @@ def _read_user_files(
             request.reference_file, scene, warn, limit, strict=request.refuse_unknown_columns, case=case
         )
     if request.loads_file is not None:
-        for of, only in sets_with_row_filter(scene, case):
+        for of, only in nuts_and_bearings_with_row_filter(scene, case):
             loads.append(read_loads(request.loads_file, of.ball_count, of, only))
             _check_unknown_columns(
                 request.loads_file, loads[-1].unknown_headings, warn, strict=request.refuse_unknown_columns
             )
     if request.values_file is not None:
-        values, unknown = read_user_values(request.values_file, case)
+        values, unknown = gate_judged.read_user_values(request.values_file, case)
         _check_unknown_columns(request.values_file, unknown, warn, strict=request.refuse_unknown_columns)
-        _check_set_names(scene, values, request.values_file)
+        _check_nut_or_bearing_names(scene, values, request.values_file)
         at = {
             value.axial_load: _scene_at_value_load(scene, value, request.values_file)
             for value in values
@@ -556,7 +540,7 @@ def _read_user_files(
     return UserFileContents(tuple(loads), tuple(values), at, tuple(reference))
 
 
-def sets_with_row_filter(scene: Solvable, case: str | None) -> list[tuple[Scene, Only]]:
+def nuts_and_bearings_with_row_filter(scene: Solvable, case: str | None) -> list[tuple[Scene, Only]]:
     """Return each nut or bearing of a scene, with the filter for its rows in a user's file; InputError for rollers.
 
     ``case``: load case whose rows are wanted; None: all. A filter has the accepted texts of the file's columns ``case`` and
@@ -570,7 +554,12 @@ def sets_with_row_filter(scene: Solvable, case: str | None) -> list[tuple[Scene,
         if not isinstance(s.parts, Scene):
             advice = "judge a model instead of a file: rollers have no flanks to which loads could be assigned"
             raise InputError(scene.name, "sets", s.name, "only nuts and bearings with balls", advice)
-        out.append((NutOrBearingOnShaft(scene, k).scene, {**of_case, "set": _names_of_set(scene, k)}))
+        out.append(
+            (
+                comparison.NutOrBearingOnShaft(scene, k).scene,
+                {**of_case, "set": _accepted_names_of_nut_or_bearing(scene, k)},
+            )
+        )
     return out
 
 
@@ -582,7 +571,7 @@ def references_from_file(
     *,
     strict: bool = False,
     case: str | None = None,
-) -> list[SceneWithReference]:
+) -> list[comparison.SceneWithReference]:
     """Read the user's reference file and return the reference loads of each nut or bearing of a scene.
 
     Parameters
@@ -595,7 +584,7 @@ def references_from_file(
         Function that is called with each warning.
     limit
         Limit of the errors of loads [%]: a warning is given if the uncertainty of the reference exceeds it. None: the limit
-        that the scene states, or `LIMIT`.
+        that the scene states or, if it has none, the default `verdict.LIMIT`.
     strict
         Whether unknown column headings are an error.
     case
@@ -612,23 +601,25 @@ def references_from_file(
         If the file cannot be read or does not fit the scene.
     """
     out = []
-    for k, (parts, only) in enumerate(sets_with_row_filter(scene, case)):
-        of = None if isinstance(scene, Scene) else NutOrBearingOnShaft(scene, k)
+    for k, (parts, only) in enumerate(nuts_and_bearings_with_row_filter(scene, case)):
+        of = None if isinstance(scene, Scene) else comparison.NutOrBearingOnShaft(scene, k)
         reference, unknown = read_reference_file(path, parts, only, None if of is None else of.loaded_contact_count)
         reference = reference if of is None else replace(reference, scene=f"{scene.name}, {of.name}")
         _check_unknown_columns(path, unknown, warn, strict=strict)
         if words := uncertainty_warning(reference, limits_for_scene(scene, limit).largest_load_error):
             warn(words)
-        out.append(SceneWithReference(parts, reference, of))
+        out.append(comparison.SceneWithReference(parts, reference, of))
     return out
 
 
-def stored_reference_of_set(referenced: SceneWithReference, stores: Sequence[Path]) -> Reference | None:
+def stored_reference_of_nut_or_bearing(
+    referenced: comparison.SceneWithReference, stores: Sequence[Path]
+) -> Reference | None:
     """Return the stored 3D reference of a nut or bearing that was judged against a user's reference; None if there is none.
 
     ``referenced``: the nut or bearing with the user's reference; ``stores``: folders with runs of the 3D reference.
     """
-    references = stored_references(
+    references = comparison.stored_references(
         referenced.scene if referenced.place_on_shaft is None else referenced.place_on_shaft.assembly, stores
     )
     return (
@@ -638,21 +629,21 @@ def stored_reference_of_set(referenced: SceneWithReference, stores: Sequence[Pat
     )
 
 
-def _check_set_names(scene: Solvable, values: Sequence[UserValue], path: Path) -> None:
+def _check_nut_or_bearing_names(scene: Solvable, values: Sequence[gate_judged.UserValue], path: Path) -> None:
     """Raise InputError if a value in a user's file names no nut or bearing of the scene, or an unknown one.
 
     ``path``: path of the file. Values of a scene with a single nut or bearing need no name.
     """
     if isinstance(scene, Scene):
         return
-    known = [word for k in range(len(scene.sets)) for word in _names_of_set(scene, k)]
+    known = [word for k in range(len(scene.sets)) for word in _accepted_names_of_nut_or_bearing(scene, k)]
     for value in values:
         if value.set not in known:
             advice = "add a column `set` that names the nut or bearing of every value"
             raise InputError(str(path), "set", value.set or "nothing", ", ".join(known), advice)
 
 
-def _scene_at_value_load(scene: Solvable, value: UserValue, path: Path) -> Scene:
+def _scene_at_value_load(scene: Solvable, value: gate_judged.UserValue, path: Path) -> Scene:
     """Return the scene with its loads scaled to the axial load at which a user's value is given.
 
     ``value``: the value with its axial load; ``path``: the user's file. InputError if the scene has no axial load, or
@@ -680,28 +671,33 @@ def _check_unknown_columns(path: Path, headings: Sequence[str], warn: Callable[[
     warn(f"{path.name}: unknown columns are not judged: {', '.join(headings)}; known columns: {KNOWN}")
 
 
-def _explanations_on_user_loads(given: ContactLoadsFromFile, reference: Reference, limits: ErrorLimits) -> Iterator[str]:
+def _explanations_on_user_loads(
+    given: ContactLoadsFromFile, reference: Reference, limits: verdict.ErrorLimits
+) -> Iterator[str]:
     """Yield explanations for the verdict on a user's contact loads; some may be empty texts.
 
-    ``given``: the user's contact loads; ``limits``: error limits. The notes state flanks without loads, balls that the file
-    numbers differently, and suspected causes of large errors.
+    ``given``: the user's contact loads; ``limits``: error limits. The explanations state flanks without loads, balls
+    that the file numbers differently, and suspected causes of large errors.
     """
     left = [side for side in SIDES if side not in given.flanks_with_rows]
     yield f"flanks not judged because the file has no loads on them: {', '.join(left)}" if left else ""
     if given.renumbered_ball_count:
         yield f"{given.renumbered_ball_count} balls are numbered differently in the file, and were matched by azimuth and z"
-    yield suspected_cause_text(given.load, reference.load, given.flanks_with_rows, limits.largest_load_error)
+    yield verdict.suspected_cause_text(given.load, reference.load, given.flanks_with_rows, limits.largest_load_error)
 
 
-def limits_for_scene(scene: Solvable, max_error: float | None, others: Mapping[str, float] = NO_OTHERS) -> ErrorLimits:
-    """Return the error limits for a scene: those of the user, else those of the scene, else the default `LIMIT`.
+def limits_for_scene(
+    scene: Solvable, max_error: float | None, others: Mapping[str, float] = NO_OTHERS
+) -> verdict.ErrorLimits:
+    """Return the error limits for a scene: those that the user states, else those of the scene file, else the default.
 
     Parameters
     ----------
     scene
         Scene with one nut or bearing or several.
     max_error
-        Limit of the largest error of a contact load [%] that the user states; None: not stated.
+        Limit of the largest error of a contact load [%] that the user states; None: the limit in the scene file or, if it
+        has none, the default `verdict.LIMIT`.
     others
         Error limits of quantities other than loads, by name of the quantity.
 
@@ -711,68 +707,78 @@ def limits_for_scene(scene: Solvable, max_error: float | None, others: Mapping[s
         Limits by which the scene is judged.
     """
     if isinstance(scene, Assembly):
-        return ErrorLimits(LIMIT if max_error is None else max_error, limits_by_quantity=others)
-    limit = LIMIT if scene.gate.max_error is None else scene.gate.max_error
-    return ErrorLimits(limit if max_error is None else max_error, scene.gate.rms_error, others)
+        return verdict.ErrorLimits(verdict.LIMIT if max_error is None else max_error, limits_by_quantity=others)
+    limit = verdict.LIMIT if scene.gate.max_error is None else scene.gate.max_error
+    return verdict.ErrorLimits(limit if max_error is None else max_error, scene.gate.rms_error, others)
 
 
-def fraction_limit_warnings(limits: ErrorLimits) -> Iterator[str]:
+def fraction_limit_warnings(limits: verdict.ErrorLimits) -> Iterator[str]:
     """Yield a warning for each error limit that looks like a fraction, such as 0.07 % where 7 % may be meant."""
     for name, limit in {"loads": limits.largest_load_error, **limits.limits_by_quantity}.items():
-        if limit < SHARE and name != ANGLE.name:
+        if limit < SHARE and name != gate_judged.ANGLE.name:
             yield f"the limit of {name} is {limit:g} %: do you mean {100.0 * limit:g} %? Limits are in per cent"
 
 
-def _verdicts_on_model(one: SceneWithReference, name: str, limits: ErrorLimits, stores: Sequence[Path]) -> list[Verdict]:
+def _verdicts_on_model(
+    one: comparison.SceneWithReference, name: str, limits: verdict.ErrorLimits, stores: Sequence[Path]
+) -> list[verdict.Verdict]:
     """Return the verdicts on a model's results for one nut or bearing; one "fail" if the model finds no equilibrium.
 
     ``one``: the nut or bearing with its reference; ``name``: name of the model; ``stores``: folders with 3D runs.
     """
     scene, ref, title = one.scene, one.reference, model_title(name)
     if one.place_on_shaft is not None:
-        answer = solution_of_nut_or_bearing(one.place_on_shaft, name)
+        answer = comparison.solution_of_nut_or_bearing(one.place_on_shaft, name)
         result, status = (None, answer) if isinstance(answer, str) else (answer.loaded_result, "converged")
     else:
         model = model_by_name(name)
         if not model.covers_scene(scene):
             advice = "choose another model; the command rollbench list shows which scenes each model can describe"
             raise ArgumentError("model", f'"{name}"', f"a model that can describe {scene.name}", advice)
-        solved = run_model(scene, name, comparison_options(model, scene, ref, stores))
+        solved = run_model(scene, name, comparison.comparison_options(model, scene, ref, stores))
         result, status = solved if solved.converged else None, solved.status
     if result is None:
         detail = f"the model computed no loads: {status}"
         return [
-            Verdict(
-                scene.name, title, LARGEST, "fail", None, None, limits.largest_load_error, levels=ref.levels, detail=detail
+            verdict.Verdict(
+                scene.name,
+                title,
+                verdict.LARGEST,
+                "fail",
+                None,
+                None,
+                limits.largest_load_error,
+                levels=ref.levels,
+                detail=detail,
             )
         ]
-    loads = solution_from_result(result)
-    verdicts = judge_contact_loads(title, result.load, ref, limits) + judge_contact_quantities(
-        title, contact_values_by_model(scene, loads, limits.limits_by_quantity), scene, ref, limits
+    loads = comparison.solution_from_result(result)
+    verdicts = verdict.judge_contact_loads(title, result.load, ref, limits) + verdict.judge_contact_quantities(
+        title, verdict.contact_values_by_model(scene, loads, limits.limits_by_quantity), scene, ref, limits
     )
     if one.place_on_shaft is not None:
         return verdicts
     return verdicts + [
-        judge_given_value(title, v, scene, ref, limits)
-        for v in screw_values_by_model(scene, loads, limits.limits_by_quantity)
+        verdict.judge_given_value(title, v, scene, ref, limits)
+        for v in verdict.screw_values_by_model(scene, loads, limits.limits_by_quantity)
     ]
 
 
 def _compute_missing_runs(
     scenes: Sequence[Solvable], request: GateRequest, engine: ComputingSettings, step: Callable[[str], None]
 ) -> dict[str, str]:
-    """Compute missing runs of the 3D reference, and return the reasons of failed ones by name of the scene.
+    """Compute missing runs of the 3D reference, and return the reasons why runs failed, by name of the scene.
 
     ``request``: number of mesh levels and folders of runs; ``engine``: settings that determine where runs are computed;
     ``step``: function that is called with each line of progress. A scene that the 3D reference cannot represent does not
     stop the computation of the others.
     """
     why: dict[str, str] = {}
-    for group in group_by_geometry(scenes):
+    for group in group_scenes_by_geometry(scenes):
         for levels, lacking in _missing_levels(group, request).items():
             try:
                 failed = ensure_runs_are_stored(
-                    plan_tasks(lacking, levels), request.stores[0], engine, step, request.stores[1:]
+                    plan_reference_tasks(lacking, levels), request.stores[0], engine, step, request.stores[1:]
                 )
             except SceneNotCoveredError as error:
                 why |= {scene.name: str(error) for scene in lacking}

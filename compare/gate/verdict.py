@@ -8,16 +8,7 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from rollbench.compare.gate.judged import (
-    ANGLE,
-    OF_CONTACTS,
-    QUANTITIES,
-    UserValue,
-    WholeScrewEvaluation,
-    contact_quantity_of_reference,
-    error_limit_of,
-    hertz_approach_or_pressure,
-)
+from rollbench.compare.gate import judged as gate_judged
 from rollbench.compare.measure import SMALL, LoadError, error_percent, load_error, mask_of_loaded_contacts, mean_load
 from rollbench.compare.models.comparison import RULE, ContactSolution, contact_load_errors
 from rollbench.compare.quantities import words_and_unit_of_key
@@ -27,9 +18,10 @@ from rollbench.meshes.parts import SIDES, Scene
 from rollbench.meshes.quantity import QuantityDescription, result_record
 from rollbench.meshes.quantity import quantity_field as stated
 
+#: Verdict on an error, as text.
 Word = Literal["pass", "fail", "not converged", "undecided", "not covered"]
 
-#: Default limit of the errors [%].
+#: Default limit of the largest contact-load error [%].
 LIMIT = 7.0
 
 #: Exit code of each verdict, the worst verdict first; of several verdicts the worst determines the exit code.
@@ -38,17 +30,19 @@ CODES: dict[Word, int] = {"fail": 1, "not converged": 1, "undecided": 3, "not co
 #: Number of balls that a figure shows before, and after, the ball that determines the verdict.
 NEAR = 6
 
-#: Other units of force, in newtons.
+#: Size in newtons of other units in which a user's contact loads may be by mistake.
 UNITS = {"kilonewtons": 1e3, "pounds": 4.4482216152605, "kiloponds": 9.80665, "millinewtons": 1e-3}
 
 #: Relative deviation up to which the ratio of judged to reference loads is taken for the factor of a wrong unit.
 ALIKE = 0.2
 
+#: Name of the quantity of a verdict on the largest contact-load error.
 LARGEST = "largest error of a contact load"
 
+#: Name of the quantity of a verdict on the root mean square of all contact-load errors.
 RMS = "RMS error of the contact loads"
 
-#: Note on a reference with a single mesh level.
+#: Note on a 3D reference that was computed on a single mesh level.
 ONE_LEVEL = "one mesh level: its uncertainty is estimated from other scenes; two or three levels measure it"
 
 
@@ -78,7 +72,7 @@ class Verdict:
     scene: str
     #: Model or file whose values are judged.
     judged: str
-    #: Name of the quantity.
+    #: Name of the judged quantity.
     quantity: str
     #: Verdict as text, such as "pass".
     word: Word
@@ -182,10 +176,10 @@ class Verdict:
         at = "" if self.ball is None else f" (ball {self.ball} {self.flank})"
         tail = f"; {self.detail}" if self.detail else ""
         if self.of_mean is None:
-            return f"{head}: {self.quantity} {self.compared()}{at}{self.pair_text}{tail}"
+            return f"{head}: {self.quantity} {self.comparison_text()}{at}{self.pair_text}{tail}"
         e = self.of_mean
         first = f"{e.max_percent:.2f} % of the mean load on the worst contact (ball {e.ball} {e.side})"
-        return f"{head}: {first}, {e.rms_percent:.2f} % RMS; {self.quantity} {self.compared()}{at}, {RULE}{tail}"
+        return f"{head}: {first}, {e.rms_percent:.2f} % RMS; {self.quantity} {self.comparison_text()}{at}, {RULE}{tail}"
 
     @property
     def pair_text(self) -> str:
@@ -195,7 +189,7 @@ class Verdict:
         key, value, reference = self.pair
         return f", {value:.4g} against {reference:.4g} {words_and_unit_of_key(key)[1]}"
 
-    def compared(self) -> str:
+    def comparison_text(self) -> str:
         """Return error, uncertainty and limit as a comparison, such as ``1.4 % + 0.2 % <= 7 %`` for "pass"."""
         error, limit = f"{abs(self.error or 0.0):.2f} {self.unit}", f"{self.limit:.4g} {self.unit}"
         if self.uncertainty is None:
@@ -239,7 +233,7 @@ def verdict_on_error(error: float, uncertainty: float | None, limit: float) -> W
 class JudgedContactError(NamedTuple):
     """Error of the judged load or angle on one contact, with the uncertainty of the reference."""
 
-    #: Error [%; deg for contact angles].
+    #: Error of the judged value against the reference [%; deg for contact angles].
     error: float
     #: Uncertainty of the reference on this contact, in the same unit; None: not known.
     uncertainty: float | None
@@ -284,14 +278,14 @@ def judge_contact_loads(
     judged
         Name of the model or file whose loads are judged.
     load
-        Contact loads, (n, 4) [N].
+        Contact loads of n balls on 4 flanks, (n, 4) [N].
     reference
         Reference loads with their uncertainty.
     limits
         Error limits of the scene.
     flanks
         Flanks that are judged; loads on the others are not used. The number of contacts over which the mean load is taken
-        is reduced in proportion to the loaded contacts on the judged flanks.
+        is multiplied by the share of the loaded contacts that lie on the judged flanks.
     detail
         Text that is added to the explanation of the verdict.
 
@@ -311,7 +305,11 @@ def judge_contact_loads(
     if not points:
         return [
             verdict_without_reference(
-                reference, judged, LARGEST, limits.largest_load_error, f"the reference has no load on {', '.join(flanks)}"
+                reference,
+                judged,
+                LARGEST,
+                limits.largest_load_error,
+                f"the reference has no contact load on the flanks {', '.join(flanks)}",
             )
         ]
     reached = mask_of_loaded_contacts(reference.load)
@@ -379,7 +377,7 @@ def suspected_cause_text(load: Array, reference: Array, flanks: Sequence[str], l
     Parameters
     ----------
     load
-        Contact loads, (n, 4) [N].
+        Contact loads of n balls on 4 flanks, (n, 4) [N].
     reference
         Reference loads, (n, 4) [N].
     flanks
@@ -438,9 +436,11 @@ def contact_values_by_model(scene: Scene, answer: ContactSolution, limits: Mappi
 
     ``answer``: results of the model; ``limits``: error limits by name of the quantity.
     """
-    limited = {name: q for name, q in OF_CONTACTS.items() if q.name in limits}
+    limited = {name: q for name, q in gate_judged.OF_CONTACTS.items() if q.name in limits}
     further = {
-        k: np.radians(answer.angle) if q is ANGLE else hertz_approach_or_pressure(scene, q, answer.load)
+        k: np.radians(answer.angle)
+        if q is gate_judged.ANGLE
+        else gate_judged.hertz_approach_or_pressure(scene, q, answer.load)
         for k, q in limited.items()
     }
     if "pressure" in further and answer.pressure is not None:
@@ -448,17 +448,19 @@ def contact_values_by_model(scene: Scene, answer: ContactSolution, limits: Mappi
     return JudgedContactValues(answer.load, further)
 
 
-def screw_values_by_model(scene: Scene, answer: ContactSolution, limits: Mapping[str, float]) -> list[UserValue]:
+def screw_values_by_model(
+    scene: Scene, answer: ContactSolution, limits: Mapping[str, float]
+) -> list[gate_judged.UserValue]:
     """Return a model's values of the quantities of the whole screw (such as life or rigidity) that have an error limit.
 
     ``answer``: results of the model; ``limits``: error limits by name of the quantity.
     """
     whole, limited = (
-        WholeScrewEvaluation(scene),
-        [q for q in QUANTITIES.values() if q.name in limits and q not in OF_CONTACTS.values()],
+        gate_judged.WholeScrewEvaluation(scene),
+        [q for q in gate_judged.QUANTITIES.values() if q.name in limits and q not in gate_judged.OF_CONTACTS.values()],
     )
     values = ((q, whole.value_of(q, answer)) for q in limited)
-    return [UserValue(q, value) for q, value in values if value is not None]
+    return [gate_judged.UserValue(q, value) for q, value in values if value is not None]
 
 
 def judge_contact_quantities(
@@ -470,7 +472,7 @@ def judge_contact_quantities(
     are not stated, and angles that the reference does not have, are left out.
     """
     without = {"angle"} if not np.isfinite(ref.best.angle).any() else set()
-    names = [name for name in OF_CONTACTS if name in given.other_quantities.keys() - without]
+    names = [name for name in gate_judged.OF_CONTACTS if name in given.other_quantities.keys() - without]
     return [_judge_contact_quantity(judged, given, name, scene, ref, limits) for name in names]
 
 
@@ -484,17 +486,20 @@ def _judge_contact_quantity(
     contact; for contacts with less than a tenth of the mean load, in per cent of the value at the mean load. Errors of
     angles are in degrees, on contacts that bear load both in the reference and in the judged values.
     """
-    q, value = OF_CONTACTS[name], given.other_quantities[name]
-    limit, unit = error_limit_of(q, limits.limits_by_quantity, limits.largest_load_error), "deg" if q is ANGLE else "%"
-    reference, bars = contact_quantity_of_reference(scene, ref, q)
+    q, value = gate_judged.OF_CONTACTS[name], given.other_quantities[name]
+    limit, unit = (
+        gate_judged.error_limit_of(q, limits.limits_by_quantity, limits.largest_load_error),
+        "deg" if q is gate_judged.ANGLE else "%",
+    )
+    reference, bars = gate_judged.contact_quantity_of_reference(scene, ref, q)
     chosen = np.array([side in given.flanks for side in SIDES])
-    if q is ANGLE:
+    if q is gate_judged.ANGLE:
         judge = mask_of_loaded_contacts(ref.load) & mask_of_loaded_contacts(given.load) & chosen & np.isfinite(reference)
         errors, shares = np.degrees(value - reference), np.degrees(bars)
     else:
         judge = ((ref.load > 0.0) | (value > 0.0)) & chosen
         value = np.where(np.isnan(value) & (given.load == 0.0), 0.0, value)  # of a contact that is lost
-        mean = hertz_approach_or_pressure(scene, q, np.full(value.shape, ref.mean))
+        mean = gate_judged.hertz_approach_or_pressure(scene, q, np.full(value.shape, ref.mean))
         scale = np.where(ref.load >= SMALL * ref.mean, reference, mean)
         errors, shares = error_percent(value, reference, scale), error_percent(bars, 0.0, scale)
     if not judge.any():
@@ -512,21 +517,23 @@ def _judge_contact_quantity(
     pair = (q.key, q.display_factor * float(value[k]), q.display_factor * float(reference[k]))
     detail = (
         reference_notes(ref)
-        if q is ANGLE or q.name in ref.further
+        if q is gate_judged.ANGLE or q.name in ref.further
         else "; ".join(filter(None, [BY_HERTZ, reference_notes(ref)]))
     )
     where = (at.ball, at.side, ref.levels, len(points), detail)
     return Verdict(ref.scene, judged, q.name, kind, at.error, at.uncertainty, limit, *where, unit=unit, pair=pair)
 
 
-def judge_given_value(judged: str, given: UserValue, scene: Scene, ref: Reference, limits: ErrorLimits) -> Verdict:
+def judge_given_value(
+    judged: str, given: gate_judged.UserValue, scene: Scene, ref: Reference, limits: ErrorLimits
+) -> Verdict:
     """Judge a value of the whole screw (such as its life or rigidity) against that of the reference.
 
     ``judged``: name of the model or file that states the value ``given``; ``ref``: the reference. The error is in per cent
     of the reference value.
     """
-    whole, q = WholeScrewEvaluation(scene), given.quantity
-    limit = error_limit_of(q, limits.limits_by_quantity, limits.largest_load_error)
+    whole, q = gate_judged.WholeScrewEvaluation(scene), given.quantity
+    limit = gate_judged.error_limit_of(q, limits.limits_by_quantity, limits.largest_load_error)
     reference, bar = whole.reference_value_and_uncertainty(q, ref, given.station)
     if not reference:
         return verdict_without_reference(
@@ -542,4 +549,4 @@ def judge_given_value(judged: str, given: UserValue, scene: Scene, ref: Referenc
 
 def quantities_without_verdict(verdicts: Sequence[Verdict]) -> list[str]:
     """Return the names of those judged quantities (`QUANTITIES`) for which the given verdicts contain none."""
-    return [name for name in QUANTITIES if not any(v.quantity.split(" at ")[0] == name for v in verdicts)]
+    return [name for name in gate_judged.QUANTITIES if not any(v.quantity.split(" at ")[0] == name for v in verdicts)]

@@ -16,27 +16,10 @@ import numpy as np
 from rollbench.compare.errors import ArgumentError, SceneNotCoveredError
 from rollbench.compare.measure import mean_load
 from rollbench.compare.models import loading
-from rollbench.compare.models.loading import (
-    LiftOff,
-    LoadPath,
-    Preload,
-    assemblies_by_loaded_body,
-    load_path_of_assembly,
-    load_path_of_scene,
-    load_path_warnings,
-    preload_from_unloaded,
-)
+from rollbench.compare.models import loading as models_loading
 from rollbench.compare.models.registry import MODELS, ModelOptions, read_condensed_bodies, run_model, scene_key_of_error
+from rollbench.lowfi.bearings import torque as bearings_torque
 from rollbench.lowfi.bearings.tapered_roller import RibContact, rib_contact
-from rollbench.lowfi.bearings.torque import (
-    VISCOUS,
-    BallBearingTorque,
-    Kind,
-    RollerBearingTorque,
-    ball_bearing_torque,
-    load_independent_torque,
-    roller_bearing_torque,
-)
 from rollbench.lowfi.compliance.parts import LADDER, REFINED
 from rollbench.lowfi.rating import iso_lives, roller_life
 from rollbench.lowfi.rating.catalogue_checks import ShaftLimits, shaft_limits
@@ -59,16 +42,11 @@ from rollbench.lowfi.rating.rigidity import AxialRigidities, axial_force, three_
 from rollbench.lowfi.statics.result import AxisResult, SetResult, StaticResult
 from rollbench.lowfi.statics.tangent import TangentStiffness, tangent_stiffness
 from rollbench.lowfi.warned import ResultWarning
+from rollbench.meshes import one_arc
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, RollerRow, RollingSet
 from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout
-from rollbench.meshes.one_arc import (
-    InternalClearance,
-    distance_of_groove_centres,
-    has_single_arc_grooves,
-    internal_clearance,
-)
 from rollbench.meshes.parts import Lubricant, Motion, Scene, Support
 from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record
 
@@ -76,7 +54,7 @@ from rollbench.meshes.quantity import QuantityDescription, quantity_field, resul
 AT_END = 0.9
 
 
-def clearance_of_deep_groove(parts: Scene, thrust: str = "deep groove") -> InternalClearance | None:
+def clearance_of_deep_groove(parts: Scene, thrust: str = "deep groove") -> one_arc.InternalClearance | None:
     """Return the clearance of a deep-groove ball bearing row; None for other rows and for rows without play.
 
     Parameters
@@ -91,7 +69,7 @@ def clearance_of_deep_groove(parts: Scene, thrust: str = "deep groove") -> Inter
     InternalClearance or None
         Axial and radial play [m], and the contact angle at the end of the play [rad].
     """
-    found = internal_clearance(parts) if thrust == "deep groove" else None
+    found = one_arc.internal_clearance(parts) if thrust == "deep groove" else None
     return found if found is not None and found.axial > 0.0 else None
 
 
@@ -101,15 +79,15 @@ def axial_play_warnings(scene: Scene | Assembly) -> Iterator[ResultWarning]:
     if shaft is None:
         return
     if isinstance(scene, Scene):
-        yield from _play_warning_of_row(scene, shaft)
+        yield from _axial_play_warnings_of_row(scene, shaft)
         return
     for row in scene.sets:
         outer = _prescribed_outer_ring_displacement(scene, row)
         if isinstance(row.parts, Scene) and row.carrier is None and row.thrust == "deep groove" and outer is not None:
-            yield from (w.with_part_name(row.name) for w in _play_warning_of_row(row.parts, shaft - outer))
+            yield from (w.with_part_name(row.name) for w in _axial_play_warnings_of_row(row.parts, shaft - outer))
 
 
-def _play_warning_of_row(parts: Scene, displacement: float) -> Iterator[ResultWarning]:
+def _axial_play_warnings_of_row(parts: Scene, displacement: float) -> Iterator[ResultWarning]:
     """Yield a warning if the supports hold a deep-groove bearing row axially near one end of its axial play.
 
     ``parts``: the row as a scene; ``displacement``: prescribed axial displacement of the inner ring relative to the outer
@@ -118,7 +96,7 @@ def _play_warning_of_row(parts: Scene, displacement: float) -> Iterator[ResultWa
     clearance = clearance_of_deep_groove(parts)
     if clearance is None:
         return
-    middle = -distance_of_groove_centres(parts) * sin(parts.track.contact_angle)
+    middle = -one_arc.distance_of_groove_centres(parts) * sin(parts.track.contact_angle)
     if abs(displacement - middle) < AT_END * 0.5 * clearance.axial:
         return
     yield ResultWarning(
@@ -144,7 +122,7 @@ def _prescribed_outer_ring_displacement(assembly: Assembly, row: RollingSet) -> 
 
 
 #: For each of these models, the model whose elastic bodies are used for its tangent stiffness. The models in `LADDER` and
-#: "condensed" use their own bodies, Liu's model has an axial stiffness only, and all others have none.
+#: "condensed" use their own bodies, Liu's model has an axial stiffness only; other models have no tangent stiffness.
 TANGENT_OF = {"lin-source-partition": "lin", "lin-printed-hertz": "lin", "source": "lin"}
 
 
@@ -162,7 +140,7 @@ class ContactLoadResults:
 
     #: Contact with the highest pressure.
     worst_contact: BallContact | None = quantity_field("worst_contact")
-    #: Static safety of this contact.
+    #: Static safety of the contact with the highest pressure.
     safety: StaticSafety | None = quantity_field("static_safety")
     #: Contact ellipse that comes closest to the edge of its groove.
     truncation: EllipseTruncation | None = quantity_field("truncation")
@@ -175,6 +153,7 @@ class ContactLoadResults:
     )
     #: Life modified for reliability, lubricant and contamination.
     modified: ModifiedLife | None = quantity_field("modified_life", default=None)
+    #: Life of a ball bearing by ISO/TS 16281; None for ball nuts.
     reference: iso_lives.ReferenceLife | None = quantity_field("reference_life", default=None)
 
 
@@ -187,7 +166,7 @@ class RollerLoadResults:
 
     #: Line contact with the highest pressure.
     worst_contact: RollerContact | None = quantity_field("worst_contact")
-    #: Static safety of this contact.
+    #: Static safety of the line contact with the highest pressure.
     safety: StaticSafety | None = quantity_field("static_safety")
     #: Contact of the most loaded roller with the rib of its ring.
     rib_contact: RibContact | None = quantity_field("rib_contact")
@@ -196,7 +175,8 @@ class RollerLoadResults:
     #: Dynamic and static load ratings.
     ratings: Ratings = quantity_field("ratings")
     #: Friction torque of the row, while it runs and when it starts.
-    torque: RollerBearingTorque | None = quantity_field("roller_torque")
+    torque: bearings_torque.RollerBearingTorque | None = quantity_field("roller_torque")
+    #: Life of the bearing by ISO/TS 16281.
     reference: iso_lives.ReferenceLife | None = quantity_field("reference_life")
 
 
@@ -204,7 +184,7 @@ class RollerLoadResults:
 class SceneResults:
     """All results of a low-order model for a scene with one nut or bearing row."""
 
-    #: Pressure, safety, life and ratings that follow from the contact loads.
+    #: Pressure, static safety, life and load ratings that follow from the contact loads.
     load_results: ContactLoadResults
     #: Axial force of the screw on the nut [N].
     axial_force: float
@@ -218,21 +198,21 @@ class SceneResults:
     #: Why the tangent stiffness was not computed; empty if it was, or if the model never computes one.
     tangent_words: str
     #: Contact loads that remain when the loads of the scene are removed.
-    preload: Preload | None
+    preload: models_loading.Preload | None
     #: External load at which the first preloaded contact opens; None without preload.
-    lift_off: LiftOff | None
+    lift_off: models_loading.LiftOff | None
     #: Friction torques and efficiencies as JSON values; None if not computed.
     friction: dict[str, Any] | None
-    #: Why friction is not computed; empty if it is.
+    #: Why the friction torques are not computed; empty if they are.
     friction_words: str
     #: Parts of the loads that each support and the contacts carry; None without loads.
-    load_path: LoadPath | None = None
+    load_path: models_loading.LoadPath | None = None
     #: Axial secant stiffness over the scene's load step, by the model of Liu et al. only [N/m].
     load_step_stiffness: float | None = None
     #: Buckling load, critical speed and DN value of the screw.
     shaft_limits: ShaftLimits | None = None
     #: Friction torque of a bearing by Palmgren's formulas.
-    bearing_torque: BallBearingTorque | None = None
+    bearing_torque: bearings_torque.BallBearingTorque | None = None
 
     @property
     def displacement(self) -> float:
@@ -255,7 +235,7 @@ def results_of_contact_loads(
     scene
         Scene with one nut or bearing row.
     load
-        Contact loads of n balls on the flanks SL, SR, NL and NR, (n, 4) [N].
+        Contact loads of n balls on the left and right flank of the screw, then of the nut, (n, 4) [N].
     angle
         Contact angles, (n, 4) [rad].
     member
@@ -307,8 +287,8 @@ def tangent_stiffness_at(scene: Scene, station: float, model: str, options: Mode
     Raises
     ------
     InputError
-        If the model has no tangent stiffness; its subclass Refusal if the model's elastic bodies cannot be built for the
-        scene.
+        If the model has no tangent stiffness; its subclass SceneNotCoveredError if the model's elastic bodies cannot be
+        built for the scene.
     """
     step = TANGENT_OF.get(model, model)
     if step not in (*LADDER, "condensed"):
@@ -392,7 +372,9 @@ def screw_displacement_at_nut(scene: Scene, result: StaticResult) -> Array:
 
 
 def compute_scene_results(scene: Scene, result: StaticResult, model: str, options: ModelOptions) -> SceneResults:
-    """Compute all results that follow from a converged solution; preload and lift-off load take further solutions.
+    """Compute all results that follow from a converged solution, such as life, rigidity, preload and lift-off load.
+
+    Preload and lift-off load (the load at which the first preloaded contact opens) need further solutions of the scene.
 
     Parameters
     ----------
@@ -411,7 +393,7 @@ def compute_scene_results(scene: Scene, result: StaticResult, model: str, option
         Stiffness, preload, lift-off load, friction, load path, and all results that follow from the contact loads.
     """
     bare = loading.solve_with_scaled_loads(scene, 0.0, model, options)
-    held = preload_from_unloaded(scene, bare) if bare.converged else None
+    held = models_loading.preload_from_unloaded(scene, bare) if bare.converged else None
     force, moved = (
         axial_force(result),
         screw_displacement_at_nut(scene, result) - displacement_of_unloaded_screw(scene, bare),
@@ -424,7 +406,7 @@ def compute_scene_results(scene: Scene, result: StaticResult, model: str, option
     friction, words = friction_without_compiling(scene, result, options)
     tangent, why = tangent_stiffness_at_nut(scene, model, options) if force != 0.0 else (None, "")
     loads = results_of_contact_loads(scene, result.load, result.contact_angle, result.member, result.pressure)
-    path = load_path_of_scene(scene, result, bare)
+    path = models_loading.load_path_of_scene(scene, result, bare)
     step, stepped = scene.ingredients.load_step, None
     if model == "liu" and step is not None:
         from rollbench.lowfi.statics.liu import nut_as_spring_row  # heavy import, needed for this model only
@@ -444,7 +426,7 @@ def bearing_friction_torque(
     load_results: ContactLoadResults,
     lubricant: Lubricant | None,
     motion: Motion | None,
-) -> BallBearingTorque | None:
+) -> bearings_torque.BallBearingTorque | None:
     """Compute the friction torque of a ball bearing by Palmgren's formulas.
 
     Parameters
@@ -470,9 +452,9 @@ def bearing_friction_torque(
     """
     if parts.track.lead or load_results.safety is None:
         return None
-    kind: Kind = (
+    kind: bearings_torque.Kind = (
         "four-point"
-        if not has_single_arc_grooves(parts)
+        if not one_arc.has_single_arc_grooves(parts)
         else "deep groove"
         if thrust == "deep groove"
         else "angular contact"
@@ -481,12 +463,16 @@ def bearing_friction_torque(
     along = float(np.sum(inner * np.sin(np.where(inner > 0.0, angle, 0.0))))
     pitch, viscous = 2.0 * parts.track.pitch_radius, None
     if lubricant is not None and motion is not None:
-        ends = VISCOUS[kind][lubricant.supply] if lubricant.factor is None else (lubricant.factor, lubricant.factor)
-        low, high = (load_independent_torque(f, pitch, lubricant.viscosity, motion.speed) for f in ends)
+        ends = (
+            bearings_torque.VISCOUS[kind][lubricant.supply]
+            if lubricant.factor is None
+            else (lubricant.factor, lubricant.factor)
+        )
+        low, high = (bearings_torque.load_independent_torque(f, pitch, lubricant.viscosity, motion.speed) for f in ends)
         viscous = low, high
     share = 1.0 / load_results.safety.factor
     radial = float(np.hypot(force[0], force[1]))
-    return ball_bearing_torque(kind, parts.track.contact_angle, pitch, (along, radial, share), viscous)
+    return bearings_torque.ball_bearing_torque(kind, parts.track.contact_angle, pitch, (along, radial, share), viscous)
 
 
 def friction_without_compiling(
@@ -511,7 +497,7 @@ def friction_without_compiling(
         Why they are not available, with advice; else empty.
     """
     if scene.friction is None:
-        return None, "no coefficient given; rollbench friction takes mu = 0.1"
+        return None, "no coefficient of friction given; rollbench friction takes 0.1"
     from rollbench.compare.models.friction_sums import friction_results_if_compiled
 
     return friction_results_if_compiled(scene, result, options)
@@ -525,9 +511,9 @@ def results_of_roller_loads(
     Parameters
     ----------
     row
-        The row.
+        The row of rollers.
     line_loads
-        Load per length of each slice, (count, slices) [N/m].
+        Load per length of each slice of each roller, (rollers, slices) [N/m].
     speed
         Relative speed of the rings [rad/s]; None: not known.
     lubricant
@@ -536,7 +522,7 @@ def results_of_roller_loads(
     Returns
     -------
     RollerLoadResults
-        Pressure, static safety, rib contact, life, load ratings and friction torque.
+        Pressure, static safety, contact of the rollers with the rib, life, load ratings and friction torque.
     """
     worst = roller_contact_of_highest_pressure(row, line_loads)
     return RollerLoadResults(
@@ -545,7 +531,7 @@ def results_of_roller_loads(
         rib_contact(row, line_loads.mean(axis=1) * row.length),
         roller_life.basic_rating_life_of_row(row, line_loads),
         roller_life.dynamic_and_static_ratings_of_row(row),
-        roller_bearing_torque(row, line_loads, speed, lubricant),
+        bearings_torque.roller_bearing_torque(row, line_loads, speed, lubricant),
         iso_lives.roller_reference_life(row, line_loads),
     )
 
@@ -618,9 +604,9 @@ class NutOrBearingResults:
     load_results: ContactLoadResults | RollerLoadResults
     #: Contact loads, and axial force on the shaft, that remain without the scene's loads; None: no equilibrium without
     #: them.
-    preload: Preload | None
+    preload: models_loading.Preload | None
     #: Friction torque of a loaded ball bearing.
-    friction_torque: BallBearingTorque | None = None
+    friction_torque: bearings_torque.BallBearingTorque | None = None
 
 
 @dataclass(frozen=True)
@@ -635,10 +621,10 @@ class ShaftResults:
     #: names, (6,) [m, rad]; None if the unloaded shaft has no equilibrium.
     displacement_at_position: Array | None
     #: Parts of all loads that each support and the contacts carry; None without loads.
-    load_path: LoadPath | None = None
-    #: The same parts, for the loads on the shaft and on each housing separately: the sum over all loads may hide that the
-    #: frame carries the load of one body.
-    load_paths_by_body: tuple[LoadPath, ...] = ()
+    load_path: models_loading.LoadPath | None = None
+    #: Parts that supports and contacts carry of the loads on the shaft and of those on each housing, separately: the sum
+    #: over all loads may hide that the frame carries the load of one body.
+    load_paths_by_body: tuple[models_loading.LoadPath, ...] = ()
 
     @property
     def set_indices_by_pressure(self) -> list[int]:
@@ -661,7 +647,7 @@ class ShaftResults:
 
     @property
     def displacement(self) -> float | None:
-        """Axial component of `motion` [m]; None if the unloaded shaft has no equilibrium."""
+        """Axial component of `displacement_at_position` [m]; None if the unloaded shaft has no equilibrium."""
         return None if self.displacement_at_position is None else float(self.displacement_at_position[2])
 
 
@@ -693,24 +679,28 @@ def compute_shaft_results(assembly: Assembly, result: AxisResult) -> ShaftResult
         if bare.converged
         else None
     )
-    path = load_path_of_assembly(assembly, result, bare)
+    path = models_loading.load_path_of_assembly(assembly, result, bare)
     return ShaftResults(
         sets, loading.sum_of_axial_loads(assembly), moved, path, _load_paths_by_body(assembly, result, path)
     )
 
 
-def _load_paths_by_body(assembly: Assembly, result: AxisResult, path: LoadPath | None) -> tuple[LoadPath, ...]:
+def _load_paths_by_body(
+    assembly: Assembly, result: AxisResult, path: models_loading.LoadPath | None
+) -> tuple[models_loading.LoadPath, ...]:
     """Return for each loaded body (shaft or housing) how supports and contacts share the loads on this body.
 
     The shares are the changes of the reactions when the loads on the body are removed. ``result``: solution of the assembly
     under all loads; ``path``: how supports and contacts share all loads, returned alone if only one body is loaded. The
     tuple is empty without loads.
     """
-    bodies, options = assemblies_by_loaded_body(assembly), ModelOptions(member=result.member)
+    bodies, options = models_loading.assemblies_by_loaded_body(assembly), ModelOptions(member=result.member)
     if len(bodies) < 2:
         return () if path is None else (path,)
     without = {name: run_model(others, result.model, options) for name, (_, others) in bodies.items()}
-    found = (load_path_of_assembly(alone, result, without[name], name) for name, (alone, _) in bodies.items())
+    found = (
+        models_loading.load_path_of_assembly(alone, result, without[name], name) for name, (alone, _) in bodies.items()
+    )
     return tuple(x for x in found if x is not None)
 
 
@@ -747,7 +737,7 @@ def solve_assembly_with_results(assembly: Assembly, model: str, member: int = 0)
         for x in answers.set_results
         for w in validity_warnings(x.parts, x.load_results, loading.absolute_axial_preload(x.preload))
     )
-    held = (w for path in answers.load_paths_by_body for w in load_path_warnings(path))
+    held = (w for path in answers.load_paths_by_body for w in models_loading.load_path_warnings(path))
     further = (*warned, *held, *axial_play_warnings(assembly))
     return replace(result, warnings=(*result.warnings, *further)), answers
 
@@ -778,5 +768,5 @@ def _results_of_nut_or_bearing(
         return NutOrBearingResults(set_result.of.name, parts, answers, None, torque)
     loads = unloaded_result.loads[unloaded_result.loads > 0.0]
     mean = mean_load(loads) if loads.size else 0.0
-    preload = Preload(mean, float(loads.max(initial=0.0)), int(loads.size), float(unloaded_result.force[2]))
+    preload = models_loading.Preload(mean, float(loads.max(initial=0.0)), int(loads.size), float(unloaded_result.force[2]))
     return NutOrBearingResults(set_result.of.name, parts, answers, preload, torque)

@@ -26,15 +26,18 @@ from rollbench.meshes.solid import dimensions_of_3d_parts
 
 @dataclass(frozen=True)
 class Descriptor:
-    """Number that describes a scene, with the margin by which it may exceed the range of the compared scenes."""
+    """Number that describes a scene, with the margin by which it may exceed the range of the compared scenes.
+
+    Compared scenes are those whose results by low-order models were compared with the 3D reference.
+    """
 
     #: Name of the descriptor.
     name: str
-    #: Unit of value and margin.
+    #: Unit of the descriptor's value and margin; empty without unit.
     unit: str
     #: Distance outside the range of the compared scenes that still counts as similar [unit].
     margin: float
-    #: Function that computes the value of a scene [unit].
+    #: Function that computes the descriptor's value for a scene [unit].
     value_of_scene: Callable[[Scene], float]
 
 
@@ -51,7 +54,9 @@ def _ball_oversize_over_diameter(scene: Scene) -> float:
 
 
 def _nut_overhang_in_ball_radii(scene: Scene) -> float:
-    """Return the distance from the outermost ball centre to the nearer face of the nut, over the ball radius; at most 4.
+    """Return the distance from the outermost ball centre to the nearer face of the nut, over the ball radius.
+
+    Ratios above 4 are returned as 4.
 
     Near the face only a thin lip supports the flank (`lowfi.compliance.faces`), and few such scenes were compared.
     """
@@ -114,11 +119,11 @@ class DescriptorWithRange:
 
     #: The descriptor.
     descriptor: Descriptor
-    #: Value of the scene.
+    #: Value of the descriptor in the scene.
     value: float
-    #: Smallest value of the compared scenes.
+    #: Smallest value of the descriptor in the compared scenes.
     low: float
-    #: Largest value of the compared scenes.
+    #: Largest value of the descriptor in the compared scenes.
     high: float
 
     @property
@@ -152,7 +157,7 @@ KNOWN_SCREWS = 240
 
 @cache
 def survey_records_of_random_screws() -> tuple[dict[str, Any], ...]:
-    """Read how models compare with the 3D reference on the first `KNOWN_SCREWS` randomly drawn screws, as JSON records.
+    """Read the errors of models against the 3D reference on the first `KNOWN_SCREWS` randomly drawn screws, as JSON.
 
     The tuple is empty if the file with the records cannot be used.
     """
@@ -203,7 +208,7 @@ def descriptors_of_built_in_scenes(*, of_bearings: bool) -> tuple[dict[str, floa
 
 
 def descriptor_values_of_compared_scenes(descriptor: Descriptor, *, of_bearings: bool) -> list[float]:
-    """Return the values of a descriptor for all compared bearings if ``of_bearings``, else for all compared screws."""
+    """Return a descriptor's values for all bearings (if ``of_bearings``) or screws compared with the 3D reference."""
     return [
         place[descriptor.name]
         for place in (
@@ -221,7 +226,7 @@ def descriptors_with_ranges(scene: Scene, compared: Sequence[Scene] | None = Non
     scene
         Scene with one nut or bearing row.
     compared
-        Compared scenes; None: all compared built-in scenes and random screws.
+        Scenes that were compared with the 3D reference; None: all built-in scenes and random screws that were.
 
     Returns
     -------

@@ -28,7 +28,7 @@ from rollbench.compare.reference.levels import LEVELS
 from rollbench.compare.reference.store import Run, load_stored_run, measuring_conditions, path_of_bodies, shipped_store
 from rollbench.compare.reference.tasks import Solvable, ball_slices_by_set
 from rollbench.compare.scenes.catalogue import names_of_scenes_with_role
-from rollbench.lowfi.statics.nominal import nominal_contacts, nominal_scene
+from rollbench.lowfi.statics.nominal import count_nominal_contacts, nominal_scene
 from rollbench.lowfi.statics.result import AxisResult, StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
@@ -132,7 +132,7 @@ def comparison_options(
     Raises
     ------
     InputError
-        If the model is "condensed" and no folder has that stiffness.
+        If the model is "condensed" and no folder has the stiffness of screw and nut by the finest run.
     """
     if model.name != "condensed":
         return ModelOptions(estimate_beam_mesh_error=False, engine=engine)
@@ -150,23 +150,23 @@ class ComparisonRow:
 
     #: Name of the scene.
     scene: str
-    #: Name of the quantity.
+    #: Name of the compared quantity, such as "contact angle".
     quantity: str
     #: Number of the ball, from 1; None for a quantity of the whole screw.
     ball: int | None
     #: Flank of the contact: SL, SR, NL, NR; None for a quantity of the whole screw.
     side: str | None
-    #: Unit of the values.
+    #: Unit of the quantity's values.
     unit: str
     #: Value that the scene's publication prints; None if it prints none.
     printed: float | None
     #: Name of the model.
     model: str
-    #: Value by the model.
+    #: Value of the quantity by the model.
     value: float | None
-    #: Value by the 3D reference.
+    #: Value of the quantity by the 3D reference.
     reference: float | None
-    #: Uncertainty of the value by the 3D reference, in the same unit; None: not known.
+    #: Uncertainty of the value by the 3D reference, in the unit of the value; None: not known.
     reference_error: float | None
     #: Error of the model in per cent; None: not defined.
     error_percent: float | None
@@ -190,13 +190,13 @@ class ContactSolution:
 
     #: Name of the model or of the 3D run.
     model: str
-    #: Contact loads, (n, 4) [N].
+    #: Contact loads of n balls on the flanks SL, SR, NL and NR, (n, 4) [N].
     load: Array
-    #: Contact angles, (n, 4) [deg].
+    #: Contact angles of n balls on the flanks SL, SR, NL and NR, (n, 4) [deg].
     angle: Array
     #: Axial positions at which the displacement of the screw is given, (k,) [m].
     stations: Array
-    #: Displacement (x, y, z) of the screw's axis at these positions, (k, 3) [m].
+    #: Displacement (x, y, z) of the screw's axis at the axial positions ``stations``, (k, 3) [m].
     line: Array
     #: Computing time of the model or 3D run [s]; None: not measured.
     seconds: float | None
@@ -427,8 +427,11 @@ def _error_and_ratio_rows(
     e = load_error(solution.load, reference.load, reference.contacts)
     keys = PRINTED.get(scene.name, ("", "", ""))
 
-    def printed(key: str) -> float | None:
-        """Return the value that Lin's thesis prints under ``key``; None without a key, or for models other than lin."""
+    def value_printed_in_thesis(key: str) -> float | None:
+        """Return the value of the model lin that Lin's thesis prints under ``key``; None without a key or for other models.
+
+        ``key``: key of the printed number in the table lin-2.4.1.
+        """
         return printed_entry("lin-2.4.1", key).value if key and solution.model.startswith("lin") else None
 
     loaded = reference.load > 0.0
@@ -440,11 +443,13 @@ def _error_and_ratio_rows(
         ("largest error, of the own load", e.own_max_percent, own_bar, keys[0]),
         ("RMS error, of the own load", e.own_rms_percent, own_bar, keys[1]),
     ):
-        yield make_row(name, "%", (value, 0.0), uncertain, value, printed=printed(key))
+        yield make_row(name, "%", (value, 0.0), uncertain, value, printed=value_printed_in_thesis(key))
     ratio, ref_ratio = load_ratio(solution.load), load_ratio(reference.load)
     off = float(error_percent(ratio, ref_ratio)) if np.isfinite([ratio, ref_ratio]).all() else None
     name = "largest over smallest load, SL"
-    yield make_row(name, "", (ratio, ref_ratio), load_ratio_uncertainty(reference), off, printed=printed(keys[2]))
+    yield make_row(
+        name, "", (ratio, ref_ratio), load_ratio_uncertainty(reference), off, printed=value_printed_in_thesis(keys[2])
+    )
 
 
 def load_ratio(load: Array) -> float:
@@ -500,7 +505,7 @@ class ContactLoadError:
     side: str
     #: Error [% of the contact's reference load; for small loads of the mean load].
     error_percent: float
-    #: Uncertainty of the reference [% of the same load].
+    #: Uncertainty of the contact's load by the reference [% of the load to which the error refers].
     uncertainty_percent: float
     #: Whether the magnitude of the error, less the uncertainty, exceeds the error limit.
     exceeds: bool
@@ -520,7 +525,7 @@ def contact_load_errors(name: str, reference: Reference, max_error: float, load:
     max_error
         Largest allowed error of a contact load [%].
     load
-        Contact loads of the model, (n, 4) [N].
+        Contact loads of the model for n balls on 4 flanks, (n, 4) [N].
 
     Returns
     -------
@@ -539,7 +544,7 @@ def contact_load_errors(name: str, reference: Reference, max_error: float, load:
 
 @dataclass(frozen=True)
 class NutOrBearingOnShaft:
-    """One of several nuts or bearing rows on a shaft."""
+    """One of several nuts or bearing rows on a shaft: the shaft, and the number of the nut or row on it."""
 
     #: Shaft with all nuts or bearings.
     assembly: Assembly
@@ -567,7 +572,7 @@ class NutOrBearingOnShaft:
 
 @dataclass(frozen=True)
 class SceneWithReference:
-    """Nut or bearing (alone in its scene or one of several on a shaft) with its 3D reference, or one that a user gave."""
+    """Nut or bearing (alone in its scene or one of several on a shaft) with its 3D reference or a user's reference."""
 
     #: Nut or bearing as a separate scene.
     scene: Scene
@@ -629,7 +634,9 @@ def stored_references(
 def references_from_runs(scene: Solvable, runs: tuple[Run, ...]) -> list[SceneWithReference]:
     """Return the 3D reference of each nut or bearing of a scene from its ``runs`` on mesh levels, sorted coarse to fine."""
     if isinstance(scene, Scene):
-        return [SceneWithReference(scene, reference_from_runs(scene.name, scene, runs, contacts=nominal_contacts(scene)))]
+        return [
+            SceneWithReference(scene, reference_from_runs(scene.name, scene, runs, contacts=count_nominal_contacts(scene)))
+        ]
     out = []
     for k, rows in enumerate(ball_slices_by_set(scene)):
         of = NutOrBearingOnShaft(scene, k)

@@ -9,16 +9,7 @@ from typing import Any
 import numpy as np
 
 from rollbench.compare.measure import error_percent
-from rollbench.compare.models.answers import (
-    ContactLoadResults,
-    RollerLoadResults,
-    SceneResults,
-    ShaftResults,
-    axial_play_warnings,
-    compute_scene_results,
-    solve_assembly_with_results,
-    validity_warnings,
-)
+from rollbench.compare.models import answers as models_answers
 from rollbench.compare.models.loading import absolute_axial_preload, load_path_warnings
 from rollbench.compare.models.model_form import ExpectedModelErrors, estimate_model_error
 from rollbench.compare.models.registry import ModelOptions, run_model
@@ -26,18 +17,9 @@ from rollbench.compare.scenes.duty_cycle import DutyCycle, LoadCase
 from rollbench.lowfi.bearings.axis import DriveTorqueParts, acceleration_torque, reflected_inertia, screw_inertia
 from rollbench.lowfi.bearings.torque import BallBearingTorque, Band, roller_bearing_torque
 from rollbench.lowfi.rating import iso_lives, roller_life
+from rollbench.lowfi.rating import life as rating_life
 from rollbench.lowfi.rating.catalogue_checks import warn_of_overall_friction_coefficient
 from rollbench.lowfi.rating.iso_lives import ModifiedLife, modified_life
-from rollbench.lowfi.rating.life import (
-    SLOPE,
-    BasicRatingLife,
-    EquivalentLoadLife,
-    SystemLife,
-    basic_rating_life,
-    damage_equivalent_contact_loads,
-    life_by_equivalent_loads,
-    life_of_parts_in_series,
-)
 from rollbench.lowfi.statics.result import AxisResult, SetResult, StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, RollerRow
@@ -46,6 +28,7 @@ from rollbench.meshes.quantity import QuantityDescription, quantity_field, resul
 
 #: Smallest and largest efficiency of a nut that accelerates a mass, if the scene states none (Smith 4.3.1) [1].
 EFFICIENCY: Band = (0.90, 0.95)
+#: Reason why the running torque of a bearing is not known.
 NOT_RUNNING = "the running torque of a bearing needs the tables [lubricant] and [motion]"
 #: By the number of each nut on the shaft, from 0: its friction torques and efficiencies as JSON values, or None; and the
 #: reason why they are not known, else empty.
@@ -64,18 +47,24 @@ class ShaftTorqueOfNutOrBearing:
         parts="[]",
     )
     starting: Band | None = quantity_field(
-        "starting_Nmm", "the same torque, without seals, when the shaft starts from rest", parts="[]"
+        "starting_Nmm", "torque, without seals, that starts the shaft from rest in this nut or bearing row", parts="[]"
     )
     seals: float = quantity_field(
-        "seals_Nmm", "friction torque of its seals and wipers, as the scene states it", default=0.0
+        "seals_Nmm",
+        "friction torque of the seals and wipers of this nut or bearing row, as the scene states it",
+        default=0.0,
     )
     words: str = quantity_field("words", "why the torque is not known", show=lambda words: words or None, default="")
 
 
 @result_record
 class AxisDrive:
-    """Torques (low, high) [N m] and moments of inertia [kg m^2] at the motor of a feed axis (Smith 4.10 to 4.15)."""
+    """Torques (low, high) [N m] and moments of inertia [kg m^2] at the motor of a feed axis.
 
+    They follow equations 4.10 to 4.15 of Smith (1994).
+    """
+
+    #: Torque that turns the shaft in each nut or bearing row.
     sets: tuple[ShaftTorqueOfNutOrBearing, ...] = quantity_field("sets")
     seals: float = quantity_field(
         "seals_Nmm", "friction torque of all seals and wipers on the shaft, as the scene states it"
@@ -84,7 +73,7 @@ class AxisDrive:
     running: Band | None = quantity_field(
         "running_torque_Nmm",
         "torque of the motor at constant speed: sum over all nuts, bearings, seals and other parts (Smith 4.10); null "
-        "where one of them is not known",
+        "where one of these torques is not known",
         heading="motor torque, running",
         form="g3",
         error="empirical; that of the coefficient of friction",
@@ -104,7 +93,7 @@ class AxisDrive:
         "mass counts over the efficiency of the nut (Smith 4.11); null without an acceleration time",
         heading="motor torque, accelerating",
         form="g3",
-        error="as at constant speed",
+        error="that of the torque at constant speed",
         parts="[]",
     )
     shaft_inertia: float = quantity_field(
@@ -147,7 +136,7 @@ def friction_of_nuts(assembly: Assembly, result: AxisResult) -> NutSums:
 
 
 def motor_torques_and_inertias(
-    assembly: Assembly, result: AxisResult, derived_results: ShaftResults, friction_of_nuts: NutSums
+    assembly: Assembly, result: AxisResult, derived_results: models_answers.ShaftResults, friction_of_nuts: NutSums
 ) -> AxisDrive | None:
     """Compute torques and moments of inertia at the motor of a feed axis with a turning shaft.
 
@@ -211,7 +200,7 @@ def lead_of_first_nut(assembly: Assembly) -> float:
 
 
 def _sum_of_friction_torques(other_torque: float, set_torques: list[Band | None], seal_torque: float) -> Band | None:
-    """Return the sum of the friction torques on a shaft as a range (low, high) [N m] (Smith 4.10).
+    """Return the sum of the friction torques on a shaft as a range (low, high) [N m] (Smith 1994, eq. 4.10).
 
     ``set_torques``: torque of each nut or bearing, (low, high) [N m]; the sum is None if one of them is None (not known);
     ``seal_torque``: torque of all seals [N m]; ``other_torque``: torque of all other parts [N m].
@@ -261,8 +250,8 @@ def _friction_torque_of_bearing(
 
 
 def combined_life_of_turning_parts(
-    assembly: Assembly, result: AxisResult, derived_results: ShaftResults
-) -> SystemLife | None:
+    assembly: Assembly, result: AxisResult, derived_results: models_answers.ShaftResults
+) -> rating_life.SystemLife | None:
     """Compute the combined rating life of all nuts and bearings on a turning shaft; None if none of them has a life.
 
     ``result``: converged solution of the shaft; ``derived_results``: results that follow from it, with the life of each nut
@@ -272,13 +261,17 @@ def combined_life_of_turning_parts(
     for s, one in zip(result.sets, derived_results.set_results, strict=True):
         life = getattr(one.load_results, "life", None)
         if s.of.carrier is None and life is not None:
-            slope = roller_life.SLOPE if isinstance(one.load_results, RollerLoadResults) else SLOPE
+            slope = (
+                roller_life.SLOPE if isinstance(one.load_results, models_answers.RollerLoadResults) else rating_life.SLOPE
+            )
             lives[one.name] = 1e6 * life.revolutions, slope
     if not lives:
         return None
     speed = None if assembly.motion is None else assembly.motion.speed
     shortest = min(lives, key=lambda name: lives[name][0])
-    return SystemLife(1e-6 * life_of_parts_in_series([*lives.values()]), shortest, lead_of_first_nut(assembly), speed)
+    return rating_life.SystemLife(
+        1e-6 * rating_life.life_of_parts_in_series([*lives.values()]), shortest, lead_of_first_nut(assembly), speed
+    )
 
 
 @dataclass(frozen=True)
@@ -287,7 +280,7 @@ class LoadsOfNutOrBearing:
 
     #: Geometry of the nut or row; if it has balls, as a scene with all loads and supports of the shaft.
     parts: Scene | RollerRow
-    #: Contact loads (n, 4) [N]; line loads of rollers (count, slices) [N/m].
+    #: Contact loads of n balls (n, 4) [N]; line loads of rollers (count, slices) [N/m].
     load: Array
     #: Force of the shaft on the nut or row, (3,) [N].
     force: Array
@@ -299,17 +292,17 @@ class LoadsOfNutOrBearing:
 class SceneSolution:
     """Solution of a scene with one nut or bearing row by one model, with all results that follow from the contact loads."""
 
-    #: The scene.
+    #: Scene with one nut or bearing row.
     scene: Scene
     #: Contact loads and displacements by the model, with all warnings.
     result: StaticResult
     #: Results that follow from the contact loads; None without equilibrium.
-    derived_results: SceneResults | None = None
+    derived_results: models_answers.SceneResults | None = None
     #: Expected error of the model's results; None without equilibrium.
     expected_errors: ExpectedModelErrors | None = None
 
     @property
-    def contact_results(self) -> tuple[ContactLoadResults, ...]:
+    def contact_results(self) -> tuple[models_answers.ContactLoadResults, ...]:
         """Pressure, static safety and life of the nut or row, as a tuple of one item; empty without equilibrium."""
         return () if self.derived_results is None else (self.derived_results.load_results,)
 
@@ -327,21 +320,21 @@ class SceneSolution:
 class ShaftSolution:
     """Solution of a shaft with several nuts or bearing rows by one model, with all results that follow from the loads."""
 
-    #: The assembly.
+    #: Shaft with several nuts or bearing rows.
     scene: Assembly
     #: Contact loads and displacements by the model, with all warnings.
     result: AxisResult
     #: Results that follow from the contact loads; None without equilibrium.
-    derived_results: ShaftResults | None = None
+    derived_results: models_answers.ShaftResults | None = None
     #: Always None: expected errors are estimated for scenes with one nut or row only.
     expected_errors: None = None
     #: Torques and moments of inertia at the motor; None without equilibrium, or if the nuts turn instead of the shaft.
     motor_torques: AxisDrive | None = None
     #: Combined life of all nuts and rows that turn with the shaft; None if none of them has a life.
-    combined_life: SystemLife | None = None
+    combined_life: rating_life.SystemLife | None = None
 
     @property
-    def contact_results(self) -> tuple[ContactLoadResults | RollerLoadResults, ...]:
+    def contact_results(self) -> tuple[models_answers.ContactLoadResults | models_answers.RollerLoadResults, ...]:
         """Pressure, static safety and life of each nut or row, rollers included; empty without equilibrium."""
         return () if self.derived_results is None else tuple(x.load_results for x in self.derived_results.set_results)
 
@@ -355,7 +348,7 @@ class ShaftSolution:
         for s, answers in zip(self.result.sets, self.derived_results.set_results, strict=True):
             if (
                 isinstance(answers.parts, Scene)
-                and isinstance(answers.load_results, ContactLoadResults)
+                and isinstance(answers.load_results, models_answers.ContactLoadResults)
                 and s.balls is not None
             ):
                 parts = replace(answers.parts, name=self.scene.name, loads=loads, supports=self.scene.supports)
@@ -399,7 +392,7 @@ def solve_shaft_with_results(scene: Assembly, model: str, options: ModelOptions)
 
     InputError if the model does not cover the assembly.
     """
-    result, answers = solve_assembly_with_results(scene, model, options.member)
+    result, answers = models_answers.solve_assembly_with_results(scene, model, options.member)
     if answers is None:
         return ShaftSolution(scene, result)
     drive = motor_torques_and_inertias(scene, result, answers, friction_of_nuts(scene, result))
@@ -411,11 +404,11 @@ def solve_scene_with_results(scene: Scene, model: str, options: ModelOptions) ->
     result = run_model(scene, model, options)
     if not result.converged:
         return SceneSolution(scene, result)
-    answers = compute_scene_results(scene, result, model, options)
-    warned = [*validity_warnings(scene, answers.load_results, absolute_axial_preload(answers.preload))]
+    answers = models_answers.compute_scene_results(scene, result, model, options)
+    warned = [*models_answers.validity_warnings(scene, answers.load_results, absolute_axial_preload(answers.preload))]
     if scene.friction is not None:
         warned += warn_of_overall_friction_coefficient(scene.track, scene.friction)
-    warned += [*load_path_warnings(answers.load_path), *axial_play_warnings(scene)]
+    warned += [*load_path_warnings(answers.load_path), *models_answers.axial_play_warnings(scene)]
     warned += [] if answers.shaft_limits is None else answers.shaft_limits.warnings
     result = replace(result, warnings=(*result.warnings, *warned))
     return SceneSolution(scene, result, answers, estimate_model_error(scene, result))
@@ -425,9 +418,9 @@ def solve_scene_with_results(scene: Scene, model: str, options: ModelOptions) ->
 class ExtremeOverLoadCases:
     """Largest or smallest value of a quantity over the load cases of a duty cycle, and the load case with this value."""
 
-    #: The value, in SI units; errors in per cent.
+    #: Largest or smallest value, in SI units; errors in per cent.
     value: float
-    #: Name of the load case.
+    #: Name of the load case with this value.
     case: str
 
 
@@ -439,12 +432,12 @@ class LivesOverDutyCycle:
     """
 
     #: Life by the contact loads; if None, ``life_words`` states the reason.
-    life: BasicRatingLife | None
+    life: rating_life.BasicRatingLife | None
     life_words: str = quantity_field(
         "life_words", "why no life over the duty cycle can be computed", show=lambda words: words or None
     )
     #: Life by the equivalent loads of the standards; if None, ``standard_words`` states the reason.
-    standard: EquivalentLoadLife | None = quantity_field("standard_life")
+    standard: rating_life.EquivalentLoadLife | None = quantity_field("standard_life")
     standard_words: str = quantity_field(
         "standard_life_words", "why there is no life by the standard", show=lambda words: words or None
     )
@@ -452,6 +445,7 @@ class LivesOverDutyCycle:
     set: str = ""
     #: Life by the contact loads, modified for reliability and lubricant.
     modified: ModifiedLife | None = quantity_field("modified_life", default=None)
+    #: Life of a bearing over the duty cycle by ISO/TS 16281; None for nuts.
     reference: iso_lives.ReferenceLife | None = quantity_field("reference_life", default=None)
 
     @property
@@ -476,11 +470,11 @@ class DutyCycleResults:
         "largest_pressure_MPa",
         "largest pressure of all load cases",
         QuantityDescription(
-            "largest_pressure_case", "load case with that pressure", show=lambda found: found and found.case
+            "largest_pressure_case", "load case with the largest pressure", show=lambda found: found and found.case
         ),
         error="`model_form.pressure_percent` of its case",
         show=lambda found: found and found.value,
-        heading="peak pressure of all cases",
+        heading="peak pressure of all load cases",
         note="case {largest_pressure_case}",
     )
     #: Smallest static safety of the load cases with equilibrium; None if no contact is loaded.
@@ -488,7 +482,7 @@ class DutyCycleResults:
         "least_static_safety",
         "least static safety of all load cases",
         QuantityDescription(
-            "least_static_safety_case", "load case with that safety", show=lambda found: found and found.case
+            "least_static_safety_case", "load case with the least static safety", show=lambda found: found and found.case
         ),
         error="that of the load",
         show=lambda found: found and found.value,
@@ -501,10 +495,12 @@ class DutyCycleResults:
         "largest_expected_error_percent",
         "largest expected error of a contact load in any load case, in per cent of the mean load",
         QuantityDescription(
-            "largest_expected_error_case", "load case with that error", show=lambda found: found and found.case
+            "largest_expected_error_case",
+            "load case with the largest expected error",
+            show=lambda found: found and found.case,
         ),
         show=lambda found: found and found.value,
-        heading="largest error to expect",
+        heading="largest contact-load error to expect",
         form="g2",
         note="of the mean load, case {largest_expected_error_case}",
     )
@@ -517,7 +513,7 @@ class DutyCycleResults:
     #: Mean speed over the cycle [rad/s]; None: not known.
     speed: float | None
     #: Combined life of all nuts and rows that turn with the shaft; None for a single nut or row, or if no life is known.
-    axis_life: SystemLife | None = quantity_field("axis_life", default=None)
+    axis_life: rating_life.SystemLife | None = quantity_field("axis_life", default=None)
 
     @property
     @QuantityDescription(
@@ -569,7 +565,7 @@ def compute_duty_cycle_results(cycle: DutyCycle, solutions: Sequence[SceneSoluti
     )
 
 
-def _combined_life_over_duty_cycle(cycle: DutyCycle, lives: Sequence[LivesOverDutyCycle]) -> SystemLife | None:
+def _combined_life_over_duty_cycle(cycle: DutyCycle, lives: Sequence[LivesOverDutyCycle]) -> rating_life.SystemLife | None:
     """Return the combined rating life of all nuts and bearing rows that turn with the shaft, over a duty cycle.
 
     ``lives``: lives of each nut or row. None for a scene with one nut or row, or if no life is known.
@@ -580,14 +576,16 @@ def _combined_life_over_duty_cycle(cycle: DutyCycle, lives: Sequence[LivesOverDu
     known = {x.set: x.life.revolutions for x in lives if x.life is not None and x.set in turning}
     if not known:
         return None
-    slopes = {name: roller_life.SLOPE if isinstance(turning[name], RollerRow) else SLOPE for name in known}
-    together = 1e-6 * life_of_parts_in_series([(1e6 * life, slopes[name]) for name, life in known.items()])
-    return SystemLife(together, min(known, key=lambda name: known[name]), lead_of_first_nut(cycle.parts), cycle.speed)
+    slopes = {name: roller_life.SLOPE if isinstance(turning[name], RollerRow) else rating_life.SLOPE for name in known}
+    together = 1e-6 * rating_life.life_of_parts_in_series([(1e6 * life, slopes[name]) for name, life in known.items()])
+    return rating_life.SystemLife(
+        together, min(known, key=lambda name: known[name]), lead_of_first_nut(cycle.parts), cycle.speed
+    )
 
 
 def rating_life_over_duty_cycle(
     cycle: DutyCycle, set_name: str, loads_by_case: Sequence[Array | None]
-) -> tuple[BasicRatingLife | None, str]:
+) -> tuple[rating_life.BasicRatingLife | None, str]:
     """Compute the basic rating life of a nut or bearing row over a duty cycle from its loads in every load case.
 
     Parameters
@@ -597,7 +595,8 @@ def rating_life_over_duty_cycle(
     set_name
         Name of the nut or row, as in `DutyCycle.sets`.
     loads_by_case
-        Contact loads (n, 4) [N], or line loads of rollers (count, slices) [N/m], in every load case; None: not known.
+        Contact loads of n balls on 4 flanks (n, 4) [N], or line loads of rollers (rollers, slices) [N/m], in every load
+        case; None: not known.
 
     Returns
     -------
@@ -619,7 +618,9 @@ def rating_life_over_duty_cycle(
                 parts, roller_life.damage_equivalent_line_loads(known, cycle.revolution_shares)
             )
         else:
-            rated = basic_rating_life(parts, damage_equivalent_contact_loads(known, cycle.revolution_shares))
+            rated = rating_life.basic_rating_life(
+                parts, rating_life.damage_equivalent_contact_loads(known, cycle.revolution_shares)
+            )
     except ValueError as error:
         return None, str(error)
     return rated, "" if rated is not None else "no load"
@@ -636,7 +637,8 @@ def contact_loads_by_nut_or_bearing(result: StaticResult | AxisResult) -> dict[s
     Returns
     -------
     dict
-        Contact loads (n, 4) [N], or line loads of rollers (count, slices) [N/m], by name as in `DutyCycle.sets`.
+        Contact loads of n balls on 4 flanks (n, 4) [N], or line loads of rollers (rollers, slices) [N/m], by name of the
+        nut or row as in `DutyCycle.sets`.
     """
     if isinstance(result, StaticResult):
         return {"": result.load}
@@ -670,7 +672,7 @@ def _lives_of_nut_or_bearing(
     modified, basic = modified_life(row, rated), iso_lives.ball_reference_life(row, rated)
     try:
         scenes = [x for x in parts if isinstance(x, Scene)]
-        standard = life_by_equivalent_loads(scenes, shares, forces, max(s.preload for s, _ in used))
+        standard = rating_life.life_by_equivalent_loads(scenes, shares, forces, max(s.preload for s, _ in used))
     except ValueError as error:
         return LivesOverDutyCycle(rated, words, None, str(error), set_name, modified, basic)
     return LivesOverDutyCycle(rated, words, standard, "" if standard is not None else "no load", set_name, modified, basic)

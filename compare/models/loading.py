@@ -11,7 +11,7 @@ import numpy as np
 from rollbench.compare.measure import mean_load
 from rollbench.compare.models.registry import ModelOptions, run_model
 from rollbench.lowfi.rating.rigidity import approach_per_displacement, axial_force
-from rollbench.lowfi.statics.nominal import nominal_contacts
+from rollbench.lowfi.statics.nominal import count_nominal_contacts
 from rollbench.lowfi.statics.result import AxisResult, StaticResult, StaticSolution
 from rollbench.lowfi.statics.summary import resultant_about_origin
 from rollbench.lowfi.warned import ResultWarning
@@ -20,14 +20,15 @@ from rollbench.meshes.axis import Assembly, Housing
 from rollbench.meshes.parts import SIDES, Load, Scene
 from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record
 
+#: Type with a force and a moment: a load on the shaft, or a housing with its load.
 Loaded = TypeVar("Loaded", Load, Housing)
 
 #: Search for the factor on the loads at which a contact opens: relative accuracy and largest value of the factor, largest
 #: number of solutions.
 TOLERANCE, FURTHEST, MOST = 0.005, 20.0, 16
 
-#: Share of the step to the expected factor that is taken. Beyond that factor the contact is open and its approach, from
-#: which the next step is computed, is not known.
+#: Share that is taken of the step to the load factor at which a contact is expected to open. Beyond that factor the contact
+#: is open and its approach, from which the next step is computed, is not known.
 NEAR = 0.9
 
 
@@ -43,11 +44,11 @@ class Preload:
         heading="preload of a contact, mean",
         note="without the loads",
     )
-    #: Largest contact load [N].
+    #: Largest contact load without external loads [N].
     largest: float = quantity_field(
         "max_N", "largest load of a contact or roller without the scene's loads", error="as `preload.mean_N`"
     )
-    #: Number of loaded contacts.
+    #: Number of contacts that carry load without external loads.
     loaded: int = quantity_field(
         "loaded_contacts",
         "number of contacts that carry load without the scene's loads; for a row of rollers, number of rollers",
@@ -71,19 +72,21 @@ class LiftOff:
     factor: float | None = quantity_field(
         "load_factor",
         "factor on the scene's loads at which the first preloaded contact opens",
-        heading="contact lost at load factor",
+        heading="factor on loads that opens a contact",
         form="g3",
         note="ball {ball} {side}",
     )
-    #: Number of the ball of this contact, from 1; 0 if none was found.
+    #: Number of the ball of the contact that opens, from 1; 0 if none was found.
     ball: int = quantity_field("ball", "ball of the contact that opens", show=lambda ball: ball or None, default=0)
-    #: Flank of this contact: SL, SR, NL, NR.
+    #: Flank of the contact that opens: SL, SR, NL, NR; empty if none was found.
     side: str = quantity_field("side", "flank of the contact that opens", show=lambda side: side or None, default="")
-    #: Axial force on the nut at this factor [N]; 0 if none was found.
+    #: Axial force on the nut when the contact opens [N]; 0 if none was found.
     axial: float = 0.0
     #: Number of times that the scene was solved for the search.
     solves: int = 0
-    words: str = quantity_field("words", "why no such load was found", show=lambda words: words or None, default="")
+    words: str = quantity_field(
+        "words", "why no load was found at which a contact opens", show=lambda words: words or None, default=""
+    )
 
     @property
     @QuantityDescription("axial_force_N", "axial force on the nut when the contact opens")
@@ -117,7 +120,7 @@ def with_scaled_loads(scene: Scene | Assembly, factor: float) -> Scene | Assembl
     """
 
     def multiplied_load(x: Loaded) -> Loaded:
-        """Return a copy of an external load with force and moment multiplied by the factor."""
+        """Return a copy of an external load with force and moment multiplied by ``factor``."""
         (fx, fy, fz), (mx, my, mz) = x.force, x.moment
         force, moment = (factor * fx, factor * fy, factor * fz), (factor * mx, factor * my, factor * mz)
         return replace(x, force=force, moment=moment)
@@ -163,7 +166,7 @@ def preload_from_unloaded(scene: Scene, unloaded: StaticResult) -> Preload:
     loads = unloaded.load[unloaded.load > 0.0]
     if not loads.size:
         return Preload(0.0, 0.0, 0, 0.0)
-    mean = mean_load(loads, nominal_contacts(with_scaled_loads(scene, 0.0), unloaded))
+    mean = mean_load(loads, count_nominal_contacts(with_scaled_loads(scene, 0.0), unloaded))
     return Preload(mean, float(loads.max()), int(loads.size), axial_preload(scene, unloaded))
 
 
@@ -295,12 +298,16 @@ class SupportShare:
 
     #: Name of the support (its axial position) or of the housing.
     name: str = quantity_field("name", "support of the shaft, named by its axial position, or frame that holds a housing")
-    #: Force and moment that it carries, (6,) [N, N m].
+    #: Force and moment that the support or frame carries, (6,) [N, N m].
     carried_load: Array = quantity_field(
         "force_N",
         "share of the loads that this support or frame carries: force on it, less the force on it without the loads",
         QuantityDescription(
-            "moment_Nm", "the same for the moment on it, at its axial position", show=lambda part: part[3:], parts="[]"
+            "moment_Nm",
+            "share of the loads that this support or frame carries: moment on it at its axial position, less the moment "
+            "without the loads",
+            show=lambda part: part[3:],
+            parts="[]",
         ),
         show=lambda part: part[:3],
         parts="[]",
@@ -339,14 +346,15 @@ class LoadPath:
         "the absolute changes",
         QuantityDescription(
             "contacts.moment_Nm",
-            "the same for the moment about the centre of the nut or ring",
+            "change, due to the loads, of the moment of the screw on the contacts about the centre of the nut or ring; of "
+            "several nuts or bearing rows the sum of the absolute changes",
             show=lambda contacts: contacts[3:],
             parts="[]",
         ),
         show=lambda contacts: contacts[:3],
         parts="[]",
     )
-    #: Pitch radius, the lever arm by which moments are compared with forces [m].
+    #: Lever arm by which moments are divided to compare them with forces: the pitch radius [m].
     lever_arm: float
     #: Name of the only body (housing, or "the shaft") whose loads are considered; empty: the loads on all bodies.
     loaded_body: str = ""

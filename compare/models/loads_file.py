@@ -23,6 +23,7 @@ from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import SIDES, Scene
 from rollbench.meshes.units import COMMA, COMMON, UnitError, has_comma_in_number, parse_quantity, standard_unit_spelling
 
+#: Usual headings of the columns for the ball's number, the flank, and the contact load [N].
 COLUMNS = ("ball", "flank", "newton")
 
 #: Columns that contain text instead of numbers.
@@ -58,15 +59,17 @@ PLACE = {"azimuth", "z"}
 #: Contact quantities besides the load that a file may give, by the names of `NAMES`.
 FURTHER = ("angle", "approach", "pressure", "uncertainty", "uncertain share")
 
-#: Filter for the rows of a file: for each of some columns, the accepted texts; only rows with one of them are read.
+#: Filter for the rows of a CSV file: for some columns, the accepted texts; only rows with an accepted text are read.
 #: Messages show the first text.
 Only = Mapping[str, Sequence[str]]
 
+#: Filter that accepts every row.
 EVERY: Only = {}
 
 #: Largest size of a file [bytes], enough for four loads on each of 100 000 balls.
 MAX_BYTES = 16_000_000
 
+#: Advice with an example of a file, for error messages.
 EXAMPLE = "write a first line ball,flank,newton and rows such as 1,SL,225.4"
 
 
@@ -150,7 +153,7 @@ def load_rows_for_csv(load: Array, azimuth: Array, z: Array) -> list[dict[str, s
     Parameters
     ----------
     load
-        Contact loads, (n, 4) [N].
+        Contact loads of n balls on 4 flanks, (n, 4) [N].
     azimuth
         Azimuths of the balls, (n,) [rad].
     z
@@ -355,7 +358,7 @@ def read_loads(path: Path, ball_count: int, scene: Scene | None = None, row_filt
         raise InputError(str(path), which, f"no rows of {value}", f"rows of every {which} of the scene", advice)
     unknown = tuple(f'"{head}"' for head, c in columns.items() if not c.name)
     further = {name: of for name, of in values.items() if name != "load" and name in {c.name for c in columns.values()}}
-    loads = _complete_contact_loads(path, values["load"])
+    loads = _check_loads_are_complete(path, values["load"])
     for name in further.keys() - {"uncertainty", "uncertain share"}:
         gaps = np.argwhere(np.isnan(further[name]) & (loads.load > 0.0))
         if gaps.size:
@@ -425,7 +428,7 @@ class _ContactLoadRow:
         return int(ball) - 1
 
     def flank_index(self) -> int:
-        """Return the index of the flank in the row: 0 to 3 for SL, SR, NL, NR."""
+        """Return the index of the flank in the row: 0 to 3 for left and right flank of the screw, then of the nut."""
         flank = self.text_in_column("flank")
         if flank.upper() not in SIDES:
             advice = "write SL or SR for the left or right flank of the screw, NL or NR for those of the nut"
@@ -545,7 +548,7 @@ def read_csv_text(path: Path) -> str:
         raise InputError(str(path), "file", str(error), allowed, advice) from None
 
 
-def _complete_contact_loads(path: Path, load: Array) -> ContactLoadsFromFile:
+def _check_loads_are_complete(path: Path, load: Array) -> ContactLoadsFromFile:
     """Check that contact loads read from a CSV file are complete, and return them as a record.
 
     ``path``: the file, for error messages; ``load``: contact loads of n balls, (n, 4) [N]; nan: no row in the file.

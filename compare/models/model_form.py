@@ -39,7 +39,7 @@ from rollbench.compare.models.applicability import descriptors_outside_range, su
 from rollbench.compare.models.registry import MODELS
 from rollbench.compare.models.user_models import NOT_COMPARED, WORDS
 from rollbench.lowfi.statics.contacts import hertz_without_errors
-from rollbench.lowfi.statics.nominal import nominal_contacts
+from rollbench.lowfi.statics.nominal import count_nominal_contacts
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import ball_layout, lead_angle
@@ -59,7 +59,7 @@ FILE = "model_form.json"
 #: axial load acts, error of the largest pressure.
 QUANTITIES = ("percent", "rms_percent", "displacement_percent", "rigidity_percent", "pressure_percent")
 
-#: Share of compared scenes whose error is below their expected error, each estimated from the other scenes.
+#: Share of compared scenes whose measured error is below the expected one, which is estimated from all other scenes.
 SHARE = 0.92
 
 #: Least error [%] of each quantity, to which smaller errors are raised before their logarithm is taken.
@@ -76,15 +76,15 @@ MARGIN = 0.5
 
 #: Definition of each feature, and the difference by which it is divided.
 SCALES: dict[str, tuple[str, float]] = {
-    "wall": ("wall of the nut over the pitch radius", 0.1),
+    "wall": ("wall thickness of the nut over the pitch radius", 0.1),
     "length": ("length of the nut over the pitch diameter", 0.8),
     "bore": ("bore of the screw over the pitch diameter", 0.5),
     "lead": ("lead over the pitch diameter", 0.5),
-    "ball": ("ball over the pitch diameter", 0.12),
+    "ball": ("ball diameter over the pitch diameter", 0.12),
     "pressing": ("semi-axis of the contact ellipses over the ball's radius", 0.15),
     "preload": ("loads on the less loaded pair of flanks over those on the other", 0.6),
     "spread": ("standard deviation of the contact loads over their mean", 0.5),
-    "lost": ("share of the contacts that carry less than 15 % of the mean load", 0.4),
+    "lost": ("share of the loaded contacts that carry less than 15 % of the mean load", 0.4),
     "one side": ("nut fixed at one face", 1.0),
     "outside": ("nut fixed at its outer surface", 1.0),
     "low face": ("nearness of the balls to the nut's face at low z", 0.3),
@@ -102,6 +102,7 @@ SCALES: dict[str, tuple[str, float]] = {
 #: this feature; errors of other screws are estimated from screws without a flange.
 FLANGE = "flange"
 
+#: Definition and scale of each feature, with the feature `FLANGE`.
 WITH_FLANGE = SCALES | {FLANGE: ("nut fixed at its flange", 1.0)}
 
 
@@ -123,7 +124,7 @@ class ExpectedModelErrors:
         ),
         show=lambda percent: percent is not None,
     )
-    #: Root mean square error of the loads [% of the mean contact load].
+    #: Root mean square error of the contact loads [% of the mean contact load].
     rms_percent: float | None = quantity_field("rms_percent_of_mean", "expected RMS error of all contact loads")
     #: Distance to the nearest compared scene: Euclidean norm of the differences of the features, each divided by its unit
     #: of difference (`SCALES`).
@@ -140,7 +141,7 @@ class ExpectedModelErrors:
     displacement_percent: float | None = quantity_field(
         "displacement_percent", "expected error of the axial displacement", default=None
     )
-    #: Error of the axial tangent rigidity of this cross-section [%].
+    #: Error of the axial tangent rigidity of the cross-section on which the axial load acts [%].
     rigidity_percent: float | None = quantity_field(
         "rigidity_percent", "expected error of the tangent rigidity", default=None
     )
@@ -169,9 +170,9 @@ class MeasuredModelErrors:
     features: dict[str, float]
     #: Error of the axial displacement of the cross-section on which the axial load acts [%].
     displacement_percent: float | None = None
-    #: Error of the axial tangent rigidity of this cross-section [%].
+    #: Error of the axial tangent rigidity of the cross-section on which the axial load acts [%].
     rigidity_percent: float | None = None
-    #: Error of the largest pressure [%].
+    #: Error of the largest contact pressure [%].
     pressure_percent: float | None = None
     #: Largest error of a contact load in per cent of its own load, as it is compared with the limit (`measure.LoadError`).
     gate_percent: float | None = None
@@ -318,7 +319,7 @@ def is_nut_fixed_at_flange(scene: Scene) -> bool:
     return scene.nut.flange is not None and scene.solid.nut_held in (None, "flange face")
 
 
-def error_bound(compared_features: Array, errors: Array, scene_features: Array, least_error: float) -> float:
+def upper_bound_of_model_error(compared_features: Array, errors: Array, scene_features: Array, least_error: float) -> float:
     """Return an upper bound [%] of a model's error on a scene, estimated from its errors on compared scenes.
 
     The logarithm of the bound is the linear fit of the logarithms of the errors, plus the quantile `SHARE` of the
@@ -382,7 +383,11 @@ def estimate_model_error(
     words: tuple[str, ...] = (model.elasticity_text,)
 
     def estimate_not_covered(why: str, away: float = float("inf"), nearest: str = "") -> ExpectedModelErrors:
-        """Return an estimate without percentages for the reason ``why``; ``away``, ``nearest``: nearest compared scene."""
+        """Return an estimate without percentages for the reason ``why``.
+
+        ``nearest``: name of the nearest scene compared with the 3D reference; ``away``: distance from it, the root of the
+        sum of squared differences of the scaled features.
+        """
         return ExpectedModelErrors(None, None, away, nearest, len(like), (*words, why))
 
     if not (result.load > 0.0).any():
@@ -438,7 +443,11 @@ def _expected_errors(
         errors = np.array([np.nan if (e := getattr(p, name)) is None else e for p in errors_on_similar_scenes], dtype=float)
         finite = np.isfinite(errors)
         enough = finite.sum() >= FEWEST
-        out[name] = error_bound(similar_features[finite], errors[finite], scene_features, LEAST[name]) if enough else None
+        out[name] = (
+            upper_bound_of_model_error(similar_features[finite], errors[finite], scene_features, LEAST[name])
+            if enough
+            else None
+        )
     return out
 
 
@@ -446,9 +455,9 @@ def _expected_errors(
 class MeasuredAndExpectedErrors:
     """Errors of a model on one compared scene: as measured, and as estimated from all other compared scenes."""
 
-    #: Measured errors of a model on the scene.
+    #: Measured errors of the model on the scene.
     point: MeasuredModelErrors
-    #: Expected errors [%] by name of the quantity (`QUANTITIES`); None if the scene is outside the range of the others.
+    #: Expected errors [%] by name of the quantity (`QUANTITIES`); None if the scene is outside the range of all others.
     expected: dict[str, float | None] | None
 
 
@@ -527,7 +536,10 @@ def axial_rigidity_between_states(load_states: Sequence[LoadedSectionState]) -> 
 
 
 def axial_contact_force(scene: Scene, load: Array, angle: Array) -> float:
-    """Return the axial force [N] of the screw on the nut, from contact loads [N] and contact angles [rad], both (n, 4)."""
+    """Return the axial force [N] of the screw on the nut, from contact loads and contact angles.
+
+    ``load``: contact loads of n balls on 4 flanks, (n, 4) [N]; ``angle``: contact angles, (n, 4) [rad].
+    """
     along = np.where(load > 0.0, load * np.sin(angle), 0.0).sum(axis=0) * np.cos(lead_angle(scene.track))
     return float(along[0] - along[1])
 
@@ -556,7 +568,7 @@ def measure_model_error(
     MeasuredModelErrors
         Errors of the model, with the features of the scene.
     """
-    error = load_error(result.load, run.load, nominal_contacts(scene))
+    error = load_error(result.load, run.load, count_nominal_contacts(scene))
     from rollbench.compare.models.comparison import solution_from_result, solution_from_run
 
     answer, reference = (

@@ -21,13 +21,8 @@ from typing import Any
 import numpy as np
 
 from rollbench.compare.measure import LoadError, error_percent, load_error, mean_load
+from rollbench.compare.models import model_form
 from rollbench.compare.models.comparison import REFERENCED, path_of_condensed_bodies
-from rollbench.compare.models.model_form import (
-    MeasuredModelErrors,
-    leave_one_out_errors,
-    measure_model_error,
-    model_errors_on_random_screws,
-)
 from rollbench.compare.models.registry import DEFAULT, MODELS, ModelOptions, run_model
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.reference.estimate import Reference, largest_uncertainty_percent
@@ -57,7 +52,7 @@ class ModellingChoiceEffect:
 
     #: Name of the scene.
     scene: str
-    #: Name of the variant.
+    #: Name of the variant of the 3D reference in which the choice is changed.
     variant: str
     #: Description of the variant in tables.
     label: str
@@ -83,13 +78,13 @@ class ModellingUncertainty:
 
     #: Name of the scene.
     scene: str
-    #: Uncertainty of every contact load, (n, 4) [% of the mean load].
+    #: Modelling uncertainty of every contact load, (n, 4) [% of the mean load].
     contacts: Array
-    #: Largest uncertainty of a contact load [% of the mean load].
+    #: Largest modelling uncertainty of a contact load [% of the mean load].
     largest: float
-    #: Root mean square of the uncertainty over the loaded contacts [% of the mean load].
+    #: Root mean square of the modelling uncertainty over the loaded contacts [% of the mean load].
     rms: float
-    #: Uncertainty of the ratio of largest to smallest load on the flank SL [%].
+    #: Modelling uncertainty of the ratio of largest to smallest load on the flank SL [%].
     ratio: float
     #: Largest change of a contact load by each choice, sorted by decreasing root mean square [% of the mean load].
     choices: dict[str, float]
@@ -270,7 +265,8 @@ class ErrorsByReplacedBody:
     scene: str
     #: Errors of the contact loads, by the bodies that have the 3D stiffness: (), ("screw",), ("nut",) or both.
     load_errors: dict[tuple[str, ...], LoadError]
-    #: Relative difference of the sum of the contact loads from that of the 3D reference [%], by the same bodies.
+    #: Relative difference of the sum of the contact loads from that of the 3D reference [%], by the bodies that have the 3D
+    #: stiffness.
     load_sum_difference: dict[tuple[str, ...], float]
 
 
@@ -297,7 +293,7 @@ def errors_by_replaced_body(cache: SceneResultCache) -> list[ErrorsByReplacedBod
     return out
 
 
-def ladder(cache: SceneResultCache) -> list[RefinementStepResult]:
+def solve_refinement_sequence_on_all_scenes(cache: SceneResultCache) -> list[RefinementStepResult]:
     """Solve every scene that has a stored 3D reference with every model of the refinement sequence.
 
     ``cache``: cache of scenes, results and 3D references, which also keeps the results.
@@ -316,7 +312,7 @@ def ladder(cache: SceneResultCache) -> list[RefinementStepResult]:
 
 def model_errors_on_built_in_scenes(
     cache: SceneResultCache, sequence_results: Sequence[RefinementStepResult]
-) -> list[MeasuredModelErrors]:
+) -> list[model_form.MeasuredModelErrors]:
     """Return the errors of the models on the built-in scenes; errors to expect on other scenes are estimated from them.
 
     ``cache``: cache of scenes and 3D references; ``sequence_results``: result of each model of the refinement sequence on
@@ -324,7 +320,7 @@ def model_errors_on_built_in_scenes(
     """
     references = cache.stored_references((*REFERENCED, *UNSEEN))
     return [
-        measure_model_error(r.scene, cache.built_in_scene(r.scene), r.result, references[r.scene].best)
+        model_form.measure_model_error(r.scene, cache.built_in_scene(r.scene), r.result, references[r.scene].best)
         for r in sequence_results
     ]
 
@@ -348,7 +344,7 @@ def leave_one_out_error_rows(
         ``expected``) and RMS error (``rms`` and ``expected_rms``) [% of the mean load]. Expected errors are None if a screw
         is outside the range of the others.
     """
-    everything = [*model_errors_on_built_in_scenes(cache, sequence_results), *model_errors_on_random_screws()]
+    everything = [*model_errors_on_built_in_scenes(cache, sequence_results), *model_form.model_errors_on_random_screws()]
     return [
         {
             "scene": one.point.scene,
@@ -359,5 +355,5 @@ def leave_one_out_error_rows(
             "expected_rms": None if one.expected is None else one.expected["rms_percent"],
         }
         for model in RUNGS
-        for one in leave_one_out_errors(everything, model.name)
+        for one in model_form.leave_one_out_errors(everything, model.name)
     ]

@@ -160,7 +160,7 @@ class ExternalProgram:
     """Command of an external program that serves as a low-order model, with its time limit."""
 
     command_words: tuple[str, ...]
-    """Words of the command, with placeholders for the files."""
+    """Words of the command, with placeholders for the file of the scene and the file of the loads."""
     time_limit: float
     """Time limit for one scene [s]."""
 

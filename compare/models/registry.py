@@ -56,7 +56,7 @@ def _solve_lin(scene: Scene, options: ModelOptions) -> StaticResult:
 
 
 def read_condensed_bodies(scene: Scene, options: ModelOptions) -> CondensedCompliance:
-    """Read the stiffness of screw and nut, condensed to the contacts, from the file ``options.condensed``.
+    """Read the stiffness of screw and nut, condensed to the contacts, from ``options.condensed_bodies_file``.
 
     Parameters
     ----------
@@ -92,7 +92,7 @@ def read_condensed_bodies(scene: Scene, options: ModelOptions) -> CondensedCompl
 
 
 def _solve_with_elastic_bodies(scene: Scene, options: ModelOptions, *, name: str) -> StaticResult:
-    """Solve a scene by the model ``name`` with an elastic screw and nut; those of "condensed" are read from a file."""
+    """Solve a scene by the model ``name`` with an elastic screw and nut, which "condensed" reads from a file."""
     from rollbench.lowfi.compliance.parts import LADDER, REFINED
     from rollbench.lowfi.statics.elastic import solve_elastic
     from rollbench.lowfi.statics.static import with_discretisation_error
@@ -187,18 +187,20 @@ def is_covered_by_liu_model(scene: Scene) -> bool:
 class Model:
     """Low-order model: its name, description and solver, as commands, tables and the report use them."""
 
-    #: Name on the command line.
+    #: Name of the model on the command line.
     name: str
     #: Description of the model in the output of ``rollbench list``.
     description: str
-    #: Name in tables and figures.
+    #: Name of the model in tables and figures.
     label: str
     #: Text on how the model describes the elasticity of screw, nut and balls.
     elasticity_text: str
     #: Function that solves a scene with one nut or bearing row.
     solve_scene: Callable[[Scene, ModelOptions], StaticResult]
     #: Function that solves a shaft with several nuts or bearing rows, or a text that says why the model cannot.
-    solve_assembly_or_reason: Callable[[Assembly, ModelOptions], AxisResult] | str = "it solves one nut or bearing row"
+    solve_assembly_or_reason: Callable[[Assembly, ModelOptions], AxisResult] | str = (
+        "it solves scenes with a single nut or bearing row only"
+    )
     #: Function that returns whether the model covers a scene with one nut or bearing row.
     covers_scene: Callable[[Scene], bool] = covers_any_scene
     #: Whether ``rollbench compare`` shows the model by default.
@@ -224,8 +226,10 @@ class Model:
         return replace(assembly, sets=sets, ingredients=replace(assembly.ingredients, **dict(self.ingredients)))
 
 
+#: Parts of the texts on how models describe the elasticity of screw, nut and balls.
 C_8, HALF_SPACES = "screw a beam by equation C.8 of Lin's thesis, nut rigid, balls as half spaces", "balls as half spaces"
 BARS = "axial bars, and contact springs of fixed direction"
+#: Why the model of Mei et al. does not solve several nuts or bearing rows.
 MEI_AXIS = "its bars connect the supports of the screw to a single fixed nut"
 _ALL = (
     Model(
@@ -400,12 +404,12 @@ def model_by_name(name: str, argument: str = "model", excluded_names: Sequence[s
         return MODELS[name]
     user_models.load_user_model(name)
 
-    def run(scene: Scene, options: ModelOptions) -> StaticResult:
-        """Solve a scene with this user's model."""
+    def run_users_model(scene: Scene, options: ModelOptions) -> StaticResult:
+        """Solve a scene by the user's model ``name``: a function of an installed package, or an external program."""
         return user_models.solve_by_user_model(name, scene, options.member)
 
     reason = "a user's model is a function of a scene with one nut or bearing row"
-    return Model(name, "", programs.model_title(name), user_models.WORDS, run, reason)
+    return Model(name, "", programs.model_title(name), user_models.WORDS, run_users_model, reason)
 
 
 def has_random_errors(scene: Scene | Assembly) -> bool:

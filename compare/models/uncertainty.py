@@ -49,25 +49,27 @@ from rollbench.compare.reference.convergence import grid_convergence
 from rollbench.compare.reference.estimate import Reference, has_both_flanks_loaded, largest_uncertainty_percent
 from rollbench.compare.reference.levels import VARIANTS
 from rollbench.compare.reference.store import Run, load_stored_run, shipped_store
-from rollbench.lowfi.statics.nominal import nominal_contacts
+from rollbench.lowfi.statics.nominal import count_nominal_contacts
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDES, Material, Scene
 from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record
 
+#: Function that returns the values of a quantity from a scene and the results of a model or 3D run.
 Take = Callable[[Scene, ContactSolution], Array]
 
 #: Names of the parts of the uncertainty.
 GRID, CHOICES, INPUT, SECOND = "discretisation", "modelling choices", "inputs", "large displacements"
 #: File with the effects of the modelling choices, in a folder of 3D reference runs.
 FILE = "choices.json"
-#: Relative reduction of a contact load by large displacements, over a / r [1] (tests/unit/models/test_uncertainty.py).
+#: Relative reduction of a contact load by large displacements, divided by the larger semi-axis of the contact over the ball
+#: radius [1] (tests/unit/models/test_uncertainty.py).
 SECOND_ORDER = 0.030
 #: Smallest and largest amount [%] by which the sum of the contact loads of a preloaded scene is larger in independent 3D
 #: programs than in the 3D reference.
 SHARED = (0.12, 0.19)
 #: Model that gives the sensitivities to the inputs.
 SENSITIVE = "lin"
-#: Name of the quantity that is judged contact by contact.
+#: Name of the quantity that consists of the loads of all contacts.
 CONTACTS = "contact loads"
 
 
@@ -77,7 +79,7 @@ class ComparedQuantity:
 
     #: Name of the quantity.
     name: str
-    #: Unit of its values.
+    #: Unit of the quantity's values.
     unit: str
     #: Function that returns the values of the quantity (array of any shape) from a scene and the results of a model or 3D
     #: run.
@@ -104,6 +106,7 @@ def _angle_of_most_loaded_contact(scene: Scene, solution: ContactSolution) -> Ar
     return np.array([float(solution.angle.ravel()[int(solution.load.argmax())])])
 
 
+#: Quantities by which models are compared with the 3D reference.
 QUANTITIES = (
     ComparedQuantity(CONTACTS, "N", lambda scene, answer: answer.load, in_percent_of_mean_load=True),  # noqa: ARG005
     ComparedQuantity("largest load", "N", lambda scene, answer: np.array([answer.load.max()]), is_largest_load=True),  # noqa: ARG005
@@ -149,7 +152,7 @@ def _with_stiffer_material(scene: Scene) -> Scene:
 
 
 def _with_larger_oversize(scene: Scene) -> Scene | None:
-    """Return a copy of the scene with the balls' oversize (of the radius) increased by 0.25 um; None without oversize."""
+    """Return a copy of the scene with the oversize of the ball radius increased by 0.25 um; None without oversize."""
     balls = scene.errors.balls
     if balls.oversize == 0.0:
         return None
@@ -251,7 +254,7 @@ def combined_choice_effect(cache: SceneResultCache, scene_name: str, quantity: C
     the largest change. None if no choice was varied on the scene. ``cache``: cache of scenes and 3D references.
     """
     scene, worst = cache.built_in_scene(scene_name), dict[str, Array]()
-    contacts = nominal_contacts(scene)
+    contacts = count_nominal_contacts(scene)
     for choice, changed, base in cache.compute_once(solutions_with_and_without_choices, scene_name):
         value, unchanged = (quantity.values_of_solution(scene, answer) for answer in (changed, base))
         change = np.abs(difference_percent(quantity, value, unchanged, mean_load(base.load, contacts)))
@@ -266,7 +269,7 @@ def effects_of_input_tolerances(cache: SceneResultCache, scene: Scene, quantity:
     """
     base = cache.solve_once(scene, SENSITIVE)
     unchanged, out = quantity.values_of_solution(scene, solution_from_result(base)), {}
-    mean = mean_load(base.load, nominal_contacts(scene))
+    mean = mean_load(base.load, count_nominal_contacts(scene))
     for tolerance in INPUTS:
         changed = tolerance.change(scene)
         if changed is not None:
@@ -340,8 +343,8 @@ class ErrorWithUncertainty:
     combined: float
     #: Share of the quantity's values (such as all contact loads) whose error is within u_val [1].
     within: float
-    #: Share of these values whose error is within sqrt(u_grid^2 + u_model^2), the part of u_val due to the 3D reference
-    #: [1].
+    #: Share of the quantity's values whose error is within sqrt(u_grid^2 + u_model^2), the part of u_val due to the 3D
+    #: reference [1].
     within_own: float
     #: Ratio of the value by the model to that by the 3D reference; for contact loads, of every load above a tenth of the
     #: mean load.
@@ -409,7 +412,7 @@ class BiasAndScatter:
     quantity: str
     #: Number of scenes.
     scenes: int
-    #: Number of values on all scenes together.
+    #: Number of compared values on all scenes together.
     values: int
     #: Relative deviation of the model from the 3D reference, as a geometric mean over all values [%].
     bias: float
@@ -477,7 +480,7 @@ class LargestChoiceEffects:
     percent: float
     #: Choice with the largest effect.
     choice: str
-    #: Effect of this choice alone [% of the mean load].
+    #: Largest change of a contact load by this choice alone [% of the mean load].
     alone: float
 
 
@@ -488,11 +491,11 @@ class LoadUncertainty:
     A part that is not known is None.
     """
 
-    #: Part due to the mesh of the reference.
+    #: Part of the uncertainty due to the mesh of the reference.
     discretisation: float
-    #: Whether this part is estimated from other scenes, because the scene was solved on a single mesh level.
+    #: Whether the part due to the mesh is estimated from other scenes, because the scene was solved on a single mesh level.
     by_experience: bool = quantity_field("discretisation_by_experience")
-    #: Part due to modelling choices, with the dominant choice and the scene on which they were varied.
+    #: Part of the uncertainty due to modelling choices, with the dominant choice and the scene on which they were varied.
     choices: LargestChoiceEffects | None = quantity_field(
         "modelling_percent",
         "largest change of a contact load by modelling choices of the 3D reference, which finer meshes do not show",
@@ -500,11 +503,11 @@ class LoadUncertainty:
         QuantityDescription("modelling_varied_on", show=lambda choices: choices and choices.scene),
         show=lambda choices: choices and choices.percent,
     )
-    #: Part due to tolerances of the inputs.
+    #: Part of the uncertainty due to tolerances of the inputs.
     inputs: float | None = quantity_field("input_percent", "largest change of a contact load by tolerances of the inputs")
-    #: Name of the input with the largest effect.
+    #: Name of the input whose tolerance has the largest effect.
     input: str = quantity_field("input_dominated_by", show=lambda name: name or None)
-    #: Part due to large displacements, which the reference neglects.
+    #: Part of the uncertainty due to large displacements, which the reference neglects.
     second_order: float = quantity_field(
         "large_displacements_percent",
         "change of the largest contact load by large displacements, which the 3D reference neglects",
@@ -525,12 +528,13 @@ class LoadUncertainty:
         "`uncertainty.beside_free_face_at`; 0 where it is less than the rest",
         default=0.0,
     )
-    #: Ball and flank of the contact near a free face of the nut with the largest part of this kind; empty: no such contact.
+    #: Ball and flank of the contact whose load a near free face of the nut makes most uncertain; empty: no such contact.
     at_face: str = quantity_field("beside_free_face_at", show=lambda contact: contact or None, default="")
 
     @property
     @QuantityDescription(
-        "discretisation_percent", "part due to the mesh: from refinement, or, with one mesh level, from other scenes"
+        "discretisation_percent",
+        "part of the uncertainty due to the mesh: from refinement, or, with one mesh level, from other scenes",
     )
     def of_mesh(self) -> float | None:
         """Uncertainty due to the mesh [% of the mean load]; None for a reference that the user gave, with a total only."""
@@ -539,10 +543,11 @@ class LoadUncertainty:
     @property
     @QuantityDescription(
         "total_percent",
-        "total: root of the sum of squares of the parts due to mesh, modelling choices, inputs and large displacements",
+        "total uncertainty: root of the sum of squares of the parts due to mesh, modelling choices, inputs and large "
+        "displacements",
     )
     def percent(self) -> float:
-        """Total: root of the sum of squares of all parts [% of the mean load]; a part that is not known counts as zero."""
+        """Total uncertainty: root of the sum of squares of all parts [% of the mean load]; unknown parts count as zero."""
         choices = np.nan if self.choices is None else self.choices.percent
         inputs = np.nan if self.inputs is None else self.inputs
         parts = {GRID: self.discretisation, CHOICES: choices, INPUT: inputs, SECOND: self.second_order}
@@ -570,7 +575,10 @@ class LoadUncertainty:
 
     @property
     def shared_error_sentence(self) -> str:
-        """Sentence on an error of all contact loads that no part includes; empty if equilibrium determines their sum."""
+        """Sentence on an error common to all contact loads, which no part of the uncertainty includes.
+
+        Empty if equilibrium determines the sum of the contact loads, which excludes such an error.
+        """
         if not self.shared:
             return ""
         low, high = SHARED
@@ -628,7 +636,10 @@ def largest_uncertainty_near_face(reference: Reference) -> tuple[float, str]:
 
 
 def effect_of_large_displacements(scene: Scene, reference: Reference) -> float:
-    """Return by how much large displacements reduce the largest contact load [% of the mean load]; 0 without load."""
+    """Return by how much the largest contact load is smaller with large displacements considered [% of the mean load].
+
+    The 3D reference neglects this second-order effect. 0 without load.
+    """
     worst = results_of_contact_loads(scene, reference.load, np.radians(reference.best.angle)).worst_contact
     if worst is None:
         return 0.0
@@ -661,7 +672,7 @@ def largest_choice_effects(uncertainty: ModellingUncertainty) -> LargestChoiceEf
 def applicable_choice_effects(
     scene: Scene, effects_by_scene: Mapping[str, LargestChoiceEffects]
 ) -> LargestChoiceEffects | None:
-    """Return those stored effects of the 3D reference's modelling choices that apply to a scene.
+    """Return the stored effects of the 3D reference's modelling choices that apply to a scene.
 
     ``effects_by_scene``: stored effects by the name of the scene on which choices were varied.
 

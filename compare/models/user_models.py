@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 
     from rollbench.lowfi.statics.result import Equilibrium, StaticResult
 
+#: Entry point group in which packages register models.
 GROUP = "rollbench.models"
 #: Largest imbalance of forces or moments on the screw without a warning, as a share of the largest force or moment.
 UNBALANCED = 0.01
@@ -85,7 +86,7 @@ def entry_points_of_installed_models() -> dict[str, EntryPoint]:
     Returns
     -------
     dict
-        Entry points by name, sorted.
+        Entry point of each model by its name, sorted by name.
     """
     from importlib.metadata import entry_points  # takes longer to import than a small solve
 
@@ -93,7 +94,7 @@ def entry_points_of_installed_models() -> dict[str, EntryPoint]:
 
 
 def origin_of_model(name: str) -> str:
-    """Return where a user's model comes from: function and package, or the files of its command with their hashes.
+    """Return where a user's model comes from: its function and package, or the files in its command with file hashes.
 
     Parameters
     ----------
@@ -124,7 +125,7 @@ def load_user_model(name: str) -> UserModel:
     Returns
     -------
     callable
-        Function that takes a scene and returns its contact loads (n, 4) [N] or a `ModelAnswer`.
+        Function that takes a scene and returns the contact loads of n balls on 4 flanks (n, 4) [N], or a `ModelAnswer`.
 
     Raises
     ------
@@ -188,7 +189,7 @@ def solve_by_user_model(name: str, scene: Scene, member: int = 0) -> StaticResul
     ------
     ArgumentError
         If an array has a wrong shape, or contains negative loads or values that are not finite.
-    Refusal
+    SceneNotCoveredError
         If the function of the model raises an exception.
     ProgramError
         If the external program fails.

@@ -10,19 +10,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rollbench.compare import __version__
+from rollbench.compare.reference import tasks
 from rollbench.compare.reference.levels import LEVELS, VARIANTS
 from rollbench.compare.reference.store import Run, measuring_conditions, program_versions
-from rollbench.compare.reference.tasks import (
-    MeshSpecification,
-    ReferenceTask,
-    Solvable,
-    ball_slices_by_set,
-    flanks_to_mesh,
-    mesh_settings_to_store,
-    mesh_specifications,
-    refusal_of_3d_reference,
-    stations_of_load_cases,
-)
 from rollbench.compare.running import check_reference_programs, out_of_memory_error
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.cache import StageMessage
@@ -35,6 +25,7 @@ if TYPE_CHECKING:
     from rollbench.hifi.reference import ReferenceResult
     from rollbench.hifi.setup import CondensedGeometry
 
+#: Function that is called with each line of progress.
 Step = Callable[[str], None]
 
 #: Enlargement of patches (finely meshed parts of a surface) whose rim a contact reaches: largest number of enlargements,
@@ -47,7 +38,7 @@ ALIKE = 0.99
 GROWN = 5e-3
 
 
-def compute_reference_runs(task: ReferenceTask, step: Step = lambda _: None) -> list[Run]:
+def compute_reference_runs(task: tasks.ReferenceTask, step: Step = lambda _: None) -> list[Run]:
     """Compute the results (runs) of the 3D reference for the scenes of a task.
 
     Parameters
@@ -70,7 +61,9 @@ def compute_reference_runs(task: ReferenceTask, step: Step = lambda _: None) -> 
     return compute_runs_and_bodies(task, step)[0]
 
 
-def compute_runs_and_bodies(task: ReferenceTask, step: Step = lambda _: None) -> tuple[list[Run], CondensedBodies | None]:
+def compute_runs_and_bodies(
+    task: tasks.ReferenceTask, step: Step = lambda _: None
+) -> tuple[list[Run], CondensedBodies | None]:
     """Compute the results (runs) of the 3D reference for the scenes of a task, and its condensed screw and nut.
 
     If a contact reaches the rim of its patch (the finely meshed part of the surface), the patches are enlarged as the loads
@@ -88,7 +81,7 @@ def compute_runs_and_bodies(task: ReferenceTask, step: Step = lambda _: None) ->
     list of Run
         A run for each scene.
     CondensedBodies or None
-        Condensed screw and nut; None if a run did not converge, or `are_bodies_stored` is false for the task.
+        Condensed screw and nut; None if a run did not converge, or `are_condensed_bodies_stored` is false for the task.
 
     Raises
     ------
@@ -101,7 +94,7 @@ def compute_runs_and_bodies(task: ReferenceTask, step: Step = lambda _: None) ->
 
     change = VARIANTS[task.variant].change if task.variant else lambda scene: scene
     scenes = [change(scene) if isinstance(scene, Scene) else scene for scene in task.scenes]
-    ups, balls = mesh_specifications(scenes, task.level, task.variant), ball_slices_by_set(scenes[0])
+    ups, balls = tasks.mesh_specifications(scenes, task.level, task.variant), tasks.ball_slices_by_set(scenes[0])
     ups = tuple(
         replace(up, mesh_settings=replace(up.mesh_settings, cell=task.cut_end_cell_ratio * up.mesh_settings.cell))
         for up in ups
@@ -124,12 +117,12 @@ def compute_runs_and_bodies(task: ReferenceTask, step: Step = lambda _: None) ->
         ups = tuple(larger)
         step(f"{words}, larger patches: {why}")
     runs = [_create_run_record(task, k, scene, results[k], setups, ups) for k, scene in enumerate(scenes)]
-    good = are_bodies_stored(task) and all(run.answers for run in runs)
+    good = are_condensed_bodies_stored(task) and all(run.answers for run in runs)
     return runs, collect_condensed_bodies(setups[0], task.level) if good else None
 
 
 def _mesh_and_condense_each_set(
-    task: ReferenceTask, scenes: Sequence[Solvable], ups: Sequence[MeshSpecification], step: Step
+    task: tasks.ReferenceTask, scenes: Sequence[tasks.Solvable], ups: Sequence[tasks.MeshSpecification], step: Step
 ) -> list[CondensedGeometry]:
     """Mesh and condense the parts of each nut or bearing row on the shaft, and return them row by row.
 
@@ -158,12 +151,12 @@ def _mesh_and_condense_each_set(
         except MemoryError as error:
             raise out_of_memory_error(error) from error
         except ValueError as error:
-            raise refusal_of_3d_reference(scenes[0], error) from error
+            raise tasks.not_covered_by_3d_reference_error(scenes[0], error) from error
         by_set |= dict.fromkeys(up.set_numbers, setup)
     return [by_set[k] for k in sorted(by_set)]
 
 
-def _solve_load_case(scene: Solvable, setups: Sequence[CondensedGeometry], step: Step) -> ReferenceResult:
+def _solve_load_case(scene: tasks.Solvable, setups: Sequence[CondensedGeometry], step: Step) -> ReferenceResult:
     """Solve one load case by the 3D reference.
 
     ``setups``: meshed and condensed parts of each nut or bearing row; ``step``: function that is called with lines of
@@ -174,22 +167,22 @@ def _solve_load_case(scene: Solvable, setups: Sequence[CondensedGeometry], step:
 
     try:
         if isinstance(scene, Scene):
-            result = solve_reference(setups[0], scene, sides=flanks_to_mesh(scene), frozen=True, step=step)
+            result = solve_reference(setups[0], scene, sides=tasks.flanks_to_mesh(scene), frozen=True, step=step)
         else:
             result = solve_nuts_on_one_shaft(scene, setups, frozen=True, step=step)
     except ValueError as error:
-        raise refusal_of_3d_reference(scene, error) from error
+        raise tasks.not_covered_by_3d_reference_error(scene, error) from error
     step(StageMessage("contact loads", f"{result.solve_seconds:.1f} s, {scene.name} {result.status}"))
     return result
 
 
 def _create_run_record(
-    task: ReferenceTask,
+    task: tasks.ReferenceTask,
     number: int,
-    scene: Solvable,
+    scene: tasks.Solvable,
     result: ReferenceResult,
     setups: Sequence[CondensedGeometry],
-    ups: Sequence[MeshSpecification],
+    ups: Sequence[tasks.MeshSpecification],
 ) -> Run:
     """Create the record that is stored for one load case which the 3D reference has solved.
 
@@ -201,12 +194,14 @@ def _create_run_record(
     without = {}
     if task.leave_out_each_part and isinstance(scene, Scene):
         for name in INGREDIENTS:
-            without[name] = solve_reference(setups[0], scene, sides=flanks_to_mesh(scene), leave_out=frozenset([name]))
+            without[name] = solve_reference(
+                setups[0], scene, sides=tasks.flanks_to_mesh(scene), leave_out=frozenset([name])
+            )
     shared = list({id(s): s for s in setups}.values())
     settings = (
-        mesh_settings_to_store(ups)
+        tasks.mesh_settings_to_store(ups)
         if not task.single_row_scenes
-        else asdict(ups[0].mesh_settings) | {"stations": stations_of_load_cases(*task.scenes)}
+        else asdict(ups[0].mesh_settings) | {"stations": tasks.stations_of_load_cases(*task.scenes)}
     )
     assert result.loads_with_nominal_normals is not None
     return Run(
@@ -245,15 +240,16 @@ def settings_with_larger_patches(
 ) -> tuple[Settings | None, str]:
     """Return mesh settings whose contact patches (fine meshes) are large enough for computed contact loads.
 
-    Patches grow by a fixed factor. If the remaining steps would not make them as long as the skew contacts are along the
-    groove, they are enlarged to this length at once.
+    Patches grow by a fixed factor. Because of the lead angle, contact ellipses are skew to the mesh lines of a patch and
+    reach further along the groove than their semi-axis. If the remaining steps would not make the patches long enough for
+    this, they are enlarged to the required length at once.
 
     Parameters
     ----------
     setup
         Meshed and condensed parts with the present patches.
     loads_and_angles
-        Computed contact loads (n, 4) [N] and contact angles (n, 4) [rad] of each load case.
+        Computed contact loads (n, 4) [N] and contact angles (n, 4) [rad] of n balls on 4 flanks, for each load case.
     steps_left
         Number of enlargements that are still possible after this one.
 
@@ -264,12 +260,16 @@ def settings_with_larger_patches(
     str
         Text with the required and the present size of the patches; without settings, also the reason.
     """
-    from rollbench.hifi.meshing.part_meshes import choose_patch_cells, choose_socket_size, reach_of_ellipses_along_groove
+    from rollbench.hifi.meshing.part_meshes import (
+        choose_patch_cells,
+        choose_refinement_box_size,
+        reach_of_ellipses_along_groove,
+    )
     from rollbench.hifi.meshing.settings import hertz_contacts_under_unit_force
 
-    def zone(settings: Settings) -> tuple[float, float]:
+    def half_widths_of_contact_zone(settings: Settings) -> tuple[float, float]:
         """Return the half widths [m] of the contact zone of a patch (fine mesh), across and along the groove."""
-        size = choose_socket_size(
+        size = choose_refinement_box_size(
             setup.scene, setup.groove_map, setup.ball_positions, setup.loaded_flanks, setup.solid_dimensions, settings
         )
         widths = (size.gamma * float(setup.groove_map.radius.mean()), size.phi * setup.groove_map.R)
@@ -289,14 +289,18 @@ def settings_with_larger_patches(
             askew,
             *(reach_of_ellipses_along_groove(m, s, angle[:, s], across[:, s], along[:, s]) for s in setup.loaded_flanks),
         )
-    has, reach = zone(setup.mesh_settings), np.array(setup.mesh_settings.reach)
+    has, reach = half_widths_of_contact_zone(setup.mesh_settings), np.array(setup.mesh_settings.reach)
     required = patch_size_text((float(needs[0]), float(needs[1])))
     words = f"the computed loads need {required}, the patch has {patch_size_text(has)}"
     refused, wide = "", max(float(reach[0]), float(needs[0]))
     longer = replace(setup.mesh_settings, reach=(wide, askew))
     try:
         last = BEYOND**steps_left * max(float(reach[1]), float(needs[1]) / BEYOND if steps_left else 0.0)
-        if zone(replace(longer, reach=(wide, last)))[1] < ALIKE * askew <= zone(longer)[1]:
+        if (
+            half_widths_of_contact_zone(replace(longer, reach=(wide, last)))[1]
+            < ALIKE * askew
+            <= half_widths_of_contact_zone(longer)[1]
+        ):
             return longer, f"{words}; skew contacts need {1e3 * askew:.3g} mm along the groove"
     except ValueError as error:
         refused = f"; a larger one is refused: {error}"
@@ -305,7 +309,7 @@ def settings_with_larger_patches(
         a, b = np.maximum(factor * reach, 0.0 if refused else needs).tolist()
         larger = replace(setup.mesh_settings, reach=(a, b))
         try:
-            after = zone(larger)
+            after = half_widths_of_contact_zone(larger)
         except ValueError as error:
             refused = refused or f"; a larger one is refused: {error}"
             continue
@@ -316,7 +320,7 @@ def settings_with_larger_patches(
     )
 
 
-def are_bodies_stored(task: ReferenceTask) -> bool:
+def are_condensed_bodies_stored(task: tasks.ReferenceTask) -> bool:
     """Return whether the condensed screw and nut of a task are stored together with its results.
 
     They are stored for scenes with one nut or bearing row, without a variant, on a regular mesh level.

@@ -38,16 +38,18 @@ from rollbench.meshes.arrays import Array
 ORDERS = (0.5, 2.0)
 #: Safety factor F of the uncertainty, with a credible order and without one.
 SAFE, CAREFUL = 1.25, 3.0
-#: Ratio of the change between mesh levels to the largest value, up to which the change is due to rounding [1].
+#: Ratio of the change of a quantity between mesh levels to its largest value, up to which the change is due to rounding
+#: [1].
 ROUND_OFF = 1e-6
 #: Number of orders in the allowed interval for which `pooled_grid_uncertainty` computes the uncertainty.
 STEPS = 16
 
-#: Range of orders that are searched, including negative ones (values that diverge).
+#: Range in which the order of convergence is searched, including negative orders (values that diverge).
 SEARCH = (-4.0, 12.0)
 #: Confidence of the F test for orders that the data allow.
 CONFIDENCE = 0.95
 
+#: Kinds of convergence of a quantity over the mesh levels, and reasons why it has no order of convergence.
 MONOTONE = "monotone"
 NOT_MONOTONE = "not monotone"
 OUT_OF_RANGE = "order out of range"
@@ -57,9 +59,9 @@ TOO_FEW = "fewer than three levels"
 
 @dataclass(frozen=True)
 class Convergence:
-    """Grid convergence of one quantity: order of convergence, extrapolated value and uncertainty."""
+    """Convergence of one quantity over mesh levels of decreasing cell size: order, extrapolated value, uncertainty."""
 
-    #: Values on the mesh levels, coarse to fine.
+    #: Values of the quantity on the mesh levels, coarse to fine.
     values_by_level: tuple[float, ...]
     #: Kind of convergence, such as `MONOTONE`, or the reason why there is no credible order.
     kind: str
@@ -86,7 +88,7 @@ class Convergence:
 
 
 def _order_text(p: float) -> str:
-    """Return the order of convergence ``p`` as text: "= 1.50", or "below -4" or "above 12" at an end of `SEARCH`."""
+    """Return the convergence order ``p`` as text: "= 1.50"; at an end of the searched range "below -4" or "above 12"."""
     low, high = SEARCH
     return f"below {low:g}" if p <= low else f"above {high:g}" if p >= high else f"= {p:.2f}"
 
@@ -99,11 +101,11 @@ def relative_cell_size(settings: Mapping[str, Any]) -> float:
 def grid_convergence(values: ArrayLike, sizes: ArrayLike) -> Convergence:
     """Estimate order of convergence, extrapolated value and uncertainty of one quantity on several mesh levels.
 
-    The method deviates from that of Eca and Hoekstra as follows. The uncertainty U is at least that of first order with
-    F = 1.25, if the values do not contradict first order (F test), because a few noisy values often show too high an
-    order. With three levels, for which Eca and Hoekstra give no estimate, the fit of an order has no degree of freedom;
-    sigma is then the smallest standard deviation of the fits with fixed order. With two levels, U is three times the
-    difference of both values.
+    The method deviates from that of Eca and Hoekstra (2014) as follows. The uncertainty is at least that of a fit of first
+    order with the safety factor 1.25, if the values do not contradict first order (F test), because a few noisy values
+    often show too high an order. With three levels, for which Eca and Hoekstra give no estimate, the fit of an order has no
+    degree of freedom; the smallest standard deviation of the fits with fixed order then replaces that of this fit. With two
+    levels, the uncertainty is three times the difference of both values.
 
     Parameters
     ----------
@@ -129,7 +131,7 @@ def grid_convergence(values: ArrayLike, sizes: ArrayLike) -> Convergence:
         return Convergence(given_, TOO_FEW, None, None, None)
     if n == 2:
         return Convergence(given_, TOO_FEW, None, None, CAREFUL * abs(given_[1] - given_[0]))
-    if _is_constant(column):
+    if _is_equal_on_all_levels(column):
         return Convergence(given_, HELD, None, given_[-1], 0.0)
     label, order = _kind_of_convergence(column, h)
     free = [fit_searched_order(y, h, weighted) for weighted in (False, True)]
@@ -151,16 +153,17 @@ def grid_convergence(values: ArrayLike, sizes: ArrayLike) -> Convergence:
 def pooled_grid_uncertainty(values: ArrayLike, sizes: ArrayLike) -> Array:
     """Estimate the grid uncertainty of many similar quantities that converge with one common order.
 
-    Limit phi_0 and coefficient alpha differ between the quantities. The common order is fitted, with the interval of
-    orders that the data allow (F test, 95 %). With so many degrees of freedom sigma is well known, and the formula of
-    Eca and Hoekstra is changed: U is the largest value of 1.25 |delta| + sigma + |r_1| over the allowed orders in
-    `ORDERS`. If all allowed orders are above this range, order 2 is used, with which delta is larger than with the fitted
-    order. If all are below, the fits with fixed orders and the factor of 3 are used, as in their method. sigma of a
-    quantity is its own standard deviation or the common one, whichever is larger, because one or two residuals are often
-    small by chance.
+    Each quantity is fitted by limit + coefficient h^p over the cell size h, with a limit and a coefficient of its own and
+    the common order p, for which the data allow an interval (F test, 95 %). On the finest level, delta is the value less
+    its limit, and r_1 the residual of the fit; sigma is the standard deviation of the fit. With so many degrees of freedom
+    sigma is well known, and the formula of Eca and Hoekstra (2014) is changed: the uncertainty is the largest value of
+    1.25 |delta| + sigma + |r_1| over the allowed orders in the credible range `ORDERS`, 0.5 to 2. If all allowed orders are
+    above this range, order 2 is used, with which delta is larger than with the fitted order. If all are below, the best fit
+    with fixed orders is used with the factor 3 instead of 1.25, as by Eca and Hoekstra. sigma of a quantity is its own
+    standard deviation or the common one, whichever is larger, because one or two residuals are often small by chance.
 
-    With two levels, U is three times the difference, or three times the RMS difference of all quantities if that is larger.
-    Quantities that are equal on all levels have no uncertainty.
+    With two levels, the uncertainty is three times the difference of both values, or three times the RMS difference of all
+    quantities if that is larger. Quantities that are equal on all levels have no uncertainty.
 
     Parameters
     ----------
@@ -181,7 +184,7 @@ def pooled_grid_uncertainty(values: ArrayLike, sizes: ArrayLike) -> Array:
     """
     y, h = _check_values_and_cell_sizes(values, sizes)
     bars = np.zeros(y.shape[1])
-    moving = np.array([not _is_constant(column) for column in y.T], dtype=bool)
+    moving = np.array([not _is_equal_on_all_levels(column) for column in y.T], dtype=bool)
     data = y[:, moving]
     if len(h) == 1:
         return np.full(y.shape[1], np.nan)
@@ -238,7 +241,7 @@ def _check_values_and_cell_sizes(values: ArrayLike, sizes: ArrayLike) -> tuple[A
     return y, h / h[-1]
 
 
-def _is_constant(column: Array) -> bool:
+def _is_equal_on_all_levels(column: Array) -> bool:
     """Return whether a quantity is equal on all mesh levels, up to rounding; ``column``: its values, (levels,)."""
     return float(np.ptp(column)) <= ROUND_OFF * float(np.abs(column).max())
 
@@ -275,7 +278,7 @@ def _uncertainty_of_finest(
 
 @dataclass(frozen=True)
 class ConvergenceFit:
-    """Least-squares fit of one or several quantities as functions of the cell size h."""
+    """Least-squares fit of one or several quantities, computed on several mesh levels, as functions of the cell size h."""
 
     #: Description of the fitted function, such as "order 1.50".
     fitted_function: str
@@ -285,7 +288,7 @@ class ConvergenceFit:
     weighted_by_cell_size: bool
     #: Limits of the quantities at h = 0, (m,); nan for orders without limit.
     limits: Array
-    #: Residuals, (levels, m).
+    #: Residuals of m quantities on each mesh level, (levels, m).
     residuals: Array
     #: Standard deviation of the residuals of all quantities; zero if the fit leaves no degree of freedom.
     standard_deviation: float
@@ -299,7 +302,7 @@ def fit_searched_order(y: Array, h: Array, weighted: bool = False) -> Convergenc
     ``y``: values (levels, m); ``h``: relative cell sizes (levels,); ``weighted``: whether the levels have weights 1 / h
     instead of equal ones. The best order is searched on grids over shrinking intervals.
     """
-    w = level_weights(h, weighted)
+    w = weights_of_mesh_levels(h, weighted)
     low, high = SEARCH
     at, step = 0.0, 1.0
     while step > 1e-11:
@@ -316,7 +319,7 @@ def fit_given_order(y: Array, h: Array, p: float, weighted: bool) -> Convergence
     weights 1 / h instead of equal ones. The order counts as one fitted parameter that all quantities share.
     """
     x = _box_cox_transform(h, np.array([p]))[0]
-    finest, slope, residual = _linear_least_squares(y, x[:, None], level_weights(h, weighted))
+    finest, slope, residual = _linear_least_squares(y, x[:, None], weights_of_mesh_levels(h, weighted))
     limit = finest - slope[0] / p if p > 0.0 else np.full_like(finest, np.nan)  # x is -1 / p at h = 0
     return _create_fit_record(f"order {p:.2f}", p, weighted, h, limit, residual, 2, 1)
 
@@ -334,7 +337,7 @@ def fit_fixed_orders(y: Array, h: Array, *, with_mixed_order: bool) -> list[Conv
     for form, powers in forms.items():
         columns = np.stack([h**p for p in powers], axis=1)
         for weighted in (False, True):
-            limit, _, residual = _linear_least_squares(y, columns, level_weights(h, weighted))
+            limit, _, residual = _linear_least_squares(y, columns, weights_of_mesh_levels(h, weighted))
             out.append(_create_fit_record(form, None, weighted, h, limit, residual, len(powers) + 1, 0))
     return out
 
@@ -352,7 +355,7 @@ def range_of_compatible_orders(y: Array, h: Array, best: ConvergenceFit) -> tupl
     freedom = (n - 2) * m - 1
     if freedom < 1 or best.order is None:
         return SEARCH
-    w = level_weights(h, best.weighted_by_cell_size)
+    w = weights_of_mesh_levels(h, best.weighted_by_cell_size)
     least = float(_residual_squares(y, h, w, np.array([best.order]))[0])
     limit = least * (1.0 + float(f_ratio.ppf(CONFIDENCE, 1, freedom)) / freedom)
     ends = []
@@ -363,8 +366,8 @@ def range_of_compatible_orders(y: Array, h: Array, best: ConvergenceFit) -> tupl
     return ends[0], ends[1]
 
 
-def level_weights(h: Array, weighted: bool) -> Array:
-    """Return the weights of the mesh levels in a fit, (levels,), of sum one: proportional to 1 / h, or equal.
+def weights_of_mesh_levels(h: Array, weighted: bool) -> Array:
+    """Return the weights of the mesh levels in a fit, (levels,): equal, or proportional to 1 over the cell size; sum 1.
 
     ``weighted``: whether they are proportional to 1 / h; ``h``: relative cell sizes (levels,).
     """
@@ -425,7 +428,7 @@ def _create_fit_record(
     that all share.
     """
     n, m = residual.shape
-    squares = n * (level_weights(h, weighted) @ (residual * residual))
+    squares = n * (weights_of_mesh_levels(h, weighted) @ (residual * residual))
     freedom = (n - parameters_of_each) * m - shared_parameters
     deviation = float(np.sqrt(squares.sum() / freedom)) if freedom > 0 else 0.0
     single = np.sqrt(squares / (n - parameters_of_each)) if n > parameters_of_each else np.zeros(m)

@@ -60,20 +60,21 @@ from rollbench.compare.measure import error_percent, mean_load
 from rollbench.compare.reference.convergence import relative_cell_size
 from rollbench.compare.reference.levels import LEVELS, PRODUCTION
 from rollbench.compare.reference.store import Run, load_stored_run, shipped_store
-from rollbench.lowfi.statics.nominal import nominal_contacts
+from rollbench.lowfi.statics.nominal import count_nominal_contacts
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.solid import dimensions_of_3d_parts
 
+#: Name of the file with the parts of the mesh uncertainty that hold for all scenes.
 FILE = "grid_parts.json"
 
-#: Number of standard deviations in an uncertainty that covers 95 % of the contacts: normally, and if only the change
+#: Ratio of an uncertainty that covers 95 % of the contacts to the standard deviation: normally, and if only the change
 #: between two neighbouring mesh levels is known. This change scatters between scenes: a factor of 2 covered 87 % of the
 #: contacts of one random screw.
 COVER, COVER_OF_ONE_CHANGE = 2.0, 2.2
 
-#: Order of convergence of the (second-order) cells.
+#: Order with which the errors of the (second-order) cells fall with their size.
 ORDER = 2
 
 #: Exponent of the load in the stiffness of a contact.
@@ -100,9 +101,9 @@ class UncertaintyFromOtherScenes:
     The parts are in % of the mean contact load.
     """
 
-    #: Standard deviation due to the mesh of the refinement boxes (boxes around the contacts).
+    #: Standard deviation of a contact load due to the mesh of the refinement boxes (boxes around the contacts).
     sockets: float
-    #: Standard deviation of an error that all contacts share.
+    #: Standard deviation of an error that is equal for all contact loads of a scene.
     common: float
     #: Uncertainty of a scene that was solved on the coarsest level only, with one and with both flanks of the screw loaded.
     #: It covers 95 % of the errors (at least 93 % in every scene with one loaded flank).
@@ -115,19 +116,20 @@ class UncertaintyFromOtherScenes:
 class MeshUncertainty:
     """Uncertainty of a scene's contact loads due to the mesh, and its parts [% of the mean load], RMS over the contacts.
 
-    The parts are standard deviations of the difference between the finest level and the next one. With a single level only
-    the uncertainty is known, from other scenes, and the parts are None.
+    The parts, such as that of the cells at the contact, are standard deviations of the change of a contact load from the
+    finest level to the next finer one. With a single level only the uncertainty is known, from other scenes, and the parts
+    are None.
     """
 
-    #: Uncertainty that covers 95 % of the contacts; zero without load.
+    #: Uncertainty of a contact load that covers 95 % of the contacts; zero without load.
     uncertainty: float
-    #: Standard deviation due to the cells at the contact.
+    #: Standard deviation of a contact load due to the cells at the contact.
     contact_cell_deviation: float | None = None
-    #: Standard deviation due to the cells of the bodies.
+    #: Standard deviation of a contact load due to the cells of the bodies.
     body_cell_deviation: float | None = None
-    #: Standard deviation due to the mesh of the refinement boxes (boxes around the contacts).
+    #: Standard deviation of a contact load due to the mesh of the refinement boxes (boxes around the contacts).
     socket_mesh_deviation: float | None = None
-    #: Standard deviation of an error that all contacts share.
+    #: Standard deviation of an error that is equal for all contact loads of the scene.
     common_deviation: float | None = None
     #: Factor between the root of the sum of squares of the parts and the uncertainty.
     coverage_factor: float = COVER
@@ -140,8 +142,8 @@ class MeshUncertainty:
     def uncertainties_of_loads(self, loads: Levelled) -> Array:
         """Return the uncertainty of every contact load due to the mesh, (n, 4) [% of the mean load].
 
-        ``loads``: contact loads (n, 4) [N] by mesh level. The uncertainty covers 95 % of the contacts, and is zero for
-        contacts that carry load on no level.
+        ``loads``: contact loads of n balls on 4 flanks (n, 4) [N] by mesh level. The uncertainty covers 95 % of the
+        contacts, and is zero for contacts that carry load on no level.
         """
         on = is_loaded_on_any_level(loads)
         if (
@@ -163,13 +165,16 @@ class MeshUncertainty:
 def has_both_flanks_loaded(load: Array) -> bool:
     """Return whether both flanks of the screw carry load, so that equilibrium does not fix the sum of the contact loads.
 
-    ``load``: contact loads (n, 4) [N].
+    ``load``: contact loads of n balls on 4 flanks (n, 4) [N], first those of the screw.
     """
     return bool((load[:, :2] > 0.0).any(axis=0).all())
 
 
 def is_loaded_on_any_level(loads: Levelled) -> Array:
-    """Return a mask (n, 4) of the contacts that carry load on at least one mesh level; ``loads``: (n, 4) [N] by level."""
+    """Return a mask (n, 4) of the contacts that carry load on at least one mesh level.
+
+    ``loads``: contact loads of n balls on 4 flanks (n, 4) [N] by mesh level.
+    """
     return np.asarray(np.max([loads[k] for k in loads], axis=0) > 0.0)
 
 
@@ -206,14 +211,14 @@ def mesh_uncertainty(loads: Levelled, other_scenes: UncertaintyFromOtherScenes) 
 def _load_change(loads: Levelled, level: int, other_level: int, finest: int) -> Array:
     """Return by how much contact loads change from one mesh level to another [% of the mean load on level ``finest``].
 
-    ``loads``: contact loads (n, 4) [N] by mesh level; ``level``, ``other_level``: first and second level. The result is a
-    vector with the changes of all contacts that carry load on at least one level.
+    ``loads``: contact loads of n balls on 4 flanks (n, 4) [N] by mesh level; ``level``, ``other_level``: first and second
+    level. The result is a vector with the changes of all contacts that carry load on at least one level.
     """
     on = is_loaded_on_any_level(loads)
     return np.asarray(error_percent(loads[other_level][on], loads[level][on], mean_load(loads[finest])))
 
 
-def _cell_sizes(level: int) -> Array:
+def _relative_cell_sizes_of_level(level: int) -> Array:
     """Return the relative cell sizes of a mesh level, (2,): first at the contact, then of the bodies.
 
     For assumed levels finer than the last one, the sizes fall by the factors `NEXT` from level to level.
@@ -230,7 +235,9 @@ def _variance_factors(level: int, other: int) -> Array:
     ``level``, ``other``: the two levels. The first factor belongs to the error due to the cells at the contact, the second
     to the error due to the cells of the bodies.
     """
-    return np.asarray(_cell_sizes(level) ** (2 * ORDER) + _cell_sizes(other) ** (2 * ORDER))
+    return np.asarray(
+        _relative_cell_sizes_of_level(level) ** (2 * ORDER) + _relative_cell_sizes_of_level(other) ** (2 * ORDER)
+    )
 
 
 def _fit_variances(columns: Array, observed: Array, known_variance: float) -> Array:
@@ -259,10 +266,10 @@ def derive_uncertainty_of_other_scenes(
     Parameters
     ----------
     scenes
-        Contact loads on each mesh level, for each scene.
+        Contact loads of n balls on 4 flanks (n, 4) [N] on each mesh level, for each scene.
     sockets
-        Standard deviation due to the mesh of the refinement boxes around the contacts [% of the mean load], from a separate
-        run.
+        Standard deviation of a contact load due to the mesh of the refinement boxes around the contacts [% of the mean
+        load], from a separate run.
     known_errors
         For each scene, the errors on the coarsest level near free faces of the nut (`load_error_near_faces`), (n, 4) [% of
         the mean load]. They have a separate uncertainty and are subtracted. None: nothing is subtracted.
@@ -324,6 +331,7 @@ def read_uncertainty_of_other_scenes(store: Path) -> UncertaintyFromOtherScenes:
     return UncertaintyFromOtherScenes(float(data["sockets"]), float(data["common"]), (one, both), tuple(data["scenes"]))
 
 
+#: Name of the file with the compliance of the lip between a contact and a free face of the nut.
 LIP_FILE = "near_face.json"
 
 #: Distance [ball radii] from which on a face has no influence; from the last computed distance the influence falls linearly
@@ -347,15 +355,16 @@ class LipCompliance:
 
     #: Distances from the face [ball radii], increasing.
     relative_distances: Array
-    #: Compliance of the lip times Young's modulus and ball radius, at these distances.
+    #: Compliance of the lip times Young's modulus and ball radius, at each of the distances.
     compliance: Array
-    #: For each mesh level, the part of this compliance that the mesh neglects.
+    #: For each mesh level, the part of the lip's compliance that the mesh neglects, in the same form.
     missing_compliance_by_level: dict[int, Array]
 
     def interpolate(self, radii: Array, level: int) -> tuple[Array, Array]:
-        """Return the lip's compliance at distances from the face, and the part of it that a mesh level neglects.
+        """Return the lip's compliance at distances from the nut's face, and the part of it that a mesh level neglects.
 
-        ``radii``: distances over the ball radius. Both compliances are multiplied by Young's modulus E and ball radius r.
+        ``radii``: distances from the face over the ball radius; ``level``: the mesh level. Both compliances are
+        dimensionless: multiplied by Young's modulus and by the ball radius.
         """
         missing = self.missing_compliance_by_level[min(max(level, 1), max(self.missing_compliance_by_level))]
         return np.interp(radii, self.relative_distances, self.compliance), np.interp(
@@ -367,16 +376,17 @@ class LipCompliance:
 def read_lip_compliance(store: Path) -> LipCompliance:
     """Read the compliance of the lip between a contact and a free face of the nut from the folder ``store``.
 
-    It was computed for one scene on all mesh levels. The part that a level neglects is multiplied by the largest ratio of
-    this part in any other scene to that in this scene. Values are extrapolated from the two smallest distances towards the
-    face, and fall to zero beyond the largest distance. OSError, ValueError or KeyError if the file is missing or damaged.
+    The compliance was computed for one scene on all mesh levels. The part of it that a mesh level neglects is scaled to the
+    worst of the scenes in the file: multiplied by the largest ratio of this part in any of them to that in the first scene.
+    Values are extrapolated from the two smallest distances towards the face, and fall to zero beyond the largest distance.
+    OSError, ValueError or KeyError if the file is missing or damaged.
     """
     rows = json.loads((store / LIP_FILE).read_text(encoding="utf-8"))
     first = [row for row in rows if row["scene"] == rows[0]["scene"]]
     radii = np.array([row["radii"] for row in first])
     step = CLOSER / (radii[1] - radii[0])
 
-    def with_extrapolated_ends(values: list[float]) -> Array:
+    def extrapolated_to_face_and_zero(values: list[float]) -> Array:
         return np.array([values[0] + step * (values[0] - values[1]), *values, 0.0])
 
     missing = {int(k): [row["missing"][k] for row in first] for k in first[0]["missing"]}
@@ -384,15 +394,15 @@ def read_lip_compliance(store: Path) -> LipCompliance:
     places = np.array([radii[0] - CLOSER, *radii, AWAY])
     return LipCompliance(
         places,
-        with_extrapolated_ends([row["lip"] for row in first]),
-        {k: spread * with_extrapolated_ends(values) for k, values in missing.items()},
+        extrapolated_to_face_and_zero([row["lip"] for row in first]),
+        {k: spread * extrapolated_to_face_and_zero(values) for k, values in missing.items()},
     )
 
 
-def excess_load_near_faces(scene: Scene, load: Array, level: int) -> Array:
+def load_overestimate_near_faces(scene: Scene, load: Array, level: int) -> Array:
     """Return upper bounds on how much a mesh level overestimates contact loads near free faces of the nut, (n, 4) [N].
 
-    ``load``: contact loads (n, 4) [N] of the level.
+    ``load``: contact loads of n balls on 4 flanks (n, 4) [N] of the level.
     """
     from rollbench.hifi.meshing.settings import hertz_contacts_under_unit_force
 
@@ -416,12 +426,12 @@ def excess_load_near_faces(scene: Scene, load: Array, level: int) -> Array:
 
 
 def load_error_near_faces(scene: Scene, load: Array, level: int) -> Array:
-    """Return the largest errors of the contact loads on a mesh level due to free faces of the nut, (n, 4) [N].
+    """Return an upper bound of each contact load's error on a mesh level due to free faces of the nut, (n, 4) [N].
 
-    ``load``: contact loads (n, 4) [N] of the level. If equilibrium fixes the sum of the loads, contacts far from the faces
-    have errors, too, because the excess near the faces is missing there.
+    ``load``: contact loads of n balls on 4 flanks (n, 4) [N] of the level. If equilibrium fixes the sum of the loads, the
+    excess of the loads near the faces is missing on the other contacts, whose loads then have errors, too.
     """
-    excess = excess_load_near_faces(scene, load, level)
+    excess = load_overestimate_near_faces(scene, load, level)
     if has_both_flanks_loaded(load) or not excess.any():
         return excess
     stiffness = load**STIFFNESS
@@ -438,23 +448,23 @@ class Reference:
 
     #: Name of the scene.
     scene: str
-    #: Runs, coarse to fine; for a user's file a single run without mesh, displacements or times.
+    #: Runs of the 3D reference, coarse to fine; for a user's file a single run without mesh, displacements or times.
     runs: tuple[Run, ...]
     #: Contact loads of the finest run, (n, 4) [N].
     load: Array
     #: Uncertainty of the loads due to mesh and incomplete convergence, (n, 4) [N]; zero for contacts without load.
     uncertainty: Array
-    #: Uncertainty of the loads due to the mesh, with its parts.
+    #: RMS uncertainty of the contact loads due to the mesh, with its parts [% of the mean load].
     parts: MeshUncertainty
     #: Number of contacts that carry load if the screw has no geometric errors; 0: not known.
     contacts: int = 0
     #: Name of the reference; for a user's file, the name of the file.
     label: str = "3D reference"
-    #: What a user's file states about its uncertainty; empty for a computed reference.
+    #: Text on a user's file: its name, its source and the uncertainty that it states; empty for a computed reference.
     stated: str = ""
-    #: Other contact quantities in a user's file, (n, 4) in SI units, by name.
+    #: Contact angles, approaches and pressures that a user's file states, (n, 4) in SI units, by name.
     further: Mapping[str, Array] = field(default_factory=dict)
-    #: Part of the uncertainty due to a free face of the nut near the contact, (n, 4) [N].
+    #: Part of each load's uncertainty due to a free face of the nut near the contact, (n, 4) [N].
     beside_face: Array | None = None
 
     @property
@@ -500,7 +510,7 @@ def reference_of_scene(scene: Scene, stores: Sequence[Path] | None = None) -> Re
     """
     runs = tuple(run for level in LEVELS if (run := load_stored_run(scene, level, stores=stores)) is not None)
     runs = tuple(run for run in runs if run.answers)[-FITTED:]
-    return reference_from_runs(scene.name, scene, runs, contacts=nominal_contacts(scene)) if runs else None
+    return reference_from_runs(scene.name, scene, runs, contacts=count_nominal_contacts(scene)) if runs else None
 
 
 def reference_from_runs(name: str, scene: Scene, runs: tuple[Run, ...], contacts: int = 0) -> Reference:
@@ -527,7 +537,7 @@ def reference_from_runs(name: str, scene: Scene, runs: tuple[Run, ...], contacts
     bars = (
         0.01 * mean_load(best.load) * grid.uncertainties_of_loads(loads) if grid.uncertainty else np.zeros_like(best.load)
     )
-    lips = excess_load_near_faces(scene, best.load, best.level)
+    lips = load_overestimate_near_faces(scene, best.load, best.level)
     beside = load_error_near_faces(scene, best.load, best.level) if grid.is_from_other_scenes else lips
     return Reference(name, runs, best.load, bars + beside + best.moving, grid, contacts, beside_face=lips)
 

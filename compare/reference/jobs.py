@@ -19,10 +19,10 @@ from typing import Any
 from rollbench.compare.errors import InputError
 from rollbench.compare.quantities import count_with_noun
 from rollbench.compare.reference import parallel
-from rollbench.compare.reference.computing import are_bodies_stored, compute_runs_and_bodies
+from rollbench.compare.reference.computing import are_condensed_bodies_stored, compute_runs_and_bodies
 from rollbench.compare.reference.levels import LEVELS, PRODUCTION, SOURCE_LEVEL, VARIANTS
 from rollbench.compare.reference.store import Run, load_stored_run, path_of_bodies, path_of_run, save_run
-from rollbench.compare.reference.tasks import ReferenceTask, Solvable, group_by_geometry, mesh_specifications
+from rollbench.compare.reference.tasks import ReferenceTask, Solvable, group_scenes_by_geometry, mesh_specifications
 from rollbench.compare.running import available_GB, format_duration, output_closed, usable_cores
 from rollbench.meshes.cache import StageMessage
 from rollbench.meshes.condensed import CondensedBodies
@@ -31,14 +31,16 @@ from rollbench.meshes.processes import reset_peak_memory
 #: Time of the finely meshed contact patches by mesh level [s], independent of the number of contacts.
 PATCHES = {0: 3.0, 1: 13.0, 2: 25.0, 3: 45.0, 4: 100.0, 5: 200.0}
 
-#: Time per contact of the other stages on mesh level 1 [s], and the factor by which it is multiplied on each level.
+#: Time per contact of each stage other than the patches, on mesh level 1 [s].
 A_CONTACT = {"meshes": 0.02, "shaft section": 0.05, "screw": 0.08, "nut": 0.06, "contact loads": 0.02}
 
+#: Factor on the times per contact by mesh level; 1 on level 1.
 GROWTH = {0: 0.4, 1: 1.0, 2: 1.2, 3: 1.8, 4: 3.0, 5: 6.0}
 
-#: Memory [GB]: part that depends only on the mesh level, and part per contact.
+#: Part of the peak memory that does not depend on the number of contacts, by mesh level [GB].
 BASE_GB = {0: 0.6, 1: 0.65, 2: 0.9, 3: 1.3, 4: 2.2, 5: 4.4}
 
+#: Part of the peak memory for each contact [GB].
 CONTACT_GB = 0.007
 
 #: Stages that are divided between two processes, factor by which these stages are then faster, and memory that the second
@@ -46,9 +48,10 @@ CONTACT_GB = 0.007
 #: process computes only patches (`hifi.setup.TOGETHER`) and adds the share `PATCHES_ALONE` of `BASE_GB`.
 SHARED, FASTER, MORE, TOGETHER = ("meshes", "patches", "ball", "shaft section", "screw", "nut"), 1.7, 0.7, 160
 
+#: Memory of a second process that computes only patches, as a share of `BASE_GB`.
 PATCHES_ALONE = 0.68
 
-#: Order of the stages, by their names in `hifi.setup.mesh_and_condense_geometry`.
+#: Stages of a task in the order in which they are computed, by their names in `hifi.setup.mesh_and_condense_geometry`.
 STAGES = ("meshes", "patches", "shaft section", "screw", "nut", "ball", "contact loads")
 
 
@@ -56,18 +59,18 @@ STAGES = ("meshes", "patches", "shaft section", "screw", "nut", "ball", "contact
 class ExpectedCost:
     """Expected computing time and memory of a task of the 3D reference."""
 
-    #: Expected time of each stage [s], by its name.
+    #: Expected time of each stage of the task [s], by the name of the stage.
     seconds_by_stage: dict[str, float]
-    #: Peak memory [GB].
+    #: Expected peak memory of the task [GB].
     memory_GB: float
 
     @property
     def seconds(self) -> float:
-        """Expected time of all stages [s]."""
+        """Expected computing time of all stages of the task together [s]."""
         return sum(self.seconds_by_stage.values())
 
 
-def expected_cost(task: ReferenceTask) -> ExpectedCost:
+def expected_time_and_memory(task: ReferenceTask) -> ExpectedCost:
     """Estimate computing time and memory of a task of the 3D reference from its mesh level and number of contacts."""
     by_bodies = [len(up.meshed_flanks) * up.parts.ball_count for up in mesh_specifications(task.scenes, task.level)]
     contacts = sum(by_bodies)
@@ -102,10 +105,10 @@ def check_memory(tasks: Sequence[ReferenceTask], workers: int) -> float:
     InputError
         If this machine has less free memory.
     """
-    each = sorted((expected_cost(task).memory_GB for task in tasks), reverse=True)
+    each = sorted((expected_time_and_memory(task).memory_GB for task in tasks), reverse=True)
     peak, free = sum(each[:workers]), available_GB()
     if free is not None and peak > free:
-        largest = max(tasks, key=lambda task: expected_cost(task).memory_GB)
+        largest = max(tasks, key=lambda task: expected_time_and_memory(task).memory_GB)
         fewer = f"fewer workers (`workers={workers - 1}`), " if workers > 1 else ""
         raise InputError(
             "this machine",
@@ -118,12 +121,12 @@ def check_memory(tasks: Sequence[ReferenceTask], workers: int) -> float:
 
 
 class TaskProgress:
-    """Progress of a running task of the 3D reference: present stage, finished share, and expected time left."""
+    """Progress of a running task of the 3D reference: present stage, finished share of its time, expected time left."""
 
     def __init__(self, task: ReferenceTask, after: float = 0.0) -> None:
         """Start the progress of a task; ``after``: expected time of all tasks that follow it [s]."""
         self.label, self.after = task.label, after
-        stages, scenes = expected_cost(task).seconds_by_stage, len(task.scenes)
+        stages, scenes = expected_time_and_memory(task).seconds_by_stage, len(task.scenes)
         loads = stages.pop("contact loads")
         self.stages = [*stages.items(), *[("contact loads", loads / scenes)] * scenes]
         self.done = self.computed = 0.0
@@ -151,12 +154,13 @@ class TaskProgress:
         return f"{self.label}: {text}; {self.done / (self.done + left):.0%}, {total}{' in all' if self.after else ''}"
 
 
+#: Function that is called with each line of progress.
 Step = Callable[[str], None]
 
 #: Time of the remaining jobs [s] below which no further processes are started, because each must import and compile first.
 WORTH_WORKERS = 10.0
 
-#: Interval of progress messages [s].
+#: Interval between regular messages on the progress of a task [s].
 HEARTBEAT = 20.0
 
 
@@ -168,7 +172,7 @@ class ComputingSettings:
     backend: str = "joblib"
     #: Address of the scheduler of a Dask cluster; None: a cluster is started on this machine.
     scheduler_address: str | None = None
-    #: Number of jobs at the same time; None: one, or one on each worker of a scheduler.
+    #: Number of jobs that run at the same time; None: one, or one on each worker of a Dask cluster.
     parallel_jobs: int | None = None
     #: Folder in which meshes and condensed parts are cached; None: no cache.
     cache_folder: Path | None = None
@@ -220,7 +224,7 @@ def run_jobs_in_fastest_way(
         yield here + number, result
 
 
-def plan_tasks(
+def plan_reference_tasks(
     scenes: Sequence[Solvable],
     levels: Sequence[int],
     variants: Sequence[str] = (),
@@ -252,7 +256,7 @@ def plan_tasks(
         The tasks.
     """
     tasks = []
-    for cases in map(tuple, group_by_geometry(scenes)):
+    for cases in map(tuple, group_scenes_by_geometry(scenes)):
         tasks += [
             ReferenceTask(cases, level, leave_out_each_part=leave_out_each_part and level == min(LEVELS))
             for level in levels
@@ -263,7 +267,9 @@ def plan_tasks(
         if any(VARIANTS[variant].refined for variant in variants):
             tasks.append(ReferenceTask(cases[:1], PRODUCTION, "base"))  # baseline for variants that refine one mesh setting
     coarsest = min(levels, default=None)
-    return sorted(tasks, key=lambda task: (task.level != coarsest or bool(task.variant), -expected_cost(task).seconds))
+    return sorted(
+        tasks, key=lambda task: (task.level != coarsest or bool(task.variant), -expected_time_and_memory(task).seconds)
+    )
 
 
 def tasks_without_stored_runs(tasks: Sequence[ReferenceTask], stores: Sequence[Path]) -> list[ReferenceTask]:
@@ -282,7 +288,7 @@ def tasks_without_stored_runs(tasks: Sequence[ReferenceTask], stores: Sequence[P
         )
         if scenes:
             left.append(replace(task, scenes=scenes))
-        elif are_bodies_stored(task) and not all(
+        elif are_condensed_bodies_stored(task) and not all(
             run and any(path_of_bodies(store, scene, run).exists() for store in stores)
             for scene, run in zip(task.single_row_scenes, runs, strict=True)
         ):
@@ -318,11 +324,13 @@ def compute_and_store(
     reset_peak_memory()
     start, progress = perf_counter(), progress or TaskProgress(task)
     runs, bodies = compute_runs_and_bodies(task, lambda text: step(progress.progress_line(text, perf_counter() - start)))
-    store_runs_and_bodies(store, task, runs, bodies)
+    store_runs_and_condensed_bodies(store, task, runs, bodies)
     return runs, bodies
 
 
-def store_runs_and_bodies(store: Path, task: ReferenceTask, runs: Sequence[Run], bodies: CondensedBodies | None) -> None:
+def store_runs_and_condensed_bodies(
+    store: Path, task: ReferenceTask, runs: Sequence[Run], bodies: CondensedBodies | None
+) -> None:
     """Write the results of one task of the 3D reference, and its condensed screw and nut, to the folder ``store``.
 
     Results (runs) whose contact loads cannot be used are not written.
@@ -391,7 +399,7 @@ def ensure_runs_are_stored(
     start, done = perf_counter(), 0.0
     alone = local and (engine.parallel_jobs or 1) == 1
     step(_text_announcing_tasks(left, len(tasks) - len(left), store, engine.parallel_jobs or 1, here=local))
-    seconds = [expected_cost(task).seconds for task in left]
+    seconds = [expected_time_and_memory(task).seconds for task in left]
     progress = [TaskProgress(task, sum(seconds[k + 1 :])) for k, task in enumerate(left)]
     jobs = [
         (compute_and_store, (task, store, step, p) if alone else (task, store))
@@ -405,7 +413,7 @@ def ensure_runs_are_stored(
         runs, bodies = outcome
         good = [(scene, run) for scene, run in zip(task.scenes, runs, strict=True) if run.answers]
         if not all(path_of_run(store, scene, run).exists() for scene, run in good):
-            store_runs_and_bodies(
+            store_runs_and_condensed_bodies(
                 store, task, runs, bodies
             )  # they were computed on a machine without access to this folder
         failed.extend(run for run in runs if not run.answers)
@@ -424,7 +432,7 @@ def ensure_runs_are_stored(
 
     over = threading.Event()
 
-    def report_regularly() -> None:
+    def report_progress_regularly() -> None:
         while not over.wait(HEARTBEAT):
             if output_closed():
                 interrupt_main()
@@ -432,7 +440,7 @@ def ensure_runs_are_stored(
             stage = f"; {progress[finished].present_stage_text}" if alone and finished < len(left) else ""
             step(f"[{finished}/{len(left)}] {perf_counter() - start:.0f} s{stage}")
 
-    threading.Thread(target=report_regularly, daemon=True).start()
+    threading.Thread(target=report_progress_regularly, daemon=True).start()
     try:
         for number, outcome in parallel.run_jobs(
             jobs, engine.backend, engine.scheduler_address, engine.parallel_jobs, engine.worker_wait_seconds
@@ -462,7 +470,7 @@ def _text_announcing_tasks(left: Sequence[ReferenceTask], stored: int, store: Pa
     if not here:
         return f"{head}; stored in {store}"
     memory = check_memory(left, workers)
-    time = format_duration(sum(expected_cost(task).seconds for task in left) / workers)
+    time = format_duration(sum(expected_time_and_memory(task).seconds for task in left) / workers)
     return f"{head}; expected: about {time}, up to {memory:.1f} GB of memory; stored in {store}"
 
 

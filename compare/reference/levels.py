@@ -34,11 +34,12 @@ def _settings_from_toml(keys: Mapping[str, Any]) -> dict[str, Any]:
 #: ends. The growth of the patches' cells and the numbers of modes follow. The plane mesh of the shaft's cross-section is
 #: the same on all levels; its error is below 0.04 % in bending (tests/unit/hifi/test_helical_section.py).
 LEVELS: dict[int, dict[str, Any]] = {int(level): _settings_from_toml(keys) for level, keys in _TABLES["level"].items()}
-#: Finer values of single settings of the finest level (`VARIANTS`).
+#: Finer values of single mesh settings, with which some of the `VARIANTS` refine the level `PRODUCTION`.
 BEYOND: dict[str, Any] = _settings_from_toml(_TABLES["beyond"])
 #: Level 0 is the mesh of Lin's thesis: first-order tetrahedra, 0.08 mm around every contact, 5 mm elsewhere (made of split
 #: second-order ones of twice the size). It is not part of a convergence study.
 SOURCE_LEVEL = 0
+#: Mesh settings of level 0, the mesh of Lin's thesis.
 SOURCE_MESH: dict[str, Any] = _settings_from_toml(_TABLES["source"])
 #: Finest mesh level of ordinary use; some variants refine single settings of it.
 PRODUCTION = 3
@@ -66,14 +67,15 @@ def mesh_settings_of_level(level: int, ball_radius: float, refined_settings: Seq
         name: BEYOND[name] for name in refined_settings
     }
 
-    def for_ball(name: str, value: Any) -> Any:
+    def scaled_to_ball_radius(name: str, value: Any) -> Any:
         if isinstance(value, float) and name not in _RATIOS:
             return value * ratio
         return tuple(x * ratio for x in value) if name.endswith("sizes") else value
 
-    return {name: for_ball(name, value) for name, value in settings.items()}
+    return {name: scaled_to_ball_radius(name, value) for name, value in settings.items()}
 
 
+#: Function that returns a changed copy of a scene.
 Change = Callable[[Scene], Scene]
 #: Kind of a choice. "modelling": an idealisation, or a dimension that Lin's thesis does not state; "numerical": a choice of
 #: method or mesh; "scene": another boundary condition, which the scene must state.
@@ -149,7 +151,7 @@ def fix_half_of_face(half: Literal["inner", "outer"]) -> Change:
     ValueError if the nut is not fixed at one face.
     """
 
-    def fix_half(scene: Scene) -> Scene:
+    def scene_with_half_of_face_fixed(scene: Scene) -> Scene:
         face, flange = dimensions_of_3d_parts(scene).nut_held, scene.nut.flange
         if flange is not None and face.startswith("flange"):
             low, high = flange.seat
@@ -161,7 +163,7 @@ def fix_half_of_face(half: Literal["inner", "outer"]) -> Change:
             )
         return change_solid_model(nut_held=f"{face}, {half} half")(scene)
 
-    return fix_half
+    return scene_with_half_of_face_fixed
 
 
 def with_plain_shaft(scene: Scene) -> Scene:
@@ -191,18 +193,19 @@ def with_supports_turned_by_coupling(scene: Scene) -> Scene:
     force = sum(abs(load.force[2]) for load in scene.loads)
     rate = COUPLING * force / float(np.sqrt(e.youngs_modulus * area * e.shear_modulus * polar))
 
-    def rotated_freedom(freedom: tuple[str, float], at: float) -> tuple[str, float]:
+    def freedom_with_added_twist(freedom: tuple[str, float], at: float) -> tuple[str, float]:
         return (freedom[0], freedom[1] + rate * abs(at - scene.nut.position)) if freedom[0] == "rz" else freedom
 
-    supports = tuple(replace(s, fixed=tuple(rotated_freedom(f, s.at) for f in s.fixed)) for s in scene.supports)
+    supports = tuple(replace(s, fixed=tuple(freedom_with_added_twist(f, s.at) for f in s.fixed)) for s in scene.supports)
     return replace(scene, supports=supports)
 
 
+#: Names of the choices that `VARIANTS` change.
 LANDS, HOLE, WIDTH = "radius of the nut's lands", "hole along the meshed screw", "width of the nut's held face"
-LENGTH, PHASE = "length of the 3D stretch of shaft", "phase of the junction along the helix"
-FILLED = "ends of the nut's groove, return gap"
-GROOVE_END, TWIST = "where the screw's groove ends", "axial-torsional coupling of the shaft beyond"
-SHARED, MODES, FIXING = "set-up shared with other scenes", "modes per patch", "where the nut is held"
+LENGTH, PHASE = "length of the shaft meshed in 3D", "azimuth along the helix at which the 3D shaft ends"
+FILLED = "where the nut's groove ends"
+GROOVE_END, TWIST = "where the screw's groove ends", "axial-torsional coupling of the shaft outside the 3D mesh"
+SHARED, MODES, FIXING = "meshes shared with other scenes", "deformation modes per contact patch", "where the nut is held"
 
 
 def mesh_refinement_variant(label: str, choice: str, *refined: str) -> ReferenceVariant:
@@ -218,44 +221,61 @@ _shaft, _land = (
     partial(scale_dimension, "nut_inner_diameter", lambda d: 2.0 * d.land),
 )
 _hole = scale_dimension("hole_diameter", lambda d: 2.0 * d.hole, 0.5)
-_width = "nut held at the {} half of its face's width"
-_filled = "nut's groove filled from two ball diameters beyond its outermost balls on"
-_alone = "the scene alone: sockets on flanks that touch, contact grid by its own load"
+_width = "nut fixed at the {} half of its face's width"
+_filled = "nut's groove ends two ball diameters beyond the outermost balls"
+_alone = "meshes for this scene alone: only its loaded flanks refined, contact grid for its own loads"
 
+#: Variants of the 3D reference, by their names in the names of stored runs.
 VARIANTS: dict[str, ReferenceVariant] = {
     "base": ReferenceVariant(_alone, SHARED, "numerical", unchanged_scene),
-    "junction": ReferenceVariant("3D shaft 20 mm longer on each side", LENGTH, "modelling", _shaft(1.0, 20e-3)),
-    "junction-short": ReferenceVariant("3D shaft of half the length", LENGTH, "modelling", _shaft(0.5)),
-    "junction-phase": ReferenceVariant(
-        "3D shaft half a lead longer on each side", PHASE, "modelling", lengthen_3d_shaft(0.5)
+    "junction": ReferenceVariant(
+        "shaft meshed in 3D over 20 mm more on each side", LENGTH, "modelling", _shaft(1.0, 20e-3)
     ),
-    "land": ReferenceVariant("nut lands 0.6 mm narrower in diameter", LANDS, "modelling", _land(1.0, -0.6e-3)),
-    "land-wide": ReferenceVariant("nut lands 0.6 mm wider in diameter", LANDS, "modelling", _land(1.0, 0.6e-3)),
-    "hole": ReferenceVariant("hole along the screw of half the diameter", HOLE, "modelling", _hole),
+    "junction-short": ReferenceVariant("shaft meshed in 3D over half the length", LENGTH, "modelling", _shaft(0.5)),
+    "junction-phase": ReferenceVariant(
+        "shaft meshed in 3D over half a lead more on each side", PHASE, "modelling", lengthen_3d_shaft(0.5)
+    ),
+    "land": ReferenceVariant("diameter of the nut's lands 0.6 mm smaller", LANDS, "modelling", _land(1.0, -0.6e-3)),
+    "land-wide": ReferenceVariant("diameter of the nut's lands 0.6 mm larger", LANDS, "modelling", _land(1.0, 0.6e-3)),
+    "hole": ReferenceVariant("hole along the screw with half the diameter", HOLE, "modelling", _hole),
     "held-outer": ReferenceVariant(_width.format("outer"), WIDTH, "modelling", fix_half_of_face("outer")),
     "held-inner": ReferenceVariant(_width.format("inner"), WIDTH, "modelling", fix_half_of_face("inner")),
     "nut-filled": ReferenceVariant(_filled, FILLED, "modelling", change_solid_model(nut_groove="loaded")),
     "shaft-plain": ReferenceVariant(
-        "shaft beyond the 3D stretch plain, of the lands' diameter", GROOVE_END, "scene", with_plain_shaft
+        "shaft outside the 3D mesh plain, with the diameter of the lands", GROOVE_END, "scene", with_plain_shaft
     ),
     "runout": ReferenceVariant(
-        "groove of the screw ends at half the 3D stretch", GROOVE_END, "scene", with_shortened_groove
+        "shaft meshed in 3D over half the length, and without groove beyond", GROOVE_END, "scene", with_shortened_groove
     ),
     "finer-contact": mesh_refinement_variant(
-        "cells of the contact, 4.2 for 3.2 per semi-axis", "contact's cells", "b_over_h"
+        "4.2 instead of 3.2 cells per semi-axis of the contact ellipse", "cells at the contact", "b_over_h"
     ),
-    "finer-patch": mesh_refinement_variant("growth of a patch's cells, 1.5 for 1.62", "patch's cells", "growth"),
+    "finer-patch": mesh_refinement_variant(
+        "growth of the cells of contact patches 1.5 instead of 1.62", "cells of the contact patches", "growth"
+    ),
     "finer-own": mesh_refinement_variant(
-        "sockets and cells of the submodels of one contact", "submodels", "own_cuts", "own_sizes", "own_ball_sizes"
+        "finer refinement boxes and cells in the submodels of one contact",
+        "submodels of one contact",
+        "own_cuts",
+        "own_sizes",
+        "own_ball_sizes",
     ),
-    "finer-bodies": mesh_refinement_variant("cells of screw and nut", "coarse bodies", "fine", "coarse"),
-    "finer-sockets": mesh_refinement_variant("sockets of the bodies cut 4 x 3 x 4 for 3 x 2 x 3", "coarse sockets", "cuts"),
-    "modes": mesh_refinement_variant("28 modes per patch for 14", MODES, "modes"),
-    "finer-ball": mesh_refinement_variant("cells and modes of the ball", "ball", "ball_fine", "ball_coarse", "ball_modes"),
-    "finer-cell": mesh_refinement_variant("cells of the shaft's cut ends", "cut ends of the shaft", "cell"),
-    "nut-right": ReferenceVariant("nut held at its right face", FIXING, "scene", change_solid_model(nut_held="right face")),
+    "finer-bodies": mesh_refinement_variant("finer cells of screw and nut", "cells of screw and nut", "fine", "coarse"),
+    "finer-sockets": mesh_refinement_variant(
+        "edges of the refinement boxes divided into 4 x 3 x 4 instead of 3 x 2 x 3 parts",
+        "mesh of the refinement boxes",
+        "cuts",
+    ),
+    "modes": mesh_refinement_variant("28 instead of 14 deformation modes per contact patch", MODES, "modes"),
+    "finer-ball": mesh_refinement_variant(
+        "finer cells and more modes of the ball", "cells and modes of the ball", "ball_fine", "ball_coarse", "ball_modes"
+    ),
+    "finer-cell": mesh_refinement_variant("finer cells of the shaft's cut ends", "cells of the shaft's cut ends", "cell"),
+    "nut-right": ReferenceVariant(
+        "nut fixed at its right face", FIXING, "scene", change_solid_model(nut_held="right face")
+    ),
     "nut-outer": ReferenceVariant(
-        "nut held by its outer surface", FIXING, "scene", change_solid_model(nut_held="outer surface")
+        "nut fixed at its outer surface", FIXING, "scene", change_solid_model(nut_held="outer surface")
     ),
 }
 

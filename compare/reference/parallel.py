@@ -24,26 +24,29 @@ from rollbench.meshes.processes import limit_to_one_thread, single_thread_worker
 
 #: Job: a function without arguments, or a function and its arguments; picklable if it runs in another process.
 Job = Callable[[], Any] | tuple[Callable[..., Any], Sequence[Any]]
+#: Function that is called with each line of progress.
 Step = Callable[[str], None]
 #: Request to a worker: number of the job, version of this program, function and arguments.
 Asked = tuple[int, str, Callable[..., Any], Sequence[Any]]
 #: Reply of a worker: number of the job, whether it succeeded, its pickled result or exception.
 Answer = tuple[int, bool, bytes]
 
+#: Names of the ways to run jobs: in processes of this machine, or on a Dask cluster.
 BACKENDS = ("joblib", "dask")
 #: Time to wait for one reply of the scheduler [s].
 PATIENCE = 5.0
-#: Default time to wait for the first worker, and for another one after the last was lost [s].
+#: Default time to wait for the first worker of a cluster, and for another worker after the last one was lost [s].
 LONELY = 60.0
-#: Intervals at which the cluster and the jobs are polled [s].
+#: Interval at which the state of the cluster is checked, and interval at which finished jobs are looked for [s].
 LOOK, BLINK = 1.0, 0.02
 #: Time without reply of a connected scheduler after which it counts as lost [s].
 SILENCE = 120.0
-#: Advice when a cluster was lost.
+#: Advice in the error message when the scheduler or the workers of a cluster were lost.
 AGAIN = "find out what ended the cluster, restart it, and repeat the command; stored runs are not computed again"
-#: Advice about workers without this program.
+#: Advice in the error message about workers of a cluster without rollbench.
 INSTALL = "install rollbench where the workers run"
 
+#: Lock by which a worker process runs one job at a time.
 _ALONE = threading.Lock()
 
 

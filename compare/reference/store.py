@@ -98,7 +98,7 @@ SOLVERS = ("hifi", "lowfi", "meshes")
 
 @dataclass(frozen=True)
 class MeasuringConditions:
-    """Conditions under which computing times were measured: program version, sources and machine.
+    """Conditions under which computing times were measured: version of rollbench, hash of its sources, and machine.
 
     Sources and machine are empty in runs of versions before 0.15.
     """
@@ -158,13 +158,13 @@ SECTIONS = "mean of a slice"
 #: Further text in the keys of runs whose shaft is hollow outside its 3D part: how its shear compliance is computed.
 HOLLOW = "shear of a hollow section"
 
-#: Programs on whose results runs depend.
+#: Programs whose versions affect the results of a run.
 PROGRAMS = ("gmsh", "scikit-fem")
 
 #: Pattern of a content key.
 KEY = 16 * "[0-9a-f]"
 
-#: Fields of a run that are arrays.
+#: Names of the fields of a run that are arrays.
 ARRAYS = ("load", "angle", "frozen", "centreline")
 
 #: For content keys: fixed values that replace those fields of the scene that have no effect on static contact loads.
@@ -192,7 +192,7 @@ class Run:
     scene: str
     #: Mesh level, from 1 (coarsest); 0: the mesh of Lin's thesis, or loads from a file.
     level: int
-    #: Name of the modelling variant; empty: none.
+    #: Name of the modelling variant in `levels.VARIANTS`; empty: none.
     variant: str
     #: "converged", or the reason why the run did not converge.
     status: str
@@ -224,9 +224,9 @@ class Run:
     along_groove: float
     #: Unbalanced force on shaft and housings in their free directions, divided by the largest load.
     screw_balance: float
-    #: Bounds on truncation errors, for example of neglected modes, by name.
+    #: Measures of mesh quality by name, such as the cells across a contact and the smallest scaled Jacobian of each body.
     quality: dict[str, float]
-    #: Mesh settings by name.
+    #: Settings of the mesh (sizes of cells and patches) by name.
     settings: dict[str, Any]
     #: Assumptions of scene and 3D model, as sentences.
     assumed: tuple[str, ...]
@@ -243,17 +243,17 @@ class Run:
 
     @property
     def measured(self) -> MeasuringConditions:
-        """Conditions under which the run's times were measured."""
+        """Version, sources and machine with which the computing times of the run were measured."""
         return MeasuringConditions(self.versions.get("rollbench", ""), self.sources, self.machine)
 
     @property
     def answers(self) -> bool:
-        """Whether the contact loads can be used: the run converged, or the further change of its loads is known."""
+        """Whether the contact loads can be used: the run converged, or how much its loads would still change is known."""
         return self.status == "converged" or self.moving > 0.0
 
     @property
     def setup_seconds(self) -> float:
-        """Time of all stages of the set-up [s]."""
+        """Computing time of all stages of the set-up (meshing, condensing and so on) together [s]."""
         return sum(self.stages.values())
 
 
@@ -280,9 +280,10 @@ def content_key_of_run(
 ) -> str:
     """Return the key by which a stored 3D run is found: a hash of everything that affects the run's results.
 
-    The hash covers the scene's geometry, manufacturing errors, loads and supports (without the fields in `UNSAID`), its
-    solid dimensions, the variant, the mesh settings and meshed flanks (which depend on all scenes that were meshed
-    together), `SCHEMA`, and the versions of the mesh generator and the finite-element library.
+    The hash covers the scene's geometry, manufacturing errors, loads and supports (not names, friction and other fields in
+    `UNSAID`, which do not affect static loads), its solid dimensions, the variant, the mesh settings and meshed flanks
+    (which depend on all scenes that were meshed together), the version `SCHEMA` of the mechanics, and the versions of the
+    mesh generator and the finite-element library.
 
     Parameters
     ----------
@@ -293,7 +294,7 @@ def content_key_of_run(
     settings
         Mesh settings by name, as stored with the run.
     sides
-        Numbers of the flanks that were meshed: 0 to 3 for SL, SR, NL, NR.
+        Numbers of the flanks that were meshed: 0 and 1 for the left and right flank of the screw, 2 and 3 of the nut.
     programs
         Versions of gmsh and scikit-fem by name; None: those installed.
 
@@ -313,13 +314,14 @@ def content_key_of_run(
     )[:16]
 
 
-def content_key_of_bodies(
+def content_key_of_condensed_bodies(
     scene: Scene, settings: Mapping[str, Any], sides: Sequence[int], programs: Mapping[str, str] | None = None
 ) -> str:
     """Return the key by which stored condensed screw and nut are found: a hash of all that affects their stiffness.
 
     The hash covers the geometry of the parts, the mesh ``settings``, the numbers of the meshed flanks (``sides``), the
-    versions of gmsh and scikit-fem (``programs``; None: those installed), `SCHEMA` and `BODIES`.
+    versions of gmsh and scikit-fem (``programs``; None: those installed), and the versions of the mechanics: `SCHEMA`, and
+    `BODIES` for condensed parts.
     """
     return digest_of_values(
         SCHEMA, BODIES, digest_of_geometry(scene), *_mesh_parts_of_key(scene, settings, sides, programs)
@@ -329,7 +331,7 @@ def content_key_of_bodies(
 def _mesh_parts_of_key(
     scene: Scene, settings: Mapping[str, Any], sides: Sequence[int], programs: Mapping[str, str] | None
 ) -> tuple[object, ...]:
-    """Return the values in the key of a stored run that describe its mesh: dimensions, settings, flanks, programs.
+    """Return the values in a stored run's content key that describe its mesh: dimensions, settings, flanks, programs.
 
     ``settings``: mesh settings by name; ``sides``: numbers of the meshed flanks; ``programs``: versions of gmsh and
     scikit-fem; None: those installed.
@@ -361,7 +363,7 @@ def path_of_run(store: Path, scene: Solvable, run: Run) -> Path:
 
 def path_of_bodies(store: Path, scene: Scene, run: Run) -> Path:
     """Return the path of the file with the condensed screw and nut of a scene's ``run`` in the folder ``store``."""
-    key = content_key_of_bodies(scene, run.settings, run.sides, run.versions)
+    key = content_key_of_condensed_bodies(scene, run.settings, run.sides, run.versions)
     return store / f"bodies-{digest_of_geometry(scene)}-level{run.level}-{key}.npz"
 
 
@@ -385,7 +387,7 @@ def save_run(store: Path, scene: Solvable, run: Run) -> Path:
 
 
 def _rounded_rows(array: Array) -> list[list[float | None]]:
-    """Return an array as lists of numbers with seven significant digits, for small files; nan becomes None."""
+    """Return the rows of an array as lists of numbers with seven significant digits, for small files; nan becomes None."""
     return [[None if np.isnan(x) else float(f"{x:.7g}") for x in row] for row in array]
 
 
@@ -440,14 +442,14 @@ def files_of_stored_runs(store: Path, scene: Solvable, level: int, variant: str 
     meshes = {
         mesh.identifying_text: mesh
         for path in paths
-        if (mesh := _read_mesh(path)) is not None and mesh.ball_count == scene.ball_count
+        if (mesh := _read_mesh_of_run(path)) is not None and mesh.ball_count == scene.ball_count
     }
     keys = {key for mesh in meshes.values() if (key := mesh.content_key_of_run(scene, variant)) is not None}
     return [path for path in paths if path.stem.rpartition("-")[2] in keys]
 
 
 class _MeshOfRun(NamedTuple):
-    """What describes the mesh of a stored 3D run in its key: mesh settings, meshed flanks, program versions."""
+    """Mesh of a stored 3D run as its content key describes it: mesh settings, meshed flanks, program versions."""
 
     #: Number of balls of the run.
     ball_count: int
@@ -471,16 +473,16 @@ class _MeshOfRun(NamedTuple):
             return None
 
 
-def _read_mesh(path: Path) -> _MeshOfRun | None:
+def _read_mesh_of_run(path: Path) -> _MeshOfRun | None:
     """Return mesh settings, meshed flanks and program versions from a stored run's file; None if it cannot be read."""
     try:
-        return _cached_mesh(path, path.stat().st_mtime_ns)
+        return _cached_mesh_of_run(path, path.stat().st_mtime_ns)
     except OSError:
         return None
 
 
 @lru_cache(maxsize=100_000)
-def _cached_mesh(path: Path, _changed: int) -> _MeshOfRun | None:
+def _cached_mesh_of_run(path: Path, _changed: int) -> _MeshOfRun | None:
     """Return mesh settings, meshed flanks and program versions from a stored run's file; None if it is damaged.
 
     The result is cached by the path and the file's time of change ``_changed`` [ns].

@@ -24,20 +24,20 @@ if TYPE_CHECKING:
 
 #: Scenes that the 3D reference solves: one nut or bearing row, or several on one shaft.
 Solvable = Scene | Assembly
-#: Settings in which a stored mesh may differ from the required one if its cells are fine enough, its patches large enough,
-#: and all required flanks are meshed.
+#: Names of the settings in which a stored mesh may differ from the required one: contact cells may be finer, patches
+#: larger, and more flanks meshed.
 _SIZED = ("semi", "reach", "sides")
 
 
 @dataclass(frozen=True)
 class MeshSpecification:
-    """What is to be meshed for a nut or bearing row, or for equal ones on a shaft: bodies, flanks, mesh settings."""
+    """Bodies, groove flanks and settings of the 3D mesh of a nut or bearing row; equal rows on a shaft share one record."""
 
     #: Nut or row as a scene; on a shaft with several, axial positions are relative to this one.
     parts: Scene
     #: Numbers of the meshed flanks: 0 to 3 for SL, SR, NL, NR.
     meshed_flanks: tuple[int, ...]
-    #: Mesh settings.
+    #: Sizes of cells and contact patches, and further settings of the mesh.
     mesh_settings: Settings
     #: Numbers (from 0) of the equal nuts or rows on the shaft that share what is meshed.
     set_numbers: tuple[int, ...] = (0,)
@@ -49,20 +49,26 @@ def stations_of_load_cases(*cases: Solvable) -> tuple[float, ...]:
 
 
 def ball_slices_by_set(described: Solvable) -> list[slice]:
-    """Return, for each nut or bearing on a shaft, the slice of its balls in the list of all balls on the shaft."""
+    """Return, for each nut or ball bearing on a shaft, the slice of its balls in the list of all balls on the shaft."""
     sets = [described] if isinstance(described, Scene) else [s.parts for s in described.sets if isinstance(s.parts, Scene)]
     ends = np.cumsum([0, *(scene.ball_count for scene in sets)])
     return [slice(int(a), int(b)) for a, b in pairwise(ends)]
 
 
-def refusal_of_3d_reference(described: Solvable, error: ValueError) -> SceneNotCoveredError:
-    """Return the error to raise for a scene that the 3D reference cannot solve; ``error``: the reason."""
+def not_covered_by_3d_reference_error(described: Solvable, error: ValueError) -> SceneNotCoveredError:
+    """Return the error to raise for a scene that the 3D reference cannot solve.
+
+    ``described``: the scene; ``error``: error whose message states the reason.
+    """
     advice = "change the named dimension or key, or use a low-order model"
     return SceneNotCoveredError(described.name, "3D reference", str(error), advice)
 
 
 def _bodies_to_mesh(case: Solvable) -> list[Scene]:
-    """Return each nut or bearing row of a load case as a scene to be meshed; SceneNotCoveredError without 3D model."""
+    """Return each nut or bearing row of a load case as a scene to be meshed.
+
+    SceneNotCoveredError if the 3D reference cannot model the shaft of ``case``, for example because of rollers.
+    """
     if isinstance(case, Scene):
         return [case]
     from rollbench.hifi.several_sets import meshed_geometry_of_each_set
@@ -70,14 +76,14 @@ def _bodies_to_mesh(case: Solvable) -> list[Scene]:
     try:
         return [of_set.parts_without_errors for of_set in meshed_geometry_of_each_set(case)]
     except ValueError as error:
-        raise refusal_of_3d_reference(case, error) from error
+        raise not_covered_by_3d_reference_error(case, error) from error
 
 
 def _estimate_expected_contacts(case: Solvable, bodies: Sequence[Scene]) -> tuple[ExpectedContacts, ...]:
     """Return the expected contact loads and angles of each nut or bearing, from which mesh sizes are chosen.
 
     ``case``: load case; ``bodies``: nut or bearing rows to be meshed, as scenes. For a nut or bearing without load, a tenth
-    of the mean contact load of the others is assumed. SceneNotCoveredError if the loads cannot be estimated.
+    of the mean load of all loaded contacts on the shaft is assumed. SceneNotCoveredError if the loads cannot be estimated.
     """
     from rollbench.hifi.meshing.settings import (
         estimate_contacts_of_each_set,
@@ -96,13 +102,14 @@ def _estimate_expected_contacts(case: Solvable, bodies: Sequence[Scene]) -> tupl
             for body, e in zip(bodies, expected, strict=True)
         )
     except ValueError as error:
-        raise refusal_of_3d_reference(case, error) from error
+        raise not_covered_by_3d_reference_error(case, error) from error
 
 
 def _flanks_under_load(expected: Sequence[ExpectedContacts]) -> tuple[int, ...]:
-    """Return the sorted numbers of all flanks that may carry load, and of those diametrically opposite on the ball.
+    """Return the sorted numbers of all groove flanks that may carry load, and of the flanks opposite to them on the ball.
 
-    ``expected``: expected contacts of every load case. Flanks 0 to 3 are SL, SR, NL, NR.
+    ``expected``: expected contacts of every load case. Flanks 0 to 3 are SL, SR, NL, NR (screw or nut, left or right); SL
+    and NR are opposite, as are SR and NL.
     """
     return tuple(
         sorted({side for e in expected for touching in e.nearly_touching_flanks() for side in (touching, 3 - touching)})
@@ -110,10 +117,10 @@ def _flanks_under_load(expected: Sequence[ExpectedContacts]) -> tuple[int, ...]:
 
 
 def flanks_to_mesh(scene: Scene) -> tuple[int, ...]:
-    """Return the numbers of a scene's flanks that must be meshed: those that may carry load, and the opposite ones.
+    """Return the numbers of a scene's flanks that must be meshed: those that may carry load, and their opposite flanks.
 
-    Flanks 0 to 3 are SL, SR, NL, NR. SceneNotCoveredError if the low-order estimate of the contact loads finds no
-    equilibrium.
+    Flanks 0 to 3 are SL, SR, NL, NR (screw or nut, left or right); SL and NR are opposite on the ball, as are SR and NL.
+    SceneNotCoveredError if the low-order estimate of the contact loads finds no equilibrium.
     """
     return _flanks_under_load(_estimate_expected_contacts(scene, ()))
 
@@ -133,7 +140,7 @@ def mesh_specifications(cases: Sequence[Solvable], level: int, variant: str = ""
     Returns
     -------
     tuple of MeshSpecification
-        One for each nut or bearing row that differs from the others in bodies or loaded flanks.
+        One for each group of nut or bearing rows that have equal bodies and the same flanks to be meshed.
 
     Raises
     ------
@@ -153,9 +160,9 @@ def mesh_specifications(cases: Sequence[Solvable], level: int, variant: str = ""
     out = []
     for (body, sides), sets in shared.items():
         sizes = mesh_settings_of_level(level, body.balls.radius, VARIANTS[variant].refined if variant else ())
-        semi, reach = (
-            [round_up_lengths(getattr(e, name)()) for k in sets for e in expected[k]] for name in ("semi", "reach")
-        )
+        contacts = [contact for k in sets for contact in expected[k]]
+        semi = [round_up_lengths(contact.typical_semi_axes()) for contact in contacts]
+        reach = [round_up_lengths(contact.largest_reach()) for contact in contacts]
         sizes["semi"] = (min(a for a, _ in semi), min(b for _, b in semi))
         sizes["reach"] = (max(a for a, _ in reach), max(b for _, b in reach))
         sizes["element"] = "P1" if level == SOURCE_LEVEL else "Q2"
@@ -174,8 +181,9 @@ def mesh_settings(scenes: Sequence[Scene], level: int, variant: str = "") -> Set
 def mesh_settings_to_store(specifications: Sequence[MeshSpecification]) -> dict[str, Any]:
     """Return the mesh settings to store with a run of several nuts or bearing rows on one shaft.
 
-    ``specifications``: bodies, flanks and settings of what was meshed. The returned dictionary has the keys "b_over_h"
-    (number of cells per semi-axis of a contact) and "sets" (mesh settings and meshed flanks of each row).
+    ``specifications``: bodies, flanks and mesh settings of all rows. The returned dictionary has the keys "b_over_h"
+    (number of cells across the short semi-axis b of a contact ellipse) and "sets" (mesh settings and meshed flanks of each
+    row).
     """
     by_set = {k: asdict(up.mesh_settings) | {"sides": up.meshed_flanks} for up in specifications for k in up.set_numbers}
     return {"b_over_h": specifications[0].mesh_settings.b_over_h, "sets": tuple(by_set[k] for k in sorted(by_set))}
@@ -185,8 +193,9 @@ def is_mesh_suitable(scene: Solvable, level: int, variant: str, settings: Mappin
     """Return whether the meshes of a stored 3D run are suitable for a scene on a mesh level.
 
     ``variant``: name of the modelling variant; empty: none; ``settings``: mesh settings of the stored run; ``sides``:
-    numbers of the flanks meshed in that run. The meshes can be used if cells are fine enough, patches large enough, and all
-    flanks that may carry load are meshed.
+    numbers of the flanks meshed in that run. The meshes are suitable if, compared with the meshes that the scene requires
+    on this level, their contact cells are at least as fine and their contact patches at least as large, all flanks that may
+    carry load are meshed, and all other settings are equal.
     """
     changed = VARIANTS[variant].change(scene) if variant and isinstance(scene, Scene) else scene
     try:
@@ -202,17 +211,17 @@ def is_mesh_suitable(scene: Solvable, level: int, variant: str, settings: Mappin
 def _mesh_covers(meshed: Mapping[str, Any], wanted: Mapping[str, Any]) -> bool:
     """Return whether a stored mesh can replace a required one.
 
-    ``meshed``, ``wanted``: mesh settings and meshed flanks of the stored and of the required mesh. The contact cells of the
-    stored mesh must be at least as fine, its patches as large, all required flanks meshed, and all other settings
-    equal.
+    ``meshed``, ``wanted``: mesh settings and meshed flanks of the stored and of the required mesh. The stored mesh must
+    have contact cells at least as fine and contact patches at least as large as the required mesh; it must contain all
+    required flanks; and all other settings must be equal.
     """
     from rollbench.hifi.meshing.settings import Settings
 
-    def settings_that_must_agree(mesh: Mapping[str, Any]) -> str:
+    def text_of_settings_that_must_agree(mesh: Mapping[str, Any]) -> str:
         return canonical_text(RecordFields(Settings, {name: mesh[name] for name in wanted.keys() & mesh.keys() - _SIZED}))
 
     return (
-        settings_that_must_agree(meshed) == settings_that_must_agree(wanted)
+        text_of_settings_that_must_agree(meshed) == text_of_settings_that_must_agree(wanted)
         and {"semi", "reach"} <= meshed.keys()
         and all(x <= y for x, y in zip(meshed["semi"], wanted["semi"], strict=True))
         and all(x >= y for x, y in zip(meshed["reach"], wanted["reach"], strict=True))
@@ -221,9 +230,9 @@ def _mesh_covers(meshed: Mapping[str, Any], wanted: Mapping[str, Any]) -> bool:
 
 
 def reset_nonstatic_fields(assembly: Assembly, reset_values: Mapping[str, Any]) -> Assembly:
-    """Return a copy of a shaft with its nuts in which all fields without effect on static contact loads are reset.
+    """Return a copy of a shaft with nuts and bearings, with all fields without effect on static contact loads reset.
 
-    ``reset_values``: new values of these fields in the nuts and rows with balls, by name of the field.
+    ``reset_values``: new values, by name, of those fields that the records of ball nuts and ball bearings have.
     """
     bare = [
         replace(s, name="", parts=replace(s.parts, **reset_values)) if isinstance(s.parts, Scene) else s
@@ -234,7 +243,7 @@ def reset_nonstatic_fields(assembly: Assembly, reset_values: Mapping[str, Any]) 
 
 
 def values_that_determine_meshes(scene: Solvable) -> tuple[Any, ...]:
-    """Return those values of a scene (geometry, materials) that must be equal in scenes that share their meshes."""
+    """Return the values of a scene (geometry, materials) that must be equal in all scenes that share the same meshes."""
     if isinstance(scene, Assembly):
         each = (
             (s.parts if not isinstance(s.parts, Scene) else values_that_determine_meshes(s.parts), s.position, s.carrier)
@@ -244,7 +253,7 @@ def values_that_determine_meshes(scene: Solvable) -> tuple[Any, ...]:
     return scene.track, scene.screw, scene.nut, scene.balls, scene.solid, scene.ingredients.screw
 
 
-def group_by_geometry(scenes: Sequence[Solvable]) -> list[list[Solvable]]:
+def group_scenes_by_geometry(scenes: Sequence[Solvable]) -> list[list[Solvable]]:
     """Sort scenes into groups of equal geometry, which can share meshes, in the order of first occurrence."""
     alike: dict[object, list[Solvable]] = {}
     for scene in scenes:
@@ -255,25 +264,25 @@ def group_by_geometry(scenes: Sequence[Solvable]) -> list[list[Solvable]]:
 def mesh_settings_with_tuples(settings: Mapping[str, Any]) -> dict[str, Any]:
     """Return mesh settings read from JSON, with lists replaced by tuples."""
 
-    def as_tuples(value: Any) -> Any:
+    def lists_to_tuples(value: Any) -> Any:
         if isinstance(value, list | tuple):
-            return tuple(map(as_tuples, value))
+            return tuple(map(lists_to_tuples, value))
         return mesh_settings_with_tuples(value) if isinstance(value, dict) else value
 
-    return {name: as_tuples(value) for name, value in settings.items()}
+    return {name: lists_to_tuples(value) for name, value in settings.items()}
 
 
 @dataclass(frozen=True)
 class ReferenceTask:
     """One computation of the 3D reference: load cases of one geometry, solved on the meshes of one level."""
 
-    #: Scenes of one geometry.
+    #: Load cases of one geometry, as scenes.
     scenes: tuple[Solvable, ...]
     #: Mesh level.
     level: int
-    #: Modelling variant; empty: none.
+    #: Name of the modelling variant in `VARIANTS`; empty: none.
     variant: str = ""
-    #: Whether scenes are also solved without each ingredient of the 3D model in turn.
+    #: Whether the scenes are also solved with each part of the 3D model (such as the elastic nut) left out in turn.
     leave_out_each_part: bool = False
     #: Folder of the mesh cache; None: no cache.
     cache_folder: Path | None = None

@@ -10,13 +10,7 @@ import numpy as np
 from rollbench.compare.errors import SceneNotCoveredError
 from rollbench.compare.models.answers import ShaftResults
 from rollbench.compare.models.load_cases import ShaftSolution
-from rollbench.compare.report.parts import (
-    page_origin_facts,
-    results_table,
-    scene_file_text,
-    source_code_hash_by_name,
-    warnings_and_assumptions_section,
-)
+from rollbench.compare.report import parts as report_parts
 from rollbench.compare.results.rows import bearing_and_nut_rows, expected_error_sentence, solution_rows
 from rollbench.compare.results.scene_json import ball_rows_of_shaft_json, roller_rows_json, solved_case_json
 from rollbench.compare.results.view import collect_view_data
@@ -46,16 +40,16 @@ def result_page_of_shaft(scene_name: str, solved_shaft: ShaftSolution, stores: S
 
     Raises
     ------
-    Refusal
+    SceneNotCoveredError
         If the scene has no solution.
     """
     scene, result = solved_shaft.scene, solved_shaft.result
     if solved_shaft.derived_results is None:
         raise SceneNotCoveredError(scene_name, "scene", result.status, "see the status of the solution: rollbench solve")
-    text, data = scene_file_text(scene_name), solved_case_json(solved_shaft)
+    text, data = report_parts.scene_file_text(scene_name), solved_case_json(solved_shaft)
     parts = [
         Section("sets", "Forces and stiffness of nuts and bearings", _force_and_stiffness_tables(solved_shaft)),
-        Section("loads", "Contact loads and pressures", [*_contact_load_tables(result)]),
+        Section("loads", "Contact loads and contact pressures", [*_contact_load_tables(result)]),
     ]
     return ScenePage(
         scene.title,
@@ -63,13 +57,13 @@ def result_page_of_shaft(scene_name: str, solved_shaft: ShaftSolution, stores: S
         highest_pressure_sentence(result, solved_shaft.derived_results),
         (),
         None,
-        (*parts, warnings_and_assumptions_section(result)),
-        page_origin_facts(scene_name, scene, text, result.model),
+        (*parts, report_parts.warnings_and_assumptions_section(result)),
+        report_parts.page_origin_facts(scene_name, scene, text, result.model),
         text,
         data,
-        source_code_hash_by_name(),
+        report_parts.source_code_hash_by_name(),
         view=collect_view_data(scene.title, [solved_shaft], data, (), stores),
-        table=results_table(
+        table=report_parts.results_table(
             solution_rows(solved_shaft), f"Results by the model {result.model}", expected_error_sentence(None)
         ),
     )
@@ -98,7 +92,8 @@ def highest_pressure_sentence(result: AxisResult, answers: ShaftResults) -> str:
     assert safety is not None
     return (
         f"The contact with the highest pressure, in {result.sets[k].of.name}, carries {worst.force:.0f} N at "
-        f"{1e-6 * worst.pressure:.0f} MPa, static safety {safety.factor:.2g}; errors are not estimated for several sets."
+        f"{1e-6 * worst.pressure:.0f} MPa, static safety {safety.factor:.2g}; errors are not estimated for a shaft with "
+        "several nuts or bearings."
     )
 
 
@@ -116,10 +111,16 @@ def _force_and_stiffness_tables(solved_shaft: ShaftSolution) -> list[Table]:
     if result.stiffness is not None:
         cells: list[Row] = []
         for freedom, line in zip(FREEDOMS, result.stiffness, strict=True):
-            cell: Row = {TableColumn("freedom", "force or moment", "", "s"): freedom}
-            cell |= {TableColumn(f, f): None if np.isnan(x) else float(x) for f, x in zip(FREEDOMS, line, strict=True)}
+            cell: Row = {TableColumn("freedom", "component of force or moment", "", "s"): freedom}
+            cell |= {
+                TableColumn(f, f"per unit of {f}"): None if np.isnan(x) else float(x)
+                for f, x in zip(FREEDOMS, line, strict=True)
+            }
             cells.append(cell)
-        note = f"{result.stiffness_at}; a dash: a fixed freedom; rows and columns in N, N m, m and rad."
+        note = (
+            f"{result.stiffness_at}; a row for each component of force [N] and moment [N m], a column for each "
+            "displacement [m] and rotation [rad]; a dash: a fixed degree of freedom."
+        )
         tables.append(Table.from_rows("tangent", "Tangent stiffness of the whole shaft, 6 x 6", cells, note))
     return tables
 
@@ -132,10 +133,10 @@ def _contact_load_tables(result: AxisResult) -> Iterator[Table]:
     names = [s.of.name for s in result.sets]
     rows: list[Row] = [
         {
-            TableColumn("set", "set", "", "s"): names[row["set"] - 1],
-            TableColumn("ball", "ball"): row["index"],
-            TableColumn("side", "flank", "", "s"): side,
-            TableColumn("load", "load", "N", ".1f"): row["load_N"][side],
+            TableColumn("set", "nut or bearing", "", "s"): names[row["set"] - 1],
+            TableColumn("ball", "number of the ball"): row["index"],
+            TableColumn("side", "flank of the groove", "", "s"): side,
+            TableColumn("load", "contact load", "N", ".1f"): row["load_N"][side],
             TableColumn("angle", "contact angle", "deg", ".2f"): row["contact_angle_deg"][side],
             TableColumn("pressure", "peak pressure", "MPa", ".0f"): row["pressure_MPa"][side],
         }
@@ -145,14 +146,19 @@ def _contact_load_tables(result: AxisResult) -> Iterator[Table]:
     ]
     if rows:
         note = "Peak pressure by Hertz theory with the radii of each contact."
-        yield Table.from_rows("contacts", "Load, contact angle and pressure of every loaded ball contact", rows, note)
+        yield Table.from_rows(
+            "contacts", "Contact load, contact angle and peak pressure of every loaded ball contact", rows, note
+        )
     found: list[Row] = [
         {
-            TableColumn("set", "set", "", "s"): names[row["set"] - 1],
-            TableColumn("roller", "roller"): row["index"],
-            TableColumn("load", "load", "N", ".1f"): row["load_N"],
+            TableColumn("set", "bearing", "", "s"): names[row["set"] - 1],
+            TableColumn("roller", "number of the roller"): row["index"],
+            TableColumn("load", "load of the roller", "N", ".1f"): row["load_N"],
             TableColumn("line", "largest line load", "N/mm", ".1f"): row["largest_line_load_N_mm"],
-            **{TableColumn(race, f"pressure, {race} race", "MPa", ".0f"): row["pressure_MPa"][race] for race in RACES},
+            **{
+                TableColumn(race, f"largest pressure, {race} raceway", "MPa", ".0f"): row["pressure_MPa"][race]
+                for race in RACES
+            },
         }
         for row in roller_rows_json(result)
     ]

@@ -12,19 +12,13 @@ from rollbench.compare.gate.verdict import LIMIT, ErrorLimits, judge_contact_loa
 from rollbench.compare.measure import SMALL, load_scale_of_check_errors
 from rollbench.compare.models.comparison import REFERENCED, RULE
 from rollbench.compare.models.model_form import MeasuredModelErrors, model_errors_on_random_screws
-from rollbench.compare.models.modelling import UNSEEN, RefinementStepResult, ladder
+from rollbench.compare.models.modelling import UNSEEN, RefinementStepResult, solve_refinement_sequence_on_all_scenes
 from rollbench.compare.models.modelling import model_errors_on_built_in_scenes as compared_points
 from rollbench.compare.models.registry import DEFAULT
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.models.uncertainty import CONTACTS, bias_and_scatter, uncertainty_of_loads
 from rollbench.compare.reference.estimate import Reference, largest_uncertainty_percent
-from rollbench.compare.sections.reference_time import (
-    FLOOR,
-    ErrorAndRunTime,
-    LargestErrorWithRange,
-    errors_and_times_of_all_scenes,
-    run_time_conditions_sentence,
-)
+from rollbench.compare.sections import reference_time
 from rollbench.compare.sections.source_tables import counts_of_reproduced_numbers_table
 from rollbench.compare.sections.u_val import validated_errors_of_models
 from rollbench.meshes.arrays import Array
@@ -32,7 +26,10 @@ from rollbench.meshes.parts import SIDES, Scene
 from rollbench.reports.content import Figure, Panel, Row, Section, Series, Summary, Table, TableColumn, Text
 
 QUESTION = "How accurate are low-order models of ball screws, and how much run time does a more accurate model take?"
-TITLE = "Contact-load errors of the models on all compared screws, and error of each model and 3D mesh over its run time"
+TITLE = (
+    "Contact-load errors of the models on all compared screws, and contact-load error of each model and 3D mesh over its "
+    "run time"
+)
 #: Families of models, which share a colour, with the names of their models.
 FAMILIES = (
     ("refined", ("refined",)),
@@ -45,9 +42,10 @@ FAMILIES = (
 )
 #: Family name of all 3D meshes.
 SOLID = "3D reference"
-#: Columns of the table of bias, scatter and largest error.
-BIAS, SCATTER = TableColumn("bias", "bias", "%", "+.2f"), TableColumn("scatter", "scatter", "%", ".2f")
-LARGEST = TableColumn("largest", "largest error", "%", ".1f")
+#: Columns of the table of the models' errors in every quantity: mean error, scatter and largest error.
+BIAS = TableColumn("bias", "mean error (bias) of the model", "%", "+.2f")
+SCATTER = TableColumn("scatter", "scatter of the error", "%", ".2f")
+LARGEST = TableColumn("largest", "largest error on a scene", "%", ".1f")
 #: Models that represent their family in figures and tables.
 KINDS = {DEFAULT: "refined", "lin": "lin"}
 #: Names of these models in a sentence.
@@ -82,40 +80,42 @@ class ModelAccuracy:
     #: Median time in a new process with empty caches [s] (cold start); None: not measured.
     cold_start_seconds: float | None
     #: Median over the scenes of the largest error as ``rollbench check`` judges it [%], and of the ends of its range.
-    median_gate_error: LargestErrorWithRange
+    median_gate_error: reference_time.LargestErrorWithRange
     #: Number of scenes that pass ``rollbench check`` with its default limit.
     passed_scene_count: int
 
 
-def model_family(point: ErrorAndRunTime) -> str:
-    """Return the name of the family to which the model or 3D mesh of a measured point belongs.
+def model_family(point: reference_time.ErrorAndRunTime) -> str:
+    """Return the name of the family of models to which a low-order model or 3D mesh belongs.
 
-    ``point``: error and run time of the model on a scene. Families of models are those of `FAMILIES`; a model that is in
-    none of them forms its own family, named by its label. All 3D meshes form one family.
+    ``point``: error and run time of this model or mesh on a scene. Families of models are those of `FAMILIES`; a model that
+    is in none of them forms its own family, named by its label. All 3D meshes form one family.
     """
     if point.kind != "model":
         return SOLID
     return next((family for family, names in FAMILIES if point.name in names), point.label)
 
 
-def largest_error_or_mesh_uncertainty(point: ErrorAndRunTime) -> float:
+def largest_error_or_mesh_uncertainty(point: reference_time.ErrorAndRunTime) -> float:
     """Return the largest contact-load error of a model or 3D mesh on a scene [% of the mean load].
 
-    ``point``: its errors and run time. For the finest mesh level, which is the reference, its mesh uncertainty is returned.
+    ``point``: errors and run time of the model or mesh. For the finest mesh level, which is the reference, its mesh
+    uncertainty is returned.
     """
     return point.high if point.error == 0.0 and point.high is not None else point.error
 
 
-def gate_error_or_mesh_uncertainty(point: ErrorAndRunTime) -> LargestErrorWithRange:
+def check_error_or_mesh_uncertainty(point: reference_time.ErrorAndRunTime) -> reference_time.LargestErrorWithRange:
     """Return the largest contact-load error of a model or 3D mesh on a scene as ``rollbench check`` judges it [%].
 
-    ``point``: its errors and run time. For the finest mesh level, which is the reference, its mesh uncertainty takes the
-    place of the error.
+    The error is in per cent of the contact's reference load or, for a nearly unloaded contact, of the mean contact load.
+    ``point``: errors and run time of the model or mesh. For the finest mesh level, which is the reference, its mesh
+    uncertainty takes the place of the error.
     """
     return replace(point.gate, error=point.gate.high) if point.gate.error == 0.0 else point.gate
 
 
-def summarise_accuracy_by_model(points: Mapping[str, Sequence[ErrorAndRunTime]]) -> list[ModelAccuracy]:
+def summarise_accuracy_by_model(points: Mapping[str, Sequence[reference_time.ErrorAndRunTime]]) -> list[ModelAccuracy]:
     """Return errors and run times of every model and 3D mesh level, summarised over the scenes; least accurate first.
 
     Parameters
@@ -123,7 +123,7 @@ def summarise_accuracy_by_model(points: Mapping[str, Sequence[ErrorAndRunTime]])
     points
         Errors and run time of each model and mesh level, by name of the scene.
     """
-    found: dict[str, list[tuple[str, ErrorAndRunTime]]] = {}
+    found: dict[str, list[tuple[str, reference_time.ErrorAndRunTime]]] = {}
     for scene, several in points.items():
         for point in several:
             if point.status == "converged" and largest_error_or_mesh_uncertainty(point) > 0.0:
@@ -133,7 +133,9 @@ def summarise_accuracy_by_model(points: Mapping[str, Sequence[ErrorAndRunTime]])
     )
 
 
-def _summarise_model_accuracy(label: str, points_by_scene: Sequence[tuple[str, ErrorAndRunTime]]) -> ModelAccuracy:
+def _summarise_model_accuracy(
+    label: str, points_by_scene: Sequence[tuple[str, reference_time.ErrorAndRunTime]]
+) -> ModelAccuracy:
     """Return the errors and run time of one model or mesh level, as medians and maxima over the scenes.
 
     ``label``: name of the model or mesh level in tables. ``points_by_scene``: pairs of a scene's name, and errors and run
@@ -143,7 +145,7 @@ def _summarise_model_accuracy(label: str, points_by_scene: Sequence[tuple[str, E
     errors = [largest_error_or_mesh_uncertainty(p) for _, p in points_by_scene]
     k = int(np.argmax(errors))
     times = [p.cold for _, p in points_by_scene if p.cold is not None]
-    gate = [gate_error_or_mesh_uncertainty(p) for _, p in points_by_scene]
+    gate = [check_error_or_mesh_uncertainty(p) for _, p in points_by_scene]
     return ModelAccuracy(
         name=first.name,
         label=label,
@@ -155,7 +157,7 @@ def _summarise_model_accuracy(label: str, points_by_scene: Sequence[tuple[str, E
         median_rms_error_percent=float(np.median([p.rms for _, p in points_by_scene])),
         largest_rms_error_percent=max(p.rms for _, p in points_by_scene),
         cold_start_seconds=float(np.median(times)) if times else None,
-        median_gate_error=LargestErrorWithRange(
+        median_gate_error=reference_time.LargestErrorWithRange(
             *(float(np.median(ends)) for ends in zip(*((g.error, g.low, g.high) for g in gate), strict=True))
         ),
         passed_scene_count=sum(g.high <= LIMIT for g in gate),
@@ -165,8 +167,9 @@ def _summarise_model_accuracy(label: str, points_by_scene: Sequence[tuple[str, E
 def pareto_optimal_models(accuracies: Sequence[ModelAccuracy]) -> list[ModelAccuracy]:
     """Return the Pareto-optimal models and mesh levels, fastest first: no other is both faster and more accurate.
 
-    ``accuracies``: errors and run times of all models and mesh levels. Compared are the median of the largest error, as
-    ``rollbench check`` judges it, and the time of a cold start.
+    ``accuracies``: errors and run times of all models and mesh levels. The compared error is the median over the scenes of
+    the largest contact-load error, as ``rollbench check`` judges it. The compared time is that of a cold start (new process
+    with empty caches).
     """
     best: list[ModelAccuracy] = []
     for one in sorted(
@@ -180,7 +183,7 @@ def pareto_optimal_models(accuracies: Sequence[ModelAccuracy]) -> list[ModelAccu
 
 def error_distribution_and_time_figure(
     largest_errors: Mapping[str, Array],
-    points: Mapping[str, Sequence[ErrorAndRunTime]],
+    points: Mapping[str, Sequence[reference_time.ErrorAndRunTime]],
     name: str,
     size: tuple[float, float],
     *,
@@ -188,10 +191,12 @@ def error_distribution_and_time_figure(
 ) -> Figure:
     """Draw two panels: distribution of load errors over all compared screws, and load error over cold-start time.
 
+    Compared screws are those with a 3D reference. A cold start is a solution in a new process with empty caches.
+
     Parameters
     ----------
     largest_errors
-        Largest error on each screw [% of the mean load], by model.
+        Largest contact-load error on each screw, in ascending order [% of the mean load], by model.
     points
         Errors and run time of each model and mesh level, by name of the scene.
     name
@@ -199,7 +204,7 @@ def error_distribution_and_time_figure(
     size
         Width and height [inches].
     label_all_models
-        Whether all models and mesh levels are named; if not, only the representative models and the Pareto front are.
+        Whether all models and mesh levels are labelled; if not, only those of `KINDS` and of the Pareto front.
     """
     points = {name: [p for p in several if p.cold is not None] for name, several in points.items()}
     time = _error_over_time_panel(
@@ -207,8 +212,8 @@ def error_distribution_and_time_figure(
     )
     counts = " and ".join(sorted({str(errors.size) for errors in largest_errors.values()}))
     caption = (
-        f"First panel: share of {counts} screws whose largest contact-load error is below the abscissa. Second panel: "
-        f"{TIMED} Cold start: a new process with empty caches."
+        f"First panel: share of {counts} screws whose largest contact-load error is below the abscissa value. Second "
+        f"panel: {TIMED} Cold start: a new process with empty caches."
     )
     panels = (error_distribution_panel(largest_errors), time)
     return Figure(name, TITLE, panels, caption, columns=2 if label_all_models else 1, size=size)
@@ -216,14 +221,15 @@ def error_distribution_and_time_figure(
 
 #: Caption of a panel of errors over run time.
 TIMED = (
-    f"Largest error on each scene, {RULE}; horizontal line: {LIMIT:g} %, the default limit of rollbench check. Light "
-    "points: single scenes. Dark markers: medians; bars: range due to the mesh uncertainty of the 3D reference. The finest "
-    "mesh is the reference, drawn at its own uncertainty. The time of the condensed model excludes its 3D run."
+    f"Largest contact-load error on each scene, {RULE}; horizontal line: {LIMIT:g} %, the default limit of rollbench "
+    "check. Light points: single scenes. Dark markers: medians; bars: range due to the mesh uncertainty of the 3D "
+    "reference. The finest mesh is the reference, drawn at its own uncertainty. The time of the condensed model excludes "
+    "its 3D run."
 )
 
 
 def error_distribution_panel(largest_errors: Mapping[str, Array]) -> Panel:
-    """Return the panel of the cumulative distribution of the largest contact-load error over all compared screws.
+    """Return the panel of the cumulative distribution of the largest contact-load error over all screws with a reference.
 
     Parameters
     ----------
@@ -234,11 +240,11 @@ def error_distribution_panel(largest_errors: Mapping[str, Array]) -> Panel:
     for model, errors in largest_errors.items():
         share = 100.0 * np.arange(1, errors.size + 1) / max(errors.size, 1)
         series.append(Series(model, errors.tolist(), share.tolist(), "line", bold=True))
-    x, y = "largest error / % of the mean load", "share of screws up to this error / %"
+    x, y = "largest contact-load error / % of the mean contact load", "share of screws up to this error / %"
     return Panel("", x, y, series, log_axes="x", include_zero=True)
 
 
-def error_over_further_load_case_time_figure(points: Mapping[str, Sequence[ErrorAndRunTime]]) -> Figure:
+def error_over_further_load_case_time_figure(points: Mapping[str, Sequence[reference_time.ErrorAndRunTime]]) -> Figure:
     """Draw the largest load error of each model and 3D mesh level over the time of a further load case of a known geometry.
 
     ``points``: errors and run times of each model and mesh level, by name of the scene.
@@ -259,23 +265,26 @@ def error_over_further_load_case_time_figure(points: Mapping[str, Sequence[Error
 def largest_load_errors_on_screws(points: Sequence[MeasuredModelErrors]) -> dict[str, Array]:
     """Return the largest contact-load error on each compared screw, in ascending order [% of the mean load], by model.
 
-    ``points``: one record for each model and scene. Bearings (scenes without lead) are left out.
+    ``points``: errors against the 3D reference, one record for each model and compared scene. Bearings (scenes without
+    lead) are left out.
     """
     of_screws = [p for p in points if p.features["lead"] > 0.0]
     return {model: np.sort([p.percent for p in of_screws if p.model == model]) for model in KINDS}
 
 
-def largest_gate_errors_on_screws(points: Sequence[MeasuredModelErrors]) -> dict[str, Array]:
+def largest_check_errors_on_screws(points: Sequence[MeasuredModelErrors]) -> dict[str, Array]:
     """Return the largest load error on each compared screw as ``rollbench check`` judges it [%], by model.
 
-    ``points``: one record for each model and scene. Bearings (scenes without lead) are left out.
+    The error is in per cent of the contact's reference load or, for a nearly unloaded contact, of the mean contact load.
+    ``points``: errors against the 3D reference, one record for each model and compared scene. Bearings (scenes without
+    lead) are left out.
     """
     known = [(p.model, p.gate_percent) for p in points if p.features["lead"] > 0.0 and p.gate_percent is not None]
     return {model: np.array([error for name, error in known if name == model]) for model in KINDS}
 
 
 def _error_over_time_panel(
-    points: Mapping[str, Sequence[ErrorAndRunTime]],
+    points: Mapping[str, Sequence[reference_time.ErrorAndRunTime]],
     accuracies: Sequence[ModelAccuracy],
     label: str,
     *,
@@ -283,7 +292,8 @@ def _error_over_time_panel(
 ) -> Panel:
     """Return the panel of load errors over run time: a point per scene and model, medians, and the Pareto front.
 
-    The errors are the largest of each scene, as ``rollbench check`` judges them.
+    The errors are the largest on each scene as ``rollbench check`` judges them: in per cent of the contact's reference
+    load or, for a nearly unloaded contact, of the mean contact load.
 
     Parameters
     ----------
@@ -308,7 +318,7 @@ def _error_over_time_panel(
             Series(
                 family,
                 [cold for *_, cold in shown],
-                [max(gate_error_or_mesh_uncertainty(p).error, FLOOR) for _, p, _ in shown],
+                [max(check_error_or_mesh_uncertainty(p).error, reference_time.FLOOR) for _, p, _ in shown],
                 "markers",
                 pale=True,
                 point_names=[f"{p.name}, {scene}" for scene, p, _ in shown],
@@ -317,17 +327,20 @@ def _error_over_time_panel(
     edge = pareto_optimal_models(accuracies)
     line = (
         [s.cold_start_seconds for s in edge if s.cold_start_seconds is not None],
-        [max(s.median_gate_error.error, FLOOR) for s in edge],
+        [max(s.median_gate_error.error, reference_time.FLOOR) for s in edge],
     )
     series.append(Series("Pareto front of the medians", *line, "line", point_names=[s.name for s in edge]))
     for family in families:
         mids = [s for s in accuracies if s.family == family]
-        bars = ([max(s.median_gate_error.low, FLOOR) for s in mids], [max(s.median_gate_error.high, FLOOR) for s in mids])
+        bars = (
+            [max(s.median_gate_error.low, reference_time.FLOOR) for s in mids],
+            [max(s.median_gate_error.high, reference_time.FLOOR) for s in mids],
+        )
         series.append(
             Series(
                 family,
                 [s.cold_start_seconds for s in mids if s.cold_start_seconds is not None],
-                [max(s.median_gate_error.error, FLOOR) for s in mids],
+                [max(s.median_gate_error.error, reference_time.FLOOR) for s in mids],
                 "markers",
                 bold=True,
                 error_bars=bars,
@@ -339,10 +352,10 @@ def _error_over_time_panel(
     times = [p.cold for several in points.values() for p in several if p.cold is not None]
     if times:
         series.append(Series(f"limit of {LIMIT:g} %", [min(times), max(times)], [LIMIT, LIMIT], "line"))
-    return Panel("", label, "largest error as judged by rollbench check / %", tuple(series), log_axes="xy")
+    return Panel("", label, "largest contact-load error as judged by rollbench check / %", tuple(series), log_axes="xy")
 
 
-def _has_drawable_error_of_family(point: ErrorAndRunTime, family: str) -> bool:
+def _has_drawable_error_of_family(point: reference_time.ErrorAndRunTime, family: str) -> bool:
     """Return whether a point of the error-over-time figure is drawn in the colour of a family of models.
 
     ``point``: error and run time of a model on a scene. It is drawn if the model belongs to ``family`` and converged, and
@@ -365,13 +378,15 @@ def model_accuracy_sentences(
     largest_errors
         Largest error on each screw [% of the mean load], by model.
     gate_errors
-        Largest error on each screw as ``rollbench check`` judges it [%], by model.
+        Largest error on each screw as ``rollbench check`` judges it, by model [% of the contact's reference load or, for a
+        nearly unloaded contact, of the mean load].
     random_screw_count
-        Number of randomly drawn screws among them.
+        Number of the compared screws that were drawn at random.
     mesh_uncertainties
         Mesh uncertainty of the 3D reference for each scene [% of the mean load].
     total_uncertainty
-        Largest total uncertainty of the 3D reference [% of the mean load], modelling choices and input tolerances included.
+        Largest uncertainty of a 3D contact load in Lin's case studies by mesh, modelling choices and input tolerances
+        together [% of the mean load]; None: not known.
     """
     largest = []
     for model, errors in largest_errors.items():
@@ -381,14 +396,14 @@ def model_accuracy_sentences(
     whole = (
         ""
         if total_uncertainty is None
-        else f", up to {total_uncertainty:.1f} % with modelling choices and input tolerances"
+        else f"; with the modelling choices of the reference and the input tolerances of the scenes added, it is at most "
+        f"{total_uncertainty:.1f} % on Lin's case studies"
     )
+    count = " or ".join(sorted({str(errors.size) for errors in largest_errors.values() if errors.size}))
     return (
-        f"{screws_within_limit_text(gate_errors)}. Median and 95th percentile of the largest error: {', '.join(largest)}, "
-        "of the "
-        "mean contact "
-        f"load; {random_screw_count} of the screws were drawn at random. Grid uncertainty of the 3D reference: "
-        f"{_grid_uncertainty_range_text(mesh_uncertainties)}{whole}."
+        f"{screws_within_limit_text(gate_errors)}. Median and 95th percentile of the largest contact-load error on all "
+        f"{count} compared screws ({random_screw_count} of them drawn at random): {', '.join(largest)}, in per cent of "
+        f"the mean contact load. {_mesh_uncertainty_clause(mesh_uncertainties)}{whole}."
     )
 
 
@@ -398,7 +413,8 @@ def screws_within_limit_text(gate_errors: Mapping[str, Array]) -> str:
     Parameters
     ----------
     gate_errors
-        Largest load error on each screw as ``rollbench check`` judges it [%], by model; if empty, the clause is empty.
+        Largest load error on each screw as ``rollbench check`` judges it, by model [% of the contact's reference load or,
+        for a nearly unloaded contact, of the mean load]; if empty, the clause is empty.
     """
     found = {NAMES[model]: of_model for model, of_model in gate_errors.items() if of_model.size}
     counts = [f"{name} on {(e <= LIMIT).sum()} of {e.size}" for name, e in found.items()]
@@ -407,29 +423,33 @@ def screws_within_limit_text(gate_errors: Mapping[str, Array]) -> str:
     )
 
 
-def _grid_uncertainty_range_text(mesh_uncertainties: Sequence[float]) -> str:
-    """Return as text the range of the mesh uncertainty [%]; ``mesh_uncertainties``: the uncertainty of each scene."""
+def _mesh_uncertainty_clause(mesh_uncertainties: Sequence[float]) -> str:
+    """Return the clause on the uncertainty of the 3D contact loads by the mesh alone, as a range over the scenes.
+
+    ``mesh_uncertainties``: mesh uncertainty of each scene [% of the mean load].
+    """
     if not mesh_uncertainties:
-        return "unknown (one mesh level only)"
+        return "The uncertainty of the 3D reference by its mesh is unknown (one mesh level only)"
     low, high = f"{min(mesh_uncertainties):.1f}", f"{max(mesh_uncertainties):.1f}"
-    return f"{low} %" if low == high else f"{low} to {high} %"
+    text = low if low == high else f"{low} to {high}"
+    return f"Uncertainty of the contact loads of the 3D reference: {text} % of the mean contact load by the mesh alone"
 
 
 def random_screws_paragraph(random_screw_count: int) -> str:
-    """Return the paragraph on the randomly drawn screws that were compared in 3D.
+    """Return the paragraph on the randomly drawn screws that were compared with the 3D reference.
 
     ``random_screw_count`` is their number.
     """
     return (
         f"{random_screw_count} catalogue screws, drawn at random with a fixed seed, none replaced, were compared with "
         "mesh level 1 of "
-        "the 3D reference (section survey). Finer mesh levels, run times and verdicts of rollbench check are "
-        "shown for the shipped scenes:"
+        "the 3D reference (section survey of the page on contact-load errors). Finer mesh levels, run times and results of "
+        "rollbench check are shown for the shipped scenes:"
     )
 
 
 def compared_scenes_paragraphs(scenes: Mapping[str, Scene], references: Mapping[str, Reference]) -> list[str]:
-    """Return paragraphs on the compared scenes: their number, origin, and ranges of lead, diameter and number of balls.
+    """Return paragraphs on the scenes with a 3D reference: number, origin, ranges of lead, diameter and number of balls.
 
     Parameters
     ----------
@@ -470,8 +490,8 @@ def compared_scenes_paragraphs(scenes: Mapping[str, Scene], references: Mapping[
 LIMITS = (
     (
         "The 3D reference is linear elastic and frictionless, with nominal geometry apart from the geometric errors stated "
-        "in a scene. Its grid uncertainty is that of the mesh only; the effect of dimensions that the publication does not "
-        'print and of idealisations is stated separately (page "Uncertainty of the 3D reference").'
+        "in a scene. Its mesh uncertainty is that of the mesh only; the effect of dimensions that the publication does not "
+        'print and of idealisations is stated separately (page "Uncertainty of the contact loads of the 3D reference").'
     ),
     "For a screw outside this range the models still compute results, with the note that their error is not known.",
     (
@@ -513,24 +533,34 @@ def model_accuracy_table(accuracies: Sequence[ModelAccuracy]) -> Table:
     """
     rows: list[Row] = [
         {
-            "name": s.name,
-            TableColumn("label", "model or mesh", "", "s"): s.label,
-            "scenes": s.scene_count,
-            TableColumn("median", "largest error, median", "% of mean", ".2f"): s.median_error_percent,
-            TableColumn("worst", "largest error, maximum", "% of mean", ".2f"): s.largest_error_percent,
-            TableColumn("at", "scene of the maximum", "", "s"): s.scene_of_largest_error,
-            TableColumn("rms", "RMS error, median", "% of mean", ".2f"): s.median_rms_error_percent,
-            TableColumn("worst_rms", "largest RMS error", "% of mean", ".2f"): s.largest_rms_error_percent,
-            TableColumn("gate", "largest error by the gate's rule, median", "%", ".2f"): s.median_gate_error.error,
-            TableColumn("passed", f"scenes that pass the gate's {LIMIT:g} %", "", "s"): s.passed_scene_count,
-            TableColumn("cold", "cold start, median", "s", "g3"): s.cold_start_seconds,
+            TableColumn("name", "model or mesh level", "", "s"): s.name,
+            TableColumn("label", "long name of the model or mesh level", "", "s"): s.label,
+            TableColumn("scenes", "number of scenes", "", "s"): s.scene_count,
+            TableColumn(
+                "median", "largest contact-load error, median over the scenes", "% of mean load", ".2f"
+            ): s.median_error_percent,
+            TableColumn(
+                "worst", "largest contact-load error, maximum over the scenes", "% of mean load", ".2f"
+            ): s.largest_error_percent,
+            TableColumn("at", "scene with this maximum", "", "s"): s.scene_of_largest_error,
+            TableColumn(
+                "rms", "RMS error of the contact loads, median over the scenes", "% of mean load", ".2f"
+            ): s.median_rms_error_percent,
+            TableColumn(
+                "worst_rms", "RMS error of the contact loads, maximum over the scenes", "% of mean load", ".2f"
+            ): s.largest_rms_error_percent,
+            TableColumn(
+                "gate", "largest contact-load error as rollbench check judges it, median", "%", ".2f"
+            ): s.median_gate_error.error,
+            TableColumn("passed", f"scenes with every contact load within {LIMIT:g} %", "", "s"): s.passed_scene_count,
+            TableColumn("cold", "run time of a cold start, median", "s", "g3"): s.cold_start_seconds,
         }
         for s in accuracies
     ]
     note = (
         "Errors against the finest mesh level of the 3D reference of each shipped scene; the table of error over run time "
-        f"has the values of each scene. Gate: rollbench check, with errors {RULE}. A scene passes if error plus "
-        "uncertainty is within the limit on every contact. The finest mesh level is the reference: its grid uncertainty is "
+        f"has the values of each scene. rollbench check judges errors {RULE}; every contact load of a scene is within the "
+        "limit if error plus uncertainty is. The finest mesh level is the reference: its mesh uncertainty is "
         "shown as its error, and its RMS error is zero by definition."
     )
     table = Table.from_rows(
@@ -540,18 +570,21 @@ def model_accuracy_table(accuracies: Sequence[ModelAccuracy]) -> Table:
 
 
 def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Section:
-    """Return the section with the report's summary: errors of the models, compared scenes, limits, main figures and tables.
+    """Return the report's first section: model errors, scenes with a 3D reference, limits of validity, figures and tables.
 
     ``step`` is called with each line of progress.
     """
     step("error against run time, every model and mesh on every scene")
-    points = cache.compute_once(errors_and_times_of_all_scenes, step)
-    title = "Contact-load errors of each model and 3D mesh level on the shipped scenes"
+    points = cache.compute_once(reference_time.errors_and_times_of_all_scenes, step)
+    title = "Contact-load errors and run times of each model and 3D mesh level on the shipped scenes"
     if not points:
         return Section("overview", title, (Text(("No run of the 3D reference is stored.",)),))
     found = cache.stored_references(tuple(points))
     bars = [largest_uncertainty_percent(ref) for ref in found.values()]
-    compared = [*compared_points(cache, cache.compute_once(ladder)), *model_errors_on_random_screws()]
+    compared = [
+        *compared_points(cache, cache.compute_once(solve_refinement_sequence_on_all_scenes)),
+        *model_errors_on_random_screws(),
+    ]
     screws, drawn = largest_load_errors_on_screws(compared), len({p.scene for p in model_errors_on_random_screws()})
     wide = error_distribution_and_time_figure(screws, points, "error-time", (11.0, 4.1))
     narrow = error_distribution_and_time_figure(screws, points, "error-time-narrow", (3.75, 6.6), label_all_models=False)
@@ -560,9 +593,9 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
         *compared_scenes_paragraphs({name: cache.built_in_scene(name) for name in points}, found),
     ]
     sentence = model_accuracy_sentences(
-        screws, largest_gate_errors_on_screws(compared), drawn, bars, largest_total_uncertainty(cache, found)
+        screws, largest_check_errors_on_screws(compared), drawn, bars, largest_total_uncertainty(cache, found)
     )
-    limits = (*LIMITS, run_time_conditions_sentence(cache, step))
+    limits = (*LIMITS, reference_time.run_time_conditions_sentence(cache, step))
     table = model_accuracy_table(summarise_accuracy_by_model(points))
     step("every model on every quantity")
     step("printed values by table and section")
@@ -602,9 +635,9 @@ def largest_total_uncertainty(cache: SceneResultCache, references: Mapping[str, 
 def error_table_of_all_quantities(cache: SceneResultCache) -> Table:
     """Return the table of bias, scatter and largest error of the models in each computed quantity.
 
-    The errors are against the 3D reference and, in the last rows, against values that others have printed or measured.
+    The errors are against the 3D reference and, in the last rows, against published or measured values.
     """
-    rungs = cache.compute_once(ladder)
+    rungs = cache.compute_once(solve_refinement_sequence_on_all_scenes)
     rows = validated_errors_of_models(cache, rungs)
     from rollbench.compare.cases.makers.page import first_page
 
@@ -612,62 +645,76 @@ def error_table_of_all_quantities(cache: SceneResultCache) -> Table:
     cells: list[Row] = []
     for model in KINDS:
         of_model = [r for r in rungs if r.model == model]
-        words = [gate_verdict_on_model(cache, rung) for rung in of_model]
+        words = [check_verdict_on_model(cache, rung) for rung in of_model]
         passed = words.count("pass")
         cells.append(
             {
-                "quantity": "worst contact load by the gate's rule",
+                "quantity": "largest contact-load error as rollbench check judges it",
                 "model": model,
                 BIAS: None,
                 SCATTER: None,
                 LARGEST: max(r.load_error.gate_percent for r in of_model),
-                "scenes": len(of_model),
-                TableColumn("passed", f"pass the gate's {LIMIT:g} %", "", "s"): f"{passed} of {len(of_model)}",
-                "verdict": "yes" if passed == len(of_model) else "no",
+                TableColumn("scenes", "number of scenes", "", "s"): len(of_model),
+                TableColumn(
+                    "passed", f"scenes with every load within {LIMIT:g} %", "", "s"
+                ): f"{passed} of {len(of_model)}",
+                TableColumn("verdict", f"all scenes within {LIMIT:g} %", "", "s"): "yes"
+                if passed == len(of_model)
+                else "no",
             }
         )
     for s in bias_and_scatter(rows):
         if s.model not in KINDS:
             continue
         worst = [abs(row.error) for row in rows if (row.model, row.quantity) == (s.model, s.quantity)]
-        name = f"{s.quantity}, of the mean load" if s.quantity == CONTACTS else s.quantity
+        name = f"{s.quantity}, in per cent of the mean load" if s.quantity == CONTACTS else s.quantity
         cells.append(
-            {"quantity": name, "model": s.model, BIAS: s.bias, SCATTER: s.scatter, LARGEST: max(worst), "scenes": s.scenes}
+            {
+                "quantity": name,
+                "model": s.model,
+                BIAS: s.bias,
+                SCATTER: s.scatter,
+                LARGEST: max(worst),
+                TableColumn("scenes", "number of scenes", "", "s"): s.scenes,
+            }
         )
-    columns = {q.label: q for q in (BIAS, SCATTER)}
+    columns = {q.key: q for q in (BIAS, SCATTER)}
     for quantity, row in outside.items():
         known: Row = {
-            columns.get(column.label, TableColumn("values", "values of others", "", "s")): v for column, v in row.items()
+            columns.get(column.key, TableColumn("values", "number of published or measured values", "", "s")): v
+            for column, v in row.items()
         }
-        cells.append({"quantity": quantity, "model": "against values of others", **known})
+        cells.append({"quantity": quantity, "model": "several, against published or measured values", **known})
     note = (
-        f"First rows: verdicts of the gate (rollbench check), {RULE}. Then: errors against the finest mesh level of the 3D "
-        "reference of each scene. Last rows: errors against values that others have printed or measured (section outside)."
+        f"First rows: errors as rollbench check judges them, {RULE}. Then: errors against the finest mesh level of the 3D "
+        "reference of each scene. Last rows: errors against values that makers, measurements and other programs state, "
+        "each computed by the model or formula that the table of these values names (section outside)."
     )
     return Table.from_rows(
-        "quantities", "Bias, scatter and largest error of each model in each computed quantity", cells, note
+        "quantities", "Mean error, scatter and largest error of each model in each computed quantity", cells, note
     )
 
 
-def gate_verdict_on_model(cache: SceneResultCache, model_solution: RefinementStepResult) -> str:
+def check_verdict_on_model(cache: SceneResultCache, model_solution: RefinementStepResult) -> str:
     """Return the verdict "pass", "fail" or "undecided" of ``rollbench check`` on a model's contact loads on a scene.
 
     ``model_solution``: solution of the scene by the model. The error limit is the default.
     """
     reference = cache.stored_reference(model_solution.scene)
-    assert reference is not None  # a rung stands against one
+    assert reference is not None  # a model is solved only on scenes with a reference
     return judge_contact_loads(model_solution.model, model_solution.result.load, reference, ErrorLimits())[0].word
 
 
 def computed_over_reference_load_figure(cache: SceneResultCache, references: Mapping[str, Reference]) -> Figure:
     """Draw, for every contact, the load by a low-order model, plotted against the load by the 3D reference.
 
-    The loads are divided by the mean load. ``references``: 3D reference of each scene, by name of the scene.
+    All loads of a scene are divided by the mean contact load of its 3D reference. ``references``: 3D reference of each
+    scene, by name of the scene.
     """
     series = []
     for model in KINDS:
         x, y, names = [], [], []
-        for rung in cache.compute_once(ladder):
+        for rung in cache.compute_once(solve_refinement_sequence_on_all_scenes):
             if rung.model == model and rung.scene in references:
                 ref = references[rung.scene]
                 value, truth = rung.result.load / ref.mean, ref.load / ref.mean
@@ -684,7 +731,8 @@ def computed_over_reference_load_figure(cache: SceneResultCache, references: Map
     series.append(Series(f"limit of ±{LIMIT:g} %", [*truths, end, *truths], lines.tolist(), "line"))
     panel = Panel("", "load by the 3D reference / mean load", "load by the model / mean load", tuple(series))
     caption = (
-        f"{len(series[0].x)} contacts of {len(references)} scenes. Outer lines: {LIMIT:g} %, the limit of rollbench check."
+        f"{len(series[0].x)} contacts of {len(references)} scenes. Outer lines: a load error of {LIMIT:g} %, the limit of "
+        "rollbench check."
     )
     return Figure(
         "contacts",

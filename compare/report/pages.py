@@ -16,6 +16,7 @@ import numpy as np
 
 from rollbench.compare.case import all_cases
 from rollbench.compare.measure import error_percent, mean_load
+from rollbench.compare.printed import VERDICT_NAMES
 from rollbench.compare.reference.computing import compute_reference_runs
 from rollbench.compare.reference.store import load_stored_run
 from rollbench.compare.reference.tasks import ReferenceTask
@@ -25,15 +26,19 @@ from rollbench.meshes.libraries import MESHING, PICTURES, apt_command
 from rollbench.reports.content import FieldPicture, LoadedScrew, Page, Section, Table
 from rollbench.reports.offscreen import reason_drawing_fails
 
-#: Titles of the report's pages by file name. A publication's page has the name and title of its case (`compare.case`).
+#: Titles of the report's pages by file name. The page of a publication has the name of its case (`compare.case`).
 PAGES = {
     "reading": "How to read this report",
-    **{case.name: case.title[:1].upper() + case.title[1:] for case in all_cases() if case.page},
+    **{
+        case.name: f"{case.title[:1].upper()}{case.title[1:]}: published and computed results" if case.title else ""
+        for case in all_cases()
+        if case.page
+    },
     "cases": "Each compared screw and bearing",
     "accuracy": "Contact-load errors of the low-order models",
-    "reference": "Uncertainty of the 3D reference",
-    "robustness": "Numerical stability on stiff and extreme scenes",
-    "tolerances": "Effect of manufacturing tolerances",
+    "reference": "Uncertainty of the contact loads of the 3D reference",
+    "robustness": "Numerical stability of the solvers on stiff and extreme scenes",
+    "tolerances": "Effect of manufacturing tolerances on the largest contact load",
     "trust": "Quantities for which each model is accurate enough",
     "entries": "All numbers printed in publications, and whether they are reproduced",
 }
@@ -47,25 +52,25 @@ COMPILED = ("lin", "smith", "liu")
 #: Verdicts on printed numbers that do not test a model, and the noun for each in a sentence.
 APART = {"input": "inputs", "identity": "identities"}
 
-#: Predicates for the other verdicts on printed numbers, in a sentence.
+#: Predicates for the other verdicts on printed numbers, in a sentence, by the names of the verdicts in tables.
 WORDS = {
-    "reproduced": "are reproduced",
-    "only as printed": "are obtained only if an error of the publication is repeated",
-    "band": "lie in their tolerance band",
-    "contradicted": "are contradicted",
-    "not identifiable": "are not identifiable",
+    VERDICT_NAMES["reproduced"]: "are reproduced",
+    VERDICT_NAMES["only as printed"]: "are reproduced only with the publication's error",
+    VERDICT_NAMES["band"]: "lie in their tolerance band",
+    VERDICT_NAMES["contradicted"]: "are contradicted",
+    VERDICT_NAMES["not identifiable"]: "are not determined by the publication",
 }
 
 
 @dataclass(frozen=True)
 class ReportPart:
-    """Part of the validation report (one section or several), with its page and its requirements."""
+    """Part of the validation report (one section or several): its page, and whether it needs 3D runs or gmsh."""
 
     #: Name for the option ``--only``.
     name: str
     #: Name of the page on which the part is shown.
     page_name: str
-    #: Module in ``package`` that makes the part, as ``module:function`` if the function is not ``make_section``.
+    #: Module in ``package`` whose function ``make_section`` makes the part; ``module:function`` for another function.
     maker: str
     #: Whether the part is included in a quick report.
     in_quick_report: bool = False
@@ -75,7 +80,7 @@ class ReportPart:
     needs_gmsh: bool = False
     #: Description of the contents that need gmsh, if the rest of the part does not; empty: none.
     contents_needing_gmsh: str = ""
-    #: Package in which ``module`` is looked up.
+    #: Package in which the module of ``maker`` is looked up.
     package: str = "rollbench.compare"
 
 
@@ -116,9 +121,9 @@ PLACED = (
     ReportPart("external", "external", "cases.external.page", shows_3d_runs=True),
     ReportPart("holding", "external", "cases.external.page:fixation_section", shows_3d_runs=True),
     ReportPart("fit", "trust", "sections.fit", in_quick_report=True),
-    ReportPart("notes", "trust", "sections.how_to_read:notes_section", in_quick_report=True, shows_3d_runs=True),
+    ReportPart("notes", "trust", "sections.how_to_read:assumptions_section", in_quick_report=True, shows_3d_runs=True),
     ReportPart("verdicts", "entries", "sections.verdicts", shows_3d_runs=True),
-    ReportPart("audit", "entries", "sections.verdicts:audit_section", shows_3d_runs=True),
+    ReportPart("audit", "entries", "sections.verdicts:misprints_section", shows_3d_runs=True),
 )
 
 
@@ -155,9 +160,10 @@ def arrange_sections_on_pages(sections_by_part: Mapping[str, Sequence[Section]])
 
 
 def page_summary_sentence(sections: Sequence[Section]) -> str:
-    """Return the sentence that summarises a page: the first conclusion of its sections or, without one, verdict counts.
+    """Return the sentence that summarises a page: the first conclusion of its sections or, without one, a count.
 
-    ``sections``: sections of the page. The text is empty if they contain neither a conclusion nor a table of verdicts.
+    ``sections``: sections of the page. The count states how many printed numbers are reproduced, contradicted and so on.
+    The text is empty if the sections contain neither a conclusion nor a table of printed numbers.
     """
     text = next((section.conclusion for section in sections if section.conclusion), "")
     if text:
@@ -173,7 +179,7 @@ def page_summary_sentence(sections: Sequence[Section]) -> str:
     return f"Of {total} printed numbers and claims that test a model on this page, {words}{of}."
 
 
-#: Names of the parts that take most of a report's time: made only with ``--all`` or ``--fresh``, or if the user names them.
+#: Names of the parts that take most of a report's time; they are made only with ``--all`` or ``--fresh``, or if named.
 COSTLY = frozenset({"pictures", "friction", "friction-screw", "rolling", "verification", "stability"})
 
 #: Scene and mesh level of the shipped 3D run that is recomputed as a check: a quarter of a minute on one core.
@@ -187,11 +193,11 @@ AGREES = 1e-3
 class OmittedParts:
     """Parts or pictures that a report leaves out, with the reason and the command that adds them."""
 
-    #: Names of the parts or pictures that are left out.
+    #: Names of the parts or pictures that the report leaves out.
     names: tuple[str, ...]
-    #: Reason for which they are left out.
+    #: Reason why the report leaves these parts out.
     reason: str
-    #: Command that adds them.
+    #: Command that adds these parts to the report.
     command_to_add: str
 
     def __str__(self) -> str:
@@ -220,7 +226,7 @@ def split_into_made_and_omitted_parts(
     out = {part.name for part in parts if part.name in COSTLY} if not (named_by_user or with_costly_parts) else set()
     if out:
         names = tuple(part.name for part in parts if part.name in out)
-        left.append(OmittedParts(names, "they take most of the time", "to include them: rollbench report --all"))
+        left.append(OmittedParts(names, "these parts take most of the time", "to include them: rollbench report --all"))
     meshing = [part for part in parts if (part.needs_gmsh or part.contents_needing_gmsh) and part.name not in out]
     fault = gmsh_fault() if meshing else ""
     if fault:

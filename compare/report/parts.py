@@ -69,7 +69,7 @@ def results_table(rows: Sequence[AnswerRow], title: str, note: str = "") -> Tabl
 
 
 def source_code_hash_by_name() -> dict[str, str]:
-    """Return a dictionary with the SHA-256 of the program's source code, under the key that pages use for it."""
+    """Return the SHA-256 of the program's source code as a dictionary; its only key is the name of this hash on pages."""
     return {SOURCES: sources_hash()}
 
 

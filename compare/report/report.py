@@ -21,16 +21,7 @@ from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.provenance import hashes_of_report_inputs, source_commit
 from rollbench.compare.reference.jobs import ComputingSettings
 from rollbench.compare.reference.parallel import run_jobs
-from rollbench.compare.report.pages import (
-    COMPILED,
-    GATHERING,
-    SECTIONS,
-    ReportPart,
-    arrange_sections_on_pages,
-    omitted_picture_entries,
-    recompute_shipped_run,
-    split_into_made_and_omitted_parts,
-)
+from rollbench.compare.report import pages as report_pages
 from rollbench.compare.report.scene_page import raise_folder_errors_as_input_errors
 from rollbench.compare.report.verify import read_report_tables, report_differences
 from rollbench.compare.results.base import JSON
@@ -79,7 +70,7 @@ class ReportProgressPrinter:
         self.start = perf_counter()
 
     def begin_section(self, name: str) -> None:
-        """Count one section more, and print its name with its number and the elapsed time."""
+        """Print the number and ``name`` of the section that is made next, and the elapsed time."""
         self.count += 1
         self.say(f"[{self.count}/{self.total}] {name} ({perf_counter() - self.start:.1f} s)")
 
@@ -98,9 +89,9 @@ def compute_missing_3d_runs(cache: SceneResultCache, engine: ComputingSettings, 
     from rollbench.compare.models.modelling import REFINED, VARIED
     from rollbench.compare.reference.jobs import (
         ensure_runs_are_stored,
-        expected_cost,
+        expected_time_and_memory,
         modelling_variant_names,
-        plan_tasks,
+        plan_reference_tasks,
         refinement_variant_names,
     )
     from rollbench.compare.reference.levels import LEVELS, STUDIED
@@ -113,20 +104,20 @@ def compute_missing_3d_runs(cache: SceneResultCache, engine: ComputingSettings, 
 
     scenes = [cache.built_in_scene(name) for name in REFERENCED]
     if cache.quick:
-        tasks = plan_tasks(scenes[:2], (min(LEVELS),))
+        tasks = plan_reference_tasks(scenes[:2], (min(LEVELS),))
     else:
-        tasks = plan_tasks(scenes, STUDIED, with_source_mesh=True, leave_out_each_part=True)
+        tasks = plan_reference_tasks(scenes, STUDIED, with_source_mesh=True, leave_out_each_part=True)
         for name in VARIED:
-            tasks += plan_tasks(
+            tasks += plan_reference_tasks(
                 [cache.built_in_scene(name)],
                 (),
                 (*modelling_variant_names(), *(refinement_variant_names() if name == REFINED else ())),
             )
-        tasks += plan_tasks([cache.built_in_scene(name) for name in UNSEEN], STUDIED)
+        tasks += plan_reference_tasks([cache.built_in_scene(name) for name in UNSEEN], STUDIED)
         for names, levels in (*checked_references(fresh), *liu_references(fresh)):
-            tasks += plan_tasks([cache.built_in_scene(name) for name in names], levels)
-        tasks += plan_tasks([cache.built_in_scene(name) for name in DEEP], (max(LEVELS),))
-        tasks.sort(key=lambda task: -expected_cost(task).seconds)
+            tasks += plan_reference_tasks([cache.built_in_scene(name) for name in names], levels)
+        tasks += plan_reference_tasks([cache.built_in_scene(name) for name in DEEP], (max(LEVELS),))
+        tasks.sort(key=lambda task: -expected_time_and_memory(task).seconds)
     ensure_runs_are_stored(
         tasks, cache.reference_folders[0], engine, step, cache.reference_folders[1:], compute_again=fresh
     )
@@ -162,18 +153,18 @@ def save_uncertainty_parameters(stores: Sequence[Path]) -> None:
         )
 
 
-def select_report_parts(only: Sequence[str], *, quick: bool = False) -> list[ReportPart]:
+def select_report_parts(only: Sequence[str], *, quick: bool = False) -> list[report_pages.ReportPart]:
     """Return the parts of the report that are to be made: those named in ``only`` or, without names, all of them.
 
     ``quick``: whether, without names, only the parts of a quick report are returned. Raises InputError for an unknown name.
     """
     for name in only:
-        if name not in (names := [part.name for part in SECTIONS]):
+        if name not in (names := [part.name for part in report_pages.SECTIONS]):
             raise ArgumentError("only", f'"{name}"', ", ".join(names), "choose names of sections from this list")
-    return [part for part in SECTIONS if (part.name in only if only else part.in_quick_report or not quick)]
+    return [part for part in report_pages.SECTIONS if (part.name in only if only else part.in_quick_report or not quick)]
 
 
-def report_parts_of_publication(case_name: str) -> list[ReportPart]:
+def report_parts_of_publication(case_name: str) -> list[report_pages.ReportPart]:
     """Return the parts of the report that make up its page on one publication.
 
     ``case_name``: name of the publication's case, such as "lin". Raises InputError if it has no page.
@@ -181,28 +172,29 @@ def report_parts_of_publication(case_name: str) -> list[ReportPart]:
     with_page = [case.name for case in all_cases() if case.page]
     if case_name not in with_page:
         raise ArgumentError("source", f'"{case_name}"', ", ".join(with_page), "choose a publication that has a page")
-    return [part for part in SECTIONS if part.page_name == case_name]
+    return [part for part in report_pages.SECTIONS if part.page_name == case_name]
 
 
 def save_model_errors(cache: SceneResultCache) -> None:
     """Store the models' errors against the 3D reference, from which ``rollbench solve`` estimates its expected errors.
 
-    ``cache``: has the errors, and the folders of stored runs, to the first of which they are written.
+    ``cache``: cache with the errors and the folders of stored runs. The errors are written to the first of these folders.
     """
     from rollbench.compare.models.applicability import save_descriptors_of_built_in_scenes
     from rollbench.compare.models.model_form import save_model_errors
-    from rollbench.compare.models.modelling import ladder, model_errors_on_built_in_scenes
+    from rollbench.compare.models.modelling import model_errors_on_built_in_scenes, solve_refinement_sequence_on_all_scenes
 
-    rungs = cache.compute_once(ladder)
+    rungs = cache.compute_once(solve_refinement_sequence_on_all_scenes)
     if rungs and cache.reference_folders:
         save_model_errors(cache.reference_folders[0], model_errors_on_built_in_scenes(cache, rungs))
         save_descriptors_of_built_in_scenes(cache.reference_folders[0])
 
 
-def _make_sections_of_part(part: ReportPart, step: Step, cache: SceneResultCache) -> Sequence[Section]:
-    """Make the sections of one part of the report; for the part "ladder", also store the errors of the models.
+def _make_sections_of_part(part: report_pages.ReportPart, step: Step, cache: SceneResultCache) -> Sequence[Section]:
+    """Make the sections of one part of the report.
 
-    ``part``: the part, which names the module that makes it. ``step`` is called with each line of progress.
+    ``part``: the part, which names the module that makes it. ``step`` is called with each line of progress. After the part
+    "ladder" (load errors of the low-order models against the 3D reference), the errors of the models are also stored.
     """
     path, _, function = part.maker.partition(":")
     module = import_module(f"{part.package}.{path}")
@@ -216,7 +208,12 @@ def _make_sections_of_part(part: ReportPart, step: Step, cache: SceneResultCache
 
 
 def _make_parts_in_worker(
-    parts: Sequence[ReportPart], tables: Sequence[str], study_arguments: tuple[Any, ...], print_line: Step, *, keeping: bool
+    parts: Sequence[report_pages.ReportPart],
+    tables: Sequence[str],
+    study_arguments: tuple[Any, ...],
+    print_line: Step,
+    *,
+    keeping: bool,
 ) -> tuple[dict[str, Sequence[Section]], SceneResultCache]:
     """Make parts of the report in a worker process.
 
@@ -225,7 +222,8 @@ def _make_parts_in_worker(
     parts
         Parts of the report to make.
     tables
-        Names of files of printed numbers; the values computed for these numbers are added to the returned cache.
+        Names of files with numbers printed in publications; the values that rollbench computes for these numbers are added
+        to the returned cache.
     study_arguments
         Arguments with which the process makes its `SceneResultCache`.
     print_line
@@ -252,7 +250,7 @@ def _make_parts_in_worker(
 
 
 def make_sections(
-    parts: Sequence[ReportPart],
+    parts: Sequence[report_pages.ReportPart],
     show_part_name: Step,
     step: Step,
     study: SceneResultCache,
@@ -287,13 +285,13 @@ def make_sections(
     """
     sections: dict[str, Sequence[Section]] = {}
     if process_count > 1:
-        last = [part for part in parts if part.name in GATHERING]
+        last = [part for part in parts if part.name in report_pages.GATHERING]
         gathered = [(name, one.case.name) for name, one in computations_with_function().items()] if last else []
         given = (study.reference_folders, None, study.quick, study.measures_run_times, study.mesh_cache)
         jobs = []
         for compiled in (True, False):
-            half = [part for part in parts if part not in last and (part.page_name in COMPILED) == compiled]
-            tables = [name for name, case in gathered if (case in COMPILED) == compiled]
+            half = [part for part in parts if part not in last and (part.page_name in report_pages.COMPILED) == compiled]
+            tables = [name for name, case in gathered if (case in report_pages.COMPILED) == compiled]
             if half or tables:
                 jobs.append(
                     (
@@ -373,17 +371,19 @@ def write_validation_report(
     before = None if against is None else read_report_tables(against)
     for name, value in {"only": only, "quick": quick, "fresh": fresh}.items():
         if source and value:
-            raise ArgumentError(name, str(value), "only without `source`", "leave one of them out")
+            raise ArgumentError(name, str(value), "only without `source`", "leave one of the two arguments out")
     wanted, stored = (
         (report_parts_of_publication(source), True) if source else (select_report_parts(only, quick=quick), stored)
     )
     if fresh and stored:
-        raise ArgumentError("fresh", "both fresh and stored", "only one of them", "leave `stored` out to compute runs anew")
+        raise ArgumentError(
+            "fresh", "both fresh and stored", "only one of the two", "leave `stored` out to compute 3D runs anew"
+        )
     from rollbench.reports.pages import write_report
 
     with raise_folder_errors_as_input_errors(out):
         check_writable(out / "index.html")
-    wanted, missed = split_into_made_and_omitted_parts(
+    wanted, missed = report_pages.split_into_made_and_omitted_parts(
         wanted, named_by_user=bool(only), with_costly_parts=everything or fresh
     )
     meshing = not gmsh_fault()
@@ -406,7 +406,7 @@ def write_validation_report(
     checked = None
     if checking:
         progress.begin_section("one shipped run recomputed")
-        checked = recompute_shipped_run((shipped_store(),), progress.print_step)
+        checked = report_pages.recompute_shipped_run((shipped_store(),), progress.print_step)
     workers = min(engine.parallel_jobs or 1, usable_cores()) if engine.backend == "joblib" else 1
     sections = make_sections(
         wanted, progress.begin_section, progress.print_step, study, process_count=workers, show_worker_progress=say
@@ -417,19 +417,23 @@ def write_validation_report(
     shipped = "shipped runs where they belong to the same inputs, else computed"
     computed = "computed, coarse meshes only" if quick else "computed" if fresh else shipped
     facts["3D reference"] = "shipped runs" if stored or not meshing else computed
-    missed += omitted_picture_entries(section for several in sections.values() for section in several)
+    missed += report_pages.omitted_picture_entries(section for several in sections.values() for section in several)
     if missed:
         facts["left out"] = "; ".join(str(gap) for gap in missed)
     if checked is not None:
         facts["live check"] = str(checked)
-    without = "" if only or source else f", without {', '.join(part.name for part in SECTIONS if not part.in_quick_report)}"
+    without = (
+        ""
+        if only or source
+        else f", without {', '.join(part.name for part in report_pages.SECTIONS if not part.in_quick_report)}"
+    )
     report = Report(
         title="rollbench validation report",
         subtitle="Low-order models of ball screws and bearings against printed numbers and a 3D contact reference"
         + (f" (quick report: coarse meshes, Lin's cases 1 and 2 only{without})" if quick else "")
         + "".join(f" (left out: {gap})" for gap in missed),
         provenance=facts,
-        pages=arrange_sections_on_pages(sections),
+        pages=report_pages.arrange_sections_on_pages(sections),
         origin={**facts, "inputs": hashes_of_report_inputs(study.reference_folders or (shipped_store(),), texts)},
     )
     with raise_folder_errors_as_input_errors(out):
@@ -501,14 +505,14 @@ def report(
     Raises
     ------
     rollbench.InputError
-        If an argument cannot be used. If the models cannot describe a scene, the subclass ``Refusal``.
+        If an argument cannot be used. If the models cannot describe a scene, the subclass SceneNotCoveredError.
     """
     folder = Path(out)
     choices = {"only": only, "quick": quick, "stored": stored, "fresh": fresh, "everything": everything, "source": source}
     given = [name for name, value in choices.items() if value]
     if scene is not None and given:
         value = f"both {given[0]} and a scene"
-        raise ArgumentError(given[0], value, "only without a scene", "leave one of them out")
+        raise ArgumentError(given[0], value, "only without a scene", "leave out the scene or the argument")
     index = folder / "index.html"
     if scene is not None:
         from rollbench.compare.report.several import write_scene_pages

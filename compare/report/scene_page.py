@@ -16,15 +16,9 @@ import numpy as np
 from rollbench.compare.errors import ArgumentError, InputError, SceneNotCoveredError
 from rollbench.compare.gate.user import references_from_file
 from rollbench.compare.measure import LoadError, load_error
+from rollbench.compare.models import load_cases
 from rollbench.compare.models.answers import SceneResults, tangent_stiffness_at
 from rollbench.compare.models.comparison import solution_from_result
-from rollbench.compare.models.load_cases import (
-    ShaftSolution,
-    compute_duty_cycle_results,
-    solve_scene_with_results,
-    solve_shaft_with_results,
-    solve_with_results,
-)
 from rollbench.compare.models.model_form import FILE, ExpectedModelErrors
 from rollbench.compare.models.registry import DEFAULT, ModelOptions, default_model_name, run_model
 from rollbench.compare.models.study import SceneResultCache
@@ -32,14 +26,8 @@ from rollbench.compare.models.uncertainty import QUANTITIES, ErrorWithUncertaint
 from rollbench.compare.quantities import count_with_noun
 from rollbench.compare.reference.estimate import Reference, largest_uncertainty_percent
 from rollbench.compare.reference.store import path_of_run, shipped_store
+from rollbench.compare.report import parts
 from rollbench.compare.report.axis_page import result_page_of_shaft
-from rollbench.compare.report.parts import (
-    page_origin_facts,
-    results_table,
-    scene_file_text,
-    source_code_hash_by_name,
-    warnings_and_assumptions_section,
-)
 from rollbench.compare.results.rows import duty_cycle_rows, expected_error_sentence, solution_rows
 from rollbench.compare.results.scene_json import duty_cycle_json, solved_case_json
 from rollbench.compare.results.view import collect_view_data
@@ -66,6 +54,7 @@ from rollbench.reports.content import Figure, LoadedScrew, Panel, Row, Section, 
 from rollbench.reports.manifest import sha256
 from rollbench.reports.scene_page import ScenePage
 
+#: Title of the sketch of the scene.
 SKETCH = "Side view of screw, nut and balls, to scale near the nut; hatched: surfaces at which the nut is fixed"
 
 
@@ -106,7 +95,7 @@ def solve_and_make_page(scene_name: str, stores: Sequence[Path], reference_file:
     ------
     InputError
         For a scene that cannot be shown, or a file of loads for a shaft with several nuts or bearings. If the scene has no
-        solution, the subclass Refusal.
+        solution, the subclass SceneNotCoveredError.
     """
     described = catalogue.scene_of_any_kind(scene_name)
     sets = isinstance(described.parts if isinstance(described, DutyCycle) else described, Assembly)
@@ -118,7 +107,9 @@ def solve_and_make_page(scene_name: str, stores: Sequence[Path], reference_file:
         return _page_of_highest_pressure_case(scene_name, described, stores, reference_file)
     if isinstance(described, Assembly):
         return result_page_of_shaft(
-            scene_name, solve_shaft_with_results(described, default_model_name(described), ModelOptions()), stores
+            scene_name,
+            load_cases.solve_shaft_with_results(described, default_model_name(described), ModelOptions()),
+            stores,
         )
     return _page_of_load_case(
         scene_name, scene_file.single_nut_scene_or_raise(described, scene_name), stores, reference_file
@@ -131,18 +122,20 @@ def _page_of_highest_pressure_case(
     """Return the page on the load case of a duty cycle with the highest pressure; it begins with a table of all load cases.
 
     ``scene_name``: name or file of the scene. ``cycle``: its load cases. ``stores``: folders with stored runs of the 3D
-    reference. ``reference_file``: file with contact loads that replaces the 3D reference. Raises Refusal if no load case
-    converges and loads a contact.
+    reference. ``reference_file``: file with contact loads that replaces the 3D reference. Raises SceneNotCoveredError if no
+    load case converges and loads a contact.
     """
-    solved = [solve_with_results(case.scene, default_model_name(case.scene), ModelOptions()) for case in cycle.cases]
+    solved = [
+        load_cases.solve_with_results(case.scene, default_model_name(case.scene), ModelOptions()) for case in cycle.cases
+    ]
     names = [case.name for case in cycle.cases]
-    whole = compute_duty_cycle_results(cycle, solved)
+    whole = load_cases.compute_duty_cycle_results(cycle, solved)
     if whole.pressure is None:
         value = "no load case that has a solution with loaded contacts"
         raise SceneNotCoveredError(scene_name, "cases", value, "see the status of each load case: rollbench solve")
     worst = whole.pressure.case
     one = solved[names.index(worst)]
-    if isinstance(one, ShaftSolution):
+    if isinstance(one, load_cases.ShaftSolution):
         page = result_page_of_shaft(scene_name, one, stores)
     else:
         page = _page_of_load_case(scene_name, one.scene, stores, reference_file, worst)
@@ -153,8 +146,8 @@ def _page_of_highest_pressure_case(
     ]
     answers = duty_cycle_rows(whole)
     life_said = " or ".join(f"{row.value} {row.unit}" for row in answers if row.quantity == "life L10") or "not known"
-    note = "Life: if only this case acted. The sections below show the case with the highest pressure."
-    table = Table.from_rows("cases", "Results of each load case", rows, note)
+    note = "Life: if only this load case acted. The sections below show the load case with the highest pressure."
+    table = Table.from_rows("cases", "Contact load, pressure, safety and life of each load case", rows, note)
     lost = "".join(f" Case {one} was not solved: {status}." for one, status in whole.unsolved.items())
     cases = count_with_noun(len(solved), "load case")
     return replace(
@@ -162,7 +155,7 @@ def _page_of_highest_pressure_case(
         title=cycle.title,
         subtitle=f"{cycle.name}, {cases}: {page.subtitle.partition(': ')[2]}; shown below: case {worst}",
         verdict=f"Of {cases}, {worst} has the highest pressure. {page.verdict} Life: {life_said}.{lost}",
-        table=results_table(answers, "Results of all load cases together"),
+        table=parts.results_table(answers, "Results of all load cases together"),
         parts=(Section("cases", "Load cases", (table, *filter(None, [page.table]))), *page.parts),
         results=data,
         view=collect_view_data(cycle.title, solved, data, names, stores),
@@ -180,7 +173,7 @@ def _page_of_load_case(
 
     ``scene_name``: name or file of the scene. ``stores``: folders with stored runs of the 3D reference. ``reference_file``:
     file with contact loads that replaces the 3D reference. ``load_case_name``: name of the load case, to which the rows of
-    the file are restricted. Raises Refusal if the scene has no solution.
+    the file are restricted. Raises SceneNotCoveredError if the scene has no solution.
     """
     study, warnings = SceneResultCache(stores, scenes={scene.name: scene}), list[str]()
 
@@ -190,7 +183,7 @@ def _page_of_load_case(
         else references_from_file(reference_file, scene, warnings.append, case=load_case_name)[0].reference
     )
     options = ModelOptions()
-    one = solve_scene_with_results(scene, DEFAULT, options)
+    one = load_cases.solve_scene_with_results(scene, DEFAULT, options)
     result, answers, worth = one.result, one.derived_results, one.expected_errors
     if answers is None or worth is None:
         raise SceneNotCoveredError(scene_name, "scene", result.status, "see the status of the solution: rollbench solve")
@@ -201,14 +194,14 @@ def _page_of_load_case(
         for q in QUANTITIES
         if (v := error_with_validation_uncertainty(study, scene.name, DEFAULT, q, solution_from_result(result))) is not None
     ]
-    text, data = scene_file_text(scene_name), solved_case_json(one)
+    text, data = parts.scene_file_text(scene_name), solved_case_json(one)
     sections = (
-        Section("scene", "Geometry of the scene", (sketch_scene(scene, "sketch", SKETCH),)),
+        Section("scene", "Geometry of the screw or bearing", (sketch_scene(scene, "sketch", SKETCH),)),
         _loads_section(scene, result, [reference for reference in (given, stored) if reference is not None]),
         _stiffness_section(answers, tangent),
         *filter(None, [friction_section(scene, result, options)]),
         _error_section(scene, worth, judged, stored, None if given is None else compare_with_reference_file(given, result)),
-        warnings_and_assumptions_section(result, warnings),
+        parts.warnings_and_assumptions_section(result, warnings),
     )
     return ScenePage(
         scene.title,
@@ -225,7 +218,7 @@ def _page_of_load_case(
         _hashes_of_used_files(scene, stored, stores),
         warnings,
         collect_view_data(scene.title, [one], data, (), stores, given),
-        table=results_table(
+        table=parts.results_table(
             solution_rows(one),
             f"Results by the model {DEFAULT}, each with its expected error",
             expected_error_sentence(worth),
@@ -325,19 +318,21 @@ def _loads_section(scene: Scene, result: StaticResult, references: Sequence[Refe
     rows: list[Row] = []
     for i, s in zip(*np.nonzero(result.load > 0.0), strict=True):
         row: Row = {
-            TableColumn("ball", "ball"): int(i) + 1,
-            TableColumn("side", "flank", "", "s"): SIDES[int(s)],
-            TableColumn("load", "load", "N", ".1f"): float(result.load[i, s]),
+            TableColumn("ball", "number of the ball"): int(i) + 1,
+            TableColumn("side", "flank of the groove", "", "s"): SIDES[int(s)],
+            TableColumn("load", f"contact load by the model {DEFAULT}", "N", ".1f"): float(result.load[i, s]),
         }
         for reference in references:
             key = "given" if reference.stated else "reference"
-            row[TableColumn(key, reference.label, "N", ".1f")] = float(reference.load[i, s])
+            row[TableColumn(key, f"contact load, {reference.label}", "N", ".1f")] = float(reference.load[i, s])
         row[TableColumn("angle", "contact angle", "deg", ".2f")] = float(np.degrees(result.contact_angle[i, s]))
         row[TableColumn("pressure", "peak pressure", "MPa", ".0f")] = float(pressure[i, s])
         rows.append(row)
     items: list[Figure | Table] = [Figure("loads", "Contact load of every ball", tuple(panels))] if panels else []
     note = "Peak pressure by Hertz theory with the radii of each contact."
-    items.append(Table.from_rows("contacts", "Load, contact angle and pressure of every loaded contact", rows, note))
+    items.append(
+        Table.from_rows("contacts", "Contact load, contact angle and peak pressure of every loaded contact", rows, note)
+    )
     return Section("loads", "Contact loads and pressures", items)
 
 
@@ -348,32 +343,37 @@ def _stiffness_section(answers: SceneResults, tangent: TangentStiffness) -> Sect
     """
     three = answers.rigidities
     names = (
-        "contacts alone (R_b/t), formula at the nominal contact angle",
-        "contacts and bodies (R_nu), formula at the nominal contact angle",
+        "of the contacts alone (R_b/t), by formula at the nominal contact angle",
+        "of contacts and bodies (R_nu), by formula at the nominal contact angle",
         "secant rigidity by the model (R_nu,ar)",
         "tangent rigidity by the model at this load",
     )
     values = (None,) * 3 if three is None else (three.contacts_only, three.with_bodies, three.with_unequal_loads)
     rows: list[Row] = [
         {
-            TableColumn("name", "axial rigidity", "", "s"): name,
-            TableColumn("value", "", "N/um"): None if value is None else 1e-6 * value,
+            TableColumn("name", "kind of axial rigidity", "", "s"): name,
+            TableColumn("value", "axial rigidity", "N/um"): None if value is None else 1e-6 * value,
         }
         for name, value in zip(names, (*values, answers.tangent), strict=True)
     ]
     first = Table.from_rows("rigidity", "Axial rigidity by the formulas of ISO 3408-4 and by the model", rows)
     if tangent.status != "converged":
-        return Section("stiffness", "Stiffness", (first, Text((f"Tangent stiffness: {tangent.status}.",))))
+        return Section(
+            "stiffness", "Axial rigidity and stiffness", (first, Text((f"Tangent stiffness: {tangent.status}.",)))
+        )
     cells: list[Row] = [
         {
-            TableColumn("freedom", "force or moment", "", "s"): name,
-            **{TableColumn(other, other): float(tangent.matrix[i, k]) for k, other in enumerate(FREEDOMS)},
+            TableColumn("freedom", "component of force or moment", "", "s"): name,
+            **{TableColumn(other, f"per unit of {other}"): float(tangent.matrix[i, k]) for k, other in enumerate(FREEDOMS)},
         }
         for i, name in enumerate(FREEDOMS)
     ]
-    note = "For displacements of the screw at the nut's centre; rows and columns in N, N m, m and rad."
-    second = Table.from_rows("tangent", "Tangent stiffness of the screw, 6 x 6", cells, note)
-    return Section("stiffness", "Stiffness", (first, second))
+    note = (
+        "For displacements [m] and rotations [rad] of the screw at the nut's centre; the rows are forces [N] and moments "
+        "[N m]."
+    )
+    second = Table.from_rows("tangent", "Tangent stiffness of the screw in the nut, 6 x 6", cells, note)
+    return Section("stiffness", "Axial rigidity and stiffness", (first, second))
 
 
 def _error_section(
@@ -405,11 +405,11 @@ def _error_section(
         rows: list[Row] = [
             {
                 "quantity": v.quantity,
-                TableColumn("error", "error", "%", "+.2f"): v.error,
-                TableColumn("grid", "uncertainty by mesh", "%", ".2f"): v.grid,
-                TableColumn("choices", "by modelling choices", "%", ".2f"): v.choices,
-                TableColumn("inputs", "by input tolerances", "%", ".2f"): v.inputs,
-                TableColumn("u", "u_val", "%", ".2f"): v.combined,
+                TableColumn("error", "error against the 3D reference", "%", "+.2f"): v.error,
+                TableColumn("grid", "uncertainty of the error by mesh", "%", ".2f"): v.grid,
+                TableColumn("choices", "uncertainty by modelling choices", "%", ".2f"): v.choices,
+                TableColumn("inputs", "uncertainty by input tolerances", "%", ".2f"): v.inputs,
+                TableColumn("u", "validation uncertainty u_val", "%", ".2f"): v.combined,
             }
             for v in measured_errors
         ]
@@ -418,7 +418,11 @@ def _error_section(
             "the mean load. u_val is the root of the sum of squares of the three uncertainties (ASME V&V 20). The effect "
             "of modelling choices of the 3D reference was computed on a few scenes and is transferred to the others."
         )
-        items.append(Table.from_rows("measured", "Error against the 3D reference, and its uncertainty", rows, note))
+        items.append(
+            Table.from_rows(
+                "measured", "Error of each result against the 3D reference, and uncertainty of the error", rows, note
+            )
+        )
     else:
         text = "The error was not measured: no run of the 3D reference is stored for this scene (rollbench mesh-study)."
         items.append(Text((text,)))
@@ -447,18 +451,18 @@ def _hashes_of_used_files(scene: Scene, reference: Reference | None, stores: Seq
     paths = [shipped_store() / FILE]
     for run in () if reference is None else reference.runs:
         paths += [p for store in stores if (p := path_of_run(store, scene, run)).exists()][:1]
-    return source_code_hash_by_name() | {path.name: sha256(path.read_bytes()) for path in paths if path.exists()}
+    return parts.source_code_hash_by_name() | {path.name: sha256(path.read_bytes()) for path in paths if path.exists()}
 
 
 def _scene_origin_facts(
     scene_name: str, scene: Scene, toml_text: str, reference: Reference | None, reference_file: Path | None
 ) -> dict[str, str]:
-    """Return what the page states about its origin, by label: scene file, versions, date, and the 3D runs it used.
+    """Return what the page states about its origin, by label: scene file, versions, date, and 3D runs of the reference.
 
     ``scene_name``: name or file of the scene. ``toml_text``: its TOML text. ``reference``: 3D reference; None: not stored.
     ``reference_file``: the user's file of contact loads; None: no file.
     """
-    out = page_origin_facts(scene_name, scene, toml_text, DEFAULT)
+    out = parts.page_origin_facts(scene_name, scene, toml_text, DEFAULT)
     if reference is not None:
         runs = "; ".join(
             f"level {r.level} of {r.date}, rollbench {r.versions.get('rollbench', '?')}" for r in reference.runs
@@ -469,10 +473,10 @@ def _scene_origin_facts(
     return out
 
 
-#: Number of time steps over one turn, if the scene states no time span.
+#: Number of time steps for the friction over one turn, if the scene states no time span.
 STEPS = 24
 
-#: Changes of all ball radii from those of the scene [m], at the points of the figure of friction torque.
+#: Changes of all ball radii from those of the scene [m], at which the figure shows the friction torque.
 PLAY = (-10e-6, -5e-6, -2e-6, 0.0, 2e-6)
 
 
@@ -490,9 +494,11 @@ def friction_section(scene: Scene, result: StaticResult, options: ModelOptions) 
     try:
         state = friction_state(scene, result, scene.friction, motion, options.member)
     except ValueError as error:  # balls that overlap by their random sizes
-        return Section("friction", "Friction", (Text((f"Friction was not computed: {error}.",)),))
+        return Section("friction", "Friction torque and losses", (Text((f"Friction was not computed: {error}.",)),))
     if not state.all_balanced:
-        return Section("friction", "Friction", (Text((f"Friction was not computed: {friction_status(state)}.",)),))
+        return Section(
+            "friction", "Friction torque and losses", (Text((f"Friction was not computed: {friction_status(state)}.",)),)
+        )
     (drag,) = drag_torques(scene, [state], [scene.friction], bare, options)
     lines = lines_on_friction_of_screw(motion, state, (drag.torque, drag.reason_without_torque or drag.note))
     panels = [_torque_over_coefficient_panel(solved, result), _torque_over_ball_size_panel(solved)]
@@ -508,19 +514,19 @@ def friction_section(scene: Scene, result: StaticResult, options: ModelOptions) 
         notes += [] if run.converged else [f"Computation of the torque over a turn: {run.status}."]
     rows: list[Row] = [
         {
-            TableColumn("contact", "contact", "", "s"): row["contact"],
-            TableColumn("loss_W", "loss", "W", ".3g"): row["loss_W"],
-            **{TableColumn(cause, cause.replace("_", " "), "W", ".3g"): row[cause] for cause in CAUSES},
+            TableColumn("contact", "flank of the contacts", "", "s"): row["contact"],
+            TableColumn("loss_W", "whole friction loss", "W", ".3g"): row["loss_W"],
+            **{TableColumn(cause, f"loss by {cause.replace('_', ' ')}", "W", ".3g"): row[cause] for cause in CAUSES},
         }
         for row in losses_by_contact_and_cause(state)
     ]
     caption = (
-        "Panels: torque over the angle of the rotating part; over the friction coefficient, in the range of lubricated "
-        f"contacts ({MEASURED[0]:g} to {MEASURED[1]:g}); over a change of all ball radii."
+        "Panels: friction torque over the angle of the rotating part; over the friction coefficient, in the range of "
+        f"lubricated contacts ({MEASURED[0]:g} to {MEASURED[1]:g}); over a change of all ball radii."
     )
     return Section(
         "friction",
-        "Friction",
+        "Friction torque and losses",
         (
             Text(tuple(notes), bullets=True),
             Figure(
@@ -532,16 +538,16 @@ def friction_section(scene: Scene, result: StaticResult, options: ModelOptions) 
 
 
 def _friction_time_span(scene: Scene, motion: Motion) -> Time:
-    """Return the time span over which friction is computed: the scene's own or, if it has none, that of one turn.
+    """Return the time span over which friction is computed: that of the scene or, without one, the time of one turn.
 
-    For a bearing (no lead) it is the time in which the rotating part turns by one ball pitch. ``motion``: the rotation.
+    For a bearing (no lead), one turn is replaced by one ball pitch. ``motion``: angular speed of the screw, nut or ring.
     """
     angle = 2.0 * np.pi / (scene.ball_count if scene.track.lead == 0.0 else 1.0)
     return scene.time or Time(duration=abs(angle / motion.speed), steps=STEPS, goal=1.0, output="torque")
 
 
 def _torque_over_rotation_panels(run: TransientRun) -> list[Panel]:
-    """Return a list with the panel of friction torque over the angle of rotation: in total, and by the grooves alone.
+    """Return a list with the panel of friction torque over the angle of rotation: in total, and by groove contacts alone.
 
     ``run``: friction computed over time. The list is empty if this computation did not start.
     """
@@ -553,7 +559,15 @@ def _torque_over_rotation_panels(run: TransientRun) -> list[Panel]:
         Series("total", angle, (1e3 * h.torque).tolist(), "line", bold=True),
         Series("contacts with the grooves", angle, (1e3 * h.groove_torque).tolist(), "line"),
     )
-    return [Panel("torque over the rotation", "angle / deg", "friction torque / N mm", series, include_zero=True)]
+    return [
+        Panel(
+            "torque over the rotation",
+            "angle of the rotating part / deg",
+            "friction torque / N mm",
+            series,
+            include_zero=True,
+        )
+    ]
 
 
 def _torque_over_coefficient_panel(solved: StaticallySolvedPart, result: StaticResult) -> Panel:

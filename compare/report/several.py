@@ -20,7 +20,7 @@ from rollbench.reports.scene_page import ScenePage, scene_page_html
 
 #: File name of the first page.
 INDEX = "index.html"
-#: Groups of the JSON results whose numbers the first page compares, by key.
+#: Keys of the groups of JSON results whose numbers the first page compares.
 GROUPS = (
     "loads",
     "axial",
@@ -38,7 +38,7 @@ GROUPS = (
     "friction",
     "model_form",
 )
-#: Keys in these groups whose numbers are not results, such as the number of a ball.
+#: Keys, in these groups, of numbers that are not results, such as the number of a ball.
 LEFT_OUT = ("worst_ball", "ball", "compared", "distance", "allowed_over_diameter")
 
 
@@ -67,7 +67,7 @@ def write_scene_pages(names: Sequence[str], out: Path, store: Path, reference: P
     ------
     InputError
         For a scene that cannot be shown, or a folder that contains other files. If a scene has no solution, the subclass
-        Refusal.
+        SceneNotCoveredError.
     """
     for name in names:
         catalogue.scene_of_any_kind(name)
@@ -157,7 +157,7 @@ def numerical_result_rows(column_headings: Sequence[str], pages: Sequence[SceneP
     for group, key in keys:
         words, unit = words_and_unit_of_key(key)
         row: Row = {
-            TableColumn("quantity", "quantity", "", "s"): f"{group}: {words}",
+            TableColumn("quantity", "group of results: quantity", "", "s"): f"{group}: {words}",
             TableColumn("unit", "unit", "", "s"): unit,
         }
         found.append(row | {TableColumn(head, head): column.get((group, key)) for head, column in columns.items()})
@@ -176,7 +176,8 @@ def _position_of_result_group(key: tuple[str, str]) -> int:
 def _numbers_in_results_summary(summary: Mapping[str, Any], group: str = "") -> Iterator[tuple[tuple[str, str], float]]:
     """Yield each number in the summary of a scene's JSON results as a pair: (name of its group, key) and value.
 
-    ``group``: name that replaces the names of all groups; empty: the groups keep their names.
+    The groups of results are those of `GROUPS`. ``group``: name to yield in place of the name of every group; empty: each
+    group keeps its own name.
     """
     for name in GROUPS:
         table = summary.get(name)

@@ -17,24 +17,28 @@ from rollbench.compare.printed import printed_value
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.report.overview import screws_within_limit_text
 from rollbench.compare.sections.fit import WORDS
+from rollbench.compare.studies import extremes
 from rollbench.compare.studies import survey as survey
-from rollbench.compare.studies.extremes import (
-    ENERGY,
-    FORMULATIONS,
-    SOURCE,
-    built_in_campaign_records,
-    campaign_table_rows,
-    count_expected_outcomes,
-    solve_all_hard_scenes,
-    stability_table_rows,
-)
 from rollbench.compare.studies.survey import MODELS
 from rollbench.compare.studies.survey_models import LoadErrorsAndTimes, errors_and_times_of_models, load_timed_level_runs
 from rollbench.meshes.arrays import Array
 from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table, TableColumn, Text
 
-#: Errors in the report's table, with their keys in the stored records.
-SHORT = {"largest": "largest_percent", "RMS": "rms_percent", "expected": "expected_percent"}
+#: Keys, in the stored records, of the errors in the table of all screws, by the descriptions in its column headings.
+SHORT = {
+    "largest contact-load error": "largest_percent",
+    "RMS error of the contact loads": "rms_percent",
+    "expected largest error": "expected_percent",
+}
+#: Headings of the table of error statistics, by the keys `survey.SUMS` of its rows.
+HEADINGS = {
+    "model": "model",
+    "error": "kind of error",
+    "scenes": "number of screws",
+    "median": "median error over the screws",
+    "p95": "95th percentile of the error",
+    "largest": "largest error on a screw",
+}
 #: Number of bins of the histogram, and distance up to which a ball counts as near a nut face [ball radii].
 BINS, NEAR = 24, 2.0
 
@@ -63,7 +67,7 @@ def survey_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sect
         "cent, those of loads relative to the mean load; rigidity is the tangent, from a load increased by 5 %. Versions "
         f"of the program that solved the screws: {by}."
     )
-    errors = {f"{model} {short}": (model, key) for model in MODELS for short, key in SHORT.items()}
+    errors = {f"{model}: {short}": (model, key) for model in MODELS for short, key in SHORT.items()}
     rows: list[dict[str, Any]] = [
         {"scene": r["number"], "screw": r["title"].partition(": ")[2], "contacts": r.get("contacts"), "status": r["status"]}
         | {name: r.get("models", {}).get(model, {}).get(key) for name, (model, key) in errors.items()}
@@ -80,8 +84,13 @@ def survey_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sect
         Text((about,)),
         Table(
             "stability-survey",
-            "Summary of the models' errors on all randomly drawn screws",
-            tuple(TableColumn(name, name, "", "s" if name in survey.SUMS[:3] else ".2f") for name in survey.SUMS),
+            "Median, 95th percentile and maximum of the models' errors on all randomly drawn screws",
+            tuple(
+                TableColumn(key, HEADINGS[key], "", "s")
+                if key in survey.SUMS[:3]
+                else TableColumn(key, HEADINGS[key], "%", ".2f")
+                for key in survey.SUMS
+            ),
             [
                 row | {"error": WORDS[row["error"].removeprefix("largest_")]}
                 for row in survey.error_summary_rows_of_all_models(scenes)
@@ -93,11 +102,14 @@ def survey_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sect
             "stability-survey-scenes",
             "Contact-load errors of the refined model and Lin's model on each randomly drawn screw",
             (
-                *(TableColumn(name, name, "", "s") for name in ("scene", "screw", "contacts", "status")),
-                *(TableColumn(name, name, "% of mean", ".2f") for name in errors),
+                TableColumn("scene", "number of the screw", "", "s"),
+                TableColumn("screw", "size and kind of preload", "", "s"),
+                TableColumn("contacts", "number of contacts", "", "s"),
+                TableColumn("status", "status of the 3D reference", "", "s"),
+                *(TableColumn(name, name, "% of mean load", ".2f") for name in errors),
             ),
             rows,
-            csv_only=[f"{model} expected" for model in MODELS],
+            csv_only=[f"{model}: expected largest error" for model in MODELS],
         ),
     )
     return Section("survey", title, items, conclusion=f"Randomly drawn screws: {passed[:1].lower()}{passed[1:]}.")
@@ -133,22 +145,30 @@ def error_and_run_time_items(
     )
     rows: list[Row] = [
         {
-            "model or mesh": s.name,
-            "screws": s.first_case_seconds.size,
-            "errors against": s.reference_level or "not known",
-            TableColumn("median", "largest error by the gate's rule, median", "%", ".2f"): _percentile_or_none(
-                s.gate_errors, 50
-            ),
-            TableColumn("p95", "by the gate's rule, 95th percentile", "%", ".2f"): _percentile_or_none(s.gate_errors, 95),
-            TableColumn("mean_median", "largest error, median", "% of mean", ".2f"): _percentile_or_none(
+            TableColumn("model", "model or mesh level", "", "s"): s.name,
+            TableColumn("screws", "number of screws", "", "s"): s.first_case_seconds.size,
+            TableColumn("against", "solution against which errors are computed", "", "s"): s.reference_level or "not known",
+            TableColumn(
+                "median", "largest contact-load error as rollbench check judges it, median", "%", ".2f"
+            ): _percentile_or_none(s.gate_errors, 50),
+            TableColumn(
+                "p95", "largest contact-load error as rollbench check judges it, 95th percentile", "%", ".2f"
+            ): _percentile_or_none(s.gate_errors, 95),
+            TableColumn("mean_median", "largest contact-load error, median", "% of mean load", ".2f"): _percentile_or_none(
                 s.errors_of_mean_load, 50
             ),
-            TableColumn("mean_p95", "largest error, 95th percentile", "% of mean", ".2f"): _percentile_or_none(
-                s.errors_of_mean_load, 95
+            TableColumn(
+                "mean_p95", "largest contact-load error, 95th percentile", "% of mean load", ".2f"
+            ): _percentile_or_none(s.errors_of_mean_load, 95),
+            TableColumn("seconds", "CPU time for a new screw, median", "s", "g3"): _percentile_or_none(
+                s.first_case_seconds, 50
             ),
-            TableColumn("seconds", "new screw, median", "s", "g3"): _percentile_or_none(s.first_case_seconds, 50),
-            TableColumn("slowest", "new screw, 95th percentile", "s", "g3"): _percentile_or_none(s.first_case_seconds, 95),
-            TableColumn("further", "further load case, median", "s", "g3"): _percentile_or_none(s.further_case_seconds, 50),
+            TableColumn("slowest", "CPU time for a new screw, 95th percentile", "s", "g3"): _percentile_or_none(
+                s.first_case_seconds, 95
+            ),
+            TableColumn("further", "CPU time for a further load case, median", "s", "g3"): _percentile_or_none(
+                s.further_case_seconds, 50
+            ),
         }
         for s in found
     ]
@@ -239,15 +259,15 @@ def _error_over_time_panel(
             )
         )
     ends = [x for x, *_ in places]
-    series.append(Series(f"{LIMIT:g} %", [min(ends), max(ends)], [LIMIT, LIMIT], "line"))
+    series.append(Series(f"limit of {LIMIT:g} %", [min(ends), max(ends)], [LIMIT, LIMIT], "line"))
     label = f"processor time of a {time_kind} / s"
-    return Panel("", label, "largest error as judged by rollbench check / %", tuple(series), log_axes="xy")
+    return Panel("", label, "largest contact-load error as judged by rollbench check / %", tuple(series), log_axes="xy")
 
 
 def _items_on_screws_drawn_later(
     screws_known_before: list[dict[str, Any]], screws_drawn_later: list[dict[str, Any]]
 ) -> tuple[Text | Table, ...]:
-    """Return text and table that compare the refined model's errors on screws drawn before and after its last change.
+    """Return text and table of the refined model's errors on screws drawn before and after the model's last change.
 
     Parameters
     ----------
@@ -259,25 +279,26 @@ def _items_on_screws_drawn_later(
     if not screws_drawn_later:
         return ()
     found = {
-        "first screws": survey.model_accuracy_on_random_screws(screws_known_before),
-        "further screws": survey.model_accuracy_on_random_screws(screws_drawn_later),
+        "screws drawn before the last change of the model": survey.model_accuracy_on_random_screws(screws_known_before),
+        "screws drawn after the last change of the model": survey.model_accuracy_on_random_screws(screws_drawn_later),
     }
-    aims = f"error within {survey.WORST_AIM:g} % at the worst contact and {survey.RMS_AIM:g} % RMS"
+    aims = f"load error within {survey.WORST_AIM:g} % on every contact and within {survey.RMS_AIM:g} % RMS"
     about = (
         "The further screws were drawn with the same seed and compared once, after the last change of the refined model. "
         "Their errors do not enter the estimate of the expected error."
     )
+    measure = TableColumn("judged", "measure of accuracy", "", "s")
     rows: list[Row] = [
         {
-            "judged": f"{aims}, of the mean load",
+            measure: f"{aims}, of the mean load",
             **{name: f"{a.within_aims} of {a.screw_count}" for name, a in found.items()},
         },
         {
-            "judged": "largest error of a contact load / % of the mean load",
+            measure: "largest error of a contact load / % of the mean load",
             **{name: f"{a.largest_error:.2f}" for name, a in found.items()},
         },
         {
-            "judged": "largest error not above the expected one",
+            measure: "largest error not above the expected error",
             **{name: f"{a.within_expected_error} of {a.screw_count}" for name, a in found.items()},
         },
     ]
@@ -310,7 +331,7 @@ def random_screw_error_figure(screw_records: Sequence[Mapping[str, Any]]) -> Fig
     edges = np.geomspace(0.999 * every.min(), 1.001 * every.max(), BINS + 1)
     bars = [Series(m, edges.tolist(), np.histogram(e[:, 1], edges)[0].tolist(), "steps") for m, e in found.items()]
     points = [Series(m, e[:, 0].tolist(), e[:, 1].tolist(), "markers") for m, e in found.items()]
-    error = "largest error / % of the mean load"
+    error = "largest contact-load error / % of the mean load"
     panels = (
         Panel("Distribution of the error", error, "number of screws", bars, log_axes="x", include_zero=True),
         Panel(
@@ -330,7 +351,7 @@ def random_screw_error_figure(screw_records: Sequence[Mapping[str, Any]]) -> Fig
         "survey",
         title,
         panels,
-        f"{len(screw_records)} randomly drawn screws. First panel: histogram on a logarithmic abscissa.",
+        f"{len(screw_records)} randomly drawn screws. First panel: histogram of the errors on a logarithmic abscissa.",
     )
 
 
@@ -353,26 +374,31 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
         if done % 10 == 0 or done == total:
             step(f"{done} of {total} cases ({case})")
 
-    rows = solve_all_hard_scenes(progress)
-    counts = count_expected_outcomes(rows)
+    rows = extremes.solve_all_hard_scenes(progress)
+    counts = extremes.count_expected_outcomes(rows)
     summary: list[Row] = [
-        {"formulation": name, "solved": solved, "tried": tried, "cases": total}
+        {
+            TableColumn("formulation", "formulation of the equations", "", "s"): name,
+            TableColumn("solved", "number of scenes solved", "", "s"): solved,
+            TableColumn("tried", "number of scenes to which it applies", "", "s"): tried,
+            TableColumn("cases", "number of all scenes", "", "s"): total,
+        }
         for name, (solved, tried, total) in counts.items()
     ]
     columns = (
-        TableColumn("case", "case", "", "s"),
-        TableColumn(ENERGY, "energy solver", "", "s"),
-        TableColumn("iterations", "iterations", "", "s"),
-        TableColumn("residual", "residual", "", "g2"),
-        TableColumn("bound", "round-off bound", "", "g2"),
-        TableColumn("difference", "difference of loads by the force formulation", "% of largest", "g2"),
-        *(TableColumn(name, name, "", "s") for name in FORMULATIONS[1:]),
+        TableColumn("case", "stiff or extreme scene", "", "s"),
+        TableColumn(extremes.ENERGY, "status of the energy solver", "", "s"),
+        TableColumn("iterations", "iterations of the energy solver", "", "s"),
+        TableColumn("residual", "largest unbalanced force / largest force", "", "g2"),
+        TableColumn("bound", "smallest value of this ratio by round-off", "", "g2"),
+        TableColumn("difference", "load difference between energy and force formulation", "% of largest load", "g2"),
+        *(TableColumn(name, f"status: {name}", "", "s") for name in extremes.FORMULATIONS[1:]),
     )
-    solved, _, total = counts[ENERGY]
-    newton, applicable, _ = max(counts[name] for name in SOURCE)
+    solved, _, total = counts[extremes.ENERGY]
+    newton, applicable, _ = max(counts[name] for name in extremes.SOURCE)
     return Section(
         "stability",
-        "Numerical stability on stiff and extreme scenes",
+        "Numerical stability of the solvers on stiff and extreme scenes",
         (
             Text(
                 (
@@ -380,9 +406,9 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
                     "equations in contact forces, which must give the same loads; and by the models with elastic bodies. "
                     "Cases with one set of balls are also solved by Lin's plain Newton method from three start vectors. "
                     "Shafts with several sets have nuts, ball bearings and tapered roller bearings. A case without "
-                    "equilibrium counts as solved if the solver names the mechanism. The residual is the largest "
-                    "unbalanced force over the largest force; its bound is the smallest residual that double precision "
-                    "allows.",
+                    "equilibrium counts as solved if the solver names the mechanism. The largest "
+                    "unbalanced force over the largest force is the residual of the solution; the next column is the "
+                    "smallest residual that double precision allows.",
                 )
             ),
             Table.from_rows("stability-summary", "Number of stiff and extreme scenes solved by each formulation", summary),
@@ -390,7 +416,7 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
                 "stability-cases",
                 "Solver status of each formulation of the equations on each stiff or extreme scene",
                 columns,
-                stability_table_rows(rows),
+                extremes.stability_table_rows(rows),
             ),
             *extreme_cases_text_and_table(),
             Text(
@@ -405,7 +431,7 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
             Table.from_rows(
                 "stability-campaign",
                 "Outcomes of solving random extreme screws, bearings and shafts",
-                campaign_table_rows(built_in_campaign_records()),
+                extremes.campaign_table_rows(extremes.built_in_campaign_records()),
             ),
         ),
         conclusion=f"Energy minimisation solves {solved} of {total} stiff and extreme scenes from a cold start; "

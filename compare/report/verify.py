@@ -22,11 +22,12 @@ from rollbench.compare.text.printing import CommandOutput
 from rollbench.reports.manifest import FILE, hashes_of_report_files, read_manifest, read_report_file, sha256
 from rollbench.reports.scene_page import html_without_manifest, read_page_data, results_hash
 
-#: Relative changes of a number [%] that are ignored: as round-off between pages, as solver tolerance between reports.
+#: Relative changes of a number [%] that are ignored: between two pages as round-off, between two reports as solver
+#: tolerance.
 ROUND_OFF, SAME = 1e-6, 1e-3
 #: Units of measured run times and memory, which differ from run to run.
 MEASURED = ("[s]", "[ms]", "[µs]", "[MB]")
-#: Largest number of changes listed for each table.
+#: Largest number of changed cells listed for each table.
 MOST = 6
 
 #: Tables of a report by name: their rows, each with the text of every cell by the heading of its column.

@@ -1,4 +1,4 @@
-"""Results of the library: immutable records in SI units, made from those of the solvers, and their conversion to JSON.
+"""Results of the library: immutable records in SI units, made from results of the solvers, and conversion to JSON.
 
 To add a number to the results, add a field ``quantity_field(key, definition, heading=...)`` to the record of its group:
 `BallResult` (every ball), `BallLoadSummary` and `AxialResults` in `scene_json`, `BallContact` (contact of the highest

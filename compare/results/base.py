@@ -22,17 +22,23 @@ JSON: TypeAlias = "bool | int | float | str | list[JSON] | dict[str, JSON] | Non
 SCHEMA = 1
 
 
-#: Headings of the columns of a table of results; width [characters] left for notes below which they get their own line.
+#: Headings of the columns of a table of results; smallest width [characters] of its last column: where less is left, the
+#: notes stand on lines of their own.
 HEADINGS, ROOM = ("quantity", "value", "unit", "error to expect", "note"), 18
 
 
 class Row(NamedTuple):
     """Texts of one row of a table of results, for example quantity "largest contact load" with the note "ball 12 SL"."""
 
+    #: Name of the quantity.
     quantity: str
+    #: Value as text.
     value: str
+    #: Unit of the value; may be empty.
     unit: str = ""
+    #: Error to expect of the value, as text; empty if it is not known.
     error: str = ""
+    #: Remark on the value, such as the ball that it belongs to; may be empty.
     note: str = ""
 
 

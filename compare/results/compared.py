@@ -12,26 +12,10 @@ import numpy as np
 from rollbench.compare.errors import SceneNotCoveredError
 from rollbench.compare.gate.verdict import LIMIT
 from rollbench.compare.measure import LoadError, load_error
+from rollbench.compare.models import comparison as models_comparison
+from rollbench.compare.models import model_form
 from rollbench.compare.models.answers import ContactLoadResults, results_of_contact_loads, unloaded_axial_displacement
-from rollbench.compare.models.comparison import (
-    ContactSolution,
-    NutOrBearingOnShaft,
-    NutOrBearingSolution,
-    comparison_options,
-    contact_load_errors,
-    solution_from_result,
-    solution_from_run,
-    solution_of_nut_or_bearing,
-    solutions_of_reference_runs,
-    solve_and_time,
-)
 from rollbench.compare.models.loading import solve_with_scaled_loads
-from rollbench.compare.models.model_form import (
-    ExpectedModelErrors,
-    MeasuredModelErrors,
-    estimate_model_error,
-    model_errors_on_compared_scenes,
-)
 from rollbench.compare.models.programs import model_title
 from rollbench.compare.models.registry import DEFAULT, Model
 from rollbench.compare.models.uncertainty import LoadUncertainty, uncertainty_of_loads
@@ -41,7 +25,7 @@ from rollbench.compare.reference.levels import SOURCE_LEVEL
 from rollbench.compare.reference.store import load_stored_run
 from rollbench.compare.results.rows import rows_with_reference
 from rollbench.compare.results.scene_json import AxialResults, ball_loads_json, contact_ratings_json, expected_errors_json
-from rollbench.lowfi.statics.nominal import nominal_contacts
+from rollbench.lowfi.statics.nominal import count_nominal_contacts
 from rollbench.meshes.helix import lead_angle
 from rollbench.meshes.parts import Scene
 
@@ -51,10 +35,10 @@ OURS = "stored 3D reference"
 
 @dataclass(frozen=True)
 class LoadsWithErrors:
-    """Contact loads of a model or of a 3D run, with their errors against the reference and the quantities that follow."""
+    """Contact loads of a model or of a 3D run, with their errors, and the pressure and life that follow."""
 
     #: Contact loads and displacements of the model, or of the run of the 3D reference.
-    contact_loads: ContactSolution
+    contact_loads: models_comparison.ContactSolution
     #: Errors of the contact loads against the reference; None for the reference itself.
     error: LoadError | None
     #: Pressure, static safety and life, computed from the contact loads.
@@ -86,7 +70,7 @@ class LoadsWithErrors:
 
 def compare_loads_with_reference(
     scene: Scene,
-    answer: ContactSolution,
+    answer: models_comparison.ContactSolution,
     reference: Reference | None,
     unloaded_displacement: float = 0.0,
     contacts: int | None = None,
@@ -104,34 +88,37 @@ def compare_loads_with_reference(
     unloaded_displacement
         Axial displacement of the screw in the scene without external loads [m]; it is subtracted from the displacement.
     contacts
-        Number of contacts that are loaded in the screw without geometric errors; None: computed from the scene.
+        Number of contacts that are loaded in the screw without geometric errors, by which the sum of the loads is divided
+        for the mean load; None: computed from the scene.
 
     Returns
     -------
     LoadsWithErrors
-        Loads, errors and results.
+        The contact loads, their errors, and the quantities that follow from the loads.
     """
     angle = np.radians(answer.angle)
     moved = float(np.interp(scene.nut.position, answer.stations, answer.line[:, 2])) if answer.stations.size else np.nan
     error = None if reference is None else load_error(answer.load, reference.load, reference.contacts)
     pull = np.where(answer.load > 0.0, answer.load * np.sin(angle), 0.0).sum(axis=0) * np.cos(lead_angle(scene.track))
-    count = nominal_contacts(scene) if contacts is None else contacts
+    count = count_nominal_contacts(scene) if contacts is None else contacts
     found, force = results_of_contact_loads(scene, answer.load, angle, pressure=answer.pressure), float(pull[0] - pull[1])
-    points = [] if reference is None else contact_load_errors(reference.scene, reference, LIMIT, answer.load)
+    points = (
+        [] if reference is None else models_comparison.contact_load_errors(reference.scene, reference, LIMIT, answer.load)
+    )
     by_gate = max((abs(p.error_percent) for p in points), default=0.0)
     return LoadsWithErrors(answer, error, found, moved - unloaded_displacement, force, count, by_gate)
 
 
 @dataclass(frozen=True)
 class NutOrBearingComparison:
-    """Comparison of models, and of coarser meshes of the 3D reference, with the reference of one nut or bearing."""
+    """Comparison of models, and of coarser meshes of the 3D reference, with the reference loads of one nut or bearing."""
 
     #: Contact loads and errors of each model, and of the 3D reference on each coarser mesh.
     models: tuple[LoadsWithErrors, ...]
     #: Contact loads of the reference.
     reference_loads: LoadsWithErrors
     #: Error to expect of the judged model (`judged_model`), estimated from comparisons on other scenes; None if unknown.
-    expected: ExpectedModelErrors | None
+    expected: model_form.ExpectedModelErrors | None
     #: Uncertainty of the errors, by its causes: mesh and choices of the reference, inputs of the scene.
     uncertainty: LoadUncertainty
     #: Axial position of the screw without loads [m], by the default model; displacements are measured from it.
@@ -148,7 +135,7 @@ def compare_models_with_reference(
     models: Sequence[Model],
     reference: Reference,
     stores: Sequence[Path],
-    set_of_assembly: NutOrBearingOnShaft | None = None,
+    set_of_assembly: models_comparison.NutOrBearingOnShaft | None = None,
     stored_reference: Reference | None = None,
 ) -> NutOrBearingComparison:
     """Compare models, and coarser meshes of the 3D reference, with the reference of one nut or bearing.
@@ -164,7 +151,7 @@ def compare_models_with_reference(
     stores
         Folders with runs of the 3D reference.
     set_of_assembly
-        The nut or bearing on a shaft with several that ``scene`` represents; None if the scene has only one.
+        The nut or bearing that ``scene`` represents, if it is one of several on a shaft; otherwise None.
     stored_reference
         Stored 3D reference that is compared too if ``reference`` comes from a user's file; otherwise None.
 
@@ -184,30 +171,32 @@ def compare_models_with_reference(
         of_model = (
             solve_with_and_without_loads(model, scene, reference, stores)
             if set_of_assembly is None
-            else solution_of_nut_or_bearing(set_of_assembly, model.name)
+            else models_comparison.solution_of_nut_or_bearing(set_of_assembly, model.name)
         )
         if isinstance(of_model, str):
             raise SceneNotCoveredError(
                 reference.scene, "model", f"{model.name}: {of_model}", "choose another model with --model"
             )
-        answers.append(solution_from_result(of_model.loaded_result, of_model.seconds))
+        answers.append(models_comparison.solution_from_result(of_model.loaded_result, of_model.seconds))
         starts[answers[-1].model] = unloaded_axial_displacement(scene, of_model.unloaded_result)
         if of_model.loaded_result.converged:
-            expected[model.name] = estimate_model_error(
-                of_model.scene, of_model.loaded_result, known_errors_on_other_scenes(reference)
+            expected[model.name] = model_form.estimate_model_error(
+                of_model.scene, of_model.loaded_result, measured_errors_on_other_scenes(reference)
             )
-    others = solutions_of_reference_runs(
+    others = models_comparison.solutions_of_reference_runs(
         reference, None if set_of_assembly is not None else load_stored_run(scene, SOURCE_LEVEL, stores=tuple(stores))
     )
     answers += [answer for answer in others if not are_loads_of_finest_run(answer, reference)]
-    answers += [] if stored_reference is None else [solution_from_run(stored_reference.best, OURS)]
+    answers += [] if stored_reference is None else [models_comparison.solution_from_run(stored_reference.best, OURS)]
     shared = starts.get(DEFAULT, next(iter(starts.values()), 0.0))  # no run of the reference without loads is stored
     count = None if set_of_assembly is None else reference.contacts
     each = tuple(
         compare_loads_with_reference(scene, answer, reference, starts.get(answer.model, shared), count)
         for answer in answers
     )
-    itself = compare_loads_with_reference(scene, solution_from_run(reference.best, reference.label), None, shared, count)
+    itself = compare_loads_with_reference(
+        scene, models_comparison.solution_from_run(reference.best, reference.label), None, shared, count
+    )
     whole = NutOrBearingComparison(
         each, itself, None, uncertainty_of_loads(scene, reference, inputs=set_of_assembly is None), shared
     )
@@ -216,32 +205,33 @@ def compare_models_with_reference(
 
 def solve_with_and_without_loads(
     model: Model, scene: Scene, reference: Reference, stores: Sequence[Path]
-) -> NutOrBearingSolution:
+) -> models_comparison.NutOrBearingSolution:
     """Solve a scene with a single nut or bearing by a low-order model, with and without its external loads.
 
-    ``reference``: 3D reference whose condensed bodies a model may need. ``stores``: folders with runs of the 3D reference.
-    The time of the solution with loads is measured.
+    ``reference``: 3D reference from which the model "condensed" takes the stiffness matrices of screw and nut. ``stores``:
+    folders with runs of the 3D reference. The time of the solution with loads is measured.
     """
-    result, seconds = solve_and_time(model, scene, reference, stores)
+    result, seconds = models_comparison.solve_and_time(model, scene, reference, stores)
     bare = solve_with_scaled_loads(
-        scene, 0.0, model.name, comparison_options(model, scene, reference, stores, "interpreted")
+        scene, 0.0, model.name, models_comparison.comparison_options(model, scene, reference, stores, "interpreted")
     )
-    return NutOrBearingSolution(result, bare, seconds, scene)
+    return models_comparison.NutOrBearingSolution(result, bare, seconds, scene)
 
 
-def known_errors_on_other_scenes(reference: Reference) -> list[MeasuredModelErrors]:
-    """Return the known errors of models on scenes other than that of a reference, for estimating the errors to expect.
+def measured_errors_on_other_scenes(reference: Reference) -> list[model_form.MeasuredModelErrors]:
+    """Return the measured errors of models on all scenes but that of a reference, for estimating the errors to expect.
 
-    ``reference``: reference of the scene whose errors are left out.
+    ``reference``: reference of the scene that is left out.
     """
     own = {reference.scene, *(run.scene for run in reference.runs)}
-    return [point for point in model_errors_on_compared_scenes() if point.scene not in own]
+    return [point for point in model_form.model_errors_on_compared_scenes() if point.scene not in own]
 
 
 def loads_and_rigidities_json(compared_loads: LoadsWithErrors) -> dict[str, Any]:
-    """Return the loads of a model or the 3D reference, and rigidity, pressure and life that follow from them, as JSON.
+    """Return contact loads, rigidity, pressure and life of a model or of the 3D reference as JSON.
 
-    ``compared_loads``: the loads. Forces are in N, displacements in um, rigidities in N/um.
+    ``compared_loads``: the contact loads, from which the other values follow. Forces are in N, displacements in um,
+    rigidities in N/um.
     """
     stiff = (
         compared_loads.axial_force / compared_loads.axial_displacement
@@ -283,8 +273,8 @@ def comparison_json(comparison: NutOrBearingComparison, reference: Reference) ->
     }
 
 
-def are_loads_of_finest_run(answer: ContactSolution, reference: Reference) -> bool:
-    """Return whether contact loads are those of the reference's finest 3D run, against which all errors are computed."""
+def are_loads_of_finest_run(answer: models_comparison.ContactSolution, reference: Reference) -> bool:
+    """Return whether ``answer`` has the loads of the reference's finest 3D run, against which all errors are computed."""
     return answer.model == f"3D level {reference.best.level}"
 
 
@@ -302,7 +292,9 @@ def reference_uncertainty_text(reference: Reference, total: LoadUncertainty) -> 
 
 
 def comparison_verdict_sentence(comparison: NutOrBearingComparison, reference: Reference) -> str:
-    """Return one sentence on a comparison: measured and expected error of the judged model, uncertainty of the reference.
+    """Return one sentence on a comparison: measured and expected error of one model, and uncertainty of the reference.
+
+    The model is the default model or, if that was not compared, the first one.
 
     ``comparison``: the comparison of models with ``reference``.
     """
@@ -329,12 +321,14 @@ def comparison_verdict_sentence(comparison: NutOrBearingComparison, reference: R
 
 
 def model_and_reference_rows(comparison: NutOrBearingComparison) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
-    """Return headings and rows of the table that compares the judged model with the reference.
+    """Return headings and rows of the table that compares one model with the reference.
+
+    The model is the default model or, if that was not compared, the first one.
 
     Parameters
     ----------
     comparison
-        The comparison.
+        Comparison of all models with the reference of one nut or bearing.
 
     Returns
     -------

@@ -10,25 +10,18 @@ from typing import Any
 import numpy as np
 
 from rollbench.compare.errors import ArgumentError, SceneNotCoveredError
-from rollbench.compare.gate.user import references_from_file, stored_reference_of_set
+from rollbench.compare.gate.user import references_from_file, stored_reference_of_nut_or_bearing
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.comparison import SceneWithReference, models_shown_for_scene, stored_references
 from rollbench.compare.models.load_cases import rating_life_over_duty_cycle
 from rollbench.compare.models.registry import Model
 from rollbench.compare.quantities import json_number, record_as_json
-from rollbench.compare.reference.jobs import ComputingSettings, ensure_runs_are_stored, plan_tasks
+from rollbench.compare.reference.jobs import ComputingSettings, ensure_runs_are_stored, plan_reference_tasks
 from rollbench.compare.reference.levels import ADVISED, SOURCE_LEVEL
 from rollbench.compare.reference.store import Run, shipped_store
 from rollbench.compare.reference.tasks import ReferenceTask, Solvable
+from rollbench.compare.results import compared as results_compared
 from rollbench.compare.results.base import JSON, Record, add_schema_version
-from rollbench.compare.results.compared import (
-    LoadsWithErrors,
-    NutOrBearingComparison,
-    compare_models_with_reference,
-    comparison_verdict_sentence,
-    loads_and_rigidities_json,
-    model_and_reference_rows,
-)
 from rollbench.compare.results.solved import ExpectedError, expected_error_record
 from rollbench.compare.scenes.duty_cycle import Described, DutyCycle, LoadCaseOfDutyCycle, load_cases_by_scene_name
 from rollbench.compare.scenes.scene_file import scenes_to_solve
@@ -37,9 +30,9 @@ from rollbench.meshes.parts import Scene
 from rollbench.meshes.quantity import quantity_field, result_record
 
 #: Comparisons, by the name of the load case and the name of the nut or bearing.
-ByCase = Mapping[tuple[str, str], NutOrBearingComparison]
+ByCase = Mapping[tuple[str, str], results_compared.NutOrBearingComparison]
 #: Pairs of a reference and the comparison with it, one for each nut or bearing.
-Pairs = Sequence[tuple[SceneWithReference, NutOrBearingComparison]]
+Pairs = Sequence[tuple[SceneWithReference, results_compared.NutOrBearingComparison]]
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -50,11 +43,11 @@ class Loads:
     """
 
     name: str
-    """Name of the model, or ``3D reference``, ``3D level 1`` for a coarser mesh, or the file of a user's reference."""
+    """Name of the model; ``3D reference``; ``3D level 1`` for a coarser mesh of it; or the file of a user's reference."""
     loads: Array
-    """Contact loads, (n, 4) [N]."""
+    """Contact loads of n balls on the four groove flanks, (n, 4) [N]."""
     angles: Array
-    """Contact angles, measured from the radial plane, (n, 4) [rad]; nan without contact."""
+    """Contact angles of n balls on the four groove flanks, from the radial plane, (n, 4) [rad]; nan without contact."""
     pressure: float
     """Largest contact pressure [Pa], from the loads by Hertz's theory."""
     displacement: float
@@ -62,9 +55,9 @@ class Loads:
     L10: float | None
     """Life L10 from the loads [revolutions]; None if no contact is loaded, and outside the formulas' range of validity."""
     seconds: float | None
-    """Computing time [s]; None if not measured."""
+    """Computing time of the model or of the reference [s]; None if not measured."""
     measured: str
-    """Version of rollbench and computer with which the time was measured; empty for this version on this computer."""
+    """Version of rollbench and computer with which the computing time was measured; empty for those in use now."""
 
 
 @result_record(eq=False, repr=False, kw_only=True)
@@ -72,7 +65,7 @@ class ModelLoads(Loads):
     """Contact loads of a model, or of the 3D reference on a coarser mesh, with their errors against the reference."""
 
     errors: Array
-    """Errors of the contact loads, (n, 4) [% of the mean contact load of the reference]."""
+    """Errors of n balls' loads on the four groove flanks, (n, 4) [% of the mean contact load of the reference]."""
     largest_error: float = quantity_field(
         "measured_error_percent",
         "measured largest error of a contact load, in per cent of the reference's mean load",
@@ -102,7 +95,7 @@ class Uncertainty:
     """
 
     total: float
-    """Root of the sum of squares of the uncertainties from all causes."""
+    """Total uncertainty: root of the sum of the squares of the uncertainties from all causes."""
     discretisation: float = quantity_field(
         "uncertainty_percent",
         "uncertainty of the reference's most uncertain contact load that is due to its mesh, at 95 % confidence",
@@ -137,7 +130,7 @@ class Comparison(Record):
     """
 
     scene: str
-    """Name of the scene; for one of several nuts or bearings, the scene's name and its own."""
+    """Name of the scene; for one of several nuts or bearings, also the name of the nut or bearing."""
     verdict: str
     """Sentence on the error of the default model; one line for each nut or bearing and each load case."""
     warnings: tuple[str, ...] = ()
@@ -147,11 +140,11 @@ class Comparison(Record):
     levels: tuple[int, ...] = ()
     """Mesh levels of the 3D reference; empty for a user's reference."""
     unsettled: str = ""
-    """Sentence on those loads of the reference that did not converge with mesh refinement; empty if all did."""
+    """Sentence on loads of the reference that still change after its last update of normals and gaps; empty: none."""
     uncertainties: Array | None = None
     """Uncertainty of each contact load of the reference, (n, 4) [N]."""
     uncertainty: Uncertainty | None = None
-    """Uncertainty of the comparison, by its causes."""
+    """Uncertainty of the errors in the comparison, by its causes."""
     models: Mapping[str, ModelLoads] = field(default_factory=dict)
     """Loads and errors of the models, and of the 3D reference on coarser meshes, by name."""
     expected_error: ExpectedError | None = None
@@ -160,7 +153,7 @@ class Comparison(Record):
     """Comparison of each nut or bearing on a shaft with several, by name; empty for a single nut or bearing."""
     cases: Mapping[str, Comparison] = field(default_factory=dict)
     """Comparison of each load case, by name; empty without load cases."""
-    compared: tuple[tuple[SceneWithReference, NutOrBearingComparison], ...] = ()
+    compared: tuple[tuple[SceneWithReference, results_compared.NutOrBearingComparison], ...] = ()
     """Records of the computation with further details: reference and comparison of each load case and nut or bearing."""
     described: Described | None = None
     """The compared scene; None for a load case, or for one of several nuts or bearings."""
@@ -204,7 +197,7 @@ class Comparison(Record):
     @property
     def headings(self) -> Sequence[str]:  # type: ignore[override]
         """Headings of the columns of `table`."""
-        return model_and_reference_rows(self.compared[0][1])[0]
+        return results_compared.model_and_reference_rows(self.compared[0][1])[0]
 
     def table(self) -> Sequence[Sequence[str]]:
         """Return the rows of the table that ``rollbench compare`` prints.
@@ -218,12 +211,12 @@ class Comparison(Record):
         return [
             (", ".join(filter(None, (one.reference.scene * (len(self.compared) > 1), name))), *row)
             for one, whole in self.compared
-            for name, *row in model_and_reference_rows(whole)[1]
+            for name, *row in results_compared.model_and_reference_rows(whole)[1]
         ]
 
     @property
     def _notes(self) -> tuple[str, ...]:
-        """Lines below the table: each warning, then the verdict."""
+        """Lines below the table: each warning, then the sentences on the error of the default model (`verdict`)."""
         return (*(f"WARNING: {words}" for words in self.warnings), *self.verdict.splitlines())
 
     def __repr__(self) -> str:
@@ -258,7 +251,7 @@ def make_comparison(described: Described, pairs: Pairs, warnings: Sequence[str])
     }
     return Comparison(
         scene=described.name,
-        verdict="\n".join(comparison_verdict_sentence(whole, one.reference) for one, whole in pairs),
+        verdict="\n".join(results_compared.comparison_verdict_sentence(whole, one.reference) for one, whole in pairs),
         warnings=tuple(warnings),
         cases={name: _combine_comparisons_of_scene(name, None, its, ()) for name, its in by_case.items()},
         compared=tuple(pairs),
@@ -279,7 +272,7 @@ def _combine_comparisons_of_scene(
         return _comparison_of_one_nut_or_bearing(name, first, whole, described, warnings)
     return Comparison(
         scene=name,
-        verdict="\n".join(comparison_verdict_sentence(whole, one.reference) for one, whole in pairs),
+        verdict="\n".join(results_compared.comparison_verdict_sentence(whole, one.reference) for one, whole in pairs),
         warnings=tuple(warnings),
         sets={
             one.set_name: _comparison_of_one_nut_or_bearing(one.reference.scene, one, whole, None, ())
@@ -293,7 +286,7 @@ def _combine_comparisons_of_scene(
 def _comparison_of_one_nut_or_bearing(
     name: str,
     referenced: SceneWithReference,
-    comparison: NutOrBearingComparison,
+    comparison: results_compared.NutOrBearingComparison,
     described: Described | None,
     warnings: Sequence[str],
 ) -> Comparison:
@@ -305,7 +298,7 @@ def _comparison_of_one_nut_or_bearing(
     found, t = referenced.reference, comparison.uncertainty
     return Comparison(
         scene=name,
-        verdict=comparison_verdict_sentence(comparison, found),
+        verdict=results_compared.comparison_verdict_sentence(comparison, found),
         warnings=tuple(warnings),
         reference=Loads(**_loads_record_fields(comparison.reference_loads)),
         levels=found.levels,
@@ -326,10 +319,10 @@ def _comparison_of_one_nut_or_bearing(
     )
 
 
-def _loads_record_fields(compared_loads: LoadsWithErrors) -> dict[str, Any]:
+def _loads_record_fields(compared_loads: results_compared.LoadsWithErrors) -> dict[str, Any]:
     """Return the fields of a `Loads` record, by name, for a model or the 3D reference.
 
-    ``compared_loads``: its contact loads, whose angles are converted to radians.
+    ``compared_loads``: contact loads of the model or reference; their contact angles are converted to radians.
     """
     life = compared_loads.derived_results.life
     return {
@@ -344,7 +337,7 @@ def _loads_record_fields(compared_loads: LoadsWithErrors) -> dict[str, Any]:
     }
 
 
-def _model_loads_record(compared_loads: LoadsWithErrors, referenced: SceneWithReference) -> ModelLoads:
+def _model_loads_record(compared_loads: results_compared.LoadsWithErrors, referenced: SceneWithReference) -> ModelLoads:
     """Return the contact loads of the model ``compared_loads`` with their errors against the reference ``referenced``."""
     assert compared_loads.error is not None, "a model has errors"
     errors = np.asarray(
@@ -362,7 +355,7 @@ def _model_loads_record(compared_loads: LoadsWithErrors, referenced: SceneWithRe
     )
 
 
-def _comparison_json(comparison: NutOrBearingComparison, referenced: SceneWithReference) -> dict[str, Any]:
+def _comparison_json(comparison: results_compared.NutOrBearingComparison, referenced: SceneWithReference) -> dict[str, Any]:
     """Return the comparison of a single nut or bearing with its reference as a dictionary of JSON values.
 
     ``comparison``: the comparison of the models with ``referenced``, the reference of the nut or bearing.
@@ -382,7 +375,9 @@ def _comparison_json(comparison: NutOrBearingComparison, referenced: SceneWithRe
             }
             for b in comparison.models
         },
-        "answers": {b.label: loads_and_rigidities_json(b) for b in (comparison.reference_loads, *comparison.models)},
+        "answers": {
+            b.label: results_compared.loads_and_rigidities_json(b) for b in (comparison.reference_loads, *comparison.models)
+        },
     }
 
 
@@ -407,7 +402,7 @@ class ComparisonInput:
     from_user_file: bool
     """Whether the references come from a file of the user, not from the 3D reference."""
 
-    def compare_each(self) -> Iterator[tuple[SceneWithReference, NutOrBearingComparison]]:
+    def compare_each(self) -> Iterator[tuple[SceneWithReference, results_compared.NutOrBearingComparison]]:
         """Yield the comparison of the models with each reference, one nut or bearing after the other.
 
         Yields
@@ -485,21 +480,23 @@ def prepare_comparison(
     if without:
         wanted = levels or otherwise
 
-        def first(task: ReferenceTask) -> None:
-            """Print the errors against the coarsest mesh level as soon as its run is stored; finer levels follow."""
+        def report_errors_on_coarsest_level(task: ReferenceTask) -> None:
+            """Report a model's load errors against the coarsest mesh of the 3D reference, once ``task`` has computed it."""
             for scene in task.scenes if task.level == min(set(wanted) - {SOURCE_LEVEL}) else ():
                 for one in stored_references(scene, (store,), (task.level,)):
-                    whole = compare_models_with_reference(
+                    whole = results_compared.compare_models_with_reference(
                         one.scene, (models or models_shown_for_scene(scene))[:1], one.reference, stores, one.place_on_shaft
                     )
                     step(
                         f"{one.reference.scene}, against mesh level {task.level} only: "
-                        f"{comparison_verdict_sentence(whole, one.reference)}"
+                        f"{results_compared.comparison_verdict_sentence(whole, one.reference)}"
                     )
 
-        tasks = plan_tasks(without, [k for k in wanted if k != SOURCE_LEVEL], with_source_mesh=SOURCE_LEVEL in wanted)
+        tasks = plan_reference_tasks(
+            without, [k for k in wanted if k != SOURCE_LEVEL], with_source_mesh=SOURCE_LEVEL in wanted
+        )
         failed = ensure_runs_are_stored(
-            tasks, store, engine, step, stores, compute_again=fresh, after_each_stored_task=first
+            tasks, store, engine, step, stores, compute_again=fresh, after_each_stored_task=report_errors_on_coarsest_level
         )
     return ComparisonInput(
         described,
@@ -513,7 +510,7 @@ def prepare_comparison(
     )
 
 
-def unconverged_error(name: str, failed: Sequence[Run]) -> SceneNotCoveredError:
+def error_for_unconverged_reference(name: str, failed: Sequence[Run]) -> SceneNotCoveredError:
     """Return the error to raise for a scene of which no run of the 3D reference converged.
 
     Parameters
@@ -542,7 +539,7 @@ def compare_each_nut_or_bearing(
     failed: Sequence[Run],
     *,
     from_user_file: bool,
-) -> Iterator[tuple[SceneWithReference, NutOrBearingComparison]]:
+) -> Iterator[tuple[SceneWithReference, results_compared.NutOrBearingComparison]]:
     """Yield the comparison of models with each reference, one nut or bearing after the other.
 
     Parameters
@@ -572,12 +569,12 @@ def compare_each_nut_or_bearing(
     """
     for scene, sets in zip(scenes, references, strict=True):
         if not sets:
-            raise unconverged_error(scene.name, failed)
+            raise error_for_unconverged_reference(scene.name, failed)
         for one in sets:
-            ours = stored_reference_of_set(one, stores) if from_user_file else None
+            ours = stored_reference_of_nut_or_bearing(one, stores) if from_user_file else None
             yield (
                 one,
-                compare_models_with_reference(
+                results_compared.compare_models_with_reference(
                     one.scene, models or models_shown_for_scene(scene), one.reference, stores, one.place_on_shaft, ours
                 ),
             )
@@ -586,7 +583,7 @@ def compare_each_nut_or_bearing(
 def read_user_references(
     scenes: Sequence[Solvable], path: Path, cases: Mapping[str, str], warnings: list[str]
 ) -> list[list[SceneWithReference]]:
-    """Read a user's file of reference loads for a scene or its load cases.
+    """Read a user's file with reference loads of one scene or of its load cases.
 
     Parameters
     ----------
@@ -607,7 +604,7 @@ def read_user_references(
     Raises
     ------
     rollbench.InputError
-        If there are several scenes, or the file cannot be used.
+        If the scenes are not load cases of one scene, or the file cannot be used.
     """
     if len(scenes) != 1 and len(cases) != len(scenes):
         advice = "compare the scenes one by one, each with its own file"
@@ -659,6 +656,7 @@ class CycleSummary:
     """Largest error of a model's contact loads, and life, over all load cases of a duty cycle, for one nut or bearing."""
 
     model: str = quantity_field("model")
+    """Name of the model."""
     error: float | None = quantity_field(
         "largest_error_percent",
         "largest measured error of a contact load in any case, in per cent of the mean load of its case",
@@ -694,10 +692,12 @@ def cycle_summaries_json(cycle: DutyCycle, each: ByCase) -> list[dict[str, Any]]
 
 
 def _cycle_summary_of_set(cycle: DutyCycle, name: str, each: ByCase) -> dict[str, Any]:
-    """Return a JSON summary of a model's errors and life over all load cases, for the nut or bearing called ``name``.
+    """Return a JSON summary of load errors and lives over all load cases, for the nut or bearing called ``name``.
 
-    ``each``: comparisons, by the name of the load case and the name of the nut or bearing. Lives are in 10^6
-    revolutions.
+    The load error is that of the default model or, if that was not compared, of the first model; the lives [10^6
+    revolutions] are those of all models and of the 3D reference.
+
+    ``each``: comparisons, by the name of the load case and the name of the nut or bearing.
     """
     by_case = [(case, each[case.scene.name, name]) for case in cycle.cases]
     errors = [

@@ -30,7 +30,7 @@ class Data(Record):
         Returns
         -------
         dict
-            JSON values by key; the first is the version number of the output.
+            JSON values by key; the first key, ``schema``, has the version number of the JSON format.
         """
         return add_schema_version(self.values)
 
@@ -49,9 +49,9 @@ class Data(Record):
         return "\n".join(str(self).splitlines()[:5])
 
 
-#: A value for each groove flank of a ball, by its name SL, SR, NL or NR; None without contact.
+#: A value for each groove flank of a ball, by the flank's name SL, SR, NL or NR; None without contact.
 Flanks: TypeAlias = Mapping[str, float | None]
-#: Two components, across and along the groove, for each groove flank of a ball, by its name SL, SR, NL or NR.
+#: Two components, across and along the groove, for each groove flank of a ball, by the flank's name SL, SR, NL or NR.
 FlankPairs: TypeAlias = Mapping[str, Sequence[float | None]]
 
 
@@ -63,6 +63,7 @@ class FrictionBall:
     """
 
     index: int = quantity_field("index")
+    """Number of the ball along its track, from 1."""
     orbit: float | None = quantity_field("orbit_rad_s", "speed of the ball's centre about the axis")
     rotation: Sequence[float] | None = quantity_field(
         "rotation_rad_s", "rotation of the ball about its centre: across, along, normal to its track", parts="[]"
@@ -89,14 +90,14 @@ class FrictionBand:
     )
     torque: Sequence[float | None] = quantity_field(
         "friction_torque_Nmm",
-        "friction torque at both coefficients",
+        "friction torque at the smallest and at the largest of these coefficients of friction",
         parts="[]",
         heading="friction torque, lubricated",
         form="g3",
         note="coefficients {least} to {most}",
     )
     drag_torque: Sequence[float | None] | None = quantity_field(
-        "drag_torque_Nmm", "drag torque at both coefficients", parts="[]"
+        "drag_torque_Nmm", "drag torque at the smallest and at the largest of these coefficients", parts="[]"
     )
     preload: float | None = quantity_field("preload_N", "preload force F in the makers' formula for the drag torque")
     makers: float | None = quantity_field(
@@ -191,15 +192,19 @@ class Friction(Data):
         form="g3",
     )
     torque_on_screw: float | None = quantity_field(
-        "torque.friction_torque_on_screw_Nmm", "friction torque that acts on the screw, with sign", error="as above"
+        "torque.friction_torque_on_screw_Nmm",
+        "friction torque that acts on the screw, with sign",
+        error="that of the friction torque",
     )
     torque_on_nut: float | None = quantity_field(
-        "torque.friction_torque_on_nut_Nmm", "friction torque that acts on the nut, with sign", error="as above"
+        "torque.friction_torque_on_nut_Nmm",
+        "friction torque that acts on the nut, with sign",
+        error="that of the friction torque",
     )
     drag_torque: float | None = quantity_field(
         "torque.drag_torque_Nmm",
         "friction torque without the scene's external loads, from the preload only",
-        error="as above",
+        error="proportional to the coefficient",
         heading="drag torque",
         form="g3",
     )
@@ -239,7 +244,7 @@ class Friction(Data):
     efficiency_backward: float | None = quantity_field(
         "torque.efficiency_backward_percent",
         "work of the torque that the screw delivers, divided by the work of the axial load",
-        error="as above",
+        error="1 - efficiency is proportional to the coefficient",
         heading="efficiency with the load",
         form="g3",
     )
@@ -301,7 +306,7 @@ def friction_record_from_json(data: Mapping[str, Any]) -> Friction:
     Parameters
     ----------
     data
-        JSON of one scene, with its load cases under ``cases``.
+        JSON of one scene, with the values of its load cases at the key ``cases``.
 
     Returns
     -------
@@ -345,7 +350,7 @@ class MeshLevel:
     unknowns: int
     """Number of unknowns (displacements of nodes) of the whole mesh."""
     seconds: float
-    """Computing time [s]."""
+    """Computing time of the 3D reference on this mesh level [s]."""
     difference: float
     """Largest difference of a contact load from the finest level [% of the mean contact load]."""
     enough_for: float | None
@@ -362,7 +367,7 @@ class MeshQuantity:
     unit: str
     """Unit of the values."""
     values: tuple[float, ...]
-    """Value on every level, coarsest first [unit]."""
+    """Value on every mesh level, coarsest first [unit]."""
     order: float | None
     """Observed order of convergence [1]; None if the values do not converge monotonically (contact loads often do not)."""
     extrapolated: float | None
@@ -373,7 +378,7 @@ class MeshQuantity:
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class MeshStudy(Data):
-    """Results of the 3D reference on several mesh levels."""
+    """Mesh study of a scene: contact loads and other results of the 3D reference on several mesh levels."""
 
     scene: str
     """Name of the scene."""
@@ -391,7 +396,7 @@ def mesh_study_from_json(data: Mapping[str, Any], shown: str = "", notes: Sequen
     Parameters
     ----------
     data
-        JSON of one scene, with its nuts and bearings under ``sets`` if it has several.
+        JSON of one scene, with the values of each nut or bearing at the key ``sets`` if it has several.
     shown
         Key of the part of the JSON that the table shows; if empty, the table shows all values.
     notes
@@ -498,7 +503,7 @@ def ensemble_from_json(data: Mapping[str, Any]) -> Ensemble:
     Parameters
     ----------
     data
-        JSON of one scene, with its load cases under ``cases``.
+        JSON of one scene, with the values of its load cases at the key ``cases``.
 
     Returns
     -------
@@ -632,7 +637,7 @@ def _statistics_from_json(x: Mapping[str, Any]) -> Statistics:
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Written(Data):
-    """Path of a report that `rollbench.report` wrote, with its verdict on the scene."""
+    """Path of a report that `rollbench.report` wrote, with the verdict that the report gives on the scene."""
 
     page: Path
     """File of the report's first page."""

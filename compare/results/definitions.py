@@ -53,7 +53,7 @@ class DefinitionTable(NamedTuple):
     records: tuple[tuple[str, type], ...]
 
     def paths(self) -> Iterator[tuple[str, QuantityDescription]]:
-        """Yield the end of each number's JSON path, such as ``loads.max_N``, and its definition, for this table."""
+        """Yield, for each number in this table, the end of its JSON path, such as ``loads.max_N``, and its definition."""
         for where, kind in self.records:
             for _, one in quantity_descriptions(kind):
                 if one.definition:

@@ -25,11 +25,13 @@ from rollbench.meshes.quantity import quantity_field, result_record
 
 #: Default and largest number of points of a curve.
 POINTS, MOST = 21, 1001
-#: Relative change of a load by which the tangent stiffness is computed; fraction of the largest load that counts as zero.
+#: Relative change of the load for the tangent stiffness; fraction of the largest load that counts as a vanishing load.
 STEP, VANISHING = 1e-3, 1e-6
 #: Form of the text that states a range of loads, for error messages.
 FORM = "LOW:HIGH, then :POINTS, :x, :y, :z or an angle across the axis such as :45deg, :STATION or :HOUSING, as needed"
+#: Unit vectors of the axes, by name.
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+#: Components of a vector along x, y and z.
 Vector = tuple[float, float, float]
 
 
@@ -164,8 +166,11 @@ class LoadCurve(Record):
     """
 
     scene: str = quantity_field("scene")
+    """Name of the scene."""
     model: str = quantity_field("model")
+    """Name of the model."""
     member: int = quantity_field("member")
+    """Number of the specimen, from 0, in a scene with random errors."""
     direction: Vector = quantity_field("direction", "unit vector of the force", parts="[]")
     at: str = quantity_field(
         "at", "axial position of the screw or shaft, or housing, on which the force acts and whose displacement is stated"
@@ -193,9 +198,11 @@ class LoadCurve(Record):
         error="that of the rigidity",
     )
     points: tuple[CurvePoint, ...] = quantity_field("points")
+    """Displacement, stiffness and other values at each load of the curve."""
     warnings: tuple[ResultWarning, ...] = quantity_field("warnings")
     """Warnings about the solutions at the two ends of the curve."""
     assumed: tuple[str, ...] = quantity_field("assumed")
+    """Assumptions made by the scene and by the model."""
 
     @property
     def converged(self) -> bool:
@@ -222,7 +229,9 @@ class LoadCurve(Record):
 class _SolutionAtLoad:
     """Solution of the scene under one load of a load curve."""
 
+    #: Scene with this load.
     scene: Scene | Assembly
+    #: Result of the model for this scene.
     result: StaticResult | AxisResult
     #: Displacement of the loaded point along the force [m]; nan without equilibrium.
     displacement: float = math.nan
@@ -262,14 +271,14 @@ def compute_load_curve(
 
     Notes
     -----
-    Near the first contact the displacement is u_0 + c F^(2/3) (Hertz). So the end of the backlash is
-    u_0 = (4 u(F/8) - u(F))/3 for a vanishing force F.
+    Under a small force F, the displacement is u(F) = u_0 + c F^(2/3) (Hertz), with the displacement u_0 at the end of the
+    backlash and a constant c. So u_0 = (4 u(F/8) - u(F))/3 for a vanishing force F.
     """
     model, options = model or default_model_name(scene), replace(options or ModelOptions(), estimate_beam_mesh_error=False)
     loaded, direction, at, unit = _load_function_and_direction(scene, course)
 
     @cache
-    def state(value: float) -> _SolutionAtLoad:
+    def solution_at_load(value: float) -> _SolutionAtLoad:
         """Solve the scene under one force [N] or load factor."""
         here = loaded(value)
         result = run_model(here, model, options)
@@ -283,25 +292,27 @@ def compute_load_curve(
             max(map(_largest_load, loads)),
         )
 
-    bare = state(0.0)
+    bare = solution_at_load(0.0)
     pressed = bare.largest_load > 0.0
     start = bare.displacement if pressed else 0.0
     top = max(map(abs, course.values))
-    ends, words = _backlash_limits(course, lambda f: state(f).displacement, top)
+    ends, words = _backlash_limits(course, lambda f: solution_at_load(f).displacement, top)
     lash = None if ends is None else ends[1] - ends[0]
 
-    def tangent(value: float) -> float | None:
+    def tangent_stiffness_at_load(value: float) -> float | None:
         """Return the tangent stiffness [N/m] at a force [N] or load factor; None where the nut is loose."""
         step = STEP * (abs(value) if abs(value) > STEP * top else top)
-        moved = state(value + step).displacement - state(value - step).displacement
+        moved = solution_at_load(value + step).displacement - solution_at_load(value - step).displacement
         stiff = math.nan if not moved else 2.0 * step * unit / moved
         loose = abs(value) <= STEP * top and not (pressed and not lash)
         return None if loose or not math.isfinite(stiff) else stiff
 
     points = []
     for value in course.values:
-        s, free = state(value), value == 0.0 and bool(lash)
-        status = "anywhere in the lash" if free else s.result.status  # the displacement is not unique
+        s, free = solution_at_load(value), value == 0.0 and bool(lash)
+        status = (
+            "displacement not unique: anywhere within the backlash" if free else s.result.status
+        )  # the displacement is not unique
         friction = None
         if isinstance(s.scene, Scene) and isinstance(s.result, StaticResult) and s.largest_load > 0.0:
             friction, _ = friction_without_compiling(s.scene, s.result, options)
@@ -310,14 +321,14 @@ def compute_load_curve(
                 load=value * unit,
                 factor=value if course.factors else None,
                 displacement=None if free or math.isnan(s.displacement) else s.displacement - start,
-                stiffness=tangent(value),
+                stiffness=tangent_stiffness_at_load(value),
                 largest=None if math.isnan(s.largest_load) else s.largest_load,
                 torque=None if friction is None else 1e-3 * friction["friction_torque_Nmm"],
                 status=status,
             )
         )
     known = [p for p in points if p.displacement is not None]
-    of_ends = [state(course.values[k]).result for k in (0, -1)]
+    of_ends = [solution_at_load(course.values[k]).result for k in (0, -1)]
     return LoadCurve(
         scene=scene.name,
         model=model,
@@ -342,8 +353,8 @@ def _load_function_and_direction(
 
     Returns, in this order: the function, which gets a force [N] or load factor and returns the scene under this load; the
     unit vector of the force; the axial position [m] or housing on which it acts; and the force [N] for a load of 1, which
-    is not 1 N if the loads are factors. ``course``: range of loads. Raises ArgumentError if the range does not fit the
-    scene.
+    is 1 N or, if the loads are load factors, the magnitude of the force that the scene has on this housing or else of its
+    first force. ``course``: range of loads. Raises ArgumentError if the range does not fit the scene.
     """
     several = isinstance(scene, Assembly)
     at: float | str = _default_load_position(scene) if isinstance(scene, Assembly) else scene.nut.position
@@ -365,7 +376,7 @@ def _load_function_and_direction(
         advice = f"state an axial position on the {'shaft, or a housing' if several else 'screw'}"
         raise ArgumentError("curve", at if isinstance(at, str) else f"{1e3 * at:g} mm", allowed, advice, scene.name)
 
-    def loaded(value: float) -> Scene | Assembly:
+    def scene_under_force(value: float) -> Scene | Assembly:
         """Return the scene with a force [N] in place of its own loads."""
         x, y, z = (value * part for part in course.direction)
         bare = with_scaled_loads(scene, 0.0)
@@ -375,14 +386,14 @@ def _load_function_and_direction(
             return replace(bare, housings=tuple(replace(h, force=(x, y, z)) if h.name == at else h for h in bare.housings))
         return replace(bare, loads=(Load(float(at), (x, y, z)),) if value else ())
 
-    return loaded, course.direction, at, 1.0
+    return scene_under_force, course.direction, at, 1.0
 
 
 def _default_load_position(assembly: Assembly) -> float | str:
     """Return the axial position [m] or the housing on which the loads of a load curve act if the user states none.
 
-    It is the one for which the scene asks the stiffness, or on which the scene's first load acts. ``assembly``: shaft with
-    several nuts or bearings.
+    It is the position for which the scene asks the stiffness, or on which the scene's first load acts. ``assembly``: shaft
+    with several nuts or bearings.
     """
     from rollbench.lowfi.statics.axis.system import (
         location_of_reported_stiffness,  # imports the solver of several nuts and bearings
@@ -399,7 +410,7 @@ def _displacement_at_load_point(scene: Scene | Assembly, result: StaticResult | 
 
 
 def _largest_load(loads: Any) -> float:
-    """Return the largest of the contact loads in an array [N]; zero if it is empty."""
+    """Return the largest of the contact loads in an array [N]; zero if the array is empty."""
     return float(np.max(loads, initial=0.0))
 
 
@@ -408,10 +419,9 @@ def _backlash_limits(
 ) -> tuple[tuple[float, float] | None, str]:
     """Return the displacements at both ends of the backlash [m], or None and the reason why no backlash can be computed.
 
-    The second value is a text, empty if there is a backlash. ``course``: range of loads.
-    ``displacement_at``: function that returns the displacement [m] under a load. ``largest_load``: largest absolute load.
-    The end of the backlash is extrapolated from vanishing loads; ends closer than the accuracy of the extrapolation are
-    made equal.
+    The second value is a text, empty if there is a backlash. ``course``: range of loads. ``displacement_at``: function that
+    returns the displacement [m] under a load. ``largest_load``: largest absolute load. The end of the backlash is
+    extrapolated from vanishing loads; ends closer than the accuracy of the extrapolation are made equal.
     """
     if not course.values[0] < 0.0 < course.values[-1]:
         return None, "all loads have the same sign"

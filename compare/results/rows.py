@@ -14,17 +14,9 @@ from rollbench.compare.models.load_cases import AxisDrive, DutyCycleResults, Sce
 from rollbench.compare.models.loading import COMPONENTS, NOTHING, LiftOff, LoadPath, Preload
 from rollbench.compare.models.model_form import ExpectedModelErrors
 from rollbench.compare.quantities import format_by_error, format_range, heading_and_unit
+from rollbench.compare.results import scene_json
 from rollbench.compare.results.base import Row
 from rollbench.compare.results.data import Friction, FrictionBand
-from rollbench.compare.results.scene_json import (
-    AxialResults,
-    BallLoadSummary,
-    RollerLoadSummary,
-    axis_summary_json,
-    cycle_results_json,
-    nut_or_bearing_summary_json,
-    single_set_results_json,
-)
 from rollbench.lowfi.bearings.tapered_roller import RibContact
 from rollbench.lowfi.bearings.torque import BallBearingTorque, RollerBearingTorque
 from rollbench.lowfi.rating.catalogue_checks import ShaftLimits
@@ -39,9 +31,9 @@ from rollbench.meshes.quantity import QuantityDescription, quantity_descriptions
 #: has two records, that one is used whose first key the group contains.
 GROUPS: tuple[tuple[str, type], ...] = (
     ("", DutyCycleResults),
-    ("loads", BallLoadSummary),
-    ("loads", RollerLoadSummary),
-    ("axial", AxialResults),
+    ("loads", scene_json.BallLoadSummary),
+    ("loads", scene_json.RollerLoadSummary),
+    ("axial", scene_json.AxialResults),
     ("", AxialRigidities),
     ("worst_contact", BallContact),
     ("worst_contact", RollerContact),
@@ -66,19 +58,19 @@ GROUPS: tuple[tuple[str, type], ...] = (
 )
 #: Fields of `ExpectedModelErrors` whose expected errors are in per cent of the mean contact load.
 OF_MEAN = ("percent", "rms_percent")
-#: Note in the table if the preload is not known.
+#: Note in the table of results if the preload is not known.
 UNKNOWN = "no equilibrium was found without the scene's loads"
-#: Groups of the summary of several nuts or bearings that describe the whole shaft.
+#: Groups of the JSON summary of several nuts or bearings that describe the whole shaft, not one nut or bearing.
 OF_ALL = ("axial", "drive", "axis_life")
 #: Columns of the table of nuts and bearings on a shaft: group in the JSON summary of each, key in this group, heading.
 OF_SETS = (
     ("loads", "max_N", "largest load N"),
-    ("worst_contact", "pressure_MPa", "peak MPa"),
+    ("worst_contact", "pressure_MPa", "peak pressure MPa"),
     ("static_safety", "factor", "static safety"),
     ("preload", "axial_N", "preload N"),
-    ("bearing_torque", "starting_Nmm", "from rest N mm"),
-    ("bearing_torque", "running_Nmm", "running N mm"),
-    ("roller_torque", "torque_Nmm", "torque N mm"),
+    ("bearing_torque", "starting_Nmm", "starting torque N mm"),
+    ("bearing_torque", "running_Nmm", "running torque N mm"),
+    ("roller_torque", "torque_Nmm", "roller torque N mm"),
     ("life", "L10_million_revolutions", "L10 1e6 rev"),
 )
 
@@ -86,8 +78,8 @@ OF_SETS = (
 def solution_rows(solved: SceneSolution | ShaftSolution, *, details: bool = False) -> list[Row]:
     """Return the rows of the table of results of a solved scene.
 
-    For several nuts or bearings on a shaft, the rows of the whole shaft come first, then those of the one with the worst
-    contact.
+    For several nuts or bearings on a shaft, the rows of the whole shaft come first, then the rows of the nut or bearing
+    with the worst contact.
 
     Parameters
     ----------
@@ -106,15 +98,15 @@ def solution_rows(solved: SceneSolution | ShaftSolution, *, details: bool = Fals
     supports = _support_load_rows(solved.derived_results.load_path)
     if isinstance(solved, SceneSolution):
         return [
-            *rows_from_summary_json(single_set_results_json(solved), solved.expected_errors, details=details),
+            *rows_from_summary_json(scene_json.single_set_results_json(solved), solved.expected_errors, details=details),
             *supports,
         ]
-    data = axis_summary_json(solved)
+    data = scene_json.axis_summary_json(solved)
     whole = {key: data.pop(key) for key in OF_ALL if key in data}
     names = [solved.derived_results.set_results[i].name for i in solved.derived_results.set_indices_by_pressure[:1]]
     worst = rows_from_summary_json(data, details=details) if names else []
     head = rows_from_summary_json(whole, details=details)
-    return [*head, *supports, *(Row("set with the worst contact", name) for name in names), *worst]
+    return [*head, *supports, *(Row("nut or bearing, worst contact", name) for name in names), *worst]
 
 
 def rows_from_summary_json(
@@ -190,10 +182,10 @@ def rows_with_reference(
 def _summary_groups(
     data: Mapping[str, Any],
 ) -> Iterator[tuple[type, Mapping[str, Any], list[tuple[str, QuantityDescription]]]]:
-    """Yield, for each group of quantities in `GROUPS`, its record class, its values in a JSON summary, and its quantities.
+    """Yield record class, values in a JSON summary, and definitions for each group of quantities in `GROUPS`.
 
     ``data``: JSON summary of a scene. The values are a mapping, empty if the summary does not contain the group. The
-    quantities are pairs of JSON key and definition.
+    definitions are pairs of JSON key and definition, for all quantities of the group.
     """
     for group, kind in GROUPS:
         table = data.get(group) if group else data
@@ -259,9 +251,9 @@ def _expected_error_of_value(
 ) -> tuple[float | None, str]:
     """Return the expected error of a value, in the unit of the value and as text in per cent.
 
-    ``expected``: field of `ExpectedModelErrors` with the error in per cent, and the factor on it. ``expected_errors``:
-    errors to expect; None if they are not known. ``mean_load``: mean contact load [N], which some errors are relative to.
-    Returns None and an empty text if the error is not known.
+    ``expected``: name of the field of `ExpectedModelErrors` with the error in per cent, and a factor by which this error is
+    multiplied. ``expected_errors``: errors to expect; None if they are not known. ``mean_load``: mean contact load [N],
+    which some errors are relative to. Returns None and an empty text if the error is not known.
     """
     field, times = expected
     percent = getattr(expected_errors, field) if expected_errors is not None and field else None
@@ -291,7 +283,7 @@ def _missing_value_rows(data: Mapping[str, Any], kind: type) -> Iterator[Row]:
     ``data``: JSON summary of the scene.
     """
     preload, lost, drive = (data.get(key) or {} for key in ("preload", "contact_lost", "drive"))
-    if kind is BallLoadSummary and "loads" in data and data["loads"] is None:
+    if kind is scene_json.BallLoadSummary and "loads" in data and data["loads"] is None:
         yield Row("contact loads", "none", note="no contact carries load")
     elif kind is AxialRigidities and (words := (data.get("axial") or {}).get("tangent_words")):
         yield Row("axial rigidity, tangent", "none", note=words)
@@ -299,7 +291,7 @@ def _missing_value_rows(data: Mapping[str, Any], kind: type) -> Iterator[Row]:
         known = "without the loads"
         yield Row("preload", "none" if preload else "not known", note=known if preload else UNKNOWN)
     elif kind is LiftOff and lost.get("words"):
-        yield Row("contact lost at load factor", "not known", note=lost["words"])
+        yield Row("factor on loads that opens a contact", "not known", note=lost["words"])
     elif kind is Friction and data.get("friction_words"):
         yield Row("friction torque", "none", note=data["friction_words"])
     elif kind is AxisDrive and drive and drive["running_torque_Nmm"] is None:
@@ -312,7 +304,7 @@ def _missing_value_rows(data: Mapping[str, Any], kind: type) -> Iterator[Row]:
 def _support_load_rows(path: LoadPath | None) -> Iterator[Row]:
     """Yield a table row for each part of the external load that a support carries: one per support and load component.
 
-    ``path``: parts of the external load that each support carries; None: no rows.
+    ``path``: record of the load that each support carries; None: no rows.
     """
     if path is None:
         return
@@ -320,7 +312,7 @@ def _support_load_rows(path: LoadPath | None) -> Iterator[Row]:
         for k, part in enumerate(taker.carried_load):
             if abs(part) > NOTHING * abs(path.applied_load[k]) > 0.0:
                 unit = "N" if k < 3 else "N m"
-                yield Row("taken by a support", format_by_error(part), unit, "", f"{COMPONENTS[k]} by {taker.name}")
+                yield Row("load carried by a support", format_by_error(part), unit, "", f"{COMPONENTS[k]} by {taker.name}")
 
 
 def bearing_and_nut_rows(solved: ShaftSolution) -> list[dict[str, Any]]:
@@ -341,11 +333,11 @@ def bearing_and_nut_rows(solved: ShaftSolution) -> list[dict[str, Any]]:
         return []
     found = []
     for k, (s, answers) in enumerate(zip(solved.result.sets, solved.derived_results.set_results, strict=True), 1):
-        data = nut_or_bearing_summary_json(s, answers, solved.scene.motion)
+        data = scene_json.nut_or_bearing_summary_json(s, answers, solved.scene.motion)
         row: dict[str, Any] = {"set": f"{k} {s.of.name}", "z mm": f"{1e3 * s.of.position:.1f}"}
         row |= {
-            "force N": format_by_error(float(s.force[2])),
-            "rigidity N/um": format_by_error(1e-6 * float(s.stiffness[2, 2])),
+            "axial force N": format_by_error(float(s.force[2])),
+            "axial rigidity N/um": format_by_error(1e-6 * float(s.stiffness[2, 2])),
         }
         for group, key, heading in OF_SETS:
             value = (data.get(group) or {}).get(key)
@@ -388,7 +380,7 @@ def duty_cycle_rows(cycle_results: DutyCycleResults) -> list[Row]:
     list[Row]
         The rows.
     """
-    rows = rows_from_summary_json(cycle_results_json(cycle_results))
+    rows = rows_from_summary_json(scene_json.cycle_results_json(cycle_results))
     rows = [row._replace(note=cycle_results.shortest) if row.quantity == "life L10" else row for row in rows]
     if cycle_results.uncovered:
         rows.append(Row("error to expect", "not covered", note=f"cases {', '.join(cycle_results.uncovered)}"))

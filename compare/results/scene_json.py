@@ -16,7 +16,7 @@ from rollbench.compare.quantities import json_number, record_as_json
 from rollbench.compare.scenes.duty_cycle import DutyCycle, LoadCase
 from rollbench.lowfi.rating.contacts import RACES, contact_pressures, race_pressures
 from rollbench.lowfi.rating.life import BasicRatingLife
-from rollbench.lowfi.statics.nominal import nominal_contacts
+from rollbench.lowfi.statics.nominal import count_nominal_contacts
 from rollbench.lowfi.statics.result import AxisResult, SetResult, StaticResult
 from rollbench.lowfi.statics.tangent import TangentStiffness
 from rollbench.lowfi.warned import join_brief_warnings
@@ -31,18 +31,21 @@ if TYPE_CHECKING:
 
 #: JSON keys in the summary of a nut or bearing that are not repeated in the summary of the whole shaft.
 OF_A_SET = ("sides", "preload", "starting_torque", "bearing_torque", "clearance", "roller_torque")
-#: Friction force [N] for whose reversal the lost motion is computed.
+#: Friction force [N] whose reversal causes the computed lost motion.
 LOST_BY = 100.0
 
 
 def values_by_flank(row: Array) -> dict[str, float | None]:
-    """Return one ball's four values by the names of the groove flanks SL, SR, NL, NR; nan becomes None."""
+    """Return one ball's four values by groove flank: SL, SR, NL, NR (screw or nut, left or right); nan becomes None."""
     return {side: json_number(value) for side, value in zip(SIDES, row, strict=True)}
 
 
 @result_record
 class BallResult:
-    """Position of one ball, and its load, contact angle and pressure on the four groove flanks, (4,) each, in SI units."""
+    """Position of one ball, and its load, contact angle and pressure on the four groove flanks, (4,) each, in SI units.
+
+    The flanks are SL, SR, NL, NR (screw or nut, left or right).
+    """
 
     index: int = quantity_field("index", "number of the ball along its track, from 1")
     azimuth: float = quantity_field(
@@ -218,7 +221,7 @@ class AxialResults:
         heading="lost motion, um by 100 N",
     )
     def lost_motion(self) -> float | None:
-        """Axial displacement [um] when a friction force of 100 N reverses; None without tangent stiffness."""
+        """Lost motion: axial displacement [um] when a friction force of 100 N reverses; None without tangent stiffness."""
         return (
             None
             if self.tangent_rigidity is None or self.tangent_rigidity <= 0.0
@@ -234,7 +237,9 @@ class StiffnessAtPosition:
         "station_mm", "axial position on the shaft at which the 6 x 6 stiffness is taken"
     )
     status: str = quantity_field("status")
+    """Status of the solution, such as "converged"."""
     freedoms: tuple[str, ...] = quantity_field("freedoms")
+    """Names of the degrees of freedom of the rows and columns: ux, uy, uz, rx, ry, rz."""
     matrix: Array = quantity_field(
         "matrix",
         "row by row: change of force [N] and moment [N m] for a unit displacement [m] or rotation [rad] of the shaft at "
@@ -277,8 +282,8 @@ def flank_loads_json(load: Array) -> dict[str, Any]:
 def ball_loads_json(load: Array, contacts: int = 0) -> dict[str, Any] | None:
     """Return the summary of the contact loads of balls as JSON (`BallLoadSummary`); None if no contact is loaded.
 
-    ``load``: contact loads of n balls on the four flanks, (n, 4) [N]. ``contacts``: number by which their sum is divided
-    for the mean load; 0: the number of loaded contacts.
+    ``load``: contact loads of n balls on the four flanks, (n, 4) [N]. ``contacts``: number by which the sum of the loads is
+    divided for the mean load; 0: the number of loaded contacts.
     """
     loaded = load > 0.0
     if not loaded.any():
@@ -357,7 +362,7 @@ def single_set_results_json(solved: SceneSolution) -> dict[str, Any]:
         answers.load_step_stiffness,
     )
     return {
-        "loads": ball_loads_json(solved.result.load, nominal_contacts(scene, solved.result)),
+        "loads": ball_loads_json(solved.result.load, count_nominal_contacts(scene, solved.result)),
         "axial": record_as_json(
             axial, "lost_motion_um_per_100N", *(["stepped_N_per_um"] if answers.load_step_stiffness is None else [])
         ),
@@ -389,10 +394,10 @@ def palmgren_load_torque(parts: Scene, thrust: float) -> PalmgrenLoadTorque:
 
 
 def starting_torque_json(set_result: SetResult, answers: NutOrBearingResults) -> dict[str, Any] | None:
-    """Return the starting torque of a preloaded ball bearing as JSON; None for a bearing that carries thrust both ways.
+    """Return the starting torque of a preloaded ball bearing that carries thrust in one direction, as JSON.
 
-    None also for a nut and for a bearing without preload. ``set_result``: solution of the bearing. ``answers``: parts and
-    preload of the bearing.
+    None is returned for a bearing that carries thrust in both directions or has no preload, and for a nut. ``set_result``:
+    solution of the bearing. ``answers``: record from which the geometry (`Scene`) and the preload of the bearing are taken.
     """
     parts, preload = answers.parts, answers.preload
     one_way = set_result.of.kind == "bearing" and set_result.of.thrust in ("+z", "-z")
@@ -462,7 +467,7 @@ def axis_summary_json(solved: ShaftSolution) -> dict[str, Any]:
 
 
 def solved_case_json(solved: SceneSolution | ShaftSolution, tangent: TangentStiffness | None = None) -> dict[str, Any]:
-    """Return a solved scene as JSON: angles in deg, axial positions in mm, displacements in um, forces in N.
+    """Return the results of a solved scene as JSON: angles in deg, positions in mm, displacements in um, forces in N.
 
     With several nuts or bearings on one shaft, each row of a ball or roller has the number of its nut or bearing, and
     ``sets`` has a summary of each.
@@ -541,7 +546,7 @@ def beam_discretisation_percent(scene: Scene, result: StaticResult) -> float | N
     change = result.solver.discretisation
     if change is None:
         return None
-    return json_number(float(error_percent(change, 0.0, mean_load(result.load, nominal_contacts(scene, result)))))
+    return json_number(float(error_percent(change, 0.0, mean_load(result.load, count_nominal_contacts(scene, result)))))
 
 
 def ball_rows_json(scene: Scene, balls: StaticResult) -> list[dict[str, Any]]:

@@ -41,6 +41,7 @@ class Alternative:
     """
 
     scene: str = quantity_field("scene")
+    """Name of the scene."""
     status: str = quantity_field("status", "converged, or the reason why there is no equilibrium")
     axial_stiffness: float | None = quantity_field(
         "axial_stiffness_N_per_um",
@@ -50,10 +51,13 @@ class Alternative:
     )
     radial_stiffness: float | None = quantity_field(
         "radial_stiffness_N_per_um",
-        "smallest radial tangent stiffness of all directions, at the same point, with all other degrees of freedom fixed",
+        "smallest radial tangent stiffness of all directions, at the point of the axial stiffness, with all other degrees "
+        "of freedom fixed",
         error="that of the rigidity",
     )
-    displacement: float | None = quantity_field("displacement_um", "axial displacement of the same point under the loads")
+    displacement: float | None = quantity_field(
+        "displacement_um", "axial displacement, under the loads, of the point at which the axial stiffness is taken"
+    )
     largest: float | None = quantity_field(
         "largest_load_N", "largest load of a contact or roller in any nut or bearing of the scene"
     )
@@ -81,10 +85,11 @@ class Alternative:
         error="that of the lives",
     )
     hours: float | None = quantity_field(
-        "L10_hours", "life L10 in hours, if the scene states a speed", error="as in revolutions"
+        "L10_hours", "life L10 in hours, if the scene states a speed", error="that of the life in revolutions"
     )
     shortest: str | None = quantity_field("shortest_set", "nut or bearing of an axis with the shortest life")
     warnings: tuple[ResultWarning, ...] = quantity_field("warnings")
+    """Warnings about results outside the model's range of validity."""
 
 
 #: JSON keys of all numbers of an `Alternative`, for which differences are computed.
@@ -117,8 +122,8 @@ class SideBySide(Record):
 
     @QuantityDescription(
         "difference_percent",
-        "difference of a scene's number from that of the first scene, in per cent of the latter; for torques, between the "
-        "middles of its ranges",
+        "difference of a scene's number from that of the first scene, in per cent of the latter; for a torque, which has a "
+        "range, between the middles of the ranges",
         parts=".*[]",
     )
     def difference_percent(self, key: str) -> tuple[float | None, ...]:
@@ -168,7 +173,7 @@ def _middle_of_torque_range(value: Any) -> float | None:
 
 
 def compare_results_side_by_side(results: Sequence[Result], names: Sequence[str]) -> SideBySide:
-    """Compare the results of several scenes; for a duty cycle, those of the first load case, and the life over all cases.
+    """Compare the results of several scenes; for a duty cycle, of the first load case, with the life over all load cases.
 
     Parameters
     ----------
@@ -240,7 +245,7 @@ def _torque_ranges_and_inertia(one: Result) -> tuple[Band | None, Band | None, f
 
 
 def _names_of_differing_inputs(scenes: Sequence[Scene | Assembly]) -> list[str]:
-    """Return names of those input data (shaft, loads, operation) that are not the same in all scenes."""
+    """Return the names of the input data of shaft, loads and operation that differ between the scenes."""
     first, *others = scenes
     if not all(isinstance(x, Assembly) == isinstance(first, Assembly) for x in others):
         return ["number of nuts and bearings (one, or several on a shaft)"]

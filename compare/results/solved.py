@@ -78,7 +78,7 @@ class Preload:
     mean: float
     """Mean load of the loaded contacts [N]."""
     largest: float
-    """Load of the most loaded contact [N]."""
+    """Largest contact load [N]."""
     axial: float
     """Internal axial force [N]; for one of several nuts or bearings on a shaft, its axial force on the shaft."""
     contacts: int
@@ -148,11 +148,11 @@ class Balls:
     z: Array | None = None
     """Axial position of every ball, (n,) [m]."""
     loads: Array | None = None
-    """Contact loads, (n, 4) [N]; zero without contact."""
+    """Contact loads of n balls on the four groove flanks, (n, 4) [N]; zero without contact."""
     angles: Array | None = None
-    """Contact angles under load, measured from the radial plane, (n, 4) [rad]; nan without contact."""
+    """Contact angles of n balls under load, from the radial plane, (n, 4) [rad]; nan without contact."""
     pressure: Array | None = None
-    """Largest pressure of every contact, as the model or Hertz's theory gives it, (n, 4) [Pa]; zero without contact."""
+    """Largest pressure in every contact of n balls, by the model or Hertz's theory, (n, 4) [Pa]; zero without contact."""
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -184,7 +184,7 @@ class SetResult(Balls):
     """Friction torque of a row of rollers [N m], from the work of friction and from Timken's formula; None for balls, and
     if no contact is loaded."""
     preload: Preload | None
-    """Contact loads without the external loads of the scene; None if there is no equilibrium without these."""
+    """Contact loads without the external loads of the scene; None if there is no equilibrium without external loads."""
     bearing_torque: BallBearingTorque | None = None
     """Friction torque of a ball bearing [N m]; None for nuts, and if no contact is loaded."""
     reference_life: ReferenceLife | None = None
@@ -201,8 +201,9 @@ class Result(Record, Balls):
     """Results of a low-order model for a scene: contact loads, displacement, stiffness, pressures and life.
 
     If there is no equilibrium, the results are None, and `status` and `reason` say why. With several nuts or bearings on
-    one shaft, the arrays list the balls of one after the other, and `sets` has the results of each. With several load
-    cases, `cases` has the result of each; `life` is then the life under all cases, and `worst` the worst contact of all.
+    one shaft, the arrays list the balls of all, one nut or bearing after the other, and `sets` has the results of each.
+    With several load cases, `cases` has the result of each; `life` is then the life under all cases, and `worst` the worst
+    contact of all.
 
     Examples
     --------
@@ -251,8 +252,8 @@ class Result(Record, Balls):
     """Basic rating life from the contact loads; with several nuts or bearings on one shaft, the shortest of their lives.
     None if no contact is loaded, and outside the range of validity of the formulas."""
     modified_life: ModifiedLife | None = None
-    """Life modified for reliability, lubricant and contamination [10^6 revolutions]; None if the scene states none of
-    these, and with several nuts or bearings on one shaft."""
+    """Life modified for reliability, lubricant and contamination [10^6 revolutions]; None if the scene states none of the
+    three, and with several nuts or bearings on one shaft."""
     reference_life: ReferenceLife | None = None
     """Life of a single bearing by ISO/TS 16281 [10^6 revolutions]; None for screws, and if no contact is loaded."""
     shaft: ShaftLimits | None = None
@@ -289,14 +290,14 @@ class Result(Record, Balls):
 
     @property
     def load(self) -> Array:
-        """Contact loads, (n, 4) or (cases, n, 4) [N]; deprecated, use `loads`."""
+        """Contact loads of n balls, (n, 4) [N], or with load cases (cases, n, 4); deprecated, use `loads`."""
         warn_of_deprecation("result.load", "result.loads")
         each = [one.loads for one in self.cases.values() if one.loads is not None]
         return np.array(each) if each else np.zeros((0, 4)) if self.sets or self.loads is None else self.loads
 
     @property
     def angle(self) -> Array:
-        """Contact angles, (n, 4) or (cases, n, 4) [deg]; deprecated, use `angles`, which is in rad."""
+        """Contact angles of n balls, (n, 4) [deg], or with load cases (cases, n, 4); deprecated, use `angles`, in rad."""
         warn_of_deprecation("result.angle", "result.angles, in rad")
         each = [one.angles for one in self.cases.values() if one.angles is not None]
         found = np.array(each) if each else np.zeros((0, 4)) if self.sets or self.angles is None else self.angles
@@ -338,7 +339,8 @@ class Result(Record, Balls):
         Returns
         -------
         dict
-            Array or list of each column, by its name, such as ``load_SL_N``; empty without an equilibrium.
+            Values of each column (array or list), by the name of the column, such as ``load_SL_N``; empty without an
+            equilibrium.
 
         Examples
         --------
@@ -370,7 +372,7 @@ class Result(Record, Balls):
         """
         from matplotlib.figure import Figure
 
-        panels = list(self._panels(""))
+        panels = list(self._contact_loads_by_panel(""))
         if not panels:
             raise ValueError(f"{self.scene}: no loads to draw ({self.status}{f', {self.reason}' if self.reason else ''})")
         figure = Figure(figsize=(7.0, 3.2 * len(panels)), layout="constrained")
@@ -382,13 +384,13 @@ class Result(Record, Balls):
             axes.legend()
         return figure
 
-    def _panels(self, case: str) -> Sequence[tuple[str, Array]]:
+    def _contact_loads_by_panel(self, case: str) -> Sequence[tuple[str, Array]]:
         """Return title and contact loads (n, 4) [N] of each panel of the figure that `plot` draws.
 
         There is a panel for each nut or bearing and each load case. ``case``: text on the load case, added to the titles.
         """
         if self.cases:
-            return [panel for name, one in self.cases.items() for panel in one._panels(f", case {name}")]
+            return [panel for name, one in self.cases.items() for panel in one._contact_loads_by_panel(f", case {name}")]
         several = {f", {name}": one.loads for name, one in self.sets.items()}
         each = several or {"": self.loads}
         return [
@@ -571,9 +573,9 @@ def _add_nut_or_bearing_results(
 ) -> Result:
     """Return the result of a scene with a single nut or bearing: ``head`` with all quantities filled in.
 
-    ``solved``: record of the solver. ``tangent``: stiffness at the axial position that the user asked for. ``at_nut``:
-    stiffness at the nut's centre. Both are None if they were not computed. Without equilibrium only the positions of the
-    balls are filled in.
+    ``head``: result with scene, model, status and warnings only. ``solved``: record of the solver. ``tangent``: stiffness
+    at the axial position that the user asked for. ``at_nut``: stiffness at the nut's centre. Both are None if they were not
+    computed. Without equilibrium only the positions of the balls are filled in.
     """
     answers = solved.derived_results
     balls = _ball_positions_and_loads(solved.scene, solved.result, solved=answers is not None)
@@ -603,8 +605,8 @@ def _add_nut_or_bearing_results(
 def _add_shaft_results(head: Result, solved: ShaftSolution) -> Result:
     """Return the result of a shaft with several nuts or bearings: ``head`` with all quantities filled in.
 
-    ``solved``: record of the solver. Without equilibrium only the names and positions of the nuts and bearings are filled
-    in.
+    ``head``: result with scene, model, status and warnings only. ``solved``: record of the solver. Without equilibrium only
+    the names and positions of the nuts and bearings are filled in.
     """
     found, answers = solved.result, solved.derived_results
     speed = None if solved.scene.motion is None else solved.scene.motion.speed
@@ -638,8 +640,8 @@ def _add_shaft_results(head: Result, solved: ShaftSolution) -> Result:
 def _result_of_nut_or_bearing(solved_set: SolvedSet, answers: NutOrBearingResults | None, speed: float | None) -> SetResult:
     """Convert the solver's record of one nut or bearing on a shaft to a `SetResult`.
 
-    ``answers``: results from its contact loads; None if there is no equilibrium. ``speed``: speed of rotation [rad/s], for
-    the running time of the life; None if it is not known.
+    ``answers``: pressure, life and other results from the contact loads of the nut or bearing; None without equilibrium.
+    ``speed``: speed of rotation [rad/s], for the running time of the life; None if it is not known.
     """
     known = answers is not None
     balls = (

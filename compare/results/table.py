@@ -18,6 +18,7 @@ from rollbench.meshes.quantity import quantity_field, result_record
 if TYPE_CHECKING:
     import pandas
 
+#: Status of a row with an equilibrium.
 CONVERGED = "converged"
 
 #: Quantities of a table row other than the stiffness matrix, each with the field of `TableRow` that has its expected error.
@@ -39,6 +40,7 @@ class TableRow:
     """
 
     status: str = quantity_field("status")
+    """The word "converged", or the reason why there is no equilibrium."""
     stiffness: Array | None = quantity_field(
         "stiffness",
         "row by row: change of force [N] and moment [N m] for a unit displacement [m] or rotation [rad] of the body that "
@@ -50,8 +52,8 @@ class TableRow:
     )
     rigidity: float | None = quantity_field(
         "axial_rigidity_N_per_um",
-        "axial force per axial displacement of this cross-section, with the rotation about the axis fixed and all other "
-        "degrees of freedom free",
+        "axial force per axial displacement of the cross-section that `stiffness` describes, with the rotation about the "
+        "axis fixed and all other degrees of freedom free",
         error="`expected_error_percent.rigidity`",
         heading="rigidity",
         default=None,
@@ -105,6 +107,7 @@ class TableRow:
         "expected_error_percent.pressure", "expected error of the largest pressure", default=None
     )
     error_words: str = quantity_field("expected_error_words", default="")
+    """Reason why the expected errors are not known; empty if they are known."""
 
     @property
     def converged(self) -> bool:
@@ -125,12 +128,12 @@ class Over:
 
     @property
     def unit(self) -> str:
-        """Unit of the values, from the end of the column's name; empty if they have none."""
+        """Unit of the values, taken from the column's name, where it follows the parameter's key; empty without unit."""
         return self.column.removeprefix(self.key).lstrip("_")
 
     @property
     def numbers(self) -> list[float] | None:
-        """Values of the parameter as numbers; None if one of them is a text."""
+        """Values of the parameter as numbers; None if a value is a text."""
         return [float(x) for x in self.values] if all(isinstance(x, int | float) for x in self.values) else None
 
 
@@ -194,7 +197,7 @@ class Table(Data):
             List of each column, by its name: values of the varied parameters, status, stiffness terms ``K_ux_ux`` to
             ``K_rz_rz`` in N, m and rad, the other quantities, and the expected errors.
         """
-        flat = [dict(_flatten_row(row)) for row in self.values["rows"]]  # type: ignore[arg-type, union-attr]
+        flat = [dict(_flatten_table_row(row)) for row in self.values["rows"]]  # type: ignore[arg-type, union-attr]
         names = dict.fromkeys(name for row in flat for name in row)
         return {name: [row.get(name) for row in flat] for name in names}
 
@@ -216,10 +219,11 @@ class Table(Data):
         return pandas.DataFrame(self.columns())
 
 
-def _flatten_row(row: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+def _flatten_table_row(row: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
     """Yield key and value of every single number in one row of the table's JSON.
 
-    The stiffness gives 36 values, with keys such as ``K_ux_ry``; an inner table gives one for each of its keys.
+    The stiffness matrix gives 36 values, with keys such as ``K_ux_ry``; an inner JSON object gives one value for each key
+    inside it, with both keys joined by ``_``.
     """
     for key, value in row.items():
         if key == "stiffness":

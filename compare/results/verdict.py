@@ -25,11 +25,11 @@ class Judgement(StrEnum):
     FAIL = "fail"
     """The error is beyond the limit even with the uncertainty subtracted: e - u > limit."""
     NOT_CONVERGED = "not converged"
-    """The model found no equilibrium in this load case."""
+    """The model found no equilibrium in the load case."""
     UNDECIDED = "undecided"
     """The limit lies between e - u and e + u: the reference is not accurate enough to decide."""
     NOT_COVERED = "not covered"
-    """The reference has no value of this quantity."""
+    """The reference has no value of the quantity."""
 
 
 #: Advice to the user for each judgement that is not "pass".
@@ -63,7 +63,7 @@ class VerdictRow:
     error: float | None
     """Error of the quantity, or of the contact that determines the judgement [unit]; None if nothing could be compared."""
     uncertainty: float | None
-    """Uncertainty of the reference for this quantity or contact [unit]; None if not known."""
+    """Uncertainty of the reference for the judged quantity or contact [unit]; None if not known."""
     limit: float
     """Largest permitted error [unit]."""
     ball: int | None
@@ -139,12 +139,13 @@ class Verdict(Record):
         rest: dict[str, Any] = {"warnings": list(self.warnings), "not_judged": list(self.not_judged)}
         return add_schema_version(verdicts_json(self.described, self.judged) | rest)
 
-    headings = ("verdict", "of", "judged", "quantity", "error", "uncertainty", "limit", "note")
+    headings = ("verdict", "scene", "model or file", "quantity", "error", "uncertainty", "limit", "note")
 
     def table(self) -> Sequence[Sequence[str]]:
         """Return a row of texts for each quantity that was judged.
 
-        Cells of the scene are empty if it is the same in all rows, and cells of the model likewise; `answer` names both.
+        The cells for the scene are empty if all rows have the same scene; so are the cells for the model or file if all
+        rows have the same one. `answer` names scenes, models and files.
 
         Returns
         -------
@@ -184,7 +185,7 @@ class Verdict(Record):
 
     @property
     def _notes(self) -> tuple[str, ...]:
-        """Lines below the table: each warning, then each judgement."""
+        """Lines below the table: each warning, then a line for each judged quantity."""
         return (*(f"WARNING: {words}" for words in self.warnings), *(row.line for row in self.rows))
 
     def __repr__(self) -> str:

@@ -12,7 +12,7 @@ from rollbench.compare.measure import error_percent, mean_load
 from rollbench.compare.models.load_cases import SceneSolution, ShaftSolution
 from rollbench.compare.quantities import count_with_noun
 from rollbench.compare.reference.estimate import Reference, reference_of_scene
-from rollbench.lowfi.statics.nominal import nominal_contacts
+from rollbench.lowfi.statics.nominal import count_nominal_contacts
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import draw_geometry_with_errors
@@ -79,7 +79,7 @@ def _view_data_of_case(
             if one.expected_errors is None or one.expected_errors.percent is None
             else 0.01 * one.expected_errors.percent
         )
-        mean = mean_load(one.result.load, nominal_contacts(one.scene, one.result)) if one.derived_results else 0.0
+        mean = mean_load(one.result.load, count_nominal_contacts(one.scene, one.result)) if one.derived_results else 0.0
         share = None if expected is None else expected * mean
         kind = "ball nut" if one.scene.track.lead else "bearing"
         found = _view_data_of_ball_row(
@@ -109,8 +109,8 @@ def _view_data_of_ball_row(
     """Return the data of one solved ball nut or ball bearing for the 3D view.
 
     ``name``, ``kind``: name of the nut or bearing, and the text "ball nut" or "bearing". ``position``: its axial position
-    [m]. ``found``: its solution. ``solved``: whether there is an equilibrium. ``reference``: its 3D reference.
-    ``expected_load_error``: error to expect of the contact loads [N].
+    [m]. ``found``: solution of the nut or bearing. ``solved``: whether there is an equilibrium. ``reference``: 3D reference
+    of the nut or bearing; None: no reference. ``expected_load_error``: error to expect of the contact loads [N].
     """
     closer = gap_reduction_by_errors(parts, found.member)
     if not solved:
@@ -137,10 +137,10 @@ def _view_data_of_ball_row(
 def gap_reduction_by_errors(scene: Scene, member: int = 0) -> Array:
     """Return by how much geometric errors reduce the gap between each of n balls and its four groove flanks, (n, 4) [m].
 
-    ``member``: number of the specimen with its random errors. The gap is measured along the nominal contact normal n:
-    delta = (r_B - r_B0) - ((c - c_0) n + rho - r_G0), with ball radius r_B, groove centre c, and groove radius rho at the
-    nominal contact angle; r_B0, c_0 and r_G0 are the nominal values of ball radius, groove centre and groove radius. The
-    formula is of first order in the errors.
+    ``member``: number of the specimen with its random errors. The gap is measured along the nominal contact normal e.
+    The returned values are (r_B - r_B0) - ((c - c_0) . e + r_G - r_G0), with ball radius r_B, groove centre c, and groove
+    radius r_G at the nominal contact angle; r_B0, c_0 and r_G0 are the nominal values of ball radius, groove centre and
+    groove radius. The formula is of first order in the errors.
     """
     drawn, beta = draw_geometry_with_errors(scene, ball_layout(scene), member), scene.track.contact_angle
     normal = np.array(SIDE_SIGNS) * np.array([np.cos(beta), np.sin(beta)])

@@ -13,41 +13,12 @@ from typing import Any
 import numpy as np
 
 from rollbench.compare.errors import InputError
+from rollbench.compare.scenes import from_keys, schema
 from rollbench.compare.scenes.body_checks import geometry_faults
 from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.compare.scenes.fault import TOLERANCE, Fault, length_text, raise_scene_error_for_faults
-from rollbench.compare.scenes.from_keys import (
-    friction_from_keys,
-    load_case_faults,
-    material_from_keys,
-    preload_force_and_rating_text,
-    scene_from_keys,
-    support_from_keys,
-    with_load_cases,
-)
 from rollbench.compare.scenes.key_checks import conflicting_friction_key_faults, conflicting_key_faults, zero_speed_faults
-from rollbench.compare.scenes.schema import (
-    HousingKeys,
-    LoadCaseHousingKeys,
-    NutOrBearingKeys,
-    SceneKeys,
-    ScrewKeys,
-    ShaftSceneKeys,
-    StiffnessKeys,
-    TaperedRollerKeys,
-)
-from rollbench.meshes.axis import (
-    ARRANGEMENTS,
-    Assembly,
-    Drive,
-    Housing,
-    Joint,
-    RollerRow,
-    RollingSet,
-    Stiffness,
-    checked_stiffness,
-    diagonal_stiffness,
-)
+from rollbench.meshes import axis
 from rollbench.meshes.one_arc import has_single_arc_grooves, with_single_arc_grooves
 from rollbench.meshes.parts import FREEDOMS, Ingredients, Material, Scene, Screw
 from rollbench.meshes.ranges import ShareOfLoadRating
@@ -56,13 +27,13 @@ from rollbench.meshes.ranges import ShareOfLoadRating
 ONE_WAY = ("+z", "-z")
 #: Conformity (groove radius over ball diameter) with which the search for a conformity from a rigidity starts.
 USUAL_CONFORMITY = 0.52
-#: Springs of zero stiffness.
-NO_STIFFNESS = diagonal_stiffness((0.0,) * 6)
+#: 6 x 6 stiffness matrix of zeros.
+NO_STIFFNESS = axis.diagonal_stiffness((0.0,) * 6)
 
 
 def shaft_scene_from_keys(
-    keys: ShaftSceneKeys, tables: Mapping[str, Any], file_name: str, name: str
-) -> Assembly | Scene | DutyCycle:
+    keys: schema.ShaftSceneKeys, tables: Mapping[str, Any], file_name: str, name: str
+) -> axis.Assembly | Scene | DutyCycle:
     """Return the shaft with nuts and bearings that a scene file describes, or its load cases; SceneError for faults.
 
     If the file describes a single nut or ball bearing that needs no table ``[[sets]]``, a `Scene` is returned.
@@ -83,25 +54,27 @@ def shaft_scene_from_keys(
     Assembly, Scene or DutyCycle
         Record of the shaft; of its load cases (DutyCycle) if the file has a table ``[[cases]]``.
     """
-    return with_load_cases(
+    return from_keys.with_load_cases(
         _checked_shaft_from_keys(keys, tables, file_name, name), keys.cases, tables, file_name, _geometry_faults_of_scene
     )
 
 
-def _geometry_faults_of_scene(scene: Scene | Assembly) -> Iterator[Fault]:
+def _geometry_faults_of_scene(scene: Scene | axis.Assembly) -> Iterator[Fault]:
     """Yield the faults of dimensions with which nuts or ball bearings of a scene cannot be built."""
     for one in (scene,) if isinstance(scene, Scene) else (s.parts for s in scene.sets):
         if isinstance(one, Scene):
             yield from geometry_faults(one)
 
 
-def _checked_shaft_from_keys(keys: ShaftSceneKeys, raw: Mapping[str, Any], origin: str, name: str) -> Assembly | Scene:
+def _checked_shaft_from_keys(
+    keys: schema.ShaftSceneKeys, raw: Mapping[str, Any], origin: str, name: str
+) -> axis.Assembly | Scene:
     """Return shaft, nuts, bearings and housings that a scene file describes outside its load cases, after all checks.
 
     ``keys``: validated keys of the file; ``raw``: tables of the file, for the faulty values in messages; ``origin``: name
     of the file, for messages; ``name``: name of the scene. SceneError for faults.
     """
-    raise_scene_error_for_faults(origin, raw, [*_conflicting_key_faults(keys), *load_case_faults(keys)])
+    raise_scene_error_for_faults(origin, raw, [*_conflicting_key_faults(keys), *from_keys.load_case_faults(keys)])
     sets = tuple(_rolling_set_from_keys(keys, i, raw, origin) for i in range(len(keys.sets)))
     raise_scene_error_for_faults(origin, raw, list(_position_faults(keys, sets)))
     if _describes_one_nut_or_bearing(keys):
@@ -110,14 +83,18 @@ def _checked_shaft_from_keys(keys: ShaftSceneKeys, raw: Mapping[str, Any], origi
         }
         whole = _scene_keys_of_nut_or_bearing(keys, keys.sets[0]).model_copy(update=shared)
         raise_scene_error_for_faults(origin, raw, list(conflicting_key_faults(whole)))
-        return scene_from_keys(whole, name)
+        return from_keys.scene_from_keys(whole, name)
     heat, ask, shaft = keys.heat, keys.stiffness, keys.screw
     length, diameter = shaft.length, shaft.outer_diameter
-    return Assembly(
+    return axis.Assembly(
         name=name,
         title=keys.title,
         screw=Screw(
-            length, diameter, shaft.groove_radius or 0.0, material_from_keys(shaft.material, keys.material), shaft.bore
+            length,
+            diameter,
+            shaft.groove_radius or 0.0,
+            from_keys.material_from_keys(shaft.material, keys.material),
+            shaft.bore,
         ),
         sets=tuple(
             row
@@ -126,13 +103,15 @@ def _checked_shaft_from_keys(keys: ShaftSceneKeys, raw: Mapping[str, Any], origi
         ),
         segments=tuple(shaft.plain),
         housings=tuple(map(_housing_from_keys, keys.housings)),
-        joints=tuple(Joint(j.between[0], j.between[1], j.at, _stiffness_from_keys(j) or NO_STIFFNESS) for j in keys.joints),
-        supports=tuple(support_from_keys(s) for s in keys.supports),
+        joints=tuple(
+            axis.Joint(j.between[0], j.between[1], j.at, _stiffness_from_keys(j) or NO_STIFFNESS) for j in keys.joints
+        ),
+        supports=tuple(from_keys.support_from_keys(s) for s in keys.supports),
         loads=tuple(keys.loads),
         ingredients=Ingredients(**keys.ingredients.model_dump()),
         source=keys.source,
         assumed=(*keys.assumed, *_assumptions_on_nuts_and_bearings(keys, sets)),
-        friction=None if keys.friction is None else friction_from_keys(keys.friction),
+        friction=None if keys.friction is None else from_keys.friction_from_keys(keys.friction),
         motion=keys.motion,
         lubricant=keys.lubricant,
         stiffness_at=ask.housing if ask.housing is not None else ask.at,
@@ -141,7 +120,7 @@ def _checked_shaft_from_keys(keys: ShaftSceneKeys, raw: Mapping[str, Any], origi
     )
 
 
-def _assumptions_on_nuts_and_bearings(keys: ShaftSceneKeys, sets: Sequence[RollingSet]) -> Iterator[str]:
+def _assumptions_on_nuts_and_bearings(keys: schema.ShaftSceneKeys, sets: Sequence[axis.RollingSet]) -> Iterator[str]:
     """Yield a sentence on each assumption about a nut or bearing, such as a preload computed from the load rating.
 
     ``keys``: keys of the scene file; ``sets``: nuts and bearings built from ``keys.sets``, in the same order.
@@ -152,38 +131,38 @@ def _assumptions_on_nuts_and_bearings(keys: ShaftSceneKeys, sets: Sequence[Rolli
             if isinstance(one.preload, ShareOfLoadRating):
                 yield (
                     f"{whole.name}: preload of {whole.preload:g} "
-                    f"N{preload_force_and_rating_text(whole.parts, one.preload)[1]}"
+                    f"N{from_keys.preload_force_and_rating_text(whole.parts, one.preload)[1]}"
                 )
 
 
-def _housing_from_keys(housing: HousingKeys) -> Housing:
+def _housing_from_keys(housing: schema.HousingKeys) -> axis.Housing:
     """Return a housing from its keys in the scene file."""
-    return Housing(
+    return axis.Housing(
         housing.name,
         housing.at,
-        support_from_keys(housing).fixed,
+        from_keys.support_from_keys(housing).fixed,
         _stiffness_from_keys(housing),
         housing.force,
         housing.moment,
     )
 
 
-def _describes_one_nut_or_bearing(keys: ShaftSceneKeys) -> bool:
+def _describes_one_nut_or_bearing(keys: schema.ShaftSceneKeys) -> bool:
     """Return whether a scene file describes only one nut or ball bearing, and could do so without a table ``[[sets]]``."""
     one = keys.sets[0]
     more = keys.housings or keys.screw.plain or keys.heat or one.carrier or one.offset or one.preload or one.arrangement
-    more = more or one.seals or keys.drive != Drive()
+    more = more or one.seals or keys.drive != axis.Drive()
     return len(keys.sets) == 1 and not more and one.balls is not None and one.thrust in (None, "both")
 
 
-def kind_of_nut_or_bearing(set_keys: NutOrBearingKeys) -> str:
+def kind_of_nut_or_bearing(set_keys: schema.NutOrBearingKeys) -> str:
     """Return what a table ``[[sets]]`` of a scene file describes: "ball nut", "bearing" or "tapered roller bearing"."""
     if set_keys.rollers is not None:
         return "tapered roller bearing"
     return "bearing" if set_keys.track is not None and set_keys.track.lead == 0.0 else "ball nut"
 
 
-def _conflicting_key_faults(keys: ShaftSceneKeys) -> Iterator[Fault]:
+def _conflicting_key_faults(keys: schema.ShaftSceneKeys) -> Iterator[Fault]:
     """Yield faults of a shaft's scene file: keys that exclude or need each other, and names that are missing or used twice.
 
     These are keys of friction, motion, drive, nuts, bearings, housings and joints, and names of housings to which other
@@ -226,7 +205,7 @@ def _conflicting_key_faults(keys: ShaftSceneKeys) -> Iterator[Fault]:
             yield Fault((f"joints[{i}].between",), "two different housings", "name another housing: each of them is rigid")
 
 
-def _drive_faults(keys: ShaftSceneKeys) -> Iterator[Fault]:
+def _drive_faults(keys: schema.ShaftSceneKeys) -> Iterator[Fault]:
     """Yield the faults of the tables [drive] and [lubricant] of a shaft's scene file.
 
     Faults are a lubricant without bearings; a mass without a nut, or with nuts of different leads; a time of acceleration
@@ -250,7 +229,7 @@ def _drive_faults(keys: ShaftSceneKeys) -> Iterator[Fault]:
         yield Fault(("drive.efficiency",), "only together with drive.mass and drive.time", advice)
 
 
-def _nut_or_bearing_faults(keys: ShaftSceneKeys, number: int, set_keys: NutOrBearingKeys) -> Iterator[Fault]:
+def _nut_or_bearing_faults(keys: schema.ShaftSceneKeys, number: int, set_keys: schema.NutOrBearingKeys) -> Iterator[Fault]:
     """Yield faults of one table ``[[sets]]``, a nut or bearing: keys that exclude or need each other.
 
     ``keys``: keys of the whole file; ``set_keys``: keys of the nut or bearing; ``number``: its index, from 0, in the list
@@ -312,7 +291,7 @@ def _nut_or_bearing_faults(keys: ShaftSceneKeys, number: int, set_keys: NutOrBea
         yield Fault(("material",), "youngs_modulus and poissons_ratio", "give both under [material]")
 
 
-def _roller_end_faults(table_path: str, rollers: TaperedRollerKeys) -> Iterator[Fault]:
+def _roller_end_faults(table_path: str, rollers: schema.TaperedRollerKeys) -> Iterator[Fault]:
     """Yield the faults of keys for the ends of tapered rollers: edge rounding, rib height, and contact with the rib.
 
     ``table_path``: path of the table of rollers in the file, such as ``sets[0].rollers``; ``rollers``: its keys, of which
@@ -339,37 +318,37 @@ def _roller_end_faults(table_path: str, rollers: TaperedRollerKeys) -> Iterator[
             yield Fault((f"{table_path}.end_radius",), str(error), advice)
 
 
-def _stiffness_faults(keys: StiffnessKeys, where: str) -> Iterator[Fault]:
+def _stiffness_faults(keys: schema.StiffnessKeys, where: str) -> Iterator[Fault]:
     """Yield the faults of a housing's or joint's stiffness: both springs and matrix given, or an invalid matrix.
 
-    ``where``: path of its table in the file, such as ``joints[0]``.
+    ``where``: path of the housing's or joint's table in the file, such as ``joints[0]``.
     """
     if keys.springs is not None and keys.matrix is not None:
         yield Fault((f"{where}.matrix",), "either springs or matrix", "leave one of the two out", "both springs and matrix")
     if keys.matrix is not None:
         try:
-            checked_stiffness(np.array(keys.matrix))
+            axis.checked_stiffness(np.array(keys.matrix))
         except ValueError as error:
             allowed = "a symmetric matrix without negative eigenvalues"
             advice = f"correct its rows: {str(error)[:1].lower()}{str(error)[1:]}"
             yield Fault((f"{where}.matrix",), allowed, advice, "an invalid matrix")
 
 
-def _stiffness_from_keys(keys: StiffnessKeys) -> Stiffness | None:
-    """Return the 6x6 stiffness of a housing or joint from its keys; None if neither springs nor a matrix are given."""
+def _stiffness_from_keys(keys: schema.StiffnessKeys) -> axis.Stiffness | None:
+    """Return the 6 x 6 stiffness of a housing or joint from its keys; None if neither springs nor a matrix are given."""
     if keys.matrix is not None:
-        return checked_stiffness(np.array(keys.matrix))
-    return None if keys.springs is None else diagonal_stiffness(tuple(keys.springs.model_dump().values()))
+        return axis.checked_stiffness(np.array(keys.matrix))
+    return None if keys.springs is None else axis.diagonal_stiffness(tuple(keys.springs.model_dump().values()))
 
 
-def _scene_keys_of_nut_or_bearing(keys: ShaftSceneKeys, set_keys: NutOrBearingKeys) -> SceneKeys:
+def _scene_keys_of_nut_or_bearing(keys: schema.ShaftSceneKeys, set_keys: schema.NutOrBearingKeys) -> schema.SceneKeys:
     """Return the keys of a scene with only one nut or bearing of a shaft, and with the shaft as its screw.
 
     ``keys``: keys of the shaft's file; ``set_keys``: keys of the nut or bearing, which take precedence for groove, diameter
     and material of the screw. The scene has no supports or loads.
     """
     shaft = keys.screw
-    fields: dict[str, Any] = {n: getattr(shaft, n) for n in ScrewKeys.model_fields}
+    fields: dict[str, Any] = {n: getattr(shaft, n) for n in schema.ScrewKeys.model_fields}
     if set_keys.screw is not None:
         fields["material"] = set_keys.screw.material or fields["material"]
         fields["outer_diameter"] = set_keys.screw.outer_diameter or fields["outer_diameter"]
@@ -381,11 +360,11 @@ def _scene_keys_of_nut_or_bearing(keys: ShaftSceneKeys, set_keys: NutOrBearingKe
         fields |= {"groove_radius": None, "conformity": USUAL_CONFORMITY}
         nut = nut.model_copy(update={"conformity": USUAL_CONFORMITY})
     ingredients = Ingredients(**keys.ingredients.model_dump())
-    return SceneKeys.model_construct(
+    return schema.SceneKeys.model_construct(
         title=keys.title,
         material=keys.material,
         track=set_keys.track,
-        screw=ScrewKeys.model_construct(**fields),
+        screw=schema.ScrewKeys.model_construct(**fields),
         nut=nut,
         balls=set_keys.balls,
         errors=set_keys.errors,
@@ -393,7 +372,7 @@ def _scene_keys_of_nut_or_bearing(keys: ShaftSceneKeys, set_keys: NutOrBearingKe
     )
 
 
-def _rolling_set_from_keys(keys: ShaftSceneKeys, i: int, raw: Mapping[str, Any], origin: str) -> RollingSet:
+def _rolling_set_from_keys(keys: schema.ShaftSceneKeys, i: int, raw: Mapping[str, Any], origin: str) -> axis.RollingSet:
     """Return the nut or bearing that the table ``sets[i]`` of a scene file describes; SceneError for its faults.
 
     ``keys``: keys of the whole file; ``raw``: tables of the file, for the faulty values in messages; ``origin``: name of
@@ -403,16 +382,16 @@ def _rolling_set_from_keys(keys: ShaftSceneKeys, i: int, raw: Mapping[str, Any],
     thrust = one.thrust or "both"
     shared = (one.name, kind_of_nut_or_bearing(one))
     if one.rollers is not None:
-        row = _roller_row_from_keys(one.rollers, material_from_keys(None, keys.material))
+        row = _roller_row_from_keys(one.rollers, from_keys.material_from_keys(None, keys.material))
         of_rollers = (one.housing, one.offset, one.preload, thrust)
-        return RollingSet(*shared, row, one.position or 0.0, *of_rollers, seals=one.seals)  # type: ignore[arg-type]
+        return axis.RollingSet(*shared, row, one.position or 0.0, *of_rollers, seals=one.seals)  # type: ignore[arg-type]
     scene_keys = _scene_keys_of_nut_or_bearing(keys, one)
     if "seed" not in one.errors.model_fields_set:  # without a seed in the file, each set draws different errors
         scene_keys = scene_keys.model_copy(update={"errors": one.errors.model_copy(update={"seed": i})})
     raise_scene_error_for_faults(
         origin, raw, [_fault_with_keys_of_shaft_file(f, i, raw) for f in conflicting_key_faults(scene_keys)]
     )
-    scene = with_groove_radii_from_rigidity(scene_from_keys(scene_keys, one.name), one, origin, f"sets[{i}]")
+    scene = with_groove_radii_from_rigidity(from_keys.scene_from_keys(scene_keys, one.name), one, origin, f"sets[{i}]")
     raise_scene_error_for_faults(origin, raw, [_fault_with_keys_of_shaft_file(f, i, raw) for f in geometry_faults(scene)])
     if one.thrust is None and has_single_arc_grooves(scene):
         scene, thrust = with_single_arc_grooves(scene), "deep groove"
@@ -420,17 +399,17 @@ def _rolling_set_from_keys(keys: ShaftSceneKeys, i: int, raw: Mapping[str, Any],
     own_place = (
         one.housing,
         one.offset,
-        preload_force_and_rating_text(scene, one.preload)[0],
+        from_keys.preload_force_and_rating_text(scene, one.preload)[0],
         thrust,
         one.carrier,
         one.seals,
     )
-    return RollingSet(*shared, scene, scene.nut.position, *own_place)  # type: ignore[arg-type]
+    return axis.RollingSet(*shared, scene, scene.nut.position, *own_place)  # type: ignore[arg-type]
 
 
-def _roller_row_from_keys(rollers: TaperedRollerKeys, material: Material) -> RollerRow:
+def _roller_row_from_keys(rollers: schema.TaperedRollerKeys, material: Material) -> axis.RollerRow:
     """Return a row of tapered rollers from its keys ``rollers``; ``material``: material of rollers and rings."""
-    row = RollerRow(
+    row = axis.RollerRow(
         rollers.count,
         rollers.diameter,
         rollers.length,
@@ -467,7 +446,7 @@ def _fault_with_keys_of_shaft_file(fault: Fault, i: int, raw: Mapping[str, Any])
     return replace(fault, keys=tuple(keys))
 
 
-def _position_faults(keys: ShaftSceneKeys, sets: Sequence[RollingSet]) -> Iterator[Fault]:
+def _position_faults(keys: schema.ShaftSceneKeys, sets: Sequence[axis.RollingSet]) -> Iterator[Fault]:
     """Yield the faults of positions along a shaft, of its supports, and of loads on housings that cannot move.
 
     Positions must lie on the shaft, its plain sections (without groove) must not overlap, and each support must fix a
@@ -497,7 +476,7 @@ def _position_faults(keys: ShaftSceneKeys, sets: Sequence[RollingSet]) -> Iterat
             yield Fault((f"screw.plain[{i}].bore",), f"below {length_text(p.diameter)}", "leave material around the hole")
         end = max(end, p.end)
     stands = {h.name for h in keys.housings if set(h.fix) == set(FREEDOMS)}
-    tables: list[tuple[str, Sequence[HousingKeys | LoadCaseHousingKeys]]] = [("housings", keys.housings)]
+    tables: list[tuple[str, Sequence[schema.HousingKeys | schema.LoadCaseHousingKeys]]] = [("housings", keys.housings)]
     tables += [(f"cases[{k}].housings", c.housings) for k, c in enumerate(keys.cases)]
     for table, housings in tables:
         for i, h in enumerate(housings):
@@ -525,7 +504,7 @@ def _position_faults(keys: ShaftSceneKeys, sets: Sequence[RollingSet]) -> Iterat
 # --- arrangements of bearings, such as "DBD"
 
 
-def arrangement_faults(set_path: str, set_keys: NutOrBearingKeys) -> Iterator[Fault]:
+def arrangement_faults(set_path: str, set_keys: schema.NutOrBearingKeys) -> Iterator[Fault]:
     """Yield the faults of keys of a bearing that are allowed only with an arrangement such as "DBD", or only without one.
 
     ``set_path``: path of the bearing's table in the file, such as ``sets[0]``; ``set_keys``: the keys of this table.
@@ -556,7 +535,7 @@ def arrangement_faults(set_path: str, set_keys: NutOrBearingKeys) -> Iterator[Fa
         if written:
             advice = f"leave {key} out: it follows from the arrangement for every row"
             yield Fault((f"{set_path}.{key}",), "only without arrangement", advice)
-    if (set_keys.preload or set_keys.pair_preload) and len(set(ARRANGEMENTS[set_keys.arrangement or ""])) == 1:
+    if (set_keys.preload or set_keys.pair_preload) and len(set(axis.ARRANGEMENTS[set_keys.arrangement or ""])) == 1:
         advice = (
             "leave the preload out, or name another arrangement: bearings in tandem have no opposite row to press against"
         )
@@ -578,12 +557,14 @@ def preload_of_arrangement(arrangement: str, pair_preload: float) -> float:
     pair_preload
         Preload F of a pair of these bearings [N].
     """
-    ways = ARRANGEMENTS[arrangement]
+    ways = axis.ARRANGEMENTS[arrangement]
     shared = sum(ways.count(way) ** (-2.0 / 3.0) for way in set(ways))
     return float(pair_preload * (2.0 / shared) ** 1.5)
 
 
-def bearings_of_arrangement(single_bearing: RollingSet, set_keys: NutOrBearingKeys, seed_step: int) -> Iterator[RollingSet]:
+def bearings_of_arrangement(
+    single_bearing: axis.RollingSet, set_keys: schema.NutOrBearingKeys, seed_step: int
+) -> Iterator[axis.RollingSet]:
     """Yield each bearing of an arrangement, side by side about the position of the arrangement.
 
     Without an arrangement, only ``single_bearing`` is yielded.
@@ -593,14 +574,14 @@ def bearings_of_arrangement(single_bearing: RollingSet, set_keys: NutOrBearingKe
     single_bearing
         One bearing of the arrangement, at the position of the arrangement's middle; or a nut.
     set_keys
-        Keys of the table ``[[sets]]`` that describes it.
+        Keys of the table ``[[sets]]`` that describes the arrangement or the nut.
     seed_step
         Difference between the seeds of the random errors of successive bearings.
     """
     if set_keys.arrangement is None or not isinstance(single_bearing.parts, Scene):
         yield single_bearing
         return
-    ways, parts = ARRANGEMENTS[set_keys.arrangement], single_bearing.parts
+    ways, parts = axis.ARRANGEMENTS[set_keys.arrangement], single_bearing.parts
     total = (
         preload_of_arrangement(set_keys.arrangement, set_keys.pair_preload)
         if set_keys.pair_preload
@@ -653,7 +634,9 @@ def conformity_for_rigidity(bearing: Scene, preload: float, rigidity: float) -> 
     return float(conformity_from_pair_rigidity(rows, np.array([preload]), np.array([rigidity]))[0])
 
 
-def with_groove_radii_from_rigidity(bearing: Scene, set_keys: NutOrBearingKeys, file_name: str, set_path: str) -> Scene:
+def with_groove_radii_from_rigidity(
+    bearing: Scene, set_keys: schema.NutOrBearingKeys, file_name: str, set_path: str
+) -> Scene:
     """Return a bearing with the groove radii that follow from the axial rigidity stated for a pair of such bearings.
 
     ``bearing``: the bearing, returned unchanged if no rigidity is given; ``set_keys``: its keys, with rigidity and preload

@@ -26,7 +26,7 @@ WIDEST_GROOVE = 10.0
 
 
 def ball_radii_with_listed_errors(scene: Scene) -> Array:
-    """Return the radii of all balls of a scene ``(n,)`` [m], start by start, with their errors except random ones.
+    """Return the radii of all balls of a scene ``(n,)`` [m] with all errors except random ones, by start of the thread.
 
     The errors are the oversize of all balls and the errors that the file lists for single balls.
     """
@@ -49,7 +49,7 @@ def geometry_faults(scene: Scene) -> Iterator[Fault]:
     yield from _groove_width_faults(scene, largest)
     yield from _path_error_faults(scene)
     yield from _diameter_faults(scene)
-    yield from _beyond_screw_faults(scene)
+    yield from _position_beyond_screw_faults(scene)
     yield from _rigid_screw_support_faults(scene)
     yield from _solid_table_faults(scene)
     if scene.nut.flange is not None:
@@ -95,8 +95,8 @@ def _lead_offset_faults(scene: Scene) -> Iterator[Fault]:
 def hertz_constant_faults(scene: Scene) -> Iterator[Fault]:
     """Yield the faults of contacts for which no Hertz constant exists, in a scene whose bodies can be built.
 
-    There the flank is at least as curved as the ball; or the scene selects the formula printed in Lin's Table B.1, and that
-    has no solution.
+    No constant exists if the flank is at least as strongly curved as the ball, or if the scene selects the formula printed
+    in Lin's Table B.1 and this formula has no solution.
     """
     from rollbench.lowfi.statics.contacts import curvature_changes, misprinted_hertz_of_flanks, nominal_curvatures
 
@@ -125,7 +125,7 @@ def hertz_constant_faults(scene: Scene) -> Iterator[Fault]:
 
 
 def _groove_width_faults(scene: Scene, largest_ball_radius: float) -> Iterator[Fault]:
-    """Yield the faults of groove radii, too small for the largest ball or far too large, and those of profile errors.
+    """Yield the faults of groove radii, too small for the largest ball or far too large, and of profile errors.
 
     ``largest_ball_radius``: radius of the largest ball, without random errors [m].
     """
@@ -210,7 +210,7 @@ def _reduced_section_faults(scene: Scene) -> Iterator[Fault]:
         yield Fault(("screw.bore",), allowed, 'choose a smaller bore, or write section = "full" under [ingredients]')
 
 
-def _beyond_screw_faults(scene: Scene) -> Iterator[Fault]:
+def _position_beyond_screw_faults(scene: Scene) -> Iterator[Fault]:
     """Yield the faults of positions of nut, supports and loads beyond the ends of the screw."""
     length, nut = scene.screw.length, scene.nut
     ends = (nut.position - nut.length / 2.0, nut.position + nut.length / 2.0)
@@ -234,7 +234,7 @@ def _beyond_screw_faults(scene: Scene) -> Iterator[Fault]:
 
 
 def _rigid_screw_support_faults(scene: Scene) -> Iterator[Fault]:
-    """Yield a fault if no rigid-body motion of a rigid screw satisfies all its supports."""
+    """Yield a fault if no rigid-body motion of a rigid screw fits the prescribed displacements of all its supports."""
     if scene.ingredients.screw != "rigid":
         return
     clash = find_support_contradiction(scene)
@@ -341,7 +341,7 @@ def first_overlapping_balls(centres: Array, radii: Array) -> tuple[int, int] | N
 
 def _ball_circuit_faults(scene: Scene) -> Iterator[Fault]:
     """Yield the faults of ball circuits that are impossible, and of a simulation that moves the nut off the screw."""
-    from rollbench.lowfi.friction.whole.circuit import CircuitError, circuits_of_scene, nut_travel
+    from rollbench.lowfi.friction.whole.circuit import CircuitError, circuits_of_scene, nut_positions_at_start_and_end
 
     try:
         circuits_of_scene(scene)
@@ -349,7 +349,7 @@ def _ball_circuit_faults(scene: Scene) -> Iterator[Fault]:
         yield Fault(
             (f"circulation.{error.key}", "circulation", "balls.count", "balls.azimuths"), error.allowed, error.advice
         )
-    ends = nut_travel(scene) + scene.nut.position
+    ends = nut_positions_at_start_and_end(scene) + scene.nut.position
     half, length = 0.5 * scene.nut.length, scene.screw.length
     if ends.min() < half - TOLERANCE or ends.max() > length - half + TOLERANCE:
         allowed = (

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from rollbench.compare.scenes.duty_cycle import Described
     from rollbench.compare.scenes.friction_kinds.common import FrictionScene
 
+#: Class of a kind of scenes for which only friction is computed.
 Of = TypeVar("Of", bound="FrictionScene")
 
 

@@ -40,7 +40,7 @@ class DutyCycle:
 
     #: Scene as the file describes it outside its load cases.
     parts: Scene | Assembly
-    #: Load cases.
+    #: Load cases, in the order of the file.
     cases: tuple[LoadCase, ...]
     #: Mean absolute angular speed of the rotating part over the cycle [rad/s]; None if the file states no speed.
     speed: float | None
@@ -94,9 +94,9 @@ class DutyCycle:
 class LoadCaseOfDutyCycle:
     """One load case together with the duty cycle (scene with several load cases) to which it belongs."""
 
-    #: The duty cycle.
+    #: Duty cycle to which the load case belongs.
     duty_cycle: DutyCycle
-    #: The load case.
+    #: Load case of the duty cycle.
     load_case: LoadCase
 
     @property

@@ -65,7 +65,7 @@ class FaultMessage(NamedTuple):
 
 
 def scene_error_of_all_faults(file_name: str, messages: Sequence[FaultMessage]) -> SceneError:
-    """Return one SceneError for all faults of a scene file: its message shows the first one, its attributes the others.
+    """Return one SceneError for all faults of a scene file: the message shows the first fault, attributes show the others.
 
     ``file_name``: name of the file; ``messages``: texts of the faults, at least one.
     """
@@ -79,9 +79,9 @@ def raise_scene_error_for_faults(file_name: str, tables: Mapping[str, Any], faul
     Parameters
     ----------
     file_name
-        Name of the file in the message.
+        Name of the file, for the error message.
     tables
-        Tables of the file as read from TOML, for the faulty values in the message.
+        Tables of the file as read from TOML, for the faulty values in the error message.
     faults
         The faults.
     """
@@ -129,6 +129,7 @@ def _value_at_path(raw: Any, path: str) -> Any:
     return raw
 
 
+#: Class of the keys of a scene file.
 Keys = TypeVar("Keys", bound=BaseModel)
 
 #: Tables and keys that do not affect bodies, supports or loads: a fault in them does not hide further faults.
@@ -170,7 +171,7 @@ def validate_or_raise(tables: Mapping[str, Any], key_class: type[Keys], file_nam
     key_class
         Pydantic model of the keys.
     file_name
-        Name of the file in the message.
+        Name of the file, for the error message.
     """
     try:
         return key_class.model_validate(tables)

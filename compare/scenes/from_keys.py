@@ -92,7 +92,7 @@ def groove_radius_of_part(keys: schema.SceneKeys, part: schema.ScrewKeys | schem
 
 
 def _fields_of_screw_or_nut(keys: schema.SceneKeys, part: schema.ScrewKeys | schema.NutKeys) -> dict[str, Any]:
-    """Return length, outer diameter, groove radius and material of the screw or nut ``part``, by field names."""
+    """Return length, outer diameter, groove radius and material of the screw or nut ``part``, by names of record fields."""
     shape = {
         "length": part.length,
         "outer_diameter": part.outer_diameter,
@@ -146,7 +146,7 @@ def material_from_keys(keys: MaterialKeys | None, default: MaterialKeys) -> part
 
 
 def _ball_azimuths(balls: schema.BallKeys, track: schema.TrackKeys) -> tuple[float, ...]:
-    """Return the azimuths of the balls of one start [rad] from the keys of balls and track.
+    """Return the azimuths [rad] of the balls in one start of the thread, from the keys of balls and track.
 
     The file lists them (``balls.azimuths``); or the balls are spread evenly over the angle ranges ``balls.arcs``, or over
     the turns of each circuit. Circuits and the gaps between them are centred on the nut.
@@ -193,10 +193,11 @@ def angle_of_touching_balls(pitch_radius: float, lead: float, ball_diameter: flo
     """
     from rollbench.meshes.numerics import brentq
 
-    def gap(angle: float) -> float:
+    def chord_minus_diameter(angle: float) -> float:
+        """Return the chord between two ball centres whose azimuths differ by ``angle`` [rad], less a ball diameter [m]."""
         return hypot(2.0 * pitch_radius * sin(angle / 2.0), lead * angle / (2.0 * pi)) - ball_diameter
 
-    return float(brentq(gap, 0.0, pi, xtol=1e-14)) if gap(pi) > 0.0 else pi
+    return float(brentq(chord_minus_diameter, 0.0, pi, xtol=1e-14)) if chord_minus_diameter(pi) > 0.0 else pi
 
 
 def loaded_ball_count(balls: schema.BallKeys, track: schema.TrackKeys) -> int:
@@ -278,6 +279,7 @@ def with_preload_as_oversize(scene: parts.Scene, keys: schema.PreloadKeys | None
     return replace(scene, errors=replace(scene.errors, balls=balls), assumed=assumed)
 
 
+#: Class of a scene with load cases.
 Parts = TypeVar("Parts", bound="Scene | Assembly")
 
 #: Largest allowed deviation of the sum of shares from 1, since files state shares with a few digits.
@@ -397,8 +399,8 @@ def load_case_faults(keys: SceneKeys | ShaftSceneKeys) -> Iterator[Fault]:
             yield Fault((f"{where}.name",), "up to 60 letters, digits, . _ and -", advice)
         if case.name in names[:k]:
             yield Fault((f"{where}.name",), "a unique name", "rename one of the two: the name identifies results")
-        yield from _share_faults(case, where)
-        yield from _case_support_faults(keys, case, where)
+        yield from _load_case_share_faults(case, where)
+        yield from _load_case_support_faults(keys, case, where)
     if not keys.cases or any((case.share is None) == (case.time is None) for case in keys.cases):
         return
     timed = [k for k, case in enumerate(keys.cases) if case.time is not None]
@@ -414,7 +416,7 @@ def load_case_faults(keys: SceneKeys | ShaftSceneKeys) -> Iterator[Fault]:
         yield Fault((f"cases[{(shared or [0])[-1]}].share",), "shares that sum to 1", advice, f"a sum of {total:.7g}")
 
 
-def _share_faults(case: LoadCaseKeys, case_path: str) -> Iterator[Fault]:
+def _load_case_share_faults(case: LoadCaseKeys, case_path: str) -> Iterator[Fault]:
     """Yield a fault unless a load case has either a share of the revolutions, or both time and speed.
 
     ``case_path``: path of the case in the file, such as ``cases[0]``.
@@ -431,7 +433,7 @@ def _share_faults(case: LoadCaseKeys, case_path: str) -> Iterator[Fault]:
         yield Fault((f"{case_path}.speed",), "any angular speed but zero", advice)
 
 
-def _case_support_faults(keys: SceneKeys | ShaftSceneKeys, case: LoadCaseKeys, case_path: str) -> Iterator[Fault]:
+def _load_case_support_faults(keys: SceneKeys | ShaftSceneKeys, case: LoadCaseKeys, case_path: str) -> Iterator[Fault]:
     """Yield the faults of the support displacements that a load case prescribes.
 
     Faults are a position without support, a degree of freedom that the scene's support does not fix, and one that the load

@@ -17,23 +17,28 @@ from typing import Any
 from rollbench.compare.errors import ArgumentError, SceneError
 from rollbench.compare.scenes.rexs_model import UNITS, RexsComponent, RexsModel, Value, read_rexs_file
 
+#: REXS types of rolling bearings.
 BEARINGS = ("rolling_bearing_with_detailed_geometry", "rolling_bearing_with_catalog_geometry")
 #: Thrust of a row in a scene, for each value of the REXS attribute for the axial force on the inner ring that it carries.
 THRUST = {"positive": "+z", "negative": "-z", "both_directions": "both"}
-#: Value of this attribute for a bearing whose outer ring slides in its seat.
+#: Value of the REXS attribute for the carried axial force, for a bearing whose outer ring slides in its seat.
 FLOATS = "no_direction"
+#: REXS types of radial ball bearings.
 BALLS = ("radial_grooved_ball_bearing", "angular_contact_ball_bearing", "four_point_contact_ball_bearing")
+#: REXS types of axial ball bearings.
 BALLS_OF_THRUST = tuple(f"axial_{name}_ball_bearing" for name in ("grooved", "angular_contact", "four_point_contact"))
 #: Degrees of freedom that the seat of a sliding outer ring fixes.
 SEAT = ("ux", "uy", "rx", "ry", "rz")
+#: REXS types of tapered roller bearings.
 ROLLERS = ("radial_tapered_roller_bearing", "axial_tapered_roller_bearing")
-#: Attributes for the clearance of a deep-groove bearing, the operating clearance first.
+#: REXS attributes for the clearance of a deep-groove bearing, the operating clearance first.
 CLEARANCES = ("operating_radial_bearing_clearance", "mounted_radial_bearing_clearance", "radial_bearing_clearance")
 #: Tilting stiffness [N mm/rad] from which a concept bearing counts as rigid.
 RIGID = 1e20
 #: Spelling of REXS units in a scene file.
 SCENE_UNITS = {"mum": "um", "N / mm^2": "MPa", "1 / min": "rpm", "mm^2 / s": "mm2/s"}
 
+#: Keys and values of a table of a scene file.
 Table = dict[str, Any]
 #: Material of the shaft, and default material of all parts without one.
 Steels = tuple[RexsComponent | None, RexsComponent | None]
@@ -41,18 +46,19 @@ Steels = tuple[RexsComponent | None, RexsComponent | None]
 
 @dataclass
 class RexsConversion:
-    """REXS file while it is converted to a scene, with the user's values and all faults, assumptions and omissions so far.
+    """REXS file while it is converted to a scene, with the user's values, and faults, assumptions and omissions so far."""
 
-    ``user_values``: the user's values, as text by the keys of the scene file; ``missing_attribute_faults``: faults because
-    of missing attributes; ``assumptions``: sentences on assumptions; ``omission_notes``: sentences on parts of the file
-    that are omitted.
-    """
-
+    #: Path of the REXS file.
     path: Path
+    #: Contents of the REXS file.
     model: RexsModel
+    #: Values that the user gives for missing attributes, as text by the keys of the scene file.
     user_values: dict[str, str]
+    #: Faults because of missing attributes.
     missing_attribute_faults: list[SceneError] = field(default_factory=list)
+    #: Sentences on assumptions of the conversion.
     assumptions: list[str] = field(default_factory=list)
+    #: Sentences on parts of the REXS file that the scene omits.
     omission_notes: list[str] = field(default_factory=list)
 
     def quantity_text_or_fault(
@@ -60,8 +66,9 @@ class RexsConversion:
     ) -> str | None:
         """Return a quantity as text with a unit: the value that the user gives for ``key``, else the one in the REXS file.
 
-        ``component``, ``attribute``: where the REXS file states it; ``key``: key of the scene file for the quantity;
-        ``names``: other attributes that may state it. Without a value, a fault is recorded, and None is returned.
+        ``component``, ``attribute``: where the REXS file states the quantity; ``key``: key of the scene file for the
+        quantity; ``names``: attributes that are tried next if ``attribute`` is missing. Without a value, a fault is
+        recorded, and None is returned.
         """
         if key in self.user_values:
             return self.user_values.pop(key)
@@ -146,7 +153,7 @@ def _chosen_shaft(reader: RexsConversion, name: str) -> RexsComponent:
     ArgumentError if not exactly one shaft fits.
     """
     model = reader.model
-    with_bearings = {r.roles["inner_part"] for r in model.relations if _is_bearing(model, r.roles)}
+    with_bearings = {r.roles["inner_part"] for r in model.relations if _is_relation_of_bearing(model, r.roles)}
     shafts = {k: c for k, c in model.components.items() if c.type == "shaft" and k in with_bearings}
     found = [c for c in shafts.values() if not name or name in (str(c.id), c.name)]
     if len(found) != 1:
@@ -155,7 +162,7 @@ def _chosen_shaft(reader: RexsConversion, name: str) -> RexsComponent:
     return found[0]
 
 
-def _is_bearing(model: RexsModel, roles: dict[str, int]) -> bool:
+def _is_relation_of_bearing(model: RexsModel, roles: dict[str, int]) -> bool:
     """Return whether a REXS relation connects a rolling bearing with its inner and outer part.
 
     ``roles``: ids of the related components, by their roles in the relation.
@@ -327,7 +334,7 @@ def _roller_tables(
         "count": count,
         "diameter": reader.quantity_text_or_fault(element, "diameter_of_rolling_element", f"{of}.diameter"),
         "length": reader.quantity_text_or_fault(element, "length_of_rolling_element", f"{of}.length"),
-        "cup_angle": _without_sign(reader.quantity_text_or_fault(row, "pressure_angle", f"{of}.cup_angle")),
+        "cup_angle": _angle_without_sign(reader.quantity_text_or_fault(row, "pressure_angle", f"{of}.cup_angle")),
         "roller_angle": reader.quantity_text_or_fault(element, "roller_angle", f"{of}.roller_angle"),
         "ring_depth": depth,
     }
@@ -363,7 +370,7 @@ def _ball_tables(
     if clearance and not angle and f"{name}.track.contact_angle" not in reader.user_values:
         track["clearance"] = {"radial": attribute_with_unit_text(clearance, bearing.number(clearance) or 0.0)}
     else:
-        track["contact_angle"] = _without_sign(
+        track["contact_angle"] = _angle_without_sign(
             reader.quantity_text_or_fault(row, "pressure_angle", f"{name}.track.contact_angle")
         )
     if inner is bearing and f"{name}.screw.outer_diameter" not in reader.user_values:
@@ -408,7 +415,7 @@ def _ball_tables(
     }
 
 
-def _without_sign(text: str | None) -> str | None:
+def _angle_without_sign(text: str | None) -> str | None:
     """Return a contact angle, as text, without its sign, because the thrust of the row states the direction."""
     return None if text is None else text.removeprefix("-")
 
@@ -438,7 +445,9 @@ def _own_material_table(
 
 def _bearings_on_shaft(model: RexsModel, shaft: RexsComponent) -> list[RexsComponent]:
     """Return the rolling bearings whose inner rings sit on the shaft."""
-    sides = (r.roles for r in model.relations if _is_bearing(model, r.roles) and r.roles["inner_part"] == shaft.id)
+    sides = (
+        r.roles for r in model.relations if _is_relation_of_bearing(model, r.roles) and r.roles["inner_part"] == shaft.id
+    )
     return [model.components[roles["assembly"]] for roles in sides]
 
 
@@ -458,7 +467,10 @@ def _components_attached_to_shaft(model: RexsModel, shaft: RexsComponent, type: 
 
 
 def _support_table(reader: RexsConversion, bearing: RexsComponent) -> Table:
-    """Return the scene-file table of a rigid support for a REXS concept bearing (one without geometry), or an empty one."""
+    """Return the scene-file table of a rigid support for a REXS concept bearing (a bearing without geometry).
+
+    The table is empty if the bearing fixes no degree of freedom.
+    """
     fix = ["ux", "uy"] if bearing.attributes.get("radial_force_absorption") else []
     fix += ["uz"] if bearing.word("axial_force_absorption") == "both_directions" else []
     fix += ["rx", "ry"] if (bearing.number("bending_stiffness") or 0.0) >= RIGID else []
@@ -515,12 +527,12 @@ def _note_unmapped_parts(reader: RexsConversion, shaft: RexsComponent) -> None:
             "shaft_section",
             "external_load",
         ):
-            reader.omission_notes.append(f"{x.type} {x.id} ({x.name}): not mapped")
-        if _is_bearing(model, r.roles) and shaft.id in r.roles.values():
+            reader.omission_notes.append(f"{x.type} {x.id} ({x.name}): not part of the scene")
+        if _is_relation_of_bearing(model, r.roles) and shaft.id in r.roles.values():
             outer = model.components[r.roles["outer_part"]]
             if outer.type != "gear_casing":
                 bearing = model.components[r.roles["assembly"]]
                 held = "its other side" if outer.id == shaft.id else f"its outer part, a {outer.type},"
                 reader.omission_notes.append(
-                    f"bearing {bearing.id} ({bearing.name}): {held} is not mapped, or taken as fixed"
+                    f"bearing {bearing.id} ({bearing.name}): {held} is not part of the scene, or taken as fixed"
                 )

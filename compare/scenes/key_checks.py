@@ -224,7 +224,7 @@ def _listed_ball_error_faults(keys: SceneKeys, ball_count: int) -> Iterator[Faul
         where = (f"errors.balls.listed.{text}",)
         whole = text.isascii() and text.isdecimal() and len(text) <= 9
         if not whole or not 1 <= int(text) <= ball_count:
-            advice = f"correct the number: the scene has {ball_count} balls, numbered start by start"
+            advice = f"correct the number: the scene has {ball_count} balls, all balls of the first start first"
             yield Fault(where, f"a ball number from 1 to {ball_count}", advice, f"ball {text}")
         elif int(text) in seen:
             advice = f"keep one of the two errors of ball {int(text)}"

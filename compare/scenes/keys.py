@@ -38,18 +38,21 @@ STANDARD: dict[str, tuple[str, float]] = {
     "silicon nitride": ("310 GPa", 0.26),
     "zirconia": ("210 GPa", 0.3),
 }
-#: Names of these materials in drawings and catalogues.
+#: Names of the standard materials in drawings and catalogues.
 GRADES = {
     "bearing steel": ("100Cr6", "SUJ2", "AISI 52100", "42CrMo4", "50CrMo4"),
     "silicon nitride": ("Si3N4",),
     "zirconia": ("ZrO2",),
 }
+#: Young's modulus and Poisson's ratio of the materials, also by their names in drawings and catalogues.
 MATERIALS = STANDARD | {grade: STANDARD[name] for name, grades in GRADES.items() for grade in grades}
+#: Description of the key for the name of a material.
 MATERIAL_NAMES = (
     "a standard material, with typical values for those of the two keys below that are left out: "
     + ", ".join(f"{name} ({', '.join(GRADES[name])}) {modulus}, {ratio:g}" for name, (modulus, ratio) in STANDARD.items())
     + "; any other name if both keys below are given"
 )
+#: Allowed value of the name of a material besides the standard names, in words.
 OTHER_NAME = "any other name with youngs_modulus and poissons_ratio"
 
 
@@ -88,20 +91,27 @@ def config_requiring_radius_or_diameter(radius: str, diameter: str) -> ConfigDic
     ``radius``, ``diameter``: names of the two keys.
     """
 
-    def change(schema: dict[str, Any]) -> None:
+    def require_radius_or_diameter(schema: dict[str, Any]) -> None:
+        """Change the JSON Schema of a table so that exactly one of its two keys, radius or diameter, is required."""
         schema["required"] = [name for name in schema["required"] if name != radius]
         schema["oneOf"] = [{"required": [radius]}, {"required": [diameter]}]
 
-    return ConfigDict(json_schema_extra=change)
+    return ConfigDict(json_schema_extra=require_radius_or_diameter)
 
 
+#: Number of balls or rollers.
 Count = Annotated[int, Field(ge=1, le=MAX_BALLS)]
+#: Text of one line or sentence.
 Sentence = Annotated[str, Field(min_length=1, max_length=2000)]
+#: List of sentences.
 Sentences = Annotated[list[Sentence], Field(max_length=100)]
+#: Name of a standard material, also as in drawings and catalogues.
 MaterialName = Literal[
     "bearing steel", "silicon nitride", "zirconia", "100Cr6", "SUJ2", "AISI 52100", "42CrMo4", "50CrMo4", "Si3N4", "ZrO2"
 ]
+#: Name of a standard material, whose JSON Schema also mentions other names.
 StandardName = Annotated[MaterialName, Field(json_schema_extra={"x-or": OTHER_NAME})]
+#: Names of degrees of freedom.
 Freedoms = Annotated[list[Literal["ux", "uy", "uz", "rx", "ry", "rz"]], Field(max_length=6)]
 
 
@@ -137,7 +147,7 @@ class MaterialKeys(SceneFileTable):
     @field_validator("youngs_modulus")
     @classmethod
     def _check_modulus(cls, value: float | None, info: ValidationInfo) -> float | None:
-        """Return Young's modulus, or an error if no solid has such a modulus (a wrong unit) and ``unusual`` is not true."""
+        """Return Young's modulus; error if no solid has such a modulus (wrong unit) and the key ``unusual`` is not true."""
         if value is None or SOLIDS[0] <= value <= SOLIDS[1] or info.data.get("unusual"):
             return value
         allowed = f"{1e-9 * SOLIDS[0]:g} GPa to {1e-9 * SOLIDS[1]:g} GPa"
@@ -145,6 +155,7 @@ class MaterialKeys(SceneFileTable):
         raise PydanticCustomError("quantity", "{advice}", {"allowed": allowed, "advice": advice})
 
 
+#: Example of a table with the keys of a material.
 MATERIAL = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.28}
 
 
@@ -180,7 +191,7 @@ class GrooveKeys(SceneFileTable):
 class BallSizeKeys(SceneFileTable):
     """Nominal size of the balls."""
 
-    radius: Radius = key("nominal radius")
+    radius: Radius = key("nominal ball radius")
 
 
 class BallOversizeKeys(SceneFileTable):

@@ -14,6 +14,7 @@ from typing import TypeAlias
 from rollbench.compare.errors import InputError
 from rollbench.compare.scenes.scene_file import read_scene_text
 
+#: Version of REXS that is read and written.
 VERSION = "1.7"
 
 #: Value of an attribute: a word, a number, true or false, or a list of numbers.
@@ -70,9 +71,13 @@ UNITS |= {name: unit for name, unit, _ in STIFFNESS.values()}
 class RexsComponent:
     """Component of a REXS model, such as a shaft, bearing or load: id, type, name, and attributes in the units of REXS."""
 
+    #: Number that identifies the component in the file.
     id: int
+    #: REXS type of the component, such as "shaft".
     type: str
+    #: Name of the component; may be empty.
     name: str = ""
+    #: Values of the attributes in the units of REXS, by name.
     attributes: dict[str, Value] = field(default_factory=dict)
 
     def number(self, attribute: str) -> float | None:
@@ -91,27 +96,25 @@ class RexsComponent:
 
 @dataclass(frozen=True)
 class RexsRelation:
-    """Relation between components of a REXS model, such as a bearing with its inner and outer part.
+    """Relation between components of a REXS model, such as a bearing with its inner and outer part."""
 
-    ``roles``: id of the component in each role, by the name of the role; ``order``: position of a part among the other
-    parts of the same component, from 1; None if the file states none.
-    """
-
+    #: REXS type of the relation.
     type: str
+    #: Id of the component in each role, by the name of the role.
     roles: dict[str, int]
+    #: Position of a part among the other parts of the same component, from 1; None if the file states none.
     order: int | None = None
 
 
 @dataclass
 class RexsModel:
-    """Contents of a REXS file: components of a drive train, their relations, and load cases.
+    """Contents of a REXS file: components of a drive train, their relations, and load cases."""
 
-    ``components``: components by their ids; ``relations``: relations between them; ``load_cases``: for each load case, the
-    attributes that it states, by the ids of the components.
-    """
-
+    #: Components by their ids.
     components: dict[int, RexsComponent] = field(default_factory=dict)
+    #: Relations between the components.
     relations: list[RexsRelation] = field(default_factory=list)
+    #: For each load case, the attributes that it states, by the ids of the components.
     load_cases: list[dict[int, dict[str, Value]]] = field(default_factory=list)
 
     def add_component(self, type: str, name: str = "", **attributes: Value | None) -> int:
@@ -152,7 +155,7 @@ class RexsModel:
     def parts(self, whole: int, type: str) -> list[RexsComponent]:
         """Return the parts of the component with the id ``whole`` that have the REXS type ``type``.
 
-        They are in the order that the relations state.
+        The parts are in the order that the relations state.
         """
         found = [r for r in self.relations if r.roles.get("assembly") == whole and "part" in r.roles]
         found.sort(key=lambda r: r.order or 0)

@@ -98,7 +98,7 @@ def single_nut_scene_or_raise(scene: Described, file_name: str) -> Scene:
 class ParsedScene:
     """Scene that was read from the text of a scene file; the record that the cache stores."""
 
-    #: The scene.
+    #: Scene of any kind.
     scene: Described
 
 

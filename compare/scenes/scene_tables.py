@@ -7,16 +7,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rollbench.compare.errors import SceneError, escape_unprintable
+from rollbench.compare.scenes import fault as scenes_fault
 from rollbench.compare.scenes.body_checks import geometry_faults, hertz_constant_faults
 from rollbench.compare.scenes.duty_cycle import AXIS, KINDS, WHOLE, Described, DutyCycle
-from rollbench.compare.scenes.fault import (
-    Fault,
-    messages_of_faults,
-    raise_scene_error_for_faults,
-    scene_error_of_all_faults,
-    validate_and_collect_faults,
-    validate_or_raise,
-)
 from rollbench.compare.scenes.from_keys import load_case_faults, scene_from_keys, with_load_cases, with_preload_as_oversize
 from rollbench.compare.scenes.key_checks import conflicting_key_faults
 from rollbench.compare.scenes.schema import SceneKeys
@@ -66,8 +59,8 @@ def scene_from_tables(tables: dict[str, Any], file_name: str) -> Described:
     from rollbench.compare.scenes.friction_kinds.table import scene_kind_by_name
 
     of = scene_kind_by_name(kind)
-    keys = validate_or_raise(tables, of.key_class, file_name)
-    raise_scene_error_for_faults(file_name, tables, list(of.faults_of_keys(keys)))
+    keys = scenes_fault.validate_or_raise(tables, of.key_class, file_name)
+    scenes_fault.raise_scene_error_for_faults(file_name, tables, list(of.faults_of_keys(keys)))
     return of.scene_from_keys(keys, escape_unprintable(Path(file_name).stem))
 
 
@@ -79,7 +72,7 @@ def validated_keys(tables: dict[str, Any], file_name: str) -> SceneKeys | ShaftS
     return (
         _validated_axis_keys(tables, file_name)
         if _describes_shaft_with_several_parts(tables)
-        else validate_or_raise(tables, SceneKeys, file_name)
+        else scenes_fault.validate_or_raise(tables, SceneKeys, file_name)
     )
 
 
@@ -87,7 +80,7 @@ def _validated_axis_keys(tables: dict[str, Any], file_name: str) -> ShaftSceneKe
     """Return the validated keys of the scene file of a shaft with nuts and bearings; SceneError for faulty keys."""
     from rollbench.compare.scenes.schema import ShaftSceneKeys
 
-    return validate_or_raise(tables, ShaftSceneKeys, file_name)
+    return scenes_fault.validate_or_raise(tables, ShaftSceneKeys, file_name)
 
 
 def _describes_shaft_with_several_parts(tables: dict[str, Any]) -> bool:
@@ -101,23 +94,25 @@ def single_nut_scene_from_tables(tables: dict[str, Any], file_name: str) -> Scen
     ``tables``: the tables; ``file_name``: name of the file, for messages. SceneError for faults; it lists all faults that
     can be detected in one reading.
     """
-    keys, key_faults = validate_and_collect_faults(tables, SceneKeys)
+    keys, key_faults = scenes_fault.validate_and_collect_faults(tables, SceneKeys)
     texts = list(key_faults.messages)
     if keys is not None:
         faults = (*conflicting_key_faults(keys), *load_case_faults(keys))
-        texts += messages_of_faults(tables, [fault for fault in faults if key_faults.concern_values_of_file(fault.keys)])
+        texts += scenes_fault.messages_of_faults(
+            tables, [fault for fault in faults if key_faults.concern_values_of_file(fault.keys)]
+        )
     if keys is None or not key_faults.bodies_unchanged or len(texts) > len(key_faults.messages):
-        raise scene_error_of_all_faults(file_name, texts)
+        raise scenes_fault.scene_error_of_all_faults(file_name, texts)
     scene = scene_from_keys(keys, escape_unprintable(Path(file_name).stem))
-    texts += messages_of_faults(tables, _geometry_or_contact_faults(scene))
+    texts += scenes_fault.messages_of_faults(tables, _geometry_or_contact_faults(scene))
     if texts:
-        raise scene_error_of_all_faults(file_name, texts)
+        raise scenes_fault.scene_error_of_all_faults(file_name, texts)
     if keys.preload is not None:
         scene = with_preload_as_oversize(scene, keys.preload)
-        raise_scene_error_for_faults(file_name, tables, _geometry_or_contact_faults(scene))
+        scenes_fault.raise_scene_error_for_faults(file_name, tables, _geometry_or_contact_faults(scene))
     return with_load_cases(with_single_arc_grooves(scene), keys.cases, tables, file_name, _geometry_or_contact_faults)
 
 
-def _geometry_or_contact_faults(scene: Scene) -> list[Fault]:
-    """Return the faults of a scene's dimensions; if there are none, those of contacts without Hertz constants."""
+def _geometry_or_contact_faults(scene: Scene) -> list[scenes_fault.Fault]:
+    """Return the faults of a scene's dimensions; if there are none, a fault for each contact without Hertz constants."""
     return list(geometry_faults(scene)) or list(hertz_constant_faults(scene))

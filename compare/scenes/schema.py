@@ -17,16 +17,21 @@ from rollbench.meshes.axis import Drive, Segment
 from rollbench.meshes.parts import Flange, Friction, Motion, NutHeld
 from rollbench.meshes.ranges import ForceOrRatingShareRange, QuantityRange, RateRange, ShareOfLoadRating
 
+#: Ball diameter [m].
 BallDiameter = Annotated[float, QuantityRange("length", "0.02 mm", "2 m", "5.556 mm")]
 
+#: Number of turns without balls between two circuits.
 Gap = Annotated[float, QuantityRange("number", 0, 1000, 0.5)]
 
+#: Preload as a force [N], or as a fraction of the dynamic load rating.
 Preload = Annotated[
     float | ShareOfLoadRating, ForceOrRatingShareRange("force", "0 N", "10 MN", "500 N", lower_limit_excluded=True)
 ]
 
+#: Share of a load case in all revolutions.
 Share = Annotated[float, QuantityRange("number", 0, 1, 0.5)]
 
+#: Duration of a load case [s].
 CaseTime = Annotated[float, RateRange("time", "0 s", "1000000000 s", "2 s")]
 
 
@@ -69,7 +74,7 @@ class TrackKeys(keys.BallHelixKeys):
 class ScrewKeys(keys.GrooveKeys):
     """Screw shaft, or inner ring of a bearing."""
 
-    length: ranges.Size = key("length; positions along the screw run from 0 to this length", example="800 mm")
+    length: ranges.Size = key("length of the screw; positions along the screw run from 0 to this length", example="800 mm")
     outer_diameter: ranges.Size = key("outer diameter of the thread, or of the inner ring's shoulders", example="32 mm")
     bore: ranges.Bore = key("diameter of the hole along the axis", "0 mm", "10 mm")
     material: keys.MaterialKeys | None = key("material of this part, if it is not that of [material]", None, keys.MATERIAL)
@@ -78,8 +83,8 @@ class ScrewKeys(keys.GrooveKeys):
 class FlangeKeys(keys.SceneFileTable):
     """Flange at one end of a nut; the length of the nut includes the flange."""
 
-    diameter: ranges.Size = key("outer diameter", example="72 mm")
-    thickness: ranges.Size = key("thickness", example="11 mm")
+    diameter: ranges.Size = key("outer diameter of the flange", example="72 mm")
+    thickness: ranges.Size = key("thickness of the flange", example="11 mm")
     side: Literal["left", "right"] = key("end of the nut at which the flange is", Flange.side, "right")
     centring: ranges.Bore = key(
         "length of the nut's outer surface, from the flange on, that fits into the bore of the housing", "0 mm", "10 mm"
@@ -90,8 +95,8 @@ class NutFixingKeys(keys.SceneFileTable):
     """Surface at which a nut or outer ring is fixed."""
 
     at: NutHeld | None = key(
-        "surface at which it is fixed; if left out: the flange's face towards the rest of the nut, else the left face, for "
-        "a bearing the outer surface (low-order models fix a whole face, except that of a flange)",
+        "surface at which the nut or outer ring is fixed; if left out: the flange's face towards the rest of the nut, else "
+        "the left face, for a bearing the outer surface (low-order models fix a whole face, except that of a flange)",
         None,
         "left face",
     )
@@ -116,8 +121,8 @@ class NutKeys(keys.GrooveKeys):
     """Nut, or outer ring of a bearing: dimensions, position, and where it is fixed."""
 
     position: ranges.Station = key("axial position of the nut's centre, from the left end of the screw", example="400 mm")
-    length: ranges.Size = key("length", example="54 mm")
-    outer_diameter: ranges.Size = key("outer diameter", example="48 mm")
+    length: ranges.Size = key("length of the nut or outer ring", example="54 mm")
+    outer_diameter: ranges.Size = key("outer diameter of the nut or outer ring", example="48 mm")
     azimuth: ranges.Azimuth = key(
         "angle from the screw's x axis to the nut's, in which the nut's errors are defined", "0 deg", "0 deg"
     )
@@ -126,6 +131,7 @@ class NutKeys(keys.GrooveKeys):
     material: keys.MaterialKeys | None = key("material of this part, if it is not that of [material]", None, keys.MATERIAL)
 
 
+#: Angle range that balls fill: first and last azimuth [rad].
 Arc = Annotated[list[ranges.Azimuth], Field(min_length=2, max_length=2)]
 
 
@@ -134,7 +140,9 @@ class BallKeys(keys.BallSizeKeys):
 
     model_config = config_requiring_radius_or_diameter("radius", "diameter")
 
-    diameter: Annotated[BallDiameter | None, Field(exclude=True)] = key("nominal diameter (or radius)", None, "5.556 mm")
+    diameter: Annotated[BallDiameter | None, Field(exclude=True)] = key(
+        "nominal ball diameter (or radius)", None, "5.556 mm"
+    )
     count: keys.Count | None = key("number of balls in all starts and circuits, evenly spaced (with turns)", None, 32)
     filling: ranges.Filling | None = key(
         "fraction of the turns that the balls would fill if they touched (instead of count)", None, 0.9
@@ -207,12 +215,14 @@ class SupportKeys(keys.SceneFileTable):
 
     @property
     def fixed_freedoms(self) -> tuple[str, ...]:
-        """Names of the degrees of freedom that the support fixes: first those at zero, then those at other values."""
+        """Names of the degrees of freedom that the support fixes: first those held at zero, then those at other values."""
         return (*self.fix, *self.displace.given)
 
 
+#: List of supports of a scene.
 Supports = Annotated[list[SupportKeys], Field(max_length=1000)]
 
+#: List of loads of a scene.
 Loads = Annotated[list[parts.Load], Field(max_length=1000)]
 
 #: Examples of loads and of load cases.
@@ -324,16 +334,22 @@ class SceneKeys(keys.TitleKeys):
     operation: parts.Operation = key("reliability, lubrication, speed limit", parts.Operation(), {"reliability": 95})
 
 
+#: Temperature rise of the shaft [K].
 Warming = Annotated[float, QuantityRange("temperature difference", "-500 K", "500 K", "10 K")]
 
+#: Coefficient of thermal expansion [1/K].
 Expansion = Annotated[float, QuantityRange("number", 0, 1e-3, 11.5e-6)]
 
+#: Axial preload of a nut or bearing as a force [N], or as a fraction of the dynamic load rating; may be zero.
 Push = Annotated[float | ShareOfLoadRating, ForceOrRatingShareRange("force", "0 N", "1000 MN", "500 N")]
 
+#: Name of a nut, bearing or housing.
 Name = Annotated[str, Field(min_length=1, max_length=60)]
 
+#: Name of an arrangement of equal bearings, such as DB (back to back).
 Arrangement = Literal["DB", "DF", "DT", "DBD", "DFD", "DBB", "DFF", "DBT", "DFT"]
 
+#: Entry of a stiffness matrix.
 Entry = Annotated[float, Field(allow_inf_nan=False)]
 
 
@@ -348,8 +364,12 @@ class ShaftKeys(ScrewKeys):
 class InnerRingKeys(keys.GrooveKeys):
     """Inner ring of a bearing, or groove of a nut on the shaft, if it differs from the groove of the shaft."""
 
-    outer_diameter: ranges.Size | None = key("diameter of its shoulders, if it is not that of the shaft", None, "40 mm")
-    material: keys.MaterialKeys | None = key("its material, if it is not that of the shaft", None, keys.MATERIAL)
+    outer_diameter: ranges.Size | None = key(
+        "diameter of the inner ring's shoulders, if not that of the shaft", None, "40 mm"
+    )
+    material: keys.MaterialKeys | None = key(
+        "material of the inner ring, if it is not that of the shaft", None, keys.MATERIAL
+    )
 
 
 class TaperedRollerKeys(keys.SceneFileTable):
@@ -403,11 +423,11 @@ class NutOrBearingKeys(keys.SceneFileTable):
         "+z",
     )
     offset: ranges.Deviation = key(
-        "shift of its outer part relative to its housing, along z (spacer, lead offset)", "0 um", "4 um"
+        "shift of nut or outer ring relative to its housing, along z (spacer, lead offset)", "0 um", "4 um"
     )
     preload: Push = key(
-        "axial force, without loads, up to which the outer part is shifted before it is fixed; or in per cent of the "
-        'dynamic load rating of balls as computed: "5 % of C"',
+        "axial force, without loads, up to which the nut or outer ring is shifted before it is fixed; or in per cent of "
+        'the dynamic load rating of balls as computed: "5 % of C"',
         "0 N",
         "500 N",
     )
@@ -442,14 +462,15 @@ class NutOrBearingKeys(keys.SceneFileTable):
 class SpringKeys(keys.SceneFileTable):
     """Stiffnesses of springs along and about the axes; zero if left out."""
 
-    ux: ranges.Spring = key("along x", "0 N/m", "200 N/um")
-    uy: ranges.Spring = key("along y", "0 N/m", "200 N/um")
-    uz: ranges.Spring = key("along z", "0 N/m", "200 N/um")
-    rx: ranges.Twist = key("about x, per rad", "0 N m", "5 kN m")
-    ry: ranges.Twist = key("about y, per rad", "0 N m", "5 kN m")
-    rz: ranges.Twist = key("about z, per rad", "0 N m", "5 kN m")
+    ux: ranges.Spring = key("stiffness along x", "0 N/m", "200 N/um")
+    uy: ranges.Spring = key("stiffness along y", "0 N/m", "200 N/um")
+    uz: ranges.Spring = key("stiffness along z", "0 N/m", "200 N/um")
+    rx: ranges.Twist = key("stiffness about x, per rad", "0 N m", "5 kN m")
+    ry: ranges.Twist = key("stiffness about y, per rad", "0 N m", "5 kN m")
+    rz: ranges.Twist = key("stiffness about z, per rad", "0 N m", "5 kN m")
 
 
+#: Stiffness matrix of six rows with six entries.
 Matrix = Annotated[list[Annotated[list[Entry], Field(min_length=6, max_length=6)]], Field(min_length=6, max_length=6)]
 
 
@@ -464,18 +485,20 @@ class HousingKeys(StiffnessKeys):
     """Rigid housing of nuts or outer rings; in directions that are not fixed or displaced, it moves against its springs."""
 
     name: Name = key("name of the housing", example="carriage")
-    at: ranges.Station = key("axial position to which its motion, springs and loads refer", example="400 mm")
+    at: ranges.Station = key("axial position to which motion, springs and loads of the housing refer", example="400 mm")
     fix: keys.Freedoms = key("degrees of freedom fixed at zero", [], ["ux", "uy", "rx", "ry", "rz"])
     displace: DisplacementKeys = key("degrees of freedom fixed at other values", DisplacementKeys(), {"uz": "20 um"})
-    force: ranges.Forces = key("force on it along x, y, z", ["0 N", "0 N", "0 N"], ["0 N", "0 N", "5 kN"])
-    moment: ranges.Moments = key("moment on it about x, y, z", ["0 N m", "0 N m", "0 N m"], ["0 N m", "3 N m", "0 N m"])
+    force: ranges.Forces = key("force on the housing along x, y, z", ["0 N", "0 N", "0 N"], ["0 N", "0 N", "5 kN"])
+    moment: ranges.Moments = key(
+        "moment on the housing about x, y, z", ["0 N m", "0 N m", "0 N m"], ["0 N m", "3 N m", "0 N m"]
+    )
 
 
 class JointKeys(StiffnessKeys):
     """Elastic connection of two housings, such as a spacer or a bolted joint."""
 
     between: Annotated[list[Name], Field(min_length=2, max_length=2)] = key("names of the two housings", example=["a", "b"])
-    at: ranges.Station = key("axial position at which its springs act", example="400 mm")
+    at: ranges.Station = key("axial position at which the springs of the joint act", example="400 mm")
 
 
 class StiffnessPositionKeys(keys.SceneFileTable):
@@ -488,7 +511,7 @@ class StiffnessPositionKeys(keys.SceneFileTable):
 class ShaftHeatingKeys(keys.SceneFileTable):
     """Uniform temperature rise of the shaft relative to all other parts."""
 
-    warming: Warming = key("temperature rise", example="10 K")
+    warming: Warming = key("temperature rise of the shaft", example="10 K")
     expansion: Expansion = key("coefficient of thermal expansion per K", example=11.5e-6)
 
 
@@ -514,8 +537,10 @@ class LoadCaseHousingKeys(keys.SceneFileTable):
     """Loads on one of the scene's housings in one load case."""
 
     name: Name = key("name of the housing in the scene", example="carriage")
-    force: ranges.Forces = key("force on it along x, y, z", ["0 N", "0 N", "0 N"], ["0 N", "0 N", "5 kN"])
-    moment: ranges.Moments = key("moment on it about x, y, z", ["0 N m", "0 N m", "0 N m"], ["0 N m", "3 N m", "0 N m"])
+    force: ranges.Forces = key("force on the housing along x, y, z", ["0 N", "0 N", "0 N"], ["0 N", "0 N", "5 kN"])
+    moment: ranges.Moments = key(
+        "moment on the housing about x, y, z", ["0 N m", "0 N m", "0 N m"], ["0 N m", "3 N m", "0 N m"]
+    )
 
 
 class ShaftLoadCaseKeys(LoadCaseKeys):

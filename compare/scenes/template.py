@@ -39,12 +39,14 @@ AXES = {"axis": "axis-fixed-fixed", "double nut": "double-nut"}
 #: Shafts with bearings, whose templates are separate files.
 BEARINGS = ("angular contact bearing", "support bearings")
 
+#: First lines of a commented template.
 INTRODUCTION = """\
 # A scene of the kind "{kind}". {about}
 # Lengths, forces, angles and speeds are texts with a unit: "20 mm", "7 um", "5 kN", "210 GPa", "45 deg", "10 rps".
 # Lines that begin with "# key = " show optional keys; take away "# ". All keys: rollbench schema
 """
 
+#: Part of a JSON Schema, or a table of a scene file.
 Node = Mapping[str, Any]
 
 
@@ -229,9 +231,10 @@ def double_nut_text(size: str) -> str:
 
 
 def _fill_in_text(name: str, values: Mapping[str, Any], **words: object) -> str:
-    """Return the template text ``name`` of the folder ``like_texts``, with ``values`` and ``words`` in its placeholders.
+    """Return the template text ``name`` of the folder ``like_texts``, with its placeholders filled in.
 
-    Title and assumptions of these texts do not repeat values that a user may change later.
+    ``values``, ``words``: values of the placeholders by their names. Title and assumptions of the texts do not repeat
+    values that a user may change later.
     """
     return files.shipped_text(f"scenes/like_texts/{name}.txt").format(**values, **words)
 

@@ -52,7 +52,7 @@ def lateral_displacement_curves(
 
 
 def contact_load_panel(title: str, *series: Series, zero: bool = False) -> Panel:
-    """Return a panel titled ``title`` with curves of contact loads [N] over the number of the ball.
+    """Return a panel titled ``title`` with curves of contact loads [N] over the ball number.
 
     ``series``: the curves. ``zero``: whether the ordinate begins at zero.
     """
@@ -68,7 +68,7 @@ def contact_load_curve(
     emphasis: bool = False,
     uncertainty: Array | None = None,
 ) -> Series:
-    """Return the curve of the contact loads [N] of all balls on one flank, over the number of the ball.
+    """Return the curve of the contact loads [N] of all balls on one groove flank, over the ball number.
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ def contact_load_curve(
     result
         Solution or reference whose contact loads are drawn.
     side
-        Index of the flank in SL, SR, NL, NR.
+        Number of the flank: 0 to 3 for SL, SR, NL, NR (screw or nut, left or right).
     style
         Style of the curve, as in `Series`.
     emphasis

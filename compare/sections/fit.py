@@ -1,6 +1,6 @@
 """Report section on the quantities in which each model is accurate enough, by comparison with the 3D reference.
 
-Table and figure of the range of compared scenes (sizes, contact angle, load and other descriptors) are made here too.
+It also makes table and figure of the range of compared scenes: their sizes, contact angle, load and other descriptors.
 """
 
 from __future__ import annotations
@@ -12,12 +12,7 @@ import numpy as np
 
 from rollbench.compare.gate import judged
 from rollbench.compare.gate.verdict import LIMIT
-from rollbench.compare.models.applicability import (
-    DESCRIPTORS,
-    Descriptor,
-    descriptor_values_of_compared_scenes,
-    descriptors_with_ranges,
-)
+from rollbench.compare.models import applicability
 from rollbench.compare.models.comparison import RULE
 from rollbench.compare.models.model_form import MeasuredModelErrors, model_errors_on_compared_scenes
 from rollbench.compare.models.registry import DEFAULT
@@ -26,21 +21,23 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import Scene
 from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table, TableColumn, Text
 
-#: Names of the quantities whose errors are compared, by name of the field of `MeasuredModelErrors` that has the error.
+#: Names of the quantities whose errors are compared, for sentences, by name of the field of `MeasuredModelErrors` that has
+#: the error.
 NAMES = {
-    "gate_percent": "worst contact load",
-    "percent": "worst contact load",
-    "rms_percent": "RMS of the contact loads",
+    "gate_percent": "contact loads",
+    "percent": "contact loads",
+    "rms_percent": "contact loads",
     "displacement_percent": "axial displacement",
     "rigidity_percent": "axial tangent rigidity",
     "pressure_percent": "largest pressure",
 }
 
-WORDS = (
-    NAMES
-    | {key: f"{NAMES[key]}, of the mean load" for key in ("percent", "rms_percent")}
-    | {"gate_percent": "worst contact load, by the gate's rule"}
-)
+#: Descriptions of the errors of these quantities, for tables.
+WORDS = NAMES | {
+    "gate_percent": "largest error of a contact load as rollbench check judges it",
+    "percent": "largest error of a contact load, in per cent of the mean load",
+    "rms_percent": "RMS error of the contact loads, in per cent of the mean load",
+}
 
 #: Default error limits of ``rollbench check`` [%]; errors in per cent of the mean load have no limit.
 LIMITS = {"gate_percent": LIMIT} | {
@@ -64,9 +61,9 @@ NOT_FIT = (
 
 @dataclass(frozen=True)
 class ModelErrors:
-    """Absolute errors of one model in one quantity, against the 3D reference, on all compared scenes."""
+    """Absolute errors of one model in one quantity, against the 3D reference, on all scenes that have this reference."""
 
-    #: Quantity whose error is given, as a key of `NAMES`.
+    #: Quantity of which the errors are given, as a key of `NAMES`.
     quantity_key: str
     #: Name of the model.
     model: str
@@ -80,7 +77,7 @@ class ModelErrors:
 
     @property
     def is_accurate_enough(self) -> bool | None:
-        """Whether the errors on 95 % of the scenes are within the limit of ``rollbench check``; None without a limit."""
+        """Whether at least 95 % of the scenes have errors within the limit of ``rollbench check``; None without limit."""
         return None if self.share_within_limit is None else self.share_within_limit >= 0.95
 
     @property
@@ -90,20 +87,20 @@ class ModelErrors:
         return {
             "quantity": WORDS[self.quantity_key],
             "model": self.model,
-            TableColumn("scenes", "scenes", "", "s"): int(self.absolute_errors.size),
-            TableColumn("median", "error, median", "%", ".2f"): float(np.median(self.absolute_errors)),
-            TableColumn("p95", "error, 95th percentile", "%", ".2f"): float(np.percentile(self.absolute_errors, 95)),
-            TableColumn("largest", "error, largest", "%", ".1f"): float(self.absolute_errors.max()),
-            TableColumn("limit", "limit of rollbench check", "%", ".3g"): LIMITS.get(self.quantity_key),
-            TableColumn("within", "scenes within the limit", "%", ".0f"): None if share is None else 100.0 * share,
-            "verdict": None if good is None else "yes" if good else "no",
+            TableColumn("scenes", "number of scenes", "", "s"): int(self.absolute_errors.size),
+            TableColumn("median", "median error over the scenes", "%", ".2f"): float(np.median(self.absolute_errors)),
+            TableColumn("p95", "95th percentile of the error", "%", ".2f"): float(np.percentile(self.absolute_errors, 95)),
+            TableColumn("largest", "largest error on a scene", "%", ".1f"): float(self.absolute_errors.max()),
+            TableColumn("limit", "error limit of rollbench check", "%", ".3g"): LIMITS.get(self.quantity_key),
+            TableColumn("within", "share of scenes within the limit", "%", ".0f"): None if share is None else 100.0 * share,
+            TableColumn("verdict", "accurate enough", "", "s"): None if good is None else "yes" if good else "no",
         }
 
 
 def absolute_errors_by_model_and_quantity(points: Sequence[MeasuredModelErrors]) -> list[ModelErrors]:
-    """Return the absolute errors of every model in every compared quantity, over all scenes.
+    """Return the absolute errors of every model in every compared quantity, over all scenes with a 3D reference.
 
-    ``points``: one record for each model and scene, with the errors in all quantities.
+    ``points``: errors against the 3D reference, one record for each model and scene, with the errors in all quantities.
     """
     found = []
     for model in dict.fromkeys(p.model for p in points):
@@ -141,10 +138,10 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     step("all compared scenes")
     found = absolute_errors_by_model_and_quantity(model_errors_on_compared_scenes())
     note = (
-        "Errors against the 3D reference on all shipped and all randomly drawn scenes. Verdict: yes if at least 95 % of "
-        f"the scenes are within the limit of the gate (rollbench check). This is {LIMIT:g} % for contact loads {RULE}; "
+        "Errors against the 3D reference on all shipped and all randomly drawn scenes. Accurate enough: at least 95 % of "
+        f"the scenes are within the error limit of rollbench check. This is {LIMIT:g} % for contact loads {RULE}; "
         "for other quantities it is the error that follows from load errors of this size. Errors in per cent of the mean "
-        "load have no limit. The error by the gate's rule is not stored for all scenes."
+        "load have no limit. The error as rollbench check judges it is not stored for all scenes."
     )
     table = Table.from_rows(
         "fit-for",
@@ -166,23 +163,23 @@ def validated_range_table(scene: Scene | None = None) -> Table:
     ``scene``: scene whose values are added, with a statement whether they lie inside the ranges; None: no scene.
     """
     rows: list[Row] = []
-    placed = {} if scene is None else {p.descriptor.name: p for p in descriptors_with_ranges(scene)}
+    placed = {} if scene is None else {p.descriptor.name: p for p in applicability.descriptors_with_ranges(scene)}
     ring = scene is not None and scene.track.lead == 0.0
-    for d in DESCRIPTORS:
-        values = descriptor_values_of_compared_scenes(d, of_bearings=ring)
+    for d in applicability.DESCRIPTORS:
+        values = applicability.descriptor_values_of_compared_scenes(d, of_bearings=ring)
         row: Row = {
-            TableColumn("name", "descriptor of a scene", "", "s"): d.name,
+            TableColumn("name", "size, angle or load of a scene", "", "s"): d.name,
             "unit": d.unit or "–",
-            TableColumn("low", "smallest compared value", "", "g4"): min(values),
-            TableColumn("high", "largest compared value", "", "g4"): max(values),
+            TableColumn("low", "smallest value of all compared scenes", "", "g4"): min(values),
+            TableColumn("high", "largest value of all compared scenes", "", "g4"): max(values),
         }
         if scene is not None and d.name in placed:
             place = placed[d.name]
             inside = place.low <= place.value <= place.high
             where = "inside" if inside else "OUTSIDE" if place.outside else "at the edge"
             row |= {
-                TableColumn("own", scene.name): place.value,
-                TableColumn("where", "relative to the range", "", "s"): where,
+                TableColumn("own", f"value of {scene.name}"): place.value,
+                TableColumn("where", "position in the range of the compared scenes", "", "s"): where,
             }
         rows.append(row)
     kind = "rings" if ring else "screws"
@@ -207,12 +204,12 @@ def validated_range_figure(scene: Scene | None = None) -> Figure:
     pairs = ((0, 1), (2, 4), (6, 3), (5, 7))
     ring = scene is not None and scene.track.lead == 0.0
     panels = []
-    for a, b in (tuple(DESCRIPTORS[k] for k in pair) for pair in pairs):
+    for a, b in (tuple(applicability.DESCRIPTORS[k] for k in pair) for pair in pairs):
         series = [
             Series(
                 "compared scenes",
-                descriptor_values_of_compared_scenes(a, of_bearings=ring),
-                descriptor_values_of_compared_scenes(b, of_bearings=ring),
+                applicability.descriptor_values_of_compared_scenes(a, of_bearings=ring),
+                applicability.descriptor_values_of_compared_scenes(b, of_bearings=ring),
                 "markers",
             )
         ]
@@ -226,8 +223,8 @@ def validated_range_figure(scene: Scene | None = None) -> Figure:
     )
 
 
-def _descriptor_label(descriptor: Descriptor) -> str:
-    """Return the axis label of a descriptor: its name with its unit, if it has one."""
+def _descriptor_label(descriptor: applicability.Descriptor) -> str:
+    """Return the axis label of a descriptor (a number that describes a scene, such as a size ratio): its name and unit."""
     return f"{descriptor.name} / {descriptor.unit}" if descriptor.unit else descriptor.name
 
 

@@ -1,4 +1,4 @@
-"""Report sections that explain error and uncertainty of loads, and class and verdict of printed numbers.
+"""Report sections that explain error and uncertainty of contact loads, and when a printed number counts as reproduced.
 
 A further section lists assumptions of the scenes, and printed numbers that are not reproduced.
 """
@@ -13,41 +13,42 @@ from rollbench.compare.measure import error_percent, load_error
 from rollbench.compare.models.comparison import RULE
 from rollbench.compare.models.registry import MODELS
 from rollbench.compare.models.study import SceneResultCache
+from rollbench.compare.printed import VERDICT_NAMES
 from rollbench.lowfi.statics.summary import MODEL_ASSUMPTIONS
 from rollbench.meshes.parts import SIDES
 from rollbench.reports.content import Cell, Row, Section, Table, TableColumn, Text
 
-#: Scene and model of the example row.
+#: Scene and low-order model of the example that explains error and uncertainty.
 SCENE, MODEL = "lin-case1", "lin"
 
 TERMS = (
     (
         "Error: 100 (value - reference) / |reference|. Errors of contact loads are in per cent of the mean load over "
         "the contacts that carry load in the screw without geometric errors, so that an error of one newton on a nearly "
-        'unloaded ball does not count as 100 %. Errors relative to the load of the contact itself are marked "own '
-        'load".'
+        "unloaded ball does not count as 100 %; columns state this as [% of mean load]. Errors relative to the load of the "
+        "contact itself are in [% of contact's load]."
     ),
     (
         f"Limit of {LIMIT:g} %: that of rollbench check for the largest error of a contact load {RULE}. Errors "
         "in per cent of the mean load have no limit."
     ),
     (
-        "Uncertainty of the 3D reference: 95 %, by its mesh (cells of contacts, cells of bodies, and cut-outs for fine "
-        "patches, combined as independent errors). Modelling choices and input tolerances are separate terms; the "
+        "Mesh uncertainty of the 3D reference: 95 %, by its mesh (cells of contacts, cells of bodies, and cut-outs for "
+        "fine patches, combined as independent errors). Modelling choices and input tolerances are separate terms; the "
         "total uncertainty combines all three."
     ),
     (
         "Class of a printed number. hard: the text of the publication determines the number, so all printed digits must be "
-        "reproduced. as-printed: the number is obtained only if an error of the publication is repeated; the correct value "
+        "reproduced. as-printed: the number is reproduced only with the publication's error; the correct value "
         "is shown too. band: the number is under-specified or random, and compared with a range of stated origin, which "
         "extends by at most a quarter of its middle to either side. open: the text does not determine the number; it is "
         "shown, but never fails a check. input: the number is an input, or was used to infer one; it is never counted as "
         "reproduced."
     ),
     (
-        "Verdict of a printed number: reproduced; only as printed (obtained only with an error of the publication); "
-        "within its band; contradicted; not identifiable; or input or identity, which do not test a model. Section "
-        "verdicts lists all numbers."
+        "Whether a printed number is reproduced: reproduced; only with the publication's error (the computation must "
+        "repeat it); within a tolerance band; contradicted; not determined by the publication; or input or identity, "
+        "which do not test a model. Section verdicts lists all numbers."
     ),
     (
         "A reproduced number or claim proves different things: a computed number tests a model, a claim in words "
@@ -78,14 +79,14 @@ def verdict_example_paragraph(cache: SceneResultCache) -> str:
     return (
         f"Example: on ball {e.ball} {e.side} of {SCENE}, {MODELS[MODEL].label} gives {value:.1f} N "
         f"and the 3D reference {truth:.1f} N. The error is {float(error_percent(value, truth, mean)):+.2f} % "
-        f"of the mean load of {mean:.1f} N, or {error:+.2f} % of the load of the contact itself (own load). The "
-        f"uncertainty of the reference on this contact is {bar:.2f} %, so the verdict at a limit of {LIMIT:g} % is: "
-        f"{verdict}."
+        f"of the mean load of {mean:.1f} N, or {error:+.2f} % of the load of the contact itself. The "
+        f"uncertainty of the reference on this contact is {bar:.2f} %, so rollbench check with its limit of {LIMIT:g} % "
+        f"says: {verdict}."
     )
 
 
 def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Section:
-    """Return the section that explains the terms error, uncertainty, class and verdict, with one example.
+    """Return the section that explains the terms of the report (error, uncertainty, class, reproduced), with one example.
 
     ``step`` is called with each line of progress.
     """
@@ -121,7 +122,7 @@ def _verdict_explanation(entry: PrintedEntryComparison) -> str:
 
 
 def rows_not_reproduced(entries: Sequence[PrintedEntryComparison]) -> list[Row]:
-    """Return table rows of printed numbers that are contradicted, or that the publication's text does not determine.
+    """Return table rows of printed numbers that are contradicted, or for which the publication states too few data.
 
     ``entries``: printed numbers with their computed values and verdicts.
     """
@@ -129,10 +130,10 @@ def rows_not_reproduced(entries: Sequence[PrintedEntryComparison]) -> list[Row]:
         {
             TableColumn("entry", "printed number or claim", "", "s"): p.claim
             or f"{p.label}: {p.number_as_printed} {p.unit}",
-            "place": p.place,
-            "class": p.entry_class,
-            "verdict": verdict,
-            TableColumn("why", "best explanation and its evidence", "", "s"): _verdict_explanation(f),
+            TableColumn("place", "place in the publication", "", "s"): p.place,
+            TableColumn("class", "class of the printed number", "", "s"): p.entry_class,
+            TableColumn("verdict", "whether reproduced", "", "s"): VERDICT_NAMES[verdict],
+            TableColumn("why", "best explanation of the difference, and its evidence", "", "s"): _verdict_explanation(f),
         }
         for f in entries
         for p, verdict in ((f.printed, f.verdict),)
@@ -140,7 +141,7 @@ def rows_not_reproduced(entries: Sequence[PrintedEntryComparison]) -> list[Row]:
     ]
 
 
-def notes_section(cache: SceneResultCache, step: Callable[[str], None]) -> Section:
+def assumptions_section(cache: SceneResultCache, step: Callable[[str], None]) -> Section:
     """Return the section on assumptions of scenes and models, and on printed numbers that are not reproduced.
 
     ``step`` is called with each line of progress.
@@ -152,13 +153,16 @@ def notes_section(cache: SceneResultCache, step: Callable[[str], None]) -> Secti
         (
             Table.from_rows(
                 "not-reproduced",
-                "Numbers in publications that are contradicted, or that the publication's text does not determine",
+                "Numbers and claims that are contradicted, or that the publication does not determine",
                 rows_not_reproduced(evidence(cache)),
             ),
             Table(
                 "assumptions",
                 "Values assumed for inputs that a publication does not print",
-                (TableColumn("assumed", "assumption", "", "s"), TableColumn("scenes", "scenes", "", "s")),
+                (
+                    TableColumn("assumed", "assumed value", "", "s"),
+                    TableColumn("scenes", "scenes that assume the value", "", "s"),
+                ),
                 rows_of_assumed_inputs(cache),
             ),
             Text(MODEL_ASSUMPTIONS, bullets=True),

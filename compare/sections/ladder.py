@@ -1,4 +1,4 @@
-"""Report section on the sequence of models from Lin's model to the refined model: errors against the 3D reference."""
+"""Report section on the low-order models from Lin's model to the refined model: load errors against the 3D reference."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from rollbench.compare.models.modelling import (
     UNSEEN,
     RefinementStepResult,
     errors_by_replaced_body,
-    ladder,
     leave_one_out_error_rows,
+    solve_refinement_sequence_on_all_scenes,
 )
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.lowfi.compliance.bodies import PARTS
@@ -26,7 +26,7 @@ from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table
 
 #: Least number of scenes for which a figure of expected against measured errors of a model is drawn.
 MANY = 40
-#: Modelling choices of the refined model that its derivation does not determine, each with the changed model.
+#: Changed refined models, by the modelling choice that is changed; its derivation determines none of these choices.
 CHOICES: dict[str, ComplianceModel] = {
     "loaded patch of the body compliance 1.5 times as wide": replace(REFINED, width=1.5),
     "loaded patch of the body compliance 2/3 as wide": replace(REFINED, width=1.0 / 1.5),
@@ -86,19 +86,19 @@ def model_error_table(model_solutions: Sequence[RefinementStepResult]) -> Table:
         {
             "scene": r.scene,
             "model": r.model,
-            TableColumn("max", "largest error", "% of mean", ".2f"): r.load_error.max_percent,
-            TableColumn("at", "ball and flank of the largest", "", "s"): f"{r.load_error.ball} {r.load_error.side}",
-            TableColumn("rms", "RMS error", "% of mean", ".2f"): r.load_error.rms_percent,
-            TableColumn("own", "largest error", "% of own load", ".2f"): r.load_error.own_max_percent,
-            TableColumn("bias", "error of the sum of loads", "%", "+.2f"): r.load_sum_difference,
-            TableColumn("bar", "grid uncertainty", "% of mean", ".2f"): r.reference_uncertainty,
-            TableColumn("seconds", "time for a new geometry", "s", "g3"): r.seconds,
+            TableColumn("max", "largest contact-load error", "% of mean load", ".2f"): r.load_error.max_percent,
+            TableColumn("at", "ball and flank with the largest error", "", "s"): f"{r.load_error.ball} {r.load_error.side}",
+            TableColumn("rms", "RMS error of the contact loads", "% of mean load", ".2f"): r.load_error.rms_percent,
+            TableColumn("own", "largest contact-load error", "% of contact's load", ".2f"): r.load_error.own_max_percent,
+            TableColumn("bias", "error of the sum of all contact loads", "%", "+.2f"): r.load_sum_difference,
+            TableColumn("bar", "mesh uncertainty of the 3D reference", "% of mean load", ".2f"): r.reference_uncertainty,
+            TableColumn("seconds", "solution time for a new geometry", "s", "g3"): r.seconds,
         }
         for r in model_solutions
     ]
     note = "; ".join(f"{m.name}: {m.refinement_step[1]}" for m in RUNGS if m.refinement_step) + (
         ". Errors against the finest stored mesh level of the 3D reference. Scenes named unseen were chosen before they "
-        "were solved in 3D, and no choice of the models was based on them. With two mesh levels, the grid uncertainty is "
+        "were solved in 3D, and no choice of the models was based on them. With two mesh levels, the mesh uncertainty is "
         "three times their difference. Times are for a new geometry in a running process, with interpreted kernels; the "
         "table of run times also has new processes."
     )
@@ -111,7 +111,7 @@ def model_error_table(model_solutions: Sequence[RefinementStepResult]) -> Table:
 
 
 def model_error_figure(model_solutions: Sequence[RefinementStepResult]) -> Figure:
-    """Draw the largest and the RMS contact-load error over the sequence of models: a line per scene, and their median.
+    """Draw the largest and the RMS contact-load error over the sequence of models: a line per scene, one for the median.
 
     ``model_solutions``: solution of each scene by each model, with its errors against the 3D reference.
     """
@@ -128,10 +128,10 @@ def model_error_figure(model_solutions: Sequence[RefinementStepResult]) -> Figur
         return Panel(title, "", "error / % of the mean load", tuple(series), log_axes="y", abscissa_names=order)
 
     panels = (
-        panel("largest error", lambda r: float(r.load_error.max_percent)),
-        panel("RMS error", lambda r: float(r.load_error.rms_percent)),
+        panel("largest contact-load error", lambda r: float(r.load_error.max_percent)),
+        panel("RMS error of the contact loads", lambda r: float(r.load_error.rms_percent)),
     )
-    caption = f"Each light line: one of the {len(scenes)} shipped scenes."
+    caption = f"Each pale line: one of the {len(scenes)} shipped scenes; bold line: their median."
     return Figure(
         "ladder-rungs",
         "Contact-load error of each low-order model against the 3D reference, from the simplest to the refined model",
@@ -152,10 +152,16 @@ def choice_effects_table(cache: SceneResultCache, step: Callable[[str], None]) -
         rows += [
             {
                 "scene": c.scene,
-                "choice": c.changed_choice,
-                TableColumn("change", "largest change of a load", "% of mean", ".2f"): c.largest_load_change_percent,
-                TableColumn("max", "largest error of the changed model", "% of mean", ".2f"): c.load_errors.max_percent,
-                TableColumn("rms", "RMS error of the changed model", "% of mean", ".2f"): c.load_errors.rms_percent,
+                TableColumn("choice", "changed modelling choice", "", "s"): c.changed_choice,
+                TableColumn(
+                    "change", "largest change of a contact load", "% of mean load", ".2f"
+                ): c.largest_load_change_percent,
+                TableColumn(
+                    "max", "largest contact-load error of the changed model", "% of mean load", ".2f"
+                ): c.load_errors.max_percent,
+                TableColumn(
+                    "rms", "RMS error of the changed model's contact loads", "% of mean load", ".2f"
+                ): c.load_errors.rms_percent,
             }
             for c in modelling_choice_effects(cache, name)
         ]
@@ -180,17 +186,27 @@ def error_with_3d_bodies_table(cache: SceneResultCache) -> Table:
     """
     found = cache.compute_once(errors_by_replaced_body)
     names: dict[tuple[str, ...], str] = {(): "none", ("screw",): "screw", ("nut",): "nut", PARTS: "both"}
+    headings = {
+        "none": "unchanged model",
+        "screw": "screw compliance from 3D",
+        "nut": "nut compliance from 3D",
+        "both": "both compliances from 3D",
+    }
     rows: list[Row] = []
     for share in found:
         row: Row = {"scene": share.scene}
         for parts, name in names.items():
             error = share.load_errors[parts]
-            row[TableColumn(f"max {name}", f"largest error, {name} from 3D", "% of mean", ".2f")] = error.max_percent
-            row[TableColumn(f"rms {name}", f"RMS error, {name} from 3D", "% of mean", ".2f")] = error.rms_percent
-        row[TableColumn("bias", "error of the sum of loads, none from 3D", "%", ".2f")] = share.load_sum_difference[()]
-        row[TableColumn("bias both", "error of the sum of loads, both from 3D", "%", ".2f")] = share.load_sum_difference[
-            PARTS
-        ]
+            row[TableColumn(f"max {name}", f"largest contact-load error, {headings[name]}", "% of mean load", ".2f")] = (
+                error.max_percent
+            )
+            row[TableColumn(f"rms {name}", f"RMS load error, {headings[name]}", "% of mean load", ".2f")] = (
+                error.rms_percent
+            )
+        row[TableColumn("bias", "error of the sum of loads, unchanged model", "%", ".2f")] = share.load_sum_difference[()]
+        row[TableColumn("bias both", "error of the sum of loads, both compliances from 3D", "%", ".2f")] = (
+            share.load_sum_difference[PARTS]
+        )
         rows.append(row)
     note = (
         "The refined model is solved with the compliance of screw, nut or both taken from the finest run of the 3D "
@@ -206,8 +222,8 @@ def expected_and_measured_error_items(
 ) -> list[Table | Figure]:
     """Return table and figure that compare the expected error of each model with the measured one, screw by screw.
 
-    The expected error of a screw is estimated from all other screws. ``model_solutions``: solution of each scene by each
-    model, with its errors against the 3D reference.
+    The error is the largest one of a contact load on a screw; its expected value is estimated from the model's errors on
+    all other screws. ``model_solutions``: solution of each scene by each model, with its errors against the 3D reference.
     """
     rows = leave_one_out_error_rows(cache, model_solutions)
     lines: list[Row] = []
@@ -223,21 +239,25 @@ def expected_and_measured_error_items(
         lines.append(
             {
                 "model": model,
-                "scenes": str(len(of_model)),
-                TableColumn("covered", "scenes within the range of the others", "", "s"): str(len(covered)),
-                TableColumn("held", "error not above the expected one", "", "s"): held,
+                TableColumn("scenes", "number of screws", "", "s"): str(len(of_model)),
+                TableColumn("covered", "screws within the range of the other screws", "", "s"): str(len(covered)),
+                TableColumn("held", "screws with measured error up to the expected error", "", "s"): held,
                 TableColumn("ratio", "expected over measured error, median", "", ".2f"): float(np.median(ratio)),
-                TableColumn("expected", "expected error, median", "% of mean", ".2f"): float(np.median(expected)),
-                TableColumn("largest", "expected error, largest", "% of mean", ".2f"): float(expected.max()),
+                TableColumn("expected", "expected largest load error, median", "% of mean load", ".2f"): float(
+                    np.median(expected)
+                ),
+                TableColumn("largest", "expected largest load error, maximum", "% of mean load", ".2f"): float(
+                    expected.max()
+                ),
             }
         )
         if len(covered) >= MANY:
             ends = [float(min(measured.min(), expected.min())), float(max(measured.max(), expected.max()))]
             series = (
-                Series("scenes", measured.tolist(), expected.tolist(), "markers", bold=True),
+                Series("screws", measured.tolist(), expected.tolist(), "markers", bold=True),
                 Series("expected = measured", ends, ends, "line"),
             )
-            x, y = "measured error / % of the mean load", "expected error / % of the mean load"
+            x, y = "measured largest error / % of the mean load", "expected largest error / % of the mean load"
             panels.append(Panel(model, x, y, series, log_axes="xy"))
     note = (
         "For every screw, shipped or randomly drawn, the largest load error is estimated from all other screws: by a "
@@ -263,8 +283,9 @@ def expected_and_measured_error_items(
 
 
 def largest_errors_of_models_sentence(model_solutions: Sequence[RefinementStepResult]) -> str:
-    """Return the sentence on the largest errors of three models, on case studies and on screws not used in development.
+    """Return the sentence on the largest contact-load errors of the models lin, refined and condensed.
 
+    The errors are stated for the case studies, and for the screws that were not used in the development of the models.
     ``model_solutions``: solution of each scene by each model, with its errors against the 3D reference.
     """
     words = []
@@ -274,10 +295,10 @@ def largest_errors_of_models_sentence(model_solutions: Sequence[RefinementStepRe
             if of_label:
                 worst = max(of_label, key=lambda r: r.load_error.max_percent)
                 words.append(
-                    f"{label}, {model}: largest {worst.load_error.max_percent:.2f} % ({worst.scene}), RMS up to "
-                    f"{max(r.load_error.rms_percent for r in of_label):.2f} %"
+                    f"{label}, {model}: largest contact-load error {worst.load_error.max_percent:.2f} % ({worst.scene}), "
+                    f"RMS error up to {max(r.load_error.rms_percent for r in of_label):.2f} %"
                 )
-    return "Errors in per cent of the mean load against the 3D reference: " + "; ".join(words) + "."
+    return "Contact-load errors in per cent of the mean load against the 3D reference: " + "; ".join(words) + "."
 
 
 def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Section:
@@ -286,7 +307,7 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     ``step`` is called with each line of progress.
     """
     step("every model on every scene with a 3D reference")
-    rungs = cache.compute_once(ladder)
+    rungs = cache.compute_once(solve_refinement_sequence_on_all_scenes)
     title = "Contact-load errors of a sequence of models, from Lin's rigid-nut model to the refined model"
     if not rungs:
         return Section("ladder", title, (Text(("No run of the 3D reference is stored.",)),))

@@ -21,21 +21,7 @@ from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import SIDES, Scene
-from rollbench.reports.content import (
-    FieldPicture,
-    Figure,
-    LoadedScrew,
-    MeshPart,
-    Panel,
-    PressureMap,
-    PressurePanel,
-    Row,
-    Section,
-    Series,
-    Table,
-    TableColumn,
-    Text,
-)
+from rollbench.reports import content
 
 if TYPE_CHECKING:
     from rollbench.hifi.fields import ContactPressure, SolidField
@@ -48,14 +34,14 @@ if TYPE_CHECKING:
 MM, MPA = 1e3, 1e-6
 
 
-def contact_pressure_panel(name: str, contact: ContactPressure) -> PressurePanel:
+def contact_pressure_panel(name: str, contact: ContactPressure) -> content.PressurePanel:
     """Return the contour plot of the nodal pressures of one contact, with its contact ellipse by Hertz theory.
 
-    ``name``: title of the map, such as "ball 5, SL". ``contact``: pressures at the nodes of the contact, with Hertz's
-    solution.
+    ``name``: title of the map, such as "ball 5, SL" (SL: left flank of the screw's groove). ``contact``: pressures at the
+    nodes of the contact, with Hertz's solution.
     """
     h = contact.hertz_solution
-    return PressurePanel(
+    return content.PressurePanel(
         name,
         MM * contact.position_across,
         MM * contact.position_along,
@@ -66,7 +52,7 @@ def contact_pressure_panel(name: str, contact: ContactPressure) -> PressurePanel
     )
 
 
-def pressure_profiles_figure(pressures: dict[str, ContactPressure]) -> Figure:
+def pressure_profiles_figure(pressures: dict[str, ContactPressure]) -> content.Figure:
     """Draw the pressure of each contact across and along the groove, by the 3D reference and by Hertz theory.
 
     The curves follow the two lines of nodes through the node with the largest pressure. ``pressures``: pressures at the
@@ -89,18 +75,22 @@ def pressure_profiles_figure(pressures: dict[str, ContactPressure]) -> Figure:
                 else (other + 0.0 * at, at - one.pressure_centre[1])
             )
             panels.append(
-                Panel(
+                content.Panel(
                     f"{name}, {title}",
                     "distance from the nominal contact / mm",
                     "pressure / MPa",
                     (
-                        Series("3D reference, nodes", list(MM * distance[line]), list(MPA * one.pressure[line]), "markers"),
-                        Series("Hertz", list(MM * at), list(MPA * one.hertz_solution.pressure(across, along)), "line"),
+                        content.Series(
+                            "3D reference, nodes", list(MM * distance[line]), list(MPA * one.pressure[line]), "markers"
+                        ),
+                        content.Series(
+                            "Hertz", list(MM * at), list(MPA * one.hertz_solution.pressure(across, along)), "line"
+                        ),
                     ),
                     include_zero=True,
                 )
             )
-    return Figure(
+    return content.Figure(
         "pressure-profiles",
         "Contact pressure of one ball across and along the groove, by the 3D reference and by Hertz theory",
         tuple(panels),
@@ -118,28 +108,34 @@ def node_spacing_along_groove(contact: ContactPressure) -> float:
     return float(np.abs(np.diff(contact.position_along.reshape(contact.grid_shape), axis=1)).mean())
 
 
-def largest_pressure_table(pressures_by_scene: dict[str, dict[str, ContactPressure]]) -> Table:
+def largest_pressure_table(pressures_by_scene: dict[str, dict[str, ContactPressure]]) -> content.Table:
     """Return the table of the largest pressure of each contact, by the 3D reference and by Hertz theory.
 
     ``pressures_by_scene``: nodal pressures by name of the scene, then by name of the contact.
     """
-    rows: list[Row] = [
+    rows: list[content.Row] = [
         {
-            TableColumn("contact", "Contact", format="s"): f"{scene}, {name}",
-            TableColumn("load", "Load", "N", ".1f"): x.load,
-            TableColumn("ours", "Largest pressure, 3D", "MPa", ".0f"): MPA * float(x.pressure.max()),
-            TableColumn("hertz", "Pole pressure, Hertz", "MPa", ".0f"): MPA * x.hertz_solution.pole_pressure,
-            TableColumn("ratio", "3D / Hertz", "", ".3f"): float(x.pressure.max() / x.hertz_solution.pole_pressure),
-            TableColumn("a", "Semi-axis a across the groove", "mm", ".3f"): MM * x.hertz_solution.semi_x,
-            TableColumn("b", "Semi-axis b along the groove", "mm", ".3f"): MM * x.hertz_solution.semi_y,
-            TableColumn("cells", "Node spacings in the width 2b", "", ".1f"): 2.0
+            content.TableColumn("contact", "scene, ball and flank of the contact", format="s"): f"{scene}, {name}",
+            content.TableColumn("load", "contact load", "N", ".1f"): x.load,
+            content.TableColumn("ours", "largest nodal pressure by the 3D model", "MPa", ".0f"): MPA
+            * float(x.pressure.max()),
+            content.TableColumn("hertz", "peak pressure by Hertz theory", "MPa", ".0f"): MPA
+            * x.hertz_solution.pole_pressure,
+            content.TableColumn("ratio", "ratio of the pressures, 3D over Hertz", "", ".3f"): float(
+                x.pressure.max() / x.hertz_solution.pole_pressure
+            ),
+            content.TableColumn("a", "semi-axis a of the contact ellipse, across the groove", "mm", ".3f"): MM
+            * x.hertz_solution.semi_x,
+            content.TableColumn("b", "semi-axis b of the contact ellipse, along the groove", "mm", ".3f"): MM
+            * x.hertz_solution.semi_y,
+            content.TableColumn("cells", "node spacings in the contact width 2b", "", ".1f"): 2.0
             * x.hertz_solution.semi_y
             / node_spacing_along_groove(x),
         }
         for scene, found in pressures_by_scene.items()
         for name, x in found.items()
     ]
-    return Table.from_rows(
+    return content.Table.from_rows(
         "pictures-pressure",
         "Largest nodal pressure of each contact by the 3D reference, and peak pressure by Hertz theory",
         rows,
@@ -156,7 +152,7 @@ Step = Callable[[str], None]
 
 SCENE, FOUR = "lin-case1", "lin-case3-offset"
 
-#: Mesh levels of the pictures of meshes and stresses, and of contact pressures.
+#: Mesh level of the pictures of meshes and stresses, and mesh level of the pictures of contact pressures.
 LEVEL, FINE_LEVEL = 1, PRODUCTION
 
 #: Colours of screw, nut, ball, fine patches of the grooves, and fine patches of the ball.
@@ -199,10 +195,10 @@ class StressFields:
 
 
 def solve_scene_for_pictures(cache: SceneResultCache, step: Step) -> PicturedSolution:
-    """Solve the scene of the pictures by the 3D reference on the coarsest mesh level, and choose its most loaded ball.
+    """Solve the scene of the pictures by the 3D reference on the coarsest mesh level, and choose the ball to draw.
 
-    Two flanks are meshed, SL and NR. ``step`` is called with each line of progress. Raises RuntimeError if the solution
-    does not converge.
+    It is the ball with the largest load on flank SL (screw left). Contact is possible on SL and NR (nut right) only.
+    ``step`` is called with each line of progress. Raises RuntimeError if the solution does not converge.
     """
     from rollbench.hifi.fields import contact_node_forces_by_flank
     from rollbench.hifi.meshing.part_meshes import mesh_parts
@@ -227,9 +223,10 @@ def solve_scene_for_pictures(cache: SceneResultCache, step: Step) -> PicturedSol
 
 
 def compute_stress_fields(solution: PicturedSolution, step: Step) -> StressFields:
-    """Compute the stress fields around the pictured ball: in screw, nut and ball, and in their fine contact patches.
+    """Compute the stress fields around one ball: in screw, nut and ball, and in their fine contact patches.
 
-    ``solution``: solution of the scene under its loads. ``step`` is called with each line of progress.
+    ``solution``: 3D solution of the scene, which states the number of the ball. ``step`` is called with each line of
+    progress.
     """
     from rollbench.hifi.fields import (
         nodal_displacements_of_nut,
@@ -260,7 +257,7 @@ def compute_stress_fields(solution: PicturedSolution, step: Step) -> StressField
 
 
 def groove_unit_vectors(solution: PicturedSolution) -> tuple[Array, Array, Array]:
-    """Return three unit vectors of the groove at azimuth 0: radial, along the groove, and normal to both, each (3,).
+    """Return three unit vectors of the groove at azimuth 0: radial, along the groove, and normal to these two, each (3,).
 
     The screw's axis is z. The first and third vector span the groove's cross-section, which is inclined by the lead angle.
     """
@@ -275,7 +272,7 @@ def groove_unit_vectors(solution: PicturedSolution) -> tuple[Array, Array, Array
 def nominal_contact_point(solution: PicturedSolution, flank: int) -> Array:
     """Return the nominal contact point (3,) [m] between a ball at azimuth 0 and one flank, in the screw's frame.
 
-    ``flank``: index of the flank in SL, SR, NL, NR.
+    ``flank``: 0 to 3 for SL, SR, NL, NR (screw left and right, nut left and right).
     """
     from rollbench.meshes.ball_body import contact_frame_vectors
 
@@ -283,7 +280,7 @@ def nominal_contact_point(solution: PicturedSolution, flank: int) -> Array:
     return np.asarray(np.array([m.R, 0.0, 0.0]) + m.ball * contact_frame_vectors(m, flank)[0])
 
 
-def mesh_part_with_used_nodes(points: Array, cells: Index, kind: str, colour: str) -> MeshPart:
+def mesh_part_with_used_nodes(points: Array, cells: Index, kind: str, colour: str) -> content.MeshPart:
     """Return selected cells of a mesh as a `MeshPart` for a picture, without the nodes that these cells do not use.
 
     Parameters
@@ -298,10 +295,10 @@ def mesh_part_with_used_nodes(points: Array, cells: Index, kind: str, colour: st
         Colour of the part.
     """
     nodes, local = np.unique(cells, return_inverse=True)
-    return MeshPart(points[nodes], local.reshape(cells.shape), kind, colour=colour)
+    return content.MeshPart(points[nodes], local.reshape(cells.shape), kind, colour=colour)
 
 
-def screw_and_nut_mesh_picture(solution: PicturedSolution) -> FieldPicture:
+def screw_and_nut_mesh_picture(solution: PicturedSolution) -> content.FieldPicture:
     """Return the picture of the meshes of the screw, of the rear half of the nut, and of the fine patches at all contacts.
 
     ``solution``: solution of the scene on the coarsest mesh level.
@@ -323,9 +320,9 @@ def screw_and_nut_mesh_picture(solution: PicturedSolution) -> FieldPicture:
         for phi, z in zip(setup.ball_positions.azimuth, setup.ball_positions.z, strict=True):
             points = mesh.points @ rotation_about_z(float(phi)).T + np.array([0.0, 0.0, z])
             if s < 2 or points.mean(axis=0) @ toward < 0.0:
-                parts.append(MeshPart(points, mesh.cells, mesh.element_type, colour=FINE))
+                parts.append(content.MeshPart(points, mesh.cells, mesh.element_type, colour=FINE))
     scene = solution.scene
-    return FieldPicture(
+    return content.FieldPicture(
         "mesh-screw",
         "Mesh of the 3D reference: screw, nut cut open, and fine patches at all contacts",
         tuple(parts),
@@ -345,16 +342,16 @@ def screw_and_nut_mesh_picture(solution: PicturedSolution) -> FieldPicture:
     )
 
 
-def _mesh_parts_around_ball(stresses: StressFields, *, colour_by_stress: bool) -> tuple[MeshPart, ...]:
-    """Return the meshes of screw, nut, ball and fine patches around the pictured ball, as parts of a picture.
+def _mesh_parts_around_ball(stresses: StressFields, *, colour_by_stress: bool) -> tuple[content.MeshPart, ...]:
+    """Return the meshes of screw, nut, ball and fine patches around one ball, as parts of a picture.
 
     ``stresses``: these meshes with their stress fields. ``colour_by_stress``: whether the parts are coloured by the von
     Mises stress [MPa]; if not, the edges of their cells are drawn.
     """
 
-    def coloured(piece: SolidField, colour: str) -> MeshPart:
+    def coloured(piece: SolidField, colour: str) -> content.MeshPart:
         stress = MPA * piece.von_mises if colour_by_stress else None
-        return MeshPart(
+        return content.MeshPart(
             piece.points, piece.cell_nodes, piece.element_type, stress, colour, edges=not colour_by_stress, outline=True
         )
 
@@ -376,19 +373,20 @@ def groove_section_picture(
     *,
     height: float,
     flank: int | None = None,
-) -> FieldPicture:
+) -> content.FieldPicture:
     """Return the picture of the meshes of screw, ball and nut in the groove's cross-section through the ball's centre.
 
     The screw is below, the nut above. ``solution``: solution of the scene. ``stresses``: meshes and stresses around the
-    ball. ``name``: file name of the picture. ``height``: height of the shown region [m]. ``flank``: index in SL, SR, NL, NR
-    of the flank whose contact alone is shown, enlarged; None: the whole ball is shown.
+    ball. ``name``: file name of the picture. ``height``: height of the shown region [m]. ``flank``: flank whose contact
+    alone is shown, enlarged, 0 to 3 for SL, SR, NL, NR (screw left and right, nut left and right); None: the whole ball is
+    shown.
     """
     x3, y3, _ = groove_unit_vectors(solution)
     m = solution.setup.groove_map
     centre = np.array([m.R, 0.0, 0.0])
     focus = centre if flank is None else nominal_contact_point(solution, flank)
     places = (centre, "ball"), (centre - 1.36 * m.ball * x3, "screw"), (centre + 1.40 * m.ball * x3, "nut")
-    return FieldPicture(
+    return content.FieldPicture(
         name,
         title,
         _mesh_parts_around_ball(stresses, colour_by_stress=False),
@@ -404,20 +402,20 @@ def groove_section_picture(
     )
 
 
-def groove_mesh_picture(solution: PicturedSolution, stresses: StressFields) -> FieldPicture:
-    """Return the picture of the mesh of the screw's groove around the ball's contact on flank SL, seen from the ball.
+def groove_mesh_picture(solution: PicturedSolution, stresses: StressFields) -> content.FieldPicture:
+    """Return the picture of the mesh of the screw's groove around a ball's contact with its left flank, seen from the ball.
 
-    ``solution``: solution of the scene. ``stresses``: meshes and stresses around the ball.
+    ``solution``: solution of the scene. ``stresses``: meshes and stresses around this ball.
     """
     x3, y3, _ = groove_unit_vectors(solution)
     point, b = nominal_contact_point(solution, 0), solution.setup.groove_map.ball
     normal = point - np.array([solution.setup.groove_map.R, 0.0, 0.0])
     body, patch = stresses.screw_and_nut[0], stresses.groove_patches[0]
     parts = (
-        MeshPart(body.points, body.cell_nodes, body.element_type, colour=STEEL, line=1.8),
-        MeshPart(patch.points, patch.cell_nodes, patch.element_type, colour=FINE, line=1.5),
+        content.MeshPart(body.points, body.cell_nodes, body.element_type, colour=STEEL, line=1.8),
+        content.MeshPart(patch.points, patch.cell_nodes, patch.element_type, colour=FINE, line=1.5),
     )
-    return FieldPicture(
+    return content.FieldPicture(
         "mesh-contact",
         f"Mesh of the screw's groove at the contact of ball {solution.ball_index + 1}",
         parts,
@@ -432,7 +430,7 @@ def groove_mesh_picture(solution: PicturedSolution, stresses: StressFields) -> F
     )
 
 
-def ball_mesh_picture(solution: PicturedSolution, stresses: StressFields) -> FieldPicture:
+def ball_mesh_picture(solution: PicturedSolution, stresses: StressFields) -> content.FieldPicture:
     """Return the picture of the mesh of a ball with a fine patch at each contact; the screw's contact faces the viewer.
 
     ``solution``: solution of the scene. ``stresses``: meshes and stresses around the ball.
@@ -443,10 +441,11 @@ def ball_mesh_picture(solution: PicturedSolution, stresses: StressFields) -> Fie
     whole = [stresses.ball_mesh, *stresses.ball_patches.values()]
     colours = [BALL, *[FINE_BALL] * len(stresses.ball_patches)]
     parts = tuple(
-        MeshPart(x.points, x.cell_nodes, x.element_type, colour=c, line=1.5) for x, c in zip(whole, colours, strict=True)
+        content.MeshPart(x.points, x.cell_nodes, x.element_type, colour=c, line=1.5)
+        for x, c in zip(whole, colours, strict=True)
     )
     sight = (nominal_contact_point(solution, 0) - centre) / m.ball + 0.75 * y3
-    return FieldPicture(
+    return content.FieldPicture(
         "mesh-ball",
         "Mesh of a ball with fine patches at its contacts",
         parts,
@@ -466,10 +465,10 @@ def ball_mesh_picture(solution: PicturedSolution, stresses: StressFields) -> Fie
 def solve_ball_contact_pressures(cache: SceneResultCache, name: str) -> tuple[int, dict[str, ContactPressure]]:
     """Compute the nodal contact pressures of one ball of a scene on a fine 3D mesh.
 
-    The ball carries its contact loads from the stored 3D reference, or from the default model if no reference is stored.
-    The ball is chosen so that its least loaded contact carries as much load as possible. ``name``: name of the scene.
-    Returns the index of the ball,
-    from 0, and the pressures by name of the contact, such as "ball 5, SL".
+    The contact loads of the ball are those of the stored 3D reference, or of the default low-order model if no reference is
+    stored. The ball is the one whose least loaded contact carries more load than that of any other ball; flanks that carry
+    no load on any ball do not count. ``name``: name of the scene. Returns the index of the ball, from 0, and the pressures
+    by name of the contact, such as "ball 5, SL" (SL: left flank of the screw's groove).
     """
     from rollbench.hifi.fields import contact_pressures_of_ball
 
@@ -484,7 +483,7 @@ def solve_ball_contact_pressures(cache: SceneResultCache, name: str) -> tuple[in
     return ball, {f"ball {ball + 1}, {SIDES[s]}": x for s, x in pressures.items()}
 
 
-def contact_load_picture(solution: PicturedSolution) -> LoadedScrew:
+def contact_load_picture(solution: PicturedSolution) -> content.LoadedScrew:
     """Return the 3D picture of a loaded screw: balls coloured by their contact loads, contact forces as arrows.
 
     ``solution``: solution of the scene by the 3D reference.
@@ -500,7 +499,7 @@ def contact_load_picture(solution: PicturedSolution) -> LoadedScrew:
         held = result.contact_loads[:, s] > 0.0
         points.append((layout.centre + ball * direction)[held])
         forces.append((-load * direction)[held])
-    return LoadedScrew(
+    return content.LoadedScrew(
         "loaded-screw-3d",
         "Contact loads on the balls of Lin's case 1 by the 3D reference",
         scene,
@@ -513,9 +512,9 @@ def contact_load_picture(solution: PicturedSolution) -> LoadedScrew:
 
 
 def von_mises_caption(solution: PicturedSolution, stresses: StressFields) -> str:
-    """Return a caption with the largest von Mises stresses near the ball's contact with the screw, in 3D and by Hertz.
+    """Return a caption with the largest von Mises stresses near one ball's contact with the screw, in 3D and by Hertz.
 
-    ``solution``: solution of the scene. ``stresses``: stress fields around the ball.
+    ``solution``: solution of the scene, which states the number of the ball. ``stresses``: stress fields around this ball.
     """
     from rollbench.hifi.fields import pressure_from_nodal_forces, von_mises_below_hertz_contact
 
@@ -539,17 +538,18 @@ def von_mises_caption(solution: PicturedSolution, stresses: StressFields) -> str
     )
 
 
-def pressure_map_of_ball(name: str, title: str, pressures: dict[str, ContactPressure], caption: str) -> PressureMap:
+def pressure_map_of_ball(name: str, title: str, pressures: dict[str, ContactPressure], caption: str) -> content.PressureMap:
     """Return the figure with pressure contours of all contacts of one ball, and their contact ellipses by Hertz theory.
 
-    ``name``: file name of the figure. ``pressures``: nodal pressures by name of the contact, such as "ball 5, SL".
+    ``name``: file name of the figure. ``pressures``: nodal pressures by name of the contact, such as "ball 5, SL" (SL: left
+    flank of the screw's groove).
     """
     panels = tuple(contact_pressure_panel(contact, x) for contact, x in pressures.items())
     axes = "across the groove / mm", "along the groove / mm", "pressure / MPa"
-    return PressureMap(name, title, panels, *axes, "contact ellipse by Hertz", caption=caption)
+    return content.PressureMap(name, title, panels, *axes, "contact ellipse by Hertz", caption=caption)
 
 
-def make_section(cache: SceneResultCache, step: Step) -> Section:
+def make_section(cache: SceneResultCache, step: Step) -> content.Section:
     """Return the section with pictures of the meshes, pressures, stresses and contact loads of the 3D reference.
 
     ``step`` is called with each line of progress.
@@ -590,11 +590,11 @@ def make_section(cache: SceneResultCache, step: Step) -> Section:
         solved, found, "stress-contact", title, von_mises_caption(solved, found), flank=0, height=0.5 * b
     )
     near = replace(near, parts=stressed, label=shown.label, limits=(0.0, 1800.0), scale_bar=0.2e-3)
-    return Section(
+    return content.Section(
         "pictures",
         "Meshes, contact pressures and stresses of the 3D reference",
         (
-            Text((text,)),
+            content.Text((text,)),
             screw_and_nut_mesh_picture(solved),
             whole,
             groove_mesh_picture(solved, found),

@@ -9,6 +9,7 @@ import numpy as np
 
 from rollbench.compare.gate.verdict import LIMIT
 from rollbench.compare.measure import LoadError, error_percent, load_error
+from rollbench.compare.models import modelling
 from rollbench.compare.models.comparison import (
     PRINTED,
     REFERENCED,
@@ -21,25 +22,13 @@ from rollbench.compare.models.comparison import (
     solution_from_result,
     solutions_of_reference_runs,
 )
-from rollbench.compare.models.modelling import (
-    VARIED,
-    ModellingUncertainty,
-    applicable_modelling_uncertainty,
-    combined_modelling_uncertainty,
-    effects_of_changed_choices,
-)
 from rollbench.compare.models.registry import MODELS
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.printed import printed_entry
 from rollbench.compare.reference.estimate import Reference, largest_uncertainty_percent
 from rollbench.compare.reference.levels import LEVELS, PRODUCTION, SOURCE_LEVEL
 from rollbench.compare.reference.store import Run, load_stored_run
-from rollbench.compare.sections.curves import (
-    contact_load_curve,
-    contact_load_panel,
-    lateral_displacement_curves,
-    scale_to_python_floats,
-)
+from rollbench.compare.sections import curves
 from rollbench.compare.sections.reference_time import run_time_items
 from rollbench.meshes.parts import SIDES
 from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table, TableColumn, Text
@@ -52,19 +41,21 @@ def references_of_case_studies(cache: SceneResultCache) -> dict[str, Reference]:
     return cache.stored_references(REFERENCED)
 
 
-def modelling_uncertainty_by_scene(cache: SceneResultCache) -> dict[str, ModellingUncertainty]:
+def modelling_uncertainty_by_scene(cache: SceneResultCache) -> dict[str, modelling.ModellingUncertainty]:
     """Return the modelling uncertainty of the 3D reference, by name of the scenes with varied modelling choices."""
     return cache.compute_once(_compute_modelling_uncertainty)
 
 
-def _compute_modelling_uncertainty(cache: SceneResultCache) -> dict[str, ModellingUncertainty]:
+def _compute_modelling_uncertainty(cache: SceneResultCache) -> dict[str, modelling.ModellingUncertainty]:
     """Compute the modelling uncertainty of every scene in `VARIED` from stored runs, by name of the scene.
 
     Scenes without stored runs with varied modelling choices are left out.
     """
-    scenes = [cache.built_in_scene(name) for name in VARIED]
+    scenes = [cache.built_in_scene(name) for name in modelling.VARIED]
     found = {
-        scene.name: combined_modelling_uncertainty(scene, effects_of_changed_choices(scene, cache.reference_folders))
+        scene.name: modelling.combined_modelling_uncertainty(
+            scene, modelling.effects_of_changed_choices(scene, cache.reference_folders)
+        )
         for scene in scenes
     }
     return {name: m for name, m in found.items() if m is not None}
@@ -89,7 +80,7 @@ def load_error_table(cache: SceneResultCache, references: References) -> Table:
     for name, ref in references.items():
         scene, bars = (
             cache.built_in_scene(name),
-            (largest_uncertainty_percent(ref), applicable_modelling_uncertainty(name, modelled)),
+            (largest_uncertainty_percent(ref), modelling.applicable_modelling_uncertainty(name, modelled)),
         )
         keys = PRINTED.get(name)
         for model in models_shown_for_scene(scene):
@@ -105,11 +96,11 @@ def load_error_table(cache: SceneResultCache, references: References) -> Table:
                 rows.append(_load_error_row((name, LABELS[coarser.model]), e, load_ratio(coarser.load), "–", bars))
         rows.append(_load_error_row((name, LABELS[f"3D level {ref.best.level}"]), None, load_ratio(ref.load), None, bars))
     note = (
-        "Errors against the finest mesh level of the 3D reference. Printed: errors that Lin's thesis prints for its "
-        "low-order model against its ANSYS model (whose loads are not printed), relative to the load of each contact. Grid "
-        "uncertainty: largest over the contacts of the 3D reference. Modelling uncertainty: effect of idealisations and of "
-        "dimensions that are not printed (section reference-mesh). No error is reduced by an uncertainty; section u-val "
-        "combines both uncertainties with the input tolerances."
+        "Errors against the finest mesh level of the 3D reference. Printed by Lin: errors that the thesis prints for its "
+        "low-order model against its ANSYS model (whose loads are not printed), relative to the load of each contact. Mesh "
+        "uncertainty: largest over the contacts of the 3D reference. Uncertainty by modelling choices: effect of "
+        "idealisations and of dimensions that Lin's thesis does not print (section reference-mesh). No error is reduced "
+        "by an uncertainty; section u-val combines both uncertainties with the input tolerances."
     )
     return Table.from_rows(
         "reference-errors", "Contact-load errors of the low-order models against the 3D reference on each scene", rows, note
@@ -139,11 +130,11 @@ def _load_error_row(
     model_errors
         Errors of the contact loads; None for the finest mesh level itself.
     load_ratio_of_flank
-        Ratio of the largest to the smallest load on flank SL.
+        Ratio of the largest to the smallest contact load on flank SL (left flank of the screw's groove).
     printed_errors
         Errors that Lin's thesis prints for its model, as text.
     uncertainties
-        Grid uncertainty and modelling uncertainty of the 3D reference [% of the mean load].
+        Uncertainty of the 3D reference by its mesh, and by its modelling choices [% of the mean load].
     """
     errors: Sequence[float | None] = (None,) * 4
     if model_errors is not None:
@@ -156,17 +147,19 @@ def _load_error_row(
     return {
         "scene": scene_and_model[0],
         "model": scene_and_model[1],
-        TableColumn("max", "largest error", "% of mean", ".2f"): errors[0],
-        TableColumn("at", "ball and flank of the largest", "", "s"): None
+        TableColumn("max", "largest contact-load error", "% of mean load", ".2f"): errors[0],
+        TableColumn("at", "ball and flank with the largest error", "", "s"): None
         if model_errors is None
         else f"{model_errors.ball} {model_errors.side}",
-        TableColumn("rms", "RMS error", "% of mean", ".2f"): errors[1],
-        TableColumn("own_max", "largest error", "% of own load", ".2f"): errors[2],
-        TableColumn("own_rms", "RMS error", "% of own load", ".2f"): errors[3],
-        TableColumn("printed", "printed, largest / RMS", "%", "s"): printed_errors,
-        TableColumn("bar", "grid uncertainty", "% of mean", ".2f"): uncertainties[0],
-        TableColumn("modelling", "modelling uncertainty", "% of mean", ".2f"): uncertainties[1],
-        TableColumn("load_ratio", "ratio of largest to smallest load, SL", "", ".3f"): load_ratio_of_flank,
+        TableColumn("rms", "RMS error of the contact loads", "% of mean load", ".2f"): errors[1],
+        TableColumn("own_max", "largest contact-load error", "% of contact's load", ".2f"): errors[2],
+        TableColumn("own_rms", "RMS error of the contact loads", "% of contact's load", ".2f"): errors[3],
+        TableColumn("printed", "errors printed by Lin, largest / RMS", "% of contact's load", "s"): printed_errors,
+        TableColumn("bar", "mesh uncertainty of the 3D reference", "% of mean load", ".2f"): uncertainties[0],
+        TableColumn(
+            "modelling", "uncertainty of the 3D reference by modelling choices", "% of mean load", ".2f"
+        ): uncertainties[1],
+        TableColumn("load_ratio", "ratio of the largest to the smallest load on flank SL", "", ".3f"): load_ratio_of_flank,
     }
 
 
@@ -181,7 +174,7 @@ def contact_load_tables(cache: SceneResultCache, references: References) -> list
         answers = [solve_contact_loads(cache, name, m.name) for m in models_shown_for_scene(scene)]
         answers += solutions_of_reference_runs(ref, load_stored_run(scene, SOURCE_LEVEL, stores=cache.reference_folders))
         headings = [MODELS[a.model].label if a.model in MODELS else LABELS.get(a.model, a.model) for a in answers]
-        loads = [TableColumn(f"m{k}", head, "N", ".1f") for k, head in enumerate(headings)]
+        loads = [TableColumn(f"m{k}", f"load, {head}", "N", ".1f") for k, head in enumerate(headings)]
         rows: list[Row] = []
         for i, s in np.ndindex(ref.load.shape):
             if not any(a.load[i, s] > 0.0 for a in answers):
@@ -192,10 +185,10 @@ def contact_load_tables(cache: SceneResultCache, references: References) -> list
             rows.append(
                 {
                     "ball": i + 1,
-                    "side": SIDES[s],
+                    TableColumn("side", "flank", "", "s"): SIDES[s],
                     **{q: float(a.load[i, s]) for q, a in zip(loads, answers, strict=True)},
-                    TableColumn("bar", "uncertainty of the 3D reference", "N", ".2f"): bar,
-                    TableColumn("error", "error of the refined model", "% of own load", "+.2f"): error,
+                    TableColumn("bar", "mesh uncertainty of the load by the 3D reference", "N", ".2f"): bar,
+                    TableColumn("error", "load error of the refined model", "% of contact's load", "+.2f"): error,
                     TableColumn("angle", "contact angle, 3D reference", "deg", ".2f"): _finite_number_or_none(
                         ref.best.angle[i, s]
                     ),
@@ -213,7 +206,7 @@ def contact_load_tables(cache: SceneResultCache, references: References) -> list
 
 
 def _finite_number_or_none(value: Any) -> float | None:
-    """Return a value as a plain number; None if it is not finite."""
+    """Return a number as a Python float; None if it is infinite or nan."""
     return float(value) if np.isfinite(value) else None
 
 
@@ -227,11 +220,13 @@ def centreline_displacement_table(cache: SceneResultCache, references: Reference
         low = solve_contact_loads(cache, name, "refined")
         line = ref.best.centreline
         for row in line:
-            cells: Row = {"scene": name, TableColumn("z", "axial position", "mm", ".1f"): 1e3 * float(row[0])}
+            cells: Row = {"scene": name, TableColumn("z", "axial position on the screw", "mm", ".1f"): 1e3 * float(row[0])}
             for k, axis in enumerate("xyz"):
                 beam = float(np.interp(row[0], low.stations, low.line[:, k]))
-                cells[TableColumn(f"r{axis}", f"u{axis}, 3D reference", "µm", ".2f")] = 1e6 * float(row[1 + k])
-                cells[TableColumn(f"l{axis}", f"u{axis}, refined model", "µm", ".2f")] = 1e6 * beam
+                cells[TableColumn(f"r{axis}", f"displacement in {axis}, 3D reference", "µm", ".2f")] = 1e6 * float(
+                    row[1 + k]
+                )
+                cells[TableColumn(f"l{axis}", f"displacement in {axis}, refined model", "µm", ".2f")] = 1e6 * beam
             rows.append(cells)
     note = (
         "3D reference: mean displacement of the surface of the axial hole where the screw is meshed, near the nut; "
@@ -258,15 +253,18 @@ def contact_load_figures(cache: SceneResultCache, references: References) -> lis
         for s in range(4):
             if not (ref.load[:, s] > 0.0).any() or (s >= 2 and len(ref.best.sides) == 2):
                 continue
-            series = [contact_load_curve(f"3D reference, level {ref.best.level}", ref, s, emphasis=True)]
+            series = [curves.contact_load_curve(f"3D reference, level {ref.best.level}", ref, s, emphasis=True)]
             if ref.uncertainty is not None:
                 low, high = ref.load[:, s] - ref.uncertainty[:, s], ref.load[:, s] + ref.uncertainty[:, s]
                 words = "uncertainty of the 3D reference"
                 series.insert(
-                    0, Series(words, series[0].x, scale_to_python_floats(low), "band", scale_to_python_floats(high))
+                    0,
+                    Series(
+                        words, series[0].x, curves.scale_to_python_floats(low), "band", curves.scale_to_python_floats(high)
+                    ),
                 )
-            series += [contact_load_curve(m.label, a, s) for m, a in answers.items() if (a.load[:, s] > 0.0).any()]
-            panels.append(contact_load_panel(SIDES[s], *series))
+            series += [curves.contact_load_curve(m.label, a, s) for m, a in answers.items() if (a.load[:, s] > 0.0).any()]
+            panels.append(curves.contact_load_panel(SIDES[s], *series))
         out.append(
             Figure(
                 f"reference-loads-{name}",
@@ -286,8 +284,8 @@ def centreline_displacement_figure(cache: SceneResultCache, references: Referenc
     for name, ref in references.items():
         low = solve_contact_loads(cache, name, "refined")
         line = ref.best.centreline
-        model = lateral_displacement_curves(low.stations, low.line, "u{}, refined model")
-        solid = lateral_displacement_curves(line[:, 0], line[:, 1:], "u{}, 3D reference", "markers", emphasis=True)
+        model = curves.lateral_displacement_curves(low.stations, low.line, "u{}, refined model")
+        solid = curves.lateral_displacement_curves(line[:, 0], line[:, 1:], "u{}, 3D reference", "markers", emphasis=True)
         series = (x for pair in zip(model, solid, strict=True) for x in pair)
         panels.append(Panel(name, "axial position / mm", "displacement / µm", tuple(series)))
     return Figure(
@@ -297,7 +295,7 @@ def centreline_displacement_figure(cache: SceneResultCache, references: Referenc
     )
 
 
-def lin_model_gate_paragraph(references: References, cache: SceneResultCache) -> str:
+def lin_model_check_paragraph(references: References, cache: SceneResultCache) -> str:
     """Return the paragraph on the load errors of Lin's model as ``rollbench check`` judges them.
 
     It states, for each scene, the largest error and the number of contacts beyond the limit. ``references``: 3D reference
@@ -314,17 +312,17 @@ def lin_model_gate_paragraph(references: References, cache: SceneResultCache) ->
         )
     return (
         f"Errors of Lin's model by rollbench check ({RULE}; a contact counts as beyond the limit if its error minus the "
-        f"uncertainty of the reference exceeds it): {'; '.join(worst)}. Number of known contacts beyond the limit: "
-        f"{len(known_exceedances())}."
+        f"uncertainty of the reference exceeds it): {'; '.join(worst)}. Number of contacts beyond the limit whose cause "
+        f"is known: {len(known_exceedances())}."
     )
 
 
 def error_against_rigid_nut_reference(cache: SceneResultCache, name: str, ball: int, side: str) -> float | None:
     """Return the load error of Lin's model on one contact against a 3D model with a rigid nut [% of the contact's load].
 
-    ``name``: name of the scene. ``ball``: number of the ball, from 1. ``side``: flank (SL, SR, NL or NR). Lin's model has a
-    rigid nut, so this error excludes the effect of nut elasticity. Returns None if no such 3D run is stored, or if the
-    contact is unloaded in it.
+    ``name``: name of the scene. ``ball``: number of the ball, from 1. ``side``: flank, one of SL, SR, NL, NR (screw left
+    and right, nut left and right). Lin's model has a rigid nut, so this error excludes the effect of nut elasticity.
+    Returns None if no 3D run with a rigid nut is stored, or if the contact is unloaded in this run.
     """
     run = load_stored_run(cache.built_in_scene(name), min(LEVELS), stores=cache.reference_folders)
     if run is None or "elastic nut" not in run.without:
@@ -334,7 +332,7 @@ def error_against_rigid_nut_reference(cache: SceneResultCache, name: str, ball: 
     return float(error_percent(low, truth)) if truth > 0.0 else None
 
 
-def gate_exceedance_table(references: References, cache: SceneResultCache) -> Table:
+def contacts_beyond_check_limit_table(references: References, cache: SceneResultCache) -> Table:
     """Return the table of contacts on which the load error of Lin's model exceeds the limit of ``rollbench check``.
 
     Each row has the known cause of the error. ``references``: 3D reference of each scene, by name of the scene.
@@ -349,12 +347,18 @@ def gate_exceedance_table(references: References, cache: SceneResultCache) -> Ta
                     {
                         "scene": name,
                         "ball": p.ball,
-                        "side": p.side,
+                        TableColumn("side", "flank", "", "s"): p.side,
                         TableColumn("ref", "load by the 3D reference", "N", ".1f"): float(ref.load[p.ball - 1, k]),
-                        TableColumn("error", "error of Lin's model", "% of own load", "+.1f"): p.error_percent,
-                        TableColumn("bar", "grid uncertainty", "% of own load", ".2f"): p.uncertainty_percent,
-                        TableColumn("rigid", "error if the nut is rigid in both", "% of own load", "+.1f"): rigid,
-                        "cause": causes.get((name, p.ball, p.side), "not listed as known: the gate fails"),
+                        TableColumn("error", "load error of Lin's model", "% of contact's load", "+.1f"): p.error_percent,
+                        TableColumn(
+                            "bar", "mesh uncertainty of the 3D reference", "% of contact's load", ".2f"
+                        ): p.uncertainty_percent,
+                        TableColumn(
+                            "rigid", "load error if the nut is rigid in model and reference", "% of contact's load", "+.1f"
+                        ): rigid,
+                        TableColumn("cause", "cause of the error", "", "s"): causes.get(
+                            (name, p.ball, p.side), "not listed among the known causes: rollbench check fails"
+                        ),
                     }
                 )
     note = f"Errors are as rollbench check judges them: {RULE}."
@@ -382,20 +386,20 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
             "unilateral and frictionless, and contact normals follow the motion. The reference shares only the description "
             f"of the parts with the low-order models. Computed: {'; '.join(versions)}."
         ),
-        "The grid uncertainty follows from the convergence of the mesh levels, fitted by least squares (Eca and Hoekstra "
+        "The mesh uncertainty follows from the convergence of the mesh levels, fitted by least squares (Eca and Hoekstra "
         "2014) with one order for all contacts of a scene, and from the scatter of each contact about this fit; with two "
         "levels, it is three times their difference. Flanks are " + ", ".join(SIDES) + " (screw and nut, left and right).",
-        lin_model_gate_paragraph(found, cache),
+        lin_model_check_paragraph(found, cache),
     ]
     if cache.quick:
         text.insert(
             0,
-            "QUICK REPORT: only coarse meshes were computed, so the grid uncertainty is unknown. Do not base decisions on "
+            "QUICK REPORT: only coarse meshes were computed, so the mesh uncertainty is unknown. Do not base decisions on "
             "these numbers.",
         )
     elif any(ref.best.level < PRODUCTION for ref in found.values()):
         text.insert(0, f"Some references were not computed up to mesh level {PRODUCTION}; their uncertainty is larger.")
-    over = gate_exceedance_table(found, cache)
+    over = contacts_beyond_check_limit_table(found, cache)
     items: list[Any] = [Text(tuple(text)), load_error_table(cache, found)]
     items += [over] if over.rows else []
     items += [

@@ -15,19 +15,10 @@ from rollbench.compare.models.uncertainty import SHARED, largest_uncertainty_nea
 from rollbench.compare.reference.estimate import Reference, largest_uncertainty_percent
 from rollbench.compare.reference.levels import LEVELS, NOT_VARIED, SOURCE_LEVEL, SOURCE_MESH, VARIANTS
 from rollbench.compare.reference.store import MeasuringConditions, Run, load_stored_run, most_frequent_measuring_conditions
+from rollbench.compare.sections import u_val
 from rollbench.compare.sections.curves import mesh_convergence_figure
 from rollbench.compare.sections.reference import modelling_uncertainty_by_scene, references_of_case_studies
-from rollbench.compare.sections.u_val import (
-    MANY,
-    MeshUncertaintyTest,
-    check_uncertainty_of_all_mesh_levels,
-    share_of_contacts_within_uncertainty,
-)
-from rollbench.compare.studies.mesh_study import (
-    mesh_accuracy_sentence,
-    mesh_study_table_of_scene,
-    reference_from_stored_runs,
-)
+from rollbench.compare.studies import mesh_study
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.reports.content import Cell, Figure, Row, Section, Table, TableColumn, Text
 
@@ -35,20 +26,20 @@ References = Mapping[str, Reference]
 
 
 def _load_change_cells(load_changes: LoadError, number_format: str = ".2f") -> Row:
-    """Return the table cells on the load changes that a changed choice of the 3D reference causes: largest, RMS, and ball.
+    """Return table cells on contact-load changes: largest and RMS change, and the contact with the largest change.
 
-    ``load_changes``: the changes, as errors of the run with the changed choice against the unchanged run.
-    ``number_format``: number format of the first two cells.
+    ``load_changes``: differences of the contact loads between two 3D runs, one of which has one changed modelling choice
+    or mesh setting. ``number_format``: number format of the largest and the RMS change.
     """
     return {
-        TableColumn("max", "largest change of a load", "% of mean", number_format): load_changes.max_percent,
-        TableColumn("rms", "RMS change of the loads", "% of mean", number_format): load_changes.rms_percent,
-        TableColumn("at", "ball and flank of the largest", "", "s"): f"{load_changes.ball} {load_changes.side}",
+        TableColumn("max", "largest change of a contact load", "% of mean load", number_format): load_changes.max_percent,
+        TableColumn("rms", "RMS change of the contact loads", "% of mean load", number_format): load_changes.rms_percent,
+        TableColumn("at", "ball and flank with the largest change", "", "s"): f"{load_changes.ball} {load_changes.side}",
     }
 
 
 def _refines_one_mesh_setting(variant_name: str) -> bool:
-    """Return whether a variant of the 3D reference, given by its name, refines one numerical setting of the mesh."""
+    """Return whether the variant ``variant_name`` of the 3D reference refines one numerical setting of the mesh."""
     return variant_name in VARIANTS and bool(VARIANTS[variant_name].refined)
 
 
@@ -74,26 +65,38 @@ def mesh_level_table(cache: SceneResultCache, references: References) -> Table:
             rows.append(
                 {
                     "scene": name,
-                    "level": "source" if run.level == SOURCE_LEVEL else str(run.level),
-                    TableColumn("across", "elements across 2b", "", ".1f"): run.quality["elements across 2b"],
+                    TableColumn("level", "mesh level", "", "s"): "Lin's mesh"
+                    if run.level == SOURCE_LEVEL
+                    else str(run.level),
+                    TableColumn("across", "elements across the short contact axis 2b", "", ".1f"): run.quality[
+                        "elements across 2b"
+                    ],
                     TableColumn("sides", "number of flanks meshed", "", "s"): len(run.sides),
-                    TableColumn("unknowns", "unknowns of the equivalent single mesh", "", "s"): run.unknowns,
-                    TableColumn("setup", "time of the set-up", "s", ".1f"): times[0],
-                    TableColumn("solve", "time of a load case", "s", ".1f"): times[1],
+                    TableColumn(
+                        "unknowns", "number of unknowns of one equally fine mesh of all bodies", "", "s"
+                    ): run.unknowns,
+                    TableColumn("setup", "run time of the set-up", "s", ".1f"): times[0],
+                    TableColumn("solve", "run time of a load case", "s", ".1f"): times[1],
                     TableColumn("memory", "peak memory", "MB", ".0f"): "not measured"
                     if run.peak_MB is None
                     else run.peak_MB,
-                    TableColumn("change", "largest change of a load to the next level", "% of mean", ".2f"): largest,
-                    TableColumn("rms", "RMS change to the next level", "% of mean", ".2f"): rms,
+                    TableColumn(
+                        "change", "largest change of a contact load to the next level", "% of mean load", ".2f"
+                    ): largest,
+                    TableColumn("rms", "RMS change of the contact loads to the next level", "% of mean load", ".2f"): rms,
                     TableColumn("sum", "change of the sum of loads to the next level", "%", "+.2f"): change,
-                    TableColumn("best", "largest change to the finest level", "% of mean", ".2f"): best.max_percent,
-                    TableColumn("frozen", "effect of updating contact normals", "% of mean", ".2f"): frozen.max_percent,
-                    TableColumn("balance", "unbalanced force of balls or screw", "", "g2"): max(
+                    TableColumn(
+                        "best", "largest change of a contact load to the finest level", "% of mean load", ".2f"
+                    ): best.max_percent,
+                    TableColumn(
+                        "frozen", "largest load change by updating contact normals", "% of mean load", ".2f"
+                    ): frozen.max_percent,
+                    TableColumn("balance", "unbalanced force of balls or screw / largest load", "", "g2"): max(
                         run.balance, run.screw_balance
                     ),
-                    TableColumn("along", "force along the groove", "", "g2"): run.along_groove,
-                    TableColumn("jacobian", "smallest scaled Jacobian", "", ".2f"): jacobian,
-                    TableColumn("deviation", "deviation of coarse meshes from the groove", "um", "g2"): 1e6
+                    TableColumn("along", "force along the groove / largest load", "", "g2"): run.along_groove,
+                    TableColumn("jacobian", "smallest scaled Jacobian of the elements", "", ".2f"): jacobian,
+                    TableColumn("deviation", "deviation of coarse meshes from the groove surface", "um", "g2"): 1e6
                     * run.quality["deviation"],
                 }
             )
@@ -121,19 +124,31 @@ def mesh_uncertainty_table(references: References) -> Table:
         rows.append(
             {
                 "scene": name,
-                "levels": len(ref.runs),
-                TableColumn("contact", "cells of the contacts", "% of mean", ".3f"): p.contact_cell_deviation,
-                TableColumn("bodies", "cells of the bodies", "% of mean", ".3f"): p.body_cell_deviation,
-                TableColumn("sockets", "cut-outs for the fine patches", "% of mean", ".3f"): p.socket_mesh_deviation,
-                TableColumn("common", "common to all contacts", "% of mean", ".3f"): p.common_deviation,
-                TableColumn("bar", "uncertainty (95 %), RMS", "% of mean", ".3f"): p.uncertainty,
-                TableColumn("beside", "largest next to a free nut face", "% of mean", ".3f"): largest_uncertainty_near_face(
-                    ref
-                )[0],
-                TableColumn("largest", "largest uncertainty", "% of mean", ".3f"): largest_uncertainty_percent(ref),
-                TableColumn("from", "estimated from", "", "s"): "other scenes"
+                TableColumn("levels", "number of mesh levels", "", "s"): len(ref.runs),
+                TableColumn(
+                    "contact", "standard deviation by cells of the contacts", "% of mean load", ".3f"
+                ): p.contact_cell_deviation,
+                TableColumn(
+                    "bodies", "standard deviation by cells of the bodies", "% of mean load", ".3f"
+                ): p.body_cell_deviation,
+                TableColumn(
+                    "sockets", "standard deviation by cut-outs for the fine patches", "% of mean load", ".3f"
+                ): p.socket_mesh_deviation,
+                TableColumn(
+                    "common", "standard deviation common to all contacts", "% of mean load", ".3f"
+                ): p.common_deviation,
+                TableColumn(
+                    "bar", "mesh uncertainty (95 %), RMS over the contacts", "% of mean load", ".3f"
+                ): p.uncertainty,
+                TableColumn(
+                    "beside", "largest mesh uncertainty next to a free nut face", "% of mean load", ".3f"
+                ): largest_uncertainty_near_face(ref)[0],
+                TableColumn(
+                    "largest", "largest mesh uncertainty of a contact load", "% of mean load", ".3f"
+                ): largest_uncertainty_percent(ref),
+                TableColumn("from", "uncertainty estimated from", "", "s"): "other scenes"
                 if p.is_from_other_scenes
-                else "its levels and other scenes",
+                else "mesh levels of the scene and other scenes",
             }
         )
     note = (
@@ -158,7 +173,7 @@ def mesh_uncertainty_test_table(cache: SceneResultCache) -> Table | None:
 
     Returns None if runs of the 3D reference are missing.
     """
-    found = check_uncertainty_of_all_mesh_levels(cache)
+    found = u_val.check_uncertainty_of_all_mesh_levels(cache)
     if not found:
         return None
     levels = sorted({h.tested_level for h in found})
@@ -169,18 +184,19 @@ def mesh_uncertainty_test_table(cache: SceneResultCache) -> Table | None:
     if any(h.is_random_screw for h in found):
         rows.append(_mesh_uncertainty_test_row("all drawn screws", [h for h in found if h.is_random_screw]))
     rows.append(_mesh_uncertainty_test_row("all", found))
-    columns = [TableColumn("scene", "scene", "", "s"), TableColumn("contacts", "contacts", "", "s")]
-    columns.append(TableColumn("judge", "finer level for the test", "", "s"))
+    columns = [TableColumn("scene", "scene", "", "s"), TableColumn("contacts", "number of contacts", "", "s")]
+    columns.append(TableColumn("judge", "finer mesh level for the test", "", "s"))
     for k in levels:
-        words = f"level {k} alone and other scenes" if k == min(LEVELS) else f"levels up to {k}"
-        columns.append(TableColumn(f"bar {k}", f"uncertainty from {words}", "% of mean", ".3f"))
-        columns.append(TableColumn(f"held {k}", f"loads within the uncertainty of level {k}", "%", ".1f"))
-    worst = min((h for h in several if h.contact_count >= MANY), key=lambda h: h.covered_share)
+        words = f"level {k} and other scenes" if k == min(LEVELS) else f"levels up to {k}"
+        columns.append(TableColumn(f"bar {k}", f"mesh uncertainty from {words}", "% of mean load", ".3f"))
+        columns.append(TableColumn(f"held {k}", f"loads within the mesh uncertainty of level {k}", "%", ".1f"))
+    worst = min((h for h in several if h.contact_count >= u_val.MANY), key=lambda h: h.covered_share)
     note = (
         f"Of {sum(h.contact_count for h in several)} loads with an uncertainty from two mesh levels or more, "
-        f"{100.0 * share_of_contacts_within_uncertainty(several):.1f} % change by less than it on the finer level; in the "
+        f"{100.0 * u_val.share_of_contacts_within_uncertainty(several):.1f} % change by less than it on the "
+        "finer level; in the "
         "worst "
-        f"scene with {MANY} "
+        f"scene with {u_val.MANY} "
         f"contacts or more, {100.0 * worst.covered_share:.1f} % ({worst.scene}, levels up to {worst.tested_level}). The "
         "aim is 95 %. "
         "Neither the finer level nor data of scenes with the same parts are used to estimate the uncertainty that is "
@@ -195,7 +211,7 @@ def mesh_uncertainty_test_table(cache: SceneResultCache) -> Table | None:
     )
 
 
-def _mesh_uncertainty_test_row(first_cell: str, tests: Sequence[MeshUncertaintyTest]) -> dict[str, Cell]:
+def _mesh_uncertainty_test_row(first_cell: str, tests: Sequence[u_val.MeshUncertaintyTest]) -> dict[str, Cell]:
     """Return the row of `mesh_uncertainty_test_table` for one scene, or for several scenes by medians over them.
 
     ``first_cell``: text in the first cell. ``tests``: tests of the mesh uncertainties of these scenes, on all mesh levels.
@@ -209,7 +225,7 @@ def _mesh_uncertainty_test_row(first_cell: str, tests: Sequence[MeshUncertaintyT
         of_level = [h for h in tests if h.tested_level == k]
         row |= {
             f"bar {k}": float(np.median([h.uncertainty_percent for h in of_level])),
-            f"held {k}": 100.0 * share_of_contacts_within_uncertainty(of_level),
+            f"held {k}": 100.0 * u_val.share_of_contacts_within_uncertainty(of_level),
         }
     return row
 
@@ -252,45 +268,48 @@ def stage_time_table(references: References) -> Table:
         cells: dict[str, Cell] = {"scene": name, "contact": ref.best.solve_seconds}
         rows.append(cells | dict(ref.best.stages))
     names = list(dict.fromkeys(k for row in rows for k in row if k not in ("scene", "contact")))
-    columns = [TableColumn("scene", "scene", "", "s"), *(TableColumn(k, k, "s", ".1f") for k in names)]
-    columns.append(TableColumn("contact", "load case", "s", ".1f"))
+    columns = [TableColumn("scene", "scene", "", "s"), *(TableColumn(k, f"run time: {k}", "s", ".1f") for k in names)]
+    columns.append(TableColumn("contact", "run time: load case", "s", ".1f"))
     note = f"Scenes with the same geometry share all stages except the load case. {_measured_times_sentence(common)}"
     title = "Run time of each stage of the 3D computation on its finest mesh level"
     return Table("reference-stages", title, columns, rows, note)
 
 
 def mesh_study_tables_and_figures(cache: SceneResultCache, references: References) -> list[Table | Figure]:
-    """Return, for every scene solved on two mesh levels or more, table and figure of its loads over the mesh levels.
+    """Return, for every scene solved on two mesh levels or more, its loads and displacements on each mesh level.
 
-    ``references``: 3D reference of each scene, by name of the scene.
+    These are a table and, if there is one, a figure for each scene. ``references``: 3D reference of each scene, by
+    name of the scene.
     """
     out: list[Table | Figure] = []
     for name in references:
-        ref = reference_from_stored_runs(cache.built_in_scene(name), cache.reference_folders)
+        ref = mesh_study.reference_from_stored_runs(cache.built_in_scene(name), cache.reference_folders)
         if ref is None or len(ref.runs) < 2:
             continue
-        table = mesh_study_table_of_scene(cache.built_in_scene(name), cache.reference_folders)
+        table = mesh_study.mesh_study_table_of_scene(cache.built_in_scene(name), cache.reference_folders)
         rows = [dict(r) for r in table if "load of ball" not in r["quantity"]]
         columns = [
             TableColumn("quantity", "quantity", "", "s"),
             TableColumn("unit", "unit", "", "s"),
-            *(TableColumn(f"level {r.level}", f"level {r.level}", "", "g5") for r in ref.runs),
+            *(TableColumn(f"level {r.level}", f"value on mesh level {r.level}", "", "g5") for r in ref.runs),
             TableColumn("order", "observed order of convergence", "", ".2f"),
-            TableColumn("extrapolated", "extrapolated value", "", "g5"),
-            TableColumn("uncertainty", "grid uncertainty", "", "g2"),
-            TableColumn("uncertainty_percent", "relative grid uncertainty", "%", ".2f"),
-            TableColumn("kind", "kind of convergence", "", "s"),
+            TableColumn("extrapolated", "value extrapolated to cell size zero", "", "g5"),
+            TableColumn("uncertainty", "mesh uncertainty of the value", "", "g2"),
+            TableColumn("uncertainty_percent", "relative mesh uncertainty of the value", "%", ".2f"),
+            TableColumn("kind", "kind of convergence over the mesh levels", "", "s"),
         ]
         if any(row.get("modelling_spread") is not None for row in rows):
-            columns.append(TableColumn("modelling_spread", "modelling uncertainty", "", "g2"))
-            columns.append(TableColumn("scene_choices", "largest effect of choices of the scene", "", "g2"))
+            columns.append(TableColumn("modelling_spread", "uncertainty of the value by modelling choices", "", "g2"))
+            columns.append(
+                TableColumn("scene_choices", "largest change by one modelling choice, computed on this scene", "", "g2")
+            )
         out.append(
             Table(
                 f"mesh-study-{name}",
                 f"Contact loads and displacements of {name} on each mesh level",
                 columns,
                 rows,
-                mesh_accuracy_sentence(ref),
+                mesh_study.mesh_accuracy_sentence(ref),
             )
         )
         figure = mesh_convergence_figure(name, table, ref)
@@ -299,7 +318,7 @@ def mesh_study_tables_and_figures(cache: SceneResultCache, references: Reference
     return out
 
 
-#: Names of the kinds of choices (modelling, numerical, of the scene) in tables, by kind.
+#: Names in tables of the kinds of choices that are varied in the 3D reference: modelling, numerical, of the scene.
 KINDS = {"modelling": "modelling", "numerical": "numerical", "scene": "of the scene"}
 
 
@@ -323,13 +342,17 @@ def modelling_choice_table(cache: SceneResultCache) -> Table | None:
             rows.append(
                 {
                     "scene": name,
-                    "choice": e.choice,
-                    TableColumn("variant", "variant", "", "s"): e.label,
-                    "kind": KINDS[e.kind],
+                    TableColumn("choice", "changed choice", "", "s"): e.choice,
+                    TableColumn("variant", "choice in the changed run", "", "s"): e.label,
+                    TableColumn("kind", "kind of the choice", "", "s"): KINDS[e.kind],
                     **_load_change_cells(e.error),
-                    TableColumn("ratio", "change of largest over smallest load, SL", "%", "+.2f"): ratio,
-                    TableColumn("model", "largest error of Lin's model against the variant", "% of mean", ".2f"): largest,
-                    TableColumn("model_rms", "RMS error of Lin's model against the variant", "% of mean", ".2f"): rms,
+                    TableColumn("ratio", "change of the ratio of largest to smallest load on flank SL", "%", "+.2f"): ratio,
+                    TableColumn(
+                        "model", "largest load error of Lin's model against the changed run", "% of mean load", ".2f"
+                    ): largest,
+                    TableColumn(
+                        "model_rms", "RMS load error of Lin's model against the changed run", "% of mean load", ".2f"
+                    ): rms,
                 }
             )
     note = (
@@ -359,17 +382,24 @@ def refined_mesh_setting_table(cache: SceneResultCache) -> Table | None:
         rows.append(
             {
                 "scene": REFINED,
-                "choice": e.choice,
+                TableColumn("choice", "refined numerical setting", "", "s"): e.choice,
                 TableColumn("variant", "refinement", "", "s"): e.label,
                 **_load_change_cells(e.error, ".3f"),
-                TableColumn("grid", "grid uncertainty of the load that changes most", "% of mean", ".3f"): float(grid[at]),
-                TableColumn("largest", "largest grid uncertainty", "% of mean", ".3f"): float(grid.max()),
-                TableColumn("beyond", "contacts that change by more than their uncertainty", "", "s"): beyond,
+                TableColumn(
+                    "grid",
+                    "mesh uncertainty of the contact load that this refinement changes most",
+                    "% of mean load",
+                    ".3f",
+                ): float(grid[at]),
+                TableColumn("largest", "largest mesh uncertainty of a contact load", "% of mean load", ".3f"): float(
+                    grid.max()
+                ),
+                TableColumn("beyond", "contacts whose load changes by more than its mesh uncertainty", "", "s"): beyond,
             }
         )
     note = (
         "One numerical choice at a time is refined beyond the finest mesh level; changes are relative to the unchanged "
-        "scene on the finest level. The grid uncertainty is the stated one with all its contributions."
+        "scene on the finest level. The mesh uncertainty is the stated one with all its contributions."
     )
     title = "Change of contact loads when one numerical setting of the finest mesh level is refined"
     return Table.from_rows("reference-choices", title, rows, note) if rows else None
@@ -395,14 +425,14 @@ def modelling_uncertainty_table(cache: SceneResultCache) -> Table | None:
     rows += [{"choice": f"{c}: not varied", "why": "no run with this variation is stored"} for c in missing]
     rows += [{"choice": f"{n.choice}: not varied", "why": n.reason} for n in NOT_VARIED]
     columns = [
-        TableColumn("choice", "choice", "", "s"),
-        *(TableColumn(name, f"{name}, largest change of a load", "% of mean", ".2f") for name in found),
-        TableColumn("why", "reason if not varied", "", "s"),
+        TableColumn("choice", "modelling choice", "", "s"),
+        *(TableColumn(name, f"{name}, largest change of a contact load", "% of mean load", ".2f") for name in found),
+        TableColumn("why", "reason why a modelling choice was not varied", "", "s"),
     ]
     note = (
         "The effects of the choices are independent and of unknown sign, so on each contact they are combined as the root "
         "of the sum of squares; of several variants of one choice, the largest effect on the contact is taken. The RMS "
-        "value is the error to expect on a typical contact; the largest value is quoted with the grid uncertainty. "
+        "value is the error to expect on a typical contact; the largest value is quoted with the mesh uncertainty. "
         "This is an estimate from one typical variation of each choice, not a bound."
     )
     return Table(
@@ -417,7 +447,7 @@ def modelling_uncertainty_table(cache: SceneResultCache) -> Table | None:
 #: Replacements of the 3D screw, and of all 3D bodies, in runs that leave out an effect.
 BEAM = "the screw is a Timoshenko beam with homogenised section, with the local response of each contact"
 RIGID = "the nut is rigid, the screw a beam, the ball rigid, each with the local response of each contact"
-#: Effects that runs of the 3D reference leave out, each with its replacement and the set-up stages that are then saved.
+#: Effects that runs of the 3D reference leave out: what replaces each effect, and the set-up stages that are then saved.
 INGREDIENTS: dict[str, tuple[str, tuple[str, ...]]] = {
     "elastic nut": ("the nut is rigid except for the local response of each contact", ("nut",)),
     "3D shaft": (BEAM, ("screw",)),
@@ -455,13 +485,18 @@ def left_out_effects_table(cache: SceneResultCache) -> Table | None:
             rows.append(
                 {
                     "scene": name,
-                    TableColumn("without", "effect left out", "", "s"): ingredient,
-                    TableColumn("meaning", "replacement", "", "s"): meaning,
+                    TableColumn("without", "effect left out of the 3D reference", "", "s"): ingredient,
+                    TableColumn("meaning", "what replaces the effect", "", "s"): meaning,
                     **_load_change_cells(e),
-                    TableColumn("seconds", "time saved", "s", "+.1f"): saved if run.measured == common else None,
-                    TableColumn("before", "error of Lin's model against the full reference", "% of mean", ".2f"): full,
+                    TableColumn("seconds", "run time saved", "s", "+.1f"): saved if run.measured == common else None,
                     TableColumn(
-                        "model", "error of Lin's model against the reduced one", "% of mean", ".2f"
+                        "before", "largest load error of Lin's model against the full 3D reference", "% of mean load", ".2f"
+                    ): full,
+                    TableColumn(
+                        "model",
+                        "largest load error of Lin's model against the reduced 3D reference",
+                        "% of mean load",
+                        ".2f",
                     ): model.max_percent,
                 }
             )
@@ -531,5 +566,8 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     items += [Text((cause,)) if cause and ablation else None, ablation]
     shown = tuple(item for item in items if item is not None)
     return Section(
-        "reference-mesh", "Uncertainty of the 3D reference", shown, conclusion=mesh_uncertainty_sentence(everything)
+        "reference-mesh",
+        "Uncertainty of the contact loads of the 3D reference",
+        shown,
+        conclusion=mesh_uncertainty_sentence(everything),
     )

@@ -13,20 +13,13 @@ import numpy as np
 
 from rollbench.compare.measure import error_percent, load_error, load_scale_of_check_errors
 from rollbench.compare.models.comparison import REFERENCED, models_shown_for_scene, path_of_condensed_bodies
-from rollbench.compare.models.modelling import UNSEEN, RefinementStepResult, ladder
+from rollbench.compare.models.modelling import UNSEEN, RefinementStepResult, solve_refinement_sequence_on_all_scenes
 from rollbench.compare.models.registry import MODELS, Model, ModelOptions, run_model
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.printed import printed_entry
+from rollbench.compare.reference import store
 from rollbench.compare.reference.estimate import Reference
 from rollbench.compare.reference.levels import SOURCE_LEVEL
-from rollbench.compare.reference.store import (
-    MeasuringConditions,
-    Run,
-    common_measuring_conditions,
-    load_stored_run,
-    measuring_conditions,
-    shipped_store,
-)
 from rollbench.compare.studies.run_times import (
     COMMANDS,
     NEW,
@@ -41,7 +34,7 @@ from rollbench.compare.studies.run_times import (
     time_command_in_empty_home,
     time_mesh_level_in_new_process,
     time_model_in_new_process,
-    utc_date_text,
+    utc_date_today,
 )
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
@@ -49,21 +42,21 @@ from rollbench.meshes.parts import Scene
 from rollbench.reports.content import Figure, Panel, Row, Series, Table, TableColumn
 
 Step = Callable[[str], None]
-#: Smallest error drawn in the figures [% of the mean load]; smaller errors are drawn at this value.
+#: Smallest contact-load error drawn in the figures [% of the mean load]; smaller errors are drawn at this value.
 FLOOR = 1e-2
-#: Number of repeated solutions whose median time is the time of a further solution (warm time).
+#: Number of solutions in a running process whose median time is the time of a further solution (warm time).
 WARM_CALLS = 10
 #: Scene whose first solution in a new process is timed with interpreted and with compiled kernels.
 FIRST = "lin-case1"
-#: Number of the longest stages of a set-up that the table names.
+#: Number of stages of a set-up, the longest ones, that the table of cold-start times names.
 DEAREST = 3
-#: Kinds of work in a set-up of the 3D reference, and their column headings.
+#: Column headings of the processor times in a set-up of the 3D reference, by kind of work.
 WORK = {
-    "all": "CPU time",
-    "meshing": "meshing",
-    "assembly": "assembly",
-    "elimination": "elimination",
-    "dense": "dense algebra of the elimination",
+    "all": "CPU time of the stage",
+    "meshing": "CPU time of meshing",
+    "assembly": "CPU time of assembly",
+    "elimination": "CPU time of elimination",
+    "dense": "CPU time of dense algebra in the elimination",
 }
 #: Models that are timed on the scene `FIRST` with interpreted and with compiled kernels.
 SAMPLE = ("lin", "refined")
@@ -79,13 +72,13 @@ PANELS = 6
 
 @dataclass(frozen=True)
 class LargestErrorWithRange:
-    """Largest error of a contact load [%], with its range due to the mesh uncertainty of the 3D reference."""
+    """Largest contact-load error against the 3D reference, with its range due to the mesh uncertainty of this reference."""
 
-    #: Largest error [%].
+    #: Largest error of a contact load [%].
     error: float
-    #: Lower end of the range of the largest error [%].
+    #: Lower end of the range in which this largest error lies [%].
     low: float
-    #: Upper end of the range of the largest error [%].
+    #: Upper end of the range in which this largest error lies [%].
     high: float
 
 
@@ -115,18 +108,19 @@ class ErrorAndRunTime:
     memory: float | None
     #: Short name of the model or mesh level, for figures.
     name: str
-    #: Largest error as ``rollbench check`` judges it, in per cent of the load of each contact.
+    #: Largest contact-load error as ``rollbench check`` judges it, in per cent of the contact's load (for nearly unloaded
+    #: contacts, of the mean load).
     gate: LargestErrorWithRange
     #: Status of the solver, such as "converged".
     status: str = "converged"
     #: Conditions of the time measurement: program version and machine; None: not measured.
-    measured: MeasuringConditions | None = None
-    #: Time from an earlier measurement, with its conditions, as text; empty: none.
+    measured: store.MeasuringConditions | None = None
+    #: Run time from an earlier measurement, with the conditions of that measurement, as text; empty: none.
     older: str = ""
 
 
 def largest_error_with_range(loads: Array, reference: Reference, scale: Array) -> LargestErrorWithRange:
-    """Return the largest error of contact loads against the 3D reference, and its range due to the grid uncertainty.
+    """Return the largest error of contact loads against the 3D reference, and its range due to the mesh uncertainty.
 
     If e is the error and U the uncertainty of a contact, the true largest error lies between max(|e| - U) and max(|e| + U)
     over all contacts.
@@ -155,7 +149,8 @@ def errors_against_reference(loads: Array, reference: Reference) -> dict[str, An
 
     ``loads``: contact loads of n balls on the four groove flanks, (n, 4) [N]. ``reference``: the 3D reference. The values
     of the dictionary are the largest and the RMS error with the range of the largest one [% of the mean load] (error, rms,
-    low, high), and the largest error as ``rollbench check`` judges it (gate).
+    low, high), and the largest error [% of the contact's load; for nearly unloaded contacts, of the mean load], which
+    ``rollbench check`` judges (gate).
     """
     e = load_error(loads, reference.load, reference.contacts)
     of_mean = largest_error_with_range(loads, reference, np.full(loads.shape, reference.mean))
@@ -166,7 +161,7 @@ def errors_against_reference(loads: Array, reference: Reference) -> dict[str, An
 def further_solution_seconds(model: Model, scene: Scene, options: ModelOptions) -> float:
     """Return the time [s] in which a model solves a scene again, with body compliances and compiled kernels available.
 
-    It is the median of `WARM_CALLS` solutions, after one that is not timed.
+    The time is the median of `WARM_CALLS` solutions, after a first solution that is not timed.
     """
     spent = []
     for _ in range(WARM_CALLS + 1):
@@ -179,7 +174,7 @@ def further_solution_seconds(model: Model, scene: Scene, options: ModelOptions) 
 def measure_run_times(
     cache: SceneResultCache, scene_names: Sequence[str], step: Step, *, with_mesh_levels: bool
 ) -> StoredRunTimes:
-    """Measure the times in which all models solve the named scenes, in a new process (cold) and in a running one (warm).
+    """Measure the times in which all models solve the named scenes, in a new (cold) and in a running (warm) process.
 
     Parameters
     ----------
@@ -212,7 +207,7 @@ def measure_run_times(
     for name, engine in product(SAMPLE, ("interpreted", "compiled")) if with_mesh_levels else ():
         step(f"{FIRST}, {name} {engine}: first process")
         first[name, engine] = time_model_in_new_process(FIRST, name, engine=engine)
-    return StoredRunTimes(measuring_conditions(), utc_date_text(), times, first, cold_levels)
+    return StoredRunTimes(store.measuring_conditions(), utc_date_today(), times, first, cold_levels)
 
 
 def measure_command_times(step: Step) -> StoredRunTimes:
@@ -224,18 +219,18 @@ def measure_command_times(step: Step) -> StoredRunTimes:
     for command in COMMANDS:
         step(f"{command}, with an empty home directory")
         commands.append(time_command_in_empty_home(command))
-    return StoredRunTimes(measuring_conditions(), utc_date_text(), {}, {}, command_times=commands)
+    return StoredRunTimes(store.measuring_conditions(), utc_date_today(), {}, {}, command_times=commands)
 
 
 def run_times_to_show(cache: SceneResultCache, step: Step) -> StoredRunTimes | None:
-    """Return the run times that a report shows: stored ones or, if ``cache`` asks for it, newly measured ones.
+    """Return the run times that a report shows: stored run times or, if ``cache`` asks for it, newly measured run times.
 
     A new measurement times every model and mesh level on every compared scene (about an hour) and is written to the
     first folder of stored runs. For a quick report only the models are timed, and nothing is stored. Returns None if no
     times are to be measured and none are stored. ``step`` is called with each line of progress.
     """
     if not cache.measures_run_times:
-        return load_run_times((*(cache.reference_folders or ()), shipped_store()))
+        return load_run_times((*(cache.reference_folders or ()), store.shipped_store()))
     measured = measure_run_times(cache, list(references_of_compared_scenes(cache)), step, with_mesh_levels=not cache.quick)
     if cache.reference_folders and not cache.quick:
         save_run_times(cache.reference_folders[0], measured)
@@ -267,12 +262,12 @@ def models_with_body_files(
     return [(m, file) for m, file in every if m.name != "condensed" or file is not None]
 
 
-def stored_reference_runs(scene_name: str, scene_reference: Reference, cache: SceneResultCache) -> list[Run]:
+def stored_reference_runs(scene_name: str, scene_reference: Reference, cache: SceneResultCache) -> list[store.Run]:
     """Return the stored 3D runs of a scene: first the one on the mesh of Lin's thesis, if stored, then all mesh levels.
 
     ``scene_name``: name of the scene. ``scene_reference``: its 3D reference on the mesh levels.
     """
-    source = load_stored_run(cache.built_in_scene(scene_name), SOURCE_LEVEL, stores=cache.reference_folders)
+    source = store.load_stored_run(cache.built_in_scene(scene_name), SOURCE_LEVEL, stores=cache.reference_folders)
     return [*(() if source is None else (source,)), *scene_reference.runs]
 
 
@@ -281,7 +276,7 @@ def error_and_time_points(
 ) -> list[ErrorAndRunTime]:
     """Return the load errors and run times of all models and 3D mesh levels on one scene.
 
-    Times from other measurements than the one shown are stated as text, with the conditions of their measurement.
+    For a 3D run that was not timed together with the models, the earlier run time and its conditions are given as text.
 
     Parameters
     ----------
@@ -337,7 +332,7 @@ def _solve_scene(scene_name: str, model: Model, cache: SceneResultCache, condens
     """
     if condensed_file is None:
         return cache.solve_once(scene_name, model.name)
-    for rung in cache.computed_values.get((ladder,), ()):
+    for rung in cache.computed_values.get((solve_refinement_sequence_on_all_scenes,), ()):
         if (rung.scene, rung.model) == (scene_name, model.name):
             return cast(RefinementStepResult, rung).result
     return run_model(
@@ -360,24 +355,26 @@ def error_and_time_table(points_by_scene: Mapping[str, Sequence[ErrorAndRunTime]
     rows: list[Row] = [
         {
             "scene": scene,
-            "model": p.label,
-            TableColumn("error", "largest error", "% of mean", ".2f"): p.error,
-            TableColumn("low", "largest error, at least", "% of mean", ".2f"): p.low,
-            TableColumn("high", "largest error, at most", "% of mean", ".2f"): p.high,
-            TableColumn("rms", "RMS error", "% of mean", ".2f"): p.rms,
-            TableColumn("cold", "cold start", "s", "g3"): p.cold,
-            TableColumn("warm", "further solution", "s", "g3"): p.warm,
-            TableColumn("older", "time by an earlier measurement", "", "s"): p.older,
-            "unknowns": p.unknowns,
+            TableColumn("model", "model or mesh level", "", "s"): p.label,
+            TableColumn("error", "largest contact-load error", "% of mean load", ".2f"): p.error,
+            TableColumn("low", "largest contact-load error, at least", "% of mean load", ".2f"): p.low,
+            TableColumn("high", "largest contact-load error, at most", "% of mean load", ".2f"): p.high,
+            TableColumn("rms", "RMS error of the contact loads", "% of mean load", ".2f"): p.rms,
+            TableColumn("cold", "run time of a cold start", "s", "g3"): p.cold,
+            TableColumn("warm", "run time of a further solution", "s", "g3"): p.warm,
+            TableColumn("older", "run time by an earlier measurement", "", "s"): p.older,
+            TableColumn("unknowns", "number of unknowns", "", "s"): p.unknowns,
             TableColumn("memory", "peak memory", "MB", ".0f"): p.memory if p.memory is not None else "not measured",
-            TableColumn("status", "status if not converged", "", "s"): "" if p.status == "converged" else p.status,
+            TableColumn("status", "status of the solver if not converged", "", "s"): ""
+            if p.status == "converged"
+            else p.status,
         }
         for scene, several in points_by_scene.items()
         for p in several
     ]
     note = (
         "Errors of all models and mesh levels are against the finest mesh level of the 3D reference, whose own error is "
-        "zero by definition. At least and at most: range of the largest error due to the grid uncertainty of every "
+        "zero by definition. At least and at most: range of the largest error due to the mesh uncertainty of every "
         "contact. Cold start: a new process with empty caches; for low-order models from the start of the interpreter to "
         "the first solution, with interpreted kernels; for the 3D reference up to its loads, on all cores. Further "
         "solution: the compliance of the bodies is known and kernels are compiled; for the 3D reference a further load "
@@ -399,10 +396,10 @@ def kernel_compilation_table(run_times: StoredRunTimes) -> Table:
     rows: list[Row] = [
         {
             "model": MODELS[name].label,
-            TableColumn("engine", "kernels", "", "s"): engine,
-            TableColumn("process", "new process, empty caches", "s", "g3"): cold.process,
-            TableColumn("first", "first solution in it", "s", "g3"): cold.first,
-            TableColumn("warm", "a further solution", "s", "g3"): cold.warm,
+            TableColumn("engine", "interpreted or compiled kernels", "", "s"): engine,
+            TableColumn("process", "run time of a new process with empty caches", "s", "g3"): cold.process,
+            TableColumn("first", "time of the first solution in the process", "s", "g3"): cold.first,
+            TableColumn("warm", "time of a further solution", "s", "g3"): cold.warm,
             TableColumn("memory", "peak memory", "MB", ".0f"): cold.memory,
         }
         for (name, engine), cold in run_times.first_solution_times.items()
@@ -424,15 +421,15 @@ def command_time_table(run_times: StoredRunTimes) -> Table:
     rows: list[Row] = [
         {
             TableColumn("command", "command", "", "s"): c.command,
-            TableColumn("reach", "target", "", "s"): COMMANDS.get(c.command, ""),
-            TableColumn("seconds", "empty home directory", "s", "g3"): c.seconds,
-            TableColumn("first_line", "until its first line", "s", "g3"): c.first_line,
-            TableColumn("cpu", "CPU time", "s", "g3"): c.cpu,
-            TableColumn("again", "second run", "s", "g3"): c.again,
-            TableColumn("again_cpu", "CPU time, second run", "s", "g3"): c.again_cpu,
-            TableColumn("beside", "next to a busy process", "s", "g3"): c.beside,
+            TableColumn("reach", "target of the run time", "", "s"): COMMANDS.get(c.command, ""),
+            TableColumn("seconds", "run time with an empty home directory", "s", "g3"): c.seconds,
+            TableColumn("first_line", "time until the first line of output", "s", "g3"): c.first_line,
+            TableColumn("cpu", "CPU time with an empty home directory", "s", "g3"): c.cpu,
+            TableColumn("again", "run time of a second run", "s", "g3"): c.again,
+            TableColumn("again_cpu", "CPU time of a second run", "s", "g3"): c.again_cpu,
+            TableColumn("beside", "run time next to a busy process", "s", "g3"): c.beside,
             TableColumn("beside_cpu", "CPU time next to a busy process", "s", "g3"): c.beside_cpu,
-            TableColumn("note", "note", "", "s"): c.note,
+            TableColumn("note", "note on the measurement", "", "s"): c.note,
         }
         for c in run_times.command_times
     ]
@@ -455,14 +452,14 @@ def cold_start_time_table_of_mesh_levels(run_times: StoredRunTimes) -> Table:
     rows: list[Row] = [
         {
             "scene": c.scene,
-            "contacts": c.contacts,
-            "level": c.level,
-            TableColumn("cold", "new process, empty caches", "s", "g3"): c.process,
+            TableColumn("contacts", "number of contacts", "", "s"): c.contacts,
+            TableColumn("level", "mesh level", "", "s"): c.level,
+            TableColumn("cold", "run time of a new process with empty caches", "s", "g3"): c.process,
             TableColumn("cpu", "CPU time of all processes", "s", "g3"): c.cpu,
-            TableColumn("load_case", "a further load case", "s", "g3"): c.load_case,
-            TableColumn("stages", "longest stages of the set-up", "", "s"): _longest_stages_text(c),
+            TableColumn("load_case", "run time of a further load case", "s", "g3"): c.load_case,
+            TableColumn("stages", "longest stages of the set-up and their times", "", "s"): _longest_stages_text(c),
             TableColumn("memory", "peak memory", "MB", ".0f"): c.memory,
-            "status": c.status,
+            TableColumn("status", "status of the solver", "", "s"): c.status,
         }
         for c in run_times.mesh_level_times
     ]
@@ -478,20 +475,20 @@ def cold_start_time_table_of_mesh_levels(run_times: StoredRunTimes) -> Table:
 
 
 def set_up_time_tables(costs: SetUpCosts) -> list[Table]:
-    """Return two tables on the set-up of the 3D reference: processor time of each stage, and cheaper set-up variants.
+    """Return tables on the set-up of the 3D reference: processor time of each stage, and cheaper ways that were rejected.
 
     ``costs``: measured processor times and, for each cheaper variant, the saved time and the change of contact loads.
     """
     measured = (
-        f"Measured with {MeasuringConditions(costs.version, machine=costs.machine)}, {costs.date}, by "
+        f"Measured with {store.MeasuringConditions(costs.version, machine=costs.machine)}, {costs.date}, by "
         "tests/set_up_costs.py."
     )
     rows: list[Row] = [
         {
             "scene": job.scene,
-            "level": job.level,
-            "contacts": job.contacts,
-            "stage": stage,
+            TableColumn("level", "mesh level", "", "s"): job.level,
+            TableColumn("contacts", "number of contacts", "", "s"): job.contacts,
+            TableColumn("stage", "stage of the set-up", "", "s"): stage,
             **{TableColumn(kind, words, "s", ".2f"): spent.get(kind, 0.0) for kind, words in WORK.items()},
         }
         for job in costs.jobs
@@ -507,9 +504,9 @@ def set_up_time_tables(costs: SetUpCosts) -> list[Table]:
     ways: list[Row] = [
         {
             "scene": way.scene,
-            TableColumn("way", "variant", "", "s"): way.way,
-            TableColumn("saved", "CPU time saved", "s", ".2f"): way.saved,
-            TableColumn("moved", "largest change of a load", "% of mean", ".4f"): way.moved,
+            TableColumn("way", "variant of the set-up", "", "s"): way.way,
+            TableColumn("saved", "CPU time saved by the variant", "s", ".2f"): way.saved,
+            TableColumn("moved", "largest change of a contact load", "% of mean load", ".4f"): way.moved,
         }
         for way in costs.ways
     ]
@@ -547,7 +544,8 @@ def _longest_stages_text(level: ColdLevelTime) -> str:
 def run_time_ratio_table(points_by_scene: Mapping[str, Sequence[ErrorAndRunTime]]) -> Table:
     """Return the table of run times of the 3D reference on its finest mesh level divided by those of Lin's model.
 
-    The ratio is given for each scene, for a new process up to the loads and for a further load case of a known geometry.
+    For each scene there are two ratios: of the times in a new process, from its start to the contact loads, and of the
+    times for a further load case of the same geometry.
     ``points_by_scene``: errors and run times by name of the scene. Raises ValueError if the times come from several
     measurements.
     """
@@ -556,16 +554,16 @@ def run_time_ratio_table(points_by_scene: Mapping[str, Sequence[ErrorAndRunTime]
         low = next(p for p in several if p.name == "lin")
         best = [p for p in several if p.kind == "level"][-1]
         if low.cold and low.warm and best.cold and best.warm:
-            common_measuring_conditions(p.measured for p in (low, best) if p.measured is not None)
+            store.common_measuring_conditions(p.measured for p in (low, best) if p.measured is not None)
             rows.append(
                 {
                     "scene": scene,
-                    TableColumn("low", "Lin's model, cold start", "s", "g3"): low.cold,
-                    TableColumn("low_warm", "Lin's model, further load case", "s", "g3"): low.warm,
-                    TableColumn("ref", "3D reference, cold start", "s", ".1f"): best.cold,
-                    TableColumn("ref_warm", "3D reference, further load case", "s", ".2f"): best.warm,
-                    TableColumn("cold", "ratio, cold start", "", ".0f"): best.cold / low.cold,
-                    TableColumn("warm", "ratio, further load case", "", ".0f"): best.warm / low.warm,
+                    TableColumn("low", "run time of Lin's model, cold start", "s", "g3"): low.cold,
+                    TableColumn("low_warm", "run time of Lin's model, further load case", "s", "g3"): low.warm,
+                    TableColumn("ref", "run time of the 3D reference, cold start", "s", ".1f"): best.cold,
+                    TableColumn("ref_warm", "run time of the 3D reference, further load case", "s", ".2f"): best.warm,
+                    TableColumn("cold", "ratio of the run times, cold start", "", ".0f"): best.cold / low.cold,
+                    TableColumn("warm", "ratio of the run times, further load case", "", ".0f"): best.warm / low.warm,
                 }
             )
     printed = printed_entry("lin-2.4.1", "speed_ratio").number_as_printed
@@ -594,7 +592,7 @@ def error_over_time_panel(scene_name: str, scene_points: Sequence[ErrorAndRunTim
     if levels:
         drawn.append(series("3D reference, mesh levels", levels, "markers", emphasis=True))
     label = "run time of a cold start / s"
-    return Panel(scene_name, label, "largest error / % of the mean load", tuple(drawn), log_axes="xy")
+    return Panel(scene_name, label, "largest contact-load error / % of the mean load", tuple(drawn), log_axes="xy")
 
 
 def error_over_time_figures(points_by_scene: Mapping[str, Sequence[ErrorAndRunTime]]) -> list[Figure]:
@@ -630,11 +628,11 @@ def errors_and_times_of_all_scenes(cache: SceneResultCache, step: Step) -> dict[
 
     ``step`` is called with each line of progress. Raises ValueError if the times come from several measurements.
     """
-    cache.compute_once(ladder)  # its solutions are used here too
+    cache.compute_once(solve_refinement_sequence_on_all_scenes)  # its solutions are used here too
     points = {
         name: error_and_time_points(name, ref, cache, step) for name, ref in references_of_compared_scenes(cache).items()
     }
-    common_measuring_conditions(p.measured for several in points.values() for p in several if p.measured is not None)
+    store.common_measuring_conditions(p.measured for several in points.values() for p in several if p.measured is not None)
     return points
 
 
@@ -656,9 +654,9 @@ def run_time_items(cache: SceneResultCache, step: Step) -> list[Table | Figure]:
     points, kept = cache.compute_once(errors_and_times_of_all_scenes, step), cache.compute_once(run_times_to_show, step)
     items: list[Table | Figure] = [error_and_time_table(points, run_time_conditions_sentence(cache, step))]
     if not cache.quick:
-        costs = load_set_up_costs((*(cache.reference_folders or ()), shipped_store()))
+        costs = load_set_up_costs((*(cache.reference_folders or ()), store.shipped_store()))
         items += [] if kept is None else [kernel_compilation_table(kept), cold_start_time_table_of_mesh_levels(kept)]
-        commands = load_run_times((*(cache.reference_folders or ()), shipped_store()), TYPED)
+        commands = load_run_times((*(cache.reference_folders or ()), store.shipped_store()), TYPED)
         items += [] if commands is None else [command_time_table(commands)]
         items += [] if costs is None else set_up_time_tables(costs)
     return [*items, run_time_ratio_table(points), *error_over_time_figures(points)]

@@ -9,16 +9,11 @@ import numpy as np
 
 from rollbench.compare.gate.verdict import LIMIT, ErrorLimits, Verdict
 from rollbench.compare.gate.verdict import judge_contact_loads as by_gate
+from rollbench.compare.models import uncertainty
 from rollbench.compare.models.comparison import REFERENCED, RULE, solution_from_result, solution_from_run
 from rollbench.compare.models.modelling import UNSEEN
 from rollbench.compare.models.registry import DEFAULT
 from rollbench.compare.models.study import SceneResultCache
-from rollbench.compare.models.uncertainty import (
-    CONTACTS,
-    QUANTITIES,
-    ErrorWithUncertainty,
-    error_with_validation_uncertainty,
-)
 from rollbench.compare.reference.estimate import Reference
 from rollbench.meshes.parts import Scene
 from rollbench.reports.content import Figure, Row, Section, Sketch, Table, TableColumn, Text
@@ -61,12 +56,13 @@ MODELS = (DEFAULT, "lin")
 
 LEGEND = (
     "Sketches are to scale near the nut. Hatched: surface that is fixed in the 3D reference; light: balls behind the "
-    f"axis. Verdicts: rollbench check at {LIMIT:g} %, {RULE}, for the stated inputs, which model and reference share. "
+    f"axis. Errors as rollbench check judges them are {RULE}, for the stated inputs, which model and reference share. "
     "u_val: uncertainty (95 %) of the error against a real screw, by mesh, modelling choices and input tolerances "
     "(section u-val)."
 )
 
-Judged = Mapping[tuple[str, str], ErrorWithUncertainty]
+#: Errors of models with their validation uncertainty, by pairs of model and quantity.
+Judged = Mapping[tuple[str, str], uncertainty.ErrorWithUncertainty]
 
 
 def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Section:
@@ -96,9 +92,9 @@ def errors_by_model_and_quantity(cache: SceneResultCache, name: str) -> Judged:
     return {
         (model, quantity.name): one
         for model in MODELS
-        for quantity in QUANTITIES
+        for quantity in uncertainty.QUANTITIES
         if (
-            one := error_with_validation_uncertainty(
+            one := uncertainty.error_with_validation_uncertainty(
                 cache, name, model, quantity, solution_from_result(cache.solve_once(name, model))
             )
         )
@@ -129,11 +125,11 @@ def largest_errors_sentence(errors_by_scene: Mapping[str, Judged]) -> str:
 
 
 def _largest_error_text(errors_by_scene: Mapping[str, Judged], model: str) -> str:
-    """Return as text the largest contact-load error of a model over several scenes, with the name of that scene.
+    """Return as text the largest contact-load error of a model over several scenes, and the scene on which it occurs.
 
     ``errors_by_scene``: errors by name of the scene, then by model and quantity.
     """
-    errors = {name: abs(v[model, CONTACTS].error) for name, v in errors_by_scene.items()}
+    errors = {name: abs(v[model, uncertainty.CONTACTS].error) for name, v in errors_by_scene.items()}
     name = max(errors, key=errors.__getitem__)
     return f"{errors[name]:.1f} % by the model {model} ({name})"
 
@@ -147,8 +143,8 @@ def data_sheet_items(
     quantity.
     """
     scene = cache.built_in_scene(name)
-    gate = gate_verdicts_by_model(cache, name, reference)
-    words = (gate_verdict_sentence(gate), uncertainty_sentence(reference, validated_errors[DEFAULT, CONTACTS]))
+    gate = check_verdicts_by_model(cache, name, reference)
+    words = (check_verdict_sentence(gate), uncertainty_sentence(reference, validated_errors[DEFAULT, uncertainty.CONTACTS]))
     return (
         Text(words, heading=f"{name}: {scene.title}"),
         sketch_scene(scene, f"sketch-{name}", f"Side view of {name} with supports and loads"),
@@ -156,11 +152,11 @@ def data_sheet_items(
     )
 
 
-#: Verdicts of ``rollbench check`` on a model as verbs in a sentence.
+#: Verbs for the verdicts of ``rollbench check`` on a model, in a sentence.
 WORDS = {"pass": "passes", "fail": "fails", "undecided": "is undecided at"}
 
 
-def gate_verdicts_by_model(cache: SceneResultCache, name: str, reference: Reference) -> dict[str, Verdict]:
+def check_verdicts_by_model(cache: SceneResultCache, name: str, reference: Reference) -> dict[str, Verdict]:
     """Return the verdict of ``rollbench check`` on each model's contact loads on a scene, by model name.
 
     ``name``: name of the scene. ``reference``: its 3D reference.
@@ -168,17 +164,17 @@ def gate_verdicts_by_model(cache: SceneResultCache, name: str, reference: Refere
     return {model: by_gate(model, cache.solve_once(name, model).load, reference, ErrorLimits())[0] for model in MODELS}
 
 
-def gate_verdict_sentence(verdicts: Mapping[str, Verdict]) -> str:
-    """Return the sentence on the verdicts of ``rollbench check`` on each model, with the contact that decided each.
+def check_verdict_sentence(verdicts: Mapping[str, Verdict]) -> str:
+    """Return the sentence on the verdicts of ``rollbench check`` on each model, with the contact that decided the verdict.
 
     ``verdicts``: verdicts on the contact loads, by name of the model. The text states error, ball and flank of the contact.
     """
     sentences = [
-        f"{model} {WORDS[v.word]} the limit of {LIMIT:g} % of rollbench check: "
+        f"the model {model} {WORDS[v.word]} the limit of {LIMIT:g} % of rollbench check: "
         f"{_signed_text(v.error or 0.0)} % on ball {v.ball} {v.flank}"
         for model, v in verdicts.items()
     ]
-    return f"Verdict: {'; '.join(sentences)}."
+    return f"Contact loads: {'; '.join(sentences)}."
 
 
 def _signed_text(value: float) -> str:
@@ -186,7 +182,7 @@ def _signed_text(value: float) -> str:
     return f"{value:+.2f}".replace("-", "−")
 
 
-def uncertainty_sentence(reference: Reference, validated: ErrorWithUncertainty) -> str:
+def uncertainty_sentence(reference: Reference, validated: uncertainty.ErrorWithUncertainty) -> str:
     """Return the sentence on the uncertainty of the contact-load error on a scene, and on its three contributions.
 
     The contributions are mesh, modelling choices and input tolerances. ``reference``: 3D reference of the scene.
@@ -199,6 +195,11 @@ def uncertainty_sentence(reference: Reference, validated: ErrorWithUncertainty) 
     return f"Uncertainty: mesh levels {levels} of the 3D reference; {validated.uncertainty_text}, of which {known}.{also}"
 
 
+def _source_name(key: str) -> str:
+    """Return the origin of a data sheet's value for a column heading; ``key``: "3D reference", or the name of a model."""
+    return f"the {key}" if key == "3D reference" else f"the model {key}"
+
+
 def data_sheet_table(
     cache: SceneResultCache,
     scene: Scene,
@@ -209,8 +210,9 @@ def data_sheet_table(
     """Return the table of a scene's data sheet: each quantity by the 3D reference and by the models, with their errors.
 
     ``validated_errors``: errors by model and quantity. ``gate_verdicts_of_models``: verdicts of ``rollbench check`` on the
-    contact loads, by model. For contact loads only the errors are shown (as ``rollbench check`` judges them, and in per
-    cent of the mean load), because the worst contact differs from model to model.
+    contact loads, by model. For contact loads only the largest error is shown, because the worst contact differs from model
+    to model: in per cent of the contact's load (for nearly unloaded contacts, of the mean load), as ``rollbench check``
+    judges it, and in per cent of the mean load.
     """
     answers = {"3D reference": solution_from_run(reference.best, "")}
     answers |= {model: solution_from_result(cache.solve_once(scene.name, model)) for model in MODELS}
@@ -220,21 +222,29 @@ def data_sheet_table(
     ) -> Row:
         return {
             "quantity": quantity,
-            **{TableColumn(key, key): values.get(key) for key in answers},
-            **{TableColumn(f"error-{model}", f"error of {model}", "%", "+.2f"): error for model, error in errors.items()},
-            TableColumn("u_val", "u_val", "%", ".2f"): u_val if np.isfinite(u_val) else None,
+            **{TableColumn(key, f"value by {_source_name(key)}"): values.get(key) for key in answers},
+            **{
+                TableColumn(f"error-{model}", f"error of the model {model}", "%", "+.2f"): error
+                for model, error in errors.items()
+            },
+            TableColumn("u_val", f"uncertainty u_val of the error of {DEFAULT}", "%", ".2f"): u_val
+            if np.isfinite(u_val)
+            else None,
         }
 
     rows = [
         quantity_row(
-            "worst contact load by the gate's rule", {m: v.error for m, v in gate_verdicts_of_models.items()}, np.nan, {}
+            "largest contact-load error as rollbench check judges it",
+            {m: v.error for m, v in gate_verdicts_of_models.items()},
+            np.nan,
+            {},
         )
     ]
-    for q in QUANTITIES:
-        single = q.name != CONTACTS
+    for q in uncertainty.QUANTITIES:
+        single = q.name != uncertainty.CONTACTS
         errors = {model: validated_errors[model, q.name].error for model in MODELS}
         values = {key: float(q.values_of_solution(scene, answer)[0]) if single else None for key, answer in answers.items()}
-        words = f"{q.name} [{q.unit}]" if single else "worst contact load, in per cent of the mean load"
+        words = f"{q.name} [{q.unit}]" if single else "largest contact-load error, in per cent of the mean load"
         rows.append(quantity_row(words, errors, validated_errors[DEFAULT, q.name].combined, values))
     return Table.from_rows(
         f"sheet-{scene.name}", f"Results on {scene.name} by 3D reference and models, with the models' errors", rows

@@ -18,8 +18,8 @@ from rollbench.compare.case import Case
 from rollbench.compare.errors import InputError
 from rollbench.compare.evidence import PrintedEntryComparison, all_computations, join_remarks, publication_title_of
 from rollbench.compare.measure import error_percent
-from rollbench.compare.printed import PrintedEntry, load_printed_table, printed_entry
-from rollbench.compare.sections.verdicts import shown_error_or_none
+from rollbench.compare.printed import VERDICT_NAMES, PrintedEntry, load_printed_table, printed_entry
+from rollbench.compare.sections.verdicts import error_for_table_cell
 from rollbench.reports.content import Row, Table, TableColumn
 
 #: Further cells of table rows, by name of the row's printed number ("table:key").
@@ -34,7 +34,7 @@ class PrintedLayout:
     case: str
     #: Number of the table in the publication.
     number: str
-    #: Short description of the table's contents.
+    #: Short description of the printed table's contents, such as "inputs of the rotary bearing".
     short: str
     #: Title of the table in the report.
     title: str
@@ -123,6 +123,10 @@ def format_like_printed_number(value: float | None, printed: str) -> str:
     return text.removeprefix("-") if not float(text) else text
 
 
+#: Ends of the column headings of `printed_and_computed_table_in_layout`.
+IN_LAYOUT = {"printed": "printed", "ours": "computed here", "right": "computed here without the publication's mistake"}
+
+
 def printed_and_computed_table_in_layout(
     layout: PrintedLayout, evidence_by_name: Mapping[str, PrintedEntryComparison], replacing_texts: Mapping[str, str]
 ) -> Table:
@@ -151,9 +155,9 @@ def printed_and_computed_table_in_layout(
         for names in zip(*layout.across, strict=True)
     ]
     for (label, names), several in zip(layout.rows, across, strict=True):
-        row: Row = {TableColumn("label", "", "", "s"): label} if any(label for label, _ in layout.rows) else {}
+        row: Row = {TableColumn("label", "printed row", "", "s"): label} if any(label for label, _ in layout.rows) else {}
         if of_row and any("".join(units) for units in across):
-            row[TableColumn("unit", "unit", "", "s")] = next(iter(several))
+            row[TableColumn("unit", "printed unit", "", "s")] = next(iter(several))
         for k, (head, name) in enumerate(zip(layout.columns, names, strict=True)):
             heading = next(iter(down[k])) if of_column and not of_row else ""
             unit = "" if of_row or of_column or not name else evidence_by_name[name].printed.unit
@@ -176,11 +180,11 @@ def printed_and_computed_table_in_layout(
                 )
             for key, text in texts.items():
                 if key != "right" or faulty[k]:
-                    row[TableColumn(f"{key}-{k}", f"{head}, {key}", heading, "s")] = text
+                    row[TableColumn(f"{key}-{k}", f"{head}, {IN_LAYOUT[key]}", heading, "s")] = text
         rows.append(row)
     note = (
-        "Ours: computed by the low-order model. Where an error of the publication changes the number, the error is "
-        "repeated and the correct value is shown as well."
+        "Computed here: by the low-order model, with the publication's error where an error of the publication changes the "
+        "number; the value computed without this mistake is then shown as well."
     )
     if any(f.reference is not None for f in map(evidence_by_name.__getitem__, layout.names)):
         note += " Numbers by ANSYS are compared with the 3D reference."
@@ -198,9 +202,9 @@ def _printed_units(names: Iterable[str], evidence_by_name: Mapping[str, PrintedE
 def computed_value_text(evidence: PrintedEntryComparison) -> str:
     """Return the computed value of a printed number as text, with as many decimals as the printed one.
 
-    ``evidence``: the printed number with its computed values. The text shows the first of these values that exists:
-    computed with the error of the publication repeated, correct, by the 3D reference. For a claim in words the text states
-    whether it holds.
+    ``evidence``: the printed number with its computed values. The text shows the value computed with the publication's
+    error repeated; if there is none, the correct value; if there is none either, the value by the 3D reference. For a claim
+    in words the text states whether the claim holds.
     """
     if evidence.printed.claim:
         return "–" if evidence.claim_is_true is None else "holds" if evidence.claim_is_true else "does not hold"
@@ -208,16 +212,18 @@ def computed_value_text(evidence: PrintedEntryComparison) -> str:
     return format_like_printed_number(next((v for v in values if v is not None), None), evidence.printed.number_as_printed)
 
 
-#: Columns of the table of all printed numbers: values, their errors against the printed number, and scenes.
-PRINTED, SOLID = TableColumn("printed", "printed", "", "s"), TableColumn("solid", "3D, ours", "", "s")
+#: Columns of the table of printed and computed values: values, their errors against the printed number, and scenes.
+PRINTED, SOLID = TableColumn("printed", "printed value", "", "s"), TableColumn("solid", "value by the 3D model", "", "s")
 OFF = {
-    "right": TableColumn("off", "error: ours against printed", "%", "+.2f"),
-    "faulty": TableColumn("off_faulty", "error: with the publication's errors, against printed", "%", "+.2f"),
-    "reading": TableColumn("off_reading", "error: with inferred assumption, against printed", "%", "+.2f"),
-    "solid": TableColumn("off_solid", "error: 3D against printed", "%", "+.2f"),
+    "right": TableColumn("off", "error of the low-order against the printed value", "%", "+.2f"),
+    "faulty": TableColumn("off_faulty", "error against the printed value, with the publication's error", "%", "+.2f"),
+    "reading": TableColumn("off_reading", "error against the printed value, with the inferred assumption", "%", "+.2f"),
+    "solid": TableColumn("off_solid", "error of the 3D against the printed value", "%", "+.2f"),
 }
-AGAINST = TableColumn("against", "error: low-order against 3D, both ours", "%", "+.2f")
-SCENES = TableColumn("scenes", "scenes, or why there are none", "", "s")
+AGAINST = TableColumn("against", "error of the low-order against the 3D value", "%", "+.2f")
+#: Column that states whether the printed number is reproduced; its key makes a page colour the cells.
+REPRODUCED = TableColumn("verdict", "whether reproduced", "", "s")
+SCENES = TableColumn("scenes", "scenes solved, or why there are none", "", "s")
 
 
 def printed_and_computed_table(
@@ -258,9 +264,9 @@ def printed_and_computed_table(
                 row = base | {q: None for q in further if q not in base} | further_cells.get(name, {})
                 reason = join_remarks(f.reason, _tolerance_band_text(f.printed))
                 remark = remarks.setdefault(reason, len(remarks) + 1) if reason else None
-                first: Row = {TableColumn("label", "number", "", "s"): label or f.printed.label}
-                first[TableColumn("column", "column", "", "s")] = "" if head == "Value" or not label else head
-                last: Row = {"verdict": f.verdict, "how": f"how-{f.printed.table}"}
+                first: Row = {TableColumn("label", "printed number", "", "s"): label or f.printed.label}
+                first[TableColumn("column", "printed column", "", "s")] = "" if head == "Value" or not label else head
+                last: Row = {REPRODUCED: VERDICT_NAMES[f.verdict], "how": f"how-{f.printed.table}"}
                 rows.append(first | row | last | {TableColumn("remark", "remark", "", "s"): remark})
     notes = [note, *(f"{number}: {text}" for text, number in remarks.items())]
     title = f"{layout.heading}: printed and computed value of every number"
@@ -269,10 +275,11 @@ def printed_and_computed_table(
 
 
 def _printed_and_computed_row(layout: PrintedLayout, evidence: PrintedEntryComparison, reason_without_3d_value: str) -> Row:
-    """Return the row of one printed number: printed value, computed values, and their errors against it [%].
+    """Return the row of one printed number: printed value, computed values, and errors of the computed values [%].
 
-    ``evidence``: the printed number with its computed values. ``reason_without_3d_value``: text that is shown if there is
-    no value by the 3D reference.
+    ``layout``: layout of the printed table, which sets the number of digits. ``evidence``: the printed number with its
+    computed values; their errors are against the printed value, one also against the 3D value. ``reason_without_3d_value``:
+    text that is shown if there is no value by the 3D reference.
     """
     p, form = evidence.printed, f"g{layout.significant_digits}"
     values = {
@@ -284,9 +291,9 @@ def _printed_and_computed_row(layout: PrintedLayout, evidence: PrintedEntryCompa
     off = {key: _percent_error_or_none(value, p.value) for key, value in values.items()}
     return {
         PRINTED: f"{p.number_as_printed or p.claim} {p.unit}".rstrip(),
-        TableColumn("right", "low-order, ours", "", form): _zero_if_round_off(evidence.value),
-        TableColumn("faulty", "with the publication's errors", "", form): _zero_if_round_off(evidence.as_printed),
-        TableColumn("reading", "with inferred assumption", "", form): evidence.value_by_inferred_assumption,
+        TableColumn("right", "value by the low-order model", "", form): _zero_if_round_off(evidence.value),
+        TableColumn("faulty", "value with the publication's error", "", form): _zero_if_round_off(evidence.as_printed),
+        TableColumn("reading", "value with an inferred assumption", "", form): evidence.value_by_inferred_assumption,
         SOLID: f"{_zero_if_round_off(evidence.reference) or 0.0:.{layout.significant_digits}g}"
         if evidence.reference is not None
         else reason_without_3d_value,
@@ -311,7 +318,7 @@ def _percent_error_or_none(value: float | None, reference: float | None) -> floa
     """Return the error of a value against a reference [%]; None if one of them is None, or if both are round-off."""
     if value is None or reference is None or max(abs(value), abs(reference)) < 1e-9:
         return None
-    return shown_error_or_none(float(error_percent(value, reference)))
+    return error_for_table_cell(float(error_percent(value, reference)))
 
 
 def _zero_if_round_off(value: float | None) -> float | None:
@@ -344,10 +351,10 @@ def printed_input_table(layout: PrintedLayout, evidence_by_name: Mapping[str, Pr
             TableColumn("scene", "value in the scene", "", "s"): format_like_printed_number(
                 f.value, f.printed.number_as_printed
             ),
-            TableColumn("name", "scene", "", "s"): ", ".join(
+            TableColumn("name", "scenes with the parameter", "", "s"): ", ".join(
                 all_computations()[f.printed.table].scenes_or_reason(f.printed)[0]
             ),
-            "verdict": f.verdict,
+            REPRODUCED: VERDICT_NAMES[f.verdict],
             "how": f"how-{f.printed.table}",
             TableColumn("remark", "remark", "", "s"): f.reason,
         }
@@ -369,15 +376,17 @@ def tables_on_computation_of_numbers(file_names: Iterable[str]) -> Iterator[Tabl
         )
         rows: list[Row] = [
             {
-                TableColumn("keys", "keys of printed numbers", "", "s"): pattern,
+                TableColumn("keys", "names of the printed numbers in the data files", "", "s"): pattern,
                 SCENES: behind if isinstance(behind, str) else ", ".join(behind),
-                TableColumn("function", "computed by", "", "s"): one.function_name,
-                TableColumn("test", "tested in", "", "s"): one.test_file or "–",
-                TableColumn("command", "recomputed by", "", "s"): f"rollbench check --printed --only {name}",
+                TableColumn("function", "function that computes the numbers", "", "s"): one.function_name,
+                TableColumn("test", "test file", "", "s"): one.test_file or "–",
+                TableColumn(
+                    "command", "command that computes the numbers again", "", "s"
+                ): f"rollbench check --printed --only {name}",
             }
             for pattern, behind in one.scenes_or_reason_by_key_pattern
         ]
-        yield Table.from_rows(f"how-{name}", f"How the numbers of {name} are computed ({places})", rows)
+        yield Table.from_rows(f"how-{name}", f"How the printed numbers of the file {name} are computed ({places})", rows)
 
 
 def _sort_key_of_place(place: str) -> tuple[bool, list[int], str]:
@@ -439,16 +448,18 @@ def _reproduced_counts_row(place: str, entries: Sequence[PrintedEntryComparison]
     borne = sum(f.verdict in ("reproduced", "band") for f in claims)
     return {
         TableColumn("place", "publication, table or section", "", "s"): place,
-        TableColumn("printed", "printed values", "", "s"): len(numbers),
-        TableColumn("inputs", "inputs", "", "s"): tally["input"],
+        TableColumn("printed", "number of printed values", "", "s"): len(numbers),
+        TableColumn("inputs", "of these: inputs", "", "s"): tally["input"],
         TableColumn("identities", "identities, zeros by symmetry", "", "s"): tally["identity"],
-        TableColumn("results", "results", "", "s"): len(numbers) - tally["input"] - tally["identity"],
-        TableColumn("reproduced", "reproduced", "", "s"): tally["reproduced"],
+        TableColumn("results", "results of a computation or test", "", "s"): len(numbers)
+        - tally["input"]
+        - tally["identity"],
+        TableColumn("reproduced", "results reproduced", "", "s"): tally["reproduced"],
         TableColumn("faulty", "only with the publication's error", "", "s"): tally["only as printed"],
         TableColumn("band", "within a tolerance band", "", "s"): tally["band"],
-        TableColumn("contradicted", "contradicted", "", "s"): tally["contradicted"],
-        TableColumn("open", "not identifiable", "", "s"): tally["not identifiable"],
-        TableColumn("claims", "claims confirmed", "", "s"): f"{borne} of {len(claims)}" if claims else "",
+        TableColumn("contradicted", "results that a computation contradicts", "", "s"): tally["contradicted"],
+        TableColumn("open", VERDICT_NAMES["not identifiable"], "", "s"): tally["not identifiable"],
+        TableColumn("claims", "claims in words confirmed", "", "s"): f"{borne} of {len(claims)}" if claims else "",
     }
 
 

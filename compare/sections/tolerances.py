@@ -16,7 +16,7 @@ from rollbench.reports.content import Cell, Section, Table, TableColumn, Text
 
 #: Shipped summary of the tolerance sweep (``summary.json``); it states the command that computed it.
 TOLERANCES = "studies/sweep/tolerances-case3.json"
-#: Descriptions of the varied scene keys, by the beginning of the key.
+#: Descriptions of the varied tolerances, by the beginning of their keys in the scene file.
 WORDS = {
     "errors.balls.sigma": "ball grade: standard deviation of the ball radius",
     "errors.SL.pitch": "pitch error: standard deviation of its amplitude, once per turn, all flanks",
@@ -28,7 +28,7 @@ WORDS = {
 
 @cache
 def stored_tolerance_sweep() -> dict[str, Any]:
-    """Return the shipped summary of the tolerance sweep of Lin's case 3: outputs, main effects and Sobol indices."""
+    """Return the shipped summary of the tolerance sweep of Lin's case 3: results, main effects and Sobol indices."""
     found: dict[str, Any] = json.loads(files.shipped_text(TOLERANCES))
     return found
 
@@ -61,9 +61,9 @@ def _capitalised_tolerance_name(row: Mapping[str, Cell]) -> str:
 def tolerance_effect_rows(tolerances: Sequence[VariedKey], sweep_summary: Mapping[str, Any]) -> list[dict[str, Cell]]:
     """Return table rows on the effect of each tolerance on the largest contact load, the most influential tolerance first.
 
-    ``tolerances``: varied tolerances with their ranges. ``sweep_summary``: summary of the sweep. Each row has the varied
-    range; the mean largest contact load [N], at its minimum and maximum over this range; and the first and total Sobol
-    index with their confidence intervals.
+    ``tolerances``: varied tolerances with their ranges. ``sweep_summary``: summary of the sweep. Each row has the range
+    in which the tolerance varies; the smallest and the largest of the mean values that the largest contact load [N] has
+    in single parts of this range; and the first and total Sobol index with confidence intervals.
     """
     indices = sweep_summary["indices"]["outputs"][MAIN]
     rows: list[dict[str, Cell]] = []
@@ -115,13 +115,13 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     )
     columns = (
         TableColumn("key", "tolerance", "", "s"),
-        TableColumn("range", "range", "", "s"),
-        TableColumn("low", "mean of the largest load, smallest", "N", "g4"),
-        TableColumn("high", "mean of the largest load, largest", "N", "g4"),
-        TableColumn("first", "first Sobol index", "", ".2f"),
-        TableColumn("first_band", "interval of the first index", "", "s"),
-        TableColumn("total", "total Sobol index", "", ".2f"),
-        TableColumn("total_band", "interval of the total index", "", "s"),
+        TableColumn("range", "range over which the tolerance is varied", "", "s"),
+        TableColumn("low", "mean largest contact load, minimum over the range", "N", "g4"),
+        TableColumn("high", "mean largest contact load, maximum over the range", "N", "g4"),
+        TableColumn("first", "first Sobol index of the largest contact load", "", ".2f"),
+        TableColumn("first_band", "confidence interval of the first index", "", "s"),
+        TableColumn("total", "total Sobol index of the largest contact load", "", ".2f"),
+        TableColumn("total_band", "confidence interval of the total index", "", "s"),
     )
     table = Table("tolerances", "Effect of each tolerance on the largest contact load", columns, rows)
     figures = figures_from_sweep_summary("tolerances", keys, found, short_tolerance_name)

@@ -18,6 +18,7 @@ from pathlib import Path
 import numpy as np
 
 from rollbench.compare.measure import error_percent, mean_load
+from rollbench.compare.models import uncertainty
 from rollbench.compare.models.comparison import REFERENCED, solution_from_result
 from rollbench.compare.models.model_form import SHARE
 from rollbench.compare.models.modelling import (
@@ -26,31 +27,13 @@ from rollbench.compare.models.modelling import (
     SPOKEN_FOR,
     UNSEEN,
     RefinementStepResult,
-    ladder,
     leave_one_out_error_rows,
     run_without_changed_choices,
+    solve_refinement_sequence_on_all_scenes,
 )
 from rollbench.compare.models.registry import DEFAULT
 from rollbench.compare.models.study import SceneResultCache
-from rollbench.compare.models.uncertainty import (
-    CONTACTS,
-    INPUTS,
-    QUANTITIES,
-    BiasAndScatter,
-    ErrorWithUncertainty,
-    bias_and_scatter,
-    count_within_expected_error,
-    error_with_validation_uncertainty,
-)
-from rollbench.compare.reference.estimate import (
-    Levelled,
-    UncertaintyFromOtherScenes,
-    derive_uncertainty_of_other_scenes,
-    excess_load_near_faces,
-    is_loaded_on_any_level,
-    load_error_near_faces,
-    mesh_uncertainty,
-)
+from rollbench.compare.reference import estimate
 from rollbench.compare.reference.levels import LEVELS, PRODUCTION
 from rollbench.compare.reference.store import load_stored_run, shipped_store
 from rollbench.compare.scenes import scene_file
@@ -63,7 +46,7 @@ from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table
 #: scenes.
 JUDGES = "judging_levels.json"
 
-#: Key under which the file `JUDGES` has the TOML text of a randomly drawn scene.
+#: Key, in a record of the file `JUDGES`, of the TOML text of a randomly drawn scene.
 SCENE = "scene"
 
 #: Name of the variant of the 3D reference whose coarse meshes have finer cut-outs (sockets) for the fine contact patches.
@@ -73,7 +56,6 @@ SOCKETS = "finer-sockets"
 CHECKED = ("two-balls", "lin-case1-cut")
 
 #: Scenes that were solved in 3D on only two mesh levels.
-
 COARSE = ("liu-screw", "liu-drawn", "liu-small", "liu-drawn-1kN")
 
 #: Shipped scenes whose mesh levels are compared with each other.
@@ -113,10 +95,11 @@ class MeshUncertaintyTest:
 
 @cache
 def read_loads_and_scenes_for_tests(store: Path) -> tuple[dict[str, dict[int, Array]], dict[str, Scene]]:
-    """Return contact loads that are stored only to test the mesh uncertainty, and the randomly drawn scenes among them.
+    """Return contact loads stored only to test the mesh uncertainty, and those of their scenes that were drawn at random.
 
-    ``store``: folder with the file `JUDGES`. First result: loads of n balls on the four flanks, (n, 4) [N], by name of the
-    scene, then by mesh level. Second result: the randomly drawn scenes by name. Both are empty if there is no such file.
+    ``store``: folder with the file `JUDGES` of these loads. First result: loads of n balls on the four flanks, (n, 4) [N],
+    by name of the scene, then by mesh level. Second result: the randomly drawn scenes by name. Both are empty if there is
+    no such file.
     """
     path = store / JUDGES
     data = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
@@ -146,10 +129,11 @@ def loads_by_scene_and_level(cache: SceneResultCache) -> dict[str, dict[int, Arr
 
 
 def load_scatter_by_patch_cutouts(cache: SceneResultCache) -> float | None:
-    """Return the standard deviation of contact loads due to the size of the cut-outs for fine patches [% of the mean load].
+    """Return the standard deviation of contact loads due to the mesh of the refinement boxes [% of the mean load].
 
-    It follows from two 3D runs with cut-outs of different size. Their difference contains two such errors, hence the
-    division by the root of two. Returns None if the runs are not stored.
+    A refinement box is a box around a contact that is filled with a fine mesh patch. Two 3D runs whose boxes have edges
+    with different numbers of cells are compared. The difference of a contact load contains the errors of both runs, hence
+    the division by the root of two. Returns None if the runs are not stored.
     """
     scene = cache.built_in_scene(REFINED)
     finer, base = (
@@ -163,17 +147,17 @@ def load_scatter_by_patch_cutouts(cache: SceneResultCache) -> float | None:
     return float(np.sqrt((change**2).mean() / 2.0))
 
 
-def mesh_uncertainty_parameters(cache: SceneResultCache) -> UncertaintyFromOtherScenes | None:
-    """Return the parameters of the mesh uncertainty that follow from the mesh levels of all compared scenes together.
+def mesh_uncertainty_parameters(cache: SceneResultCache) -> estimate.UncertaintyFromOtherScenes | None:
+    """Return the contributions to the mesh uncertainty of contact loads that are taken to be equal for all scenes.
 
-    They give the contributions to the uncertainty that the mesh levels of a single scene do not show. Returns None if 3D
-    runs are missing.
+    They follow from the mesh levels of all compared scenes together, because the mesh levels of a single scene do not show
+    them; an example is an error that all contact loads of a scene share. Returns None if 3D runs are missing.
     """
     loads, sockets = loads_by_scene_and_level(cache), load_scatter_by_patch_cutouts(cache)
     return (
         None
         if sockets is None or len(loads) < len(UNSEEN)
-        else derive_uncertainty_of_other_scenes(loads, sockets, cache.compute_once(_load_errors_near_nut_faces))
+        else estimate.derive_uncertainty_of_other_scenes(loads, sockets, cache.compute_once(_load_errors_near_nut_faces))
     )
 
 
@@ -183,14 +167,14 @@ def _shipped_or_drawn_scene(cache: SceneResultCache, name: str) -> Scene:
 
 
 def _load_errors_near_nut_faces(cache: SceneResultCache) -> dict[str, Array]:
-    """Return the largest errors of contact loads on mesh level 1 due to free faces of the nut, by name of the scene.
+    """Return an upper bound of each contact load's error on mesh level 1 due to free end faces of the nut, by scene name.
 
-    ``cache``: has the scenes and stored runs. The errors are (n, 4) [% of the mean load], for n balls on the four flanks.
+    ``cache``: has the scenes and stored runs. The bounds are (n, 4) [% of the mean load], for n balls on the four flanks.
     """
     first = min(LEVELS)
     return {
         name: error_percent(
-            load_error_near_faces(_shipped_or_drawn_scene(cache, name), loads[first], first),
+            estimate.load_error_near_faces(_shipped_or_drawn_scene(cache, name), loads[first], first),
             0.0,
             mean_load(loads[max(loads)]),
         )
@@ -223,7 +207,7 @@ def _compute_mesh_uncertainty_tests(cache: SceneResultCache) -> list[MeshUncerta
 
 
 def _test_uncertainty_of_scenes(
-    cache: SceneResultCache, choose_level_groups: Callable[[Levelled], list[tuple[int, ...]]]
+    cache: SceneResultCache, choose_level_groups: Callable[[estimate.Levelled], list[tuple[int, ...]]]
 ) -> list[MeshUncertaintyTest]:
     """Test mesh uncertainties of all scenes by the contact loads on the finest mesh level of each scene.
 
@@ -244,7 +228,7 @@ def _test_uncertainty_of_scenes(
 def _test_uncertainty_of_scene(
     scene: Scene,
     levels: tuple[int, ...],
-    loads_by_scene: Mapping[str, Levelled],
+    loads_by_scene: Mapping[str, estimate.Levelled],
     cutout_scatter: float,
     errors_by_scene_near_faces: Mapping[str, Array],
 ) -> MeshUncertaintyTest:
@@ -261,19 +245,19 @@ def _test_uncertainty_of_scene(
     loads_by_scene
         Contact loads (n, 4) [N] of all scenes, by name of the scene and mesh level.
     cutout_scatter
-        Standard deviation of contact loads due to the cut-outs for the fine patches [% of the mean load].
+        Standard deviation of contact loads due to the mesh of refinement boxes around the contacts [% of the mean load].
     errors_by_scene_near_faces
         Errors of contact loads near free nut faces on level 1, (n, 4) [% of the mean load], by name of the scene.
     """
     name, level = scene.name, max(levels)
     family = SPOKEN_FOR.get(name, name)
     others = {other: by_level for other, by_level in loads_by_scene.items() if SPOKEN_FOR.get(other, other) != family}
-    known = derive_uncertainty_of_other_scenes(others, cutout_scatter, errors_by_scene_near_faces)
+    known = estimate.derive_uncertainty_of_other_scenes(others, cutout_scatter, errors_by_scene_near_faces)
     loads, judge = loads_by_scene[name], max(loads_by_scene[name])
-    on, mean = is_loaded_on_any_level(loads), mean_load(loads[judge])
+    on, mean = estimate.is_loaded_on_any_level(loads), mean_load(loads[judge])
     coarser = {k: loads[k] for k in levels}
-    grid, off = mesh_uncertainty(coarser, known), np.abs(error_percent(loads[level][on], loads[judge][on], mean))
-    beside_faces = load_error_near_faces if grid.is_from_other_scenes else excess_load_near_faces
+    grid, off = estimate.mesh_uncertainty(coarser, known), np.abs(error_percent(loads[level][on], loads[judge][on], mean))
+    beside_faces = estimate.load_error_near_faces if grid.is_from_other_scenes else estimate.load_overestimate_near_faces
     bars = grid.uncertainties_of_loads(coarser) + error_percent(beside_faces(scene, loads[level], level), 0.0, mean)
     return MeshUncertaintyTest(
         name, level, judge, int(on.sum()), grid.uncertainty, int((off <= bars[on]).sum()), name not in SHIPPED
@@ -294,20 +278,20 @@ SHOWN = (DEFAULT, "lin")
 
 def validated_errors_of_models(
     cache: SceneResultCache, model_solutions: Sequence[RefinementStepResult]
-) -> list[ErrorWithUncertainty]:
+) -> list[uncertainty.ErrorWithUncertainty]:
     """Return the error of every model, with its validation uncertainty u_val, for each scene and quantity.
 
     ``model_solutions``: solution of each scene by each low-order model.
     """
     found = [
-        error_with_validation_uncertainty(cache, r.scene, r.model, q, solution_from_result(r.result))
+        uncertainty.error_with_validation_uncertainty(cache, r.scene, r.model, q, solution_from_result(r.result))
         for r in model_solutions
-        for q in QUANTITIES
+        for q in uncertainty.QUANTITIES
     ]
     return [row for row in found if row is not None]
 
 
-def u_val_table(validated_errors: Sequence[ErrorWithUncertainty]) -> Table:
+def errors_with_u_val_table(validated_errors: Sequence[uncertainty.ErrorWithUncertainty]) -> Table:
     """Return the table of the errors of the models in `SHOWN`, with u_val, for each scene and quantity.
 
     ``validated_errors``: error and uncertainty by scene, model and quantity.
@@ -322,20 +306,24 @@ def u_val_table(validated_errors: Sequence[ErrorWithUncertainty]) -> Table:
                 "scene": row.scene,
                 "quantity": row.quantity,
                 "model": row.model,
-                TableColumn("error", "error E", "%", "+.2f"): row.error,
-                TableColumn("grid", "uncertainty by mesh", "%", ".2f"): row.grid,
-                TableColumn("choices", "by modelling choices", "%", ".2f"): row.choices,
-                TableColumn("inputs", "by input tolerances", "%", ".2f"): row.inputs,
-                TableColumn("u_val", "u_val", "%", ".2f"): row.combined,
-                TableColumn("says", "conclusion", "", "s"): "error of the model, E ± u_val" if beyond else "E within u_val",
-                TableColumn("within", "values within u_val", "%", ".0f"): 100.0 * row.within,
+                TableColumn("error", "error E of the model", "%", "+.2f"): row.error,
+                TableColumn("grid", "uncertainty of E by mesh", "%", ".2f"): row.grid,
+                TableColumn("choices", "uncertainty of E by modelling choices", "%", ".2f"): row.choices,
+                TableColumn("inputs", "uncertainty of E by input tolerances", "%", ".2f"): row.inputs,
+                TableColumn("u_val", "validation uncertainty u_val of E", "%", ".2f"): row.combined,
+                TableColumn("says", "conclusion on E", "", "s"): "error of the model, E ± u_val"
+                if beyond
+                else "E within u_val",
+                TableColumn("within", "share of values with an error within u_val", "%", ".0f"): 100.0 * row.within,
                 TableColumn("varied", "scene on which choices were varied", "", "s"): row.scene_with_varied_choices or "–",
             }
         )
     note = (
-        f"For {CONTACTS}: the contact with the largest error, in per cent of the mean load; for other quantities "
+        f"For {uncertainty.CONTACTS}: the contact with the largest error, in per cent of the mean load; for "
+        "other quantities "
         "in per cent of the value by the 3D reference. Input tolerances are assumed: "
-        f"{'; '.join(x.name for x in INPUTS)}; each is varied alone, with the model lin. Modelling choices were varied on "
+        f"{'; '.join(x.name for x in uncertainty.INPUTS)}; each is varied alone, with the model lin. Modelling "
+        "choices were varied on "
         "two scenes; if the last column names another scene, the largest effect there is used. As in ASME V&V 20, the "
         "uncertainties are combined by the root of the sum of squares; they are not subtracted from an error."
     )
@@ -344,7 +332,7 @@ def u_val_table(validated_errors: Sequence[ErrorWithUncertainty]) -> Table:
     )
 
 
-def bias_and_scatter_table(scatters: Sequence[BiasAndScatter]) -> Table:
+def bias_and_scatter_table(scatters: Sequence[uncertainty.BiasAndScatter]) -> Table:
     """Return the table of bias and scatter of the errors, for each model and quantity, over all scenes.
 
     ``scatters``: bias and scatter by model and quantity.
@@ -353,12 +341,14 @@ def bias_and_scatter_table(scatters: Sequence[BiasAndScatter]) -> Table:
         {
             "model": s.model,
             "quantity": s.quantity,
-            TableColumn("scenes", "scenes", "", "g4"): s.scenes,
-            TableColumn("values", "values", "", "g4"): s.values,
-            TableColumn("bias", "bias", "%", "+.2f"): s.bias,
-            TableColumn("scatter", "scatter", "%", ".2f"): s.scatter,
-            TableColumn("within", "values within u_val", "%", ".0f"): 100.0 * s.within,
-            TableColumn("within_own", "values within uncertainty by mesh and choices", "%", ".0f"): 100.0 * s.within_own,
+            TableColumn("scenes", "number of scenes", "", "g4"): s.scenes,
+            TableColumn("values", "number of compared values", "", "g4"): s.values,
+            TableColumn("bias", "mean error (bias) of the model", "%", "+.2f"): s.bias,
+            TableColumn("scatter", "scatter of the error", "%", ".2f"): s.scatter,
+            TableColumn("within", "share of values with an error within u_val", "%", ".0f"): 100.0 * s.within,
+            TableColumn(
+                "within_own", "share of values with an error within the uncertainty by mesh and choices", "%", ".0f"
+            ): 100.0 * s.within_own,
         }
         for s in scatters
     ]
@@ -372,7 +362,7 @@ def bias_and_scatter_table(scatters: Sequence[BiasAndScatter]) -> Table:
     )
 
 
-def bias_and_scatter_figure(scatters: Sequence[BiasAndScatter]) -> Figure:
+def bias_and_scatter_figure(scatters: Sequence[uncertainty.BiasAndScatter]) -> Figure:
     """Draw the mean error (bias) of each model with bars of two standard deviations, in a panel for each quantity.
 
     ``scatters``: bias and scatter by model and quantity.
@@ -402,7 +392,7 @@ def error_bound_coverage_table(cache: SceneResultCache, model_solutions: Sequenc
     rows = leave_one_out_error_rows(cache, model_solutions)
     counts = [
         (f"largest error to expect of the model {name}, estimated without the scene", held, total)
-        for name, (held, total) in count_within_expected_error(rows).items()
+        for name, (held, total) in uncertainty.count_within_expected_error(rows).items()
     ]
     bars = [h for h in check_uncertainty_of_all_mesh_levels(cache) if h.tested_level > min(LEVELS)]
     if bars:
@@ -410,9 +400,9 @@ def error_bound_coverage_table(cache: SceneResultCache, model_solutions: Sequenc
         counts.append((words, sum(h.covered_contact_count for h in bars), sum(h.contact_count for h in bars)))
     cells: list[Row] = [
         {
-            TableColumn("bound", "stated bound", "", "s"): words,
-            TableColumn("share", "values within the bound", "", "s"): f"{held} of {total}",
-            TableColumn("part", "share within the bound", "%", ".0f"): 100.0 * held / (total or 1),
+            TableColumn("bound", "stated error bound", "", "s"): words,
+            TableColumn("share", "number of errors within the bound", "", "s"): f"{held} of {total}",
+            TableColumn("part", "share of errors within the bound", "%", ".0f"): 100.0 * held / (total or 1),
         }
         for words, held, total in counts
     ]
@@ -433,13 +423,13 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     """
     title = "Bias and scatter of the models' errors, and uncertainty of these errors"
     step("every model on every scene with a 3D reference")
-    rungs = cache.compute_once(ladder)
+    rungs = cache.compute_once(solve_refinement_sequence_on_all_scenes)
     if not rungs:
         return Section("u-val", title, (Text(("No run of the 3D reference is stored.",)),))
     step("uncertainty by mesh, modelling choices and input tolerances of every scene")
     rows = validated_errors_of_models(cache, rungs)
-    found = bias_and_scatter(rows)
-    of_loads = {s.model: s for s in found if s.quantity == CONTACTS}
+    found = uncertainty.bias_and_scatter(rows)
+    of_loads = {s.model: s for s in found if s.quantity == uncertainty.CONTACTS}
     words = [
         f"{name}: mean error (bias) of contact loads {s.bias:+.2f} %, scatter {s.scatter:.2f} %; {100.0 * s.within:.0f} % "
         f"of the loads are within u_val, and {100.0 * s.within_own:.0f} % within the uncertainty by mesh and choices alone"
@@ -456,7 +446,7 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     )
     items: tuple[Text | Figure | Table, ...] = (
         Text(text),
-        u_val_table(rows),
+        errors_with_u_val_table(rows),
         bias_and_scatter_table(found),
         bias_and_scatter_figure(found),
         error_bound_coverage_table(cache, rungs),

@@ -10,34 +10,28 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from rollbench.compare.evidence import (
-    APART,
-    PrintedEntryComparison,
-    count_entries_by_verdict,
-    evidence_of_all_tables,
-    join_remarks,
-    misprint_rows,
-    reproduction_sentence,
-    uncompared_number_rows,
-)
+from rollbench.compare import evidence as compare_evidence
 from rollbench.compare.evidence import count_entries_by_verdict as audited_counts
 from rollbench.compare.models.study import SceneResultCache
-from rollbench.compare.printed import KINDS, VERDICTS
+from rollbench.compare.printed import KINDS, VERDICT_NAMES, VERDICTS
 from rollbench.reports.content import Cell, Row, Section, Table, TableColumn, Text
 
-#: A remark that occurs in more table rows than this is stated once, in the note, and replaced by its number.
+#: Number of table rows above which a common remark is stated once, in the note below the table, and replaced by its number.
 SHARED = 2
 
-#: Errors [%] below this value are round-off and shown as zero.
+#: Error [%] of a computed value below which it is round-off and shown as zero.
 ROUND_OFF = 1e-9
 
-FAULTS = "With errors repeated: computed with the errors of the publication; empty where no such error changes the number."
+#: Note on the column of values that are computed with the errors of the publication.
+FAULTS = (
+    "Computed with the publication's error: the computation repeats the error; empty where no error changes the number."
+)
 
 
 def printed_numbers_table(
     name: str,
     title: str,
-    entries: Sequence[PrintedEntryComparison],
+    entries: Sequence[compare_evidence.PrintedEntryComparison],
     note: str = "",
     *,
     digits: int = 5,
@@ -79,7 +73,7 @@ def printed_numbers_table(
 
 
 def _columns_of_printed_table(
-    entries: Sequence[PrintedEntryComparison], digits: int, with_place: bool
+    entries: Sequence[compare_evidence.PrintedEntryComparison], digits: int, with_place: bool
 ) -> tuple[TableColumn, ...]:
     """Return those columns of `printed_numbers_table` that have a value for at least one of the listed numbers.
 
@@ -93,22 +87,27 @@ def _columns_of_printed_table(
     )
     wanted = (
         (True, TableColumn("label", "quantity or claim", "", "s")),
-        (with_place, TableColumn("place", "place", "", "s")),
-        (True, TableColumn("verdict", "verdict", "", "s")),
-        (True, TableColumn("class", "class", "", "s")),
+        (with_place, TableColumn("place", "place in the publication", "", "s")),
+        (True, TableColumn("verdict", "whether reproduced", "", "s")),
+        (True, TableColumn("class", "class of the printed number", "", "s")),
         (True, TableColumn("unit", "unit", "", "s")),
-        (True, TableColumn("printed", "printed", "", "s")),
-        (faulty, TableColumn("as_printed", "computed, with errors repeated", "", form)),
-        (True, TableColumn("right", "computed, correct", "", form)),
-        (True, TableColumn("error", "error against printed", "%", "g3")),
-        (inferred, TableColumn("reading", "computed, with inferred assumption", "", form)),
-        (inferred, TableColumn("reading_error", "error with inferred assumption", "%", ".2f")),
+        (True, TableColumn("printed", "printed value", "", "s")),
+        (faulty, TableColumn("as_printed", "value computed with the publication's error", "", form)),
+        (True, TableColumn("right", "value computed without the publication's mistake", "", form)),
+        (True, TableColumn("error", "error of the computed against the printed value", "%", "g3")),
+        (inferred, TableColumn("reading", "value computed with an inferred assumption", "", form)),
+        (
+            inferred,
+            TableColumn("reading_error", "error against the printed value with the inferred assumption", "%", ".2f"),
+        ),
         (True, TableColumn("remark", "remark", "", "s")),
     )
     return tuple(column for shown, column in wanted if shown)
 
 
-def _cells_of_printed_number(evidence: PrintedEntryComparison, usual_place: str, with_place: bool) -> dict[str, Cell]:
+def _cells_of_printed_number(
+    evidence: compare_evidence.PrintedEntryComparison, usual_place: str, with_place: bool
+) -> dict[str, Cell]:
     """Return the cells of `printed_numbers_table` for one printed number or claim, by key of the column.
 
     ``evidence``: the printed number with its computed values. ``usual_place``: place in the publication of most numbers; a
@@ -127,15 +126,17 @@ def _cells_of_printed_number(evidence: PrintedEntryComparison, usual_place: str,
         "right": 0.0
         if p.value == 0.0 and abs(evidence.value or 0.0) < ROUND_OFF and evidence.value is not None
         else evidence.value,
-        "reading_error": shown_error_or_none(evidence.reading_error_percent),
-        "error": shown_error_or_none(evidence.error_percent),
+        "reading_error": error_for_table_cell(evidence.reading_error_percent),
+        "error": error_for_table_cell(evidence.error_percent),
         "class": p.entry_class,
-        "verdict": evidence.verdict,
-        "remark": join_remarks(evidence.remark, p.remark, p.origin_of_limits and f"Tolerance band: {p.origin_of_limits}"),
+        "verdict": VERDICT_NAMES[evidence.verdict],
+        "remark": compare_evidence.join_remarks(
+            evidence.remark, p.remark, p.origin_of_limits and f"Tolerance band: {p.origin_of_limits}"
+        ),
     }
 
 
-def shown_error_or_none(error: float | None) -> float | None:
+def error_for_table_cell(error: float | None) -> float | None:
     """Return an error [%] for a table cell: None if it is infinite (printed number of 0), and 0 if it is round-off."""
     if error is None or not np.isfinite(error):
         return None
@@ -167,7 +168,7 @@ INFERRED = (
 )
 
 
-def verdict_counts_sentence(entries: Sequence[PrintedEntryComparison]) -> str:
+def reproduced_number_counts_sentence(entries: Sequence[compare_evidence.PrintedEntryComparison]) -> str:
     """Return the sentences that count the numbers and claims in publications by verdict, and reproduced ones by kind.
 
     ``entries``: printed numbers and claims with their verdicts.
@@ -175,11 +176,11 @@ def verdict_counts_sentence(entries: Sequence[PrintedEntryComparison]) -> str:
     total = audited_counts(entries)[-1]
     kinds = Counter(r.printed.kind for r in entries if r.verdict == "reproduced")
     parts = " and ".join(f"{n} {PLURALS.get(KINDS[kind], KINDS[kind])}" for kind, n in kinds.most_common())
-    words = ", ".join(f"{total[v]} {'in a tolerance band' if v == 'band' else v}" for v in VERDICTS)
+    words = ", ".join(f"{total[v]} {VERDICT_NAMES[v]}" for v in VERDICTS)
     return f"Of {total['all']} numbers and claims printed in publications: {words}. Among the reproduced ones are {parts}."
 
 
-def counts_by_kind_table(entries: Sequence[PrintedEntryComparison]) -> Table:
+def printed_entry_counts_by_kind_table(entries: Sequence[compare_evidence.PrintedEntryComparison]) -> Table:
     """Return the table that counts the printed numbers and claims by kind and verdict.
 
     Kinds are computed numbers, claims in words, arithmetic on printed numbers, zeros by symmetry, and inputs. ``entries``:
@@ -188,13 +189,17 @@ def counts_by_kind_table(entries: Sequence[PrintedEntryComparison]) -> Table:
     tally = Counter((r.printed.kind, r.verdict) for r in entries)
     cells: list[Row] = [
         {
-            "kind": words,
-            **{str(v): tally[kind, v] for v in VERDICTS},
-            TableColumn("all", "all", "", "s"): sum(tally[kind, v] for v in VERDICTS),
+            TableColumn("kind", "kind of the printed number or claim", "", "s"): words,
+            **{TableColumn(v, VERDICT_NAMES[v], "", "s"): tally[kind, v] for v in VERDICTS},
+            TableColumn("all", "number of all", "", "s"): sum(tally[kind, v] for v in VERDICTS),
         }
         for kind, words in KINDS.items()
     ]
-    return Table.from_rows("kinds", "Count of the numbers and claims printed in publications, by kind and verdict", cells)
+    return Table.from_rows(
+        "kinds",
+        "Count of the numbers and claims printed in publications, by kind and by whether they are reproduced",
+        cells,
+    )
 
 
 def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Section:
@@ -203,10 +208,15 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     ``step`` is called with each line of progress.
     """
     step("every printed number and claim")
-    audited = evidence_of_all_tables(cache)
-    tally: dict[tuple[str, str], int] = Counter((r.printed.entry_class, r.verdict) for r in audited)
+    audited = compare_evidence.evidence_of_all_tables(cache)
+    tally = Counter((r.printed.entry_class, r.verdict) for r in audited)
     rows: list[Row] = [
-        {"class": c, "verdict": v, TableColumn("count", "number", "", "s"): n} for (c, v), n in sorted(tally.items())
+        {
+            TableColumn("class", "class of the printed number", "", "s"): c,
+            TableColumn("verdict", "whether reproduced", "", "s"): VERDICT_NAMES[v],
+            TableColumn("count", "number of printed numbers and claims", "", "s"): n,
+        }
+        for (c, v), n in sorted(tally.items())
     ]
     return Section(
         "verdicts",
@@ -221,17 +231,19 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
                 )
             ),
             Table.from_rows(
-                "verdicts", "Count of the numbers and claims printed in publications, by class and verdict", rows
+                "verdicts",
+                "Count of the numbers and claims printed in publications, by class and by whether they are reproduced",
+                rows,
             ),
-            counts_by_kind_table(audited),
+            printed_entry_counts_by_kind_table(audited),
             printed_numbers_table(
                 "printed",
-                "Each number and claim that a publication prints, with the computed value and the verdict",
+                "Each number and claim that a publication prints, with the computed value, and whether it is reproduced",
                 audited,
                 with_place=True,
             ),
         ),
-        conclusion=verdict_counts_sentence(audited),
+        conclusion=reproduced_number_counts_sentence(audited),
     )
 
 
@@ -240,33 +252,37 @@ def text_columns_of_table(*columns: tuple[str, str]) -> tuple[TableColumn, ...]:
     return tuple(TableColumn(key, label, "", "s") for key, label in columns)
 
 
-def counts_by_publication_table(entries: Sequence[PrintedEntryComparison]) -> Table:
+def printed_entry_counts_by_publication_table(entries: Sequence[compare_evidence.PrintedEntryComparison]) -> Table:
     """Return the table that counts the printed numbers and claims by publication and verdict.
 
     ``entries``: printed numbers and claims with their verdicts.
     """
-    headings = [(v, f"{v}, not judged" if v in APART else v) for v in VERDICTS]
-    columns = text_columns_of_table(("source", "publication"), *headings, ("judged", "judged"), ("all", "all"))
-    note = "Judged: all except inputs and identities, which do not test a model."
-    title = "Count of the numbers and claims printed in each publication, by verdict"
-    return Table("audit-counts", title, columns, count_entries_by_verdict(entries), note)
+    headings = [
+        (v, f"{VERDICT_NAMES[v]}, tests no model" if v in compare_evidence.APART else VERDICT_NAMES[v]) for v in VERDICTS
+    ]
+    columns = text_columns_of_table(
+        ("source", "publication"), *headings, ("judged", "number of all that test a model"), ("all", "number of all")
+    )
+    note = "Inputs, and identities (arithmetic on printed numbers, or zero by symmetry), test no model."
+    title = "Count of the numbers and claims printed in each publication, by whether they are reproduced"
+    return Table("audit-counts", title, columns, compare_evidence.count_entries_by_verdict(entries), note)
 
 
 def misprints_table(case_name: str = "") -> Table:
-    """Return the table of misprints and errors in one publication or in all.
+    """Return the table of misprints and errors in one publication or in all publications.
 
     ``case_name``: name of the publication's case, such as "lin"; empty: all publications.
     """
     columns = text_columns_of_table(
         *(() if case_name else (("source", "publication"),)),
-        ("place", "place"),
-        ("wrong", "as printed"),
-        ("right", "correct"),
-        ("evidence", "evidence"),
-        ("command", "command that shows it"),
-        ("test", "test"),
+        ("place", "place in the publication"),
+        ("wrong", "number or text as printed"),
+        ("right", "correct number or text"),
+        ("evidence", "evidence for the misprint"),
+        ("command", "command that shows the misprint"),
+        ("test", "test that checks the misprint"),
     )
-    rows = [row for row in misprint_rows() if row["source"] == case_name or not case_name]
+    rows = [row for row in compare_evidence.misprint_rows() if row["source"] == case_name or not case_name]
     return Table(
         f"{case_name or 'audit'}-misprints",
         "Misprints in the publications, each with a command that shows it and a test that checks it",
@@ -275,29 +291,32 @@ def misprints_table(case_name: str = "") -> Table:
     )
 
 
-def audit_section(cache: SceneResultCache, step: Callable[[str], None]) -> Section:
+def misprints_section(cache: SceneResultCache, step: Callable[[str], None]) -> Section:
     """Return the section that counts reproduced and contradicted numbers of each publication, and lists all misprints.
 
     ``step`` is called with each line of progress.
     """
     step("every printed number and claim, by publication")
-    rows = evidence_of_all_tables(cache)
-    words = [reproduction_sentence(row) for row in count_entries_by_verdict(rows)]
-    meanings = [f"{verdict}: {text}." for verdict, text in VERDICTS.items()]
+    rows = compare_evidence.evidence_of_all_tables(cache)
+    words = [compare_evidence.reproduction_sentence(row) for row in compare_evidence.count_entries_by_verdict(rows)]
+    meanings = [f"{VERDICT_NAMES[verdict]}: {text}." for verdict, text in VERDICTS.items()]
     missing = text_columns_of_table(
         ("source", "publication"),
-        ("place", "place"),
-        ("what", "contents"),
-        ("count", "approximate number"),
-        ("reason", "reason"),
+        ("place", "place in the publication"),
+        ("what", "quantities printed there"),
+        ("count", "approximate number of values"),
+        ("reason", "reason why they are not compared"),
     )
     items = (
         Text(words),
-        counts_by_publication_table(rows),
+        printed_entry_counts_by_publication_table(rows),
         Text(meanings, bullets=True),
         misprints_table(),
         Table(
-            "audit-left-out", "Printed numbers that are not compared, with the reason", missing, uncompared_number_rows()
+            "audit-left-out",
+            "Printed numbers that are not compared with computed ones, with the reason",
+            missing,
+            compare_evidence.uncompared_number_rows(),
         ),
     )
     return Section("audit", "Misprints and contradictions found in each publication", items)

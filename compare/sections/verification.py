@@ -13,30 +13,9 @@ from pathlib import Path
 from rollbench.compare.measure import error_percent, load_error, mean_load
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.reference.estimate import Reference
-from rollbench.compare.studies.crosscheck.results import (
-    COLUMNS,
-    CalculixRunsOfScene,
-    LoadExtrapolation,
-    agreement_sentence,
-    columns_of_load_table,
-    compare_contact_loads,
-    extrapolate_loads,
-    load_calculix_results,
-    mesh_options_of_run,
-    shipped_results_folder,
-)
+from rollbench.compare.studies.crosscheck import results
 from rollbench.compare.studies.crosscheck.study import STUDIES, digest_of_shipped_scene, load_nut_compliance
-from rollbench.hifi.contact.block import (
-    ALONG,
-    BALL,
-    GROOVE,
-    JOBS,
-    SOURCE_COARSE,
-    SOURCE_FINE,
-    SOURCE_RADIUS,
-    HertzContactSolution,
-    solve_hertz_contact_on_lin_mesh,
-)
+from rollbench.hifi.contact import block
 from rollbench.hifi.contact.block import solve_hertz_contact as solve_block
 from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table, TableColumn, Text
 
@@ -44,7 +23,7 @@ from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table
 #: Tetrahedra are not stretched like the ellipse, so P2 with 6 cells would take as long as all other meshes together.
 LEVELS: dict[str, tuple[float, ...]] = {"P1": (2, 4, 6, 8), "P2": (2, 4, 5), "Q1": (2, 4, 6, 8), "Q2": (2, 4, 6)}
 
-#: Numbers of cells across the short semi-axis in a quick report, by element type.
+#: Numbers of cells across the short semi-axis of the contact ellipse in a quick report, by element type.
 QUICK: dict[str, tuple[float, ...]] = {"P1": (2,), "P2": (2,), "Q1": (2,), "Q2": (4,)}
 
 #: Element type, and cells across the short semi-axis (b/h), of the contact patches in the 3D reference.
@@ -70,12 +49,12 @@ class HertzComputation:
     #: Label of the mesh: its element type, or that it has Lin's element sizes.
     mesh_label: str
     #: Computed contact: approach, semi-axes, pressures, number of unknowns and times.
-    computed: HertzContactSolution
-    #: Error against Hertz theory by name of the quantity [%].
+    computed: block.HertzContactSolution
+    #: Error of each computed quantity against Hertz theory [%], by name of the quantity.
     error_percents: Mapping[str, float]
 
 
-def hertz_computation_with_errors(label: str, run: HertzContactSolution) -> HertzComputation:
+def hertz_computation_with_errors(label: str, run: block.HertzContactSolution) -> HertzComputation:
     """Return a computed Hertz contact together with its errors against the closed form [%].
 
     ``label``: label of the mesh. ``run``: the computed contact. The error "semi-axes" is the larger of the errors of both
@@ -103,13 +82,13 @@ def compute_hertz_contacts(
         Numbers of cells across the short semi-axis of the contact ellipse, by element type; one mesh for each.
     """
     for element in cell_counts:
-        solve_block(JOBS["A"], element, 1.0)  # loads the libraries, so that no timed run includes this
+        solve_block(block.JOBS["A"], element, 1.0)  # loads the libraries, so that no timed run includes this
     out = []
-    for job in JOBS.values():
+    for job in block.JOBS.values():
         for element, refinements in cell_counts.items():
             step(f"job {job.name}, {NAMES[element]}")
             out += [hertz_computation_with_errors(NAMES[element], solve_block(job, element, float(n))) for n in refinements]
-        out.append(hertz_computation_with_errors(SOURCE, solve_hertz_contact_on_lin_mesh(job)))
+        out.append(hertz_computation_with_errors(SOURCE, block.solve_hertz_contact_on_lin_mesh(job)))
     return out
 
 
@@ -171,8 +150,14 @@ def _lin_mesh_error_sentence(computation: HertzComputation) -> str:
 #: Stages of a computation whose times are shown.
 TIMES = ("mesh", "assembly", "factor", "solve", "contact")
 
-#: Column headings of stages, where they differ from the stage's name.
-STAGES = {"mesh": "meshing"}
+#: Names of these stages in column headings.
+STAGES = {
+    "mesh": "meshing",
+    "assembly": "assembly",
+    "factor": "factorisation",
+    "solve": "compliance of the contact nodes",
+    "contact": "contact iteration",
+}
 
 
 def mesh_cells_of_row(computation: HertzComputation) -> Row:
@@ -181,9 +166,9 @@ def mesh_cells_of_row(computation: HertzComputation) -> Row:
     ``computation``: computation of one Hertz contact on one mesh.
     """
     return {
-        "job": computation.computed.contact_name,
-        "mesh": computation.mesh_label,
-        TableColumn("b_over_h", "b/h", "", ".1f"): computation.computed.b_over_h,
+        TableColumn("job", "contact: A ball on a flat, B ball in a groove", "", "s"): computation.computed.contact_name,
+        TableColumn("mesh", "element type of the mesh", "", "s"): computation.mesh_label,
+        TableColumn("b_over_h", "cells across the short semi-axis, b/h", "", ".1f"): computation.computed.b_over_h,
     }
 
 
@@ -193,15 +178,15 @@ def hertz_error_row(computation: HertzComputation) -> Row:
     ``computation``: the computed contact with its errors.
     """
     counts: Row = {
-        "unknowns": computation.computed.free_degree_of_freedom_count,
-        TableColumn("contact_nodes", "contact nodes", "", "s"): computation.computed.contact_node_count,
-        "iterations": computation.computed.newton_iteration_count,
-        TableColumn("seconds", "time", "s", "g2"): computation.computed.total_seconds,
+        TableColumn("unknowns", "number of unknowns", "", "s"): computation.computed.free_degree_of_freedom_count,
+        TableColumn("contact_nodes", "number of contact nodes", "", "s"): computation.computed.contact_node_count,
+        TableColumn("iterations", "number of contact iterations", "", "s"): computation.computed.newton_iteration_count,
+        TableColumn("seconds", "run time", "s", "g2"): computation.computed.total_seconds,
     }
     return (
         mesh_cells_of_row(computation)
         | counts
-        | {TableColumn(name, name, "%", ".2f"): computation.error_percents[name] for name in ERRORS}
+        | {TableColumn(name, f"error of the {name}", "%", ".2f"): computation.error_percents[name] for name in ERRORS}
     )
 
 
@@ -223,14 +208,14 @@ def rows_of_computed_and_hertz_values(computations: Sequence[HertzComputation]) 
             most, error = TARGETS.get(name, TARGETS["semi-axes"]), one.error_percents[name]
             rows.append(
                 {
-                    "job": f"{run.contact_name}, {WHAT[run.contact_name]}",
+                    TableColumn("job", "contact", "", "s"): f"{run.contact_name}, {WHAT[run.contact_name]}",
                     "quantity": name,
                     "unit": unit,
-                    TableColumn("value", "value in 3D", "", "g6"): scale * getattr(run, key),
-                    TableColumn("reference", "value by Hertz", "", "g6"): scale * getattr(run.hertz_solution, key),
-                    TableColumn("error", "error", "%", ".3f"): error,
+                    TableColumn("value", "value by 3D finite elements", "", "g6"): scale * getattr(run, key),
+                    TableColumn("reference", "value by Hertz theory", "", "g6"): scale * getattr(run.hertz_solution, key),
+                    TableColumn("error", "error against Hertz theory", "%", ".3f"): error,
                     TableColumn("target", "largest error allowed", "%", ".1f"): most,
-                    "met": "yes" if abs(error) <= most else "NO",
+                    TableColumn("met", "error within the allowed one", "", "s"): "yes" if abs(error) <= most else "NO",
                 }
             )
     return rows
@@ -256,16 +241,17 @@ def hertz_error_figure(computations: Sequence[HertzComputation], job: str) -> Fi
                 style = "markers" if label == SOURCE else "line+markers"
                 if runs:
                     curves.append(Series(label, x, y, style, bold=label == NAMES[PRODUCTION[0]]))
-            unit = "unknowns" if axis == "unknowns" else "time [s]"
-            title = f"{quantity} over {'unknowns' if axis == 'unknowns' else 'run time'}"
-            panels.append(Panel(title, unit, "error [%]", curves, log_axes="xy"))
+            unit = "number of unknowns" if axis == "unknowns" else "run time [s]"
+            title = f"error of the {quantity} over {'unknowns' if axis == 'unknowns' else 'run time'}"
+            panels.append(Panel(title, unit, f"error of the {quantity} [%]", curves, log_axes="xy"))
     return Figure(
         f"verification-{job}",
         f"Error of the 3D contact against Hertz theory, plotted over unknowns and run time: {WHAT[job]} (job {job})",
         panels,
         caption=(
-            "Absolute errors; a minimum is a change of sign. Errors below 0.001 % are drawn at that value. Pressures at "
-            "single nodes of 4-node tetrahedra scatter with the mesh. Run time: from meshing to the contact iteration."
+            "Absolute values of the errors; at a minimum the error changes its sign. Errors below 0.001 % are drawn at "
+            "that value. Pressures at single nodes of 4-node tetrahedra scatter with the mesh. Run time: from meshing to "
+            "the contact iteration."
         ),
     )
 
@@ -275,7 +261,7 @@ def stage_times_table(computations: Sequence[HertzComputation]) -> Table:
 
     ``computations``: computations of each Hertz contact on all meshes.
     """
-    stages = {name: TableColumn(f"{name}_seconds", STAGES.get(name, name), "s", "g2") for name in TIMES}
+    stages = {name: TableColumn(f"{name}_seconds", f"time: {STAGES[name]}", "s", "g2") for name in TIMES}
     rows = [
         mesh_cells_of_row(one) | {stage: one.computed.seconds_by_stage[name] for name, stage in stages.items()}
         for one in computations
@@ -298,19 +284,23 @@ def hertz_section(computations: Sequence[HertzComputation]) -> Section:
 
     ``computations``: computations of each Hertz contact on all meshes.
     """
-    job, mesh = JOBS["A"], f"{NAMES[PRODUCTION[0]]}, b/h = {PRODUCTION[1]:g}"
+    job, mesh = block.JOBS["A"], f"{NAMES[PRODUCTION[0]]}, b/h = {PRODUCTION[1]:g}"
     text = (
-        f"A ball of radius {1000.0 * BALL:g} mm (E = {1e-09 * job.young:g} GPa, nu = {job.poisson:g}, both bodies elastic) "
-        f"is pressed with {job.load:g} N on a flat (job A) and into a groove of radius {1000.0 * GROOVE:g} mm that is "
-        f"convex along its length with radius {1000.0 * ALONG:g} mm (job B). One elastic body is modelled, a quarter by "
+        f"A ball of radius {1000.0 * block.BALL:g} mm (E = {1e-09 * job.young:g} GPa, nu = {job.poisson:g}, "
+        "both bodies elastic) "
+        f"is pressed with {job.load:g} N on a flat (job A) and into a groove of radius "
+        f"{1000.0 * block.GROOVE:g} mm that is "
+        f"convex along its length with radius {1000.0 * block.ALONG:g} mm (job B). One elastic body is "
+        "modelled, a quarter by "
         "symmetry, and its compliance is doubled. The cut faces of the block are displaced as in the half-space "
         "(Boussinesq); fixed faces would change the approach.",
         "h is the cell edge along the short semi-axis b. Semi-axes are those of the ellipsoid of pressure with the same "
         "load and second moments as the nodal forces. The pole pressure is the nodal force over its area at the pole, not "
         "the largest nodal value; the fitted pole pressure is that of the ellipsoid. On 10-node tetrahedra only mid-side "
         "nodes may come into contact, because a uniform pressure causes no force on corner nodes. The mesh of Lin's thesis "
-        f"has cells of {1000.0 * SOURCE_FINE:g} mm within a sphere of {1000.0 * SOURCE_RADIUS:g} mm (the size of the "
-        f"sphere is not printed) and of up to {1000.0 * SOURCE_COARSE:g} mm outside.",
+        f"has cells of {1000.0 * block.SOURCE_FINE:g} mm within a sphere of {1000.0 * block.SOURCE_RADIUS:g} mm "
+        "(the size of the "
+        f"sphere is not printed) and of up to {1000.0 * block.SOURCE_COARSE:g} mm outside.",
     )
     items: tuple[Text | Table | Figure, ...] = (
         Text(text),
@@ -325,7 +315,7 @@ def hertz_section(computations: Sequence[HertzComputation]) -> Section:
             "Ball contact by 3D finite elements: error against Hertz theory, unknowns and time of each element and mesh",
             map(hertz_error_row, computations),
         ),
-        *(hertz_error_figure(computations, job) for job in JOBS),
+        *(hertz_error_figure(computations, job) for job in block.JOBS),
         stage_times_table(computations),
     )
     return Section("verification", "Error of the 3D contact elements against Hertz theory", items)
@@ -358,37 +348,43 @@ NUT = (
 )
 
 
-def calculix_run_table(calculix_runs: CalculixRunsOfScene) -> Table:
+def calculix_run_table(calculix_runs: results.CalculixRunsOfScene) -> Table:
     """Return the table of the CalculiX runs on one scene: mesh, contact stiffness, run time and residual forces.
 
     ``calculix_runs``: stored results of CalculiX on this scene.
     """
     rows: list[Row] = []
-    base = {(mesh_options_of_run(r), r.stiffness): r for r in calculix_runs.runs if not r.nlgeom}
+    base = {(results.mesh_options_of_run(r), r.stiffness): r for r in calculix_runs.runs if not r.nlgeom}
     for run in calculix_runs.runs:
         mean = mean_load(run.load)
-        twin = base.get((mesh_options_of_run(run), run.stiffness))
+        twin = base.get((results.mesh_options_of_run(run), run.stiffness))
         loose = float(error_percent(run.unbalanced, 0.0, mean))
         change = load_error(run.load, twin.load).max_percent if run.nlgeom and twin else None
         rows.append(
             {
-                TableColumn("across", "b/h at mean load", "", ".1f"): run.b_over_h,
-                TableColumn("fine", "element size h", "mm", ".3f"): 1e3 * run.fine,
-                TableColumn("growth", "growth g", "", ".2f"): run.growth,
+                TableColumn("across", "cells across the semi-axis at mean load, b/h", "", ".1f"): run.b_over_h,
+                TableColumn("fine", "element size h at the contacts", "mm", ".3f"): 1e3 * run.fine,
+                TableColumn("growth", "growth g of the elements", "", ".2f"): run.growth,
                 TableColumn("stiffness", "contact stiffness", "N/mm3", "g2"): 1e-9 * run.stiffness,
-                TableColumn("large", "displacements", "", "s"): "large" if run.nlgeom else "small",
-                "bodies": "half" if run.half else "equal balls" if run.alike else "whole",
-                "nodes": run.nodes,
-                TableColumn("cells", "tetrahedra", "", "s"): sum(m.cells for m in run.meshes),
-                TableColumn("jacobian", "smallest scaled Jacobian", "", ".2f"): min(m.smallest for m in run.meshes),
-                "iterations": run.iterations,
+                TableColumn("large", "large or small displacements", "", "s"): "large" if run.nlgeom else "small",
+                TableColumn("bodies", "bodies meshed half or whole", "", "s"): "half"
+                if run.half
+                else "equal balls"
+                if run.alike
+                else "whole",
+                TableColumn("nodes", "number of nodes", "", "s"): run.nodes,
+                TableColumn("cells", "number of tetrahedra", "", "s"): sum(m.cells for m in run.meshes),
+                TableColumn("jacobian", "smallest scaled Jacobian of the elements", "", ".2f"): min(
+                    m.smallest for m in run.meshes
+                ),
+                TableColumn("iterations", "number of iterations", "", "s"): run.iterations,
                 TableColumn("seconds", "processor time", "s", ".0f"): run.seconds,
-                TableColumn("sum", "sum of loads", "N", ".1f"): float(run.load.sum()),
-                TableColumn("weak", "force of a ball's weak spring", "% of mean", "g2"): float(
+                TableColumn("sum", "sum of the contact loads", "N", ".1f"): float(run.load.sum()),
+                TableColumn("weak", "largest force of a ball's weak spring", "% of mean load", "g2"): float(
                     error_percent(run.weak, 0.0, mean)
                 ),
-                TableColumn("loose", "unbalanced force of a ball", "% of mean", "g2"): loose,
-                TableColumn("large_change", "load change by large displacements", "% of mean", ".3f"): change,
+                TableColumn("loose", "largest unbalanced force of a ball", "% of mean load", "g2"): loose,
+                TableColumn("large_change", "largest load change by large displacements", "% of mean load", ".3f"): change,
             }
         )
     first = calculix_runs.runs[0]
@@ -401,7 +397,7 @@ def calculix_run_table(calculix_runs: CalculixRunsOfScene) -> Table:
 
 
 def calculix_contact_tables(
-    calculix_runs: CalculixRunsOfScene, reference: Reference, extrapolation: LoadExtrapolation
+    calculix_runs: results.CalculixRunsOfScene, reference: Reference, extrapolation: results.LoadExtrapolation
 ) -> list[Table]:
     """Return two tables of a scene's contact loads by the 3D reference and by CalculiX.
 
@@ -416,12 +412,12 @@ def calculix_contact_tables(
     extrapolation
         Loads by CalculiX extrapolated to zero element size.
     """
-    rows = compare_contact_loads(calculix_runs, reference, extrapolation)
-    headings = columns_of_load_table(calculix_runs, reference)
-    ends, each = ([{c.key: r.cells()[c.key] for c in shown} for r in rows] for shown in (COLUMNS, headings))
+    rows = results.compare_contact_loads(calculix_runs, reference, extrapolation)
+    headings = results.columns_of_contact_load_table(calculix_runs, reference)
+    ends, each = ([{c.key: r.cells()[c.key] for c in shown} for r in rows] for shown in (results.COLUMNS, headings))
     fixed = f" Not varied: {', '.join(extrapolation.unvaried_options)}." if extrapolation.unvaried_options else ""
     note = (
-        f"{agreement_sentence(calculix_runs.scene, rows)} Order {extrapolation.error_order:.2f}, length "
+        f"{results.agreement_sentence(calculix_runs.scene, rows)} Order {extrapolation.error_order:.2f}, length "
         f"{extrapolation.field_length:.2f} minor semi-axes, RMS "
         f"misfit {extrapolation.misfit:.2f} N. In the finest run of CalculiX, the element size changes a load by up to "
         f"{abs(extrapolation.element_size_effect).max():.2f} N and the finite contact stiffness by up to "
@@ -431,7 +427,7 @@ def calculix_contact_tables(
     first = f"Contact loads of {calculix_runs.scene} by the 3D reference and by CalculiX, extrapolated to cell size zero"
     second = f"Contact loads of {calculix_runs.scene} by the 3D reference and by CalculiX on every mesh"
     return [
-        Table(f"crosscheck-{calculix_runs.scene}", first, COLUMNS, ends, note),
+        Table(f"crosscheck-{calculix_runs.scene}", first, results.COLUMNS, ends, note),
         Table(f"crosscheck-meshes-{calculix_runs.scene}", second, headings, each, meshes),
     ]
 
@@ -445,16 +441,19 @@ def crosscheck_section(cache: SceneResultCache, step: Callable[[str], None], fol
     items: list[Text | Table] = [Text((ABOUT, EXTRAPOLATED))]
     for name in STUDIES:
         step(f"{name}: the 3D reference and CalculiX")
-        data, ours = load_calculix_results(folder or shipped_results_folder(), name), cache.stored_reference(name)
+        data, ours = (
+            results.load_calculix_results(folder or results.shipped_calculix_results_folder(), name),
+            cache.stored_reference(name),
+        )
         if data is None or data.key != digest_of_shipped_scene(name):
             items.append(Text((f"{name}: no results of CalculiX are stored for the present version of this scene.",)))
             continue
         if ours is None:
             items.append(Text((f"{name}: no run of the 3D reference is stored.",)))
         else:
-            items += calculix_contact_tables(data, ours, extrapolate_loads(data.runs))
+            items += calculix_contact_tables(data, ours, results.extrapolate_calculix_loads(data.runs))
         items.append(calculix_run_table(data))
-    alone = load_nut_compliance(folder or shipped_results_folder())
+    alone = load_nut_compliance(folder or results.shipped_calculix_results_folder())
     if alone is not None and alone.key == digest_of_shipped_scene(alone.scene):
         items.append(Text((NUT, alone.sentence_on_agreement())))
     return Section("crosscheck", "Contact loads of the 3D reference compared with CalculiX", tuple(items))

@@ -44,7 +44,7 @@ AWAY = 0.4
 
 
 def names_of_exportable_parts(scene: Scene) -> tuple[str, ...]:
-    """Return the names of those parts of a scene whose meshes can be exported: bodies, contact patches, quarter block.
+    """Return the names of the parts of a scene whose meshes can be exported: bodies, fine contact patches, a test block.
 
     Parameters
     ----------
@@ -54,8 +54,8 @@ def names_of_exportable_parts(scene: Scene) -> tuple[str, ...]:
     Returns
     -------
     tuple of str
-        Names of the whole bodies, of the bodies with refinement boxes (holes for fine contact patches), of the patches of
-        groove and ball on the flanks that may touch, and of the quarter block for a Hertz contact.
+        Names of the whole bodies; of the bodies with refinement boxes (holes for fine contact patches); of the patches of
+        groove and ball on the flanks that may touch; and of the quarter block that is pressed to verify Hertz contact.
     """
     sides = [SIDES[s] for s in flanks_to_mesh(scene)]
     patches = (f"{kind}-{s}" for kind in ("patch", "ball-patch") for s in sides)
@@ -63,7 +63,7 @@ def names_of_exportable_parts(scene: Scene) -> tuple[str, ...]:
 
 
 def nuts_and_bearings_on_shaft(described: Solvable) -> list[PlacedNutOrBearing]:
-    """Return each nut or ball bearing of a scene, its axial position, and the ends of the shaft piece modelled in 3D [m].
+    """Return each nut or ball bearing of a scene, with its axial position and the ends of its 3D piece of the shaft [m].
 
     Outside these ends the shaft is a beam in the 3D reference. Raises ValueError for a row of rollers, whose geometry
     cannot be written.
@@ -97,7 +97,7 @@ def part_mesh(scene: Scene, part: str, level: int, cache: Path | None = None) ->
     level
         Mesh level of the 3D reference, from 1 (coarse).
     cache
-        Folder with stored meshes; None: no cache.
+        Folder of stored meshes, which takes new ones; None: nothing is stored.
 
     Returns
     -------
@@ -118,7 +118,12 @@ def part_mesh(scene: Scene, part: str, level: int, cache: Path | None = None) ->
     if part in BODIES:
         return _mesh_whole_body(scene, part, level)
     from rollbench.hifi.bodies.coarse import convert_mesh_order
-    from rollbench.hifi.meshing.part_meshes import ball_socket_and_map, element_type_of_bodies, mesh_parts, mesh_patch
+    from rollbench.hifi.meshing.part_meshes import (
+        ball_refinement_box_and_map,
+        element_type_of_bodies,
+        mesh_parts,
+        mesh_patch,
+    )
     from rollbench.meshes.cache import Cache
     from rollbench.meshes.groove_map import GrooveMap
     from rollbench.meshes.helix import ball_layout
@@ -137,7 +142,7 @@ def part_mesh(scene: Scene, part: str, level: int, cache: Path | None = None) ->
     body = bodies["ball" if kind == "ball-patch" else "screw" if side < 2 else "nut"]
     place: Any = partial(points_in_box_at_azimuth_zero, m, meshes.socket_size, side)
     if kind == "ball-patch":
-        place = ball_socket_and_map(m, meshes.socket_size, side, meshes.relative_zone_size)[1]
+        place = ball_refinement_box_and_map(m, meshes.socket_size, side, meshes.relative_zone_size)[1]
     return with_only_boundaries(mesh_patch(meshes, body.box_faces[side], place, settings).mesh, "contact", "interface")
 
 
@@ -157,7 +162,7 @@ def solve_displacement_and_stress_of_part(
     ball
         Number of the ball, from 0, for a part that each ball has (the ball, or a contact patch).
     cache
-        Folder with stored meshes; None: no cache.
+        Folder of stored meshes, which takes new ones; None: nothing is stored.
 
     Returns
     -------
@@ -168,7 +173,7 @@ def solve_displacement_and_stress_of_part(
     Raises
     ------
     ValueError
-        If the scene cannot be solved, or if a support or load acts on the screw below the low end (in z) of its 3D piece.
+        If the scene cannot be solved, or if a support or load acts on the screw above the low end (in z) of its 3D mesh.
     """
     from rollbench.hifi import fields
     from rollbench.hifi.bodies.coarse import convert_mesh_order
@@ -185,7 +190,7 @@ def solve_displacement_and_stress_of_part(
     meshes = mesh_parts(scene, setup.groove_map, setup.ball_positions, setup.solid_dimensions, sides, settings, store)
     forces = fields.contact_node_forces_by_flank(setup, result)
 
-    def body_displacement(screw: bool) -> Array:
+    def nodal_displacement_of_body(screw: bool) -> Array:
         """Return the displacements of the n mesh nodes of the screw, or of the nut if not ``screw``, (n, 3) [m]."""
         if screw:
             return fields.nodal_displacements_of_screw(setup, meshes.screw_mesh, forces, scene)
@@ -196,11 +201,11 @@ def solve_displacement_and_stress_of_part(
         body, material = (
             (meshes.screw_mesh, scene.screw.material) if side == "screw" else (meshes.nut_mesh, scene.nut.material)
         )
-        u = body_displacement(side == "screw")
+        u = nodal_displacement_of_body(side == "screw")
         stress = fields.nodal_stress(convert_mesh_order(body.mesh, element_type_of_bodies(settings)), u, material)
     else:
         if kind == "patch":
-            u = body_displacement(side.startswith("S"))
+            u = nodal_displacement_of_body(side.startswith("S"))
             field = fields.stress_field_of_groove_patch(setup, meshes, u, ball, SIDES.index(side), forces)
         else:
             field = fields.stress_fields_of_ball(setup, meshes, ball, forces)[
@@ -217,7 +222,11 @@ def _mesh_whole_body(scene: Scene, part: str, level: int) -> Mesh:
     ``part``: "screw" (its piece that is modelled in 3D), "nut" or "ball"; ``level``: mesh level of the 3D reference.
     """
     from rollbench.hifi.bodies.coarse import convert_mesh_order
-    from rollbench.hifi.meshing.part_meshes import choose_socket_size, contact_positions_on_body, element_type_of_bodies
+    from rollbench.hifi.meshing.part_meshes import (
+        choose_refinement_box_size,
+        contact_positions_on_body,
+        element_type_of_bodies,
+    )
     from rollbench.meshes.exchange.whole_bodies import (
         ElementSizesNearPoints,
         mesh_whole_ball,
@@ -241,7 +250,7 @@ def _mesh_whole_body(scene: Scene, part: str, level: int) -> Mesh:
         ends = dims.ends_of_meshed_screw(scene) if screw else (scene.nut.position - half, scene.nut.position + half)
         places, size = (
             contact_positions_on_body(layout, sides, screw),
-            choose_socket_size(scene, m, layout, sides, dims, settings),
+            choose_refinement_box_size(scene, m, layout, sides, dims, settings),
         )
         filled = dims.groove_ends and not screw
         flange = None if screw else scene.nut.flange
@@ -274,11 +283,12 @@ def write_calculix_deck(
     unit
         Unit of length of the deck.
     balls
-        Range of balls that are kept with short pieces of screw and nut, such as ``3:5``; empty: the whole scene.
+        Range of the balls, numbered from 1, that are kept with short pieces of screw and nut, such as ``3:5``; empty: the
+        whole scene.
     b_over_h
         Number of elements across the minor semi-axis of the contact ellipse.
     growth
-        Growth of element size per distance from the contacts.
+        Increase of the element size per unit of distance from the contacts.
     stiffness
         Contact stiffness: pressure per depth of penetration [N/mm3].
     scene
@@ -294,8 +304,8 @@ def write_calculix_deck(
     Raises
     ------
     InputError
-        If an argument is out of range, the scene is too large or has features that a deck cannot describe, or the file
-        cannot be written.
+        If an argument is out of range, if the scene is too large or has features that a deck cannot describe, or if the
+        file cannot be written.
     """
     faults = [
         (program not in PROGRAMS, "deck", program, ", ".join(PROGRAMS), "write the deck for ccx, which Abaqus reads too"),
@@ -391,10 +401,10 @@ def cut_balls_out_of_screw(scene: Scene, first: int, last: int) -> Scene:
     share = (last - first + 1) / scene.ball_count
 
     def nearer_end(at: float) -> float:
-        """Return the end of the kept piece of screw that is nearer to the axial position ``at`` [m]."""
+        """Return the axial position [m] of the end of the cut-out piece of screw that is nearer to position ``at`` [m]."""
         return low if at <= middle else high
 
-    def share_of_balls(v: tuple[float, float, float]) -> tuple[float, float, float]:
+    def scaled_by_share_of_balls(v: tuple[float, float, float]) -> tuple[float, float, float]:
         """Return the force or moment ``v`` multiplied by the share of the balls that are kept."""
         return share * v[0], share * v[1], share * v[2]
 
@@ -408,7 +418,10 @@ def cut_balls_out_of_screw(scene: Scene, first: int, last: int) -> Scene:
         balls=replace(scene.balls, azimuths=tuple(azimuth.tolist())),
         errors=replace(scene.errors, balls=replace(scene.errors.balls, listed=listed)),
         supports=tuple(Support(nearer_end(s.at), s.fixed) for s in scene.supports),
-        loads=tuple(Load(nearer_end(x.at), share_of_balls(x.force), share_of_balls(x.moment)) for x in scene.loads),
+        loads=tuple(
+            Load(nearer_end(x.at), scaled_by_share_of_balls(x.force), scaled_by_share_of_balls(x.moment))
+            for x in scene.loads
+        ),
         solid=replace(scene.solid, shaft=SHAFT * r, screw_held="ends"),
         assumed=(
             *scene.assumed,

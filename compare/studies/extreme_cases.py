@@ -1,4 +1,4 @@
-"""Hard scenes for the report's table of numerical stability.
+"""Hard-to-solve scenes for the report's table of numerical stability.
 
 The scenes are extreme on purpose (100 t of load, a shaft a thousand times too soft). They test whether a solver finds the
 solution of the equations, not whether the model is valid there. Most can be described by a scene file; exceptions (such as
@@ -38,11 +38,11 @@ class HardScene:
 
     #: Name of the scene in the stability table.
     name: str
-    #: Group in the table.
+    #: Group of scenes in the stability table to which the scene belongs, such as "axis of rollers".
     table_group: str
-    #: Scene of a screw or bearing, or of a shaft with several.
+    #: Scene of a screw or bearing, or of a shaft with several nuts or bearings.
     scene: Scene | Assembly
-    #: Status to expect: "converged", or for a scene that is not held the one that names the free rigid motion.
+    #: Status that a solver should report: "converged", or the status that names a rigid motion that nothing resists.
     expected_status: str = CONVERGED
 
 
@@ -63,15 +63,15 @@ def _with_load(
 def _with_ball_radius_errors(base: Scene, oversize: float, half_width: float = 0.0, seed: int = 0) -> Scene:
     """Return a copy of the scene ``base`` whose only geometric errors are those of its ball radii.
 
-    ``oversize``: excess of all radii [m]; ``half_width``: largest random deviation from it, uniformly distributed [m];
-    ``seed``: seed of the deviations.
+    ``oversize``: excess of all ball radii over the nominal radius [m]; ``half_width``: largest random deviation of a radius
+    from this oversize, uniformly distributed [m]; ``seed``: seed of the random deviations.
     """
     drawn = BallErrors(oversize=oversize, sigma=half_width / math.sqrt(3.0), distribution="uniform")
     return replace(base, errors=Errors(balls=drawn, seed=seed))
 
 
 def _with_scaled_youngs_moduli(base: Scene, screw: float, nut: float, balls: float) -> Scene:
-    """Return a copy of the scene ``base``; factors ``screw``, ``nut`` and ``balls`` multiply their Young's moduli."""
+    """Return a copy of the scene ``base`` with Young's moduli of screw, nut and balls multiplied by one factor each."""
 
     def scaled_material(m: Material, factor: float) -> Material:
         """Return a copy of a material with Young's modulus multiplied by a factor."""
@@ -133,14 +133,14 @@ def _with_axial_support_only(base: Scene) -> Scene:
 def _with_displaced_screw_end(base: Scene, offset: float, oversize: float) -> Scene:
     """Return a copy of the scene ``base`` with oversized balls and a support that displaces the screw's right end along x.
 
-    ``offset``: displacement of the end [m]; ``oversize``: excess of the ball radii [m].
+    ``offset``: displacement of the end [m]; ``oversize``: excess of the ball radii over the nominal radius [m].
     """
     moved = Support(base.screw.length, (("ux", offset), ("uy", 0.0)))
     return replace(_with_ball_radius_errors(base, oversize), supports=(*base.supports, moved))
 
 
 def _scenes_of_loads(base: Scene) -> Iterator[HardScene]:
-    """Yield hard scenes of the screw ``base``: axial and lateral loads, moments, and a laterally displaced end."""
+    """Yield hard-to-solve scenes of the screw ``base``: axial and lateral loads, moments, and a laterally displaced end."""
     for k in range(-2, 7):
         yield HardScene(f"axial {10.0**k:g} N", "axial load", _with_load(base, (0.0, 0.0, 10.0**k)))
     yield HardScene("axial -5000 N", "axial load", _with_load(base, (0.0, 0.0, -5000.0)))
@@ -162,7 +162,7 @@ def _scenes_of_loads(base: Scene) -> Iterator[HardScene]:
 
 
 def _scenes_of_clearance_and_preload(base: Scene) -> Iterator[HardScene]:
-    """Yield hard scenes of the screw ``base``: clearance, preload and random ball sizes."""
+    """Yield hard-to-solve scenes of the screw ``base``: clearance, preload and random ball sizes."""
     for gap in (5e-6, 50e-6):
         for force in (0.01, 1.0, 5000.0):
             scene = _with_load(_with_ball_radius_errors(base, -gap), (0.0, 0.0, force))
@@ -179,7 +179,7 @@ def _scenes_of_clearance_and_preload(base: Scene) -> Iterator[HardScene]:
 
 
 def _scenes_of_stiffness(base: Scene) -> Iterator[HardScene]:
-    """Yield hard scenes of the screw ``base``: a softer or stiffer shaft, and other Young's moduli."""
+    """Yield hard-to-solve scenes of the screw ``base``: a softer or stiffer shaft, and other Young's moduli."""
     factors = [10.0**k for k in (-3, -2, -1, 1, 2, 3)]
     for f in factors:
         yield HardScene(f"shaft x {f:g}, contacts unchanged", "shaft stiffness", with_shaft_stiffness(base, f))
@@ -191,7 +191,7 @@ def _scenes_of_stiffness(base: Scene) -> Iterator[HardScene]:
 
 
 def _scenes_of_geometry(base: Scene) -> Iterator[HardScene]:
-    """Yield hard scenes of the screw ``base``: other conformities, numbers of balls, leads and contact angles."""
+    """Yield hard-to-solve scenes of the screw ``base``: other conformities, numbers of balls, leads and contact angles."""
     for ratio in (1.01, 1.001, 1.0001, 1.00001):
         close = with_groove_radius_ratio(base, ratio)
         yield HardScene(f"r_G/r_B {ratio:g}, axial", "conformity", close)
@@ -212,7 +212,7 @@ def _scenes_of_geometry(base: Scene) -> Iterator[HardScene]:
 
 
 def _scenes_with_free_rigid_motion(base: Scene) -> Iterator[HardScene]:
-    """Yield hard scenes of the screw ``base``: one or two balls, or missing supports, which may leave it free to move."""
+    """Yield hard-to-solve scenes of the screw ``base``: one or two balls, or missing supports that may leave it free."""
     one = replace(base, balls=replace(base.balls, azimuths=(0.0,)))
     for force in (0.01, 5000.0):
         yield HardScene(f"one ball, {force:g} N", "one ball", _with_load(one, (0.0, 0.0, force)))
@@ -248,7 +248,7 @@ PULLED = (
 
 
 def _scenes_of_material_and_size(base: Scene) -> Iterator[HardScene]:
-    """Yield hard scenes of the screw ``base``: other materials, one large ball, four balls, and a long shaft."""
+    """Yield hard-to-solve scenes of the screw ``base``: other materials, one large ball, four balls, and a long shaft."""
     nut = replace(base, nut=replace(base.nut, material=POLYMER))
     balls = replace(base, balls=replace(base.balls, material=CERAMIC))
     for name, scene in (("polymer nut", nut), ("ceramic balls", balls)):
@@ -275,7 +275,7 @@ def _scenes_of_material_and_size(base: Scene) -> Iterator[HardScene]:
 
 
 def built_in_shaft_scene(name: str) -> Assembly:
-    """Return the built-in scene ``name`` of a shaft with several nuts or bearings; TypeError if it has only one."""
+    """Return the built-in scene ``name`` of a shaft with several nuts or bearings; TypeError if the scene has only one."""
     found = catalogue.shipped_scene(name)
     if not isinstance(found, Assembly):
         raise TypeError(f"{name} has a single nut or bearing, not several on a shaft")
@@ -295,7 +295,7 @@ def axis_of_balls_and_rollers() -> Assembly:
 def _axis_preloaded_by_offsets() -> Assembly:
     """Return the built-in ball-screw axis with ball bearings that are preloaded by axial offsets.
 
-    With this kind of preload all formulations solve the same equations.
+    With this kind of preload the energy solver and all other formulations of the static problem solve the same equations.
     """
     towards = {"+z": -OFFSET, "-z": OFFSET, "both": 0.0}
     return _with_changed_nuts_and_bearings(
@@ -383,7 +383,7 @@ def _with_longer_shaft(axis: Assembly, length: float) -> Assembly:
 
 
 def _axis_variants_of_loads(axis: Assembly) -> Iterator[tuple[str, Assembly]]:
-    """Yield names and hard variants of a ball-screw axis: other loads, no preload, and a warmer or colder shaft."""
+    """Yield names and hard-to-solve variants of a ball-screw axis: other loads, no preload, a warmer or colder shaft."""
     for force in (0.0, 0.01, 3000.0, -3000.0, 1e6):
         yield f"axial {force:g} N", _with_axis_loads(axis, force)
     for force in (1.0, 1e3, 1e5):
@@ -399,10 +399,10 @@ def _axis_variants_of_loads(axis: Assembly) -> Iterator[tuple[str, Assembly]]:
 
 
 def _axis_variants_of_parts(axis: Assembly) -> Iterator[tuple[str, Assembly]]:
-    """Yield names and hard variants of a ball-screw axis: other materials, conformity and balls, and a long shaft."""
+    """Yield names and hard-to-solve variants of a ball-screw axis: other materials, conformity, balls, and a long shaft."""
 
     def is_nut(p: Scene) -> bool:
-        """Return whether the parts are those of a ball nut, not of a bearing."""
+        """Return whether ``p`` describes a ball nut on its screw (lead above zero), not a ball bearing."""
         return p.track.lead > 0.0
 
     yield (
@@ -423,7 +423,7 @@ def _axis_variants_of_parts(axis: Assembly) -> Iterator[tuple[str, Assembly]]:
 
 
 def _axis_variants_of_rollers(axis: Assembly) -> Iterator[tuple[str, Assembly]]:
-    """Yield names and hard variants of a ball-screw axis with other rollers: slices, crown, number, angles, material."""
+    """Yield names and hard-to-solve variants of a ball-screw axis with other rollers: other crown, number, material etc."""
     crossed = _with_axis_loads(axis, 2000.0, 2000.0)
     yield "1 slice, across", _with_changed_roller_rows(crossed, slices=1)
     yield "101 slices, across", _with_changed_roller_rows(crossed, slices=101)
@@ -435,7 +435,7 @@ def _axis_variants_of_rollers(axis: Assembly) -> Iterator[tuple[str, Assembly]]:
 
 
 def _hard_axis_scenes() -> Iterator[HardScene]:
-    """Yield hard scenes of ball-screw axes with ball bearings and tapered roller bearings."""
+    """Yield hard-to-solve scenes of ball-screw axes with ball bearings and tapered roller bearings."""
     mixed, rollers, balls = (
         axis_of_balls_and_rollers(),
         built_in_shaft_scene("smith-axis-taper"),
@@ -458,7 +458,7 @@ def _hard_axis_scenes() -> Iterator[HardScene]:
 
 
 def hard_scenes() -> list[HardScene]:
-    """Return all hard scenes in a fixed order: variants of the screw ``lin-case1``, then shafts with several bearings."""
+    """Return all hard-to-solve scenes in a fixed order: variants of the screw ``lin-case1``, then shafts with bearings."""
     base = catalogue.scene("lin-case1")
     groups = (
         _scenes_of_loads,

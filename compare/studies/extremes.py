@@ -52,16 +52,16 @@ ENERGY = "energy solver"
 
 #: Starts of Newton's method as in Lin's thesis, by the name of the formulation.
 SOURCE: dict[str, Start] = {
-    "source, nominal start": "nominal",
-    "source, good guess": "guess",
-    "source, load steps": "load steps",
+    "Lin's Newton method, nominal start": "nominal",
+    "Lin's Newton method, good guess": "guess",
+    "Lin's Newton method, load steps": "load steps",
 }
 
 #: Name of the formulation in contact loads (`lowfi.statics.elastic`) of the same equations: beam, rigid nut, Hertz
 #: contacts.
-FORCES = "contact loads, same equations"
+FORCES = "same equations, solved for contact loads"
 
-#: Models of elastic bodies by the name of their formulation; all must solve the hard scenes.
+#: Models of elastic bodies by the name of their formulation; all must solve the hard-to-solve scenes.
 BACKENDS = {FORCES: "lin"} | {m.label: m.name for m in MODELS.values() if m.solves_hard_scenes}
 
 #: Names of all formulations of the equations.
@@ -82,21 +82,21 @@ SAME = 1e-4
 
 @dataclass(frozen=True)
 class FormulationOutcome:
-    """Outcome of one attempt to solve a hard scene by one formulation of the equations."""
+    """Outcome of one attempt to solve a hard-to-solve scene by one formulation of the equations."""
 
-    #: Name of the hard scene.
+    #: Name of the hard-to-solve scene.
     case: str
     #: Group of the scene in the stability table.
     group: str
-    #: Name of the formulation.
+    #: Name of the formulation of the equations, one of `FORMULATIONS`.
     formulation: str
-    #: Status of the solver.
+    #: Status that the solver reported, or why the scene was not attempted.
     status: str
-    #: Status that the solver should report.
+    #: Status that the solver should report: "converged", or the name of a free rigid motion that the loads drive.
     expected: str
     #: Whether the solver converged.
     converged: bool
-    #: Number of iterations.
+    #: Number of iterations of the solver.
     iterations: int = 0
     #: Largest unbalanced force over the largest force; None if the scene was not solved or has no force.
     residual: float | None = None
@@ -104,10 +104,10 @@ class FormulationOutcome:
     round_off_bound: float = 0.0
     #: Run time of set-up and solution [s].
     seconds: float = 0.0
-    #: Number of unknowns.
+    #: Number of unknowns of the formulation.
     unknowns: int = 0
-    #: Largest difference of a contact load from that of the energy solver with the same beam nodes [% of the largest load];
-    #: None unless both converged.
+    #: Largest difference between contact loads by the formulation and by the energy solver with the same beam nodes [% of
+    #: the largest load]; None unless both converged.
     difference_percent: float | None = None
     #: Short form of the status, followed by warnings and remarks.
     reason: str = ""
@@ -118,11 +118,11 @@ class FormulationOutcome:
         return not self.status.startswith("not attempted")
 
 
-# --- solution of the hard scenes
+# --- solution of the hard-to-solve scenes
 
 
 def solve_hard_scene_by_formulation(hard_scene: HardScene, formulation: str) -> FormulationOutcome:
-    """Solve one hard scene by one formulation; a failure of the solver becomes part of the result and raises no exception.
+    """Solve one hard-to-solve scene by one formulation; the outcome also states a failure of the solver.
 
     The energy solver has a beam node at every contact. Newton's method as in Lin's thesis has its nodes every 15 mm, with
     the energy solver's rigid arcs for the flanks (``kinematics="arc"``), so that both solve the same equations.
@@ -130,9 +130,9 @@ def solve_hard_scene_by_formulation(hard_scene: HardScene, formulation: str) -> 
     Parameters
     ----------
     hard_scene
-        The hard scene.
+        The hard-to-solve scene.
     formulation
-        One of ``FORMULATIONS``.
+        Name of the formulation, one of `FORMULATIONS`.
 
     Returns
     -------
@@ -140,11 +140,11 @@ def solve_hard_scene_by_formulation(hard_scene: HardScene, formulation: str) -> 
         Status, residual, time and differences of the solution.
     """
     if formulation == ENERGY:
-        return _solve_by_energy_solver(hard_scene)
+        return _outcome_by_energy_solver(hard_scene)
     return (
-        _solve_for_contact_loads(hard_scene, formulation)
+        _outcome_by_contact_load_formulation(hard_scene, formulation)
         if formulation in BACKENDS
-        else _solve_by_thesis_newton(hard_scene, formulation)
+        else _outcome_by_thesis_newton(hard_scene, formulation)
     )
 
 
@@ -154,7 +154,7 @@ def _compile_kernels_before_timing() -> None:
     solve_static(shipped("lin-case1"), engine="compiled")
 
 
-def _solve_by_energy(scene: Scene | Assembly) -> StaticResult | AxisResult:
+def _static_result_by_energy_solver(scene: Scene | Assembly) -> StaticResult | AxisResult:
     """Solve a scene by the energy solver with compiled kernels."""
     _compile_kernels_before_timing()
     if isinstance(scene, Assembly):
@@ -162,20 +162,20 @@ def _solve_by_energy(scene: Scene | Assembly) -> StaticResult | AxisResult:
     return solve_static(scene, engine="compiled")
 
 
-def _solve_by_energy_solver(hard_scene: HardScene, result: StaticResult | AxisResult | None = None) -> FormulationOutcome:
-    """Solve a hard scene by the energy solver, and return the outcome.
+def _outcome_by_energy_solver(hard_scene: HardScene, result: StaticResult | AxisResult | None = None) -> FormulationOutcome:
+    """Solve a hard-to-solve scene by the energy solver, and return the outcome.
 
     ``result``: static result of the energy solver for this scene; None: the scene is solved first.
     """
     begin = perf_counter()
-    row = _outcome_from_result(hard_scene, ENERGY, result or _solve_by_energy(hard_scene.scene), begin)
+    row = _outcome_from_result(hard_scene, ENERGY, result or _static_result_by_energy_solver(hard_scene.scene), begin)
     return replace(row, difference_percent=0.0 if row.converged else None)
 
 
-def _solve_for_contact_loads(
+def _outcome_by_contact_load_formulation(
     hard_scene: HardScene, formulation: str, energy_result: StaticResult | AxisResult | None = None
 ) -> FormulationOutcome:
-    """Solve a hard scene by a formulation whose unknowns are the contact loads, and return the outcome.
+    """Solve a hard-to-solve scene by a formulation whose unknowns are the contact loads, and return the outcome.
 
     ``formulation``: a key of `BACKENDS`; ``energy_result``: static result of the energy solver, None to compute it. The
     formulation is not applied to scenes whose dimensions leave no solid body (no land between grooves, no wall), to scenes
@@ -184,7 +184,7 @@ def _solve_for_contact_loads(
     begin, backend = perf_counter(), BACKENDS[formulation]
     try:
         if hard_scene.scene.ball_count > ELASTIC_LIMIT:
-            raise ValueError(f"{hard_scene.scene.ball_count} balls")
+            raise ValueError(f"{hard_scene.scene.ball_count} balls, more than {ELASTIC_LIMIT}")
         if not hard_scene.scene.ball_count:
             raise ValueError("a shaft with roller bearings only has no elastic body but its beam")
         solve: Any = solve_assembly_with_elastic_bodies if isinstance(hard_scene.scene, Assembly) else solve_elastic
@@ -195,7 +195,7 @@ def _solve_for_contact_loads(
     row = _outcome_from_result(hard_scene, formulation, result, begin)
     if formulation != FORCES or not row.converged:
         return row
-    energy_result = energy_result or _solve_by_energy(hard_scene.scene)
+    energy_result = energy_result or _static_result_by_energy_solver(hard_scene.scene)
     apart = (
         _largest_load_difference(_loads_of_all_contacts(result), _loads_of_all_contacts(energy_result))
         if energy_result.converged
@@ -215,7 +215,7 @@ def _loads_of_all_contacts(result: StaticResult | AxisResult) -> Array:
 def _outcome_from_result(
     hard_scene: HardScene, formulation: str, result: StaticResult | AxisResult, start_time: float
 ) -> FormulationOutcome:
-    """Return the outcome of a formulation from its static result; its loads are not compared with the energy solver's.
+    """Return the outcome of a formulation from its static result, without comparing loads with the energy solver's.
 
     ``start_time``: value of ``perf_counter`` [s] at which the solution began.
     """
@@ -234,9 +234,9 @@ def _outcome_from_result(
 
 
 def _outcome_with_status(hard_scene: HardScene, formulation: str, status: str, **found: Any) -> FormulationOutcome:
-    """Return the outcome of a formulation for a hard scene with a given status.
+    """Return the outcome of a formulation for a hard-to-solve scene with a given status.
 
-    ``found``: values of further fields of `FormulationOutcome` by name.
+    ``found``: values of further fields of `FormulationOutcome`, by name of the field.
     """
     return FormulationOutcome(
         hard_scene.name,
@@ -250,7 +250,7 @@ def _outcome_with_status(hard_scene: HardScene, formulation: str, status: str, *
 
 
 def _why_not_in_equilibrium(result: StaticResult | AxisResult) -> str:
-    """Check a result that is reported as converged: return why it is no equilibrium, empty if it is one.
+    """Return why a result that is reported as converged is no equilibrium; an empty text if it is an equilibrium.
 
     The checks are that all numbers are finite, that the residual is small, that forces and moments balance, and that the
     slices of rollers follow their load-displacement law.
@@ -277,8 +277,8 @@ def roller_slice_law_residual(roller_row_result: SetResult, result: AxisResult) 
     """Return the largest deviation of a roller slice's line load from its load-approach law, over the largest line load.
 
     ``roller_row_result``: solved row of tapered rollers; ``result``: solution of the shaft. The approach of a slice follows
-    from the displacements of cone and cup; their round-off is allowed for. Zero for a row of balls, and for rollers without
-    load.
+    from the displacements of cone and cup; the deviation does not count the effect of round-off in these displacements.
+    Zero for a row of balls, and for rollers without load.
     """
     parts, lines = roller_row_result.of.parts, roller_row_result.line_loads
     if not isinstance(parts, RollerRow) or lines is None or not lines.any():
@@ -326,10 +326,10 @@ def unknown_count_of_thesis_equations(scene: Scene) -> int:
     return 6 * layout.z.size + problem.unknowns
 
 
-def _solve_by_thesis_newton(
+def _outcome_by_thesis_newton(
     hard_scene: HardScene, formulation: str, energy_result: StaticResult | None = None
 ) -> FormulationOutcome:
-    """Solve a hard scene by Newton's method as in Lin's thesis, and return the outcome.
+    """Solve a hard-to-solve scene by Newton's method as in Lin's thesis, and return the outcome.
 
     ``formulation``: a key of `SOURCE`; ``energy_result``: static result of the energy solver with the same beam nodes, None
     to compute it.
@@ -377,7 +377,7 @@ def _clause_on_load_difference(difference_percent: float | None) -> str:
 
 
 def _finite_or_none(value: float) -> float | None:
-    """Return a number as a float; None, as JSON needs it, if it is not finite."""
+    """Return a number as a float; None if the number is not finite, because JSON has no other word for such numbers."""
     return float(value) if math.isfinite(value) else None
 
 
@@ -398,19 +398,21 @@ def _first_clause_of_status(status: str) -> str:
 
 
 def _solve_by_all_formulations(hard_scene: HardScene) -> list[FormulationOutcome]:
-    """Solve a hard scene by every formulation and return the outcomes, the energy solver's first."""
-    found, ours = _solve_by_energy(hard_scene.scene), None
+    """Solve a hard-to-solve scene by every formulation and return the outcomes, the energy solver's first."""
+    found, ours = _static_result_by_energy_solver(hard_scene.scene), None
     if isinstance(hard_scene.scene, Scene):
         scene = _with_beam_nodes_of_thesis(hard_scene.scene)
         ours = solve_static(scene, engine="compiled") if unknown_count_of_thesis_equations(scene) <= DENSE_LIMIT else None
-    rows = [_solve_by_energy_solver(hard_scene, found)] + [_solve_for_contact_loads(hard_scene, f, found) for f in BACKENDS]
-    return rows + [_solve_by_thesis_newton(hard_scene, f, ours) for f in SOURCE]
+    rows = [_outcome_by_energy_solver(hard_scene, found)] + [
+        _outcome_by_contact_load_formulation(hard_scene, f, found) for f in BACKENDS
+    ]
+    return rows + [_outcome_by_thesis_newton(hard_scene, f, ours) for f in SOURCE]
 
 
 def solve_all_hard_scenes(
     progress: Callable[[int, int, str], None] = lambda *_: None, *, n_jobs: int = 2
 ) -> list[FormulationOutcome]:
-    """Solve every hard scene by every formulation of the equations, in several processes.
+    """Solve every hard-to-solve scene by every formulation of the equations, in several processes.
 
     Parameters
     ----------
@@ -436,10 +438,10 @@ def solve_all_hard_scenes(
 
 
 def unexpected_outcomes(outcomes: Sequence[FormulationOutcome]) -> list[FormulationOutcome]:
-    """Return those outcomes of rollbench's own formulations that are not as expected.
+    """Return the outcomes of rollbench's own formulations that are not as expected.
 
-    Expected is convergence, or for a scene that is not held the status that names its free rigid motion. Also returned are
-    outcomes whose contact loads differ from those of the energy solver.
+    Expected is convergence or, if the loads drive a rigid motion that nothing resists, the status that names this motion.
+    Outcomes whose contact loads differ from the energy solver's are returned, too.
     """
     ours = [r for r in outcomes if r.formulation == ENERGY or r.formulation in BACKENDS]
     return [
@@ -451,7 +453,7 @@ def unexpected_outcomes(outcomes: Sequence[FormulationOutcome]) -> list[Formulat
 
 
 def stability_table_rows(outcomes: Sequence[FormulationOutcome]) -> list[dict[str, Cell]]:
-    """Return the rows of the report's stability table, one for each hard scene, with the status of each formulation."""
+    """Return the rows of the report's stability table: for each hard-to-solve scene the status of each formulation."""
     by_case: dict[str, dict[str, Cell]] = {}
     for row in outcomes:
         line = by_case.setdefault(row.case, {"case": row.case, "group": row.group})
@@ -465,7 +467,7 @@ def stability_table_rows(outcomes: Sequence[FormulationOutcome]) -> list[dict[st
 
 
 def outcome_cell_text(outcome: FormulationOutcome) -> str:
-    """Return the outcome of a formulation as text for a table cell: number of iterations, else the solver's status."""
+    """Return the outcome of a formulation as text of a table cell: iterations if converged, else the solver's status."""
     if outcome.status == CONVERGED:
         apart = outcome.difference_percent
         other = f", another root ({apart:.2g} % off)" if apart is not None and apart > SAME else ""
@@ -476,7 +478,7 @@ def outcome_cell_text(outcome: FormulationOutcome) -> str:
 def count_expected_outcomes(outcomes: Sequence[FormulationOutcome]) -> dict[str, tuple[int, int, int]]:
     """Count for each formulation the scenes with the expected outcome, the scenes that were tried, and all scenes.
 
-    The outcome is as expected if the solver converged, or if it named the scene's free rigid motion.
+    The outcome is as expected if the solver converged or, where the loads drive a free rigid motion, named this motion.
     """
     out = {}
     for formulation in FORMULATIONS:
@@ -499,6 +501,15 @@ MISSTATED = "misstated by the command line"
 
 #: Good and bad outcomes.
 GOOD, BAD = (RIGHT, REFUSED, PROVEN, NOT_UNIQUE), (WRONG, UNPROVEN, SILENT, CRASHED, MISSTATED)
+
+#: Headings of the report's columns with the numbers of scenes with each bad outcome.
+BAD_HEADINGS = {
+    WRONG: "scenes with a wrong result",
+    UNPROVEN: "scenes refused, reason unproven",
+    SILENT: "scenes refused without a reason",
+    CRASHED: "scenes that end in a Python traceback",
+    MISSTATED: "scenes whose printed result is not the computed one",
+}
 
 
 def read_campaign_records(path: Path) -> list[Record]:
@@ -525,22 +536,22 @@ def campaign_table_rows(records: Sequence[Record]) -> list[Row]:
     """Return the rows of the report's table of test campaigns, one for each campaign of many random scenes.
 
     ``records``: records of the campaigns. A row has the command, the version, and the numbers of scenes, damaged files and
-    killed processes with each outcome.
+    killed processes with each outcome, by the heading of the column.
     """
     out = []
     for r in records:
-        bad: Row = {verdict: r["scenes"].get(verdict, 0) for verdict in BAD}
+        bad: Row = {heading: r["scenes"].get(verdict, 0) for verdict, heading in BAD_HEADINGS.items()}
         files = [row for kind, row in r["files"].items() if kind != "kill"]
         ended: Row = {
             "command": r["command"],
-            "version": r.get("version", ""),
-            "right": r["scenes"][RIGHT],
-            "refused with a proven reason": sum(r["scenes"][verdict] for verdict in GOOD[1:]),
-            "wrong or unproven": sum(r["scenes"].get(verdict, 0) for verdict in BAD),
-            "damaged files": sum(sum(row.values()) for row in files),
-            "of these read wrongly": sum(row["bad"] for row in files),
-            "killed processes": sum(r["files"].get("kill", {}).values()),
-            "of these not whole": r["files"].get("kill", {}).get("bad", 0),
+            "rollbench version": r.get("version", ""),
+            "scenes solved correctly": r["scenes"][RIGHT],
+            "scenes refused, reason proven": sum(r["scenes"][verdict] for verdict in GOOD[1:]),
+            "scenes with a wrong or unproven outcome": sum(r["scenes"].get(verdict, 0) for verdict in BAD),
+            "damaged files read": sum(sum(row.values()) for row in files),
+            "damaged files read wrongly": sum(row["bad"] for row in files),
+            "processes killed while writing": sum(r["files"].get("kill", {}).values()),
+            "killed processes that left an incomplete file": r["files"].get("kill", {}).get("bad", 0),
         }
         out.append(ended | bad)
     return out

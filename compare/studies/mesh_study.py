@@ -14,20 +14,13 @@ from rollbench.compare.errors import ArgumentError
 from rollbench.compare.measure import error_percent, load_error
 from rollbench.compare.models.comparison import SceneWithReference, stored_references
 from rollbench.compare.models.modelling import run_without_changed_choices
+from rollbench.compare.reference import estimate, jobs
 from rollbench.compare.reference.convergence import grid_convergence, pooled_grid_uncertainty
-from rollbench.compare.reference.estimate import (
-    FITTED,
-    Reference,
-    mesh_uncertainty,
-    read_uncertainty_of_other_scenes,
-    reference_from_runs,
-)
-from rollbench.compare.reference.jobs import ComputingSettings, ensure_runs_are_stored, modelling_variant_names, plan_tasks
 from rollbench.compare.reference.levels import ADVISED, LEVELS, VARIANTS
 from rollbench.compare.reference.store import Run, load_stored_run, measuring_conditions, shipped_store
 from rollbench.compare.reference.tasks import ReferenceTask, Solvable
-from rollbench.compare.results.comparison import scene_and_set_keys, unconverged_error
-from rollbench.lowfi.statics.nominal import nominal_contacts
+from rollbench.compare.results.comparison import error_for_unconverged_reference, scene_and_set_keys
+from rollbench.lowfi.statics.nominal import count_nominal_contacts
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import SIDES, Scene
 
@@ -52,7 +45,8 @@ def _extreme_flank_load(side: int, sign: float, run: Run) -> float:
 def _contact_load_of_ball(ball: int, side: int, run: Run) -> float:
     """Return the load of one ball on one flank by a solution of the 3D reference [N].
 
-    ``ball``: number of the ball from 0; ``side``: number of the flank, 0 to 3 for SL, SR, NL, NR; ``run``: the solution.
+    ``ball``: number of the ball from 0; ``side``: number of the flank, 0 to 3 for SL, SR, NL, NR (screw left and right, nut
+    left and right); ``run``: the solution.
     """
     return float(run.load[ball, side])
 
@@ -90,7 +84,7 @@ def mesh_study_quantities(run: Run) -> list[tuple[str, str, Take]]:
 
 def reference_from_stored_runs(
     scene: Scene, stores: Sequence[Path] | None, levels: Sequence[int] = tuple(LEVELS)
-) -> Reference | None:
+) -> estimate.Reference | None:
     """Return the 3D reference of a scene with its uncertainty, from the stored solutions on several mesh levels.
 
     None if no solution is stored.
@@ -100,21 +94,21 @@ def reference_from_stored_runs(
     scene
         Scene of one nut or bearing.
     stores
-        Folders with runs; None: those of the package.
+        Folders with stored 3D solutions; None: those of the package.
     levels
         Mesh levels.
     """
     runs = tuple(r for k in levels if (r := load_stored_run(scene, k, stores=stores)) is not None)
-    return reference_from_runs(scene.name, scene, runs, contacts=nominal_contacts(scene)) if runs else None
+    return estimate.reference_from_runs(scene.name, scene, runs, contacts=count_nominal_contacts(scene)) if runs else None
 
 
-def mesh_level_table_rows(reference: Reference) -> list[dict[str, Any]]:
+def mesh_level_table_rows(reference: estimate.Reference) -> list[dict[str, Any]]:
     """Return a table row for each mesh level, coarsest first: size, time and accuracy.
 
     Parameters
     ----------
     reference
-        3D reference with its runs.
+        3D reference with its solutions on several mesh levels.
 
     Returns
     -------
@@ -137,18 +131,18 @@ def mesh_level_table_rows(reference: Reference) -> list[dict[str, Any]]:
     ]
 
 
-def load_uncertainty_up_to_run(reference: Reference, run_index: int) -> float:
-    """Return the mesh uncertainty of the contact loads by run ``run_index`` and the runs on coarser meshes alone.
+def load_uncertainty_up_to_run(reference: estimate.Reference, run_index: int) -> float:
+    """Estimate the mesh uncertainty of a run's contact loads as if there were no runs on finer meshes [% of the mean load].
 
     ``reference``: 3D reference with its runs; ``run_index``: number of the run from 0, coarsest mesh first. The uncertainty
-    is the root mean square over the contacts [% of the mean load]; for the coarsest mesh alone it is that of other scenes.
+    is the root mean square over the contacts. For the coarsest mesh it is the uncertainty found on other scenes.
     """
-    loads = {run.level: run.load for run in reference.runs[max(0, run_index + 1 - FITTED) : run_index + 1]}
-    return mesh_uncertainty(loads, read_uncertainty_of_other_scenes(shipped_store())).uncertainty
+    loads = {run.level: run.load for run in reference.runs[max(0, run_index + 1 - estimate.FITTED) : run_index + 1]}
+    return estimate.mesh_uncertainty(loads, estimate.read_uncertainty_of_other_scenes(shipped_store())).uncertainty
 
 
-def mesh_accuracy_sentence(reference: Reference) -> str:
-    """Return a sentence on the accuracy and time of each mesh level, and on levels that are hardly more accurate.
+def mesh_accuracy_sentence(reference: estimate.Reference) -> str:
+    """Return a sentence on accuracy and time of each mesh level, and on levels hardly more accurate than the coarser one.
 
     Percentages are rounded up. Times are given if all were measured together on one machine.
     """
@@ -195,7 +189,7 @@ def mesh_study_table_of_scene(
     scene
         Scene of one nut or bearing.
     stores
-        Folders with runs; None: those of the package.
+        Folders with stored 3D solutions; None: those of the package.
     levels
         Mesh levels.
 
@@ -204,7 +198,7 @@ def mesh_study_table_of_scene(
     list of dict
         For each quantity that is not fixed at zero: value on each level, order of convergence, extrapolated value, grid
         uncertainty, and why there is an order or none. If modelling choices were varied: their effect (root of summed
-        squares), and the effect of choices that belong to the scene.
+        squares), and the largest change by boundary conditions that the scene must state, such as how the nut is fixed.
     """
     reference = reference_from_stored_runs(scene, stores, levels)
     if reference is None:
@@ -218,14 +212,14 @@ def mesh_study_table_of_scene(
 
 
 def mesh_study_table_of_reference(
-    reference: Reference, unchanged_run: Run | None, changed_runs: Mapping[str, Run]
+    reference: estimate.Reference, unchanged_run: Run | None, changed_runs: Mapping[str, Run]
 ) -> list[dict[str, Any]]:
     """Return the table of a mesh study from the solutions of a 3D reference (columns as in `mesh_study_table_of_scene`).
 
     Parameters
     ----------
     reference
-        3D reference with its runs.
+        3D reference with its solutions on several mesh levels.
     unchanged_run
         Run with the usual modelling choices, with which the variants are compared; None: no variants.
     changed_runs
@@ -267,7 +261,7 @@ def mesh_study_table_of_reference(
 
 
 def _ball_and_flank_of_quantity(quantity_of_run: Take, finest_run: Run) -> tuple[int, int] | None:
-    """Return ball and flank (from 0) of the contact if a mesh-study quantity is a contact load; None for a displacement.
+    """Return the numbers of ball and flank, from 0, if a mesh-study quantity is a contact load; None for a displacement.
 
     ``quantity_of_run``: function that reads the quantity from a solution; ``finest_run``: solution on the finest mesh
     level, which decides which contact has the largest or smallest load of a flank.
@@ -321,7 +315,7 @@ def mesh_levels_of_study(count: int | None) -> tuple[int, ...]:
 def mesh_study_table_of_bearing(
     referenced: SceneWithReference, stores: Sequence[Path], levels: Sequence[int]
 ) -> list[dict[str, Any]]:
-    """Return the mesh-study table of a nut or bearing from its 3D reference.
+    """Return the mesh-study table of a nut or bearing: contact loads and displacements on each level of its 3D reference.
 
     ``referenced``: nut or bearing with its 3D reference; ``stores``: folders with solutions; ``levels``: mesh levels. The
     effects of modelling choices are left out if the nut or bearing is one of several on a shaft.
@@ -337,7 +331,7 @@ def compute_references_on_levels(
     scenes: Sequence[Solvable],
     levels: Sequence[int],
     stores: Sequence[Path],
-    engine: ComputingSettings,
+    engine: jobs.ComputingSettings,
     show_progress: Callable[[str], None],
     *,
     spread: bool = False,
@@ -353,7 +347,7 @@ def compute_references_on_levels(
     levels
         Mesh levels.
     stores
-        Folders with runs.
+        Folders with stored 3D solutions; the first takes new ones.
     engine
         Number of processes, or cluster, that compute the solutions.
     show_progress
@@ -363,7 +357,7 @@ def compute_references_on_levels(
     source
         Whether the mesh of Lin's thesis (first-order tetrahedra) is also used.
     fresh
-        Whether stored runs are computed again.
+        Whether stored solutions are computed again.
 
     Returns
     -------
@@ -373,18 +367,18 @@ def compute_references_on_levels(
     Raises
     ------
     InputError
-        If ``spread`` is used for a shaft with several nuts or bearings. Its subclass Refusal is raised if no run of a
-        scene converged.
+        If ``spread`` is used for a shaft with several nuts or bearings. Its subclass SceneNotCoveredError is raised if no
+        run of a scene converged.
     """
-    tasks = plan_tasks(scenes, levels, with_source_mesh=source)
+    tasks = jobs.plan_reference_tasks(scenes, levels, with_source_mesh=source)
     several = next((s.name for s in scenes if isinstance(s, Assembly)), None) if spread else None
     if several is not None:
         given = f"{several}, which has several nuts and bearings"
         raise ArgumentError("spread", given, "scenes with a single nut or bearing", "leave `spread` out")
     if spread:
-        tasks += [t for s in scenes for t in plan_tasks([s], (), modelling_variant_names())]
+        tasks += [t for s in scenes for t in jobs.plan_reference_tasks([s], (), jobs.modelling_variant_names())]
 
-    def report_coarsest_level(task: ReferenceTask) -> None:
+    def show_loads_of_coarsest_level(task: ReferenceTask) -> None:
         """Show the contact loads by the coarsest mesh level while finer levels are computed."""
         for scene in task.scenes if task.level == min(LEVELS) and not task.variant else ():
             for one in stored_references(scene, stores[:1], (task.level,)):
@@ -392,20 +386,20 @@ def compute_references_on_levels(
                 values = (f"{row['quantity']} {row[f'level {task.level}']:.4g} {row['unit']}" for row in table)
                 show_progress(f"{one.reference.scene}, by level {task.level} alone: {'; '.join(values)}")
 
-    failed = ensure_runs_are_stored(
+    failed = jobs.ensure_runs_are_stored(
         tasks,
         stores[0],
         engine,
         show_progress,
         stores[1:],
         compute_again=fresh,
-        after_each_stored_task=report_coarsest_level,
+        after_each_stored_task=show_loads_of_coarsest_level,
     )
     references = []
     for scene in scenes:
         sets = stored_references(scene, stores, tuple(levels), run_count=len(levels))
         if not sets:
-            raise unconverged_error(scene.name, failed)
+            raise error_for_unconverged_reference(scene.name, failed)
         references += sets
     return references
 
@@ -435,7 +429,7 @@ def run_mesh_study(
     spread
         Whether modelling choices are varied.
     store
-        Folder that takes new runs.
+        Folder in which new 3D solutions are stored.
 
     Returns
     -------
@@ -450,7 +444,7 @@ def run_mesh_study(
 
     stores, wanted = (store, shipped_store()), mesh_levels_of_study(levels)
     references = compute_references_on_levels(
-        [target], wanted, stores, ComputingSettings(cache_folder=default_cache_folder()), show_progress, spread=spread
+        [target], wanted, stores, jobs.ComputingSettings(cache_folder=default_cache_folder()), show_progress, spread=spread
     )
     results = [
         {

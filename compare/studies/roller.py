@@ -27,16 +27,8 @@ from rollbench.compare.reference.store import (
     shipped_store,
 )
 from rollbench.compare.scenes.duty_cycle import Described, DutyCycle
+from rollbench.lowfi import rollers
 from rollbench.lowfi.hertz import contact_modulus
-from rollbench.lowfi.rollers import (
-    circular_crown_profile,
-    line_contact_half_width,
-    line_contact_pressure,
-    slice_roller,
-    sliced_roller_approach_under_force,
-    sliced_roller_state_at_approach,
-    tapered_bearing_of_row,
-)
 from rollbench.meshes.axis import Assembly, RollerRow
 from rollbench.meshes.record_keys import digest_of_values
 
@@ -61,36 +53,47 @@ class RollerRun:
 
     #: Mesh level.
     level: int
-    #: Number of cells across half of the possible contact zone, number of cells of all meshes, number of degrees of
-    #: freedom.
+    #: Number of cells across half of the possible contact zone.
     across: int
+    #: Number of cells of the meshes of roller and races.
     cells: int
+    #: Number of degrees of freedom of all meshes.
     unknowns: int
-    #: Loads [N], approaches of the races [m], stiffnesses [N/m].
+    #: Forces that press the roller between its races, largest first [N].
     load: list[float]
+    #: Approach of the races under each force of ``load`` [m].
     approach: list[float]
+    #: Stiffness of the roller between its races under each force of ``load`` [N/m].
     stiffness: list[float]
-    #: Load per length in the middle of the roller, for each load and race [N/m].
+    #: Load per length in the middle of the roller, for each force and race [N/m].
     middle_line_load: list[list[float]]
-    #: Under the first load: pressure in the middle, and the largest pressure, which a straight roller has at its ends [Pa].
+    #: Largest pressure in the middle of the roller on each race, under the largest force [Pa].
     middle_pressure: list[float]
+    #: Largest pressure on each race, which a straight roller has at its ends, under the largest force [Pa].
     largest_pressure: list[float]
-    #: Under the first load, along the roller: positions, line loads, and largest pressure across the contact.
+    #: Positions along the roller at which line load and pressure are stored [m].
     along: list[float]
+    #: Load per length on each race at each position along the roller, under the largest force [N/m].
     line_load: list[list[float]]
+    #: Largest pressure across the contact on each race at each position along the roller, under the largest force [Pa].
     along_pressure: list[list[float]]
-    #: Across the contact at the roller's mean diameter: positions, and pressures.
+    #: Positions across the contact, at the roller's mean diameter, at which the pressure is stored [m].
     across_place: list[float]
+    #: Pressure on each race at each position across the contact, under the largest force [Pa].
     across_pressure: list[list[float]]
-    #: Largest difference between the integral of the pressure and the load, over the load.
+    #: Largest difference between the integral of the contact pressure and the force, over the force.
     imbalance: float
-    #: Wall and processor time [s].
+    #: Wall-clock time of the solution [s].
     seconds: float
+    #: Processor time of the solution [s].
     cpu_seconds: float
-    #: Versions of the programs, digest of the sources, machine, and day of the solution.
+    #: Versions of the programs by name of the program.
     versions: dict[str, str]
+    #: Digest (hash value) of the program's sources.
     sources: str
+    #: Machine on which the roller was solved.
     machine: str
+    #: Date of the solution.
     date: str
 
 
@@ -115,7 +118,7 @@ def has_rollers(scene: Described) -> bool:
 def roller_kinds_with_largest_load(assembly: Assembly) -> list[RollerKindWithLoad]:
     """Return the kinds of rollers on a shaft, each with the largest load on a roller of this kind; empty without rollers.
 
-    Raises Refusal if the shaft has no equilibrium, or if no roller of a kind carries load.
+    Raises SceneNotCoveredError if the shaft has no equilibrium, or if no roller of a kind carries load.
     """
     rows = {s.name: _row_without_irrelevant_fields(s.parts) for s in assembly.sets if isinstance(s.parts, RollerRow)}
     if not rows:
@@ -169,7 +172,7 @@ def load_or_compute_roller_run(
 
     Raises
     ------
-    Refusal
+    SceneNotCoveredError
         If the roller is straight with sharp ends, or the contact becomes wider than the 3D model allows.
     """
     if not fresh and (known := stored_roller_run(roller, level, stores)) is not None:
@@ -214,11 +217,13 @@ def load_or_compute_roller_run(
 class ApproachAndStiffness:
     """Approach and stiffness of one roller between its races under a load by two low-order laws, in SI units."""
 
-    #: Approach and stiffness by the slice model, which every solution uses.
+    #: Approach of the races by the slice model, which every low-order solution uses [m].
     approach: float
+    #: Stiffness by the slice model [N/m].
     stiffness: float
-    #: Approach and stiffness by the load-deflection law of ISO/TS 16281 for steel.
+    #: Approach of the races by the load-deflection law of ISO/TS 16281 for steel [m].
     norm_approach: float
+    #: Stiffness by the load-deflection law of ISO/TS 16281 for steel [N/m].
     norm_stiffness: float
 
 
@@ -227,11 +232,13 @@ def approach_and_stiffness_by_laws(row: RollerRow, load: float) -> ApproachAndSt
 
     ``row``: row of the roller; ``load``: force between the races [N].
     """
-    roller = slice_roller(tapered_bearing_of_row(row), row.slices, circular_crown_profile(row.crown))
-    approach = sliced_roller_approach_under_force(roller, load)
+    roller = rollers.slice_roller(
+        rollers.tapered_bearing_of_row(row), row.slices, rollers.circular_crown_profile(row.crown)
+    )
+    approach = rollers.sliced_roller_approach_under_force(roller, load)
     norm = 1e-3 * (load / (NORM * (1e3 * row.length) ** (8.0 / 9.0))) ** 0.9
     return ApproachAndStiffness(
-        approach, sliced_roller_state_at_approach(roller, approach).stiffness, norm, load / (0.9 * norm)
+        approach, rollers.sliced_roller_state_at_approach(roller, approach).stiffness, norm, load / (0.9 * norm)
     )
 
 
@@ -240,25 +247,28 @@ def line_contact_pressures(row: RollerRow, line_loads: Sequence[float]) -> list[
 
     ``row``: row of the roller; ``line_loads``: load per length on each of the races [N/m].
     """
-    bearing = tapered_bearing_of_row(row)
+    bearing = rollers.tapered_bearing_of_row(row)
     roller, cone, cup = (float(r) for r in bearing.curvature_radii())
     modulus = contact_modulus(bearing.young, bearing.poisson, bearing.young, bearing.poisson)
     curved = (1.0 / roller - 1.0 / cup, 1.0 / roller + 1.0 / cone)
     return [
-        float(line_contact_pressure(q, line_contact_half_width(q, k, modulus)))
+        float(rollers.line_contact_pressure(q, rollers.line_contact_half_width(q, k, modulus)))
         for q, k in zip(line_loads, curved, strict=True)
     ]
 
 
 def _entry_of_list_field(name: str, index: int, run: RollerRun) -> float:
-    """Return entry ``index`` of a field of a roller's 3D solution; ``name``: field with a list over loads or over races."""
+    """Return one value from a field of a roller's 3D solution that is a list over loads or over races.
+
+    ``name``: name of the field in `RollerRun`; ``index``: index of the load or race in the list.
+    """
     return float(getattr(run, name)[index])
 
 
 def _value_on_race_under_first_load(name: str, race: int, run: RollerRun) -> float:
     """Return a value on one race under the largest load, from a roller's 3D solution.
 
-    ``name``: field with a list over the races; ``race``: index of the race in `RACES`.
+    ``name``: name of a field of `RollerRun` with values for each load and race; ``race``: index of the race in `RACES`.
     """
     return float(getattr(run, name)[0][race])
 
@@ -325,9 +335,9 @@ def roller_rows_for_terminal(rows: Sequence[dict[str, Any]]) -> list[dict[str, A
 
 
 def roller_quantity_convergence(values: Sequence[float], runs: Sequence[RollerRun]) -> Convergence:
-    """Return order of convergence and mesh uncertainty of a quantity of a roller's 3D solutions.
+    """Return order of convergence and mesh uncertainty of one quantity in a roller's 3D solutions.
 
-    ``values``: its values in the 3D solutions ``runs``, coarsest mesh first.
+    ``values``: values of the quantity in the 3D solutions ``runs``, coarsest mesh first.
     """
     return grid_convergence(values, [1.0 / run.across for run in runs])
 
@@ -380,7 +390,7 @@ def compute_runs_of_roller_kinds(
     Raises
     ------
     InputError
-        For a number of levels out of range; as Refusal if a roller cannot be solved.
+        For a number of levels out of range; its subclass SceneNotCoveredError if a roller cannot be solved.
     """
     count = len(LEVELS) if count is None else count
     if not 1 <= count <= len(LEVELS):
@@ -435,8 +445,8 @@ def run_roller_mesh_study(
     """Run the mesh study of a shaft's rollers for `rollbench.mesh_study`.
 
     ``levels``: number of mesh levels, None for all; ``show_progress``: function that is called with each line of progress;
-    ``store``: folder that takes new runs. Returns the JSON values, then the key of that table in them which is shown,
-    then the text lines below this table.
+    ``store``: folder in which new 3D solutions are stored. Returns the JSON values, then the key of the table in them that
+    is shown, then the text lines below this table.
     """
     found = compute_runs_of_roller_kinds(assembly, levels, (store, shipped_store()), show_progress)
     sets = [{"scene": assembly.name} | roller_mesh_study_json(one, runs) for one, runs in found]

@@ -44,11 +44,11 @@ class RunTimeRow:
     seconds: float | None
     #: Ratio of two times, which ``note`` explains.
     ratio: float | None = None
-    #: Number of unknowns of one solution.
+    #: Number of unknowns of one timed solution.
     unknowns: int | None = None
     #: Peak memory of the process [MB].
     peak_MB: float | None = None
-    #: Largest error of a contact load [% of the mean load].
+    #: Median over the timed scenes of the largest contact-load error as `rollbench check` judges it [%].
     error_percent: float | None = None
     #: Remark on how the time was measured.
     note: str = ""
@@ -88,9 +88,9 @@ def environment_for_timed_process(extra: dict[str, str] | None = None) -> dict[s
 class TimedProcess:
     """Times, exit code and printed output of a process that has ended."""
 
-    #: Wall clock to its end [s].
+    #: Wall clock to the end of the process [s].
     seconds: float
-    #: Wall clock to its first line of output [s]; None without output.
+    #: Wall clock to the first line of output of the process [s]; None without output.
     first_line_seconds: float | None
     #: CPU time of the process and its child processes [s].
     cpu_seconds: float
@@ -224,19 +224,19 @@ class ColdLevelTime:
 
     #: Mesh level.
     level: int
-    #: Wall clock [s].
+    #: Wall-clock time of the first solution [s].
     process: float
     #: CPU time of all processes [s].
     cpu: float
     #: Sum of the peak memories of all processes [MB].
     memory: float | None
-    #: Status of the run.
+    #: Status of the solution.
     status: str
     #: Name of the scene.
     scene: str = "lin-case1"
-    #: Number of loaded contacts.
+    #: Number of loaded contacts in the solution.
     contacts: int | None = None
-    #: Wall clock of a further load case [s].
+    #: Wall-clock time of a further load case with the same meshes [s].
     load_case: float | None = None
     #: Wall clock of each stage of the set-up, such as meshing, by its name [s].
     stages: dict[str, float] | None = None
@@ -345,9 +345,9 @@ class RunTime:
 
     #: Wall clock of a new process with empty caches until its first solution [s].
     cold: float
-    #: Wall clock of a further solution in this process [s].
+    #: Wall clock of a further solution in the same process [s].
     warm: float
-    #: Peak memory of that process [MB]; None: not measured.
+    #: Peak memory of the process [MB]; None: not measured.
     memory: float | None
 
 
@@ -361,7 +361,7 @@ class StoredRunTimes:
     date: str
     #: Run times by names of scene and model.
     times_by_scene_and_model: Mapping[tuple[str, str], RunTime]
-    #: Times of a first solution in a new process, by name of the model and kind of kernels ("interpreted" or "compiled").
+    #: Times of first solutions in new processes, by name of the model and how its kernels run ("interpreted", "compiled").
     first_solution_times: Mapping[tuple[str, str], ColdModelTime]
     #: Times of a first solution by the 3D reference on single mesh levels, in new processes.
     mesh_level_times: Sequence[ColdLevelTime] = ()
@@ -390,8 +390,8 @@ class SetUpCost:
     level: int
     #: Number of loaded contacts.
     contacts: int
-    #: By the name of each stage: its processor time [s] by kind of work: "all"; its parts "meshing", "assembly" and
-    #: "elimination"; and "dense", the part of the elimination that is dense algebra.
+    #: Processor times [s] of each stage of the set-up, by its name, then by kind of work: "all"; its parts "meshing",
+    #: "assembly" and "elimination"; and "dense", the part of the elimination that is dense algebra.
     stages: Mapping[str, Mapping[str, float]]
 
     def processor_time_of_work(self, kind: str) -> float:
@@ -410,9 +410,9 @@ class SetUpVariant:
     scene: str
     #: Description of the variant, which differs from the usual set-up in one respect.
     way: str
-    #: Processor time saved [s].
+    #: Processor time saved against the usual set-up [s].
     saved: float
-    #: Largest change of a contact load [% of the mean load].
+    #: Largest change of a contact load against the usual set-up [% of the mean load].
     moved: float
 
 
@@ -424,15 +424,15 @@ class SetUpCosts:
     machine: str
     #: Date of the measurement.
     date: str
-    #: Processor times of set-ups with empty caches.
+    #: Processor times of usual set-ups with empty caches.
     jobs: Sequence[SetUpCost]
-    #: Cheaper variants of set-ups.
+    #: Cheaper variants of the set-up, with the time saved.
     ways: Sequence[SetUpVariant]
     #: Version of this program that was measured; empty if it is not known.
     version: str = ""
 
 
-def utc_date_text() -> str:
+def utc_date_today() -> str:
     """Return today's date in UTC as YYYY-MM-DD."""
     return datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d")
 
@@ -447,15 +447,6 @@ def read_from_first_valid_folder(stores: Sequence[Path], file_name: str, build_o
         with suppress(OSError, ValueError, KeyError, TypeError):
             return build_object(json.loads((store / file_name).read_text(encoding="utf-8")))
     return None
-
-
-def save_records(store: Path, file_name: str, records: Sequence[Any]) -> None:
-    """Write records to a JSON file in a folder, one record per line.
-
-    ``store``: the folder; ``file_name``: name of the file; ``records``: instances of dataclasses. Raises InputError if the
-    file cannot be written.
-    """
-    replace_file(store / file_name, f"[{_json_rows_on_separate_lines([asdict(one) for one in records])}]\n")
 
 
 def _json_rows_on_separate_lines(rows: Sequence[Any]) -> str:
@@ -515,7 +506,7 @@ def load_run_times(stores: Sequence[Path], source: str = "") -> StoredRunTimes |
     `TYPED` (commands typed on a terminal) or empty (all compared scenes), as in `run_times_file_name`.
     """
 
-    def times_from_json(data: dict[str, Any]) -> StoredRunTimes:
+    def run_times_from_json(data: dict[str, Any]) -> StoredRunTimes:
         """Return run times from the JSON values of their file."""
         times = {(r["scene"], r["model"]): RunTime(r["cold"], r["warm"], r["memory"]) for r in data["times"]}
         first = {(r.pop("model"), r["engine"]): ColdModelTime(**r) for r in data["first"]}
@@ -524,18 +515,18 @@ def load_run_times(stores: Sequence[Path], source: str = "") -> StoredRunTimes |
         commands = tuple(CommandTime(**r) for r in data.get("typed", []))
         return StoredRunTimes(measured, data["date"], times, first, levels, commands)
 
-    return read_from_first_valid_folder(stores, run_times_file_name(source), times_from_json)
+    return read_from_first_valid_folder(stores, run_times_file_name(source), run_times_from_json)
 
 
 def load_set_up_costs(stores: Sequence[Path]) -> SetUpCosts | None:
     """Read the processor times for setting up the 3D reference from the first folder with a valid file; None: no file."""
 
-    def costs_from_json(data: dict[str, Any]) -> SetUpCosts:
+    def set_up_costs_from_json(data: dict[str, Any]) -> SetUpCosts:
         """Return processor times of set-ups from the JSON values of their file."""
         jobs, ways = [SetUpCost(**row) for row in data["jobs"]], [SetUpVariant(**row) for row in data["ways"]]
         return SetUpCosts(data["machine"], data["date"], jobs, ways, data.get("version", ""))
 
-    return read_from_first_valid_folder(stores, SET_UP_COSTS, costs_from_json)
+    return read_from_first_valid_folder(stores, SET_UP_COSTS, set_up_costs_from_json)
 
 
 #: Command that writes the scene of a catalogue screw to ``my.toml``.
@@ -567,17 +558,17 @@ MEMBERS, THREADS = 1000, (1, 2)
 class CommandTime:
     """Times of a ``rollbench`` command typed in an empty home directory; a time is None if it was not measured."""
 
-    #: The command.
+    #: Command and arguments that were typed.
     command: str
-    #: Wall clock to its end [s].
+    #: Wall clock to the end of the command [s].
     seconds: float | None = None
-    #: Wall clock to its first line of output [s].
+    #: Wall clock to the command's first line of output [s].
     first_line: float | None = None
-    #: CPU time of all its processes [s].
+    #: CPU time of all processes of the command [s].
     cpu: float | None = None
     #: Wall clock of a second run in the same home directory [s], when caches exist.
     again: float | None = None
-    #: CPU time of this second run [s].
+    #: CPU time of a second run in the same home directory [s].
     again_cpu: float | None = None
     #: Wall clock in an empty home directory while another process keeps a core busy [s].
     beside: float | None = None

@@ -19,21 +19,13 @@ import numpy as np
 from rollbench.compare import __version__
 from rollbench.compare.errors import InputError, one_line
 from rollbench.compare.measure import load_error
+from rollbench.compare.models import model_form
 from rollbench.compare.models.applicability import DESCRIPTORS, KNOWN_SCREWS, SURVEY
 from rollbench.compare.models.comparison import solution_from_run
-from rollbench.compare.models.model_form import (
-    QUANTITIES,
-    MeasuredModelErrors,
-    axial_rigidity_between_states,
-    estimate_model_error,
-    measure_model_error,
-    model_errors_on_compared_scenes,
-    state_of_loaded_section,
-)
 from rollbench.compare.models.registry import ModelOptions, run_model
 from rollbench.compare.reference import parallel
 from rollbench.compare.reference.computing import compute_reference_runs
-from rollbench.compare.reference.jobs import store_runs_and_bodies
+from rollbench.compare.reference.jobs import store_runs_and_condensed_bodies
 from rollbench.compare.reference.store import Run, read_run_file, shipped_store
 from rollbench.compare.reference.tasks import ReferenceTask
 from rollbench.compare.scenes import scene_file
@@ -41,7 +33,7 @@ from rollbench.compare.scenes.from_keys import angle_of_touching_balls
 from rollbench.compare.scenes.template import LOAD, typical_dimensions
 from rollbench.compare.studies.sweep import sample
 from rollbench.lowfi.rating.life import filled_turns
-from rollbench.lowfi.statics.nominal import nominal_contacts
+from rollbench.lowfi.statics.nominal import count_nominal_contacts
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.helix import ball_layout, lead_angle
 from rollbench.meshes.parts import Scene
@@ -121,7 +113,7 @@ def random_screw_scene_text(seed: int, number: int) -> str:
             "conformity": _draw_conformity(rng),
         },
         "balls": balls,
-        "errors": _draw_errors(rng),
+        "errors": _draw_geometric_errors(rng),
         "solid": {"nut_held": str(rng.choice(HELD))},
         "supports": _draw_supports(rng, length),
     }
@@ -204,7 +196,7 @@ def _draw_preload(rng: np.random.Generator, kind: str, ball_diameter: float, typ
     return {"oversize": f"{size if kind == 'oversize' else -size:.3g} um"}
 
 
-def _draw_errors(rng: np.random.Generator) -> dict[str, Any]:
+def _draw_geometric_errors(rng: np.random.Generator) -> dict[str, Any]:
     """Draw one of three tolerance classes or none; return scene keys with the standard deviations of geometric errors."""
     chosen = int(rng.integers(len(CLASSES) + 1))
     if chosen == len(CLASSES):
@@ -263,9 +255,10 @@ def _draw_loads(
 
 
 def _draw_nut_length(scene: Mapping[str, Any], rng: np.random.Generator) -> float:
-    """Draw the length of a nut [mm], a whole number of micrometres; its faces lie 1 to 6 ball radii beyond the outer balls.
+    """Draw the length of a nut [mm], whose end face lies 1 to 6 ball radii beyond the centre of the outermost ball.
 
-    ``scene``: keys of the scene drawn so far, with a nut that is long enough for all balls.
+    The length is rounded up to micrometres. ``scene``: keys of the scene drawn so far, with a nut that is
+    long enough for all balls.
     """
     read = scene_file.scene_from_text(_scene_as_toml({k: v for k, v in scene.items() if k != "preload"}), "survey.toml")
     reach = float(np.abs(ball_layout(read).z - read.nut.position).max())
@@ -315,7 +308,7 @@ def survey_screw(seed: int, number: int, run_folder: Path | None = None) -> Reco
     number
         Number of the screw.
     run_folder
-        Folder of stored runs of the 3D reference, which are not computed again; None: nothing is stored.
+        Folder of stored 3D solutions, which are not computed again; None: no solution is stored.
 
     Returns
     -------
@@ -333,7 +326,7 @@ def survey_screw(seed: int, number: int, run_folder: Path | None = None) -> Reco
             task = ReferenceTask((scene, raised), LEVEL, cut_end_cell_ratio=CUT_CELLS)
             found = compute_reference_runs(task)
             if run_folder is not None:
-                store_runs_and_bodies(run_folder, task, found, None)
+                store_runs_and_condensed_bodies(run_folder, task, found, None)
         record |= compare_models_with_reference(scene, raised, found)
     except InputError as error:
         record["status"] = one_line(str(error), 400)
@@ -428,15 +421,15 @@ def compare_models_with_reference(scene: Scene, raised: Scene, runs: Sequence[Ru
         answers[name] = answer, run_model(raised, name, ModelOptions(estimate_beam_mesh_error=False))
         seconds[name] = {"seconds": round(further - begin, 3), "further_seconds": round(process_time() - further, 3)}
     points = {
-        name: measure_model_error(
+        name: model_form.measure_model_error(
             f"survey {scene.name.rpartition('-')[2]}", scene, first, run, (raised, second, raised_run)
         )
         for name, (first, second) in answers.items()
         if first.converged and second.converged
     }
     places = (
-        state_of_loaded_section(scene, solution_from_run(run, "")),
-        state_of_loaded_section(raised, solution_from_run(raised_run, "")),
+        model_form.state_of_loaded_section(scene, solution_from_run(run, "")),
+        model_form.state_of_loaded_section(raised, solution_from_run(raised_run, "")),
     )
     state |= {
         "contacts": int((run.load > 0.0).sum()),
@@ -444,7 +437,7 @@ def compare_models_with_reference(scene: Scene, raised: Scene, runs: Sequence[Ru
         "spread": round(float(run.load[run.load > 0.0].std()) / mean, 4),
         "preload_over_load": round(float(second / first), 4),
         "displacement_um": round(1e6 * places[0].axial_displacement, 5),
-        "rigidity_N_per_um": _round_or_none(axial_rigidity_between_states(places), 1e-6),
+        "rigidity_N_per_um": _round_or_none(model_form.axial_rigidity_between_states(places), 1e-6),
         "models": {
             name: _record_of_model_errors(scene, answers[name][0], run, p) | seconds[name] for name, p in points.items()
         },
@@ -455,26 +448,31 @@ def compare_models_with_reference(scene: Scene, raised: Scene, runs: Sequence[Ru
 
 
 def _round_or_none(value: float | None, factor: float = 1.0) -> float | None:
-    """Return a value times a factor, rounded to five decimal places; None if the value is None."""
+    """Return a value multiplied by a factor and rounded to five decimal places; None if the value is None."""
     return None if value is None else round(factor * value, 5)
 
 
-def _record_of_model_errors(scene: Scene, result: StaticResult, run: Run, measured_errors: MeasuredModelErrors) -> Record:
+def _record_of_model_errors(
+    scene: Scene, result: StaticResult, run: Run, measured_errors: model_form.MeasuredModelErrors
+) -> Record:
     """Return a model's errors on a randomly drawn screw [%], with the errors that are expected from other scenes.
 
     ``result``: the model's solution; ``run``: solution of the 3D reference; ``measured_errors``: the model's errors against
     it.
     """
-    error = load_error(result.load, run.load, nominal_contacts(scene))
-    expected = estimate_model_error(
-        scene, result, [p for p in model_errors_on_compared_scenes() if p.scene != measured_errors.scene]
+    error = load_error(result.load, run.load, count_nominal_contacts(scene))
+    expected = model_form.estimate_model_error(
+        scene, result, [p for p in model_form.model_errors_on_compared_scenes() if p.scene != measured_errors.scene]
     )
     return {
         "status": result.status,
         "largest_percent": measured_errors.percent,
         "at": f"{error.ball} {error.side}",
-        **{name: getattr(measured_errors, name) for name in ("gate_percent", *QUANTITIES[1:])},
-        **{name.replace("percent", "expected_percent"): _round_or_none(getattr(expected, name)) for name in QUANTITIES},
+        **{name: getattr(measured_errors, name) for name in ("gate_percent", *model_form.QUANTITIES[1:])},
+        **{
+            name.replace("percent", "expected_percent"): _round_or_none(getattr(expected, name))
+            for name in model_form.QUANTITIES
+        },
         "not_covered": "" if expected.percent is not None else one_line(expected.words[-1], 200),
     }
 
@@ -506,7 +504,7 @@ def _solve_screw_and_append_record(folder: Path, token: str, seed: int, number: 
 def solve_screws_of_survey(
     seed: int, count: int, folder: Path, workers: int, show_progress: Callable[[str], None], record_file: Path | None = None
 ) -> list[Record]:
-    """Compare the models on the first ``count`` screws of a survey, and return the records; stored ones are reused.
+    """Compare the models on the first ``count`` screws of a survey, and return the records; stored records are reused.
 
     Parameters
     ----------
@@ -535,7 +533,7 @@ def solve_screws_of_survey(
     """
     sample.create_or_check_sweep_folder(folder, {"survey": seed, "level": LEVEL, "version": __version__})
     with sample.reserve_sweep_folder(folder) as token:
-        before = [*_valid_records_in_file(record_file, seed), *sample.stored_records(folder)]
+        before = [*_valid_records_in_file(record_file, seed), *sample.stored_sample_records(folder)]
         known = {record["number"]: record for record in before if not records_without_converged_loads([record])}
         left = [number for number in range(count) if number not in known]
         if len(left) < count:
@@ -561,7 +559,7 @@ def _valid_records_in_file(path: Path | None, seed: int) -> list[Record]:
 
 
 def records_without_converged_loads(records: Sequence[Record]) -> list[Record]:
-    """Return the records of screws on which the 3D reference did not converge under the given or the raised loads."""
+    """Return the survey records of screws on which the 3D reference did not converge under given or raised loads."""
     return [r for r in records if r["status"] != ANSWERED or r.get("raised_status", ANSWERED) != ANSWERED]
 
 
@@ -574,7 +572,7 @@ def survey_records_as_json(seed: int, records: Sequence[Record]) -> str:
 
 
 def built_in_survey() -> dict[str, Any]:
-    """Return the survey of random screws in the package as JSON values; it has no screws if its file is missing."""
+    """Return the survey of random screws in the package as JSON values; a survey without screws if the file is missing."""
     path = shipped_store() / SURVEY
     found: dict[str, Any] = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {"scenes": []}
     return found
@@ -596,13 +594,13 @@ WORST_AIM, RMS_AIM = 1.5, 0.5
 class ModelAccuracy(NamedTuple):
     """Accuracy of a low-order model on randomly drawn screws, against the 3D reference."""
 
-    #: Number of screws.
+    #: Number of randomly drawn screws.
     screw_count: int
-    #: Number of screws whose errors are within both `WORST_AIM` and `RMS_AIM`.
+    #: Number of screws whose largest load error is within `WORST_AIM` and whose RMS load error is within `RMS_AIM`.
     within_aims: int
-    #: Largest error of a contact load [% of the mean load].
+    #: Largest error of a contact load on any of the screws [% of the mean load of the screw].
     largest_error: float
-    #: Number of screws whose largest error does not exceed the error that was expected for the screw.
+    #: Number of screws whose largest load error does not exceed the error that was expected for the screw.
     within_expected_error: int
 
 
@@ -618,8 +616,8 @@ def model_accuracy_on_random_screws(records: Sequence[Record], model: str = "ref
 def error_summary_rows_of_all_models(records: Sequence[Record]) -> list[dict[str, Any]]:
     """Return table rows with median, 95th percentile and maximum of each model's errors over randomly drawn screws.
 
-    There is a row for each model and kind of error, such as the largest or the root mean square. Its keys are `SUMS`, where
-    "scenes" is the number of screws for which this error is known.
+    There is a row for each model and kind of error of a screw, such as the largest or the root mean square. The keys of a
+    row are `SUMS`, where "scenes" is the number of screws for which the kind of error is known.
     """
     rows = []
     for model in MODELS:

@@ -39,9 +39,9 @@ from rollbench.compare.results.base import add_schema_version
 from rollbench.compare.running import usable_cores
 from rollbench.compare.scenes import scene_file
 from rollbench.compare.studies import survey
-from rollbench.compare.studies.run_times import read_from_first_valid_folder, utc_date_text
+from rollbench.compare.studies.run_times import read_from_first_valid_folder, utc_date_today
 from rollbench.compare.studies.sweep.run import COMPILE_FROM
-from rollbench.lowfi.statics.nominal import nominal_contacts
+from rollbench.lowfi.statics.nominal import count_nominal_contacts
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Scene
@@ -76,8 +76,8 @@ def store_reference_loads(path: Path, run_folder: Path, count: int) -> int:
     """Write the contact loads by the 3D reference on the first ``count`` random screws to a file.
 
     ``path``: the file; ``run_folder``: folder with stored solutions of the 3D reference. For screws without a solution
-    there, the loads that the file already has are kept. Returns the number of screws in the file. Raises InputError if it
-    cannot be written.
+    there, the loads that the file already has are kept. Returns the number of screws in the file. Raises InputError if the
+    file cannot be written.
     """
     before = _read_reference_loads(path)
     for number in range(count):
@@ -115,16 +115,17 @@ def stored_loads() -> dict[int, Row]:
 
 
 def reference_from_stored_loads(scene: Scene, number: int) -> Reference | None:
-    """Return the 3D reference of a randomly drawn screw from its stored contact loads; None if none are stored.
+    """Return the 3D reference of a randomly drawn screw from its stored contact loads; None without stored loads.
 
-    ``scene``: the screw; ``number``: its number. The uncertainty is that of other scenes on the same mesh level.
+    ``scene``: the screw; ``number``: number of the screw. The uncertainty of the reference is that found on other scenes
+    with the same mesh level.
     """
     row = stored_loads().get(number)
     if row is None or row["of"] != _scene_digest(scene):
         return None
     load = np.array(row["load"])
     run = replace(loads_as_run_record(scene, load, np.full(load.shape, np.nan)), level=survey.LEVEL, moving=row["moving"])
-    return reference_from_runs(scene.name, scene, (run,), contacts=nominal_contacts(scene))
+    return reference_from_runs(scene.name, scene, (run,), contacts=count_nominal_contacts(scene))
 
 
 def judge_model_on_random_screw(model: str, number: int, limit: float = LIMIT, engine: str = "interpreted") -> Row:
@@ -182,7 +183,9 @@ def judge_model_on_random_screw(model: str, number: int, limit: float = LIMIT, e
 def compare_models_on_random_screws(
     models: Sequence[str], count: int, workers: int | None, limit: float, show_progress: Callable[[str], None]
 ) -> dict[str, Any]:
-    """Compare models with the 3D reference on the first ``count`` random screws, and add stored errors of lin and refined.
+    """Compare models with the 3D reference on the first ``count`` random screws.
+
+    For the models lin and refined, unless they are among ``models``, the errors stored in the package are added.
 
     Parameters
     ----------
@@ -200,7 +203,7 @@ def compare_models_on_random_screws(
     Returns
     -------
     dict
-        JSON values: summary of the errors, number of screws with each verdict on the error limit, and errors on each screw.
+        JSON values: summary of the errors, numbers of screws within and beyond the error limit, and errors on each screw.
 
     Raises
     ------
@@ -401,7 +404,7 @@ class TimedLevelRun:
     seconds: float
     #: Processor time of a further load case [s].
     further_seconds: float
-    #: Contact loads of the n balls on the flanks SL, SR, NL, NR, (n, 4) [N].
+    #: Contact loads of the n balls on the four flanks (screw left, screw right, nut left, nut right), (n, 4) [N].
     load: list[list[float]]
 
 
@@ -411,7 +414,7 @@ class StoredTimedLevelRuns:
 
     #: Version, sources and machine of the measurement.
     measuring_conditions: MeasuringConditions
-    #: Date of the last run.
+    #: Date of the last timed solution.
     date: str
     #: Timed solutions, one for each screw and mesh level.
     runs: Sequence[TimedLevelRun]
@@ -423,15 +426,15 @@ class LoadErrorsAndTimes:
 
     #: Name of the model or mesh level.
     name: str
-    #: Mesh level of the 3D reference with which the loads are compared; empty without a comparison.
+    #: Mesh level of the 3D reference with which contact loads are compared, as text; empty without a comparison.
     reference_level: str
-    #: Largest error of a contact load by the rule of ``rollbench check`` [%]; an empty array if it is not known.
+    #: Largest contact-load error on each screw, as ``rollbench check`` judges it [%]; an empty array if not known.
     gate_errors: Array
-    #: Largest error of a contact load [% of the mean load]; an empty array if it is not known.
+    #: Largest contact-load error on each screw [% of the mean load]; an empty array if not known.
     errors_of_mean_load: Array
-    #: Processor time of a new screw [s], for each screw.
+    #: Processor time of each screw from its geometry to the contact loads of a first load case [s].
     first_case_seconds: Array
-    #: Processor time of a further load case [s], for each screw.
+    #: Processor time of a further load case of each screw [s].
     further_case_seconds: Array
 
 
@@ -462,14 +465,14 @@ def solve_and_time_mesh_level(number: int, level: int) -> TimedLevelRun:
     cases = load_cases_of_random_screw(number)
     solved: list[float] = []
 
-    def note_time(text: str) -> None:
+    def note_processor_time_of_load_case(text: str) -> None:
         """Note the processor time when a line of progress says that a load case is solved."""
         if text.startswith(SOLVED):
             solved.append(process_time())
 
     begin = process_time()
     cells = survey.CUT_CELLS if level == survey.LEVEL else 1.0
-    run, _ = compute_reference_runs(ReferenceTask(cases, level, cut_end_cell_ratio=cells), note_time)
+    run, _ = compute_reference_runs(ReferenceTask(cases, level, cut_end_cell_ratio=cells), note_processor_time_of_load_case)
     new, further = solved[-2] - begin, solved[-1] - solved[-2]
     load = [[float(f"{x:.6g}") for x in row] for row in run.load]
     return TimedLevelRun(number, level, str(run.status), round(new, 2), round(further, 3), load)
@@ -488,10 +491,10 @@ def time_mesh_levels_on_screws(
     runs = list(known.runs) if known is not None and known.measuring_conditions == conditions else []
     done = {(run.number, run.level) for run in runs}
     jobs = [(n, level) for n in numbers_of_screws_for_level_2()[:count] for level in LEVELS if (n, level) not in done]
-    found = StoredTimedLevelRuns(conditions, utc_date_text(), runs)
+    found = StoredTimedLevelRuns(conditions, utc_date_today(), runs)
     for _, run in parallel.run_jobs([(solve_and_time_mesh_level, job) for job in jobs], "joblib", None, usable_cores()):
         runs.append(run)
-        found = StoredTimedLevelRuns(conditions, utc_date_text(), sorted(runs, key=lambda one: (one.number, one.level)))
+        found = StoredTimedLevelRuns(conditions, utc_date_today(), sorted(runs, key=lambda one: (one.number, one.level)))
         save_timed_level_runs(store, found)
         show_progress(
             f"[{len(runs)}/{count * len(LEVELS)}] drawn screw {run.number}, level {run.level}: {run.seconds:.0f} s"
@@ -509,26 +512,26 @@ def save_timed_level_runs(folder: Path, level_runs: StoredTimedLevelRuns) -> Non
 def load_timed_level_runs(stores: Sequence[Path]) -> StoredTimedLevelRuns | None:
     """Read timed solutions of random screws from the first of the folders ``stores`` with a valid file; None: no file."""
 
-    def read(data: dict[str, object]) -> StoredTimedLevelRuns:
-        """Return timed solutions from the JSON values of their file."""
+    def timed_level_runs_from_json(data: dict[str, object]) -> StoredTimedLevelRuns:
+        """Return timed solutions of random screws from the JSON values of the file in which they are stored."""
         measured = MeasuringConditions(str(data["version"]), str(data["sources"]), str(data["machine"]))
         rows = data["runs"]
         assert isinstance(rows, list)
         return StoredTimedLevelRuns(measured, str(data["date"]), [TimedLevelRun(**row) for row in rows])
 
-    return read_from_first_valid_folder(stores, RUNS, read)
+    return read_from_first_valid_folder(stores, RUNS, timed_level_runs_from_json)
 
 
 def errors_and_times_of_models(runs: Sequence[TimedLevelRun], records: Sequence[survey.Record]) -> list[LoadErrorsAndTimes]:
     """Return load errors and processor times of the models and of mesh levels 1 and 2 on random screws.
 
     Models are compared with mesh level 1 on all random screws. Models and mesh level 1 are compared with level 2 on the
-    chosen ones.
+    screws that were solved on both levels.
 
     Parameters
     ----------
     runs
-        Timed solutions of the chosen screws on mesh levels 1 and 2.
+        Timed solutions of some random screws on mesh levels 1 and 2.
     records
         Records of the survey, with times of the models and their errors against mesh level 1.
     """
@@ -573,13 +576,14 @@ def errors_and_times_of_models(runs: Sequence[TimedLevelRun], records: Sequence[
 def _largest_load_error_of_each_screw(
     loads: Sequence[Array], reference_runs: Sequence[TimedLevelRun]
 ) -> tuple[Array, Array]:
-    """Return the largest load error on each screw by the rule of ``rollbench check`` [%], then in % of the mean load.
+    """Return each screw's largest contact-load error [%]: as ``rollbench check`` judges it, then in % of the mean load.
 
+    ``rollbench check`` divides an error by the load of the contact (for nearly unloaded contacts, by the mean load).
     ``loads``: contact loads (n, 4) [N] of each screw with n balls; ``reference_runs``: for each screw the solution that
     counts as exact.
     """
     found = [
-        load_error(load, np.array(truth.load), nominal_contacts(load_cases_of_random_screw(truth.number)[0]))
+        load_error(load, np.array(truth.load), count_nominal_contacts(load_cases_of_random_screw(truth.number)[0]))
         for load, truth in zip(loads, reference_runs, strict=True)
     ]
     return np.array([e.gate_percent for e in found]), np.array([e.max_percent for e in found])

@@ -22,13 +22,8 @@ from rollbench.compare.quantities import record_as_json
 from rollbench.compare.reference.jobs import ComputingSettings, run_jobs_in_fastest_way
 from rollbench.compare.results.table import CONVERGED, Over, Table, TableRow, table_from_json
 from rollbench.compare.scenes import catalogue, scene_file, scene_tables
+from rollbench.compare.studies.sweep import keys as sweep_keys
 from rollbench.compare.studies.sweep import sample
-from rollbench.compare.studies.sweep.keys import (
-    VariedKey,
-    read_varied_keys_of_table,
-    tables_with_varied_keys,
-    varied_and_replaced_keys,
-)
 from rollbench.lowfi.compliance.parts import LADDER
 from rollbench.lowfi.rating.contacts import roller_contact_of_highest_pressure
 from rollbench.lowfi.statics.result import AxisResult, StaticResult
@@ -68,17 +63,17 @@ class SceneTableRequest:
     #: Name of the scene.
     scene_name: str
     #: Varied keys with their values.
-    varied_keys: tuple[VariedKey, ...]
-    #: Columns of the table with the values of these keys.
+    varied_keys: tuple[sweep_keys.VariedKey, ...]
+    #: Columns of the table with the values of the varied keys.
     key_columns: tuple[Over, ...]
     #: Name of the model.
     model: str
     #: Names of the requested quantities, keys of `QUANTITIES`.
     quantities: tuple[str, ...]
-    #: Axial position [m] at which the stiffness is requested, or name of a nut or bearing; None: centre of the nut, or the
-    #: position that the scene of a shaft states.
+    #: Axial position [m] at which the stiffness is requested, or name of a nut or bearing; None: centre of the nut or, for
+    #: the scene of a shaft, the position that the scene states.
     stiffness_position: float | str | None
-    #: Text on which body the stiffness belongs to, and what holds it.
+    #: Text that names the body whose stiffness is computed, and the parts that hold this body.
     stiffness_body_text: str
 
 
@@ -98,7 +93,8 @@ def check_table_request(
     model
         Name of the model; empty: the default.
     stiffness_at
-        Axial position of the stiffness [m], or as text with its unit, or the name of a nut or bearing; None: the default.
+        Where the stiffness is taken: axial position [m], position as text with its unit, or name of a nut or bearing; None:
+        the default.
 
     Returns
     -------
@@ -121,11 +117,11 @@ def check_table_request(
     model = model or default_model_name(described)
     _check_model_for_table(described, model, quantities)
     raw = scene_file.parse_toml(text, origin)
-    typed = read_varied_keys_of_table(over)
+    typed = sweep_keys.read_varied_keys_of_table(over)
     keys = tuple(replace(x, key=axial_load_key(raw, origin)) if x.key == LOAD else x for x in typed)
     for vary in keys:
         for value in vary.listed_values:
-            scene_tables.validated_keys(tables_with_varied_keys(raw, [vary], [value]), origin)
+            scene_tables.validated_keys(sweep_keys.tables_with_varied_keys(raw, [vary], [value]), origin)
     if math.prod(len(x.listed_values) for x in keys) > MOST:
         raise ArgumentError("over", f"more than {MOST} combinations", f"up to {MOST} combinations", "give fewer values")
     columns = tuple(_column_of_varied_key(x) for x in typed)
@@ -142,7 +138,7 @@ def check_table_request(
 
 
 def _check_model_for_table(scene: Scene | Assembly, model: str, quantities: Sequence[str]) -> None:
-    """Raise InputError if a model is unknown, does not cover the scene, or lacks a stiffness matrix that is requested."""
+    """Raise InputError if a model is unknown, does not cover the scene, or cannot compute a requested stiffness matrix."""
     if isinstance(scene, Assembly):
         if model not in AXIS_MODELS:
             raise ArgumentError("model", model, ", ".join(AXIS_MODELS), "choose one of these")
@@ -155,7 +151,9 @@ def _check_model_for_table(scene: Scene | Assembly, model: str, quantities: Sequ
 
 
 def _position_and_body_of_stiffness(given: str | float | None, scene: Scene | Assembly) -> tuple[float | str | None, str]:
-    """Return the axial position at which the stiffness is requested, then a text on the body to which it belongs.
+    """Return the axial position at which the stiffness is requested, then a text on what this stiffness moves and holds.
+
+    The text names the body whose stiffness it is, and what is held fixed.
 
     ``given``: the position as the user wrote it. The returned position is a number [m], the name of a nut or bearing, or
     None for the default. Raises InputError for a position that the shaft does not have.
@@ -189,17 +187,17 @@ def axial_load_key(raw: dict[str, Any], origin: str) -> str:
     axial = [key for key, force in forces.items() if len(force) == 3 and _number_without_unit(force[2])] or list(forces)
     if len(axial) != 1:
         advice = 'name the key, such as "loads[0].force[2]"'
-        raise ArgumentError("over", LOAD, f"a scene with one axial load, and this one has {len(axial)}", advice, origin)
+        raise ArgumentError("over", LOAD, f"a scene with one axial load; this scene has {len(axial)}", advice, origin)
     return axial[0]
 
 
 def _number_without_unit(text: Any) -> float:
-    """Return the number in a text such as "5 kN", here 5, whatever its unit; zero for a text without number."""
+    """Return the number in a text such as "5 kN", here 5, whatever the unit; zero for a text without number."""
     found = split_quantity_text(str(text))
     return 0.0 if found is None else float(found[0])
 
 
-def _column_of_varied_key(vary: VariedKey) -> Over:
+def _column_of_varied_key(vary: sweep_keys.VariedKey) -> Over:
     """Return the table column with the values of a varied key: numbers if all have the same unit, else texts as written."""
     split = [split_quantity_text(str(x)) if not isinstance(x, bool) else None for x in vary.listed_values]
     spelt = {x[1] for x in split if x is not None}
@@ -218,7 +216,7 @@ def solve_table_row(request: SceneTableRequest, values: Sequence[Any], engine: s
     Python ("interpreted") or as machine code ("compiled").
     """
     try:
-        raw = tables_with_varied_keys(
+        raw = sweep_keys.tables_with_varied_keys(
             scene_file.parse_toml(request.scene_text, request.scene_origin), request.varied_keys, values
         )
         scene = scene_file.scene_or_shaft_or_raise(
@@ -295,7 +293,7 @@ def _largest_pressure_of_each_bearing(scene: Scene | Assembly, result: StaticRes
 
 
 def _expected_errors_for_row(scene: Scene, result: StaticResult) -> dict[str, Any]:
-    """Return the expected errors [%] of a static result by their fields of `TableRow`.
+    """Return the expected errors of a static result [%], each by the name of its field in `TableRow`.
 
     The errors are estimated from the model's errors on scenes that were compared with the 3D reference.
     """
@@ -333,7 +331,7 @@ def solve_table(request: SceneTableRequest, engine: ComputingSettings, show_prog
         If workers of a cluster are lost.
     """
     raw = scene_file.parse_toml(request.scene_text, request.scene_origin)
-    for path, other in varied_and_replaced_keys(raw, request.varied_keys):
+    for path, other in sweep_keys.varied_and_replaced_keys(raw, request.varied_keys):
         show_progress(f"{path} takes the place of the scene's {other}")
     places = list(product(*(vary.listed_values for vary in request.varied_keys)))
     kernels = "compiled" if len(places) >= COMPILE_FROM else "auto"

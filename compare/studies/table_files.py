@@ -158,7 +158,7 @@ def read_table_file(path: str) -> Table:
 
 
 def ross_module_text(table: Table) -> str:
-    """Return a Python module for the rotor-dynamics program ROSS, with the stiffness for each combination of values.
+    """Return the text of a Python module for the rotor-dynamics program ROSS, with the stiffness of each table row.
 
     The module holds the stiffness as the list ``PLACES``, and a function ``bearing(n, place)`` that returns a
     BearingElement of ROSS. Raises InputError if no row has a stiffness.
@@ -195,7 +195,7 @@ def bearing(n, place, cxx=0.0, **others):
 
 
 def _reasons_for_missing_results(table: Table) -> list[str]:
-    """Return a line for each reason why rows of a table have no result, with the values of the varied keys there."""
+    """Return a line for each reason why rows of a table have no result, with the varied keys' values in these rows."""
     return [f"{'; '.join(places)}: {reason}" for reason, places in table.failures.items()]
 
 
@@ -251,9 +251,9 @@ def modelica_table_text(table: Table) -> tuple[str, list[str]]:
 
 
 def _modelica_matrix_text(name: str, values: Array) -> str:
-    """Return a matrix in the format of a Modelica table file.
+    """Return a matrix as text in the format of a Modelica table file.
 
-    ``name``: name of the matrix there; ``values``: the matrix, of any two dimensions.
+    ``name``: name of the matrix in the file; ``values``: the matrix, of any two dimensions.
     """
     rows: Sequence[str] = ["  ".join(f"{x:.9e}" for x in row) for row in values]
     return f"double {name}({values.shape[0]},{values.shape[1]})\n" + "\n".join(rows) + "\n"

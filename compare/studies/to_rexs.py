@@ -39,7 +39,7 @@ CaseAttributes = dict[int, dict[str, Value]]
 
 
 class RexsWriter:
-    """REXS model of a shaft with bearings while it is written, with the ids of components that others refer to.
+    """REXS model of a shaft with bearings while it is written, with the ids of components that other components refer to.
 
     ``model``: the REXS model; ``notes``: sentences on what the REXS model does not describe; ``unit``, ``casing`` and
     ``shaft``: ids of the gear unit, its casing and the shaft; ``steels``: id of each material.
@@ -86,7 +86,7 @@ class RexsWriter:
 
 
 def _is_unloaded_sliding_housing(housing: Housing) -> bool:
-    """Return whether a housing is fixed except along the shaft, and carries no load."""
+    """Return whether a housing can only slide along the shaft, and no load acts on it."""
     held = housing.fixed == tuple((name, 0.0) for name in SEAT)
     return held and housing.stiffness is None and not any((*housing.force, *housing.moment))
 
@@ -124,7 +124,7 @@ def rexs_file_with_results(described: Assembly | DutyCycle, solved: Sequence[Sha
 
     Raises
     ------
-    Refusal
+    SceneNotCoveredError
         For supports that REXS cannot describe.
     """
     shaft = described.parts if isinstance(described, DutyCycle) else described
@@ -159,9 +159,9 @@ def rexs_file_with_results(described: Assembly | DutyCycle, solved: Sequence[Sha
 
 
 def _write_shaft_sections(writer: RexsWriter, shaft: Assembly) -> None:
-    """Add the cylinders of the shaft to the REXS model.
+    """Add the sections of the shaft to the REXS model as cylinders.
 
-    The thread, and gaps between plain cylinders, become cylinders with the outer diameter of the screw.
+    The thread, and gaps between plain sections, become cylinders with the outer diameter of the screw.
     """
     screw = shaft.screw
     plain = sorted((p.start, p.end, p.diameter, p.bore) for p in shaft.segments)
@@ -302,11 +302,11 @@ def _write_roller_bearing(writer: RexsWriter, placed_row: RollingSet, parts: Rol
 
 
 def _write_supports(writer: RexsWriter, shaft: Assembly) -> None:
-    """Add the supports of the shaft to the REXS model as rigid concept bearings.
+    """Add the supports of the shaft to the REXS model as rigid concept bearings (REXS bearings without geometry).
 
     The drive, which prevents the rotation about the axis, is left out.
 
-    Raises Refusal for supports that a concept bearing cannot describe.
+    Raises SceneNotCoveredError for supports that a concept bearing cannot describe.
     """
     for s in shaft.supports:
         fixed = {name for name, value in s.fixed if value == 0.0}
@@ -326,9 +326,11 @@ def _write_supports(writer: RexsWriter, shaft: Assembly) -> None:
 
 
 def _write_loads(writer: RexsWriter, shaft: Assembly, solved: Sequence[ShaftSolution]) -> list[CaseAttributes]:
-    """Add the external loads and the forces of ball nuts on the shaft to the REXS model; return attributes by load case.
+    """Add the external loads and the forces of ball nuts on the shaft to the REXS model, as components of the shaft.
 
-    ``solved``: solution of each load case. With a single load case the components themselves get these attributes, too.
+    Returns, for each load case, the force and moment of each of these components as REXS attributes, by id of the
+    component. With a single load case, the attributes are also written to the components. ``solved``: solution of each
+    load case.
     """
     names, acting = list[tuple[str, float]](), list[dict[tuple[str, float], np.ndarray]]()
     for one in solved:
@@ -344,7 +346,7 @@ def _write_loads(writer: RexsWriter, shaft: Assembly, solved: Sequence[ShaftSolu
     ids = {}
     for name, at in names:
         ids[name, at] = writer.add_component_as_part(writer.shaft, "external_load", name, u_coordinate_on_shaft=1e3 * at)
-    cases = [{ids[x]: _wrench_attributes(found.get(x, np.zeros(6))) for x in names} for found in acting]
+    cases = [{ids[x]: _force_and_moment_attributes(found.get(x, np.zeros(6))) for x in names} for found in acting]
     if len(solved) == 1:
         for k, attributes in cases[0].items():
             writer.model.components[k].attributes |= attributes
@@ -356,7 +358,7 @@ def _write_loads(writer: RexsWriter, shaft: Assembly, solved: Sequence[ShaftSolu
     return cases
 
 
-def _wrench_attributes(load: np.ndarray) -> dict[str, Value]:
+def _force_and_moment_attributes(load: np.ndarray) -> dict[str, Value]:
     """Return a force and moment as REXS attributes; moments of zero are left out.
 
     ``load``: force along x, y, z [N] and moment about x, y, z [N m], (6,).
@@ -386,16 +388,16 @@ def _attributes_of_load_case_results(writer: RexsWriter, solution: ShaftSolution
         if not (isinstance(pair[0].of.parts, Scene) and pair[0].of.parts.track.lead)
     ]
     for (bearing, contacts), (s, answers) in zip(writer.rows, bearings, strict=True):
-        case[bearing] = _bearing_results(result, s, answers, turning)
+        case[bearing] = _bearing_result_attributes(result, s, answers, turning)
         case |= (
-            _roller_contact_results(contacts, s, s.of.parts)
+            _roller_contact_result_attributes(contacts, s, s.of.parts)
             if isinstance(s.of.parts, RollerRow)
-            else _ball_contact_results(contacts, s)
+            else _ball_contact_result_attributes(contacts, s)
         )
     return case
 
 
-def _bearing_results(
+def _bearing_result_attributes(
     result: AxisResult, bearing: SetResult, answers: NutOrBearingResults, speed: float | None
 ) -> dict[str, Value]:
     """Return forces, deflections, stiffness, ratings and life of one bearing as REXS attributes.
@@ -436,7 +438,7 @@ def _bearing_results(
 def _life_attributes(life: ReferenceLife | None, speed: float | None) -> dict[str, Value]:
     """Return the rating life by ISO/TS 16281 as REXS attributes, also in hours if a speed is given.
 
-    ``life``: the rating life, None if there is none; ``speed``: speed of the shaft [rad/s], None if it is not known.
+    ``life``: rating life, None if it cannot be computed; ``speed``: speed of the shaft [rad/s], None if it is not known.
     """
     if life is None:
         return {}
@@ -447,7 +449,7 @@ def _life_attributes(life: ReferenceLife | None, speed: float | None) -> dict[st
     return found | {"dynamic_equivalent_reference_bearing_load_iso_16281_2008": life.equivalent}
 
 
-def _ball_contact_results(contact_ids: list[list[int]], bearing_result: SetResult) -> CaseAttributes:
+def _ball_contact_result_attributes(contact_ids: list[list[int]], bearing_result: SetResult) -> CaseAttributes:
     """Return force, contact angle and pressure of each ball contact as REXS attributes.
 
     ``contact_ids``: for each ball the ids of its contacts; ``bearing_result``: solution of the bearing. A groove of a
@@ -471,7 +473,7 @@ def _ball_contact_results(contact_ids: list[list[int]], bearing_result: SetResul
     return case
 
 
-def _roller_contact_results(
+def _roller_contact_result_attributes(
     contact_ids: list[list[int]], bearing_result: SetResult, roller_row: RollerRow
 ) -> CaseAttributes:
     """Return force, lamina (slice) loads and largest pressure of each roller contact as REXS attributes.

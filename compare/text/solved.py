@@ -1,4 +1,4 @@
-"""Texts and tables in which the terminal shows solved scenes, load cases, load curves, and tables over scene parameters."""
+"""Texts and tables in which the terminal shows solved scenes, load cases, load curves and results over parameters."""
 
 from __future__ import annotations
 
@@ -13,30 +13,16 @@ from rollbench.compare.models.load_cases import DutyCycleResults, SceneSolution,
 from rollbench.compare.models.programs import model_title
 from rollbench.compare.models.registry import has_random_errors
 from rollbench.compare.quantities import count_with_noun, format_by_error, quantities_of_record, record_as_json
+from rollbench.compare.results import scene_json
 from rollbench.compare.results.base import format_table_as_text
 from rollbench.compare.results.load_curve import LoadCurve
 from rollbench.compare.results.rows import bearing_and_nut_rows, duty_cycle_rows, expected_error_sentence, solution_rows
-from rollbench.compare.results.scene_json import (
-    ball_rows_of_shaft_json,
-    beam_discretisation_percent,
-    duty_cycle_json,
-    flank_loads_json,
-    roller_rows_json,
-)
 from rollbench.compare.results.side_by_side import NUMBERS, Alternative, SideBySide
 from rollbench.compare.results.table import ERROR_OF, Table, TableRow
 from rollbench.compare.scenes.duty_cycle import DutyCycle
-from rollbench.compare.text.printing import (
-    Column,
-    plain_table,
-    ruled_table,
-    selected_columns_table,
-    split_to_width,
-    table_of_records,
-    text_width,
-)
+from rollbench.compare.text import printing
 from rollbench.lowfi.rating.contacts import RACES
-from rollbench.lowfi.statics.nominal import nominal_contacts
+from rollbench.lowfi.statics.nominal import count_nominal_contacts
 from rollbench.lowfi.statics.result import AxisResult, Equilibrium, SolverReport, motion_in_um_and_mrad
 from rollbench.lowfi.statics.tangent import TangentStiffness
 from rollbench.lowfi.warned import join_brief_warnings
@@ -47,18 +33,18 @@ if TYPE_CHECKING:
 
 
 #: Columns of the table of a load curve: key in the JSON of a point, heading, number format.
-CURVE_COLUMNS: tuple[Column, ...] = (
-    ("load_factor", "factor", ".3g"),
+CURVE_COLUMNS: tuple[printing.Column, ...] = (
+    ("load_factor", "load factor", ".3g"),
     ("load_N", "load N", ".5g"),
     ("displacement_um", "displacement um", ".4f"),
-    ("stiffness_N_per_um", "tangent N/um", ".5g"),
-    ("largest_load_N", "largest contact N", ".5g"),
-    ("friction_torque_Nmm", "friction N mm", ".3g"),
+    ("stiffness_N_per_um", "tangent stiffness N/um", ".5g"),
+    ("largest_load_N", "largest contact load N", ".5g"),
+    ("friction_torque_Nmm", "friction torque N mm", ".3g"),
     ("status", "status", "s"),
 )
 
 
-#: Ratio to the largest component of a force below which another component is treated as round-off.
+#: Ratio of a force component to the largest component of the force, below which the component counts as round-off.
 ROUND_OFF = 1e-9
 
 
@@ -85,13 +71,13 @@ def solved_case_parts(
     else:
         drawn = f", specimen {result.member} of its random errors" if has_random_errors(solved_scene.scene) else ""
         tables = _ball_and_flank_tables(solved_scene) if balls and (solved_scene.result.load > 0.0).any() else []
-        grid = beam_discretisation_percent(solved_scene.scene, solved_scene.result)
+        grid = scene_json.beam_discretisation_percent(solved_scene.scene, solved_scene.result)
         measured = "" if grid is None else f" (discretisation error {grid:.1e} % of the mean load)"
     answers = solution_rows(solved_scene, details=details)
     if answers:
         tables = [
             "",
-            format_table_as_text(answers, text_width()),
+            format_table_as_text(answers, printing.text_width()),
             "",
             *tables,
             expected_error_sentence(solved_scene.expected_errors),
@@ -153,7 +139,7 @@ def load_curve_parts(curve: LoadCurve, *, details: bool = False) -> list[Any]:
     way = next((name for name, on in zip("xyz", curve.direction, strict=True) if on == 1.0), f"({x:.3g}, {y:.3g}, {z:.3g})")
 
     def size(value: float | None, factor: float, unit: str) -> str:
-        """Return ``value`` times ``factor`` with its unit as text; "unknown" for None."""
+        """Return ``value`` times ``factor`` as text, followed by the name ``unit`` of the unit; "unknown" for None."""
         return "unknown" if value is None else f"{format_by_error(factor * value)} {unit}"
 
     lash = f"not known: {curve.lash_words}" if curve.lash_words else size(curve.lash, 1e6, "um")
@@ -172,7 +158,7 @@ def load_curve_parts(curve: LoadCurve, *, details: bool = False) -> list[Any]:
         f"lash (backlash between loads of both signs): {lash}; displacement from end to end of the curve "
         f"{size(curve.peak_to_peak, 1e6, 'um')}",
         *([f"stiffness from the ends of the lash to the ends of the curve: {stiff}"] if stiff else []),
-        selected_columns_table("", used, rows),
+        printing.selected_columns_table("", used, rows),
         *(f"warning: {line}" for line in curve.warnings),
         *([f"assumed: {line}" for line in curve.assumed] if details else []),
     ]
@@ -199,7 +185,7 @@ def side_by_side_parts(side_by_side: SideBySide) -> list[Any]:
     return [
         *(f"{name}: {line}" for name, line in warned if line),
         *(f"{one.scene}: {one.status}" for one in side_by_side.scenes if one.status != "converged"),
-        ruled_table(
+        printing.ruled_table(
             f"model {side_by_side.model}: scenes side by side",
             ["", *(one.scene for one in side_by_side.scenes)],
             rows,
@@ -214,7 +200,7 @@ def side_by_side_parts(side_by_side: SideBySide) -> list[Any]:
 
 
 def _number_or_range_text(value: Any) -> str:
-    """Format a number, or a pair of numbers as a range; a dash for None."""
+    """Format a number, or a list of two numbers as a range; None becomes a dash."""
     if value is None:
         return "–"
     if not isinstance(value, list):
@@ -252,7 +238,9 @@ def _ball_and_flank_tables(solved_scene: SceneSolution) -> list[RenderableType]:
     result = solved_scene.result
     percent = None if solved_scene.expected_errors is None else solved_scene.expected_errors.percent
     error = (
-        None if percent is None else mean_load(result.load, nominal_contacts(solved_scene.scene, result)) * percent / 100.0
+        None
+        if percent is None
+        else mean_load(result.load, count_nominal_contacts(solved_scene.scene, result)) * percent / 100.0
     )
     sides = [k for k in range(4) if (result.load[:, k] > 0.0).any()]
     headings, rows = ["ball", "deg", "z mm", *(x for k in sides for x in (f"{SIDES[k]} N", "angle"))], []
@@ -264,10 +252,10 @@ def _ball_and_flank_tables(solved_scene: SceneSolution) -> list[RenderableType]:
         rows.append(cells)
     sums = (
         (side, *(format_by_error(row[k], error) for k in ("max_N", "min_N", "ratio")), str(row["loaded"]), str(row["lost"]))
-        for side, row in flank_loads_json(result.load).items()
+        for side, row in scene_json.flank_loads_json(result.load).items()
     )
-    summed = plain_table(("flank", "max N", "min N", "max/min", "loaded", "unloaded"), sums)
-    return [plain_table(headings, rows), "", summed, ""]
+    summed = printing.plain_table(("flank", "max N", "min N", "max/min", "loaded", "unloaded"), sums)
+    return [printing.plain_table(headings, rows), "", summed, ""]
 
 
 def tangent_stiffness_parts(tangent: TangentStiffness) -> list[RenderableType]:
@@ -282,7 +270,7 @@ def tangent_stiffness_parts(tangent: TangentStiffness) -> list[RenderableType]:
         f"tangent stiffness of the screw's cross-section at {1e3 * tangent.station:.6g} mm with the nut fixed, without the "
         "screw's supports: forces and moments (rows) by displacements and rotations (columns), in N, m, rad"
     )
-    return ["", head, plain_table(("", *FREEDOMS), rows)]
+    return ["", head, printing.plain_table(("", *FREEDOMS), rows)]
 
 
 def _nut_bearing_and_housing_tables(solved_scene: ShaftSolution, *, balls: bool, stiffness: bool) -> list[Any]:
@@ -293,7 +281,10 @@ def _nut_bearing_and_housing_tables(solved_scene: ShaftSolution, *, balls: bool,
     result, rows = solved_scene.result, bearing_and_nut_rows(solved_scene)
     if not rows:
         return []
-    out: list[Any] = [plain_table([*rows[0]], [[*row.values()] for row in rows], ["set"], blanks_between_columns=2), ""]
+    out: list[Any] = [
+        printing.plain_table([*rows[0]], [[*row.values()] for row in rows], ["set"], blanks_between_columns=2),
+        "",
+    ]
     out += _ball_and_roller_tables(result) if balls else []
     for h in result.housings:
         moved = ", ".join(
@@ -310,24 +301,28 @@ def _nut_bearing_and_housing_tables(solved_scene: ShaftSolution, *, balls: bool,
 def _ball_and_roller_tables(result: AxisResult) -> list[RenderableType]:
     """Return the table of all balls, with loads and angles on the loaded groove flanks, and the table of all rollers."""
     out: list[RenderableType] = []
-    rows = ball_rows_of_shaft_json(result)
+    rows = scene_json.ball_rows_of_shaft_json(result)
     loaded = [s for s in SIDES if any((r["load_N"][s] or 0.0) > 0.0 for r in rows)]
     if loaded:
-        columns: list[Column] = [("set", "set", "s"), ("index", "ball", "s"), ("azimuth_deg", "azimuth deg", ".2f")]
+        columns: list[printing.Column] = [
+            ("set", "set", "s"),
+            ("index", "ball", "s"),
+            ("azimuth_deg", "azimuth deg", ".2f"),
+        ]
         for side in loaded:
             columns += [(f"{side} N", f"{side} N", ".3f"), (f"{side} deg", "angle deg", ".3f")]
         flat = [
             r | {f"{s} N": r["load_N"][s] for s in loaded} | {f"{s} deg": r["contact_angle_deg"][s] for s in loaded}
             for r in rows
         ]
-        out.append(selected_columns_table("balls", columns, flat))
-    found = roller_rows_json(result)
+        out.append(printing.selected_columns_table("balls", columns, flat))
+    found = scene_json.roller_rows_json(result)
     if found:
         names = (("set", "set", "s"), ("index", "roller", "s"), ("azimuth_deg", "azimuth deg", ".2f"))
         loads = (("load_N", "load N", ".3f"), ("largest_line_load_N_mm", "largest N/mm", ".3f"))
         races = [(f"{race} MPa", f"{race} MPa", ".0f") for race in RACES]
         flat = [r | {f"{race} MPa": r["pressure_MPa"][race] for race in RACES} for r in found]
-        out.append(selected_columns_table("rollers", (*names, *loads, *races), flat))
+        out.append(printing.selected_columns_table("rollers", (*names, *loads, *races), flat))
     return out
 
 
@@ -351,11 +346,11 @@ def _axis_stiffness_lines(result: AxisResult) -> list[str]:
 
 #: Columns of the table of load cases: heading, group of values in the JSON summary of a case, key in this group.
 COLUMNS = (
-    ("largest load N", "loads", "max_N"),
-    ("axial N", "axial", "force_N"),
-    ("pressure MPa", "worst_contact", "pressure_MPa"),
+    ("largest contact load N", "loads", "max_N"),
+    ("axial force N", "axial", "force_N"),
+    ("peak pressure MPa", "worst_contact", "pressure_MPa"),
     ("static safety", "static_safety", "factor"),
-    ("life 1e6 rev", "life", "L10_million_revolutions"),
+    ("life L10 1e6 rev", "life", "L10_million_revolutions"),
 )
 
 
@@ -375,13 +370,13 @@ def duty_cycle_parts(
     the stiffness at the axial position that the user asked for; empty if none. ``balls``, ``details``, ``stiffness``: see
     `solved_case_parts`.
     """
-    data = duty_cycle_json(cycle, solved, cycle_results)
+    data = scene_json.duty_cycle_json(cycle, solved, cycle_results)
     parts: list[Any] = [
         f"{cycle.name}, model {data['model']}: {count_with_noun(len(solved), 'load case')}, {data['status']}",
         "",
     ]
-    parts += [format_table_as_text(duty_cycle_rows(cycle_results), text_width()), ""]
-    parts += [table_of_records([*load_case_rows(data["cases"])], ".4g"), ""]
+    parts += [format_table_as_text(duty_cycle_rows(cycle_results), printing.text_width()), ""]
+    parts += [printing.table_of_records([*load_case_rows(data["cases"])], ".4g"), ""]
     shown: set[str] = set()
     for case, one, tangent in zip(cycle.cases, solved, tangents or [None] * len(solved), strict=True):
         lines = [
@@ -412,7 +407,7 @@ def load_case_rows(cases: Sequence[dict[str, Any]]) -> Iterator[dict[str, Any]]:
         yield row | {"expected error %": None if worth is None else worth["largest_percent_of_mean"]}
 
 
-#: Largest number of different reasons for missing results that are printed.
+#: Largest number of printed reasons why combinations of parameter values have no results.
 REASONS = 5
 
 
@@ -422,7 +417,7 @@ def parameter_table_parts(table: Table) -> list[Any]:
     These are the table of quantities with their expected errors, then lines on the combinations of values without results.
     """
     return [
-        *split_to_width(table_of_records(_parameter_table_rows(table)), text_width()),
+        *printing.split_to_width(printing.table_of_records(_parameter_table_rows(table)), printing.text_width()),
         "",
         *_parameter_table_summary_lines(table),
     ]

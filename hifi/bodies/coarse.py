@@ -37,15 +37,8 @@ from rollbench.hifi.elements import forms
 from rollbench.hifi.elements.forms import elasticity_form, nodal_volume_form, normalise_weight_rows
 from rollbench.hifi.elements.rigid import nodal_displacements_of_rigid_motions
 from rollbench.hifi.linear_algebra import symmetric_compliance_of_loads
+from rollbench.meshes import fem
 from rollbench.meshes.arrays import Array, Index
-from rollbench.meshes.fem import (
-    build_mesh,
-    degrees_of_freedom_on_boundaries,
-    node_coordinates,
-    nodes_of_boundary_faces,
-    nodes_of_cells,
-    nodes_on_boundaries,
-)
 from rollbench.meshes.tet_patch import SUB_TRIANGLES, split_into_linear_tetrahedra
 
 
@@ -53,11 +46,12 @@ from rollbench.meshes.tet_patch import SUB_TRIANGLES, split_into_linear_tetrahed
 class BodySocket:
     """Refinement box of a body: the box cut out of its coarse mesh around one contact, which a fine patch fills."""
 
-    #: Indices of the refinement box's nodes in the body's mesh, in the order of the patch of its flank.
+    #: Indices of the refinement box's nodes in the body's mesh, in the node order of the fine mesh (patch) that fills the
+    #: box.
     node_indices: Index
-    #: Rotation matrix from the frame of the patch to that of the body ``(3, 3)``.
+    #: Rotation matrix from the frame of the fine mesh (patch) to that of the body ``(3, 3)``.
     rotation: Array
-    #: Flank 0 to 3.
+    #: Groove flank of the contact (0, 1: screw, 2, 3: nut).
     flank: int
 
 
@@ -81,19 +75,20 @@ def contact_modes_of_patch(patch: CondensedPatch, mode_count: int) -> tuple[Arra
     patch fills; H^T gives the forces on the refinement box by the contact loads.
 
     The first modes belong to the independent resultants (forces and moments) of the contact loads. Each gives the nodal
-    forces on the refinement box that contact pressures cause on average per unit of the resultant, so that Q^T V^T f is in
-    equilibrium with all contact loads f. The resultants are computed from the contact loads themselves; H of a coarser
-    patch gives them only to some 1e-4 (`hifi.bodies.patch.condense_patch`). The next modes are the strongest of the
-    remaining loads on the refinement box, which have no resultant.
+    forces on the refinement box that contact pressures cause on average per unit of the resultant, so that the forces
+    Q^T V^T f on the box have the same resultant as any contact loads f. The resultants are computed from the contact loads
+    themselves; H of a coarser patch gives them only to some 1e-4 (`hifi.bodies.patch.condense_patch`). The next modes
+    belong to the strongest of the remaining forces on the refinement box, which have no resultant. The last modes belong to
+    the small forces with a resultant that remain because of the error of H, so that V Q equals H with all modes.
 
-    The pressures are elliptic, of several sizes and positions in the contact zone (`elliptic_pressures_of_unit_force`), so
-    that the modes do not depend on the grid and few are needed. Loads on single nodes count with the weight `REST`. The
-    last modes are errors of H in the resultants, so that V Q is exact with all modes.
+    The contact pressures are elliptic, of several sizes and positions in the contact zone
+    (`elliptic_pressures_of_unit_force`), so that the modes do not depend on the grid and few are needed. Unit loads on
+    single contact nodes are included with the small weight `REST`.
 
     Parameters
     ----------
     patch : CondensedPatch
-        The condensed patch, with c contact nodes.
+        Condensed fine mesh (patch) around the contact, with c contact nodes.
     mode_count : int
         Number of modes; fewer where the remainder is below `ROUND_OFF`.
 
@@ -136,12 +131,12 @@ def _dominant_left_singular_vectors(traces: Array, least: float) -> Array:
 
 
 def rigid_motions_of_patch(patch: CondensedPatch) -> tuple[Array, Array]:
-    """Compute six independent rigid motions of a fine patch, as displacements of its contact and of the box it fills.
+    """Compute six independent rigid motions of a patch, as displacements of its contact nodes and of its refinement box.
 
     Parameters
     ----------
     patch : CondensedPatch
-        The condensed patch.
+        Condensed fine mesh (patch) around the contact.
 
     Returns
     -------
@@ -166,7 +161,7 @@ def elliptic_pressures_of_unit_force(patch: CondensedPatch) -> Array:
     Parameters
     ----------
     patch : CondensedPatch
-        The condensed patch.
+        Condensed fine mesh (patch) around the contact.
 
     Returns
     -------
@@ -207,10 +202,11 @@ def degrees_of_freedom_of_nodes(nodes: Index) -> Index:
 
 
 def convert_mesh_order(mesh: Mesh, element_type: str) -> Mesh:
-    """Convert a mesh of 10-node tetrahedra to the wanted order, with its named boundaries.
+    """Convert a mesh of 10-node tetrahedra to elements of the wanted order, with its named boundaries.
 
-    For "P1" each tetrahedron is split into eight first-order ones of half the size with the same nodes. Patches are then
-    tied linearly (`hifi.bodies.patch.socket_interpolation_matrix`).
+    For "P1" each tetrahedron is split into eight first-order ones of half the size with the same nodes. The fine meshes
+    (patches) around the contacts are then tied to the coarse mesh by linear interpolation
+    (`hifi.bodies.patch.refinement_box_interpolation_matrix`).
 
     Parameters
     ----------
@@ -233,12 +229,12 @@ def convert_mesh_order(mesh: Mesh, element_type: str) -> Mesh:
         raise ValueError(f"the element type of a body's coarse mesh must be 'P1' or 'P2', got {element_type!r}")
     if element_type == "P2":
         return mesh
-    points = node_coordinates(mesh)
+    points = fem.node_coordinates(mesh)
     named = {
-        name: nodes_of_boundary_faces(mesh, name)[:, np.array(SUB_TRIANGLES)].reshape(-1, 3)
+        name: fem.nodes_of_boundary_faces(mesh, name)[:, np.array(SUB_TRIANGLES)].reshape(-1, 3)
         for name in mesh.boundaries or {}
     }
-    return build_mesh(points, split_into_linear_tetrahedra(points, nodes_of_cells(mesh)), "P1", named)[0]
+    return fem.build_mesh(points, split_into_linear_tetrahedra(points, fem.nodes_of_cells(mesh)), "P1", named)[0]
 
 
 def assemble_body_stiffness(
@@ -253,7 +249,7 @@ def assemble_body_stiffness(
     sockets : Sequence[BodySocket]
         Refinement boxes of the body: pockets of its coarse mesh that the fine patches fill.
     patches : dict[int, CondensedPatch]
-        Condensed patch of each flank.
+        Condensed fine mesh (patch) at the contacts of each flank.
     young : float
         Young's modulus [Pa].
     poisson : float
@@ -367,7 +363,7 @@ def body_forces_like_rigid_motions(mesh: Mesh) -> Array:
 
 
 def all_freedoms_from_free_ones(mesh: Mesh, fixed_freedoms: Index) -> sp.csc_array:
-    """Return the matrix that gives all degrees of freedom of a body from the free ones; the fixed ones are zero.
+    """Return the matrix that gives all degrees of freedom of a body from the free ones; fixed degrees of freedom are zero.
 
     Parameters
     ----------
@@ -403,10 +399,14 @@ def all_freedoms_with_rigid_end(mesh: Mesh, high: float) -> sp.csc_array:
     (3 n, f + 6) sparse array
         Transformation matrix C from f free degrees of freedom and the six of the section, which come last.
     """
-    upper = nodes_on_boundaries(mesh, "high end")
+    upper = fem.nodes_on_boundaries(mesh, "high end")
     slaves = degrees_of_freedom_of_nodes(upper)
-    free = all_freedoms_from_free_ones(mesh, np.concatenate([degrees_of_freedom_on_boundaries(mesh, "low end"), slaves]))
-    section = sp.csc_array(nodal_displacements_of_rigid_motions(node_coordinates(mesh)[upper], np.array([0.0, 0.0, high])))
+    free = all_freedoms_from_free_ones(
+        mesh, np.concatenate([fem.degrees_of_freedom_on_boundaries(mesh, "low end"), slaves])
+    )
+    section = sp.csc_array(
+        nodal_displacements_of_rigid_motions(fem.node_coordinates(mesh)[upper], np.array([0.0, 0.0, high]))
+    )
     return sp.hstack([free, sp.eye_array(free.shape[0], format="csc")[:, slaves] @ section]).tocsc()
 
 
@@ -422,13 +422,15 @@ STEP = 0.01
 class ContactSubmodel:
     """Mesh of a short piece of a body around one contact: the submodel that gives the contact's local compliance."""
 
-    #: Mesh of the piece.
+    #: Mesh of the piece of the body.
     mesh: Mesh
-    #: Indices of the refinement box's nodes in this mesh, in the order of the mesh of the box's faces.
+    #: Indices, in ``mesh``, of the nodes of the refinement box (the hole for the fine mesh at the contact), in the order of
+    #: the mesh of the box's faces.
     socket_nodes: Index
-    #: Rotation matrix from the frame of the patch to that of the piece ``(3, 3)``.
+    #: Rotation matrix from the frame of the fine mesh (patch) at the contact to that of ``mesh`` ``(3, 3)``.
     rotation: Array
-    #: Names of the fixed boundaries; if there are none, body forces distributed like rigid motions balance the loads.
+    #: Names of the boundaries at which the piece is fixed; if there are none, body forces distributed like rigid motions
+    #: balance the loads.
     fixed_boundaries: tuple[str, ...]
 
 
@@ -442,7 +444,7 @@ def contact_compliance_in_fine_submodel(
     piece : ContactSubmodel
         Piece of the body.
     patch : PatchMesh
-        Patch in its refinement box.
+        Fine mesh (patch) that fills the refinement box of the piece.
     normals : (c, 3) Array
         Directions of the contact loads at the c contact nodes.
     young : float
@@ -475,7 +477,7 @@ def compliance_of_patch_in_submodel(
     piece : ContactSubmodel
         Piece of the body.
     patch : PatchMesh
-        Patch of n nodes.
+        Fine mesh (patch) of n nodes around the contact.
     nodal_forces : (m, 3 n) sparse array
         Nodal forces on the patch in m load cases.
     young : float
@@ -498,7 +500,7 @@ def compliance_of_patch_in_submodel(
     size = K_patch.shape[0]
     outer = degrees_of_freedom_of_nodes(patch.interface_nodes)
     inner = np.setdiff1d(np.arange(size), outer)
-    free, loads = _free_and_balancing_loads(piece)
+    free, loads = _free_freedoms_and_balancing_loads(piece)
     place = np.full(K_body.shape[0], -1, dtype=np.int64)
     place[free] = inner.size + np.arange(free.size)
     # the interface follows the refinement box's nodes: patch's frame = R^T times the body's
@@ -527,7 +529,7 @@ def mode_compliance_in_coarse_submodel(
     piece : ContactSubmodel
         Piece of the body.
     patch : CondensedPatch
-        Condensed patch in its refinement box.
+        Condensed fine mesh (patch) that fills the refinement box of the piece.
     mode_forces : (k, 3 nodes) Array
         Nodal forces Q of the k modes on the degrees of freedom of the refinement box's nodes.
     young : float
@@ -547,16 +549,16 @@ def mode_compliance_in_coarse_submodel(
     """
     socket = BodySocket(piece.socket_nodes, piece.rotation, 0)
     K = assemble_body_stiffness(piece.mesh, [socket], {0: patch}, young, poisson)
-    free, loads = _free_and_balancing_loads(piece)
+    free, loads = _free_freedoms_and_balancing_loads(piece)
     Q = assemble_mode_forces([socket], {0: mode_forces}, K.shape[0])
     F = symmetric_compliance_of_loads(K[free][:, free].tocsc(), sp.vstack([Q[:, free], loads[:, free]]).tocsr())
     return _compliance_of_balanced_loads(
-        F, len(mode_forces), Q @ nodal_displacements_of_rigid_motions(node_coordinates(piece.mesh)), loads, piece
+        F, len(mode_forces), Q @ nodal_displacements_of_rigid_motions(fem.node_coordinates(piece.mesh)), loads, piece
     )
 
 
 def local_contact_compliance(fine_compliance: Array, V: Array, coarse_mode_compliance: Callable[[float], Array]) -> Array:
-    """Compute the local compliance A_own of a contact: that of the fine piece less what the coarse mesh represents.
+    """Compute the local compliance A_own of a contact: that of a finely meshed piece less the part of the coarse mesh.
 
     Parameters
     ----------
@@ -570,14 +572,14 @@ def local_contact_compliance(fine_compliance: Array, V: Array, coarse_mode_compl
     Returns
     -------
     (c, c) Array
-        C_fine - V G_coarse V^T [m/N], over the mean of `REALISATIONS` coarse meshes.
+        C_fine - V G_coarse V^T [m/N], with the mean of G_coarse over `REALISATIONS` coarse meshes.
     """
     G = np.mean([coarse_mode_compliance(1.0 + STEP * n) for n in range(REALISATIONS)], axis=0)
     A = fine_compliance - V @ G @ V.T  # A_own = C_fine - V G_coarse V^T
     return np.asarray(0.5 * (A + A.T))
 
 
-def _free_and_balancing_loads(piece: ContactSubmodel) -> tuple[Index, sp.csr_array]:
+def _free_freedoms_and_balancing_loads(piece: ContactSubmodel) -> tuple[Index, sp.csr_array]:
     """Return the free degrees of freedom of a piece of a body, and six fields of nodal forces that can balance its loads.
 
     The fields ``(6, 3 n)`` are body forces distributed like the rigid motions; a piece with fixed boundaries has none.
@@ -585,23 +587,24 @@ def _free_and_balancing_loads(piece: ContactSubmodel) -> tuple[Index, sp.csr_arr
     size = piece.mesh.doflocs.size
     if piece.fixed_boundaries:
         return np.setdiff1d(
-            np.arange(size), degrees_of_freedom_on_boundaries(piece.mesh, *piece.fixed_boundaries)
+            np.arange(size), fem.degrees_of_freedom_on_boundaries(piece.mesh, *piece.fixed_boundaries)
         ), sp.csr_array((0, size))
-    held = select_isostatic_freedoms(node_coordinates(piece.mesh), piece.socket_nodes)
+    held = select_isostatic_freedoms(fem.node_coordinates(piece.mesh), piece.socket_nodes)
     return np.setdiff1d(np.arange(size), held), sp.csr_array(body_forces_like_rigid_motions(piece.mesh))
 
 
 def _rigid_motions_in_patch_frame(patch: PatchMesh, piece: ContactSubmodel) -> Array:
     """Compute the displacements of a patch's n nodes by six unit rigid motions of the body around it ``(3 n, 6)``.
 
-    The displacements are in the patch's frame; the motions are those of the frame of ``piece``.
+    The displacements are components along the axes of the patch; the motions are along and about the axes of ``piece``, the
+    piece of the body around the patch.
     """
-    rigid = nodal_displacements_of_rigid_motions(node_coordinates(patch.mesh) @ piece.rotation.T).reshape(-1, 3, 6)
+    rigid = nodal_displacements_of_rigid_motions(fem.node_coordinates(patch.mesh) @ piece.rotation.T).reshape(-1, 3, 6)
     return np.asarray(np.einsum("ba,nbk->nak", piece.rotation, rigid).reshape(-1, 6))
 
 
 def _compliance_of_balanced_loads(F: Array, count: int, rigid: Array, loads: sp.csr_array, piece: ContactSubmodel) -> Array:
-    """Compute the compliance ``(count, count)`` [m/N] between loads on a free body that body forces balance.
+    """Compute the compliance ``(count, count)`` [m/N] between loads that body forces balance on a free body.
 
     The body forces are distributed like the rigid motions. F: compliance between the loads and, after them, the six fields
     of body forces [m/N]; ``count``: number of loads; ``rigid``: work of the loads on the rigid motions (count, 6);
@@ -609,6 +612,6 @@ def _compliance_of_balanced_loads(F: Array, count: int, rigid: Array, loads: sp.
     """
     if loads.shape[0] == 0:
         return F
-    mass = loads @ nodal_displacements_of_rigid_motions(node_coordinates(piece.mesh))
+    mass = loads @ nodal_displacements_of_rigid_motions(fem.node_coordinates(piece.mesh))
     S = np.hstack([np.eye(count), -np.linalg.solve(mass, rigid.T).T])
     return np.asarray(S @ F @ S.T)

@@ -77,7 +77,7 @@ def grid_cell_sizes(m: GrooveMap, side: int, patch: CondensedPatch) -> Array:
     side : int
         Groove flank: 0, 1 on the screw (left, right), 2, 3 on the nut.
     patch : CondensedPatch
-        Condensed patch of the groove.
+        Condensed fine mesh (patch) of the groove at the contact.
 
     Returns
     -------
@@ -102,8 +102,9 @@ def grid_cell_sizes(m: GrooveMap, side: int, patch: CondensedPatch) -> Array:
 def forces_resolved_by_grid(m: GrooveMap, side: int, patch: CondensedPatch, material: Material, count: int) -> Array:
     """Choose contact forces whose contact ellipse is neither too small for the mesh grid nor larger than the contact zone.
 
-    Under the smallest force the short semi-axis is one cell long, or the ellipse is `LEAST` times the largest one on grids
-    that are too coarse for that. Under the largest force the ellipse nearly fills the zone (`FILLED`).
+    Under the largest force the ellipse nearly fills the contact zone (`FILLED`). Under the smallest force the short
+    semi-axis is one cell long; on grids too coarse for that, the ellipse is `LEAST` times as long as under the largest
+    force.
 
     Parameters
     ----------
@@ -112,7 +113,7 @@ def forces_resolved_by_grid(m: GrooveMap, side: int, patch: CondensedPatch, mate
     side : int
         Groove flank: 0, 1 on the screw (left, right), 2, 3 on the nut.
     patch : CondensedPatch
-        Condensed patch of the groove.
+        Condensed fine mesh (patch) of the groove at the contact.
     material : Material
         Material of ball and groove.
     count : int
@@ -148,7 +149,7 @@ def approaches_at_grid_position(
     side : int
         Groove flank: 0, 1 on the screw (left, right), 2, 3 on the nut.
     patch : CondensedPatch
-        Condensed patch of the groove.
+        Condensed fine mesh (patch) of the groove at the contact.
     compliance : (c, c) Array
         Compliance between the c contact nodes [m/N].
     loads : (f,) Array
@@ -234,7 +235,7 @@ def solve_unilateral_contact(
                 break
             active = after
         else:
-            raise ValueError(f"a contact under {load:.4g} N: the set of nodes in contact does not converge in 200 changes")
+            raise ValueError(f"the set of nodes in contact under {load:.4g} N does not converge in 200 changes")
         closed[k] = active
     return out, closed
 
@@ -282,7 +283,7 @@ def approaches_over_grid_cell(
     side : int
         Groove flank: 0, 1 on the screw (left, right), 2, 3 on the nut.
     patch : CondensedPatch
-        Condensed patch of the groove.
+        Condensed fine mesh (patch) of the groove at the contact.
     C : (c, c) Array
         Compliance between the c contact nodes [m/N].
     loads : (f,) Array
@@ -298,16 +299,18 @@ def approaches_over_grid_cell(
         Change of the approach across and along the groove [m per cell].
     """
 
-    def at(x: float, y: float, start: Flags | None) -> tuple[Array, Flags]:
+    def approaches_at(x: float, y: float, start: Flags | None) -> tuple[Array, Flags]:
         return approaches_at_grid_position(m, side, patch, C, loads, (x, y), start)
 
-    first = at(0.0, 0.0, None)[1]
-    left, right, back, ahead = (at(*place, first)[0] for place in ((-0.5, 0.0), (0.5, 0.0), (0.0, -0.5), (0.0, 0.5)))
+    first = approaches_at(0.0, 0.0, None)[1]
+    left, right, back, ahead = (
+        approaches_at(*place, first)[0] for place in ((-0.5, 0.0), (0.5, 0.0), (0.0, -0.5), (0.0, 0.5))
+    )
     trend, table = np.array([right - left, ahead - back]), np.empty((*counts, loads.size))
     for i, x in enumerate(np.arange(counts[0]) / counts[0] - 0.5):
         near = first
         for k, y in enumerate(np.arange(counts[1]) / counts[1] - 0.5):
-            approach, near = at(float(x), float(y), near)
+            approach, near = approaches_at(float(x), float(y), near)
             table[i, k] = approach - np.array([x, y]) @ trend
             first = near if k == 0 else first
     return np.asarray(np.fft.ifftshift(table, axes=(0, 1))), trend
@@ -325,7 +328,7 @@ def mean_approaches_over_grid_cell(
     side : int
         Groove flank: 0, 1 on the screw (left, right), 2, 3 on the nut.
     patch : CondensedPatch
-        Condensed patch of the groove.
+        Condensed fine mesh (patch) of the groove at the contact.
     compliance : (c, c) Array
         Compliance between the c contact nodes [m/N].
     loads : (f,) Array
@@ -343,16 +346,16 @@ def mean_approaches_over_grid_cell(
 class GapCorrectionTable:
     """Table of gap corrections that cancel the dependence of a contact's approach on its position on the mesh grid."""
 
-    #: Tabulated forces ``(f,)`` [N].
+    #: Contact forces of the table ``(f,)`` [N].
     tabulated_loads: Array
-    #: Corrections of the gap at p positions across and q along the groove, evenly spaced in a cell ``(p, q, f)`` [m]; the
-    #: first position is the middle node.
+    #: Corrections of the gap for p contact positions across and q along the groove, evenly spaced in a grid cell
+    #: ``(p, q, f)`` [m]; the first position is the middle node.
     gap_corrections: Array
-    #: Cell sizes across and along the groove ``(2,)`` [m].
+    #: Cell sizes of the mesh grid across and along the groove ``(2,)`` [m].
     cell_sizes: Array
-    #: Position of the middle node in the ball's frame ``(3,)`` [m].
+    #: Position of the contact zone's middle node in the ball's frame ``(3,)`` [m].
     middle_node: Array
-    #: Unit vectors across and along the groove ``(2, 3)``.
+    #: Unit vectors of the mesh grid across and along the groove ``(2, 3)``.
     grid_directions: Array
 
     def interpolate(self, loads: Array, centres: Array) -> Array:
@@ -394,7 +397,7 @@ def _interpolate_periodic(values: Array, place: Array) -> Array:
 def tabulate_gap_corrections(
     m: GrooveMap, side: int, patch: CondensedPatch, C: Array, material: Material
 ) -> GapCorrectionTable:
-    """Tabulate the gap corrections for the contacts on one flank, at positions in a grid cell and several forces.
+    """Tabulate the gap corrections of the contacts on one flank over positions in a grid cell and several forces.
 
     A correction is the approach by the smooth force law less the approach computed at the position.
 
@@ -405,7 +408,7 @@ def tabulate_gap_corrections(
     side : int
         Groove flank: 0, 1 on the screw (left, right), 2, 3 on the nut.
     patch : CondensedPatch
-        Condensed patch of the groove.
+        Condensed fine mesh (patch) of the groove at the contact.
     C : (c, c) Array
         Compliance between the c contact nodes [m/N].
     material : Material

@@ -18,25 +18,10 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from skfem import ElementLineP2, Mesh, condense
 
-from rollbench.hifi.elements.forms import (
-    CachedIsoparametricMap,
-    assemble_constant_form,
-    elasticity_form,
-    normalise_weight_rows,
-    pressure_function_integrals,
-)
+from rollbench.hifi.elements import forms
 from rollbench.hifi.linear_algebra import factorise_positive_definite, symmetric_compliance_of_loads
+from rollbench.meshes import fem
 from rollbench.meshes.arrays import Array, Index
-from rollbench.meshes.fem import (
-    MeshedBody,
-    build_mesh,
-    degrees_of_freedom_on_boundaries,
-    element_type_of_mesh,
-    mesh_rectangular_grid,
-    node_coordinates,
-    with_boundaries_from_facets,
-    with_node_coordinates,
-)
 from rollbench.meshes.sockets import RefinementBoxFaces
 from rollbench.meshes.tet_patch import TetrahedralPatchMesh, signed_volumes
 
@@ -50,45 +35,46 @@ PLANES = ((0, -1.0), (0, 1.0), (1, 1.0), (2, -1.0), (2, 1.0))
 class PatchCellBoundaries:
     """Cell boundaries of the fine mesh (patch) around a contact, in its three local coordinates."""
 
-    #: Coordinates across the groove, in the direction of the contact angle gamma, from -1 to 1.
+    #: Boundaries across the groove, in the direction of the contact angle gamma, from -1 to 1.
     across: Array
-    #: Coordinates in depth, from 0 to 1.
+    #: Boundaries in depth, from 0 at the surface to 1.
     depth: Array
-    #: Coordinates along the groove, in the direction of the azimuth, from -1 to 1.
+    #: Boundaries along the groove, in the direction of the azimuth, from -1 to 1.
     along: Array
 
 
 @dataclass(frozen=True)
-class PatchMesh(MeshedBody):
+class PatchMesh(fem.MeshedBody):
     """Fine mesh (patch) around one contact, which fills a box cut out of the coarse mesh of a body (refinement box).
 
     Its named boundaries are "surface", "contact" (the contact zone on the surface) and "interface" (to the body).
     """
 
-    #: Hexahedra or tetrahedra.
+    #: Mesh of hexahedra or tetrahedra, with its named boundaries.
     mesh: Mesh
-    #: Local coordinates of its nodes ``(n, 3)``.
+    #: Local coordinates of the nodes: across the groove, in depth, along the groove ``(n, 3)``.
     local_coordinates: Array
-    #: Nodes of the contact zone ``(c,)``.
+    #: Indices of the nodes of the contact zone ``(c,)``.
     contact_nodes: Index
     #: Numbers of the contact zone's nodes across and along the groove; None: they form no grid.
     contact_grid_shape: tuple[int, int] | None
-    #: Whether each node of the contact zone is one of the outermost ``(c,)``.
+    #: Whether each node of the contact zone is one of its outermost nodes ``(c,)``.
     on_zone_edge: Flags
-    #: Nodes of the interface to the body.
+    #: Indices of the nodes on the interface to the coarse mesh of the body.
     interface_nodes: Index
-    #: Weights that interpolate the interface nodes from the refinement box's nodes ``(interface nodes, box nodes)``.
+    #: Weights that interpolate displacements of the interface nodes from those of the refinement box's nodes
+    #: ``(interface nodes, box nodes)``.
     interface_weights: sp.csr_array
-    #: Weights W ``(c, c)`` [m2] of the pressure functions (rows) at displacements (columns), by
-    #: `hifi.elements.forms.pressure_function_integrals`.
+    #: Integration weights W ``(c, c)`` [m2] of the pressure basis functions (rows) at the displacements of the contact
+    #: nodes (columns), by `hifi.elements.forms.pressure_function_integrals`.
     pressure_weights: sp.csr_array
-    #: Points of the refinement box's nodes ``(k, 3)`` [m].
+    #: Positions of the refinement box's nodes ``(k, 3)`` [m].
     socket_points: Array
 
     @property
     def element_type(self) -> str:
-        """Element type: "P1" or "Q2"."""
-        return element_type_of_mesh(self.mesh)
+        """Element type: "P1" (first-order tetrahedra) or "Q2" (hexahedra of 27 nodes)."""
+        return fem.element_type_of_mesh(self.mesh)
 
     @property
     def areas(self) -> Array:
@@ -102,30 +88,34 @@ class CondensedPatch:
 
     The boundary is the refinement box, the box in the coarse mesh of the body that the fine mesh (patch) fills. f: contact
     loads (c,) [N]; u_c: displacements along the normals, averaged with each node's pressure basis function (c,) [m]; q:
-    displacements of the refinement box's nodes (3 k,) [m]; r: forces on them (3 k,) [N].
+    displacements of the refinement box's nodes (3 k,) [m]; r: forces on them (3 k,) [N]. A: compliance of the contact
+    with the refinement box fixed; S: stiffness at the box; H: displacements of the contact by those of the box.
     """
 
-    #: Mean displacement per contact load with the refinement box fixed ``(c, c)`` [m/N].
+    #: Compliance of the contact nodes with the refinement box fixed: mean normal displacements by unit contact loads
+    #: ``(c, c)`` [m/N].
     A: Array
-    #: Mean displacement by the motion of the refinement box ``(c, 3 k)``; H^T carries contact loads to the refinement box.
+    #: Mean normal displacements of the contact nodes by the motion of the refinement box ``(c, 3 k)``; H^T carries contact
+    #: loads to the refinement box.
     H: Array
-    #: Stiffness at the refinement box ``(3 k, 3 k)`` [N/m].
+    #: Stiffness of the patch at the nodes of the refinement box ``(3 k, 3 k)`` [N/m].
     S: Array
-    #: Contact nodes ``(c, 3)`` [m].
+    #: Positions of the contact nodes ``(c, 3)`` [m].
     contact_points: Array
-    #: Normals at these nodes ``(c, 3)``.
+    #: Unit contact normals at the contact nodes ``(c, 3)``.
     normals: Array
-    #: Areas of the pressure functions ``(c,)`` [m2].
+    #: Areas of the contact nodes (integrals of their pressure basis functions) ``(c,)`` [m2].
     nodal_areas: Array
-    #: Whether each contact node is one of the outermost ``(c,)``.
+    #: Whether each contact node is one of the outermost nodes of the contact zone ``(c,)``.
     on_zone_edge: Flags
     #: Numbers of contact nodes across and along the groove; None: they form no grid.
     contact_grid_shape: tuple[int, int] | None
-    #: Weights W ``(c, c)`` [m2] of the pressure functions (rows) at displacements (columns).
+    #: Integration weights W ``(c, c)`` [m2]: pressure basis functions as rows, displacements of the contact nodes as
+    #: columns.
     pressure_weights: sp.csr_array
-    #: Points of the refinement box's nodes ``(k, 3)`` [m], in the patch's frame.
+    #: Positions of the refinement box's nodes ``(k, 3)`` [m], in the patch's frame.
     socket_points: Array
-    #: Number of degrees of freedom that were condensed.
+    #: Number of degrees of freedom of the fine mesh before condensation.
     degree_of_freedom_count: int
 
 
@@ -193,8 +183,8 @@ def mesh_hexahedral_patch(
 ) -> PatchMesh:
     """Mesh the patch around a contact with 27-node hexahedra, and tie it to the box that it fills in the coarse mesh.
 
-    The nodes of that boundary (interface) are moved onto the refinement box's second-order triangles, so that rigid motions
-    of the refinement box cause no strain.
+    The patch's nodes on the faces of this refinement box (interface) are moved onto the box's second-order triangles, so
+    that rigid motions of the refinement box cause no strain.
 
     Parameters
     ----------
@@ -210,23 +200,23 @@ def mesh_hexahedral_patch(
     Returns
     -------
     PatchMesh
-        The patch.
+        Fine mesh (patch) around the contact.
 
     Raises
     ------
     ValueError
         An interface node lies on no triangle.
     """
-    grid = mesh_rectangular_grid(lines.across, lines.depth, lines.along, "Q2")
-    points, interface, tie, nodes = _map_nodes_into_socket(node_coordinates(grid), map_to_space, socket)
-    mesh = with_node_coordinates(grid, points)
+    grid = fem.mesh_rectangular_grid(lines.across, lines.depth, lines.along, "Q2")
+    points, interface, tie, nodes = _map_nodes_into_refinement_box(fem.node_coordinates(grid), map_to_space, socket)
+    mesh = fem.with_node_coordinates(grid, points)
     if (
-        CachedIsoparametricMap(mesh).detDF(np.full((3, 1), 0.5), tind=np.array([0])) < 0.0
+        forms.CachedIsoparametricMap(mesh).detDF(np.full((3, 1), 0.5), tind=np.array([0])) < 0.0
     ):  # a left-handed map: mirror every cell
-        grid = mesh_rectangular_grid(lines.across, lines.depth, lines.along, "Q2", left_handed=True)
-        points, interface, tie, nodes = _map_nodes_into_socket(node_coordinates(grid), map_to_space, socket)
-        mesh = with_node_coordinates(grid, points)
-    xi = node_coordinates(grid)
+        grid = fem.mesh_rectangular_grid(lines.across, lines.depth, lines.along, "Q2", left_handed=True)
+        points, interface, tie, nodes = _map_nodes_into_refinement_box(fem.node_coordinates(grid), map_to_space, socket)
+        mesh = fem.with_node_coordinates(grid, points)
+    xi = fem.node_coordinates(grid)
     top = np.abs(xi[:, 1]) < 1e-12
     inside = (np.abs(xi[:, 0]) <= zone[0] + 1e-9) & (np.abs(xi[:, 2]) <= zone[1] + 1e-9)
     contact = np.flatnonzero(top & inside)
@@ -258,14 +248,14 @@ def fit_tetrahedral_patch(
     Returns
     -------
     PatchMesh
-        The patch.
+        Fine mesh (patch) around the contact.
 
     Raises
     ------
     ValueError
         The map turns cells inside out, or an interface node lies on no triangle.
     """
-    points, interface, tie, nodes = _map_nodes_into_socket(local.xi, map_to_space, socket, linear=True)
+    points, interface, tie, nodes = _map_nodes_into_refinement_box(local.xi, map_to_space, socket, linear=True)
     volumes = signed_volumes(points, local.tetrahedra)
     if not (np.all(volumes > 0.0) or np.all(volumes < 0.0)):
         raise ValueError(
@@ -275,7 +265,7 @@ def fit_tetrahedral_patch(
     cells = (
         local.tetrahedra if volumes[0] > 0.0 else local.tetrahedra[:, [0, 2, 1, 3]]
     )  # a left-handed map: mirror every cell
-    mesh, _ = build_mesh(points, cells, "P1")
+    mesh, _ = fem.build_mesh(points, cells, "P1")
     top = np.zeros(len(points), dtype=bool)
     top[local.top_triangles] = True
     loose = np.ones(len(points), dtype=bool)
@@ -312,8 +302,10 @@ def _create_patch_mesh(
     zone[contact] = True
     tied = np.any([np.all(np.abs(xi[corners, axis] - value) < 1e-9, axis=0) for axis, value in PLANES], axis=0)
     boundaries = {"surface": top[corners].all(axis=0), "contact": zone[corners].all(axis=0), "interface": tied}
-    mesh = with_boundaries_from_facets(mesh, {name: outer[on] for name, on in boundaries.items()})
-    return PatchMesh(mesh, xi, contact, shape, rim, interface, tie, pressure_function_integrals(mesh, contact), socket)
+    mesh = fem.with_boundaries_from_facets(mesh, {name: outer[on] for name, on in boundaries.items()})
+    return PatchMesh(
+        mesh, xi, contact, shape, rim, interface, tie, forms.pressure_function_integrals(mesh, contact), socket
+    )
 
 
 def mean_normal_displacement_matrix(mesh: PatchMesh, normals: Array, carrier: PatchMesh | None = None) -> sp.csr_array:
@@ -324,12 +316,12 @@ def mean_normal_displacement_matrix(mesh: PatchMesh, normals: Array, carrier: Pa
     Parameters
     ----------
     mesh : PatchMesh
-        The patch.
+        Fine mesh (patch) of n nodes around the contact.
     normals : (c, 3) Array
         Directions of the displacements at the c contact nodes.
     carrier : PatchMesh, optional, default None
         Another patch, fitted into the same cut-out (refinement box) of the coarse mesh. If given, the matrix acts on the
-        displacements of its nodes, interpolated at the contact nodes of ``mesh``.
+        displacements of the n nodes of this other patch, interpolated at the contact nodes of ``mesh``.
 
     Returns
     -------
@@ -349,7 +341,7 @@ def mean_normal_displacement_matrix(mesh: PatchMesh, normals: Array, carrier: Pa
         place = _grid_interpolation_matrix(carrier, mesh.local_coordinates[mesh.contact_nodes])
     nodal = sp.csr_array((normals.ravel(), (np.repeat(np.arange(c), 3), np.arange(3 * c))), (c, 3 * c))
     return sp.csr_array(
-        normalise_weight_rows(mesh.pressure_weights) @ nodal @ sp.kron(place, sp.eye_array(3), format="csr")
+        forms.normalise_weight_rows(mesh.pressure_weights) @ nodal @ sp.kron(place, sp.eye_array(3), format="csr")
     )
 
 
@@ -390,24 +382,24 @@ def _quadratic_line_shapes(nodes: Array, at: Array) -> tuple[list[Index], list[A
     return [2 * cell, 2 * cell + 2, 2 * cell + 1], [element.lbasis(local[None], k)[0] for k in range(3)]
 
 
-def _map_nodes_into_socket(
+def _map_nodes_into_refinement_box(
     xi: Array, map_to_space: Callable[[Array], Array], socket: RefinementBoxFaces, *, linear: bool = False
 ) -> tuple[Array, Index, sp.csr_array, Array]:
     """Map the nodes of a patch into space; those on the interface to the body lie on the refinement box's triangles.
 
     ``xi``: local coordinates of the nodes (n, 3); ``map_to_space``: function that maps them to points [m]; ``linear``: as
-    for `socket_interpolation_matrix`. Returned are the points (n, 3) [m], the indices of the interface nodes, the weights
-    that interpolate them from the refinement box's k nodes, and the points of these box nodes (k, 3) [m].
+    for `refinement_box_interpolation_matrix`. Returned are the points (n, 3) [m], the indices of the interface nodes, the
+    weights that interpolate them from the refinement box's k nodes, and the points of these box nodes (k, 3) [m].
     """
     on_face = np.any([np.abs(xi[:, axis] - value) < 1e-9 for axis, value in PLANES], axis=0)
     interface = np.flatnonzero(on_face)
-    tie = socket_interpolation_matrix(xi[interface], socket, linear=linear)
+    tie = refinement_box_interpolation_matrix(xi[interface], socket, linear=linear)
     points, nodes = map_to_space(xi), map_to_space(socket.xi)
     points[interface] = tie @ nodes
     return points, interface, tie, nodes
 
 
-def socket_interpolation_matrix(xi: Array, socket: RefinementBoxFaces, *, linear: bool = False) -> sp.csr_array:
+def refinement_box_interpolation_matrix(xi: Array, socket: RefinementBoxFaces, *, linear: bool = False) -> sp.csr_array:
     """Return the weights that interpolate points on the inner faces of a refinement box from the nodes of the box.
 
     Parameters
@@ -460,14 +452,14 @@ def socket_interpolation_matrix(xi: Array, socket: RefinementBoxFaces, *, linear
 
 
 def _quadratic_triangle_shapes(w: Array) -> Array:
-    """Evaluate the shape functions ``(n, 6)`` of a second-order triangle at barycentric coordinates ``(n, 3)``."""
+    """Evaluate the shape functions ``(n, 6)`` of a 6-node triangle at n points of barycentric coordinates ``(n, 3)``."""
     return np.hstack([w * (2 * w - 1), 4 * w * w[:, [1, 2, 0]]])
 
 
 def _linear_triangle_shapes(w: Array) -> Array:
     """Evaluate piecewise linear shape functions of a 6-node triangle ``(n, 6)`` at barycentric coordinates ``(n, 3)``.
 
-    They are linear on each of the four triangles into which the midside nodes divide it.
+    The functions are linear on each of the four triangles into which the midside nodes divide the 6-node triangle.
     """
     corner, opposite = np.maximum(2 * w - 1, 0.0), np.maximum(1 - 2 * w, 0.0)
     return np.hstack([corner, opposite[:, [2, 0, 1]] - corner - corner[:, [1, 2, 0]]])
@@ -475,37 +467,37 @@ def _linear_triangle_shapes(w: Array) -> Array:
 
 @dataclass(frozen=True)
 class _PatchStiffnessBlocks:
-    """Stiffness of a patch in blocks: its inner degrees of freedom, its boundary, and the refinement box it is tied to."""
+    """Stiffness of a patch in blocks: inner degrees of freedom, its boundary, and the refinement box it is tied to."""
 
     #: Stiffness of the inner degrees of freedom ``(i, i)`` [N/m].
     inner_stiffness: sp.csc_array
     #: Stiffness between the inner degrees of freedom and those of the refinement box ``(i, 3 k)`` [N/m].
     inner_to_socket_stiffness: sp.csc_array
-    #: Stiffness of the interface's degrees of freedom [N/m].
+    #: Stiffness of the degrees of freedom on the patch's boundary to the body (interface) [N/m].
     interface_stiffness: sp.csc_array
     #: Unit contact loads on the inner degrees of freedom ``(i, c)``.
     contact_forces: sp.csc_array
-    #: Weights that interpolate the interface's degrees of freedom from those of the refinement box.
+    #: Weights that interpolate the degrees of freedom of the patch's boundary (interface) from those of the refinement box.
     interface_weights: sp.csc_array
-    #: Indices of the inner degrees of freedom among all ``(i,)``.
+    #: Indices of the inner degrees of freedom among all degrees of freedom of the patch ``(i,)``.
     inner_freedoms: Index
 
 
 def _assemble_patch_stiffness_blocks(
     mesh: PatchMesh, normals: Array, young: float, poisson: float, carrier: PatchMesh | None = None
 ) -> _PatchStiffnessBlocks:
-    """Assemble the stiffness blocks of a patch.
+    """Assemble the stiffness of a patch in blocks for condensation: inner and boundary degrees of freedom.
 
     ``mesh``: the patch; ``normals``: directions of the contact loads (c, 3); ``young``: Young's modulus [Pa]; ``poisson``:
     Poisson's ratio; ``carrier``: coarser patch of the same refinement box whose mesh is used instead; None: ``mesh``.
     """
     base = mesh if carrier is None else carrier
-    K = assemble_constant_form(elasticity_form(young, poisson), base.mesh)
+    K = forms.assemble_constant_form(forms.elasticity_form(young, poisson), base.mesh)
     if np.isin(mesh.contact_nodes, mesh.interface_nodes).any():
         raise ValueError(
-            "the contact zone reaches the edge of the fine mesh around the contact: make the zone smaller than the box"
+            "the contact zone reaches the edge of the fine mesh around the contact: make the zone smaller than that mesh"
         )
-    inner = np.setdiff1d(np.arange(K.shape[0]), degrees_of_freedom_on_boundaries(base.mesh, "interface"))
+    inner = np.setdiff1d(np.arange(K.shape[0]), fem.degrees_of_freedom_on_boundaries(base.mesh, "interface"))
     outer = (3 * base.interface_nodes[:, None] + np.arange(3)).ravel()
     T = sp.kron(base.interface_weights, sp.eye_array(3), format="csc")
     coupling = (K[inner][:, outer] @ T).tocsc()
@@ -518,13 +510,13 @@ def condense_patch(
 ) -> CondensedPatch:
     """Condense the fine mesh (patch) around a contact to its contact nodes and to the nodes of the refinement box it fills.
 
-    The result is exact, unless the mesh of a coarser patch of the same refinement box is used instead (carrier). That
-    hardly changes the matrices H and S, but it changes A.
+    The result is exact, unless the mesh of a coarser patch of the same refinement box is used instead. In `CondensedPatch`
+    that hardly changes the matrices H and S at the refinement box, but it changes the compliance A of the contact.
 
     Parameters
     ----------
     mesh : PatchMesh
-        The patch.
+        Fine mesh (patch) around the contact.
     normals : (c, 3) Array
         Directions of contact loads and displacements.
     young : float
@@ -537,7 +529,7 @@ def condense_patch(
     Returns
     -------
     CondensedPatch
-        The condensed patch.
+        Condensed fine mesh (patch) around the contact.
 
     Raises
     ------
@@ -577,7 +569,7 @@ def nodal_displacements_of_patch(
     Parameters
     ----------
     mesh : PatchMesh
-        Patch of n nodes.
+        Fine mesh (patch) of n nodes around the contact.
     normals : (c, 3) Array
         Directions of the contact loads.
     young : float

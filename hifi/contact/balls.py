@@ -49,13 +49,13 @@ Flags = NDArray[np.bool_]
 class BallContactCompliance:
     """Compliance D = blkdiag(A_s) + V G V^T between the contact pairs of one ball, flank after flank.
 
-    A_s: local compliance of flank s; V: few smooth modes by which the ball couples its flanks; G: compliance between them.
-    Its factorisation costs sum n_s^3 instead of (sum n_s)^3 operations.
+    A_s: local compliance of flank s, between its n_s contact pairs; V: few smooth modes by which the ball couples its
+    flanks; G: compliance between these modes. Factorising D in this form costs sum n_s^3 instead of (sum n_s)^3 operations.
     """
 
     #: Compliance A_s between the n_s contact pairs of each flank ``(n_s, n_s)`` [m/N], symmetric positive definite.
     local_compliance: tuple[Array, ...]
-    #: Smooth modes V_s ``(n_s, k_s)`` that couple a flank to the ball's other flanks.
+    #: Smooth displacement modes V_s ``(n_s, k_s)`` by which the contact on a flank is coupled to the ball's other flanks.
     coupling_modes: tuple[Array, ...]
     #: Compliance G between the modes of all flanks ``(k, k)`` [m/N], k = sum k_s, symmetric positive semidefinite.
     mode_compliance: Array
@@ -67,7 +67,7 @@ class BallContactCompliance:
 
     @cached_property
     def _modes_of_all_flanks(self) -> Array:
-        """Coupling modes V of all flanks as one block-diagonal matrix ``(n, k)``."""
+        """Modes V that couple the ball's flanks, of all flanks in one block-diagonal matrix ``(n, k)``."""
         return np.asarray(block_diag(*self.coupling_modes))
 
     def __len__(self) -> int:
@@ -75,7 +75,7 @@ class BallContactCompliance:
         return sum(len(a) for a in self.local_compliance)
 
     def compute_opened_gaps(self, forces: Array) -> Array:
-        """Compute by how much the contact forces f ``(n,)`` [N] of the ball widen its own n gaps: D f ``(n,)`` [m]."""
+        """Compute the increase D f ``(n,)`` [m] of the ball's n gaps by its own contact forces f ``(n,)`` [N]."""
         alone = np.concatenate(
             [a @ forces[pairs] for a, pairs in zip(self.local_compliance, self.pair_slices_by_flank, strict=True)]
         )
@@ -180,13 +180,13 @@ def cholesky_in_place(matrix: Array) -> Array:
 class FlankFactor(NamedTuple):
     """Factorised compliance between the active contact pairs (those in contact) on one groove flank of a ball."""
 
-    #: Active pairs of the flank.
+    #: Indices of the active pairs among the contact pairs of the flank.
     active_pairs: Indices
     #: Lower Cholesky factor of A_aa, the compliance between the active pairs; None where no pair is active.
     cholesky_factor: Array | None
-    #: A_aa^-1 V ``(active pairs, k_s)``, with the modes V of the flank.
+    #: A_aa^-1 V ``(active pairs, k_s)``: forces of the active pairs by unit displacements of the flank's modes V.
     solved_modes: Array
-    #: V^T A_aa^-1 V ``(k_s, k_s)``.
+    #: Stiffness V^T A_aa^-1 V of the active pairs against the flank's modes V ``(k_s, k_s)``.
     mode_stiffness: Array
 
 
@@ -194,12 +194,13 @@ class FlankFactor(NamedTuple):
 class BallComplianceFactor:
     """Factorised compliance D_aa between the active contact pairs (those in contact) of one ball.
 
-    It consists of a Cholesky factor for each flank, and of Woodbury's formula for the coupling V G V^T of the flanks.
+    It consists of a Cholesky factor for each flank, and of the matrix of Woodbury's formula for the coupling V G V^T of the
+    flanks: V are smooth modes of the ball, G is the compliance between them (`BallContactCompliance`).
     """
 
-    #: Active pairs ``(n,)``.
+    #: Whether each of the ball's contact pairs is active ``(n,)``.
     active_pairs: Flags
-    #: Factors of each flank.
+    #: Factorised compliance of each flank.
     flank_factors: tuple[FlankFactor, ...]
     #: Matrix of Woodbury's formula, (I + G V^T A_aa^-1 V)^-1 G ``(k, k)``.
     woodbury_matrix: Array
@@ -263,18 +264,18 @@ class ContactCompliance:
 
     @cached_property
     def mode_slices_by_ball(self) -> tuple[slice, ...]:
-        """For each ball, the slice of its coupling modes among all modes: columns of U, rows and columns of G."""
+        """For each ball, the slice of its coupling modes among those of all balls: columns of U, rows of G in U G U^T."""
         return _consecutive_slices([modes.shape[1] for modes in self.modes_by_ball])
 
     def modal_forces(self, forces: Array) -> Array:
-        """Compute the modal forces U^T lambda ``(r,)`` [N] from the contact forces lambda ``(n,)`` [N] of all n pairs."""
+        """Compute the forces U^T lambda ``(r,)`` [N] on the coupling modes U by the contact forces lambda ``(n,)`` [N]."""
         return np.concatenate(
             [modes.T @ forces[pairs] for pairs, modes in zip(self.pair_slices_by_ball, self.modes_by_ball, strict=True)]
         )
 
 
 def _consecutive_slices(counts: Sequence[int]) -> tuple[slice, ...]:
-    """Build slices of the given lengths, of which each begins where the one before it ends."""
+    """Build consecutive slices of the given lengths: each slice begins where the preceding slice ends."""
     return tuple(slice(i, j) for i, j in pairwise(np.cumsum([0, *counts]).tolist()))
 
 
@@ -372,15 +373,15 @@ class ContactResult:
 
     #: Contact forces ``(n,)`` [N].
     forces: Array
-    #: Gaps ``(n,)`` [m]; zero up to round-off on closed pairs.
+    #: Gaps between ball and groove at the contact pairs ``(n,)`` [m]; zero up to round-off where a pair is closed.
     gaps: Array
-    #: Rigid motions y ``(k,)`` [m, rad].
+    #: Rigid motions y of balls, shaft and housings ``(k,)`` [m, rad].
     rigid_motions: Array
-    #: Iterations of Newton's method.
+    #: Number of iterations of Newton's method.
     iterations: int
     #: "converged", or the reason why the solution did not converge.
     status: str
-    #: Largest unbalanced force over the largest force on a ball.
+    #: Largest unbalanced force over the largest force on a ball, the residual by which convergence is judged.
     unbalanced_force_ratio: float
 
     @property
@@ -393,11 +394,11 @@ class ContactResult:
 class BallContactState:
     """Contact state of one ball: forces, active contact pairs (those in contact), and energy."""
 
-    #: Contact forces ``(n,)`` [N].
+    #: Forces at the contact pairs of the ball ``(n,)`` [N].
     forces: Array
-    #: Whether each pair is active, that is in contact ``(n,)``.
+    #: Whether each contact pair of the ball is active, that is in contact ``(n,)``.
     active_pairs: Flags
-    #: Factor of the compliance between the active pairs; None: not yet computed.
+    #: Factorised compliance between the active contact pairs; None: not yet computed.
     compliance_factor: BallComplianceFactor | None
     #: Contact energy of the ball [J]: -min (1/2 l^T D l + g^T l) over its contact forces l >= 0, with its gaps g.
     contact_energy: float
@@ -454,49 +455,55 @@ def solve_contacts_of_one_ball(
 class NewtonFactor(NamedTuple):
     """Factorised equations of one Newton step for all balls; unknowns: modal forces w and rigid motions y."""
 
-    #: For every ball in contact: the slice c of its amplitudes in w, and the low-rank factor R ``(c, rank)`` with U^T D^-1
-    #: U = R R^T, where D is the compliance of its contact pairs and U their coupling modes.
+    #: For every ball in contact: the slice c of its amplitudes in w, and the low-rank factor R ``(c, rank)`` of U^T D^-1 U
+    #: = R R^T, where D is the compliance of the ball's contact pairs and U their coupling modes.
     low_rank_factors: list[tuple[slice, Array]]
-    #: Index of the first column of each ball's R among the columns of all balls.
+    #: Index of the first column of each ball's low-rank factor R among the columns of all balls' factors.
     column_starts: list[int]
-    #: T ``(sum of ranks, number of rigid motions)`` with U^T D^-1 N = R T; N: gaps closed by unit rigid motions.
+    #: Coefficients T ``(sum of ranks, number of rigid motions)`` in U^T D^-1 N = R T; N: gaps closed by unit rigid motions.
     motion_coefficients: Array
     #: Lower Cholesky factor of I + R^T G R; G: compliance between the coupling modes.
     inner_cholesky_factor: Array
-    #: LU factor and pivots of the equations of the rigid motions.
+    #: LU factor and pivots of the reduced equations for the step of the rigid motions.
     motion_lu_factor: tuple[Array, Indices]
 
     def newton_step(self, mode_residual: Array, mode_displacement: Array, unbalanced_loads: Array) -> tuple[Array, Array]:
-        """Compute the Newton step of modal forces w and rigid motions y from the residuals of both.
+        """Compute the Newton step of modal forces w and rigid motions y from the residuals of their equations.
+
+        U: coupling modes of all balls; G: compliance between these modes; lambda: contact forces; f: loads on the rigid
+        motions; N: gaps closed by unit rigid motions.
 
         Parameters
         ----------
         mode_residual : (r,) Array
-            Residual U^T lambda - w of the modal amplitudes [N].
+            Residual U^T lambda - w of the modal forces [N].
         mode_displacement : (r,) Array
-            Modal displacements G (U^T lambda - w) of that residual [m].
+            Displacements G (U^T lambda - w) of the modes by that residual [m].
         unbalanced_loads : (k,) Array
             Unbalanced loads f - N^T lambda on the k rigid motions [N, N m].
 
         Returns
         -------
         dw : (r,) Array
-            Step of the modal amplitudes w [N].
+            Step of the modal forces w [N].
         dy : (k,) Array
             Step of the rigid motions y [m, rad].
         """
-        answer = self._solve_inner(
+        answer = self._solve_low_rank_system(
             np.concatenate([np.zeros(0), *(R.T @ mode_displacement[c] for c, R in self.low_rank_factors)])
         )
         dy = lu_solve(self.motion_lu_factor, unbalanced_loads + self.motion_coefficients.T @ answer, check_finite=False)
-        amplitude = self._solve_inner(self.motion_coefficients @ dy) - answer
+        amplitude = self._solve_low_rank_system(self.motion_coefficients @ dy) - answer
         dw = mode_residual.copy()
         for (c, R), (i, j) in zip(self.low_rank_factors, pairwise(self.column_starts), strict=True):
             dw[c] += R @ amplitude[i:j]
         return dw, dy
 
-    def _solve_inner(self, rhs: Array) -> Array:
-        """Compute (I + R^T G R)^-1 rhs for a vector with an entry for each column of the factors R of all balls."""
+    def _solve_low_rank_system(self, rhs: Array) -> Array:
+        """Compute (I + R^T G R)^-1 rhs with the low-rank factors R of all balls and the compliance G between modes.
+
+        ``rhs`` has one entry for each column of R.
+        """
         return dpotrs(self.inner_cholesky_factor, rhs, lower=1)[0].ravel() if rhs.size else rhs
 
 
@@ -532,20 +539,20 @@ def factorise_at_low_rank(matrix: Array, loads: Array, scale: Array) -> tuple[Ar
 
 @dataclass
 class SolverState:
-    """Solution of a contact problem of all balls in the solver's unknowns: a first guess for a similar problem."""
+    """State of the contact solver after a solution, from which the solution of a similar problem can start."""
 
     #: Modal amplitudes w of the contact forces ``(r,)`` [N].
     modal_forces: Array
-    #: Rigid motions y ``(k,)`` [m, rad].
+    #: Rigid motions y of balls, shaft and housings ``(k,)`` [m, rad].
     rigid_motions: Array
-    #: Contact states of the balls, valid for the same compliance; None: not yet computed.
+    #: Contact states of the balls, which a start reuses if the compliance is the same; None: not yet computed.
     ball_states: list[BallContactState] | None = None
     #: Factorised equations of the last Newton step; None: not yet computed.
     newton_factor: NewtonFactor | None = None
 
 
 class _ContactEnergyProblem:
-    """Contact problem of all balls as the minimum of an energy Phi: values, residuals, Newton equations.
+    """Contact problem of all balls as the minimum of an energy Phi; evaluates Phi, its residuals and Newton's equations.
 
     C: compliance of n contact pairs; ``gap``: gaps of the undeformed bodies (n,) [m]; N: gaps closed by a unit of each of k
     rigid motions (n, k); f: loads on them (k,) [N, N m]; ``balls``: contact states to start from, or None.
@@ -568,7 +575,8 @@ class _ContactEnergyProblem:
     def evaluate_energy(self, w: Array, y: Array) -> tuple[float, Array, Array]:
         """Evaluate the energy Phi [J] at modal forces w and rigid motions y, and store the contact states of the balls.
 
-        Returns Phi and the two residuals U^T lambda - w ``(r,)`` [N] and f - N^T lambda ``(k,)`` [N, N m].
+        Returns Phi and the two residuals U^T lambda - w ``(r,)`` [N] and f - N^T lambda ``(k,)`` [N, N m]. U: coupling
+        modes; lambda: contact forces of all balls; f: loads on the rigid motions; N: gaps closed by unit rigid motions.
         """
         phi = 0.5 * float(w @ (self.C.mode_compliance @ w)) - float(self.f @ y)
         for i, gap in enumerate(self.gaps_without_local_compliance(w, y)):
@@ -579,8 +587,8 @@ class _ContactEnergyProblem:
     def gaps_without_local_compliance(self, w: Array, y: Array) -> list[Array]:
         """Compute the gaps of each ball ``(n_i,)`` [m] without the displacements by its own compliance D_i.
 
-        These gaps result from the undeformed gaps, the rigid motions, and the coupling with other balls. ``w``: modal
-        forces (r,) [N]; ``y``: rigid motions (k,) [m, rad].
+        These gaps result from the undeformed gaps, the rigid motions, and the coupling with other balls. ``w``: forces on
+        the r modes that couple the balls (r,) [N]; ``y``: rigid motions (k,) [m, rad].
         """
         z = self.C.mode_compliance @ w
         each = zip(self.gaps, self.C.modes_by_ball, self.C.mode_slices_by_ball, self.rows, strict=True)
@@ -589,7 +597,8 @@ class _ContactEnergyProblem:
     def residuals(self, w: Array) -> tuple[Array, Array]:
         """Compute the residuals U^T lambda - w ``(r,)`` [N] and f - N^T lambda ``(k,)`` [N, N m] of Newton's method.
 
-        lambda: contact forces in the stored states of the balls; ``w``: modal forces (r,) [N].
+        U: coupling modes; lambda: contact forces in the stored states of the balls; ``w``: modal forces (r,) [N]; f: loads
+        on the rigid motions; N: gaps closed by unit rigid motions.
         """
         balance = self.f.copy()
         for ball, (columns, n) in zip(self.balls, self.rows, strict=True):
@@ -613,13 +622,15 @@ class _ContactEnergyProblem:
 
         ``regularising_stiffness``: stiffness [N/m] that regularises rigid motions which no contact resists.
 
-        With M = U^T D^-1 U = R R^T, U^T D^-1 N = R T, zero between balls, and w eliminated from
+        D: compliance of the active contact pairs; U: coupling modes; G: compliance between these modes; N: gaps closed by
+        unit rigid motions; f: loads on the rigid motions; lambda: contact forces. With M = U^T D^-1 U = R R^T (zero between
+        balls), U^T D^-1 N = R T, and w eliminated from
 
             (I + M G) dw - R T dy = U^T lambda - w,  -T^T R^T G dw + N^T D^-1 N dy = f - N^T lambda,
 
         the matrix N^T D^-1 N - T^T T + T^T (I + R^T G R)^-1 T remains for dy. R and T are those of `factorise_at_low_rank`,
-        which makes the matrix positive; the step is Newton's up to negligible terms. Raises numpy.linalg.LinAlgError if G
-        is not that of an elastic body.
+        which makes this matrix positive; the step is Newton's up to negligible terms. Raises numpy.linalg.LinAlgError if G
+        is not the compliance of an elastic body.
         """
         G = self.C.mode_compliance
         outer, size = regularising_stiffness * np.eye(self.f.size), np.sqrt(G.diagonal())

@@ -27,13 +27,8 @@ from rollbench.hifi.contact.balls import contact_compliance_of_single_ball, solv
 from rollbench.hifi.contact.hertz import HertzSolution, solve_hertz
 from rollbench.hifi.elements.forms import assemble_constant_form, elasticity_form, nodal_areas
 from rollbench.hifi.linear_algebra import factorise_positive_definite
+from rollbench.meshes import block
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.block import (
-    EllipsoidElementSizes,
-    QuarterBlockMesh,
-    mesh_block_with_hexahedra,
-    mesh_block_with_tetrahedra,
-)
 from rollbench.meshes.fem import degrees_of_freedom_on_boundaries, nodes_on_boundaries
 
 #: Number of right-hand sides that are solved at once.
@@ -51,22 +46,23 @@ SOURCE_FINE, SOURCE_COARSE, SOURCE_RADIUS = 0.08e-3, 5e-3, 0.8e-3
 
 @dataclass(frozen=True, eq=False)
 class SurfaceCompliance:
-    """Compliance between m surface nodes of a quarter of a half-space under normal forces, by finite elements."""
+    """Compliance between m surface nodes of a half-space, one quarter of which is meshed, under normal forces."""
 
     #: Coordinates x, y of the nodes on the surface ``(m, 2)`` [m].
     surface_points: Array
     #: Area of the quarter's surface that each node carries ``(m,)`` [m2]; pressure = force / area.
     nodal_areas: Array
-    #: Displacement of each node into the body by unit forces, in the half-space ``(m, m)`` [m/N].
+    #: Displacement of each node into the body by a unit force on each node, in the half-space ``(m, m)`` [m/N].
     half_space_compliance: Array
-    #: Displacement of each node into the body by unit forces, with the cut faces of the block fixed ``(m, m)`` [m/N].
+    #: Displacement of each node into the body by a unit force on each node, in a block whose cut faces are fixed
+    #: ``(m, m)`` [m/N].
     fixed_block_compliance: Array
     #: Largest difference of ``half_space_compliance`` from its transpose, over its largest entry, before it was made
     #: symmetric.
     asymmetry: float
-    #: Number of free degrees of freedom.
+    #: Number of degrees of freedom of the mesh that are not fixed.
     free_degree_of_freedom_count: int
-    #: Time of assembly, factor and solution [s].
+    #: Time of the stages assembly, factor and solution [s].
     seconds_by_stage: dict[str, float]
 
 
@@ -111,7 +107,7 @@ def boussinesq_displacements(points: Array, sources: Array, young: float, poisso
     return np.asarray((1.0 + poisson) / (2.0 * np.pi * young) * parts)
 
 
-def nodal_contact_areas(mesh: QuarterBlockMesh) -> Array:
+def nodal_contact_areas(mesh: block.QuarterBlockMesh) -> Array:
     """Compute the area of the contact plane that belongs to each node: the integral of the node's shape function.
 
     A uniform pressure loads only the midside nodes of 6-node triangles, not their corners, so that only midside nodes may
@@ -132,7 +128,7 @@ def nodal_contact_areas(mesh: QuarterBlockMesh) -> Array:
 
 
 def surface_compliance(
-    mesh: QuarterBlockMesh, semi_axes: tuple[float, float], young: float, poisson: float
+    mesh: block.QuarterBlockMesh, semi_axes: tuple[float, float], young: float, poisson: float
 ) -> SurfaceCompliance:
     """Compute the compliance between surface nodes within an ellipse, for a half-space and for a block with fixed faces.
 
@@ -193,7 +189,7 @@ def surface_compliance(
     )
 
 
-def _half_space_motion_of_cut_faces(mesh: QuarterBlockMesh, sources: Array, young: float, poisson: float) -> Array:
+def _half_space_motion_of_cut_faces(mesh: block.QuarterBlockMesh, sources: Array, young: float, poisson: float) -> Array:
     """Compute how a block's cut faces move in the half-space under unit surface forces ``(3 cut nodes, m)`` [m/N].
 
     ``sources``: coordinates x, y of the m forces in the meshed quarter (m, 2) [m]. Each acts together with its mirror
@@ -207,13 +203,16 @@ def _half_space_motion_of_cut_faces(mesh: QuarterBlockMesh, sources: Array, youn
 
 @dataclass(frozen=True)
 class HertzProblem:
-    """Hertz contact of two bodies of one material to be solved by finite elements: gap x^2/(2 R_x) + y^2/(2 R_y)."""
+    """Hertz contact of two bodies of one material, to be solved by finite elements.
 
-    #: Name of the contact.
+    The gap of the undeformed bodies is x^2/(2 R_x) + y^2/(2 R_y), with the relative radii of curvature R_x and R_y.
+    """
+
+    #: Name of the contact, for messages and tables.
     name: str
-    #: Relative radius along x [m].
+    #: Relative radius of curvature R_x along x [m].
     relative_radius_x: float
-    #: Relative radius along y [m], at most ``relative_radius_x``, so that the long semi-axis lies along x.
+    #: Relative radius of curvature R_y along y [m], at most ``relative_radius_x``, so that the long semi-axis lies along x.
     relative_radius_y: float
     #: Young's modulus [Pa].
     young: float = 210e9
@@ -241,39 +240,39 @@ JOBS = {
 class HertzContactSolution:
     """Finite-element solution of a Hertz contact on one mesh, with the closed form for comparison."""
 
-    #: Name of the contact.
+    #: Name of the contact that was solved.
     contact_name: str
     #: Element type: P1, P2, Q1 or Q2.
     element: str
-    #: Number of cells across the short semi-axis.
+    #: Number of mesh cells across the short semi-axis of the contact ellipse.
     b_over_h: float
-    #: Number of free degrees of freedom.
+    #: Number of degrees of freedom of the mesh that are not fixed.
     free_degree_of_freedom_count: int
-    #: Number of nodes that may touch.
+    #: Number of surface nodes that may touch.
     contact_node_count: int
-    #: Iterations of Newton's method.
+    #: Number of iterations of Newton's method.
     newton_iteration_count: int
-    #: Time of mesh, assembly, factor, solution and contact [s].
+    #: Time of the stages mesh, assembly, factor, solution and contact [s].
     seconds_by_stage: dict[str, float]
-    #: Approach [m].
+    #: Approach of the two bodies [m].
     approach: float
     #: Semi-axis along x [m] of the semi-ellipsoid of pressure whose load and second moments are those of the nodal forces
     #: f: semi_x^2 = 5 sum(f x^2) / sum(f), which is exact for Hertz's pressure.
     semi_x: float
-    #: Semi-axis of that ellipsoid along y [m].
+    #: Semi-axis along y [m] of the same semi-ellipsoid of pressure.
     semi_y: float
     #: Peak pressure [Pa]: pressure (force over area) at the node nearest to the centre of the contact, extrapolated to the
-    #: centre by the shape of that ellipsoid. All meshes but P2 have a node at the centre.
+    #: centre by the shape of the semi-ellipsoid. All meshes but P2 have a node at the centre.
     pole_pressure: float
-    #: Peak pressure [Pa] of the ellipsoid on these semi-axes that is fitted to all nodal pressures by least squares over
-    #: the area.
+    #: Peak pressure [Pa] of a semi-ellipsoid on the semi-axes ``semi_x`` and ``semi_y``, fitted to all nodal pressures by
+    #: least squares over the area.
     fitted_pole_pressure: float
     #: Hertz's closed-form solution of the contact.
     hertz_solution: HertzSolution
 
     @property
     def total_seconds(self) -> float:
-        """Time of all stages [s]."""
+        """Computing time of all stages together [s]."""
         return sum(self.seconds_by_stage.values())
 
 
@@ -295,7 +294,8 @@ def solve_hertz_contact(
     job : HertzProblem
         Contact to be solved, such as one of `JOBS`.
     element : str
-        "P1", "P2", "Q1" or "Q2". Hexahedra are stretched like the ellipse, a/h cells along x; tetrahedra not.
+        Tetrahedra ("P1", "P2") or hexahedra ("Q1", "Q2") of first or second order. Hexahedra are stretched like the
+        ellipse, with as many cells across its long semi-axis as across the short one; tetrahedra are not.
     b_over_h : float
         Cells across the short semi-axis.
     relative_block_size : float, default SIZE
@@ -325,14 +325,14 @@ def solve_hertz_contact(
         order = int(element[1])
         edge = np.array([a, b, b]) / b_over_h
         core = (1.15 * a, 1.15 * b, 0.0)
-        mesh = mesh_block_with_hexahedra(
+        mesh = block.mesh_block_with_hexahedra(
             order, tuple(edge / order), core, relative_block_size * a, GROWTH ** (1.0 / refinement)
         )
     elif element in ("P1", "P2"):
-        influence = EllipsoidElementSizes(
+        influence = block.EllipsoidElementSizes(
             b / b_over_h, (1.15 * a, 1.15 * b, 0.5 * b), GRADING / refinement, relative_block_size * a
         )
-        mesh = mesh_block_with_tetrahedra(int(element[1]), influence, relative_block_size * a)
+        mesh = block.mesh_block_with_tetrahedra(int(element[1]), influence, relative_block_size * a)
     else:
         raise ValueError(f"the element type of a block must be one of P1, P2, Q1, Q2, got {element!r}")
     return solve_hertz_contact_on_mesh(job, mesh, b_over_h, perf_counter() - start, far_field=far_field)
@@ -357,14 +357,14 @@ def solve_hertz_contact_on_lin_mesh(job: HertzProblem) -> HertzContactSolution:
     """
     start = perf_counter()
     radius = SOURCE_RADIUS
-    mesh = mesh_block_with_tetrahedra(
-        1, EllipsoidElementSizes(SOURCE_FINE, (radius, radius, radius), 0.2, SOURCE_COARSE), SOURCE_COARSE
+    mesh = block.mesh_block_with_tetrahedra(
+        1, block.EllipsoidElementSizes(SOURCE_FINE, (radius, radius, radius), 0.2, SOURCE_COARSE), SOURCE_COARSE
     )
     return solve_hertz_contact_on_mesh(job, mesh, job.hertz_solution.semi_y / SOURCE_FINE, perf_counter() - start)
 
 
 def solve_hertz_contact_on_mesh(
-    job: HertzProblem, mesh: QuarterBlockMesh, b_over_h: float, seconds: float = 0.0, *, far_field: bool = True
+    job: HertzProblem, mesh: block.QuarterBlockMesh, b_over_h: float, seconds: float = 0.0, *, far_field: bool = True
 ) -> HertzContactSolution:
     """Solve a Hertz contact on a given mesh of a quarter block.
 

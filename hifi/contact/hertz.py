@@ -27,7 +27,7 @@ class HertzSolution:
     semi_x: float
     #: Semi-axis of the contact ellipse along y [m].
     semi_y: float
-    #: Largest pressure p0 [Pa].
+    #: Largest contact pressure p0, at the centre of the ellipse [Pa].
     pole_pressure: float
     #: Normal force F [N].
     normal_force: float
@@ -107,12 +107,18 @@ def solve_hertz(load: float, radius_x: float, radius_y: float, young: float, poi
 
 
 def _axis_ratio_of_contact_ellipse(curvature_ratio: float) -> float:
-    """Find the axis ratio b/a of the contact ellipse from the ratio of the relative curvatures along a and b (<= 1)."""
+    """Find the ratio b/a of the contact ellipse's semi-axes a >= b from the ratio of the relative curvatures.
+
+    ``curvature_ratio``: relative curvature along the long semi-axis a over that along the short one b, at most 1.
+    """
     if curvature_ratio > 1.0 - 1e-15:
         return 1.0
 
     def mismatch_of_curvatures(log_ratio: float) -> float:
-        """Return ln(D/H) less the logarithm of the given ratio of curvatures, for the axis ratio b/a = exp(log_ratio)."""
+        """Return ln(D/H) less the logarithm of the given curvature ratio, for the ellipse b/a = exp(log_ratio).
+
+        D/H: curvature ratio of this ellipse, from the integrals D and H of `_elliptic_integrals`.
+        """
         _, d, h = _elliptic_integrals(float(np.exp(log_ratio)))
         return float(np.log(d / h / curvature_ratio))
 
@@ -125,9 +131,10 @@ def _axis_ratio_of_contact_ellipse(curvature_ratio: float) -> float:
 def _elliptic_integrals(ratio: float) -> tuple[float, float, float]:
     """Compute the elliptic integrals K, D, H of Hertz's theory for a contact ellipse of axis ratio b/a = ``ratio``.
 
-    They are the integrals over (0, pi/2) of 1/q, sin^2/q and sin^2/q^3 with q^2 = 1 - m sin^2, m = 1 - ratio^2. So D = (K -
-    E)/m and H = (E/(1 - m) - K)/m are computed without cancellation at m = 0. The quadrature with equal steps converges
-    exponentially on these periodic functions, with about 20 points times 1/ratio.
+    They are the integrals over (0, pi/2) of 1/q, sin^2/q and sin^2/q^3 with q^2 = 1 - m sin^2, m = 1 - ratio^2. K is
+    the complete integral of the first kind; D = (K - E)/m and H = (E/(1 - m) - K)/m, with that of the second kind E, are
+    thus computed without cancellation at m = 0. The quadrature with equal steps converges exponentially on these periodic
+    functions, with about 20 points times 1/ratio.
     """
     count = 32 + int(np.ceil(24.0 / ratio))
     theta = (np.arange(count) + 0.5) * (0.5 * np.pi / count)

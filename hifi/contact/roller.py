@@ -22,32 +22,13 @@ from time import perf_counter, process_time
 import numpy as np
 import scipy.sparse as sp
 
-from rollbench.hifi.contact.balls import (
-    ContactResult,
-    SolverState,
-    contact_compliance_of_single_ball,
-    solve_contacts_of_all_balls,
-)
-from rollbench.hifi.elements.forms import (
-    assemble_constant_form,
-    elasticity_form,
-    face_basis,
-    nodal_volume_form,
-    normalise_weight_rows,
-    pressure_function_integrals,
-)
+from rollbench.hifi.contact import balls
+from rollbench.hifi.elements import forms
 from rollbench.hifi.linear_algebra import symmetric_compliance_of_loads
+from rollbench.meshes import roller_body
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import RollerRow
 from rollbench.meshes.fem import nodes_on_boundaries
-from rollbench.meshes.roller_body import (
-    ExtrudedRollerBody,
-    RollerContactZone,
-    build_extruded_roller_body,
-    mesh_section,
-    raceway_point_map,
-    roller_point_map,
-)
 
 #: Mesh levels: cells across half of the zone, which is `ZONE` times as wide as the contact in the roller's middle, and
 #: along half of the roller; all other cells follow in proportion.
@@ -82,53 +63,52 @@ class CondensedRoller:
     Neither compliance nor gaps depend on the load.
     """
 
-    #: Row of the roller.
+    #: Geometry and material of the row of rollers.
     roller_row: RollerRow
-    #: Coordinates of the contact zone's nodes along the roller, from its middle ``(m,)`` [m].
+    #: Coordinates of the nodes of each contact zone along the roller, from its middle ``(m,)`` [m].
     positions_along: Array
-    #: Coordinates of the contact zone's nodes across the roller, from the plane of symmetry ``(n,)`` [m].
+    #: Coordinates of the nodes of each contact zone across the roller, from the plane of symmetry ``(n,)`` [m].
     positions_across: Array
-    #: Compliance between the pressure functions of the contact with the cup, then of that with the cone
-    #: ``(2 m n, 2 m n)`` [m/N].
+    #: Compliance between the contact nodes with the cup, then those with the cone ``(2 m n, 2 m n)`` [m/N].
     compliance: Array
-    #: Gaps of the undeformed bodies at the cup, then at the cone ``(2 m n,)`` [m].
+    #: Gaps between the undeformed roller and the cup, then the cone, at the nodes ``(2 m n,)`` [m].
     undeformed_gaps: Array
-    #: Gap closed by a unit of the approach of the cup, of the roller's motion towards the cup, and of the roller's tilt
-    #: ``(2 m n, 3)``.
+    #: Gap that a unit of three motions closes at each contact node ``(2 m n, 3)``: approach of the cup, motion of the
+    #: roller towards the cup, tilt of the roller.
     gap_closing_matrix: Array
-    #: Areas of the pressure functions ``(m, n)`` [m2], in the half that is meshed.
+    #: Area that each contact node carries, in the meshed half of the zone ``(m, n)`` [m2].
     nodal_areas: Array
-    #: Number of cells of all meshes.
+    #: Number of cells of the meshes of roller, cup and cone together.
     cell_count: int
-    #: Number of degrees of freedom of all meshes.
+    #: Number of degrees of freedom of the meshes of roller, cup and cone together.
     degree_of_freedom_count: int
-    #: Elapsed time [s].
+    #: Elapsed time of meshing and condensing [s].
     elapsed_seconds: float
-    #: Processor time [s].
+    #: Processor time of meshing and condensing [s].
     cpu_seconds: float
 
 
 @dataclass(frozen=True)
 class RollerContactSolution:
-    """Solution of a roller pressed between its races under one load."""
+    """Approach, stiffness and contact pressures of a tapered roller that cup and cone press with one force."""
 
     #: Force of each race on the roller [N].
     race_force: float
     #: Approach of cup and cone along the normal of the cup's race [m], measured at the depth at which the cone is fixed and
     #: the cup is moved.
     approach: float
-    #: Stiffness: derivative of the load by the approach [N/m].
+    #: Stiffness of the roller between cup and cone: derivative of the race force by the approach [N/m].
     stiffness: float
-    #: Pressures on cup and cone at the nodes of `CondensedRoller.positions_along` and `CondensedRoller.positions_across`
+    #: Contact pressures on cup and cone at the nodes `CondensedRoller.positions_along`, `CondensedRoller.positions_across`
     #: ``(2, m, n)`` [Pa].
     pressures: Array
     #: Loads per length on cup and cone at the nodes of `CondensedRoller.positions_along` ``(2, m)`` [N/m].
     line_loads: Array
-    #: Largest difference between the resultant of a race's pressures and the load, over the load.
+    #: Largest difference between the resultant of a race's pressures and the race force, over the race force.
     load_imbalance: float
-    #: Elapsed time [s].
+    #: Elapsed time of the solution [s].
     elapsed_seconds: float
-    #: Processor time [s].
+    #: Processor time of the solution [s].
     cpu_seconds: float
 
     @property
@@ -143,10 +123,10 @@ class RollerContactSolution:
 
 
 def contact_half_width(row: RollerRow, load: float) -> float:
-    """Compute Hertz's half width b of the wider of a roller's two line contacts [m], to size a mesh: b^2 = 4 q R/(pi E*).
+    """Compute the half width b of the wider of a roller's two line contacts by Hertz [m]: b^2 = 4 q R/(pi E*).
 
-    ``row``: row of tapered rollers; ``load``: force of a race on the roller [N], evenly distributed over its length as q
-    [N/m].
+    R: relative radius of roller and cup [m]; E*: contact modulus [Pa]. ``row``: row of tapered rollers; ``load``: force of
+    a race on the roller [N], distributed evenly over the roller's length as q [N/m].
     """
     modulus = 0.5 * row.material.youngs_modulus / (1.0 - row.material.poissons_ratio**2)
     r, cup = np.tan([row.roller_angle, row.cup_angle]) * _distance_from_apex(row)
@@ -159,7 +139,7 @@ def _distance_from_apex(row: RollerRow) -> float:
 
 
 def crown_and_end_rounding_depths(row: RollerRow, x: Array) -> tuple[Array, Array]:
-    """Return how far a roller's profile lies below a straight line, by its crown and by the rounding of its ends [m].
+    """Return the depths of a roller's profile below a straight line: by its crown, and by the rounding of its ends [m].
 
     ``row``: row of tapered rollers; ``x``: positions along the roller from its middle [m]. Both results have the shape of
     ``x``.
@@ -209,7 +189,7 @@ def _growing_cell_boundaries(first: float, length: float, cells: int) -> Array:
 
 
 def condense_roller(row: RollerRow, cells: int, load: float) -> CondensedRoller:
-    """Mesh a tapered roller, cup and cone for contact forces up to ``load``, and condense them to their contact zones.
+    """Mesh a tapered roller, its cup and cone for forces up to ``load``; condense the three to the contact zones' nodes.
 
     Parameters
     ----------
@@ -240,26 +220,33 @@ def condense_roller(row: RollerRow, cells: int, load: float) -> CondensedRoller:
             "the roller has a straight profile and sharp ends, at which the contact pressure is infinite", SHARP
         )
     middle, share_of = _distance_from_apex(row), min(np.pi / row.count, WIDEST)
-    zone = RollerContactZone(ZONE * contact_half_width(row, load), cells, GRADING / cells)
+    zone = roller_body.RollerContactZone(ZONE * contact_half_width(row, load), cells, GRADING / cells)
     lines, touch, far = _axial_cell_boundaries(row, cells, load)
     reach = (middle - touch, middle + touch)
     radius = 0.5 * row.diameter
-    shape = roller_point_map(radius, row.roller_angle, lambda along: crown_and_end_rounding_depths(row, along - middle)[1])
-    roller = build_extruded_roller_body(
-        mesh_section(zone, radius, radius, is_roller=True), zone, middle + lines, reach, shape, is_roller=True
+    shape = roller_body.roller_point_map(
+        radius, row.roller_angle, lambda along: crown_and_end_rounding_depths(row, along - middle)[1]
+    )
+    roller = roller_body.build_extruded_roller_body(
+        roller_body.mesh_roller_or_raceway_section(zone, radius, radius, is_roller=True),
+        zone,
+        middle + lines,
+        reach,
+        shape,
+        is_roller=True,
     )
     angles = (row.cup_angle, row.cup_angle - 2.0 * row.roller_angle)
     rings = []
     longer = middle + np.concatenate([-far[::-1], lines, far])
     for angle, outward in zip(angles, (1.0, -1.0), strict=True):
         width = middle * np.sin(angle) * np.sin(share_of)
-        flat = mesh_section(zone, width, row.depth, is_roller=False)
+        flat = roller_body.mesh_roller_or_raceway_section(zone, width, row.depth, is_roller=False)
         rings.append(
-            build_extruded_roller_body(
-                flat, zone, longer, reach, raceway_point_map(middle, angle, outward), mirrored=outward > 0.0
+            roller_body.build_extruded_roller_body(
+                flat, zone, longer, reach, roller_body.raceway_point_map(middle, angle, outward), mirrored=outward > 0.0
             )
         )
-    law = elasticity_form(row.material.youngs_modulus, row.material.poissons_ratio)
+    law = forms.elasticity_form(row.material.youngs_modulus, row.material.poissons_ratio)
     S, A = (roller_compliance(roller, law, symmetric_loads=even) for even in (True, False))
     own = [race_compliance(ring, law, share_of) for ring in rings]
     same, other = 0.5 * (S + A), 0.5 * (S - A)
@@ -270,7 +257,7 @@ def condense_roller(row: RollerRow, cells: int, load: float) -> CondensedRoller:
     sag = [_distance_from_tangent_plane(place, y * place / middle, angle) for angle in (row.roller_angle, *angles)]
     crown, edge = crown_and_end_rounding_depths(row, x)
     gap = np.concatenate([sag[0] - sag[1], sag[0] + sag[2]]) + np.tile(crown + edge, 2)
-    areas = np.asarray(pressure_function_integrals(roller.mesh, roller.contact_nodes.ravel()).sum(axis=1)).ravel()
+    areas = np.asarray(forms.pressure_function_integrals(roller.mesh, roller.contact_nodes.ravel()).sum(axis=1)).ravel()
     meshes = (roller, *rings)
     return CondensedRoller(
         roller_row=row,
@@ -288,35 +275,35 @@ def condense_roller(row: RollerRow, cells: int, load: float) -> CondensedRoller:
 
 
 def _distance_from_tangent_plane(along: Array, across: Array, angle: float) -> Array:
-    """Return how far points on a cone lie below the plane that touches the cone along a generator [m].
+    """Return the depth of points on a cone below the plane that touches the cone along a generator [m].
 
-    ``along``: distances of the points from the apex, along that generator [m]; ``across``: their distances from it in the
-    plane [m]; ``angle``: half angle of the cone [rad].
+    ``along``: distances of the points from the apex, along that generator [m]; ``across``: distances of the points
+    from the generator, in the plane [m]; ``angle``: half angle of the cone [rad].
     """
     radius = along * np.sin(angle)
     return np.asarray(radius * np.cos(angle) * (1.0 - np.sqrt(1.0 - (across / radius) ** 2)))
 
 
-def _nodal_forces_of_pressure_functions(body: ExtrudedRollerBody) -> sp.csr_array:
+def _nodal_forces_of_pressure_functions(body: roller_body.ExtrudedRollerBody) -> sp.csr_array:
     """Assemble the nodal forces of unit loads on a contact zone: one row for each basis function of the contact pressure.
 
     ``body``: mesh of a quarter of the roller or of half a race; the loads press into it, along the normals of its contact
     zone.
     """
     contact = body.contact_nodes.ravel()
-    W = normalise_weight_rows(pressure_function_integrals(body.mesh, contact)).tocoo()
+    W = forms.normalise_weight_rows(forms.pressure_function_integrals(body.mesh, contact)).tocoo()
     normal = body.inward_normals.reshape(-1, 3)[W.col]
     rows, columns = np.repeat(W.row, 3), (3 * contact[W.col][:, None] + np.arange(3)).ravel()
     return sp.csr_array(((W.data[:, None] * normal).ravel(), (rows, columns)), (len(contact), 3 * len(body.points)))
 
 
-def roller_compliance(body: ExtrudedRollerBody, elasticity: object, *, symmetric_loads: bool) -> Array:
-    """Compute the compliance between the m n contact nodes of a quarter roller ``(m n, m n)`` [m/N].
+def roller_compliance(body: roller_body.ExtrudedRollerBody, elasticity: object, *, symmetric_loads: bool) -> Array:
+    """Compute the compliance of a roller between the m n contact nodes of its meshed quarter ``(m n, m n)`` [m/N].
 
     ``body``: mesh of the quarter; ``elasticity``: bilinear form of linear elasticity; ``symmetric_loads``: whether the
     loads of cup and cone are equal, symmetric about the plane between both contacts; otherwise they are opposite.
     """
-    K, rows = assemble_constant_form(elasticity, body.mesh), _nodal_forces_of_pressure_functions(body)
+    K, rows = forms.assemble_constant_form(elasticity, body.mesh), _nodal_forces_of_pressure_functions(body)
     side, points = nodes_on_boundaries(body.mesh, "side"), body.points
     axis = np.intersect1d(side, nodes_on_boundaries(body.mesh, "y = 0"))
     ends = axis[[points[axis, 2].argmin(), points[axis, 2].argmax()]]
@@ -326,7 +313,7 @@ def roller_compliance(body: ExtrudedRollerBody, elasticity: object, *, symmetric
         along = np.zeros(3 * len(points))
         along[2::3] = 1.0
         thrust = np.zeros(3 * len(points))
-        thrust[2::3] = nodal_volume_form().assemble(face_basis(body.mesh, "end"))
+        thrust[2::3] = forms.nodal_volume_form().assemble(forms.face_basis(body.mesh, "end"))
         rows = sp.vstack([rows, sp.csr_array(thrust[None] / thrust.sum())]).tocsr()
         carried = -(rows[:-1] @ along)  # force of the rib, even over the large end
         change = np.column_stack([np.eye(len(carried)), carried])
@@ -338,13 +325,13 @@ def roller_compliance(body: ExtrudedRollerBody, elasticity: object, *, symmetric
     return np.asarray(change @ found @ change.T)
 
 
-def race_compliance(body: ExtrudedRollerBody, elasticity: object, sector_angle: float) -> Array:
+def race_compliance(body: roller_body.ExtrudedRollerBody, elasticity: object, sector_angle: float) -> Array:
     """Compute the compliance between the m n contact nodes of one race, cup or cone ``(m n, m n)`` [m/N].
 
     ``body``: mesh of half the sector of the race that belongs to one roller; ``elasticity``: bilinear form of linear
     elasticity; ``sector_angle``: angle of the meshed sector about the bearing's axis [rad].
     """
-    K, rows = assemble_constant_form(elasticity, body.mesh), _nodal_forces_of_pressure_functions(body)
+    K, rows = forms.assemble_constant_form(elasticity, body.mesh), _nodal_forces_of_pressure_functions(body)
     side = nodes_on_boundaries(body.mesh, "side")
     turn = np.ones((2, len(side))) * np.array([[np.cos(sector_angle)], [np.sin(sector_angle)]])
     x, y = 3 * side, 3 * side + 1
@@ -358,11 +345,14 @@ def race_compliance(body: ExtrudedRollerBody, elasticity: object, sector_angle: 
     return symmetric_compliance_of_loads(K[free][:, free], rows[:, free])
 
 
-def _gap_closing_matrix(roller: ExtrudedRollerBody, cup: ExtrudedRollerBody, middle_from_apex: float) -> Array:
-    """Return the gap closed at each contact node by three unit motions ``(2 m n, 3)``, nodes of the cup's contact first.
+def _gap_closing_matrix(
+    roller: roller_body.ExtrudedRollerBody, cup: roller_body.ExtrudedRollerBody, middle_from_apex: float
+) -> Array:
+    """Return the gap that each of three unit motions closes at each contact node ``(2 m n, 3)``, the cup's nodes first.
 
-    The motions are the approach of the cup, the translation of the roller towards the cup, and the tilt of the roller.
-    ``middle_from_apex``: distance of the roller's middle from the apex, along the roller's axis [m].
+    Each contact zone has m nodes along the roller by n nodes across it. The motions are the approach of the cup, the
+    translation of the roller towards the cup, and the tilt of the roller. ``middle_from_apex``: distance of the roller's
+    middle from the apex, along the roller's axis [m].
     """
     n = -roller.inward_normals.reshape(-1, 3)
     arm = roller.points[roller.contact_nodes.ravel()]
@@ -381,7 +371,7 @@ STEP = 0.01
 
 
 def press_roller_between_races(bodies: CondensedRoller, load: float) -> RollerContactSolution:
-    """Solve the contacts of a roller pressed between its races: approach, pressures, and stiffness by finite differences.
+    """Solve the contacts of a roller pressed between cup and cone: approach, pressures, stiffness by finite differences.
 
     Parameters
     ----------
@@ -401,11 +391,11 @@ def press_roller_between_races(bodies: CondensedRoller, load: float) -> RollerCo
         The contact does not converge, or reaches a sharp end of the roller or the end of the contact zone.
     """
     wall, cpu = perf_counter(), process_time()
-    C, N = contact_compliance_of_single_ball(bodies.compliance), sp.csr_array(bodies.gap_closing_matrix)
-    found: list[ContactResult] = []
-    state: SolverState | None = None
+    C, N = balls.contact_compliance_of_single_ball(bodies.compliance), sp.csr_array(bodies.gap_closing_matrix)
+    found: list[balls.ContactResult] = []
+    state: balls.SolverState | None = None
     for factor in (1.0 - STEP, 1.0 + STEP, 1.0):
-        result, state = solve_contacts_of_all_balls(
+        result, state = balls.solve_contacts_of_all_balls(
             C, bodies.undeformed_gaps, N, np.array([0.5 * factor * load, 0.0, 0.0]), start=state
         )
         if not result.converged:

@@ -98,14 +98,14 @@ def elasticity_form(young: float, poisson: float) -> Any:
     """
     C = isotropic_stress_law(young, poisson)
 
-    def energy(u: Any, v: Any, _: Any) -> Any:
+    def strain_energy_integrand(u: Any, v: Any, _: Any) -> Any:
         return ddot(C(sym_grad(u)), sym_grad(v))
 
-    return BilinearForm(energy)
+    return BilinearForm(strain_energy_integrand)
 
 
 def nodal_volume_form(axis: int | None = None) -> Any:
-    """Return the linear form int N_i dA or int N_i dV, which is the area or volume that belongs to each node i.
+    """Return the linear form int N_i dA or int N_i dV of the shape functions N_i: area or volume of each node i.
 
     Parameters
     ----------
@@ -118,10 +118,10 @@ def nodal_volume_form(axis: int | None = None) -> Any:
         The form.
     """
 
-    def weight(v: Any, w: Any) -> Any:
+    def volume_integrand(v: Any, w: Any) -> Any:
         return v if axis is None else w.x[axis] * v
 
-    return LinearForm(weight)
+    return LinearForm(volume_integrand)
 
 
 CHUNK_BYTES = 32e6
@@ -139,8 +139,8 @@ class CachedIsoparametricMap(MappingIsoparametric):  # type: ignore[misc]
     """Isoparametric map of scikit-fem that locates face points in their cells without Newton's method, and caches results.
 
     The map shortens an assembly by a fifth to a third. The position of a face's point in its cell follows from the corners
-    of both. Scikit-fem finds it by Newton's method to an absolute 1e-12, which is below round-off for cells of 10 um at 16
-    mm from the origin. Faces are mapped as parts of their cells.
+    of face and cell. Scikit-fem finds it by Newton's method to an absolute error of 1e-12, which is below round-off for
+    cells of 10 um at 16 mm from the origin. Faces are mapped as parts of their cells.
     """
 
     def __init__(self, mesh: Mesh) -> None:
@@ -161,15 +161,15 @@ class CachedIsoparametricMap(MappingIsoparametric):  # type: ignore[misc]
     def _shape_values(self, X: Array) -> tuple[Array, Array]:
         """Evaluate the n shape functions ``(n, ...)`` and their reference gradients ``(n, 3, ...)`` at the points X."""
 
-        def compute() -> tuple[Array, Array]:
+        def evaluate_shape_functions() -> tuple[Array, Array]:
             functions = [self.elem.lbasis(X, k) for k in range(len(self.elem.doflocs))]
             return np.array([value for value, _ in functions]), np.array([slope for _, slope in functions])
 
-        found: tuple[Array, Array] = self._cached_result("shapes", X, None, compute)
+        found: tuple[Array, Array] = self._cached_result("shapes", X, None, evaluate_shape_functions)
         return found
 
     def _interpolate_nodes(self, i: int, table: Array, tind: Any) -> Array:
-        """Interpolate coordinate i of the nodes of the cells tind at q points in each cell ``(cells, q)``.
+        """Interpolate the nodal coordinates i (0, 1, 2: x, y, z) at q points in each of the cells ``tind`` ``(cells, q)``.
 
         ``table``: values of the n shape functions at the points (n, q), or (n, cells, q) if they differ between cells.
         """
@@ -184,11 +184,11 @@ class CachedIsoparametricMap(MappingIsoparametric):  # type: ignore[misc]
     def J(self, i: int, j: int, X: Array, tind: Any = None) -> Array:
         """Return entry (i, j) of the Jacobian dx_i/dX_j at the reference coordinates X in the cells ``tind``."""
 
-        def compute() -> list[list[Array]]:
+        def jacobian_entries() -> list[list[Array]]:
             slopes = self._shape_values(X)[1]
             return [[self._interpolate_nodes(row, slopes[:, column], tind) for column in range(3)] for row in range(3)]
 
-        return np.asarray(self._cached_result("J", X, tind, compute)[i][j])
+        return np.asarray(self._cached_result("J", X, tind, jacobian_entries)[i][j])
 
     def detDF(self, X: Array, tind: Any = None, J: Any = None) -> Array:
         """Compute the determinants of the Jacobians at the reference coordinates X in the cells ``tind``."""
@@ -215,23 +215,23 @@ class CachedIsoparametricMap(MappingIsoparametric):  # type: ignore[misc]
         for all faces.
         """
 
-        def compute() -> Array:
+        def map_points_to_cells() -> Array:
             corners = self._face_corners(find)
             flat = ElementTriP1() if corners.shape[1] == 3 else ElementQuad1()
             shapes = np.array([flat.lbasis(X, k)[0] for k in range(corners.shape[1])])
             places = np.einsum("kq,dkf->dfq", shapes, corners)
             return np.asarray(places[:, 0] if corners.shape[2] == 1 else places)
 
-        return np.asarray(self._cached_result("places", X, find, compute))
+        return np.asarray(self._cached_result("places", X, find, map_points_to_cells))
 
     def G(self, X: Array, find: Any = None) -> Array:
-        """Return the points in space that the coordinates X on the reference face have on the faces ``find``."""
+        """Map the coordinates X on the reference face to points in space on the faces of indices ``find``."""
         x: Array = self.F(self._reference_points(X, find), self.mesh.f2t[0, find])
         self._cached["faces"] = (x, find, X)
         return x
 
     def invF(self, x: Array, tind: Any = None) -> Array:
-        """Return the reference coordinates of the face points x, which `G` returned last, in their cells ``tind``."""
+        """Return the reference coordinates, in the cells ``tind``, of the face points x that `G` returned last."""
         known, find, X = self._cached.get("faces", (None, None, None))
         if known is not x or not np.array_equal(tind, self.mesh.f2t[0, find]):
             raise ValueError(
@@ -241,7 +241,7 @@ class CachedIsoparametricMap(MappingIsoparametric):  # type: ignore[misc]
         return self._reference_points(X, find)
 
     def detDG(self, X: Array, find: Any = None) -> Array:
-        """Compute the area ratio of the faces ``find`` to the reference face, at the coordinates X on the latter."""
+        """Compute the area ratio of the faces ``find`` to the reference face, at its coordinates X."""
         tind, corners = self.mesh.f2t[0, find], self._face_corners(find)
         sides = np.broadcast_to(corners[:, [1, -1]] - corners[:, :1], (3, 2, len(tind)))
         u, v = np.einsum("ijfq,jaf->aifq", self.DF(self._reference_points(X, find), tind), sides)
@@ -444,7 +444,7 @@ def assemble_constant_form(form: Any, mesh: Mesh, mapping: Any = None) -> sp.csc
 
 
 def _node_graph(nodes: Index, count: int) -> sp.csr_array:
-    """Build the sparse graph of nodes that share a cell; the value of each entry is its number, row by row.
+    """Build the sparse graph of the nodes that share a cell; the value of each entry is its number, from 0, row by row.
 
     ``nodes``: indices of the nodes of each cell (cells, n); ``count``: number of all nodes.
     """
@@ -528,7 +528,7 @@ def pressure_function_integrals(mesh: Mesh, contact: Index) -> sp.csr_array:
 
 
 def normalise_weight_rows(weights: sp.csr_array) -> sp.csr_array:
-    """Scale each row of a weight matrix to the sum one, so that it gives weighted means instead of integrals.
+    """Scale each row of a matrix of integration weights to the sum one, so that it gives weighted means, not integrals.
 
     Parameters
     ----------

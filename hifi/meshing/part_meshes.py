@@ -12,16 +12,10 @@ from typing import Any, Literal
 
 import numpy as np
 
+from rollbench.hifi.bodies import patch
 from rollbench.hifi.bodies.coarse import BodySocket
-from rollbench.hifi.bodies.patch import (
-    PatchCellBoundaries,
-    PatchMesh,
-    fit_tetrahedral_patch,
-    graded_cell_boundaries,
-    growing_cell_boundaries,
-    mesh_hexahedral_patch,
-)
 from rollbench.hifi.meshing.settings import Settings
+from rollbench.meshes import sockets as meshes_sockets
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.ball_body import (
     BallRefinementBox,
@@ -36,13 +30,6 @@ from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.grooved_body import CoarseGroovedBodyMesh, mesh_grooved_body
 from rollbench.meshes.helix import BallLayout
 from rollbench.meshes.parts import Scene
-from rollbench.meshes.sockets import (
-    ZONE,
-    RefinementBoxFaces,
-    RefinementBoxSize,
-    largest_fitting_refinement_box,
-    unrolled_nominal_contact_point,
-)
 from rollbench.meshes.solid import Dimensions
 from rollbench.meshes.tet_patch import mesh_patch_with_tetrahedra, patch_as_in_thesis
 
@@ -58,7 +45,7 @@ AROUND = 73
 
 def choose_patch_cells(
     settings: Settings, half_widths: tuple[float, float], deep: float
-) -> tuple[PatchCellBoundaries, tuple[float, float]]:
+) -> tuple[patch.PatchCellBoundaries, tuple[float, float]]:
     """Choose the cell boundaries of the fine mesh (patch) around a contact, and the size of its contact zone.
 
     Parameters
@@ -83,19 +70,22 @@ def choose_patch_cells(
     zone_a, zone_b = MARGIN[0] * wide, MARGIN[1] * long
     if settings.element == "Q2":
         zone_a, zone_b = cell_a * np.ceil(zone_a / cell_a), cell_b * np.ceil(zone_b / cell_b)
-    zone = (float(min(zone_a / half_widths[0], ZONE)), float(min(zone_b / half_widths[1], ZONE)))
+    zone = (
+        float(min(zone_a / half_widths[0], meshes_sockets.ZONE)),
+        float(min(zone_b / half_widths[1], meshes_sockets.ZONE)),
+    )
     # near an edge, where the zone is hardly larger than the contact, smaller cells keep the outermost nodes outside
     cell_a = min(cell_a, max(4.0 * (zone[0] * half_widths[0] - wide), cell_a / TIGHT))
-    across = graded_cell_boundaries(zone[0], cell_a / half_widths[0], settings.growth)
-    along = graded_cell_boundaries(zone[1], cell_b / half_widths[1], settings.growth)
-    depth = growing_cell_boundaries(0.0, 1.0, cell_b / deep / settings.growth, settings.growth)
-    return PatchCellBoundaries(across, depth, along), zone
+    across = patch.graded_cell_boundaries(zone[0], cell_a / half_widths[0], settings.growth)
+    along = patch.graded_cell_boundaries(zone[1], cell_b / half_widths[1], settings.growth)
+    depth = patch.growing_cell_boundaries(0.0, 1.0, cell_b / deep / settings.growth, settings.growth)
+    return patch.PatchCellBoundaries(across, depth, along), zone
 
 
-def choose_socket_size(
+def choose_refinement_box_size(
     scene: Scene, m: GrooveMap, layout: BallLayout, sides: tuple[int, ...], dims: Dimensions, settings: Settings
-) -> RefinementBoxSize:
-    """Choose the size of the refinement boxes (holes for fine meshes), into which the contact ellipses fit.
+) -> meshes_sockets.RefinementBoxSize:
+    """Choose the size of the refinement boxes, holes in the coarse meshes for fine meshes around the contact ellipses.
 
     Parameters
     ----------
@@ -127,7 +117,8 @@ def choose_socket_size(
     ends = (max(position - nut.length / 2.0, low), min(position + nut.length / 2.0, high))
     radii = (scene.screw.outer_diameter / 2.0, dims.hole, dims.land, nut.outer_diameter / 2.0)
     return replace(
-        largest_fitting_refinement_box(m, layout, sides, *radii, ends, settings.reach), edge_divisions=settings.cuts
+        meshes_sockets.largest_fitting_refinement_box(m, layout, sides, *radii, ends, settings.reach),
+        edge_divisions=settings.cuts,
     )
 
 
@@ -156,12 +147,14 @@ def reach_of_ellipses_along_groove(m: GrooveMap, side: int, angle: Array, across
     turn = np.linspace(0.0, 2.0 * np.pi, AROUND)
     gamma = angle[:, None] + across[:, None] / float(m.radius[side]) * np.cos(turn)
     r, _, psi = m.section_to_unrolled(*m.polar_to_section(side, gamma, np.array(m.radius[side])))
-    ahead = psi - unrolled_nominal_contact_point(m, side)[2] + along[:, None] * np.sin(turn) / np.hypot(r, m.rg)
+    ahead = (
+        psi - meshes_sockets.unrolled_nominal_contact_point(m, side)[2] + along[:, None] * np.sin(turn) / np.hypot(r, m.rg)
+    )
     return float(m.R * np.abs(ahead).max(initial=0.0))
 
 
-def ball_socket_and_map(
-    m: GrooveMap, groove_socket_size: RefinementBoxSize, side: int, zone: tuple[float, float]
+def ball_refinement_box_and_map(
+    m: GrooveMap, groove_socket_size: meshes_sockets.RefinementBoxSize, side: int, zone: tuple[float, float]
 ) -> tuple[BallRefinementBox, Callable[[Array], Array]]:
     """Return the ball's refinement box at a flank, and the function that maps local coordinates in it to points.
 
@@ -207,12 +200,12 @@ Recipe = tuple[Callable[..., Any], tuple[Any, ...], type]
 class FlankSockets:
     """Refinement boxes of groove and ball at one flank: boxes in their coarse meshes that the fine contact meshes fill."""
 
-    #: Faces of the groove's refinement box.
-    groove_socket: RefinementBoxFaces
-    #: Faces of the ball's refinement box.
-    ball_socket: RefinementBoxFaces
+    #: Meshed faces of the groove's refinement box.
+    groove_socket: meshes_sockets.RefinementBoxFaces
+    #: Meshed faces of the ball's refinement box.
+    ball_socket: meshes_sockets.RefinementBoxFaces
     #: Size of the groove's refinement box.
-    socket_size: RefinementBoxSize
+    socket_size: meshes_sockets.RefinementBoxSize
     #: Half widths of the contact zone across and along the groove, over those of the refinement box.
     relative_zone_size: tuple[float, float]
     #: Half widths of the refinement box across and along the groove [m].
@@ -223,20 +216,20 @@ class FlankSockets:
 class PartMeshes:
     """Coarse meshes of screw, nut and ball of one geometry."""
 
-    #: Coarse screw.
+    #: Coarse mesh of the screw.
     screw_mesh: CoarseGroovedBodyMesh
-    #: Coarse nut.
+    #: Coarse mesh of the nut.
     nut_mesh: CoarseGroovedBodyMesh
-    #: Coarse ball.
+    #: Coarse mesh of one ball.
     ball_mesh: CoarseBallMesh
     #: Size of the grooves' refinement boxes.
-    socket_size: RefinementBoxSize
+    socket_size: meshes_sockets.RefinementBoxSize
     #: Half widths of the contact zone across and along the groove, over those of the refinement box.
     relative_zone_size: tuple[float, float]
     #: Half widths of the refinement boxes across and along the groove [m].
     half_widths: tuple[float, float]
 
-    def sockets_of_flank(self, side: int) -> FlankSockets:
+    def refinement_boxes_of_flank(self, side: int) -> FlankSockets:
         """Return the refinement boxes of groove and ball at a flank (0 to 3), which the fine contact meshes fill."""
         body = self.screw_mesh if side < 2 else self.nut_mesh
         return FlankSockets(
@@ -320,7 +313,7 @@ def list_part_mesh_calls(
     gather : callable
         Function that returns the `PartMeshes` of these three meshes.
     """
-    size = choose_socket_size(scene, m, layout, sides, dims, settings)
+    size = choose_refinement_box_size(scene, m, layout, sides, dims, settings)
     widths = (size.gamma * float(m.radius.mean()), size.phi * m.R)
     _, zone = choose_patch_cells(settings, widths, size.depth)
     nut, middle = scene.nut, scene.nut.position
@@ -333,7 +326,7 @@ def list_part_mesh_calls(
     nut_spec = GroovedBodySpec(
         dims.land, nut.outer_diameter / 2.0, *ends, False, on_nut, size, *cells, dims.groove_ends, nut.flange
     )
-    sockets = tuple(ball_socket_and_map(m, size, s, zone)[0] for s in sides)
+    sockets = tuple(ball_refinement_box_and_map(m, size, s, zone)[0] for s in sides)
     bodies: list[Recipe] = [(mesh_grooved_body, (m, spec), CoarseGroovedBodyMesh) for spec in (screw_spec, nut_spec)]
     ball = (
         mesh_ball_with_refinement_boxes,
@@ -381,8 +374,8 @@ def rotation_about_z(phi: float) -> Array:
     return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
 
 
-def sockets_at_contact_azimuths(mesh: CoarseGroovedBodyMesh, contacts: tuple[Place, ...]) -> list[BodySocket]:
-    """Create the refinement boxes of screw or nut, each with the rotation of its patch to the azimuth of its contact.
+def refinement_boxes_at_contact_azimuths(mesh: CoarseGroovedBodyMesh, contacts: tuple[Place, ...]) -> list[BodySocket]:
+    """Create the refinement boxes of screw or nut, each with the rotation of its fine mesh to the contact's azimuth.
 
     Parameters
     ----------
@@ -417,10 +410,10 @@ def element_type_of_bodies(settings: Settings) -> Literal["P1", "P2"]:
 
 def mesh_coarser_patch(
     meshes: PartMeshes | FlankSockets,
-    socket: RefinementBoxFaces,
+    socket: meshes_sockets.RefinementBoxFaces,
     map_to_space: Callable[[Array], Array],
     settings: Settings,
-) -> PatchMesh | None:
+) -> patch.PatchMesh | None:
     """Mesh a coarser patch of hexahedra in the same refinement box, which only transfers loads from a contact to its body.
 
     Parameters
@@ -445,10 +438,10 @@ def mesh_coarser_patch(
 
 def mesh_patch(
     meshes: PartMeshes | FlankSockets,
-    socket: RefinementBoxFaces,
+    socket: meshes_sockets.RefinementBoxFaces,
     map_to_space: Callable[[Array], Array],
     settings: Settings,
-) -> PatchMesh:
+) -> patch.PatchMesh:
     """Mesh the patch (fine mesh) that fills a refinement box, with hexahedra or tetrahedra as the settings say.
 
     The hexahedra are graded; the tetrahedra are sized as in Lin's thesis.
@@ -467,7 +460,7 @@ def mesh_patch(
     Returns
     -------
     PatchMesh
-        The patch.
+        Fine mesh (patch) around the contact.
 
     Raises
     ------
@@ -476,24 +469,24 @@ def mesh_patch(
     """
     lines, zone = choose_patch_cells(settings, meshes.half_widths, meshes.socket_size.depth)
     if settings.element == "Q2":
-        return mesh_hexahedral_patch(lines, zone, map_to_space, socket)
+        return patch.mesh_hexahedral_patch(lines, zone, map_to_space, socket)
     for far in RIM_EDGES:
         box = patch_as_in_thesis(meshes.half_widths, meshes.socket_size.depth, zone, settings.tet, far)
         try:
-            return fit_tetrahedral_patch(mesh_patch_with_tetrahedra(box, socket), map_to_space, socket)
+            return patch.fit_tetrahedral_patch(mesh_patch_with_tetrahedra(box, socket), map_to_space, socket)
         except ValueError:
             if far == RIM_EDGES[-1]:
                 raise
     raise AssertionError("unreachable")
 
 
-def contact_normals_of_patch(mesh: PatchMesh, centre: Array) -> Array:
+def contact_normals_of_patch(mesh: patch.PatchMesh, centre: Array) -> Array:
     """Compute the unit vectors from the ball's centre to the contact nodes of a patch.
 
     Parameters
     ----------
     mesh : PatchMesh
-        The patch.
+        Fine mesh (patch) around the contact.
     centre : (3,) Array
         Centre of the ball [m].
 

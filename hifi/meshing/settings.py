@@ -42,11 +42,11 @@ ROUNDING = 5e-6
 class Settings:
     """Mesh settings of the 3D reference: cell sizes at contacts and in bodies, submodels, modes and element type."""
 
-    #: Cells across the short semi-axis b of a contact.
+    #: Number of mesh cells across the short semi-axis b of a contact ellipse.
     b_over_h: float = frozen_default(4.0)
-    #: Semi-axes a (across the groove) and b (along it) of a typical contact [m].
+    #: Semi-axes a (across the groove) and b (along it) of a typical contact ellipse [m].
     semi: tuple[float, float] = frozen_default((0.40e-3, 0.105e-3))
-    #: Largest distances from the nominal contact point to the edge of a contact, across and along the groove [m].
+    #: Largest distances from the nominal contact point to the edge of a contact ellipse, across and along the groove [m].
     reach: tuple[float, float] = frozen_default((0.40e-3, 0.105e-3))
     #: Element size of the coarse bodies at the refinement boxes [m].
     fine: float = frozen_default(1.0e-3)
@@ -56,26 +56,26 @@ class Settings:
     ball_fine: float = frozen_default(0.35e-3)
     #: Element size of the balls far from the refinement boxes [m].
     ball_coarse: float = frozen_default(0.8e-3)
-    #: Subdivisions of the refinement boxes' edges across, in depth and along.
+    #: Numbers of subdivisions of the refinement boxes' edges across the groove, in depth and along the groove.
     cuts: tuple[int, int, int] = frozen_default((3, 2, 3))
-    #: Ratio of neighbouring cells of a patch outside the contact zone.
+    #: Ratio of the sizes of neighbouring cells of a fine mesh (patch) outside the contact zone.
     growth: float = frozen_default(1.6)
-    #: Subdivisions of the refinement boxes' edges in submodels of one contact.
+    #: Numbers of subdivisions of the refinement boxes' edges, as ``cuts``, in submodels of one contact.
     own_cuts: tuple[int, int, int] = frozen_default((4, 4, 4))
-    #: Element sizes (near, far) of the submodels of grooves [m].
+    #: Element sizes of the submodels of grooves, near the refinement box and far from it [m].
     own_sizes: tuple[float, float] = frozen_default((0.5e-3, 2.5e-3))
-    #: Element sizes (near, far) of the submodels of balls [m].
+    #: Element sizes of the submodels of balls, near the refinement box and far from it [m].
     own_ball_sizes: tuple[float, float] = frozen_default((0.3e-3, 0.6e-3))
     #: Element size of the 3D shafts from which the effect of a cut end is computed [m].
     cell: float = frozen_default(4.5e-3)
-    #: Number of smooth modes of each patch of screw and nut.
+    #: Number of displacement modes by which each contact of screw and nut is coupled to its body.
     modes: int = frozen_default(16)
-    #: Number of smooth modes of each patch of a ball.
+    #: Number of displacement modes by which each contact of a ball is coupled to the ball.
     ball_modes: int = frozen_default(24)
     #: ``"Q2"``: patches of 27-node hexahedra on second-order bodies; ``"P1"``: first-order tetrahedra on first-order
     #: bodies, as in Lin's thesis, without submodels.
     element: str = frozen_default("Q2")
-    #: Edge of the tetrahedra around each contact, for ``"P1"`` [m].
+    #: Edge length of the tetrahedra around each contact, for ``"P1"`` [m].
     tet: float = frozen_default(0.08e-3)
 
 
@@ -126,23 +126,26 @@ class ExpectedContacts:
     S: screw, N: nut; L: left, R: right.
     """
 
-    #: Contact loads ``(n, 4)`` [N].
+    #: Estimated contact loads of n balls on four groove flanks ``(n, 4)`` [N].
     loads: Array
-    #: Contact angles ``(n, 4)`` [rad]; the nominal angle where a contact is open.
+    #: Estimated contact angles of n balls on four groove flanks ``(n, 4)`` [rad]; the nominal angle where a contact is
+    #: open.
     angles: Array
-    #: Semi-axes across the groove ``(n, 4)`` [m].
+    #: Semi-axes of the contact ellipses across the groove ``(n, 4)`` [m].
     semi_axes_across: Array
-    #: Semi-axes along the groove ``(n, 4)`` [m].
+    #: Semi-axes of the contact ellipses along the groove ``(n, 4)`` [m].
     semi_axes_along: Array
-    #: Distance of a contact's centre from the nominal one along its groove's arc, towards the edge ``(n, 4)`` [m].
+    #: Distance of each contact's centre from the nominal contact point along the groove's arc, towards the edge ``(n, 4)``
+    #: [m].
     centre_shifts: Array
-    #: Gaps ``(n, 4)`` [m]; negative where ball and groove are pressed together.
+    #: Gaps between ball and groove flank ``(n, 4)`` [m]; negative where they are pressed together.
     gaps: Array
 
-    def semi(self) -> tuple[float, float]:
+    def typical_semi_axes(self) -> tuple[float, float]:
         """Return the semi-axes of a typical contact ellipse across and along the groove [m].
 
-        They are means over the loaded balls: of each ball the more heavily loaded contact, scaled to the mean load.
+        Each is a mean over the loaded balls. Of each ball, the contact with the largest load counts, with its ellipse
+        scaled to the mean of these largest loads.
         """
         largest = self.loads.max(axis=1)
         ball = np.flatnonzero(largest > LOADED * largest.max(initial=0.0))
@@ -154,12 +157,12 @@ class ExpectedContacts:
             (self.semi_axes_along[ball, side] * scale).mean()
         )
 
-    def reach(self) -> tuple[float, float]:
+    def largest_reach(self) -> tuple[float, float]:
         """Return how far the contact ellipses reach from the nominal contact points, across and along the groove [m]."""
         return float((self.semi_axes_across + np.abs(self.centre_shifts)).max()), float(self.semi_axes_along.max())
 
     def nearly_touching_flanks(self) -> tuple[int, ...]:
-        """List the flanks (0 to 3) that touch or nearly touch: with a gap of less than a fifth of the largest approach."""
+        """List the groove flanks (0 to 3) that touch, or whose smallest gap is below a fifth of the largest approach."""
         return tuple(int(s) for s in np.flatnonzero(self.gaps.min(axis=0) < -NEAR * self.gaps.min()))
 
 
@@ -170,19 +173,20 @@ class _ContactEstimateModel:
     #: Stiffness of shaft, housings, supports and soft springs ``(f, f)``, on all f degrees of freedom: sections of the
     #: shaft, housings, and two displacements of each ball.
     stiffness_matrix: sp.csc_array
-    #: Loads on these degrees of freedom ``(f,)``.
+    #: Loads on the f degrees of freedom ``(f,)`` [N, N m].
     load_vector: Array
-    #: Change of the vectors from groove centre to ball centre by unit motions in all degrees of freedom ``(8 n, f)``.
+    #: Change of ``unloaded_centre_vectors`` by unit motions in all degrees of freedom ``(8 n, f)``.
     centre_vector_matrix: sp.csr_array
-    #: Vectors from groove to ball centre in the unloaded state, in the section ``(n, 4, 2)`` [m].
+    #: Vectors from the centre of each groove flank's arc to the ball's centre in the unloaded state, in the groove's
+    #: section ``(n, 4, 2)`` [m].
     unloaded_centre_vectors: Array
-    #: Lengths of these vectors at which ball and groove touch ``(n, 4)`` [m].
+    #: Distances from groove centre to ball centre at which ball and groove touch ``(n, 4)`` [m].
     touching_distance: Array
-    #: Hertz's constant F / approach^(3/2) ``(n, 4)`` [N/m^(3/2)]; zero on flanks that cannot touch.
+    #: Hertz's constant, force F over approach^(3/2) ``(n, 4)`` [N/m^(3/2)]; zero on flanks that cannot touch.
     hertz_stiffness_constants: Array
-    #: Stiffness of a typical contact [N/m].
+    #: Stiffness of a typical Hertz contact, with which Newton's method regularises lightly loaded contacts [N/m].
     typical_contact_stiffness: float
-    #: Stiffness of the soft springs in K on every degree of freedom ``(f,)`` [N/m, N m].
+    #: Stiffness of the soft springs in ``stiffness_matrix`` on every degree of freedom ``(f,)`` [N/m, N m].
     soft_spring_stiffness: Array
     #: Lengths by which the degrees of freedom are multiplied to become displacements ``(f,)``: 1 for displacements, the
     #: pitch radius [m] for rotations.
@@ -195,7 +199,7 @@ class _EstimatedNut:
 
     #: Parts of the nut or bearing.
     scene: Scene
-    #: Whether each of the four flanks can touch.
+    #: Whether each of the four groove flanks can touch a ball.
     touchable_flanks: tuple[bool, ...]
     #: Shift of the nut along the shaft [m].
     nut_offset: float = 0.0
@@ -260,7 +264,7 @@ def estimate_contacts_of_each_set(assembly: Assembly) -> tuple[ExpectedContacts,
 
 
 def estimate_contacts_under_assumed_load(scene: Scene, unloaded: ExpectedContacts, load: float) -> ExpectedContacts:
-    """Estimate the contacts of an unloaded nut or bearing under an assumed load on the flanks with the smallest gaps.
+    """Estimate the contacts of an unloaded nut or bearing as if a load pressed the flanks with the smallest gaps.
 
     Parameters
     ----------
@@ -394,7 +398,7 @@ def _assemble_estimate_model(sets: tuple[_EstimatedNut, ...], frame: ShaftSuppor
     for spring, stiff in frame.spring_stiffnesses():
         K[shaft:, shaft:] += spring.T @ stiff @ spring
 
-    def motion(body: int, z: float) -> sp.csr_array:
+    def rigid_motion_at(body: int, z: float) -> sp.csr_array:
         """Return the matrix ``(6, f)`` that gives the rigid motion of a body at z from the f degrees of freedom.
 
         ``body``: 0 for the screw, k for the nut on housing k, from 1; ``z``: axial position [m].
@@ -419,9 +423,9 @@ def _assemble_estimate_model(sets: tuple[_EstimatedNut, ...], frame: ShaftSuppor
     stiffness = 1.5 * float(constant.max()) ** (2.0 / 3.0) * max(share / n, 1.0) ** (1.0 / 3.0)
     P, held = np.zeros(K.shape[0]), sp.csr_array(K.shape)
     for body, at, wrench in wrenches:
-        P += motion(body, at).T @ wrench
+        P += rigid_motion_at(body, at).T @ wrench
     for body, at, k, value in frame.prescribed_motions():
-        row, spring = motion(body, at)[[k]], HELD * n * stiffness * frame.lengths_of_unit_motions[k] ** 2
+        row, spring = rigid_motion_at(body, at)[[k]], HELD * n * stiffness * frame.lengths_of_unit_motions[k] ** 2
         held = held + spring * (row.T @ row)
         P += spring * value * row.toarray()[0]
     blocks, arms, touch = [], [], []
@@ -432,9 +436,9 @@ def _assemble_estimate_model(sets: tuple[_EstimatedNut, ...], frame: ShaftSuppor
             arm = layout.centre[i] - np.array([0.0, 0.0, z])
             turn = np.array([[0.0, arm[2], -arm[1]], [-arm[2], 0.0, arm[0]], [arm[1], -arm[0], 0.0]])
             rows = -sp.csr_array(np.hstack([section_frame, section_frame @ turn]))
-            screw, nut = rows @ motion(0, z), sp.csr_array((4, K.shape[0]))
+            screw, nut = rows @ rigid_motion_at(0, z), sp.csr_array((4, K.shape[0]))
             if s.housing_index is not None:
-                nut = sp.vstack([rows @ motion(1 + s.housing_index, z)] * 2)
+                nut = sp.vstack([rows @ rigid_motion_at(1 + s.housing_index, z)] * 2)
             blocks.append(sp.vstack([screw, screw, nut]))
         inward = [np.polynomial.Polynomial(p if p.size else [0.0])(track.contact_angle) for p in drawn.profile_coefficients]
         arms.append(-drawn.groove_centres)
@@ -450,7 +454,7 @@ def _assemble_estimate_model(sets: tuple[_EstimatedNut, ...], frame: ShaftSuppor
     )
 
 
-def _energy_and_loads(model: _ContactEstimateModel, x: Array) -> tuple[float, Array, Array, Array, Array]:
+def _energy_and_contact_loads(model: _ContactEstimateModel, x: Array) -> tuple[float, Array, Array, Array, Array]:
     """Evaluate the energy and the contact loads of the estimation model at given degrees of freedom x ``(f,)`` [m, rad].
 
     Returns the energy [J], the contact loads (n, 4) [N], their derivatives by the approach (n, 4) [N/m], the vectors from
@@ -480,7 +484,7 @@ def _solve_estimated_equilibrium(model: _ContactEstimateModel) -> tuple[Array, A
     if there is no equilibrium.
     """
     x = np.zeros(model.load_vector.size)
-    energy, load, slope, vectors, length = _energy_and_loads(model, x)
+    energy, load, slope, vectors, length = _energy_and_contact_loads(model, x)
     for step in range(STEPS):
         unit = vectors / length[..., None]
         wrong = (
@@ -504,7 +508,7 @@ def _solve_estimated_equilibrium(model: _ContactEstimateModel) -> tuple[Array, A
         move = spsolve(H.tocsc(), wrong)
         descent, size = float(wrong @ move), 1.0
         while size > 1e-9:
-            trial = _energy_and_loads(model, x + size * move)
+            trial = _energy_and_contact_loads(model, x + size * move)
             if trial[0] <= energy - 1e-4 * size * descent or abs(size * descent) < 1e-12 * abs(energy):
                 break
             size *= 0.5

@@ -25,23 +25,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.hifi.contact.hertz import solve_hertz
-from rollbench.hifi.rolling import kinematics
+from rollbench.hifi.rolling import friction, kinematics
+from rollbench.hifi.rolling import patch as rolling_patch
 from rollbench.hifi.rolling.bodies import ContactGeometry, Sizes, compliance_kernel_of_contact, compute_and_cache_kernels
-from rollbench.hifi.rolling.friction import (
-    PATH,
-    FrictionContact,
-    FrictionSolution,
-    coulomb_friction_forces,
-    solve_friction,
-    solve_rigid_friction,
-)
 from rollbench.hifi.rolling.kinematics import RollingBalls, rolling_speed
-from rollbench.hifi.rolling.patch import (
-    ComplianceKernel,
-    GridContact,
-    equivalent_half_space_radii,
-    solve_elastic_contact_on_grid,
-)
 from rollbench.meshes.arrays import Array
 
 #: Ratio of the tangential compliance of nearly rigid bodies to that of the elastic ones.
@@ -59,7 +46,7 @@ FIRST, POINTS = 40, 300
 class RollingSettings:
     """Numerical settings of the rolling model: contact grids, elasticity, and meshes of finite bodies."""
 
-    #: Cells of every contact's grid along and across the groove.
+    #: Numbers of cells of every contact's grid along and across the groove.
     grid_shape: tuple[int, int] = (24, 24)
     #: Factor on the tangential compliance of the bodies: 1, or `NEARLY_RIGID`.
     elastic_factor: float = 1.0
@@ -77,21 +64,21 @@ class ContactFriction:
     ball_index: int
     #: Index of the contact among those of the ball.
     contact_index: int
-    #: Centres of the cells ``(n, 2)`` [m].
+    #: Centres of the cells along the contact's axes x and y ``(n, 2)`` [m].
     cell_centres: Array
     #: Lengths of a cell along x and y ``(2,)`` [m].
     cell_size: Array
     #: Normal forces of the cells ``(n,)`` [N].
     normal_forces: Array
-    #: Tangential forces on the ball ``(n, 2)`` [N].
+    #: Tangential forces of the groove on the ball in the cells ``(n, 2)`` [N].
     tangential_forces: Array
-    #: Slips ``(n, 2)`` [m/s].
+    #: Slips of the ball past the groove in the cells ``(n, 2)`` [m/s].
     slips: Array
-    #: Whether each cell sticks ``(n,)``.
+    #: Whether each cell sticks, that is does not slip ``(n,)``.
     sticks: NDArray[np.bool_]
-    #: Axes of the contact as rows, in the ball's axes: x, y and the normal ``(3, 3)``.
+    #: Unit vectors of the contact's axes x, y and normal as rows, in the ball's axes ``(3, 3)``.
     axes: Array
-    #: Power of friction [W].
+    #: Power of friction in the contact [W].
     friction_loss: float
     #: Power dissipated by the error of the finite differences along the flow of material [W].
     numerical_dissipation: float
@@ -103,31 +90,31 @@ class RollingResult:
 
     #: Speeds of the balls along the track ``(N,)`` [m/s on a straight track, rad/s on a ring or helix].
     track_speeds: Array
-    #: Rotations about their axes ``(N, 3)`` [rad/s].
+    #: Angular velocities of the balls, in each ball's axes ``(N, 3)`` [rad/s].
     rotations: Array
     #: Normal forces between balls ``(M,)`` [N].
     ball_to_ball_forces: Array
-    #: Losses between balls ``(M,)`` [W].
+    #: Friction losses at the contacts between balls ``(M,)`` [W].
     ball_to_ball_losses: Array
     #: Force, and moment about the ball's centre, that friction at the grooves exerts on every ball, in the ball's axes
     #: ``(N, 6)`` [N, N m].
     groove_friction_wrenches: Array
-    #: Force that its neighbours exert on every ball, in the ball's axes ``(N, 3)`` [N].
+    #: Force that neighbouring balls exert on every ball, in the ball's axes ``(N, 3)`` [N].
     forces_by_neighbours: Array
-    #: Power that the moving grooves put in [W].
+    #: Power that the moving grooves put into the balls [W].
     driving_power: float
-    #: The solved contacts.
+    #: Friction in every loaded contact of a ball with a groove.
     contacts: tuple[ContactFriction, ...]
     #: "converged", or the reason why the solution did not converge.
     status: str
-    #: Residual of the friction solver.
+    #: Residual of the friction solver: `FrictionSolution.residual`.
     residual: float
     #: Number of Newton steps of the friction solver.
     newton_step_count: int
-    #: Processor time [s].
+    #: Processor time of the solution [s].
     cpu_seconds: float
-    #: Solution of the friction solver.
-    friction_solution: FrictionSolution
+    #: Full solution of the friction solver: forces, slips and motions.
+    friction_solution: friction.FrictionSolution
 
     @property
     def converged(self) -> bool:
@@ -153,33 +140,37 @@ class RollingResult:
 @lru_cache(maxsize=16)
 def solve_half_space_contact_under_1_N(
     radii: tuple[float, float], young: float, poisson: float, shape: tuple[int, int]
-) -> GridContact:
+) -> rolling_patch.GridContact:
     """Solve the contact of two half-spaces under 1 N on a grid of cells, and compute its elastic slip per rolling length.
 
     ``radii``: relative radii along and across the groove [m]; ``shape``: numbers of cells along and across. The contact
     under any other force is similar, with lengths in proportion to the cube root of the force.
     """
-    patch = solve_elastic_contact_on_grid(1.0, radii, young, poisson, shape)
+    patch = rolling_patch.solve_elastic_contact_on_grid(1.0, radii, young, poisson, shape)
     assert patch.elastic_slip_per_rolling_length.size
     return patch
 
 
 @lru_cache(maxsize=64)
 def solve_finite_body_contact(
-    load: float, radii: tuple[float, float], material: tuple[float, float], shape: tuple[int, int], kernel: ComplianceKernel
-) -> GridContact:
+    load: float,
+    radii: tuple[float, float],
+    material: tuple[float, float],
+    shape: tuple[int, int],
+    kernel: rolling_patch.ComplianceKernel,
+) -> rolling_patch.GridContact:
     """Solve the normal contact of two finite bodies on a grid of cells.
 
     ``load``: contact force [N]; ``radii``: relative radii along and across the groove [m]; ``material``: Young's modulus
     [Pa] and Poisson's ratio; ``shape``: numbers of cells along and across; ``kernel``: compliance of the finite bodies
     less that of half-spaces.
     """
-    return solve_elastic_contact_on_grid(load, radii, *material, shape, kernel)
+    return rolling_patch.solve_elastic_contact_on_grid(load, radii, *material, shape, kernel)
 
 
 def solve_normal_contact_with_groove(
     scene: kinematics.RollingBalls, touch: kinematics.GrooveContact, choices: RollingSettings
-) -> GridContact:
+) -> rolling_patch.GridContact:
     """Solve the normal contact of a ball with a groove on a grid of cells, under the contact's prescribed force.
 
     ``scene``: the rolling balls; ``touch``: the contact of one of them with a groove; ``choices``: numerical settings.
@@ -197,7 +188,7 @@ def solve_normal_contact_with_groove(
 
 def finite_body_kernel_at_contact(
     scene: kinematics.RollingBalls, touch: kinematics.GrooveContact, bodies: Sizes | None
-) -> ComplianceKernel | None:
+) -> rolling_patch.ComplianceKernel | None:
     """Compute the contact compliance of finite bodies less that of half-spaces (kernel), in the axes of a contact.
 
     Parameters
@@ -223,7 +214,7 @@ def finite_body_kernel_at_contact(
     if bodies is None:
         return None
     at, bottom = position_of_contact_on_groove(scene, touch)
-    kernel = compliance_kernel_of_contact(at, _largest_load(scene), scene.young, scene.poisson, bodies)
+    kernel = compliance_kernel_of_contact(at, _largest_groove_contact_load(scene), scene.young, scene.poisson, bodies)
     axes = kinematics.contact_axes(touch, scene)
     return kernel if axes[1] @ bottom > 0.0 else kernel.rotated_by_half_turn
 
@@ -250,12 +241,14 @@ def cache_kernels_of_scenes(scenes: Sequence[kinematics.RollingBalls], bodies: S
     if bodies is None:
         return 0.0
     contacts = [
-        (position_of_contact_on_groove(s, t)[0], _largest_load(s)) for s in scenes for _, _, t in loaded_contacts(s)
+        (position_of_contact_on_groove(s, t)[0], _largest_groove_contact_load(s))
+        for s in scenes
+        for _, _, t in loaded_contacts(s)
     ]
     return compute_and_cache_kernels(contacts, scenes[0].young, scenes[0].poisson, bodies, processes)
 
 
-def _largest_load(scene: kinematics.RollingBalls) -> float:
+def _largest_groove_contact_load(scene: kinematics.RollingBalls) -> float:
     """Return the largest contact force between any ball and a groove [N]."""
     return max(t.contact_force for b in scene.balls for t in b.groove_contacts)
 
@@ -295,7 +288,7 @@ def position_of_contact_on_groove(
 
 
 def loaded_contacts(scene: kinematics.RollingBalls) -> list[tuple[int, int, kinematics.GrooveContact]]:
-    """List the contacts with grooves that carry load.
+    """List the loaded contacts of all balls with grooves.
 
     Parameters
     ----------
@@ -315,7 +308,7 @@ def loaded_contacts(scene: kinematics.RollingBalls) -> list[tuple[int, int, kine
     return out
 
 
-def prepare_friction_contacts(scene: kinematics.RollingBalls, choices: RollingSettings) -> list[FrictionContact]:
+def prepare_friction_contacts(scene: kinematics.RollingBalls, choices: RollingSettings) -> list[friction.FrictionContact]:
     """Create the input of the friction solver for all loaded contacts of elastic balls with grooves.
 
     Parameters
@@ -340,7 +333,7 @@ def prepare_friction_contacts(scene: kinematics.RollingBalls, choices: RollingSe
 
 
 def equilibrium_equations_of_balls(
-    scene: kinematics.RollingBalls, contacts: Sequence[FrictionContact]
+    scene: kinematics.RollingBalls, contacts: Sequence[friction.FrictionContact]
 ) -> kinematics.BallEquilibrium:
     """Create the equilibrium equations of all balls for the friction solver.
 
@@ -354,8 +347,8 @@ def equilibrium_equations_of_balls(
     Returns
     -------
     kinematics.BallEquilibrium
-        Equilibrium of the forces and moments on the balls, and the condition that two balls either touch or press with no
-        force.
+        Equilibrium of the forces and moments on the balls, and the condition that two neighbouring balls either touch or
+        exert no force on each other.
     """
     bound = max(float(c.friction_limits.sum()) for c in contacts)
     return kinematics.BallEquilibrium(scene, bound / max(float(np.abs(c.prescribed_slip).max()) for c in contacts))
@@ -430,7 +423,7 @@ def solve_rolling(
     scene: kinematics.RollingBalls,
     choices: RollingSettings | None = None,
     start_result: RollingResult | None = None,
-    smoothing_ratios: tuple[float, ...] = PATH,
+    smoothing_ratios: tuple[float, ...] = friction.PATH,
 ) -> RollingResult:
     """Solve steady rolling of balls under prescribed contact loads.
 
@@ -464,17 +457,17 @@ def solve_rolling(
     contacts = prepare_friction_contacts(scene, choices)
     balance = equilibrium_equations_of_balls(scene, contacts)
     y = estimate_starting_unknowns(scene) if start_result is None else start_result.friction_solution.motions
-    solution = solve_friction(
+    solution = friction.solve_friction(
         contacts, balance, y, None if start_result is None else start_result.friction_solution.forces, smoothing_ratios
     )
-    return _collect_result(scene, choices, contacts, solution, process_time() - begin)
+    return _collect_rolling_result(scene, choices, contacts, solution, process_time() - begin)
 
 
-def _collect_result(
+def _collect_rolling_result(
     scene: kinematics.RollingBalls,
     choices: RollingSettings,
-    contacts: Sequence[FrictionContact],
-    solution: FrictionSolution,
+    contacts: Sequence[friction.FrictionContact],
+    solution: friction.FrictionSolution,
     seconds: float,
 ) -> RollingResult:
     """Collect the motions, forces and losses of all balls from the solution of the friction solver.
@@ -568,13 +561,13 @@ class RigidRollingResult:
 
     #: Speeds of the balls along the track ``(N,)`` [m/s on a straight track, rad/s on a ring or helix].
     track_speeds: Array
-    #: Rotations about the balls' axes ``(N, 3)`` [rad/s].
+    #: Angular velocities of the balls, in each ball's axes ``(N, 3)`` [rad/s].
     rotations: Array
     #: Normal forces between balls ``(M,)`` [N].
     ball_to_ball_forces: Array
-    #: Losses at every loaded contact with a groove, in the order of `loaded_contacts` [W].
+    #: Friction losses at every loaded contact with a groove, in the order of `loaded_contacts` [W].
     groove_losses: Array
-    #: Losses between balls ``(M,)`` [W].
+    #: Friction losses at the contacts between balls ``(M,)`` [W].
     ball_to_ball_losses: Array
     #: Error left by the smoothing of Coulomb's law, over the largest slip (see
     #: `hifi.rolling.friction.solve_rigid_friction`).
@@ -643,17 +636,17 @@ def solve_rigid_rolling(
     y = estimate_starting_unknowns(scene)
     for count in (FIRST, points):
         contacts = _prepare_rigid_contacts(scene, count, curved, bodies)
-        path = PATH if count == FIRST else PATH[-2:]
-        y, remainder = solve_rigid_friction(contacts, equilibrium_equations_of_balls(scene, contacts), y, path)
+        path = friction.PATH if count == FIRST else friction.PATH[-2:]
+        y, remainder = friction.solve_rigid_friction(contacts, equilibrium_equations_of_balls(scene, contacts), y, path)
     loss = np.array(
-        [-float(coulomb_friction_forces(c.friction_limits, s) @ s) for c in contacts for s in (c.rigid_slip(y),)]
+        [-float(friction.coulomb_friction_forces(c.friction_limits, s) @ s) for c in contacts for s in (c.rigid_slip(y),)]
     )
     return RigidRollingResult(*split_motions_and_forces(scene, y), loss, ball_contact_losses(scene, y), remainder)
 
 
 def _prepare_rigid_contacts(
     scene: kinematics.RollingBalls, points: int, curved: bool, bodies: Sizes | None
-) -> list[FrictionContact]:
+) -> list[friction.FrictionContact]:
     """Create the input of the friction solver for all loaded contacts of rigid bodies, with Hertz's pressure by quadrature.
 
     ``points``: number of quadrature points along each axis of an ellipse; the other arguments are those of
@@ -661,7 +654,7 @@ def _prepare_rigid_contacts(
     """
     (unit, weight), material, contacts = quadrature_of_unit_disk(points), (scene.young, scene.poisson), []
     for b, _, touch in loaded_contacts(scene):
-        radii = equivalent_half_space_radii(
+        radii = rolling_patch.equivalent_half_space_radii(
             touch.contact_force, touch.relative_radii, *material, finite_body_kernel_at_contact(scene, touch, bodies)
         )
         ellipse = solve_hertz(touch.contact_force, *radii, *material)
@@ -681,25 +674,25 @@ REACH = 1.2
 class MotionFromRest:
     """Rolling from rest of N balls with M ball-to-ball contacts, in T time steps."""
 
-    #: Ends of the steps ``(T,)`` [s].
+    #: Times of the ends of the steps ``(T,)`` [s].
     times: Array
     #: Speeds of the balls along the track ``(T, N)`` [m/s on a straight track, rad/s on a ring or helix].
     track_speeds: Array
-    #: Rotations about the balls' axes ``(T, N, 3)`` [rad/s].
+    #: Angular velocities of the balls, in each ball's axes ``(T, N, 3)`` [rad/s].
     rotations: Array
     #: Normal forces between balls ``(T, M)`` [N].
     ball_to_ball_forces: Array
     #: Gaps between balls ``(T, M)`` [m].
     ball_to_ball_gaps: Array
-    #: Losses of friction, and of closing balls in the step in which they meet ``(T,)`` [W].
+    #: Power lost by friction, and by the impact of balls in the step in which they meet ``(T,)`` [W].
     losses: Array
-    #: Power that the moving grooves put in ``(T,)`` [W].
+    #: Power that the moving grooves put into the balls ``(T,)`` [W].
     driving_power: Array
-    #: Part of that power which elastic displacements store, or which is lost by the error of the time steps ``(T,)`` [W].
+    #: Part of ``driving_power`` that elastic displacements store or the error of the time steps consumes ``(T,)`` [W].
     stored_power: Array
-    #: Processor time [s].
+    #: Processor time of the simulation [s].
     cpu_seconds: float
-    #: "converged", or the first step that did not converge, with the reason.
+    #: "converged", or the first time step that did not converge, with the reason.
     status: str
 
     @property
@@ -710,18 +703,18 @@ class MotionFromRest:
 
 @dataclass(frozen=True)
 class _ContactWithoutHistory:
-    """Contact of the friction solver for one time step, without the displacements by the forces of the last step."""
+    """Contact for the friction solver in one time step, without the displacements that the preceding step left."""
 
-    #: Contact of rigid bodies, for the friction solver.
-    contact: FrictionContact
+    #: Friction contact of the bodies taken as rigid.
+    contact: friction.FrictionContact
     #: Tangential displacements by unit forces over the step, at the present place of the material ``(2 n, 2 n)`` [m/s/N].
     displacement_at_present_place: Array
     #: Tangential displacements by unit forces over the step, at the place of the material before the step
     #: ``(2 n, 2 n)`` [m/s/N].
     displacement_at_previous_place: Array
 
-    def add_displacements_of_last_step(self, forces: Array) -> FrictionContact:
-        """Return the friction solver's input for a time step, with the displacements by the forces of the last step.
+    def add_displacements_of_last_step(self, forces: Array) -> friction.FrictionContact:
+        """Return the friction solver's input for a time step, with the displacements that the last step's forces left.
 
         ``forces``: tangential forces at the end of the last step, all x and then all y (2 n,) [N].
         """
@@ -791,7 +784,7 @@ def _integrate_time_steps(
         )
         contacts = [c.add_displacements_of_last_step(q) for c, q in zip(carried, forces, strict=True)]
         balance = equilibrium_equations_of_balls(replace(scene, ball_to_ball_contacts=meetings), contacts)
-        solution = solve_friction(contacts, balance, y, forces)
+        solution = friction.solve_friction(contacts, balance, y, forces)
         if not solution.converged:
             status = f"step {step + 1}: {solution.status}"
             break
@@ -809,7 +802,7 @@ def _integrate_time_steps(
 def _prepare_contacts_without_history(
     scene: RollingBalls, choices: RollingSettings, dt: float
 ) -> list[_ContactWithoutHistory]:
-    """Prepare all loaded contacts for time steps, without the displacements that each step inherits from the last one.
+    """Prepare all loaded contacts for time steps, without the displacements that the forces of the preceding step left.
 
     ``dt``: length of a step [s].
     """

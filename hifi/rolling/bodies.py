@@ -25,19 +25,8 @@ from typing import Any, ParamSpec, TypeVar
 import numpy as np
 import scipy.sparse as sp
 
-from rollbench.hifi.bodies.coarse import (
-    ContactSubmodel,
-    body_forces_like_rigid_motions,
-    compliance_of_patch_in_submodel,
-    select_isostatic_freedoms,
-)
-from rollbench.hifi.bodies.patch import (
-    PatchCellBoundaries,
-    PatchMesh,
-    graded_cell_boundaries,
-    growing_cell_boundaries,
-    mesh_hexahedral_patch,
-)
+from rollbench.hifi.bodies import coarse
+from rollbench.hifi.bodies import patch as bodies_patch
 from rollbench.hifi.condensation import BEYOND
 from rollbench.hifi.contact.block import boussinesq_displacements
 from rollbench.hifi.contact.hertz import solve_hertz
@@ -45,7 +34,7 @@ from rollbench.hifi.elements import forms
 from rollbench.hifi.elements.forms import elasticity_form, normalise_weight_rows, pressure_function_integrals
 from rollbench.hifi.elements.rigid import nodal_displacements_of_rigid_motions
 from rollbench.hifi.linear_algebra import symmetric_compliance_of_loads
-from rollbench.hifi.meshing.part_meshes import ball_socket_and_map
+from rollbench.hifi.meshing.part_meshes import ball_refinement_box_and_map
 from rollbench.hifi.rolling.contact_bodies import (
     ContactBody,
     ContactZone,
@@ -54,30 +43,18 @@ from rollbench.hifi.rolling.contact_bodies import (
     mesh_half_space,
     mesh_whole_ball,
 )
-from rollbench.hifi.rolling.patch import ComplianceKernel, monomials
+from rollbench.hifi.rolling.patch import ComplianceKernel, monomial_values
 from rollbench.hifi.setup import RecordJob, compute_records
+from rollbench.meshes import fem, sockets
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.ball_body import mesh_ball_with_refinement_boxes
 from rollbench.meshes.cache import Cache
-from rollbench.meshes.fem import (
-    degrees_of_freedom_on_boundaries,
-    node_coordinates,
-    nodes_on_boundaries,
-    with_node_coordinates,
-)
 from rollbench.meshes.groove import GroovedBodySpec
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.grooved_body import mesh_grooved_body
 from rollbench.meshes.helix import BallLayout
 from rollbench.meshes.parts import SIDE_SIGNS
 from rollbench.meshes.record_keys import frozen_default, register_frozen_defaults
-from rollbench.meshes.sockets import (
-    RefinementBoxSize,
-    axial_reach_of_refinement_boxes,
-    largest_fitting_refinement_box,
-    points_in_box_at_azimuth_zero,
-    unrolled_nominal_contact_point,
-)
 
 #: Numbers of the left flanks of screw or inner ring, and of nut or outer ring; right flanks are left ones after half a
 #: turn.
@@ -100,9 +77,9 @@ CUTS, GROOVE_SIZES, BALL_SIZES = (4, 4, 4), (0.216, 1.3), (0.119, 0.27)
 class BallPath:
     """Path of the balls' centres: a helix, or the circle of a ring."""
 
-    #: Radius of the cylinder on which the path lies [m].
+    #: Radius of the cylinder on which the path lies, the pitch radius [m].
     radius: float
-    #: Rise per angle [m/rad]; 0: ring, < 0: left-hand.
+    #: Axial rise per angle of turn [m/rad]; 0: ring, < 0: left-hand helix.
     rise_per_angle: float
 
 
@@ -110,17 +87,17 @@ class BallPath:
 class ContactPiece:
     """Fine mesh (patch) of a groove or ball at one contact, with the coarse mesh of a piece of the body around it."""
 
-    #: Fine mesh at the contact.
-    patch_mesh: PatchMesh
-    #: Coarse mesh of the piece of the body around the patch.
-    body_piece: ContactSubmodel
-    #: Centre of the ball in the patch's frame ``(3,)`` [m].
+    #: Fine mesh (patch) of the groove or ball at the contact.
+    patch_mesh: bodies_patch.PatchMesh
+    #: Coarse mesh of the piece of the body around the fine mesh.
+    body_piece: coarse.ContactSubmodel
+    #: Centre of the ball in the frame of the fine mesh ``(3,)`` [m].
     ball_centre: Array
-    #: Rows along the track, across it towards the bottom of the groove, and into the body ``(3, 3)``.
+    #: Unit vectors along the track, across it towards the bottom of the groove, and into the body, as rows ``(3, 3)``.
     contact_axes: Array
-    #: Boundaries of the patch's cells along the track, across it and into the body [m].
+    #: Boundaries of the fine mesh's cells along the track, across it and into the body [m].
     cell_boundaries: tuple[Array, Array, Array]
-    #: Grid indices of the zone's c contact nodes, along and across the track ``(c, 2)``.
+    #: Grid indices of the c nodes of the contact zone, along and across the track ``(c, 2)``.
     node_grid_indices: Index
 
 
@@ -159,38 +136,38 @@ def mesh_contact_pieces(
     nothing = np.zeros(1)
     alone = BallLayout(nothing, nothing, np.array([[curve.radius, 0.0, 0.0]]), *np.eye(3)[[0, 2, 1]][:, None])
     need = (zone.half_lengths[1], zone.half_lengths[0])
-    size = largest_fitting_refinement_box(
+    size = sockets.largest_fitting_refinement_box(
         m, alone, (side,), lands[0], walls[0], lands[1], walls[1], (-3.0 * ball, 3.0 * ball), need
     )
     size = replace(size, edge_divisions=CUTS)
-    lines, local = _patch_lines_and_zone(m, size, side, zone)
-    half = max(axial_reach_of_refinement_boxes(m, size, (side,))) + BEYOND * ball
+    lines, local = _patch_cell_boundaries_and_zone(m, size, side, zone)
+    half = max(sockets.axial_reach_of_refinement_boxes(m, size, (side,))) + BEYOND * ball
     radii = (lands[1], walls[1]) if on_nut_or_outer_ring else (walls[0], lands[0])
     near, away = (ball * share for share in GROOVE_SIZES)
     body = mesh_grooved_body(
         m, GroovedBodySpec(*radii, -half, half, not on_nut_or_outer_ring, ((0.0, 0.0, side),), size, near, away)
     )
-    ball_socket, place = ball_socket_and_map(m, size, side, local)
+    ball_socket, place = ball_refinement_box_and_map(m, size, side, local)
     near, away = (ball * share for share in BALL_SIZES)
     sphere = mesh_ball_with_refinement_boxes(m, (ball_socket,), near, away, CUTS)
-    grooved = mesh_hexahedral_patch(
-        lines, local, partial(points_in_box_at_azimuth_zero, m, size, side), body.box_faces[side]
+    grooved = bodies_patch.mesh_hexahedral_patch(
+        lines, local, partial(sockets.points_in_box_at_azimuth_zero, m, size, side), body.box_faces[side]
     )
-    round_ = mesh_hexahedral_patch(lines, local, place, sphere.box_faces[side])
+    round_ = bodies_patch.mesh_hexahedral_patch(lines, local, place, sphere.box_faces[side])
     normal, axes = _contact_normal_and_axes(m, side)
     x, y = lines.along * zone.half_lengths[0] / local[1], lines.across * zone.half_lengths[1] / local[0]
     out = []
     for patch, piece, centre, inward, depth in (
         (
             grooved,
-            ContactSubmodel(body.mesh, body.nodes_on_box_faces[0], np.eye(3), ENDS),
+            coarse.ContactSubmodel(body.mesh, body.nodes_on_box_faces[0], np.eye(3), ENDS),
             np.array([m.R, 0.0, 0.0]),
             normal,
             size.depth,
         ),
         (
             round_,
-            ContactSubmodel(sphere.mesh, sphere.nodes_on_box_faces[side], np.eye(3), ()),
+            coarse.ContactSubmodel(sphere.mesh, sphere.nodes_on_box_faces[side], np.eye(3), ()),
             np.zeros(3),
             -normal,
             ball_socket.depth,
@@ -227,23 +204,24 @@ def track_geometry_of_path(curve: BallPath, ball: float, groove: float, angle: f
     )
 
 
-def _patch_lines_and_zone(
-    m: GrooveMap, size: RefinementBoxSize, side: int, zone: ContactZone
-) -> tuple[PatchCellBoundaries, tuple[float, float]]:
+def _patch_cell_boundaries_and_zone(
+    m: GrooveMap, size: sockets.RefinementBoxSize, side: int, zone: ContactZone
+) -> tuple[bodies_patch.PatchCellBoundaries, tuple[float, float]]:
     """Compute the cell boundaries of the fine mesh (patch) around a contact from the cells of the contact zone.
 
     Also returns the half lengths of the zone across and along the track, over those of the patch. ``m``: geometry of the
     track; ``size``: dimensions of the patch; ``side``: groove flank, 0 to 3; ``zone``: the contact zone.
     """
-    along = size.phi * float(np.hypot(unrolled_nominal_contact_point(m, side)[0], m.rg))
+    along = size.phi * float(np.hypot(sockets.unrolled_nominal_contact_point(m, side)[0], m.rg))
     width = size.gamma * float(m.radius[side])
     local = (zone.half_lengths[1] / width, zone.half_lengths[0] / along)
     first = min(2.0 * h / n for h, n in zip(zone.half_lengths, zone.cell_counts, strict=True)) / size.depth
     across, forth = (
-        graded_cell_boundaries(local[k], 2.0 * local[k] / zone.cell_counts[1 - k], zone.cell_growth) for k in (0, 1)
+        bodies_patch.graded_cell_boundaries(local[k], 2.0 * local[k] / zone.cell_counts[1 - k], zone.cell_growth)
+        for k in (0, 1)
     )
-    return PatchCellBoundaries(
-        across, growing_cell_boundaries(0.0, 1.0, first / zone.cell_growth, zone.cell_growth), forth
+    return bodies_patch.PatchCellBoundaries(
+        across, bodies_patch.growing_cell_boundaries(0.0, 1.0, first / zone.cell_growth, zone.cell_growth), forth
     ), local
 
 
@@ -264,7 +242,7 @@ def _contact_normal_and_axes(m: GrooveMap, side: int) -> tuple[Array, Array]:
     return normal, sign * np.stack([along, across])
 
 
-def _grid_indices_of_contact_nodes(patch: PatchMesh, axes: Array, centre: Array) -> Index:
+def _grid_indices_of_contact_nodes(patch: bodies_patch.PatchMesh, axes: Array, centre: Array) -> Index:
     """Return the column and row of each of a patch's c contact nodes in the grid that they form, from zero ``(c, 2)``.
 
     The indices grow along the rows of ``axes`` (2, 3); ``centre``: centre of the ball (3,) [m].
@@ -327,13 +305,13 @@ class ContactAxes:
 
     #: Point on the normal through the contact's centre ``(3,)`` [m].
     centre: Array = field(default_factory=lambda: np.zeros(3))
-    #: Rows along x, y and into the body ``(3, 3)``.
+    #: Unit vectors along x, y and into the body, as rows ``(3, 3)``.
     axes: Array = field(default_factory=lambda: np.eye(3))
 
 
 def contact_node_coordinates(body: ContactBody, frame: ContactAxes) -> Array:
     """Return the coordinates x and y ``(c, 2)`` [m] of a body's c contact nodes in the axes of the contact, ``frame``."""
-    return np.asarray(((node_coordinates(body.mesh)[body.contact_nodes] - frame.centre) @ frame.axes.T)[:, :2])
+    return np.asarray(((fem.node_coordinates(body.mesh)[body.contact_nodes] - frame.centre) @ frame.axes.T)[:, :2])
 
 
 def nodal_forces_of_tractions(
@@ -371,7 +349,9 @@ def nodal_forces_of_tractions(
     c = len(at)
     hats = pressure_function_integrals(body.mesh, body.contact_nodes)
     root = np.sqrt(np.asarray(hats.sum(axis=1))[:, None])
-    fit = np.linalg.pinv(root * monomials(at, zone.half_lengths, degree)) @ (root * normalise_weight_rows(hats).toarray())
+    fit = np.linalg.pinv(root * monomial_values(at, zone.half_lengths, degree)) @ (
+        root * normalise_weight_rows(hats).toarray()
+    )
     tilt = -body.normal_sense * at * np.array(surface_curvatures)  # rise of the surface into the body, per length
     frames = np.zeros((c, 3, 3))  # rows: local x, y, inward
     frames[:, 0, 0] = frames[:, 1, 1] = frames[:, 2, 2] = 1.0
@@ -406,10 +386,10 @@ def compliance_of_free_body(body: ContactBody, nodal_forces: sp.csr_array, young
     (m, m) Array
         Compliance [m/N]: work of load case i on the displacements by a unit of load case j.
     """
-    K, points = forms.assemble_constant_form(elasticity_form(young, poisson), body.mesh), node_coordinates(body.mesh)
-    relief, rigid = body_forces_like_rigid_motions(body.mesh), nodal_displacements_of_rigid_motions(points)
+    K, points = forms.assemble_constant_form(elasticity_form(young, poisson), body.mesh), fem.node_coordinates(body.mesh)
+    relief, rigid = coarse.body_forces_like_rigid_motions(body.mesh), nodal_displacements_of_rigid_motions(points)
     F = _compliance_with_fixed_freedoms(
-        K, select_isostatic_freedoms(points, body.contact_nodes), sp.vstack([nodal_forces, sp.csr_array(relief)])
+        K, coarse.select_isostatic_freedoms(points, body.contact_nodes), sp.vstack([nodal_forces, sp.csr_array(relief)])
     )
     S = np.hstack([np.eye(nodal_forces.shape[0]), -np.linalg.solve(relief @ rigid, (nodal_forces @ rigid).T).T])
     return np.asarray(S @ F @ S.T)
@@ -433,7 +413,7 @@ def compliance_of_fixed_body(body: ContactBody, nodal_forces: sp.csr_array, youn
     """
     return _compliance_with_fixed_freedoms(
         forms.assemble_constant_form(elasticity_form(young, poisson), body.mesh),
-        degrees_of_freedom_on_boundaries(body.mesh, "held"),
+        fem.degrees_of_freedom_on_boundaries(body.mesh, "held"),
         nodal_forces,
     )
 
@@ -452,7 +432,7 @@ def compliance_of_half_space_block(body: ContactBody, nodal_forces: sp.csr_array
     """
     K, cut = (
         forms.assemble_constant_form(elasticity_form(young, poisson), body.mesh),
-        degrees_of_freedom_on_boundaries(body.mesh, "held"),
+        fem.degrees_of_freedom_on_boundaries(body.mesh, "held"),
     )
     by_cut = sp.csr_array(-(K[cut].T @ _half_space_motion_at_cut(body, nodal_forces, young, poisson)).T)
     F, m = _compliance_with_fixed_freedoms(K, cut, sp.vstack([nodal_forces, by_cut])), nodal_forces.shape[0]
@@ -461,12 +441,12 @@ def compliance_of_half_space_block(body: ContactBody, nodal_forces: sp.csr_array
 
 
 def _half_space_motion_at_cut(body: ContactBody, nodal_forces: sp.csr_array, young: float, poisson: float) -> Array:
-    """Compute how the cut faces of a block move in the half-space under m load cases, ``(3 cut nodes, m)`` [m/N].
+    """Compute the displacements that a half-space has at the cut faces of a block, ``(3 cut nodes, m)`` [m/N].
 
-    ``nodal_forces``: nodal forces of the load cases on the nodes of the contact zone (m, 3 n).
+    ``nodal_forces``: nodal forces of m load cases on the nodes of the contact zone (m, 3 n).
     """
-    points = node_coordinates(body.mesh)
-    cut, sources = points[nodes_on_boundaries(body.mesh, "held")], points[body.contact_nodes, :2]
+    points = fem.node_coordinates(body.mesh)
+    cut, sources = points[fem.nodes_on_boundaries(body.mesh, "held")], points[body.contact_nodes, :2]
     shear = 0.5 * young / (1.0 + poisson)
     along = cerruti_displacements(cut, sources, shear, poisson)
     turned = cerruti_displacements(cut[:, [1, 0, 2]], sources[:, ::-1], shear, poisson)[:, [1, 0, 2]]
@@ -522,9 +502,9 @@ def half_space_compliance_on_same_nodes(
     off[tuple(body.node_grid_indices.T)] = contact_node_coordinates(body, frame or ContactAxes()) - np.array(
         zone.half_lengths
     ) * (body.node_grid_indices / cells - 1.0)
-    points = node_coordinates(block.mesh).copy()
+    points = fem.node_coordinates(block.mesh).copy()
     points[:, :2] += off[tuple(zone.nearest_node_indices(points[:, :2]).T)]
-    block = replace(block, mesh=with_node_coordinates(block.mesh, points))
+    block = replace(block, mesh=fem.with_node_coordinates(block.mesh, points))
     return compliance_of_half_space_block(block, nodal_forces_of_tractions(block, zone, degree, (0.0, 0.0)), young, poisson)
 
 
@@ -535,17 +515,17 @@ class Sizes:
 
     #: Numbers of cells of the contact zone along and across the groove.
     cells: tuple[int, int] = frozen_default((4, 4))
-    #: Ratio of the sizes of neighbouring cells outside the zone.
+    #: Ratio of the sizes of neighbouring cells outside the contact zone.
     growth: float = frozen_default(2.5)
-    #: Ratio of the zone's half lengths to the semi-axes of the contact ellipse.
+    #: Ratio of the contact zone's half lengths to the semi-axes of the contact ellipse.
     margin: float = frozen_default(1.1)
-    #: Degree of the polynomials of the kernel.
+    #: Degree of the polynomials that describe the compliance of a finite body less that of a half-space.
     degree: int = frozen_default(4)
-    #: Radius of the outside of grooved bars over the ball's radius.
+    #: Outer radius, from the ball's centre, of grooved bars that represent screw, nut or ring, over the ball's radius.
     bar: float = frozen_default(5.0)
     #: Half of the opening angle of the grooves of bars [rad].
     opening: float = frozen_default(1.4)
-    #: True: rings and helices are patches as in the static 3D reference; False: they are bent bars.
+    #: True: grooves of rings and helices are meshed as in the static 3D reference; False: as bent bars.
     patches: bool = frozen_default(True)
 
 
@@ -569,17 +549,17 @@ def cache_by_arguments(make: Callable[P, T]) -> Callable[P, T]:
     """
 
     @wraps(make)
-    def cached(*arguments: P.args, **named: P.kwargs) -> T:
-        key = _call_key(partial(make, *arguments, **named))
+    def return_cached_or_computed(*arguments: P.args, **named: P.kwargs) -> T:
+        key = _cache_key_of_call(partial(make, *arguments, **named))
         if key not in _KEPT:
             _store_result(key, make(*arguments, **named))
         value: T = _KEPT[key]
         return value
 
-    return cached
+    return return_cached_or_computed
 
 
-def _call_key(call: partial[Any]) -> tuple[object, ...]:
+def _cache_key_of_call(call: partial[Any]) -> tuple[object, ...]:
     """Return the key of a function call in the cache of compliance kernels: the function's name, then its arguments."""
     return call.func.__name__, call.args, *call.keywords.items()
 
@@ -587,7 +567,7 @@ def _call_key(call: partial[Any]) -> tuple[object, ...]:
 def _store_result(key: tuple[object, ...], value: Any) -> None:
     """Store the result of a call in the cache of compliance kernels; delete the oldest if there are more than `MOST`.
 
-    ``key``: key of the call, as from `_call_key`; ``value``: its result.
+    ``key``: key of the call, as from `_cache_key_of_call`; ``value``: its result.
     """
     _KEPT[key] = value
     while len(_KEPT) > MOST:
@@ -652,7 +632,7 @@ def compliance_kernels_of_patches(
     *,
     outer: bool,
 ) -> tuple[ComplianceKernel, ComplianceKernel]:
-    """Compute the compliance of groove and ball at a contact less that of a half-space (kernels), on fine meshes.
+    """Compute the compliances of groove and of ball at a contact less that of a half-space (kernels), on fine meshes.
 
     The meshes are made like the contact patches of the static 3D reference.
 
@@ -688,7 +668,7 @@ def compliance_kernels_of_patches(
     ):
         body = ContactBody(cut.patch_mesh.mesh, cut.patch_mesh.contact_nodes, sense, cut.node_grid_indices)
         frame = ContactAxes(cut.ball_centre, cut.contact_axes)
-        matrix = compliance_of_patch_in_submodel(
+        matrix = coarse.compliance_of_patch_in_submodel(
             cut.body_piece,
             cut.patch_mesh,
             nodal_forces_of_tractions(body, zone, degree, surface_curvatures, frame),
@@ -736,7 +716,7 @@ class ContactGeometry:
 
     #: Radius of the ball [m].
     ball_radius: float
-    #: Relative radii along and across the groove [m].
+    #: Relative radii of curvature of ball and groove along and across the groove [m].
     relative_radii: tuple[float, float]
     #: Angle from the groove's bottom to the contact [rad].
     contact_angle: float
@@ -783,7 +763,9 @@ class ContactGeometry:
         return ContactZone((sizes.margin * ellipse.semi_x, sizes.margin * ellipse.semi_y), sizes.cells, sizes.growth)
 
 
-def _kernel_calls(at: ContactGeometry, load: float, young: float, poisson: float, sizes: Sizes) -> list[partial[Any]]:
+def _calls_that_compute_kernels(
+    at: ContactGeometry, load: float, young: float, poisson: float, sizes: Sizes
+) -> list[partial[Any]]:
     """List the function calls that compute the compliance kernels of ball and groove at one contact.
 
     These are two calls for a whole ball and a grooved bar, or one call for the patches of both. ``at``: position of the
@@ -821,14 +803,14 @@ def _sum_kernels_of_contact(
 
     ``at``: position of the contact; ``load``: contact load [N]; ``sizes``: mesh settings of the bodies.
     """
-    kernels = [call() for call in _kernel_calls(at, load, young, poisson, sizes)]
+    kernels = [call() for call in _calls_that_compute_kernels(at, load, young, poisson, sizes)]
     first, second = kernels if len(kernels) == 2 else kernels[0]
     kernel: ComplianceKernel = first + second
     return kernel if len(kernels) == 1 else kernel.symmetric_in_x
 
 
 def _round_for_shared_kernel(at: ContactGeometry, load: float) -> tuple[ContactGeometry, float]:
-    """Round the angle and the load [N] of a contact, so that all similar contacts share one compliance kernel.
+    """Round the contact angle and the load [N] of a contact, so that similar contacts share one compliance kernel.
 
     Returns the position with a rounded contact angle, and the load rounded up to a power of two [N].
     """
@@ -900,9 +882,11 @@ def compute_and_cache_kernels(
         The groove, ring or nut of a contact has no room for the contact zone or for a patch.
     """
     calls = [
-        call for at, load in contacts for call in _kernel_calls(*_round_for_shared_kernel(at, load), young, poisson, sizes)
+        call
+        for at, load in contacts
+        for call in _calls_that_compute_kernels(*_round_for_shared_kernel(at, load), young, poisson, sizes)
     ]
-    missing = {key: call for call in calls if (key := _call_key(call)) not in _KEPT}
+    missing = {key: call for call in calls if (key := _cache_key_of_call(call)) not in _KEPT}
     if processes == 1 or len(missing) < 2:
         return 0.0
     jobs = [RecordJob("kernels", _run_call_without_cache, (call,), tuple) for call in missing.values()]

@@ -81,10 +81,10 @@ class ContactZone:
 
 
 def _growing_boundaries_to_end(start: float, end: float, step: float, growth: float) -> Array:
-    """Return the boundaries of mesh cells that grow from ``start`` to ``end`` [m], without ``start`` itself.
+    """Return the boundaries of mesh cells whose sizes grow from ``start`` to ``end`` [m], without ``start`` itself.
 
-    ``step``: size of the cell before ``start`` [m]; ``growth``: ratio of neighbouring cells. The last cell ends at ``end``;
-    the others do not depend on it.
+    ``step``: size of the cell before ``start`` [m]; ``growth``: ratio of the sizes of neighbouring cells. The last cell
+    ends at ``end``; the other cells do not depend on ``end``.
     """
     out, width = [start], step * growth
     while out[-1] + 1.5 * width < end:
@@ -104,9 +104,9 @@ class ContactBody:
     mesh: Mesh
     #: Indices of the nodes of the contact zone ``(c,)``.
     contact_nodes: Index
-    #: Sense of z along the normal from ball to groove: -1 for the ball, 1 for a groove.
+    #: Direction of the mesh's axis z relative to the normal from ball to groove: -1 for the ball, 1 for a groove.
     normal_sense: int
-    #: Indices of the nodes in the zone's grid along x and y ``(c, 2)``, from zero.
+    #: Indices of the contact nodes in the grid of the contact zone, along x and y ``(c, 2)``, from zero.
     node_grid_indices: Index
 
 
@@ -116,7 +116,8 @@ def _contact_body_from_grid(
     """Create the mesh of a body from a rectangular grid whose nodes are moved, and name its boundaries.
 
     ``x``, ``y``, ``z``: cell boundaries of the grid [m]; ``points``: positions to which its n nodes are moved (n, 3) [m];
-    ``held``: axis and coordinate of each face of the grid that is fixed; ``sense``: 1 for a groove, -1 for the ball.
+    ``held``: axis and coordinate of each face of the grid that is fixed; ``sense``: direction of the mesh's axis z relative
+    to the normal from ball to groove, 1 for a groove, -1 for the ball.
     """
     flat = mesh_rectangular_grid(x, y, z, "Q2")
     xi = node_coordinates(flat)
@@ -171,17 +172,17 @@ class Groove:
 
     #: Radius of the ball [m].
     ball_radius: float
-    #: Radius of the arcs [m].
+    #: Radius of the two arcs of the groove's cross-section [m].
     arc_radius: float
-    #: Contact angle from the bottom of the groove [rad].
+    #: Contact angle, from the bottom of the groove to the contact [rad].
     contact_angle: float
-    #: Half of the opening angle [rad].
+    #: Half of the groove's opening angle, seen from the ball's centre [rad].
     half_opening_angle: float
-    #: Curvature of the surface along the track at the contact [1/m]; positive: concave, 0: straight.
+    #: Curvature of the groove's surface along the track at the contact [1/m]; positive: concave, 0: straight.
     curvature_along_track: float
 
     def surface_distance(self, theta: Array) -> Array:
-        """Compute the distance of the groove's surface from the ball's centre [m].
+        """Compute the distance of points on the groove's surface from the ball's centre [m].
 
         ``theta``: angles at the ball's centre from the contact towards the bottom of the groove [rad].
         """
@@ -259,7 +260,7 @@ def _bend_bar_along_track(groove: Groove, x: Array, y: Array, z: Array) -> Array
 def mesh_half_space(
     cut_distance: float, zone: ContactZone, inner_cell_boundaries: tuple[Array, Array, Array] | None = None
 ) -> ContactBody:
-    """Mesh a rectangular block of a half-space.
+    """Mesh a rectangular block that is cut out of a half-space around a contact.
 
     Parameters
     ----------
@@ -302,7 +303,7 @@ def mesh_half_space(
 
 
 def _continued_boundaries(lines: Array, size: float, growth: float) -> Array:
-    """Return the cell boundaries that continue ascending boundaries up to ``size`` [m].
+    """Return cell boundaries that continue a given ascending sequence of boundaries up to ``size`` [m].
 
     ``lines``: the boundaries to be continued [m]; ``growth``: ratio of neighbouring cells beyond them.
     """

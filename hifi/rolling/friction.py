@@ -46,15 +46,15 @@ LOST = 1e4
 class FrictionContact:
     """Input of the friction solver for one contact of n cells whose bodies have m rigid motions."""
 
-    #: Largest tangential force g of each cell ``(n,)`` [N].
+    #: Largest tangential force g of each cell, friction coefficient times normal force ``(n,)`` [N].
     friction_limits: Array
-    #: Slip M by unit tangential forces, from elastic displacements ``(2 n, 2 n)`` [m/s/N].
+    #: Slip M of the cells by elastic displacements under unit tangential forces ``(2 n, 2 n)`` [m/s/N].
     elastic_slip_matrix: Array
-    #: Slip J by unit rigid motions ``(2 n, m)``.
+    #: Slip J of the cells by unit rigid motions of the bodies ``(2 n, m)``.
     motion_slip_matrix: Array
-    #: Indices of these m motions in the vector y of all motions ``(m,)``.
+    #: Indices of the m motions that act on this contact in the vector y of all motions ``(m,)``.
     motion_indices: Index
-    #: Prescribed slip w ``(2 n,)`` [m/s].
+    #: Prescribed slip w of the cells ``(2 n,)`` [m/s].
     prescribed_slip: Array
 
     def slip(self, q: Array, y: Array) -> Array:
@@ -75,13 +75,13 @@ class FrictionContact:
 class FrictionSolution:
     """Tangential forces, slips and rigid motions that satisfy Coulomb's law in all contacts and equilibrium."""
 
-    #: Tangential forces q of every contact ``(2 n,)`` [N].
+    #: For every contact, the tangential forces q of its cells ``(2 n,)`` [N].
     forces: list[Array]
-    #: Slips s of every contact ``(2 n,)`` [m/s].
+    #: For every contact, the slips s of its cells ``(2 n,)`` [m/s].
     slips: list[Array]
-    #: Rigid motions y of all bodies.
+    #: Rigid motions y of all bodies, such as the velocities of balls.
     motions: Array
-    #: Number of Newton's steps.
+    #: Number of Newton steps.
     steps: int
     #: "converged", or the reason why the solution did not converge.
     status: str
@@ -105,7 +105,7 @@ def keep_prescribed_motions(y: Array) -> tuple[Array, Array]:
 
 
 def _vector_to_xy_rows(v: Array) -> Array:
-    """Rearrange a vector of all x components and then all y components (2 n,) into rows (x, y) of shape ``(n, 2)``."""
+    """Rearrange a vector (2 n,) of all x, then all y components into rows (x, y) ``(n, 2)``."""
     return v.reshape(2, -1).T
 
 
@@ -196,18 +196,21 @@ def _newton_terms_of_coulomb_law(
     across = np.stack([-unit[:, 1], unit[:, 0]], axis=1)
     held = np.flatnonzero(stick)
 
-    def free_rows(A: Array) -> Array:
+    def rows_of_free_unknowns(A: Array) -> Array:
         """Return the rows of a matrix (2 n, k) for the unknowns of Newton's step.
 
-        A slipping cell has one unknown, across the direction of q - r s; a cell that sticks has two, along x and y.
+        A slipping cell has one unknown, across the direction of q - r s (q: tangential force, r: projection parameter, s:
+        slip of the cell); a cell that sticks has two, along x and y.
         """
         return np.concatenate([across[:, :1] * A[slip] + across[:, 1:] * A[n + slip], A[held], A[n + held]])
 
-    MR = free_rows(c.elastic_slip_matrix)
-    K = free_rows(MR.T).T  # the same of its columns
+    MR = rows_of_free_unknowns(c.elastic_slip_matrix)
+    K = rows_of_free_unknowns(MR.T).T  # the same of its columns
     share = c.friction_limits[slip] / size[slip]
     weight = np.concatenate([share * projection_parameter[slip], np.ones(2 * held.size)])
-    right = np.column_stack([MR @ _xy_rows_to_vector(known), free_rows(c.motion_slip_matrix)]) * -weight[:, None]
+    right = (
+        np.column_stack([MR @ _xy_rows_to_vector(known), rows_of_free_unknowns(c.motion_slip_matrix)]) * -weight[:, None]
+    )
     right[:, 0] -= np.concatenate([np.sum(left[slip] * across, axis=1), s[held], s[n + held]])
     K *= weight[:, None]
     K[np.arange(slip.size), np.arange(slip.size)] += 1.0 - share
@@ -224,9 +227,11 @@ def _newton_terms_of_coulomb_law(
 
 @dataclass
 class _FrictionProblem:
-    """Friction problem of several contacts whose bodies are in equilibrium (function ``equilibrium``)."""
+    """Friction problem of several contacts together with the equilibrium of their bodies: Newton steps and residuals."""
 
+    #: Contacts whose friction is solved together.
     contacts: Sequence[FrictionContact]
+    #: Function that returns the forces on all motions besides friction, and their derivatives, at given motions.
     equilibrium: Balance
 
     def newton_step(self, parts: list[tuple[Array, Array, Array]], q: list[Array], y: Array) -> tuple[list[Array], Array]:
@@ -265,11 +270,11 @@ def _solve_smoothed_friction(
     """
     scale = max(float(c.friction_limits.max()) for c in system.contacts)
 
-    def size(q: list[Array], y: Array) -> float:
+    def norm_of_residuals(q: list[Array], y: Array) -> float:
         lefts = [_smoothed_residual(c, v, y, smoothing_speed, elastic) for c, v in zip(system.contacts, q, strict=True)]
         return float(sum(v @ v for v in lefts) ** 0.5 + np.linalg.norm(system.unbalanced_forces(q, y)))
 
-    norm = size(q, y)
+    norm = norm_of_residuals(q, y)
     for _ in range(STEPS):
         parts = [
             _newton_terms_of_smoothed_law(c, v, y, smoothing_speed, elastic)
@@ -279,7 +284,7 @@ def _solve_smoothed_friction(
         t = 1.0
         for _ in range(12):
             trial = [v + t * d for v, d in zip(q, dq, strict=True)], y + t * dy
-            new = size(*trial)
+            new = norm_of_residuals(*trial)
             if new <= (1.0 - 0.1 * t) * norm:
                 break
             t *= 0.5

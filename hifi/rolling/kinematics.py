@@ -27,9 +27,9 @@ class TrackMotion:
     The speed is in m/s on a straight track, and in rad/s on a ring or helix.
     """
 
-    #: Axis of rotation ``(3,)``, zero or of unit length.
+    #: Axis about which the track turns ``(3,)``: a unit vector, or zero for a straight track.
     rotation_axis: Array
-    #: Velocity of the ball's centre per unit of speed ``(3,)`` [1 on a straight track, m on a ring or helix].
+    #: Velocity of the ball's centre per unit of the track's speed ``(3,)`` [1 on a straight track, m on a ring or helix].
     centre_velocity: Array
 
     @property
@@ -46,9 +46,9 @@ class TrackMotion:
         return float(np.sqrt(self.centre_speed**2 - rise**2)), rise
 
     def track_velocity_field(self, at: Array) -> Array:
-        """Compute the velocity of the screw motion per unit of speed ``(..., 3)`` at points (..., 3) [m].
+        """Compute the velocity field of the screw motion per unit of the track's speed ``(..., 3)``.
 
-        Points, from the ball's centre, and velocities are in the ball's axes.
+        ``at``: points relative to the ball's centre (..., 3) [m]. Points and velocities are in the ball's axes.
         """
         return np.asarray(self.centre_velocity + np.cross(self.rotation_axis, at))
 
@@ -88,7 +88,7 @@ class GrooveContact:
     contact_normal: Array
     #: Contact force [N].
     contact_force: float
-    #: Relative radii along and across the groove [m].
+    #: Relative radii of curvature of ball and groove along and across the groove [m].
     relative_radii: tuple[float, float]
     #: Speed of the groove's body along the track [m/s on a straight track, rad/s on a ring or helix].
     groove_speed: float
@@ -100,15 +100,15 @@ class GrooveContact:
 class BallPairContact:
     """Sliding contact between two neighbouring balls of a track, at one point."""
 
-    #: Index of the first ball.
+    #: Index of the contact's first ball.
     first_ball: int
-    #: Index of the second ball.
+    #: Index of the contact's second ball.
     second_ball: int
     #: Closing speed (first row) and two sliding speeds of the first ball past the second, by 1 m/s of each of the four
     #: motions of both balls ``(3, 8)``.
     speeds_by_ball_motions: Array
-    #: Directions of these three speeds as rows, in common axes ``(3, 3)``: from the first ball to the second, and two
-    #: tangents.
+    #: Directions of the three speeds in ``speeds_by_ball_motions`` as rows, in common axes ``(3, 3)``: from the first ball
+    #: to the second, and two tangents.
     axes: Array
     #: Closing speed of the balls up to which they stay apart [m/s]: in a time step, their gap over the step's duration.
     separating_speed: float
@@ -154,7 +154,7 @@ class RollingBall:
 class RollingBalls:
     """Input of the rolling model: balls on a track with material, friction coefficients and all contacts."""
 
-    #: Screw motion of the track.
+    #: Screw motion of the track (straight, ring or helix).
     track: TrackMotion
     #: Radius of the balls [m].
     ball_radius: float
@@ -168,7 +168,7 @@ class RollingBalls:
     ball_friction_coefficient: float
     #: Nominal speed of the balls along the track [m/s on a straight track, rad/s on a ring or helix].
     nominal_track_speed: float
-    #: The balls.
+    #: Axes and groove contacts of each ball.
     balls: tuple[RollingBall, ...]
     #: Contacts between neighbouring balls.
     ball_to_ball_contacts: tuple[BallPairContact, ...] = ()
@@ -381,7 +381,8 @@ def ball_to_ball_contact(
     radius : float
         Radius of the balls [m].
     separating_speed : float, default 0.0
-        Closing speed of the balls up to which they stay apart [m/s]; 0: there is no gap between them.
+        Largest closing speed at which the balls do not touch [m/s]: in a time step, the gap between them over the duration
+        of the step; 0: there is no gap.
 
     Returns
     -------
@@ -408,9 +409,9 @@ class BallEquilibrium:
     unknowns y are the motions of all balls, then the force of each ball-to-ball contact [N].
     """
 
-    #: The balls.
+    #: Balls, contacts and friction coefficients.
     rolling_balls: RollingBalls
-    #: Factor by which closing speeds are multiplied to be compared with forces [N s/m].
+    #: Factor by which closing speeds of neighbouring balls are multiplied to be compared with forces [N s/m].
     force_per_closing_speed: float
 
     def __call__(self, y: Array) -> tuple[Array, Array]:

@@ -46,7 +46,7 @@ def monomial_exponents(degree: int) -> Array:
     return np.array([(i, n - i) for n in range(degree + 1) for i in range(n, -1, -1)])
 
 
-def monomials(at: Array, scale: tuple[float, float], degree: int) -> Array:
+def monomial_values(at: Array, scale: tuple[float, float], degree: int) -> Array:
     """Evaluate all monomials x^i y^j up to a degree at given points.
 
     Parameters
@@ -69,14 +69,17 @@ def monomials(at: Array, scale: tuple[float, float], degree: int) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class ComplianceKernel:
-    """Difference between the contact compliance of finite bodies and of half-spaces, as a polynomial kernel in x and y."""
+    """Contact compliance of finite bodies less that of half-spaces, as polynomials in coordinates on the contact zone.
 
-    #: Coefficients M of the kernel between k monomials ``(3 k, 3 k)`` [m/N]: k along x, then k along y, then k along the
-    #: normal.
+    The coordinates are those of the loaded point and of the point whose displacement is computed.
+    """
+
+    #: Coefficients M of the kernel between k monomials ``(3 k, 3 k)`` [m/N]: k for the direction x, then k for y, then k
+    #: for the normal.
     M: Array
-    #: Lengths by which x and y are divided in the monomials [m].
+    #: Lengths by which x and y are divided in the monomials of the kernel [m].
     coordinate_scales: tuple[float, float]
-    #: Degree of the monomials.
+    #: Degree of the monomials x^i y^j of the kernel.
     degree: int
 
     def __add__(self, other: ComplianceKernel) -> ComplianceKernel:
@@ -97,7 +100,7 @@ class ComplianceKernel:
 
     @cached_property
     def symmetric_in_x(self) -> ComplianceKernel:
-        """Mean of the kernel and its mirror image in x, for bodies that are symmetric along the rolling direction."""
+        """Mean of the kernel and its mirror image x -> -x, for bodies that are symmetric along the rolling direction."""
         odd = (-1.0) ** monomial_exponents(self.degree)[:, 0]
         signs = np.concatenate([-odd, odd, odd])
         return replace(self, M=0.5 * (self.M + self.M * np.outer(signs, signs)))
@@ -127,14 +130,14 @@ class ComplianceKernel:
         (r n, c n) Array
             Displacements per unit of force [m/N]; rows and columns are n for the first direction, then n for the second.
         """
-        to = monomials(at + np.array([shift, 0.0]), self.coordinate_scales, self.degree)
-        by = monomials(at, self.coordinate_scales, self.degree)
+        to = monomial_values(at + np.array([shift, 0.0]), self.coordinate_scales, self.degree)
+        by = monomial_values(at, self.coordinate_scales, self.degree)
         left = np.kron(np.eye(rows.stop - rows.start), to)
         right = np.kron(np.eye(columns.stop - columns.start), by)
         return np.asarray(left @ self._coefficient_block(rows, columns) @ right.T)
 
     def displacement_slopes(self, at: Array, rows: slice, columns: slice) -> Array:
-        """Compute the derivative with respect to x of the displacements by unit forces ``(r n, c n)`` [1/N].
+        """Compute the derivatives along x of the displacements that the kernel gives by unit forces ``(r n, c n)`` [1/N].
 
         ``at``: points of forces and displacements (n, 2) [m]; ``rows``, ``columns``: the r directions of the displacements
         and the c directions of the forces (`TANGENTS`, `NORMAL`). Rows and columns are n for each direction in turn.
@@ -143,7 +146,7 @@ class ComplianceKernel:
         lower = np.maximum(powers - np.array([1, 0]), 0)
         unit = at / np.array(self.coordinate_scales)
         to = powers[:, 0] / self.coordinate_scales[0] * np.prod(unit[:, None] ** lower, axis=2)
-        by = monomials(at, self.coordinate_scales, self.degree)
+        by = monomial_values(at, self.coordinate_scales, self.degree)
         left = np.kron(np.eye(rows.stop - rows.start), to)
         right = np.kron(np.eye(columns.stop - columns.start), by)
         return np.asarray(left @ self._coefficient_block(rows, columns) @ right.T)
@@ -170,7 +173,7 @@ MOST = 100
 
 
 def _double_integral_over_rectangle(corner: Array) -> Array:
-    """Compute an integral over a rectangle from the values of the double antiderivative at its corners.
+    """Compute a double integral over a rectangle from the antiderivative's values at the rectangle's corners.
 
     ``corner``: these values (2, 2, ...), those at the upper limits of x and y first. The sum
     is ordered so that points on opposite sides of the rectangle have the same value to the last digit.
@@ -249,7 +252,7 @@ def displacement_by_rectangle(x: Array, y: Array, dx: float, dy: float, young: f
     return out
 
 
-def _influence_table(
+def _tabulate_half_space_influence(
     cells: Index, size: Array, material: tuple[float, float], directions: slice, shift: float = 0.0
 ) -> Array:
     """Tabulate the relative displacements of two half-spaces at all cells of a grid by unit forces on one cell.
@@ -266,10 +269,10 @@ def _influence_table(
 
 
 def _expand_influence_table(cells: Index, table: Array) -> Array:
-    """Expand a table of displacements by cell offset, of `_influence_table`, to the matrix between n cells ``(k n, k n)``.
+    """Expand a table of displacements by cell offset to the compliance matrix between n cells ``(k n, k n)``.
 
-    ``cells``: columns and rows of the cells (n, 2); ``table``: values at all offsets, for k directions. The matrix has n
-    rows and columns for the first direction, then n for the second.
+    ``cells``: columns and rows of the cells (n, 2); ``table``: values at all offsets for k directions, as from
+    `_tabulate_half_space_influence`. The matrix has n rows and columns for the first direction, then n for the second.
     """
     span, n, k = np.ptp(cells, axis=0), len(cells), table.shape[-1]
     line = cells @ (2 * span[1] + 1, 1)
@@ -314,7 +317,7 @@ def solve_normal_contact(
     ValueError
         The set of cells in contact does not converge.
     """
-    C = _expand_influence_table(cells, _influence_table(cells, size, material, NORMAL)) + (
+    C = _expand_influence_table(cells, _tabulate_half_space_influence(cells, size, material, NORMAL)) + (
         0.0 if added_compliance is None else added_compliance
     )
     active = gap <= np.quantile(gap, 0.5)
@@ -338,31 +341,31 @@ def solve_normal_contact(
 
 @dataclass(frozen=True)
 class GridContact:
-    """Solved normal contact of two bodies on a grid of n cells, with the material for its tangential compliance."""
+    """Solved normal contact of two bodies on a grid of n cells, with the data for its tangential compliance."""
 
-    #: Columns and rows of the cells on a grid ``(n, 2)``.
+    #: Column and row of each cell on its grid ``(n, 2)``.
     cell_indices: Index
     #: Centres x, y of the cells ``(n, 2)`` [m].
     cell_centres: Array
     #: Sides of a cell along x and y ``(2,)`` [m].
     cell_size: Array
-    #: Normal forces ``(n,)`` [N].
+    #: Normal force of each cell ``(n,)`` [N].
     normal_forces: Array
     #: Young's modulus [Pa] and Poisson's ratio of both bodies.
     elastic_constants: tuple[float, float]
-    #: Approach of the bodies [m].
+    #: Approach of the two bodies [m].
     approach: float
-    #: Compliance of the finite bodies less that of half-spaces; None: the bodies are half-spaces.
+    #: Contact compliance of the finite bodies less that of half-spaces; None: the bodies are half-spaces.
     finite_body_kernel: ComplianceKernel | None = None
 
     @property
     def normal_load(self) -> float:
-        """Normal force [N]."""
+        """Normal force of the contact, the sum over its cells [N]."""
         return float(self.normal_forces.sum())
 
     def _tabulate_tangential_influence(self, shift: float) -> Array:
-        """Tabulate tangential displacements of half-spaces, ``shift`` [m] upstream of cells, by unit forces on a cell."""
-        return _influence_table(self.cell_indices, self.cell_size, self.elastic_constants, TANGENTS, shift)
+        """Tabulate half-spaces' tangential displacements, ``shift`` [m] upstream of cells, by unit forces on one cell."""
+        return _tabulate_half_space_influence(self.cell_indices, self.cell_size, self.elastic_constants, TANGENTS, shift)
 
     def tangential_compliance(self, shift: float = 0.0) -> Array:
         """Compute the tangential compliance between the cells: relative displacement by unit forces, uniform over a cell.
@@ -387,9 +390,9 @@ class GridContact:
 
     @property
     def tangential_displacement_rate(self) -> Array:
-        """Tangential displacement by the normal forces, per length of rolling, all x and then all y ``(2 n,)`` [m/m].
+        """Tangential slip of the cells that normal forces cause, per length of rolling ``(2 n,)`` [m/m], all x, then y.
 
-        The displacement is zero for half-spaces of the same material.
+        The slip is zero for half-spaces of the same material.
         """
         if self.finite_body_kernel is None:
             return np.zeros(2 * len(self.cell_centres))
@@ -401,7 +404,7 @@ class GridContact:
     def depth_of_contact_centre(self) -> float:
         """Depth of the contact's centre inside the undeformed ball [m]: half of the approach.
 
-        The depth is 0 for half-spaces, where the rolling radius is the ball's.
+        The depth is 0 for half-spaces, so that the ball rolls with its own radius.
         """
         return 0.0 if self.finite_body_kernel is None else 0.5 * self.approach
 
@@ -428,7 +431,7 @@ class GridContact:
         )
 
     def similar_contact(self, length: float, force: float) -> GridContact:
-        """Return a geometrically similar contact of half-spaces, with lengths and normal forces multiplied by factors.
+        """Return a geometrically similar contact of half-spaces: lengths and normal forces are multiplied by factors.
 
         Parameters
         ----------

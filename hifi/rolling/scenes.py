@@ -23,21 +23,8 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import minimize, root
 
 from rollbench.hifi.contact.hertz import solve_hertz
-from rollbench.hifi.rolling.balls import (
-    RollingResult,
-    RollingSettings,
-    copy_without_ball_to_ball_contacts,
-    loaded_contacts,
-    solve_rolling,
-)
-from rollbench.hifi.rolling.kinematics import (
-    BallPairContact,
-    GrooveContact,
-    RollingBall,
-    RollingBalls,
-    TrackMotion,
-    ball_to_ball_contact,
-)
+from rollbench.hifi.rolling import balls as rolling_balls
+from rollbench.hifi.rolling import kinematics
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.numerics import brentq
 
@@ -47,23 +34,23 @@ class BallLayoutOnTrack:
     """Geometry and speeds of N rolling balls and of the k groove contacts of each ball."""
 
     #: Screw motion of the track, in the axes of every ball.
-    track: TrackMotion
+    track: kinematics.TrackMotion
     #: Axes of each ball as rows, in common axes ``(N, 3, 3)``.
     ball_axes: Array
-    #: Two unit vectors that span the plane of the track's section, in a ball's axes ``(2, 3)``.
+    #: Two unit vectors that span the track's cross-section, in a ball's axes ``(2, 3)``.
     section_directions: Array
     #: Ball radius [m].
     ball_radius: float
     #: Groove radius [m].
     groove_radius: float
-    #: Relative radii along and across every groove ``(k, 2)`` [m].
+    #: Relative radii of curvature of ball and groove, along and across each of the k grooves ``(k, 2)`` [m].
     relative_radii: Array
-    #: Speeds of the grooves' bodies along the track ``(k,)`` [m/s on a straight track, rad/s on a ring or helix].
+    #: Speeds of the bodies with the grooves along the track ``(k,)`` [m/s on a straight track, rad/s on a ring or helix].
     groove_speeds: Array
-    #: Nominal speed of the balls along the track, in the same unit.
+    #: Nominal speed of the balls along the track [m/s on a straight track, rad/s on a ring or helix].
     nominal_track_speed: float
     #: Contacts between neighbouring balls.
-    ball_to_ball_contacts: tuple[BallPairContact, ...]
+    ball_to_ball_contacts: tuple[kinematics.BallPairContact, ...]
 
 
 @dataclass(frozen=True)
@@ -82,7 +69,7 @@ class RollingMaterial:
 
 def create_rolling_balls(
     layout: BallLayoutOnTrack, material: RollingMaterial, contact_normals: Array, loads: Array
-) -> RollingBalls:
+) -> kinematics.RollingBalls:
     """Create the input of the rolling model from the positions of balls, and the directions and loads of their contacts.
 
     Parameters
@@ -104,18 +91,18 @@ def create_rolling_balls(
     balls = []
     for frame, n, force in zip(layout.ball_axes, contact_normals, loads, strict=True):
         touches = [
-            GrooveContact(
+            kinematics.GrooveContact(
                 n[k] @ layout.section_directions,
                 float(force[k]),
                 (layout.relative_radii[k, 0], layout.relative_radii[k, 1]),
                 float(layout.groove_speeds[k]),
-                _groove_bottom(n, layout.groove_speeds, k) @ layout.section_directions,
+                _direction_to_groove_bottom(n, layout.groove_speeds, k) @ layout.section_directions,
             )
             for k in range(force.size)
         ]
-        balls.append(RollingBall(frame, tuple(touches)))
+        balls.append(kinematics.RollingBall(frame, tuple(touches)))
     m = material
-    return RollingBalls(
+    return kinematics.RollingBalls(
         layout.track,
         layout.ball_radius,
         m.young,
@@ -128,12 +115,12 @@ def create_rolling_balls(
     )
 
 
-def _groove_bottom(normals: Array, groove_speeds: Array, k: int) -> Array:
+def _direction_to_groove_bottom(normals: Array, groove_speeds: Array, k: int) -> Array:
     """Return the unit vector from a ball's centre to the bottom of a groove, in the plane of the section ``(2,)``.
 
     ``k``: index of a contact with the groove. The vector lies between the contacts with both arcs of the groove.
-    ``normals``: unit vectors to the ball's contacts (k, 2); ``groove_speeds``: speeds of the grooves' bodies (k,), by which
-    the two arcs of one body are recognised.
+    ``normals``: unit vectors to the c contacts of the ball (c, 2); ``groove_speeds``: speed of the body that each contact
+    touches (c,), by which the two arcs of one body are recognised.
     """
     bottom = normals[groove_speeds == groove_speeds[k]].sum(axis=0)
     return np.asarray(bottom / np.linalg.norm(bottom))
@@ -183,11 +170,11 @@ def place_balls_on_straight_track(
     BallLayoutOnTrack
         Positions of balls and grooves.
     """
-    track = TrackMotion(np.zeros(3), np.array([0.0, 0.0, 1.0]))
+    track = kinematics.TrackMotion(np.zeros(3), np.array([0.0, 0.0, 1.0]))
     frames = np.repeat(np.eye(3)[None], count, axis=0)
     along = np.array([0.0, 0.0, 1.0])
     pairs = tuple(
-        ball_to_ball_contact(k, k + 1, (frames[k], frames[k + 1]), along, track, radius)
+        kinematics.ball_to_ball_contact(k, k + 1, (frames[k], frames[k + 1]), along, track, radius)
         for k in np.flatnonzero(np.asarray(neighbours_may_touch)).tolist()
     )
     radii = np.tile([radius, 1.0 / (1.0 / radius - 1.0 / groove_radius)], (np.size(groove_moves), 1))
@@ -267,7 +254,7 @@ def place_balls_along_helix(
     """
     rise = lead / (2.0 * np.pi)
     length, angle = float(np.hypot(pitch_radius, rise)), float(np.arctan2(rise, pitch_radius))
-    track = TrackMotion(np.array([0.0, np.sin(angle), np.cos(angle)]), np.array([0.0, length, 0.0]))
+    track = kinematics.TrackMotion(np.array([0.0, np.sin(angle), np.cos(angle)]), np.array([0.0, length, 0.0]))
 
     def gap_of_neighbours(step: float) -> float:
         """Return the gap [m] between neighbouring balls whose azimuths differ by ``step`` [rad]."""
@@ -281,7 +268,7 @@ def place_balls_along_helix(
     for k in range(count - 1):
         line = centres[k + 1] - centres[k]
         line = line / np.linalg.norm(line)
-        pairs.append(ball_to_ball_contact(k, k + 1, (frames[k], frames[k + 1]), line, track, radius))
+        pairs.append(kinematics.ball_to_ball_contact(k, k + 1, (frames[k], frames[k + 1]), line, track, radius))
     across = 1.0 / (1.0 / radius - 1.0 / groove_radius)
     radii = np.array(
         [[relative_radius_along(radius, pitch_radius, angle, o * np.cos(contact_angle)), across] for o in groove_sides]
@@ -329,7 +316,7 @@ def place_ball_in_ring(
     BallLayoutOnTrack
         Position of the ball and its grooves.
     """
-    track = TrackMotion(np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, pitch_radius]))
+    track = kinematics.TrackMotion(np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, pitch_radius]))
     across = 1.0 / (1.0 / radius - 1.0 / groove_radius)
     radii = np.array(
         [[relative_radius_along(radius, pitch_radius, 0.0, o * np.cos(contact_angle)), across] for o in groove_sides]
@@ -351,7 +338,8 @@ class StaticProblem:
     The inner body (screw, inner ring, carriage) has m free motions: rigid-body motions that no support prevents.
     """
 
-    #: Unit vectors from each ball's centre to its unloaded contacts, in the section ``(N, k, 2)``.
+    #: Unit vectors from each ball's centre to its k contacts in the unloaded state, in the track's cross-section ``(N, k,
+    #: 2)``.
     unloaded_normals: Array
     #: Groove radius less ball radius [m].
     radius_difference: float
@@ -359,15 +347,16 @@ class StaticProblem:
     interference: Array
     #: Hertz constants C of the contacts ``(N, k)`` [m/N^(2/3)], for the approach C F^(2/3).
     hertz_constants: Array
-    #: Whether each groove is one of the inner body ``(k,)``.
+    #: Whether each of a ball's k grooves belongs to the inner body ``(k,)``.
     on_inner_body: NDArray[np.bool_]
-    #: Displacement of the inner body in each ball's section by a unit of each free motion ``(N, 2, m)``.
+    #: Displacement of the inner body in the track's cross-section at each ball, by a unit of each free motion
+    #: ``(N, 2, m)``.
     inner_body_motions: Array
-    #: Prescribed displacement of the inner body in each ball's section ``(N, 2)`` [m].
+    #: Prescribed displacement of the inner body in the track's cross-section at each ball ``(N, 2)`` [m].
     inner_body_displacement: Array
     #: Applied forces on the inner body along its free motions ``(m,)`` [N].
     forces_on_inner_body: Array
-    #: Applied forces on the balls in their sections ``(N, 2)`` [N].
+    #: Applied forces on the balls in the track's cross-section ``(N, 2)`` [N].
     forces_on_balls: Array
 
 
@@ -375,15 +364,15 @@ class StaticProblem:
 class StaticEquilibrium:
     """Contact forces and displacements in the static equilibrium of the balls and the inner body."""
 
-    #: Contact forces ``(N, k)`` [N].
+    #: Contact forces of the N balls with their k grooves ``(N, k)`` [N].
     force: Array
-    #: Unit vectors from each ball's centre to its contacts, in the section ``(N, k, 2)``.
+    #: Unit vectors from each ball's centre to its k contacts, in the track's cross-section ``(N, k, 2)``.
     normal: Array
-    #: Displacements of the balls in their sections ``(N, 2)`` [m].
+    #: Displacements of the balls in the track's cross-section ``(N, 2)`` [m].
     ball: Array
-    #: Free motions of the inner body ``(m,)`` [m].
+    #: Displacements of the inner body along its free motions ``(m,)`` [m].
     body: Array
-    #: Largest unbalanced force, over the sum of the contact loads.
+    #: Largest unbalanced force on a ball or the inner body, over the sum of the contact loads.
     left: float
 
     @property
@@ -418,22 +407,29 @@ def solve_static_problem(static_problem: StaticProblem) -> StaticEquilibrium:
     if m:
         start[: 2 * N] = 0.5 * np.einsum("nim,m->ni", static_problem.inner_body_motions, start[2 * N :]).ravel()
 
-    def energy(x: Array) -> tuple[float, Array]:
+    def scaled_energy_and_gradient(x: Array) -> tuple[float, Array]:
         e, g, _ = _energy_derivatives(static_problem, x * unit)
         return e / (size * unit), g / size
 
-    def hessian(x: Array) -> Array:
+    def scaled_hessian(x: Array) -> Array:
         return np.asarray(_energy_derivatives(static_problem, x * unit)[2] * (unit / size)) + 1e-9 * np.eye(x.size)
 
-    x = minimize(energy, start, jac=True, hess=hessian, method="trust-exact", options={"gtol": 1e-8, "maxiter": 500}).x
+    x = minimize(
+        scaled_energy_and_gradient,
+        start,
+        jac=True,
+        hess=scaled_hessian,
+        method="trust-exact",
+        options={"gtol": 1e-8, "maxiter": 500},
+    ).x
     best = x
     for _ in range(POLISH):
-        g = energy(x)[1]
-        if np.linalg.norm(g) < np.linalg.norm(energy(best)[1]):
+        g = scaled_energy_and_gradient(x)[1]
+        if np.linalg.norm(g) < np.linalg.norm(scaled_energy_and_gradient(best)[1]):
             best = x
-        x = x - np.linalg.solve(hessian(x), g)
+        x = x - np.linalg.solve(scaled_hessian(x), g)
     force, normal, _ = _contact_forces_at_displacements(static_problem, best * unit)
-    left = float(np.abs(energy(best)[1]).max()) * size / max(float(force.sum()), 1e-300)
+    left = float(np.abs(scaled_energy_and_gradient(best)[1]).max()) * size / max(float(force.sum()), 1e-300)
     if np.any(
         (force > 0.0) & ((normal * static_problem.unloaded_normals).sum(axis=2) <= 0.0)
     ):  # a ball that left its groove for the far side
@@ -539,7 +535,7 @@ def solve_loads_with_rolling(
     layout: BallLayoutOnTrack,
     material: RollingMaterial,
     static_problem: StaticProblem,
-    choices: RollingSettings,
+    choices: rolling_balls.RollingSettings,
     *,
     balls_may_touch: bool,
 ) -> tuple[StaticEquilibrium, bool]:
@@ -570,9 +566,11 @@ def solve_loads_with_rolling(
     """
     loads = solve_static_problem(static_problem)
     held = copy_with_fixed_inner_body(static_problem, loads)
-    scale, last = float(loads.force.max()), dict[tuple[int, int], RollingResult]()
+    scale, last = float(loads.force.max()), dict[tuple[int, int], rolling_balls.RollingResult]()
 
-    def solve_with_push(push: Array, grid: RollingSettings) -> tuple[StaticEquilibrium, RollingResult, Array]:
+    def solve_with_forces_on_balls(
+        push: Array, grid: rolling_balls.RollingSettings
+    ) -> tuple[StaticEquilibrium, rolling_balls.RollingResult, Array]:
         pushed = solve_static_problem(replace(held, forces_on_balls=static_problem.forces_on_balls + push))
         rolling = _solve_rolling_under_loads(layout, material, pushed, grid, balls_may_touch, last.get(grid.grid_shape))
         last[grid.grid_shape] = rolling
@@ -582,15 +580,15 @@ def solve_loads_with_rolling(
             (rolling.groove_friction_wrenches[:, :3] + rolling.forces_by_neighbours) @ layout.section_directions.T,
         )
 
-    def push_mismatch(push: Array, grid: RollingSettings) -> Array:
+    def mismatch_of_forces_on_balls(push: Array, grid: rolling_balls.RollingSettings) -> Array:
         two = push.reshape(-1, 2) * scale
-        return np.asarray((solve_with_push(two, grid)[2] - two).ravel() / scale)
+        return np.asarray((solve_with_forces_on_balls(two, grid)[2] - two).ravel() / scale)
 
     push = np.zeros(2 * len(static_problem.forces_on_balls))
     for shape in (COARSE, choices.grid_shape):
         grid = replace(choices, grid_shape=shape)
-        push = root(lambda x, grid=grid: push_mismatch(x, grid), push, method="anderson", options=SEARCH).x
-    pushed, rolling, force = solve_with_push(push.reshape(-1, 2) * scale, choices)
+        push = root(lambda x, grid=grid: mismatch_of_forces_on_balls(x, grid), push, method="anderson", options=SEARCH).x
+    pushed, rolling, force = solve_with_forces_on_balls(push.reshape(-1, 2) * scale, choices)
     agree = np.abs(force / scale - push.reshape(-1, 2)).max() <= AGREED
     return pushed, bool(agree and pushed.converged and rolling.converged)
 
@@ -599,18 +597,20 @@ def _solve_rolling_under_loads(
     layout: BallLayoutOnTrack,
     material: RollingMaterial,
     loads: StaticEquilibrium,
-    choices: RollingSettings,
+    choices: rolling_balls.RollingSettings,
     balls_may_touch: bool,
-    near: RollingResult | None = None,
-) -> RollingResult:
+    near: rolling_balls.RollingResult | None = None,
+) -> rolling_balls.RollingResult:
     """Solve steady rolling of the balls under given contact forces and directions.
 
     ``loads``: contact forces and directions; ``balls_may_touch``: whether balls can touch each other; ``near``: another
     solution, from which the solver starts if the same contacts are loaded.
     """
     scene = create_rolling_balls(layout, material, loads.normal, loads.force)
-    loaded = [(b, k) for b, k, _ in loaded_contacts(scene)]
+    loaded = [(b, k) for b, k, _ in rolling_balls.loaded_contacts(scene)]
     alike = near is not None and [(c.ball_index, c.contact_index) for c in near.contacts] == loaded
-    return solve_rolling(
-        scene if balls_may_touch else copy_without_ball_to_ball_contacts(scene), choices, near if alike else None
+    return rolling_balls.solve_rolling(
+        scene if balls_may_touch else rolling_balls.copy_without_ball_to_ball_contacts(scene),
+        choices,
+        near if alike else None,
     )

@@ -16,30 +16,12 @@ from rollbench.hifi.bodies.grid_wave import solve_unilateral_contact
 from rollbench.hifi.contact.block import fit_pressure_ellipsoid
 from rollbench.hifi.contact.hertz import solve_hertz
 from rollbench.hifi.elements.forms import normalise_weight_rows
+from rollbench.hifi.rolling import bodies
+from rollbench.hifi.rolling import patch as rolling_patch
 from rollbench.hifi.rolling.balls import RollingResult, quadrature_of_unit_disk
-from rollbench.hifi.rolling.bodies import (
-    BallPath,
-    ContactGeometry,
-    Sizes,
-    compliance_kernel_of_ball,
-    compliance_kernel_of_contact,
-    compliance_of_half_space_block,
-    kernel_from_groove_response,
-    mesh_contact_pieces,
-    nodal_forces_of_tractions,
-)
 from rollbench.hifi.rolling.contact_bodies import ContactZone, mesh_half_space
 from rollbench.hifi.rolling.friction import FrictionContact, FrictionSolution, coulomb_friction_forces, solve_friction
 from rollbench.hifi.rolling.kinematics import MOTIONS, RollingBalls, velocities_by_ball_motions
-from rollbench.hifi.rolling.patch import (
-    ComplianceKernel,
-    GridContact,
-    create_cell_grid,
-    displacement_by_rectangle,
-    equivalent_half_space_radii,
-    solve_elastic_contact_on_grid,
-    solve_normal_contact,
-)
 from rollbench.meshes.arrays import Array
 
 #: Length over half width of the contact strip that represents a cylinder.
@@ -76,24 +58,24 @@ class Creep:
 class RolledContact:
     """Friction force, moment and loss of a contact that rolls steadily at 1 m/s."""
 
-    #: Force on body 1 along and across ``(2,)`` [N].
+    #: Friction force on body 1 along and across the rolling direction ``(2,)`` [N].
     friction_force: Array
-    #: Moment on body 1 about the normal [N m].
+    #: Moment of friction on body 1 about the contact normal [N m].
     friction_moment: float
     #: Normal contact on its grid.
-    normal_contact: GridContact
-    #: Solution of the friction solver.
+    normal_contact: rolling_patch.GridContact
+    #: Tangential forces and slips in every cell.
     friction_solution: FrictionSolution
-    #: Power of friction [W].
+    #: Power of friction of the contact [W].
     friction_loss: float
     #: Power dissipated by the error of the finite differences along the flow of material [W].
     numerical_dissipation: float
 
 
 def solve_friction_for_rigid_slip(
-    patch: GridContact, elastic: Array, slip: Array, mu: float
+    patch: rolling_patch.GridContact, elastic: Array, slip: Array, mu: float
 ) -> tuple[FrictionContact, FrictionSolution]:
-    """Solve the tangential forces of a contact whose bodies have a prescribed rigid slip.
+    """Solve for the tangential forces of a contact whose bodies have a prescribed rigid slip.
 
     Parameters
     ----------
@@ -119,7 +101,9 @@ def solve_friction_for_rigid_slip(
     return contact, solve_friction([contact])
 
 
-def solve_steady_rolling_for_creepages(patch: GridContact, creep: Creep, mu: float, elastic: float = 1.0) -> RolledContact:
+def solve_steady_rolling_for_creepages(
+    patch: rolling_patch.GridContact, creep: Creep, mu: float, elastic: float = 1.0
+) -> RolledContact:
     """Solve the friction of a contact that rolls steadily at 1 m/s under prescribed creepages.
 
     Parameters
@@ -143,7 +127,7 @@ def solve_steady_rolling_for_creepages(patch: GridContact, creep: Creep, mu: flo
     )
 
 
-def solve_steady_rolling_like_kalker(patch: GridContact, creep: Creep, mu: float) -> RolledContact:
+def solve_steady_rolling_like_kalker(patch: rolling_patch.GridContact, creep: Creep, mu: float) -> RolledContact:
     """Solve the friction of a contact that rolls steadily at 1 m/s, discretised as in Kalker's program CONTACT.
 
     Differences along the flow are of first order over a whole cell, and the slip by spin is taken a sixth of a cell
@@ -170,7 +154,9 @@ def solve_steady_rolling_like_kalker(patch: GridContact, creep: Creep, mu: float
     )
 
 
-def _solve_rolling_at_unit_speed(patch: GridContact, transport: Array, slip: Array, mu: float) -> RolledContact:
+def _solve_rolling_at_unit_speed(
+    patch: rolling_patch.GridContact, transport: Array, slip: Array, mu: float
+) -> RolledContact:
     """Solve the friction of a contact that rolls steadily at 1 m/s with a prescribed rigid slip.
 
     ``transport``: slip that unit tangential forces cause by elastic displacements (2 n, 2 n) [m/s/N]; ``slip``: rigid slip
@@ -186,15 +172,15 @@ def _solve_rolling_at_unit_speed(patch: GridContact, transport: Array, slip: Arr
 class RollingOnsetStep:
     """State after one step of a contact that is pushed sideways and then begins to roll under the same force."""
 
-    #: After the push the shift of body 1 along x [m], after each step of rolling the creepage along x.
+    #: Shift of body 1 along x after the push [m], or creepage along x after a step of rolling.
     shift_or_creepage: float
-    #: Number of cells that stick.
+    #: Number of cells of the contact that stick.
     sticking_cell_count: int
-    #: After the push the work of friction [J], after each step of rolling the power of friction at 1 m/s [W].
+    #: Work of friction in the push [J], or power of friction at 1 m/s in a step of rolling [W].
     friction_loss: float
 
 
-def simulate_rolling_onset(patch: GridContact, mu: float, share: float, steps: int) -> list[RollingOnsetStep]:
+def simulate_rolling_onset(patch: rolling_patch.GridContact, mu: float, share: float, steps: int) -> list[RollingOnsetStep]:
     """Simulate a contact that is pushed along x and then rolls under the same tangential force.
 
     The contact passes from Cattaneo's solution (at rest) to Carter's (steady rolling). After the push, the contact rolls by
@@ -224,7 +210,7 @@ def simulate_rolling_onset(patch: GridContact, mu: float, share: float, steps: i
     n, size = len(patch.cell_centres), float(patch.cell_size[0])
     motion, bound = np.repeat([1.0, 0.0], n)[:, None], mu * patch.normal_forces
 
-    def balance(_: Array) -> tuple[Array, Array]:
+    def equilibrium_under_constant_force(_: Array) -> tuple[Array, Array]:
         return np.array([share * mu * patch.normal_load]), np.zeros((1, 1))
 
     forces, y, out = np.zeros(2 * n), np.array([patch.approach]), []
@@ -232,7 +218,7 @@ def simulate_rolling_onset(patch: GridContact, mu: float, share: float, steps: i
     for step in range(steps + 1):
         seconds = 1.0 if step == 0 else size  # of a cell at 1 m/s
         contact = FrictionContact(bound, response / seconds, motion, np.array([0]), -upstream @ forces / seconds)
-        solution = solve_friction([contact], balance, y, [forces] if step else None)
+        solution = solve_friction([contact], equilibrium_under_constant_force, y, [forces] if step else None)
         if not solution.converged:
             raise ValueError(f"the friction of a contact that begins to roll, step {step}: {solution.status}")
         forces, y = solution.forces[0], solution.motions
@@ -241,12 +227,13 @@ def simulate_rolling_onset(patch: GridContact, mu: float, share: float, steps: i
     return out
 
 
-def spread_of_unused_friction(patch: GridContact, bound: Array, tangential: Array) -> Array:
+def spread_of_unused_friction(patch: rolling_patch.GridContact, bound: Array, tangential: Array) -> Array:
     """Measure the size of the stick zone along x and y by the spread of the unused friction, mu p - abs(q).
 
-    This force that is left before a cell slips is zero where cells slip, and taken as uniform over a cell. Its standard
-    deviations about its centre, along x and y, measure the size of the stick zone without counting its cells. Their error
-    is of second order in the cell size, with a scatter of 0.1 % on 20 to 40 cells; the error of a count is of first order.
+    p: normal force of a cell; q: tangential force. The unused friction, the increase of q that is left before a cell slips,
+    is zero where cells slip, and taken as uniform over a cell. Its standard deviations about its centre, along x and y,
+    measure the size of the stick zone without counting the zone's cells. The error of the standard deviations is of
+    second order in the cell size, with a scatter of 0.1 % on 20 to 40 cells; the error of a count is of first order.
 
     Parameters
     ----------
@@ -276,14 +263,14 @@ class NormalContact:
 
     #: Approach of ball and groove [m].
     approach: float
-    #: Semi-axes of the fitted ellipsoid along and across the groove [m].
+    #: Semi-axes of the semi-ellipsoid fitted to the pressure, along and across the groove [m].
     semi_axes: tuple[float, float]
-    #: Peak pressure of the fitted ellipsoid [Pa].
+    #: Peak pressure of the semi-ellipsoid fitted to the pressure [Pa].
     peak_pressure: float
 
 
 def solve_normal_contact_by_rolling_model(
-    at: ContactGeometry, load: float, young: float, poisson: float, shape: tuple[int, int], sizes: Sizes
+    at: bodies.ContactGeometry, load: float, young: float, poisson: float, shape: tuple[int, int], sizes: bodies.Sizes
 ) -> NormalContact:
     """Solve the normal contact of ball and groove by the rolling model, to compare it with the static 3D reference.
 
@@ -309,8 +296,8 @@ def solve_normal_contact_by_rolling_model(
     NormalContact
         Approach, semi-axes and peak pressure.
     """
-    patch = solve_elastic_contact_on_grid(
-        load, at.relative_radii, young, poisson, shape, compliance_kernel_of_contact(at, load, young, poisson, sizes)
+    patch = rolling_patch.solve_elastic_contact_on_grid(
+        load, at.relative_radii, young, poisson, shape, bodies.compliance_kernel_of_contact(at, load, young, poisson, sizes)
     )
     semi, _, peak = fit_pressure_ellipsoid(
         patch.cell_centres, np.full(len(patch.cell_centres), float(patch.cell_size.prod())), patch.normal_forces
@@ -319,7 +306,7 @@ def solve_normal_contact_by_rolling_model(
 
 
 def solve_normal_contact_by_patches(
-    at: ContactGeometry, load: float, young: float, poisson: float, cells: tuple[int, int]
+    at: bodies.ContactGeometry, load: float, young: float, poisson: float, cells: tuple[int, int]
 ) -> NormalContact:
     """Solve the normal contact of ball and groove as the static 3D reference does, by finite-element patches of both.
 
@@ -350,9 +337,9 @@ def solve_normal_contact_by_patches(
         raise ValueError(
             "the static 3D reference does not model straight tracks: the balls must move along a ring or a helix"
         )
-    zone = at.contact_zone(load, young, poisson, replace(Sizes(), cells=cells, growth=2.0, margin=1.2))
-    groove, ball = mesh_contact_pieces(
-        BallPath(*at.path_radius_and_rise),
+    zone = at.contact_zone(load, young, poisson, replace(bodies.Sizes(), cells=cells, growth=2.0, margin=1.2))
+    groove, ball = bodies.mesh_contact_pieces(
+        bodies.BallPath(*at.path_radius_and_rise),
         at.ball_radius,
         at.groove_radius,
         at.contact_angle,
@@ -379,9 +366,11 @@ def solve_normal_contact_by_patches(
 def compare_with_carter(cells: int, share: float) -> tuple[Array, Array]:
     """Compare the computed rolling of two equal cylinders under a tangential force with Carter's closed-form solution.
 
-    The creep is mu a/R (1 - sqrt(1 - Q/(mu P))); cells stick over a strip of half width a sqrt(1 - Q/(mu P)) at the leading
-    edge. nu = 0.3; plane strain. Over this strip mu p - q has the shape of a semi-ellipse. Its half width, twice the
-    standard deviation of a semi-ellipse, is computed from the standard deviation of the computed mu p - q.
+    The creep is mu a/R (1 - sqrt(1 - Q/(mu P))), with the forces P (normal) and Q (tangential), the coefficient of friction
+    mu, the half width a of the contact and the relative radius R; cells stick over a strip of half width
+    a sqrt(1 - Q/(mu P)) at the leading edge. nu = 0.3; plane strain. Over this strip mu p - q has the shape of a
+    semi-ellipse, with the normal and tangential tractions p and q. The half width of the strip, twice the standard
+    deviation of a semi-ellipse, is computed from the standard deviation of the computed mu p - q.
 
     Parameters
     ----------
@@ -406,11 +395,13 @@ def compare_with_carter(cells: int, share: float) -> tuple[Array, Array]:
     half = float(np.sqrt(4.0 * load * radius / (np.pi * modulus)))
     long = LONG * half
     size = np.array([2.1 * half / cells, long])
-    index, at = create_cell_grid((cells, 1), size)
+    index, at = rolling_patch.create_cell_grid((cells, 1), size)
     material = 2.0 * shear * (1.0 + nu), nu
-    forces, approach = solve_normal_contact(index, size, at[:, 0] ** 2 / (2.0 * radius), load * long, material)
+    forces, approach = rolling_patch.solve_normal_contact(
+        index, size, at[:, 0] ** 2 / (2.0 * radius), load * long, material
+    )
     inside = forces > 0.0
-    patch = GridContact(index[inside], at[inside], size, forces[inside], material, approach)
+    patch = rolling_patch.GridContact(index[inside], at[inside], size, forces[inside], material, approach)
     rest = float(np.sqrt(1.0 - share))
     answer = solve_steady_rolling_for_creepages(patch, Creep(mu * half / radius * (1.0 - rest), 0.0, 0.0), mu)
     stick = 2.0 * spread_of_unused_friction(patch, mu * patch.normal_forces, answer.friction_solution.forces[0])[0]
@@ -420,12 +411,15 @@ def compare_with_carter(cells: int, share: float) -> tuple[Array, Array]:
 # --- Cattaneo and Mindlin
 
 
-def compare_with_mindlin(cells: int, share: float, finite_balls: Sizes | None = None) -> tuple[Array, Array]:
+def compare_with_mindlin(cells: int, share: float, finite_balls: bodies.Sizes | None = None) -> tuple[Array, Array]:
     """Compare a sphere pressed onto an equal one and pushed sideways with the solution of Cattaneo and Mindlin.
 
-    The stick radius is a (1 - Q/(mu P))^(1/3), the shift 3 mu P/(16 a) sum (2 - nu)/G (1 - (1 - Q/(mu P))^(2/3)), here with
-    nu = 0, for which the solution is exact because no traction across the push is neglected. mu p - abs(q) has the shape of
-    half an ellipsoid over the stick circle, so that the radius is sqrt(5) times its standard deviation along an axis.
+    The stick radius is a (1 - Q/(mu P))^(1/3), and the relative tangential displacement of the spheres (shift) is
+    3 mu P/(16 a) sum (2 - nu)/G (1 - (1 - Q/(mu P))^(2/3)), with the forces P (normal) and Q (tangential), the coefficient
+    of friction mu, the radius a of the contact, and a sum over both spheres of shear modulus G and Poisson's ratio nu. Here
+    nu = 0, for which the solution is exact because no traction across the push is neglected. mu p - abs(q), with the normal
+    and tangential tractions p and q, has the shape of half an ellipsoid over the stick circle, so that the stick radius is
+    sqrt(5) times the standard deviation of mu p - abs(q) along an axis.
 
     Parameters
     ----------
@@ -453,8 +447,10 @@ def compare_with_mindlin(cells: int, share: float, finite_balls: Sizes | None = 
     radii = radius, radius
     size = solve_hertz(load, *radii, young, poisson).semi_x
     kernel = None if finite_balls is None else kernel_of_two_balls(2.0 * radius, size, young, poisson, finite_balls)
-    patch = solve_elastic_contact_on_grid(load, radii, young, poisson, (cells, cells), kernel)
-    size = solve_hertz(load, *equivalent_half_space_radii(load, radii, young, poisson, kernel), young, poisson).semi_x
+    patch = rolling_patch.solve_elastic_contact_on_grid(load, radii, young, poisson, (cells, cells), kernel)
+    size = solve_hertz(
+        load, *rolling_patch.equivalent_half_space_radii(load, radii, young, poisson, kernel), young, poisson
+    ).semi_x
     rest = 1.0 - share
     shift = 3.0 * mu * load / (16.0 * size) * 4.0 / shear * (1.0 - rest ** (2.0 / 3.0))
     if kernel is not None:
@@ -474,24 +470,30 @@ def compare_with_mindlin(cells: int, share: float, finite_balls: Sizes | None = 
     return np.array([force, stick / size]), np.array([share, rest ** (1.0 / 3.0)])
 
 
-def kernel_of_two_balls(radius: float, semi: float, young: float, poisson: float, sizes: Sizes) -> ComplianceKernel:
+def kernel_of_two_balls(
+    radius: float, semi: float, young: float, poisson: float, sizes: bodies.Sizes
+) -> rolling_patch.ComplianceKernel:
     """Compute the contact compliance of two equal touching balls less that of half-spaces (their kernel).
 
     ``radius``: radius of the balls [m]; ``semi``: radius of the circular contact [m]; ``sizes``: mesh settings of the
     balls.
     """
     zone = ContactZone((sizes.margin * semi,) * 2, sizes.cells, sizes.growth)
-    ball = compliance_kernel_of_ball(radius, zone, (0.0, 0.0), young, poisson, sizes.degree)
-    return ball + kernel_from_groove_response(ball.M, zone, sizes.degree)
+    ball = bodies.compliance_kernel_of_ball(radius, zone, (0.0, 0.0), young, poisson, sizes.degree)
+    return ball + bodies.kernel_from_groove_response(ball.M, zone, sizes.degree)
 
 
 # --- balls that touch
 
 
 def compare_ball_friction_with_point(
-    scene: RollingBalls, result: RollingResult, contact_index: int, points: int = 60, finite_balls: Sizes | None = None
+    scene: RollingBalls,
+    result: RollingResult,
+    contact_index: int,
+    points: int = 60,
+    finite_balls: bodies.Sizes | None = None,
 ) -> tuple[float, float]:
-    """Compare the friction between two touching balls, distributed over their contact area, with friction at one point.
+    """Compare the friction of two balls distributed over their contact area with friction taken to act at one point.
 
     The whole contact slides, so that the tractions are mu p against the local sliding and do not depend on elasticity.
 
@@ -524,7 +526,7 @@ def compare_ball_friction_with_point(
         normal = circle.pressure(local[:, 0], local[:, 1]) * weight * circle.semi_x**2
     else:
         kernel = kernel_of_two_balls(scene.ball_radius, circle.semi_x, *touch[2:], finite_balls)
-        patch = solve_elastic_contact_on_grid(*touch, (points, points), kernel)
+        patch = rolling_patch.solve_elastic_contact_on_grid(*touch, (points, points), kernel)
         local, normal, sunk = patch.cell_centres, patch.normal_forces, patch.depth_of_contact_centre
     slide = np.zeros((len(local), 2))
     for ball, sign, half in (
@@ -548,7 +550,7 @@ def compare_ball_friction_with_point(
 
 
 def compare_half_space_displacements(zone: ContactZone, size: float, young: float, poisson: float) -> tuple[Array, Array]:
-    """Compare mean displacements of a rectangle of a half-space under uniform tractions with the closed form.
+    """Compare the computed mean displacements of a rectangle on a half-space under uniform tractions with a closed form.
 
     Parameters
     ----------
@@ -569,13 +571,15 @@ def compare_half_space_displacements(zone: ContactZone, size: float, young: floa
         The same displacements in closed form [m/N].
     """
     block = mesh_half_space(size, zone)
-    computed = compliance_of_half_space_block(
-        block, nodal_forces_of_tractions(block, zone, 0, (0.0, 0.0)), young, poisson
+    computed = bodies.compliance_of_half_space_block(
+        block, bodies.nodal_forces_of_tractions(block, zone, 0, (0.0, 0.0)), young, poisson
     ).diagonal()
     sides = 2.0 * np.array(zone.half_lengths)
-    _, at = create_cell_grid((MEANS, MEANS), sides / MEANS)
+    _, at = rolling_patch.create_cell_grid((MEANS, MEANS), sides / MEANS)
     both = (
-        displacement_by_rectangle(at[:, 0], at[:, 1], sides[0], sides[1], young, poisson).mean(axis=0).diagonal()
+        rolling_patch.displacement_by_rectangle(at[:, 0], at[:, 1], sides[0], sides[1], young, poisson)
+        .mean(axis=0)
+        .diagonal()
         / sides.prod()
     )
     return computed, 0.5 * both
@@ -584,8 +588,8 @@ def compare_half_space_displacements(zone: ContactZone, size: float, young: floa
 # --- Kalker's linear theory
 
 
-def create_elliptic_contact(ratio: float, poisson: float, shape: tuple[int, int]) -> GridContact:
-    """Create a contact of grid cells within an ellipse that never slips, for Kalker's linear theory.
+def create_sticking_elliptic_contact(ratio: float, poisson: float, shape: tuple[int, int]) -> rolling_patch.GridContact:
+    """Create an elliptic contact on a grid that sticks everywhere, for Kalker's linear theory.
 
     ``ratio``: semi-axis along over semi-axis across; ``shape``: numbers of cells along and across. The semi-axes are
     sqrt(ratio) and 1/sqrt(ratio) [m], the shear modulus is 1 Pa, and the normal forces are infinite, so that nothing slips.
@@ -594,11 +598,13 @@ def create_elliptic_contact(ratio: float, poisson: float, shape: tuple[int, int]
     """
     semi = np.array([np.sqrt(ratio), 1.0 / np.sqrt(ratio)])
     size = 2.0 * semi / np.array(shape)
-    index, at = create_cell_grid(shape, size)
+    index, at = rolling_patch.create_cell_grid(shape, size)
     inside = ((at / semi) ** 2).sum(axis=1) < 1.0
     stretch = float(np.sqrt(np.pi / (np.count_nonzero(inside) * size.prod())))
     forces = np.full(np.count_nonzero(inside), np.inf)
-    return GridContact(index[inside], stretch * at[inside], stretch * size, forces, (2.0 * (1.0 + poisson), poisson), 0.0)
+    return rolling_patch.GridContact(
+        index[inside], stretch * at[inside], stretch * size, forces, (2.0 * (1.0 + poisson), poisson), 0.0
+    )
 
 
 def kalker_linear_coefficients(ratio: float, poisson: float, shape: tuple[int, int]) -> Array:
@@ -628,7 +634,7 @@ def kalker_linear_coefficients(ratio: float, poisson: float, shape: tuple[int, i
     """
     if shape[1] % 2:
         raise ValueError(f"Kalker's coefficients need an even number of cells across the contact, got {shape[1]}")
-    patch = create_elliptic_contact(ratio, poisson, shape)
+    patch = create_sticking_elliptic_contact(ratio, poisson, shape)
     count = len(patch.cell_centres)
     half = np.flatnonzero(patch.cell_centres[:, 1] > 0.0)
     image = np.lexsort((-patch.cell_indices[:, 1], patch.cell_indices[:, 0]))[half]
@@ -648,7 +654,7 @@ def kalker_linear_coefficients(ratio: float, poisson: float, shape: tuple[int, i
 # --- full slip
 
 
-def full_slip_by_quadrature(
+def friction_at_full_slip_by_quadrature(
     load: float, radii: tuple[float, float], young: float, poisson: float, creep: Creep, mu: float, points: int = 400
 ) -> tuple[Array, float]:
     """Compute the friction force and moment of a Hertz contact that slips over the whole ellipse, without elasticity.
@@ -684,8 +690,8 @@ def full_slip_by_quadrature(
     return _resultant_force_and_moment(at, coulomb_friction_forces(mu * normal, creep.rigid_slip(at)))
 
 
-def full_slip_within_cells(patch: GridContact, creep: Creep, mu: float) -> tuple[Array, float]:
-    """Compute the friction force and moment of a contact on a grid that slips in all cells, at 20 x 20 points in each.
+def friction_at_full_slip_by_cells(patch: rolling_patch.GridContact, creep: Creep, mu: float) -> tuple[Array, float]:
+    """Compute the friction force and moment of a contact that slips in all cells, by 20 x 20 points in each grid cell.
 
     The points resolve the rotation of the slip about the point without slip; only the error of the grid's staircase edge
     remains.

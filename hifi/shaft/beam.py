@@ -19,18 +19,18 @@ from rollbench.meshes.parts import FREEDOMS, Load, Material, Scene, Support
 class ShaftSection:
     """Stiffnesses of a beam's cross-section against tension, bending, torsion and shear."""
 
-    #: Axial stiffness [N].
+    #: Axial stiffness E A of the beam's section [N].
     EA: float
-    #: Bending stiffness [N m2].
+    #: Bending stiffness E I of the beam's section [N m2].
     EI: float
-    #: Torsional stiffness [N m2].
+    #: Torsional stiffness G J of the beam's section [N m2].
     GJ: float
-    #: Shear stiffness kappa G A [N].
+    #: Shear stiffness kappa G A of the beam's section [N].
     kGA: float
 
     @property
     def flexibility_per_length(self) -> Array:
-        """Flexibility of the beam per unit length ``(6, 6)``: strains, curvatures and twist by unit forces and moments."""
+        """Flexibility of the beam per unit length ``(6, 6)``: strains, curvatures, twist by unit forces and moments."""
         yielding = [self.kGA, self.kGA, self.EA, self.EI, self.EI, self.GJ]
         return np.asarray(np.diag(1.0 / np.array(yielding)))
 
@@ -152,7 +152,7 @@ class ShaftSupports:
     length_per_rotation: float
     #: Housings that can move.
     housings: tuple[Housing, ...] = ()
-    #: Springs between housings.
+    #: Springs between housings, or between a housing and the machine frame.
     housing_springs: tuple[Joint, ...] = ()
 
     @staticmethod
@@ -181,7 +181,7 @@ class ShaftSupports:
 
     @property
     def support_and_load_positions(self) -> set[float]:
-        """Axial positions of all supports of and loads on the shaft [m]."""
+        """Axial positions of all supports of the shaft and all loads on it [m]."""
         return {x.at for x in self.supports} | {x.at for x in self.loads}
 
     def prescribed_motions(self) -> list[tuple[int, float, int, float]]:
@@ -211,7 +211,7 @@ class ShaftSupports:
 
     @property
     def lengths_of_unit_motions(self) -> Array:
-        """Factors ``(6,)`` that turn a body's six motions into lengths: 1 for displacements, the arm [m] for rotations."""
+        """Factors ``(6,)`` that turn a body's six motions into lengths: 1 for displacements, a length for rotations."""
         return np.array([1.0] * 3 + [self.length_per_rotation] * 3)
 
     def spring_stiffnesses(self) -> list[tuple[Array, Array]]:

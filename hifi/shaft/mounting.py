@@ -39,24 +39,24 @@ SLACK = 1e-12
 
 @dataclass(frozen=True)
 class MeshedShaftPart:
-    """Flexibility of the part of the screw around the nut that is meshed in 3D (stretch), with its base section fixed."""
+    """Flexibility of the part of the screw that is meshed in 3D around the nut (stretch), with its base section fixed."""
 
-    #: Flexibility with the base fixed: motions of the contacts' modes, then of ports and observers with six rows each, by
-    #: unit forces and moments there ``(x, x)``.
+    #: Flexibility with the base section fixed: displacements of the contacts' modes, then of ports and observers (six rows
+    #: each), by unit forces and moments on all of these ``(x, x)``.
     F: Array
-    #: The same motions by unit rigid motions of the base section ``(x, 6)``.
+    #: Displacements of the contacts' modes, ports and observers by unit rigid motions of the base section ``(x, 6)``.
     B: Array
-    #: Axial position of the base [m].
+    #: Axial position of the base section [m].
     base_position: float
-    #: Axial positions of the ports (sections that can be loaded) [m], six rows of F each.
+    #: Axial positions of the ports, the sections that can be loaded or supported [m]; each has six rows of F.
     ports: tuple[float, ...]
-    #: Axial positions of the observers (sections whose motion is computed) [m], six rows of F each.
+    #: Axial positions of the observers, the sections whose motion is computed [m]; each has six rows of F.
     observers: tuple[float, ...]
     #: Axial positions of the lower and upper end of this part of the screw [m].
     ends: tuple[float, float]
-    #: Number of displacement modes of all contacts on this part.
+    #: Number of displacement modes of all contacts on this part of the screw together.
     mode_count: int
-    #: Whether all supported and loaded sections move with the base (a ring on a stiff shaft).
+    #: Whether all supported and loaded sections move with the base section (a ring on a stiff shaft).
     moves_with_base: bool = False
 
     def contains(self, z: float) -> bool:
@@ -64,15 +64,15 @@ class MeshedShaftPart:
         return self.ends[0] - SAME <= z <= self.ends[1] + SAME
 
     def is_at_unloadable_section(self, z: float) -> bool:
-        """Return whether an axial position z [m] lies inside the 3D part of the screw, but at no section to be loaded.
+        """Return whether an axial position z [m] in the 3D part of the screw is at no section that can be loaded.
 
-        These sections are the base and the ports.
+        The base section and the ports can be loaded.
         """
         inside = self.ends[0] + SAME < z < self.ends[1] - SAME
         return inside and not any(abs(z - known) <= SAME for known in (self.base_position, *self.ports))
 
     def shift_along_shaft(self, shift: float) -> MeshedShaftPart:
-        """Return a copy whose axial positions are increased by ``shift`` [m]."""
+        """Return a copy of this part of the screw whose axial positions are increased by ``shift`` [m]."""
         stations = {name: tuple(z + shift for z in getattr(self, name)) for name in ("ports", "observers", "ends")}
         return replace(self, base_position=self.base_position + shift, **stations)  # type: ignore[arg-type]
 
@@ -83,9 +83,9 @@ class NutOnHousing:
 
     #: Compliance between the k displacement modes of the nut's contacts, with the housing fixed ``(k, k)`` [m/N].
     G: Array
-    #: Displacements of the modes by unit rigid motions of the housing ``(k, 6)``.
+    #: Displacements of the k modes by unit rigid motions of the housing ``(k, 6)``.
     B: Array
-    #: Index of the housing among those of the `ShaftSupports`, from 0.
+    #: Index of the nut's housing in `ShaftSupports.housings`, from 0.
     housing: int
 
 
@@ -96,25 +96,26 @@ class SupportedShaft:
     The contacts of shaft and nuts on movable housings have m displacement modes in all.
     """
 
-    #: Compliance between the modes ``(m, m)`` [m/N].
+    #: Compliance between the m displacement modes of all contacts ``(m, m)`` [m/N].
     G: Array
-    #: Displacements of the modes by loads and prescribed motions ``(m,)`` [m].
+    #: Displacements of the contacts' modes by the loads and prescribed motions of the shaft ``(m,)`` [m].
     mode_displacements_by_loads: Array
-    #: The k unconstrained rigid motions of the shaft about ``origin`` and of the housings ``(6 (1 + h), k)``.
+    #: The k rigid motions that no support prevents, of the shaft about ``origin_position`` and of the housings ``(6 (1 +
+    #: h), k)``.
     free_motions: Array
-    #: Work of the loads on these motions ``(k,)``.
+    #: Work of the loads on the ``free_motions`` ``(k,)``.
     work_on_free_motions: Array
     #: Axial position of the reference point of the shaft's rigid motion [m].
     origin_position: float
-    #: Axial positions at which the centreline's motion is given ``(s,)`` [m].
+    #: Axial positions at which the motion of the shaft's centreline is given ``(s,)`` [m].
     centreline_positions: tuple[float, ...]
-    #: Motion of the centreline by the loads ``(s, 6)`` [m, rad].
+    #: Motion of the shaft's centreline by the loads ``(s, 6)`` [m, rad].
     centreline_by_loads: Array
-    #: Motion of the centreline by unit modal forces ``(s, 6, m)``.
+    #: Motion of the shaft's centreline by unit forces on the contacts' modes ``(s, 6, m)``.
     centreline_by_modal_forces: Array
     #: Motion of the housings by the loads ``(h, 6)`` [m, rad].
     housings_by_loads: Array
-    #: Motion of the housings by unit modal forces ``(h, 6, m)``.
+    #: Motion of the housings by unit forces on the contacts' modes ``(h, 6, m)``.
     housings_by_modal_forces: Array
 
 
@@ -305,7 +306,7 @@ def join_and_support_shaft_parts(
             np.eye(len(K) - n),
         )
 
-    def freedom(body: int, at: float) -> int:
+    def first_freedom_of(body: int, at: float) -> int:
         """Return the index of the first degree of freedom of the shaft at an axial position, or of a housing.
 
         ``body``: 0 for the shaft, 1 and up for the housings; ``at``: axial position on the shaft [m].
@@ -314,8 +315,8 @@ def join_and_support_shaft_parts(
 
     P = np.zeros(len(K))
     for body, at, wrench in frame.forces_and_moments():
-        P[freedom(body, at) : freedom(body, at) + 6] += wrench
-    held = [freedom(body, at) + k for body, at, k, _ in frame.prescribed_motions()]
+        P[first_freedom_of(body, at) : first_freedom_of(body, at) + 6] += wrench
+    held = [first_freedom_of(body, at) + k for body, at, k, _ in frame.prescribed_motions()]
     values = [value for *_, value in frame.prescribed_motions()]
     motions = find_unconstrained_rigid_motions(frame, nodes[0])
     pins = [place[nodes[0]] + k if k < 6 else n + k - 6 for k in select_freedoms_to_constrain(motions)]
@@ -362,17 +363,20 @@ def join_and_support_shaft_parts(
 
 
 class _ShaftPartContribution(NamedTuple):
-    """Stiffness and compliance that one 3D part of the shaft adds to the whole structure of d degrees of freedom."""
+    """Stiffness and compliance that one 3D part of the shaft adds to the structure of shaft and housings.
 
-    #: Stiffness that it adds to the structure ``(d, d)``.
+    The structure has d degrees of freedom.
+    """
+
+    #: Stiffness that the 3D part adds to the structure ``(d, d)``.
     K: Array
-    #: Displacements of its m modes by unit motions of all degrees of freedom ``(m, d)``.
+    #: Displacements of the m contact modes of the 3D part by unit motions of all degrees of freedom ``(m, d)``.
     modes_by_node_motions: Array
-    #: Displacements of its modes by unit modal forces with the nodes fixed ``(m, m)`` [m/N].
+    #: Displacements of the contact modes by unit forces on them, with the structure's nodes fixed ``(m, m)`` [m/N].
     G: Array
-    #: Motion of its o observers by unit motions of all degrees of freedom ``(6 o, d)``.
+    #: Motion of the o observers of the 3D part by unit motions of all degrees of freedom ``(6 o, d)``.
     observers_by_node_motions: Array
-    #: Motion of its observers by unit modal forces with the nodes fixed ``(6 o, m)``.
+    #: Motion of the observers by unit forces on the contact modes, with the structure's nodes fixed ``(6 o, m)``.
     observers_by_modal_forces: Array
 
 
@@ -421,7 +425,7 @@ class _FirstFreedomOfNode:
 
 
 def _distinct_positions(stations: Sequence[float]) -> list[float]:
-    """Return axial positions [m] without duplicates: those that lie within `SAME` of the position before them.
+    """Return axial positions [m] without duplicates, that is without those within `SAME` of the preceding position.
 
     ``stations``: axial positions in ascending order [m].
     """
@@ -488,7 +492,7 @@ def _work_of_loads_on_motions(frame: ShaftSupports, motions: Array, origin: floa
 def replace_shaft_part_by_beam(
     modes_by_rigid_motions: Array, contact_positions: Array, stretch: MeshedShaftPart, section: ShaftSection
 ) -> MeshedShaftPart:
-    """Replace the 3D part of the screw by a Timoshenko beam, to see what the 3D mesh contributes.
+    """Replace the flexibility of the screw's 3D part by that of a Timoshenko beam, to see what the 3D mesh contributes.
 
     Parameters
     ----------
@@ -524,11 +528,13 @@ def replace_shaft_part_by_beam(
 
 
 def _motions_by_section_motions(rows: Array, stations: Array, stretch: MeshedShaftPart) -> tuple[Array, Array]:
-    """Compute the matrix ``(x, 6 s)`` that gives the x motions in ``stretch.F`` from those of s cross-sections of a beam.
+    """Compute the matrix ``(x, 6 s)`` from the motions of s beam sections to all x motions of a 3D part of the shaft.
 
-    The x motions are those of contact modes, ports and observers; each follows the cross-section at its axial position. The
-    distances of the sections from the base ``(s,)`` [m] are returned as well. ``rows``, ``stations``: as for
-    `replace_shaft_part_by_beam`. Raises ValueError if a section lies below the base.
+    The x motions are the rows of `MeshedShaftPart.F`: contact modes, ports (sections that can be loaded) and observers
+    (sections whose motion is computed); each follows the cross-section at its axial position. The distances of the sections
+    from the base ``(s,)`` [m] are returned as well. ``rows``: displacements of the k modes of each of c contacts by unit
+    rigid motions of the shaft about the contact's axial position (c, k, 6); ``stations``: axial positions of the contacts
+    (c,) [m]; ``stretch``: the 3D part. Raises ValueError if a section lies below the base.
     """
     c, k, _ = rows.shape
     arms = np.concatenate([stations, stretch.ports, stretch.observers]) - stretch.base_position

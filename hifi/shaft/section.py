@@ -69,7 +69,7 @@ def groove_azimuth(m: GrooveMap, z: float) -> float:
 
 
 def rotate_flexibility(flexibility: Array, azimuth: float) -> Array:
-    """Rotate a flexibility matrix about z from a frame at an azimuth into the fixed frame.
+    """Rotate a (6, 6) flexibility matrix about z, from a frame at a given azimuth into the fixed frame.
 
     Parameters
     ----------
@@ -135,11 +135,11 @@ def flexibility_of_upper_cut_end(cut_end_flexibility: Array, m: GrooveMap, z: fl
 
 
 def fit_flexibility_of_cut_end(m: GrooveMap, flexibilities: Sequence[tuple[float, Array]], per_length: Array) -> Array:
-    """Fit the flexibility E that a cut end adds to a uniform beam, to the flexibilities of 3D shafts of several lengths.
+    """Fit the flexibility E that a cut end adds to a uniform beam to the computed flexibilities of several 3D shafts.
 
-    The middle of every shaft lies at ``m.z0``. The rotation by a shear force and the displacement by a moment, equal in all
-    directions, are fitted together with E. The shear flexibility is prescribed: another one would only be another
-    definition of the beam's rotation, for which E compensates.
+    The middle of every shaft lies at ``m.z0``. A flexibility per unit length that couples shear force and bending moment
+    about the same axis, equal for x and y, is fitted together with E, but not returned. The shear flexibility is
+    prescribed: another one would only be another definition of the beam's rotation, for which E compensates.
 
     Parameters
     ----------
@@ -186,13 +186,13 @@ def _flexibility_of_both_cut_ends(m: GrooveMap, length: float, cut: Array) -> Ar
 class EquivalentBeam:
     """Uniform beam equivalent to a grooved shaft, and the flexibility that a cut end adds to it."""
 
-    #: Stiffnesses of the beam.
+    #: Stiffnesses of the beam's cross-section.
     section: ShaftSection
-    #: Radii of plain shafts of equal axial, bending and torsional stiffness [m].
+    #: Radii of three plain shafts: of equal axial, of equal bending and of equal torsional stiffness [m].
     equivalent_radii: tuple[float, float, float]
     #: Axial-torsional coupling: twist by a unit axial force, over the geometric mean of axial and torsional flexibility.
     axial_torsional_coupling: float
-    #: Flexibility E of a cut that ends the shaft ``(6, 6)``, in the frame of the cut.
+    #: Flexibility E that a cut end of the shaft adds to the beam ``(6, 6)``, in the frame of the cut.
     cut_end_flexibility: Array
 
 
@@ -431,24 +431,24 @@ def _stiffness_against_mean_strains(
     r = np.asarray(basis.global_coordinates()[0])
     weight = np.repeat(r * basis.dx, len(hooke), axis=1)
 
-    def by_cells(strains: list[list[Array]]) -> Array:
+    def strains_by_cell(strains: list[list[Array]]) -> Array:
         """Arrange strains of shape functions as an array ``(cells, functions, points and components)``."""
         values = np.array(strains).transpose(2, 0, 3, 1)
         return np.ascontiguousarray(values).reshape(*values.shape[:2], -1)
 
-    def stress(strains: Array) -> Array:
+    def weighted_stresses(strains: Array) -> Array:
         """Compute stresses times the integration weight of each point, ``(cells, points and components, functions)``."""
         values = (strains.reshape(-1, len(hooke)) @ hooke).reshape(strains.shape)
         return np.asarray((values * weight[:, None]).swapaxes(1, 2))
 
-    B = by_cells([_strain_components(f[0], f[0].grad, r, rg, n) for f in basis.basis])
-    mean = by_cells([[r**power if k == of else 0.0 * r for k in range(6)] for of, power in mean_strains])
+    B = strains_by_cell([_strain_components(f[0], f[0].grad, r, rg, n) for f in basis.basis])
+    mean = strains_by_cell([[r**power if k == of else 0.0 * r for k in range(6)] for of, power in mean_strains])
     nodes, size = basis.element_dofs.T, basis.N
     lines, columns = np.repeat(nodes, nodes.shape[1], axis=1).ravel(), np.tile(nodes, nodes.shape[1]).ravel()
-    K = sp.csr_array(((B.conj() @ stress(B)).ravel(), (lines, columns)), (size, size))
+    K = sp.csr_array(((B.conj() @ weighted_stresses(B)).ravel(), (lines, columns)), (size, size))
     F = np.zeros((size, len(mean_strains)), dtype=B.dtype)
-    np.add.at(F, nodes, B.conj() @ stress(mean))
-    prescribed = (mean @ stress(mean)).sum(axis=0)
+    np.add.at(F, nodes, B.conj() @ weighted_stresses(mean))
+    prescribed = (mean @ weighted_stresses(mean)).sum(axis=0)
     T = _periodic_constraints(basis, period)
     # the axis moves as a whole: n = 0 along and around, n = 1 across
     top = int(np.argmax(basis.doflocs[0]))

@@ -20,14 +20,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rollbench.lowfi.hertz import (
-    HertzConstants,
-    contact_approach,
-    contact_force,
-    contact_modulus,
-    contact_stiffness_at_approach,
-    hertz_constants,
-)
+from rollbench.lowfi import hertz
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.numerics import brentq
 
@@ -102,7 +95,7 @@ class BallBearing:
         return float(np.arccos(min(1.0 - 0.5 * self.clearance / self.centre_distance, 1.0)))
 
 
-def bearing_of_contact_angle(
+def bearing_with_contact_angle(
     balls: int,
     ball_diameter: float,
     pitch_diameter: float,
@@ -146,7 +139,7 @@ def bearing_of_contact_angle(
 class CatalogueBearings:
     """Data of many angular-contact ball bearings, as catalogues give them; the arrays have one common shape."""
 
-    #: Numbers of balls.
+    #: Number of balls of each bearing.
     balls: Array
     #: Ball diameters [m].
     ball_diameter: Array
@@ -170,7 +163,7 @@ class CatalogueBearings:
 
     @property
     def centre_distance(self) -> Array:
-        """Distances of the groove centres when the unloaded balls just touch both grooves [m]."""
+        """Distances A of the groove centres at which an unloaded ball just touches both grooves, of each bearing [m]."""
         return np.asarray((2.0 * self.conformity - 1.0) * self.ball_diameter)
 
 
@@ -185,22 +178,22 @@ class BallBearingThrustState:
     Each field has the shape of the displacements.
     """
 
-    #: Axial displacement u [m].
+    #: Axial displacement u of the inner ring [m].
     displacement: Array
-    #: Contact angle [rad].
+    #: Contact angle alpha under load [rad].
     contact_angle: Array
-    #: Sum of the approaches at both races [m].
+    #: Sum of the Hertz approaches of a ball at both races [m].
     approach: Array
     #: Contact force Q of a ball [N].
     ball_load: Array
     #: Thrust Z Q sin(alpha) [N].
     thrust: Array
-    #: Axial stiffness dF/du [N/m].
+    #: Axial stiffness dF/du of the bearing, F being the thrust [N/m].
     stiffness: Array
     #: Hertz constants of a ball on the inner race.
-    inner_hertz: HertzConstants
+    inner_hertz: hertz.HertzConstants
     #: Hertz constants of a ball on the outer race.
-    outer_hertz: HertzConstants
+    outer_hertz: hertz.HertzConstants
 
     def contact_areas(self) -> tuple[Array, Array]:
         """Return the areas pi a b of a ball's contact ellipses, on the inner, then on the outer race [m^2].
@@ -212,11 +205,11 @@ class BallBearingThrustState:
 
 
 def relative_curvatures(bearing: BallRows, angle: Array) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-    """Return the relative curvatures of a ball's inner and outer contact [1/m], each a pair (across, along the track).
+    """Return the relative curvatures of a ball with inner and outer race [1/m], each a pair (across, along the track).
 
-    Along the track the raceway is taken for the cone that touches it at the contact: its radius of curvature is
-    d_m/(2 cos alpha) less (inner) or plus (outer) the ball's radius. Valid up to a contact angle of 90 deg, where the
-    raceway is a flat disc.
+    Along the track the raceway is taken for the cone that touches it at the contact: its radius of curvature is d_m/(2 cos
+    alpha) less (inner) or plus (outer) the ball's radius, with the pitch diameter d_m and the contact angle alpha. Valid up
+    to a contact angle of 90 deg, where the raceway is a flat disc.
 
     Parameters
     ----------
@@ -237,13 +230,14 @@ def relative_curvatures(bearing: BallRows, angle: Array) -> tuple[tuple[Array, A
 
 
 def bearing_state_at_displacement(bearing: BallRows, displacement: Array | float) -> BallBearingThrustState:
-    """Return contact angle, loads and stiffness of a bearing at axial displacements of its inner ring.
+    """Return contact angle, ball load, thrust and stiffness of a bearing at axial displacements of its inner ring.
 
-    The stiffness includes the change of the contact angle, and of the Hertz constants with it:
-    dC/d(curvature along a semi-axis) = (constant of that semi-axis)^2/6. This is exact, because the approach is the
-    derivative of the contact's least energy with respect to its force.
+    The state follows in closed form from the geometry of the grooves and Hertz's law, eqs. (1) and (2) in the docstring of
+    this module.
 
-    The state follows from eqs. (1) and (2) of this module.
+    The stiffness includes the change of the contact angle, and of the Hertz constants with it. With the approach C F^(2/3)
+    and the semi-axis C_a F^(1/3) under the force F, the derivative of C by the curvature along that semi-axis is C_a^2/6.
+    This is exact, because the approach is the derivative of the contact's least energy with respect to its force.
 
     Parameters
     ----------
@@ -264,7 +258,7 @@ def bearing_state_at_displacement(bearing: BallRows, displacement: Array | float
 
     Examples
     --------
-    >>> b = bearing_of_contact_angle(16, 22.23e-3, 125.26e-3, (0.5232, 0.5232), np.radians(40.0), 206e9, 0.3)
+    >>> b = bearing_with_contact_angle(16, 22.23e-3, 125.26e-3, (0.5232, 0.5232), np.radians(40.0), 206e9, 0.3)
     >>> round(float(bearing_state_at_displacement(b, 36e-6).thrust))
     17727
     """
@@ -275,19 +269,21 @@ def bearing_state_at_displacement(bearing: BallRows, displacement: Array | float
     angle = np.arctan2(axial, radial)
     # s - A without cancellation
     approach = np.where(u > 0.0, u * (2.0 * a * np.sin(rest) + u) / (s + a), 0.0)
-    modulus = contact_modulus(bearing.young, bearing.poisson, bearing.young, bearing.poisson)
-    inner, outer = (hertz_constants(*pair, modulus) for pair in relative_curvatures(bearing, angle))
+    modulus = hertz.contact_modulus(bearing.young, bearing.poisson, bearing.young, bearing.poisson)
+    inner, outer = (hertz.hertz_constants(*pair, modulus) for pair in relative_curvatures(bearing, angle))
     c = inner.C + outer.C
-    q = contact_force(approach, c)
+    q = hertz.contact_force(approach, c)
     sin, cos = np.sin(angle), np.cos(angle)
     # dQ/du: by the approach, sin(alpha) per u, and by the angle, cos(alpha)/s per u
-    by_angle = _hertz_constant_slope(bearing, angle, inner, outer)
-    slope = contact_stiffness_at_approach(approach, c) * (sin - approach * by_angle / c * cos / s)
+    by_angle = _slope_of_hertz_constants_by_angle(bearing, angle, inner, outer)
+    slope = hertz.contact_stiffness_at_approach(approach, c) * (sin - approach * by_angle / c * cos / s)
     load, stiffness = bearing.balls * q * sin, bearing.balls * (slope * sin + q * cos**2 / s)
     return BallBearingThrustState(u, angle, approach, q, load, stiffness, inner, outer)
 
 
-def _hertz_constant_slope(bearing: BallRows, angle: Array, inner: HertzConstants, outer: HertzConstants) -> Array:
+def _slope_of_hertz_constants_by_angle(
+    bearing: BallRows, angle: Array, inner: hertz.HertzConstants, outer: hertz.HertzConstants
+) -> Array:
     """Return the derivative of the sum C_i + C_o of both races' Hertz constants with respect to the contact angle alpha.
 
     Of the curvatures, only the one along the track depends on alpha. ``angle``: contact angle alpha [rad]; ``inner``,
@@ -305,13 +301,13 @@ def _hertz_constant_slope(bearing: BallRows, angle: Array, inner: HertzConstants
 def dimensionless_hertz_parameters(curvature_difference: float) -> tuple[float, float, float]:
     """Return the dimensionless approach delta* and semi-axes a*, b* of elliptical Hertz contact, from exact integrals.
 
-    a = a* (3 Q/(2 E* S))^(1/3), the same for b, and delta = delta* (3 Q/(2 E* S))^(2/3) S/2, with the load Q and the sum S
-    of the curvatures.
+    a = a* (3 Q/(2 E* S))^(1/3), the same for b, and delta = delta* (3 Q/(2 E* S))^(2/3) S/2, with the load Q, the contact
+    modulus E* and the sum S of the curvatures.
 
     Parameters
     ----------
     curvature_difference
-        Curvature difference F, divided by the curvature sum, in [0, 1).
+        Ratio F of curvature difference to curvature sum, in [0, 1).
 
     Raises
     ------
@@ -332,7 +328,7 @@ def dimensionless_hertz_parameters(curvature_difference: float) -> tuple[float, 
             f"ratio of curvature difference to sum: got {curvature_difference:g}; allowed: 0 to below 1 (1 is a line "
             "contact)"
         )
-    h = hertz_constants(np.array(1.0 - curvature_difference), np.array(1.0 + curvature_difference), 1.0)
+    h = hertz.hertz_constants(np.array(1.0 - curvature_difference), np.array(1.0 + curvature_difference), 1.0)
     unit = float(np.cbrt(4.0 / 3.0))
     return float(h.C) * unit**2, float(h.C_a) * unit, float(h.C_b) * unit
 
@@ -341,7 +337,7 @@ def dimensionless_hertz_parameters(curvature_difference: float) -> tuple[float, 
 class BallBearingRow:
     """Load-deflection law of an angular-contact ball bearing, for the equilibrium of several bearings on one shaft."""
 
-    #: The bearing.
+    #: Bearing whose law is given.
     bearing: BallBearing
 
     def thrust(self, deflection: float) -> float:
@@ -349,7 +345,7 @@ class BallBearingRow:
         return float(bearing_state_at_displacement(self.bearing, deflection).thrust)
 
     def stiffness(self, deflection: float) -> float:
-        """Return the axial stiffness dF/du [N/m] at an axial deflection [m]; zero where the balls are loose."""
+        """Return the slope of the thrust over the axial deflection [N/m] at a deflection [m]; zero if balls are loose."""
         return float(bearing_state_at_displacement(self.bearing, deflection).stiffness)
 
     def deflection(self, load: float) -> float:
@@ -375,7 +371,7 @@ def displacement_under_thrust(bearing: BallBearing, load: float) -> float:
 
     Examples
     --------
-    >>> b = bearing_of_contact_angle(16, 22.23e-3, 125.26e-3, (0.5232, 0.5232), np.radians(40.0), 206e9, 0.3)
+    >>> b = bearing_with_contact_angle(16, 22.23e-3, 125.26e-3, (0.5232, 0.5232), np.radians(40.0), 206e9, 0.3)
     >>> round(displacement_under_thrust(b, 17727.0) * 1e6, 3)
     36.0
     """
@@ -392,11 +388,11 @@ def displacement_under_thrust(bearing: BallBearing, load: float) -> float:
                 "ring by more than the ball's diameter"
             )
 
-    def excess(u: float) -> float:
-        """Return by how much the thrust at a displacement u [m] exceeds the given thrust [N]."""
+    def thrust_above_given(u: float) -> float:
+        """Return the thrust at a displacement u [m] of the inner ring less the given thrust [N]."""
         return float(bearing_state_at_displacement(bearing, u).thrust) - load
 
-    return float(brentq(excess, 0.0, high, xtol=1e-22, rtol=8.9e-16))
+    return float(brentq(thrust_above_given, 0.0, high, xtol=1e-22, rtol=8.9e-16))
 
 
 def bearing_states_under_thrust(bearings: BallRows, load: Array) -> BallBearingThrustState:
@@ -417,7 +413,7 @@ def bearing_states_under_thrust(bearings: BallRows, load: Array) -> BallBearingT
         A thrust needs a displacement of more than the ball's diameter, for which Hertz contact is not valid.
     """
     first = BEGINS * bearings.ball_diameter
-    u = contact_approach(load / bearing_state_at_displacement(bearings, first).thrust, first)
+    u = hertz.contact_approach(load / bearing_state_at_displacement(bearings, first).thrust, first)
     for _ in range(STEPS):
         state = bearing_state_at_displacement(bearings, u)
         step = 1.5 * (np.cbrt(load / state.thrust) ** 2 - 1.0) * state.thrust / state.stiffness
@@ -443,7 +439,7 @@ def conformity_from_pair_rigidity(bearings: CatalogueBearings, preload: Array, r
     preload
         Force [N] that presses the two bearings of a pair against each other.
     rigidity
-        Stiffness of the pair [N/m], 2 dF/du of either bearing.
+        Axial stiffness of the pair [N/m], twice that of either bearing under the preload.
 
     Returns
     -------
@@ -457,21 +453,23 @@ def conformity_from_pair_rigidity(bearings: CatalogueBearings, preload: Array, r
     """
     low, high = np.log(np.array(CONFORMITIES) - 0.5)
 
-    def excess(x: Array) -> Array:
+    def logarithm_of_stiffness_ratio(x: Array) -> Array:
         """Return the logarithm of computed over given stiffness of the bearing pairs, for x = log(conformity - 1/2)."""
         state = bearing_states_under_thrust(replace(bearings, conformity=0.5 + np.exp(x)), preload)
         return np.asarray(np.log(2.0 * state.stiffness / rigidity))
 
     old = np.log(bearings.conformity - 0.5)
-    value, slope = excess(old), np.full_like(old, -0.2)
+    value, slope = logarithm_of_stiffness_ratio(old), np.full_like(old, -0.2)
     for _ in range(STEPS):
         new = np.clip(old - value / slope, low, high)
         if float(np.abs(new - old).max()) < ENOUGH:
             break
-        fresh = excess(new)
+        fresh = logarithm_of_stiffness_ratio(new)
         moved = new != old
         slope = np.where(moved, np.minimum((fresh - value) / np.where(moved, new - old, 1.0), -0.02), slope)
         old, value = new, fresh
     if float(np.abs(value).max()) > 1e-6:
-        raise ValueError("no conformity between {:g} and {:g} gives a pair of bearings its stiffness".format(*CONFORMITIES))
+        raise ValueError(
+            "no groove conformity between {:g} and {:g} gives the bearing pairs their stiffness".format(*CONFORMITIES)
+        )
     return np.asarray(0.5 + np.exp(old))

@@ -28,20 +28,20 @@ FITS = {
 def hertz_parameter_by_smith_polynomial(curvature_difference: float, quantity: str) -> float:
     """Return the dimensionless approach delta* or semi-axis a* or b* of Hertz contact by Smith's fitted polynomials.
 
-    delta* is within 2 % of the exact value only for F between 0.68 and 0.962, where the minor semi-axis is 39 to 42 % too
-    large.
+    delta* is within 2 % of the exact value only for curvature differences F between 0.68 and 0.962, where the minor
+    semi-axis b* is 39 to 42 % too large.
 
     Parameters
     ----------
     curvature_difference
-        Curvature difference F over the sum of the curvatures.
+        Curvature difference F, which is already divided by the sum of the curvatures (`curvature_difference`).
     quantity
         ``"approach"`` for delta*, ``"major"`` for a*, ``"minor"`` for b*.
 
     References
     ----------
-    Smith (1994), 2.18, 2.25 and 2.26, with powers 1 to 5, as is meant. In print, 2.25 squares the first power and 2.18 has
-    the coefficient -148.46 as an exponent.
+    Smith (1994), 2.18, 2.25 and 2.26, here as polynomials with the powers 1 to 5, as Smith must have meant. In print, 2.25
+    has a square in place of the first power, and 2.18 has the coefficient -148.46 as an exponent.
     """
     x = (-np.log10(curvature_difference)) ** (2.0 / 3.0)
     value = float(np.polyval(FITS[quantity][::-1], x))
@@ -76,30 +76,31 @@ def load_constant_of_race(curvature_sum: float, dimensionless_approach: float) -
 def load_constant_of_both_races(inner: float, outer: float) -> float:
     """Return the constant K_n of the law Q = K_n delta^1.5 of a ball between both races [N/mm^1.5] (Smith 1994, eq. 2.7).
 
-    ``inner``, ``outer``: constants K of both races [N/mm^1.5]. The exponent is the 0.66666 of his spreadsheet.
+    K_n is (K_i^-e + K_o^-e)^-1.5 with the exponent e = 0.66666 of Smith's spreadsheet in place of 2/3. ``inner``,
+    ``outer``: constants K_i and K_o of the inner and the outer race [N/mm^1.5].
     """
     return float((inner**-SHEET_EXPONENT + outer**-SHEET_EXPONENT) ** -1.5)
 
 
 @dataclass(frozen=True)
 class SmithSpreadsheetValues:
-    """Cells of the spreadsheet for a ball bearing in Smith's figure 2-10; pairs are for (inner, outer) race."""
+    """Values in the cells of Smith's spreadsheet for a ball bearing (figure 2-10); pairs are for (inner, outer) race."""
 
-    #: Sums of curvatures [1/mm].
+    #: Sums of the four principal curvatures at the contacts [1/mm].
     curvature_sums: tuple[float, float]
-    #: Curvature differences F.
+    #: Curvature differences F over the curvature sum.
     curvature_differences: tuple[float, float]
-    #: Dimensionless approaches delta*.
+    #: Dimensionless Hertz approaches delta*.
     dimensionless_approaches: tuple[float, float]
-    #: Load constant K of each race [N/mm^1.5].
+    #: Load constant K of each race in Q = K delta^1.5 [N/mm^1.5].
     race_load_constants: tuple[float, float]
-    #: Load constant K_n of both races in series [N/mm^1.5].
+    #: Load constant K_n of both races in series, in Q = K_n delta^1.5 [N/mm^1.5].
     load_constant: float
-    #: Contact angle [rad].
+    #: Contact angle under load [rad].
     contact_angle: float
-    #: Load of a ball [N].
+    #: Contact load of a ball [N].
     ball_load: float
-    #: Axial deflection [mm].
+    #: Axial deflection of the bearing [mm].
     deflection: float
 
 
@@ -130,7 +131,7 @@ def compute_smith_spreadsheet(
     d, dm, b = diameter, 0.5 * sum(raceways), sum(grooves) - diameter
     rest = float(np.arccos(1.0 - 0.5 * (raceways[1] - raceways[0] - 2.0 * d) / b))
 
-    def cells(angle: float) -> SmithSpreadsheetValues:
+    def spreadsheet_values(angle: float) -> SmithSpreadsheetValues:
         """Return the values of all cells of the spreadsheet for a contact angle [rad]."""
         path = dm / np.cos(angle)
         four = (
@@ -149,16 +150,16 @@ def compute_smith_spreadsheet(
         q = load / (balls * float(np.sin(angle)))
         return SmithSpreadsheetValues(sums, differences, delta, race, load_constant_of_both_races(*race), angle, q, moved)
 
-    def imbalance(angle: float) -> float:
-        """Return by how much a ball's load by equilibrium exceeds its load by deflection [N], for a contact angle [rad]."""
-        state = cells(angle)
+    def ball_load_above_deflection_load(angle: float) -> float:
+        """Return a ball's load by equilibrium less its load by deflection [N], for a contact angle [rad]."""
+        state = spreadsheet_values(angle)
         return state.ball_load - state.load_constant * float((b * (np.cos(rest) / np.cos(angle) - 1.0)) ** 1.5)
 
-    return cells(float(brentq(imbalance, rest + 1e-9, 0.5 * np.pi - 1e-3, xtol=1e-14)))
+    return spreadsheet_values(float(brentq(ball_load_above_deflection_load, rest + 1e-9, 0.5 * np.pi - 1e-3, xtol=1e-14)))
 
 
 def bearing_row_loads_as_printed(loads: Sequence[float], directions: Sequence[int], force: float) -> Array:
-    """Return the loads of bearing rows under an external force by Smith's method [N], which balances twice the force.
+    """Return the loads of bearing rows under an external force by Smith's method [N], whose sum is twice the force.
 
     Smith adds the whole force to the rows of its direction and also subtracts it from the opposite rows. For the stretch of
     a screw he halves the force over both ends, so that the two errors cancel.
@@ -199,7 +200,7 @@ def axis_stiffness_as_printed(supports: Sequence[float], screw: float, nut: floa
 
 
 def roller_approach_as_printed(line_load: float, diameter: float, cup_angle: float, roller_angle: float) -> float:
-    """Return the normal deflection of a roller between its races [in] by eq. 3.19 of Smith (1994).
+    """Return the approach of a roller's two races along the contact normal [in] by eq. 3.19 of Smith (1994).
 
     The logarithm has the base 10. The factor 8.89e-8 is 4 (1 - nu^2)/(pi E) ln 10 for steel, from the law of two line
     contacts. The logarithm's argument has a dimension, 1/(length times line load), so the formula does not scale: a bearing
@@ -220,15 +221,15 @@ def roller_approach_as_printed(line_load: float, diameter: float, cup_angle: flo
 
 @dataclass(frozen=True)
 class PrintedRollerContact:
-    """Contact of a roller with its inner race as Smith prints it (3.23 to 3.28)."""
+    """Contact of a tapered roller with the inner race by Smith's printed equations 3.23 to 3.28, errors included."""
 
-    #: Load of the roller [lb].
+    #: Contact load of the roller [lb].
     roller_load: float
-    #: Half-width of the contact [in].
+    #: Half-width of the line contact [in].
     half_width: float
-    #: Contact area [in^2].
+    #: Area of the line contact [in^2].
     contact_area: float
-    #: Largest pressure [psi].
+    #: Largest contact pressure [psi].
     pressure: float
 
 

@@ -44,7 +44,7 @@ from rollbench.meshes.section import grooved_volume_ratio
 
 @dataclass(frozen=True)
 class ScrewShaftSprings:
-    """Screw shaft between two supports; shaft and supports are linear axial springs.
+    """Screw shaft between two supports, with shaft and supports as linear axial springs.
 
     Raises
     ------
@@ -54,9 +54,9 @@ class ScrewShaftSprings:
 
     #: Distance between the supports [m].
     length: float
-    #: Cross-section at the bottom of the groove [m^2].
+    #: Area of the shaft's cross-section at the bottom of the groove [m^2].
     area: float
-    #: Young's modulus [Pa].
+    #: Young's modulus of the shaft [Pa].
     young: float
     #: Axial stiffness of the left support [N/m]; infinite is rigid, zero is free to slide.
     left: float = np.inf
@@ -107,10 +107,11 @@ def stiffnesses_from_nut_to_frame(axis: ScrewShaftSprings, position: Array | flo
 
 
 def shaft_and_support_stiffness(axis: ScrewShaftSprings, position: Array | float) -> Array:
-    """Return the axial stiffness of shaft and supports at the nut, k_l + k_r [N/m].
+    """Return the axial stiffness k_l + k_r of shaft and supports together, as the nut sees it [N/m].
 
-    k_l and k_r are the stiffnesses from the nut to the frame through the left and through the right support.
-    With rigid supports it is EA L/(x (L - x)) (Smith 1994, eq. 4.7), with one free end EA/x (eq. 4.8).
+    k_l and k_r are the stiffnesses from the nut to the frame through the left and through the right support. For a shaft of
+    length L, cross-section A and Young's modulus E the sum is E A L/(x (L - x)) with rigid supports (Smith 1994, eq. 4.7),
+    and E A/x with a rigid left support and a free right end (eq. 4.8).
 
     Parameters
     ----------
@@ -137,7 +138,8 @@ def shaft_and_support_stiffness(axis: ScrewShaftSprings, position: Array | float
 def carriage_to_frame_stiffness(axis: ScrewShaftSprings, position: Array | float, nut_stiffness: float) -> Array:
     """Return the axial stiffness between carriage and frame through nut, shaft and supports [N/m].
 
-    It is 1/(1/k_nut + 1/(k_l + k_r)): the nut in series with both ends of the shaft (`stiffnesses_from_nut_to_frame`).
+    It is 1/(1/k_nut + 1/(k_l + k_r)): the nut of stiffness k_nut in series with the two ends of the shaft, which have the
+    stiffnesses k_l and k_r between nut and frame (`stiffnesses_from_nut_to_frame`).
 
     Parameters
     ----------
@@ -160,8 +162,9 @@ def carriage_to_frame_stiffness(axis: ScrewShaftSprings, position: Array | float
 def support_loads(axis: ScrewShaftSprings, position: float, force: float, tension: float = 0.0) -> tuple[float, float]:
     """Return the axial forces of the shaft on the left and the right support [N], positive towards the other support.
 
-    A force to the right on the nut adds its part k_l/(k_l + k_r) to the pull on the left support, and the rest reduces the
-    pull on the right support: left - right = force. k_l and k_r: `stiffnesses_from_nut_to_frame`.
+    A force to the right on the nut raises the pull on the left support by the fraction k_l/(k_l + k_r) of the force, and
+    lowers the pull on the right support by the rest. k_l and k_r are the stiffnesses from the nut to the frame through the
+    left and through the right support (`stiffnesses_from_nut_to_frame`).
 
     Parameters
     ----------
@@ -187,9 +190,10 @@ def support_loads(axis: ScrewShaftSprings, position: float, force: float, tensio
 def shaft_tension(axis: ScrewShaftSprings, stretch: float, expansion: float = 0.0, warming: float = 0.0) -> float:
     """Return the tension of the shaft after a stretch of its ends and a uniform warming [N]; negative is compression.
 
-    It is F = E A (eps - alpha dT) with the strain eps by the stretch and the warming dT, because the elastic strain is the
-    total strain less the thermal strain. Elastic supports take a part of the stretch. Each support carries the
-    whole tension.
+    With rigid supports the tension is E A (eps - alpha dT), because the elastic strain is the total strain less the thermal
+    strain. E A is Young's modulus times the shaft's cross-section, eps the stretch over the shaft's length, alpha the
+    coefficient of thermal expansion, and dT the warming. Elastic supports take up a part of the stretch. Each support
+    carries the whole tension.
 
     Parameters
     ----------
@@ -239,7 +243,7 @@ def warming_that_removes_tension(axis: ScrewShaftSprings, stretch: float, expans
 # --- torque
 
 
-def angular_speed(speed: float, lead: float) -> float:
+def screw_angular_speed(speed: float, lead: float) -> float:
     """Return the angular speed of the screw, 2 pi v/lead [rad/s].
 
     Parameters
@@ -282,8 +286,8 @@ def screw_inertia(shaft: Assembly, density: float) -> float:
     """Return the moment of inertia of a whole screw shaft about its axis [kg m^2], without bearing rings and nuts.
 
     The inertia of plain segments follows Smith (1994), 4.14. The threaded length is taken for a cylinder of the same volume
-    as the thread of the shaft's first nut (eq. C.8 of Lin's thesis). Smith takes the root diameter instead, which gives
-    less by the fourth power of the diameters' ratio.
+    as the thread of the shaft's first nut (eq. C.8 of Lin's thesis). Smith takes a cylinder of the root diameter instead:
+    for a solid shaft his inertia is lower by the fourth power of the ratio of the two cylinders' diameters.
 
     Parameters
     ----------
@@ -310,7 +314,8 @@ def reflected_inertia(mass: float, lead: float, efficiency: float = 1.0) -> floa
     lead
         Lead of the thread [m].
     efficiency
-        Efficiency e of the screw in acceleration; 1 gives the inertia without losses, of kinetic energy m v^2/2.
+        Efficiency e of the screw in acceleration; 1 gives the inertia without losses, whose kinetic energy is that of the
+        moving mass.
 
     References
     ----------
@@ -328,13 +333,13 @@ def reflected_inertia(mass: float, lead: float, efficiency: float = 1.0) -> floa
 class DriveTorqueParts:
     """Contributions to the drive torque of a ball-screw axis [N m]."""
 
-    #: Torque that the axial load on the ball screw needs [N m].
+    #: Torque that balances the axial load on the ball screw [N m].
     axial_load_torque: float
     #: Friction torque of the nut [N m].
     nut_friction: float
     #: Friction torque of each support [N m].
     support_friction: tuple[float, ...]
-    #: Torque that the acceleration needs [N m].
+    #: Torque that accelerates all moving parts [N m].
     acceleration: float
 
     @property
@@ -368,7 +373,7 @@ def acceleration_torque(inertias: Sequence[float], speed: float, time: float) ->
 
 
 class BearingRowLaw(Protocol):
-    """Load-deflection law of one bearing row out of several on a shaft; a row that has lost contact has no thrust."""
+    """Interface of the load-deflection laws of bearing rows on a shaft; a row that has lost contact has no thrust."""
 
     def thrust(self, deflection: float) -> float:
         """Return the thrust [N] at an axial deflection [m]."""
@@ -384,12 +389,12 @@ class BearingRowLaw(Protocol):
 class HertzPowerLawRow:
     """Bearing row with a constant contact angle: its thrust at the axial deflection u is k u^(3/2), by Hertz's law."""
 
-    #: Constant k of the thrust k u^(3/2) [N/m^(3/2)].
+    #: Constant k of the thrust k u^(3/2) at the axial deflection u [N/m^(3/2)].
     thrust_constant: float = 1.0
 
     @property
     def C(self) -> float:
-        """Constant C = k^(-2/3) of the deflection C F^(2/3) of the whole row [m/N^(2/3)]."""
+        """Constant C = k^(-2/3) of the axial deflection C F^(2/3) of the row under the thrust F [m/N^(2/3)]."""
         return float(self.thrust_constant ** (-2.0 / 3.0))
 
     def thrust(self, deflection: float) -> float:
@@ -397,7 +402,7 @@ class HertzPowerLawRow:
         return float(contact_force(deflection, self.C))
 
     def stiffness(self, deflection: float) -> float:
-        """Return the stiffness dF/du [N/m] at an axial deflection [m]; zero where the row is loose."""
+        """Return the axial stiffness dF/du [N/m] at an axial deflection [m]; zero where the row is loose."""
         return float(contact_stiffness_at_approach(deflection, self.C))
 
     def deflection(self, load: float) -> float:
@@ -412,11 +417,11 @@ class BearingRows:
     Tandem rows have the same direction. Face-to-face and back-to-back arrangements are the same under pure thrust.
     """
 
-    #: Load-deflection laws of the rows.
+    #: Load-deflection law of each row.
     row_laws: tuple[BearingRowLaw, ...]
     #: Direction of each row: +1 if it takes thrust in the positive direction, else -1.
     directions: tuple[int, ...]
-    #: Deflection g_j of each row by the part of the gaps between the rings that the locknut closes [m].
+    #: Axial deflection g_j of each row by the gap between its rings that the locknut closes [m].
     preload_deflections: tuple[float, ...]
 
     def __post_init__(self) -> None:
@@ -436,20 +441,20 @@ class BearingRows:
 class BearingRowsState:
     """Loads and stiffness of the bearings on a shaft at one displacement of their inner rings."""
 
-    #: Axial displacement u [m].
+    #: Axial displacement u of the inner rings [m].
     displacement: float
     #: Thrust of each row [N], not negative.
     row_thrusts: Array
-    #: Stiffness of each row [N/m].
+    #: Axial stiffness of each row [N/m].
     row_stiffness: Array
 
     @property
     def stiffness(self) -> float:
-        """Tangent stiffness of all bearings together [N/m]; their rows act in parallel between shaft and housing."""
+        """Axial tangent stiffness of all bearing rows together [N/m]; the rows act in parallel from shaft to housing."""
         return float(self.row_stiffness.sum())
 
 
-def _law_values_of_rows(bearings: BearingRows, displacement: float, law: Callable[[BearingRowLaw, float], float]) -> Array:
+def _evaluate_row_laws(bearings: BearingRows, displacement: float, law: Callable[[BearingRowLaw, float], float]) -> Array:
     """Return the load [N] or the stiffness [N/m] of each bearing row at a common axial displacement of the inner rings [m].
 
     ``law``: method of `BearingRowLaw` that gives the load or the stiffness of a row at its deflection [m]. Equal rows with
@@ -466,7 +471,7 @@ def _law_values_of_rows(bearings: BearingRows, displacement: float, law: Callabl
 
 def _row_thrusts(bearings: BearingRows, displacement: float) -> Array:
     """Return the thrust of each bearing row [N] at a common axial displacement of the inner rings [m]."""
-    return _law_values_of_rows(bearings, displacement, lambda row, d: row.thrust(d))
+    return _evaluate_row_laws(bearings, displacement, lambda row, d: row.thrust(d))
 
 
 def state_of_bearing_rows(bearings: BearingRows, displacement: float) -> BearingRowsState:
@@ -474,7 +479,7 @@ def state_of_bearing_rows(bearings: BearingRows, displacement: float) -> Bearing
 
     ``displacement``: axial displacement u [m], in the positive direction of the rows.
     """
-    stiffness = _law_values_of_rows(bearings, displacement, lambda row, d: row.stiffness(d))
+    stiffness = _evaluate_row_laws(bearings, displacement, lambda row, d: row.stiffness(d))
     return BearingRowsState(displacement, _row_thrusts(bearings, displacement), stiffness)
 
 
@@ -512,24 +517,24 @@ def solve_bearing_row_equilibrium(bearings: BearingRows, force: float = 0.0) -> 
     if force == 0.0 and np.unique(s).size == 1:
         return state_of_bearing_rows(bearings, -s[0] * max(bearings.preload_deflections))
 
-    def excess(u: float) -> float:
+    def thrust_sum_above_external(u: float) -> float:
         """Return the sum of the rows' forces on the shaft less the external thrust [N] at a displacement u [m]."""
         return float(s @ _row_thrusts(bearings, u)) - force
 
     # bracket: one end where the rows of one direction are loose, the other where they carry the whole force
     step = max(max(abs(g) for g in bearings.preload_deflections), 1e-9)
     low, high = -step, step
-    while excess(low) > 0.0:
+    while thrust_sum_above_external(low) > 0.0:
         low *= 2.0
-    while excess(high) < 0.0:
+    while thrust_sum_above_external(high) < 0.0:
         high *= 2.0
-    return state_of_bearing_rows(bearings, float(brentq(excess, low, high, xtol=1e-22, rtol=8.9e-16)))
+    return state_of_bearing_rows(bearings, float(brentq(thrust_sum_above_external, low, high, xtol=1e-22, rtol=8.9e-16)))
 
 
 def equal_rows_with_gap(row: BearingRowLaw, directions: Sequence[int], gap: float) -> BearingRows:
     """Return equal bearing rows on a shaft that are preloaded because a locknut closes a gap between the rings of each row.
 
-    Closing the gaps deflects two opposed rows together by twice the gap.
+    Closing the gaps of two opposed rows deflects them by amounts that add up to twice the gap of one row.
 
     Parameters
     ----------
@@ -570,7 +575,7 @@ def equal_rows_with_preload(row: BearingRowLaw, directions: Sequence[int], force
 
 
 def lift_off_force(bearings: BearingRows) -> float:
-    """Return the external thrust in the positive direction at which all opposite bearing rows lose contact [N].
+    """Return the external thrust [N] in the positive direction at which all rows of negative direction lose contact.
 
     For two equal opposed rows with load ~ deflection^n it is 2^n times the preload: 2.83 times for balls with a constant
     contact angle.
@@ -587,6 +592,6 @@ def lift_off_force(bearings: BearingRows) -> float:
     """
     others = [g for g, s in zip(bearings.preload_deflections, bearings.directions, strict=True) if s == -1]
     if not others:
-        raise ValueError("lift-off force: got rows of direction +1 only; allowed: at least one row of direction -1")
+        raise ValueError("lift-off force: got bearing rows of direction +1 only; allowed: at least one row of direction -1")
     state = state_of_bearing_rows(bearings, max(others))
     return float(np.array(bearings.directions) @ state.row_thrusts)

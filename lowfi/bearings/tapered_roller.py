@@ -69,13 +69,13 @@ _WEIGHTS = 0.03 * np.pi * np.cosh(_T) * _PLACES / (1.0 + np.exp(np.pi * np.sinh(
 class LoadZone:
     """Load zone, the loaded part of the circumference of a row of rolling elements, with Sjovall's integrals."""
 
-    #: Load zone parameter: 1/2 if half of the circumference is loaded, infinite for pure thrust.
+    #: Load zone parameter epsilon: 1/2 if half of the circumference is loaded, infinite for pure thrust.
     eps: float
     #: Sjovall's integral J_a of the thrust, dimensionless.
     thrust_integral: float
     #: Sjovall's integral J_r of the radial load, dimensionless.
     radial_integral: float
-    #: Half of the angle over which the row is loaded [rad].
+    #: Half of the angle of the circumference over which the row is loaded [rad].
     half_angle: float
 
 
@@ -87,7 +87,7 @@ def load_zone_integrals(eps: float, exponent: float) -> LoadZone:
     Parameters
     ----------
     eps
-        Load zone parameter, above 0; infinite for pure thrust.
+        Load zone parameter, above 0: 1/2 if half of the circumference is loaded, infinite for pure thrust.
     exponent
         Exponent n of load ~ deflection^n: 1.1 for rollers, 1.5 for balls.
 
@@ -125,14 +125,15 @@ def load_zone_integrals(eps: float, exponent: float) -> LoadZone:
 def load_zone_under_thrust_and_radial_load(axial: float, radial: float, angle: float, exponent: float) -> LoadZone:
     """Return the load zone of a row of rolling elements under thrust and radial load.
 
-    It is the load zone for which J_r/J_a = F_r tan(alpha)/F_a (Smith 1994, eq. 3.14).
+    It is the load zone for which J_r/J_a = F_r tan(alpha)/F_a (Smith 1994, eq. 3.14), with Sjovall's integrals J_r of the
+    radial load and J_a of the thrust (`load_zone_integrals`).
 
     Parameters
     ----------
     axial, radial
-        Forces F_a and F_r [N].
+        Thrust F_a and radial load F_r [N].
     angle
-        Contact angle [rad].
+        Contact angle alpha [rad].
     exponent
         Exponent n of load ~ deflection^n: 1.1 for rollers, 1.5 for balls.
 
@@ -150,12 +151,18 @@ def load_zone_under_thrust_and_radial_load(axial: float, radial: float, angle: f
     if ratio == 0.0:
         return load_zone_integrals(np.inf, exponent)
 
-    def excess(log_eps: float) -> float:
-        """Return the logarithm of J_r/J_a over the ratio that the forces require, for a logarithm of eps."""
+    def logarithm_of_ratio_over_required(log_eps: float) -> float:
+        """Return the logarithm of the ratio J_r/J_a of Sjovall's integrals over its required value F_r tan(alpha)/F_a.
+
+        ``log_eps``: logarithm of the load zone parameter, for which the integrals are computed.
+        """
         zone = load_zone_integrals(float(np.exp(log_eps)), exponent)
         return float(np.log(zone.radial_integral / zone.thrust_integral / ratio))
 
-    return load_zone_integrals(float(np.exp(brentq(excess, np.log(1e-8), np.log(exponent / ratio), xtol=1e-13))), exponent)
+    return load_zone_integrals(
+        float(np.exp(brentq(logarithm_of_ratio_over_required, np.log(1e-8), np.log(exponent / ratio), xtol=1e-13))),
+        exponent,
+    )
 
 
 #: Exponent n of the power law q ~ delta^n by which the load varies over the load zone (Smith 1994, eq. 3.15).
@@ -174,9 +181,9 @@ class ThrustAndRadialState:
     roller_loads: Array
     #: Derivatives of the axial and radial force with respect to the axial and radial displacement ``(2, 2)`` [N/m].
     stiffness: Array
-    #: Largest unbalanced force over the thrust.
+    #: Largest unbalanced force on the inner ring over the thrust.
     residual: float
-    #: Whether the residual is below 1e-9.
+    #: Whether the ``residual`` is below 1e-9.
     converged: bool
 
 
@@ -217,12 +224,13 @@ def solve_thrust_and_radial_equilibrium(bearing: TaperedBearing, axial: float, r
     bearing
         The bearing.
     axial, radial
-        Forces F_a and F_r [N]; the radial force points at the first roller.
+        Thrust F_a and radial force F_r [N]; the radial force points at the first roller.
 
     Raises
     ------
     ValueError
-        The thrust is too small, F_a <= F_r tan(alpha), so that the rings separate, or the radial load is negative.
+        The thrust is too small, F_a <= F_r tan(alpha) with the half angle alpha of the cup, so that the rings separate, or
+        the radial load is negative.
     """
     start = solve_by_smith_load_zone(bearing, axial, radial)
     force, x = np.array([axial, radial]), np.array([start.axial_displacement, start.radial_displacement])
@@ -274,9 +282,9 @@ class LoadZoneSolution:
     axial_displacement: float
     #: Radial displacement of the inner ring [m].
     radial_displacement: float
-    #: Largest roller load [N].
+    #: Force of either race on the most heavily loaded roller [N].
     largest_roller_load: float
-    #: Load zone of the row.
+    #: Loaded part of the row's circumference, with Sjovall's integrals.
     load_zone: LoadZone
 
 
@@ -312,11 +320,11 @@ _U, _W = np.polynomial.legendre.leggauss(32)
 
 @dataclass(frozen=True)
 class RibContactGeometry:
-    """Geometry of the contact of a roller's spherical large end with the rib of the cone, by eqs. (2) to (4)."""
+    """Geometry of the contact of a roller's spherical large end with the cone's rib, by eqs. (2) to (4) of this module."""
 
     #: Angle theta of the contact normal against the roller's axis [rad].
     normal_tilt: float
-    #: Relative curvatures along the rim and across the rim [1/m].
+    #: Relative curvatures of roller end and rib, along the rib's circumference and across it [1/m].
     relative_curvatures: tuple[float, float]
     #: Radius of curvature R_f of the rib across its generator [m].
     rib_curvature_radius: float
@@ -338,8 +346,8 @@ def rib_contact_geometry(bearing: TaperedBearing, end_radius: float, height: flo
     ------
     ValueError
         The sphere does not reach the rib or fits it without gap: R_s must be above the radius of the roller's large end and
-        below its distance from the apex. The message is the condition for ``end_radius``, which the check of scenes prints
-        as the allowed value.
+        below the distance of this end from the common apex of the races. The message states only the allowed range of
+        ``end_radius``; the check of input files adds the rest.
     """
     gamma, beta = bearing.roller_angle, bearing.cup_angle - bearing.roller_angle
     g = bearing.apex_distance + 0.5 * bearing.length
@@ -380,24 +388,26 @@ class RibContact:
         heading="load on the rib",
         note="roller {roller}",
     )
-    #: Largest pressure [Pa]; None if the radius of the roller's end is not given.
+    #: Largest pressure of the roller's end on the rib [Pa]; None if the radius of the roller's end is not given.
     pressure: float | None = quantity_field(
         "pressure_MPa",
         "largest Hertz pressure of the roller's spherical end on the hollow conical rib; null without `end_radius`",
         error="a third of the load's, and of the height where that is assumed",
         heading="pressure on the rib",
     )
-    #: Semi-axis of the contact ellipse along the rim [m]; None if the radius of the roller's end is not given.
+    #: Semi-axis of the contact ellipse along the rib's circumference [m]; None if the radius of the roller's end is not
+    #: given.
     a: float | None = quantity_field(
         "semi_axis_a_mm", "semi-axis of the rib's contact ellipse along the rim", error="a third of the load's"
     )
-    #: Semi-axis of the contact ellipse across the rim [m]; None if the radius of the roller's end is not given.
+    #: Semi-axis of the contact ellipse across the rib's circumference [m]; None if the radius of the roller's end is not
+    #: given.
     b: float | None = quantity_field(
         "semi_axis_b_mm", "semi-axis of the rib's contact ellipse across the rim", error="a third of the load's"
     )
-    #: Height of the contact above the cone's race [m].
+    #: Height of the rib contact above the cone's race [m].
     height: float = quantity_field("height_mm", "height of the rib's contact above the cone's race, as given or assumed")
-    #: Text on assumptions and missing data.
+    #: Text on assumptions and missing data of the rib contact.
     words: str = quantity_field("words", "what is assumed or not known", show=lambda words: words or None, default="")
 
 
@@ -405,14 +415,15 @@ def rib_contact(row: RollerRow, loads: Array) -> RibContact | None:
     """Return the contact of the most loaded roller of a row with the rib of the cone.
 
     Valid for straight or crowned rollers that touch their ribs, with a contact ellipse small against the roller's end. The
-    ellipse is truncated if its semi-axis b is larger than the height of the contact.
+    ellipse is truncated if its semi-axis across the rib's circumference is larger than the height of the contact above the
+    cone's race.
 
     Parameters
     ----------
     row
         Row of tapered rollers.
     loads
-        Force of either race on each roller ``(count,)`` [N].
+        Contact load of each roller ``(count,)`` [N], the same on cone and cup.
 
     Returns
     -------
@@ -442,7 +453,7 @@ def rib_contact(row: RollerRow, loads: Array) -> RibContact | None:
 
 
 def rib_contact_ellipse(row: RollerRow, load: Array | float) -> tuple[Array, Array]:
-    """Return the semi-axes of the contact ellipse of a roller's end with the rib [m], along and across the rim.
+    """Return the semi-axes [m] of a roller end's contact ellipse on the rib, along and across the rib's circumference.
 
     Parameters
     ----------
@@ -474,13 +485,15 @@ def mean_distance_of_rib_pressure(a: Array, b: Array, height: float) -> Array:
     """Return the mean distance of the pressure on the rib from the roller's contact line with the cone, int p r dA/F [m].
 
     p is the pressure and F its integral over the contact area; r is the distance from a point on the minor axis at the
-    height h from the ellipse's centre. With s the relative radius in the ellipse and u = sqrt(1 - s^2), the integral has
-    the weight 3 u^2/(2 pi); Gauss and trapezoid rules give it to 1e-4.
+    height h from the ellipse's centre. With s the distance from the centre over that of the ellipse's edge in the same
+    direction and u = sqrt(1 - s^2), the integral over u and the angle around the centre has the weight 3 u^2/(2 pi).
+    Gauss's rule for u and the trapezoid rule for the angle give it to 1e-4.
 
     Parameters
     ----------
     a, b
-        Semi-axes along and across the rim ``(n,)`` [m]; zero for a point contact, whose distance is the height.
+        Semi-axes of the contact ellipse along and across the rib's circumference ``(n,)`` [m]; zero for a point contact,
+        whose distance is the height.
     height
         Height h of the contact above the cone's race [m].
     """

@@ -41,18 +41,8 @@ from typing import Literal
 
 import numpy as np
 
-from rollbench.lowfi.bearings.tapered_roller import (
-    mean_distance_of_rib_pressure,
-    rib_contact_ellipse,
-    rib_height,
-    roller_speed_ratios,
-)
-from rollbench.lowfi.rollers import (
-    TaperedBearing,
-    half_widths_and_pressures_of_slices,
-    slice_middles,
-    tapered_bearing_of_row,
-)
+from rollbench.lowfi import rollers
+from rollbench.lowfi.bearings import tapered_roller
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import RollerRow
 from rollbench.meshes.parts import Lubricant
@@ -95,8 +85,9 @@ STARTING = 2.0
 def load_independent_torque(lubrication_factor: float, pitch_diameter: float, viscosity: float, speed: float) -> float:
     """Return the load-independent friction torque M_0 of a ball bearing [N m].
 
-    M_0 = 1e-8 kg f_0 (nu n)^(2/3) d_m^3 in mm, mm^2/s and rpm. Below nu n = 2000 mm^2/s rpm, where the film is thinner than
-    a micrometre, M_0 has the value at 2000 (Palmgren; SKF: 160e-7 f_0 d_m^3 N mm, which is 3 % less).
+    M_0 is 1e-8 f_0 (nu n)^(2/3) d_m^3 in kilogram-force mm, with d_m in mm, nu in mm^2/s and n in rpm. Below nu n = 2000
+    mm^2/s rpm, where the film is thinner than a micrometre, M_0 has the value at 2000 (Palmgren; SKF: 160e-7 f_0 d_m^3 in N
+    mm, which is 3 % more).
 
     Parameters
     ----------
@@ -111,12 +102,12 @@ def load_independent_torque(lubrication_factor: float, pitch_diameter: float, vi
 
     References
     ----------
-    Palmgren (1959); Smith (1994), 2.32. His 2.31 with the exponent 2/3 (printed 3/2) and atmospheric pressure agrees within
-    2 % for oil of 900 kg/m^3.
+    Palmgren (1959); Smith (1994), 2.32. Smith's 2.31 with the exponent 2/3 (printed 3/2) and atmospheric pressure agrees
+    with it within 2 % for oil of 900 kg/m^3.
 
     Examples
     --------
-    f_0 = 2, 40 mm, 20 mm^2/s, 1500 rpm; newer catalogues have 1e-7 N for 1e-8 kg, which gives 12.36 N mm:
+    f_0 = 2, 40 mm, 20 mm^2/s, 1500 rpm; newer catalogues print 1e-7 for a result in N mm, which gives 12.36 N mm:
 
     >>> round(load_independent_torque(2.0, 40e-3, 20e-6, 1500.0 * np.pi / 30.0) * 1e3, 2)  # N mm
     12.12
@@ -129,14 +120,15 @@ def load_independent_torque(lubrication_factor: float, pitch_diameter: float, vi
 class BallBearingTorque:
     """Friction torque of a row of balls [N m], as a range (low, high) given by the published coefficients."""
 
-    #: Load-dependent part M_1 as (low, high) [N m].
+    #: Part M_1 of the friction torque that depends on load, as (low, high) [N m].
     load: Band = quantity_field(
         "load_Nmm",
         "load-dependent part M1 = z (Q/Q0)^y P1 dm, from the computed loads; lowest and highest published z",
         error="empirical",
         parts="[]",
     )
-    #: Part M_0 that depends on lubricant and speed, as (low, high) [N m]; None without lubricant or speed.
+    #: Part M_0 of the friction torque that depends on lubricant and speed, as (low, high) [N m]; None without lubricant or
+    #: speed.
     viscous: Band | None = quantity_field(
         "viscous_Nmm",
         "part M0 = f0 (nu n)^(2/3) dm^3 that depends on lubricant and speed; lowest and highest published f0; null without "
@@ -215,14 +207,14 @@ def ball_bearing_torque(
 class PalmgrenLoadTorque:
     """Load-dependent friction torque M_1 of a ball bearing, with the factors from which it is computed."""
 
-    #: Torque M_1 [N m].
+    #: Load-dependent friction torque M_1 [N m].
     torque: float = quantity_field(
         "torque_Nmm",
         "starting torque of one bearing under its preload, by Palmgren's load formula M = f1 F dm (Smith 2.33 to 2.38), "
         "without lubricant and seals",
         error="empirical",
     )
-    #: Factor f_1 = 0.0013 (P_0/C_0)^(1/3) of the torque.
+    #: Factor f_1 = 0.0013 (P_0/C_0)^(1/3) of the torque M_1 = f_1 g_1 P_0 d_m.
     factor: float = quantity_field("factor", "factor f1 = 0.0013 (P0/C0)^(1/3) of the starting torque")
     #: Static equivalent load P_0 [N].
     equivalent_load: float = quantity_field("equivalent_load_N", "static equivalent load P0 of the bearing")
@@ -259,13 +251,13 @@ def load_dependent_torque(
 ) -> PalmgrenLoadTorque:
     """Return the load-dependent friction torque M_1 = f_1 g_1 P_0 d_m of a ball bearing.
 
-    f_1 = 0.0013 (P_0/C_0)^(1/3) is for contact angles of about 60 deg. g_1 P_0 is taken as F_a, so that Y_0 has an
-    influence only through f_1.
+    The factor f_1 = 0.0013 (P_0/C_0)^(1/3) of design and load is for contact angles of about 60 deg. The load g_1 P_0 that
+    determines the torque is taken as the thrust F_a, so that Y_0 has an influence only through f_1.
 
     Parameters
     ----------
     axial, radial
-        Static loads F_a and F_r [N].
+        Static thrust F_a and radial load F_r [N].
     pitch_diameter
         Pitch diameter d_m [m].
     rating
@@ -352,38 +344,40 @@ UNEVEN = 1.1
 class RollerBearingTorque:
     """Friction torque of a row of tapered rollers about its axis [N m], from contact losses and by Timken's formula."""
 
-    #: Torque of the lubricant film between rollers and races; None without lubricant or speed.
+    #: Friction torque of the lubricant film between rollers and races [N m]; None without lubricant or speed.
     film: float | None = quantity_field(
         "film_Nmm",
         "friction torque of the oil film between rollers and races; null without lubricant or speed",
         error="upper bound",
     )
-    #: Torque of elastic hysteresis in the races' contacts.
+    #: Friction torque of elastic hysteresis in the contacts of rollers and races [N m].
     hysteresis: float = quantity_field(
         "hysteresis_Nmm", "friction torque of the steel's hysteresis, 1 % of the work of deformation"
     )
-    #: Torque of sliding and spin of the rollers' ends on the rib.
+    #: Friction torque of sliding and spin of the rollers' ends on the rib [N m].
     rib: float = quantity_field(
         "rib_Nmm",
         "friction torque of the rollers' large ends that slide and spin on the rib",
         error="that of the coefficient of friction",
     )
-    #: Torque with the lowest coefficient of friction in `FRICTIONS`; None if the scene gives the coefficient.
+    #: Friction torque with the lowest coefficient of friction in `FRICTIONS` [N m]; None if the scene gives the
+    #: coefficient.
     low: float | None = quantity_field(
         "low_Nmm", "torque with a coefficient of friction of 0.03 on the rib (full film); null if rib_friction is given"
     )
-    #: Torque with the highest coefficient of friction in `FRICTIONS`; None if the scene gives the coefficient.
+    #: Friction torque with the highest coefficient of friction in `FRICTIONS` [N m]; None if the scene gives the
+    #: coefficient.
     high: float | None = quantity_field(
         "high_Nmm", "torque with a coefficient of friction of 0.15 on the rib (boundary lubrication)"
     )
-    #: Torque by Timken's formula; None if one of its inputs is missing.
+    #: Running torque by Timken's formula [N m]; None if one of its inputs is missing.
     timken: float | None = quantity_field(
         "timken_Nmm",
         "running torque by Timken's formula (Smith 3.29) under the row's thrust; null without torque_factor, "
         "lubricant or speed",
         error="empirical; of thrust alone",
     )
-    #: Text on assumptions and missing data.
+    #: Text on assumptions and missing data of the torque.
     words: str = quantity_field("words", "what is assumed or missing", show=lambda words: words or None, default="")
 
     @property
@@ -440,11 +434,13 @@ def roller_bearing_torque(
     """
     if not (line_loads > 0.0).any():
         return None
-    bearing, speed = tapered_bearing_of_row(row), abs(speed or 0.0)
+    bearing, speed = rollers.tapered_bearing_of_row(row), abs(speed or 0.0)
     loads = line_loads.mean(axis=1) * row.length
-    cone, _ = roller_speed_ratios(bearing)
+    cone, _ = tapered_roller.roller_speed_ratios(bearing)
     rib = 2.0 * np.sin(bearing.roller_angle) * loads
-    distance = mean_distance_of_rib_pressure(*rib_contact_ellipse(row, rib), rib_height(row))
+    distance = tapered_roller.mean_distance_of_rib_pressure(
+        *tapered_roller.rib_contact_ellipse(row, rib), tapered_roller.rib_height(row)
+    )
     sliding = cone * float(rib @ distance)  # torque of the rib over its coefficient
     mu = USUAL_FRICTION if row.rib_friction is None else row.rib_friction
     words, film, timken = [], None, None
@@ -469,7 +465,7 @@ def roller_bearing_torque(
     return RollerBearingTorque(film, elastic, mu * sliding, low, high, timken, "; ".join(words))
 
 
-def rolling_speed(bearing: TaperedBearing, along: Array, speed: float) -> Array:
+def rolling_speed(bearing: rollers.TaperedBearing, along: Array, speed: float) -> Array:
     """Return the rolling speed of a tapered roller [m/s]: the speed of both surfaces relative to the contact with a race.
 
     The roller rolls without sliding, so that this speed is the same in the contacts with cone and cup.
@@ -487,7 +483,7 @@ def rolling_speed(bearing: TaperedBearing, along: Array, speed: float) -> Array:
     return np.asarray(speed * (bearing.apex_distance + along) * cone * cup / (cone + cup))
 
 
-def film_torque(bearing: TaperedBearing, line_loads: Array, speed: float, lubricant: Lubricant) -> float:
+def film_torque(bearing: rollers.TaperedBearing, line_loads: Array, speed: float, lubricant: Lubricant) -> float:
     """Return the friction torque of the lubricant films on both races [N m].
 
     It is the sum of the power lost by `film_rolling_resistance` in every slice, divided by the speed of the rings.
@@ -503,7 +499,7 @@ def film_torque(bearing: TaperedBearing, line_loads: Array, speed: float, lubric
     lubricant
         The lubricant.
     """
-    x = slice_middles(bearing.length, line_loads.shape[-1])
+    x = rollers.slice_middles(bearing.length, line_loads.shape[-1])
     roller, cone, cup = bearing.curvature_radii(x)
     u, width = rolling_speed(bearing, x, speed), bearing.length / x.size
     lost = 0.0
@@ -538,7 +534,8 @@ def film_rolling_resistance(
 
     References
     ----------
-    Goksem and Hargreaves (1978). It agrees within 15 % with the integral over the inlet (Grubin) for W of 1e-5 to 1e-4.
+    Goksem and Hargreaves (1978). For W of 1e-5 to 1e-4 the formula agrees within 15 % with the integral over the inlet of
+    the film (Grubin).
 
     Examples
     --------
@@ -553,11 +550,11 @@ def film_rolling_resistance(
     )
 
 
-def hysteresis_torque(bearing: TaperedBearing, line_loads: Array) -> float:
+def hysteresis_torque(bearing: rollers.TaperedBearing, line_loads: Array) -> float:
     """Return the friction torque of elastic hysteresis at both races [N m].
 
-    The steel loses 1 % of the work that deforms it; in a slice that is the power 0.01 (2/(3 pi)) Q b Omega
-    with the load Q, the half-width b of the contact, and the roller's angular speed Omega relative to the race.
+    The steel loses 1 % of the work that deforms it. In a slice of a roller the loss is 0.01 (2/(3 pi)) Q b Omega with the
+    load Q, the half-width b of the contact, and the roller's angular speed Omega relative to the race.
 
     Parameters
     ----------
@@ -566,6 +563,6 @@ def hysteresis_torque(bearing: TaperedBearing, line_loads: Array) -> float:
     line_loads
         Loads per length of each roller's slices ``(count, slices)`` [N/m].
     """
-    b, _ = half_widths_and_pressures_of_slices(bearing, line_loads)
+    b, _ = rollers.half_widths_and_pressures_of_slices(bearing, line_loads)
     work = (line_loads[..., None] * b).sum(axis=(0, 1)) * bearing.length / line_loads.shape[-1]
-    return float(HYSTERESIS * 2.0 / (3.0 * np.pi) * work @ np.array(roller_speed_ratios(bearing)))
+    return float(HYSTERESIS * 2.0 / (3.0 * np.pi) * work @ np.array(tapered_roller.roller_speed_ratios(bearing)))

@@ -12,14 +12,9 @@ from functools import lru_cache
 
 import numpy as np
 
+from rollbench.lowfi.compliance import faces
+from rollbench.lowfi.compliance import tube as compliance_tube
 from rollbench.lowfi.compliance.beyond_hertz import NARROW, HalfGroove, half_space_compliance
-from rollbench.lowfi.compliance.faces import (
-    REACH,
-    GrooveAndFaceCompliance,
-    compute_groove_and_face_compliance,
-    contact_motions_by_own_section_wrench,
-    perpendicular_directions,
-)
 from rollbench.lowfi.compliance.groove import GrooveRingCompliance, compliance_between_ring_contacts, ring_compliance
 from rollbench.lowfi.compliance.parts import (
     BOTH,
@@ -35,22 +30,6 @@ from rollbench.lowfi.compliance.parts import (
     reduce_to_compliance_geometry,
     smooth_body,
 )
-from rollbench.lowfi.compliance.tube import (
-    SmoothBody,
-    SmoothBodyCompliance,
-    cantilever_compliance,
-    clamped_beam_compliance,
-    compliance_of_local_groove_strains,
-    contact_compliance,
-    contact_motions_by_rigid_motions,
-    convert_contacts_to_cylindrical,
-    gaussian_weights_on_line,
-    low_end_spring_compliance,
-    low_end_spring_stiffnesses,
-    move_contacts_to_surface,
-    shaft_motions_by_section_loads,
-    tube_compliance,
-)
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.cache import cached_on_disk
 from rollbench.meshes.helix import BallLayout, nominal_contact_points
@@ -64,14 +43,14 @@ BESIDE = 2.5
 
 
 def groove_section_axes_of_balls(layout: BallLayout) -> Array:
-    """Return the two axes of the groove's section at each of N balls: radial and binormal unit vectors ``(N, 2, 3)``."""
+    """Return the axes of the groove's cross-section at each of N balls: radial and binormal unit vectors ``(N, 2, 3)``."""
     return np.stack([layout.radial, layout.binormal], axis=1)
 
 
 def contact_points_and_axes(
     scene: Scene, layout: BallLayout, screw: bool, flanks: Sequence[int] = BOTH
 ) -> tuple[Array, Array]:
-    """Return the nominal contact points of screw or nut ``(c, 3)`` [m], then their axes ``(c, 2, 3)``.
+    """Return the nominal contact points of screw or nut ``(c, 3)`` [m], then the two section axes at each ``(c, 2, 3)``.
 
     The c contacts are those of all balls on the first of ``flanks``, then those on the second (0: left, 1: right). The axes
     are the radial and binormal directions of the groove's section. ``layout``: positions of the balls; ``screw``: whether
@@ -83,8 +62,10 @@ def contact_points_and_axes(
 
 
 @lru_cache(maxsize=32)
-def compliance_of_smooth_body(geometry: Scene, screw: bool, backend: ComplianceModel) -> SmoothBodyCompliance:
-    """Return the compliance of the smooth body that represents screw or nut, over the axial range of its contacts.
+def compliance_of_smooth_body(
+    geometry: Scene, screw: bool, backend: ComplianceModel
+) -> compliance_tube.SmoothBodyCompliance:
+    """Return the compliance of the smooth body (without grooves) that represents screw or nut, where its contacts lie.
 
     ``geometry``: scene of `reduce_to_compliance_geometry`; ``screw``: whether the body is the screw (True) or the nut;
     ``backend``: model of the bodies.
@@ -93,7 +74,7 @@ def compliance_of_smooth_body(geometry: Scene, screw: bool, backend: ComplianceM
     return cached_tube_compliance(tube, axial_range_of_contacts(geometry, tube))
 
 
-def axial_range_of_contacts(geometry: Scene, tube: SmoothBody) -> tuple[float, float]:
+def axial_range_of_contacts(geometry: Scene, tube: compliance_tube.SmoothBody) -> tuple[float, float]:
     """Return the lower and upper end of the axial range [m] that contains all load patches on a smooth body.
 
     It is the nut's length and `BESIDE` widths of a patch beyond either face. ``geometry``: scene of
@@ -105,8 +86,8 @@ def axial_range_of_contacts(geometry: Scene, tube: SmoothBody) -> tuple[float, f
 
 #: Functions whose results are cached with the tube as key, so that the same screw with another nut needs no computation.
 cached_tube_compliance, cached_section_motions = (
-    lru_cache(maxsize=32)(tube_compliance),
-    lru_cache(maxsize=32)(shaft_motions_by_section_loads),
+    lru_cache(maxsize=32)(compliance_tube.tube_compliance),
+    lru_cache(maxsize=32)(compliance_tube.shaft_motions_by_section_loads),
 )
 
 
@@ -122,11 +103,11 @@ def grooved_ring_compliance(geometry: Scene, screw: bool) -> GrooveRingComplianc
 
 
 def flank_self_compliance(geometry: Scene, screw: bool, backend: ComplianceModel) -> float:
-    """Return the local compliance of a groove flank at a contact [m/N], in addition to Hertz's law and the smooth body.
+    """Return a groove flank's local compliance at a contact [m/N], beyond Hertz's law and the ungrooved smooth body.
 
-    It is the motion of the contact by a unit load on itself, less the motions by Hertz's law and by the smooth body. It
-    holds for a narrow load patch; `lowfi.compliance.beyond_hertz.contact_size_correction` adds the influence of the
-    contact's size.
+    The compliance is the motion of the contact by a unit load on the contact, less the motions by Hertz's law and by the
+    smooth body. It holds for a narrow load patch; `lowfi.compliance.beyond_hertz.contact_size_correction` adds the
+    influence of the contact's size.
 
     ``geometry``: scene of `reduce_to_compliance_geometry`; ``screw``: whether the body is the screw (True) or the nut;
     ``backend``: model of the bodies.
@@ -145,7 +126,7 @@ def flank_self_compliance(geometry: Scene, screw: bool, backend: ComplianceModel
 def smooth_body_compliance_beyond_beam(
     scene: Scene, layout: BallLayout, screw: bool, backend: ComplianceModel, flanks: Sequence[int] = BOTH
 ) -> Array:
-    """Return the compliance ``(2 c, 2 c)`` [m/N] of the smooth body between c contacts, less that of the smooth beam.
+    """Return the compliance ``(2 c, 2 c)`` [m/N] of a smooth body between c contacts, less that of an equally stiff beam.
 
     Each contact has two axes (`contact_points_and_axes`). ``layout``: positions of the balls; ``screw``: whether the body
     is the screw (True) or the nut; ``flanks``: flanks with contacts, 0 left, 1 right. Raises ValueError if a contact lies
@@ -156,34 +137,39 @@ def smooth_body_compliance_beyond_beam(
     if float(np.abs(x[:, 2] - scene.nut.position).max()) > 0.5 * scene.nut.length:
         raise ValueError("a ball contact lies beyond the nut's faces: lengthen the nut or reduce the number of turns")
     smooth = compliance_of_smooth_body(geometry, screw, backend)
-    G = contact_compliance(smooth, convert_contacts_to_cylindrical(x, axes))
+    G = compliance_tube.contact_compliance(smooth, compliance_tube.convert_contacts_to_cylindrical(x, axes))
     tube = smooth.tube
     plain = tube.section
-    x = move_contacts_to_surface(tube, x)
-    rows, stations = contact_motions_by_rigid_motions(x, axes), np.repeat(x[:, 2], 2)
+    x = compliance_tube.move_contacts_to_surface(tube, x)
+    rows, stations = compliance_tube.contact_motions_by_rigid_motions(x, axes), np.repeat(x[:, 2], 2)
     if tube.held == "section":
-        G = G - low_end_spring_compliance(tube, x, axes) - clamped_beam_compliance(rows, stations, tube.ends, "low", plain)
+        G = (
+            G
+            - compliance_tube.low_end_spring_compliance(tube, x, axes)
+            - compliance_tube.clamped_beam_compliance(rows, stations, tube.ends, "low", plain)
+        )
         if backend.flank:
-            G = G + compliance_of_local_groove_strains(
+            G = G + compliance_tube.compliance_of_local_groove_strains(
                 contact_motions_by_section_wrench(scene, layout, True, backend, flanks), rows, stations, tube.ends[0]
             )
     elif tube.held in CLAMPED:
-        G = G - clamped_beam_compliance(rows, stations, *nut_beam_ends_and_clamps(tube), plain)
+        G = G - compliance_tube.clamped_beam_compliance(rows, stations, *nut_beam_ends_and_clamps(tube), plain)
     return G
 
 
 def contact_motions_by_section_wrench(
     scene: Scene, layout: BallLayout, screw: bool, backend: ComplianceModel, flanks: Sequence[int] = BOTH
 ) -> Array:
-    """Return the local motions ``(2 c, 6)`` of c contacts by a unit wrench on the cross-section at each contact.
+    """Return the local motions ``(2 c, 6)`` of c contacts, each by a unit wrench that its cross-section transmits.
 
-    The motions of the smooth body are subtracted. The wrench consists of three forces and three moments. At a groove the
-    body is thinner than on average and therefore strains more (`GrooveAndFaceCompliance.section_strain_motions`).
-    Arguments, and the c contacts with two axes each, are those of `smooth_body_compliance_beyond_beam`.
+    The motions of the smooth body by the same wrench are subtracted. The wrench consists of three forces and three moments.
+    At a groove the body is thinner than on average and therefore strains more
+    (`GrooveAndFaceCompliance.section_strain_motions`). Arguments, and the c contacts with two axes each, are those of
+    `smooth_body_compliance_beyond_beam`.
     """
     found = groove_and_face_compliance_of_body(reduce_to_compliance_geometry(scene), screw, backend)
-    points = convert_contacts_to_cylindrical(*contact_points_and_axes(scene, layout, screw, flanks))
-    return contact_motions_by_own_section_wrench(
+    points = compliance_tube.convert_contacts_to_cylindrical(*contact_points_and_axes(scene, layout, screw, flanks))
+    return faces.contact_motions_by_own_section_wrench(
         points, np.repeat([2.0 * side - 1.0 for side in flanks], layout.z.size), found.section_strain_motions
     )
 
@@ -203,8 +189,8 @@ def nut_beam_compliance(
     if fixed_surface(geometry, False) not in CLAMPED:
         return np.zeros((2 * len(x),) * 2)
     section, tube = grooved_section(geometry, False), smooth_body(geometry, False, REFINED)
-    return clamped_beam_compliance(
-        contact_motions_by_rigid_motions(x, axes),
+    return compliance_tube.clamped_beam_compliance(
+        compliance_tube.contact_motions_by_rigid_motions(x, axes),
         np.repeat(x[:, 2], 2),
         *nut_beam_ends_and_clamps(tube),
         section,
@@ -213,7 +199,9 @@ def nut_beam_compliance(
 
 
 @lru_cache(maxsize=32)
-def groove_and_face_compliance_of_body(geometry: Scene, screw: bool, backend: ComplianceModel) -> GrooveAndFaceCompliance:
+def groove_and_face_compliance_of_body(
+    geometry: Scene, screw: bool, backend: ComplianceModel
+) -> faces.GrooveAndFaceCompliance:
     """Return the compliance that grooves and end faces of screw or nut add between contacts on the same or the next turn.
 
     The result is cached in memory by the geometry, and that of `cached_groove_and_face_compliance` on disk.
@@ -224,24 +212,28 @@ def groove_and_face_compliance_of_body(geometry: Scene, screw: bool, backend: Co
     radii = (0.0, np.inf) if screw else dimensions_of_3d_parts(geometry).held_radii
     section, tube = grooved_section(geometry, screw), smooth_body(geometry, screw, backend)
     low, high = (abs(end - geometry.nut.position) - 0.5 * geometry.nut.length for end in tube.ends)
-    near = min(low, high) < REACH * geometry.balls.radius
+    near = min(low, high) < faces.REACH * geometry.balls.radius
     return cached_groove_and_face_compliance(
         half_groove_of_body(geometry, screw), replace(tube, ends=(0.0, 0.0), flange=None), section, radii, near
     )
 
 
 @lru_cache(maxsize=32)
-@cached_on_disk(GrooveAndFaceCompliance)
+@cached_on_disk(faces.GrooveAndFaceCompliance)
 def cached_groove_and_face_compliance(
-    flank: HalfGroove, tube: SmoothBody, section: BeamSection, fixed_radii: tuple[float, float], has_near_face: bool
-) -> GrooveAndFaceCompliance:
-    """Return the result of `compute_groove_and_face_compliance`, cached on disk by its arguments.
+    flank: HalfGroove,
+    tube: compliance_tube.SmoothBody,
+    section: BeamSection,
+    fixed_radii: tuple[float, float],
+    has_near_face: bool,
+) -> faces.GrooveAndFaceCompliance:
+    """Return the compliance that grooves and end faces add between contacts, cached on disk by the arguments.
 
-    ``flank``: groove of the body; ``tube``: smooth body; ``section``: section of the beam; ``fixed_radii``: range of radii
-    in which a face is fixed [m]; ``has_near_face``: whether an end face is so near to a contact that its effect is
-    computed. Ends and flange of the tube have no influence.
+    It is that of `compute_groove_and_face_compliance`. ``flank``: groove of the body; ``tube``: smooth body; ``section``:
+    section of the grooved body's beam; ``fixed_radii``: range of radii in which a face is fixed [m]; ``has_near_face``:
+    whether an end face is so near to a contact that its effect is computed. Ends and flange of the tube have no influence.
     """
-    return compute_groove_and_face_compliance(flank, tube, section, fixed_radii, has_near_face=has_near_face)
+    return faces.compute_groove_and_face_compliance(flank, tube, section, fixed_radii, has_near_face=has_near_face)
 
 
 def groove_and_face_compliance(
@@ -271,7 +263,7 @@ def groove_and_face_compliance(
     )
     for high, face in enumerate(smooth_body(geometry, screw, backend).ends):
         distance = np.abs(face - between) - turn * flank.half_length
-        near = np.flatnonzero(distance < REACH * scene.balls.radius)
+        near = np.flatnonzero(distance < faces.REACH * scene.balls.radius)
         if not near.size:
             continue
         away = (side != high).astype(int)
@@ -282,7 +274,7 @@ def groove_and_face_compliance(
         gain[near] += block if high else block.swapaxes(1, 2) * np.array([[1.0, -1.0], [-1.0, 1.0]])  # mirror image
     signs = flank.groove_map.signs[[s if screw else s + 2 for s in BOTH]][side]
     normal = signs * np.array([np.cos(flank.groove_map.beta), np.sin(flank.groove_map.beta)])
-    axes = np.stack([normal, perpendicular_directions(normal)], axis=1)
+    axes = np.stack([normal, faces.perpendicular_directions(normal)], axis=1)
     G = np.zeros((side.size, 2, side.size, 2))
     G[i, :, j] = axes[i].swapaxes(1, 2) @ gain @ axes[j]
     G[j, :, i] = G[i, :, j].swapaxes(1, 2)
@@ -292,10 +284,10 @@ def groove_and_face_compliance(
 def compute_compliance_between_contacts(
     scene: Scene, layout: BallLayout, screw: bool, backend: ComplianceModel, flanks: Sequence[int] = BOTH
 ) -> Array:
-    """Compute the compliance ``(2 c, 2 c)`` [m/N] between c contacts of the nut, or of the screw less its beam, uncached.
+    """Compute the compliance ``(2 c, 2 c)`` [m/N] between c contacts of the nut, or of the screw in addition to its beam.
 
-    It is `lowfi.compliance.bodies.compliance_between_contacts` for a body that is not rigid and for balls at any positions.
-    Arguments are those of `smooth_body_compliance_beyond_beam`.
+    It is `lowfi.compliance.bodies.compliance_between_contacts` without a cache, for a body that is not rigid and for balls
+    at any positions. Arguments are those of `smooth_body_compliance_beyond_beam`.
     """
     held = fixed_surface(scene, screw)
     if is_elastic_bearing_ring(reduce_to_compliance_geometry(scene), screw):
@@ -320,7 +312,7 @@ def compute_compliance_between_contacts(
 def screw_motions_by_end_wrench(
     scene: Scene, layout: BallLayout, backend: ComplianceModel
 ) -> tuple[Array, Array, float, float]:
-    """Return the motions of a screw's contacts and of its high-z end by a unit wrench on that end, less the beam's motions.
+    """Return the motions of a screw's contacts and high-z end by a unit wrench on that end, less the beam's motions.
 
     The mean motions of the end at low z are fixed. The wrench consists of three forces and three moments.
 
@@ -329,22 +321,23 @@ def screw_motions_by_end_wrench(
     Returns
     -------
     tuple
-        Motions of the contacts ``(4 N, 6)``; motions of the high end ``(6, 6)``; axial positions of the low and the high
-        end [m]. These are the fields of `lowfi.compliance.bodies.EndWrenchMotions`.
+        Motions of the contacts, all left contacts, then all right contacts, two axes each ``(4 N, 6)``; motions of the high
+        end ``(6, 6)``; axial positions of the low and the high end [m]. These are the fields of
+        `lowfi.compliance.bodies.EndWrenchMotions`.
     """
     geometry = reduce_to_compliance_geometry(scene)
     compliance = compliance_of_smooth_body(geometry, True, backend)
     x, axes = contact_points_and_axes(scene, layout, True)
     tube = compliance.tube
-    (low, high), taken = tube.ends, move_contacts_to_surface(tube, x)
+    (low, high), taken = tube.ends, compliance_tube.move_contacts_to_surface(tube, x)
     plain = tube.section
-    rows = np.concatenate([contact_motions_by_rigid_motions(taken, axes), np.eye(6)])
+    rows = np.concatenate([compliance_tube.contact_motions_by_rigid_motions(taken, axes), np.eye(6)])
     stations = np.append(np.repeat(x[:, 2], 2), np.full(6, high))
-    shift, tilt, axial, twist = low_end_spring_stiffnesses(tube)
+    shift, tilt, axial, twist = compliance_tube.low_end_spring_stiffnesses(tube)
     end = np.eye(6)
     end[0, 4], end[1, 3] = high - low, low - high
-    by_springs = np.concatenate([contact_motions_by_rigid_motions(taken, axes, low), end])
-    beam = cantilever_compliance(rows, stations, low, plain, slice(-6, None))
+    by_springs = np.concatenate([compliance_tube.contact_motions_by_rigid_motions(taken, axes, low), end])
+    beam = compliance_tube.cantilever_compliance(rows, stations, low, plain, slice(-6, None))
     beam += (by_springs / np.array([shift, shift, axial, tilt, tilt, twist])) @ end.T
     motions = (
         np.concatenate([contact_motions_by_end_wrench(compliance, x, axes), high_end_compliance_matrix(compliance)]) - beam
@@ -357,23 +350,25 @@ def screw_motions_by_end_wrench(
 
 
 def screw_motions_by_section_wrench(scene: Scene, layout: BallLayout, backend: ComplianceModel, section_z: float) -> Array:
-    """Compute the motions ``(4 N, 6)`` of a screw's contacts by a unit wrench on a cross-section, less the beam's.
+    """Compute the motions ``(4 N, 6)`` of a screw's contacts by a unit wrench on a cross-section, less the beam's motions.
 
-    ``layout``: positions of the N balls; ``section_z``: axial position of the cross-section [m]. The function is
+    The rows are all left contacts, then all right contacts, with two axes each. ``layout``: positions of the N balls;
+    ``section_z``: axial position of the cross-section [m]. The function is
     `lowfi.compliance.bodies.screw_response_to_section_wrench` without a cache, for balls at any positions.
     """
     geometry = reduce_to_compliance_geometry(scene)
     tube = smooth_body(geometry, True, backend)
     x, axes = contact_points_and_axes(scene, layout, True)
-    low, taken = tube.ends[0], move_contacts_to_surface(tube, x)
-    rows = np.concatenate([contact_motions_by_rigid_motions(taken, axes), np.eye(6)])
+    low, taken = tube.ends[0], compliance_tube.move_contacts_to_surface(tube, x)
+    rows = np.concatenate([compliance_tube.contact_motions_by_rigid_motions(taken, axes), np.eye(6)])
     stations = np.append(np.repeat(x[:, 2], 2), np.full(6, section_z))
-    shift, tilt, axial, twist = low_end_spring_stiffnesses(tube)
+    shift, tilt, axial, twist = compliance_tube.low_end_spring_stiffnesses(tube)
     end = np.eye(6)
     end[0, 4], end[1, 3] = section_z - low, low - section_z
-    beam = cantilever_compliance(rows, stations, low, tube.section, slice(-6, None))[:-6]
+    beam = compliance_tube.cantilever_compliance(rows, stations, low, tube.section, slice(-6, None))[:-6]
     beam += (
-        contact_motions_by_rigid_motions(taken, axes, low) / np.array([shift, shift, axial, tilt, tilt, twist])
+        compliance_tube.contact_motions_by_rigid_motions(taken, axes, low)
+        / np.array([shift, shift, axial, tilt, tilt, twist])
     ) @ end.T
     motions = (
         contact_motions_by_end_wrench(
@@ -389,7 +384,7 @@ def screw_motions_by_section_wrench(scene: Scene, layout: BallLayout, backend: C
 
 
 def section_strain_motions_by_wrench(section_strain_motions: Array, stations: Array, section_z: float) -> Array:
-    """Return the motions ``(2 c, 6)`` of c contacts, due to local strains at their grooves, by a unit wrench on a section.
+    """Return the motions ``(2 c, 6)`` of c contacts that a unit wrench on a section causes by local strains at grooves.
 
     ``section_strain_motions`` ``(2 c, 6)``: these motions by a unit wrench on the cross-section of the contact;
     ``stations``: axial positions of the contacts, one for each axis ``(2 c,)`` [m]; ``section_z``: axial position of the
@@ -402,15 +397,17 @@ def section_strain_motions_by_wrench(section_strain_motions: Array, stations: Ar
     return np.asarray(out * np.heaviside(reach, 0.5)[:, None])
 
 
-def contact_motions_by_end_wrench(compliance: SmoothBodyCompliance, contact_points: Array, axes: Array) -> Array:
+def contact_motions_by_end_wrench(
+    compliance: compliance_tube.SmoothBodyCompliance, contact_points: Array, axes: Array
+) -> Array:
     """Return the motions ``(2 c, 6)`` of c contacts on a smooth shaft by a unit wrench on its end at high z.
 
     The wrench consists of three forces and three moments, which do work on the end's mean motions. ``compliance``:
     compliance of the smooth shaft; ``contact_points`` ``(c, 3)``: contact points [m]; ``axes`` ``(c, 2, 3)``: directions of
     their motions.
     """
-    points = convert_contacts_to_cylindrical(contact_points, axes)
-    weights = gaussian_weights_on_line(compliance.z, points.z, compliance.tube.patch_width)
+    points = compliance_tube.convert_contacts_to_cylindrical(contact_points, axes)
+    weights = compliance_tube.gaussian_weights_on_line(compliance.z, points.z, compliance.tube.patch_width)
     (axial, twist), (shift, tilt) = ((motions @ weights.T).swapaxes(1, 2) for motions in compliance.line_motions_by_end)
     c, s = np.cos(points.azimuth)[:, None], np.sin(points.azimuth)[:, None]
     here, turned = np.hstack([c, s, c]), np.hstack([s, -c, s])  # at azimuth 0, and a quarter turn on
@@ -418,7 +415,7 @@ def contact_motions_by_end_wrench(compliance: SmoothBodyCompliance, contact_poin
     return np.stack([np.einsum("cak,ck->ca", points.axes, u).ravel() for u in by_load], axis=1)
 
 
-def high_end_compliance_matrix(compliance: SmoothBodyCompliance) -> Array:
+def high_end_compliance_matrix(compliance: compliance_tube.SmoothBodyCompliance) -> Array:
     """Return the compliance ``(6, 6)`` of a shaft's end at high z: six mean motions by unit forces and moments on it."""
     (axial, twist), (shift, tilt) = compliance.end_compliance
     out = np.zeros((6, 6))

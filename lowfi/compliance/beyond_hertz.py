@@ -35,8 +35,8 @@ TERMS = 400
 def sphere_series_coefficients(n: Array, poisson: float) -> Array:
     """Return the coefficients c_n of Lur'e's series for the motion of an elastic sphere's surface; 0 for n = 1.
 
-    The pressure p_n P_n(cos t) without shear moves the surface inward by c_n (R/2 G) p_n P_n(cos t), with
-    the sphere's radius R and shear modulus G.
+    The pressure p_n P_n(cos t) without shear, with the Legendre polynomial P_n and the angle t from the axis of symmetry,
+    moves the surface inward by c_n (R/2 G) p_n P_n(cos t), with the sphere's radius R and shear modulus G.
 
     ``n``: orders of the Legendre polynomials; ``poisson``: Poisson's ratio nu.
     """
@@ -97,16 +97,17 @@ def sphere_compliance(cosine: float, radius: float, material: Material) -> float
 
 
 def sphere_self_compliance_slope(radius: float, material: Material) -> float:
-    """Return the derivative of `sphere_self_compliance` with respect to the logarithm of the contact's size [m/N].
+    """Return the derivative of `sphere_self_compliance` by the logarithm of the contact's mean semi-axis [m/N].
 
-    ``radius``: radius of the ball [m]; ``material``: its material.
+    That function gives the motion of a contact on a ball by a unit load on it, less that on a half space. ``radius``:
+    radius of the ball [m]; ``material``: material of the ball.
     """
     a, b = sphere_series_expansion(material.poissons_ratio)
     return float(-(a + 2.0 * b) / (8.0 * np.pi * material.shear_modulus * radius))
 
 
 def sphere_self_compliance(semi_axes: tuple[float, float], radius: float, material: Material) -> float:
-    """Return the motion of a contact on an elastic sphere by a unit load on it, less that on a half space [m/N].
+    """Return the motion of a contact on an elastic sphere by a unit load on it, less the same on a half space [m/N].
 
     The motion is averaged over the Hertz pressure.
 
@@ -141,7 +142,7 @@ class HalfGroove:
 
     #: Geometry of the groove.
     groove_map: GrooveMap
-    #: Radius of the lands [m].
+    #: Radius of the lands, the cylindrical surface between the turns of the groove [m].
     land_radius: float
     #: Radius of the plain surface: bore of the screw or outer radius of the nut [m].
     plain_radius: float
@@ -154,7 +155,7 @@ class HalfGroove:
 
     @property
     def flank_number(self) -> int:
-        """Number of the computed flank, the right one: 1 of the screw or 3 of the nut; the left one is its mirror image."""
+        """Number of the right flank, which is computed: 1 of the screw or 3 of the nut; the left is its mirror image."""
         return 1 if self.is_screw else 3
 
     def finite_element_grid(self, mesh: tuple[int, int, int] | None = None) -> QuadrilateralGrid:
@@ -209,16 +210,16 @@ def flank_curvatures(flank: HalfGroove) -> tuple[float, float]:
 
 
 def contact_size_correction_slope(flank: HalfGroove) -> float:
-    """Return the derivative of `contact_size_correction` with respect to the logarithm of the contact's size [m/N].
+    """Return the derivative of `contact_size_correction` by the logarithm of the contact's mean semi-axis [m/N].
 
-    It is proportional to the mean curvature of the flank.
+    The derivative is proportional to the mean curvature of the flank. ``flank``: groove of the body.
     """
     a, b = sphere_series_expansion(flank.material.poissons_ratio)
     return float(-(a + 2.0 * b) / (16.0 * np.pi * flank.material.shear_modulus) * sum(flank_curvatures(flank)))
 
 
 def contact_size_correction(flank: HalfGroove, semi_axes: tuple[float, float]) -> float:
-    """Return by how much a flank's compliance at a contact of given size exceeds that at a narrow circular patch [m/N].
+    """Return a flank's compliance at a contact of given size less that at a narrow circular load patch [m/N].
 
     ``flank``: groove of the body; ``semi_axes``: semi-axes of the contact ellipse, across the groove and along it [m].
     """

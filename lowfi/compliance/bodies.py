@@ -26,14 +26,8 @@ from pathlib import Path
 
 import numpy as np
 
+from rollbench.lowfi.compliance import beyond_hertz
 from rollbench.lowfi.compliance.between import contact_points_and_axes
-from rollbench.lowfi.compliance.beyond_hertz import (
-    contact_size_correction,
-    contact_size_correction_slope,
-    sphere_compliance,
-    sphere_self_compliance,
-    sphere_self_compliance_slope,
-)
 from rollbench.lowfi.compliance.parts import (
     BOTH,
     REFINED,
@@ -59,7 +53,7 @@ from rollbench.meshes.solid import dimensions_of_3d_parts
 
 @dataclass(frozen=True)
 class StoredMotionMatrix:
-    """Matrix of contact motions of a body by loads, as stored in the cache; it is shared, so it must not be modified."""
+    """Matrix of contact motions of screw or nut by unit loads, as cached; it is shared, so it must not be modified."""
 
     #: Motions of all contacts along two axes each, by loads on the contacts ``(4 N, 4 N)`` [m/N], or by a unit wrench on a
     #: cross-section ``(4 N, 6)``.
@@ -70,7 +64,7 @@ class StoredMotionMatrix:
 class BodyCompliance:
     """Elastic compliance of the nut, or of the screw in addition to its beam, at c ball contacts."""
 
-    #: Compliance between the contacts, all left ones, then all right ones, two axes each ``(2 c, 2 c)`` [m/N].
+    #: Compliance between the contacts, all left contacts, then all right contacts, two axes each ``(2 c, 2 c)`` [m/N].
     G: Array
     #: Linear compliance of the flank at each contact under the load on it, in addition to Hertz's law [m/N].
     contact_compliance: float
@@ -88,9 +82,10 @@ class BallCompliance:
     contact_compliance: float
     #: Derivative of ``contact_compliance`` with respect to the logarithm of the contact's size [m/N].
     contact_compliance_slope: float
-    #: Square root of the compliance that couples both pairs of opposite contacts, SL-NR and SR-NL [(m/N)^(1/2)].
+    #: Square root of the compliance that couples the two pairs of opposite contacts, SL-NR and SR-NL (S: screw, N: nut; L:
+    #: left, R: right) [(m/N)^(1/2)].
     pair_coupling_root: float
-    #: Sign of the compliance that couples both pairs of opposite contacts.
+    #: Sign of the compliance that couples the two pairs of opposite contacts, SL-NR and SR-NL.
     pair_coupling_sign: float
 
 
@@ -141,8 +136,8 @@ def body_compliance(
     e = _cached_flank_compliance(geometry, screw, backend)
     slope = 0.0
     if backend.flank:
-        e += contact_size_correction(half_groove_of_body(geometry, screw), semi_axes)
-        slope = contact_size_correction_slope(half_groove_of_body(geometry, screw))
+        e += beyond_hertz.contact_size_correction(half_groove_of_body(geometry, screw), semi_axes)
+        slope = beyond_hertz.contact_size_correction_slope(half_groove_of_body(geometry, screw))
     parts = dimensions_of_3d_parts(geometry)
     assumed = tuple(line for line in parts.assumed if line not in parts.mesh_only)
     return BodyCompliance(
@@ -163,7 +158,7 @@ def refuse_small_contact_angle(scene: Scene, screw: bool, backend: ComplianceMod
     if not one_patch and backend.flank and radius * np.sin(angle) < NEAR * scene.balls.radius:
         least = np.degrees(np.arcsin(NEAR * scene.balls.radius / radius))
         raise ValueError(
-            f"contact angle {np.degrees(angle):.3g} deg, but the elastic flanks of this groove need {least:.2g} deg: "
+            f"contact angle {np.degrees(angle):.3g} deg, but elastic flanks of this groove need at least {least:.2g} deg: "
             "nearer to the apex, both flanks share one contact; use the models lin, lin-cell and lin-nut, which warn where "
             "they count one contact twice"
         )
@@ -174,8 +169,9 @@ def compliance_between_contacts(
 ) -> Array:
     """Return the compliance between all contacts of the nut, or of the screw in addition to its beam.
 
-    The effect of end faces is included; the true flank at each contact (`BodyCompliance.contact_compliance`) is not. The
-    array is cached for all load cases of the same parts and balls, so it must not be modified.
+    The effect of end faces is included; the local compliance of the flank at each contact under its own load
+    (`BodyCompliance.contact_compliance`) is not. The array is cached for all load cases of the same parts and balls, so it
+    must not be modified.
 
     ``screw``: whether the body is the screw (True) or the nut; ``layout``: positions of the balls; ``backend``: model of
     the bodies' compliance; ``flanks``: numbers of the flanks with contacts, 0 left, 1 right.
@@ -214,9 +210,10 @@ def _cached_compliance_between_contacts(scene: Scene, screw: bool, backend: Comp
 @lru_cache(maxsize=64)
 @cached_on_disk(float)
 def _cached_flank_compliance(geometry: Scene, screw: bool, backend: ComplianceModel) -> float:
-    """Return the result of `lowfi.compliance.between.flank_self_compliance` [m/N], cached in memory and on disk.
+    """Return the local compliance of a groove flank at a contact [m/N], cached in memory and on disk.
 
-    ``screw``: whether the body is the screw (True) or the nut; ``backend``: model of the bodies.
+    The value is that of `lowfi.compliance.between.flank_self_compliance`. ``screw``: whether the body is the screw (True)
+    or the nut; ``backend``: model of the bodies.
     """
     from rollbench.lowfi.compliance.between import flank_self_compliance
 
@@ -233,13 +230,18 @@ def ball_compliance(scene: Scene, semi_axes: tuple[float, float], backend: Compl
     if backend.ball == "half space":
         return BallCompliance(0.0, 0.0, 0.0, 1.0)
     radius, material = scene.balls.radius, scene.balls.material
-    alone = sphere_self_compliance(semi_axes, radius, material)
-    opposite = sphere_compliance(-1.0, radius, material)
+    alone = beyond_hertz.sphere_self_compliance(semi_axes, radius, material)
+    opposite = beyond_hertz.sphere_compliance(-1.0, radius, material)
     cosine = float(np.cos(2.0 * scene.track.contact_angle))
-    across = 0.5 * (sphere_compliance(cosine, radius, material) + sphere_compliance(-cosine, radius, material))
+    across = 0.5 * (
+        beyond_hertz.sphere_compliance(cosine, radius, material) + beyond_hertz.sphere_compliance(-cosine, radius, material)
+    )
     alone += opposite - 2.0 * abs(across)
     return BallCompliance(
-        alone, sphere_self_compliance_slope(radius, material), float(np.sqrt(abs(across))), float(np.sign(across))
+        alone,
+        beyond_hertz.sphere_self_compliance_slope(radius, material),
+        float(np.sqrt(abs(across))),
+        float(np.sign(across)),
     )
 
 
@@ -247,12 +249,13 @@ def ball_compliance(scene: Scene, semi_axes: tuple[float, float], backend: Compl
 class EndWrenchMotions:
     """Motions of a screw by a unit wrench (3 forces, 3 moments) on its end at high z, in addition to those of its beam."""
 
-    #: Motions of the contacts of both flanks, all left ones, then all right ones, two axes each ``(4 N, 6)``.
+    #: Motions of the contacts by the unit wrench, all left contacts, then all right contacts, two axes each ``(4 N, 6)``.
     contact_motions: Array
-    #: Mean motions of the end at high z ``(6, 6)``.
+    #: Mean motions of the screw's end at high z by the unit wrench ``(6, 6)``.
     end_motions: Array
-    #: Axial positions of the ends at low and at high z [m].
+    #: Axial position of the screw's end at low z [m].
     low_end: float
+    #: Axial position of the screw's end at high z [m].
     high_end: float
 
 
@@ -285,9 +288,9 @@ def _cached_response_to_end_wrench(scene: Scene, backend: ComplianceModel) -> En
 def screw_response_to_section_wrench(scene: Scene, layout: BallLayout, backend: ComplianceModel, section_z: float) -> Array:
     """Return the motions ``(4 N, 6)`` of a screw's contacts by a unit wrench on a cross-section, less the beam's.
 
-    The order is that of `EndWrenchMotions.contact_motions`. ``layout``: positions of the N balls; ``section_z``: axial
-    position of the section [m], inside the stretch of a screw for which `screw_response_to_end_wrench` is not None. The
-    array is cached as in `screw_response_to_end_wrench`.
+    The rows are in the order of `EndWrenchMotions.contact_motions`. The screw must be one for which
+    `screw_response_to_end_wrench` is not None. ``layout``: positions of the N balls; ``section_z``: axial position of the
+    section [m], between the screw's ends. The array is cached as in `screw_response_to_end_wrench`.
     """
     parts, azimuths = compliance_geometry_with_balls(scene)
     if np.array_equal(layout.azimuth, azimuths):
@@ -307,7 +310,7 @@ def _cached_response_to_section_wrench(scene: Scene, backend: ComplianceModel, s
 
 
 def clear_compliance_cache() -> None:
-    """Delete all compliances that are cached in memory, so that the next solution, which is timed, computes them again."""
+    """Delete all compliances that are cached in memory, so that they do not shorten the next solution when it is timed."""
     from rollbench.lowfi.compliance.between import (
         cached_groove_and_face_compliance,
         cached_section_motions,
@@ -346,7 +349,7 @@ PARTS = ("screw", "nut")
 class CondensedCompliance:
     """Compliance of screw, nut and balls from the file of a condensed 3D model of one geometry."""
 
-    #: Contents of the file.
+    #: Contents of the file: compliance matrices of screw, nut and balls.
     file_contents: CondensedBodies
     #: Names of the bodies (screw, nut) whose compliance, with that of the contacts in their grooves, is taken from the
     #: file.
@@ -383,7 +386,7 @@ class CondensedCompliance:
     def replace_normal_compliance(
         self, scene: Scene, layout: BallLayout, sides: list[int], total: Array, backend: ComplianceModel
     ) -> Array:
-        """Return the low-order compliance of screw or nut, with that along the contact normals replaced by the file's.
+        """Return the low-order compliance of screw or nut, with its part along the contact normals taken from the file.
 
         Motions that the file does not contain, across the normals and on other flanks, depend on the motions along the
         normals as in the low-order body, so that the matrix remains positive semidefinite. With the blocks A along the
@@ -502,7 +505,7 @@ FEW, INVERSES, SHIFT = 16, 20, 3e-5
 
 
 def negative_eigenvalue_part(G: Array) -> tuple[Array, float]:
-    """Return the part of a symmetric matrix ``(n, n)`` that its negative eigenvalues make up, then the smallest eigenvalue.
+    """Return the part of a symmetric matrix ``(n, n)`` due to its negative eigenvalues, then the smallest eigenvalue.
 
     ``G``: the matrix. Without this part it is positive semidefinite.
     """

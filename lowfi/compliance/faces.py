@@ -11,36 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rollbench.lowfi.compliance import fourier, groove, tube
 from rollbench.lowfi.compliance.beyond_hertz import NARROW, HalfGroove, half_space_compliance
-from rollbench.lowfi.compliance.fourier import (
-    BodyOfRevolution,
-    GrooveLayer,
-    QuadrilateralGrid,
-    add_mid_nodes,
-    circumference_integral_factor,
-    diagonal_block_of_bands,
-    tube_grid,
-)
-from rollbench.lowfi.compliance.groove import (
-    contact_motions_by_tension_and_moment,
-    cubic_spline,
-    flank_normals,
-    gaussian_patch_harmonic_factors,
-    gaussian_patch_weights,
-    interpolate_harmonics,
-    motion_unresolved_by_grid,
-    sampled_harmonics,
-)
-from rollbench.lowfi.compliance.tube import (
-    ContactPoints,
-    SmoothBody,
-    clamped_beam_compliance,
-    contact_motions_by_rigid_motions,
-    convert_contacts_to_cylindrical,
-    flank_profile_points,
-    gaussian_weights_on_line,
-    radial_element_ends,
-)
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import UnfitKey
 from rollbench.meshes.section import BeamSection
@@ -66,13 +38,13 @@ SAME = 1e-3
 
 
 class PatchResolution(NamedTuple):
-    """Size of the Gaussian load patch on a groove flank, with the fineness of mesh and harmonics that resolves it."""
+    """Size of the Gaussian load patch on a groove flank, with the mesh and the highest harmonic that resolve it."""
 
-    #: Standard deviation of the patch over the ball's radius.
+    #: Standard deviation of the load patch over the ball's radius.
     width: float
-    #: Numbers of elements on a loaded flank (half as many on the others) and in depth.
+    #: Numbers of elements on a loaded flank (half as many on the other flanks) and in depth.
     mesh: tuple[int, int]
-    #: Highest harmonic times the ball's radius over the radius at which the contacts lie.
+    #: Highest Fourier harmonic, times the ball's radius over the radius at which the contacts lie.
     highest: float
 
 
@@ -83,12 +55,13 @@ FAR, BESIDE_FACE = PatchResolution(NARROW, (4, 4), 4.0), PatchResolution(0.07, (
 
 @dataclass(frozen=True)
 class GrooveAndFaceCompliance:
-    """Compliance that ring grooves and an end face add between contacts on the flanks of one groove.
+    """Compliance that grooves and an end face of screw or nut add between contacts on the flanks of one groove.
 
-    Arrays are for k distances of the end face, n harmonics around the axis, and f loaded flanks.
+    Arrays are for k distances of the end face from the middle of the groove, n harmonics around the axis, and f loaded
+    flanks.
     """
 
-    #: Distances of the end face from mid groove ``(k,)`` [m].
+    #: Distances of the end face from the middle of the groove ``(k,)`` [m].
     face_distances: Array
     #: Compliance added by a face ``(2, n, 2, 2, f, 2, k)`` [m/N]. Axes: face free or fixed; harmonic around the axis; flank
     #: that moves, the one pressed towards the face or the other one; its motion along the nominal load or across it; loaded
@@ -97,9 +70,9 @@ class GrooveAndFaceCompliance:
     #: first. The effect of a fixed face on motions across the loads, a tenth of the effect of a free face, is
     #: neglected.
     face_gain: Array
-    #: Axial distance of the contacts from mid groove [m].
+    #: Axial distance of the contacts from the middle of the groove [m].
     contact_to_mid_groove: float
-    #: Compliance added between contacts far from any face ``(n, 2, f)`` [m/N].
+    #: Compliance that grooves add between contacts far from any end face ``(n, 2, f)`` [m/N].
     far_gain: Array
     #: Motion of a contact far from any face by a unit load on itself, less the motions by Hertz's law and by the smooth
     #: body, for a narrow load patch; `contact_size_correction` adds the influence of the contact's size [m/N].
@@ -130,7 +103,7 @@ class GrooveAndFaceCompliance:
         """
         known = np.log(self.face_distances - self.contact_to_mid_groove)
         place = np.log(np.clip(distance, self.face_distances[0], self.face_distances[-1]) - self.contact_to_mid_groove)
-        share = cubic_spline(known, np.eye(known.size))(place)
+        share = groove.cubic_spline(known, np.eye(known.size))(place)
         return np.asarray(np.einsum("m...k,mk->m...", cosine_series_values(self.face_gain[int(held)], angle), share))
 
     def compliance_far_from_faces(self, angle: Array) -> Array:
@@ -151,18 +124,18 @@ def cosine_series_values(waves: Array, angle: Array) -> Array:
     sums = np.fft.hfft(0.5 * np.concatenate([2.0 * waves[:1], waves[1:]]), 8 * len(waves), axis=0)
     turned = np.abs((angle + np.pi) % (2.0 * np.pi) - np.pi)
     known = step * np.arange(-2, 4 * len(waves) + 3)
-    return np.asarray(cubic_spline(known, sums[np.arange(-2, 4 * len(waves) + 3)])(turned))
+    return np.asarray(groove.cubic_spline(known, sums[np.arange(-2, 4 * len(waves) + 3)])(turned))
 
 
 def compute_groove_and_face_compliance(
     flank: HalfGroove,
-    smooth: SmoothBody,
+    smooth: tube.SmoothBody,
     section: BeamSection,
     held_radii: tuple[float, float],
     *,
     has_near_face: bool = True,
 ) -> GrooveAndFaceCompliance:
-    """Return the compliance that grooves and an end face add to the smooth body that represents screw or nut.
+    """Return the compliance that grooves and an end face add to the ungrooved smooth body that represents screw or nut.
 
     Parameters
     ----------
@@ -185,15 +158,16 @@ def compute_groove_and_face_compliance(
     if has_near_face:
         _check_groove_reaches_contact(flank)
     a_beam = smooth.held not in ("bore", "outer") and flank.groove_map.rg != 0.0
-    strains = contact_motions_by_tension_and_moment(flank, smooth) if a_beam else np.zeros((2, 2))
+    strains = groove.contact_motions_by_tension_and_moment(flank, smooth) if a_beam else np.zeros((2, 2))
 
-    def gains(
+    def added_compliances(
         finer: PatchResolution, last: slice, kinds: int, radii: tuple[float, float]
-    ) -> tuple[Array, QuadrilateralGrid, Array]:
-        """Return the compliance that grooves and end faces add, the grid of the grooved body, and the faces' distances [m].
+    ) -> tuple[Array, fourier.QuadrilateralGrid, Array]:
+        """Return the compliance added by grooves and end faces, the grid, and the faces' distances from mid groove [m].
 
-        ``finer``: load patch and mesh; ``last``: selection of the end faces at the distances `CUTS`; ``kinds``: 1 for
-        motions along the loads, 2 also across them; ``radii``: range of radii in which a face is fixed [m].
+        ``finer``: load patch and mesh; ``last``: range of the numbers of the end faces that are computed, whose distances
+        from mid groove are `CUTS` times the ball's radius; ``kinds``: 1 for motions along the loads, 2 also across them;
+        ``radii``: range of radii in which a face is fixed [m].
         """
         grid, cuts = grooved_body_grid(flank, finer.mesh)
         cuts, z = cuts[last], grid.z[:, 0]
@@ -205,12 +179,14 @@ def compute_groove_and_face_compliance(
             gain[1, :2, :, 0, :, 0] -= np.stack(beams, axis=-1)
         return gain, grid, z[cuts]
 
-    gain, grid, distance = gains(FAR, slice(-1, None), 1, WHOLE)
+    gain, grid, distance = added_compliances(FAR, slice(-1, None), 1, WHOLE)
     far = average_with_mirror_image(gain[1, :, :, 0, :, 0, -1])
-    alone = float(far[:, 0, 0].sum()) + motion_unresolved_by_grid(flank, half_lead_part_of_grid(flank, grid), len(far) - 1)
+    alone = float(far[:, 0, 0].sum()) + groove.motion_unresolved_by_grid(
+        flank, half_lead_part_of_grid(flank, grid), len(far) - 1
+    )
     alone -= half_space_compliance(NARROW * flank.groove_map.ball, flank.material)
     if has_near_face:
-        gain, _, distance = gains(BESIDE_FACE, slice(None), 2, held_radii)
+        gain, _, distance = added_compliances(BESIDE_FACE, slice(None), 2, held_radii)
         gain[1, :, :, 1], gain[1, ..., 1, :] = 0.0, 0.0
     return GrooveAndFaceCompliance(
         distance, gain - gain[..., -1:], flank.contact_position()[1], append_high_harmonics(flank, far), alone, strains
@@ -219,7 +195,7 @@ def compute_groove_and_face_compliance(
 
 def _check_groove_reaches_contact(flank: HalfGroove) -> None:
     """Raise UnfitKey if the groove ends at the land before it reaches the nominal contact."""
-    edge = flank_profile_points(flank.groove_map, flank.land_radius, flank.is_screw, 2)[1][-1]
+    edge = tube.flank_profile_points(flank.groove_map, flank.land_radius, flank.is_screw, 2)[1][-1]
     if flank.contact_position()[1] < edge:
         return
     body, key = ("screw", "screw.outer_diameter") if flank.is_screw else ("nut", "solid.nut_inner_diameter")
@@ -230,12 +206,12 @@ def _check_groove_reaches_contact(flank: HalfGroove) -> None:
 
 
 def average_with_mirror_image(waves: Array) -> Array:
-    """Average the motions of groove flanks far from any end face with those of the mirror image of the body.
+    """Average the motions of groove flanks far from end faces with those of the mirror image of the body.
 
     ``waves`` ``(n, 2, f)``: motions of 2 flanks by loads on f flanks in n harmonics [m/N]. By symmetry, flank a moves by a
-    load on flank b of the groove behind as the flank opposite to b does by a load on the flank opposite to a. The computed
-    body does not have this symmetry, as its ends are equally far from the loaded groove and not from the land between both
-    grooves.
+    load on flank b of the next groove turn at lower z as the flank opposite to b does by a load on the flank opposite to a.
+    The computed body does not have this symmetry, as its ends are equally far from the loaded groove and not from the land
+    between both grooves.
     """
     pairs = waves.reshape(len(waves), 2, -1, 2)
     return np.asarray(0.5 * (pairs + pairs[:, ::-1, :, ::-1].swapaxes(1, 3))).reshape(waves.shape)
@@ -252,12 +228,12 @@ def append_high_harmonics(flank: HalfGroove, waves: Array) -> Array:
 
     radius, width, last = flank.contact_position()[0], NARROW * flank.groove_map.ball, len(waves) - 1
     n = np.arange(float(last), int(TAIL * radius / width))
-    plane = k0e(0.5 * (n * width / radius) ** 2) * gaussian_patch_harmonic_factors(n, width, radius)
+    plane = k0e(0.5 * (n * width / radius) ** 2) * groove.gaussian_patch_harmonic_factors(n, width, radius)
     return np.concatenate([waves[:-1], waves[-1] * (plane / plane[0]).reshape(-1, *[1] * (waves.ndim - 1))])
 
 
-def contact_motions_by_own_section_wrench(points: ContactPoints, flank_signs: Array, strains: Array) -> Array:
-    """Return the local motions ``(k c, 6)`` of c contacts, k axes each, by a unit wrench on each one's own cross-section.
+def contact_motions_by_own_section_wrench(points: tube.ContactPoints, flank_signs: Array, strains: Array) -> Array:
+    """Return the local motions ``(k c, 6)`` of c contacts, k axes each, by a unit wrench on the contact's cross-section.
 
     The wrench consists of three forces and three moments; only tension and bending moments have an effect. ``points``: the
     contacts; ``flank_signs`` ``(c,)``: -1 for a flank at negative z of its groove, 1 at positive z; ``strains``: see
@@ -271,7 +247,7 @@ def contact_motions_by_own_section_wrench(points: ContactPoints, flank_signs: Ar
 
 
 def motions_beyond_smooth_beam(
-    flank: HalfGroove, smooth: SmoothBody, section: BeamSection, strains: Array, ends: tuple[float, float]
+    flank: HalfGroove, smooth: tube.SmoothBody, section: BeamSection, strains: Array, ends: tuple[float, float]
 ) -> Array:
     """Return the motions ``(2, 2, f)`` [m/N] of both flanks by the grooved body's beam, less those by the smooth beam.
 
@@ -294,24 +270,26 @@ def motions_beyond_smooth_beam(
         x = np.stack([turned, np.zeros(2 * half), places], axis=1)
         axes = np.stack([along[:, 0] * np.sign(turned), np.zeros(2 * half), along[:, 1]], axis=1)[:, None]
         feel = (
-            contact_motions_by_own_section_wrench(convert_contacts_to_cylindrical(x, axes), side, strains)
+            contact_motions_by_own_section_wrench(tube.convert_contacts_to_cylindrical(x, axes), side, strains)
             if sign > 0.0
             else None
         )
-        out += sign * clamped_beam_compliance(contact_motions_by_rigid_motions(x, axes), places, ends, "both", beam, feel)
+        out += sign * tube.clamped_beam_compliance(
+            tube.contact_motions_by_rigid_motions(x, axes), places, ends, "both", beam, feel
+        )
     return np.stack([out[:2, :half] + out[:2, half:], out[:2, :half] - out[:2, half:]]) / 2.0
 
 
 def motions_beyond_smooth_body(
     flank: HalfGroove,
-    smooth: SmoothBody,
-    grid: QuadrilateralGrid,
+    smooth: tube.SmoothBody,
+    grid: fourier.QuadrilateralGrid,
     face_lines: Sequence[int],
     held_radii: tuple[float, float],
     patch: PatchResolution,
     direction_count: int,
 ) -> Array:
-    """Return the motions of load patches on the flanks of the grooved body, less those on the smooth body [m/N].
+    """Return the motions of unit load patches on grooved flanks, less those on the ungrooved smooth body [m/N].
 
     The load patches of the two bodies differ in width. ``smooth``: smooth body of revolution, with the width of its
     patches; ``grid``: grid of the grooved body; ``patch``: size of the load patch and fineness of mesh and harmonics for
@@ -319,10 +297,10 @@ def motions_beyond_smooth_body(
     """
     width = patch.width * flank.groove_map.ball
     true = flank_patch_loads(flank, grid, face_lines, width, direction_count)
-    r_ends, line = radial_element_ends(smooth)
-    plain = tube_grid(r_ends, grid.z[::2, 0])
+    r_ends, line = tube.radial_element_ends(smooth)
+    plain = fourier.tube_grid(r_ends, grid.z[::2, 0])
     loads = smooth_patch_loads(flank, plain, line, face_lines, smooth.patch_width, direction_count)
-    n = sampled_harmonics(patch.highest * flank.contact_position()[0] / flank.groove_map.ball, STEP)
+    n = groove.sampled_harmonics(patch.highest * flank.contact_position()[0] / flank.groove_map.ball, STEP)
     return patch_motions_for_end_faces(
         flank, grid, face_lines, n, held_radii, smooth.held, true, width
     ) - patch_motions_for_end_faces(
@@ -330,14 +308,14 @@ def motions_beyond_smooth_body(
     )
 
 
-def half_lead_part_of_grid(flank: HalfGroove, grid: QuadrilateralGrid) -> QuadrilateralGrid:
+def half_lead_part_of_grid(flank: HalfGroove, grid: fourier.QuadrilateralGrid) -> fourier.QuadrilateralGrid:
     """Return the part of a grooved body's grid between the middle of the loaded groove and the middle of the land."""
     z = grid.z[:, 0]
     half = slice(int(np.abs(z).argmin()), int(np.abs(z - flank.half_length).argmin()) + 1)
-    return QuadrilateralGrid(grid.r[half], grid.z[half])
+    return fourier.QuadrilateralGrid(grid.r[half], grid.z[half])
 
 
-def grooved_body_grid(flank: HalfGroove, mesh: tuple[int, int]) -> tuple[QuadrilateralGrid, list[int]]:
+def grooved_body_grid(flank: HalfGroove, mesh: tuple[int, int]) -> tuple[fourier.QuadrilateralGrid, list[int]]:
     """Return the finite-element grid of a grooved body, then the numbers of its lines in z at which an end face may lie.
 
     The grid reaches from the clamped end to the end face that is furthest from the loaded groove, whose middle is at z = 0.
@@ -360,11 +338,11 @@ def grooved_body_grid(flank: HalfGroove, mesh: tuple[int, int]) -> tuple[Quadril
     faces = np.arange(0, z.size, 2)[z[::2] > edge - 0.01 * ball]
     cuts = sorted({int(faces[np.abs(z[faces] - x * ball).argmin()]) for x in CUTS})
     power = np.log(abs(flank.land_radius - flank.plain_radius) / (FIRST * ball)) / np.log(mesh[1])
-    share = add_mid_nodes(1.0 - np.linspace(1.0, 0.0, mesh[1] + 1) ** max(power, 1.0))
+    share = fourier.node_positions_with_mid_nodes(1.0 - np.linspace(1.0, 0.0, mesh[1] + 1) ** max(power, 1.0))
     inner, outer = (np.full_like(r, flank.plain_radius), r) if flank.is_screw else (r, np.full_like(r, flank.plain_radius))
     depth = share if flank.is_screw else (1.0 - share)[::-1]
     radii = inner[:, None] + depth * (outer - inner)[:, None]
-    return QuadrilateralGrid(radii, np.broadcast_to(z[:, None], radii.shape).copy()), cuts
+    return fourier.QuadrilateralGrid(radii, np.broadcast_to(z[:, None], radii.shape).copy()), cuts
 
 
 def groove_surface_nodes(flank: HalfGroove, count: int, ends: Array) -> tuple[Array, Array]:
@@ -379,15 +357,17 @@ def groove_surface_nodes(flank: HalfGroove, count: int, ends: Array) -> tuple[Ar
     ends
         Distances of the land's element ends from the edge of the groove [m].
     """
-    r, z = flank_profile_points(flank.groove_map, flank.land_radius, flank.is_screw, 2 * count + 1)
+    r, z = tube.flank_profile_points(flank.groove_map, flank.land_radius, flank.is_screw, 2 * count + 1)
     land = flank.half_length - float(z[-1])
-    along = add_mid_nodes(np.concatenate([[0.0], ends[ends < land - 0.15 * flank.groove_map.ball], [land]]))[1:]
+    along = fourier.node_positions_with_mid_nodes(
+        np.concatenate([[0.0], ends[ends < land - 0.15 * flank.groove_map.ball], [land]])
+    )[1:]
     r, z = np.append(r, np.full(along.size, flank.land_radius)), np.append(z, z[-1] + along)
     return np.append(r[:0:-1], r), np.append(-z[:0:-1], z)
 
 
 def perpendicular_directions(along: Array) -> Array:
-    """Return directions ``(..., 2)`` in the plane (r, z), turned by 90 deg from r towards z.
+    """Turn directions ``(..., 2)`` in the plane (r, z) by 90 deg from r towards z.
 
     ``along`` ``(..., 2)``: the directions (r, z) before turning.
     """
@@ -395,13 +375,13 @@ def perpendicular_directions(along: Array) -> Array:
 
 
 def flank_patch_loads(
-    flank: HalfGroove, grid: QuadrilateralGrid, face_lines: Sequence[int], width: float, direction_count: int = 1
+    flank: HalfGroove, grid: fourier.QuadrilateralGrid, face_lines: Sequence[int], width: float, direction_count: int = 1
 ) -> Array:
     """Return the nodal forces of unit loads on the flanks of the grooved body, each a Gaussian patch about one contact.
 
-    Loads act along the nominal load and, if ``direction_count`` is 2, also across it; the latter is the difference of two
-    slightly shifted patches. Patches end at the end face. ``face_lines``: numbers of the grid lines in z at which the end
-    face may be; ``width``: standard deviation of the patches [m].
+    Loads act along the direction of the nominal contact load and, if ``direction_count`` is 2, also across it; a load
+    across it is the difference of two slightly shifted patches. Patches end at the end face. ``face_lines``: numbers of the
+    grid lines in z at which the end face may be; ``width``: standard deviation of the patches [m].
 
     Returns
     -------
@@ -409,13 +389,13 @@ def flank_patch_loads(
         Forces ``(f, d, e, nodes of the grid, 3)`` for f flanks, d directions of the load and e positions of the end face.
     """
     line = grid.shape[1] - 1 if flank.is_screw else 0
-    normals = flank_normals(grid, line)
+    normals = groove.flank_normals(grid, line)
     places, directions = contact_positions_and_directions(flank, grid.z[0, 0])
     out = np.zeros((len(places), direction_count, len(face_lines), *grid.shape, 3))
     for away, (place, along) in enumerate(zip(places, directions, strict=True)):
         pressing = normals * np.sign(normals @ along)[:, None]
         for kind, direction in enumerate((along, perpendicular_directions(along))[:direction_count]):
-            share = gaussian_patch_weights(grid, line, place, width, moment=kind)[0]
+            share = groove.gaussian_patch_weights(grid, line, place, width, moment=kind)[0]
             for k, cut in enumerate(face_lines):
                 force = share[: cut + 1, None] * pressing[: cut + 1]
                 total = share[: cut + 1].sum() if kind == 0 else (force @ direction).sum()
@@ -424,7 +404,12 @@ def flank_patch_loads(
 
 
 def smooth_patch_loads(
-    flank: HalfGroove, grid: QuadrilateralGrid, line: int, face_lines: Sequence[int], width: float, direction_count: int = 1
+    flank: HalfGroove,
+    grid: fourier.QuadrilateralGrid,
+    line: int,
+    face_lines: Sequence[int],
+    width: float,
+    direction_count: int = 1,
 ) -> Array:
     """Return nodal forces of unit loads on one axial grid line of the smooth body, shaped as those of `flank_patch_loads`.
 
@@ -436,7 +421,7 @@ def smooth_patch_loads(
     out = np.zeros((len(places), direction_count, len(face_lines), *grid.shape, 3))
     for away, (place, along) in enumerate(zip(places, directions, strict=True)):
         for k, cut in enumerate(face_lines):
-            share = gaussian_weights_on_line(grid.z[: cut + 1, 0], np.array([place]), width)[0]
+            share = tube.gaussian_weights_on_line(grid.z[: cut + 1, 0], np.array([place]), width)[0]
             for kind, direction in enumerate((along, perpendicular_directions(along))[:direction_count]):
                 out[away, kind, k, : cut + 1, line, ::2] = share[:, None] * direction
     return out
@@ -445,8 +430,8 @@ def smooth_patch_loads(
 def contact_positions_and_directions(flank: HalfGroove, low: float) -> tuple[Array, Array]:
     """Return axial positions ``(f,)`` [m] and nominal load directions (r, z) ``(f, 2)`` of the contacts on f flanks.
 
-    The flank pressed towards high z comes first, then the other one. Both flanks of the
-    groove behind follow if the body, which begins at z = ``low`` [m], contains it.
+    The first groove turn lies at z = 0: its flank pressed towards high z comes first, then its other flank. Both flanks of
+    the next groove turn at lower z follow if the body, which begins at z = ``low`` [m], contains it.
     """
     m = flank.groove_map
     place, along = flank.contact_position()[1], m.signs[flank.flank_number] * np.array([np.cos(m.beta), np.sin(m.beta)])
@@ -459,16 +444,16 @@ def contact_positions_and_directions(flank: HalfGroove, low: float) -> tuple[Arr
 
 def patch_motions_for_end_faces(
     flank: HalfGroove,
-    grid: QuadrilateralGrid,
+    grid: fourier.QuadrilateralGrid,
     face_lines: Sequence[int],
     harmonics: Array,
     held_radii: tuple[float, float],
     fixing: str,
     loads: Array,
     width: float,
-    layer: GrooveLayer | None = None,
+    layer: fourier.GrooveLayer | None = None,
 ) -> Array:
-    """Return the motions of load patches in every harmonic, for a body with its end face at each of several grid lines.
+    """Return the motions of load patches in every harmonic, for several positions of the body's end face.
 
     Parameters
     ----------
@@ -499,7 +484,7 @@ def patch_motions_for_end_faces(
     from scipy.linalg.lapack import dtbtrs
 
     columns = grid.shape[1]
-    body = BodyOfRevolution(grid, flank.material.youngs_modulus, flank.material.poissons_ratio, layer)
+    body = fourier.BodyOfRevolution(grid, flank.material.youngs_modulus, flank.material.poissons_ratio, layer)
     held = np.zeros((*grid.shape, 3), dtype=bool)
     held[0] = True
     held[:, 0 if fixing == "bore" else -1 if fixing == "outer" else slice(0, 0)] = True
@@ -513,7 +498,7 @@ def patch_motions_for_end_faces(
         free = ~held.ravel() & body.freedoms_regular_on_axis(harmonic)
         if free.tobytes() not in kept:
             kept[free.tobytes()] = body.stiffness_bands(free)
-        powers = circumference_integral_factor(harmonic) * np.array([1.0, harmonic, harmonic * harmonic])
+        powers = fourier.circumference_integral_factor(harmonic) * np.array([1.0, harmonic, harmonic * harmonic])
         L = cholesky_banded(
             np.tensordot(powers, kept[free.tobytes()], 1), overwrite_ab=True, lower=True, check_finite=False
         )
@@ -522,7 +507,7 @@ def patch_motions_for_end_faces(
             solution = Y[:, of[k]]
             line = np.flatnonzero(free[3 * cut * columns : 3 * (cut + 1) * columns])
             first = int(np.count_nonzero(free[: 3 * cut * columns]))
-            corner = diagonal_block_of_bands(L, first, line.size)
+            corner = fourier.diagonal_block_of_bands(L, first, line.size)
             S, g = corner @ corner.T, corner @ solution[first : first + line.size]
             if cut < grid.shape[0] - 1:  # L holds what follows the cut, too
                 S -= np.tensordot(powers, beyond[:, cut // 2][:, line[:, None], line], 1)
@@ -530,14 +515,14 @@ def patch_motions_for_end_faces(
             work = solution[:first, :watched].T @ solution[:first]
             for face, moves in enumerate((np.full(line.size, True), (r < held_radii[0]) | (r > held_radii[1]))):
                 values[face, ..., k] = work + g[moves, :watched].T @ np.linalg.solve(S[np.ix_(moves, moves)], g[moves])
-    motions = interpolate_harmonics(harmonics, sampled)
-    shares = gaussian_patch_harmonic_factors(np.arange(float(len(motions))), width, flank.contact_position()[0])
+    motions = groove.interpolate_harmonics(harmonics, sampled)
+    shares = groove.gaussian_patch_harmonic_factors(np.arange(float(len(motions))), width, flank.contact_position()[0])
     motions *= shares[:, None, None, None, None]
     return np.moveaxis(motions, 1, 0).reshape(2, len(motions), 2, kinds, patches, kinds, len(face_lines))
 
 
 def distinct_load_cases(loads: Array, face_lines: Sequence[int]) -> tuple[Array, list[list[int]]]:
-    """Return the distinct load cases among those for several positions of the end face, so that each is solved only once.
+    """Find the distinct load cases among those for several end face positions, so that each is solved only once.
 
     ``loads`` ``(f, e, nodes of the grid, 3)``: nodal forces of f load patches for e positions of the end face;
     ``face_lines``: numbers of the grid lines in z at which the end face may be. A patch that lies entirely below an end

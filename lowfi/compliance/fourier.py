@@ -66,7 +66,7 @@ class QuadrilateralGrid:
         return np.asarray(corner[:, None] + local, dtype=np.int64)
 
 
-def add_mid_nodes(ends: Array) -> Array:
+def node_positions_with_mid_nodes(ends: Array) -> Array:
     """Return the positions ``(2 k + 1,)`` of the nodes of k quadratic elements in a row: ends and mid nodes.
 
     ``ends``: positions of the elements' ends (k + 1,) [m].
@@ -78,7 +78,7 @@ def add_mid_nodes(ends: Array) -> Array:
 
 def tube_grid(r_ends: Array, z_ends: Array) -> QuadrilateralGrid:
     """Return the grid of a plain tube whose elements end at given radii ``r_ends`` and axial positions ``z_ends`` [m]."""
-    r, z = add_mid_nodes(r_ends), add_mid_nodes(z_ends)
+    r, z = node_positions_with_mid_nodes(r_ends), node_positions_with_mid_nodes(z_ends)
     return QuadrilateralGrid(
         np.broadcast_to(r, (z.size, r.size)).copy(), np.broadcast_to(z[:, None], (z.size, r.size)).copy()
     )
@@ -108,11 +108,11 @@ class GrooveLayer:
 
     #: Radii of cylinders through the layer ``(k,)`` [m].
     radii: tuple[float, ...]
-    #: Fraction of each of these cylinders that is filled with material ``(k,)``.
+    #: Fraction of each cylinder through the layer that is filled with material ``(k,)``.
     filled_fractions: tuple[float, ...]
-    #: Exponent of this fraction in the stiffness along the axis.
+    #: Exponent of the filled fraction in the layer's stiffness along the axis.
     axial_exponent: float
-    #: Exponent of this fraction in the shear stiffness along the axis.
+    #: Exponent of the filled fraction in the layer's shear stiffness along the axis.
     shear_exponent: float
     #: Lead angle of the groove [rad].
     lead_angle: float
@@ -146,10 +146,11 @@ class GrooveLayer:
 def element_stiffness_parts(
     grid: QuadrilateralGrid, young: float, poisson: float, layer: GrooveLayer | None = None
 ) -> tuple[Array, Array, Array]:
-    """Return the parts K_0, K_1, K_2 of the stiffness of all elements in harmonic n, c (K_0 + n K_1 + n^2 K_2).
+    """Return the parts K_0, K_1, K_2 of the element stiffness matrices c (K_0 + n K_1 + n^2 K_2) in harmonic n.
 
-    Each is ``(elements, 27, 27)``; the degrees of freedom are U, V, W for each node. ``young`` [Pa], ``poisson``: constants
-    of the material; ``layer``: anisotropic layer that represents grooves, or None.
+    Each part is ``(elements, 27, 27)``. The degrees of freedom of a node are the amplitudes U, V, W of the radial,
+    circumferential and axial displacement; c is `circumference_integral_factor`. ``young`` [Pa], ``poisson``: constants of
+    the material; ``layer``: anisotropic layer that represents grooves, or None.
 
     Raises
     ------
@@ -184,10 +185,11 @@ def element_stiffness_parts(
 
 
 def strain_matrices(over_r: Array, by_r: Array, by_z: Array) -> tuple[Array, Array]:
-    """Return the strain matrices B_0 and B_1 of the harmonics at one point of every element, ``(elements, 6, 27)`` each.
+    """Return the strain matrix B_0 + n B_1 of harmonic n at one point of every element, B_0 and B_1 ``(elements, 6, 27)``.
 
-    They give the strains rr, tt, zz, rz, rt, tz from the displacements U, V, W of nine nodes. ``over_r``: shape functions
-    divided by r; ``by_r``, ``by_z``: their derivatives along r and z, each ``(elements, 9)`` [1/m].
+    They give the strains rr, tt, zz, rz, rt, tz (t: circumferential) from the amplitudes U, V, W of the radial,
+    circumferential and axial displacement of nine nodes. ``over_r``: shape functions divided by r; ``by_r``, ``by_z``:
+    their derivatives along r and z, each ``(elements, 9)`` [1/m].
     """
     B0, B1 = np.zeros((len(by_r), 6, 27)), np.zeros((len(by_r), 6, 27))
     U, V, W = slice(0, 27, 3), slice(1, 27, 3), slice(2, 27, 3)
@@ -204,7 +206,7 @@ def circumference_integral_factor(harmonic: int) -> float:
 
 
 def solve_harmonic_displacements(bands: Array, harmonic: int, loads: Array) -> Array:
-    """Return the displacements of a body's k free degrees of freedom [m] by loads of harmonic n, in the loads' shape.
+    """Solve for the displacements of a body's k free degrees of freedom [m] under loads of harmonic n ``(k, ...)``.
 
     ``bands``: stiffness parts from `BodyOfRevolution.stiffness_bands`; ``loads``: generalised forces (k, ...) [N].
 
@@ -230,8 +232,8 @@ def condense_to_last_freedoms(
     Returns
     -------
     tuple[Array, Array, Array]
-        Condensed stiffness S ``(last, last)``; condensed loads g ``(last, c)``; and the compliance ``(c, c)`` of the load
-        cases with the last degrees of freedom fixed.
+        Condensed stiffness ``(remaining_count, remaining_count)``; condensed loads ``(remaining_count, c)``; and the
+        compliance ``(c, c)`` of the load cases with the last degrees of freedom fixed.
 
     Raises
     ------
@@ -289,7 +291,10 @@ class BodyOfRevolution:
 
     @cached_property
     def stiffness_parts(self) -> tuple[csr_array, ...]:
-        """Parts K_0, K_1, K_2 ``(3 nodes, 3 nodes)`` of the stiffness in harmonic n, c (K_0 + n K_1 + n^2 K_2)."""
+        """Parts K_0, K_1, K_2 ``(3 nodes, 3 nodes)`` of the stiffness in harmonic n, c (K_0 + n K_1 + n^2 K_2).
+
+        The factor c is `circumference_integral_factor`.
+        """
         from scipy.sparse import coo_array
 
         dof = self.element_freedoms()
@@ -315,7 +320,7 @@ class BodyOfRevolution:
 
     @cached_property
     def equals_previous_row(self) -> NDArray[np.bool_]:
-        """Whether each radial row of elements has the same stiffness as the row before it along the axis ``(rows,)``."""
+        """Whether each radial row of elements has the same stiffness as the preceding row along the axis ``(rows,)``."""
         rows = self.elements.reshape(3, self.grid.shape[0] // 2, -1)
         change = np.abs(np.diff(rows, axis=1)).max(axis=(0, 2))
         return np.append(False, change < ALIKE * np.abs(rows).max())
@@ -347,10 +352,11 @@ class BodyOfRevolution:
         )
 
     def freedoms_regular_on_axis(self, n: int) -> NDArray[np.bool_]:
-        """Return whether each degree of freedom is free in harmonic n ``(3 nodes,)``: all but those on the axis r = 0.
+        """Return whether each degree of freedom may move in harmonic n ``(3 nodes,)``: only the axis r = 0 restricts it.
 
-        At r = 0, harmonic 0 allows W, harmonic 1 allows U and V (U = -V follows from the minimum of energy), and higher
-        harmonics allow none.
+        At r = 0, harmonic 0 allows the amplitude W of the axial displacement, harmonic 1 allows the amplitudes U of the
+        radial and V of the circumferential one (U = -V follows from the minimum of energy), and higher harmonics allow
+        none.
         """
         free = np.ones((self.grid.r.size, 3), dtype=bool)
         on_axis = self.grid.r.ravel() == 0.0
@@ -369,8 +375,9 @@ def low_end_mean_motion_matrix(body: BodyOfRevolution, n: int) -> Array:
 def mean_rigid_motion_matrix(r: Array, n: int) -> Array:
     """Return the matrix ``(k, 3 columns)`` that converts nodal displacements of a cross-section to its mean rigid motions.
 
-    ``r`` ``(columns,)``: radii of the nodes [m]; the displacements are U, V, W of harmonic ``n`` for each node. Harmonic n
-    = 0 has axial motion and twist, n = 1 has lateral shift and tilt (u_z = - tilt r cos t), and higher harmonics have none.
+    ``r`` ``(columns,)``: radii of the nodes [m]; the nodal displacements are the amplitudes U, V, W of the radial,
+    circumferential and axial displacement in harmonic ``n``. Harmonic 0 has k = 2 rigid motions, axial motion and twist;
+    harmonic 1 has lateral shift and tilt (u_z = - tilt r cos t at the azimuth t); higher harmonics have none.
     """
     weights = np.zeros((2, r.size))  # weights of the nodes in the mean of f over the area, and of f r over its moment
     for a in range(0, r.size - 2, 2):
@@ -394,7 +401,7 @@ class OverlappingBlockMatrix:
 
     #: Number of rows of the matrix.
     size: int
-    #: First row and values of each block.
+    #: Number of the first row, and values, of each block.
     blocks: tuple[tuple[int, Array], ...]
 
     def full_matrix(self) -> Array:
@@ -443,8 +450,9 @@ def grid_line_compliance(
     Returns
     -------
     list[OverlappingBlockMatrix]
-        Compliance ``(3 k, 3 k)`` [m/N] of each harmonic, with U, V, W for each node. In harmonics above 1 a load has an
-        effect only over a short length; the blocks have about this length.
+        Compliance ``(3 k, 3 k)`` [m/N] between k nodes in each harmonic, with radial, circumferential and axial
+        displacement of each node. In harmonics above 1 a load has an effect only over a short length; the blocks have about
+        this length.
 
     Raises
     ------
@@ -467,7 +475,7 @@ def grid_line_compliance(
 class CondensedStretch:
     """Axial part of a body of revolution in h harmonics, condensed to the q degrees of freedom at its two ends."""
 
-    #: Stiffness of the end lines ``(h, q, q)``.
+    #: Stiffness of the degrees of freedom on the grid lines at both ends ``(h, q, q)``.
     end_stiffness: Array
     #: Equivalent forces on the end lines of k unit loads on the nodes between them ``(h, q, k)``.
     end_forces: Array
@@ -555,8 +563,8 @@ def _grid_line_compliance_by_stretches(
     unit = np.zeros((width, 3))
     unit[3 * line + np.arange(3), np.arange(3)] = 1.0
 
-    def loads(i: int) -> Array:
-        """Return the unit loads on grid line i."""
+    def unit_loads_on_line(i: int) -> Array:
+        """Return the unit loads on grid line i in all harmonics, none if the line is not loaded."""
         return (free[:, i, :, None] * unit)[:, :, : 3 if rows[0] <= i < rows[1] else 0]
 
     def row_stretch(k: int) -> CondensedStretch:
@@ -564,7 +572,7 @@ def _grid_line_compliance_by_stretches(
         moves, parts = free[:, 2 * k : 2 * k + 3].reshape(n.size, -1), body.stiffness_of_rows(np.array([k]))
         K = np.tensordot(powers, parts.reshape(3, 3 * width, -1), 1) * moves[:, :, None] * moves[:, None]
         K[:, np.arange(3 * width), np.arange(3 * width)] += np.where(moves, 0.0, np.abs(K).max())
-        middle = loads(2 * k + 1)
+        middle = unit_loads_on_line(2 * k + 1)
         forces = np.pad(middle, ((0, 0), (width, width), (0, 0)))
         return eliminate_freedoms(CondensedStretch(K, forces), slice(width, 2 * width))
 
@@ -576,9 +584,10 @@ def _grid_line_compliance_by_stretches(
     alike = body.equals_previous_row
     starts = [k for k in range(count // 2) if not alike[k] or pattern[k] != pattern[k - 1]]
     stretches = [
-        repeat_stretch(row_stretch(k), after - k, loads(2 * k + 2)) for k, after in pairwise([*starts, count // 2])
+        repeat_stretch(row_stretch(k), after - k, unit_loads_on_line(2 * k + 2))
+        for k, after in pairwise([*starts, count // 2])
     ]
-    between, soft = [*(loads(2 * k) for k in starts), loads(count - 1)], 0.0
+    between, soft = [*(unit_loads_on_line(2 * k) for k in starts), unit_loads_on_line(count - 1)], 0.0
     if springs and n[0] < 2:
         motions = low_end_mean_motion_matrix(body, int(n[0]))
         low = motions * free[0, 0]

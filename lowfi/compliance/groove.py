@@ -16,23 +16,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from rollbench.lowfi.compliance import fourier, tube
 from rollbench.lowfi.compliance.beyond_hertz import NARROW, HalfGroove
-from rollbench.lowfi.compliance.fourier import (
-    BodyOfRevolution,
-    GrooveLayer,
-    QuadrilateralGrid,
-    condense_to_last_freedoms,
-    mean_rigid_motion_matrix,
-    quadratic_shape_functions,
-    solve_harmonic_displacements,
-    tube_grid,
-)
-from rollbench.lowfi.compliance.tube import (
-    SmoothBody,
-    flank_profile_points,
-    radial_element_ends,
-    solve_half_lead_under_unit_motion,
-)
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.numerics import brentq
 from rollbench.meshes.section import BeamSection
@@ -46,8 +31,8 @@ LARGEST_POWER = 200.0
 def equivalent_cylinder_radius(flank: HalfGroove, power: int) -> float:
     """Return the radius of the smooth cylinder that replaces the grooved surface of screw or nut [m].
 
-    ``flank``: groove of the body; ``power``: 2 if the body is to have the same volume, 3 if a bore is to leave the same
-    mean cube of the wall thickness, to which the bending stiffness of a ring is proportional.
+    ``flank``: groove of the body; ``power``: 2 for the same volume of the body; 3, for a nut, for the same mean cube of the
+    wall thickness, to which the bending stiffness of a ring is proportional.
     """
     grid = flank.finite_element_grid()
     line = -1 if flank.is_screw else 0
@@ -57,58 +42,61 @@ def equivalent_cylinder_radius(flank: HalfGroove, power: int) -> float:
     return float(np.sqrt(mean)) if power == 2 else flank.plain_radius - float(np.cbrt(mean))
 
 
-def groove_layer(flank: HalfGroove, section: BeamSection) -> GrooveLayer:
-    """Return the anisotropic layer that represents the nut's grooves between lands and groove bottom.
+def groove_layer(flank: HalfGroove, section: BeamSection) -> fourier.GrooveLayer:
+    """Return the anisotropic layer that represents the nut's grooves, between the radii of lands and groove bottom.
 
     With it the smooth nut has the axial and torsional stiffness of the grooved ``section``.
     """
-    r, zeta = (x[::-1] for x in flank_profile_points(flank.groove_map, flank.land_radius, flank.is_screw, 33))
+    r, zeta = (x[::-1] for x in tube.flank_profile_points(flank.groove_map, flank.land_radius, flank.is_screw, 33))
     share = np.maximum(1.0 - zeta / flank.half_length, LEAST_SHARE)
     young, shear, (root, far) = flank.material.youngs_modulus, flank.material.shear_modulus, (r[-1], flank.plain_radius)
     area = section.EA / (np.pi * young) - (far**2 - root**2)
     twist = 2.0 * section.GJ / (np.pi * shear) - (far**4 - root**4)
 
-    def power(weight: Array, wanted: float) -> float:
-        """Return the exponent p at which ``weight`` (filled fraction)^p has the integral ``wanted`` over the layer."""
+    def stiffness_exponent(weight: Array, wanted: float) -> float:
+        """Return the exponent p for which ``weight`` times (filled fraction)^p integrates to ``wanted`` over the layer."""
         exponent = brentq(lambda p: float(np.trapezoid(weight * share**p, r)) - wanted, 1e-3, LARGEST_POWER)
         return float(exponent)
 
     tilt = float(np.arctan(flank.groove_map.rg / flank.contact_position()[0]))
-    return GrooveLayer(tuple(r), tuple(share), power(2.0 * r, area), power(4.0 * r**3, twist), tilt)
+    return fourier.GrooveLayer(
+        tuple(r), tuple(share), stiffness_exponent(2.0 * r, area), stiffness_exponent(4.0 * r**3, twist), tilt
+    )
 
 
-def contact_motions_by_tension_and_moment(flank: HalfGroove, smooth: SmoothBody) -> Array:
+def contact_motions_by_tension_and_moment(flank: HalfGroove, smooth: tube.SmoothBody) -> Array:
     """Return the local motions ``(2, 2)`` of a contact along r and z by a unit tension, then by a unit bending moment.
 
     Tension and moment act on the contact's cross-section; the motions are in m/N and 1/N. The contact is on the flank at
-    positive z, and the moment stretches the body's side with the contact. Motions of the beam's section and of the smooth
-    body are subtracted. A remainder is left because at a groove the body is thinner, and strains more, than on average.
+    positive z, and the moment stretches the body's side with the contact. Motions of a beam as stiff as the grooved body,
+    and local motions of the smooth body, are subtracted. A remainder is left because at a groove the body is thinner, and
+    strains more, than on average. ``flank``: groove of the body; ``smooth``: smooth body of revolution.
     """
     grid, (radius, zeta) = flank.finite_element_grid(), flank.contact_position()
-    line, (r_ends, loaded) = grid.shape[1] - 1 if flank.is_screw else 0, radial_element_ends(smooth)
+    line, (r_ends, loaded) = grid.shape[1] - 1 if flank.is_screw else 0, tube.radial_element_ends(smooth)
     share = gaussian_patch_weights(grid, line, zeta, NARROW * flank.groove_map.ball)[0]
-    plain = tube_grid(r_ends, np.array([0.0, flank.half_length]))
+    plain = fourier.tube_grid(r_ends, np.array([0.0, flank.half_length]))
     out = np.empty((2, 2))
     for k, kind in enumerate(("axial", "bending")):
-        stiffness, motion = solve_half_lead_under_unit_motion(
-            BodyOfRevolution(grid, flank.material.youngs_modulus, flank.material.poissons_ratio), kind
+        stiffness, motion = tube.solve_half_lead_under_unit_motion(
+            fourier.BodyOfRevolution(grid, flank.material.youngs_modulus, flank.material.poissons_ratio), kind
         )
-        smooth_stiffness, smooth_motion = solve_half_lead_under_unit_motion(smooth.finite_element_body(plain), kind)
+        smooth_stiffness, smooth_motion = tube.solve_half_lead_under_unit_motion(smooth.finite_element_body(plain), kind)
         at = share @ motion[:, line, ::2] - (radius if k else 1.0) * np.array([0.0, zeta / flank.half_length])
         widens = float(smooth_motion[0, loaded, 0])
         if kind == "bending":  # from the beam's axis, the mean of the section, which bends away from the stretched side
-            axis = [float(mean_rigid_motion_matrix(grid.r[i], 1)[0] @ motion[i].ravel()) for i in (0, -1)]
+            axis = [float(fourier.mean_rigid_motion_matrix(grid.r[i], 1)[0] @ motion[i].ravel()) for i in (0, -1)]
             at[0] += (zeta**2 - 0.5 * flank.half_length**2) / (2.0 * flank.half_length) - 0.5 * sum(axis)
-            widens -= float(mean_rigid_motion_matrix(plain.r[0], 1)[0] @ smooth_motion[0].ravel())
+            widens -= float(fourier.mean_rigid_motion_matrix(plain.r[0], 1)[0] @ smooth_motion[0].ravel())
             widens -= smooth.patch_width**2 / (2.0 * flank.half_length)
         out[k] = at / stiffness - np.array([widens, 0.0]) / smooth_stiffness
     return out
 
 
 def gaussian_patch_weights(
-    grid: QuadrilateralGrid, line: int, zeta: float, width: float, moment: int = 0
+    grid: fourier.QuadrilateralGrid, line: int, zeta: float, width: float, moment: int = 0
 ) -> tuple[Array, Array]:
-    """Return the weights of k surface nodes for a Gaussian load patch on a flank, then the nodes' axial positions ``(k,)``.
+    """Return the weights ``(k,)`` of a Gaussian load patch on k surface nodes of a flank, then their axial positions.
 
     The patch is Gaussian in the arc length from the point at z = ``zeta`` and has the standard deviation ``width`` [m].
     ``line``: number of the grid line on the surface; ``moment``: 0, or 1 to multiply the density by the arc length over the
@@ -116,9 +104,9 @@ def gaussian_patch_weights(
     """
     r, z = grid.r[:, line], grid.z[:, line]
     node, weight = np.polynomial.legendre.leggauss(8)
-    N, slope = quadratic_shape_functions(node)
+    N, slope = fourier.quadratic_shape_functions(node)
     fine = np.linspace(-1.0, 1.0, 65)
-    fine_slope = quadratic_shape_functions(fine)[1]
+    fine_slope = fourier.quadratic_shape_functions(fine)[1]
     start, arcs, heights, sizes = 0.0, [], [], []
     for a in range(0, r.size - 2, 2):
         speed = np.hypot(fine_slope @ r[a : a + 3], fine_slope @ z[a : a + 3])
@@ -166,13 +154,13 @@ def interpolate_harmonics(harmonics: Array, values: Array) -> Array:
     return np.asarray(cubic_spline(np.log1p(harmonics), values)(np.log1p(np.arange(harmonics[0], harmonics[-1] + 1))))
 
 
-def flank_normals(grid: QuadrilateralGrid, line: int) -> Array:
-    """Return unit normals ``(k, 2)`` (r, z) of a body's surface at k nodes of a grid line, averaged over both elements.
+def flank_normals(grid: fourier.QuadrilateralGrid, line: int) -> Array:
+    """Return unit normals ``(k, 2)`` (r, z) of a body's surface at k nodes of a grid line.
 
-    Whether they point into or out of the body is not defined.
+    At a node between two elements they are averaged over both. Whether they point into or out of the body is not defined.
     """
     r, z = grid.r[:, line], grid.z[:, line]
-    slope = quadratic_shape_functions(np.array([-1.0, 0.0, 1.0]))[1]
+    slope = fourier.quadratic_shape_functions(np.array([-1.0, 0.0, 1.0]))[1]
     along = np.zeros((r.size, 2))
     for a in range(0, r.size - 2, 2):
         tangent = slope @ np.column_stack([r[a : a + 3], z[a : a + 3]])
@@ -181,7 +169,9 @@ def flank_normals(grid: QuadrilateralGrid, line: int) -> Array:
     return np.column_stack([-along[:, 1], along[:, 0]])
 
 
-def nodal_forces_along_flank_normals(flank: HalfGroove, grid: QuadrilateralGrid, width: float, zeta: float) -> Array:
+def nodal_forces_along_flank_normals(
+    flank: HalfGroove, grid: fourier.QuadrilateralGrid, width: float, zeta: float
+) -> Array:
     """Return the nodal forces ``(k, 2)`` (r, z) of a patch of unit load along the flank's normals, at z = ``zeta`` [m].
 
     ``grid``: grid of the body; ``width``: standard deviation of the Gaussian patch [m].
@@ -195,7 +185,7 @@ def nodal_forces_along_flank_normals(flank: HalfGroove, grid: QuadrilateralGrid,
 
 
 def patch_self_motion_harmonics(
-    flank: HalfGroove, grid: QuadrilateralGrid, load_cases: tuple[Array, Array], harmonics: Array
+    flank: HalfGroove, grid: fourier.QuadrilateralGrid, load_cases: tuple[Array, Array], harmonics: Array
 ) -> Array:
     """Return k Fourier harmonics of the motion of a load patch on one groove flank by a unit load on itself ``(k,)`` [m/N].
 
@@ -203,8 +193,8 @@ def patch_self_motion_harmonics(
     cases, symmetric and antisymmetric to mid groove; the mean of both motions is that of one loaded flank.
     """
     rows, columns = grid.shape
-    turned = QuadrilateralGrid(grid.r[::-1], -grid.z[::-1])  # so that the plane at mid groove is last
-    body = BodyOfRevolution(turned, flank.material.youngs_modulus, flank.material.poissons_ratio)
+    turned = fourier.QuadrilateralGrid(grid.r[::-1], -grid.z[::-1])  # so that the plane at mid groove is last
+    body = fourier.BodyOfRevolution(turned, flank.material.youngs_modulus, flank.material.poissons_ratio)
     forces = np.stack([(force[::-1] * np.array([1.0, 1.0, -1.0])).ravel() for force in load_cases], axis=1)
     held = np.zeros((rows, columns, 3), dtype=bool)
     held[0] = True
@@ -217,14 +207,16 @@ def patch_self_motion_harmonics(
         if free.tobytes() not in kept:
             kept[free.tobytes()] = body.stiffness_bands(free)
         along = np.flatnonzero(free[-3 * columns :]) % 3 == 2
-        S, g, work = condense_to_last_freedoms(kept[free.tobytes()], harmonic, forces[free], along.size)
+        S, g, work = fourier.condense_to_last_freedoms(kept[free.tobytes()], harmonic, forces[free], along.size)
         for case, moves in enumerate((~along, along)):  # symmetric, antisymmetric to mid groove
             pressed = g[moves, case]
             values[k, case] = work[case, case] + pressed @ np.linalg.solve(S[np.ix_(moves, moves)], pressed)
     return np.asarray(values.mean(axis=1))
 
 
-def patch_self_motion(flank: HalfGroove, grid: QuadrilateralGrid, load_cases: tuple[Array, Array], width: float) -> float:
+def patch_self_motion(
+    flank: HalfGroove, grid: fourier.QuadrilateralGrid, load_cases: tuple[Array, Array], width: float
+) -> float:
     """Return the motion of a load patch on one groove flank by a unit load on itself [m/N], the sum over its harmonics.
 
     ``load_cases``: see `patch_self_motion_harmonics`; ``width``: standard deviation of the patch [m].
@@ -234,11 +226,13 @@ def patch_self_motion(flank: HalfGroove, grid: QuadrilateralGrid, load_cases: tu
     return float(waves @ gaussian_patch_harmonic_factors(np.arange(float(waves.size)), width, flank.contact_position()[0]))
 
 
-def symmetric_and_antisymmetric_loads(flank: HalfGroove, grid: QuadrilateralGrid, width: float) -> tuple[Array, Array]:
-    """Return nodal forces of a unit load patch along the normals of a flank, for the two load cases of its self-motion.
+def symmetric_and_antisymmetric_loads(
+    flank: HalfGroove, grid: fourier.QuadrilateralGrid, width: float
+) -> tuple[Array, Array]:
+    """Return nodal forces of a unit load patch along a flank's normals, for two load cases.
 
-    The symmetric and the antisymmetric load are the same on the computed half of the groove. ``width``: standard deviation
-    of the patch [m].
+    The load cases of `patch_self_motion_harmonics`, symmetric and antisymmetric to mid groove, are the same on the computed
+    half of the groove. ``width``: standard deviation of the patch [m].
     """
     force = np.zeros((*grid.shape, 3))
     force[:, grid.shape[1] - 1 if flank.is_screw else 0, ::2] = nodal_forces_along_flank_normals(
@@ -247,8 +241,8 @@ def symmetric_and_antisymmetric_loads(flank: HalfGroove, grid: QuadrilateralGrid
     return force, force
 
 
-def motion_unresolved_by_grid(flank: HalfGroove, coarse: QuadrilateralGrid, last: int) -> float:
-    """Return the part of a narrow load patch's motion by a unit load on itself that a coarse grid does not resolve [m/N].
+def motion_unresolved_by_grid(flank: HalfGroove, coarse: fourier.QuadrilateralGrid, last: int) -> float:
+    """Return the part of a narrow load patch's motion by its own unit load that a coarse grid does not resolve [m/N].
 
     It is the difference between the fine and the coarse grid up to the harmonic ``last``, plus all higher harmonics.
     """
@@ -276,13 +270,15 @@ class GrooveRingCompliance:
     A ring with its groove is a body of revolution, so that no beam, smooth body or correction is needed.
     """
 
-    #: Compliance in each harmonic ``(harmonics, 4, 4)`` [m/N], of left flank (r, z) and right flank (r, z).
+    #: Compliance between the motions of left flank (r, z) and right flank (r, z) in each harmonic ``(harmonics, 4, 4)``
+    #: [m/N].
     harmonics: Array
-    #: Change of a contact's compliance if pressure acts along the local normals instead of the nominal one [m/N].
+    #: Change of a contact's compliance if pressure acts along the local surface normals instead of the nominal contact
+    #: normal [m/N].
     local_normal_correction: float
-    #: Standard deviation of the load patches [m].
+    #: Standard deviation of the Gaussian load patches [m].
     patch_width: float
-    #: Radius of the contacts [m].
+    #: Radius at which the contacts lie, from the ring's axis [m].
     contact_radius: float
 
 
@@ -293,8 +289,8 @@ def ring_compliance(flank: HalfGroove, fixed_surface: str) -> GrooveRingComplian
     faces.
     """
     half = flank.finite_element_grid()
-    grid = QuadrilateralGrid(np.concatenate([half.r[:0:-1], half.r]), np.concatenate([-half.z[:0:-1], half.z]))
-    body = BodyOfRevolution(grid, flank.material.youngs_modulus, flank.material.poissons_ratio)
+    grid = fourier.QuadrilateralGrid(np.concatenate([half.r[:0:-1], half.r]), np.concatenate([-half.z[:0:-1], half.z]))
+    body = fourier.BodyOfRevolution(grid, flank.material.youngs_modulus, flank.material.poissons_ratio)
     fixed = np.zeros((*grid.shape, 3), dtype=bool)
     fixed[0 if fixed_surface == "low" else slice(0, 0)] = True
     fixed[[0, -1] if fixed_surface == "both" else -1 if fixed_surface == "high" else slice(0, 0)] = True
@@ -315,7 +311,7 @@ def ring_compliance(flank: HalfGroove, fixed_surface: str) -> GrooveRingComplian
     n = sampled_harmonics(2.6 * radius / width)
     free = ~fixed.ravel()
     bands, loads = body.stiffness_bands(free), rows.reshape(5, -1)[:, free].T
-    sampled = np.array([loads.T @ solve_harmonic_displacements(bands, harmonic, loads) for harmonic in n.tolist()])
+    sampled = np.array([loads.T @ fourier.solve_harmonic_displacements(bands, harmonic, loads) for harmonic in n.tolist()])
     harmonics = np.arange(n[-1] + 1.0)
     S = interpolate_harmonics(n, sampled)
     nominal = (

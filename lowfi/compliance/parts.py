@@ -46,23 +46,24 @@ CLAMPED = ("low", "high", "both", "flange")
 class ComplianceModel:
     """Choice of models for the elastic compliance of screw, nut and balls in addition to Hertz contact."""
 
-    #: Section of the screw's beam: that of the scene (eq. C.8 of Lin's thesis), or (``"cell"``) computed by finite elements
-    #: of half a lead with its groove.
+    #: Cross-section of the screw's beam: that of the scene (eq. C.8 of Lin's thesis), or (``"cell"``) computed by finite
+    #: elements of half a lead with its groove.
     section: Literal["scene", "cell"] = "cell"
-    #: Screw as a beam only, or (``"kernel"``) as a beam with an elastic body of revolution added, solved by Fourier
+    #: Model of the screw: a beam only, or (``"kernel"``) a beam with an elastic body of revolution added, solved by Fourier
     #: harmonics.
     screw: Literal["beam", "kernel"] = "kernel"
-    #: Nut rigid apart from its contacts, as a beam, or (``"kernel"``) as a beam with an elastic body of revolution added.
+    #: Model of the nut: rigid apart from its contacts, a beam, or (``"kernel"``) a beam with an elastic body of revolution
+    #: added.
     nut: Literal["rigid", "beam", "kernel"] = "kernel"
-    #: Ball as two half spaces (Hertz) or as an elastic sphere.
+    #: Model of a ball: two half spaces (Hertz) or an elastic sphere.
     ball: Literal["half space", "sphere"] = "sphere"
-    #: Standard deviation of the load patch by which a contact loads the smooth body, over the contact's radial distance
-    #: from the ball's centre.
+    #: Standard deviation of the Gaussian load patch by which a contact loads the ungrooved smooth body, over the contact's
+    #: radial distance from the ball's centre.
     width: float = 1.0
-    #: Nut's grooves as a ``"layer"`` that is softer along the axis than around it, or as a plain bore with the same mean
-    #: cube of the wall thickness (``"ring"``), with the same ``"volume"``, or at the radius of the lands (``"land"``).
+    #: Model of the nut's grooves: a ``"layer"`` that is softer along the axis than around it, or a plain bore with the same
+    #: mean cube of the wall thickness (``"ring"``), with the same ``"volume"``, or at the radius of the lands (``"land"``).
     bore: Literal["layer", "ring", "volume", "land"] = "layer"
-    #: Number of Fourier harmonics as a multiple of the default number.
+    #: Number of Fourier harmonics around the axis, as a multiple of the default number.
     harmonics: float = 1.0
     #: Fineness of the finite elements as a multiple of the default fineness.
     mesh: float = 1.0
@@ -152,9 +153,9 @@ def half_groove_of_body(scene: Scene, screw: bool) -> HalfGroove:
 
 @lru_cache(maxsize=64)
 def fixed_surface(scene: Scene, screw: bool) -> str:
-    """Return the name of the surface at which screw or nut is fixed, as in `SmoothBody.held`; "rigid" for a rigid body.
+    """Return the name of the surface at which screw or nut is fixed, such as "bore" or "flange"; "rigid" for a rigid body.
 
-    ``screw``: whether the body is the screw (True) or the nut.
+    The names are those of `SmoothBody.held`. ``screw``: whether the body is the screw (True) or the nut.
     """
     dims = dimensions_of_3d_parts(scene)
     if not screw:
@@ -166,7 +167,7 @@ def fixed_surface(scene: Scene, screw: bool) -> str:
 
 @lru_cache(maxsize=64)
 def grooved_section(geometry: Scene, screw: bool) -> BeamSection:
-    """Return the beam section of the grooved screw or nut, or of the plain shaft if the track has no lead.
+    """Return the beam section (stiffnesses) of the grooved screw or nut, or of the plain shaft if the track has no lead.
 
     ``geometry``: scene of `reduce_to_compliance_geometry`; ``screw``: whether the body is the screw (True) or the nut.
     """
@@ -178,7 +179,7 @@ def grooved_section(geometry: Scene, screw: bool) -> BeamSection:
 @lru_cache(maxsize=64)
 @cached_on_disk(BeamSection)
 def grooved_body_section(flank: HalfGroove) -> BeamSection:
-    """Return the beam section of a body with a groove, computed by finite elements.
+    """Return the beam section (stiffnesses) of a grooved screw or nut, computed by finite elements of half a lead.
 
     The result is cached on disk for each groove, so that scenes with the same screw but another nut share it.
     """
@@ -247,7 +248,7 @@ def nut_beam_ends_and_clamps(tube: SmoothBody) -> tuple[tuple[float, float], str
 
 
 def compliance_block_of_flanks(G: Array, flanks: Sequence[int]) -> Array:
-    """Return the block ``(2 c, 2 c)`` of a compliance matrix for the contacts on given flanks.
+    """Return the block ``(2 c, 2 c)`` of a compliance matrix that belongs to the c contacts on given flanks.
 
     ``G``: matrix for both flanks of N balls (4 N, 4 N), left flank first; ``flanks``: flanks of the result, 0 left, 1
     right.

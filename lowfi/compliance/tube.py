@@ -15,19 +15,7 @@ from math import pi
 import numpy as np
 from numpy.typing import NDArray
 
-from rollbench.lowfi.compliance.fourier import (
-    BodyOfRevolution,
-    GrooveLayer,
-    OverlappingBlockMatrix,
-    QuadrilateralGrid,
-    add_mid_nodes,
-    circumference_integral_factor,
-    grid_line_compliance,
-    low_end_mean_motion_matrix,
-    quadratic_shape_functions,
-    solve_harmonic_displacements,
-    tube_grid,
-)
+from rollbench.lowfi.compliance import fourier
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import Flange, Material
@@ -41,7 +29,7 @@ MESH = (8, 5, 8)
 class GroovedBeamSection:
     """Beam section of a grooved shaft or nut, with the radii of plain cylinders of equal stiffness."""
 
-    #: Section constants of the beam.
+    #: Stiffnesses of the equivalent beam's cross-section.
     section: BeamSection
     #: Radii [m] of three plain cylinders with the same axial, bending and torsional stiffness, respectively: outer radius
     #: of a shaft, bore radius of a nut.
@@ -66,19 +54,19 @@ def flank_profile_points(groove_map: GrooveMap, land_radius: float, screw: bool,
     low, high = apex, 0.5 * pi - 1e-6
     sign = -1.0 if screw else 1.0
 
-    def beyond(gamma: float) -> bool:
+    def is_beyond_land(gamma: float) -> bool:
         """Return whether the flank's point at the contact angle gamma [rad] lies past the cylinder of the land."""
         x3, z3 = groove_map.polar_to_section(side, np.array(gamma), radius)
         return bool(sign * (float(groove_map.section_to_unrolled(x3, z3)[0]) - land_radius) < 0.0)
 
-    if beyond(low) or not beyond(high):
+    if is_beyond_land(low) or not is_beyond_land(high):
         raise ValueError(
             "the cylinder of the land does not cut the groove's flank; allowed: a land radius between the groove's apex "
             "and the end of the groove's arc"
         )
     for _ in range(60):
         middle = 0.5 * (low + high)
-        low, high = (low, middle) if beyond(middle) else (middle, high)
+        low, high = (low, middle) if is_beyond_land(middle) else (middle, high)
     x3, z3 = groove_map.polar_to_section(side, np.linspace(apex, low, count), radius)
     r, zeta, _ = groove_map.section_to_unrolled(x3, z3)
     zeta[0], r[-1] = 0.0, land_radius
@@ -92,7 +80,7 @@ def half_lead_cell_grid(
     screw: bool,
     mesh: tuple[int, int, int] = MESH,
     half_length: float | None = None,
-) -> QuadrilateralGrid:
+) -> fourier.QuadrilateralGrid:
     """Return the finite-element grid of half a lead of screw or nut, between mid groove and mid land.
 
     Parameters
@@ -118,13 +106,13 @@ def half_lead_cell_grid(
     half_length = pi * abs(groove_map.rg) / groove_map.starts if half_length is None else half_length
     r, zeta = flank_profile_points(groove_map, land_radius, screw, 2 * mesh[0] + 1)
     if zeta[-1] >= half_length:
-        raise ValueError("the grooves of neighbouring turns overlap: increase the lead or reduce the groove")
-    along = add_mid_nodes(np.linspace(zeta[-1], half_length, mesh[1] + 1))[1:]
+        raise ValueError("the grooves of neighbouring turns overlap: increase the lead or make the groove narrower")
+    along = fourier.node_positions_with_mid_nodes(np.linspace(zeta[-1], half_length, mesh[1] + 1))[1:]
     surface, z = np.append(r, np.full(along.size, land_radius)), np.append(zeta, along)
-    share = add_mid_nodes(1.0 - np.linspace(1.0, 0.0, mesh[2] + 1) ** 1.5)
+    share = fourier.node_positions_with_mid_nodes(1.0 - np.linspace(1.0, 0.0, mesh[2] + 1) ** 1.5)
     low, high = (np.full_like(surface, plain_radius), surface) if screw else (surface, np.full_like(surface, plain_radius))
     depth = share if screw else (1.0 - share)[::-1]
-    return QuadrilateralGrid(
+    return fourier.QuadrilateralGrid(
         low[:, None] + depth * (high - low)[:, None], np.broadcast_to(z[:, None], (z.size, depth.size)).copy()
     )
 
@@ -132,10 +120,10 @@ def half_lead_cell_grid(
 def grooved_beam_section(
     groove_map: GrooveMap, land_radius: float, plain_radius: float, screw: bool, material: Material
 ) -> GroovedBeamSection:
-    """Return the section constants of a grooved shaft or nut, by finite elements.
+    """Return the beam stiffnesses of a grooved shaft or nut, by finite elements of half a lead.
 
-    The shear stiffness is that of the plain cylinder with the same torsional stiffness, because both loads shear the body
-    along its axis.
+    The shear stiffness is that of the plain cylinder with the same torsional stiffness, because a shear force and a torque
+    both shear the body along its axis.
 
     Parameters
     ----------
@@ -156,7 +144,7 @@ def grooved_beam_section(
         )
     grid = half_lead_cell_grid(groove_map, land_radius, plain_radius, screw)
     young, poisson = material.youngs_modulus, material.poissons_ratio
-    body = BodyOfRevolution(grid, young, poisson)
+    body = fourier.BodyOfRevolution(grid, young, poisson)
     length = float(grid.z[-1, 0])
     EA, GJ, EI = (half_lead_stiffness(body, kind) * length for kind in ("axial", "torsion", "bending"))
     shear = material.shear_modulus
@@ -171,7 +159,7 @@ def grooved_beam_section(
     return GroovedBeamSection(BeamSection(EA, EI, GJ, kappa * shear * pi * (outer**2 - bore**2)), radii)
 
 
-def half_lead_stiffness(body: BodyOfRevolution, kind: str) -> float:
+def half_lead_stiffness(body: fourier.BodyOfRevolution, kind: str) -> float:
     """Return the stiffness of half a lead of a body against a unit motion of one end (`solve_half_lead_under_unit_motion`).
 
     ``body``: finite elements of half a lead; ``kind``: "axial" (result in N/m), "torsion" or "bending" (N m).
@@ -179,7 +167,7 @@ def half_lead_stiffness(body: BodyOfRevolution, kind: str) -> float:
     return solve_half_lead_under_unit_motion(body, kind)[0]
 
 
-def solve_half_lead_under_unit_motion(body: BodyOfRevolution, kind: str) -> tuple[float, Array]:
+def solve_half_lead_under_unit_motion(body: fourier.BodyOfRevolution, kind: str) -> tuple[float, Array]:
     """Return the stiffness of half a lead of a body, and the motion of its nodes, for a unit motion of one end.
 
     One plane of symmetry is fixed and the other one moves by one unit: u_z = 1 for the ``kind`` "axial" (stiffness in N/m),
@@ -201,7 +189,7 @@ def solve_half_lead_under_unit_motion(body: BodyOfRevolution, kind: str) -> tupl
         else:
             fixed[0, -1, 0] = True  # the rigid shift across
     K, held, q = body.harmonic_stiffness(n), fixed.ravel(), value.ravel()
-    q[~held] = solve_harmonic_displacements(body.stiffness_bands(~held), n, -(K @ q)[~held])
+    q[~held] = fourier.solve_harmonic_displacements(body.stiffness_bands(~held), n, -(K @ q)[~held])
     return float(q @ (K @ q)), q.reshape(*shape, 3)
 
 
@@ -229,7 +217,7 @@ SAME, NEAR = 1e-9, 0.4
 NODE, WEIGHT = np.polynomial.legendre.leggauss(8)
 
 #: Shape functions of an element at the points ``NODE``.
-SHAPES = quadratic_shape_functions(NODE)[0]
+SHAPES = fourier.quadratic_shape_functions(NODE)[0]
 
 
 @dataclass(frozen=True)
@@ -240,33 +228,33 @@ class SmoothBody:
     bore_radius: float
     #: Outer radius [m].
     outer_radius: float
-    #: Axial positions of its ends [m].
+    #: Axial positions of the body's ends [m].
     ends: tuple[float, float]
-    #: Fixed surface: ``"low"``, ``"high"`` or ``"both"`` faces, ``"bore"``, ``"outer"``, ``"flange"``, or ``"section"``:
-    #: springs hold the mean motions of its low end.
+    #: Surface at which the body is fixed: ``"low"``, ``"high"`` or ``"both"`` faces, ``"bore"``, ``"outer"``, ``"flange"``,
+    #: or ``"section"``: springs hold the mean motions of its low end.
     held: str
-    #: Radius at which contacts load it [m].
+    #: Radius at which contacts load the body [m].
     contact_radius: float
-    #: Standard deviation of the load patches [m].
+    #: Standard deviation of the Gaussian load patches [m].
     patch_width: float
-    #: Largest number of a Fourier harmonic.
+    #: Number of the highest Fourier harmonic around the axis.
     harmonics: int
     #: Sizes of the finite elements in z and in r near the contacts [m].
     size: tuple[float, float]
     #: Material of the body.
     material: Material
     #: Anisotropic layer that represents the grooves in the nut's bore; None: no layer.
-    groove_layer: GrooveLayer | None = None
+    groove_layer: fourier.GrooveLayer | None = None
     #: Flange of the nut; None: no flange.
     flange: Flange | None = None
 
-    def finite_element_body(self, grid: QuadrilateralGrid) -> BodyOfRevolution:
+    def finite_element_body(self, grid: fourier.QuadrilateralGrid) -> fourier.BodyOfRevolution:
         """Return the finite-element model of the tube on a grid, which may extend beyond the tube around a flange."""
-        return BodyOfRevolution(
+        return fourier.BodyOfRevolution(
             grid, self.material.youngs_modulus, self.material.poissons_ratio, self.groove_layer, self.filled_elements(grid)
         )
 
-    def filled_elements(self, grid: QuadrilateralGrid) -> NDArray[np.bool_]:
+    def filled_elements(self, grid: fourier.QuadrilateralGrid) -> NDArray[np.bool_]:
         """Return whether each element of a grid is filled with material of the tube or its flange ``(elements,)``."""
         r, z = (x[1::2, 1::2].ravel() for x in (grid.r, grid.z))
         if self.flange is None:
@@ -280,7 +268,7 @@ class SmoothBody:
         if self.groove_layer is None:
             return tube_section(2.0 * self.outer_radius, 2.0 * self.bore_radius, self.material)
         length = self.size[0]
-        slice_ = self.finite_element_body(tube_grid(radial_element_ends(self)[0], np.array([0.0, length])))
+        slice_ = self.finite_element_body(fourier.tube_grid(radial_element_ends(self)[0], np.array([0.0, length])))
         EA, GJ, EI = (length * half_lead_stiffness(slice_, kind) for kind in ("axial", "torsion", "bending"))
         shear, poisson = self.material.shear_modulus, self.material.poissons_ratio
         bore = (self.outer_radius**4 - 2.0 * GJ / (shear * np.pi)) ** 0.25
@@ -292,18 +280,18 @@ class SmoothBody:
 class SmoothBodyCompliance:
     """Compliance between k axial positions of a tube at the radius of the contacts, in Fourier harmonics."""
 
-    #: The tube.
+    #: Smooth body of revolution (tube).
     tube: SmoothBody
-    #: Axial positions ``(k,)`` [m].
+    #: Axial positions of the loaded nodes ``(k,)`` [m].
     z: Array
     #: For each harmonic the symmetric compliance ``(3 k, 3 k)`` [m/N], with r, t, z for each position. For a shaft of which
     #: the mean motions at the low-z end are fixed, harmonics 0 and 1 have two more rows and columns: the mean motions at
     #: the high-z end.
-    line_compliance: tuple[OverlappingBlockMatrix, ...]
-    #: Motions of these positions (r, t, z) by loads on the mean motions of the high-z end, in harmonics 0 and 1
+    line_compliance: tuple[fourier.OverlappingBlockMatrix, ...]
+    #: Motions (r, t, z) of the k axial positions by unit loads on the mean motions of the high-z end, in harmonics 0 and 1,
     #: ``(2, 3, k)`` each.
     line_motions_by_end: tuple[Array, ...] = ()
-    #: Mean motions of the high-z end by loads on them, in harmonics 0 and 1 ``(2, 2)`` each.
+    #: Mean motions of the high-z end by unit loads on these motions, in harmonics 0 and 1, ``(2, 2)`` each.
     end_compliance: tuple[Array, ...] = ()
 
 
@@ -311,9 +299,9 @@ class SmoothBodyCompliance:
 class ContactPoints:
     """Contact points on a body of revolution, in cylindrical coordinates."""
 
-    #: Azimuths ``(c,)`` [rad].
+    #: Azimuths of the contact points ``(c,)`` [rad].
     azimuth: Array
-    #: Axial positions ``(c,)`` [m].
+    #: Axial positions of the contact points ``(c,)`` [m].
     z: Array
     #: Directions of motion of each contact, in (r, t, z) components ``(c, 2, 3)``.
     axes: Array
@@ -334,7 +322,7 @@ def convert_contacts_to_cylindrical(contact_points: Array, axes: Array) -> Conta
 
 
 def radial_element_ends(tube: SmoothBody) -> tuple[Array, int]:
-    """Return the radii at which a tube's finite elements end [m], then the number of the grid line at the contacts' radius.
+    """Return the radii at which a tube's finite elements end [m], then the number of the contacts' radial grid line.
 
     Elements are small near the radius of the contacts. Grid lines are numbered from 0 at the bore, and include those
     through the elements' mid nodes.
@@ -346,19 +334,19 @@ def radial_element_ends(tube: SmoothBody) -> tuple[Array, int]:
     )
     h = tube.size[1]
 
-    def graded(length: float) -> Array:
-        """Return distances of element ends from 0 to ``length`` [m], with elements that grow with the distance."""
+    def growing_element_ends(length: float) -> Array:
+        """Return distances of element ends from 0 to ``length`` [m]; the elements grow with the distance."""
         count = max(1, round(2.0 * (np.sqrt(1.0 + length / h) - 1.0)))
         return np.asarray(length * (np.arange(count + 1) / count) ** 1.6)
 
-    inner = at - graded(at - low)[::-1] if at > low else np.array([at])
+    inner = at - growing_element_ends(at - low)[::-1] if at > low else np.array([at])
     inner[0] = low
     outer = np.array([at])
     for end in (
         (high,) if tube.groove_layer is None else (tube.groove_layer.radii[-1], high)
     ):  # none of them across the layer's end
         if end > outer[-1]:
-            outer = np.append(outer, outer[-1] + graded(end - outer[-1])[1:])
+            outer = np.append(outer, outer[-1] + growing_element_ends(end - outer[-1])[1:])
     return np.append(inner, outer[1:]), 2 * (inner.size - 1)
 
 
@@ -372,14 +360,16 @@ def axial_element_ends(tube: SmoothBody, loaded_range: tuple[float, float]) -> A
     a, b = max(low, loaded_range[0]), min(high, loaded_range[1])
     middle = np.linspace(a, b, max(2, int(np.ceil((b - a) / h))) + 1)
 
-    def beyond(length: float) -> Array:
+    def element_ends_beyond_loaded_zone(length: float) -> Array:
         """Return distances of element ends from the loaded zone, up to ``length`` [m]; elements grow outwards."""
         if length <= 0.0:
             return np.zeros(0)
         count = max(1, round(2.5 * (np.sqrt(1.0 + length / h) - 1.0)))
         return np.asarray(length * (np.arange(1, count + 1) / count) ** 1.5)
 
-    return np.concatenate([a - beyond(a - low)[::-1], middle, b + beyond(high - b)])
+    return np.concatenate(
+        [a - element_ends_beyond_loaded_zone(a - low)[::-1], middle, b + element_ends_beyond_loaded_zone(high - b)]
+    )
 
 
 def add_element_ends_of_flange(tube: SmoothBody, r_ends: Array, z_ends: Array) -> tuple[Array, Array]:
@@ -399,7 +389,7 @@ def add_element_ends_of_flange(tube: SmoothBody, r_ends: Array, z_ends: Array) -
     return r_ends, z_ends[np.diff(z_ends, prepend=-np.inf) > SAME]
 
 
-def fixed_freedoms(tube: SmoothBody, grid: QuadrilateralGrid) -> NDArray[np.bool_]:
+def fixed_freedoms(tube: SmoothBody, grid: fourier.QuadrilateralGrid) -> NDArray[np.bool_]:
     """Return whether each degree of freedom ``(3 nodes,)`` of a tube's grid is fixed; nodes outside the tube are fixed."""
     beyond = np.ones(grid.r.size, dtype=bool)
     beyond[grid.element_nodes()[tube.filled_elements(grid)].ravel()] = False
@@ -428,7 +418,7 @@ def tube_compliance(tube: SmoothBody, loaded_range: tuple[float, float]) -> Smoo
     loaded.
     """
     r_ends, line = radial_element_ends(tube)
-    grid = tube_grid(*add_element_ends_of_flange(tube, r_ends, axial_element_ends(tube, loaded_range)))
+    grid = fourier.tube_grid(*add_element_ends_of_flange(tube, r_ends, axial_element_ends(tube, loaded_range)))
     z = grid.z[:, 0]
     inside = np.flatnonzero((z >= loaded_range[0] - 1e-9) & (z <= loaded_range[1] + 1e-9))
     first, last = int(inside[0]) // 2 * 2, (int(inside[-1]) + 1) // 2 * 2
@@ -436,7 +426,7 @@ def tube_compliance(tube: SmoothBody, loaded_range: tuple[float, float]) -> Smoo
     body = tube.finite_element_body(grid)
     held = fixed_freedoms(tube, grid)
     springs = low_end_spring_stiffnesses(tube) if tube.held == "section" else ()
-    by_harmonic = grid_line_compliance(body, range(tube.harmonics + 1), held, line, rows, springs)
+    by_harmonic = fourier.grid_line_compliance(body, range(tube.harmonics + 1), held, line, rows, springs)
     size = 3 * (rows[1] - rows[0])
     by_end = [S.full_matrix()[size:] for S in by_harmonic[:2]] if springs else []
     ends, corner = tuple(S[:, :size].reshape(2, -1, 3).swapaxes(1, 2) for S in by_end), tuple(S[:, size:] for S in by_end)
@@ -454,7 +444,7 @@ def shaft_motions_by_section_loads(
     contains all contacts [m].
     """
     r_ends, line = radial_element_ends(tube)
-    grid = tube_grid(r_ends, axial_element_ends(tube, loaded_range))
+    grid = fourier.tube_grid(r_ends, axial_element_ends(tube, loaded_range))
     body, z, half = (
         tube.finite_element_body(grid),
         grid.z[:, 0],
@@ -463,15 +453,15 @@ def shaft_motions_by_section_loads(
     shares, levers = slice_mean_weights(z, section_z, half)
     inertia, springs, ends = 0.25 * (tube.outer_radius**2 + tube.bore_radius**2), low_end_spring_stiffnesses(tube), []
     for n, stiff in ((0, springs[2:]), (1, springs[:2])):
-        free, motions = body.freedoms_regular_on_axis(n), low_end_mean_motion_matrix(body, n)
+        free, motions = body.freedoms_regular_on_axis(n), fourier.low_end_mean_motion_matrix(body, n)
         rows = shares[:, None, None] * motions
         if n == 1:
             rows[:, 1] = (inertia * rows[:, 1] + levers[:, None] * motions[0]) / (inertia + half**2 / 3.0)
         bands, held = body.stiffness_bands(free), motions[:, free[: motions.shape[1]]]
         i, j = np.tril_indices(held.shape[1])
-        bands[0, i - j, j] += ((held.T * stiff) @ held)[i, j] / circumference_integral_factor(n)
+        bands[0, i - j, j] += ((held.T * stiff) @ held)[i, j] / fourier.circumference_integral_factor(n)
         moved = np.zeros((free.size, 2))
-        moved[free] = solve_harmonic_displacements(bands, n, rows.swapaxes(1, 2).reshape(-1, 2)[free])
+        moved[free] = fourier.solve_harmonic_displacements(bands, n, rows.swapaxes(1, 2).reshape(-1, 2)[free])
         ends.append(moved.reshape(*grid.shape, 3, 2)[:, line].T)
     return SmoothBodyCompliance(tube, z, (), tuple(ends))
 
@@ -488,7 +478,7 @@ def slice_mean_weights(z: Array, slice_middle: float, half_thickness: float) -> 
         low, high = max(z[a], slice_middle - half_thickness), min(z[a + 2], slice_middle + half_thickness)
         if high > low:
             points = 0.5 * (low + high) + 0.5 * (high - low) * NODE
-            N = quadratic_shape_functions(2.0 * (points - z[a]) / (z[a + 2] - z[a]) - 1.0)[0]
+            N = fourier.quadratic_shape_functions(2.0 * (points - z[a]) / (z[a + 2] - z[a]) - 1.0)[0]
             weight = WEIGHT * (high - low) / (4.0 * half_thickness)
             out[:, a : a + 3] += np.stack([weight, weight * (points - slice_middle)]) @ N
     return out[0], out[1]
@@ -526,12 +516,13 @@ def contact_compliance(compliance: SmoothBodyCompliance, points: ContactPoints, 
 
     ``compliance``: compliance of the tube's nodes; ``points``: positions and axes of the contacts.
 
-    Spreading a force around the axis multiplies its harmonic n by exp(-(n width / radius)^2 / 2). Harmonics 0 and 1 are not
-    reduced, because a patch must have the resultant of its force, to which the beam responds too (``resultant``; if False
-    they are reduced like the others, as for a true patch).
+    Spreading a force around the axis multiplies its harmonic n by exp(-(n width / radius)^2 / 2). ``resultant``: whether
+    harmonics 0 and 1 are left out of this reduction, so that a patch has the resultant of its force, to which the beam
+    responds too; if False, they are reduced like the others, as for a true patch.
 
-    A load at azimuth s causes radial and axial motions ~ cos(n (t - s)) and circumferential motions ~ sin(n (t - s)); for a
-    circumferential load it is the reverse. Only the angle between two contacts therefore has an influence.
+    In harmonic n a radial or axial load at azimuth s causes, at azimuth t, radial and axial motions ~ cos(n (t - s)) and
+    circumferential motions ~ sin(n (t - s)); for a circumferential load it is the reverse. Only the angle between two
+    contacts therefore has an influence.
     """
     from scipy.sparse import csr_array
 
@@ -574,7 +565,7 @@ def contact_compliance(compliance: SmoothBodyCompliance, points: ContactPoints, 
 
 
 def move_contacts_to_surface(tube: SmoothBody, contact_points: Array) -> Array:
-    """Return contact points (c, 3) [m], with those outside the tube's material moved radially to its surface."""
+    """Move those of c contact points (c, 3) [m] that lie outside the tube's material radially to its surface."""
     far = np.hypot(contact_points[:, 0], contact_points[:, 1])
     return np.asarray(
         contact_points

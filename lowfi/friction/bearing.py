@@ -19,29 +19,16 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from rollbench.lowfi.friction.contact.equilibrium import (
-    BodyMotion,
-    BodyMotionProblem,
-    ContactLoadSolution,
-    least_dissipation,
-    motion_by_root,
-    motion_by_sharpened_sigmoids,
-    solve_contact_loads,
-)
+from rollbench.lowfi.friction.contact import equilibrium
 from rollbench.lowfi.friction.contact.kernel_types import BallContactArrays
 from rollbench.lowfi.friction.contact.laws import EllipticalContacts, SigmoidLaw, contacts_from_values
+from rollbench.lowfi.friction.screw import motion as screw_motion
 from rollbench.lowfi.friction.screw.groove import ON_SCREW, SIGN_X, SIGN_Z, GrooveHertzConstants, ScrewGroove, section_axes
-from rollbench.lowfi.friction.screw.motion import (
-    BallsBetweenGrooves,
-    balls_without_friction,
-    solve_ball_motion,
-    solve_screw_contact_loads,
-)
 from rollbench.lowfi.hertz import contact_modulus, hertz_constants
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.record_keys import frozen_default, register_frozen_defaults
 
-#: Names of a ball's contacts: inner or outer ring, left or right.
+#: Names of a ball's contacts, of which I and O stand for inner and outer ring, L and R for left and right.
 SIDES = ("IL", "IR", "OR", "OL")
 
 #: Indices of a screw's contacts (SL, SR, NL, NR) in the order of ``SIDES``; indices of a screw's unknowns (omega_B,
@@ -86,16 +73,16 @@ class Bearing(ScrewGroove):
 class BearingBallSolution:
     """Contact loads, motion and friction of one ball of a bearing."""
 
-    #: Bearing of the ball.
+    #: Bearing to which the ball belongs.
     bearing: Bearing
-    #: Contact loads and angles.
-    load: ContactLoadSolution
-    #: Ellipses, loads and friction coefficients of the contacts.
+    #: Contact loads and contact angles of the ball.
+    load: equilibrium.ContactLoadSolution
+    #: Ellipses, loads and friction coefficients of the ball's contacts.
     contacts: EllipticalContacts
     #: Contacts, kinematics and forces that determine the ball's motion.
-    problem: BodyMotionProblem
+    problem: equilibrium.BodyMotionProblem
     #: Motion and friction of the ball.
-    motion: BodyMotion
+    motion: equilibrium.BodyMotion
     #: Torque on the inner ring that keeps it rotating against the friction of this ball [N m].
     inner_ring_torque: float
 
@@ -105,7 +92,9 @@ class BearingBallSolution:
         return self.inner_ring_torque * self.bearing.screw_speed
 
 
-def contact_loads_of_ball(bearing: Bearing, axial_force: float, radial_displacement: float) -> ContactLoadSolution:
+def contact_loads_of_ball(
+    bearing: Bearing, axial_force: float, radial_displacement: float
+) -> equilibrium.ContactLoadSolution:
     """Return the contact loads of one ball between inner and outer ring, found at the minimum of elastic energy.
 
     The contact forces are unique. A ball with clearance and without force has no unique position; the position at the
@@ -144,7 +133,9 @@ def contact_loads_of_ball(bearing: Bearing, axial_force: float, radial_displacem
     approach = float(np.max(cell.C)) * max(abs(axial_force), 1e-6) ** (2.0 / 3.0)
     way = float(np.sign(axial_force)) * (approach + max(bearing.clearance, 0.0) + abs(radial_displacement))
     start = np.array([[2.0 * way, 0.5 * radial_displacement]]), np.array([4.0 * way])
-    found = solve_contact_loads(cell, abs(axial_force), *start, lambda n: np.arctan2(np.abs(n[..., 0]), np.abs(n[..., 1])))
+    found = equilibrium.solve_contact_loads(
+        cell, abs(axial_force), *start, lambda n: np.arctan2(np.abs(n[..., 0]), np.abs(n[..., 1]))
+    )
     return replace(found, force=found.force[0], angle=found.angle[0], ball_displacements=found.ball_displacements[0])
 
 
@@ -158,8 +149,9 @@ def contact_kinematics(bearing: Bearing, angles: Array) -> tuple[Array, Array]:
     Returns
     -------
     tuple[Array, Array]
-        Motion of each contact, sliding vx, vz [m/s] and spin [rad/s], by unit of each unknown ``(4, 3, 4)``; then the
-        motion of each contact that the inner ring imposes while the ball does not move ``(4, 3)``.
+        Motion of each contact by unit of each unknown ``(4, 3, 4)``: sliding vx across the groove and vz along the
+        ball's path [m/s], and spin about the normal [rad/s]; then the motion of each contact that the inner ring
+        imposes while the ball does not move ``(4, 3)``.
 
     References
     ----------
@@ -169,7 +161,7 @@ def contact_kinematics(bearing: Bearing, angles: Array) -> tuple[Array, Array]:
     return maps[AROUND][..., TURNS], drives[AROUND]
 
 
-def ball_contacts(bearing: Bearing, load: ContactLoadSolution) -> EllipticalContacts:
+def ball_contacts(bearing: Bearing, load: equilibrium.ContactLoadSolution) -> EllipticalContacts:
     """Return ellipses, loads and friction coefficients of a ball's contacts.
 
     A contact without load gets a tiny ellipse, so that its semi-axes are not zero.
@@ -186,7 +178,9 @@ def ball_contacts(bearing: Bearing, load: ContactLoadSolution) -> EllipticalCont
     return contacts_from_values(h.C_a * cube, h.C_b * cube, load.force, bearing.mu)
 
 
-def ball_motion_problem(bearing: Bearing, load: ContactLoadSolution, at: EllipticalContacts) -> BodyMotionProblem:
+def ball_motion_problem(
+    bearing: Bearing, load: equilibrium.ContactLoadSolution, at: EllipticalContacts
+) -> equilibrium.BodyMotionProblem:
     """Return the contacts, kinematics and forces that determine a ball's motion at given contact loads and angles.
 
     The unknowns are the orbital speed omega_B and the ball's rotation omega_x about the bearing's axis and omega_y
@@ -203,7 +197,7 @@ def ball_motion_problem(bearing: Bearing, load: ContactLoadSolution, at: Ellipti
         Contacts of the ball, by `ball_contacts`.
     """
     maps, drives = contact_kinematics(bearing, load.angle)
-    return BodyMotionProblem(
+    return equilibrium.BodyMotionProblem(
         contacts=at,
         contact_motion_maps=np.ascontiguousarray(maps[..., :3]),
         imposed_contact_motions=drives,
@@ -211,7 +205,7 @@ def ball_motion_problem(bearing: Bearing, load: ContactLoadSolution, at: Ellipti
     )
 
 
-def inner_ring_torque(bearing: Bearing, load: ContactLoadSolution, motion: BodyMotion) -> float:
+def inner_ring_torque(bearing: Bearing, load: equilibrium.ContactLoadSolution, motion: equilibrium.BodyMotion) -> float:
     """Return the torque about the bearing's axis that keeps the inner ring rotating against the friction of one ball [N m].
 
     Parameters
@@ -252,7 +246,7 @@ def solve_ball_of_bearing(
     load = contact_loads_of_ball(bearing, axial_force, radial_displacement)
     at = ball_contacts(bearing, load)
     problem = ball_motion_problem(bearing, load, at)
-    motion = least_dissipation(problem, fast=fast)
+    motion = equilibrium.least_dissipation(problem, fast=fast)
     return BearingBallSolution(bearing, load, at, problem, motion, inner_ring_torque(bearing, load, motion))
 
 
@@ -279,9 +273,9 @@ def solve_ball_by_lin_method(
         Whether to use the compiled functions instead of plain Python.
     """
     least = solve_ball_of_bearing(replace(bearing, hertz="as printed"), axial_force, radial_displacement, fast)
-    motion = motion_by_root(least.problem, law, least.motion.unknown_velocities, fast)
+    motion = equilibrium.motion_by_root(least.problem, law, least.motion.unknown_velocities, fast)
     if motion.status != "exact":
-        motion = motion_by_sharpened_sigmoids(least.problem, law, least.motion.unknown_velocities, fast)
+        motion = equilibrium.motion_by_sharpened_sigmoids(least.problem, law, least.motion.unknown_velocities, fast)
     return replace(least, motion=motion, inner_ring_torque=motion.loss / bearing.screw_speed)
 
 
@@ -311,7 +305,8 @@ def solve_ball_over_displacements(
 #: below which a value counts as round-off.
 UNKNOWNS, RANK = ("ux", "uy", "uz", "rx", "ry"), 1e-9
 
-#: Which of the contacts SL, SR, NL, NR a row of balls has: all four, or the two opposite ones of one or the other diagonal.
+#: Which of the contacts SL, SR, NL, NR (S: inner ring, N: outer ring; left or right) a row of balls has: all four, or the
+#: two opposite ones of one or the other diagonal.
 ALL, DIAGONAL, OTHER = (True, True, True, True), (True, False, False, True), (False, True, True, False)
 
 
@@ -319,7 +314,7 @@ ALL, DIAGONAL, OTHER = (True, True, True, True), (True, False, False, True), (Fa
 class BallRow:
     """One row of balls of a bearing: its axial position, and which of the four contacts its grooves allow."""
 
-    #: Axial position of the row [m].
+    #: Axial position of the row of balls [m].
     place: float
     #: Whether the grooves of the row have the contacts SL, SR, NL, NR (S: inner ring, N: outer ring; L, R: left or right
     #: flank).
@@ -335,7 +330,7 @@ class BearingCase:
     groove: ScrewGroove
     #: Number of balls in a row.
     count: int
-    #: Rows of balls.
+    #: Rows of balls with their axial positions.
     rows: tuple[BallRow, ...]
     #: Magnitude of the force on the inner ring, which lies in the x-z plane [N]; its angle from the axis z is an argument
     #: of `solve_bearing`.
@@ -363,7 +358,7 @@ class BearingState:
     """Contact loads and friction of a bearing under one force on its inner ring. Arrays list all N balls, row after row."""
 
     #: Contact loads and contact angles of the balls, with the displacements of balls and inner ring.
-    load: ContactLoadSolution
+    load: equilibrium.ContactLoadSolution
     #: Friction losses at the contacts ``(N, 4)`` [W].
     loss: Array
     #: Friction torque on the inner ring, which is the power lost over the angular speed [N m].
@@ -395,7 +390,7 @@ def inner_ring_displacement_maps(case: BearingCase) -> Array:
     return np.array(out)
 
 
-def bearing_geometry_and_load(case: BearingCase, force_angle: float) -> BallsBetweenGrooves:
+def bearing_geometry_and_load(case: BearingCase, force_angle: float) -> screw_motion.BallsBetweenGrooves:
     """Return all balls of a bearing between its rings under the force on the inner ring, for `solve_screw_contact_loads`.
 
     ``case``: the bearing and the magnitude of the force; ``force_angle``: angle of the force from the bearing's axis
@@ -407,7 +402,7 @@ def bearing_geometry_and_load(case: BearingCase, force_angle: float) -> BallsBet
     if case.tilt:
         force = np.append(force, np.cross([0.0, 0.0, case.arm], force)[:2] / g.pitch_radius)
     interference = np.where(has, -case.clearance, -2.0 * g.groove_ball_centre_distance)
-    return balls_without_friction(g, np.full(has.shape, g.contact_angle), interference, rows, force)
+    return screw_motion.balls_without_friction(g, np.full(has.shape, g.contact_angle), interference, rows, force)
 
 
 def describe_unresisted_motion(case: BearingCase, force_angle: float) -> str:
@@ -452,13 +447,13 @@ def solve_bearing(case: BearingCase, force_angle: float, near: BearingState | No
     ----------
     Lin (2019), 4.3.1.
     """
-    load = solve_screw_contact_loads(
+    load = screw_motion.solve_screw_contact_loads(
         bearing_geometry_and_load(case, force_angle),
         None if near is None else (near.load.ball_displacements, near.load.inner_body_displacements),
     )
     loss, good, power = np.zeros_like(load.force), load.converged, 0.0
     for k in np.flatnonzero(load.force.sum(axis=1) > 0.0):
-        ball = solve_ball_motion(case.groove, load.force[k], load.angle[k])
+        ball = screw_motion.solve_ball_motion(case.groove, load.force[k], load.angle[k])
         loss[k] = ball.motion.friction.loss
         power += ball.input_power
         good = good and ball.motion.status != "failed"
@@ -477,18 +472,18 @@ def solve_bearing(case: BearingCase, force_angle: float, near: BearingState | No
 class BearingTorqueCurve:
     """Friction torque of a bearing at several angles of the force on its inner ring (Figure 4.7 of Lin's thesis)."""
 
-    #: Angles of the force from the axis ``(n,)`` [rad].
+    #: Angles of the force from the bearing's axis ``(n,)`` [rad].
     angle: Array
-    #: Friction torques ``(n,)`` [N m].
+    #: Friction torque on the inner ring at each angle of the force ``(n,)`` [N m].
     torque: Array
-    #: Number of balls with more than two loaded contacts ``(n,)``.
+    #: Number of balls with more than two loaded contacts at each angle of the force ``(n,)``.
     balls_beyond_two_contacts: NDArray[np.int64]
-    #: Whether each state converged ``(n,)``.
+    #: Whether contact loads and ball motions converged at each angle of the force ``(n,)``.
     converged: NDArray[np.bool_]
 
     @property
     def largest_over_smallest_torque(self) -> float:
-        """Ratio of the largest to the smallest torque."""
+        """Ratio of the largest to the smallest friction torque over all angles of the force."""
         return float(self.torque.max() / self.torque.min())
 
 
@@ -510,7 +505,7 @@ def solve_bearing_over_force_angles(case: BearingCase, force_angles: Array) -> l
     return states
 
 
-def torque_over_force_angles(case: BearingCase, force_angles: Array) -> BearingTorqueCurve:
+def bearing_torque_over_force_angles(case: BearingCase, force_angles: Array) -> BearingTorqueCurve:
     """Return the friction torque of a bearing at several angles of the force from its axis (Figure 4.7 of Lin's thesis).
 
     Parameters

@@ -54,7 +54,7 @@ LAWS: tuple[Law, ...] = ("constant", "implicit", "exact")
 
 @dataclass(frozen=True)
 class BallScrewChain:
-    """Model of a ball screw under axial load: a sequence of balls, with segments of screw and nut as springs between them.
+    """Model of a ball screw under axial load: balls in a row, with segments of screw and nut as springs between them.
 
     Raises
     ------
@@ -66,7 +66,7 @@ class BallScrewChain:
     balls: int
     #: Constant K of the contact load Q = K d^1.5, with the approach d of both contacts of a ball together [N/m^1.5].
     stiffness: float
-    #: Compliance c of screw and nut together, over the mean distance of neighbouring balls [m/N].
+    #: Compliance c of a segment of screw and nut together, as long as the mean distance of neighbouring balls [m/N].
     compliance: float
     #: Distance A of the groove centres of screw and nut at which a ball without error just touches both grooves [m].
     groove_distance: float
@@ -95,7 +95,9 @@ class BallScrewChain:
                 f"got {np.degrees(self.contact_angle):g} and {np.degrees(self.lead_angle):g} deg"
             )
         if self.law not in LAWS:
-            raise ValueError(f"law of the contact angle must be one of {', '.join(LAWS)}, got {self.law}")
+            raise ValueError(
+                f"`law`, the change of the contact angle under load, must be one of {', '.join(LAWS)}, got {self.law}"
+            )
         if self.spacing and (len(self.spacing) != self.balls - 1 or min(self.spacing) < 0.0):
             raise ValueError(
                 f"`spacing` must have {self.balls - 1} distances between neighbouring balls, none of them negative"
@@ -108,21 +110,22 @@ class BallScrewChain:
 
     @property
     def kernel_parameters(self) -> Array:
-        """Constants for the numerical kernels ``(5,)``: stiffness K [N/m^1.5], distance A [m], three functions of angles.
+        """Constants that the numerical kernels need ``(5,)``: ball stiffness, groove distance, sines and cosines.
 
-        These are sine and cosine of the contact angle without load, and the cosine of the lead angle.
+        In order: stiffness K of a ball [N/m^1.5], distance A of the groove centres [m], sine and cosine of the contact
+        angle without load, cosine of the lead angle.
         """
         a = self.contact_angle
         return np.array([self.stiffness, self.groove_distance, np.sin(a), np.cos(a), np.cos(self.lead_angle)])
 
     @property
     def C(self) -> float:
-        """Hertz constant of both contacts of a ball together [m/N^(2/3)]."""
+        """Hertz constant C of the approach C Q^(2/3) of both contacts of a ball together [m/N^(2/3)]."""
         return float(self.stiffness ** (-2.0 / 3.0))
 
     @property
     def approach_per_motion(self) -> float:
-        """Ratio of a ball's approach to the axial motion of the nut without load, sin(a_0) cos(lead angle).
+        """Ratio of a ball's approach to the axial motion of the nut at small load, sin(a_0) cos(lead angle).
 
         a_0 is the contact angle without load.
         """
@@ -133,7 +136,7 @@ class BallScrewChain:
 class BallScrewState:
     """Contact loads, motions and stiffness of one ball screw with random errors under one axial load."""
 
-    #: Contact loads Q ``(M,)`` [N].
+    #: Contact loads Q of the M balls ``(M,)`` [N].
     load: Array
     #: Axial motions u of the nut relative to the screw at the balls ``(M,)`` [m].
     motion: Array
@@ -143,14 +146,14 @@ class BallScrewState:
     stiffness: float
     #: Number of Newton steps.
     iterations: int
-    #: Largest error of the axial force of a ball, as a ratio to the axial load.
+    #: Largest error of a ball's axial force in the equilibrium, as a ratio to the axial load.
     residual: float
-    #: Whether the residual is below the tolerance.
+    #: Whether the ``residual`` is below the tolerance.
     converged: bool
 
     @property
     def loaded_balls(self) -> int:
-        """Number of loaded balls."""
+        """Number of balls that carry load."""
         return int(np.count_nonzero(self.load > 0.0))
 
     @property
@@ -173,12 +176,12 @@ def checked_ball_errors(chain: BallScrewChain, errors: Array) -> Array:
     Raises
     ------
     ValueError
-        The last axis is not as long as the number of balls, or an error is A/2 or larger.
+        The last axis is not as long as the number of balls, or an error reaches half the distance of the groove centres.
     """
     e = np.ascontiguousarray(errors, dtype=float)
     if e.shape[-1:] != (chain.balls,) or not np.all(np.isfinite(e)):
         raise ValueError(
-            f"{chain.balls} finite errors of balls are needed, one for each ball, got an array of shape {e.shape}"
+            f"{chain.balls} finite errors (oversizes) are needed, one for each ball, got an array of shape {e.shape}"
         )
     if e.size and np.abs(e).max() >= 0.5 * chain.groove_distance:
         raise ValueError(
@@ -277,11 +280,11 @@ def calibrate_compliance(chain: BallScrewChain, ratio: float, load: float) -> Ba
     while last_to_first_load_ratio(replace(chain, compliance=high), load) > ratio:
         high *= 4.0
 
-    def excess(scaled: float) -> float:
-        """Return `last_to_first_load_ratio` less the required ratio, for ``scaled`` times the compliance ``size``."""
+    def load_ratio_above_required(scaled: float) -> float:
+        """Return `last_to_first_load_ratio` less the required ratio; ``scaled``: compliance over a typical compliance."""
         return last_to_first_load_ratio(replace(chain, compliance=scaled * size), load) - ratio
 
-    return replace(chain, compliance=float(brentq(excess, 0.0, high / size, xtol=1e-13)) * size)
+    return replace(chain, compliance=float(brentq(load_ratio_above_required, 0.0, high / size, xtol=1e-13)) * size)
 
 
 def load_at_which_ball_is_loaded(chain: BallScrewChain, errors: Array, ball: int, largest_load: float) -> float:
@@ -305,16 +308,16 @@ def load_at_which_ball_is_loaded(chain: BallScrewChain, errors: Array, ball: int
     """
     e = checked_ball_errors(chain, errors)
 
-    def gap(load: float) -> float:
-        """Return the axial motion at the ball less that at which it just touches [m]; negative if it has no contact."""
+    def motion_beyond_touch(load: float) -> float:
+        """Return the axial motion at a ball under a load [N] less that at first contact [m]; negative without contact."""
         return float(solve_ball_screw(chain, e, load).motion[ball]) - start
 
     start = float(axial_motion_at_touch(chain, e[ball]))
     if e[ball] == e.max():
         return 0.0
-    if gap(largest_load) < 0.0:
+    if motion_beyond_touch(largest_load) < 0.0:
         raise ValueError(f"ball {ball} is not loaded at the largest axial load of the search, {largest_load:g} N")
-    return float(brentq(gap, 1e-9 * largest_load, largest_load, rtol=1e-12))
+    return float(brentq(motion_beyond_touch, 1e-9 * largest_load, largest_load, rtol=1e-12))
 
 
 def axial_motion_at_touch(chain: BallScrewChain, error: Array | float) -> Array:
@@ -343,11 +346,11 @@ CHUNK = 8192
 
 @dataclass(frozen=True)
 class ScrewEnsemble:
-    """Results for n ball screws of one design with random errors, each solved under L axial loads."""
+    """Results of n ball screws of one design with random ball errors, each solved under L axial loads."""
 
-    #: Axial loads ``(L,)`` [N].
+    #: Axial loads under which each screw is solved ``(L,)`` [N].
     loads: Array
-    #: Results of each screw under each load ``(n, L, 6)``; the last axis has the six ``QUANTITIES`` in their order.
+    #: Six results of each screw under each load ``(n, L, 6)``; the last axis is in the order of ``QUANTITIES``.
     kept: Array
     #: Largest error of a ball's axial force, as a ratio to the axial load, of all screws and loads.
     residual: float
@@ -392,7 +395,7 @@ def draw_uniform_errors(seed: int, first: int, count: int, balls: int, half_rang
 
 
 def solve_screws_with_errors(chain: BallScrewChain, errors: Array, loads: Array) -> tuple[Array, Array]:
-    """Return results for n ball screws with errors of their M balls under L axial loads each, by compiled functions.
+    """Solve n ball screws with errors of their M balls under L axial loads each, by compiled functions.
 
     ``chain``: ball screw without errors; ``errors``: oversize of each ball ``(n, M)`` [m]; ``loads``: axial loads ``(L,)``
     [N].
@@ -400,8 +403,8 @@ def solve_screws_with_errors(chain: BallScrewChain, errors: Array, loads: Array)
     Returns
     -------
     tuple[Array, Array]
-        Quantities in the order of ``QUANTITIES`` ``(n, L, 6)``, and the largest error of a ball's axial force over the load
-        ``(n, L)``.
+        Quantities in the order of ``QUANTITIES`` ``(n, L, 6)``; and the residual of the equations: the largest unbalanced
+        axial force on a ball, as a fraction of the load ``(n, L)``.
 
     Raises
     ------
@@ -429,7 +432,7 @@ def solve_ensemble(
     seed: int = 0,
     chunk: int = CHUNK,
 ) -> ScrewEnsemble:
-    """Return results for many ball screws of one design with random errors under several loads.
+    """Solve many ball screws of one design with uniformly distributed random ball errors under several axial loads.
 
     Memory is needed for the errors of one chunk of screws, and for six numbers for each screw and load.
 
@@ -472,13 +475,13 @@ def solve_ensemble(
 
 @dataclass(frozen=True)
 class PercentileRank:
-    """Percentile rank of a number in a sample of random values."""
+    """Percentile rank of a given number in a sample of random values."""
 
-    #: Fraction of the sample that is below the number.
+    #: Fraction of the sample's values that are below the given number.
     below: float
-    #: Fraction of the sample that is below or equal to the number.
+    #: Fraction of the sample's values that are below or equal to the given number.
     at_most: float
-    #: Size of the sample.
+    #: Number of values in the sample.
     size: int
 
     @property
@@ -514,14 +517,14 @@ class PercentileRank:
 
 
 def percentile_rank(sample: Array, value: float, rounding_error: float = 0.0) -> PercentileRank:
-    """Return the percentile rank of a number in a sample.
+    """Return the percentile rank of a given number in a sample of values.
 
     Parameters
     ----------
     sample
         Values of the sample ``(n,)``.
     value
-        The number, in the unit of the sample.
+        The given number, in the unit of the sample.
     rounding_error
         Rounding error of the number; values of the sample that differ from the number by no more count as equal.
     """

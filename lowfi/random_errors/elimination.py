@@ -34,9 +34,9 @@ TOLERANCE = 1e-10
 
 @dataclass(frozen=True)
 class EliminationResult:
-    """Contact loads of M balls by Liu's elimination algorithm, with its numbers of steps."""
+    """Contact loads of M balls by Liu's elimination algorithm, with the numbers of rounds and Newton steps."""
 
-    #: Contact loads ``(M,)`` [N].
+    #: Contact loads of the M balls ``(M,)`` [N].
     contact_loads: Array
     #: Number of rounds, in each of which balls without contact are removed.
     rounds: int
@@ -49,8 +49,8 @@ class EliminationResult:
 def _contact_angle_sine(chain: BallScrewChain, errors: Array, approach: Array) -> tuple[Array, Array]:
     """Return the sine of the contact angle of k balls, and its derivative by the ball's approach [1/m], ``(k,)`` each.
 
-    ``chain``: ball screw with the law of the contact angle; ``errors``, ``approach``: oversize and approach of the k balls
-    ``(k,)`` [m].
+    ``chain``: ball screw, which says how the contact angle changes under load; ``errors``, ``approach``: oversize and
+    approach of the k balls ``(k,)`` [m].
     """
     sine_0, cosine_0 = np.sin(chain.contact_angle), np.cos(chain.contact_angle)
     if chain.law == "constant":
@@ -61,11 +61,11 @@ def _contact_angle_sine(chain: BallScrewChain, errors: Array, approach: Array) -
     return sine, cosine**2 / (sine * (chain.groove_distance - errors + approach))
 
 
-def _axial_motion_of_approach(chain: BallScrewChain, errors: Array, approach: Array) -> tuple[Array, Array]:
-    """Return the axial motion (A - B)/cos(lead angle) of the nut at k balls [m], and its derivative by the approach.
+def _axial_nut_motion_from_approach(chain: BallScrewChain, errors: Array, approach: Array) -> tuple[Array, Array]:
+    """Return the axial motion of the nut at k balls [m], and its derivative by the ball's approach, ``(k,)`` each.
 
-    A and B are the terms of equation (17) of Liu et al. ``chain``: ball screw; ``errors``, ``approach``: oversize and
-    approach of the k balls ``(k,)`` [m]. Both results are ``(k,)``.
+    With the terms A and B of equation (17) of Liu et al., the motion is (A - B)/cos(lead angle). ``chain``: ball screw;
+    ``errors``, ``approach``: oversize and approach of the k balls ``(k,)`` [m].
     """
     sine, turn = _contact_angle_sine(chain, errors, approach)
     if chain.law == "exact":
@@ -78,10 +78,11 @@ def _axial_motion_of_approach(chain: BallScrewChain, errors: Array, approach: Ar
 
 
 def _axial_forces(chain: BallScrewChain, errors: Array, approach: Array) -> tuple[Array, Array]:
-    """Return the axial forces C(j) of k balls on the nut [N], and their derivatives by the ball's approach, ``(k,)`` each.
+    """Return the axial forces of k balls on the nut [N], and their derivatives by the ball's approach, ``(k,)`` each.
 
-    Tension is allowed: the forces are odd functions of the approach. ``chain``: ball screw; ``errors``, ``approach``:
-    oversize and approach of the k balls ``(k,)`` [m].
+    The forces are the terms C(j) of equation (17) of Liu et al. Tension is allowed: the forces
+    are odd functions of the approach. ``chain``: ball screw; ``errors``, ``approach``: oversize and approach of the k balls
+    ``(k,)`` [m].
     """
     sine, turn = _contact_angle_sine(chain, errors, approach)
     root, lead = np.sqrt(np.abs(approach)), np.cos(chain.lead_angle)
@@ -98,7 +99,7 @@ def _equations_and_jacobian(
     ``(k,)`` [m]; ``load``: axial load [N].
     """
     force, rate = _axial_forces(chain, errors, approach)
-    motion, slope = _axial_motion_of_approach(chain, errors, approach)
+    motion, slope = _axial_nut_motion_from_approach(chain, errors, approach)
     n = remaining.size
     spring = 1.0 / np.diff(np.cumsum(chain.segment_compliances)[remaining])
     value, jacobian = load - np.cumsum(force), -np.tril(np.broadcast_to(rate, (n, n)))
@@ -140,14 +141,14 @@ def _solve_elimination_round(
 
 
 def solve_by_elimination(chain: BallScrewChain, errors: Array, load: float) -> EliminationResult:
-    """Return the contact loads of the balls between screw and nut by the five steps of Liu's algorithm.
+    """Return the contact loads of balls with random errors between screw and nut by Liu's elimination algorithm.
 
     Parameters
     ----------
     chain
         Balls between screw and nut.
     errors
-        Oversize of each ball with its grooves along the contact normal ``(M,)`` [m].
+        Oversize of each ball in its grooves along the contact normal ``(M,)`` [m].
     load
         Axial load F > 0 [N].
 
@@ -159,7 +160,7 @@ def solve_by_elimination(chain: BallScrewChain, errors: Array, load: float) -> E
 
     References
     ----------
-    Liu et al. (2025), 14 to 24.
+    Liu et al. (2025), equations (14) to (24).
     """
     if chain.compliance <= 0.0 or not 0.0 < load < np.inf:
         raise ValueError(

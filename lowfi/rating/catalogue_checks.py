@@ -58,7 +58,7 @@ SHARE_OF_LOAD, SHARE_OF_SPEED = 0.5, 0.8
 
 @result_record
 class ShaftLimits:
-    """Buckling load, critical speed and DN value of the weakest free length of a screw shaft, with permissible values."""
+    """Buckling load, critical speed and DN value of a screw shaft's weakest free length, with permissible values."""
 
     #: Supports at both ends of the free length: fixed, supported or free.
     ends: str = quantity_field("ends", "supports at both ends of the free length: fixed (no tilt), supported or free")
@@ -72,15 +72,15 @@ class ShaftLimits:
     buckling: float = quantity_field(
         "buckling_N", "Euler's buckling load of the free length", error="depends on the stiffness of the supports"
     )
-    #: Largest axial compression of the shaft by its loads [N]; 0 if it is only in tension.
+    #: Largest axial compression of the shaft by its loads [N]; 0 if the shaft is only in tension.
     compression: float = quantity_field("compression_N", "largest axial compression of the shaft under its loads")
-    #: Critical speed [rad/s].
+    #: Critical (whirling) speed of the shaft [rad/s].
     critical: float = quantity_field(
         "critical_speed_rpm", "critical speed of the free length (first whirl)", error="as above"
     )
-    #: Speed of the scene's motion [rad/s]; None if the scene states none.
+    #: Speed of the shaft in the scene's motion [rad/s]; None if the scene states none.
     speed: float | None = quantity_field("speed_rpm", "speed of the scene's motion")
-    #: Pitch diameter times speed [m rad/s]; None without a speed.
+    #: DN value, pitch diameter times speed [m rad/s]; None without a speed.
     dn: float | None = quantity_field("dn_mm_rpm", "DN value: pitch diameter times speed")
     #: Largest permissible DN value [m rad/s].
     dn_limit: float = quantity_field("dn_limit_mm_rpm", "largest permissible DN value, from `operation.dn_limit`")

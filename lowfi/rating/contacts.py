@@ -24,20 +24,10 @@ from math import cos
 
 import numpy as np
 
+from rollbench.lowfi import rollers
 from rollbench.lowfi.rating.life import dynamic_rating, is_thrust_bearing, name_life_standard
 from rollbench.lowfi.rating.rigidity import approach_per_displacement
-from rollbench.lowfi.rollers import (
-    half_widths_and_pressures_of_slices,
-    roller_line_contacts,
-    slice_middles,
-    tapered_bearing_of_row,
-)
-from rollbench.lowfi.statics.contacts import (
-    curvature_changes,
-    hertz_of_every_contact,
-    hertz_without_errors,
-    nominal_curvatures,
-)
+from rollbench.lowfi.statics import contacts
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.validity import DENT_PRESSURE, ROLLER_DENT_PRESSURE, contact_angle_limits
 from rollbench.meshes.arrays import Array
@@ -61,11 +51,11 @@ class BallContact:
 
     #: Number of the ball, from 1.
     ball: int = quantity_field("ball", "number of the ball with the highest pressure")
-    #: Name of the groove flank: SL, SR, NL or NR.
+    #: Name of the groove flank: SL, SR, NL or NR (S: screw or inner ring, N: nut or outer ring; L: left, R: right).
     side: str = quantity_field("side", "groove flank of the contact with the highest pressure")
     #: Contact force F [N].
     force: float = quantity_field("force_N", "contact load F", error="that of the load")
-    #: Contact angle [rad].
+    #: Contact angle of the ball on this flank [rad].
     angle: float = quantity_field("contact_angle_deg", "contact angle of this contact")
     #: Hertz approach of ball and groove [m].
     approach: float = quantity_field(
@@ -74,18 +64,18 @@ class BallContact:
         error="two thirds of the load's",
         expected=("pressure_percent", 2.0),
     )
-    #: Larger semi-axis [m], across the groove.
+    #: Larger semi-axis of the contact ellipse [m], across the groove.
     a: float = quantity_field(
         "semi_axis_a_mm",
         "larger semi-axis of the contact ellipse, along the groove's profile",
         error="a third of the load's",
         expected=("pressure_percent", 1.0),
     )
-    #: Smaller semi-axis [m], along the track.
+    #: Smaller semi-axis of the contact ellipse [m], along the track.
     b: float = quantity_field(
         "semi_axis_b_mm", "smaller semi-axis of the contact ellipse, along the track", error="a third of the load's"
     )
-    #: Largest pressure [Pa].
+    #: Largest contact pressure [Pa].
     pressure: float = quantity_field(
         "pressure_MPa",
         "largest pressure, for the radii of ball and groove with their errors, at the nominal contact angle: "
@@ -99,7 +89,7 @@ class BallContact:
 
 @result_record
 class StaticSafety:
-    """Static safety of the contact with the highest pressure."""
+    """Static safety factor of the contact with the highest pressure, with the permissible pressure and indentation."""
 
     #: Ratio of the force at the permissible pressure to the contact force: (4200 MPa/p)^3 of balls, (4000 MPa/p)^2 of
     #: rollers.
@@ -112,11 +102,11 @@ class StaticSafety:
         expected=("pressure_percent", 3.0),
         note="{allowed_pressure_MPa} MPa (ISO 76)",
     )
-    #: Permissible pressure [Pa].
+    #: Permissible contact pressure [Pa].
     allowed_pressure: float = quantity_field(
         "allowed_pressure_MPa", "permissible pressure: 4,200 MPa for balls, 4,000 MPa for rollers (ISO 76)"
     )
-    #: Permanent indentation over the ball's diameter (ISO 76 permits 1e-4); None for rollers.
+    #: Permanent indentation of ball and groove together over the ball's diameter (ISO 76 permits 1e-4); None for rollers.
     permanent_indentation: float | None = quantity_field(
         "permanent_over_diameter",
         "permanent indentation over the ball's diameter, by Palmgren's formula",
@@ -135,21 +125,21 @@ class StaticSafety:
 class EllipseTruncation:
     """Contact ellipse that is nearest to an edge of its groove's arc, or that extends farthest beyond the edge."""
 
-    #: Number of the ball, from 1.
+    #: Number of the ball whose ellipse it is, from 1.
     ball: int = quantity_field("ball", "number of the ball whose contact ellipse comes nearest to an edge of its groove")
-    #: Name of the groove flank: SL, SR, NL or NR.
+    #: Name of the groove flank: SL, SR, NL or NR (S: screw or inner ring, N: nut or outer ring; L: left, R: right).
     side: str = quantity_field("side", "groove flank of this contact ellipse")
-    #: Edge of the arc: ``"land"``, or ``"apex"`` between the two arcs of a groove.
+    #: Edge of the groove's arc: ``"land"``, or ``"apex"`` between the two arcs of a groove.
     edge: str = quantity_field(
         "edge", "edge of the groove's arc: land, or apex between two arcs; a groove of one arc has lands at both ends"
     )
-    #: Contact angle [rad].
+    #: Contact angle of the ball on this flank [rad].
     angle: float = quantity_field("contact_angle_deg", "contact angle at this contact ellipse")
     #: Half width of the ellipse as an angle on the groove's arc [rad].
     half_width_angle: float = quantity_field(
         "ellipse_half_width_deg", "half width of the contact ellipse, as an angle on the groove's arc"
     )
-    #: Angle of the edge [rad].
+    #: Angle of the arc's edge, measured as the contact angle [rad].
     edge_angle: float = quantity_field("edge_angle_deg", "angle of the edge on the groove's arc")
     #: Angle from the ellipse to the edge [rad]; negative where the ellipse is truncated.
     margin: float = quantity_field(
@@ -173,7 +163,7 @@ def contact_pressures(scene: Scene, static_result: StaticResult) -> Array:
     """
     if static_result.pressure is not None or not np.isfinite(static_result.load).all():
         return static_result.load if static_result.pressure is None else static_result.pressure
-    return hertz_of_every_contact(
+    return contacts.hertz_of_every_contact(
         scene, draw_geometry_with_errors(scene, ball_layout(scene), static_result.member)
     ).pressure(static_result.load)
 
@@ -213,7 +203,7 @@ def contact_of_highest_pressure(
     """
     if not (load > 0.0).any():
         return None
-    h = hertz_of_every_contact(scene, parts_with_errors)
+    h = contacts.hertz_of_every_contact(scene, parts_with_errors)
     pressure = h.pressure(load) if pressure is None else pressure
     i, s = (int(k) for k in np.unravel_index(int(pressure.argmax()), load.shape))
     force, root = float(load[i, s]), float(np.cbrt(load[i, s]))
@@ -233,9 +223,9 @@ def static_safety(scene: Scene, parts_with_errors: GeometryWithErrors, worst_con
     """Return the static safety of the most highly pressed ball contact, between parts of hardened bearing steel.
 
     By pressure, the permissible load of a ball contact is that at 4200 MPa (ISO 76). By permanent indentation (ISO 3408-5),
-    both surfaces together are indented by 1.3e-7 Q^2/D (relative curvature across) (relative curvature along) in mm and N;
-    the formula was measured near the elastic limit at a hardness of 63 to 65 HRC. D and the curvatures are those of the
-    contact.
+    a force Q indents both surfaces together by 1.3e-7 Q^2/D times the relative curvatures across and along the groove, in
+    mm and N. The formula was measured near the elastic limit at a hardness of 63 to 65 HRC. The ball diameter D and the
+    curvatures contain the random errors.
 
     Parameters
     ----------
@@ -249,9 +239,10 @@ def static_safety(scene: Scene, parts_with_errors: GeometryWithErrors, worst_con
     Palmgren (1959); Harris and Kotzalas (2007), ball against raceway.
     """
     i, s = worst_contact.ball - 1, SIDES.index(worst_contact.side)
-    across, along = (nominal_curvatures(scene) + curvature_changes(scene, parts_with_errors, parts_with_errors.ball_radii))[
-        i, s
-    ]
+    across, along = (
+        contacts.nominal_curvatures(scene)
+        + contacts.curvature_changes(scene, parts_with_errors, parts_with_errors.ball_radii)
+    )[i, s]
     diameter = 2.0 * float(parts_with_errors.ball_radii[i])
     permanent = PALMGREN * worst_contact.force**2 / diameter * float(across * along)
     return StaticSafety((DENT_PRESSURE / worst_contact.pressure) ** 3, DENT_PRESSURE, permanent / diameter)
@@ -287,7 +278,7 @@ def most_truncated_ellipse(
     if not loaded.any():
         return None
     low, high = contact_angle_limits(scene)
-    half = hertz_of_every_contact(scene, parts_with_errors).C_a * np.cbrt(load) / parts_with_errors.groove_radii
+    half = contacts.hertz_of_every_contact(scene, parts_with_errors).C_a * np.cbrt(load) / parts_with_errors.groove_radii
     to_land = np.where(loaded, high - angle - half, np.inf)
     to_apex = np.where(loaded, angle - half - low, np.inf)
     margin = np.minimum(to_land, to_apex)
@@ -323,19 +314,19 @@ class RollerContact:
     position_along_roller: float = quantity_field(
         "place_mm", "position of the highest pressure, from the roller's middle, positive towards its large end"
     )
-    #: Load per length at that position [N/m].
+    #: Load per length at the position of the highest pressure [N/m].
     line_load: float = quantity_field(
         "line_load_N_mm",
         "load per length q where the pressure is highest",
         error="does not include the stress concentration at the ends of straight rollers",
     )
-    #: Half-width b at that position [m].
+    #: Half-width b of the line contact at the position of the highest pressure [m].
     half_width: float = quantity_field(
         "half_width_mm",
         "half-width b of the line contact at that position, sqrt(4 q R/(pi E*))",
         error="half that of the line load",
     )
-    #: Largest pressure at that position [Pa].
+    #: Highest contact pressure in the row of rollers [Pa].
     pressure: float = quantity_field("pressure_MPa", heading="peak pressure", note="roller {roller}, {race} race")
     #: Largest pressure on the roller's other race [Pa].
     other_race_pressure: float = quantity_field(
@@ -359,7 +350,9 @@ def race_pressures(row: RollerRow, line_loads: Array) -> Array:
     line_loads
         Loads per length of each roller's slices ``(count, slices)`` [N/m].
     """
-    return np.asarray(half_widths_and_pressures_of_slices(tapered_bearing_of_row(row), line_loads)[1].max(axis=1))
+    return np.asarray(
+        rollers.half_widths_and_pressures_of_slices(rollers.tapered_bearing_of_row(row), line_loads)[1].max(axis=1)
+    )
 
 
 def roller_contact_of_highest_pressure(row: RollerRow, line_loads: Array) -> RollerContact | None:
@@ -380,8 +373,8 @@ def roller_contact_of_highest_pressure(row: RollerRow, line_loads: Array) -> Rol
     RollerContact | None
         The contact; None without load.
     """
-    bearing = tapered_bearing_of_row(row)
-    half_width, pressure = half_widths_and_pressures_of_slices(bearing, line_loads)
+    bearing = rollers.tapered_bearing_of_row(row)
+    half_width, pressure = rollers.half_widths_and_pressures_of_slices(bearing, line_loads)
     if not (pressure > 0.0).any():
         return None
     i, k, race = (int(x) for x in np.unravel_index(int(pressure.argmax()), pressure.shape))
@@ -390,12 +383,12 @@ def roller_contact_of_highest_pressure(row: RollerRow, line_loads: Array) -> Rol
         roller=i + 1,
         race=RACES[race],
         force=force,
-        position_along_roller=float(slice_middles(row.length, row.slices)[k]),
+        position_along_roller=float(rollers.slice_middles(row.length, row.slices)[k]),
         line_load=float(line_loads[i, k]),
         half_width=float(half_width[i, k, race]),
         pressure=float(pressure[i, k, race]),
         other_race_pressure=float(pressure[i, :, 1 - race].max()),
-        uniform_load_pressure=float(roller_line_contacts(bearing, force).pressures[race]),
+        uniform_load_pressure=float(rollers.roller_line_contacts(bearing, force).pressures[race]),
     )
 
 
@@ -420,17 +413,18 @@ STRIBECK = 5.0
 def permissible_contact_force(scene: Scene) -> float:
     """Return the permissible static force Q_0 on a ball contact [N], the smaller of those of both opposite raceways."""
     if scene.track.lead > 0.0:
-        dent = nominal_curvatures(scene)[[0, 3]].prod(axis=1)
+        dent = contacts.nominal_curvatures(scene)[[0, 3]].prod(axis=1)
         diameter = 2.0 * scene.balls.radius
         return float(diameter * np.sqrt(ALLOWED / (PALMGREN * dent.max())))
-    of_one_newton = hertz_without_errors(scene).pressure(np.ones((1, 4)))[0, [0, 3]]
+    of_one_newton = contacts.hertz_without_errors(scene).pressure(np.ones((1, 4)))[0, [0, 3]]
     return float((DENT_PRESSURE / of_one_newton.max()) ** 3)
 
 
 def static_rating(scene: Scene) -> float:
     """Return the basic static load rating C_0 of a ball screw or ball bearing.
 
-    With Z balls and the permissible contact force Q_0 it is Z Q_0 sin(alpha) cos(phi), or Z Q_0 cos(alpha)/5 if radial.
+    With Z balls, the permissible contact force Q_0, the contact angle alpha and the lead angle phi, the axial rating is
+    Z Q_0 sin(alpha) cos(phi) and the radial rating is Z Q_0 cos(alpha)/5.
 
     Parameters
     ----------
@@ -459,27 +453,27 @@ def static_rating(scene: Scene) -> float:
 class Ratings:
     """Basic load ratings of a screw or bearing, computed from its dimensions."""
 
-    #: Dynamic load rating C [N].
+    #: Basic dynamic load rating C [N].
     dynamic: float = quantity_field(
         "dynamic_N",
         "basic dynamic load rating C",
         heading="dynamic load rating C",
         note="{direction}, as computed ({dynamic_standard})",
     )
-    #: Static load rating C_0 [N].
+    #: Basic static load rating C_0 [N].
     static: float = quantity_field(
         "static_N",
         "basic static load rating C0",
         heading="static load rating C0",
         note="{direction}, as computed ({static_standard})",
     )
-    #: Whether the ratings are axial loads; otherwise they are radial.
+    #: Whether the ratings are axial loads; otherwise they are radial loads.
     is_axial: bool = quantity_field(
         "direction", "direction of the ratings: axial or radial", show=lambda axial: "axial" if axial else "radial"
     )
-    #: Standard of the dynamic rating.
+    #: Standard whose formulas give the dynamic rating.
     dynamic_standard: str = quantity_field("dynamic_standard", "standard of the dynamic load rating")
-    #: Standard of the static rating.
+    #: Standard whose formulas give the static rating.
     static_standard: str = quantity_field("static_standard", "standard of the static load rating")
 
 

@@ -97,11 +97,12 @@ class ModifiedLife:
         heading="modified life",
         note="for {reliability_percent} %",
     )
-    #: Reliability [%].
+    #: Reliability for which the life holds [%].
     reliability: float = quantity_field("reliability_percent", "share of screws or bearings that reach the modified life")
-    #: Factor a_1 for the reliability.
+    #: Life modification factor a_1 for the reliability.
     a_1: float = quantity_field("a_1", "life modification factor a_1 for the reliability (ISO 281)")
-    #: Factor a_ISO for lubricant and contamination; None if the scene does not give both viscosity ratio and contamination.
+    #: Life modification factor a_ISO for lubricant and contamination; None if the scene does not give both viscosity ratio
+    #: and contamination.
     a_iso: float | None = quantity_field(
         "a_ISO", "life modification factor a_ISO for lubricant and contamination (ISO 281); null if they are not given"
     )
@@ -115,7 +116,7 @@ def reliability_factor(percent: float) -> float:
     Parameters
     ----------
     percent
-        Reliability S [%], 90 to 99.95.
+        Reliability [%], 90 to 99.95; S is the same as a fraction, 0.9 to 0.9995.
 
     References
     ----------

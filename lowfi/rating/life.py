@@ -106,7 +106,7 @@ class BasicRatingLife:
         heading="life L10",
         expected=("rms_percent", 3.0),
     )
-    #: Life of each loaded raceway in 10^6 revolutions, by its name.
+    #: Basic rating life of each loaded raceway [10^6 revolutions], by the name of the raceway.
     raceways: dict[str, float] = quantity_field(
         "raceways_million_revolutions",
         "life of one raceway: groove flank for balls, inner or outer race for rollers",
@@ -121,7 +121,7 @@ class BasicRatingLife:
         "equivalent load, for which the rating C gives the same life: C/L10^(1/3), for rollers C/L10^(3/10)",
         error="that of the loads",
     )
-    #: Standard whose formulas are used.
+    #: Standard whose formulas give the life.
     standard: str = quantity_field("standard", "standard of the life formulas")
     #: Lead of the screw [m]; 0 for a bearing.
     lead: float = 0.0
@@ -224,11 +224,11 @@ def life_of_parts_in_series(lives: Sequence[tuple[float, float]]) -> float:
     """
     shortest: float = min(life for life, _ in lives)
 
-    def excess(x: float) -> float:
-        """Return the sum over the parts of (L/L_i)^e_i less 1, for a life L of x times the shortest life."""
+    def damage_sum_less_one(x: float) -> float:
+        """Return sum (L/L_i)^e_i - 1 over parts of life L_i and slope e_i, for a system life L = x times the least L_i."""
         return float(sum((x * shortest / life) ** slope for life, slope in lives)) - 1.0
 
-    share = 1.0 if len(lives) == 1 else float(brentq(excess, 0.5 / len(lives), 1.0, rtol=1e-12))
+    share = 1.0 if len(lives) == 1 else float(brentq(damage_sum_less_one, 0.5 / len(lives), 1.0, rtol=1e-12))
     return shortest * share
 
 
@@ -254,11 +254,12 @@ def filled_turns(scene: Scene) -> float:
     return scene.ball_count * angle / (2.0 * pi)
 
 
-def _capacity_factors(scene: Scene) -> tuple[Array, float]:
-    """Return the factors of eq. (2) of this module for conformity and curvature ``(4,)``, then the ball's diameter [mm].
+def _contact_capacity_factors_and_ball_diameter(scene: Scene) -> tuple[Array, float]:
+    """Return the factors of conformity and curvature in a contact's dynamic capacity ``(4,)``, then the ball diameter [mm].
 
-    The factors include gamma^0.3, gamma being D cos(alpha)/D_pw; their order is SL, SR, NL, NR (screw or inner ring, nut or
-    outer ring; left, right flank).
+    The factors, of eq. (2) of this module, include gamma^0.3 with gamma = D cos(alpha)/D_pw (ball diameter D, contact angle
+    alpha, pitch diameter D_pw). Their order is SL, SR, NL, NR (S: screw or inner ring, N: nut or outer ring; L: left, R:
+    right flank).
     """
     alpha, D = scene.track.contact_angle, 2.0 * scene.balls.radius
     gamma = D * cos(alpha) / (2.0 * scene.track.pitch_radius)
@@ -272,6 +273,7 @@ def contact_capacity(scene: Scene) -> Array:
     """Return the basic dynamic capacity Q_c of a contact on each raceway ``(4,)`` [N].
 
     It is the contact load that a contact bears for 10^6 revolutions; eqs. (2) (bearings) and (3) (screws) of this module.
+    The raceways are screw left, screw right, nut left, nut right, or inner ring left to outer ring right.
 
     Raises
     ------
@@ -284,7 +286,7 @@ def contact_capacity(scene: Scene) -> Array:
             f"load rating: got a groove radius of {1e3 * float(nominal_groove_radii(scene).min()):.4g} mm; "
             f"allowed: more than the ball's radius of {1e3 * scene.balls.radius:.4g} mm"
         )
-    shape, D = _capacity_factors(scene)
+    shape, D = _contact_capacity_factors_and_ball_diameter(scene)
     if scene.track.lead == 0.0:
         base = CONTACT * STEEL * (THRUST * (1.0 - sin(alpha) / 3.0) if is_thrust_bearing(scene) else SINGLE_ROW)
         return np.asarray(base * shape * cos(alpha) ** -0.3 * D**1.8 * scene.ball_count ** (-1.0 / 3.0))
@@ -293,11 +295,11 @@ def contact_capacity(scene: Scene) -> Array:
     return np.asarray(
         _one_turn_ratings_of_raceways(scene)
         * _rating_factor_of_turns(scene)
-        / (scene.ball_count * sin(alpha) * _lead_cosine(scene))
+        / (scene.ball_count * sin(alpha) * _lead_angle_cosine(scene))
     )
 
 
-def _lead_cosine(scene: Scene) -> float:
+def _lead_angle_cosine(scene: Scene) -> float:
     """Return the cosine of the lead angle phi of a scene's track."""
     return cos(lead_angle(scene.track))
 
@@ -308,10 +310,13 @@ def _rating_factor_of_turns(scene: Scene) -> float:
 
 
 def _one_turn_ratings_of_raceways(scene: Scene) -> Array:
-    """Return the dynamic load rating of each raceway of a screw for one turn by eq. (3) of this module, ``(4,)`` [N]."""
+    """Return the dynamic load rating of each raceway of a screw for one turn by eq. (3) of this module, ``(4,)`` [N].
+
+    The raceways are screw left, screw right, nut left, nut right.
+    """
     alpha = scene.track.contact_angle
-    shape, D = _capacity_factors(scene)
-    angle = (1.0 - sin(alpha) / 3.0) * cos(alpha) ** 0.86 * tan(alpha) * _lead_cosine(scene) ** 1.3
+    shape, D = _contact_capacity_factors_and_ball_diameter(scene)
+    angle = (1.0 - sin(alpha) / 3.0) * cos(alpha) ** 0.86 * tan(alpha) * _lead_angle_cosine(scene) ** 1.3
     per_turn = scene.ball_count / filled_turns(scene)
     return np.asarray(CONTACT * SINGLE_ROW * shape * angle * per_turn ** (2.0 / 3.0) * D**1.8)
 
@@ -383,14 +388,14 @@ def basic_rating_life(scene: Scene, load: Array) -> BasicRatingLife | None:
 
     Examples
     --------
-    Under equal contact loads the life is (C/F)^3:
+    Under equal contact loads the life is (C/F)^3, with the dynamic load rating C and the axial force F:
 
     >>> import rollbench
     >>> scene = rollbench.read("lin-case1")
     >>> load = np.zeros((scene.ball_count, 4))
     >>> load[:, [0, 3]] = 100.0
     >>> found = basic_rating_life(scene, load)
-    >>> axial = 100.0 * scene.ball_count * sin(scene.track.contact_angle) * _lead_cosine(scene)
+    >>> axial = 100.0 * scene.ball_count * sin(scene.track.contact_angle) * _lead_angle_cosine(scene)
     >>> round(found.revolutions / (found.rating / axial) ** 3, 9)
     1.0
     """
@@ -414,7 +419,7 @@ def basic_rating_life(scene: Scene, load: Array) -> BasicRatingLife | None:
 def damage_equivalent_contact_loads(loads: Sequence[Array], revolution_shares: Sequence[float]) -> Array:
     """Return the contact loads that cause the same fatigue damage as several load cases together.
 
-    Each load is the mean of order 3 of the cases, weighted by the revolutions, F = (sum_j n_j F_j^3)^(1/3).
+    Each load is the mean of order 3 over the load cases, weighted by the revolutions, F = (sum_j n_j F_j^3)^(1/3).
 
     Parameters
     ----------
@@ -461,22 +466,22 @@ LIMITS, RADIAL_FACTORS, AXIAL_FACTORS = (
 class EquivalentLoadLife:
     """Life of a duty cycle by the equivalent loads of a standard, eqs. (5) to (7) of the module `lowfi.rating.life`."""
 
-    #: Life L10 [10^6 revolutions].
+    #: Life L10 over the duty cycle [10^6 revolutions].
     revolutions: float = quantity_field(
         "L10_million_revolutions",
         "life by the standard's equivalent loads, (C/F_m)^3, of both load directions or nut halves together",
         heading="life L10 by equivalent loads",
         note="{standard}",
     )
-    #: Equivalent loads [N]: for a screw those of both directions or nut halves, first the one for forces on the nut along
-    #: +z; for a bearing the load P.
+    #: Equivalent loads [N]: for a screw two, for forces on the nut along +z and along -z (directions or nut halves); for a
+    #: bearing the load P.
     equivalent_loads: tuple[float, ...] = quantity_field(
         "equivalent_loads_N",
         "means of order 3 over the revolutions: axial load of the flanks or nut half that carry forces along +z, then of "
         "the others; for a bearing its equivalent load P",
         parts="[]",
     )
-    #: Standard whose formulas are used.
+    #: Standard whose formulas give the life.
     standard: str = quantity_field("standard", "standard of the equivalent loads")
 
 
@@ -525,13 +530,13 @@ def life_by_equivalent_loads(
         rated: tuple[float, ...] = (dynamic_rating(scenes[0]),)
     else:
         axial = np.array([F[2] for _, _, F in used])
-        along, against = forces_on_halves(axial, preload)
+        along, against = forces_on_nut_halves(axial, preload)
         loads, rated = (cubic_mean_force(n, along), cubic_mean_force(n, against)), _ratings_by_direction(scenes[0])
     wear = sum((F / C) ** (10.0 / 3.0) for F, C in zip(loads, rated, strict=True))
     return EquivalentLoadLife(float(wear**-0.9), loads, standard) if wear > 0.0 else None
 
 
-def forces_on_halves(force: Array, preload: float) -> tuple[Array, Array]:
+def forces_on_nut_halves(force: Array, preload: float) -> tuple[Array, Array]:
     """Return the axial forces on the two halves of a preloaded nut.
 
     Under a force F the loaded half carries F_pr (1 + F/(2^(3/2) F_pr))^(3/2), until the other half loses contact; then F.
@@ -554,7 +559,7 @@ def forces_on_halves(force: Array, preload: float) -> tuple[Array, Array]:
 
     Examples
     --------
-    >>> [x.round(1).tolist() for x in forces_on_halves(np.array([0.0, 1e3, 5e3, -5e3]), 1e3)]
+    >>> [x.round(1).tolist() for x in forces_on_nut_halves(np.array([0.0, 1e3, 5e3, -5e3]), 1e3)]
     [[1000.0, 1574.8, 5000.0, 0.0], [1000.0, 574.8, 0.0, 5000.0]]
     """
     size = np.abs(force)
@@ -656,7 +661,7 @@ def _equivalent_bearing_load(scene: Scene, force: Array) -> float:
 
 
 def _name_of_uncovered_load(scene: Scene, *, is_bearing: bool) -> str:
-    """Return a phrase that names a load of a scene that the life standard does not cover; empty if it covers all loads.
+    """Return a phrase that names a load which the life standard does not cover; empty if it covers all of a scene's loads.
 
     ``is_bearing``: whether the scene is a bearing (ISO 281); otherwise it is a ball screw (ISO 3408-5).
     """

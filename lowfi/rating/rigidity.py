@@ -54,19 +54,20 @@ PRACTICE = 0.8
 class AxialRigidities:
     """Axial rigidities of a nut or bearing [N/m]: contacts only, contacts and bodies, and with unequal contact loads."""
 
-    #: Rigidity of the contacts alone [N/m].
+    #: Axial rigidity by the deformation of the contacts alone, equally loaded [N/m].
     contacts_only: float = quantity_field(
         "rigidities_N_per_um.contacts_alone",
         "secant rigidity with rigid bodies and equal contact loads at the nominal contact angle, by Hertz's law",
         error="neglects bodies and unequal loads",
     )
-    #: Rigidity of contacts and bodies [N/m]; None for bearings, to which the formula does not apply.
+    #: Axial rigidity by contacts, nut and screw, with equal contact loads [N/m]; None for bearings, to which the formula
+    #: does not apply.
     with_bodies: float | None = quantity_field(
         "rigidities_N_per_um.with_bodies",
         "secant rigidity with nut and screw as thick tubes, which the contact loads widen and compress",
         error="neglects unequal loads",
     )
-    #: Rigidity by the model with unequal contact loads [N/m]; None if its displacement is not known.
+    #: Axial rigidity by a model that solves for unequal contact loads [N/m]; None if its displacement is not known.
     with_unequal_loads: float | None = quantity_field(
         "rigidities_N_per_um.with_unequal_loads",
         "secant rigidity by the model, `axial.rigidity_N_per_um`",
@@ -87,7 +88,9 @@ class AxialRigidities:
 
 
 def approach_per_displacement(scene: Scene) -> float:
-    """Return the approach at a ball's two contacts over the nut's axial displacement, sin(alpha) cos(phi).
+    """Return the approach at a ball's two contacts together per axial displacement of the nut.
+
+    It is sin(alpha) cos(phi), with the contact angle alpha and the lead angle phi.
 
     Parameters
     ----------
@@ -125,17 +128,20 @@ def displacement_by_contacts_only(scene: Scene, force: float) -> float:
     pair = np.array([C[0] + C[3], C[1] + C[2]])
     s, n = approach_per_displacement(scene), scene.ball_count
 
-    def excess(u: float, start: Array, force: float) -> float:
-        """Return by how much the axial force at a displacement u [m] exceeds a given force [N]."""
+    def axial_force_above_given(u: float, start: Array, force: float) -> float:
+        """Return the axial force of all balls at a displacement u [m], less ``force`` [N].
+
+        ``start``: interference of the balls with each pair of opposite flanks at u = 0 [m], for each half of the nut.
+        """
         pressed = contact_force(start + s * u * np.array([1.0, -1.0]), pair)
         return float(s * counts @ (pressed[:, 0] - pressed[:, 1])) - force
 
     reach = 2.0 * float(np.abs(closure).max()) / s
-    held = float(brentq(lambda u: excess(u, closure, 0.0), -reach, reach, xtol=1e-15))
+    held = float(brentq(lambda u: axial_force_above_given(u, closure, 0.0), -reach, reach, xtol=1e-15))
     begun = closure + s * max(held, -float(closure[:, 0].max()) / s) * np.array([1.0, -1.0])
     free = reach * (len(halves) - 1) + float(contact_approach(force / (n * s), pair[0])) / s
     # displacement counted from that state: that of a small load would be lost to round-off against its position
-    return float(brentq(lambda u: excess(u, begun, force), 0.0, 2.0 * free, xtol=1e-18 * free, rtol=1e-12))
+    return float(brentq(lambda u: axial_force_above_given(u, begun, force), 0.0, 2.0 * free, xtol=1e-18 * free, rtol=1e-12))
 
 
 def axial_compliance_of_bodies(scene: Scene) -> float | None:
@@ -205,7 +211,7 @@ def axial_force(result: StaticResult) -> float:
 
 
 def three_axial_rigidities(scene: Scene, force: float, displacement: float | None) -> AxialRigidities | None:
-    """Return the three axial rigidities of a nut or bearing at an axial load.
+    """Return three axial rigidities of a nut or bearing: contacts only, with bodies, and with unequal contact loads.
 
     Parameters
     ----------

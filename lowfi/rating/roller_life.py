@@ -68,7 +68,7 @@ def is_thrust_bearing_row(row: RollerRow) -> bool:
 
 
 def race_capacities(row: RollerRow) -> Array:
-    """Return the basic dynamic capacities Q_c of a roller's contacts with the inner and the outer race ``(2,)`` [N].
+    """Return the capacities Q_c of a roller's contacts with inner and outer race, for 10^6 revolutions ``(2,)`` [N].
 
     They follow from eq. (1) of this module.
     """
@@ -96,7 +96,8 @@ def dynamic_rating_of_row(row: RollerRow) -> float:
 
     References
     ----------
-    ISO 281; ISO/TR 1281-1. f_c agrees with ISO 281's table of radial roller bearings within 0.2 %.
+    ISO 281; ISO/TR 1281-1. The factor f_c in eq. (2) agrees with the table of ISO 281 for radial roller bearings within
+    0.2 %.
 
     Examples
     --------
@@ -181,7 +182,7 @@ def basic_rating_life_of_row(row: RollerRow, line_loads: Array) -> BasicRatingLi
 def damage_equivalent_line_loads(line_loads: Sequence[Array], revolution_shares: Sequence[float]) -> Array:
     """Return the line loads on rollers that cause the same fatigue damage as several load cases together.
 
-    Each is the mean of order 4 of the cases, weighted by the revolutions.
+    Each line load is the mean of order 4 of the load cases' line loads, weighted by the revolutions.
 
     Parameters
     ----------
@@ -233,7 +234,7 @@ def equivalent_load_of_row(row: RollerRow, radial: float, axial: float) -> float
 def life_of_row_by_equivalent_loads(
     row: RollerRow, revolution_shares: Sequence[float], forces: Sequence[Array]
 ) -> EquivalentLoadLife:
-    """Return the life of a row of tapered rollers over several load cases by ISO 281's equivalent loads, (C/P_m)^(10/3).
+    """Return the life of a row of tapered rollers over several load cases by the equivalent loads of ISO 281.
 
     Parameters
     ----------
@@ -247,7 +248,7 @@ def life_of_row_by_equivalent_loads(
     Returns
     -------
     EquivalentLoadLife
-        Life, and the mean P_m of order 10/3 of the equivalent loads.
+        Life (C/P_m)^(10/3) with the dynamic load rating C, and the mean P_m of order 10/3 of the equivalent loads.
     """
     loads = np.array([equivalent_load_of_row(row, hypot(F[0], F[1]), abs(float(F[2]))) for F in forces])
     top = float(loads.max())

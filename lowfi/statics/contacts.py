@@ -37,14 +37,8 @@ from functools import lru_cache
 
 import numpy as np
 
+from rollbench.lowfi import hertz
 from rollbench.lowfi.compliance.parts import reduce_to_compliance_geometry
-from rollbench.lowfi.hertz import (
-    HertzConstants,
-    PrintedHertzConstants,
-    contact_modulus,
-    hertz_constants,
-    hertz_constants_as_printed,
-)
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import GeometryWithErrors, draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout, nominal_groove_radii
@@ -73,14 +67,16 @@ def curvature_changes(scene: Scene, drawn: GeometryWithErrors, ball_radius: Arra
     """
     gamma = np.array(scene.track.contact_angle)
     profiles = [groove_radius_with_slopes(gamma, drawn.groove_radii[s], drawn.profile_coefficients[s]) for s in range(4)]
-    change = _curvature(*np.stack(profiles, axis=1)) - _curvature(nominal_groove_radii(scene), np.zeros(4), np.zeros(4))
+    change = _curvature_in_polar_coordinates(*np.stack(profiles, axis=1)) - _curvature_in_polar_coordinates(
+        nominal_groove_radii(scene), np.zeros(4), np.zeros(4)
+    )
     ball = 1.0 / ball_radius - 1.0 / scene.balls.radius
     changes = np.repeat(np.repeat(ball[..., None, None], 4, axis=-2), 2, axis=-1)
     changes[..., 0] -= change
     return np.asarray(changes)
 
 
-def _curvature(radius: Array, slope: Array, bend: Array) -> Array:
+def _curvature_in_polar_coordinates(radius: Array, slope: Array, bend: Array) -> Array:
     """Return the curvature [1/m] of a plane curve that is given in polar coordinates.
 
     Parameters
@@ -91,7 +87,7 @@ def _curvature(radius: Array, slope: Array, bend: Array) -> Array:
     return np.asarray((radius**2 + 2.0 * slope**2 - radius * bend) / np.hypot(radius, slope) ** 3)
 
 
-def oblique_pressure_coefficient(constants: HertzConstants, ball_radius: float) -> Array:
+def oblique_pressure_coefficient(constants: hertz.HertzConstants, ball_radius: float) -> Array:
     """Return the coefficient h [m/N^(4/3)] of the term h F^(4/3) that oblique pressure adds to a contact's approach.
 
     F is the contact force [N]. On a curved surface, the pressure at the edge of the contact ellipse acts at an angle to the
@@ -109,13 +105,14 @@ def oblique_pressure_coefficient(constants: HertzConstants, ball_radius: float) 
     return np.asarray(7.0 / 30.0 * constants.C * (constants.C_a**2 + constants.C_b**2) / ball_radius**2)
 
 
-#: Number of ball radii between which `hertz_C` interpolates for many specimens; and size of a polynomial coefficient,
-#: relative to the first coefficient, below which it is round-off and left out.
+#: Number of ball radii between which `hertz_constants_by_scene_choice` interpolates the Hertz constant for many specimens;
+#: and size of a coefficient of the interpolating polynomial, relative to the first one, below which it is round-off and
+#: left out.
 NODES, ROUND_OFF = 12, 1e-15
 
 
 @lru_cache(maxsize=64)
-def hertz_without_errors(scene: Scene) -> HertzConstants:
+def hertz_without_errors(scene: Scene) -> hertz.HertzConstants:
     """Return the Hertz constants of the four flanks ``(4,)`` for parts without errors at the nominal contact angle.
 
     The arrays come from a cache and must not be changed.
@@ -155,20 +152,20 @@ def clear_nominal_caches() -> None:
 
 
 @lru_cache(maxsize=64)
-def _cached_hertz_of_parts(bare: Scene) -> HertzConstants:
+def _cached_hertz_of_parts(bare: Scene) -> hertz.HertzConstants:
     """Return the Hertz constants ``(4,)`` of error-free parts, from a cache; ``bare``: scene with these parts only."""
     return _make_read_only(hertz_from_curvatures(bare, _cached_curvatures(bare)))
 
 
 @lru_cache(maxsize=64)
-def _cached_hertz_of_radius(bare: Scene, ball_radius: float) -> HertzConstants:
+def _cached_hertz_of_radius(bare: Scene, ball_radius: float) -> hertz.HertzConstants:
     """Return the Hertz constants ``(1, 4)`` of error-free grooves and balls of radius ``ball_radius`` [m], from a cache."""
     return _make_read_only(
         hertz_with_errors(bare, draw_geometry_with_errors(bare, ball_layout(bare)), np.array([ball_radius]))
     )
 
 
-def _make_read_only(constants: HertzConstants) -> HertzConstants:
+def _make_read_only(constants: hertz.HertzConstants) -> hertz.HertzConstants:
     """Make the arrays of Hertz constants read-only, because a cache shares them, and return the constants."""
     for values in (constants.C, constants.C_a, constants.C_b, constants.eccentricity):
         values.flags.writeable = False
@@ -185,7 +182,7 @@ def _cached_curvatures(bare: Scene) -> Array:
     return curvatures
 
 
-def hertz_with_errors(scene: Scene, drawn: GeometryWithErrors, ball_radius: Array | None = None) -> HertzConstants:
+def hertz_with_errors(scene: Scene, drawn: GeometryWithErrors, ball_radius: Array | None = None) -> hertz.HertzConstants:
     """Return the Hertz constants ``(..., N, 4)`` of every contact from its radii with errors, at the nominal contact angle.
 
     An oversize e of a ball of radius r thus acts as an approach e with both relative curvatures reduced by e/r^2.
@@ -203,7 +200,7 @@ def hertz_with_errors(scene: Scene, drawn: GeometryWithErrors, ball_radius: Arra
     return hertz_from_curvatures(scene, nominal_curvatures(scene) + curvature_changes(scene, drawn, radius))
 
 
-def hertz_with_errors_if_distinct(scene: Scene, drawn: GeometryWithErrors, ball_radius: Array) -> HertzConstants:
+def hertz_with_errors_if_distinct(scene: Scene, drawn: GeometryWithErrors, ball_radius: Array) -> hertz.HertzConstants:
     """Return the Hertz constants ``(N, 4)`` of N balls and four flanks with errors; a single row if all balls are alike.
 
     The values are those of `hertz_with_errors`. For balls that are all alike the shape is ``(4,)`` or ``(1, 4)``.
@@ -226,7 +223,7 @@ def hertz_with_errors_if_distinct(scene: Scene, drawn: GeometryWithErrors, ball_
     return _cached_hertz_of_radius(_scene_of_parts_only(scene), float(ball_radius[0]))
 
 
-def hertz_of_every_contact(scene: Scene, drawn: GeometryWithErrors) -> HertzConstants:
+def hertz_of_every_contact(scene: Scene, drawn: GeometryWithErrors) -> hertz.HertzConstants:
     """Return the Hertz constants ``(N, 4)`` of every contact from its radii with errors, at the nominal contact angle.
 
     The values are those of `hertz_with_errors`, but computed only once if all balls are alike. The arrays must not be
@@ -240,10 +237,10 @@ def hertz_of_every_contact(scene: Scene, drawn: GeometryWithErrors) -> HertzCons
         Dimensions of the parts with their manufacturing errors.
     """
     h, shape = hertz_with_errors_if_distinct(scene, drawn, drawn.ball_radii), (drawn.ball_radii.size, 4)
-    return HertzConstants(*(np.broadcast_to(x, shape) for x in (h.C, h.C_a, h.C_b, h.eccentricity)))
+    return hertz.HertzConstants(*(np.broadcast_to(x, shape) for x in (h.C, h.C_a, h.C_b, h.eccentricity)))
 
 
-def hertz_at_contact_angles(scene: Scene, drawn: GeometryWithErrors, gamma: Array) -> HertzConstants:
+def hertz_at_contact_angles(scene: Scene, drawn: GeometryWithErrors, gamma: Array) -> hertz.HertzConstants:
     """Return the Hertz constants ``(N, 4)`` at given contact angles, from the curvatures of the surfaces with their errors.
 
     Parameters
@@ -267,9 +264,9 @@ def hertz_at_contact_angles(scene: Scene, drawn: GeometryWithErrors, gamma: Arra
         across, along = curvatures[i, s]
         raise UnfitKey(
             f"errors.{SIDES[s]}",
-            f"ball {i + 1} and flank {SIDES[s]} conform at their contact angle of {np.degrees(gamma[i, s]):.4g} deg: "
-            f"relative curvatures are {across:.3g} 1/m across the groove and {along:.3g} 1/m along it, but Hertz's theory "
-            "needs positive ones",
+            f"ball {i + 1} and flank {SIDES[s]} conform too closely at a contact angle of "
+            f"{np.degrees(gamma[i, s]):.4g} deg: relative curvatures are {across:.3g} 1/m across the "
+            f"groove and {along:.3g} 1/m along it, but Hertz's theory needs positive ones",
         )
     return hertz_from_curvatures(scene, curvatures)
 
@@ -289,7 +286,7 @@ def relative_curvatures(scene: Scene, drawn: GeometryWithErrors, gamma: Array) -
     return np.asarray(1.0 / drawn.ball_radii[:, None, None] + principal_curvatures(scene, drawn, ALL, gamma))
 
 
-def hertz_from_curvatures(scene: Scene, curvatures: Array) -> HertzConstants:
+def hertz_from_curvatures(scene: Scene, curvatures: Array) -> hertz.HertzConstants:
     """Return the Hertz constants ``(..., 4)`` of ball and flanks from their materials and relative curvatures.
 
     Parameters
@@ -297,17 +294,21 @@ def hertz_from_curvatures(scene: Scene, curvatures: Array) -> HertzConstants:
     scene
         Scene with the materials of balls, screw and nut.
     curvatures
-        Relative curvatures ``(..., 4, 2)`` [1/m] across and along the groove, for the flanks SL, SR, NL, NR.
+        Relative curvatures ``(..., 4, 2)`` [1/m] across and along the groove, for the four flanks (screw left, screw right,
+        nut left, nut right).
     """
     ball = scene.balls.material
     bodies = [scene.screw.material] * 2 + [scene.nut.material] * 2
     modulus = np.array(
-        [contact_modulus(ball.youngs_modulus, ball.poissons_ratio, x.youngs_modulus, x.poissons_ratio) for x in bodies]
+        [
+            hertz.contact_modulus(ball.youngs_modulus, ball.poissons_ratio, x.youngs_modulus, x.poissons_ratio)
+            for x in bodies
+        ]
     )
-    return hertz_constants(curvatures[..., 0], curvatures[..., 1], modulus)
+    return hertz.hertz_constants(curvatures[..., 0], curvatures[..., 1], modulus)
 
 
-def misprinted_hertz_of_flanks(scene: Scene) -> tuple[PrintedHertzConstants, PrintedHertzConstants]:
+def misprinted_hertz_of_flanks(scene: Scene) -> tuple[hertz.PrintedHertzConstants, hertz.PrintedHertzConstants]:
     """Return the Hertz constants of a screw flank and of a nut flank as misprinted in Table B.1 of Lin's thesis.
 
     The principal radii of that table are no radii of curvature; see `meshes.surface.printed_principal_radii`.
@@ -322,13 +323,16 @@ def misprinted_hertz_of_flanks(scene: Scene) -> tuple[PrintedHertzConstants, Pri
     gamma = np.full(scene.ball_count, scene.track.contact_angle)
     ball = scene.balls.material
 
-    def hertz_of(side: int, body: Material) -> PrintedHertzConstants:
-        """Return the Hertz constants of flank number ``side`` by Lin's Table B.1; ``body``: material of screw or nut."""
-        modulus = contact_modulus(ball.youngs_modulus, ball.poissons_ratio, body.youngs_modulus, body.poissons_ratio)
-        low, high = printed_principal_radii(bare, drawn, side, gamma)[0]
-        return hertz_constants_as_printed(scene.balls.radius, (float(low), float(high)), modulus)
+    def misprinted_hertz_of_flank(side: int, body: Material) -> hertz.PrintedHertzConstants:
+        """Return the Hertz constants of one flank by Table B.1 of Lin's thesis; ``body``: material of screw or nut.
 
-    return hertz_of(0, scene.screw.material), hertz_of(3, scene.nut.material)
+        ``side``: number of the flank in the order screw left, screw right, nut left, nut right.
+        """
+        modulus = hertz.contact_modulus(ball.youngs_modulus, ball.poissons_ratio, body.youngs_modulus, body.poissons_ratio)
+        low, high = printed_principal_radii(bare, drawn, side, gamma)[0]
+        return hertz.hertz_constants_as_printed(scene.balls.radius, (float(low), float(high)), modulus)
+
+    return misprinted_hertz_of_flank(0, scene.screw.material), misprinted_hertz_of_flank(3, scene.nut.material)
 
 
 def _misprinted_hertz_C(scene: Scene) -> Array:
@@ -354,9 +358,9 @@ def scene_with_error_free_hertz(scene: Scene) -> Scene:
 def hertz_constants_by_scene_choice(scene: Scene, drawn: GeometryWithErrors, ball_radius: Array | None = None) -> Array:
     """Return the Hertz constant C ``(..., N, 4)`` [m/N^(2/3)] of each ball and flank; approach = C Q^(2/3) at the force Q.
 
-    The scene's ``hertz`` decides from which dimensions C is computed: "error-free", the nominal ones; "as printed", Lin's
-    Table B.1 with its mistakes; otherwise the radii with their manufacturing errors. The contact angle is the nominal
-    one.
+    The scene's ``hertz`` decides from which dimensions C is computed: "error-free", the nominal dimensions; "as printed",
+    Table B.1 of Lin's thesis with its mistakes; otherwise the radii with their manufacturing errors. The contact angle is
+    the nominal one.
 
     Parameters
     ----------

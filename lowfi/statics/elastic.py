@@ -28,6 +28,8 @@ from rollbench.lowfi.compliance.parts import (
     reduce_to_compliance_geometry,
 )
 from rollbench.lowfi.hertz import contact_stiffness_under_force
+from rollbench.lowfi.statics import shaft as statics_shaft
+from rollbench.lowfi.statics import static
 from rollbench.lowfi.statics.contacts import hertz_constants_by_scene_choice
 from rollbench.lowfi.statics.kernel.search import CONVERGED, ITERATIONS
 from rollbench.lowfi.statics.kernel_types import NO_ROLLERS, RIGID, BallContacts, BodySystem, ForceState, Outcome
@@ -44,32 +46,9 @@ from rollbench.lowfi.statics.response import (
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.selection import choose_flanks, flanks_of_scene, solutions_clear_of_left_out_flanks
 from rollbench.lowfi.statics.settle import ACCEPTED, ContactState, ModelDescription, residual_by_round_off, solver_options
-from rollbench.lowfi.statics.shaft import (
-    ShaftBeam,
-    flank_motion_coefficients,
-    nodal_loads_of_flank_forces,
-    nodal_motions_of_rigid_screw,
-    node_forces,
-    node_motions,
-)
-from rollbench.lowfi.statics.static import (
-    Engine,
-    SingleNutEquations,
-    SolvedEquations,
-    StaticInput,
-    pick_engine,
-    residual_scale,
-    solve_static_input,
-    solve_with_chosen_flanks,
-)
 from rollbench.lowfi.statics.summary import ELASTIC_ASSUMPTIONS
+from rollbench.meshes import errors
 from rollbench.meshes.arrays import Array, Mask
-from rollbench.meshes.errors import (
-    draw_geometries_with_errors,
-    draw_geometry_with_errors,
-    have_equal_circular_grooves,
-    scene_without_random_errors,
-)
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Scene, UnfitKey
 from rollbench.meshes.section import BeamSection
@@ -80,12 +59,12 @@ if TYPE_CHECKING:
 
 #: Formulation of a solution with elastic bodies.
 CONDENSED = "convex energy, elastic bodies condensed to the contacts"
-#: A flank that was left out counts as touching if its distance to a ball is smaller than this [m].
+#: Distance [m] of a ball from a flank that the equations leave out, below which the ball counts as touching it.
 MARGIN = 0.2e-6
 
 
 @dataclass(kw_only=True)
-class ElasticEquations(SingleNutEquations):
+class ElasticEquations(static.SingleNutEquations):
     """Equations of a single ball screw or ball bearing with elastic screw, nut and balls, for the numerical kernels."""
 
     SOLVER = "solve_forces"
@@ -94,18 +73,18 @@ class ElasticEquations(SingleNutEquations):
     #: Unknowns of the iteration: contact forces, free rigid motions of the bodies (which only contacts resist), contacts.
     state: ForceState
     #: The screw's beam with its supports.
-    shaft: ShaftBeam
-    #: Compliance of the bodies at the flanks.
+    shaft: statics_shaft.ShaftBeam
+    #: Compliance of screw, nut and balls at the flanks.
     flank_compliance: FlankCompliance
     #: Assumptions about the bodies, as sentences for the report.
     assumed: tuple[str, ...]
 
     @property
     def only_flank_pair(self) -> tuple[int, int] | None:
-        """Return the numbers of the two flanks if only one diagonal pair has contacts, the screw's flank first.
+        """Return the numbers of the two flanks if only one pair of diagonally opposite flanks has contacts.
 
-        Flanks are numbered SL 0, SR 1, NL 2, NR 3. None if all four flanks have contacts. The position of a ball between
-        two flanks has a closed form.
+        The numbers are 0 screw left, 1 screw right, 2 nut left, 3 nut right; the screw's flank comes first. None if all
+        four flanks have contacts. The position of a ball between two flanks has a closed form.
         """
         if self.kernel_arrays.bodies.second_compliance.size:
             return None
@@ -142,7 +121,7 @@ class ElasticEquations(SingleNutEquations):
         )
         for i in range(N):  # the ball's centre follows from the motions of both flanks
             ball = geometry[i], closure[i], RIGID, drawn.ball_radii[i], drawn.profile_coefficients
-            self.engine.settle_ball(p[i], moved[i].copy(), *ball, tiny, single)
+            self.engine.find_ball_equilibrium(p[i], moved[i].copy(), *ball, tiny, single)
         return (ContactState(problem, contact, p, moved),)
 
     def forces_on_flanks(self) -> Array:
@@ -180,7 +159,7 @@ class ElasticEquations(SingleNutEquations):
         """Return whether every ball is at least ``MARGIN`` away from all flanks that were left out.
 
         A flank that was left out is taken to move like the other flank of the same groove. ``MARGIN`` covers the
-        elastic deformation between the two.
+        elastic deformation between these two flanks.
         """
         problem, contact, p, shift = self.contact_states()[0]
         for s in np.flatnonzero(~problem.used_flanks):
@@ -201,12 +180,15 @@ class ElasticEquations(SingleNutEquations):
         problem, squeeze = self.problem, self.flank_compliance.section_force_coupling
         used = [s for s in range(2) if problem.used_flanks[s]]
         pushes = self.forces_on_flanks()[:, used].transpose(1, 0, 2).reshape(-1, 2)
-        by_flanks = nodal_loads_of_flank_forces(problem, pushes, used)
+        by_flanks = statics_shaft.nodal_loads_of_flank_forces(problem, pushes, used)
         if squeeze is not None:
             by_flanks += squeeze.nodal_loads_of_jumps(pushes.ravel())
-        motion, nodal = node_motions(self.shaft, by_flanks, self.state.a), np.zeros((problem.nodes.size, 6))
+        motion, nodal = (
+            statics_shaft.nodal_motions_under_loads(self.shaft, by_flanks, self.state.a),
+            np.zeros((problem.nodes.size, 6)),
+        )
         if problem.rigid_motion_basis is None:
-            nodal = node_forces(self.shaft, by_flanks) - problem.load - by_flanks.reshape(-1, 6)
+            nodal = statics_shaft.nodal_forces_under_loads(self.shaft, by_flanks) - problem.load - by_flanks.reshape(-1, 6)
         if squeeze is not None:
             motion = squeeze.add_jumps_inside_stretches(motion, pushes, problem.fixed)
         held = np.where(problem.fixed, nodal, 0.0)
@@ -217,7 +199,7 @@ class ElasticEquations(SingleNutEquations):
     def model_description(self) -> ModelDescription:
         """Return the formulation, number of unknowns and assumptions of the model for the record of the solution.
 
-        It states how much negative compliance of the bodies was set to zero to make the compliance matrix positive.
+        The assumptions state how much negative compliance of the bodies was set to zero to make their matrix positive.
         """
         build, clipped = self.problem_input, self.flank_compliance.clipped_share
         assert isinstance(build, ElasticInput)
@@ -233,7 +215,7 @@ class ElasticEquations(SingleNutEquations):
 
 
 @dataclass(frozen=True, kw_only=True)
-class ElasticInput(StaticInput):
+class ElasticInput(static.StaticInput):
     """Input from which a ball screw's static problem with elastic bodies is built, and can be rebuilt with more flanks."""
 
     #: Method by which the compliance of screw, nut and balls is computed.
@@ -268,7 +250,11 @@ class ElasticInput(StaticInput):
         response = compliance_of_screw_and_nut(
             problem, self.layout, self.backend, self.condensed_bodies, self.compute_body_compliance
         )
-        shaft, ball, scale = response.shaft_beam.with_loads_of(problem), response.ball_compliance, residual_scale(problem)
+        shaft, ball, scale = (
+            response.shaft_beam.with_loads_of(problem),
+            response.ball_compliance,
+            static.residual_scale(problem),
+        )
         flanks, pair, drawn = (
             flank_compliance_under_loads(problem, scale.typical_force_for_ellipse, shaft, response),
             only_flank_pair(problem),
@@ -315,7 +301,7 @@ def solve_elastic(
     backend: ComplianceModel = REFINED,
     condensed: CondensedCompliance | None = None,
     name: str = "refined",
-    engine: Engine = "auto",
+    engine: static.Engine = "auto",
     everything: bool = False,
     member: int = 0,
     refine: int = 1,
@@ -353,12 +339,12 @@ def solve_elastic(
     """
     start = perf_counter()
     layout = ball_layout(scene)
-    drawn = draw_geometry_with_errors(scene, layout, member)
+    drawn = errors.draw_geometry_with_errors(scene, layout, member)
     uneven = drawn.profile_coefficients.shape[1] > 0
-    kernels = pick_engine(engine, layout.z.size, uneven)
+    kernels = static.pick_engine(engine, layout.z.size, uneven)
     use = flanks_of_scene(scene) if everything or uneven else choose_flanks(scene, drawn)
     parts = scene, drawn, layout, use, kernels, everything, refine
-    return solve_static_input(ElasticInput(*parts, backend=backend, condensed_bodies=condensed), name, start)
+    return static.solve_static_input(ElasticInput(*parts, backend=backend, condensed_bodies=condensed), name, start)
 
 
 class SpecimensWithSharedEquations:
@@ -410,9 +396,9 @@ class SpecimensWithSharedEquations:
             loads on the motions of their points of action. All are nan for a specimen that these equations do not solve; it
             needs `solve_elastic`.
         """
-        drawn = draw_geometries_with_errors(self.scene, self.layout, first, count)
+        drawn = errors.draw_geometries_with_errors(self.scene, self.layout, first, count)
         offset, closure = centre_vectors_and_interference(self.scene, drawn)
-        nominal = draw_geometry_with_errors(scene_without_random_errors(self.scene), self.layout)
+        nominal = errors.draw_geometry_with_errors(errors.scene_without_random_errors(self.scene), self.layout)
         C = hertz_constants_by_scene_choice(self.scene, nominal, drawn.ball_radii)
         loads, numbers = np.full((count, self.layout.z.size, 4), np.nan), np.full((2, count), np.nan)
         self._states.clear()
@@ -431,21 +417,22 @@ class SpecimensWithSharedEquations:
     ) -> tuple[Array, float, float] | None:
         """Solve one specimen with contacts on the flanks in ``used_flanks``; return None if that fails.
 
+        Returns contact loads ``(N, 4)`` [N], relative residual, and work of the external loads [J].
+
         Parameters
         ----------
         number
             Number of the specimen.
         used_flanks
-            Which of the flanks SL, SR, NL, NR have contacts ``(4,)``.
+            Which of the four flanks (screw left, screw right, nut left, nut right) have contacts ``(4,)``.
         radii_distances_interference_hertz
             Ball radii, distances of ball and groove centres, interferences and Hertz constants of the specimen: the
-            first four arguments of `_SharedEquations.solve`. The result of that method is returned: contact loads
-            ``(N, 4)`` [N], relative residual, and work of the external loads [J].
+            first four arguments of `_SharedEquations.solve_specimen`.
         """
         system, key = self._equations_for_flanks(used_flanks), (number, used_flanks.tobytes())
         if system is None:
             return None
-        solved = system.solve(
+        solved = system.solve_specimen(
             *radii_distances_interference_hertz, start=None if self.like is None else self.like._states.get(key)
         )
         if solved is not None:
@@ -461,11 +448,11 @@ class SpecimensWithSharedEquations:
         key = used_flanks.tobytes()
         if key not in self._systems:
             self._systems[key] = None
-            drawn = draw_geometry_with_errors(self.scene, self.layout)
-            solved = solve_with_chosen_flanks(
+            drawn = errors.draw_geometry_with_errors(self.scene, self.layout)
+            solved = static.solve_with_chosen_flanks(
                 ElasticInput(self.scene, drawn, self.layout, used_flanks, self.engine, backend=self.backend)
             )
-            if isinstance(solved, SolvedEquations) and solved.outcome.status == CONVERGED:
+            if isinstance(solved, static.SolvedEquations) and solved.outcome.status == CONVERGED:
                 elastic = solved.system
                 if isinstance(elastic, ElasticEquations) and elastic.flank_compliance.compliance_moved_to_bodies == 0.0:
                     self._systems[key] = _SharedEquations(elastic)
@@ -484,8 +471,8 @@ def can_share_equations(scene: Scene) -> bool:
         Scene with random errors.
     """
     alike = (
-        have_equal_circular_grooves(scene)
-        and len(draw_geometries_with_errors(scene, ball_layout(scene), 0, 2).groove_centres) == 1
+        errors.have_equal_circular_grooves(scene)
+        and len(errors.draw_geometries_with_errors(scene, ball_layout(scene), 0, 2).groove_centres) == 1
     )
     return alike and scene.ingredients.hertz != "actual" and scene.ingredients.screw != "rigid"
 
@@ -502,10 +489,10 @@ class _SharedEquations:
         self.elastic = elastic
         self.start = [array.copy() for array in elastic.state]
         self.local = elastic.kernel_arrays.contacts.compliance_terms.copy()
-        self.size = float(np.cbrt(residual_scale(elastic.problem).typical_force_for_ellipse))
+        self.size = float(np.cbrt(static.residual_scale(elastic.problem).typical_force_for_ellipse))
         self.by_pushes, self.by_motions, self.at_rest = _external_work_coefficients(elastic)
 
-    def solve(
+    def solve_specimen(
         self, radii: Array, offset: Array, closure: Array, C: Array, start: list[Array] | None
     ) -> tuple[Array, float, float] | None:
         """Compute the contact loads of one specimen.
@@ -558,7 +545,7 @@ class _SharedEquations:
         elastic, problem = self.elastic, self.elastic.problem
         problem.geometry[..., :4], problem.geometry[..., 4] = offset, C
         problem.interference[:], problem.drawn.ball_radii[:] = closure, radii
-        scale, slope = residual_scale(problem), elastic.flank_compliance.slope_of_e
+        scale, slope = static.residual_scale(problem), elastic.flank_compliance.slope_of_e
         size = float(np.cbrt(scale.typical_force_for_ellipse))
         local = elastic.kernel_arrays.contacts.compliance_terms
         local[:] = self.local
@@ -579,13 +566,13 @@ class _SharedEquations:
 def _external_work_coefficients(elastic: ElasticEquations) -> tuple[Array, Array, float]:
     """Return the coefficients of a linear function for the work [J] of the external loads on their points of action.
 
-    Variables of the function are contact forces and free rigid motions, which no support prevents. Entries: derivative of
-    the work by the forces of the balls on the c screw flanks ``(2 c,)`` [J/N], derivative by the amplitudes of the k free
-    motions ``(k,)`` [N], and constant part [J].
+    Variables of the function are contact forces and free rigid motions, which no support prevents. Returns the derivative
+    of the work by the forces of the balls on the c screw flanks ``(2 c,)`` [J/N], derivative by the amplitudes of the k
+    free motions ``(k,)`` [N], and constant part [J].
     """
     problem, shaft, squeeze = elastic.problem, elastic.shaft, elastic.flank_compliance.section_force_coupling
     load = problem.load.ravel()
-    dof, rows = flank_motion_coefficients(problem, [s for s in range(2) if problem.used_flanks[s]])
+    dof, rows = statics_shaft.flank_motion_coefficients(problem, [s for s in range(2) if problem.used_flanks[s]])
     by_flanks = np.zeros((load.size, 2 * len(rows)))
     for c in range(len(rows)):
         by_flanks[dof[c], 2 * c], by_flanks[dof[c], 2 * c + 1] = rows[c]
@@ -596,9 +583,9 @@ def _external_work_coefficients(elastic: ElasticEquations) -> tuple[Array, Array
         inside = squeeze.jumps_inside_stretches.flank_motions_by_nodal_loads(
             np.where(problem.fixed, 0.0, problem.load).reshape(-1, 1)
         )[:, 0]
-    moved = node_motions(shaft, given, np.zeros(elastic.state.a.size)).ravel()
+    moved = statics_shaft.nodal_motions_under_loads(shaft, given, np.zeros(elastic.state.a.size)).ravel()
     return (
         load @ shaft.motions_under_loads(by_flanks) + inside,
-        load @ nodal_motions_of_rigid_screw(shaft),
+        load @ statics_shaft.nodal_motions_of_rigid_screw(shaft),
         float(load @ moved),
     )

@@ -31,16 +31,16 @@ class UnresistedMotions:
     A pin is a degree of freedom that the model fixes although no support does.
     """
 
-    #: Whether the loads do work on such a motion, so that there is no equilibrium.
+    #: Whether the loads do work on an unresisted motion, so that there is no equilibrium.
     is_driven_by_loads: bool
-    #: Description of the motion in words, for the user; empty if there is none.
+    #: Description of the unresisted motion in words, for the user; empty if there is none.
     description: str
-    #: Numbers (0 to 5) of the degrees of freedom of the first node to fix; for a rigid screw, of its coordinates (columns
-    #: of `Problem.rigid_motion_basis`).
+    #: Pins: numbers (0 to 5) of the degrees of freedom to fix at the first beam node; for a rigid screw, numbers of the
+    #: coordinates to fix (columns of `Problem.rigid_motion_basis`).
     pins: tuple[int, ...] = ()
     #: Whether nothing can twist the shaft: its grooves have no lead, and no moment about the axis acts.
     no_torsion: bool = False
-    #: Degrees of freedom that could be fixed in place of the pins; empty if there is no alternative.
+    #: Degrees of freedom (0 to 5) that could be fixed in place of those in ``pins``; empty if there is no alternative.
     alternative_pins: tuple[int, ...] = ()
 
 
@@ -152,7 +152,8 @@ def _describe_free_motions(free: Array, lead: float, arm: float) -> str:
     return "rigid motion in " + ", ".join(parts) + " at the nut's centre"
 
 
-#: Least work of the loads on an opening motion that counts as proof, relative to the largest work on a unit motion.
+#: Least work of the loads on a motion that opens all contacts, relative to their largest work on a unit motion, that counts
+#: as proof that the contacts cannot carry the loads.
 PROVEN = 1e-7
 
 
@@ -199,16 +200,16 @@ def approach_change_by_motions(side: int, angle: float, flank_motions: Array, fi
     Parameters
     ----------
     side
-        Number of the flank in the order SL, SR, NL, NR.
+        Number of the flank in the order screw left, screw right, nut left, nut right.
     angle
         Contact angle [rad].
     flank_motions
         Motions of the flank in each ball's section plane (radial, and along the helix's binormal), per unit of k motions of
         the bodies ``(N, 2, k)``.
     first_ball
-        Index of the first of these balls among all balls.
+        Index of the first of the N balls among all balls of the assembly.
     ball_count
-        Number of all balls.
+        Number of all balls of the assembly.
 
     Returns
     -------
@@ -224,7 +225,7 @@ def approach_change_by_motions(side: int, angle: float, flank_motions: Array, fi
 def find_opening_by_linear_program(work: Array, approach_rows: Any, fixed_motion_rows: Array) -> Array | None:
     """Find, by a linear program, a motion on which the loads do work while no contact is compressed.
 
-    Fixed degrees of freedom do not move.
+    Degrees of freedom that supports fix do not move.
 
     Parameters
     ----------

@@ -18,25 +18,26 @@ Array = NDArray[Any]
 class BeamArrays(NamedTuple):
     """Arrays of the screw as a beam, with supports and loads."""
 
-    #: Lengths (n - 1,) of the elements [m].
+    #: Lengths (n - 1,) of the beam elements [m].
     lengths: Array
-    #: Which degrees of freedom of the nodes are fixed, as truth values (n, 6).
+    #: Which degrees of freedom of the nodes are fixed, as truth values (n, 6): displacements x, y, z, rotations x, y, z.
     fixed: Array
     #: Loads on the nodes (n, 6) [N, N m].
     load: Array
-    #: Constants (n - 1, 5) of the elements, see `lowfi.statics.kernel.beam.element_constants`.
+    #: Stiffness constants (n - 1, 5) of the beam elements, see `lowfi.statics.kernel.beam.element_constants`.
     constants: Array
-    #: Lower band of the beam's stiffness matrix (6 n, half bandwidth + 1).
+    #: Lower band of the beam's stiffness matrix (6 n, half bandwidth + 1), see `lowfi.statics.kernel.matrices`.
     band: Array
 
 
 class BeamContacts(NamedTuple):
     """Arrays of the balls between a screw, modelled as a beam, and a fixed nut."""
 
-    #: First node (N, 2) whose motion moves the screw's flanks SL, SR.
+    #: Number (N, 2) of the first beam node that moves the screw's flank SL, and the flank SR, at each ball.
     first_nodes: Array
     #: Motions (N, 2, 2, m) of the flanks SL and SR, with two components in the ball's section plane (radial, and along the
-    #: helix's binormal), per unit of the six motions of that node (m = 6), or of that node and the next one (m = 12).
+    #: helix's binormal), per unit of the six motions of the node in ``first_nodes`` (m = 6), or of this node and
+    #: the next one (m = 12).
     B: Array
     #: Geometry and Hertz constant of each contact (N, 4, 9), see `lowfi.statics.kernel.ball`.
     geometry: Array
@@ -73,7 +74,7 @@ class SpecimenArrays(NamedTuple):
 
     #: Motions of the flanks per unit motion of the nodes (m, N, 2, 2, 6); (1, N, 2, 2, 6) if all specimens share them.
     B: Array
-    #: Geometry and Hertz constants of the contacts (m, N, 4, 9).
+    #: Geometry and Hertz constant of each contact (m, N, 4, 9), see `lowfi.statics.kernel.ball`.
     geometry: Array
     #: Nominal interference (m, N, 2) [m] of ball and grooves across the diagonal pairs of flanks SL-NR and SR-NL.
     interference: Array
@@ -109,34 +110,34 @@ class EnergyDerivatives(NamedTuple):
 class MotionWorkspace(NamedTuple):
     """Work arrays of the Newton iteration whose unknowns are the motions of shaft nodes and housings."""
 
-    #: Derivatives of the energy.
+    #: Derivatives of the energy of shaft, housings and balls.
     energy_derivatives: EnergyDerivatives
     #: Stiffness matrix of shaft and springs without contacts, stored as lower band or envelope.
     base: Array
-    #: Factor of the stiffness matrix with contacts, stored in the same form.
+    #: Factor of the stiffness matrix of shaft, springs and contacts, stored as lower band or envelope.
     matrix: Array
-    #: Newton step of the bodies' motions (r, 6) [m, rad].
+    #: Newton step: change of the motions (r, 6) [m, rad] of shaft nodes and housings.
     step: Array
-    #: Motions of the bodies (r, 6) [m, rad] before the step.
+    #: Motions of shaft nodes and housings (r, 6) [m, rad] before the Newton step.
     q0: Array
-    #: Deformations of the elements (n - 1, 6) before the step.
+    #: Deformations of the shaft's beam elements (n - 1, 6) [m, rad] before the Newton step.
     d0: Array
 
 
 class NewtonOptions(NamedTuple):
     """Parameters of the Newton iteration in `lowfi.statics.kernel.descent`: tolerance, limits and typical values."""
 
-    #: Relative residual at which the iteration ends.
+    #: Largest unbalanced force, relative to the largest force, at which the iteration ends.
     tolerance: float
     #: Largest number of iterations.
     max_iterations: int
-    #: Stiffness of a typical contact [N/m].
+    #: Stiffness of a typical contact [N/m], by which the stiffness added to the diagonal is scaled.
     stiffness: float
     #: Length [m] by which moments are divided where they are compared with forces.
     moment_arm: float
     #: Motion [m] above which a body counts as not restrained.
     unrestrained_motion_limit: float
-    #: Lower bound of the force [N] to which residuals are relative.
+    #: Lower bound of the force [N] by which unbalanced forces are divided.
     least_force_scale: float
     #: Largest motion of a flank in one step [m]: the largest ball's radius.
     max_flank_motion_per_step: float
@@ -145,7 +146,7 @@ class NewtonOptions(NamedTuple):
 class BeamSystem(NamedTuple):
     """Arrays of a screw as a beam and of its balls."""
 
-    #: Beam with supports and loads.
+    #: The screw as a beam, with supports and loads.
     shaft: BeamArrays
     #: Balls between screw and nut.
     contacts: BeamContacts
@@ -159,20 +160,20 @@ class AxisArrays(NamedTuple):
 
     #: Lengths (n - 1,) of the shaft's elements [m].
     lengths: Array
-    #: EA [N], EI [N m^2], GJ [N m^2], kGA [N] of the elements (n - 1, 4).
+    #: Section stiffnesses EA [N], EI [N m^2], GJ [N m^2], kGA [N] of the shaft's elements (n - 1, 4).
     sections: Array
-    #: Constants (n - 1, 5) of the elements, as in `BeamArrays`.
+    #: Stiffness constants (n - 1, 5) of the shaft's elements, see `lowfi.statics.kernel.beam.element_constants`.
     constants: Array
-    #: Which degrees of freedom of the bodies are fixed, as truth values (r, 6).
+    #: Which degrees of freedom of shaft nodes and housings are fixed, as truth values (r, 6).
     fixed: Array
-    #: Loads on the bodies (r, 6) [N, N m].
+    #: Loads on shaft nodes and housings (r, 6) [N, N m].
     load: Array
     #: Numbers of the two bodies that each of k springs joins (k, 2), -1 for the fixed frame.
     spring_bodies: Array
-    #: Matrices from the motions of these two bodies to those of the spring's ends (k, 2, 6, 6). The second has a negative
-    #: sign, so that the sum of both motions is the spring's deformation.
+    #: Matrices from the motions of the two bodies that a spring joins to the motions of its ends (k, 2, 6, 6). The second
+    #: has a negative sign, so that the sum of both end motions is the spring's deformation.
     spring_end_matrices: Array
-    #: Stiffness matrices of the springs (k, 6, 6).
+    #: Stiffness matrices of the springs (k, 6, 6) [N/m, N, N m].
     springs: Array
     #: Position (r,) of each body in the order in which the stiffness matrix is factored.
     body_order: Array
@@ -187,14 +188,15 @@ class AxisArrays(NamedTuple):
 class AxisBalls(NamedTuple):
     """Arrays of the balls of all bearings and nuts of an assembly, whose flanks move with the bodies of an `AxisArrays`."""
 
-    #: Number of the first body (N, 4) whose motion moves each flank, -1 if the flank is fixed.
+    #: Number (N, 4) of the first body (shaft node or housing) that moves each flank; -1 if the flank is fixed.
     first_bodies: Array
     #: Motions of the flanks, with two components in the ball's section plane (radial, and along the helix's binormal), per
-    #: unit of the six motions of that body (m = 6), or of that body and the next one (m = 12): (N, 4, 2, m).
+    #: unit of the six motions of the body in ``first_bodies`` (m = 6), or of this body and the next one (m = 12):
+    #: (N, 4, 2, m).
     B: Array
-    #: Prescribed motion of the flanks (N, 4, 2) [m].
+    #: Prescribed motion of the flanks (N, 4, 2) [m] by axial offsets of nuts and outer rings.
     v0: Array
-    #: Geometry and Hertz constant of each contact (N, 4, 9), as in `BeamContacts`.
+    #: Geometry and Hertz constant of each contact (N, 4, 9), see `lowfi.statics.kernel.ball`.
     geometry: Array
     #: Nominal interference (N, 2) [m] of ball and grooves across the diagonal pairs of flanks SL-NR and SR-NL.
     interference: Array
@@ -209,27 +211,28 @@ class AxisBalls(NamedTuple):
 class AxisRollers(NamedTuple):
     """Arrays of the M slices into which the rollers of all bearings are divided across their axes.
 
-    The line contacts of a slice with both raceways are in series. The approach of the raceways at a slice is B q - drop,
-    with the motions q of the bodies that carry the rings. The slice's force per width, p, follows from approach =
-    p (g - S ln p), see `lowfi.rollers.LineContactLaw`.
+    The line contacts of a slice with both raceways are in series. The approach of the raceways at a slice is B q - gap,
+    with the motions q of the bodies that carry the rings and the coefficients B. The slice's force per width, p, follows
+    from approach = p (g - S ln p) with constants g and S of roller and raceways, see `lowfi.rollers.LineContactLaw`.
     """
 
-    #: Numbers of the bodies (M, 2) that move inner and outer ring, -1 if the ring is fixed.
+    #: Numbers (M, 2) of the bodies (shaft node or housing) that carry inner and outer ring; -1 if the ring is fixed.
     ring_bodies: Array
-    #: Approach (M, 2, 6) per unit motion of these bodies.
+    #: Approach of the raceways at each slice per unit motion of the bodies that carry inner and outer ring (M, 2, 6).
     B: Array
-    #: Gap (M,) [m] that the roller's crowning and the ring's axial offset leave, which is subtracted from the approach.
+    #: Gap (M,) [m] between roller slice and raceways by crowning and by the ring's axial offset, without motions of the
+    #: rings.
     gap: Array
     #: Widths of the slices (M,) [m].
     width: Array
-    #: Constants g (M,) of the force law [m^2/N].
+    #: Constants g (M,) [m^2/N] of the force law approach = p (g - S ln p), with the force per width p.
     g: Array
-    #: Constants S (M,) of the force law [m^2/N].
+    #: Constants S (M,) [m^2/N] of the force law approach = p (g - S ln p), with the force per width p.
     s: Array
 
 
 class IterationProgress(NamedTuple):
-    """Progress of a Newton iteration, by which a stalled iteration is recognised."""
+    """Progress of a Newton iteration (smallest residual, lowest energy), by which a stalled iteration is recognised."""
 
     #: Smallest relative residual so far.
     smallest_residual: float
@@ -237,12 +240,12 @@ class IterationProgress(NamedTuple):
     lowest_energy: float
     #: Number of iterations since residual or energy last decreased.
     stalled_iterations: int
-    #: Number of line searches that used up all their trials.
+    #: Number of line searches that ended because they had tried the largest number of step lengths.
     exhausted_searches: int
 
 
 class AxisSystem(NamedTuple):
-    """Arrays of a shaft with all its bearings and nuts."""
+    """Arrays of a shaft with housings and springs, and of the balls and rollers of all its bearings and nuts."""
 
     #: Shaft, moving housings and springs.
     shaft: AxisArrays
@@ -252,12 +255,12 @@ class AxisSystem(NamedTuple):
     rollers: AxisRollers
 
 
-#: Systems whose unknowns are the motions of shaft nodes and other bodies.
+#: Arrays of a static problem whose unknowns are the motions of shaft nodes and housings.
 Rows = BeamSystem | AxisSystem
 
 
 class ElasticBodies(NamedTuple):
-    """Compliance of the elastic bodies (screw and nut) at the flanks of all balls.
+    """Compliance of the elastic bodies (screw and nut) at the flanks under all balls, and motions of these flanks.
 
     The flanks move by v = v0 + G phi + R a, under the forces phi on the flanks and with the amplitudes a of the free rigid
     motions of the bodies, which nothing but the contacts resists.
@@ -279,19 +282,19 @@ class ElasticBodies(NamedTuple):
 class RollerContacts(NamedTuple):
     """Arrays of M rollers between rigid rings on an elastic shaft; at most K slices each.
 
-    The force per width of a slice, p, follows from its approach: approach = p (g - S ln p), see
-    `lowfi.rollers.LineContactLaw`.
+    The force per width of a slice, p, follows from the approach of the raceways: approach = p (g - S ln p) with constants g
+    and S of roller and raceways, see `lowfi.rollers.LineContactLaw`.
     """
 
     #: Positions (M, K) of the slices along the roller, divided by the roller's length.
     slice_positions: Array
     #: Widths of the slices (M, K) [m], 0 for unused slices.
     width: Array
-    #: Gap (M, K) [m] that the roller's crowning and the ring's axial offset leave, which is subtracted from the approach.
+    #: Gap (M, K) [m] between roller slice and raceways by crowning and by the ring's axial offset, without ring motions.
     gap: Array
-    #: Constants g (M,) of the force law [m^2/N].
+    #: Constants g (M,) [m^2/N] of the force law approach = p (g - S ln p), with the force per width p.
     g: Array
-    #: Constants S (M,) of the force law [m^2/N].
+    #: Constants S (M,) [m^2/N] of the force law approach = p (g - S ln p), with the force per width p.
     s: Array
 
 
@@ -369,18 +372,18 @@ class LineSearchStart(NamedTuple):
 class StiffnessFactors(NamedTuple):
     """Factors S of the tangent stiffness S^T S [N/m] of balls and rollers against motions of their flanks or rings."""
 
-    #: Rows of S for each ball or roller (N, 6 or 2, d) [(N/m)^(1/2)].
+    #: Factors S of the tangent stiffness S^T S of each ball or roller, row by row (N, 6 or 2, d) [(N/m)^(1/2)].
     S: Array
-    #: Number of rows of S that each ball or roller uses (N,).
+    #: Number of rows of S that are not empty, for each ball or roller (N,).
     counts: Array
-    #: Number of used rows of all balls and rollers before each one (N,).
+    #: Index (N,) of the first row of each ball or roller if the rows that are not empty are numbered through.
     starts: Array
 
 
 class BodySystem(NamedTuple):
     """Arrays of elastic bodies with all balls and rollers."""
 
-    #: Compliance of the bodies.
+    #: Compliance of the bodies at the flanks, and motions of the flanks by loads and free rigid motions.
     bodies: ElasticBodies
     #: Contact data of all balls and rollers.
     contacts: BallContacts
@@ -392,36 +395,36 @@ class BodySystem(NamedTuple):
 class BodyWorkspace(NamedTuple):
     """Work arrays of the Newton iteration whose unknowns are the contact forces on elastic bodies."""
 
-    #: Forces of the balls on the flanks (N, d) [N].
+    #: Forces (N, d) [N] that balls and rollers exert on the flanks at the present flank motions.
     f: Array
     #: Elastic motions G phi of the flanks (N, d) [m], with the bodies' compliance G and the forces phi on the flanks.
     g: Array
     #: Total motions of the flanks (N, d) [m]: elastic, by external loads and by free rigid motions.
     v: Array
-    #: Newton step.
+    #: Newton step of contact forces, flank motions and free rigid motions.
     step: ForceStep
-    #: State from which the line search starts.
+    #: Contact forces and flank motions from which the line search starts.
     search_start: LineSearchStart
-    #: Factors S of the balls' stiffness S^T S.
+    #: Factors S of the tangent stiffness S^T S of balls and rollers.
     stiffness_factors: StiffnessFactors
 
 
 class LineSearchTrial(NamedTuple):
-    """State of a line search between two trial steps, see `lowfi.statics.kernel.search`."""
+    """Next step length to try in a line search, with the bounds from earlier trials; see `lowfi.statics.kernel.search`."""
 
     #: Energy at the start of the search [J].
     energy: float
     #: Derivative of the energy by the step length at the start of the search [J].
     start_slope: float
-    #: Largest step length allowed.
+    #: Largest step length allowed, as a fraction of the Newton step.
     max_step: float
     #: Largest step length known to be too short.
     too_short: float
     #: Smallest step length known to be too long; zero: none yet.
     too_long: float
-    #: Step length to try next.
+    #: Step length to try next, as a fraction of the Newton step.
     t: float
-    #: Number of trials so far.
+    #: Number of step lengths tried so far.
     trial_count: int
 
 
@@ -437,7 +440,7 @@ class Outcome(NamedTuple):
     evaluations: int
     #: Largest unbalanced force, divided by the field ``scale``.
     residual: float
-    #: Energy [J].
+    #: Energy of the model at the end [J].
     energy: float
     #: Force by which the residual was divided [N]: the largest force in the model, or a lower limit if that is larger.
     scale: float

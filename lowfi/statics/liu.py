@@ -63,7 +63,7 @@ class SpringRow:
     load_direction: int
     #: Axial position of the ball at the loaded end [m].
     loaded_end_position: float
-    #: Axial position of the load [m].
+    #: Axial position of the load that is nearest to the balls [m].
     load_position: float
     #: Tensile compliance of a screw segment, as a fraction of the sum of the compliances of a screw and a nut segment.
     screw_compliance_share: float
@@ -120,7 +120,7 @@ def nut_as_spring_row(scene: Scene, *, member: int = 0, law: Law = "implicit") -
         end of the row of balls.
     """
     layout = ball_layout(scene)
-    force, beyond, low = _loaded_end(scene, layout.z)
+    force, beyond, low = _axial_load_and_position(scene, layout.z)
     order = np.argsort(layout.z if low else -layout.z, kind="stable").astype(np.int64)
     gaps = np.abs(np.diff(layout.z[order]))
     mean = float(gaps.mean()) if gaps.any() else 0.0
@@ -144,10 +144,10 @@ def nut_as_spring_row(scene: Scene, *, member: int = 0, law: Law = "implicit") -
     return SpringRow(chain, order, errors, force, forward, float(layout.z[order[0]]), beyond, screw / (screw + nut), bar)
 
 
-def _loaded_end(scene: Scene, z: Array) -> tuple[float, float, bool]:
+def _axial_load_and_position(scene: Scene, z: Array) -> tuple[float, float, bool]:
     """Return the axial load [N], its axial position [m], and whether it acts at lower z than all balls.
 
-    Several loads are summed up; the position is that of the load nearest to the balls.
+    The load is the sum of all axial loads; the position is that of the load nearest to the balls.
 
     Parameters
     ----------
@@ -188,7 +188,7 @@ def is_solvable_by_liu(scene: Scene) -> bool:
         Screw or bearing.
     """
     try:
-        _loaded_end(scene, ball_layout(scene).z)
+        _axial_load_and_position(scene, ball_layout(scene).z)
     except UnfitKey:
         return False
     return all(x.force[0] == x.force[1] == 0.0 and not any(x.moment) for x in scene.loads)
@@ -247,7 +247,7 @@ def solve_liu(scene: Scene, *, member: int = 0, law: Law = "implicit", compiled:
     axial = row.load_direction * float((force * sine).sum() * np.cos(chain.lead_angle))
     good = state is None or state.converged
     residual = 0.0 if state is None else state.residual
-    stations, along = _centreline(scene, row, layout.z[row.ball_order], row.load_direction * moved)
+    stations, along = _axial_motions_along_screw(scene, row, layout.z[row.ball_order], row.load_direction * moved)
     line = np.zeros((stations.size, 6))
     line[:, 2] = along
     own = hertz_of_every_contact(scene, drawn)
@@ -265,7 +265,7 @@ def solve_liu(scene: Scene, *, member: int = 0, law: Law = "implicit", compiled:
         hertz_C=hertz_constants_by_scene_choice(scene_with_error_free_hertz(scene), drawn),
         centreline_z=stations,
         centreline=line,
-        equilibrium=_axial_equilibrium(row.axial_load, axial),
+        equilibrium=_check_axial_equilibrium(row.axial_load, axial),
         solver=SolverReport(
             steps,
             steps,
@@ -290,11 +290,11 @@ def contact_angle_sines(chain: BallScrewChain, errors: Array, state: BallScrewSt
     Parameters
     ----------
     chain
-        Data of Liu's equations; its ``law`` is the relation between approach and contact angle.
+        Data of Liu's equations; the field ``law`` is the relation between approach and contact angle.
     errors
         Interference of each ball along the contact normal ``(M,)`` [m].
     state
-        Solution.
+        Solution of Liu's equations.
     """
     cosine = np.full(errors.size, np.cos(chain.contact_angle))
     if chain.law != "constant":
@@ -313,7 +313,9 @@ def _screw_motion_at_balls(row: SpringRow, state: BallScrewState) -> Array:
     return np.asarray(state.motion[0] - row.screw_compliance_share * lost)
 
 
-def _centreline(scene: Scene, row: SpringRow, at_balls: Array, motion_at_balls: Array) -> tuple[Array, Array]:
+def _axial_motions_along_screw(
+    scene: Scene, row: SpringRow, at_balls: Array, motion_at_balls: Array
+) -> tuple[Array, Array]:
     """Return axial positions along the screw ``(k,)`` [m] and the axial motions there ``(k,)`` [m].
 
     Between balls and load the screw is a stretched bar. Beyond the other end of the ball row it moves as a rigid body.
@@ -338,7 +340,7 @@ def _centreline(scene: Scene, row: SpringRow, at_balls: Array, motion_at_balls: 
     return stations, np.concatenate([motion_at_balls, motion])[first]
 
 
-def _axial_equilibrium(applied: float, carried: float) -> Equilibrium:
+def _check_axial_equilibrium(applied: float, carried: float) -> Equilibrium:
     """Return the check of axial equilibrium of the screw in Liu's model.
 
     Parameters

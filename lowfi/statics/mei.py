@@ -24,7 +24,7 @@ from rollbench.meshes.helix import BallLayout, ball_layout, lead_angle
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.section import merge_close_positions, screw_section, tube_section
 
-#: Largest number of Newton steps.
+#: Largest number of Newton steps of one solve.
 MAX_ITERATIONS = 100
 #: Assumptions of every result of Mei's model.
 ASSUMPTIONS = (
@@ -40,21 +40,21 @@ class _AxialBarModel:
     Unknowns are the axial motions of the screw at its nodes and, with an elastic nut, of the nut at the same positions.
     """
 
-    #: Axial positions of the nodes [m].
+    #: Axial positions of the nodes of the bars [m].
     nodes: Array
     #: Lower band of the bars' stiffness matrix [N/m], ``(bandwidth + 1, unknowns)``.
     K: Array
-    #: Axial loads on the unknowns [N].
+    #: Axial load [N] on the node of each unknown motion.
     load: Array
-    #: Which unknowns are fixed.
+    #: Which unknown motions supports fix.
     fixed: NDArray[np.bool_]
-    #: Prescribed values of the fixed unknowns [m].
+    #: Prescribed values of the fixed motions [m].
     prescribed: Array
     #: Index of the unknown that is the screw's motion at each ball ``(N,)``.
     screw: NDArray[np.int64]
     #: Index of the unknown that is the nut's motion at each ball ``(N,)``; -1 for a rigid nut.
     nut: NDArray[np.int64]
-    #: Approach of two opposite flanks per axial motion of the screw: sine of the contact angle times cosine of the lead
+    #: Approach of screw and nut flank per axial motion of the screw: sine of the contact angle times cosine of the lead
     #: angle.
     approach_per_axial_motion: float
     #: Interference of the flank pairs (SL, NR) and (SR, NL) at each ball by errors and oversize ``(N, 2)`` [m].
@@ -91,8 +91,8 @@ def _add_bar_stiffness(band: Array, unknowns: NDArray[np.int64], stations: Array
         band[high - low, low] -= s
 
 
-def _build_axial_chain(scene: Scene, layout: BallLayout, member: int, *, elastic_nut: bool) -> _AxialBarModel:
-    """Return the arrays of Mei's model of a scene.
+def _build_axial_bar_model(scene: Scene, layout: BallLayout, member: int, *, elastic_nut: bool) -> _AxialBarModel:
+    """Return the arrays of Mei's axial model of a scene: bars, loads, supports and contacts.
 
     ``layout``: positions of the balls; ``member``: number of the specimen with random errors; ``elastic_nut``: whether
     the nut is a row of bars too, else rigid.
@@ -134,10 +134,11 @@ def _build_axial_chain(scene: Scene, layout: BallLayout, member: int, *, elastic
     return _AxialBarModel(nodes, k, load, fixed, prescribed, screw, nut, slope, closure, pair)
 
 
-def _contact(chain: _AxialBarModel, x: Array) -> tuple[Array, Array]:
-    """Return the contact forces ``(N, 2)`` [N] of the flank pairs (SL, NR) and (SR, NL), and their stiffness [N/m].
+def _contact_forces_and_stiffness(chain: _AxialBarModel, x: Array) -> tuple[Array, Array]:
+    """Return the contact forces ``(N, 2)`` [N] of both pairs of opposite flanks at each ball, and their stiffness [N/m].
 
-    The stiffness ``(N, 2)`` is the derivative of the force by the approach of both contacts in series.
+    The first pair is screw left and nut right, the second screw right and nut left. The stiffness ``(N, 2)`` is the
+    derivative of the force by the approach of the two flanks (both contacts in series).
 
     Parameters
     ----------
@@ -154,7 +155,7 @@ def _contact(chain: _AxialBarModel, x: Array) -> tuple[Array, Array]:
 def _unbalanced_and_contact_forces(chain: _AxialBarModel, x: Array) -> tuple[Array, Array, Array]:
     """Return unbalanced axial forces of all unknowns [N], contact forces ``(N, 2)`` [N], and axial contact stiffness.
 
-    The stiffness ``(N,)`` [N/m] is that of both flank pairs of each ball between screw and nut.
+    The axial stiffness ``(N,)`` [N/m] between screw and nut is the sum over both flank pairs of each ball.
 
     Parameters
     ----------
@@ -163,7 +164,7 @@ def _unbalanced_and_contact_forces(chain: _AxialBarModel, x: Array) -> tuple[Arr
     x
         Axial motions of all unknowns [m].
     """
-    force, tangent = _contact(chain, x)
+    force, tangent = _contact_forces_and_stiffness(chain, x)
     axial = chain.approach_per_axial_motion * (force[:, 0] - force[:, 1])
     g = -chain.load.copy()
     for offset, row in enumerate(chain.K):
@@ -252,9 +253,9 @@ def solve_mei(scene: Scene, *, member: int = 0, elastic_nut: bool = False) -> St
     """
     start = perf_counter()
     layout = ball_layout(scene)
-    chain = _build_axial_chain(scene, layout, member, elastic_nut=elastic_nut)
+    chain = _build_axial_bar_model(scene, layout, member, elastic_nut=elastic_nut)
     x, iterations, residual = _minimise_by_newton(chain)
-    force, _ = _contact(chain, x)
+    force, _ = _contact_forces_and_stiffness(chain, x)
     load = np.zeros((layout.z.size, 4))
     load[:, [0, 3]], load[:, [1, 2]] = force[:, :1], force[:, 1:]
     good = residual <= 1e-10

@@ -15,19 +15,12 @@ import numpy as np
 
 from rollbench.lowfi.compliance.bodies import WholeBody, compliance_between_contacts
 from rollbench.lowfi.compliance.parts import REFINED, ComplianceModel
+from rollbench.lowfi.statics import static
 from rollbench.lowfi.statics.elastic import ElasticInput
 from rollbench.lowfi.statics.problem import centre_vectors_and_interference
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.selection import choose_flanks, flanks_of_scene
 from rollbench.lowfi.statics.settle import contact_angles
-from rollbench.lowfi.statics.static import (
-    Engine,
-    SolvedEquations,
-    StaticInput,
-    UnrestrainedProblem,
-    pick_engine,
-    solve_with_chosen_flanks,
-)
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import GeometryWithErrors, draw_geometry_with_errors
 from rollbench.meshes.helix import BallLayout, ball_layout
@@ -40,9 +33,9 @@ class ContactLoads:
 
     #: Contact forces ``(N, 4)`` [N].
     load: Array
-    #: Contact angles ``(N, 4)`` [rad]; nan without contact.
+    #: Contact angles ``(N, 4)`` [rad] from the groove's bottom; nan without contact.
     contact_angle: Array
-    #: Hertz constants ``(N, 4)`` [m/N^(2/3)].
+    #: Hertz constants C ``(N, 4)`` [m/N^(2/3)]: approach = C load^(2/3).
     hertz_C: Array
     #: Whether the solve converged, and if not, the reason.
     status: str
@@ -54,7 +47,7 @@ class ContactLoads:
 
 
 def contact_loads_by_beam_model(
-    scene: Scene, drawn: GeometryWithErrors, layout: BallLayout, engine: Engine = "auto"
+    scene: Scene, drawn: GeometryWithErrors, layout: BallLayout, engine: static.Engine = "auto"
 ) -> ContactLoads:
     """Return the contact loads of balls at given positions by Lin's model, with the screw as a beam in a rigid nut.
 
@@ -72,8 +65,10 @@ def contact_loads_by_beam_model(
     known = centre_vectors_and_interference(scene, drawn)
     use = choose_flanks(scene, drawn, known)
     return _contact_loads_of(
-        solve_with_chosen_flanks(
-            StaticInput(scene, drawn, layout, use, pick_engine(engine, layout.z.size), known_centre_distances=known)
+        static.solve_with_chosen_flanks(
+            static.StaticInput(
+                scene, drawn, layout, use, static.pick_engine(engine, layout.z.size), known_centre_distances=known
+            )
         )
     )
 
@@ -82,7 +77,7 @@ def contact_loads_with_elastic_bodies(
     scene: Scene,
     drawn: GeometryWithErrors,
     layout: BallLayout,
-    engine: Engine = "auto",
+    engine: static.Engine = "auto",
     backend: ComplianceModel = REFINED,
     whole: WholeBody = compliance_between_contacts,
 ) -> ContactLoads:
@@ -104,13 +99,15 @@ def contact_loads_with_elastic_bodies(
         Function that computes the compliance of one complete screw or nut between its contacts.
     """
     use = flanks_of_scene(scene) if drawn.profile_coefficients.shape[1] else choose_flanks(scene, drawn)
-    parts = scene, drawn, layout, use, pick_engine(engine, layout.z.size)
-    return _contact_loads_of(solve_with_chosen_flanks(ElasticInput(*parts, backend=backend, compute_body_compliance=whole)))
+    parts = scene, drawn, layout, use, static.pick_engine(engine, layout.z.size)
+    return _contact_loads_of(
+        static.solve_with_chosen_flanks(ElasticInput(*parts, backend=backend, compute_body_compliance=whole))
+    )
 
 
-def _contact_loads_of(solved: SolvedEquations | UnrestrainedProblem) -> ContactLoads:
+def _contact_loads_of(solved: static.SolvedEquations | static.UnrestrainedProblem) -> ContactLoads:
     """Return the contact forces and angles of a solution; forces and angles are nan for a problem without equilibrium."""
-    if isinstance(solved, UnrestrainedProblem):
+    if isinstance(solved, static.UnrestrainedProblem):
         C = solved.problem.C.copy()
         return ContactLoads(np.full(C.shape, np.nan), np.full(C.shape, np.nan), C, solved.status)
     problem, contact, _, _ = solved.system.contact_states()[0]
@@ -133,7 +130,7 @@ def nominal_scene(scene: Scene) -> Scene:
     return replace(scene, name="", title="", assumed=(), errors=errors)
 
 
-def nominal_contacts(scene: Scene, solved: StaticResult | None = None) -> int:
+def count_nominal_contacts(scene: Scene, solved: StaticResult | None = None) -> int:
     """Return the number of loaded contacts of a scene without errors except preload; 0 without load or equilibrium.
 
     Parameters

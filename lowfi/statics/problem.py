@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.lowfi.statics.contacts import hertz_constants_by_scene_choice
-from rollbench.lowfi.statics.shape import motion_matrices, right_singular_vectors, rigid_motion_transfer_matrix
+from rollbench.lowfi.statics.shape import beam_interpolation_matrices, right_singular_vectors, rigid_motion_transfer_matrix
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import GeometriesWithErrors, GeometryWithErrors
 from rollbench.meshes.helix import BallLayout, nominal_contact_points, nominal_groove_centres, nominal_groove_radii
@@ -26,11 +26,11 @@ class Problem:
     The motion of a groove flank at a ball depends on m motions of nodes: six of one node, or twelve of two nodes.
     """
 
-    #: Scene: screw, nut, balls, supports and loads.
+    #: Description of screw, nut, balls, supports and loads.
     scene: Scene
     #: Positions of the balls.
     layout: BallLayout
-    #: Dimensions of the parts with their manufacturing errors.
+    #: Dimensions of screw, nut and balls with their manufacturing errors.
     drawn: GeometryWithErrors
     #: Axial positions of the beam's nodes ``(n,)`` [m].
     nodes: Array
@@ -45,13 +45,13 @@ class Problem:
     #: Number of the first node whose motion moves each screw flank (SL, SR) at a ball ``(N, 2)``.
     first_nodes: NDArray[np.int64]
     #: Motions of the screw's two flanks at each ball, radial and along the helix's binormal, per unit of the six motions of
-    #: this node (m = 6), or of the twelve motions of this node and the next one (m = 12): ``(N, 2, 2, m)``.
+    #: the node in ``first_nodes`` (m = 6), or of the motions of this node and the next one (m = 12): ``(N, 2, 2, m)``.
     B: Array
     #: Geometry and Hertz constant of each contact for the kernels ``(N, 4, 9)``, see ``kernel.ball``.
     geometry: Array
     #: Nominal interference of ball and grooves across the diagonal pairs of flanks SL-NR and SR-NL ``(N, 2)`` [m].
     interference: Array
-    #: Which of the flanks SL, SR, NL, NR have contacts ``(4,)``.
+    #: Which of the four flanks (screw left, screw right, nut left, nut right) have contacts ``(4,)``.
     used_flanks: NDArray[np.bool_]
     #: Number of beam elements left out because they carry no load.
     left_out_elements: int
@@ -66,7 +66,7 @@ class Problem:
 
     @property
     def C(self) -> Array:
-        """Return the Hertz constants C ``(N, 4)`` [m/N^(2/3)], a view: approach = C Q^(2/3) at the contact force Q."""
+        """Return the Hertz constants C ``(N, 4)`` [m/N^(2/3)] (approach = C Q^(2/3) at force Q), a view of ``geometry``."""
         return self.geometry[:, :, 4]
 
     @property
@@ -90,20 +90,21 @@ class Problem:
 class SolvedState:
     """Solution of a static problem with n beam nodes and N balls: motions, contact forces and support reactions."""
 
-    #: Arrays of the problem.
+    #: Arrays of the static problem that was solved.
     problem: Problem
-    #: Motion of the nodes ``(n, 6)`` [m, rad].
+    #: Motions of the beam's nodes ``(n, 6)`` [m, rad].
     nodal_motions: Array
     #: Displacements of the ball centres in their section planes ``(N, 2)`` [m].
     ball_centres: Array
     #: Contact forces ``(N, 4)`` [N].
     contact_forces: Array
-    #: Unit vectors from ball to groove in the section ``(N, 4, 2)``.
+    #: Unit normals of the contacts from ball to groove, in the balls' section planes ``(N, 4, 2)``.
     contact_normals: Array
     #: Forces and moments of the supports on the nodes ``(n, 6)`` [N, N m]. They are zero for a rigid screw, whose reactions
     #: follow from its equilibrium.
     reactions: Array
-    #: Motions of the flanks in the plane of the ball's section ``(N, 4, 2)`` [m]; None if all flanks are circular arcs.
+    #: Motions of the groove flanks at each ball, in its section plane ``(N, 4, 2)`` [m]; None if all flanks are circular
+    #: arcs.
     flank_motions: Array | None
     #: Force by which the solver divided its residual [N]: the largest force in the model.
     residual_force_scale: float
@@ -130,9 +131,9 @@ def pack_contact_data(
     C
         Hertz constants ``(N, 4)`` or ``(4,)`` [m/N^(2/3)].
     use
-        Which of the flanks SL, SR, NL, NR have contacts ``(4,)``.
+        Which of the four flanks (screw left, screw right, nut left, nut right) have contacts ``(4,)``.
     distances_and_interference
-        Distances and interferences of these parts as `centre_vectors_and_interference` returns them; None: computed here.
+        Result of `centre_vectors_and_interference` for these parts; None: computed here.
     """
     offset, closure = distances_and_interference or centre_vectors_and_interference(scene, drawn)
     n = offset.shape[0]
@@ -162,8 +163,8 @@ def centre_vectors_and_interference(scene: Scene, drawn: GeometryWithErrors | Ge
     -------
     tuple[Array, Array]
         For each ball and flank the vector from groove centre to ball centre (two components), its length and the nominal
-        approach ``(..., N, 4, 4)`` [m]; and for each ball the interference with its diagonal pairs of flanks SL-NR and
-        SR-NL ``(..., N, 2)`` [m], negative for clearance.
+        approach ``(..., N, 4, 4)`` [m]; and for each ball the interference with its diagonal pairs of flanks (screw left
+        and nut right, then screw right and nut left) ``(..., N, 2)`` [m], negative for clearance.
     """
     x, z, radii = drawn.groove_centres[..., 0], drawn.groove_centres[..., 1], nominal_groove_radii(scene)
     size, nominal = _vector_length(x, z), _vector_length(*nominal_groove_centres(scene).T)
@@ -218,7 +219,7 @@ def flank_motion_matrix(
         Scene; dimensions with errors; ball positions; and shifts ``(N, 4, 2)`` [m] of the flanks' centres of curvature by
         profile errors (None: zero).
     side
-        Number of the flank in the order SL, SR, NL, NR.
+        Number of the flank in the order screw left, screw right, nut left, nut right.
     origin_z
         Axial position [m] of the point at which the body's motion is taken, for each ball ``(N,)``.
 
@@ -266,7 +267,7 @@ def point_motion_matrix(layout: BallLayout, r: Array) -> Array:
 def flank_motions_of_specimens(problem: Problem, centre: Array) -> Array:
     """Return the motions of the screw's flanks per unit motion of the beam's nodes, for k specimens with groove errors.
 
-    The result replaces `Problem.B`. Its axes are specimen, ball, screw flank (SL, SR), component in the ball's section
+    The result replaces `Problem.B`. Its axes are specimen, ball, screw flank (left, right), component in the ball's section
     plane, and node motion. Specimens differ in their lever arms, which end at the centres of groove arcs.
 
     Parameters
@@ -292,7 +293,7 @@ def flank_motions_of_specimens(problem: Problem, centre: Array) -> Array:
         elif problem.used_flanks[s] and B.shape[-1] == 6:
             B[:, :, s] = flank_motion_matrix(parts, s, problem.nodes[problem.first_nodes[:, s]])
         elif problem.used_flanks[s]:
-            _, m = motion_matrices(stations[:, s], problem.nodes, problem.section)
+            _, m = beam_interpolation_matrices(stations[:, s], problem.nodes, problem.section)
             B[:, :, s] = flank_motion_matrix(parts, s, stations[:, s]) @ m
     return B
 
@@ -349,7 +350,7 @@ def build_problem(
     layout
         Positions of the balls.
     use
-        Which of the flanks SL, SR, NL, NR get contacts ``(4,)``.
+        Which of the four flanks (screw left, screw right, nut left, nut right) get contacts ``(4,)``.
     everything
         Whether to model also the ends of the shaft that carry no load.
     refine
@@ -389,11 +390,11 @@ def build_problem(
             node[:, s] = (
                 np.abs(nodes[None, :] - stations[:, s, None]).argmin(axis=1)
                 if count < 400
-                else (_nearest_nodes(nodes, stations[:, s]))
+                else (_indices_of_nearest_nodes(nodes, stations[:, s]))
             )
             B[:, s] = flank_motion_matrix(parts, s, nodes[node[:, s]])
         else:
-            node[:, s], m = motion_matrices(stations[:, s], nodes, section)
+            node[:, s], m = beam_interpolation_matrices(stations[:, s], nodes, section)
             B[:, s] = flank_motion_matrix(parts, s, stations[:, s]) @ m
     for s in range(2):
         if not use[s]:
@@ -401,7 +402,7 @@ def build_problem(
     return Problem(scene, layout, drawn, nodes, section, fixed, prescribed, load, node, B, geometry, closure, use, left_out)
 
 
-def _nearest_nodes(nodes: Array, stations: Array) -> NDArray[np.int64]:
+def _indices_of_nearest_nodes(nodes: Array, stations: Array) -> NDArray[np.int64]:
     """Return for each axial position [m] the index of the nearest of the nodes, whose positions [m] are sorted."""
     j = np.clip(np.searchsorted(nodes, stations), 1, nodes.size - 1)
     return np.where(stations - nodes[j - 1] < nodes[j] - stations, j - 1, j).astype(np.int64)
@@ -453,10 +454,10 @@ def _build_rigid_problem(
     return Problem(scene, layout, drawn, *shaft, geometry, closure, use, 0, to_motion)
 
 
-#: A constraint counts as independent of earlier ones if their best combination differs from it by more than this, relative
-#: to its norm.
+#: Difference between a support's constraint and the best combination of earlier constraints, relative to its norm, above
+#: which it counts as independent of them.
 INDEPENDENT = 1e-9
-#: Two prescribed values count as equal if they differ by less than this, relative to the largest prescribed value.
+#: Difference of two prescribed values, relative to the largest prescribed value, below which they count as equal.
 AGREES = 1e-9
 
 
@@ -474,13 +475,13 @@ class PrescribedMotion:
 
 @dataclass(frozen=True)
 class SupportContradiction:
-    """Contradiction between supports of a rigid screw: one prescribes another displacement than others imply."""
+    """Contradiction between supports of a rigid screw: a prescribed value differs from what the other supports imply."""
 
-    #: The contradicted degree of freedom with its prescribed value.
+    #: Degree of freedom with the prescribed value that contradicts the other supports.
     contradicted: PrescribedMotion
-    #: Value that the other supports imply [m or rad].
+    #: Value of this degree of freedom that the other supports imply [m or rad].
     implied: float
-    #: Fixed degrees of freedom of other supports that imply this value.
+    #: Fixed degrees of freedom of the other supports, from which the value ``implied`` follows.
     implied_by: tuple[PrescribedMotion, ...]
 
     def message(self, scene: Scene) -> str:

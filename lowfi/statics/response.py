@@ -24,18 +24,10 @@ from rollbench.lowfi.compliance.bodies import (
 from rollbench.lowfi.compliance.bodies import clear_compliance_cache as forget_bodies
 from rollbench.lowfi.compliance.parts import ComplianceModel, compliance_geometry_with_balls
 from rollbench.lowfi.hertz import contact_stiffness_under_force
+from rollbench.lowfi.statics import shaft as statics_shaft
 from rollbench.lowfi.statics.contacts import hertz_without_errors, oblique_pressure_coefficient
 from rollbench.lowfi.statics.kernel_types import ElasticBodies
 from rollbench.lowfi.statics.problem import Problem
-from rollbench.lowfi.statics.shaft import (
-    SectionForceCoupling,
-    ShaftBeam,
-    build_shaft,
-    build_shaft_stretch,
-    couple_section_forces,
-    flank_compliance_and_free_motions,
-    flank_motions_by_loads,
-)
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import BallLayout
 
@@ -51,7 +43,7 @@ KEPT = 250
 LENT = 0.25
 
 
-def order_ball_by_ball(N: int, flank_count: int) -> NDArray[np.int64]:
+def permutation_to_ball_by_ball_order(N: int, flank_count: int) -> NDArray[np.int64]:
     """Return the permutation of flank motions from the order (flank, ball, component) to (ball, flank, component).
 
     The array ``(2 N flank_count,)`` holds for each place in the new order the index in the old one. ``N``: number of balls;
@@ -66,9 +58,10 @@ def compliance_of_both_flanks(G: Array, used: NDArray[np.bool_], N: int) -> Arra
     Parameters
     ----------
     G
-        Compliance matrix of the flanks in use [m/N], ordered by ball, flank and component in the ball's section plane.
+        Compliance matrix of the flanks that have contacts [m/N], ordered by ball, flank and component in the ball's section
+        plane.
     used
-        Which of the two flanks are in use ``(2,)``.
+        Which of the two flanks have contacts ``(2,)``.
     N
         Number of balls.
     """
@@ -80,10 +73,10 @@ def compliance_of_both_flanks(G: Array, used: NDArray[np.bool_], N: int) -> Arra
 def without_negative_eigenvalues(G: Array, normals: Array, tangent_compliance: float) -> tuple[Array, Array, float]:
     """Return the compliance of a body without negative eigenvalues, which would make the energy non-convex.
 
-    The matrix holds the compliance in addition to the one that Hertz's law contains; near a fixed face it is negative. The
-    missing compliance is added to the body along the contact's normal and must be subtracted from the contact's law, so
-    that the sum is exact. At most the share `LENT` of a contact's tangent compliance is moved from its law to the body;
-    eigenvalues that stay negative are set to zero.
+    The matrix holds the compliance in addition to the one that Hertz's law contains; near a fixed face this addition is
+    negative. The missing compliance is added to the body along the contact's normal and must be subtracted from the
+    contact's law, so that the sum is exact. At most the share `LENT` of a contact's tangent compliance is moved from its
+    law to the body; eigenvalues that stay negative are set to zero.
 
     Parameters
     ----------
@@ -166,8 +159,8 @@ class ContactCompliance:
     def without_negative_eigenvalues(self, tangent: float) -> tuple[ContactCompliance, Array, float]:
         """Return the compliance without negative eigenvalues, by the method of `without_negative_eigenvalues`.
 
-        ``tangent``: tangent compliance of a contact [m/N]. Entries: the compliance; what was added to it along the normals
-        ``(n,)`` [m/N]; and the magnitude of the largest negative eigenvalue that was set to zero [m/N].
+        ``tangent``: tangent compliance of a contact [m/N]. Returns the compliance; the values that were added to it along
+        the normals ``(n,)`` [m/N]; and the magnitude of the largest negative eigenvalue that was set to zero [m/N].
         """
         if self.is_positive:
             return self, np.zeros(len(self.normals)), 0.0
@@ -218,17 +211,17 @@ def contact_normals(geometry: Array) -> Array:
     return np.asarray(geometry[..., :2] / np.maximum(geometry[..., 2:3], 1e-30))
 
 
-def typical_axes(problem: Problem, force: float) -> tuple[float, float]:
+def typical_ellipse_semi_axes(problem: Problem, force: float) -> tuple[float, float]:
     """Return the semi-axes of the mean contact ellipse under a force [N]: across the groove and along it [m]."""
     constants, grow = hertz_without_errors(problem.scene), float(np.cbrt(force))
     return float(np.mean(constants.C_a)) * grow, float(np.mean(constants.C_b)) * grow
 
 
 def only_flank_pair(problem: Problem) -> tuple[int, int] | None:
-    """Return the numbers of the two flanks if only one diagonal pair has contacts, the screw's flank first.
+    """Return the numbers of the two flanks if only one pair of diagonally opposite flanks has contacts.
 
-    Flanks are numbered SL 0, SR 1, NL 2, NR 3: the result is (0, 3) or (1, 2). None if all four flanks have contacts or the
-    flanks are not circular arcs.
+    The numbers are 0 screw left, 1 screw right, 2 nut left, 3 nut right; the result is (0, 3) or (1, 2). None if all four
+    flanks have contacts or the flanks are not circular arcs.
     """
     if problem.drawn.profile_coefficients.shape[1] or np.all(problem.used_flanks):
         return None
@@ -236,7 +229,7 @@ def only_flank_pair(problem: Problem) -> tuple[int, int] | None:
     return a, 3 - a
 
 
-#: Empty compliance, between zero contacts.
+#: Compliance of a body without contacts: an empty matrix.
 NOTHING = ContactCompliance(np.zeros((0, 0)), np.zeros((0, 2)))
 
 
@@ -248,7 +241,7 @@ class ScrewAndNutCompliance:
     """
 
     #: Beam of the screw with k free rigid motions, under the loads of the first problem that used this compliance.
-    shaft_beam: ShaftBeam
+    shaft_beam: statics_shaft.ShaftBeam
     #: Compliance matrices of screw and nut between their flanks in use, ordered ball by ball [m/N].
     screw_and_nut: tuple[Array, Array]
     #: Compliance matrices in the form that the kernels use: if only one diagonal pair of flanks has contacts, the sum of
@@ -256,13 +249,15 @@ class ScrewAndNutCompliance:
     kernel_compliances: tuple[ContactCompliance, ...]
     #: Motions of the screw's flanks per metre of the free rigid motions ``(N, 2, 2, k)``.
     R: Array
-    #: Coupling of contact deformation and section forces of the shaft, under the loads of that problem; None: not modelled.
-    section_force_coupling: SectionForceCoupling | None
+    #: Coupling of contact deformation and section forces of the shaft, under the loads of the first problem that used this
+    #: compliance; None: not modelled.
+    section_force_coupling: statics_shaft.SectionForceCoupling | None
     #: Compliance of the balls at a force of 1 N.
     ball_compliance: BallCompliance
-    #: Coefficient e of a contact at each flank ``(4,)`` [m/N], for the contact ellipse under 1 N.
+    #: Coefficient e of the term e F in the approach of a contact at each flank ``(4,)`` [m/N], for the ellipse under 1 N.
     e: Array
-    #: Coefficient h of a contact at each flank ``(4,)`` [m/N^(4/3)], without the part that follows from ``slope_of_e``.
+    #: Coefficient h of the term h F^(4/3) in the approach of a contact at each flank ``(4,)`` [m/N^(4/3)], without the part
+    #: that follows from ``slope_of_e``.
     h: Array
     #: Derivative of e by the logarithm of the size of the contact ellipse, at each flank ``(4,)`` [m/N].
     slope_of_e: Array
@@ -274,9 +269,13 @@ class ScrewAndNutCompliance:
 class _ComplianceInput:
     """Input of a compliance computation, as argument of a cached function; inputs with the same ``key`` count as equal."""
 
+    #: Dimensions and options that determine the compliance; the only field that is compared.
     key: tuple[object, ...]
+    #: Arrays of the static problem.
     problem: Problem = field(compare=False)
+    #: Positions of the balls.
     layout: BallLayout = field(compare=False)
+    #: Method by which the compliance of screw, nut and balls is computed.
     backend: ComplianceModel = field(compare=False)
 
 
@@ -342,8 +341,8 @@ def _compute_compliance(
     ``layout``: ball positions; ``backend``: method; ``condensed``: compliance from a 3D model in place of a computed one;
     ``whole``: function that computes the compliance of one complete screw or nut.
     """
-    scene, shaft, N = problem.scene, build_shaft(problem), layout.z.size
-    axes = typical_axes(problem, 1.0)
+    scene, shaft, N = problem.scene, statics_shaft.build_shaft(problem), layout.z.size
+    axes = typical_ellipse_semi_axes(problem, 1.0)
     ball = ball_compliance(scene, axes, backend)
     of_file = ball if condensed is None else condensed.ball_compliance_of_file(scene, axes)
     if condensed is not None and condensed.covers_screw_and_nut:
@@ -360,12 +359,12 @@ def _compute_compliance(
             body.contact_compliance + ball.contact_compliance,
             body.contact_compliance_slope + ball.contact_compliance_slope,
         )
-        order = order_ball_by_ball(N, len(sides))
+        order = permutation_to_ball_by_ball_order(N, len(sides))
         compliance = body.G[np.ix_(order, order)]
         if screw:
-            beam, rigid = flank_compliance_and_free_motions(shaft, sides)
-            stretch = build_shaft_stretch(problem, scene, layout, backend, sides, slice(0, N))
-            squeeze = couple_section_forces(shaft, sides, [stretch] if stretch is not None else [])
+            beam, rigid = statics_shaft.flank_compliance_and_free_motions(shaft, sides)
+            stretch = statics_shaft.build_shaft_stretch(problem, scene, layout, backend, sides, slice(0, N))
+            squeeze = statics_shaft.couple_section_forces(shaft, sides, [stretch] if stretch is not None else [])
             if squeeze is not None:
                 beam = beam + squeeze.added_compliance
             compliance = compliance + beam[np.ix_(order, order)]
@@ -395,7 +394,8 @@ def clear_compliance_caches() -> None:
     cached_compliance.cache_clear()
 
 
-#: Largest number of balls. The compliance matrix between all contacts is dense, so that memory grows as its square.
+#: Largest number of balls with elastic bodies. As the compliance matrix between all contacts is dense, memory grows as the
+#: square of this number.
 LARGEST = 1000
 
 
@@ -403,7 +403,8 @@ LARGEST = 1000
 class FlankCompliance:
     """Compliance of all flanks under N balls, and terms of the contact law besides Hertz's, for given loads.
 
-    The kernels take either the 8 motions of the four flanks of each ball, or the 2 relative motions of one diagonal pair.
+    The kernels take either the 8 motions of the four flanks of each ball, or the 2 components of the relative motion of one
+    pair of diagonally opposite flanks.
     """
 
     #: Compliance of the bodies as arrays for the kernels.
@@ -418,13 +419,13 @@ class FlankCompliance:
     #: flanks with contacts, and motions of the screw's flanks by loads ``(N, 2, 2)`` and per metre of its free rigid
     #: motions ``(N, 2, 2, k)``.
     flank_motion_terms: tuple[Array, Array, Array, Array]
-    #: Derivative of e by the logarithm of s, the cube root of the typical force, at each flank ``(4,)`` [m/N]; h contains
-    #: slope / s.
+    #: Derivative of e by the logarithm of s, the cube root of the typical force, at each flank ``(4,)`` [m/N]; the field h
+    #: contains ``slope_of_e`` / s.
     slope_of_e: Array
-    #: Largest compliance that was moved from a contact's law to the bodies [m/N], see `without_negative_eigenvalues`.
+    #: Largest compliance [m/N] that was moved from the law of a contact to the bodies, see `without_negative_eigenvalues`.
     compliance_moved_to_bodies: float
-    #: Coupling with the shaft's section forces; None: not modelled.
-    section_force_coupling: SectionForceCoupling | None = None
+    #: Coupling of contact deformation and section forces of the shaft; None: not modelled.
+    section_force_coupling: statics_shaft.SectionForceCoupling | None = None
 
 
 def tangent_compliance_of_contact(problem: Problem, force: float) -> float:
@@ -436,7 +437,7 @@ def tangent_compliance_of_contact(problem: Problem, force: float) -> float:
 
 
 def flank_compliance_under_loads(
-    problem: Problem, force: float, shaft: ShaftBeam, response: ScrewAndNutCompliance
+    problem: Problem, force: float, shaft: statics_shaft.ShaftBeam, response: ScrewAndNutCompliance
 ) -> FlankCompliance:
     """Return the compliance of all flanks, and the terms that are added to Hertz's contact law, for given loads.
 
@@ -454,11 +455,11 @@ def flank_compliance_under_loads(
     N, squeeze = len(problem.C), response.section_force_coupling
     size, tangent = float(np.cbrt(force)), tangent_compliance_of_contact(problem, force)
     sides = [s for s in (0, 1) if problem.used_flanks[s]]
-    moved, v0 = flank_motions_by_loads(shaft, sides), np.zeros((N, 2, 2))
+    moved, v0 = statics_shaft.flank_motions_by_loads(shaft, sides), np.zeros((N, 2, 2))
     if squeeze is not None:
         squeeze = squeeze.under_loads_of(shaft)
         moved = moved + squeeze.flank_motions_by_loads
-    v0[:, sides] = moved[order_ball_by_ball(N, len(sides))].reshape(N, len(sides), 2)
+    v0[:, sides] = moved[permutation_to_ball_by_ball_order(N, len(sides))].reshape(N, len(sides), 2)
     e, h = np.zeros((N, 4)), np.zeros((N, 4))
     used = problem.used_flanks  # log F^(1/3) in e is replaced by its tangent at the typical force
     e[:, used] = (response.e + response.slope_of_e * (np.log(size) - 1.0))[used]
@@ -515,7 +516,7 @@ def starting_spring_factors(problem: Problem, pair: tuple[int, int] | None, stif
     problem
         Static problem of N balls.
     pair
-        Numbers of the two flanks if only one diagonal pair is in use, else None.
+        Numbers of the two flanks if only one pair of diagonally opposite flanks is in use, else None.
     stiffness
         Stiffness of each spring [N/m].
 

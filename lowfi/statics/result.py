@@ -15,7 +15,9 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import RollingSet
 from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record
 
+#: How a solve ended, see `Status`.
 Ended = Literal["converged", "not held", "not converged", "stopped"]
+#: Known cause of a failed solve, see `Status`.
 Cause = Literal["", "crossed row", "mounting", "not unique"]
 
 #: Keys of the six motions in JSON results, with their units, and factors from m and rad to these units.
@@ -102,14 +104,14 @@ class Equilibrium:
     moment_residual: float = quantity_field(
         "moment_residual", "sum of the moments of loads, reactions and contact loads over the largest moment"
     )
-    #: Force of the pin ``(3,)`` [N].
+    #: Force on the screw by the pin, a degree of freedom that is fixed although no support fixes it ``(3,)`` [N].
     pin_force: Array = quantity_field(
         "pin_force_N",
         "force of the pin that prevents a motion which nothing else resists; not a reaction of a support",
         parts="[]",
         default_factory=lambda: np.zeros(3),
     )
-    #: Moment of the pin ``(3,)`` [N m].
+    #: Moment on the screw by the pin, a degree of freedom fixed without a support, about the origin ``(3,)`` [N m].
     pin_moment: Array = quantity_field(
         "pin_moment_Nm", "moment about the origin that the pin exerts", parts="[]", default_factory=lambda: np.zeros(3)
     )
@@ -121,12 +123,12 @@ class Equilibrium:
     ball_residual: float = quantity_field(
         "ball_residual", "largest unbalanced force of a ball over the largest force", default=0.0
     )
-    #: Number of the ball with this force, from 1.
+    #: Number of the ball with the largest resultant contact force, from 1; 0: none.
     worst_ball: int = 0
 
     @property
     def largest(self) -> float:
-        """Return the largest of the residuals of forces, moments and balls."""
+        """Return the largest of the relative residuals of forces, of moments, and of the forces on each ball."""
         return max(self.force_residual, self.moment_residual, self.ball_residual)
 
 
@@ -134,17 +136,17 @@ class Equilibrium:
 class SolverReport:
     """Effort and accuracy of a static solve: iterations, residual, time, size of the system, and notes."""
 
-    #: Newton steps.
+    #: Number of Newton steps.
     iterations: int = quantity_field("iterations", "Newton steps")
-    #: Evaluations of the equations.
+    #: Number of evaluations of the equations.
     evaluations: int = quantity_field("evaluations", "evaluations of the equations")
     #: Largest unbalanced force of the solved equations, divided by the largest force.
     residual: float = quantity_field("residual", "largest unbalanced force of the solved equations over the largest force")
     #: Time of the solve [s].
     seconds: float = quantity_field("seconds", "time of the solve")
-    #: Number of unknowns.
+    #: Number of unknowns of the equations.
     unknowns: int = quantity_field("unknowns", "unknowns of the solve")
-    #: Number of beam elements.
+    #: Number of beam elements of the shaft.
     elements: int = quantity_field("elements", "beam elements")
     #: ``"interpreted"`` or ``"compiled"`` kernels.
     engine: str = quantity_field("engine")
@@ -170,13 +172,13 @@ class SolverReport:
 class NanUnlessConverged:
     """Base class of results, which can replace the fields that are valid only for a converged solution by nan."""
 
-    #: Names of the fields that are replaced.
+    #: Names of the fields that nan replaces if the solution did not converge.
     ANSWERS: ClassVar[tuple[str, ...]] = ()
 
     def with_nan_answers(self) -> Self:
         """Return a copy of the result with nan in the fields named in ``ANSWERS``, also in nested records.
 
-        A check of equilibrium becomes None.
+        The check of equilibrium becomes None.
         """
         return replace(self, **{name: nan_in_place_of(getattr(self, name)) for name in self.ANSWERS})
 
@@ -191,9 +193,9 @@ class StaticSolution(NanUnlessConverged):
     status: Status
     #: Axial positions along the shaft's centreline ``(k,)`` [m].
     centreline_z: Array
-    #: Displacements and rotations of the shaft there ``(k, 6)`` [m, rad].
+    #: Displacements and rotations of the shaft at the positions ``centreline_z``: ``(k, 6)`` [m, rad].
     centreline: Array
-    #: Sums of forces and moments on the shaft; None without a solution.
+    #: Check of equilibrium: sums of forces and moments on the shaft; None without a solution.
     equilibrium: Equilibrium | None
     #: Effort and accuracy of the solve.
     solver: SolverReport
@@ -238,11 +240,11 @@ class StaticResult(StaticSolution):
     z: Array
     #: Contact forces ``(n, 4)`` [N].
     load: Array
-    #: Contact angles ``(n, 4)`` [rad]; nan without contact.
+    #: Contact angles ``(n, 4)`` [rad] from the groove's bottom; nan without contact.
     contact_angle: Array
     #: Contact points in space ``(n, 4, 3)`` [m].
     contact_point: Array
-    #: Unit vectors of the forces on the ball ``(n, 4, 3)``.
+    #: Unit vectors of the contact forces on the balls ``(n, 4, 3)``.
     force_direction: Array
     #: Displacement of the ball's centre in its section plane ``(n, 2)`` [m].
     centre_shift: Array
@@ -268,7 +270,7 @@ class StaticResult(StaticSolution):
 
 @result_record
 class SetResult(NanUnlessConverged):
-    """Result of one bearing or ball nut of an assembly."""
+    """Result of one bearing or ball nut of an assembly: forces on shaft and housing, stiffness, and contact loads."""
 
     #: The bearing or ball nut.
     of: RollingSet = quantity_field(
@@ -284,14 +286,14 @@ class SetResult(NanUnlessConverged):
     )
     #: Force of the balls or rollers on the shaft ``(3,)`` [N].
     force: Array = quantity_field("force_on_shaft_N", "force of the bearing or nut on the shaft, x, y, z", parts="[]")
-    #: Moment of these forces about the axis point at the centre of the bearing or nut ``(3,)`` [N m].
+    #: Moment of the balls or rollers on the shaft, about the axis point at the centre of the bearing or nut ``(3,)`` [N m].
     moment: Array = quantity_field(
         "moment_on_shaft_Nm", "moment of the bearing or nut on the shaft about its centre, x, y, z", parts="[]"
     )
-    #: Force and moment on the outer ring or nut about the same point ``(6,)`` [N, N m]. They are opposite to those on the
-    #: shaft except for the change of lever arms by displacements.
+    #: Force and moment of the balls or rollers on the outer ring or nut, about the axis point at its centre ``(6,)``
+    #: [N, N m]. They are opposite to those on the shaft except for the change of lever arms by displacements.
     reaction: Array
-    #: Tangent stiffness between inner and outer part ``(6, 6)`` [N/m, N, N m].
+    #: Tangent stiffness between inner and outer ring, or screw and nut ``(6, 6)`` [N/m, N, N m].
     stiffness: Array = quantity_field(
         "stiffness", "tangent stiffness of one bearing or nut between its inner and outer part", parts="[][]"
     )
@@ -338,7 +340,7 @@ class SetResult(NanUnlessConverged):
 
 @result_record
 class HousingResult(NanUnlessConverged):
-    """Result of one housing of an assembly."""
+    """Result of one housing of an assembly: motion, force and moment by supports and springs, and unbalanced force."""
 
     #: Name of the housing.
     name: str = quantity_field("name")
@@ -346,7 +348,8 @@ class HousingResult(NanUnlessConverged):
     motion: Array = quantity_field(
         "motion", "displacement and rotation of the housing at its axial position", show=motion_in_um_and_mrad, parts=".*"
     )
-    #: Force and moment that fixed degrees of freedom and springs exert on the housing, about this point ``(6,)`` [N, N m].
+    #: Force and moment that fixed degrees of freedom and springs exert on the housing, about its reference point ``(6,)``
+    #: [N, N m].
     wrench: Array = quantity_field(
         "frame_force_N",
         "force on the housing by its fixed freedoms and its springs, x, y, z",
@@ -377,7 +380,8 @@ class AxisResult(StaticSolution):
     stiffness_at: str = ""
     #: Axial position at which ``stiffness`` is taken [m]; None for a housing.
     station: float | None = None
-    #: Tangent stiffness of the whole assembly at this location ``(6, 6)`` [N/m, N, N m]; None if the location is fixed.
+    #: Tangent stiffness of the whole assembly at the location ``stiffness_at``: ``(6, 6)`` [N/m, N, N m]; None if this
+    #: location is fixed.
     stiffness: Array | None = None
     #: Names of the fields that are replaced by nan if the solution did not converge.
     ANSWERS: ClassVar[tuple[str, ...]] = (*StaticSolution.ANSWERS, "sets", "housings")
@@ -392,7 +396,7 @@ class AxisResult(StaticSolution):
 
 
 def nan_in_place_of(value: Any) -> Any:
-    """Return the value that stands in the result in place of ``value`` if the solution did not converge.
+    """Return the value (nan or None) that replaces ``value`` in the result if the solution did not converge.
 
     Numbers and arrays become nan, also within records and tuples; an `Equilibrium` becomes None.
     """

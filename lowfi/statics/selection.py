@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from rollbench.lowfi.statics.held import UnresistedMotions
 from rollbench.lowfi.statics.kernel_types import RIGID
 from rollbench.lowfi.statics.problem import Problem, centre_vectors_and_interference
-from rollbench.lowfi.statics.shape import motions_at
+from rollbench.lowfi.statics.shape import interpolate_beam_motions
 from rollbench.meshes.arrays import Array, Mask
 from rollbench.meshes.errors import GeometryWithErrors
 from rollbench.meshes.helix import BallLayout
@@ -24,7 +24,7 @@ from rollbench.meshes.section import MERGE, contact_force_positions
 
 
 def flanks_of_scene(scene: Scene) -> Mask:
-    """Return which of the flanks SL, SR, NL, NR a scene has, as booleans ``(4,)``.
+    """Return which of the four flanks (screw left, screw right, nut left, nut right) a scene has, as booleans ``(4,)``.
 
     Gothic grooves have all four; a groove of a single arc has one flank on the screw and one on the nut.
 
@@ -52,7 +52,7 @@ def choose_flanks(
     drawn
         Dimensions of the parts with their manufacturing errors.
     distances_and_interference
-        Distances and interferences of these parts as `centre_vectors_and_interference` returns them; None: computed here.
+        Result of `centre_vectors_and_interference` for these parts; None: computed here.
     """
     use = flanks_of_scene(scene)
     force = sum(load.force[2] for load in scene.loads)
@@ -90,12 +90,12 @@ def screw_flank_motions(problem: Problem, motion: Array) -> Array:
             out[:, s] = np.einsum("nak,nk->na", problem.B[:, s], flat[picks])
             continue
         stations = contact_force_positions(problem.scene, layout)[:, s]
-        moved_at = motions_at(stations, problem.nodes, problem.section, motion.reshape(-1, 6))
-        out[:, s] = motions_in_section(layout, problem.drawn.groove_centres[:, s], stations, moved_at)
+        moved_at = interpolate_beam_motions(stations, problem.nodes, problem.section, motion.reshape(-1, 6))
+        out[:, s] = groove_arc_motions_in_section_planes(layout, problem.drawn.groove_centres[:, s], stations, moved_at)
     return out
 
 
-def motions_in_section(layout: BallLayout, centre: Array, stations: Array, motions: Array) -> Array:
+def groove_arc_motions_in_section_planes(layout: BallLayout, centre: Array, stations: Array, motions: Array) -> Array:
     """Return the motion of the screw's groove arc at each ball, radial and along the helix's binormal.
 
     It is the motion of the arc's centre, which moves rigidly with the shaft's cross-section.
@@ -143,7 +143,7 @@ def all_flank_motions_by_screw(problem: Problem, motion: Array) -> Array | None:
 def gaps_to_flanks(centres: Array, shift: Array, geometry: Array) -> Array:
     """Return the gap between each ball and each of its four groove arcs in k solutions ``(k, N, 4)`` [m].
 
-    A negative gap is an interference.
+    A negative gap is an interference of ball and groove.
 
     Parameters
     ----------
@@ -152,7 +152,7 @@ def gaps_to_flanks(centres: Array, shift: Array, geometry: Array) -> Array:
     shift
         Motions of the flanks ``(k, N, 4, 2)`` [m].
     geometry
-        Contact data ``(k, N, 4, 9)``: nominal positions, approach and Hertz constant, see `lowfi.statics.kernel.ball`.
+        Contact data ``(k, N, 4, 9)``: nominal ball positions, approach, Hertz constant, see `lowfi.statics.kernel.ball`.
     """
     x, z = (centres[:, :, None, k] - shift[..., k] for k in range(2))
     wx, wz = geometry[..., 0], geometry[..., 1]
@@ -166,7 +166,8 @@ def solutions_clear_of_left_out_flanks(
 ) -> NDArray[np.bool_]:
     """Return for each of k solutions whether all balls are clear of the flanks that were left out ``(k,)``.
 
-    An unloaded ball is clear if it touches no flank at its present position or at the mean displacement of its flanks.
+    An unloaded ball is clear if it touches no flank, either at its present position or at the mean displacement of its
+    flanks.
 
     Parameters
     ----------
@@ -175,13 +176,13 @@ def solutions_clear_of_left_out_flanks(
     shift
         Motions of the flanks ``(k, N, 4, 2)`` [m].
     geometry
-        Contact data ``(k, N, 4, 9)``: nominal positions, approach and Hertz constant, see `lowfi.statics.kernel.ball`.
+        Contact data ``(k, N, 4, 9)``: nominal ball positions, approach, Hertz constant, see `lowfi.statics.kernel.ball`.
     loads
         Contact forces ``(k, N, 4)`` [N].
     use
-        Which flanks were modelled ``(4,)``.
+        Which of the four flanks (screw left, screw right, nut left, nut right) have contacts in the equations ``(4,)``.
     margin
-        Least clearance required [m].
+        Least gap [m] between a ball and a left-out flank at which the ball counts as clear of it.
     """
     left_out = np.flatnonzero(~use)
     loaded = _min_or_max_along_last_axis(np.maximum, loads) > 0.0
@@ -220,9 +221,10 @@ def _min_or_max_along_last_axis(of_two: np.ufunc, values: Array) -> Array:
 
 
 def touched_flanks(engine: ModuleType, problem: Problem, motion: Array, centres: Array, force: Array) -> Mask:
-    """Return which of the flanks SL, SR, NL, NR would touch a ball if all four had contacts, as booleans ``(4,)``.
+    """Return which of the four flanks would touch a ball if all of them had contacts, as booleans ``(4,)``.
 
-    The screw keeps the motion that was solved without the left-out flanks.
+    The order is screw left, screw right, nut left, nut right. The screw keeps the motion that was solved without the
+    left-out flanks.
 
     Parameters
     ----------
@@ -254,12 +256,12 @@ def touched_flanks(engine: ModuleType, problem: Problem, motion: Array, centres:
     for i in range(problem.layout.z.size):
         shift[:2] = moved[i]
         ball = offered[i], problem.interference[i], RIGID, problem.drawn.ball_radii[i], problem.drawn.profile_coefficients
-        engine.settle_ball(p, shift, *ball, 0.1 * floor, contact)
+        engine.find_ball_equilibrium(p, shift, *ball, 0.1 * floor, contact)
         touched |= contact[:, 0] > floor
     return touched
 
 
-def describe_left_out(problem: Problem, mechanism: UnresistedMotions, *, everything: bool) -> tuple[str, ...]:
+def describe_left_out_parts(problem: Problem, mechanism: UnresistedMotions, *, everything: bool) -> tuple[str, ...]:
     """Return sentences for the result that name the parts which the model left out, with the reasons.
 
     Parameters

@@ -24,17 +24,17 @@ from rollbench.lowfi.statics.problem import SIGNS, Problem
 from rollbench.lowfi.statics.result import SolverReport, Status
 from rollbench.meshes.arrays import Array
 
-#: Relative residual at which the solver stops.
+#: Largest unbalanced force, relative to the largest force, at which the solver stops.
 TOLERANCE = 1e-14
 #: Largest number of Newton iterations of one solve.
 MAX_ITERATIONS = 3000
-#: Solver outcomes whose state gives no contact loads.
+#: Outcomes of the kernels' solver after which the state gives no contact loads.
 NO_LOADS = (NOT_HELD, SINGULAR)
-#: Relative residual up to which a solution counts as converged.
+#: Largest unbalanced force, relative to the largest force, up to which a solution counts as converged.
 ACCEPTED = 1e-10
-#: Relative residual of a solve above which Hertz constants and lever arms are not updated any further.
+#: Relative residual of a solve above which it counts as failed, so that Hertz constants and lever arms are not updated.
 LOST = 1e-6
-#: Relative round-off error of the motions from which a contact force is computed, about eight operations.
+#: Relative round-off error of the motions from which a contact force is computed: that of about eight operations.
 ROUND_OFF = 8.0 * float(np.finfo(float).eps)
 #: Largest number of updates of Hertz constants and of lever arms, and the change of Hertz constants (relative) or lever
 #: arms [m] below which no further update follows.
@@ -44,11 +44,11 @@ HERTZ_RUNS, ARM_RUNS, SETTLED = 12, 6, 1e-13
 class ResidualScale(NamedTuple):
     """Typical force and stiffness of the contacts, by which the static solver scales residuals and tolerances."""
 
-    #: Force of a typical loaded contact [N]: from the loads or the interference, or else from an approach of 1 um.
+    #: Force of a typical loaded contact [N]: from loads or interference; without either, the force at an approach of 1 um.
     typical_force: float
-    #: Secant stiffness of a contact under that force [N/m].
+    #: Secant stiffness of a contact under the force ``typical_force`` [N/m].
     stiffness: float
-    #: Lower bound of the force [N] to which residuals are relative: the largest external load (moments divided by the lever
+    #: Lower bound of the force [N] by which residuals are divided: the largest external load (moments divided by the lever
     #: arm), or the contact force of the tightest ball without load.
     least_force_scale: float
     #: Force [N] below which a contact counts as unloaded.
@@ -126,9 +126,9 @@ class StaticEquations(ABC):
     engine: ModuleType
     #: Arrays of the equations for the kernel.
     kernel_arrays: Any
-    #: Unknowns, which the kernel changes.
+    #: Unknowns of the equations, which the kernel changes.
     state: Any
-    #: Parameters of the iteration.
+    #: Tolerance, limits and typical values of the Newton iteration.
     options: NewtonOptions
     #: Force by which the residual of the last solve was divided [N]: the largest force in the model, or a lower limit.
     residual_force_scale: float = 0.0
@@ -186,7 +186,8 @@ P = TypeVar("P", bound=StaticEquations)
 def contact_angles(normal: Array) -> Array:
     """Return the contact angles ``(..., 4)`` [rad] of unit normals ``(..., 4, 2)`` that point from ball to groove.
 
-    The angle counts from the radial direction at the groove's bottom towards the flank, for the flanks SL, SR, NL, NR.
+    The angle counts from the radial direction at the groove's bottom towards the flank, for the four flanks (screw left,
+    screw right, nut left, nut right).
     """
     return np.asarray(np.arctan2(SIGNS[:, 1] * normal[..., 1], SIGNS[:, 0] * normal[..., 0]))
 
@@ -227,13 +228,13 @@ def solve_with_updated_contacts(system: P, follow_profile_errors: bool = True) -
 def residual_by_round_off(motions: float, stiffness: float, scale: float, problems: Iterable[Problem]) -> float:
     """Return the relative residual that rounding errors of double precision leave at the solution.
 
-    It is eight machine epsilons times the largest length from whose difference the approach is computed, times the contact
-    stiffness, divided by the largest force.
+    The residual is eight machine epsilons times the largest length that enters the computed approach of a contact, times
+    the stiffness, divided by the largest force.
 
     Parameters
     ----------
     motions
-        Largest motion [m]. If flanks are not circular arcs, the ball's radius is added to it here.
+        Largest motion of a body or flank [m]. For flanks that are not circular arcs, the ball's radius is added to it here.
     stiffness
         Stiffness of the stiffest contact or node [N/m].
     scale
@@ -319,14 +320,15 @@ def solver_report(
 def update_hertz_constants(system: StaticEquations, outcome: Outcome) -> Outcome:
     """Update the Hertz constants to the actual contact angles and solve again, until they no longer change.
 
-    Returns the outcome of the last solve, with the iterations of all solves added up. ``system`` holds the last state.
+    Returns the outcome of the last solve, with the iterations of all solves added up. The equations ``system`` then hold
+    the state of the last solve.
 
     Parameters
     ----------
     system
         Solved equations.
     outcome
-        Outcome of that solve.
+        Outcome of the solve of these equations.
     """
     for _ in range(HERTZ_RUNS):
         if is_solve_unusable(outcome):
@@ -356,7 +358,7 @@ def update_lever_arms(system: P, outcome: Outcome) -> tuple[P, Outcome]:
     system
         Solved equations.
     outcome
-        Outcome of that solve.
+        Outcome of the solve of these equations.
     """
     before = [np.zeros((*p.C.shape, 2)) for p in system.problems]
     for _ in range(ARM_RUNS):

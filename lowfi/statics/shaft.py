@@ -36,7 +36,7 @@ from numpy.typing import NDArray
 
 from rollbench.lowfi.compliance.bodies import screw_response_to_end_wrench, screw_response_to_section_wrench
 from rollbench.lowfi.compliance.parts import ComplianceModel
-from rollbench.lowfi.statics.kernel.beam import add_element, element_constants, write_element_force
+from rollbench.lowfi.statics.kernel.beam import add_element_stiffness, element_constants, write_element_force
 from rollbench.lowfi.statics.kernel.matrices import factor_band, inverted_and_lower_blocks, substitute_blocks
 from rollbench.lowfi.statics.problem import Problem
 from rollbench.lowfi.statics.shape import independent_columns, right_singular_vectors, rigid_motion_transfer_matrix
@@ -45,7 +45,7 @@ from rollbench.meshes.helix import BallLayout
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.section import MERGE, contact_force_positions
 
-#: Number of right-hand sides solved at a time, to limit memory.
+#: Number of load cases of the beam that are solved at a time, to limit memory.
 CHUNK = 512
 
 
@@ -59,14 +59,14 @@ class ShaftBeam:
 
     #: Arrays of the static problem.
     problem: Problem
-    #: Free rigid motions ``(6, k)``, as motions of the node ``pin`` per metre of amplitude; a rotation's amplitude is the
-    #: angle times the pitch radius.
+    #: Free rigid motions of the screw ``(6, k)``, as motions of the node ``pinned_node`` per metre of amplitude; a
+    #: rotation's amplitude is the angle times the pitch radius.
     free_rigid_motions: Array
     #: Work of the external loads on the free rigid motions per metre of amplitude ``(k,)`` [N].
     work_on_free_motions: Array
-    #: Number of the pinned node, the one nearest to the nut.
+    #: Number of the node held against free rigid motions ("pinned"), the one nearest to the nut.
     pinned_node: int
-    #: Degrees of freedom that are neither fixed nor pinned ``(6 n,)``.
+    #: Whether each degree of freedom of the nodes is free: neither fixed by a support nor pinned ``(6 n,)``.
     free_dofs: NDArray[np.bool_]
     #: Cholesky factor of the stiffness matrix, with inverted diagonal blocks (`kernel.matrices.inverted_and_lower_blocks`).
     stiffness_factor: tuple[Array, Array] = field(repr=False)
@@ -95,7 +95,7 @@ class ShaftBeam:
     def motions_by_loads(self) -> tuple[Array, Array]:
         """Return the nodal motions that external loads and prescribed displacements cause: a rigid part and the rest.
 
-        Two arrays ``(6 n,)`` [m, rad] from `motions_by_external_loads`, computed once.
+        Both are arrays ``(6 n,)`` [m, rad], the result of `motions_by_external_loads`, computed once.
         """
         return motions_by_external_loads(self)
 
@@ -108,13 +108,13 @@ class ShaftBeam:
         return np.asarray(out)
 
 
-def unsupported_motions(problem: Problem) -> Array:
+def rigid_motions_free_of_supports(problem: Problem) -> Array:
     """Return the k rigid motions of the screw that no support prevents ``(6, k)``.
 
     Each column is the motion of the node nearest to the nut, per metre of amplitude: displacements [m/m] and rotations
     [rad/m]. A rotation's amplitude is the angle times the pitch radius.
     """
-    scale, z = metres_to_motions(problem), problem.nodes
+    scale, z = motions_per_metre_of_amplitude(problem), problem.nodes
     origin = z[node_nearest_to_nut(problem)]
     rows = rigid_motion_transfer_matrix(z - origin)[problem.fixed] * scale
     if rows.size == 0:
@@ -124,11 +124,11 @@ def unsupported_motions(problem: Problem) -> Array:
     return np.asarray(scale[:, None] * vt[rank:].T)
 
 
-def metres_to_motions(problem: Problem) -> Array:
+def motions_per_metre_of_amplitude(problem: Problem) -> Array:
     """Return the factors ``(6,)`` from amplitudes in metres to the screw's displacements [m/m] and rotations [rad/m].
 
-    They are 1 for the three displacements and 1/pitch radius for the three rotations, because a rotation's amplitude is the
-    angle times the pitch radius.
+    The factors are 1 for the three displacements and 1/pitch radius for the three rotations, because a rotation's amplitude
+    is the angle times the pitch radius.
     """
     return np.repeat([1.0, 1.0 / problem.scene.track.pitch_radius], 3)
 
@@ -144,7 +144,7 @@ def build_shaft(problem: Problem) -> ShaftBeam:
     A rigid screw has no stiffness matrix, only the rigid motions that its supports leave free.
     """
     if problem.rigid_motion_basis is not None:
-        motions = np.diag(metres_to_motions(problem))[:, ~problem.fixed[0]]
+        motions = np.diag(motions_per_metre_of_amplitude(problem))[:, ~problem.fixed[0]]
         none, no = np.zeros(6, dtype=bool), np.zeros((0, 6, 6))
         return ShaftBeam(
             problem, motions, _work_of_external_loads(problem, motions, 0), 0, none, (no, no), np.zeros((1, 6))
@@ -154,9 +154,9 @@ def build_shaft(problem: Problem) -> ShaftBeam:
     lengths = np.diff(problem.nodes)
     sections = problem.element_sections or (problem.section,) * lengths.size
     constants = np.array([(s.EA, s.EI, s.GJ, s.kGA) for s in sections]).reshape(-1, 4).T
-    add: Callable[..., None] = add_element  # as plain Python it takes all elements at once
+    add: Callable[..., None] = add_element_stiffness  # as plain Python it takes all elements at once
     add(band, np.arange(lengths.size), lengths, constants)
-    motions = unsupported_motions(problem)
+    motions = rigid_motions_free_of_supports(problem)
     pin = node_nearest_to_nut(problem)
     held = problem.fixed.copy()
     if motions.shape[1]:
@@ -202,8 +202,9 @@ def flank_motion_coefficients(problem: Problem, screw_flanks: list[int]) -> tupl
     problem
         Static problem of N balls.
     screw_flanks
-        Numbers of the screw flanks in use, 0 for SL and 1 for SR. The result has a row for each of these flanks at each
-        ball, c = N len(screw_flanks) rows: first all balls of the first flank, then all balls of the second.
+        Numbers of the screw flanks in use, 0 for the left one and 1 for the right one. The result has a row for each of
+        these flanks at each ball, c = N len(screw_flanks) rows: first all balls of the first flank, then all balls of the
+        second.
 
     Returns
     -------
@@ -224,7 +225,8 @@ def flank_compliance_and_free_motions(shaft: ShaftBeam, screw_flanks: list[int])
     shaft
         The beam with k free rigid motions.
     screw_flanks
-        Numbers of the screw flanks in use, 0 for SL and 1 for SR. Each counts once per ball, which gives c flanks.
+        Numbers of the screw flanks in use, 0 for the left one and 1 for the right one. Each counts once per ball, which
+        gives c flanks.
 
     Returns
     -------
@@ -252,8 +254,9 @@ def flank_compliance_and_free_motions(shaft: ShaftBeam, screw_flanks: list[int])
 def flank_motions_by_loads(shaft: ShaftBeam, screw_flanks: list[int]) -> Array:
     """Return the motions ``(2 c,)`` [m] of c screw flanks that external loads and prescribed displacements cause.
 
-    ``screw_flanks``: numbers of the screw flanks in use (0: SL, 1: SR). Each counts once per ball, which gives c flanks:
-    first all balls of the first flank, then all balls of the second, each with two components in the ball's section plane.
+    ``screw_flanks``: numbers of the screw flanks in use (0: left, 1: right). Each counts once per ball, which gives c
+    flanks: first all balls of the first flank, then all balls of the second, each with two components in the ball's section
+    plane.
     """
     problem = shaft.problem
     dof, rows = flank_motion_coefficients(problem, screw_flanks)
@@ -265,9 +268,9 @@ def flank_motions_by_loads(shaft: ShaftBeam, screw_flanks: list[int]) -> Array:
 def motions_by_external_loads(shaft: ShaftBeam) -> tuple[Array, Array]:
     """Return the nodal motions ``(6 n,)`` [m, rad] that external loads and prescribed displacements cause, in two parts.
 
-    The first part is the rigid motion of the shaft that the prescribed displacements are; it is zero if they are none. The
-    second part is the rest. The rigid part is separated because its round-off, multiplied by the stiffness, would appear as
-    a strain of the beam.
+    If the prescribed displacements agree with a rigid motion of the shaft, this motion is the first part; otherwise the
+    first part is zero. The second part is the rest. The rigid part is separated because its round-off, multiplied by the
+    stiffness, would appear as a strain of the beam.
     """
     problem, held = shaft.problem, shaft.problem.fixed
     prescribed = np.where(held, shaft.problem.prescribed, 0.0)
@@ -290,7 +293,7 @@ def nodal_motions_of_rigid_screw(shaft: ShaftBeam) -> Array:
     )
 
 
-def node_motions(shaft: ShaftBeam, loads: Array, amplitudes: Array) -> Array:
+def nodal_motions_under_loads(shaft: ShaftBeam, loads: Array, amplitudes: Array) -> Array:
     """Return the nodal motions ``(n, 6)`` [m, rad] by external loads, further nodal loads, and free rigid motions.
 
     Parameters
@@ -310,11 +313,11 @@ def node_motions(shaft: ShaftBeam, loads: Array, amplitudes: Array) -> Array:
     return np.asarray((moved + q + nodal_motions_of_rigid_screw(shaft) @ amplitudes).reshape(-1, 6))
 
 
-def node_forces(shaft: ShaftBeam, loads: Array) -> Array:
+def nodal_forces_under_loads(shaft: ShaftBeam, loads: Array) -> Array:
     """Return the forces and moments ``(n, 6)`` [N, N m] on the beam's nodes: external and further loads, and reactions.
 
-    They are the stiffness matrix times the nodal motions of `node_motions`. ``loads`` ``(6 n,)`` [N, N m]: nodal loads in
-    addition to the external loads.
+    The result is the stiffness matrix times the nodal motions of `nodal_motions_under_loads`. ``loads`` ``(6 n,)`` [N, N
+    m]: nodal loads in addition to the external loads.
     """
     return shaft.nodal_forces(shaft.motions_by_loads[1] + shaft.motions_under_loads(loads[:, None])[:, 0]).reshape(-1, 6)
 
@@ -322,8 +325,8 @@ def node_forces(shaft: ShaftBeam, loads: Array) -> Array:
 def nodal_loads_of_flank_forces(problem: Problem, forces: Array, screw_flanks: list[int]) -> Array:
     """Return the nodal loads ``(6 n,)`` [N, N m] equivalent to the contact forces ``(c, 2)`` [N] on the screw's flanks.
 
-    ``screw_flanks``: numbers of the screw flanks in use (0: SL, 1: SR). The c flanks are all balls of the first of these
-    numbers, then all balls of the second.
+    ``screw_flanks``: numbers of the screw flanks in use (0: left, 1: right). Each counts once per ball, which gives c
+    flanks: first all balls of the first flank, then all balls of the second.
     """
     dof, rows = flank_motion_coefficients(problem, screw_flanks)
     out = np.zeros(6 * problem.nodes.size)
@@ -338,16 +341,18 @@ Ints = NDArray[np.int64]
 class ShaftStretch:
     """Part of the shaft under one nut or bearing, whose cross-sections deform, unlike the rigid sections of a beam.
 
-    It is thought to be cut out of the shaft at its upper end, see the module.
+    The part is considered cut out of the shaft at its upper end, the end at the larger axial position; see the module.
     """
 
-    #: Indices ``(m,)`` of the m motions of its flanks (two per flank and ball) among those of all flanks of the shaft.
+    #: Indices ``(m,)`` of the m flank motions of this stretch (two per flank and ball) among those of all flanks of the
+    #: shaft.
     flank_motion_indices: Ints
-    #: Axial position of the contact to which each of these motions belongs ``(m,)`` [m].
+    #: Axial position of the contact to which each of the m flank motions belongs ``(m,)`` [m].
     contact_positions: Array
-    #: D^T of equation (1) of the module: motions of the flanks per unit wrench at the upper cut ``(m, 6)``.
+    #: D^T of equation (1) of the module: motions of the flanks per unit wrench (force, moment) at the upper cut ``(m, 6)``.
     flank_motions_per_wrench: Array
-    #: H of equation (1): jump of the motion at the upper cut per unit wrench there ``(6, 6)``.
+    #: H of equation (1) of the module: jump of the motion at the upper cut per unit wrench (force, moment) at it ``(6,
+    #: 6)``.
     jump_per_wrench: Array
     #: Number of the node at the upper cut, above all contacts.
     cut_node: int
@@ -358,10 +363,11 @@ class ShaftStretch:
 
 @dataclass(frozen=True)
 class JumpsInsideStretches:
-    """Motions of the shaft's nodes that lie between a contact and the upper cut of the stretch of shaft under a nut.
+    """Motions by which contact forces shift those shaft nodes that lie above a contact, but under the same nut or bearing.
 
-    The contact's force deforms the stretch, which shifts the sections above the contact by a jump, see the module. If the
-    shaft carries no load above a cut, the nodes above this cut are included.
+    A contact force deforms the part of the shaft under a nut or bearing ("stretch"). This shifts the sections between the
+    contact and the upper end of the stretch ("cut") by a jump, see the module. If the shaft carries no load above the cut,
+    the nodes above the cut are included.
     """
 
     #: Arrays of the static problem.
@@ -374,10 +380,11 @@ class JumpsInsideStretches:
     def _motions_per_jump(self, stretch: ShaftStretch) -> tuple[Array, Ints]:
         """Return the motions of nodes per unit jump at the cut of a stretch, and the first node above each contact.
 
-        A jump is the motion that the deformation of the stretch under a contact force adds to the shaft above the contact.
-        The first array ``(m, 6, 6)`` has the axes node, motion of the node and component of the jump; it covers the m nodes
-        up to the cut, or all nodes if the shaft carries no load above the cut. The second array holds for each flank motion
-        of the stretch the number of the first node above its contact.
+        A stretch is the part of the shaft under a nut or bearing, its cut is its upper end. A jump is the motion, taken at
+        the cut, that the deformation of the stretch under a contact force adds to the shaft above the contact. The first
+        array ``(m, 6, 6)`` has the axes node, motion of the node and component of the jump; it covers the m nodes up to the
+        cut, or all nodes if the shaft carries no load above the cut. The second array holds for each flank motion of the
+        stretch the number of the first node above its contact.
         """
         nodes = self.problem.nodes
         z = nodes[: stretch.cut_node + 1] if is_loaded_above_node(self.problem, stretch.cut_node) else nodes
@@ -388,8 +395,9 @@ class JumpsInsideStretches:
     def nodal_motions_by_flank_forces(self, pushes: Array) -> Array:
         """Return the motions ``(6 n,)`` [m, rad] of the n nodes by the jumps that the contact forces on c flanks cause.
 
-        A jump is the motion that the deformation of the stretch under a contact force adds to the shaft above the contact.
-        ``pushes`` ``(2 c,)`` [N]: forces on the flanks, two components in the ball's section plane each.
+        A jump is the motion of the shaft above a contact that the contact force causes by deformation of the part of the
+        shaft under the nut or bearing; the motion of the beam is not included. ``pushes`` ``(2 c,)`` [N]: forces on the
+        flanks, two components in the ball's section plane each.
         """
         out = np.zeros((self.problem.nodes.size, 6))
         for x in self.stretches:
@@ -402,9 +410,11 @@ class JumpsInsideStretches:
         return out.ravel()
 
     def flank_motions_by_nodal_loads(self, loads: Array) -> Array:
-        """Return the motions ``(2 c, k)`` [m] of c flanks that k cases of nodal ``loads`` ``(6 n, k)`` [N, N m] cause.
+        """Return the motions ``(2 c, k)`` [m] of c flanks by k cases of nodal ``loads`` ``(6 n, k)`` [N, N m].
 
-        By Maxwell's reciprocity the matrix is the transpose of that of `nodal_motions_by_flank_forces`.
+        Only the motions by deformation of the parts of the shaft under nuts and bearings are returned, without those of the
+        beam. By Maxwell's reciprocity, the matrix from the loads to these motions is the transpose of the matrix from flank
+        forces to nodal motions in `nodal_motions_by_flank_forces`.
         """
         out, nodal = np.zeros((2 * self.flank_count, loads.shape[1])), loads.reshape(-1, 6, loads.shape[1])
         for x in self.stretches:
@@ -424,29 +434,30 @@ class SectionForceCoupling:
     """Coupling between contact deformation and section forces of a shaft: equation (2) of the module.
 
     The shaft has n nodes, and c flanks under the balls. Its section forces deform the grooves and so move the flanks;
-    contact forces in turn strain the shaft. Each cut through which load passes contributes 6 components of section
-    force and moment ("wrench"), W in all. The module describes cuts and the jumps of the motion there. Only
+    contact forces in turn strain the shaft. A cut is the upper end of the part of the shaft under a nut or bearing; each
+    cut through which load passes contributes 6 components of section force and moment ("wrench"), W in all. A jump is the
+    motion that the deformation of this part adds to the beam's motion at the cut, see the module. Only
     ``flank_motions_by_loads`` and ``jumps_by_external_loads`` depend on the external loads.
     """
 
     #: Compliance ``(2 c, 2 c)`` [m/N] of the flanks by the coupling, in addition to that of beam and bodies.
     added_compliance: Array
-    #: Additional motion of the flanks by external loads and prescribed displacements ``(2 c,)`` [m].
+    #: Motion of the flanks ``(2 c,)`` [m] by external loads and prescribed displacements, in addition to that of the beam.
     flank_motions_by_loads: Array
-    #: S of equation (2): wrenches at the cuts per unit motion of the nodes ``(W, 6 n)``.
+    #: S of equation (2) of the module: wrenches (force, moment) at the cuts per unit motion of the nodes ``(W, 6 n)``.
     wrenches_per_nodal_motion: Array
-    #: Motions of the flanks per unit wrench S q of the beam without coupling ``(2 c, W)``.
+    #: Motions of the flanks per unit wrench (force, moment) at the cuts of the beam without coupling ``(2 c, W)``.
     flank_motions_per_wrench: Array
-    #: Motions of the nodes per unit wrench S q of the beam without coupling ``(6 n, W)``.
+    #: Motions of the nodes per unit wrench (force, moment) at the cuts of the beam without coupling ``(6 n, W)``.
     nodal_motions_per_wrench: Array
-    #: Jumps d at the cuts per unit force on the flanks ``(W, 2 c)``.
+    #: Jumps d of the shaft's motion at the cuts per unit force on the flanks ``(W, 2 c)``.
     jumps_per_flank_force: Array
-    #: Jumps d at the cuts by external loads ``(W,)`` [m, rad].
+    #: Jumps d of the shaft's motion at the cuts by external loads ``(W,)`` [m, rad].
     jumps_by_external_loads: Array
     #: Motions of the nodes between contacts and cuts by the forces on the flanks, which equivalent nodal loads on the beam
     #: do not produce.
     jumps_inside_stretches: JumpsInsideStretches
-    #: Jumps at the cuts per unit wrench ``(W, W)``.
+    #: Jumps of the shaft's motion at the cuts per unit wrench (force, moment) at the cuts ``(W, W)``.
     jumps_per_wrench: Array
 
     def under_loads_of(self, shaft: ShaftBeam, thermal: Array | float = 0.0) -> SectionForceCoupling:
@@ -479,9 +490,10 @@ class SectionForceCoupling:
         )
 
     def add_jumps_inside_stretches(self, motion: Array, pushes: Array, fixed: NDArray[np.bool_]) -> Array:
-        """Return nodal motions ``(n, 6)`` [m, rad] to which those between the contacts and the upper cuts are added.
+        """Return nodal motions ``(n, 6)`` [m, rad] plus the shifts of the nodes under nuts and bearings by contact forces.
 
-        The forces on the flanks shift the shaft's sections between each contact and the cut above it by a jump.
+        A force on a flank deforms the part of the shaft under the nut or bearing, and so shifts the shaft's sections
+        between the contact and the upper end of this part.
 
         Parameters
         ----------
@@ -530,7 +542,7 @@ def build_shaft_stretch(
     backend
         Method by which the compliance of the shaft is computed.
     screw_flanks
-        Numbers of the screw flanks in use, 0 for SL and 1 for SR.
+        Numbers of the screw flanks in use, 0 for the left one and 1 for the right one.
     balls
         Indices of its balls among all balls of the problem.
     """
@@ -571,7 +583,7 @@ def is_loaded_above_node(problem: Problem, cut: int) -> bool:
     return bool(problem.fixed[beyond].any() or problem.load[beyond].any() or (problem.first_nodes > cut).any())
 
 
-def cut_stiffness(problem: Problem, cut: int) -> tuple[Array, Array, float]:
+def stiffness_at_cut(problem: Problem, cut: int) -> tuple[Array, Array, float]:
     """Return the stiffness of the beam element above a cut, as force and moment ("wrench") that it exerts at the cut.
 
     Parameters
@@ -584,8 +596,9 @@ def cut_stiffness(problem: Problem, cut: int) -> tuple[Array, Array, float]:
     Returns
     -------
     tuple[Array, Array, float]
-        Wrench per unit jump at the cut, k ``(6, 6)``; wrench per unit motion of the element's two nodes, S ``(6, 12)``; and
-        tensile stiffness EA [N] of the element.
+        Decrease k ``(6, 6)`` of the wrench per unit jump, the motion that deformation of the shaft under a nut or bearing
+        adds at the cut; wrench per unit motion of the element's two nodes, S ``(6, 12)``; and tensile stiffness EA [N] of
+        the element.
     """
     section = problem.section if problem.element_sections is None else problem.element_sections[cut]
     length = float(problem.nodes[cut + 1] - problem.nodes[cut])
@@ -607,7 +620,7 @@ def couple_section_forces(
     shaft
         The beam.
     screw_flanks
-        Numbers of the screw flanks in use, 0 for SL and 1 for SR.
+        Numbers of the screw flanks in use, 0 for the left one and 1 for the right one.
     stretches
         Parts of the shaft under nuts and bearings; empty: the coupling is not modelled.
     strain
@@ -624,7 +637,7 @@ def couple_section_forces(
     D, H = np.zeros((W, count)), np.zeros((W, W))
     for i, x in enumerate(loaded):
         block = slice(6 * i, 6 * i + 6)
-        stiff, S[block, 6 * x.cut_node : 6 * x.cut_node + 12], EA = cut_stiffness(problem, x.cut_node)
+        stiff, S[block, 6 * x.cut_node : 6 * x.cut_node + 12], EA = stiffness_at_cut(problem, x.cut_node)
         for j, other in enumerate(loaded):  # jumps at the same cut share the stiffness of one element
             if other.cut_node == x.cut_node:
                 k[block, 6 * j : 6 * j + 6] = stiff

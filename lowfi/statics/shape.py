@@ -14,7 +14,7 @@ def shear_to_bending_deformation(length: float | Array, section: BeamSection) ->
     return 12.0 * section.EI / (section.kGA * length**2)
 
 
-def motion_matrices(z: Array, nodes: Array, section: BeamSection) -> tuple[NDArray[np.int64], Array]:
+def beam_interpolation_matrices(z: Array, nodes: Array, section: BeamSection) -> tuple[NDArray[np.int64], Array]:
     """Return the matrices that give the shaft's motions at axial positions from the motions of the two adjacent nodes.
 
     Parameters
@@ -29,8 +29,8 @@ def motion_matrices(z: Array, nodes: Array, section: BeamSection) -> tuple[NDArr
     Returns
     -------
     tuple[NDArray[np.int64], Array]
-        Index of the first of the two nodes for each position ``(k,)``; and matrices ``(k, 6, 12)`` from the twelve motions
-        of both nodes to the six motions at the position.
+        Number of the first of the two adjacent nodes for each position ``(k,)``; and matrices ``(k, 6, 12)`` from the
+        twelve motions of both nodes to the six motions at the position.
     """
     last = nodes.size - 1
     j = np.clip(np.searchsorted(nodes, z, side="right") - 1, 0, last - 1).astype(np.int64)
@@ -44,7 +44,7 @@ def motion_matrices(z: Array, nodes: Array, section: BeamSection) -> tuple[NDArr
     return j, m
 
 
-def motions_at(z: Array, nodes: Array, section: BeamSection, motion: Array) -> Array:
+def interpolate_beam_motions(z: Array, nodes: Array, section: BeamSection, motion: Array) -> Array:
     """Return the shaft's motions ``(k, 6)`` [m, rad] at axial positions z ``(k,)`` [m].
 
     Parameters
@@ -58,7 +58,7 @@ def motions_at(z: Array, nodes: Array, section: BeamSection, motion: Array) -> A
     motion
         Motions of the nodes ``(n, 6)`` [m, rad].
     """
-    j, m = motion_matrices(z, nodes, section)
+    j, m = beam_interpolation_matrices(z, nodes, section)
     return np.asarray(np.einsum("kab,kb->ka", m, np.concatenate([motion[j], motion[j + 1]], axis=1)))
 
 
@@ -117,7 +117,7 @@ def rigid_motion_transfer_matrix(reach: float | Array) -> Array:
 def beam_shape_functions(xi: Array, length: Array, section: BeamSection, order: int = 0) -> Array:
     """Return the shape functions of n Timoshenko beam elements, or their derivatives by the relative position xi.
 
-    They are exact for an element that is loaded at its nodes only.
+    The functions are exact for an element that is loaded at its nodes only.
 
     Parameters
     ----------
@@ -146,22 +146,25 @@ def beam_shape_functions(xi: Array, length: Array, section: BeamSection, order: 
         order
     ]
 
-    def at(*coefficients: Array | float) -> Array:
-        """Return the value at xi of a polynomial (``coefficients``: lowest power first), or of its derivative ``order``."""
+    def polynomial_at_xi(*coefficients: Array | float) -> Array:
+        """Return a polynomial of the relative position in the element, or its derivative, at the given positions ``(n,)``.
+
+        ``coefficients``: coefficients of the polynomial, lowest power first.
+        """
         return sum((c * p for c, p in zip(coefficients, powers[: len(coefficients)], strict=True)), start=zero)
 
     n = np.zeros((xi.size, 6, 12))
     u = (
-        k * at(1.0 + phi, -phi, -3.0, 2.0),
-        k * length * at(0.0, 1.0 + phi / 2.0, -(2.0 + phi / 2.0), 1.0),
-        k * at(0.0, phi, 3.0, -2.0),
-        k * length * at(0.0, -phi / 2.0, -(1.0 - phi / 2.0), 1.0),
+        k * polynomial_at_xi(1.0 + phi, -phi, -3.0, 2.0),
+        k * length * polynomial_at_xi(0.0, 1.0 + phi / 2.0, -(2.0 + phi / 2.0), 1.0),
+        k * polynomial_at_xi(0.0, phi, 3.0, -2.0),
+        k * length * polynomial_at_xi(0.0, -phi / 2.0, -(1.0 - phi / 2.0), 1.0),
     )
     t = (
-        6.0 * k / length * at(0.0, -1.0, 1.0),
-        k * at(1.0 + phi, -(4.0 + phi), 3.0),
-        -6.0 * k / length * at(0.0, -1.0, 1.0),
-        k * at(0.0, -(2.0 - phi), 3.0),
+        6.0 * k / length * polynomial_at_xi(0.0, -1.0, 1.0),
+        k * polynomial_at_xi(1.0 + phi, -(4.0 + phi), 3.0),
+        -6.0 * k / length * polynomial_at_xi(0.0, -1.0, 1.0),
+        k * polynomial_at_xi(0.0, -(2.0 - phi), 3.0),
     )
     for axis, columns, sign in ((0, (0, 4, 6, 10), 1.0), (1, (1, 3, 7, 9), -1.0)):
         rotation = 4 if axis == 0 else 3
@@ -170,8 +173,8 @@ def beam_shape_functions(xi: Array, length: Array, section: BeamSection, order: 
             n[:, axis, column] = u[i] * (sign if odd else 1.0)
             n[:, rotation, column] = t[i] * (1.0 if odd else sign)
     for axis in (2, 5):
-        n[:, axis, axis] = at(1.0, -1.0)
-        n[:, axis, axis + 6] = at(0.0, 1.0)
+        n[:, axis, axis] = polynomial_at_xi(1.0, -1.0)
+        n[:, axis, axis + 6] = polynomial_at_xi(0.0, 1.0)
     return n
 
 
@@ -201,7 +204,7 @@ def null_space_of_constraints(constraints: Array) -> Array:
 def independent_columns(matrix: Array) -> list[int]:
     """Return the indices of linearly independent columns of a matrix ``(k, m)``, at most min(k, m) of them.
 
-    They are chosen by a QR decomposition with column pivoting: each is the column with the largest part normal to those
+    A QR decomposition with column pivoting chooses the columns: each is the one with the largest part normal to the columns
     chosen before.
     """
     remainder, chosen = matrix.copy(), []

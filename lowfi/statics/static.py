@@ -18,15 +18,8 @@ from numpy.typing import NDArray
 
 from rollbench.lowfi import jit
 from rollbench.lowfi.hertz import contact_force, contact_stiffness_under_force
+from rollbench.lowfi.statics import kernel_types, selection
 from rollbench.lowfi.statics.held import UnresistedMotions, find_unresisted_motions
-from rollbench.lowfi.statics.kernel_types import (
-    BeamArrays,
-    BeamContacts,
-    BeamSystem,
-    EnergyDerivatives,
-    MotionState,
-    Outcome,
-)
 from rollbench.lowfi.statics.problem import (
     Problem,
     SolvedState,
@@ -35,14 +28,6 @@ from rollbench.lowfi.statics.problem import (
     largest_interference,
 )
 from rollbench.lowfi.statics.result import StaticResult, Status
-from rollbench.lowfi.statics.selection import (
-    all_flank_motions_by_screw,
-    choose_flanks,
-    describe_left_out,
-    flanks_of_scene,
-    screw_flank_motions,
-    touched_flanks,
-)
 from rollbench.lowfi.statics.settle import (
     NO_LOADS,
     TOLERANCE,
@@ -65,14 +50,17 @@ from rollbench.meshes.helix import BallLayout, ball_layout
 from rollbench.meshes.parts import FREEDOMS, SIDES, Scene
 from rollbench.meshes.section import BeamSection
 
+#: Choice of the numerical kernels: plain Python, compiled by numba, or chosen by the size of the problem.
 Engine = Literal["auto", "interpreted", "compiled"]
 
 #: Number of balls above which the compiled kernels are faster even for a single solve: if their machine code is cached on
 #: disk, and if it has to be compiled first.
 COMPILE_ABOVE, COMPILE_ALONE = 120, 1000
-#: The same number for flanks that are not circular arcs, where each contact point is found by an iteration.
+#: Number of balls above which the compiled kernels are faster for flanks that are not circular arcs, where an iteration
+#: finds each contact point.
 COMPILE_UNEVEN = 24
-#: Share of the largest force or moment above which the reaction at a pin is reported.
+#: Reaction at a pin (a degree of freedom fixed without a support) above which it is reported, as a share of the largest
+#: force or moment.
 PIN_SHOWN = 1e-9
 
 
@@ -82,8 +70,8 @@ def pick_engine(engine: Engine, balls: int, uneven: bool = False) -> ModuleType:
     Parameters
     ----------
     engine
-        ``"interpreted"``, ``"compiled"``, or ``"auto"``, which chooses by the number of balls and uses compiled kernels
-        that are loaded already.
+        ``"interpreted"``, ``"compiled"``, or ``"auto"``: compiled if there are many balls, or if the compiled kernels are
+        loaded already.
     balls
         Number of balls.
     uneven
@@ -98,14 +86,14 @@ def pick_engine(engine: Engine, balls: int, uneven: bool = False) -> ModuleType:
 def residual_scale(problem: Problem) -> ResidualScale:
     """Return the typical force and stiffness of a problem's contacts, by which the solver scales residuals.
 
-    A contact counts as unloaded if its force is below the round-off of the typical force. If only displacements are
-    prescribed, without loads or preload, nothing may resist them; the limit is then higher, so that forces that tend to
-    zero end as unloaded.
+    A contact counts as unloaded if its force is below a limit: the round-off of the typical force. If there are
+    prescribed displacements, but neither loads nor preload, perhaps no contact resists the displacements and all contact
+    forces tend to zero. The limit is then higher, so that such contacts end as unloaded.
 
     Parameters
     ----------
     problem
-        The static problem.
+        Arrays of the static problem.
     """
     arm, load = problem.scene.track.pitch_radius, np.abs(problem.load)
     pair = float((problem.C[:, 0] + problem.C[:, 3]).sum()) / problem.C.shape[0] if problem.C.size else float("nan")
@@ -120,23 +108,24 @@ def residual_scale(problem: Problem) -> ResidualScale:
 
 @dataclass(kw_only=True)
 class SingleNutEquations(StaticEquations):
-    """Equations of a single ball nut or ball bearing for the kernels: base class for rigid and for elastic bodies."""
+    """Equations of one ball nut or ball bearing for the numerical kernels: base class for rigid and for elastic bodies."""
 
-    #: Arrays of the contact problem.
+    #: Arrays of the static problem.
     problem: Problem
     #: Input of the problem, from which it is built again if the lever arms of the contacts change.
     problem_input: StaticInput
 
     @property
     def problems(self) -> Sequence[Problem]:
-        """Return the contact problem as a sequence of length one."""
+        """Return the contact problem of the nut or bearing, in a sequence of length one."""
         return (self.problem,)
 
     def with_lever_arms(self, arms: Sequence[Array]) -> Self:
-        """Return equations with new lever arms of the contact forces, which start from the present state.
+        """Return equations with new lever arms of the contact forces, and with the present unknowns as initial values.
 
-        ``arms``: in its only element, the shifts ``(N, 4, 2)`` [m] of the flanks' centres of curvature by profile errors at
-        N balls; contact forces act through these centres.
+        ``arms``: sequence of one array ``(N, 4, 2)`` [m], the shifts of the flanks' centres of curvature by profile errors:
+        N balls, four flanks (screw left, screw right, nut left, nut right), radial and along the helix's binormal. Contact
+        forces act through these centres.
         """
         longer: Any = self.problem_input.build_equations(self.problem_input.build_problem(arms[0]))
         longer.problem.C[:] = self.problem.C
@@ -153,31 +142,35 @@ class SingleNutEquations(StaticEquations):
 
 @dataclass(kw_only=True)
 class BeamEquations(SingleNutEquations):
-    """Equations of Lin's model for the kernels: a screw, as a beam or rigid, on Hertzian contacts in a rigid nut."""
+    """Equations of Lin's model for the numerical kernels: a beam or rigid screw on Hertzian contacts in a rigid nut."""
 
     SOLVER = "solve_beam"
     #: Arrays of beam and balls for the kernels.
-    kernel_arrays: BeamSystem
+    kernel_arrays: kernel_types.BeamSystem
     #: Node motions, element deformations and contacts: the unknowns of the iteration.
-    state: MotionState
+    state: kernel_types.MotionState
 
     @property
     def contact_forces(self) -> Array:
-        """Contact forces ``(N, 4)`` [N]."""
+        """Return the present contact forces of N balls on the four flanks ``(N, 4)`` [N].
+
+        The flanks are screw left, screw right, nut left, nut right.
+        """
         return np.asarray(self.state.contact[..., 0])
 
     def contact_states(self) -> Sequence[ContactState]:
         """Return contact forces, ball centres and flank motions, as the iteration has them now."""
         moved = np.zeros((len(self.state.p), 4, 2))
-        moved[:, :2] = screw_flank_motions(self.problem, self.state.q)
+        moved[:, :2] = selection.screw_flank_motions(self.problem, self.state.q)
         return (ContactState(self.problem, self.state.contact, self.state.p, moved),)
 
     def are_balls_clear_of_left_out_flanks(self) -> bool:
         """Return whether no ball of the solution touches a flank that was left out of the equations.
 
-        To this end the equilibrium of every ball is computed with all four flanks, at the screw's motion in the solution.
+        For this check, the equilibrium of every ball is computed with all four flanks, while the screw keeps the motion of
+        the solution.
         """
-        touched = touched_flanks(self.engine, self.problem, self.state.q, self.state.p, self.contact_forces)
+        touched = selection.touched_flanks(self.engine, self.problem, self.state.q, self.state.p, self.contact_forces)
         return not np.any(touched & ~self.problem.used_flanks)
 
     def round_off_residual(self) -> float:
@@ -198,8 +191,8 @@ class BeamEquations(SingleNutEquations):
         problem, gradient, force = self.problem, np.zeros(self.state.q.shape), self.contact_forces.copy()
         motion, centre, normal = self.state.q.copy(), self.state.p.copy(), self.state.contact[..., 1:3].copy()
         if problem.rigid_motion_basis is None:
-            self.engine.evaluate(
-                self.kernel_arrays, self.state, EnergyDerivatives(gradient, np.zeros((len(problem.C), 4, 4)))
+            self.engine.evaluate_screw(
+                self.kernel_arrays, self.state, kernel_types.EnergyDerivatives(gradient, np.zeros((len(problem.C), 4, 4)))
             )
         held = np.where(problem.fixed, gradient, 0.0)
         return SolvedState(
@@ -209,7 +202,7 @@ class BeamEquations(SingleNutEquations):
             force,
             normal,
             held,
-            all_flank_motions_by_screw(problem, motion),
+            selection.all_flank_motions_by_screw(problem, motion),
             self.residual_force_scale,
         )
 
@@ -221,7 +214,7 @@ class BeamEquations(SingleNutEquations):
 def beam_equations(
     problem: Problem, engine: ModuleType, *, tolerance: float = TOLERANCE, problem_input: StaticInput | None = None
 ) -> BeamEquations:
-    """Return the equations of a screw in a rigid nut, with an initial state that has the supports' displacements.
+    """Return the equations of a screw in a rigid nut; the initial motions satisfy the supports' prescribed displacements.
 
     Parameters
     ----------
@@ -237,14 +230,14 @@ def beam_equations(
     lengths, s = np.diff(problem.nodes), problem.section
     sections = np.tile([s.EA, s.EI, s.GJ, s.kGA], (lengths.size, 1))
     count, scale, drawn = problem.C.shape[0], residual_scale(problem), problem.drawn
-    state = MotionState(
+    state = kernel_types.MotionState(
         *initial_motions_with_supports(problem.nodes, problem.fixed, problem.prescribed),
         np.zeros((count, 2)),
         np.zeros((count, 4, 5)),
         np.zeros((0, 2)),
     )
     geometry, closure = problem.geometry, problem.interference
-    contacts = BeamContacts(
+    contacts = kernel_types.BeamContacts(
         problem.first_nodes,
         problem.B,
         geometry,
@@ -254,8 +247,10 @@ def beam_equations(
         scale.unloaded_force_limit,
     )
     constants, band = np.zeros((lengths.size, 5)), np.zeros((6 * problem.nodes.size, problem.half_bandwidth + 1))
-    engine.assemble_beam(lengths, sections, constants, band)
-    given = BeamSystem(BeamArrays(lengths, problem.fixed, problem.load, constants, band), contacts)
+    engine.assemble_beam_stiffness(lengths, sections, constants, band)
+    given = kernel_types.BeamSystem(
+        kernel_types.BeamArrays(lengths, problem.fixed, problem.load, constants, band), contacts
+    )
     arm, furthest = problem.scene.track.pitch_radius, float(drawn.ball_radii.max())
     options = solver_options(scale, arm, furthest, tolerance)
     problem_input = problem_input or StaticInput(problem.scene, drawn, problem.layout, problem.used_flanks, engine)
@@ -266,15 +261,19 @@ def beam_equations(
 
 @dataclass(frozen=True)
 class StaticInput:
-    """Input from which a ball screw's static problem is built, and can be built again with other flanks or lever arms."""
+    """Input from which a ball screw's static problem is built, and can be built again.
+
+    It is built again with contacts on other flanks, with other fixed degrees of freedom, or with other lever arms of the
+    contact forces.
+    """
 
     #: Scene: screw, nut, balls, supports and loads.
     scene: Scene
-    #: Dimensions of the parts with their manufacturing errors.
+    #: Dimensions of screw, nut and balls with their manufacturing errors.
     drawn: GeometryWithErrors
     #: Positions of the balls.
     layout: BallLayout
-    #: Which of the flanks SL, SR, NL, NR get contacts ``(4,)``.
+    #: Which of the four flanks (screw left, screw right, nut left, nut right) get contacts ``(4,)``.
     used_flanks: Mask
     #: Module of the numerical kernels.
     engine: ModuleType
@@ -282,7 +281,7 @@ class StaticInput:
     models_unloaded_parts: bool = False
     #: Number of elements that each beam element is split into.
     elements_per_beam_element: int = 1
-    #: Result of `centre_vectors_and_interference` for these parts; None: not computed yet.
+    #: Result of `centre_vectors_and_interference` for these dimensions; None: not computed yet.
     known_centre_distances: tuple[Array, Array] | None = None
     #: Three entries: which degrees of freedom of the n nodes are fixed ``(n, 6)``; their prescribed values ``(n, 6)``
     #: [m, rad]; numbers of those that are fixed at the first node although no support fixes them ("pins"). None: the
@@ -291,7 +290,7 @@ class StaticInput:
 
     @property
     def replacement_section(self) -> BeamSection | None:
-        """Return the screw's cross-section that replaces the one of the scene's dimensions; None: it is not replaced."""
+        """Return the screw's cross-section to use instead of that by the scene's dimensions; None: use the latter."""
         return None
 
     def build_problem(self, arms: Array | None = None) -> Problem:
@@ -300,7 +299,8 @@ class StaticInput:
         Parameters
         ----------
         arms
-            Shifts of the flanks' centres of curvature by profile errors ``(N, 4, 2)`` [m]; None: zero.
+            Shifts of the flanks' centres of curvature by profile errors ``(N, 4, 2)`` [m], None for zero: N balls, four
+            flanks (screw left, screw right, nut left, nut right), radial and along the helix's binormal.
         """
         parts = self.scene, self.drawn, self.layout, self.used_flanks
         how: dict[str, Any] = {
@@ -313,7 +313,10 @@ class StaticInput:
         return found if held is None else replace(found, fixed=held[0], prescribed=held[1], pins=held[2])
 
     def with_supports_of(self, pinned: Problem) -> Self:
-        """Return a copy of this input with the fixed degrees of freedom of the problem ``pinned``, its pins included."""
+        """Return a copy of this input with the fixed degrees of freedom of the problem ``pinned``.
+
+        Pins, which are fixed although no support fixes them, are included.
+        """
         return replace(self, fixed_dofs=(pinned.fixed, pinned.prescribed, pinned.pins))
 
     def build_equations(self, problem: Problem) -> SingleNutEquations:
@@ -326,16 +329,20 @@ class StaticInput:
         return f"flanks {names} touch balls in the solution without these flanks: solved again with all four flanks"
 
 
-class SolvedEquations(NamedTuple):
-    """Equations of a ball screw at the state where the solver ended, converged or not, with notes on what was left out."""
+#: Note for the result that no equilibrium was found without some of the flanks.
+UNSOLVED_WITHOUT_FLANKS = "no equilibrium was found with only some of the four flanks: solved again with all of them"
 
-    #: Equations with their last state.
+
+class SolvedEquations(NamedTuple):
+    """Equations of a ball screw at the state where the solver ended, converged or not, with notes on left-out flanks."""
+
+    #: Equations, with the state at which the solver ended.
     system: SingleNutEquations
     #: Status, residual and effort of the solver.
-    outcome: Outcome
+    outcome: kernel_types.Outcome
     #: Input from which the equations were built.
     build: StaticInput
-    #: Motions of the screw that nothing resists.
+    #: Motions of the screw that neither supports nor contacts resist, with the pins that prevent them.
     mechanism: UnresistedMotions
     #: Notes on the flanks that were left out.
     notes: tuple[str, ...]
@@ -353,7 +360,7 @@ class SolvedEquations(NamedTuple):
 class UnrestrainedProblem(NamedTuple):
     """Static problem without equilibrium, because its load drives a motion of the screw that nothing resists."""
 
-    #: Arrays of the problem.
+    #: Arrays of the static problem.
     problem: Problem
     #: The motion that the load drives.
     unresisted_motions: UnresistedMotions
@@ -365,12 +372,14 @@ class UnrestrainedProblem(NamedTuple):
 
 
 def solve_with_chosen_flanks(problem_input: StaticInput) -> SolvedEquations | UnrestrainedProblem:
-    """Solve a ball screw with the chosen flanks, and again with all four if a ball touches a flank that was left out.
+    """Solve a ball screw with contacts on the chosen flanks, and if need be again with all flanks.
+
+    It is solved again if the solver fails, or if a ball of the solution touches a flank that was left out.
 
     Parameters
     ----------
     problem_input
-        Input of the problem; its field ``used_flanks`` holds the chosen flanks.
+        Input of the problem; its field ``used_flanks`` tells on which flanks there are contacts in the first solve.
 
     Returns
     -------
@@ -388,12 +397,12 @@ def solve_with_chosen_flanks(problem_input: StaticInput) -> SolvedEquations | Un
         system = problem_input.with_supports_of(problem).build_equations(problem)
         prepared_at = perf_counter()
         system, outcome = solve_with_updated_contacts(system)
-        if np.array_equal(problem_input.used_flanks, flanks_of_scene(problem_input.scene)) or (
+        if np.array_equal(problem_input.used_flanks, selection.flanks_of_scene(problem_input.scene)) or (
             outcome.status == 0 and system.are_balls_clear_of_left_out_flanks()
         ):
             return SolvedEquations(system, outcome, problem_input, mechanism, notes, prepared_at)
-        notes = (problem_input.note_on_touched_flanks(),)
-        problem_input = replace(problem_input, used_flanks=flanks_of_scene(problem_input.scene))
+        notes = (problem_input.note_on_touched_flanks() if outcome.status == 0 else UNSOLVED_WITHOUT_FLANKS,)
+        problem_input = replace(problem_input, used_flanks=selection.flanks_of_scene(problem_input.scene))
 
 
 def solve_static(
@@ -451,7 +460,7 @@ def solve_static(
     drawn = draw_geometry_with_errors(scene, layout, member)
     kernels = pick_engine(engine, layout.z.size, drawn.profile_coefficients.shape[1] > 0)
     known = centre_vectors_and_interference(scene, drawn)
-    use = flanks_of_scene(scene) if everything else choose_flanks(scene, drawn, known)
+    use = selection.flanks_of_scene(scene) if everything else selection.choose_flanks(scene, drawn, known)
     build = StaticInput(scene, drawn, layout, use, kernels, everything, refine, known)
     result = solve_static_input(build, "lin", start)
     if discretisation and result.converged:
@@ -481,20 +490,24 @@ def solve_static_input(problem_input: StaticInput, name: str, start: float) -> S
     description = system.model_description()
     report = solver_report(outcome, system, description, problem.nodes.size - 1, (start, solved.prepared_at), solved.notes)
     left_out = (
-        *describe_left_out(problem, mechanism, everything=problem_input.models_unloaded_parts),
+        *selection.describe_left_out_parts(problem, mechanism, everything=problem_input.models_unloaded_parts),
         *description.left_out,
     )
     result = assemble_result(system.solved_state(), name, status, report, left_out, description.assumed)
 
-    def loads_with_other_pins() -> Array | None:
-        """Return the contact loads ``(N, 4)`` [N] with the other degrees of freedom fixed; None without a solution."""
+    def contact_loads_with_other_pins() -> Array | None:
+        """Return the contact loads of N balls on four flanks ``(N, 4)`` [N] with the alternative choice of pins.
+
+        Pins are degrees of freedom that are fixed although no support fixes them. None is returned if the solver finds no
+        solution.
+        """
         again = pin_free_motions(solved.build.build_problem(), mechanism, True)
         other, found = solve_with_updated_contacts(
             solved.build.with_supports_of(again).build_equations(again), follow_profile_errors=False
         )
         return None if is_solve_unusable(found) else other.contact_states()[0].contacts[..., 0]
 
-    return with_note_on_pins(result, mechanism, loads_with_other_pins)
+    return with_note_on_pins(result, mechanism, contact_loads_with_other_pins)
 
 
 def with_note_on_pins(
@@ -509,7 +522,7 @@ def with_note_on_pins(
     Parameters
     ----------
     result
-        Result with the first choice of pins.
+        Result of the solve with the first choice of pins.
     mechanism
         Motions that nothing resists, with the degrees of freedom that could be pinned instead.
     other_loads
@@ -584,7 +597,7 @@ def with_discretisation_error(scene: Scene, result: StaticResult, solve: Callabl
     scene
         Scene that was solved.
     result
-        Its result.
+        Result of the solve of this scene.
     solve
         Function that computes the result of a scene; its keyword ``refine`` gives the number of elements that each beam
         element is split into.

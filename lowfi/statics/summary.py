@@ -14,7 +14,7 @@ from rollbench.lowfi.hertz import contact_approach
 from rollbench.lowfi.statics.problem import Problem, SolvedState
 from rollbench.lowfi.statics.result import Equilibrium, SolverReport, StaticResult, Status
 from rollbench.lowfi.statics.settle import contact_angles
-from rollbench.lowfi.statics.shape import motion_matrices, rigid_motion_transfer_matrix
+from rollbench.lowfi.statics.shape import beam_interpolation_matrices, rigid_motion_transfer_matrix
 from rollbench.lowfi.statics.validity import validity_warnings
 from rollbench.lowfi.warned import ResultWarning
 from rollbench.meshes.arrays import Array
@@ -33,9 +33,10 @@ MODEL_ASSUMPTIONS = (
 
 #: Axial distance [m] between the points at which the motion of the shaft's centreline is reported, besides the nodes.
 STATION = 10e-3
-#: Index of the assumption about the screw in `MODEL_ASSUMPTIONS`, and its replacement for a rigid screw.
+#: Index of the assumption about the screw in `MODEL_ASSUMPTIONS`, and the sentence that replaces it for a rigid screw.
 SCREW, RIGID_SCREW = 1, "the screw is rigid, apart from the Hertzian contacts"
-#: Largest sum of forces or moments on screw or ball, relative to the largest force or moment, of a converged solution.
+#: Largest unbalanced force or moment on screw or ball, relative to the largest force or moment, that a converged solution
+#: may have.
 BALANCE = 1e-6
 #: Assumptions of Lin's model that hold also for elastic screw, nut and balls.
 ELASTIC_ASSUMPTIONS = MODEL_ASSUMPTIONS[2:]
@@ -48,7 +49,7 @@ def model_assumptions(scene: Scene) -> tuple[str, ...]:
     return (*MODEL_ASSUMPTIONS[:SCREW], RIGID_SCREW, *MODEL_ASSUMPTIONS[SCREW + 1 :])
 
 
-def centreline(problem: Problem, q: Array) -> tuple[Array, Array]:
+def centreline_motions(problem: Problem, q: Array) -> tuple[Array, Array]:
     """Return k axial positions along the whole screw [m], and the motions of its cross-sections there ``(k, 6)`` [m, rad].
 
     Parameters
@@ -56,8 +57,8 @@ def centreline(problem: Problem, q: Array) -> tuple[Array, Array]:
     problem
         Static problem with n nodes.
     q
-        Motions of the nodes ``(n, 6)`` [m, rad]; for a rigid screw its six coordinates, see
-        `Problem.rigid_motion_basis`.
+        Motions of the nodes ``(n, 6)`` [m, rad]; for a rigid screw the six coordinates of its motion with respect to the
+        basis `Problem.rigid_motion_basis`.
     """
     length, nodes = problem.scene.screw.length, tuple(problem.nodes.tolist())
     if problem.rigid_motion_basis is not None:
@@ -90,19 +91,19 @@ def _cached_motion_matrices(
     """Return the positions at which a screw's centreline is reported, and matrices from node motions to the motions there.
 
     ``length``: length of the screw [m]; ``nodes``: axial positions of the beam's nodes [m]; ``section``: the screw's
-    cross-section. Entries: axial positions ``(k,)`` [m] as for `centreline_positions`; the first node ``(k,)`` of the
+    cross-section. Returns axial positions ``(k,)`` [m] as for `centreline_positions`; the first node ``(k,)`` of the
     beam element at each of them; and the matrices ``(k, 6, 12)`` from the motions of the element's two nodes to the
-    motions there (`motion_matrices`). The last eight results are cached.
+    motions there (`beam_interpolation_matrices`). The last eight results are cached.
     """
     stations = centreline_positions(length, nodes)
-    return stations, *motion_matrices(stations, np.array(nodes), section)
+    return stations, *beam_interpolation_matrices(stations, np.array(nodes), section)
 
 
-def contact_geometry(solved: SolvedState) -> tuple[Array, Array]:
+def contact_points_and_force_directions(solved: SolvedState) -> tuple[Array, Array]:
     """Return the contact points on the undeformed flanks [m], and the unit vectors of the contact forces on the balls.
 
-    ``solved``: solution with N balls. Both arrays have the shape ``(N, 4, 3)``: balls, flanks SL, SR, NL, NR, and the
-    coordinates x, y, z of the scene.
+    ``solved``: solution with N balls. Both arrays have the shape ``(N, 4, 3)``: balls, four flanks (screw left, screw
+    right, nut left, nut right), and the coordinates x, y, z of the scene.
     """
     problem, normal = solved.problem, solved.contact_normals
     layout = problem.layout
@@ -125,7 +126,7 @@ def check_screw_equilibrium(solved: SolvedState, points: Array, on_ball: Array) 
     Parameters
     ----------
     solved
-        Solution.
+        Solution with N balls.
     points
         Contact points ``(N, 4, 3)`` [m].
     on_ball
@@ -222,7 +223,7 @@ def resultant_of_loads(loads: Sequence[Load]) -> Array:
     Parameters
     ----------
     loads
-        External loads of a scene, each at a point of the axis.
+        External loads of a scene, each at a point of the screw's axis.
     """
     wrenches = np.array([(*x.force, *x.moment) for x in loads]).reshape(-1, 6)
     return resultant_about_origin(np.array([x.at for x in loads]), wrenches)
@@ -234,9 +235,10 @@ def magnitudes_of_net_ball_forces(force: Array, normal: Array) -> Array:
     Parameters
     ----------
     force
-        Contact forces ``(N, 4)`` [N].
+        Contact forces of N balls on the four flanks ``(N, 4)`` [N].
     normal
-        Unit normals of the contacts in the section plane ``(N, 4, 2)``.
+        Unit normals of these contacts ``(N, 4, 2)``, in the section plane of each ball: radial, and along the helix's
+        binormal.
     """
     return np.asarray(np.linalg.norm((force[..., None] * normal).sum(axis=1), axis=1))
 
@@ -258,7 +260,7 @@ def check_equilibrium(
     largest_force
         Largest force of the solution [N].
     moment_arm
-        Length [m] by which this force is multiplied to give the largest moment.
+        Length [m]; ``largest_force`` times this length counts as the largest moment, unless a moment in ``sums`` is larger.
     round_off_wrench
         Force [N] and moment [N m] that rounding errors leave; they are subtracted from the sums.
     net_ball_forces
@@ -324,7 +326,7 @@ def status_after_equilibrium_check(
     body
         Name of the body for the message.
     ball
-        Name of the worst ball for the message; empty: its number.
+        Name for the message of the ball with the largest net force; empty: the ball's number.
     """
     if status != "converged" or (balance.ball_residual if nominal_arms else balance.largest) <= BALANCE:
         return status
@@ -358,7 +360,7 @@ def contact_result(
     z
         Axial positions of the shaft's centreline ``(k,)`` [m].
     motion
-        Motions of the shaft there ``(k, 6)`` [m, rad].
+        Motions of the shaft at these positions ``(k, 6)`` [m, rad].
     report
         Effort and accuracy of the solve.
     arc_on_both_sides
@@ -367,7 +369,7 @@ def contact_result(
     """
     problem, force = solved.problem, solved.contact_forces
     raw = contact_angles(solved.contact_normals)
-    points, on_ball = contact_geometry(solved)
+    points, on_ball = contact_points_and_force_directions(solved)
     return StaticResult(
         model="",
         status=Status("converged"),
@@ -420,7 +422,7 @@ def assemble_result(
         contacts do not balance. The equilibrium check then does not change the status.
     """
     problem = solved.problem
-    result = contact_result(solved, *centreline(problem, solved.nodal_motions), report)
+    result = contact_result(solved, *centreline_motions(problem, solved.nodal_motions), report)
     balance = check_screw_equilibrium(solved, result.contact_point, result.force_direction)
     if not has_own_lever_arms:
         status = status_after_equilibrium_check(status, balance, problem.scene.ingredients.arm == "nominal")
@@ -441,7 +443,7 @@ def failed_result(problem: Problem, model: str, status: Status, seconds: float) 
     model
         Name of the model.
     status
-        Status with the reason.
+        Status, which gives the reason why there is no equilibrium.
     seconds
         Computing time [s].
     """

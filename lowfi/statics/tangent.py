@@ -20,7 +20,7 @@ import numpy as np
 
 from rollbench.lowfi.compliance.parts import REFINED, ComplianceModel
 from rollbench.lowfi.statics.elastic import ElasticInput
-from rollbench.lowfi.statics.kernel.elastic import ball_rows
+from rollbench.lowfi.statics.kernel.elastic import write_stiffness_factors
 from rollbench.lowfi.statics.problem import Problem
 from rollbench.lowfi.statics.selection import choose_flanks, flanks_of_scene
 from rollbench.lowfi.statics.shaft import flank_motion_coefficients
@@ -50,7 +50,7 @@ class TangentStiffness:
     def rigidity(self, freedom: str) -> float:
         """Return the stiffness along one motion: force or moment per unit of it, with rz fixed and all other motions free.
 
-        It is zero if nothing resists the motion.
+        The stiffness is zero if nothing resists the motion.
 
         Parameters
         ----------
@@ -72,7 +72,7 @@ class TangentStiffness:
     def _rotation_length(self) -> float:
         """Return the length [m] by which rotations are multiplied to be comparable with displacements.
 
-        It is the root of the ratio of the largest rotational to the largest translational stiffness.
+        The length is the root of the ratio of the largest rotational to the largest translational stiffness.
         """
         diagonal = np.diag(self.matrix)
         force, moment = float(diagonal[:3].max()), float(diagonal[3:].max())
@@ -145,7 +145,7 @@ def _stiffness_at_clamp(equations: Any, clamped_equations: Any, station: float) 
     """
     N, d = equations.state.phi.shape
     rows, counts = np.zeros((N, 6, d)), np.zeros(N, dtype=np.int64)
-    ball_rows(equations.kernel_arrays.contacts, equations.state.contact, rows, counts)
+    write_stiffness_factors(equations.kernel_arrays.contacts, equations.state.contact, rows, counts)
     used = np.arange(6)[None, :] < counts[:, None]
     ball = np.repeat(np.arange(N), counts)
     S = np.zeros((ball.size, N, d))
@@ -177,8 +177,8 @@ def flank_motions_by_clamp(problem: Problem, station: float) -> Array:
     Returns
     -------
     Array
-        R_z ``(4 N, 6)`` of equation (1) of the module, ball after ball: flank SL, radial and along the helix's binormal,
-        then flank SR likewise.
+        R_z ``(4 N, 6)`` of equation (1) of the module. Four rows for each ball: motion of the screw's left flank, radial
+        and along the helix's binormal, then of the right flank likewise. Columns: six motions of the section.
     """
     dof, rows = flank_motion_coefficients(problem, [0, 1])
     nodes = np.concatenate([rigid_motion_transfer_matrix(float(z - station)) for z in problem.nodes])

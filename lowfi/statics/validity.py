@@ -27,8 +27,8 @@ SMALL_ROTATION = 0.045
 #: Largest contact pressure [Pa] by ISO 76 for hardened steel in ball and in roller bearings. Higher pressures leave a
 #: permanent indentation of more than about 1e-4 of the rolling element's diameter.
 DENT_PRESSURE, ROLLER_DENT_PRESSURE = 4.2e9, 4.0e9
-#: Largest ratio of semi-axis to ball radius for which Hertz's half space is valid. At this ratio the sphere differs from
-#: its paraboloid by a quarter of the ratio's square, 2 %.
+#: Largest ratio of a contact's semi-axis to the ball radius for which Hertz's half space is valid. At this ratio the sphere
+#: differs from its paraboloid by a quarter of the ratio's square, 2 %.
 LARGE = 0.3
 #: Largest shift of a profile's centre of curvature by profile errors, relative to the distance of groove and ball centre.
 PROFILE_SHARE = 0.5
@@ -48,7 +48,7 @@ def validity_warnings(solved: SolvedState, gamma: Array, z: Array, motion: Array
     z
         Axial positions of the shaft's centreline ``(k,)`` [m].
     motion
-        Motions of the shaft there ``(k, 6)`` [m, rad].
+        Motions of the shaft at these positions ``(k, 6)`` [m, rad].
     """
     problem, force = solved.problem, solved.contact_forces
     constants = hertz_of_every_contact(problem.scene, problem.drawn)
@@ -87,7 +87,9 @@ def arc_end_names(scene: Scene) -> str:
 
 
 def _arc_limit_warnings(problem: Problem, force: Array, gamma: Array, shift: Array) -> list[ResultWarning]:
-    """Return warnings of contacts or contact ellipses beyond the groove's arc, and of balls that move too far.
+    """Return warnings of contacts or contact ellipses beyond the groove's arc, and of balls with large displacements.
+
+    A displacement is large if it exceeds a tenth of the ball's radius.
 
     Parameters
     ----------
@@ -163,7 +165,7 @@ def _overlapping_contact_warning(problem: Problem, force: Array, gamma: Array) -
     return [ResultWarning("two flanks", text)]
 
 
-def size_warnings(semi_axis: Array, radius: float, element: Element = "ball") -> list[ResultWarning]:
+def contact_size_warnings(semi_axis: Array, radius: float, element: Element = "ball") -> list[ResultWarning]:
     """Return a warning if a contact is too large, relative to its ball or roller, for Hertz's theory of half spaces.
 
     Parameters
@@ -184,7 +186,7 @@ def size_warnings(semi_axis: Array, radius: float, element: Element = "ball") ->
 
 
 def contact_warnings(pressure: Array, semi_axis: Array, radius: float, element: Element = "ball") -> list[ResultWarning]:
-    """Return warnings of contacts that are too large for Hertz's theory, or so loaded that they leave an indentation.
+    """Return warnings of contacts too large for Hertz's theory, or with a pressure that leaves a permanent indentation.
 
     Parameters
     ----------
@@ -198,7 +200,7 @@ def contact_warnings(pressure: Array, semi_axis: Array, radius: float, element: 
         Rolling element that the warning is about: "ball" or "roller".
     """
     allow = DENT_PRESSURE if element == "ball" else ROLLER_DENT_PRESSURE
-    notes, beyond = size_warnings(semi_axis, radius, element), pressure > allow
+    notes, beyond = contact_size_warnings(semi_axis, radius, element), pressure > allow
     if beyond.any():
         worst = int(pressure.argmax()) // pressure.shape[1] + 1
         allowed, most = f"{1e-9 * allow:g} GPa", f"{1e-9 * float(pressure.max()):.3g} GPa"
@@ -293,7 +295,7 @@ def tilt_warning(problem: Problem, force: Array, z: Array, motion: Array) -> lis
     z
         Axial positions of the shaft's centreline ``(k,)`` [m].
     motion
-        Motions of the shaft there ``(k, 6)`` [m, rad].
+        Motions of the shaft at these positions ``(k, 6)`` [m, rad].
     """
     approach = float(contact_approach(force, problem.C).max(initial=0.0))
     low, high = float(problem.layout.z.min()), float(problem.layout.z.max())
@@ -338,7 +340,7 @@ def rotation_warning(z: Array, motion: Array) -> list[ResultWarning]:
     z
         Axial positions of the shaft's centreline ``(k,)`` [m].
     motion
-        Motions of the shaft there ``(k, 6)`` [m, rad].
+        Motions of the shaft at these positions ``(k, 6)`` [m, rad].
     """
     size = np.abs(motion[:, 3:]).max(axis=1)
     if not size.size or not float(size.max()) > SMALL_ROTATION:

@@ -20,8 +20,9 @@ FACES = ((0, 1, 2), (0, 3, 1), (1, 3, 2), (2, 3, 0))
 HEX_FACES = ((0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1), (1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0))
 #: Number, in gmsh's ten-node tetrahedron, of each node of Abaqus' element C3D10.
 C3D10 = (0, 1, 2, 3, 4, 5, 6, 7, 9, 8)
-#: Largest number of characters in a name.
+#: Largest number of characters in a name of a set or surface of an input deck.
 LONGEST_NAME = 80
+#: Number of coordinate axes.
 AXES = 3
 #: CalculiX's limits I_0, I_R, I_P and I_C on the number of iterations in one increment, in place of its defaults 4, 8, 9,
 #: 16; contact under preload needs about 25 iterations.
@@ -34,14 +35,15 @@ WEAK_ARM = 1e-3
 class DeckUnits:
     """Units of length and stress in an input deck; forces are in N."""
 
-    #: Unit of length [m].
+    #: Size of the unit of length [m].
     length: float
-    #: Unit of stress [Pa].
+    #: Size of the unit of stress [Pa].
     stress: float
     #: Names of the units, for the deck's heading.
     names: str
 
 
+#: Units of an input deck, by the name of the unit of length.
 UNITS = {"mm": DeckUnits(1e-3, 1e6, "mm, N, MPa"), "m": DeckUnits(1.0, 1.0, "m, N, Pa")}
 
 
@@ -72,11 +74,11 @@ class DeckBody:
 class RigidSection:
     """Rigid cross-section of a body in an input deck: its nodes move as a rigid plane with prescribed motion or load."""
 
-    #: Name of the section.
+    #: Name of the rigid section.
     name: str
-    #: Name of the body.
+    #: Name of the body to which the section belongs.
     body_name: str
-    #: Name of the section's set of nodes.
+    #: Name of the set of nodes that form the section.
     node_set: str
     #: Point on the axis to which motion and load refer ``(3,)`` [m].
     reference_point: Array
@@ -158,7 +160,7 @@ def set_entry_lines(entries: Iterable[int]) -> Iterator[str]:
     return (line.removesuffix(",") for line in comma_separated_lines(entries))
 
 
-def check_names(names: Sequence[str]) -> None:
+def check_deck_names(names: Sequence[str]) -> None:
     """Raise ValueError for a set's name that an input deck does not allow, or that two sets have (letter case ignored)."""
     seen = set[str]()
     for name in names:
@@ -201,8 +203,8 @@ def cells_and_numbers_of_faces(cells: Index, corners: Index) -> Index:
     return np.stack([place // len(faces), place % len(faces) + 1], axis=1)
 
 
-def surface_faces(cells: Index) -> Index:
-    """Return the faces on the surface of a body, which belong to only one tetrahedron.
+def outer_faces_of_tetrahedra(cells: Index) -> Index:
+    """Return the faces of tetrahedra that lie on the surface of the body, that is, that belong to only one tetrahedron.
 
     Parameters
     ----------
@@ -247,7 +249,7 @@ def _deck_lines(deck: InputDeck, units: DeckUnits) -> Iterator[str]:
     """Yield all lines of an input deck."""
     names = [n for b in deck.bodies for n in (f"{b.name}_ALL", *b.node_sets, *b.face_sets)]
     ends = [f"{s.name}_{what}" for s in deck.rigid_sections for what in ("MOVE", "TURN")]
-    check_names([*(b.name for b in deck.bodies), *names, *ends])
+    check_deck_names([*(b.name for b in deck.bodies), *names, *ends])
     yield "*HEADING"
     yield deck.title[:80]
     yield from (f"** {line}" for line in (*deck.comment_lines, f"Units: {units.names}"))
@@ -355,7 +357,7 @@ def _spring_lines(springs: Sequence[tuple[int, int]], cells: int, stiffness: flo
 def _prescribed_motion_lines(
     deck: InputDeck, references: dict[str, int], units: DeckUnits, *, moved: bool
 ) -> Iterator[str]:
-    """Yield the lines of the rigid sections' prescribed motions: only zero ones, or (``moved``) only others.
+    """Yield the lines of the rigid sections' prescribed motions: only zero motions, or (``moved``) only nonzero motions.
 
     ``references``: largest node number before the two reference nodes of each section, by its name. Abaqus accepts
     prescribed motions other than zero only inside a step.

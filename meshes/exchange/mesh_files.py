@@ -34,8 +34,11 @@ _MED: dict[str, tuple[int, ...]] = {
     "hexahedron": (0, 3, 2, 1, 4, 7, 6, 5),
     "hexahedron20": (0, 3, 2, 1, 4, 7, 6, 5, 11, 10, 9, 8, 15, 14, 13, 12, 16, 19, 18, 17),
 }
+#: For each element type by its name in meshio, its name in Abaqus.
 _ABAQUS = {"tetra": "C3D4", "tetra10": "C3D10", "hexahedron": "C3D8", "hexahedron20": "C3D20"}
+#: For each number of nodes of a face, the name of its element type in meshio.
 _FACES = {3: "triangle", 6: "triangle6", 4: "quad", 8: "quad8", 9: "quad9"}
+#: For each format of mesh files that meshio writes, its name in meshio.
 _MESHIO = {"vtu": "vtu", "msh": "gmsh", "med": "med"}
 
 FORMATS = {"vtu": "VTK files", "msh": "gmsh files", "med": "MED files", "inp": "Abaqus files"}
@@ -236,8 +239,9 @@ def _meshio_mesh_for_vtu(plain: Any, faces: Mapping[str, Index], region: str, ma
 def _meshio_mesh_for_msh(plain: Any, faces: Mapping[str, Index], region: str, marks: Mapping[str, Index]) -> Any:
     """Return a mesh of meshio for a .msh file, with physical groups for the region and the boundaries.
 
-    A region without a name is called "other". In this format each entity must have a node that belongs to it alone. Cell
-    fields are NaN on the faces of boundaries. Arguments as for `_meshio_mesh_for_vtu`; ``plain`` is not changed.
+    A region without a name is called "other". In this format each region and each boundary must have a node that belongs to
+    it alone. Cell fields are NaN on the faces of boundaries. Arguments as for `_meshio_mesh_for_vtu`; ``plain`` is not
+    changed.
     """
     import meshio
 

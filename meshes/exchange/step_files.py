@@ -26,6 +26,7 @@ from rollbench.meshes.solid import dimensions_of_3d_parts
 
 #: Number of arcs through which a flank is lofted, for each turn of the helix.
 SECTIONS = 48
+#: Millimetres per metre.
 MM = 1e3
 
 
@@ -34,9 +35,9 @@ class PlacedNutOrBearing(NamedTuple):
 
     #: Parts of the ball nut or bearing.
     scene: Scene
-    #: Displacement of its nut or outer ring along z from the position in ``scene`` [m].
+    #: Displacement of the nut or outer ring along z, from its position in ``scene`` [m].
     nut_displacement: float
-    #: Axial positions of the ends of its segment of the shaft [m].
+    #: Axial positions of the two ends of the shaft segment that is written with this nut or bearing [m].
     shaft_segment_ends: tuple[float, float]
 
 
@@ -158,14 +159,23 @@ def _add_grooved_ring(gmsh: Any, scene: Scene, ends: tuple[float, float], *, scr
     )
     R = scene.track.pitch_radius
 
-    def add_point(r: float, at: float) -> int:
+    def add_point_in_section(r: float, at: float) -> int:
         return int(occ.addPoint(MM * r, 0.0, MM * at))
 
-    corners = [add_point(wall, ends[0]), add_point(land, ends[0]), add_point(R + left[1, 0], z + left[1, 1])]
-    apex = add_point(R + left[0, 0], z + left[0, 1])
-    corners += [apex, add_point(R + right[1, 0], z + right[1, 1]), add_point(land, ends[1]), add_point(wall, ends[1])]
+    corners = [
+        add_point_in_section(wall, ends[0]),
+        add_point_in_section(land, ends[0]),
+        add_point_in_section(R + left[1, 0], z + left[1, 1]),
+    ]
+    apex = add_point_in_section(R + left[0, 0], z + left[0, 1])
+    corners += [
+        apex,
+        add_point_in_section(R + right[1, 0], z + right[1, 1]),
+        add_point_in_section(land, ends[1]),
+        add_point_in_section(wall, ends[1]),
+    ]
     middles = [
-        add_point(R + x, z + y)
+        add_point_in_section(R + x, z + y)
         for x, y in draw_geometry_with_errors(scene, ball_layout(scene)).groove_centres[0, list(_flanks_of_body(screw))]
     ]
     lines = [occ.addLine(corners[0], corners[1]), occ.addLine(corners[1], corners[2])]
@@ -183,7 +193,8 @@ def _flanks_of_body(screw: bool) -> tuple[int, int]:
 def _flank_section_coordinates(scene: Scene, side: int, gamma: Array) -> Array:
     """Return the coordinates x3 (radial) and z3 (across the track) of points on a flank ``(k, 2)`` [m].
 
-    ``side``: flank 0 to 3; ``gamma``: section angles of the points ``(k,)`` [rad].
+    ``side``: flank 0 to 3; ``gamma``: angles of the points around the arc of the flank, from the radial direction ``(k,)``
+    [rad].
     """
     drawn = draw_geometry_with_errors(scene, ball_layout(scene))
     (sx, sz), c = SIDE_SIGNS[side], drawn.groove_centres[0, side]
@@ -197,7 +208,7 @@ def apex_section_angle(scene: Scene, side: int) -> float:
 
 
 def land_section_angle(scene: Scene, side: int, land: float) -> float:
-    """Compute the section angle at which a flank meets the land.
+    """Compute the section angle (angle around the arc of a flank, from the radial direction) at which it meets the land.
 
     Parameters
     ----------
@@ -225,8 +236,8 @@ def land_section_angle(scene: Scene, side: int, land: float) -> float:
 def _flank_points_at_azimuth(scene: Scene, side: int, gamma: Array, azimuth: float, shift: float) -> Array:
     """Return points of a flank in the groove section at an azimuth [rad], in space ``(k, 3)`` [m].
 
-    ``side``: flank 0 to 3; ``gamma``: section angles of the points ``(k,)`` [rad]; ``shift``: displacement of the nut along
-    z [m].
+    ``side``: flank 0 to 3; ``gamma``: angles of the points around the arc of the flank, from the radial direction ``(k,)``
+    [rad]; ``shift``: displacement of the nut along z [m].
     """
     z = scene.nut.position + shift + lead_per_radian(scene.track) * (azimuth - scene.track.phase)
     at = ball_layout_at_positions(scene.track, np.array([azimuth]), np.array([z]))

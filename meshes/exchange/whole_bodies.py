@@ -17,40 +17,21 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 from skfem import Mesh
 
+from rollbench.meshes import groove as meshes_groove
+from rollbench.meshes import shell as meshes_shell
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.ball_body import contact_frame_vectors, triangulate_sphere
 from rollbench.meshes.fem import MeshedBody, MeshQuality, improve_curved_cells, nodes_on_boundaries
-from rollbench.meshes.groove import (
-    GrooveCrossSection,
-    GroovedBodySpec,
-    circle_in_plane,
-    circle_in_space,
-    line_along_first_axis,
-    line_along_second_axis,
-    point_map_at_z,
-    points_from_cylindrical,
-)
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.grooved_body import FLANK, GroovedBodySurface
 from rollbench.meshes.parts import SIDES
-from rollbench.meshes.shell import (
-    BEND,
-    POOREST,
-    WALL,
-    ClosedSurfaceMesh,
-    DividedCurve,
-    Placing,
-    Side,
-    best_mesh_of_attempts,
-    mesh_inside_closed_surface,
-)
 from rollbench.meshes.sockets import RefinementBoxSize, points_in_refinement_box
 
-#: Azimuths [rad] of the two cut surfaces of half a ring.
+#: Azimuths [rad] of the two plane cut surfaces of half a bearing ring.
 CUT = (0.0, np.pi)
 
 
-def use_requested_element_sizes(shell: ClosedSurfaceMesh) -> None:
+def use_requested_element_sizes(shell: meshes_shell.ClosedSurfaceMesh) -> None:
     """Make gmsh use the requested element sizes inside faces, instead of extending the sizes on a face's boundary."""
     shell.gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 0)
 
@@ -59,13 +40,15 @@ class HalfRingSurface:
     """Closed surface of one half of a bearing ring, from azimuth 0 to 180 deg; the plane y = 0 is its boundary "cut".
 
     Two rings with balls at 0 and 180 deg, displaced within the plane y = 0, deform symmetrically about this plane. So the
-    half at y >= 0 is enough, and needs half the nodes of a mesh of the same fineness. The faces are exact, as in
-    ``meshes.grooved_body``.
+    half at y >= 0 is enough, and needs half the nodes of a mesh of the same fineness. Nodes lie on the exact surfaces of
+    the ring, as in ``meshes.grooved_body``.
 
     The section has seven edges, numbered from 0: the bore or outside, high end, land, flank, flank, land, low end.
     """
 
-    def __init__(self, shell: ClosedSurfaceMesh, m: GrooveMap, spec: GroovedBodySpec, share: float = 1.0) -> None:
+    def __init__(
+        self, shell: meshes_shell.ClosedSurfaceMesh, m: GrooveMap, spec: meshes_groove.GroovedBodySpec, share: float = 1.0
+    ) -> None:
         """Build the surface: divide the curves between the faces of the half ring into edges, and triangulate the faces.
 
         Parameters
@@ -86,12 +69,14 @@ class HalfRingSurface:
         """
         if m.rg or spec.inner_radius <= 0.0 or m.has_single_arc:
             raise ValueError("only a bearing ring with a bore and a groove of two arcs can be cut in halves")
-        self.shell, self.groove, self.spec = shell, GrooveCrossSection.from_body(m, spec), spec
+        self.shell, self.groove, self.spec = shell, meshes_groove.GrooveCrossSection.from_body(m, spec), spec
         use_requested_element_sizes(shell)
         g, line, (low, high) = self.groove, m.z0, (spec.z_low, spec.z_high)
-        self.flank_limit = share * min(BEND[0] * float(m.radius[g.sides[0]]), FLANK * spec.cell_size_far_away)
-        self.land_limit = share * BEND[1] * g.land_radius
-        self.behind_limit = min(share * BEND[1] * g.back_radius, max(WALL * g.wall_thickness, shell.fine))
+        self.flank_limit = share * min(meshes_shell.BEND[0] * float(m.radius[g.sides[0]]), FLANK * spec.cell_size_far_away)
+        self.land_limit = share * meshes_shell.BEND[1] * g.land_radius
+        self.behind_limit = min(
+            share * meshes_shell.BEND[1] * g.back_radius, max(meshes_shell.WALL * g.wall_thickness, shell.fine)
+        )
         r, zeta = g.profile_points(g.sides[0], np.array([g.apex_angle]))
         corners = np.array(
             [
@@ -106,9 +91,11 @@ class HalfRingSurface:
         )
         limits = [self.behind_limit, self.behind_limit, *[self.land_limit] * 5]
         limits[3:6] = [min(self.land_limit, self.flank_limit)] * 3
-        nodes = [shell.add_nodes(points_from_cylindrical(corners[:, 0], phi, corners[:, 1])) for phi in CUT]
+        nodes = [shell.add_nodes(meshes_groove.points_from_cylindrical(corners[:, 0], phi, corners[:, 1])) for phi in CUT]
         self.arcs = [
-            shell.add_divided_curve(circle_in_space(*corners[k]), *CUT, limits[k], (int(nodes[0][k]), int(nodes[1][k])))
+            shell.add_divided_curve(
+                meshes_groove.circle_in_space(*corners[k]), *CUT, limits[k], (int(nodes[0][k]), int(nodes[1][k]))
+            )
             for k in range(7)
         ]
         self.corners, self.line = corners, line
@@ -117,7 +104,7 @@ class HalfRingSurface:
         ]
         self._triangulate_faces()
 
-    def _divide_section_edge(self, k: int, phi: float, nodes: NDArray[np.int64]) -> DividedCurve:
+    def _divide_section_edge(self, k: int, phi: float, nodes: NDArray[np.int64]) -> meshes_shell.DividedCurve:
         """Divide edge k of the ring's section, from corner k to the next, into mesh edges, at the azimuth ``phi`` [rad].
 
         ``k``: number of the edge, 0 to 6; ``nodes``: numbers of the nodes at the seven corners of this cross-section.
@@ -130,11 +117,11 @@ class HalfRingSurface:
             )
         limit = self.behind_limit if k == 0 else self.land_limit
 
-        def space(t: Array) -> Array:
+        def edge_points_in_space(t: Array) -> Array:
             r, z = self._straight_edge_coordinates(k, t)
-            return points_from_cylindrical(r, phi, z)
+            return meshes_groove.points_from_cylindrical(r, phi, z)
 
-        return self.shell.add_divided_curve(space, 0.0, 1.0, limit, ends)
+        return self.shell.add_divided_curve(edge_points_in_space, 0.0, 1.0, limit, ends)
 
     def _section_angle_range(self, k: int) -> tuple[float, float]:
         """Return the section angles [rad] at which edge ``k`` of the cross-section, a flank (3 or 4), begins and ends."""
@@ -148,7 +135,7 @@ class HalfRingSurface:
     def _points_on_flank(self, k: int, gamma: Array, phi: float | Array) -> Array:
         """Return points ``(n, 3)`` [m] on a flank at section angles ``gamma`` and azimuths ``phi`` [rad]; ``k``: 3 or 4."""
         r, zeta = self.groove.profile_points(self._flank_of_edge(k), gamma)
-        return points_from_cylindrical(r, phi, self.line + zeta)
+        return meshes_groove.points_from_cylindrical(r, phi, self.line + zeta)
 
     def _straight_edge_coordinates(self, k: int, t: Array) -> tuple[Array, Array]:
         """Return radius and z of points on the straight edge k of the cross-section, two arrays ``(n,)`` [m].
@@ -169,23 +156,23 @@ class HalfRingSurface:
             return np.stack([r, self.line + zeta], axis=1)
         return np.stack(self._straight_edge_coordinates(k, t), axis=1)
 
-    def _sides_of_swept_face(self, k: int, begin: float, end: float) -> list[Side]:
+    def _sides_of_swept_face(self, k: int, begin: float, end: float) -> list[meshes_shell.Side]:
         """Return the four boundary segments of the face that edge k of the cross-section generates about the axis.
 
         Plane coordinates of the face are the azimuth [rad] and a coordinate along the edge, which is ``begin`` at corner k
         and ``end`` at the next corner.
         """
 
-        def at(t: Array, phi: float) -> Array:
+        def plane_coordinates_of_edge(t: Array, phi: float) -> Array:
             place = begin + (end - begin) * t if k not in (3, 4) else t
-            return line_along_second_axis(phi)(place)
+            return meshes_groove.line_along_second_axis(phi)(place)
 
         first, last = (cut[k] for cut in self.cuts)
         return [
-            self.arcs[k].as_side_of_face(line_along_first_axis(begin)),
-            last.as_side_of_face(lambda t: at(t, CUT[1])),
-            self.arcs[(k + 1) % 7].as_reversed_side_of_face(line_along_first_axis(end)),
-            first.as_reversed_side_of_face(lambda t: at(t, CUT[0])),
+            self.arcs[k].as_side_of_face(meshes_groove.line_along_first_axis(begin)),
+            last.as_side_of_face(lambda t: plane_coordinates_of_edge(t, CUT[1])),
+            self.arcs[(k + 1) % 7].as_reversed_side_of_face(meshes_groove.line_along_first_axis(end)),
+            first.as_reversed_side_of_face(lambda t: plane_coordinates_of_edge(t, CUT[0])),
         ]
 
     def _triangulate_faces(self) -> None:
@@ -212,7 +199,7 @@ class HalfRingSurface:
             loop = [cut[k].as_side_of_face(partial(self._edge_coordinates, k)) for k in range(7)]
             self.shell.add_face("cut", [loop], _axial_plane_point_map(phi), np.inf)
 
-    def _flank_point_map(self, k: int, scale: Array) -> Placing:
+    def _flank_point_map(self, k: int, scale: Array) -> meshes_shell.Placing:
         """Return the function that maps plane coordinates of the flank of edge k to points ``(n, 3)`` [m].
 
         The plane coordinates are (azimuth, section angle), multiplied by the lengths ``scale`` [m].
@@ -223,19 +210,21 @@ class HalfRingSurface:
         """Triangulate the flat end face that edge ``k`` (1 or 6) of the cross-section generates; ``name``: its boundary."""
         first, last = (cut[k] for cut in self.cuts)
 
-        def end_edge(sign: float) -> Placing:
+        def cut_line_of_end_face(sign: float) -> meshes_shell.Placing:
             return lambda t: np.stack([sign * self._straight_edge_coordinates(k, t)[0], np.zeros(t.size)], axis=1)
 
         loop = [
-            self.arcs[k].as_side_of_face(circle_in_plane(float(self.corners[k, 0]))),
-            last.as_side_of_face(end_edge(-1.0)),
-            self.arcs[(k + 1) % 7].as_reversed_side_of_face(circle_in_plane(float(self.corners[(k + 1) % 7, 0]))),
-            first.as_reversed_side_of_face(end_edge(1.0)),
+            self.arcs[k].as_side_of_face(meshes_groove.circle_in_plane(float(self.corners[k, 0]))),
+            last.as_side_of_face(cut_line_of_end_face(-1.0)),
+            self.arcs[(k + 1) % 7].as_reversed_side_of_face(
+                meshes_groove.circle_in_plane(float(self.corners[(k + 1) % 7, 0]))
+            ),
+            first.as_reversed_side_of_face(cut_line_of_end_face(1.0)),
         ]
-        self.shell.add_face(name, [loop], point_map_at_z(float(self.corners[k, 1])), np.inf)
+        self.shell.add_face(name, [loop], meshes_groove.point_map_at_z(float(self.corners[k, 1])), np.inf)
 
     def _triangulate_swept_face(
-        self, name: str, k: int, ends: tuple[float, float], scale: Array, space: Placing, limit: float
+        self, name: str, k: int, ends: tuple[float, float], scale: Array, space: meshes_shell.Placing, limit: float
     ) -> None:
         """Triangulate the curved face that edge k of the cross-section generates about the axis.
 
@@ -247,17 +236,17 @@ class HalfRingSurface:
         self.shell.add_face(name, [loop], space, limit)
 
 
-def _cylinder_point_map(r: float) -> Placing:
+def _cylinder_point_map(r: float) -> meshes_shell.Placing:
     """Return the function that maps plane coordinates (arc length, z) [m] to points on the cylinder of radius ``r`` [m]."""
-    return lambda x: points_from_cylindrical(r, x[:, 0] / r, x[:, 1])
+    return lambda x: meshes_groove.points_from_cylindrical(r, x[:, 0] / r, x[:, 1])
 
 
-def _axial_plane_point_map(phi: float) -> Placing:
+def _axial_plane_point_map(phi: float) -> meshes_shell.Placing:
     """Return the function that maps (radius, z) [m] to points in the axial plane at the azimuth ``phi`` [rad]."""
-    return lambda x: points_from_cylindrical(x[:, 0], phi, x[:, 1])
+    return lambda x: meshes_groove.points_from_cylindrical(x[:, 0], phi, x[:, 1])
 
 
-def triangulate_half_sphere(radius: float, shell: ClosedSurfaceMesh, edge_factor: float, sign: float) -> None:
+def triangulate_half_sphere(radius: float, shell: meshes_shell.ClosedSurfaceMesh, edge_factor: float, sign: float) -> None:
     """Triangulate the surface of half a ball about the origin, cut at the plane y = 0: boundaries "sphere" and "cut".
 
     Parameters
@@ -272,21 +261,21 @@ def triangulate_half_sphere(radius: float, shell: ClosedSurfaceMesh, edge_factor
         1 for the half at y >= 0, -1 for the half at y <= 0.
     """
     use_requested_element_sizes(shell)
-    limit = edge_factor * BEND[1] * radius
+    limit = edge_factor * meshes_shell.BEND[1] * radius
     middle, pole = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]), np.array([0.0, -sign, 0.0])
     equator = shell.add_divided_curve(
         lambda t: radius * (np.stack([np.cos(t), np.sin(t)], axis=1) @ middle), 0.0, 2.0 * np.pi, limit
     )
 
-    def space(at: Array) -> Array:
+    def plane_to_sphere(at: Array) -> Array:
         square = np.sum((at / radius) ** 2, axis=1)[:, None]
         return np.asarray((radius * (square - 1.0) * pole + 2.0 * at @ middle) / (square + 1.0))
 
-    def stretch(at: Array) -> Array:
+    def length_ratio_plane_to_sphere(at: Array) -> Array:
         return np.asarray(0.5 * (1.0 + np.sum((at / radius) ** 2, axis=1)))
 
     rim = [[(equator.nodes, shell.points[equator.nodes] @ middle.T)]]  # the projection keeps the equator
-    shell.add_face("sphere", rim, space, limit, stretch)
+    shell.add_face("sphere", rim, plane_to_sphere, limit, length_ratio_plane_to_sphere)
     shell.add_face("cut", rim, lambda at: at @ middle, np.inf)
 
 
@@ -296,14 +285,14 @@ class ElementSizesNearPoints:
 
     #: Points around which the mesh is fine ``(k, 3)`` [m].
     fine_points: Array
-    #: Edge length at the points [m].
+    #: Edge length at the fine points [m].
     edge_length_at_points: float
-    #: Growth of the edge length per unit of distance.
+    #: Growth of the edge length per unit of distance from the nearest fine point.
     growth_per_distance: float
     #: Largest edge length [m].
     largest_edge_length: float
 
-    def edge_length_function(self, share: float = 1.0) -> Placing:
+    def edge_length_function(self, share: float = 1.0) -> meshes_shell.Placing:
         """Return the function for the edge lengths ``(n,)`` [m] at points ``(n, 3)`` [m], multiplied by ``share``."""
         tree = cKDTree(self.fine_points)
         return lambda x: (
@@ -318,7 +307,7 @@ class ExportedBodyMesh(MeshedBody):
 
     #: Mesh of second-order tetrahedra.
     mesh: Mesh
-    #: Number of cells and nodes, and the scaled Jacobians of the cells.
+    #: Number of cells and nodes of the mesh, and smallest and median scaled Jacobian of its cells.
     quality: MeshQuality
 
     @cached_property
@@ -424,7 +413,9 @@ def move_to_ball_position(m: GrooveMap, ball_position: tuple[float, float], poin
     return np.asarray(out @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]) + np.array([0.0, 0.0, ball_position[1]]))
 
 
-def mesh_whole_body(m: GrooveMap, spec: GroovedBodySpec, refinement: ElementSizesNearPoints) -> ExportedBodyMesh:
+def mesh_whole_body(
+    m: GrooveMap, spec: meshes_groove.GroovedBodySpec, refinement: ElementSizesNearPoints
+) -> ExportedBodyMesh:
     """Mesh a whole screw, nut or ring for another FE program; its boundaries have the names of `meshes.grooved_body`.
 
     Parameters
@@ -447,7 +438,7 @@ def mesh_whole_body(m: GrooveMap, spec: GroovedBodySpec, refinement: ElementSize
     ValueError
         The groove leaves no land or wall, or no attempt of gmsh gives a good mesh.
     """
-    plain, groove = replace(spec, contact_positions=()), GrooveCrossSection.from_body(m, spec)
+    plain, groove = replace(spec, contact_positions=()), meshes_groove.GrooveCrossSection.from_body(m, spec)
     name = "screw" if spec.groove_outside else "nut"
     return _mesh_inside_surface(name, lambda shell, share: GroovedBodySurface(shell, m, plain, share, groove), refinement)
 
@@ -478,7 +469,9 @@ def mesh_whole_ball(m: GrooveMap, radius: float, refinement: ElementSizesNearPoi
     return _mesh_inside_surface("ball", lambda shell, share: triangulate_sphere(ball_map, shell, [], share), refinement)
 
 
-def mesh_half_ring(m: GrooveMap, spec: GroovedBodySpec, refinement: ElementSizesNearPoints) -> ExportedBodyMesh:
+def mesh_half_ring(
+    m: GrooveMap, spec: meshes_groove.GroovedBodySpec, refinement: ElementSizesNearPoints
+) -> ExportedBodyMesh:
     """Mesh the half of a bearing ring at y >= 0 for another FE program; the plane y = 0 is its boundary "cut".
 
     Parameters
@@ -532,7 +525,7 @@ def mesh_half_ball(radius: float, refinement: ElementSizesNearPoints, sign: floa
 
 
 def _mesh_inside_surface(
-    name: str, surface: Callable[[ClosedSurfaceMesh, float], object], refinement: ElementSizesNearPoints
+    name: str, surface: Callable[[meshes_shell.ClosedSurfaceMesh, float], object], refinement: ElementSizesNearPoints
 ) -> ExportedBodyMesh:
     """Mesh the body inside a closed surface for another FE program; edges that would invert cells are straightened.
 
@@ -540,16 +533,16 @@ def _mesh_inside_surface(
     with a factor on the element sizes; ``refinement``: element sizes.
     """
 
-    def attempt(gmsh: Any, plane: int, volume: int, share: float) -> tuple[ExportedBodyMesh, float]:
-        shell = ClosedSurfaceMesh(
+    def mesh_once(gmsh: Any, plane: int, volume: int, share: float) -> tuple[ExportedBodyMesh, float]:
+        shell = meshes_shell.ClosedSurfaceMesh(
             gmsh, refinement.edge_length_function(share), share * refinement.edge_length_at_points, plane
         )
         surface(shell, share)
-        filled = mesh_inside_closed_surface(shell, volume)
+        filled = meshes_shell.mesh_inside_closed_surface(shell, volume)
         free = np.zeros(0, dtype=np.int64)
         mesh, moved, quality = improve_curved_cells(
             filled.with_named_boundaries(shell), name, filled.nodes_of_triangles(shell.triangles_on_boundary()), free
         )
-        return ExportedBodyMesh(mesh, quality), moved + max(0.0, POOREST - quality.smallest_jacobian)
+        return ExportedBodyMesh(mesh, quality), moved + max(0.0, meshes_shell.POOREST - quality.smallest_jacobian)
 
-    return best_mesh_of_attempts(name, attempt)
+    return meshes_shell.best_mesh_of_attempts(name, mesh_once)

@@ -8,20 +8,21 @@ from importlib.abc import Loader, MetaPathFinder
 from importlib.machinery import ModuleSpec
 from types import ModuleType
 
+#: Former and present name of the package.
 _OLD, _NEW = "rollbench.comparison", "rollbench.compare"
 
 
 class _FormerModuleImporter(MetaPathFinder, Loader):
-    """Importer that replaces a module imported by its former name by the module with the new name."""
+    """Importer that gives modules of `rollbench.compare` for imports by its former name ``rollbench.comparison``."""
 
     def find_spec(
         self, name: str, _path: Sequence[str] | None = None, _target: ModuleType | None = None
     ) -> ModuleSpec | None:
-        """Return an import specification for a module inside the former package; None for other modules."""
+        """Return an import specification for a module inside ``rollbench.comparison``; None for other modules."""
         return ModuleSpec(name, self, is_package=True) if name.startswith(f"{_OLD}.") else None
 
     def exec_module(self, module: ModuleType) -> None:
-        """Replace the newly created module in ``sys.modules`` by the module with the new name."""
+        """Replace ``module``, of ``rollbench.comparison``, in ``sys.modules`` by its namesake in `rollbench.compare`."""
         sys.modules[module.__name__] = import_module(_NEW + module.__name__.removeprefix(_OLD))
 
 

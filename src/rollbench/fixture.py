@@ -17,7 +17,7 @@ class RollbenchFixture:
 
     Parameters
     ----------
-    root
+    test_folder
         Folder of the test file, to which paths are relative.
     """
 
@@ -52,7 +52,8 @@ class RollbenchFixture:
         max_error, model, loads, values, limits, reference, strict, levels, store, compute
             As for `rollbench.check`; paths are relative to the folder of the test file.
         stored
-            Folder with stored runs of the 3D reference, used in addition to the shipped runs; no run is computed.
+            Folder with stored runs of the 3D reference, used in addition to the shipped runs, instead of ``store``. If it
+            is given, no new run is computed.
 
         Returns
         -------

@@ -9,12 +9,7 @@ import pytest
 from tests.hertz_studies import GROUP, study
 
 from rollbench.hifi.contact.block import JOBS, SIZE, nodal_contact_areas, surface_compliance
-from rollbench.meshes.block import (
-    EllipsoidElementSizes,
-    graded_coordinates,
-    mesh_block_with_hexahedra,
-    mesh_block_with_tetrahedra,
-)
+from rollbench.meshes import block
 from rollbench.meshes.fem import nodes_on_boundaries
 
 pytestmark = pytest.mark.xdist_group(GROUP)
@@ -71,7 +66,7 @@ def test_block_of_5_mm_held_on_its_cut_shifts_the_approach_as_other_programs_fou
 
 def test_compliance_is_symmetric_and_boussinesqs_at_a_distance():
     a, young, nu = 1e-4, 210e9, 0.28
-    mesh = mesh_block_with_hexahedra(2, (a / 8, a / 8, a / 8), (a, a, 0.0), 3 * a, 1.5)
+    mesh = block.mesh_block_with_hexahedra(2, (a / 8, a / 8, a / 8), (a, a, 0.0), 3 * a, 1.5)
     found = surface_compliance(mesh, (a, a), young, nu)
     assert found.asymmetry < 1e-5
     first = int(np.argmin(np.abs(found.surface_points - [0.875 * a, 0.0]).sum(axis=1)))
@@ -85,9 +80,9 @@ def test_compliance_is_symmetric_and_boussinesqs_at_a_distance():
 def test_mesh_fills_the_block_and_its_contact_plane(element):
     order, a = int(element[1]), 1e-4
     if element[0] == "Q":
-        mesh = mesh_block_with_hexahedra(order, (a / 4, a / 4, a / 4), (a, a, 0.0), 3 * a, 1.5)
+        mesh = block.mesh_block_with_hexahedra(order, (a / 4, a / 4, a / 4), (a, a, 0.0), 3 * a, 1.5)
     else:
-        mesh = mesh_block_with_tetrahedra(order, EllipsoidElementSizes(a / 4, (a, a, a / 2), 0.5, 3 * a), 3 * a)
+        mesh = block.mesh_block_with_tetrahedra(order, block.EllipsoidElementSizes(a / 4, (a, a, a / 2), 0.5, 3 * a), 3 * a)
     assert mesh.element == element
     assert nodal_contact_areas(mesh).sum() == pytest.approx((3 * a) ** 2, rel=1e-12)
     assert np.abs(mesh.points[nodes_on_boundaries(mesh.mesh, "contact"), 2]).max() < 1e-12 * a
@@ -100,11 +95,11 @@ def test_mesh_fills_the_block_and_its_contact_plane(element):
 
 
 def test_grading_keeps_to_its_ratio_and_refuses_nonsense():
-    x = graded_coordinates(0.1, 1.0, 7.0, 1.4)
+    x = block.graded_coordinates(0.1, 1.0, 7.0, 1.4)
     steps = np.diff(x)
     assert x[0] == 0.0
     assert x[-1] == 7.0
     np.testing.assert_allclose(steps[:10], 0.1)
     assert (steps[1:] / steps[:-1]).max() < 1.4 + 1e-9
     with pytest.raises(ValueError, match="choose 0 < cell_length"):
-        graded_coordinates(0.1, 8.0, 7.0, 1.4)
+        block.graded_coordinates(0.1, 8.0, 7.0, 1.4)

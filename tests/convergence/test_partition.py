@@ -9,7 +9,7 @@ from tests.helpers import relative, solved, with_ingredients
 from rollbench.compare.measure import mean_load
 from rollbench.compare.results.scene_json import beam_discretisation_percent
 from rollbench.compare.scenes import catalogue
-from rollbench.lowfi.statics.nominal import nominal_contacts
+from rollbench.lowfi.statics.nominal import count_nominal_contacts
 
 pytestmark = pytest.mark.xdist_group("partition")
 
@@ -53,5 +53,5 @@ def test_the_sources_partition_is_within_two_per_cent(case):
     assert 1e-5 < error < 0.02
     change = np.abs(result.load - nodal(case)).max()
     assert result.solver.discretisation == pytest.approx(change, rel=1e-6)
-    mean = mean_load(result.load, nominal_contacts(scene))
+    mean = mean_load(result.load, count_nominal_contacts(scene))
     assert beam_discretisation_percent(scene, result) == pytest.approx(100.0 * change / mean, rel=1e-6)

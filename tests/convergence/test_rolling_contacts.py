@@ -61,7 +61,7 @@ def test_lateral_and_longitudinal_creep_are_alike_without_poisson():
 
 def test_half_of_the_cells_gives_the_coefficients_of_all():
     given = 2.0, 0.28, (12, 10)
-    patch = verification.create_elliptic_contact(*given)
+    patch = verification.create_sticking_elliptic_contact(*given)
     units = np.stack([verification.Creep(*row).rigid_slip(patch.cell_centres) for row in np.eye(3)], axis=1)
     F = units.T @ np.linalg.solve(patch.elastic_slip_per_rolling_length, units)
     assert verification.kalker_linear_coefficients(*given) == pytest.approx([F[0, 0], F[1, 1], F[1, 2], F[2, 2]], rel=1e-10)
@@ -71,7 +71,7 @@ def test_half_of_the_cells_gives_the_coefficients_of_all():
 def test_full_slip_is_that_of_rigid_bodies_under_the_same_pressure(spin):
     """Nearly rigid bodies; spin pole far from, near and inside the contact. The grid's error falls with its cells."""
     creep = verification.Creep(0.02, 0.004, spin)
-    exact, moment = verification.full_slip_by_quadrature(*GROOVE, creep, 0.1)
+    exact, moment = verification.friction_at_full_slip_by_quadrature(*GROOVE, creep, 0.1)
     errors = []
     for shape in ((12, 12), (36, 36)):
         found = verification.solve_steady_rolling_for_creepages(
@@ -89,9 +89,9 @@ def test_full_slip_is_that_of_rigid_bodies_under_the_same_pressure(spin):
 def test_the_bias_of_a_spin_pole_inside_a_cell_is_that_of_slip_at_its_centre():
     """Of a per cent and more where the slip is taken at centres; the staircase edge alone leaves less than 0.1 %."""
     creep, patch = verification.Creep(0.02, 0.004, 400.0), solve_elastic_contact_on_grid(*GROOVE, (32, 32))
-    exact, moment = verification.full_slip_by_quadrature(*GROOVE, creep, 0.1, 1200)
+    exact, moment = verification.friction_at_full_slip_by_quadrature(*GROOVE, creep, 0.1, 1200)
     alone = verification.solve_steady_rolling_for_creepages(patch, creep, 0.1, elastic=1e-3)
-    force, turn = verification.full_slip_within_cells(patch, creep, 0.1)
+    force, turn = verification.friction_at_full_slip_by_cells(patch, creep, 0.1)
     assert abs(alone.friction_force[0] / exact[0] - 1.0) > 0.01
     assert force == pytest.approx(exact, rel=1e-3)
     assert turn == pytest.approx(moment, rel=1e-3)
@@ -104,7 +104,7 @@ def test_full_slip_is_the_closed_form_of_the_low_order_model(spin):
     size = solve_hertz(load, *radii, young, poisson)
     contact = contacts_from_values(size.semi_y, size.semi_x, load, 0.1)
     low = friction_forces(contact, np.array([[0.004, 0.02, spin]]))
-    force, moment = verification.full_slip_by_quadrature(*GROOVE, verification.Creep(0.02, 0.004, spin), 0.1)
+    force, moment = verification.friction_at_full_slip_by_quadrature(*GROOVE, verification.Creep(0.02, 0.004, spin), 0.1)
     assert force == pytest.approx(low.force[0][::-1], rel=1e-3, abs=1e-3)
     assert abs(moment) == pytest.approx(abs(float(low.moment[0])), rel=1e-3)
 

@@ -119,10 +119,10 @@ def cases(number: int) -> str:
     return text
 
 
-def said_of(words: str) -> str:
-    """The beginning of a status without its reason; of a refusal, its file and key."""
-    words = words.strip().partition(": got ")[0]
-    return words.partition(": ")[0] if words.startswith("not converged") else words[:90]
+def outcome_of(words: str) -> str:
+    """Which outcome a status or refusal states, without its reason: "not held" and the motion; error, file and key."""
+    parts = words.strip().partition(": got ")[0][:90].split(": ")
+    return ": ".join(parts[: {"converged": 1, "not converged": 1, "not held": 2}.get(parts[0], 3)])
 
 
 def answered(text: str, *words: str) -> Found:
@@ -139,7 +139,7 @@ def answered(text: str, *words: str) -> Found:
             main([words[0], "drawn.toml", *words[1:], "--json"])
     out = json.loads(said.getvalue()) if said.getvalue().startswith("{") else {}
     words = out.get("status", "" if "members" in "".join(words) else unsaid.getvalue())
-    return f"{stop.value.code} {said_of(words)}", weighted(out)
+    return f"{stop.value.code} {outcome_of(words)}", weighted(out)
 
 
 def tried(work: Callable[[], Any]) -> Found:
@@ -147,8 +147,8 @@ def tried(work: Callable[[], Any]) -> Found:
     try:
         value = work()
     except (InputError, SceneNotCoveredError, ValueError) as error:
-        return said_of(f"{type(error).__name__}: {error}"), {}
-    return said_of(str(getattr(value[0] if isinstance(value, tuple) else value, "status", "done"))), weighted(value)
+        return outcome_of(f"{type(error).__name__}: {error}"), {}
+    return outcome_of(str(getattr(value[0] if isinstance(value, tuple) else value, "status", "done"))), weighted(value)
 
 
 def solved(text: str, model: str) -> Any:

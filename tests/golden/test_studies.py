@@ -119,7 +119,7 @@ def uncertainties():
 
 def faces():
     return [
-        [estimate.excess_load_near_faces(scene, load, 1), estimate.load_error_near_faces(scene, load, 1)]
+        [estimate.load_overestimate_near_faces(scene, load, 1), estimate.load_error_near_faces(scene, load, 1)]
         for scene in (STUDY().built_in_scene("unseen-flange"), STUDY().built_in_scene("lin-case1"))
         for load in [STUDY().stored_reference(scene.name).load]
     ]

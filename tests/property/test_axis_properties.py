@@ -8,7 +8,7 @@ from tests.axes import assembly, bearing, double_nut, fixed_axis, mirrored, nut,
 from tests.helpers import ALL_BUT_AXIAL, FLANK_ERRORS, NO_PROFILES, dense, relative, small_screw
 
 from rollbench.lowfi.statics.axis.system import build_assembly_arrays
-from rollbench.lowfi.statics.kernel.beam import add_element
+from rollbench.lowfi.statics.kernel.beam import add_element_stiffness
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.axis import Housing, Segment, diagonal_stiffness
 from rollbench.meshes.parts import Load, Support
@@ -88,7 +88,7 @@ def on_springs(parts, result, loads):
     K = np.zeros((6 * n, 6 * n))
     for e, (length, section) in enumerate(zip(np.diff(s.nodes), system.structure_arrays.sections, strict=True)):
         band = np.zeros((12, 12))
-        add_element(band, 0, length, section)
+        add_element_stiffness(band, 0, length, section)
         K[6 * e : 6 * e + 12, 6 * e : 6 * e + 12] += dense(band)
     for b, solved_set in zip(system.ball_sets, result.sets, strict=True):
         at = 6 * b.problem.first_nodes[0, 0 if b.problem.used_flanks[0] else 1]

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.lowfi.bearings.angular_contact import BallBearing, BallBearingRow, bearing_of_contact_angle
+from rollbench.lowfi.bearings.angular_contact import BallBearing, BallBearingRow, bearing_with_contact_angle
 from rollbench.lowfi.bearings.axis import BearingRows, solve_bearing_row_equilibrium
 from rollbench.lowfi.bearings.tapered_roller import solve_thrust_and_radial_equilibrium
 from rollbench.lowfi.rollers import StraightTaperedRow, TaperedBearing
@@ -15,7 +15,7 @@ SEEDS = range(12)
 
 def ball(rng: np.random.Generator, scale: float = 1.0) -> BallBearing:
     d = scale * rng.uniform(2e-3, 30e-3)
-    return bearing_of_contact_angle(
+    return bearing_with_contact_angle(
         int(rng.integers(6, 40)),
         d,
         d * rng.uniform(4.0, 12.0),

@@ -60,7 +60,7 @@ def moved(ready, state, seed, size):
 def energy(ready, q, d):
     ready.state.q[:], ready.state.d[:] = q, d
     out = EnergyDerivatives(np.empty_like(q), np.zeros((ready.problem.C.shape[0], 4, 4)))
-    return ready.engine.evaluate(ready.kernel_arrays, ready.state, out)[0], out.gradient
+    return ready.engine.evaluate_screw(ready.kernel_arrays, ready.state, out)[0], out.gradient
 
 
 @pytest.mark.parametrize("case", SCENES)

@@ -223,7 +223,7 @@ def test_members_of_an_ensemble_are_single_solutions():
     found = SpecimenSolutions(
         forces, statuses, residuals, *(np.empty((3, *x.shape)) for x in (first.state.q, first.state.p))
     )
-    first.engine.ensemble(first.kernel_arrays, first.state, first.options, members, found)
+    first.engine.solve_specimens(first.kernel_arrays, first.state, first.options, members, found)
     assert not statuses.any()
     assert residuals.max() <= 1e-10
     for scene, force in zip(scenes, forces, strict=True):

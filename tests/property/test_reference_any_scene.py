@@ -17,14 +17,7 @@ from rollbench.compare.reference.levels import BALL
 from rollbench.compare.reference.tasks import ReferenceTask, flanks_to_mesh, mesh_settings
 from rollbench.compare.scenes import catalogue
 from rollbench.hifi.bodies import coarse
-from rollbench.hifi.meshing.part_meshes import (
-    ball_socket_and_map,
-    choose_patch_cells,
-    choose_socket_size,
-    contact_normals_of_patch,
-    mesh_parts,
-    mesh_patch,
-)
+from rollbench.hifi.meshing import part_meshes
 from rollbench.hifi.meshing.settings import Settings, estimate_contacts_of_scene, round_up_lengths
 from rollbench.hifi.reference import solve_reference
 from rollbench.hifi.setup import mesh_and_condense_geometry
@@ -99,8 +92,8 @@ def test_any_scene_converges_in_balance_and_near_the_low_order_model(name, cache
     few = {"b_over_h": 0.8, "cuts": (2, 2, 2), "own_cuts": (2, 2, 2), "modes": 6, "ball_modes": 8, "growth": 2.5}
     sizes = {"fine": 3e-3, "coarse": 12e-3, "ball_fine": 1e-3, "ball_coarse": 2e-3}
     settings = Settings(
-        semi=round_up_lengths(contacts.semi()),
-        reach=round_up_lengths(contacts.reach()),
+        semi=round_up_lengths(contacts.typical_semi_axes()),
+        reach=round_up_lengths(contacts.largest_reach()),
         own_sizes=(3e-3 * ratio, 8e-3 * ratio),
         own_ball_sizes=(1.2e-3 * ratio, 2.4e-3 * ratio),
         **{name: size * ratio for name, size in sizes.items()},
@@ -130,8 +123,8 @@ def sockets_of(scene, cuts):
     """Meshes of a scene shortened to two balls, with the sockets of the whole scene; its map and settings."""
     settings, small = replace(mesh_settings([scene], 1), cuts=cuts), shortened(scene)
     m, layout, sides = GrooveMap.from_scene(small), ball_layout(small), flanks_to_mesh(scene)
-    meshes = mesh_parts(small, m, layout, dimensions_of_3d_parts(small), sides, settings)
-    whole = choose_socket_size(
+    meshes = part_meshes.mesh_parts(small, m, layout, dimensions_of_3d_parts(small), sides, settings)
+    whole = part_meshes.choose_refinement_box_size(
         scene, GrooveMap.from_scene(scene), ball_layout(scene), sides, dimensions_of_3d_parts(scene), settings
     )
     assert (meshes.socket_size.gamma, meshes.socket_size.edge_divisions) == (pytest.approx(whole.gamma, rel=0.15), cuts)
@@ -141,24 +134,24 @@ def sockets_of(scene, cuts):
 def check_patches(scene, cuts):
     m, meshes, settings, sides = sockets_of(scene, cuts)
     assert min(body.quality.smallest_jacobian for body in (meshes.screw_mesh, meshes.nut_mesh, meshes.ball_mesh)) > 0.0
-    zone = choose_patch_cells(settings, meshes.half_widths, meshes.socket_size.depth)[1]
+    zone = part_meshes.choose_patch_cells(settings, meshes.half_widths, meshes.socket_size.depth)[1]
     assert zone[0] * meshes.half_widths[0] >= settings.reach[0]
     assert zone[1] * meshes.half_widths[1] >= settings.reach[1]
     for side in sides:
         body = meshes.screw_mesh if side < 2 else meshes.nut_mesh
-        groove = mesh_patch(
+        groove = part_meshes.mesh_patch(
             meshes, body.box_faces[side], partial(points_in_box_at_azimuth_zero, m, meshes.socket_size, side), settings
         )
-        ball = mesh_patch(
+        ball = part_meshes.mesh_patch(
             meshes,
             meshes.ball_mesh.box_faces[side],
-            ball_socket_and_map(m, meshes.socket_size, side, meshes.relative_zone_size)[1],
+            part_meshes.ball_refinement_box_and_map(m, meshes.socket_size, side, meshes.relative_zone_size)[1],
             settings,
         )
         assert min(mesh_quality(x.mesh).smallest_jacobian for x in (groove, ball)) > 0.1
         found, wanted = (
-            contact_normals_of_patch(ball, np.zeros(3)),
-            contact_normals_of_patch(groove, np.array([m.R, 0.0, 0.0])),
+            part_meshes.contact_normals_of_patch(ball, np.zeros(3)),
+            part_meshes.contact_normals_of_patch(groove, np.array([m.R, 0.0, 0.0])),
         )
         np.testing.assert_allclose(found, wanted, atol=1e-9)
 

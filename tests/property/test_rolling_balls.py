@@ -6,24 +6,19 @@ import numpy as np
 import pytest
 from tests.rolling_scenes import linear_pair, screw_pair
 
-from rollbench.hifi.rolling.balls import (
-    RollingSettings,
-    copy_without_ball_to_ball_contacts,
-    solve_rigid_rolling,
-    solve_rolling,
-)
+from rollbench.hifi.rolling import balls as rolling_balls
 from rollbench.hifi.rolling.kinematics import TrackMotion, ball_to_ball_contact
 from rollbench.lowfi.friction.linear.bearing import LinearBearing
 from rollbench.lowfi.friction.linear.chain import solve_pair_of_linear_balls
 
-COARSE = RollingSettings(grid_shape=(10, 12))
+COARSE = rolling_balls.RollingSettings(grid_shape=(10, 12))
 SCENES = {"linear": linear_pair(), "screw": screw_pair()}
 
 
 @pytest.mark.parametrize("name", list(SCENES))
 def test_forces_and_moments_balance_and_power_is_lost(name):
     scene = SCENES[name]
-    found = solve_rolling(scene, COARSE)
+    found = rolling_balls.solve_rolling(scene, COARSE)
     assert found.converged
     assert found.driving_power == pytest.approx(found.friction_loss + found.numerical_dissipation, rel=1e-9)
     assert found.numerical_dissipation < 0.002 * found.driving_power
@@ -45,10 +40,10 @@ def test_forces_and_moments_balance_and_power_is_lost(name):
 def test_mated_grooves_keep_the_balls_apart_without_force_and_balls_that_part_do_not_touch():
     """Case (b) of Lin 3.3.4: opposite contacts stay opposite; zero by symmetry, to round-off."""
     scene = linear_pair(mated=True)
-    free = solve_rolling(copy_without_ball_to_ball_contacts(scene), COARSE)
+    free = rolling_balls.solve_rolling(rolling_balls.copy_without_ball_to_ball_contacts(scene), COARSE)
     assert abs(free.track_speeds[0] - free.track_speeds[1]) < 1e-12 * free.track_speeds[0]
-    assert solve_rolling(scene, COARSE).ball_to_ball_forces[0] < 1e-9
-    parting = solve_rolling(linear_pair(rho=0.6), COARSE)
+    assert rolling_balls.solve_rolling(scene, COARSE).ball_to_ball_forces[0] < 1e-9
+    parting = rolling_balls.solve_rolling(linear_pair(rho=0.6), COARSE)
     assert parting.ball_to_ball_forces[0] == 0.0
     assert parting.track_speeds[0] < parting.track_speeds[1]
 
@@ -56,7 +51,7 @@ def test_mated_grooves_keep_the_balls_apart_without_force_and_balls_that_part_do
 def test_mirrored_pair_has_the_same_force_and_speed_sets_the_scale_of_motion_only():
     """Side forces and angle deviations the other way round: the section's mirror image."""
     scenes = linear_pair(), linear_pair(-2.0, 0.6), linear_pair(speed=1.0)
-    one, mirror, fast = (solve_rolling(scene, COARSE) for scene in scenes)
+    one, mirror, fast = (rolling_balls.solve_rolling(scene, COARSE) for scene in scenes)
     assert [mirror.ball_to_ball_forces[0], fast.ball_to_ball_forces[0]] == pytest.approx(
         [one.ball_to_ball_forces[0]] * 2, rel=1e-9
     )
@@ -80,7 +75,7 @@ def test_turned_frame_changes_nothing():
         track=track,
         ball_to_ball_contacts=(ball_to_ball_contact(0, 1, (np.eye(3), np.eye(3)), line, track, scene.ball_radius),),
     )
-    one, two = solve_rolling(scene, COARSE), solve_rolling(turned, COARSE)
+    one, two = rolling_balls.solve_rolling(scene, COARSE), rolling_balls.solve_rolling(turned, COARSE)
     assert two.ball_to_ball_forces[0] == pytest.approx(one.ball_to_ball_forces[0], rel=1e-9)
     assert two.rotations @ turn == pytest.approx(one.rotations, rel=1e-7, abs=1e-9)
 
@@ -97,7 +92,7 @@ def test_left_hand_screw_is_the_mirror_image():
         for b in two.balls
     )
     # mirrored, the second ball is still ahead in the sense of growing azimuth
-    found, mirror = solve_rolling(one, COARSE), solve_rolling(replace(two, balls=balls), COARSE)
+    found, mirror = rolling_balls.solve_rolling(one, COARSE), rolling_balls.solve_rolling(replace(two, balls=balls), COARSE)
     assert mirror.ball_to_ball_forces[0] == pytest.approx(found.ball_to_ball_forces[0], rel=1e-6)
     assert mirror.friction_loss == pytest.approx(found.friction_loss, rel=1e-6)
 
@@ -107,12 +102,12 @@ def test_rigid_limit_is_the_low_order_model():
     there."""
     bearing = LinearBearing(5e-3, 0.56, 0.25 * np.pi, 0.01, 0.1, 0.1, 210e9, 0.28)
     low = solve_pair_of_linear_balls(bearing, np.deg2rad(2.0), -0.6, 100.0, fast=False)
-    limit = solve_rigid_rolling(linear_pair(), curved=False)
+    limit = rolling_balls.solve_rigid_rolling(linear_pair(), curved=False)
     assert limit.smoothing_error < 1e-5
     assert limit.ball_to_ball_forces[0] == pytest.approx(low.ball_to_ball_force, rel=3e-4)
     assert limit.friction_loss == pytest.approx(low.touching.loss, rel=1e-4)
     assert limit.track_speeds == pytest.approx(low.touching.velocity, rel=1e-5)
-    found = solve_rolling(linear_pair(), RollingSettings((16, 24), 0.01, curved_contacts=False))
+    found = rolling_balls.solve_rolling(linear_pair(), rolling_balls.RollingSettings((16, 24), 0.01, curved_contacts=False))
     assert found.ball_to_ball_forces[0] == pytest.approx(limit.ball_to_ball_forces[0], rel=0.03)
     assert found.friction_loss == pytest.approx(limit.friction_loss, rel=0.01)
 
@@ -123,4 +118,4 @@ def test_a_ball_without_contacts_is_refused():
         scene.balls[0], groove_contacts=tuple(replace(t, contact_force=0.0) for t in scene.balls[0].groove_contacts)
     )
     with pytest.raises(ValueError, match="loaded contact"):
-        solve_rolling(replace(scene, balls=(bare, scene.balls[1])), COARSE)
+        rolling_balls.solve_rolling(replace(scene, balls=(bare, scene.balls[1])), COARSE)

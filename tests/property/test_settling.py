@@ -16,7 +16,7 @@ from rollbench.compare.reference.store import measuring_conditions
 from rollbench.compare.reference.tasks import ReferenceTask
 from rollbench.compare.scenes import scene_file
 from rollbench.hifi import reference
-from rollbench.lowfi.statics.nominal import nominal_contacts
+from rollbench.lowfi.statics.nominal import count_nominal_contacts
 
 SCENES = Path(__file__).with_name("settling")
 CASES = [("end-displaced-and-turned", 1), ("end-displaced-and-turned", 2)]
@@ -45,6 +45,6 @@ def test_loads_settle_in_few_rounds_and_the_refined_model_is_near(
     assert (run.status, run.moving, run.measured) == ("converged", 0.0, measuring_conditions())
     assert max(updates) <= 4
     low = run_model(scene, "refined", ModelOptions(estimate_beam_mesh_error=False))
-    error = load_error(low.load, run.load, nominal_contacts(scene))
+    error = load_error(low.load, run.load, count_nominal_contacts(scene))
     assert error.max_percent < 1.5, error
     assert error.rms_percent < 0.5, error

@@ -20,7 +20,7 @@ from rollbench.compare.studies.survey import (
     survey_screw,
 )
 from rollbench.compare.studies.sweep import sample
-from rollbench.hifi.meshing.part_meshes import choose_socket_size
+from rollbench.hifi.meshing.part_meshes import choose_refinement_box_size
 from rollbench.hifi.meshing.settings import estimate_contacts_of_scene
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout
@@ -56,7 +56,7 @@ def test_balls_at_the_face_find_room_for_their_sockets(number: int) -> None:
     assert 1.0 <= screw_properties_for_record(scene)["low_face_radii"] < 1.14
     settings = mesh_settings([scene], 1)
     m, layout = GrooveMap.from_scene(scene), ball_layout(scene)
-    size = choose_socket_size(scene, m, layout, flanks_to_mesh(scene), dimensions_of_3d_parts(scene), settings)
+    size = choose_refinement_box_size(scene, m, layout, flanks_to_mesh(scene), dimensions_of_3d_parts(scene), settings)
     assert size.gamma * m.radius.min() >= settings.reach[0]
     assert size.phi * m.R >= settings.reach[1]
 

@@ -13,6 +13,7 @@ from rollbench.compare.cases.lin.pages import tables as lin
 from rollbench.compare.cases.liu import page as liu
 from rollbench.compare.cases.smith import page as smith
 from rollbench.compare.evidence import evidence
+from rollbench.compare.printed import VERDICT_NAMES
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 
@@ -41,7 +42,7 @@ def test_every_printed_number_is_shown(source):
 @pytest.mark.parametrize("source", PAGES)
 def test_a_row_has_the_value_and_the_verdict_of_the_judge(source):
     found = [f for f in evidence(STUDY, *of_source(source)) if f.printed.entry_class != "input" and not f.printed.claim]
-    verdicts = {(f.printed.number_as_printed, f.verdict) for f in found}
+    verdicts = {(f.printed.number_as_printed, VERDICT_NAMES[f.verdict]) for f in found}
     values = [f.value for f in found if f.value is not None]
     rows = [row for row in shown(source) if isinstance(row.get("right"), float) and row["verdict"] != "input"]
     assert len(rows) > 20

@@ -23,39 +23,13 @@ from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.printed import load_printed_table, printed_entry
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.scenes.duty_cycle import DutyCycle
+from rollbench.hifi.rolling import verification
 from rollbench.hifi.rolling.patch import solve_elastic_contact_on_grid
-from rollbench.hifi.rolling.verification import (
-    Creep,
-    RollingOnsetStep,
-    simulate_rolling_onset,
-    solve_steady_rolling_for_creepages,
-    solve_steady_rolling_like_kalker,
-)
-from rollbench.lowfi.bearings.angular_contact import (
-    BallBearing,
-    BallBearingRow,
-    bearing_of_contact_angle,
-    bearing_state_at_displacement,
-    relative_curvatures,
-)
-from rollbench.lowfi.bearings.axis import (
-    BearingRows,
-    equal_rows_with_preload,
-    lift_off_force,
-    solve_bearing_row_equilibrium,
-)
+from rollbench.lowfi.bearings import angular_contact, axis
 from rollbench.lowfi.bearings.tapered_roller import load_zone_integrals
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.lowfi.hertz import HertzConstants, contact_modulus, hertz_constants
-from rollbench.lowfi.rating.life import (
-    PARTING,
-    basic_rating_life,
-    cubic_mean_force,
-    dynamic_rating,
-    equivalent_load_factors,
-    forces_on_halves,
-    life_by_equivalent_loads,
-)
+from rollbench.lowfi.rating import life
 from rollbench.lowfi.rating.rigidity import (
     axial_compliance_of_bodies,
     axial_force,
@@ -68,17 +42,21 @@ from rollbench.meshes.numerics import brentq
 from rollbench.meshes.parts import FREEDOMS, Friction, Motion, Scene
 from rollbench.meshes.units import parse_quantity
 
-#: Prefix of the names of this case's printed tables and scenes.
+#: Prefix of the names of the printed tables and scenes of all external cases.
 PREFIX = "external-"
 
 
 def read_external_inputs() -> dict[str, Any]:
-    """Read the inputs of all external cases from ``cases.toml``, by name of the case; quantities with units remain text."""
+    """Read the inputs of all external cases from ``cases.toml``, by name of the case.
+
+    An external case is a result that another program, a maker's catalogue or a textbook publishes. Quantities with units
+    remain text.
+    """
     return files.read_shipped_toml("cases/external/cases.toml")
 
 
 def read_external_input(case: str, key: str, quantity: str) -> float:
-    """Read one input of an external case and convert it to SI units.
+    """Read one input of a case from another program, a maker or a textbook, and convert it to SI units.
 
     ``case``: name of the case; ``key``: name of the input; ``quantity``: kind of quantity, such as "force" or "length".
     Raises KeyError for an unknown case or key.
@@ -87,7 +65,10 @@ def read_external_input(case: str, key: str, quantity: str) -> float:
 
 
 def assumptions_by_external_case() -> dict[str, tuple[str, ...]]:
-    """Return as sentences the assumptions of each external case that has no scene file, by name of the case."""
+    """Return as sentences the assumptions of each external case that has no scene file, by name of the case.
+
+    An external case is a result that another program, a maker's catalogue or a textbook publishes.
+    """
     return {name: tuple(table["assumed"]) for name, table in read_external_inputs().items() if "assumed" in table}
 
 
@@ -155,7 +136,7 @@ def deep_groove_bearing(findings: ComputedEntryValues, cache: SceneResultCache) 
         findings.add_number(key, unit * _shaft_displacement_at(result, ring.of.position, freedom))
         assert ring.balls is not None
         assert isinstance(ring.of.parts, Scene)
-        found = basic_rating_life(ring.of.parts, ring.balls.load)
+        found = life.basic_rating_life(ring.of.parts, ring.balls.load)
         assert found is not None
         findings.add_number(f"{key}_life", found.revolutions * (rated / found.rating) ** 3)
 
@@ -198,7 +179,7 @@ def half_load_zone(findings: ComputedEntryValues, cache: SceneResultCache) -> No
     findings.add_number("thrust", zone.thrust_integral / zone.radial_integral)
 
 
-def _bearing_of_catalogue_row(case: str, row: Sequence[float], conformity: float) -> BallBearing:
+def _bearing_of_catalogue_row(case: str, row: Sequence[float], conformity: float) -> angular_contact.BallBearing:
     """Return a spindle bearing with the dimensions of its row in a maker's catalogue.
 
     ``case``: name of the external case that states contact angle and material; ``row``: pitch diameter [mm], ball diameter
@@ -210,12 +191,14 @@ def _bearing_of_catalogue_row(case: str, row: Sequence[float], conformity: float
         read_external_input(case, "youngs_modulus", "pressure"),
     )
     poisson = float(read_external_inputs()[case]["poissons_ratio"])
-    return bearing_of_contact_angle(int(balls), 1e-3 * d_w, 1e-3 * d_m, (conformity, conformity), angle, young, poisson)
+    return angular_contact.bearing_with_contact_angle(
+        int(balls), 1e-3 * d_w, 1e-3 * d_m, (conformity, conformity), angle, young, poisson
+    )
 
 
-def _preloaded_bearing_pair(bearing: BallBearing, preload: float) -> BearingRows:
+def _preloaded_bearing_pair(bearing: angular_contact.BallBearing, preload: float) -> axis.BearingRows:
     """Return a pair of opposed bearings, preloaded against each other by the axial force ``preload`` [N]."""
-    return equal_rows_with_preload(BallBearingRow(bearing), (1, -1), preload)
+    return axis.equal_rows_with_preload(angular_contact.BallBearingRow(bearing), (1, -1), preload)
 
 
 @cache
@@ -226,7 +209,7 @@ def gmn_pair_rigidity(name: str, preload_class: str, conformity: float) -> float
     radius over ball diameter.
     """
     row = read_external_inputs()["gmn"]["rows"][name]
-    one = BallBearingRow(_bearing_of_catalogue_row("gmn", row, conformity))
+    one = angular_contact.BallBearingRow(_bearing_of_catalogue_row("gmn", row, conformity))
     return 2e-6 * one.stiffness(one.deflection(float(row[3 + CLASSES.index(preload_class)])))
 
 
@@ -285,7 +268,7 @@ def snfa_rigidities(findings: ComputedEntryValues, cache: SceneResultCache) -> N
     row = [1e3 * read_external_input("snfa", k, "length") for k in ("pitch_diameter", "ball_diameter")]
     bearing = _bearing_of_catalogue_row("snfa", [*row, case["balls"]], float(case["conformity"]))
     loads = [parse_quantity(text, "force") for text in case["preloads"]]
-    right = [1e-6 * solve_bearing_row_equilibrium(_preloaded_bearing_pair(bearing, p)).stiffness for p in loads]
+    right = [1e-6 * axis.solve_bearing_row_equilibrium(_preloaded_bearing_pair(bearing, p)).stiffness for p in loads]
     still = [1e-6 * pair_rigidity_at_constant_angle(bearing, p) for p in loads]
     for name, value, at in zip(("light", "medium", "heavy"), right, still, strict=True):
         findings.add_number(
@@ -294,18 +277,18 @@ def snfa_rigidities(findings: ComputedEntryValues, cache: SceneResultCache) -> N
     growth = right[-1] / right[0]
     words = f"{growth / (still[-1] / still[0]):.2f} times that at a constant angle: a bearing that may turn stiffens faster"
     findings.add_number("growth", growth, words, as_printed=still[-1] / still[0])
-    off = lift_off_force(_preloaded_bearing_pair(bearing, loads[-1])) / loads[-1]
+    off = axis.lift_off_force(_preloaded_bearing_pair(bearing, loads[-1])) / loads[-1]
     words = f"at {loads[-1]:g} N; the angle turns, and the pair holds together longer"
     findings.add_number("lift_off", off, words, as_printed=lift_off_over_preload_at_constant_angle())
 
 
-def pair_rigidity_at_constant_angle(bearing: BallBearing, preload: float) -> float:
-    """Return the rigidity [N/m] of a preloaded bearing pair whose contact angle stays constant under load.
+def pair_rigidity_at_constant_angle(bearing: angular_contact.BallBearing, preload: float) -> float:
+    """Return the axial rigidity [N/m] of a preloaded bearing pair whose contact angle stays constant under load.
 
     ``preload``: axial force F [N] between the bearings. With the displacement u of one bearing, F ~ u^(3/2), so the
     rigidity of the pair is 3 F/u.
     """
-    rest = bearing_state_at_displacement(bearing, 1e-9 * bearing.ball_diameter)
+    rest = angular_contact.bearing_state_at_displacement(bearing, 1e-9 * bearing.ball_diameter)
     sin = float(np.sin(bearing.free_angle))
     u = float(rest.inner_hertz.C + rest.outer_hertz.C) * float(np.cbrt(preload / (bearing.balls * sin))) ** 2 / sin
     return 3.0 * preload / u
@@ -316,13 +299,13 @@ def lift_off_over_preload_at_constant_angle() -> float:
     return float(2.0**1.5)
 
 
-#: Makers' examples of mean forces: key of the printed value, and of the case with the phases of the duty cycle.
+#: Makers' examples of mean forces: key of the printed mean force, name of the case with the phases of the duty cycle.
 EXAMPLES = {"mean_hiwin_mill": "hiwin_mill", "mean_hiwin": "hiwin", "mean_rexroth": "rexroth"}
 
 #: Value that makers print for 2^(3/2), and the error [%] that this may cause in the force on one half of a preloaded nut.
 ROUNDED, WITHIN = 3.0, 5.0
 
-#: Scene whose load rating is used for the combined life of both halves of a nut, its preload [N] and axial force [N].
+#: Scene whose dynamic rating is used for the combined life of both halves of a nut, its preload [N] and axial force [N].
 SCENE, PRELOAD, FORCE = "external-thk-bnf-4010-5", 5000.0, 3000.0
 
 
@@ -347,7 +330,9 @@ def equivalent_force_of_duty_cycle(case: str) -> float:
     """
     given = read_external_inputs()[case]
     turned = np.array(given["speeds"], dtype=float) * np.array(given["time"], dtype=float)
-    return float(given.get("factor", 1.0)) * cubic_mean_force(turned / turned.sum(), np.array(given["forces"], dtype=float))
+    return float(given.get("factor", 1.0)) * life.cubic_mean_force(
+        turned / turned.sum(), np.array(given["forces"], dtype=float)
+    )
 
 
 def equivalent_loads(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
@@ -360,9 +345,9 @@ def equivalent_loads(findings: ComputedEntryValues, cache: SceneResultCache) -> 
     for key, case in EXAMPLES.items():
         findings.add_number(key, equivalent_force_of_duty_cycle(case))
     findings.add_number("speed_rexroth", mean_speed_of_duty_cycle("rexroth"))
-    findings.add_number("parting", PARTING)
-    force = np.linspace(0.0, PARTING, 50)
-    loaded, other = forces_on_halves(force, 1.0)
+    findings.add_number("parting", life.PARTING)
+    force = np.linspace(0.0, life.PARTING, 50)
+    loaded, other = life.forces_on_nut_halves(force, 1.0)
     lower = error_percent((1.0 + force / ROUNDED) ** 1.5, loaded)
     words = (
         f"with 3 the loaded half's force is {-float(lower.min()):.1f} % lower where the halves part, and no higher anywhere"
@@ -371,14 +356,16 @@ def equivalent_loads(findings: ComputedEntryValues, cache: SceneResultCache) -> 
     findings.add_claim("loaded_half", holds, words)
     scene = cache.built_in_scene(SCENE)
     nut = replace(scene, loads=tuple(replace(x, force=(0.0, 0.0, FORCE)) for x in scene.loads))
-    found = life_by_equivalent_loads([nut], [1.0], [np.array([0.0, 0.0, FORCE])], PRELOAD)
+    found = life.life_by_equivalent_loads([nut], [1.0], [np.array([0.0, 0.0, FORCE])], PRELOAD)
     assert found is not None
-    lives = (dynamic_rating(nut) / np.array(found.equivalent_loads)) ** 3
+    lives = (life.dynamic_rating(nut) / np.array(found.equivalent_loads)) ** 3
     printed = float((lives ** (-10.0 / 9.0)).sum() ** -0.9)
     words = f"{found.revolutions:.4g} 10^6 revolutions, of {lives[0]:.4g} and {lives[1]:.4g}"
     findings.add_claim("combined_life", bool(np.isclose(found.revolutions, printed, rtol=1e-12)), words)
     for name, angle in (row.key.split("_") for row in load_printed_table(findings.table) if row.key[0] in "eXY"):
-        findings.add_number(f"{name}_{angle}", equivalent_load_factors(float(np.radians(float(angle))))["eXY".index(name)])
+        findings.add_number(
+            f"{name}_{angle}", life.equivalent_load_factors(float(np.radians(float(angle))))["eXY".index(name)]
+        )
 
 
 #: Cells along each axis of the grid of the program CONTACT's example, and width of the grid over that of the contact.
@@ -403,11 +390,15 @@ def ball_of_bearing(findings: ComputedEntryValues, cache: SceneResultCache) -> N
     d, steel, track = 2.0 * parts.balls.radius, parts.nut.material, parts.track
     grooves = (parts.screw.groove_radius / d, parts.nut.groove_radius / d)
     young, poisson = steel.youngs_modulus, steel.poissons_ratio
-    bearing = bearing_of_contact_angle(1, d, 2.0 * track.pitch_radius, grooves, track.contact_angle, young, poisson)
+    bearing = angular_contact.bearing_with_contact_angle(
+        1, d, 2.0 * track.pitch_radius, grooves, track.contact_angle, young, poisson
+    )
     angle = np.arccos(read_external_inputs()["nsk"]["cosine"])
     findings.add_number("angle", float(np.degrees(angle)))
     modulus = contact_modulus(young, poisson, young, poisson)
-    inner, outer = (hertz_constants(*pair, modulus) for pair in relative_curvatures(bearing, np.array(angle)))
+    inner, outer = (
+        hertz_constants(*pair, modulus) for pair in angular_contact.relative_curvatures(bearing, np.array(angle))
+    )
     cube = float(np.cbrt(read_external_input("nsk", "normal_load", "force")))
     findings.add_number("approach_outer", 1e6 * float(outer.C) * cube**2)
     findings.add_number("approach_inner", 1e6 * float(inner.C) * cube**2)
@@ -448,17 +439,20 @@ def _load_and_hertz_constants(case: str) -> tuple[float, HertzConstants]:
 
 @dataclass(frozen=True)
 class RollingExampleResult:
-    """Computed results of the steady-rolling example of the program CONTACT, which has lateral creepage and spin."""
+    """Friction force, moment and power, and numbers of cells, of the program CONTACT's example of steady rolling.
 
-    #: Lateral force over mu P.
+    The example has lateral creepage and spin.
+    """
+
+    #: Lateral friction force over mu P (mu: coefficient of friction, P: contact load).
     lateral: float
-    #: Moment about the contact normal [N mm].
+    #: Moment of the friction about the contact normal [N mm].
     moment: float
     #: Number of cells in contact.
     cells_in_contact: int
     #: Number of cells that stick.
     sticking_cells: int
-    #: Power of friction at 1 m/s [W].
+    #: Friction power at a rolling speed of 1 m/s [W].
     friction_power: float
 
 
@@ -470,13 +464,15 @@ def solve_rolling_example(cells: int, *, by_contact_scheme: bool = False) -> Rol
     finite differences of slip over one cell, instead of the scheme of this package.
     """
     case, touch = read_external_inputs()["contact"], _load_radii_and_material("contact")
-    creep, mu = Creep(0.0, case["creep_across"], case["spin"]), case["friction"]
+    creep, mu = verification.Creep(0.0, case["creep_across"], case["spin"]), case["friction"]
     if by_contact_scheme:
-        found = solve_steady_rolling_like_kalker(
+        found = verification.solve_steady_rolling_like_kalker(
             solve_elastic_contact_on_grid(*touch, (cells, cells), margin=EXAMPLE_MARGIN), creep, mu
         )
     else:
-        found = solve_steady_rolling_for_creepages(solve_elastic_contact_on_grid(*touch, (cells, cells)), creep, mu)
+        found = verification.solve_steady_rolling_for_creepages(
+            solve_elastic_contact_on_grid(*touch, (cells, cells)), creep, mu
+        )
     sticking = int(np.count_nonzero(found.friction_solution.stick[0]))
     return RollingExampleResult(
         float(found.friction_force[1]) / (mu * touch[0]),
@@ -504,7 +500,7 @@ def rolling_examples(findings: ComputedEntryValues, cache: SceneResultCache) -> 
         note = f"by CONTACT's differences over one cell; by those of rolling in 3D {getattr(ours, key):.4g}"
         findings.add_number(key, getattr(theirs, key), note)
     _compute_wheel_creep_curve(findings)
-    _compute_push_and_roll_examples(findings)
+    _compute_examples_of_rolling_from_rest(findings)
 
 
 def _compute_wheel_creep_curve(findings: ComputedEntryValues) -> None:
@@ -520,12 +516,14 @@ def _compute_wheel_creep_curve(findings: ComputedEntryValues) -> None:
     for row in load_printed_table(findings.table):
         curve, _, creep = row.key.rpartition("_")
         if curve == "wheel_creep":
-            force = solve_steady_rolling_like_kalker(patch, Creep(float(creep), 0.0, 0.0), mu).friction_force
+            force = verification.solve_steady_rolling_like_kalker(
+                patch, verification.Creep(float(creep), 0.0, 0.0), mu
+            ).friction_force
             findings.add_number(row.key, float(force[0]) / (mu * load))
 
 
 @lru_cache(maxsize=4)
-def solve_push_and_roll_example(case: str, steps: int) -> list[RollingOnsetStep]:
+def solve_push_and_roll_example(case: str, steps: int) -> list[verification.RollingOnsetStep]:
     """Solve an example of the program CONTACT in which a ball is pushed sideways at rest, and then rolls.
 
     ``case``: name of the example; ``steps``: number of steps, each of one cell's length, that the ball rolls. Returns the
@@ -536,10 +534,10 @@ def solve_push_and_roll_example(case: str, steps: int) -> list[RollingOnsetStep]
     patch = solve_elastic_contact_on_grid(
         *_load_radii_and_material(case), (numbers["cells"], numbers["cells"]), margin=margin
     )
-    return simulate_rolling_onset(patch, numbers["friction"], numbers["share"], steps)
+    return verification.simulate_rolling_onset(patch, numbers["friction"], numbers["share"], steps)
 
 
-def _compute_push_and_roll_examples(findings: ComputedEntryValues) -> None:
+def _compute_examples_of_rolling_from_rest(findings: ComputedEntryValues) -> None:
     """Compute CONTACT's examples of a ball pushed sideways, then rolled towards steady rolling.
 
     ``findings``: receives the results.
@@ -583,7 +581,7 @@ def scene_name_of_catalogue_size(size: str) -> str:
 
 
 def nut_rigidities_without_and_with_bodies(scene: Scene, force: float) -> tuple[float, float]:
-    """Return two axial rigidities [N/m] of a nut with equally loaded balls: first with rigid, then with elastic bodies.
+    """Return two axial rigidities [N/m] of a nut with equally loaded balls: with rigid bodies, then with elastic bodies.
 
     Rigid bodies: only the Hertz contacts deform; elastic bodies: nut and screw deform as thick tubes, too. ``scene``: screw
     and nut; ``force``: axial load [N]. Raises AssertionError for a bearing, which has no lead, and ValueError if nut or
@@ -633,9 +631,9 @@ def nut_rigidities(findings: ComputedEntryValues, cache: SceneResultCache) -> No
 def double_over_single_nut_rigidity(cache: SceneResultCache) -> float:
     """Return the axial rigidity of a preloaded double nut divided by that of a single nut, contacts and bodies included.
 
-    The preload is a third of the single nut's load. The double nut's rigidity is taken at the load that just unloads one of
-    its nuts: its displacement is then the deflection of one nut under the preload. ``cache``: gives the scenes included
-    with rollbench.
+    The preload is a third of the single nut's load. The double nut's rigidity is taken at the axial load that just unloads
+    one of its two nuts: the double nut is then displaced by as much as the preload deflects one nut. ``cache``: gives the
+    scenes included with rollbench.
     """
     scene = cache.built_in_scene(scene_name_of_catalogue_size(DOUBLE))
     full = scene.loads[0].force[2]
@@ -643,11 +641,11 @@ def double_over_single_nut_rigidity(cache: SceneResultCache) -> float:
     single = nut_rigidities_without_and_with_bodies(scene, full)[1]
     moved = preload / nut_rigidities_without_and_with_bodies(scene, preload)[1]
 
-    def displacement_error(force: float) -> float:
-        """Return a nut's displacement [m] at a force [N], less its displacement when the other nut becomes unloaded."""
+    def displacement_beyond_lift_off(force: float) -> float:
+        """Return the deflection [m] of one nut under ``force`` [N], less its deflection when the other nut lifts off."""
         return force / nut_rigidities_without_and_with_bodies(scene, force)[1] - 2.0 * moved
 
-    unloads = float(brentq(displacement_error, preload, 4.0 * preload, rtol=1e-6))
+    unloads = float(brentq(displacement_beyond_lift_off, preload, 4.0 * preload, rtol=1e-6))
     return unloads / moved / single
 
 

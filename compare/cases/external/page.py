@@ -76,14 +76,15 @@ STARTS = 0.01
 def agreement_sentence(found: Sequence[PrintedEntryComparison]) -> str:
     """Return the sentence on how many published values and claims agree with the computed ones.
 
-    ``found``: published values and claims of all external cases, each with its computed value and verdict.
+    ``found``: values and claims published by other programs, makers and textbooks, each with computed value and verdict.
     """
     judged = [e for e in found if e.printed.entry_class != "open"]
     good = sum(e.agrees_with_printed is True for e in judged)
     of = Counter(e.verdict for e in judged)
     return (
-        f"{good} of {len(judged)} published values and claims agree. Of these, {of['reproduced']} agree to the digits that "
-        f"the same theory must give, {of['band']} within a band whose origin is stated, {of['identity']} by "
+        f"{good} of {len(judged)} published values and claims agree with the computed ones. Of these, "
+        f"{of['reproduced']} agree to the digits that the same theory must give, "
+        f"{of['band']} within a band whose origin is stated, {of['identity']} by "
         f"arithmetic on printed numbers, {of['only as printed']} only if the catalogue's simplification is "
         f"repeated. {len(found) - len(judged)} more are shown but left open, because their basis is not "
         "printed."
@@ -102,8 +103,8 @@ def assumptions_table(cache: SceneResultCache) -> Table:
     for name, texts in assumptions_by_external_case().items():
         rows += [{"case": PREFIX + name, "assumed": text} for text in texts]
     columns = (
-        TableColumn("case", "case or scene", "", "s"),
-        TableColumn("assumed", "inferred or chosen to run it", "", "s"),
+        TableColumn("case", "name of the example or of its scene", "", "s"),
+        TableColumn("assumed", "input that is not printed, and assumption for it", "", "s"),
     )
     return Table(
         "external-assumed", "Inputs that the publications do not print, and what is assumed for them", columns, rows
@@ -122,7 +123,9 @@ def agreement_figure(found: Sequence[PrintedEntryComparison]) -> Figure:
             errors.setdefault(SOURCES[e.printed.table], []).append(e.error_percent)
     points = [(float(k), error) for k, percents in enumerate(errors.values(), start=1) for error in percents]
     series = (Series("error", [x for x, _ in points], [y for _, y in points], "markers"),)
-    panel = Panel("computed against published", "", "error / %", series, abscissa_names=list(errors))
+    panel = Panel(
+        "error of the computed value against the published one", "", "error / %", series, abscissa_names=list(errors)
+    )
     caption = "Only numbers that the same theory must give, or that have a stated tolerance; the tables show all."
     return Figure(
         "external-errors", "Errors of computed against published values, by publisher", (panel,), caption, columns=1
@@ -167,7 +170,7 @@ def nut_rigidity_row(cache: SceneResultCache, name: str) -> dict[str, Cell] | No
 
     ``cache``: gives solved scenes and stored 3D references; ``name``: name of the scene. Returns None without a stored 3D
     reference, without axial load, if a rigidity is not defined, or if the screw is displaced at zero load (the 3D
-    displacement contains this part, so that its rigidity is unknown).
+    displacement includes that displacement at zero load, so that load over displacement is not the rigidity).
     """
     scene, found = cache.built_in_scene(name), cache.stored_reference(name)
     if found is None:
@@ -215,21 +218,21 @@ def nut_rigidities_table(
     columns = (
         TableColumn("scene", "scene", "", "s"),
         TableColumn("load", "axial load", "kN", "g3"),
-        TableColumn("contacts", "contacts alone", "N/um", "g4"),
-        TableColumn("bodies", "with the bodies", "N/um", "g4"),
-        TableColumn("unequal", "with unequal loads", "N/um", "g4"),
-        TableColumn("reference", "3D reference", "N/um", "g4"),
-        TableColumn("printed", "catalogue", "N/um", "g4"),
-        TableColumn("share_contacts", "catalogue over contacts alone", "", ".3f"),
-        TableColumn("share_bodies", "catalogue over that with the bodies", "", ".3f"),
-        TableColumn("share_unequal", "catalogue over that with unequal loads", "", ".3f"),
+        TableColumn("contacts", "rigidity of the contacts alone", "N/um", "g4"),
+        TableColumn("bodies", "rigidity of contacts and bodies", "N/um", "g4"),
+        TableColumn("unequal", "rigidity with unequal contact loads", "N/um", "g4"),
+        TableColumn("reference", "rigidity by the 3D reference", "N/um", "g4"),
+        TableColumn("printed", "rigidity in the catalogue", "N/um", "g4"),
+        TableColumn("share_contacts", "catalogue rigidity over that of the contacts alone", "", ".3f"),
+        TableColumn("share_bodies", "catalogue rigidity over that of contacts and bodies", "", ".3f"),
+        TableColumn("share_unequal", "catalogue rigidity over that with unequal contact loads", "", ".3f"),
     )
     note = (
-        "Axial load over axial displacement. Contacts alone: equally loaded balls between rigid bodies; with the bodies: "
-        "nut and screw deform radially as thick tubes, too; with unequal loads: by the default model, at the nut's "
-        "centre. What else makers include is not printed (ISO 3408-4's factor of the tolerance class, flange, mounting). "
-        "Dimensions that a catalogue does not print have usual values. Scenes whose screw is displaced without loads are "
-        "left out."
+        "Axial load over axial displacement. Contacts alone: equally loaded balls between rigid bodies; contacts and "
+        "bodies: nut and screw deform radially as thick tubes, too; unequal contact loads: by the default model, at the "
+        "nut's centre. What else makers include is not printed (ISO 3408-4's factor of the tolerance class, flange, "
+        "mounting). Dimensions that a catalogue does not print have usual values. Scenes whose screw is displaced without "
+        "loads are left out."
     )
     return Table(
         "external-rigidities",
@@ -271,7 +274,7 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     )
     return Section(
         "external",
-        "Computed values against other programs, catalogues and textbooks",
+        "Computed values compared with other programs, makers' catalogues and textbooks",
         items,
         conclusion=agreement_sentence(found),
     )
@@ -290,18 +293,18 @@ FIT = 0.5
 #: Columns of the table of nuts fixed at different surfaces.
 FIXATION_COLUMNS = (
     TableColumn("scene", "scene", "", "s"),
-    TableColumn("by", "computed by", "", "s"),
-    TableColumn("held", "nut fixed at", "", "s"),
-    TableColumn("largest", "largest load", "N", "g4"),
-    TableColumn("load_change", "largest load against left face", "%", "+.2f"),
-    TableColumn("expected", "expected error of a load", "% of mean", ".2f"),
-    TableColumn("off", f"largest error against {THREE}", "% of mean", ".2f"),
-    TableColumn("mesh", f"uncertainty of {THREE} by its mesh", "% of mean", ".2f"),
-    TableColumn("life", "life L10", "10^6 rev", "g4"),
-    TableColumn("life_change", "life against left face", "%", "+.2f"),
-    TableColumn("rigidity", "rigidity", "N/um", "g4"),
-    TableColumn("rigidity_change", "rigidity against left face", "%", "+.2f"),
-    TableColumn("share", "catalogue over computed rigidity", "", ".3f"),
+    TableColumn("by", "model or 3D mesh level", "", "s"),
+    TableColumn("held", "surface at which the nut is fixed", "", "s"),
+    TableColumn("largest", "largest contact load", "N", "g4"),
+    TableColumn("load_change", "change of the largest contact load from fixing at the left face", "%", "+.2f"),
+    TableColumn("expected", "expected error of the contact loads", "% of mean load", ".2f"),
+    TableColumn("off", f"largest contact-load error against {THREE}", "% of mean load", ".2f"),
+    TableColumn("mesh", f"uncertainty of the contact loads in {THREE} by the mesh", "% of mean load", ".2f"),
+    TableColumn("life", "rating life L10", "10^6 rev", "g4"),
+    TableColumn("life_change", "change of the life from fixing at the left face", "%", "+.2f"),
+    TableColumn("rigidity", "axial rigidity", "N/um", "g4"),
+    TableColumn("rigidity_change", "change of the rigidity from fixing at the left face", "%", "+.2f"),
+    TableColumn("share", "catalogue rigidity over computed rigidity", "", ".3f"),
 )
 
 
@@ -334,8 +337,8 @@ def scenes_by_nut_fixation(scene: Scene) -> dict[str, Scene]:
 
 
 @cache
-def stored_results(store: Path) -> list[dict[str, Any]]:
-    """Read the stored 3D results of nuts that are fixed at different surfaces.
+def stored_results_by_nut_fixation(store: Path) -> list[dict[str, Any]]:
+    """Read the stored 3D results of screws whose nuts are fixed at different surfaces.
 
     Each item has the name of the scene, the fixation of the nut, mesh level, status, rigidity [N/m], and ball loads [N] by
     flank. ``store``: folder of the file `FIXATION_FILE`.
@@ -354,7 +357,7 @@ def contact_loads_of_stored_result(result: dict[str, Any]) -> Array:
 
 
 class FixationResult(NamedTuple):
-    """Contact loads and rigidity of a screw by one model, for one fixation of its nut."""
+    """Contact loads and axial rigidity of a screw by one model, for one surface at which the nut is fixed."""
 
     #: Name of the model, or of the 3D reference with its mesh level.
     computed_by: str
@@ -362,9 +365,9 @@ class FixationResult(NamedTuple):
     fixation: str
     #: Contact loads (n, 4) [N] of n balls on the flanks SL, SR, NL and NR.
     contact_loads: Array
-    #: Axial rigidity [N/m].
+    #: Axial rigidity [N/m]: axial load over the axial displacement of the screw at the nut's centre.
     axial_rigidity: float
-    #: Uncertainty of the loads by the mesh [% of the mean load]; None for models without a mesh.
+    #: Largest uncertainty of a contact load by the mesh [% of the mean load]; None for models without a mesh.
     mesh_uncertainty_percent: float | None = None
 
 
@@ -374,7 +377,9 @@ def fixation_results_by_mesh_level(scene: str, fixation: str) -> dict[int, dict[
     ``scene``: name of the scene; ``fixation``: name of the fixation, a key of `scenes_by_nut_fixation`.
     """
     runs = [
-        x for x in stored_results(shipped_store()) if (x["scene"], x["held"], x["status"]) == (scene, fixation, "converged")
+        x
+        for x in stored_results_by_nut_fixation(shipped_store())
+        if (x["scene"], x["held"], x["status"]) == (scene, fixation, "converged")
     ]
     return {x["level"]: x for x in sorted(runs, key=lambda x: int(x["level"]))}
 
@@ -383,14 +388,14 @@ def largest_mesh_uncertainty_percent(scene: Scene, loads: Mapping[int, Array]) -
     """Return the largest mesh uncertainty of any contact load [% of the mean load], on the finest given mesh level.
 
     The uncertainty is the sum of two parts: the 95 % uncertainty by `compare.reference.estimate`, estimated from other
-    scenes if only one level is given, and the error near a free face.
+    scenes if only one level is given, and the error of the 3D loads due to free end faces of the nut.
 
     Parameters
     ----------
     scene
-        Ball screw and loads, which determine the error near free faces.
+        Ball screw and loads, which determine the error due to free faces.
     loads
-        Contact loads (n, 4) [N] of n balls in 3D, by mesh level.
+        Contact loads (n, 4) [N] of n balls on four groove flanks in 3D, by mesh level.
     """
     level, mean = max(loads), mean_load(loads[max(loads)])
     bars = (
@@ -402,7 +407,7 @@ def largest_mesh_uncertainty_percent(scene: Scene, loads: Mapping[int, Array]) -
 
 
 def fixation_table_rows(cache: SceneResultCache, size: str) -> list[dict[str, Cell]]:
-    """Return table rows of a catalogue screw: largest load, life and rigidity for each fixation of its nut and each model.
+    """Return table rows of a catalogue screw: largest contact load, life, rigidity, for each nut fixation and each model.
 
     The rows of the default model come first, then those of every stored mesh level of the 3D reference. The default model
     fixes the whole annulus of a flange, so it has no row for a flange fixed by bolts. ``cache``: gives the solved scenes;
@@ -452,7 +457,7 @@ def fixation_table_rows(cache: SceneResultCache, size: str) -> list[dict[str, Ce
 
 
 def flange_bolts_sentence() -> str:
-    """Return the sentence on how loads and rigidity change in 3D if only bolts, not the whole annulus, fix the flange."""
+    """Return the sentence on how loads and rigidity change in 3D if only bolts fix the flange, not its whole annulus."""
     words = []
     for size in SIZES:
         scene = scene_name_of_catalogue_size(size)

@@ -36,16 +36,17 @@ class CreepCoefficient:
 
     #: Key in the printed table: name, ratio of semi-axes, Poisson's ratio (``C11_0.2_0.25``).
     key: str
-    #: Values on the grids, from coarse to fine.
+    #: Values of the coefficient on the grids, from coarse to fine.
     values_by_grid: tuple[float, ...]
-    #: Value extrapolated to first order in the cell size if the values converge monotonically, else the finest grid's.
+    #: Value extrapolated to zero cell size (first order) if the values converge monotonically, else value on the finest
+    #: grid.
     best_value: float
     #: Whether ``best_value`` is extrapolated.
     is_extrapolated: bool
 
 
 @lru_cache(maxsize=1)
-def coefficients() -> tuple[CreepCoefficient, ...]:
+def kalker_creep_coefficients() -> tuple[CreepCoefficient, ...]:
     """Return the 36 creep coefficients of Kalker's Table E3: four for each of nine contacts.
 
     Each contact has one of three ratios of the semi-axes and one of three Poisson's ratios.
@@ -73,7 +74,7 @@ def table_e3(findings: ComputedEntryValues, cache: SceneResultCache) -> None:  #
     Poisson's ratios are 0, 0.25 and 0.5. ``findings``: receives each computed coefficient to compare with the printed one,
     with its values on several grids as a remark. ``cache``: not used here.
     """
-    for one in coefficients():
+    for one in kalker_creep_coefficients():
         grids = ", ".join(f"{v:.4g}" for v in one.values_by_grid)
         how = "extrapolated" if one.is_extrapolated else "the finest grid's"
         findings.add_number(one.key, one.best_value, f"grids {grids}; {how}")
@@ -85,8 +86,12 @@ GROOVE, MU = (100.0, (5e-3, 46.667e-3), 210e9, 0.28), 0.1
 #: ellipse.
 SLIPS = {"pole outside": verification.Creep(0.02, 0.004, 30.0), "pole inside": verification.Creep(0.02, 0.004, 400.0)}
 #: How full slip is computed on a grid: one slip per cell, slip resolved within cells, differences as in stored 3D results.
-BY_GRID, RESOLVED, AS_RUNS = "on a grid alone", "on a grid, slip resolved within cells", "as runs have it, worst level"
-#: Resultants by which full slip is compared.
+BY_GRID, RESOLVED, AS_RUNS = (
+    "on a grid alone",
+    "on a grid, slip resolved within cells",
+    "corrected as stored results are, worst grid",
+)
+#: Friction force and moment by which full slip is compared, with units.
 WRENCH = ("force [N]", "moment [N mm]")
 #: Permitted errors [%] against Carter, Cattaneo and Mindlin, full slip by quadrature, and Kalker's table.
 REACH = (0.5, 0.5, 0.1, 2.0)
@@ -106,7 +111,7 @@ EXAMPLE_GRIDS = (22, 33, EXAMPLE_CELLS)
 #: contact zone, scene. The permitted errors are the reference's own grid errors: from 6 x 6 to 10 x 10 cells its peak
 #: pressure falls by 2.9 %, its semi-axes grow by 1.4 and 1.0 %
 #: (`pytest -m survey tests/sources/kalker/literature/test_rolling_at_rest.py`).
-AT_REST = ("approach [um]", "semi-axis along [um]", "semi-axis across [um]", "peak pressure [MPa]")
+AT_REST = ("approach [um]", "semi-axis along rolling [um]", "semi-axis across rolling [um]", "peak pressure [MPa]")
 STATIC_REACH, STATIC_CELLS = (0.5, 1.5, 2.0, 2.5), (10, 10)
 SCREW, LINEAR = "lin-screw-pair-a-inferred", "lin-pair-a"
 #: Permitted error [%] of finite elements of a contact zone against the closed-form solution of the half space.
@@ -121,8 +126,8 @@ class Verification:
     """A verification of the 3D model of rolling contact: one quantity on three grids, and its exact or printed value.
 
     ``contact_problem``: in words; ``quantity``: name with unit; ``values_by_grid``: value on the coarse, the middle and the
-    fine grid; ``exact_value``: exact or printed value; ``judged_value``: value that is compared with it, in most
-    verifications that on the finest grid; ``permitted_error_percent``: permitted error of ``judged_value`` [%];
+    fine grid; ``exact_value``: exact or printed value; ``judged_value``: value that is compared with ``exact_value``, in
+    most verifications the value on the finest grid; ``permitted_error_percent``: permitted error of ``judged_value`` [%];
     ``grid_refinement``: number of cells along an axis of the finest grid over that of the coarsest, None if no order of
     convergence is expected.
     """
@@ -149,8 +154,8 @@ class Verification:
     def convergence_order(self) -> float | None:
         """Order of convergence observed from the coarsest grid to the finest.
 
-        None if the error on the finest grid is round-off, or if the error does not fall with each finer grid. Such an error
-        depends on where cell boundaries lie.
+        None if the error on the finest grid is round-off, or if the error does not fall with each finer grid. It then
+        depends on where the cell boundaries lie in the contact.
         """
         errors = np.abs(np.array(self.values_by_grid) - self.exact_value)
         if self.grid_refinement is None or not errors[-1] > 1e-12 * abs(self.exact_value) or (np.diff(errors) >= 0.0).any():
@@ -159,7 +164,7 @@ class Verification:
 
 
 @lru_cache(maxsize=2)
-def verifications(*, meshing: bool = True) -> tuple[Verification, ...]:
+def verifications_of_rolling_model(*, meshing: bool = True) -> tuple[Verification, ...]:
     """Return all verifications of the 3D model of rolling contact against known solutions.
 
     ``meshing``: whether to include the verification that needs the mesh generator gmsh.
@@ -209,7 +214,9 @@ def _verify_contact_at_rest() -> Iterator[Verification]:
     ]
     for k, (name, reach) in enumerate(zip(AT_REST, STATIC_REACH, strict=True)):
         values = tuple(one[k] for one in found)
-        yield Verification("no motion: the static reference's patch", name, values, exact[k], reach, values[-1], FINER)
+        yield Verification(
+            "contact at rest, against the static 3D reference", name, values, exact[k], reach, values[-1], FINER
+        )
 
 
 def _approach_semi_axes_and_peak(contact: verification.NormalContact) -> tuple[float, ...]:
@@ -218,14 +225,17 @@ def _approach_semi_axes_and_peak(contact: verification.NormalContact) -> tuple[f
 
 
 def _verify_finite_elements() -> Iterator[Verification]:
-    """Verify displacements of a half space of finite elements under uniform traction against the closed-form solution."""
+    """Verify displacements of a half space of finite elements against the closed-form solution.
+
+    A uniform traction acts on a rectangle of the surface; the mean displacements of this rectangle are compared.
+    """
     load, radii, young, poisson = GROOVE
     at = ContactGeometry(radii[0], radii, 0.25 * np.pi, None)
     zones = (at.contact_zone(load, young, poisson, replace(Sizes(), cells=(n, n))) for n in (2, 3, 4))
     found = [verification.compare_half_space_displacements(zone, at.ball_radius, young, poisson) for zone in zones]
-    for k, name in enumerate(("along", "across", "normal")):
+    for k, name in enumerate(("longitudinal", "lateral", "normal")):
         values = tuple(1e9 * float(f[0][k]) for f in found)
-        exact, quantity = 1e9 * float(found[-1][1][k]), f"compliance, {name} [nm/N]"
+        exact, quantity = 1e9 * float(found[-1][1][k]), f"{name} displacement by a force [nm/N]"
         yield Verification(
             "half space of finite elements, uniform traction", quantity, values, exact, ELEMENTS_REACH, values[-1]
         )
@@ -238,22 +248,22 @@ def _verify_ball_to_ball_friction() -> Iterator[Verification]:
     found = solve_rolling(scene, choices)
     for where, bodies, grids in (("Hertz's circle", None, (20, 30, 40)), ("the balls' own patch", Sizes(), (8, 12, 16))):
         shares = [verification.compare_ball_friction_with_point(scene, found, 0, points, bodies) for points in grids]
-        for k, name in enumerate(("force over that of a point", "loss over that of a point")):
+        for k, name in enumerate(("force over that of point contact", "loss over that of point contact")):
             values = tuple(s[k] for s in shares)
-            yield Verification(f"balls that touch, over {where}", name, values, 1.0, RUB_REACH, values[-1])
+            yield Verification(f"balls that touch, friction over {where}", name, values, 1.0, RUB_REACH, values[-1])
 
 
 def _verify_carter() -> Iterator[Verification]:
     """Verify tangential force and half width of the stick zone against Carter's solution."""
     for share in (0.1, 0.25, 0.5, 0.75, 0.9):
         found = [verification.compare_with_carter(n, share) for n in (41, 61, 82)]
-        for k, name in enumerate(("force over mu P", "half width of stick over a")):
+        for k, name in enumerate(("force over mu P", "half width of the stick zone over a")):
             values = tuple(float(f[0][k]) for f in found)
             yield Verification(f"Carter, Q = {share:g} mu P", name, values, float(found[-1][1][k]), REACH[0], values[-1])
     found = [verification.compare_with_carter(n, NARROW) for n in (40, 80, 160)]
-    for k, name in enumerate(("force over mu P", "half width of stick over a")):
+    for k, name in enumerate(("force over mu P", "half width of the stick zone over a")):
         values, exact = tuple(float(f[0][k]) for f in found), float(found[-1][1][k])
-        name += " (stick of a few cells: no order)"
+        name += " (stick zone of a few cells)"
         yield Verification(f"Carter, Q = {NARROW:g} mu P", name, values, exact, NARROW_REACH, values[-1], None)
 
 
@@ -276,25 +286,25 @@ def _verify_full_slip() -> Iterator[Verification]:
     difference between elastic and nearly rigid bodies. The exact values are those of a fine quadrature.
     """
     for where, creep in SLIPS.items():
-        exact = _longitudinal_force_and_moment(*verification.full_slip_by_quadrature(*GROOVE, creep, MU, 1200))
+        exact = _longitudinal_force_and_moment(*verification.friction_at_full_slip_by_quadrature(*GROOVE, creep, MU, 1200))
         patches = [solve_elastic_contact_on_grid(*GROOVE, (n, n)) for n in (16, 24, 32)]
         ways = {
             "by quadrature": [
-                _longitudinal_force_and_moment(*verification.full_slip_by_quadrature(*GROOVE, creep, MU, n))
+                _longitudinal_force_and_moment(*verification.friction_at_full_slip_by_quadrature(*GROOVE, creep, MU, n))
                 for n in (150, 225, 300)
             ],
             BY_GRID: [_rolling_force_and_moment(p, creep, STIFF) for p in patches],
         }
         if "inside" in where:
             ways[RESOLVED] = [
-                _longitudinal_force_and_moment(*verification.full_slip_within_cells(p, creep, MU)) for p in patches
+                _longitudinal_force_and_moment(*verification.friction_at_full_slip_by_cells(p, creep, MU)) for p in patches
             ]
         for way, found in ways.items():
             reach = ALONE if way == BY_GRID and "inside" in where else REACH[2]
             for name, values, known in zip(WRENCH, zip(*found, strict=True), exact, strict=True):
                 yield Verification(f"full slip {way}, {where}", name, values, known, reach, values[-1])
         limits = [
-            _longitudinal_force_and_moment(*verification.full_slip_by_quadrature(*GROOVE, creep, MU, n))
+            _longitudinal_force_and_moment(*verification.friction_at_full_slip_by_quadrature(*GROOVE, creep, MU, n))
             for n in QUADRATURES
         ]
         found = [
@@ -344,7 +354,7 @@ def _grid_corrected_force_and_moment(
 
 def _verify_creep_coefficients() -> Iterator[Verification]:
     """Yield the comparison of each computed creep coefficient with the value that Kalker printed."""
-    for one in coefficients():
+    for one in kalker_creep_coefficients():
         name, ratio, poisson = one.key.split("_")
         value = printed_value("kalker-E3", one.key)
         yield Verification(

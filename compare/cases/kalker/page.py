@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from rollbench.compare.cases.kalker.evidence import AS_RUNS, BY_GRID, RESOLVED, Verification, verifications
+from rollbench.compare.cases.kalker.evidence import AS_RUNS, BY_GRID, RESOLVED, Verification, verifications_of_rolling_model
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.reference.levels import FINITE
@@ -49,7 +49,17 @@ from rollbench.meshes.arrays import Array
 from rollbench.reports.content import Figure, Panel, PressureMap, PressurePanel, Row, Section, Table, TableColumn, Text
 from rollbench.reports.content import Series as Curve
 
-SIZES = (TableColumn("choice", "choice", "", "s"), *(TableColumn(name, name, "", "g6") for name in NAMES))
+#: Headings and units of the stored results of two touching balls, by name of the result.
+NAMED = {
+    "force 1-2 N": ("ball-to-ball force", "N"),
+    "loss apart mW": ("friction loss without ball-to-ball contact", "mW"),
+    "loss touching mW": ("friction loss with ball-to-ball contact", "mW"),
+    "increase %": ("increase of the friction loss by ball-to-ball contact", "%"),
+}
+SIZES = (
+    TableColumn("choice", "size and mesh of the bodies", "", "s"),
+    *(TableColumn(name, *NAMED[name], "g6") for name in NAMES),
+)
 #: Contacts whose slip and traction are drawn: scene, number of the ball, name of the contact.
 SHOWN = (("lin-pair-a", 0, "BL"), ("lin-pair-a", 0, "TR"), ("lin-rotary-1", 0, "IL"), ("lin-rotary-1", 0, "OR"))
 #: Numbers of cells along and across the drawn contacts.
@@ -60,7 +70,7 @@ SHAPE = LEVELS[1]
 class SlipAndTractionField:
     """Slip, traction and stick zone over the n cells of one rolling contact."""
 
-    #: Title of the drawing.
+    #: Title of the drawing: scene and name of the contact.
     title: str
     #: Centres of the cells: coordinates across and along the groove, (n, 2) [m].
     cell_centres: Array
@@ -68,15 +78,15 @@ class SlipAndTractionField:
     relative_slip_velocity: Array
     #: Tangential traction across and along the groove, (n, 2) [Pa].
     tangential_traction: Array
-    #: Whether each cell sticks.
+    #: Whether each cell sticks, (n,).
     sticks: NDArray[np.bool_]
     #: Semi-axes of the contact ellipse across and along the groove [m].
     semi_axes: tuple[float, float]
 
 
 @lru_cache(maxsize=1)
-def patch_fields() -> tuple[SlipAndTractionField, ...]:
-    """Return slip and traction over the rolling contacts `SHOWN` that the report draws, on elastic half spaces."""
+def slip_and_traction_of_drawn_contacts() -> tuple[SlipAndTractionField, ...]:
+    """Compute slip and traction over the rolling contacts that the report draws (`SHOWN`), for elastic half spaces."""
     choices, out = RollingSettings(SHAPE), []
     for name in dict.fromkeys(shown[0] for shown in SHOWN):
         scene = shipped_case(name, FrictionScene)
@@ -119,7 +129,7 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     stores = cache.reference_folders or (shipped_store(),)
     step("rolling contacts with known answers")
     meshing = not gmsh_fault()
-    proof = verifications(meshing=meshing)
+    proof = verifications_of_rolling_model(meshing=meshing)
     found = {name: compare_scene_with_stored_runs(name, stores) for name in (*PAIRS, *RINGS)}
     cache.record_used_scenes([name for name, rows in found.items() if rows])
     step("linear bearing from rest")
@@ -127,7 +137,7 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     step("slip and traction; finite bodies of other sizes")
     left = "Left out of a quick report." if cache.quick else "" if meshing else "Left out: gmsh cannot be loaded."
     sizes = StoredBodyChoiceResults((), left) if left else find_body_variants(stores, fresh=cache.measures_run_times)
-    patches = patch_fields()
+    patches = slip_and_traction_of_drawn_contacts()
     step("other grids, steps and paths")
     changed = force_changes_by_numerical_choices(stores, series, sizes.variants)
     missing = [name for name, rows in found.items() if not rows]
@@ -158,7 +168,9 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
         *_finite_body_results(stores, sizes, proof),
         *_slip_and_traction_maps(patches),
         Table.from_rows(
-            "rolling-grids", "3D model of rolling contact: force or torque on each grid", _grid_dependence_rows(stores)
+            "rolling-grids",
+            "3D model of rolling contact: ball-to-ball force or friction torque on each grid of cells",
+            _grid_dependence_rows(stores),
         ),
         Table.from_rows(
             "rolling-from-rest",
@@ -226,8 +238,8 @@ def _finite_body_results(
             "rolling-bodies",
             "3D model of rolling contact: forces with bodies of finite size instead of elastic half spaces",
             [_finite_body_row(row) for row in shown],
-            "±: scatter of three grids, and largest change of a force or loss over the sizes and meshes in the next table."
-            + (f" No stored runs: {', '.join(missing)}." if missing else ""),
+            "Uncertainty: scatter of three grids, and largest change of a force or loss over the sizes and meshes in the "
+            "next table." + (f" No stored runs: {', '.join(missing)}." if missing else ""),
         ),
         Table(
             "rolling-body-sizes",
@@ -252,12 +264,16 @@ def _finite_body_row(row: RollingComparisonRow) -> Row:
         "scene": row.scene,
         "quantity": row.quantity,
         "unit": row.unit,
-        TableColumn("rigid", "rigid bodies", "", "g5"): row.rigid,
-        TableColumn("half", "half spaces", "", "g5"): row.half_space,
-        TableColumn("finite", "finite bodies", "", "g5"): row.reference,
-        TableColumn("uncertainty", "±", "", "g2"): row.uncertainty if finite else None,
-        TableColumn("change", "change by finite bodies", "%", ".3f"): _change_by_finite_bodies_percent(row),
-        TableColumn("error", "low-order against finite bodies", "%", ".2f"): row.error_percent,
+        TableColumn("rigid", "value for rigid bodies", "", "g5"): row.rigid,
+        TableColumn("half", "value for elastic half spaces", "", "g5"): row.half_space,
+        TableColumn("finite", "value for bodies of finite size", "", "g5"): row.reference,
+        TableColumn("uncertainty", "uncertainty of the value for bodies of finite size", "", "g2"): row.uncertainty
+        if finite
+        else None,
+        TableColumn(
+            "change", "change from half spaces to bodies of finite size", "%", ".3f"
+        ): _change_by_finite_bodies_percent(row),
+        TableColumn("error", "error of the low-order model against bodies of finite size", "%", ".2f"): row.error_percent,
     }
 
 
@@ -267,13 +283,13 @@ def _slip_and_traction_maps(patches: Sequence[SlipAndTractionField]) -> list[Tex
     ``patches``: slip and traction over the cells of each contact.
     """
 
-    def draw_patch(
+    def draw_vector_field(
         p: SlipAndTractionField, what: NDArray[np.float64], unit_of: float, note: str, *, marked: bool
     ) -> PressurePanel:
         """Draw the magnitude of a vector field over the cells of one contact, and its direction by arrows.
 
-        ``what``: vectors (n, 2) on n cells; ``unit_of``: value by which magnitudes are divided; ``note``: text below the
-        drawing; ``marked``: whether sticking cells are marked.
+        ``p``: the contact; ``what``: vectors (n, 2) on its n cells; ``unit_of``: value by which magnitudes are divided;
+        ``note``: text below the drawing; ``marked``: whether sticking cells are marked.
         """
         size = np.linalg.norm(what, axis=1)
         unit = what / np.maximum(size, 1e-300)[:, None]
@@ -291,13 +307,13 @@ def _slip_and_traction_maps(patches: Sequence[SlipAndTractionField]) -> list[Tex
             "rolling-slip",
             "Slip velocity in the contact areas of rolling balls",
             [
-                draw_patch(
+                draw_vector_field(
                     p, p.relative_slip_velocity, most, f"largest: {100.0 * most:.3g} % of the rolling speed", marked=False
                 )
                 for p, most in zip(patches, fastest, strict=True)
             ],
             *axes,
-            "slip over the contact's largest",
+            "slip velocity over the largest of the contact",
             caption="Above each drawing: scene and contact of a ball (B bottom, T top; I inner ring, O outer ring; L left, "
             "R right). The material moves downwards through the contact.",
         ),
@@ -305,7 +321,7 @@ def _slip_and_traction_maps(patches: Sequence[SlipAndTractionField]) -> list[Tex
             "rolling-traction",
             "Tangential traction and stick zones in the contact areas of rolling balls",
             [
-                draw_patch(p, p.tangential_traction, 1e6, note, marked=True)
+                draw_vector_field(p, p.tangential_traction, 1e6, note, marked=True)
                 for p, note in zip(patches, sticking, strict=True)
             ],
             *axes,
@@ -324,7 +340,10 @@ def _ball_force_conclusion(found: dict[str, list[RollingComparisonRow]]) -> str:
     row = next((r for r in found["lin-pair-a"] if r.quantity == "force 1-2"), None)
     if row is None or row.error_percent is None:
         return ""
-    return f"The low-order model's force between two touching balls is off by {row.error_percent:+.2f} % of the 3D model's."
+    return (
+        "The force between two touching balls by the low-order model differs by "
+        f"{row.error_percent:+.2f} % from that by the 3D model."
+    )
 
 
 def _introductory_paragraphs(found: dict[str, list[RollingComparisonRow]], verified: Sequence[Verification]) -> list[str]:
@@ -383,16 +402,20 @@ def _spin_pole_sentence(verified: Sequence[Verification]) -> str:
 def _verification_row(verification: Verification) -> Row:
     """Return the table row of a verification: values on three grids, exact value, error, order of convergence."""
     return {
-        "case": verification.contact_problem,
+        TableColumn("case", "contact problem", "", "s"): verification.contact_problem,
         "quantity": verification.quantity,
-        TableColumn("coarse", "coarse grid", "", "g5"): verification.values_by_grid[0],
-        TableColumn("middle", "middle grid", "", "g5"): verification.values_by_grid[1],
-        TableColumn("fine", "fine grid", "", "g5"): verification.values_by_grid[2],
-        TableColumn("exact", "exact or printed", "", "g5"): verification.exact_value,
-        TableColumn("error", "error", "%", ".2f"): verification.error_of_judged_value_percent,
-        TableColumn("order", "order of convergence", "", ".1f"): verification.convergence_order,
+        TableColumn("coarse", "value on the coarse grid", "", "g5"): verification.values_by_grid[0],
+        TableColumn("middle", "value on the middle grid", "", "g5"): verification.values_by_grid[1],
+        TableColumn("fine", "value on the fine grid", "", "g5"): verification.values_by_grid[2],
+        TableColumn("exact", "exact or printed value", "", "g5"): verification.exact_value,
+        TableColumn(
+            "error", "error against the exact or printed value", "%", ".2f"
+        ): verification.error_of_judged_value_percent,
+        TableColumn("order", "order of convergence over the grids", "", ".1f"): verification.convergence_order,
         TableColumn("reach", "permitted error", "%", "g3"): verification.permitted_error_percent,
-        "verdict": "reached" if verification.within_permitted_error else "not reached",
+        TableColumn("verdict", "exact value within the permitted error", "", "s"): "reached"
+        if verification.within_permitted_error
+        else "not reached",
     }
 
 
@@ -401,19 +424,21 @@ def _low_order_against_3d_row(row: RollingComparisonRow) -> Row:
     finite = np.isfinite(row.uncertainty)
     return {
         "scene": row.scene,
-        TableColumn("state", "load state", "", "s"): row.load_state,
+        TableColumn("state", "how unprinted contact loads were found", "", "s"): row.load_state,
         "quantity": row.quantity,
         "unit": row.unit,
-        TableColumn("low", "low-order", "", "g5"): row.low,
-        TableColumn("reference", "3D", "", "g5"): row.reference,
-        TableColumn("uncertainty", "±", "", "g2"): row.uncertainty if finite else None,
-        TableColumn("error", "low-order against 3D", "%", ".2f"): row.error_percent,
-        TableColumn("share", "±", "%", ".2f"): row.uncertainty_percent,
-        TableColumn("printed", "printed low-order", "", "g4"): row.printed,
-        TableColumn("ansys", "printed ANSYS", "", "g4"): row.printed_ansys,
-        TableColumn("flat", "3D, flat contacts", "", "g5"): row.flat,
-        TableColumn("rigid", "rigid bodies", "", "g5"): row.rigid,
-        "verdict": f"within {LIMIT:g} %" if low_order_error_is_within_limit(row) else f"beyond {LIMIT:g} %",
+        TableColumn("low", "value by the low-order model", "", "g5"): row.low,
+        TableColumn("reference", "value by the 3D model", "", "g5"): row.reference,
+        TableColumn("uncertainty", "uncertainty of the 3D value", "", "g2"): row.uncertainty if finite else None,
+        TableColumn("error", "error of the low-order model against 3D", "%", ".2f"): row.error_percent,
+        TableColumn("share", "uncertainty of the 3D value", "%", ".2f"): row.uncertainty_percent,
+        TableColumn("printed", "low-order value that Lin prints", "", "g4"): row.printed,
+        TableColumn("ansys", "ANSYS value that Lin prints", "", "g4"): row.printed_ansys,
+        TableColumn("flat", "3D value with flat contacts", "", "g5"): row.flat,
+        TableColumn("rigid", "3D value with rigid bodies", "", "g5"): row.rigid,
+        TableColumn("verdict", "error of the low-order model, judged", "", "s"): f"within {LIMIT:g} %"
+        if low_order_error_is_within_limit(row)
+        else f"beyond {LIMIT:g} %",
     }
 
 
@@ -428,10 +453,10 @@ def _stored_rolling_runs(name: str, stores: Sequence[Path]) -> list[RollingRun]:
 
 
 def _grid_dependence_rows(stores: Sequence[Path]) -> list[Row]:
-    """Return a table row for each stored result of the 3D rolling model, to show the influence of the grid.
+    """Return a table row for each stored result of the 3D rolling model, to show the influence of the grid of cells.
 
-    Columns: scene, grid, force or torque, change of this value by elasticity, power lost by finite differences, sticking
-    cells, processor time. ``stores``: folders of the results.
+    Columns: scene, grid, force or torque, change of this value by elasticity, numerical loss of power (by the upwind finite
+    differences) over the input power, sticking cells, processor time. ``stores``: folders of the results.
     """
     out: list[Row] = []
     every = [(name, run) for name in (*PAIRS, *RINGS) for run in _stored_rolling_runs(name, stores)]
@@ -441,14 +466,19 @@ def _grid_dependence_rows(stores: Sequence[Path]) -> list[Row]:
         out.append(
             {
                 "scene": name,
-                TableColumn("state", "load state", "", "s"): interpretation_of_contact_loads(name),
-                "level": "source's size" if run.level == SOURCE_LEVEL else str(run.level),
-                "cells": f"{run.shape[0]} x {run.shape[1]}",
-                TableColumn("value", "force or torque", "", "g5"): run.values[key],
-                TableColumn("alone", "without grid correction", "", "g5"): run.elastic[key],
-                TableColumn("elasticity", "change by elasticity", "", "g3"): run.elastic[key] - run.near_rigid[key],
-                TableColumn("lost", "power lost by finite differences", "%", ".3f"): 100.0 * run.upwind,
-                TableColumn("stick", "cells that stick", "", "d"): run.sticking,
+                TableColumn("state", "how unprinted contact loads were found", "", "s"): interpretation_of_contact_loads(
+                    name
+                ),
+                TableColumn("level", "grid level", "", "s"): "source's size"
+                if run.level == SOURCE_LEVEL
+                else str(run.level),
+                TableColumn("cells", "cells along and across the contact", "", "s"): f"{run.shape[0]} x {run.shape[1]}",
+                TableColumn("value", "force or torque, corrected for the grid", "", "g5"): run.values[key],
+                TableColumn("alone", "force or torque without grid correction", "", "g5"): run.elastic[key],
+                TableColumn("elasticity", "change of force or torque by elasticity", "", "g3"): run.elastic[key]
+                - run.near_rigid[key],
+                TableColumn("lost", "share of the input power lost by finite differences", "%", ".3f"): 100.0 * run.upwind,
+                TableColumn("stick", "number of cells that stick", "", "d"): run.sticking,
                 TableColumn("seconds", "processor time", "s", "g3"): run.seconds if run.measured == common else None,
             }
         )
@@ -456,14 +486,16 @@ def _grid_dependence_rows(stores: Sequence[Path]) -> list[Row]:
 
 
 def _from_rest_row(run: RunFromRest) -> Row:
-    """Return the table row of two balls started from rest: final force, force of steady rolling, time of first contact."""
+    """Return the table row of two balls started from rest: final and steady ball-to-ball force, time of first contact."""
     meet = next((t for t, f in zip(run.time, run.force, strict=True) if f > 0.0), None)
     return {
-        TableColumn("steps", "time steps", "", "d"): run.steps,
-        TableColumn("force", "force at the end", "N", "g5"): run.force[-1],
-        TableColumn("steady", "force in steady rolling", "N", "g5"): run.steady_force,
-        TableColumn("error", "error", "%", ".2f"): float(error_percent(run.force[-1], run.steady_force)),
-        TableColumn("meet", "balls meet at", "ms", ".1f"): None if meet is None else 1e3 * meet,
+        TableColumn("steps", "number of time steps", "", "d"): run.steps,
+        TableColumn("force", "ball-to-ball force at the end", "N", "g5"): run.force[-1],
+        TableColumn("steady", "ball-to-ball force in steady rolling", "N", "g5"): run.steady_force,
+        TableColumn("error", "error of the final force against steady rolling", "%", ".2f"): float(
+            error_percent(run.force[-1], run.steady_force)
+        ),
+        TableColumn("meet", "time at which the balls meet", "ms", ".1f"): None if meet is None else 1e3 * meet,
         TableColumn("seconds", "processor time", "s", "g3"): run.seconds,
     }
 
@@ -472,11 +504,13 @@ def _numerical_choice_row(effect: ChoiceEffect) -> Row:
     """Return the table row of a numerical choice, such as the grid: its effect on the ball-to-ball force, uncertainty."""
     return {
         "scene": effect.scene,
-        "choice": effect.choice,
-        "tried": effect.tried_variants,
-        TableColumn("change", "largest change of the force", "%", "g2"): effect.change,
-        TableColumn("uncertainty", "stated uncertainty", "%", "g2"): effect.uncertainty,
-        "verdict": "within" if effect.is_within_uncertainty else "beyond",
+        TableColumn("choice", "numerical choice", "", "s"): effect.choice,
+        TableColumn("tried", "variants tried", "", "s"): effect.tried_variants,
+        TableColumn("change", "largest change of the ball-to-ball force", "%", "g2"): effect.change,
+        TableColumn("uncertainty", "stated uncertainty of this force", "%", "g2"): effect.uncertainty,
+        TableColumn("verdict", "change against the stated uncertainty", "", "s"): "within"
+        if effect.is_within_uncertainty
+        else "beyond",
     }
 
 
@@ -501,7 +535,7 @@ def _from_rest_figure(series: Sequence[RunFromRest]) -> Figure:
 
 
 def _error_over_time_figure(stores: Sequence[Path]) -> Figure | None:
-    """Draw the error of the ball-to-ball force in 3D over processor time; the error is taken against the finest grid.
+    """Draw the difference of the ball-to-ball force in 3D from that on the finest grid, over processor time.
 
     Returns None if no scene has stored 3D results on every grid. ``stores``: folders of the results.
     """
@@ -517,12 +551,10 @@ def _error_over_time_figure(stores: Sequence[Path]) -> Figure | None:
         curves.append(Curve(name, [r.seconds for r in runs[:-1]], errors))
     if not curves:
         return None
-    draw_patch = Panel(
-        "ball-to-ball force", "processor time [s]", "difference from the finest grid [%]", curves, log_axes="xy"
-    )
+    panel = Panel("ball-to-ball force", "processor time [s]", "difference from the finest grid [%]", curves, log_axes="xy")
     return Figure(
         "rolling-times",
         "3D model of rolling contact: error of the ball-to-ball force over processor time",
-        [draw_patch],
+        [panel],
         f"Measured with {common}.",
     )

@@ -16,13 +16,8 @@ from math import radians
 
 import numpy as np
 
+from rollbench.compare.cases.lin.evidence import source_cases
 from rollbench.compare.cases.lin.evidence.rotary_linear import AXIAL, CASES, LINEAR, ROTARY, VERTICAL, solve_rotary_ball
-from rollbench.compare.cases.lin.evidence.source_cases import (
-    four_point_bearing,
-    groove_of_table_3_6,
-    screw_pair_as_printed,
-    screw_pair_with_inferred_oversize,
-)
 from rollbench.lowfi.friction.as_source.chain import SHARPNESS, BallMotionsByLin
 from rollbench.lowfi.friction.as_source.screw import (
     chain_motions_from_random_starts,
@@ -33,13 +28,8 @@ from rollbench.lowfi.friction.as_source.screw import (
 from rollbench.lowfi.friction.bearing import Bearing, solve_ball_of_bearing, solve_bearing
 from rollbench.lowfi.friction.contact.equilibrium import BodyMotionProblem, least_dissipation, motion_by_root
 from rollbench.lowfi.friction.contact.laws import SigmoidLaw
+from rollbench.lowfi.friction.linear import chain as linear_chain
 from rollbench.lowfi.friction.linear.bearing import LinearBearing, contact_angle_deviations, loads_in_equilibrium
-from rollbench.lowfi.friction.linear.chain import (
-    LinearChain,
-    pair_angles_and_loads,
-    prepare_linear_chain,
-    solve_linear_chain,
-)
 from rollbench.lowfi.friction.screw.chain import ChainMotion, solve_motion_of_chain
 from rollbench.lowfi.friction.screw.chain import ScrewBallChain as ScrewChain
 from rollbench.lowfi.friction.screw.motion import contact_ellipses_of_screw, lin_sigmoid_law
@@ -64,7 +54,7 @@ ANGLES, MU, LOADS = (-5.0, -1.0, 1e-3, 2.0, 5.0), (1e-3, 0.01, 0.1, 0.3, 0.5), (
 #: Varied values: side force over vertical load on two balls of the linear bearing, clearances [m].
 RHO, CLEARANCE = (-0.999, -0.9, -0.3, 0.3, 0.9, 0.999), (1e-7, 1e-6, 5e-6, 1e-5)
 
-#: Small axial loads [N] on two balls of a screw with clearance.
+#: Small axial loads [N] on two balls of a screw that has clearance in its grooves.
 SMALL = (1e-3, 1e-2, 0.1, 0.3)
 
 #: Numbers of neighbouring balls in a linear bearing and in a ball screw.
@@ -76,7 +66,7 @@ SOURCE_BALLS = 20
 #: Fraction of contacts without load, in the cases with unloaded contacts.
 UNLOADED = 0.25
 
-#: Difference of ball-to-ball forces, over the friction bound, above which a root counts as another solution.
+#: Largest difference of ball-to-ball forces, over the friction bound, up to which a root counts as the same solution.
 OTHER = 1e-3
 
 
@@ -88,7 +78,7 @@ class GroupResult:
     group: str
     #: Name of the friction model with the kind of bearing or screw, such as "screw pair".
     model: str
-    #: Number of cases.
+    #: Number of cases in the group.
     cases: int
     #: Number of solutions by this package's solvers that converged.
     ours: int
@@ -103,7 +93,7 @@ class GroupResult:
     source: int | None = None
     #: Number of solutions attempted by Lin's method; None if it was not used.
     source_tries: int | None = None
-    #: Remark; empty for none.
+    #: Remark on the group; empty for none.
     note: str = ""
 
 
@@ -132,10 +122,11 @@ class ExtremeGroupTally:
     def count_solution_by_lin_method(self, found: BallMotionsByLin | None, force: Array, friction_bound: float) -> None:
         """Count one attempt by Lin's root finding, and compare its ball-to-ball forces with those of least dissipation.
 
-        ``found``: the root that Lin's method found, or None if it found no loads; ``force``: ball-to-ball forces (n,) [N]
-        by this package's solver, for n pairs of neighbouring balls; ``friction_bound``: largest possible friction force
-        between two balls [N], by which differences of forces are divided. A root counts as solved if no two balls overlap
-        or pull at each other; the field ``roots_with_other_forces`` counts solved roots whose forces differ from ``force``.
+        ``found``: the motion that Lin's method found, or None if it found no contact loads; ``force``: ball-to-ball forces
+        (n,) [N] by this package's solver, for n pairs of neighbouring balls; ``friction_bound``: largest possible friction
+        force between two balls [N], by which differences of forces are divided. A root counts as solved if no two balls
+        overlap or pull at each other; the field ``roots_with_other_forces`` counts solved roots whose forces differ from
+        ``force``.
         """
         self.source_tries += 1
         if found is None or found.status == "failed":
@@ -171,10 +162,10 @@ class ExtremeGroupTally:
             note = f"{note}; {led}" if note else led
         for count, what in (
             (self.roots_with_overlap, "let balls overlap"),
-            (self.roots_with_other_forces, "differ from the answer found here"),
+            (self.roots_with_other_forces, "differ from the solution found here"),
         ):
             if count:
-                roots = f"roots of the source's that {what}: {count}"
+                roots = f"roots by Lin's method that {what}: {count}"
                 note = f"{note}; {roots}" if note else roots
         return GroupResult(
             group,
@@ -294,13 +285,13 @@ def screw_ball_with_unequal_diagonals(load_ratio: float) -> BallMotionProblem:
     L: left, R: right).
     """
     return motion_problem_of_screw_ball(
-        screw_pair_with_inferred_oversize(0.0), 100.0 * np.array([1.0, load_ratio, load_ratio, 1.0])
+        source_cases.screw_pair_with_inferred_oversize(0.0), 100.0 * np.array([1.0, load_ratio, load_ratio, 1.0])
     )
 
 
 def solve_all_single_ball_groups() -> list[GroupResult]:
     """Solve all groups of single balls under given contact loads, and return the results of each group."""
-    two, rest = radians(2.0), groove_of_table_3_6(nut_speed=0.0)
+    two, rest = radians(2.0), source_cases.groove_of_table_3_6(nut_speed=0.0)
     around = 1e-6 * np.linspace(4.2, 4.5, 13)
     loose = [replace(ROTARY, clearance=c) for c in CLEARANCE]
     rows = []
@@ -310,21 +301,23 @@ def solve_all_single_ball_groups() -> list[GroupResult]:
         rows.append(solve_single_ball_group(f"k_S {k:g}", "rotary, cases I to III as printed", printed, note, off))
         pairs = [
             motion_problem_of_screw_ball(p(two), None, k)
-            for p in (screw_pair_as_printed, screw_pair_with_inferred_oversize)
+            for p in (source_cases.screw_pair_as_printed, source_cases.screw_pair_with_inferred_oversize)
         ]
         rows.append(solve_single_ball_group(f"k_S {k:g}", "screw, pair of Table 3.7", pairs, note, off))
     rows += [
         solve_single_ball_group(
             "theta to ±5°",
             "screw",
-            [motion_problem_of_screw_ball(screw_pair_with_inferred_oversize(radians(t))) for t in ANGLES],
+            [motion_problem_of_screw_ball(source_cases.screw_pair_with_inferred_oversize(radians(t))) for t in ANGLES],
         ),
         solve_single_ball_group(
             "mu 0.001 to 0.5",
             "screw",
             [
                 motion_problem_of_screw_ball(
-                    replace(screw_pair_with_inferred_oversize(two), groove=groove_of_table_3_6(mu=m))
+                    replace(
+                        source_cases.screw_pair_with_inferred_oversize(two), groove=source_cases.groove_of_table_3_6(mu=m)
+                    )
                 )
                 for m in MU
             ],
@@ -354,7 +347,10 @@ def solve_all_single_ball_groups() -> list[GroupResult]:
         solve_single_ball_group(
             "loads 1e-3 to 1e5 N",
             "screw",
-            [motion_problem_of_screw_ball(replace(screw_pair_with_inferred_oversize(two), force=(f,))) for f in LOADS],
+            [
+                motion_problem_of_screw_ball(replace(source_cases.screw_pair_with_inferred_oversize(two), force=(f,)))
+                for f in LOADS
+            ],
         ),
         solve_single_ball_group(
             "clearance to 10 µm",
@@ -365,7 +361,7 @@ def solve_all_single_ball_groups() -> list[GroupResult]:
             "clearance to 10 µm",
             "screw",
             [
-                motion_problem_of_screw_ball(replace(screw_pair_as_printed(two), oversize=-c, coupling="none"))
+                motion_problem_of_screw_ball(replace(source_cases.screw_pair_as_printed(two), oversize=-c, coupling="none"))
                 for c in CLEARANCE
             ],
         ),
@@ -378,7 +374,7 @@ def solve_all_single_ball_groups() -> list[GroupResult]:
         solve_single_ball_group(
             "zero speed",
             "screw",
-            [motion_problem_of_screw_ball(replace(screw_pair_with_inferred_oversize(two), groove=rest))],
+            [motion_problem_of_screw_ball(replace(source_cases.screw_pair_with_inferred_oversize(two), groove=rest))],
             "nothing turns",
         ),
     ]
@@ -400,9 +396,9 @@ class LinearBearingBalls:
     contact_angles: Array
     loads: Array
 
-    def to_linear_chain(self) -> LinearChain:
-        """Return the row of balls in the form that the solver for neighbouring balls takes."""
-        return prepare_linear_chain(self.bearing, self.contact_angles, self.loads)
+    def to_linear_chain(self) -> linear_chain.LinearChain:
+        """Convert the balls to the input of the solver for neighbouring balls in a linear bearing."""
+        return linear_chain.prepare_linear_chain(self.bearing, self.contact_angles, self.loads)
 
 
 def solve_linear_bearing_group(
@@ -423,9 +419,9 @@ def solve_linear_bearing_group(
     for case in cases:
         tally.cases += 1
         c = case.to_linear_chain()
-        first = solve_linear_chain(c).ball_force
+        first = linear_chain.solve_linear_chain(c).ball_force
         for k in range(random_starts + 1):
-            r = solve_linear_chain(
+            r = linear_chain.solve_linear_chain(
                 c, None if k == 0 else c.kernel_arrays.nominal_motion * rng.uniform(-3.0, 3.0, (c.count, 3))
             )
             apart = float(np.max(np.abs(r.ball_force - first))) / (c.force_unit or 1.0)
@@ -449,7 +445,9 @@ def linear_bearing_pair(
     ``speed``: speed of the carriage [m/s].
     """
     bearing = replace(LINEAR, mu=mu, mu_balls=mu, speed=speed)
-    return LinearBearingBalls(bearing, *pair_angles_and_loads(bearing, radians(theta), rho, vertical, loads="elastic"))
+    return LinearBearingBalls(
+        bearing, *linear_chain.pair_angles_and_loads(bearing, radians(theta), rho, vertical, loads="elastic")
+    )
 
 
 def random_contact_angles_and_loads(count: int) -> tuple[Array, Array]:
@@ -541,7 +539,7 @@ def random_loads_angles_and_closing_rates(count: int) -> tuple[Array, Array, Arr
     The balls are neighbours in a screw. ``count``: the number N, also the seed of the random numbers. The permitted closing
     rate is the largest rate [rad/s] at which a ball may gain on the next one; it is infinite for the last ball.
     """
-    g, rng = groove_of_table_3_6(), np.random.default_rng(count)
+    g, rng = source_cases.groove_of_table_3_6(), np.random.default_rng(count)
     force = rng.uniform(20.0, 60.0, (count, 4))
     angle = g.contact_angle + np.radians(rng.uniform(-3.0, 3.0, (count, 4)))
     slack = np.where(rng.uniform(size=count) < 0.7, 0.0, rng.uniform(0.0, 0.05, count))
@@ -554,7 +552,7 @@ def random_screw_balls(count: int) -> ScrewChain:
     ``count``: number of balls. The permitted closing rate of a ball is the largest rate [rad/s] at which it may gain on the
     next one.
     """
-    g, (force, angle, slack) = groove_of_table_3_6(), random_loads_angles_and_closing_rates(count)
+    g, (force, angle, slack) = source_cases.groove_of_table_3_6(), random_loads_angles_and_closing_rates(count)
     return ScrewChain(g, force, g.normals(angle), slack)
 
 
@@ -587,7 +585,7 @@ def solve_bearing_clearance_group() -> GroupResult:
     tally = ExtremeGroupTally()
     for c, tilt in product(CLEARANCE, (False, True)):
         tally.cases += 1
-        s = solve_bearing(four_point_bearing(clearance=c, tilt=tilt), radians(12.0))
+        s = solve_bearing(source_cases.four_point_bearing(clearance=c, tilt=tilt), radians(12.0))
         tally.count_own_solution(s.converged, s.input_power, float(s.loss.sum()), 0.0)
     return tally.to_group_result("clearance to 10 µm", "four-point bearing, 9 balls", "one start each")
 
@@ -595,7 +593,7 @@ def solve_bearing_clearance_group() -> GroupResult:
 def solve_all_groups_of_touching_balls() -> list[GroupResult]:
     """Solve all groups of two and more neighbouring balls, and of a bearing with clearance; return each group's results."""
     two = radians(2.0)
-    base, few = screw_pair_with_inferred_oversize(two), f"one random start; source up to {SOURCE_BALLS} balls"
+    base, few = source_cases.screw_pair_with_inferred_oversize(two), f"one random start; source up to {SOURCE_BALLS} balls"
     return [
         solve_linear_bearing_group(
             "rho to ±0.999, theta to ±5°", [linear_bearing_pair(t, r) for t, r in product(ANGLES, RHO)]
@@ -629,8 +627,12 @@ def solve_all_groups_of_touching_balls() -> list[GroupResult]:
             SOURCE_BALLS,
             few,
         ),
-        solve_screw_pair_group("theta to ±5°", [screw_pair_with_inferred_oversize(radians(t)) for t in ANGLES]),
-        solve_screw_pair_group("mu 0.001 to 0.5", [replace(base, groove=groove_of_table_3_6(mu=m)) for m in MU]),
+        solve_screw_pair_group(
+            "theta to ±5°", [source_cases.screw_pair_with_inferred_oversize(radians(t)) for t in ANGLES]
+        ),
+        solve_screw_pair_group(
+            "mu 0.001 to 0.5", [replace(base, groove=source_cases.groove_of_table_3_6(mu=m)) for m in MU]
+        ),
         solve_screw_pair_group("loads 1e-3 to 1e5 N", [replace(base, force=(f,)) for f in LOADS]),
         solve_screw_pair_group(
             "two-point transition",
@@ -639,20 +641,23 @@ def solve_all_groups_of_touching_balls() -> list[GroupResult]:
         ),
         solve_screw_pair_group(
             "clearance to 10 µm",
-            [replace(screw_pair_as_printed(two), oversize=-c, coupling="none") for c in CLEARANCE],
+            [replace(source_cases.screw_pair_as_printed(two), oversize=-c, coupling="none") for c in CLEARANCE],
             "loads not coupled",
         ),
         solve_screw_pair_group(
             "clearance to 10 µm",
-            [replace(screw_pair_as_printed(two), oversize=-c) for c in CLEARANCE],
+            [replace(source_cases.screw_pair_as_printed(two), oversize=-c) for c in CLEARANCE],
             "friction moves the balls",
         ),
         solve_screw_pair_group(
             "small loads and clearance",
-            [replace(screw_pair_as_printed(two), oversize=-c, force=(f,)) for c, f in product(CLEARANCE[1:], SMALL)],
+            [
+                replace(source_cases.screw_pair_as_printed(two), oversize=-c, force=(f,))
+                for c, f in product(CLEARANCE[1:], SMALL)
+            ],
             "friction moves the balls; 1e-3 to 0.3 N, 1 to 10 µm",
         ),
-        solve_screw_pair_group("zero speed", [replace(base, groove=groove_of_table_3_6(nut_speed=0.0))]),
+        solve_screw_pair_group("zero speed", [replace(base, groove=source_cases.groove_of_table_3_6(nut_speed=0.0))]),
         solve_screw_chain_group(),
         solve_bearing_clearance_group(),
     ]
@@ -665,18 +670,18 @@ def solve_all_groups_of_touching_balls() -> list[GroupResult]:
 ROOT_STARTS = 8
 
 
-def groups_of_extreme_linear_pairs() -> list[tuple[str, list[LinearChain]]]:
+def groups_of_extreme_linear_pairs() -> list[tuple[str, list[linear_chain.LinearChain]]]:
     """Return groups of extreme cases of two balls in the linear bearing of Lin's section 3.3.
 
     Each item: names of the varied inputs with their ranges, as text; then the ball pairs of the group, prepared for the
     solver.
     """
 
-    def make_pair(theta: float, rho: float, vertical: float, mu: float) -> LinearChain:
+    def make_pair(theta: float, rho: float, vertical: float, mu: float) -> linear_chain.LinearChain:
         """Return two balls of the linear bearing, prepared for the solver, with the arguments of `linear_bearing_pair`."""
         bearing = replace(LINEAR, mu=mu, mu_balls=mu)
-        return prepare_linear_chain(
-            bearing, *pair_angles_and_loads(bearing, radians(theta), rho, vertical, loads="elastic")
+        return linear_chain.prepare_linear_chain(
+            bearing, *linear_chain.pair_angles_and_loads(bearing, radians(theta), rho, vertical, loads="elastic")
         )
 
     return [
@@ -710,7 +715,7 @@ def extreme_linear_pair_rows() -> list[Row]:
         solved, energy, spread, residual = 0, 0.0, 0.0, 0.0
         for c in chains:
             starts = [None, *(c.kernel_arrays.nominal_motion * rng.uniform(-3.0, 3.0, (c.count, 3)) for _ in range(2))]
-            found = [solve_linear_chain(c, start) for start in starts]
+            found = [linear_chain.solve_linear_chain(c, start) for start in starts]
             solved += sum(r.status == "converged" for r in found)
             energy = max(energy, *(abs(r.power / r.loss - 1.0) for r in found))
             spread = max(spread, *(float(abs(r.ball_force[0] - found[0].ball_force[0])) / c.force_unit for r in found))
@@ -718,11 +723,13 @@ def extreme_linear_pair_rows() -> list[Row]:
         rows.append(
             {
                 TableColumn("group", "varied inputs", "", "s"): group,
-                "cases": len(chains),
-                TableColumn("solved", "solved from three starts", "", "s"): f"{solved} of {3 * len(chains)}",
-                TableColumn("residual", "largest residual", "", "g2"): residual,
-                TableColumn("energy", "power input less dissipation, over dissipation", "", "g2"): energy,
-                TableColumn("spread", "difference of the ball-to-ball force between starts", "", "g2"): spread,
+                TableColumn("cases", "number of cases", "", "s"): len(chains),
+                TableColumn("solved", "solutions found from three starts", "", "s"): f"{solved} of {3 * len(chains)}",
+                TableColumn("residual", "largest residual of the friction solver", "", "g2"): residual,
+                TableColumn(
+                    "energy", "largest energy error: power input less dissipation, over dissipation", "", "g2"
+                ): energy,
+                TableColumn("spread", "largest difference of the ball-to-ball force between starts", "", "g2"): spread,
             }
         )
     return rows
@@ -738,33 +745,36 @@ def root_finding_rows() -> list[Row]:
     first = {case: solve_rotary_ball(case, "as printed") for case in CASES}
     for case, sharpness in product(CASES, (100.0, 1e3, 1e4)):
         s, law = first[case], lin_sigmoid_law(ROTARY, sharpness)
-        row: Row = {"case": case, TableColumn("sharpness", "k_S", "", "g3"): sharpness}
-        for key, words, off in (("near", "1 % of the solution", 0.01), ("far", "50 %", 0.5)):
+        row: Row = {
+            TableColumn("case", "case of the rotary bearing", "", "s"): case,
+            TableColumn("sharpness", "sharpness k_S of the friction law", "", "g3"): sharpness,
+        }
+        for key, words, off in (("near", "1 % of it", 0.01), ("far", "50 % of it", 0.5)):
             begin = [s.motion.unknown_velocities * rng.uniform(1.0 - off, 1.0 + off, 3) for _ in range(ROOT_STARTS)]
             by_root = sum(motion_by_root(s.problem, law, q, fast=True).status == "exact" for q in begin)
-            heading = f"root finding, starts within {words}"
+            heading = f"motion found by root finding from starts within {words}"
             row[TableColumn(key, heading, "", "s")] = f"{by_root} of {ROOT_STARTS}"
         least = [least_dissipation(s.problem, q, fast=True) for q in begin]
         good = sum(m.status == "exact" and abs(m.loss / s.motion.loss - 1.0) < 1e-8 for m in least)
-        ours = TableColumn("ours", "least dissipation, starts within 50 %", "", "s")
+        ours = TableColumn("ours", "motion found by least dissipation from starts within 50 % of it", "", "s")
         rows.append(row | {ours: f"{good} of {ROOT_STARTS}"})
     return rows
 
 
 def solve_all_extreme_groups() -> list[GroupResult]:
-    """Solve all groups of extreme cases and return their results."""
+    """Solve all groups of extreme cases of the friction models, and return the results of each group."""
     return [*solve_all_single_ball_groups(), *solve_all_groups_of_touching_balls()]
 
 
 COLUMNS = (
     TableColumn("group", "varied inputs", "", "s"),
-    TableColumn("model", "model", "", "s"),
-    TableColumn("cases", "cases", "", "s"),
-    TableColumn("ours", "solved by this package, from all starts", "", "s"),
-    TableColumn("energy", "power input less dissipation, over dissipation", "", "g2"),
-    TableColumn("spread", "difference between starts", "", "g2"),
-    TableColumn("source", "solved by Lin's root finding", "", "s"),
-    TableColumn("note", "note", "", "s"),
+    TableColumn("model", "friction model", "", "s"),
+    TableColumn("cases", "number of cases", "", "s"),
+    TableColumn("ours", "solutions found by this package, of all starting points", "", "s"),
+    TableColumn("energy", "largest energy error: power input less dissipation, over dissipation", "", "g2"),
+    TableColumn("spread", "largest difference of results between starts", "", "g2"),
+    TableColumn("source", "solutions found by Lin's root finding, of all starting points", "", "s"),
+    TableColumn("note", "remark", "", "s"),
 )
 
 
@@ -816,7 +826,7 @@ def extreme_cases_text_and_table(found: Sequence[GroupResult] | None = None) -> 
         Text(text),
         Table(
             "friction-extremes",
-            "Extreme cases: solutions found by this package's friction solvers from all starts, and by Lin's method",
+            "Extreme cases: solutions from all starting points, by this package's friction solvers and Lin's method",
             COLUMNS,
             shown,
             note,

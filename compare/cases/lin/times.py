@@ -15,23 +15,14 @@ from rollbench.compare.reference.store import measuring_conditions, shipped_stor
 from rollbench.compare.scenes.catalogue import shipped_scene_of_kind
 from rollbench.compare.scenes.friction_kinds.common import FrictionScene
 from rollbench.compare.sections.reference_time import further_solution_seconds
+from rollbench.compare.studies import run_times
 from rollbench.compare.studies.rolling.runs import LEVELS, load_rolling_run
-from rollbench.compare.studies.run_times import (
-    ColdLevelTime,
-    RunTime,
-    StoredRunTimes,
-    run_times_for_report_page,
-    time_call_in_new_process,
-    time_mesh_level_in_new_process,
-    time_model_in_new_process,
-    utc_date_text,
-)
 
 #: Scenes of the case studies of Table 2.2, by number; scenes of Tables 3.5 and 3.7, by case.
 STATIC = {1: "lin-case1", 2: "lin-case2", 3: "lin-case3-offset"}
 LINEAR, SCREW = {c: f"lin-pair-{c}" for c in "ab"}, {c: f"lin-screw-pair-{c}" for c in "ab"}
 
-#: Code whose run time is measured for two balls: imports, and the call.
+#: Code whose run time is measured for two balls, by model: imports, and the call.
 CALLS = {
     "numerical": ("import rollbench", "rollbench.friction({name!r})"),
     "formula": (
@@ -43,38 +34,38 @@ CALLS = {
         "from rollbench.compare.scenes.catalogue import shipped_scene_of_kind\n"
         "from rollbench.compare.scenes.friction_kinds.common import FrictionScene\n"
         "from rollbench.compare.studies.rolling.runs import compute_run",
-        "compute_run(shipped_scene_of_kind({name!r}, KindScene), {level}, processes=usable_cores())",
+        "compute_run(shipped_scene_of_kind({name!r}, FrictionScene), {level}, processes=usable_cores())",
     ),
 }
 
 
-def measure_run_times(cache: SceneResultCache, step: Callable[[str], None]) -> StoredRunTimes:
+def measure_run_times(cache: SceneResultCache, step: Callable[[str], None]) -> run_times.StoredRunTimes:
     """Measure all run times that are compared with those printed in the tables of Lin's thesis.
 
     This takes ten to fifteen minutes on two idle cores. ``cache``: gives solved scenes and stored 3D references; ``step``:
     function that receives a message before each measurement. Returns the times with the conditions of measurement, to be
     stored.
     """
-    times: dict[tuple[str, str], RunTime] = {}
-    levels: list[ColdLevelTime] = []
+    times: dict[tuple[str, str], run_times.RunTime] = {}
+    levels: list[run_times.ColdLevelTime] = []
     for name in STATIC.values():
         step(f"{name}, source's model: cold and further")
-        cold, model = time_model_in_new_process(name, "lin", repeats=1), MODELS["lin"]
+        cold, model = run_times.time_model_in_new_process(name, "lin", repeats=1), MODELS["lin"]
         further = further_solution_seconds(
             model, cache.built_in_scene(name), ModelOptions(estimate_beam_mesh_error=False, engine="compiled")
         )
-        times[name, "lin"] = RunTime(cold.process, further, cold.memory)
+        times[name, "lin"] = run_times.RunTime(cold.process, further, cold.memory)
         found = cache.stored_reference(name)
         if found is not None:
             step(f"{name}, level {found.best.level} of the 3D reference: cold and a further load case")
-            levels.append(time_mesh_level_in_new_process(name, found.best.level))
+            levels.append(run_times.time_mesh_level_in_new_process(name, found.best.level))
     for name in (*LINEAR.values(), *SCREW.values()):
         for way, (imports, call) in CALLS.items():
             if way != "formula" or name in LINEAR.values():
                 step(f"{name}, {way}: cold and further")
                 words = call.format(name=name, mated=name == LINEAR["b"], level=max(LEVELS))
-                times[name, way] = time_call_in_new_process(imports, words, f"{way} of {name}")
-    return StoredRunTimes(measuring_conditions(), utc_date_text(), times, {}, levels)
+                times[name, way] = run_times.time_call_in_new_process(imports, words, f"{way} of {name}")
+    return run_times.StoredRunTimes(measuring_conditions(), run_times.utc_date_today(), times, {}, levels)
 
 
 @dataclass(frozen=True)
@@ -98,7 +89,7 @@ def stored_run_times(cache: SceneResultCache, name: str, model: str) -> ModelRun
     ``name``: name of the scene; ``model``: model, "lin" (static model), "numerical" (friction model of two balls),
     "formula" (Lin's formula for two balls) or "3D". ``cache``: gives solved scenes and stored 3D results.
     """
-    kept = cache.compute_once(run_times_for_report_page, "lin")
+    kept = cache.compute_once(run_times.run_times_for_report_page, "lin")
     found = cache.stored_reference(name) if name in STATIC.values() and model == "3D" else None
     if found is not None:
         for level in () if kept is None else kept.mesh_level_times:

@@ -12,13 +12,7 @@ import numpy as np
 
 from rollbench.compare.cases.liu import evidence as liu
 from rollbench.compare.printed import printed_value
-from rollbench.lowfi.random_errors.chain import (
-    BallScrewChain,
-    ScrewEnsemble,
-    draw_uniform_errors,
-    solve_ball_screw,
-    solve_ensemble,
-)
+from rollbench.lowfi.random_errors import chain as random_errors_chain
 from rollbench.lowfi.random_errors.chain import Quantity as Spread
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.section import screw_section
@@ -53,23 +47,25 @@ def _random_ball_errors(half_range: int, number: int = 0) -> Array:
     ``half_range``: the errors are uniform within plus and minus this range [um]; ``number``: number of
     the screw, from 0.
     """
-    return np.asarray(draw_uniform_errors(liu.SEED + half_range, number, 1, liu.ball_count(), 1e-6 * half_range)[0])
+    return np.asarray(
+        random_errors_chain.draw_uniform_errors(liu.SEED + half_range, number, 1, liu.ball_count(), 1e-6 * half_range)[0]
+    )
 
 
 def _curve_over_balls(values: Array, label: str, *, emphasis: bool = False) -> Series:
-    """Return a curve over the number of the ball.
+    """Return the curve of a quantity over the number of the ball.
 
-    ``values``: value of each ball (78,); ``label``: legend; ``emphasis``: whether the curve is drawn bold.
+    ``values``: value of the quantity for each ball (78,); ``label``: legend; ``emphasis``: whether the curve is drawn bold.
     """
     return Series(label, list(range(1, liu.ball_count() + 1)), [float(v) for v in values], "line", bold=emphasis)
 
 
-def _solve_ball_loads(errors: Array, force: float, chain: BallScrewChain | None = None) -> Array:
+def _solve_ball_loads(errors: Array, force: float, chain: random_errors_chain.BallScrewChain | None = None) -> Array:
     """Return the contact load of each ball (78,) [N] under the axial force ``force`` [N].
 
     ``errors``: errors of the ball diameters (78,) [m]; ``chain``: axial model; None: Liu's calibrated model.
     """
-    return solve_ball_screw(chain or liu.calibrated_axial_model(), errors, force).load
+    return random_errors_chain.solve_ball_screw(chain or liu.calibrated_axial_model(), errors, force).load
 
 
 def _printed_markers(x: Sequence[float], y: Sequence[float], label: str = "printed") -> Series:
@@ -78,13 +74,13 @@ def _printed_markers(x: Sequence[float], y: Sequence[float], label: str = "print
 
 
 @cache
-def _solve_random_screws(half_range: int) -> ScrewEnsemble:
+def _solve_random_screws(half_range: int) -> random_errors_chain.ScrewEnsemble:
     """Draw 1000 screws (`CURVES`) with random ball errors, and solve their contact loads under several axial loads.
 
     The loads are `TEST_LOADS`. ``half_range``: the errors of the ball diameters are uniform within plus and minus this
     range [um].
     """
-    return solve_ensemble(
+    return random_errors_chain.solve_ensemble(
         liu.calibrated_axial_model(), 1e-6 * half_range, list(TEST_LOADS), CURVES, seed=liu.SEED + half_range
     )
 
@@ -100,8 +96,8 @@ def _percentile_curves_over_load(
     of = [_solve_random_screws(half_range).values_at(quantity, f) / unit for f in loads]
     low, middle, high = ([float(np.quantile(x, q)) for x in of] for q in (liu.UNLIKELY, 0.5, 1.0 - liu.UNLIKELY))
     return [
-        Series("ours, 99 % of draws", list(loads), low, "band", high),
-        Series("ours, median", list(loads), middle, "line", bold=True),
+        Series("computed, central 99 %", list(loads), low, "band", high),
+        Series("computed, median", list(loads), middle, "line", bold=True),
     ]
 
 
@@ -111,12 +107,12 @@ def _curve_without_errors(quantity_at_load: Callable[[float], float], loads: Seq
     ``quantity_at_load``: function that returns the quantity, in the panel's unit, at an axial load [N]; ``loads``: the
     axial loads [N].
     """
-    return Series("no errors", list(loads), [quantity_at_load(f) for f in loads], "line")
+    return Series("no ball errors", list(loads), [quantity_at_load(f) for f in loads], "line")
 
 
 def _error_free_displacement_and_stiffness(force: float) -> tuple[float, float]:
     """Return axial displacement [um], then stiffness [1e8 N/m] of the screw without errors under an axial force [N]."""
-    state = solve_ball_screw(liu.calibrated_axial_model(), np.zeros(liu.ball_count()), force)
+    state = random_errors_chain.solve_ball_screw(liu.calibrated_axial_model(), np.zeros(liu.ball_count()), force)
     return 1e6 * state.displacement, 1e-8 * state.stiffness
 
 
@@ -126,10 +122,14 @@ def ball_deformation_figure() -> Figure:
     for force in (2000.0, 1000.0, 500.0):
         load = _solve_ball_loads(errors, force)
         approach = 1e6 * (load / liu.calibrated_axial_model().stiffness) ** (2.0 / 3.0)
-        title = f"{force:g} N: {int(np.count_nonzero(load == 0.0))} unloaded"
+        title = f"axial load {force:g} N: {int(np.count_nonzero(load == 0.0))} unloaded balls"
         panels.append(
             Panel(
-                title, BALLS, "normal deformation / µm", (_curve_over_balls(approach, "ours, one draw"),), include_zero=True
+                title,
+                BALLS,
+                "normal deformation / µm",
+                (_curve_over_balls(approach, "computed, one random screw"),),
+                include_zero=True,
             )
         )
     caption = (
@@ -145,7 +145,7 @@ def elongation_outside_nut(force: float) -> float:
 
     The cross section is not printed; it is taken from the scene liu-screw.
     """
-    return 1e6 * force * FREE_LENGTH / screw_section(liu.liu_screw()).EA
+    return 1e6 * force * FREE_LENGTH / screw_section(liu.liu_screw_scene()).EA
 
 
 def displacement_test_figure() -> Figure:
@@ -155,14 +155,14 @@ def displacement_test_figure() -> Figure:
     series = (
         *found,
         _curve_without_errors(lambda f: _error_free_displacement_and_stiffness(f)[0], TEST_LOADS),
-        Series("median with screw outside the nut", list(TEST_LOADS), free, "line"),
+        Series("median, with elongation of the screw outside the nut", list(TEST_LOADS), free, "line"),
     )
     stiff = (
         *_percentile_curves_over_load(3, "stiffness", 1e8, TEST_LOADS),
         _curve_without_errors(lambda f: _error_free_displacement_and_stiffness(f)[1], TEST_LOADS),
     )
     panels = (
-        Panel("displacement", "axial load / N", "axial displacement / µm", series, include_zero=True),
+        Panel("displacement of the nut", "axial load / N", "axial displacement / µm", series, include_zero=True),
         Panel("stiffness of the nut", "axial load / N", "stiffness / 10⁸ N/m", stiff, include_zero=True),
     )
     caption = (
@@ -187,13 +187,17 @@ def displacement_test_table() -> Table:
         rows.append(
             {
                 TableColumn("load", "axial load", "N", "s"): f"{force:g}",
-                TableColumn("printed", "printed", "", "s"): "in a figure only",
-                TableColumn("middle", "±3 µm, median", "µm", ".2f"): middle,
-                TableColumn("low", "0.5 %", "µm", ".2f"): low,
-                TableColumn("high", "99.5 %", "µm", ".2f"): high,
-                TableColumn("none", "no errors", "µm", ".2f"): _error_free_displacement_and_stiffness(force)[0],
-                TableColumn("stretch", "screw outside the nut", "µm", ".2f"): elongation_outside_nut(force),
-                TableColumn("loaded", "loaded balls, median", "", ".0f"): float(
+                TableColumn("printed", "printed displacement", "", "s"): "in a figure only",
+                TableColumn("middle", "median displacement with ball errors of ±3 µm", "µm", ".2f"): middle,
+                TableColumn("low", "0.5th percentile of this displacement", "µm", ".2f"): low,
+                TableColumn("high", "99.5th percentile of this displacement", "µm", ".2f"): high,
+                TableColumn(
+                    "none", "displacement without ball errors", "µm", ".2f"
+                ): _error_free_displacement_and_stiffness(force)[0],
+                TableColumn("stretch", "elongation of the screw outside the nut", "µm", ".2f"): elongation_outside_nut(
+                    force
+                ),
+                TableColumn("loaded", "median number of loaded balls", "", ".0f"): float(
                     np.median(_solve_random_screws(3).values_at("loaded", force))
                 ),
             }
@@ -213,12 +217,18 @@ def displacement_test_table() -> Table:
 def liu_and_mei_loads_figure() -> Figure:
     """Draw Liu's Figure 14: ball loads by Liu's and Mei's models under 5000 N, without and with ball errors of +-2 um."""
     force, panels = liu.calibration_load(), []
-    for title, errors in (("no errors", np.zeros(liu.ball_count())), ("±2 µm, one draw", _random_ball_errors(2))):
+    for title, errors in (
+        ("no ball errors", np.zeros(liu.ball_count())),
+        ("ball errors of ±2 µm, one random screw", _random_ball_errors(2)),
+    ):
         ours, mei = (_solve_ball_loads(errors, force, chain) for chain in (liu.calibrated_axial_model(), liu.mei_model()))
-        series = [_curve_over_balls(ours, "implicit contact angle", emphasis=True), _curve_over_balls(mei, "Mei, 45°")]
+        series = [
+            _curve_over_balls(ours, "Liu's model, implicit contact angle", emphasis=True),
+            _curve_over_balls(mei, "Mei's model, 45°"),
+        ]
         if not errors.any():
             ends = [float(q[0]) * printed_value("liu-4.1", key) for q, key in ((ours, "ratio"), (mei, "ratio_mei"))]
-            series.append(_printed_markers([liu.ball_count()] * 2, ends, "printed Q78/Q1 times our Q1"))
+            series.append(_printed_markers([liu.ball_count()] * 2, ends, "printed Q78/Q1 times computed Q1"))
         panels.append(Panel(title, BALLS, "normal load / N", series))
     caption = f"Of this figure only the ratios of the last ball's load to the first ball's are printed. {DRAWN}"
     return Figure(
@@ -230,21 +240,26 @@ def loads_with_one_faulty_ball_figure() -> Figure:
     """Draw Liu's Figure 15: loads of all balls, where ball 33 is too small or too large by 2 um."""
     panels = []
     for sign, words in (("minus", "a: −2 µm"), ("plus", "b: +2 µm")):
-        errors, series, at, printed = liu.errors_of_ball_33(-2e-6 if sign == "minus" else 2e-6), [], [], []
+        errors, series, at, printed = liu.ball_errors_with_faulty_ball_33(-2e-6 if sign == "minus" else 2e-6), [], [], []
         for force in (liu.LIGHT, liu.HEAVY):
             load = _solve_ball_loads(errors, force)
-            series.append(_curve_over_balls(load, f"ours, {force:g} N"))
+            series.append(_curve_over_balls(load, f"computed, {force:g} N"))
             at += [33.0, float(liu.ball_count())]
             q33, ratio = (printed_value("liu-4.2", f"{sign}_{key}_{force:.0f}") for key in ("Q33", "ratio"))
             printed += [q33, ratio * float(load[0])]
         panels.append(
             Panel(
-                f"{words} at ball 33", BALLS, "normal load / N", (*series, _printed_markers(at, printed)), include_zero=True
+                f"{words} error of ball 33",
+                BALLS,
+                "normal load / N",
+                (*series, _printed_markers(at, printed)),
+                include_zero=True,
             )
         )
     caption = (
-        "Markers: printed load Q33 of ball 33, and printed ratio Q78/Q1 times our load Q1 of ball 1. The lighter load of "
-        "panel a is not printed; 1000 N is assumed, as in b. 124.55 N at 5000 N in b is 142.55 N with two digits exchanged."
+        "Markers: printed load Q33 of ball 33, and printed ratio Q78/Q1 times the computed load Q1 of ball 1. The lighter "
+        "load of panel a is not printed; 1000 N is assumed, as in b. 124.55 N at 5000 N in b is 142.55 N with two digits "
+        "exchanged."
     )
     return Figure(
         "liu-figure-15", "Liu (2025), Figure 15: contact loads with one ball too small or too large", panels, caption
@@ -258,7 +273,9 @@ def _load_curves_with_printed_ranges(half_range: int, loads: Iterable[float]) ->
     """
     series = []
     for force in loads:
-        series.append(_curve_over_balls(_solve_ball_loads(_random_ball_errors(half_range), force), f"ours, {force:g} N"))
+        series.append(
+            _curve_over_balls(_solve_ball_loads(_random_ball_errors(half_range), force), f"computed, {force:g} N")
+        )
         if half_range:
             ends = [printed_value("liu-4.3", f"{end}_{half_range}_{force:.0f}") for end in ("min", "max")]
             series.append(_printed_markers([0.0, 0.0], ends, f"printed range, {force:g} N"))
@@ -268,7 +285,11 @@ def _load_curves_with_printed_ranges(half_range: int, loads: Iterable[float]) ->
 def loads_with_random_errors_figure() -> Figure:
     """Draw Liu's Figure 16: loads of all balls with random errors of +-2 um."""
     panel = Panel(
-        "±2 µm", BALLS, "normal load / N", _load_curves_with_printed_ranges(2, (500.0, 1000.0, 5000.0)), include_zero=True
+        "ball errors of ±2 µm",
+        BALLS,
+        "normal load / N",
+        _load_curves_with_printed_ranges(2, (500.0, 1000.0, 5000.0)),
+        include_zero=True,
     )
     caption = f"Markers at the left: smallest and largest loads that Liu's text prints. {DRAWN}"
     return Figure(
@@ -284,7 +305,7 @@ def loads_by_error_range_figure() -> Figure:
     """Draw Liu's Figure 17: loads of all balls with random errors of 0, +-1, +-2 and +-3 um."""
     panels = []
     for half_range, letter in enumerate("abcd"):
-        title = f"{letter}: " + (f"±{half_range} µm" if half_range else "no errors")
+        title = f"{letter}: " + (f"ball errors of ±{half_range} µm" if half_range else "no ball errors")
         panels.append(
             Panel(
                 title,
@@ -302,7 +323,8 @@ def loads_by_error_range_figure() -> Figure:
 def loaded_balls_figure(found: dict[str, float], caption_end: str) -> Figure:
     """Draw Liu's Figure 18: number of loaded balls over the axial load, with the numbers printed in section 4.3.
 
-    ``found``: printed values by key, such as "loaded_2_500"; ``caption_end``: text that ends the caption.
+    ``found``: printed values by key, such as "loaded_2_500" for ball errors within ±2 um and a load of 500 N;
+    ``caption_end``: text that ends the caption.
     """
     panels = []
     for h in liu.RANGES:
@@ -310,7 +332,9 @@ def loaded_balls_figure(found: dict[str, float], caption_end: str) -> Figure:
         at = [float(k.split("_")[2]) for k in keys]
         counts = [liu.ball_count() - found[k] if k.startswith("un") else found[k] for k in keys]
         series = (*_percentile_curves_over_load(h, "loaded", 1.0, LOADS[:-2]), _printed_markers(at, counts))
-        panels.append(Panel(f"±{h} µm", "axial load / N", "loaded balls", series, include_zero=True))
+        panels.append(
+            Panel(f"ball errors of ±{h} µm", "axial load / N", "number of loaded balls", series, include_zero=True)
+        )
     caption = f"Markers: loaded balls by Liu's text, which prints some as unloaded balls of 78; {caption_end} {SPREAD}"
     title = "Liu (2025), Figure 18: number of loaded balls over the axial load"
     return Figure("liu-figure-18", title, panels, caption, columns=3, same_y=True)
@@ -321,7 +345,7 @@ def displacement_figure() -> Figure:
     free = _curve_without_errors(lambda f: _error_free_displacement_and_stiffness(f)[0])
     panels = [
         Panel(
-            f"±{h} µm",
+            f"ball errors of ±{h} µm",
             "axial load / N",
             "displacement / µm",
             (*_percentile_curves_over_load(h, "displacement_first_loaded", 1e-6), free),
@@ -336,8 +360,9 @@ def displacement_figure() -> Figure:
 def _printed_stiffness_markers(found: dict[str, float], error_range_or_screw: int | str, label: str) -> Series:
     """Return markers of the printed stiffness over the axial load.
 
-    ``found``: printed values by key, such as "K_2_3000"; ``error_range_or_screw``: half range of the ball errors [um], or
-    letter of one of the three printed screws; ``label``: legend.
+    ``found``: printed values by key, such as "K_2_3000" for ball errors within ±2 um and a load of 3000 N;
+    ``error_range_or_screw``: half range of the ball errors [um], or letter of one of the three printed screws; ``label``:
+    legend.
     """
     keys = [k for k in found if k.startswith(f"K_{error_range_or_screw}_")]
     return _printed_markers([float(k.split("_")[2]) for k in keys], [found[k] for k in keys], label)
@@ -346,13 +371,17 @@ def _printed_stiffness_markers(found: dict[str, float], error_range_or_screw: in
 def stiffness_figure(found: dict[str, float], caption_end: str) -> Figure:
     """Draw Liu's Figure 20: axial stiffness over the axial load, with the values printed in section 4.4.
 
-    ``found``: printed values by key, such as "K_2_3000"; ``caption_end``: text that ends the caption.
+    ``found``: printed values by key, such as "K_2_3000" for ball errors within ±2 um and a load of 3000 N;
+    ``caption_end``: text that ends the caption.
     """
     free, panels = _curve_without_errors(lambda f: _error_free_displacement_and_stiffness(f)[1]), []
     for h in liu.RANGES:
-        marks = [_printed_stiffness_markers(found, h, "printed"), _printed_stiffness_markers(found, 0, "printed, none")]
+        marks = [
+            _printed_stiffness_markers(found, h, "printed"),
+            _printed_stiffness_markers(found, 0, "printed, no ball errors"),
+        ]
         series = (*_percentile_curves_over_load(h, "stiffness", 1e8), free, *marks)
-        panels.append(Panel(f"±{h} µm", "axial load / N", "stiffness / 10⁸ N/m", series, include_zero=True))
+        panels.append(Panel(f"ball errors of ±{h} µm", "axial load / N", "stiffness / 10⁸ N/m", series, include_zero=True))
     caption = (
         "Computed: tangent stiffness. Liu's equation (22) is a secant, which lies above the tangent; its load step is not "
         f"printed. {caption_end} {SPREAD}"
@@ -362,27 +391,37 @@ def stiffness_figure(found: dict[str, float], caption_end: str) -> Figure:
 
 
 def stiffness_of_three_screws_figure(found: dict[str, float]) -> Figure:
-    """Draw Liu's Figure 21: stiffness of three randomly drawn screws over the axial load, and their range.
+    """Draw Liu's Figure 21: stiffness of three randomly drawn screws over the axial load, and the range of the three.
 
-    The ball errors are within ±2 um. ``found``: printed values by key, such as "K_a_1100".
+    The ball errors are within ±2 um. ``found``: printed values by key, such as "K_a_1100" for screw a at 1100 N.
     """
     curves = []
     for i, name in enumerate(liu.SETS):
         values = [
-            1e-8 * solve_ball_screw(liu.calibrated_axial_model(), _random_ball_errors(2, i), f).stiffness for f in LOADS
+            1e-8
+            * random_errors_chain.solve_ball_screw(liu.calibrated_axial_model(), _random_ball_errors(2, i), f).stiffness
+            for f in LOADS
         ]
-        curves.append(Series(f"ours, draw {i + 1}", list(LOADS), values, "line"))
+        curves.append(Series(f"computed, random screw {i + 1}", list(LOADS), values, "line"))
         curves.append(_printed_stiffness_markers(found, name, f"printed, set {name}"))
     loads, spread = (100.0, 1100.0, 2100.0), [liu.stiffness_spreads_of_triples(f) for f in (100.0, 1100.0, 2100.0)]
     low, middle, high = ([float(np.quantile(s, q)) for s in spread] for q in (liu.UNLIKELY, 0.5, 1.0 - liu.UNLIKELY))
     differ = (
-        Series("central 99 % of random triples", loads, low, "band", high),
-        Series("median", loads, middle, "line"),
+        Series("computed, central 99 % of random triples", loads, low, "band", high),
+        Series("computed, median", loads, middle, "line"),
         _printed_markers(loads, [printed_value("liu-4.4", f"spread_{f:.0f}") for f in loads]),
     )
     panels = (
-        Panel("three screws, errors of ±2 µm", "axial load / N", "stiffness / 10⁸ N/m", curves, include_zero=True),
-        Panel("largest minus smallest of three screws", "axial load / N", "stiffness / 10⁸ N/m", differ, include_zero=True),
+        Panel(
+            "three random screws, ball errors of ±2 µm", "axial load / N", "stiffness / 10⁸ N/m", curves, include_zero=True
+        ),
+        Panel(
+            "largest less smallest stiffness of three screws",
+            "axial load / N",
+            "stiffness / 10⁸ N/m",
+            differ,
+            include_zero=True,
+        ),
     )
     return Figure(
         "liu-figure-21", "Liu (2025), Figure 21: axial stiffness of three screws with random ball errors", panels, DRAWN

@@ -19,11 +19,7 @@ from rollbench.compare.evidence import count_entries_by_verdict, evidence, repro
 from rollbench.compare.measure import error_percent, load_error
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.reference.estimate import largest_uncertainty_percent
-from rollbench.compare.sections.source_tables import (
-    read_table_layouts,
-    tables_of_printed_numbers,
-    tables_on_computation_of_numbers,
-)
+from rollbench.compare.sections import source_tables
 from rollbench.compare.sections.verdicts import misprints_table
 from rollbench.lowfi.random_errors.chain import BallScrewChain, draw_uniform_errors, solve_ball_screw
 from rollbench.lowfi.statics.liu import SpringRow as ModelInputs
@@ -59,7 +55,7 @@ ABOUT = (
 def loaded_ball_counts_in_words(found: dict[str, float]) -> str:
     """Return in words how many printed numbers of loaded balls lie in the central 99 % interval of randomly drawn screws.
 
-    ``found``: printed values by key, such as "loaded_2_500".
+    ``found``: printed values by key, such as "loaded_2_500" for ball errors within ±2 um and a load of 500 N.
     """
     total, out = 0, []
     for key, value in found.items():
@@ -83,7 +79,7 @@ def stiffness_deviation_in_words(found: dict[str, float]) -> str:
     """Return in words the deviation of printed stiffnesses from the median stiffness of randomly drawn screws.
 
     Only axial loads count at which the median screw has no unloaded ball. ``found``: printed values by key, such as
-    "K_2_3000".
+    "K_2_3000" for ball errors within ±2 um and a load of 3000 N.
     """
     off = []
     for key, value in found.items():
@@ -109,7 +105,7 @@ SOLID = (SCENE, "liu-small", "liu-drawn", "liu-drawn-1kN")
 
 SOLID_LEVELS = (1, 2)
 
-#: Axial loads [N]; half range of the random ball errors [m]; number of randomly drawn screws.
+#: Axial loads [N]; half range of the random errors of the ball diameters [m]; number of screws with random errors.
 LOADS, HALF_RANGE, DRAWN = (1000.0, 5000.0), 2e-6, 3
 
 
@@ -129,7 +125,7 @@ class LoadsByThreeModels:
     loads_by_refined_model: Array
 
     def differences_of_axial_model(self, model: Array) -> tuple[float, float, int]:
-        """Return the differences of the axial model's loads from those of another model.
+        """Return the differences of the axial model's contact loads from those of another model.
 
         First: RMS difference [% of the mean load]; second: largest difference, with its sign [% of the mean load]; third:
         number of the ball with the largest difference, from 1. ``model``: contact loads (78,) [N] by that other model.
@@ -170,8 +166,8 @@ def compare_models(cache: SceneResultCache) -> tuple[LoadsByThreeModels, ...]:
     drawn = draw_uniform_errors(liu.SEED + 2, 0, DRAWN, liu.ball_count(), HALF_RANGE)
     kinds = [
         ("none", np.zeros(liu.ball_count())),
-        ("ball 33: -2 um", liu.errors_of_ball_33(-2e-6)),
-        ("ball 33: +2 um", liu.errors_of_ball_33(2e-6)),
+        ("ball 33: -2 um", liu.ball_errors_with_faulty_ball_33(-2e-6)),
+        ("ball 33: +2 um", liu.ball_errors_with_faulty_ball_33(2e-6)),
     ]
     kinds += [(f"drawn, +-2 um, screw {i + 1}", errors) for i, errors in enumerate(drawn)]
     return tuple(
@@ -194,30 +190,30 @@ def _loads_of_screw_by_three_models(
 
 @dataclass(frozen=True)
 class DifferenceFrom3D:
-    """Difference of one model's contact loads from the 3D reference, for one scene of Liu's screw."""
+    """Errors of one low-order model's contact loads against the 3D reference, for one scene of Liu's screw."""
 
     #: Name of the scene.
     scene: str
     #: Title of the scene.
     title: str
-    #: Name of the model.
+    #: Name of the low-order model.
     model: str
-    #: RMS difference [% of the mean load].
+    #: RMS difference of the contact loads from those in 3D [% of the mean load].
     rms_percent: float
-    #: Largest difference [% of the mean load].
+    #: Largest difference of a contact load from that in 3D [% of the mean load].
     largest_percent: float
     #: Number of the ball with the largest difference, from 1.
     worst_ball: int
-    #: Uncertainty of the 3D reference by its mesh [% of the mean load]; None if unknown.
+    #: Largest uncertainty of a contact load in 3D by the mesh [% of the mean load]; None if unknown.
     mesh_uncertainty_percent: float | None
-    #: Number of loaded balls by the model.
+    #: Number of balls that carry load by the model.
     loaded_balls: int
-    #: Number of loaded balls in 3D.
+    #: Number of balls that carry load in 3D.
     loaded_balls_in_3d: int
 
 
 def differences_from_3d(cache: SceneResultCache) -> tuple[DifferenceFrom3D, ...]:
-    """Return the differences of Liu's axial, the beam and the refined model from the 3D reference.
+    """Return the differences of contact loads by Liu's axial, the beam and the refined model from the 3D reference.
 
     There are three entries for each scene that has a stored reference. ``cache``: gives solved scenes and stored 3D
     references.
@@ -238,7 +234,8 @@ def differences_from_3d(cache: SceneResultCache) -> tuple[DifferenceFrom3D, ...]
 def loads_by_axial_model(scene: Scene) -> Array:
     """Return the contact loads (78, 4) [N] of a scene by Liu's axial model.
 
-    The loads of a ball are equal at its contacts on the flanks SL and NR, and zero on the other two.
+    The columns are the flanks SL, SR, NL and NR (screw or nut, left or right). The loads of a ball on SL and NR are equal,
+    those on SR and NL are zero.
     """
     row, load = axial_model_inputs_with_rigid_nut(scene), np.zeros((scene.ball_count, 4))
     load[row.ball_order, 0] = load[row.ball_order, 3] = row.solve_under_load(row.axial_load).load
@@ -261,22 +258,41 @@ def model_loads_table(cache: SceneResultCache) -> Table:
     """
     rows: list[Row] = []
     for c in cache.compute_once(compare_models):
-        row: Row = {"errors": c.ball_errors_in_words, TableColumn("load", "axial load", "N", ".0f"): c.axial_load}
+        row: Row = {
+            TableColumn("errors", "ball errors", "", "s"): c.ball_errors_in_words,
+            TableColumn("load", "axial load", "N", ".0f"): c.axial_load,
+        }
         for name, words, model in (
-            ("axial", "axial only", c.loads_by_axial_model),
+            ("axial", "axial-only model", c.loads_by_axial_model),
             ("beam", "beam model", c.loads_by_beam_model),
             ("refined", "refined model", c.loads_by_refined_model),
         ):
-            row[TableColumn(name, f"{words}: largest load", "N")] = float(model.max())
-            row[TableColumn(f"{name}_loaded", f"{words}: loaded balls", "", "s")] = int(np.count_nonzero(model > 0.0))
+            row[TableColumn(name, f"largest contact load, {words}", "N")] = float(model.max())
+            row[TableColumn(f"{name}_loaded", f"number of loaded balls, {words}", "", "s")] = int(
+                np.count_nonzero(model > 0.0)
+            )
             if name != "axial":
                 rms, most, ball = c.differences_of_axial_model(model)
-                row[TableColumn(f"{name}_rms", f"{words}: RMS difference from axial only", "% of the mean", ".2f")] = rms
+                row[
+                    TableColumn(
+                        f"{name}_rms",
+                        f"RMS difference of the contact loads, axial-only less {words}",
+                        "% of mean load",
+                        ".2f",
+                    )
+                ] = rms
                 largest = f"{most:+.1f} (ball {ball})"
-                row[TableColumn(f"{name}_most", f"{words}: largest difference from it", "% of the mean", "s")] = largest
+                row[
+                    TableColumn(
+                        f"{name}_most",
+                        f"largest difference of a contact load, axial-only less {words}",
+                        "% of mean load",
+                        "s",
+                    )
+                ] = largest
         rows.append(row)
     note = (
-        "Axial only: Liu's model with a rigid nut and the axial compliance of the beam model's screw. Cross "
+        "Axial-only model: Liu's model with a rigid nut and the axial compliance of the beam model's screw. Cross "
         "sections and balls per turn are assumed (scene liu-screw)."
     )
     return Table.from_rows(
@@ -289,17 +305,19 @@ def errors_against_3d_table(cache: SceneResultCache) -> Table:
 
     ``cache``: gives the solved scenes.
     """
-    words = {"axial": "axial only", "lin": "beam model", "refined": "refined model"}
+    words = {"axial": "axial-only model", "lin": "beam model", "refined": "refined model"}
     rows: list[Row] = [
         {
             "scene": c.scene,
-            "model": words[c.model],
-            TableColumn("rms", "RMS error", "% of the mean", ".2f"): c.rms_percent,
-            TableColumn("most", "largest error", "% of the mean", ".2f"): c.largest_percent,
-            TableColumn("ball", "at ball", "", "s"): c.worst_ball,
-            TableColumn("bar", "mesh uncertainty of 3D", "% of the mean", ".2f"): c.mesh_uncertainty_percent,
-            TableColumn("loaded", "loaded balls, by the model", "", "s"): c.loaded_balls,
-            TableColumn("solid", "loaded balls in 3D", "", "s"): c.loaded_balls_in_3d,
+            TableColumn("model", "low-order model", "", "s"): words[c.model],
+            TableColumn("rms", "RMS error of the contact loads", "% of mean load", ".2f"): c.rms_percent,
+            TableColumn("most", "largest error of a contact load", "% of mean load", ".2f"): c.largest_percent,
+            TableColumn("ball", "ball with the largest error", "", "s"): c.worst_ball,
+            TableColumn(
+                "bar", "uncertainty of the 3D contact loads by the mesh", "% of mean load", ".2f"
+            ): c.mesh_uncertainty_percent,
+            TableColumn("loaded", "number of loaded balls by the model", "", "s"): c.loaded_balls,
+            TableColumn("solid", "number of loaded balls in 3D", "", "s"): c.loaded_balls_in_3d,
         }
         for c in cache.compute_once(differences_from_3d)
     ]
@@ -327,7 +345,7 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> tuple[
     found = evidence(cache, *PRINTED)
     by_name = {f.printed.name: f for f in found}
     printed = {f.printed.key: f.printed.value for f in found if f.printed.value is not None}
-    listed = read_table_layouts(next(case for case in CASES if case.name == "liu"))
+    listed = source_tables.read_table_layouts(next(case for case in CASES if case.name == "liu"))
     drawn = {
         "liu-test": (curves.ball_deformation_figure(), curves.displacement_test_figure(), curves.displacement_test_table()),
         "liu-mei": (curves.liu_and_mei_loads_figure(),),
@@ -344,7 +362,7 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> tuple[
         ),
     }
     chapters = [
-        Section(name, title, (*tables_of_printed_numbers(tables, listed, by_name), *drawn.get(name, ())))
+        Section(name, title, (*source_tables.tables_of_printed_numbers(tables, listed, by_name), *drawn.get(name, ())))
         for name, (title, tables) in CHAPTERS.items()
     ]
     cache.record_used_scenes(SOLID)
@@ -361,6 +379,6 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> tuple[
         Section(
             "liu-audit",
             "Liu (2025): misprints, and how each of the printed numbers is recomputed",
-            (misprints_table("liu"), *tables_on_computation_of_numbers(PRINTED)),
+            (misprints_table("liu"), *source_tables.tables_on_computation_of_numbers(PRINTED)),
         ),
     )

@@ -11,21 +11,9 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 
-from rollbench.compare.cases.makers.outside import (
-    ComputedBand,
-    MakerTable,
-    PublishedValue,
-    half_step_of_last_digit,
-    published_value_of_table_entry,
-    read_maker_table,
-    read_maker_tables,
-)
+from rollbench.compare.cases.makers import outside
 from rollbench.compare.scenes import catalogue
-from rollbench.lowfi.bearings.angular_contact import (
-    CatalogueBearings,
-    bearing_states_under_thrust,
-    conformity_from_pair_rigidity,
-)
+from rollbench.lowfi.bearings import angular_contact
 from rollbench.lowfi.bearings.axis import HertzPowerLawRow, equal_rows_with_gap, solve_bearing_row_equilibrium
 from rollbench.lowfi.rating.contacts import static_rating
 from rollbench.lowfi.rating.life import dynamic_rating
@@ -37,7 +25,7 @@ from rollbench.meshes.parts import Scene
 #: ISO 76): makers do not print them.
 YOUNG, POISSON, CONFORMITY = 207e9, 0.3, 0.52
 
-#: Exponent of starting torque over the load of a bearing row: major semi-axis times load (Palmgren; Smith 2.33).
+#: Exponent n of starting torque ~ load^n of a bearing row: major semi-axis times load (Palmgren; Smith 2.33).
 TORQUE = 4.0 / 3.0
 
 
@@ -48,19 +36,19 @@ TORQUE = 4.0 / 3.0
 def bearing_set_over_pair_ratios(name: str) -> tuple[float, float, float]:
     """Return preload, tangent rigidity and starting torque of a bearing set, each over its value for a back-to-back pair.
 
-    ``name``: arrangement of the bearings in the set, such as "DBD" (the pair is "DB"). All bearings have equal gaps and a
-    constant contact angle.
+    ``name``: arrangement of the bearings in the set, such as "DBD" (the pair is "DB"). All bearings have a constant contact
+    angle, and equal gaps between the two rings of each bearing, which clamping closes.
     """
     one = HertzPowerLawRow()
 
-    def set_totals(name: str) -> Array:
-        """Return preload, tangent rigidity and starting torque (3,) of the set ``name``, in arbitrary units."""
+    def preload_rigidity_and_torque_of_set(name: str) -> Array:
+        """Return preload, tangent rigidity and starting torque (3,) of the bearing set ``name``, in arbitrary units."""
         rows = tuple(1 if way == "+z" else -1 for way in ARRANGEMENTS[name])
         state = solve_bearing_row_equilibrium(equal_rows_with_gap(one, rows, 1e-6))
         loads = state.row_thrusts
         return np.array([loads[np.array(rows) == 1].sum(), state.stiffness, (loads**TORQUE).sum()])
 
-    preload, rigidity, torque = set_totals(name) / set_totals("DB")
+    preload, rigidity, torque = preload_rigidity_and_torque_of_set(name) / preload_rigidity_and_torque_of_set("DB")
     return float(preload), float(rigidity), float(torque)
 
 
@@ -72,13 +60,13 @@ SET_QUANTITIES = (
 )
 
 
-def compare_nsk_bearing_sets() -> Iterator[PublishedValue]:
+def compare_nsk_bearing_sets() -> Iterator[outside.PublishedValue]:
     """Yield printed preload, rigidity and starting torque of NSK's bearing sets, with values from back-to-back pairs.
 
     The computed value of a set is the printed value of the pair times the computed ratio of set to pair. The computed value
     of a pair of preload class C9 is the printed value of the pair of class C10, converted to the preload of C9.
     """
-    for source in read_maker_tables("nsk-tac"):
+    for source in outside.read_maker_tables("nsk-tac"):
         named = dict(entry.split("=") for entry in source.header["sets"].split("; "))
         pairs = {(r["bearing"], r["preload_class"]): r for r in source.rows if named[r["arrangement"]] == "DB"}
         for row in source.rows:
@@ -100,20 +88,21 @@ def compare_nsk_bearing_sets() -> Iterator[PublishedValue]:
                     0.5 * float(source.header.get(f"{quantity}_step_{cls}", "0")),
                     source.parse_number(pair[column]),
                 )
-                off = max(half_step_of_last_digit(pair[column]), half) / base
+                off = max(outside.half_step_of_last_digit(pair[column]), half) / base
                 if kind == "class":
                     off += power * sum(
-                        half_step_of_last_digit(r["preload_N"]) / source.parse_number(r["preload_N"]) for r in (row, pair)
+                        outside.half_step_of_last_digit(r["preload_N"]) / source.parse_number(r["preload_N"])
+                        for r in (row, pair)
                     )
                 what = (quantity, "sets and preloads from one pair", f"{row['bearing']} {cls} {name}", unit)
-                rounding = max(half_step_of_last_digit(row[column]), half)
-                yield published_value_of_table_entry(
+                rounding = max(outside.half_step_of_last_digit(row[column]), half)
+                yield outside.published_value_of_table_entry(
                     source,
                     row,
                     "line",
                     column,
                     what,
-                    ComputedBand.from_relative_half_width(ratio * base, off),
+                    outside.ComputedBand.from_relative_half_width(ratio * base, off),
                     rounding=rounding,
                 )
 
@@ -179,18 +168,18 @@ def ball_count_and_diameter_from_ratings(dynamic: float, static: float, pitch: f
     """
     of_dynamic, of_static = rating_factor_splines(angle)
 
-    def ball_number(ball: float) -> float:
-        """Return the number of balls of diameter ``ball`` [m] that gives the static rating."""
+    def ball_count_for_static_rating(ball: float) -> float:
+        """Return the number of balls of diameter ``ball`` [m], not rounded, that gives the static rating C_0."""
         return static / (float(of_static(ball / pitch)) * ball**2)
 
-    def rating_error(ball: float) -> float:
-        """Return the relative deviation from the given dynamic rating, with balls of diameter ``ball`` [m]."""
-        computed = float(of_dynamic(ball / pitch)) * ball_number(ball) ** (2.0 / 3.0) * ball**1.8
+    def dynamic_rating_error(ball: float) -> float:
+        """Return the relative error of the dynamic rating, if balls of diameter ``ball`` [m] give the static rating."""
+        computed = float(of_dynamic(ball / pitch)) * ball_count_for_static_rating(ball) ** (2.0 / 3.0) * ball**1.8
         return float(computed / dynamic - 1.0)
 
     low, high = float(RELATIVE[0]), float(RELATIVE[-1])
-    ball = float(brentq(rating_error, low * pitch, high * pitch, rtol=1e-9))
-    return ball_number(ball), ball
+    ball = float(brentq(dynamic_rating_error, low * pitch, high * pitch, rtol=1e-9))
+    return ball_count_for_static_rating(ball), ball
 
 
 def _mean_of_bore_and_outer_diameter(row: Mapping[str, str]) -> float:
@@ -201,21 +190,21 @@ def _mean_of_bore_and_outer_diameter(row: Mapping[str, str]) -> float:
     return 0.5e-3 * (float(row["bore_mm"]) + float(row["outside_diameter_mm"]))
 
 
-def compare_nsk_ball_bearings() -> Iterator[PublishedValue]:
+def compare_nsk_ball_bearings() -> Iterator[outside.PublishedValue]:
     """Yield NSK's printed axial clearance, rigidity and factor f_0 of ball bearings, with computed values.
 
     Number and diameter of the balls follow from the printed ratings, the conformity from the rigidity at the highest
     preload. The axial clearance of a preloaded pair is 2 (u(measuring load) - u(preload)), with u the displacement of one
     row under a thrust. Contact angles change under load.
     """
-    source = read_maker_table("nsk-angular")
+    source = outside.read_maker_table("nsk-angular")
     groups: dict[str, list[Mapping[str, str]]] = {}
     for row in source.rows:
         groups.setdefault(row["bearing"], []).append(row)
     bearings = list(groups.values())
 
     def column_values(key: str) -> Array:
-        """Return a column of the table as an array of numbers, (bearings, preloads); ``key``: name of the column."""
+        """Return a column of NSK's table as an array of numbers, (bearings, preloads); ``key``: name of the column."""
         return np.array([[source.parse_number(row[key]) for row in rows] for rows in bearings])
 
     pitch, angle = (
@@ -226,15 +215,17 @@ def compare_nsk_ball_bearings() -> Iterator[PublishedValue]:
     count, ball = np.array(
         [ball_count_and_diameter_from_ratings(*of) for of in zip(dynamic, static, pitch, angle, strict=True)]
     ).T
-    begin = CatalogueBearings(np.round(count), ball, pitch, np.full(len(bearings), CONFORMITY), angle, YOUNG, POISSON)
+    begin = angular_contact.CatalogueBearings(
+        np.round(count), ball, pitch, np.full(len(bearings), CONFORMITY), angle, YOUNG, POISSON
+    )
     forces, rigid, load = column_values("preload_N"), column_values("rigidity_N_per_um"), column_values("measuring_load_N")
-    step = np.array([half_step_of_last_digit(rows[-1]["rigidity_N_per_um"]) for rows in bearings])
+    step = np.array([outside.half_step_of_last_digit(rows[-1]["rigidity_N_per_um"]) for rows in bearings])
     moved, stiff = [], []
     for off in (0.0, step, -step):
-        conformity = conformity_from_pair_rigidity(begin, forces[:, -1], 1e6 * (rigid[:, -1] + off))
+        conformity = angular_contact.conformity_from_pair_rigidity(begin, forces[:, -1], 1e6 * (rigid[:, -1] + off))
         balls, balls_size, circle, groove, rest = (x[:, None] for x in (begin.balls, ball, pitch, conformity, angle))
-        each = CatalogueBearings(balls, balls_size, circle, groove, rest, YOUNG, POISSON)
-        state = bearing_states_under_thrust(each, np.column_stack([forces, load[:, -1]]))
+        each = angular_contact.CatalogueBearings(balls, balls_size, circle, groove, rest, YOUNG, POISSON)
+        state = angular_contact.bearing_states_under_thrust(each, np.column_stack([forces, load[:, -1]]))
         moved.append(1e6 * state.displacement)
         stiff.append(2e-6 * state.stiffness[:, :-1])
     for i, rows in enumerate(bearings):
@@ -245,8 +236,8 @@ def compare_nsk_ball_bearings() -> Iterator[PublishedValue]:
 
 
 def _compare_clearances_and_rigidities(
-    source: MakerTable, rows: list[Mapping[str, str]], preloads: Array, displacements_um: Array, rigidities: Array
-) -> Iterator[PublishedValue]:
+    source: outside.MakerTable, rows: list[Mapping[str, str]], preloads: Array, displacements_um: Array, rigidities: Array
+) -> Iterator[outside.PublishedValue]:
     """Yield the printed axial clearances and rigidities of one bearing at p preloads, with computed values.
 
     ``source``: the maker's table; ``rows``: its rows, one for each preload; ``preloads``: preloads (p,) [N];
@@ -256,49 +247,53 @@ def _compare_clearances_and_rigidities(
     """
     clearance = 2.0 * (displacements_um[:, -1:] - displacements_um[:, :-1])
     for i, row in enumerate(rows):
-        share = half_step_of_last_digit(row["preload_N"]) / preloads[i]
+        share = outside.half_step_of_last_digit(row["preload_N"]) / preloads[i]
         item, law = f"{row['bearing']} {row['preload_class']}", "bearing whose angle turns"
-        yield published_value_of_table_entry(
+        yield outside.published_value_of_table_entry(
             source,
             row,
             "line_clearance",
             "clearance_um",
             ("displacement", law, item, "um"),
-            ComputedBand.from_values(clearance[:, i], 4.0 / 3.0 * displacements_um[0, i] * share),
+            outside.ComputedBand.from_values(clearance[:, i], 4.0 / 3.0 * displacements_um[0, i] * share),
             rounding=0.5,
             scale=float(2.0 * displacements_um[0, -1]),
         )
-        yield published_value_of_table_entry(
+        yield outside.published_value_of_table_entry(
             source,
             row,
             "line_preload",
             "rigidity_N_per_um",
             ("rigidity", law, item, "N/um"),
-            ComputedBand.from_values(rigidities[:, i], rigidities[0, i] * share / 3.0),
+            outside.ComputedBand.from_values(rigidities[:, i], rigidities[0, i] * share / 3.0),
             left="the conformity is taken from it" if row is rows[-1] else "",
         )
 
 
-def _published_factor_f0(source: MakerTable, row: Mapping[str, str], factor: float) -> PublishedValue:
+def _published_factor_f0(source: outside.MakerTable, row: Mapping[str, str], factor: float) -> outside.PublishedValue:
     """Return the printed factor f_0 = C_0/(Z D^2 cos alpha) of a bearing together with the computed value.
 
     ``source``: the maker's table; ``row``: texts of the bearing's row, by column; ``factor``: the computed value
     [N/mm^2], with number Z and diameter D of the balls that follow from the printed ratings.
     """
-    off = factor * sum(half_step_of_last_digit(row[key]) / source.parse_number(row[key]) for key in ("Cr_kN", "C0r_kN"))
+    off = factor * sum(
+        outside.half_step_of_last_digit(row[key]) / source.parse_number(row[key]) for key in ("Cr_kN", "C0r_kN")
+    )
     what = ("rating", "ISO 281 and ISO 76", f"{row['bearing']} f0", "")
-    return published_value_of_table_entry(source, row, "line_product", "f0", what, ComputedBand.from_values((factor,), off))
+    return outside.published_value_of_table_entry(
+        source, row, "line_product", "f0", what, outside.ComputedBand.from_values((factor,), off)
+    )
 
 
-def compare_snfa_pair_rigidities() -> Iterator[PublishedValue]:
+def compare_snfa_pair_rigidities() -> Iterator[outside.PublishedValue]:
     """Yield SNFA's printed rigidities of preloaded bearing pairs, with values for contact angles that change under load.
 
     The printed values follow the catalogue's formula for a constant contact angle, so they are shown but not judged.
     """
-    source = read_maker_table("snfa-angular")
+    source = outside.read_maker_table("snfa-angular")
 
     def column_values(key: str, factor: float = 1.0) -> Array:
-        """Return a column of the table as an array of numbers, times a factor; ``key``: name of the column."""
+        """Return a column of SNFA's table as an array of numbers, times ``factor``; ``key``: name of the column."""
         return factor * np.array([source.parse_number(row[key]) for row in source.rows])
 
     pitch, angle = (
@@ -306,31 +301,31 @@ def compare_snfa_pair_rigidities() -> Iterator[PublishedValue]:
         np.radians(column_values("angle_deg")),
     )
     usual = np.full(pitch.size, CONFORMITY)
-    rows = CatalogueBearings(
+    rows = angular_contact.CatalogueBearings(
         column_values("balls"), column_values("ball_diameter_mm", 1e-3), pitch, usual, angle, YOUNG, POISSON
     )
-    stiff = 2e-7 * bearing_states_under_thrust(rows, column_values("preload_daN", 10.0)).stiffness
+    stiff = 2e-7 * angular_contact.bearing_states_under_thrust(rows, column_values("preload_daN", 10.0)).stiffness
     for row, found in zip(source.rows, stiff, strict=True):
         item = f"{row['bearing']} {row['angle_deg']} deg {row['preload_class']}"
         what, left = ("rigidity", "bearing whose angle turns", item, "daN/um"), "a formula in disguise"
-        yield published_value_of_table_entry(
-            source, row, "line_preload", "Ra_pair_daN_per_um", what, ComputedBand.from_values((found,)), left=left
+        yield outside.published_value_of_table_entry(
+            source, row, "line_preload", "Ra_pair_daN_per_um", what, outside.ComputedBand.from_values((found,)), left=left
         )
 
 
-def compare_snfa_load_ratings() -> Iterator[PublishedValue]:
+def compare_snfa_load_ratings() -> Iterator[outside.PublishedValue]:
     """Yield SNFA's printed load ratings C and C_0, each with the value by ISO 281 or ISO 76 for the printed balls.
 
     The range (band) of the computed values covers pitch diameters within 2 % of the mean of bore and outside diameter, and
     the rounding of the printed ball diameter.
     """
-    source, done = read_maker_table("snfa-angular"), set[tuple[str, str]]()
+    source, done = outside.read_maker_table("snfa-angular"), set[tuple[str, str]]()
     for row in source.rows:
         if (row["bearing"], row["C33_daN"]) in done:
             continue
         done.add((row["bearing"], row["C33_daN"]))
         ball, count, x = 1e-3 * float(row["ball_diameter_mm"]), int(row["balls"]), 1.0 / np.array([1.0, 0.98, 1.02])
-        off = 2.0 * half_step_of_last_digit(row["ball_diameter_mm"]) / float(row["ball_diameter_mm"])
+        off = 2.0 * outside.half_step_of_last_digit(row["ball_diameter_mm"]) / float(row["ball_diameter_mm"])
         of_dynamic, of_static = rating_factor_splines(radians(float(row["angle_deg"])))
         x *= ball / _mean_of_bore_and_outer_diameter(row)
         maker = f"{source.header['maker']}, series {'VE' if row['bearing'].startswith('VE') else 'S, E'}"
@@ -339,5 +334,5 @@ def compare_snfa_load_ratings() -> Iterator[PublishedValue]:
             ("C0_daN", 0.1 * of_static(x) * count * ball**2),
         ):
             what = ("rating", "ISO 281 and ISO 76", f"{row['bearing']} {column.partition('_')[0]}", "daN")
-            band = ComputedBand.from_values(found, off * float(found[0]))
-            yield published_value_of_table_entry(source, row, "line_product", column, what, band, maker=maker)
+            band = outside.ComputedBand.from_values(found, off * float(found[0]))
+            yield outside.published_value_of_table_entry(source, row, "line_product", column, what, band, maker=maker)

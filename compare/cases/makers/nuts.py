@@ -13,15 +13,7 @@ from math import pi, prod, radians, sqrt
 
 import numpy as np
 
-from rollbench.compare.cases.makers.outside import (
-    ComputedBand,
-    MakerTable,
-    PublishedValue,
-    half_step_of_last_digit,
-    published_value_of_table_entry,
-    read_maker_table,
-    read_maker_tables,
-)
+from rollbench.compare.cases.makers import outside as makers_outside
 from rollbench.compare.models.registry import ModelOptions, run_model
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.from_keys import angle_of_touching_balls, ball_oversize_for_preload
@@ -154,7 +146,7 @@ def read_loaded_turns(row: Mapping[str, str]) -> tuple[float, bool]:
     return float(prod(map(float, turns.split("x")))), False
 
 
-def nut_of_catalogue_row(source: MakerTable, row: Mapping[str, str]) -> CatalogueNut:
+def nut_of_catalogue_row(source: makers_outside.MakerTable, row: Mapping[str, str]) -> CatalogueNut:
     """Return the dimensions of a nut from its row in a catalogue.
 
     ``source``: table of the catalogue; ``row``: texts of the nut's row, by column. If the ball is not printed, it is the
@@ -172,7 +164,7 @@ def nut_of_catalogue_row(source: MakerTable, row: Mapping[str, str]) -> Catalogu
     return CatalogueNut(1e-3 * ball, 1e-3 * pitch, 1e-3 * source.parse_number(row["lead_mm"]), turns, short)
 
 
-def maker_and_rated_nut_type(source: MakerTable, row: Mapping[str, str]) -> str:
+def maker_and_rated_nut_type(source: makers_outside.MakerTable, row: Mapping[str, str]) -> str:
     """Return the maker's name, with the type of nut if this maker rates several types by different rules.
 
     ``source``: table of the maker; ``row``: texts of the nut's row, by column.
@@ -188,13 +180,13 @@ def maker_and_rated_nut_type(source: MakerTable, row: Mapping[str, str]) -> str:
 # --- comparisons with printed values
 
 
-def compare_nut_ratings() -> Iterator[PublishedValue]:
+def compare_nut_ratings() -> Iterator[makers_outside.PublishedValue]:
     """Yield printed load ratings C and C_0 of nuts, each with the value by ISO 3408-5.
 
     Only nuts whose ball diameter is printed are compared. The computed values have a range (band) over the usual
     conformities and fractions of turns that are filled with balls.
     """
-    for source in read_maker_tables("nuts-"):
+    for source in makers_outside.read_maker_tables("nuts-"):
         for row in source.rows:
             if not row["ball_mm"]:
                 continue
@@ -205,13 +197,13 @@ def compare_nut_ratings() -> Iterator[PublishedValue]:
             found = np.array([nut_load_ratings(nut, *corner) for corner in corners]) / unit
             for k, key in enumerate(("C", "C0")):
                 what = ("rating", "ISO 3408-5", f"{row['nut']} {key}", source.header["load_unit"])
-                yield published_value_of_table_entry(
+                yield makers_outside.published_value_of_table_entry(
                     source,
                     row,
                     "line",
                     key,
                     what,
-                    ComputedBand.from_values(found[:, k]),
+                    makers_outside.ComputedBand.from_values(found[:, k]),
                     maker=maker_and_rated_nut_type(source, row),
                 )
 
@@ -224,7 +216,7 @@ def filled_fraction_from_static_rating(nut: CatalogueNut, static: float) -> floa
     return static / nut_load_ratings(nut, CONFORMITY, 1.0)[1]
 
 
-def compare_nut_rigidity() -> Iterator[PublishedValue]:
+def compare_nut_rigidity() -> Iterator[makers_outside.PublishedValue]:
     """Yield printed rigidities of nuts, each with the computed value.
 
     A rigidity is the axial load 0.3 C (C: dynamic rating) over the nut's displacement from zero load to 0.3 C; for
@@ -232,7 +224,7 @@ def compare_nut_rigidity() -> Iterator[PublishedValue]:
     and thick tubes. The number of balls follows from the printed static rating C_0, so that the band of computed values
     only covers the range of conformity and 5 % more or fewer balls.
     """
-    for source in read_maker_tables("nuts-"):
+    for source in makers_outside.read_maker_tables("nuts-"):
         for row in source.rows:
             if not row.get("rigidity"):
                 continue
@@ -248,31 +240,31 @@ def compare_nut_rigidity() -> Iterator[PublishedValue]:
                 load: float = load,
                 start_load: float = preload,
             ) -> float:
-                """Return the secant rigidity [N/m] of a nut between two axial loads.
+                """Return the secant rigidity [N/m] of a nut, ``load`` over the displacement from ``start_load`` to it.
 
-                ``conformity``: groove radius over ball diameter; ``filled_fraction``: fraction of the turns that is filled
-                with balls.
+                Both are axial loads [N]. ``conformity``: groove radius over ball diameter; ``filled_fraction``: fraction of
+                the turns that is filled with balls; ``nut``: dimensions of the nut.
                 """
                 start = nut_displacement(nut, conformity, filled_fraction, start_load) if start_load else 0.0
                 return load / (nut_displacement(nut, conformity, filled_fraction, load) - start)
 
             stiff = source.unit_factor("rigidity_unit")
             corners = [(CONFORMITY, share)] + [(c, x * share) for c in CONFORMITIES for x in (0.95, 1.05)]
-            band = ComputedBand.from_values(secant_rigidity(*corner) / stiff for corner in corners)
+            band = makers_outside.ComputedBand.from_values(secant_rigidity(*corner) / stiff for corner in corners)
             what = ("rigidity", "contacts and tubes under 0.3 C", row["nut"], source.header["rigidity_unit"])
             maker, practice = maker_and_rated_nut_type(source, row), PRACTICE * band.value
-            yield published_value_of_table_entry(
+            yield makers_outside.published_value_of_table_entry(
                 source, row, "line", "rigidity", what, band, maker=maker, practice=practice
             )
 
 
-def compare_preloaded_nuts() -> Iterator[PublishedValue]:
+def compare_preloaded_nuts() -> Iterator[makers_outside.PublishedValue]:
     """Yield Rexroth's printed rigidities of preloaded nuts at several preloads, each with the computed value.
 
     At the highest preload, the rigidity is computed from contacts and tubes. At the other preloads, the computed value is
     the printed rigidity at the highest preload times the cube root of the ratio of the preloads.
     """
-    source = read_maker_table("rexroth-preload")
+    source = makers_outside.read_maker_table("rexroth-preload")
     groups: dict[tuple[str, str], list[Mapping[str, str]]] = {}
     for row in source.rows:
         groups.setdefault((row["nut_kind"], row["size"]), []).append(row)
@@ -294,12 +286,21 @@ def compare_preloaded_nuts() -> Iterator[PublishedValue]:
                 ]
                 law, practice = "contacts and tubes, both nuts loaded", PRACTICE * ends[0]
             else:
-                base, step = source.parse_number(top["Rnu_N_per_um"]), half_step_of_last_digit(top["Rnu_N_per_um"])
+                base, step = (
+                    source.parse_number(top["Rnu_N_per_um"]),
+                    makers_outside.half_step_of_last_digit(top["Rnu_N_per_um"]),
+                )
                 growth = np.cbrt(share / source.parse_number(top["preload_percent_of_C"]))
                 ends, law, practice = [x * growth for x in (base, base + step, base - step)], "growth with preload", None
             what = ("rigidity", law, f"{kind} {size}, {share:g} % of C", "N/um")
-            yield published_value_of_table_entry(
-                source, row, "line_values", "Rnu_N_per_um", what, ComputedBand.from_values(ends), practice=practice
+            yield makers_outside.published_value_of_table_entry(
+                source,
+                row,
+                "line_values",
+                "Rnu_N_per_um",
+                what,
+                makers_outside.ComputedBand.from_values(ends),
+                practice=practice,
             )
 
 
@@ -361,7 +362,7 @@ def drag_torque_of_nut(nut: CatalogueNut, preload: float, coefficient: float = D
 # --- makers' formulas for the drag torque T over preload F [N], nominal diameter d_0 and lead P [m]
 
 
-def drag_torque_rexroth(preload: float, diameter: float, lead: float) -> float:  # noqa: ARG001 - of every formula
+def drag_torque_by_rexroth_formula(preload: float, diameter: float, lead: float) -> float:  # noqa: ARG001 - of every formula
     """Return the drag torque T = 0.0100 F d_0 [N m] by the formula behind Rexroth's table of single nuts.
 
     ``preload``: F [N]; ``diameter``: nominal diameter d_0 [m]; ``lead``: not used.
@@ -369,15 +370,15 @@ def drag_torque_rexroth(preload: float, diameter: float, lead: float) -> float: 
     return 0.01 * preload * diameter
 
 
-def drag_torque_thk(preload: float, diameter: float, lead: float) -> float:
+def drag_torque_by_thk_formula(preload: float, diameter: float, lead: float) -> float:
     """Return the drag torque T = 0.05/sqrt(tan beta) F P/(2 pi) [N m] by THK and JIS B 1192.
 
-    ``preload``: F [N]; ``diameter``: nominal diameter d_0 [m]; ``lead``: P [m]; beta: lead angle.
+    ``preload``: F [N]; ``diameter``: nominal diameter d_0 [m]; ``lead``: P [m]; tan beta = P/(pi d_0).
     """
     return 0.05 / sqrt(lead / (pi * diameter)) * preload * lead / (2.0 * pi)
 
 
-def drag_torque_hiwin(preload: float, diameter: float, lead: float) -> float:  # noqa: ARG001 - of every formula
+def drag_torque_by_hiwin_formula(preload: float, diameter: float, lead: float) -> float:  # noqa: ARG001 - of every formula
     """Return the drag torque T = K_p F P/(2 pi) [N m] with K_p = 0.2, the middle of the range that HIWIN states.
 
     ``preload``: F [N]; ``diameter``: not used; ``lead``: P [m].
@@ -386,9 +387,9 @@ def drag_torque_hiwin(preload: float, diameter: float, lead: float) -> float:  #
 
 
 FORMULAS = (
-    ("Rexroth: 0.0100 F d0", drag_torque_rexroth),
-    ("THK: 0.05/sqrt(tan beta) F P/2 pi", drag_torque_thk),
-    ("HIWIN: 0.2 F P/2 pi", drag_torque_hiwin),
+    ("Rexroth: 0.0100 F d0", drag_torque_by_rexroth_formula),
+    ("THK: 0.05/sqrt(tan beta) F P/2 pi", drag_torque_by_thk_formula),
+    ("HIWIN: 0.2 F P/2 pi", drag_torque_by_hiwin_formula),
 )
 
 
@@ -439,12 +440,12 @@ def fit_power_exponent(values: list[float], abscissas: list[float]) -> float:
     return float(np.polyfit(np.log(abscissas), np.log(values), 1)[0])
 
 
-def compare_rexroth_drag_torques() -> Iterator[PublishedValue]:
+def compare_rexroth_drag_torques() -> Iterator[makers_outside.PublishedValue]:
     """Yield Rexroth's printed ranges of drag torque, each with the computed torque.
 
     These ranges are not judged, since the printed torques follow a formula.
     """
-    source = read_maker_table("rexroth-preload")
+    source = makers_outside.read_maker_table("rexroth-preload")
     for row in source.rows:
         ball, outer, lead = (
             1e-3 * source.parse_number(row[k]) for k in ("ball_diameter_mm", "nominal_diameter_mm", "lead_mm")
@@ -458,13 +459,13 @@ def compare_rexroth_drag_torques() -> Iterator[PublishedValue]:
         torque = drag_torque_of_nut(nut, preload, double=double)
         low, high = (source.parse_number(row[k]) for k in ("torque_low_Nm", "torque_high_Nm"))
         what = ("torque", SLIDING, f"{row['nut_kind']} {row['size']}, {share:g} % of C", "N m")
-        one = published_value_of_table_entry(
+        one = makers_outside.published_value_of_table_entry(
             source,
             row,
             "line_values",
             "torque_high_Nm",
             what,
-            ComputedBand.from_values((torque,)),
+            makers_outside.ComputedBand.from_values((torque,)),
             left="a formula in disguise",
         )
         yield replace(one, value=0.5 * (low + high), rounding=0.5 * (high - low))
@@ -474,7 +475,7 @@ def compare_rexroth_drag_torques() -> Iterator[PublishedValue]:
 MEASURED_LEAD, MEASURED_C, MEASURED_PRELOAD, DIAMETERS = 8e-3, 16_400.0, 1_500.0, (25.0, 32.0, 40.0)
 
 
-def drag_torque_of_measured_screws() -> ComputedBand:
+def drag_torque_of_measured_screws() -> makers_outside.ComputedBand:
     """Return the computed drag torque [N m] of two ball screws whose friction torque was measured, with its range.
 
     The value belongs to a double nut of the middle nominal diameter, at the default coefficient of friction; the range
@@ -488,18 +489,18 @@ def drag_torque_of_measured_screws() -> ComputedBand:
         turns = (MEASURED_C / nut_load_ratings(one, CONFORMITY, 0.95)[0]) ** (1.0 / 0.86)
         for double in (False, True):
             found[outer, double] = drag_torque_of_nut(replace(one, turns=turns), MEASURED_PRELOAD, double=double)
-    return ComputedBand.from_values((found[DIAMETERS[1], True], *found.values()))
+    return makers_outside.ComputedBand.from_values((found[DIAMETERS[1], True], *found.values()))
 
 
-def compare_measured_drag_torques() -> Iterator[PublishedValue]:
+def compare_measured_drag_torques() -> Iterator[makers_outside.PublishedValue]:
     """Yield the measured mean friction torque of two screws, new and worn, with the computed torque.
 
     Worn: at the end of the test. Measurements between start and end of the test are left out.
     """
-    source = read_maker_table("xjtu-torque")
+    source = makers_outside.read_maker_table("xjtu-torque")
     band = drag_torque_of_measured_screws()
     ends = {name: [r for r in source.rows if r["screw"] == name] for name in dict.fromkeys(r["screw"] for r in source.rows)}
     for name, rows in ends.items():
         for row, state in ((rows[0], "new"), (rows[-1], "worn")):
             what, maker = ("torque", SLIDING, f"{name}, {state}", "N m"), f"{source.header['maker']}, rig"
-            yield published_value_of_table_entry(source, row, "line", "torque_Nm", what, band, maker=maker)
+            yield makers_outside.published_value_of_table_entry(source, row, "line", "torque_Nm", what, band, maker=maker)

@@ -49,7 +49,7 @@ class MakerTable:
         return UNITS[self.header[key]]
 
     def is_listed_as_misprint(self, what: str) -> bool:
-        """Return whether the table's header lists a printed value as a misprint.
+        """Return whether the header of the table lists a printed value as a misprint.
 
         ``what``: name of the part, or name of the part and quantity, such as "SFE1632-3 rigidity". A name that is listed
         without a quantity stands for all quantities of the part.
@@ -72,7 +72,7 @@ def read_maker_tables(prefix: str) -> list[MakerTable]:
 
 
 def half_step_of_last_digit(text: str) -> float:
-    """Return half a step of the last nonzero digit of a printed number: 5 for ``"2 150"``, 0.005 for ``"0.14"``."""
+    """Return half a unit of the last nonzero digit of a printed number, such as 5 for ``"2 150"``, 0.005 for ``"0.14"``."""
     plain = "".join(text.split()).replace(",", ".").lstrip("+-")
     places = len(plain.partition(".")[2])
     zeros = 0 if places else len(plain) - len(plain.rstrip("0"))
@@ -233,11 +233,11 @@ def group_by_fields(found: Iterable[PublishedValue], *keys: str) -> dict[tuple[s
     return groups
 
 
-BIAS = TableColumn("bias", "bias", "%", "+.1f")
+BIAS = TableColumn("bias", "mean error (bias)", "%", "+.1f")
 
-SCATTER = TableColumn("scatter", "scatter", "%", ".1f")
+SCATTER = TableColumn("scatter", "standard deviation of the error (scatter)", "%", ".1f")
 
-NUMBER = TableColumn("number", "published values", "", ".0f")
+NUMBER = TableColumn("number", "number of published values", "", ".0f")
 
 
 def statistics_cells_by_quantity(found: Sequence[PublishedValue]) -> dict[str, dict[TableColumn, Cell]]:
@@ -270,25 +270,34 @@ def bias_and_scatter_table(found: Sequence[PublishedValue]) -> Table:
         rows.append(
             {
                 "quantity": quantity,
-                "against": group,
-                "computed by": law,
+                TableColumn("against", "published by", "", "s"): group,
+                TableColumn("computed by", "model of the computed value", "", "s"): law,
                 NUMBER: s.count,
                 BIAS: s.mean_error_percent,
                 SCATTER: s.standard_deviation_percent,
-                TableColumn("inside", "in the computed band", "", ".0f"): s.count_in_range,
-                TableColumn("width", "median width of the band", "%", ".1f"): s.median_range_width_percent,
-                TableColumn("practice", "bias of 80 % of the computed value", "%", "+.1f"): s.reduced_mean_error_percent,
-                "not judged": words,
+                TableColumn(
+                    "inside", "number of published values in the range of computed values", "", ".0f"
+                ): s.count_in_range,
+                TableColumn(
+                    "width", "median width of the range of computed values", "%", ".1f"
+                ): s.median_range_width_percent,
+                TableColumn(
+                    "practice", "mean error of 80 % of the computed value", "%", "+.1f"
+                ): s.reduced_mean_error_percent,
+                TableColumn("not judged", "published values left out, and why", "", "s"): words,
             }
         )
     note = (
-        "Bias, scatter: mean and standard deviation of the errors of the computed values. Band: range of a computed value "
+        "Error: computed less published value. Computed range (band): range of a computed value "
         "over the rounding of printed inputs and the usual range of unprinted ones. Errors of clearances are in per cent "
         "of the displacement under the measuring load, those of contact loads by CalculiX of the mean load. 80 %: fraction "
         f"of a computed nut rigidity that makers advise to use. Not judged: {'; '.join(without)}."
     )
     return Table.from_rows(
-        "outside-summary", "Bias and scatter of computed against published values, by quantity and publisher", rows, note
+        "outside-summary",
+        "Mean and standard deviation of the errors against published values, by quantity and publisher",
+        rows,
+        note,
     )
 
 
@@ -300,18 +309,18 @@ def published_values_table(found: Sequence[PublishedValue]) -> Table:
     rows: list[dict[TableColumn | str, Cell]] = [
         {
             "quantity": x.quantity,
-            "maker": x.maker,
-            "class": x.kind_of_source,
-            "item": x.part,
-            TableColumn("value", "value", "", "g6"): x.value,
+            TableColumn("maker", "published by", "", "s"): x.maker,
+            TableColumn("class", "kind of source", "", "s"): x.kind_of_source,
+            TableColumn("item", "part", "", "s"): x.part,
+            TableColumn("value", "published value", "", "g6"): x.value,
             "unit": x.unit,
-            TableColumn("computed", "computed", "", "g6"): x.computed.value,
-            TableColumn("low", "band from", "", "g6"): x.computed.low,
-            TableColumn("high", "band to", "", "g6"): x.computed.high,
-            TableColumn("error", "error", "%", ".2f"): x.error_percent,
-            "verdict": x.verdict,
-            "law": x.law,
-            "origin": x.origin,
+            TableColumn("computed", "computed value", "", "g6"): x.computed.value,
+            TableColumn("low", "lower end of the range of computed values", "", "g6"): x.computed.low,
+            TableColumn("high", "upper end of the range of computed values", "", "g6"): x.computed.high,
+            TableColumn("error", "error of the computed value", "%", ".2f"): x.error_percent,
+            TableColumn("verdict", "published value in the range of computed values", "", "s"): x.verdict,
+            TableColumn("law", "model of the computed value", "", "s"): x.law,
+            TableColumn("origin", "file and line of the published value", "", "s"): x.origin,
         }
         for x in found
     ]
@@ -335,7 +344,7 @@ PRINTED = {
     "external-gmn": ("GMN", MAKER),
 }
 
-#: Quantity of an entry by its unit; those without unit are ratios of loads.
+#: Quantity of a published number, by its unit; numbers without a unit are ratios of loads.
 QUANTITIES = {
     "um": "displacement",
     "mrad": "displacement",
@@ -350,7 +359,7 @@ QUANTITIES = {
     "1e6 rev": "life",
 }
 
-#: Entries whose unit says something else.
+#: Quantity of published numbers whose unit does not tell it, by table and key.
 OTHERS = {("external-contact", "approach"): "displacement"}
 
 
@@ -396,13 +405,14 @@ def contact_loads_by_calculix(cache: SceneResultCache) -> Iterator[PublishedValu
     from rollbench.compare.studies.crosscheck.results import (
         compare_contact_loads,
         load_calculix_results,
-        path_of_stored_results,
-        shipped_results_folder,
+        path_of_calculix_results,
+        shipped_calculix_results_folder,
     )
     from rollbench.compare.studies.crosscheck.study import STUDIES
 
+    folder = shipped_calculix_results_folder()
     for name in STUDIES:
-        data, ours = load_calculix_results(shipped_results_folder(), name), cache.stored_reference(name)
+        data, ours = load_calculix_results(folder, name), cache.stored_reference(name)
         if data is None or ours is None:
             continue
         mean = float(ours.mean)
@@ -411,8 +421,5 @@ def contact_loads_by_calculix(cache: SceneResultCache) -> Iterator[PublishedValu
             words = ("contact load", "3D reference", "CalculiX", f"{name}: ball {row.ball} {row.side}", PROGRAM)
             value = (row.theirs, 0.01 * row.theirs_percent * mean, ComputedBand.from_values((row.ours,), off), mean)
             yield PublishedValue(
-                *words,
-                f"stored run, compare/studies/crosscheck/{path_of_stored_results(shipped_results_folder(), name).name}",
-                "N",
-                *value,
+                *words, f"stored run, compare/studies/crosscheck/{path_of_calculix_results(folder, name).name}", "N", *value
             )

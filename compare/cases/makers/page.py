@@ -14,8 +14,8 @@ from rollbench.lowfi.rating.rigidity import PRACTICE
 from rollbench.meshes.arrays import Array
 from rollbench.reports.content import Cell, Figure, Panel, Section, Series, Table, TableColumn, Text
 
-TITLE = "Computed values against makers' tables, measurements and other programs"
-#: Order of quantities in tables; others follow.
+TITLE = "Computed values compared with makers' tables, measurements and other programs"
+#: Order of the quantities in tables; other quantities follow them.
 ORDER = ("contact load", "displacement", "pressure", "torque", "rigidity", "rating", "preload")
 COMPARISONS = (
     bearings.compare_nsk_bearing_sets,
@@ -77,8 +77,9 @@ def _clearance_errors_um(found: Sequence[outside.PublishedValue]) -> Array:
 
 
 def band_and_errors_conclusion(found: Sequence[outside.PublishedValue]) -> str:
-    """Return the page's conclusion: number of published values in their computed ranges, errors without assumed inputs.
+    """Return the page's conclusion: number of published values in their computed ranges, errors of some of them.
 
+    The errors are those of bearing values for which no input had to be assumed.
     ``found``: all published values with the computed ones. The range (band) of a computed value covers rounded and
     unprinted inputs.
     """
@@ -92,7 +93,7 @@ def band_and_errors_conclusion(found: Sequence[outside.PublishedValue]) -> str:
     within = sum(x.verdict == "in the band" for x in judged)
     return (
         (
-            f"Of {len(judged)} published values, {within} lie in the range (band) of the computed value. "
+            f"Of {len(judged)} published values, {within} lie within the range (band) computed for them. "
             "Where no input is unknown, both agree: bias and scatter of preload, rigidity and starting "
             "torque of NSK's sets are "
         )
@@ -217,19 +218,21 @@ def drag_torque_table() -> Table:
     rows: list[dict[TableColumn | str, Cell]] = []
     for one in nuts.drag_torque_ratios_over_lead():
         row: dict[TableColumn | str, Cell] = {
-            TableColumn("lead", "lead", "mm", "g3"): 1e3 * one.lead,
-            TableColumn("single", "single nut", "1e-3", ".1f"): 1e3 * one.single,
-            TableColumn("double", "double nut", "1e-3", ".1f"): 1e3 * one.double,
-            TableColumn("least", f"single nut, coefficient {nuts.LEAST:g}", "1e-3", ".2f"): 1e3
+            TableColumn("lead", "lead of the screw", "mm", "g3"): 1e3 * one.lead,
+            TableColumn("single", "torque ratio of a single nut, computed", "1e-3", ".1f"): 1e3 * one.single,
+            TableColumn("double", "torque ratio of a double nut, computed", "1e-3", ".1f"): 1e3 * one.double,
+            TableColumn("least", f"torque ratio of a single nut, friction coefficient {nuts.LEAST:g}", "1e-3", ".2f"): 1e3
             * one.at_smallest_friction[0],
-            TableColumn("least_double", f"double nut, coefficient {nuts.LEAST:g}", "1e-3", ".3f"): 1e3
-            * one.at_smallest_friction[1],
+            TableColumn(
+                "least_double", f"torque ratio of a double nut, friction coefficient {nuts.LEAST:g}", "1e-3", ".3f"
+            ): 1e3 * one.at_smallest_friction[1],
         }
         for (name, _), value in zip(nuts.FORMULAS, one.by_makers_formulas, strict=True):
-            row[TableColumn(name, name, "1e-3", ".1f")] = 1e3 * value
+            row[TableColumn(name, f"torque ratio by the formula of {name}", "1e-3", ".1f")] = 1e3 * value
         rows.append(row)
     at = f"Nominal diameter {nuts.SWEPT[0]:g} mm, balls of {nuts.BALL:g} mm, {nuts.SHARE:g} N each"
-    note = f"{at}; coefficient {nuts.DEFAULT:g}, or as named."
+    note = f"Torque ratio: drag torque over preload and nominal diameter. {at}; "
+    note += f"friction coefficient {nuts.DEFAULT:g}, or as named."
     return Table.from_rows(
         "outside-drag",
         "Drag torque divided by preload and nominal diameter, for several leads: computed, and by makers' formulas",
@@ -250,7 +253,7 @@ def sorted_errors_figure(found: Sequence[outside.PublishedValue]) -> Figure:
         if len(values) > 20:
             x = [float(k + 1) / len(values) for k in range(len(values))]
             series.append(Series(quantity, x, sorted(v.error_percent for v in values), "line"))
-    panel = Panel("", "share of the values", "error of the computed value / %", tuple(series))
+    panel = Panel("error of the computed value", "share of the values with a smaller error", "error / %", tuple(series))
     return Figure(
         "outside-errors",
         "Errors of computed values against makers' tables, measurements and other programs, sorted by size",

@@ -14,11 +14,7 @@ from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.printed import load_printed_table
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.sections.source_tables import (
-    read_table_layouts,
-    tables_of_printed_numbers,
-    tables_on_computation_of_numbers,
-)
+from rollbench.compare.sections import source_tables
 from rollbench.compare.sections.verdicts import misprints_table
 from rollbench.compare.studies import roller as rollers
 from rollbench.lowfi.bearings import as_printed
@@ -89,8 +85,8 @@ def hertz_parameters_figure() -> Figure:
         if key != "b":
             off.append(Series(f"{label}, fit", inside, fits, "line"))
     panels = (
-        Panel("Table 2-1 and exact integrals", "F(p)", "δ*, b*", curves, include_zero=True),
-        Panel("error against exact integrals", "F(p)", "error / %", off),
+        Panel("Hertz parameters of Table 2-1 and by exact integrals", "F(p)", "δ*, b*", curves, include_zero=True),
+        Panel("error of table and fits against exact integrals", "F(p)", "error / %", off),
     )
     caption = (
         "The last b* of Table 2-1 is printed with a digit too many, 3.5 % off. Smith's fit of b* as printed, with the "
@@ -140,7 +136,7 @@ def bearing_stiffness_panel(found: Sequence[PrintedEntryComparison]) -> Panel:
             "line",
         ),
     )
-    return Panel("one bearing", "thrust / lbf", "stiffness / 10⁶ lbf/in", series, include_zero=True)
+    return Panel("axial stiffness of one bearing", "thrust / lbf", "stiffness / 10⁶ lbf/in", series, include_zero=True)
 
 
 def axis_stiffness_panel(found: Sequence[PrintedEntryComparison]) -> Panel:
@@ -160,7 +156,13 @@ def axis_stiffness_panel(found: Sequence[PrintedEntryComparison]) -> Panel:
             series.append(Series(f"{kind}, {words}", at, [float(v) for v in values], "line"))
         total = next(f for f in found if f.printed.key == f"total_{kind}")
         series.append(Series(f"{kind}, Smith's sum in series", [0.5], [1e-6 * (total.as_printed or 0.0)], "markers"))
-    return Panel("screw axis", "nut's position / L", "stiffness / 10⁶ lbf/in", series, include_zero=True)
+    return Panel(
+        "axial stiffness of the screw axis",
+        "nut position over length between supports",
+        "stiffness / 10⁶ lbf/in",
+        series,
+        include_zero=True,
+    )
 
 
 def stiffness_figure(found: Sequence[PrintedEntryComparison]) -> Figure:
@@ -192,10 +194,18 @@ def bearing_row_loads_figure(found: Sequence[PrintedEntryComparison]) -> Figure:
             rows = [f for f in rows if f"_{state}_" in f.printed.key]
             names = [f"{f.printed.key.split('_')[1]} {f.printed.key[-1]}" for f in rows]
             at = list(range(1, len(rows) + 1))
-            series.append(Series(f"{state}, ours", at, [f.value or 0.0 for f in rows], "line+markers"))
+            series.append(Series(f"{state}, computed", at, [f.value or 0.0 for f in rows], "line+markers"))
             series.append(Series(f"{state}, printed", at, [f.printed.value or 0.0 for f in rows], "markers", bold=True))
         panels.append(
-            Panel(words, "end and row", "load / lbf", series, include_zero=True, integer_x=True, abscissa_names=names)
+            Panel(
+                f"loads of the {words}",
+                "end of the screw and number of the row",
+                "load / lbf",
+                series,
+                include_zero=True,
+                integer_x=True,
+                abscissa_names=names,
+            )
         )
     caption = (
         "Preload: bearings alone; stretch: screw stretched as well; applied: also 1000 lbf on the carriage towards the "
@@ -211,10 +221,11 @@ def bearing_row_loads_figure(found: Sequence[PrintedEntryComparison]) -> Figure:
 
 
 LAYOUT_NOTE = (
-    "Load on the nut: 1000 lbf towards the left end. Stiffness: of screw and supports, without the nut. Scene: beam and "
-    "contacts, each bearing row at its own position. Formulas: bar and load-deflection laws of the rows, all rows of an "
-    "end at one position. Sum in series: Smith's equation (4.6), which adds the compliances of both ends and of the screw. "
-    "Scene and formulas differ more near an end, where the distance between its rows counts."
+    "Load on the nut: 1000 lbf towards the left end. Stiffness: of screw and supports, without the nut. Beam model: beam "
+    "and contacts, each bearing row at its own position. Formulas: bar and load-deflection laws of the rows, all rows of "
+    "an end at one position. Sum in series: Smith's equation (4.6), which adds the compliances of both ends and of the "
+    "screw. "
+    "Beam model and formulas differ more near an end, where the distance between its rows counts."
 )
 
 
@@ -232,16 +243,20 @@ def end_thrusts_and_stiffness_table(cache: SceneResultCache) -> Table:
         series = axis.axis_stiffness_by_sum_in_series(layout) / unit
         rows.append(
             {
-                "layout": layout.description,
-                TableColumn("place", "nut's position / L", "", ".1f"): place,
-                TableColumn("left_scene", "left end, scene", "lbf", ".0f"): scene.left_thrust / bearings.POUND,
-                TableColumn("left_formula", "left end, formulas", "lbf", ".0f"): closed.left_thrust / bearings.POUND,
-                TableColumn("right_scene", "right end, scene", "lbf", ".0f"): scene.right_thrust / bearings.POUND,
-                TableColumn("right_formula", "right end, formulas", "lbf", ".0f"): closed.right_thrust / bearings.POUND,
-                TableColumn("scene", "stiffness, scene", "10⁶ lbf/in", ".3f"): scene.axis_stiffness / unit,
-                TableColumn("formula", "stiffness, formulas", "10⁶ lbf/in", ".3f"): closed.axis_stiffness / unit,
-                TableColumn("difference", "scene against formulas", "%", ".2f"): difference,
-                TableColumn("series", "stiffness, Smith's sum", "10⁶ lbf/in", ".3f"): series
+                TableColumn("layout", "support bearings", "", "s"): layout.description,
+                TableColumn("place", "nut position over length between supports", "", ".1f"): place,
+                TableColumn("left_scene", "thrust on the left end, beam model", "lbf", ".0f"): scene.left_thrust
+                / bearings.POUND,
+                TableColumn("left_formula", "thrust on the left end, formulas", "lbf", ".0f"): closed.left_thrust
+                / bearings.POUND,
+                TableColumn("right_scene", "thrust on the right end, beam model", "lbf", ".0f"): scene.right_thrust
+                / bearings.POUND,
+                TableColumn("right_formula", "thrust on the right end, formulas", "lbf", ".0f"): closed.right_thrust
+                / bearings.POUND,
+                TableColumn("scene", "axial stiffness, beam model", "10⁶ lbf/in", ".3f"): scene.axis_stiffness / unit,
+                TableColumn("formula", "axial stiffness, formulas", "10⁶ lbf/in", ".3f"): closed.axis_stiffness / unit,
+                TableColumn("difference", "stiffness difference, beam model against formulas", "%", ".2f"): difference,
+                TableColumn("series", "axial stiffness, Smith's sum in series", "10⁶ lbf/in", ".3f"): series
                 if np.isfinite(series)
                 else None,
             }
@@ -263,9 +278,9 @@ ROLLER_NOTE = (
 
 
 def tapered_roller_table_and_figure(cache: SceneResultCache) -> tuple[Table | Figure, ...]:
-    """Return table and figure of one tapered roller in 3D and by load-deflection laws; empty without stored 3D results.
+    """Return table and figure of deflection, line load and pressure of a tapered roller, in 3D and by low-order laws.
 
-    ``cache``: records that the scene smith-axis-taper is used.
+    The result is empty without stored 3D results. ``cache``: records that the scene smith-axis-taper is used.
     """
     cache.record_used_scenes(("smith-axis-taper",))
     scene = catalogue.shipped_scene("smith-axis-taper")
@@ -280,13 +295,15 @@ def tapered_roller_table_and_figure(cache: SceneResultCache) -> tuple[Table | Fi
     for one in rollers.roller_quantity_rows(roller, runs):
         row: Row = {"quantity": f"{one['quantity']}, {one['unit']}"}
         row |= {
-            TableColumn(f"level_{run.level}", f"3D, level {run.level}", "", ".4g"): one[f"level {run.level}"]
+            TableColumn(f"level_{run.level}", f"value in 3D, mesh level {run.level}", "", ".4g"): one[f"level {run.level}"]
             for run in runs
         }
-        row |= {TableColumn("uncertainty", "uncertainty", "", ".2g"): one["uncertainty"]}
-        for key, words in (("low_order", "slices"), ("norm", "spring"), ("line_contact", "line contact")):
-            row[TableColumn(key, words, "", ".4g")] = one[key]
-            row[TableColumn(f"{key}_error", f"{words} against 3D", "%", ".2f")] = one[f"{key}_error_percent"]
+        row |= {TableColumn("uncertainty", "uncertainty of the 3D value by the mesh", "", ".2g"): one["uncertainty"]}
+        for key, words in (("low_order", "slices of the roller"), ("norm", "spring"), ("line_contact", "line contact")):
+            row[TableColumn(key, f"value by {words}", "", ".4g")] = one[key]
+            row[TableColumn(f"{key}_error", f"error of the value by {words} against 3D", "%", ".2f")] = one[
+                f"{key}_error_percent"
+            ]
         rows.append(row)
     best = runs[-1]
     times = ", ".join(f"{run.cpu_seconds:.0f} s for {run.cells} cells on level {run.level}" for run in runs)
@@ -303,7 +320,7 @@ def tapered_roller_table_and_figure(cache: SceneResultCache) -> tuple[Table | Fi
     ]
     panels = (
         Panel(
-            "load per length",
+            "contact load per length",
             "along the roller / mm",
             "N/mm",
             (*loads, Series("slices", [-half, half], even, "line")),
@@ -331,14 +348,14 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> tuple[
     step("support bearings and axis")
     found = evidence(cache, *PRINTED)
     by_name = {f.printed.name: f for f in found}
-    listed = read_table_layouts(next(case for case in CASES if case.name == "smith"))
+    listed = source_tables.read_table_layouts(next(case for case in CASES if case.name == "smith"))
     drawn = {
         "smith-ball": (hertz_parameters_figure(), stiffness_figure(found)),
         "smith-taper": tapered_roller_table_and_figure(cache),
         "smith-axis": (bearing_row_loads_figure(found), end_thrusts_and_stiffness_table(cache)),
     }
     chapters = [
-        Section(name, title, (*tables_of_printed_numbers(printed, listed, by_name), *drawn.get(name, ())))
+        Section(name, title, (*source_tables.tables_of_printed_numbers(printed, listed, by_name), *drawn.get(name, ())))
         for name, (title, printed) in CHAPTERS.items()
     ]
     return (
@@ -352,6 +369,6 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> tuple[
         Section(
             "smith-audit",
             "Smith (1994): misprints, and how each of the printed numbers is recomputed",
-            (misprints_table("smith"), *tables_on_computation_of_numbers(PRINTED)),
+            (misprints_table("smith"), *source_tables.tables_on_computation_of_numbers(PRINTED)),
         ),
     )

@@ -14,55 +14,51 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
+from rollbench.compare.scenes import keys as scenes_keys
 from rollbench.compare.scenes.fault import Fault
 from rollbench.compare.scenes.friction_kinds import common
-from rollbench.compare.scenes.friction_kinds.common import (
-    FrictionScene,
-    FrictionSceneKeys,
-    name_title_source_and_assumptions,
-)
-from rollbench.compare.scenes.keys import (
-    BallPathKeys,
-    BallSizeKeys,
-    CoulombFrictionKeys,
-    GrooveKeys,
-    RingSpeedKeys,
-    SceneFileTable,
-    key,
-)
+from rollbench.compare.scenes.friction_kinds import common as friction_kinds_common
 from rollbench.lowfi.friction.bearing import ALL, DIAGONAL, OTHER, BallRow, Bearing, BearingCase
 from rollbench.lowfi.friction.linear.bearing import LinearBearing, Loads, contact_angle_deviations
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.ranges import ContactAngle, QuantityRange, RateRange, Size
 
+#: Name of a friction law.
 Law = Literal["coulomb", "regularised", "sigmoid"]
 
+#: Sliding speed [m/s] below which friction is reduced.
 Creep = Annotated[float, RateRange("speed", "0 m/s", "1 m/s", "0.1 mm/s", lower_limit_excluded=True)]
 
+#: Displacement of the inner ring [m].
 Move = Annotated[float, QuantityRange("length", "-1 mm", "1 mm", "5 um")]
 
+#: Axial force on the inner ring [N].
 Axial = Annotated[float, QuantityRange("force", "-1 MN", "1 MN", "100 N")]
 
+#: Parameter k_S of the sigmoid friction law.
 Sharpness = Annotated[float, QuantityRange("number", 0, 1_000_000, 100, lower_limit_excluded=True)]
 
+#: Step of friction tables in c/a, centre of rotation over semi-axis.
 MapStep = Annotated[float, QuantityRange("number", 0, 1, 0.08, lower_limit_excluded=True)]
 
 
-class InnerRingLoadKeys(SceneFileTable):
+class InnerRingLoadKeys(scenes_keys.SceneFileTable):
     """Axial force and radial displacement of the inner ring."""
 
-    axial_force: Axial = key("force on the inner ring along its axis")
-    radial_displacement: Move = key("radial displacement of the inner ring towards the ball", "0 um", "5 um")
+    axial_force: Axial = scenes_keys.key("force on the inner ring along its axis")
+    radial_displacement: Move = scenes_keys.key("radial displacement of the inner ring towards the ball", "0 um", "5 um")
 
 
-class FrictionLawKeys(CoulombFrictionKeys):
+class FrictionLawKeys(scenes_keys.CoulombFrictionKeys):
     """Coefficient of friction between ball and grooves, and the friction law."""
 
-    law: Law = key("friction law: Coulomb's, Coulomb's regularised, or the sigmoid of Lin (3.20)", "coulomb", "coulomb")
-    creep: Creep | None = key('sliding speed below which friction is reduced, for law = "regularised"', None)
-    sharpness: Sharpness | None = key('parameter k_S of the law "sigmoid"', None)
-    map_step: MapStep | None = key(
+    law: Law = scenes_keys.key(
+        "friction law: Coulomb's, Coulomb's regularised, or the sigmoid of Lin (3.20)", "coulomb", "coulomb"
+    )
+    creep: Creep | None = scenes_keys.key('sliding speed below which friction is reduced, for law = "regularised"', None)
+    sharpness: Sharpness | None = scenes_keys.key('parameter k_S of the law "sigmoid"', None)
+    map_step: MapStep | None = scenes_keys.key(
         'step of c/a (centre of rotation over semi-axis) in friction tables of law = "sigmoid"; exact if left out', None
     )
 
@@ -70,31 +66,34 @@ class FrictionLawKeys(CoulombFrictionKeys):
 class BearingBallKeys(common.EqualGrooveSceneKeys):
     """One ball of a rotary bearing; the inner ring turns, the outer ring is fixed."""
 
-    kind: Literal["bearing ball"] = key("what the scene describes", example="bearing ball")
-    track: BallPathKeys = key("path of the ball centres, of zero lead")
-    balls: BallSizeKeys = key("the ball")
-    load: InnerRingLoadKeys = key("force and displacement of the inner ring")
-    motion: RingSpeedKeys = key("motion of the inner ring")
-    friction: FrictionLawKeys = key("friction")
+    kind: Literal["bearing ball"] = scenes_keys.key("what the scene describes", example="bearing ball")
+    track: scenes_keys.BallPathKeys = scenes_keys.key("path of the ball centres, of zero lead")
+    balls: scenes_keys.BallSizeKeys = scenes_keys.key("the ball")
+    load: InnerRingLoadKeys = scenes_keys.key("force and displacement of the inner ring")
+    motion: scenes_keys.RingSpeedKeys = scenes_keys.key("motion of the inner ring")
+    friction: FrictionLawKeys = scenes_keys.key("friction")
 
 
 @dataclass(frozen=True)
-class BearingBallScene(FrictionScene):
-    """Scene of one ball in a rotary bearing, under an axial force and a radial displacement of the inner ring.
+class BearingBallScene(friction_kinds_common.FrictionScene):
+    """Scene of one ball in a rotary bearing, under an axial force and a radial displacement of the inner ring."""
 
-    ``force``: axial force [N]; ``displacement``: radial displacement [m]; ``law``: friction law; ``creep``: sliding speed
-    [m/s] below which the law "regularised" reduces friction; ``sharpness``: parameter k_S of the law "sigmoid";
-    ``map_step``: step of the tables of the law "sigmoid" in c/a, the distance of the centre of rotation from the contact's
-    centre divided by the semi-axis a; None: exact integrals instead of tables.
-    """
-
+    #: Kind of the scene, as its file names it.
     kind: ClassVar[str] = "bearing ball"
+    #: Geometry, motion and friction of the bearing.
     bearing: Bearing
+    #: Axial force on the inner ring [N].
     force: float
+    #: Radial displacement of the inner ring towards the ball [m].
     displacement: float
+    #: Friction law.
     law: Law
+    #: Sliding speed [m/s] below which the law "regularised" reduces friction.
     creep: float
+    #: Parameter k_S of the law "sigmoid".
     sharpness: float
+    #: Step of the tables of the law "sigmoid" in c/a, the distance of the centre of rotation from the contact's centre
+    #: divided by the semi-axis a; None: exact integrals instead of tables.
     map_step: float | None
 
 
@@ -110,7 +109,7 @@ def bearing_ball_faults(keys: BearingBallKeys) -> Iterator[Fault]:
 
 
 def _friction_law_faults(friction: FrictionLawKeys, speed: float) -> Iterator[Fault]:
-    """Yield the faults of the keys of a friction law: parameters of another law, missing ones, or no rotation.
+    """Yield the faults of a friction law's keys: parameters of another law or missing, or a ring at rest with the sigmoid.
 
     ``friction``: keys of the friction law; ``speed``: angular speed of the inner ring [rad/s].
     """
@@ -144,7 +143,7 @@ def bearing_ball_scene(keys: BearingBallKeys, name: str) -> BearingBallScene:
         clearance=0.0 - keys.errors.balls.oversize,
     )
     return BearingBallScene(
-        *name_title_source_and_assumptions(keys, name),
+        *friction_kinds_common.name_title_source_and_assumptions(keys, name),
         bearing,
         keys.load.axial_force,
         keys.load.radial_displacement,
@@ -158,74 +157,80 @@ def bearing_ball_scene(keys: BearingBallKeys, name: str) -> BearingBallScene:
 # --- the kind "bearing pair": comparison of a four-point and a double-row bearing over the angle of the load (Lin 4.3.1)
 
 
+#: Angle of a force from the axis [rad].
 LoadAngle = Annotated[float, QuantityRange("angle", "0 deg", "90 deg", "18 deg")]
 
 
-class BearingRowBallKeys(BallSizeKeys):
+class BearingRowBallKeys(scenes_keys.BallSizeKeys):
     """Evenly spaced balls of one bearing row: their size and number."""
 
-    count: Annotated[int, Field(ge=1, le=1000)] = key("balls in a row", example=9)
+    count: Annotated[int, Field(ge=1, le=1000)] = scenes_keys.key("balls in a row", example=9)
 
 
-class RotaryBearingKeys(SceneFileTable):
+class RotaryBearingKeys(scenes_keys.SceneFileTable):
     """Rotary bearing whose inner ring turns and whose outer ring is fixed."""
 
-    track: BallPathKeys = key("path of the ball centres, of zero lead")
-    screw: GrooveKeys = key("groove of the inner ring", example={"groove_radius": "6.75 mm"})
-    nut: GrooveKeys = key("groove of the outer ring, with the same radius", example={"groove_radius": "6.75 mm"})
-    balls: BearingRowBallKeys = key("balls of each row")
-    errors: common.BallRadiusErrorKeys = key(
+    track: scenes_keys.BallPathKeys = scenes_keys.key("path of the ball centres, of zero lead")
+    screw: scenes_keys.GrooveKeys = scenes_keys.key("groove of the inner ring", example={"groove_radius": "6.75 mm"})
+    nut: scenes_keys.GrooveKeys = scenes_keys.key(
+        "groove of the outer ring, with the same radius", example={"groove_radius": "6.75 mm"}
+    )
+    balls: BearingRowBallKeys = scenes_keys.key("balls of each row")
+    errors: common.BallRadiusErrorKeys = scenes_keys.key(
         "geometric errors", common.BallRadiusErrorKeys(), {"balls": {"oversize": "1 um"}}
     )
 
 
-class BearingRowsKeys(SceneFileTable):
+class BearingRowsKeys(scenes_keys.SceneFileTable):
     """Distance and arrangement of the two rows of balls of a double-row bearing."""
 
-    distance: Size = key("axial distance of the rows", example="12 mm")
-    arrangement: Literal["back to back", "face to face"] = key("arrangement of the rows", "back to back", "back to back")
+    distance: Size = scenes_keys.key("axial distance of the rows", example="12 mm")
+    arrangement: Literal["back to back", "face to face"] = scenes_keys.key(
+        "arrangement of the rows", "back to back", "back to back"
+    )
 
 
 class DoubleRowBearingKeys(RotaryBearingKeys):
     """Double-row angular-contact bearing."""
 
-    rows: BearingRowsKeys = key("the rows")
+    rows: BearingRowsKeys = scenes_keys.key("the rows")
 
 
-class InnerRingForceKeys(SceneFileTable):
+class InnerRingForceKeys(scenes_keys.SceneFileTable):
     """Force on the inner ring midway between its rows, at several angles from the axis, and whether the ring may tilt."""
 
-    force: common.Pressing = key("size of the force")
-    angles: Annotated[list[LoadAngle], Field(min_length=2, max_length=500)] = key(
+    force: common.Pressing = scenes_keys.key("magnitude of the force on the inner ring")
+    angles: Annotated[list[LoadAngle], Field(min_length=2, max_length=500)] = scenes_keys.key(
         "angles of the force from the axis, in ascending order", example=["0 deg", "10 deg", "18 deg"]
     )
-    tilt: bool = key("whether the inner ring is free to tilt", True, True)
+    tilt: bool = scenes_keys.key("whether the inner ring is free to tilt", True, True)
 
 
-class BearingPairKeys(FrictionSceneKeys):
+class BearingPairKeys(friction_kinds_common.FrictionSceneKeys):
     """Four-point bearing and double-row bearing under the same force."""
 
-    kind: Literal["bearing pair"] = key("what the scene describes", example="bearing pair")
-    four_point: RotaryBearingKeys = key("the four-point bearing")
-    double_row: DoubleRowBearingKeys = key("the double-row bearing")
-    load: InnerRingForceKeys = key("force on the inner ring")
-    motion: RingSpeedKeys = key("motion of the inner ring")
-    friction: CoulombFrictionKeys = key("friction")
-    ingredients: common.HertzConstantKeys = key(
+    kind: Literal["bearing pair"] = scenes_keys.key("what the scene describes", example="bearing pair")
+    four_point: RotaryBearingKeys = scenes_keys.key("the four-point bearing")
+    double_row: DoubleRowBearingKeys = scenes_keys.key("the double-row bearing")
+    load: InnerRingForceKeys = scenes_keys.key("force on the inner ring")
+    motion: scenes_keys.RingSpeedKeys = scenes_keys.key("motion of the inner ring")
+    friction: scenes_keys.CoulombFrictionKeys = scenes_keys.key("friction")
+    ingredients: common.HertzConstantKeys = scenes_keys.key(
         "options of the low-order model", common.HertzConstantKeys(), {"hertz": "nominal"}
     )
 
 
 @dataclass(frozen=True)
-class BearingPairScene(FrictionScene):
-    """Scene of a four-point and a double-row bearing under the same force.
+class BearingPairScene(friction_kinds_common.FrictionScene):
+    """Scene of a four-point and a double-row bearing under the same force."""
 
-    ``angle``: angles of the force from the axis ``(n,)`` [rad], for each of which the scene is solved.
-    """
-
+    #: Kind of the scene, as its file names it.
     kind: ClassVar[str] = "bearing pair"
+    #: Four-point bearing with load and friction.
     four_point: BearingCase
+    #: Double-row bearing with load and friction.
     double_row: BearingCase
+    #: Angles of the force from the axis ``(n,)`` [rad], for each of which the scene is solved.
     angle: Array
 
 
@@ -276,25 +281,29 @@ def _bearing_case_from_keys(keys: BearingPairKeys, ring: RotaryBearingKeys) -> B
 def bearing_pair_scene(keys: BearingPairKeys, name: str) -> BearingPairScene:
     """Return the scene ``name`` of a four-point and a double-row bearing from the validated keys of its file."""
     four, double = (_bearing_case_from_keys(keys, b) for b in (keys.four_point, keys.double_row))
-    return BearingPairScene(*name_title_source_and_assumptions(keys, name), four, double, np.array(keys.load.angles))
+    return BearingPairScene(
+        *friction_kinds_common.name_title_source_and_assumptions(keys, name), four, double, np.array(keys.load.angles)
+    )
 
 
+#: Speed of the carriage [m/s].
 Speed = Annotated[float, RateRange("speed", "-1000 m/s", "1000 m/s", "10 mm/s")]
 
+#: Side force on a ball divided by the vertical force.
 SideRatio = Annotated[float, QuantityRange("number", -10, 10, -0.6)]
 
 
-class LinearTrackKeys(SceneFileTable):
+class LinearTrackKeys(scenes_keys.SceneFileTable):
     """Contact angle of a linear bearing, whose ball centres move on a straight path."""
 
-    contact_angle: ContactAngle = key("nominal angle between contact normals and vertical force")
+    contact_angle: ContactAngle = scenes_keys.key("nominal angle between contact normals and vertical force")
 
 
-class CarriageForceKeys(SceneFileTable):
+class CarriageForceKeys(scenes_keys.SceneFileTable):
     """Vertical force of the carriage on each ball of a linear bearing, and how contact loads follow from it."""
 
-    vertical_force: common.Pressing = key("force that presses on each ball")
-    distribution: Loads = key(
+    vertical_force: common.Pressing = scenes_keys.key("force that presses on each ball")
+    distribution: Loads = scenes_keys.key(
         "contact loads: balanced at fixed angles, equal on each diagonal, or elastic with changing angles",
         "balanced",
         "elastic",
@@ -304,83 +313,89 @@ class CarriageForceKeys(SceneFileTable):
 class CarriageForceOnPairKeys(CarriageForceKeys):
     """Force of the carriage on two balls of a linear bearing; the side forces on the two balls are opposite."""
 
-    side_force_ratio: SideRatio = key("side force on the first ball divided by vertical_force")
+    side_force_ratio: SideRatio = scenes_keys.key("side force on the first ball divided by vertical_force")
 
 
-class CarriageSpeedKeys(SceneFileTable):
+class CarriageSpeedKeys(scenes_keys.SceneFileTable):
     """Speed of the carriage of a linear bearing."""
 
-    carriage: Speed = key("speed of the carriage along the track")
+    carriage: Speed = scenes_keys.key("speed of the carriage along the track")
 
 
-class BottomAngleDeviationKeys(SceneFileTable):
+class BottomAngleDeviationKeys(scenes_keys.SceneFileTable):
     """Deviation of the bottom groove's contact angles from the nominal one: smaller on the left, larger on the right."""
 
-    deviation: common.Theta = key("deviation theta of the bottom groove's contact angles")
-    mated: bool = key("whether the top groove's angles are matched to those of the bottom (Lin 3.3.4.2)", False, False)
+    deviation: common.Theta = scenes_keys.key("deviation theta of the bottom groove's contact angles")
+    mated: bool = scenes_keys.key(
+        "whether the top groove's angles are matched to those of the bottom (Lin 3.3.4.2)", False, False
+    )
 
 
-class BallOfChainKeys(SceneFileTable):
+class BallOfChainKeys(scenes_keys.SceneFileTable):
     """One ball in a chain of balls of a linear bearing: side force, contact angles, and gap to the next ball."""
 
-    side_force_ratio: SideRatio = key("side force divided by vertical_force", 0.0)
-    angle_deviations: Annotated[list[common.Theta], Field(min_length=4, max_length=4)] = key(
+    side_force_ratio: SideRatio = scenes_keys.key("side force divided by vertical_force", 0.0)
+    angle_deviations: Annotated[list[common.Theta], Field(min_length=4, max_length=4)] = scenes_keys.key(
         "deviations of the contact angles at bottom left, bottom right, top right, top left",
         ["0 deg", "0 deg", "0 deg", "0 deg"],
         ["-2 deg", "2 deg", "0 deg", "0 deg"],
     )
-    gap: common.Gap = key("gap to the next ball; 0: the two balls may touch", "0 mm", "0.5 mm")
+    gap: common.Gap = scenes_keys.key("gap to the next ball; 0: the two balls may touch", "0 mm", "0.5 mm")
 
 
-class LinearBearingKeys(FrictionSceneKeys):
+class LinearBearingKeys(friction_kinds_common.FrictionSceneKeys):
     """Linear bearing with balls between equal gothic-arch grooves at bottom and top."""
 
-    track: LinearTrackKeys = key("path of the ball centres")
-    grooves: GrooveKeys = key("cross-section of both grooves", example={"conformity": 0.56})
-    balls: BallSizeKeys = key("the balls")
-    motion: CarriageSpeedKeys = key("motion of the carriage")
-    friction: common.BallFrictionKeys = key("friction")
+    track: LinearTrackKeys = scenes_keys.key("path of the ball centres")
+    grooves: scenes_keys.GrooveKeys = scenes_keys.key("cross-section of both grooves", example={"conformity": 0.56})
+    balls: scenes_keys.BallSizeKeys = scenes_keys.key("the balls")
+    motion: CarriageSpeedKeys = scenes_keys.key("motion of the carriage")
+    friction: common.BallFrictionKeys = scenes_keys.key("friction")
 
 
 class LinearPairKeys(LinearBearingKeys):
     """Two balls of a linear bearing, which may touch each other."""
 
-    kind: Literal["linear pair"] = key("what the scene describes", example="linear pair")
-    angles: BottomAngleDeviationKeys = key("contact angles")
-    load: CarriageForceOnPairKeys = key("force of the carriage")
+    kind: Literal["linear pair"] = scenes_keys.key("what the scene describes", example="linear pair")
+    angles: BottomAngleDeviationKeys = scenes_keys.key("contact angles")
+    load: CarriageForceOnPairKeys = scenes_keys.key("force of the carriage")
 
 
 class LinearChainKeys(LinearBearingKeys):
     """Chain of balls in a linear bearing, which may touch each other."""
 
-    kind: Literal["linear chain"] = key("what the scene describes", example="linear chain")
-    load: CarriageForceKeys = key("force of the carriage")
-    chain: Annotated[list[BallOfChainKeys], Field(min_length=1, max_length=500)] = key("balls in order along the track")
+    kind: Literal["linear chain"] = scenes_keys.key("what the scene describes", example="linear chain")
+    load: CarriageForceKeys = scenes_keys.key("force of the carriage")
+    chain: Annotated[list[BallOfChainKeys], Field(min_length=1, max_length=500)] = scenes_keys.key(
+        "balls in order along the track"
+    )
 
 
 @dataclass(frozen=True)
-class LinearBearingScene(FrictionScene):
-    """Scene of N balls in a linear bearing.
+class LinearBearingScene(friction_kinds_common.FrictionScene):
+    """Scene of N balls in a linear bearing."""
 
-    ``angles``: contact angles (N, 4) [rad] before loading, at bottom left, bottom right, top right and top left;
-    ``vertical``: vertical force on each ball [N]; ``side``: side force on each ball divided by the vertical force (N,);
-    ``distribution``: how the contact loads follow from the forces, a value of the key ``load.distribution``; ``gap``: gaps
-    between neighbouring balls (N-1,) [m].
-    """
-
+    #: Geometry, motion and friction of the bearing.
     bearing: LinearBearing
+    #: Contact angles (N, 4) [rad] before loading, at bottom left, bottom right, top right and top left.
     angles: Array
+    #: Vertical force on each ball [N].
     vertical: float
+    #: Side force on each ball divided by the vertical force (N,).
     side: Array
+    #: How the contact loads follow from the forces, a value of the key ``load.distribution``.
     distribution: Loads
+    #: Gaps between neighbouring balls (N-1,) [m].
     gap: Array
 
 
 @dataclass(frozen=True)
 class LinearPairScene(LinearBearingScene):
-    """Scene of two balls in a linear bearing whose bottom contact angles deviate by ``deviation`` [rad]."""
+    """Scene of two balls in a linear bearing whose contact angles at the bottom groove deviate from the nominal one."""
 
+    #: Kind of the scene, as its file names it.
     kind: ClassVar[str] = "linear pair"
+    #: Deviation of the contact angles at the bottom groove [rad].
     deviation: float
 
 
@@ -388,6 +403,7 @@ class LinearPairScene(LinearBearingScene):
 class LinearChainScene(LinearBearingScene):
     """Scene of a chain of balls in a linear bearing."""
 
+    #: Kind of the scene, as its file names it.
     kind: ClassVar[str] = "linear chain"
 
 
@@ -470,7 +486,11 @@ def linear_bearing_scene(keys: LinearPairKeys | LinearChainKeys, name: str) -> L
         *common.elastic_constants(keys.material),
     )
     angles, side, gap = _ball_angles_and_gaps(keys)
-    force, how, head = keys.load.vertical_force, keys.load.distribution, name_title_source_and_assumptions(keys, name)
+    force, how, head = (
+        keys.load.vertical_force,
+        keys.load.distribution,
+        friction_kinds_common.name_title_source_and_assumptions(keys, name),
+    )
     if isinstance(keys, LinearPairKeys):
         return LinearPairScene(*head, bearing, angles, force, side, how, gap[:-1], keys.angles.deviation)
     return LinearChainScene(*head, bearing, angles, force, side, how, gap[:-1])

@@ -9,43 +9,34 @@ from typing import Annotated, Any, ClassVar, Literal, Protocol
 import numpy as np
 
 from rollbench.compare.errors import escape_unprintable
+from rollbench.compare.scenes import keys as scenes_keys
 from rollbench.compare.scenes.fault import Fault, length_text
 from rollbench.compare.scenes.key_checks import groove_definition_faults
-from rollbench.compare.scenes.keys import (
-    MATERIAL,
-    BallOversizeKeys,
-    BallPathKeys,
-    BallSizeKeys,
-    CoulombFrictionKeys,
-    GrooveKeys,
-    MaterialKeys,
-    SceneFileTable,
-    TitleKeys,
-    key,
-)
 from rollbench.lowfi.friction.screw.groove import Mode, ScrewGroove
 from rollbench.meshes.ranges import Coefficient, QuantityRange
 from rollbench.meshes.scene_text import toml_of_tables
 
 
-class FrictionSceneKeys(TitleKeys):
+class FrictionSceneKeys(scenes_keys.TitleKeys):
     """Keys in the file of every scene for which only friction is computed: kind, material, title."""
 
-    kind: str = key("what the scene describes")
-    material: MaterialKeys = key("material of all parts", example=MATERIAL)
+    kind: str = scenes_keys.key("what the scene describes")
+    material: scenes_keys.MaterialKeys = scenes_keys.key("material of all parts", example=scenes_keys.MATERIAL)
 
 
 @dataclass(frozen=True)
 class FrictionScene:
-    """Scene for which only friction is computed; base class of all such kinds.
+    """Scene for which only friction is computed; base class of all such kinds."""
 
-    ``source``: publication of the data; ``assumed``: assumptions where the publication gives no value.
-    """
-
+    #: Kind of the scene, as its file names it.
     kind: ClassVar[str]
+    #: Name of the scene.
     name: str
+    #: Title of the scene, in one line.
     title: str
+    #: Publication of the data.
     source: str
+    #: Assumptions where the publication gives no value, as sentences.
     assumed: tuple[str, ...]
 
     def to_toml(self) -> str:
@@ -55,6 +46,7 @@ class FrictionScene:
         return toml_of_tables(scene_file_tables_of_friction_scene(self))
 
 
+#: Name, title, source of the data, and assumptions of a scene.
 Head = tuple[str, str, str, tuple[str, ...]]
 
 
@@ -66,36 +58,41 @@ def name_title_source_and_assumptions(keys: FrictionSceneKeys, name: str) -> Hea
 
 @dataclass(frozen=True)
 class FrictionSceneKind:
-    """Kind of scene for which only friction is computed: how its file is read.
+    """Kind of scene for which only friction is computed: how its file is read."""
 
-    ``key_class``: class of the keys; ``faults_of_keys``: function that yields the faults of keys; ``scene_from_keys``:
-    function that returns the scene from its keys and its name.
-    """
-
+    #: Class of the keys of the scene file.
     key_class: type[FrictionSceneKeys]
+    #: Function that yields the faults of the keys.
     faults_of_keys: Callable[[Any], Iterator[Fault]]
+    #: Function that returns the scene from its keys and its name.
     scene_from_keys: Callable[[Any, str], FrictionScene]
 
 
+#: Force that presses a part onto balls [N], above zero.
 Pressing = Annotated[float, QuantityRange("force", "0 N", "1 MN", "100 N", lower_limit_excluded=True)]
 
+#: Force on the screw [N].
 AxialLoad = Annotated[float, QuantityRange("force", "-1 MN", "1 MN", "50 N")]
 
+#: Gap between neighbouring balls, or length of a return tube [m].
 Gap = Annotated[float, QuantityRange("length", "0 mm", "1 m", "0.5 mm")]
 
+#: Deviation theta of a contact angle from the nominal one [rad].
 Theta = Annotated[float, QuantityRange("angle", "-15 deg", "15 deg", "2 deg")]
 
 
-class BallRadiusErrorKeys(SceneFileTable):
+class BallRadiusErrorKeys(scenes_keys.SceneFileTable):
     """Manufacturing errors of the balls in a scene of a few balls: the oversize that all ball radii have."""
 
-    balls: BallOversizeKeys = key("errors of the ball radii", BallOversizeKeys(), {"oversize": "1.7 um"})
+    balls: scenes_keys.BallOversizeKeys = scenes_keys.key(
+        "errors of the ball radii", scenes_keys.BallOversizeKeys(), {"oversize": "1.7 um"}
+    )
 
 
-class HertzConstantKeys(SceneFileTable):
+class HertzConstantKeys(scenes_keys.SceneFileTable):
     """Choice of the Hertz constants of the contacts: exact ones, or those printed in Lin's Table B.1."""
 
-    hertz: Literal["nominal", "as printed"] = key(
+    hertz: Literal["nominal", "as printed"] = scenes_keys.key(
         "Hertz constants: exact at the nominal contact angle, or as printed with the errors of Lin's Table B.1",
         "nominal",
         "nominal",
@@ -107,34 +104,42 @@ class HertzConstantKeys(SceneFileTable):
         return "right" if self.hertz == "nominal" else "as printed"
 
 
-class BallFrictionKeys(CoulombFrictionKeys):
+class BallFrictionKeys(scenes_keys.CoulombFrictionKeys):
     """Coulomb friction between balls and grooves, and between neighbouring balls."""
 
-    balls: Coefficient | None = key("coefficient between balls, if it is not that of the grooves", None)
+    balls: Coefficient | None = scenes_keys.key("coefficient between balls, if it is not that of the grooves", None)
 
 
 class EqualGrooveSceneKeys(FrictionSceneKeys):
     """Bearing or screw with the same groove radius on both parts, and balls of one size."""
 
-    screw: GrooveKeys = key("groove of the screw, or of the inner ring", example={"conformity": 0.54})
-    nut: GrooveKeys = key("groove of the nut, or of the outer ring, with the same radius", example={"conformity": 0.54})
-    errors: BallRadiusErrorKeys = key("geometric errors", BallRadiusErrorKeys(), {"balls": {"oversize": "1.7 um"}})
-    ingredients: HertzConstantKeys = key("options of the low-order model", HertzConstantKeys(), {"hertz": "nominal"})
+    screw: scenes_keys.GrooveKeys = scenes_keys.key(
+        "groove of the screw, or of the inner ring", example={"conformity": 0.54}
+    )
+    nut: scenes_keys.GrooveKeys = scenes_keys.key(
+        "groove of the nut, or of the outer ring, with the same radius", example={"conformity": 0.54}
+    )
+    errors: BallRadiusErrorKeys = scenes_keys.key(
+        "geometric errors", BallRadiusErrorKeys(), {"balls": {"oversize": "1.7 um"}}
+    )
+    ingredients: HertzConstantKeys = scenes_keys.key(
+        "options of the low-order model", HertzConstantKeys(), {"hertz": "nominal"}
+    )
 
 
-def material_faults(material: MaterialKeys) -> Iterator[Fault]:
+def material_faults(material: scenes_keys.MaterialKeys) -> Iterator[Fault]:
     """Yield a fault for a material in a scene file without Young's modulus or without Poisson's ratio."""
     for name, text in (("youngs_modulus", '"210 GPa"'), ("poissons_ratio", "0.28")):
         if getattr(material, name) is None:
             yield Fault((f"material.{name}",), "a value", f"write {name} = {text} under [material]", "nothing")
 
 
-def elastic_constants(material: MaterialKeys) -> tuple[float, float]:
+def elastic_constants(material: scenes_keys.MaterialKeys) -> tuple[float, float]:
     """Return Young's modulus [Pa] and Poisson's ratio from the validated keys of a material."""
     return material.youngs_modulus or 0.0, material.poissons_ratio or 0.0
 
 
-def groove_radius_from_keys(groove: GrooveKeys, balls: BallSizeKeys) -> float:
+def groove_radius_from_keys(groove: scenes_keys.GrooveKeys, balls: scenes_keys.BallSizeKeys) -> float:
     """Return the radius of a groove [m] from its keys: as stated, or as conformity times ball diameter.
 
     ``groove``, ``balls``: tables with the keys of the groove and of the balls.
@@ -142,7 +147,7 @@ def groove_radius_from_keys(groove: GrooveKeys, balls: BallSizeKeys) -> float:
     return groove.groove_radius or 2.0 * (groove.conformity or 0.0) * balls.radius
 
 
-def groove_radius_faults(groove: GrooveKeys, balls: BallSizeKeys, table: str) -> Iterator[Fault]:
+def groove_radius_faults(groove: scenes_keys.GrooveKeys, balls: scenes_keys.BallSizeKeys, table: str) -> Iterator[Fault]:
     """Yield a fault for a groove whose radius is stated twice, not at all, or not above the ball radius.
 
     ``groove``, ``balls``: tables with the keys of the groove and of the balls; ``table``: name of the groove's table in the
@@ -158,16 +163,19 @@ def groove_radius_faults(groove: GrooveKeys, balls: BallSizeKeys, table: str) ->
 class BearingOrScrewKeys(Protocol):
     """Keys of a bearing or screw that `groove_and_path_faults` checks: grooves, ball path, ball size and oversize."""
 
-    screw: GrooveKeys
-    nut: GrooveKeys
+    #: Groove of the screw or inner ring.
+    screw: scenes_keys.GrooveKeys
+    #: Groove of the nut or outer ring.
+    nut: scenes_keys.GrooveKeys
+    #: Errors of the ball radii.
     errors: BallRadiusErrorKeys
 
     @property
-    def track(self) -> BallPathKeys:
+    def track(self) -> scenes_keys.BallPathKeys:
         """Path of the ball centres."""
 
     @property
-    def balls(self) -> BallSizeKeys:
+    def balls(self) -> scenes_keys.BallSizeKeys:
         """Size of the balls."""
 
 

@@ -22,10 +22,15 @@ from rollbench.meshes.parts import Motion, Time
 from rollbench.meshes.ranges import Azimuth, IntegerRange, QuantityRange, Turns
 from rollbench.meshes.record_keys import frozen_default
 
+#: Factor on the deviation of a contact angle.
 Share = Annotated[float, QuantityRange("number", -1, 1, 1)]
+#: Factors on the deviation for the contact angles at SL, SR, NL, NR (screw or nut, left or right).
 Pattern = Annotated[list[Share], Field(min_length=4, max_length=4)]
+#: Fraction of the distance between balls.
 Part = Annotated[float, QuantityRange("number", 0, 1, 0.5)]
+#: Number of periods of the angle deviation per turn of the screw.
 Cycles = Annotated[float, QuantityRange("number", 0, 1000, 2)]
+#: Direction in which the screw can move.
 Direction = Literal["axial", "radial"]
 #: Largest number of balls times number of time steps, because the results of all steps are stored.
 MOST = 5_000_000
@@ -44,7 +49,10 @@ class ScrewLoadKeys(SceneFileTable):
 
 
 class ScrewFrictionKeys(common.BallFrictionKeys):
-    """Coefficients of Coulomb friction at grooves and between balls, and the bodies that friction displaces."""
+    """Coefficients of Coulomb friction at grooves and between balls, and the bodies that friction displaces.
+
+    Friction that displaces the balls changes their contact loads; it may also change the position of the screw.
+    """
 
     coupling: Coupling = key("bodies that friction displaces: none, the balls, or balls and screw", "none", "ball")
 
@@ -86,7 +94,10 @@ class BallReturnKeys(SceneFileTable):
 
 @dataclass(frozen=True)
 class SimulationTimeKeys(Time):
-    """Duration and number of steps of a simulation over time, and iterations between loads and friction in each step."""
+    """Duration and number of steps of a simulation over time, and iterations between loads and friction in each step.
+
+    One iteration solves the contact loads under given friction, then the friction under these loads.
+    """
 
     rounds: Annotated[int, IntegerRange(1, 100)] = frozen_default(
         1, "iterations between loads and friction in each time step; 1: loads with the friction of the step before", 1
@@ -124,7 +135,9 @@ class ScrewSimulationKeys(BallScrewFrictionKeys):
 class ScrewPairScene(FrictionScene):
     """Scene of two neighbouring balls of a ball screw that touch each other."""
 
+    #: Kind of the scene, as its file names it.
     kind: ClassVar[str] = "screw pair"
+    #: The two balls with grooves, load and friction.
     pair: Pair
 
 
@@ -132,8 +145,11 @@ class ScrewPairScene(FrictionScene):
 class ScrewRunScene(FrictionScene):
     """Scene of a whole ball screw that turns for some time."""
 
+    #: Kind of the scene, as its file names it.
     kind: ClassVar[str] = "screw run"
+    #: Screw, balls, load, motion and friction of the simulation.
     run: Run
+    #: Duration and steps of the simulation.
     time: Time
 
 

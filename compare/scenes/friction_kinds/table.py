@@ -9,26 +9,9 @@ from pydantic import Discriminator, Tag, TypeAdapter
 
 from rollbench.compare.scenes.duty_cycle import AXIS, KINDS
 from rollbench.compare.scenes.friction_kinds import bearings, screw_balls
-from rollbench.compare.scenes.friction_kinds.bearings import (
-    BearingBallKeys,
-    BearingBallScene,
-    BearingPairKeys,
-    BearingPairScene,
-    Creep,
-    LinearBearingScene,
-    LinearChainKeys,
-    LinearPairKeys,
-    LinearPairScene,
-    Speed,
-)
+from rollbench.compare.scenes.friction_kinds import bearings as friction_kinds_bearings
+from rollbench.compare.scenes.friction_kinds import screw_balls as friction_kinds_screw_balls
 from rollbench.compare.scenes.friction_kinds.common import FrictionScene, FrictionSceneKind, Theta
-from rollbench.compare.scenes.friction_kinds.screw_balls import (
-    FREE_TRANSLATION,
-    ScrewPairKeys,
-    ScrewPairScene,
-    ScrewRunScene,
-    ScrewSimulationKeys,
-)
 from rollbench.compare.scenes.keys import schema_without_null
 from rollbench.compare.scenes.schema import SceneKeys, ShaftSceneKeys
 from rollbench.lowfi.friction.bearing import DIAGONAL, BearingCase
@@ -49,13 +32,26 @@ from rollbench.meshes.ranges import (
 )
 from rollbench.meshes.scene_text import groove_table, keys_of_record, value_with_unit_text, without_empty_values
 
+#: How the file of each kind of friction scene is read, by the name of the kind.
 TABLE = {
-    "bearing ball": FrictionSceneKind(BearingBallKeys, bearings.bearing_ball_faults, bearings.bearing_ball_scene),
-    "bearing pair": FrictionSceneKind(BearingPairKeys, bearings.bearing_pair_faults, bearings.bearing_pair_scene),
-    "linear pair": FrictionSceneKind(LinearPairKeys, bearings.linear_bearing_faults, bearings.linear_bearing_scene),
-    "linear chain": FrictionSceneKind(LinearChainKeys, bearings.linear_bearing_faults, bearings.linear_bearing_scene),
-    "screw pair": FrictionSceneKind(ScrewPairKeys, screw_balls.ball_screw_faults, screw_balls.screw_pair_scene),
-    "screw run": FrictionSceneKind(ScrewSimulationKeys, screw_balls.ball_screw_faults, screw_balls.screw_run_scene),
+    "bearing ball": FrictionSceneKind(
+        friction_kinds_bearings.BearingBallKeys, bearings.bearing_ball_faults, bearings.bearing_ball_scene
+    ),
+    "bearing pair": FrictionSceneKind(
+        friction_kinds_bearings.BearingPairKeys, bearings.bearing_pair_faults, bearings.bearing_pair_scene
+    ),
+    "linear pair": FrictionSceneKind(
+        friction_kinds_bearings.LinearPairKeys, bearings.linear_bearing_faults, bearings.linear_bearing_scene
+    ),
+    "linear chain": FrictionSceneKind(
+        friction_kinds_bearings.LinearChainKeys, bearings.linear_bearing_faults, bearings.linear_bearing_scene
+    ),
+    "screw pair": FrictionSceneKind(
+        friction_kinds_screw_balls.ScrewPairKeys, screw_balls.ball_screw_faults, screw_balls.screw_pair_scene
+    ),
+    "screw run": FrictionSceneKind(
+        friction_kinds_screw_balls.ScrewSimulationKeys, screw_balls.ball_screw_faults, screw_balls.screw_run_scene
+    ),
 }
 
 
@@ -92,6 +88,7 @@ def scene_json_schema() -> dict[str, Any]:
     return {"$schema": draft, "$id": "urn:rollbench:scene", "title": "rollbench scene"} | schema
 
 
+#: Keys and values of a scene file or of one of its tables.
 Table = dict[str, Any]
 
 
@@ -99,19 +96,19 @@ def scene_file_tables_of_friction_scene(scene: FrictionScene) -> Table:
     """Return the keys and tables of the scene file of a scene for which only friction is computed."""
     head = without_empty_values(title=scene.title, source=scene.source, assumed=[*scene.assumed]) | {"kind": scene.kind}
     match scene:
-        case BearingBallScene():
+        case friction_kinds_bearings.BearingBallScene():
             return head | _bearing_ball_tables(scene)
-        case BearingPairScene():
+        case friction_kinds_bearings.BearingPairScene():
             return head | _bearing_pair_tables(scene)
-        case LinearBearingScene():
+        case friction_kinds_bearings.LinearBearingScene():
             return head | _linear_bearing_tables(scene)
-        case ScrewPairScene():
+        case friction_kinds_screw_balls.ScrewPairScene():
             angles = {
                 "deviations": [value_with_unit_text(Theta, x) for x in scene.pair.theta],
                 "pattern": [*scene.pair.pattern[0]],
             }
             return head | _shared_screw_tables(scene.pair.groove, scene.pair, angles)
-        case ScrewRunScene():
+        case friction_kinds_screw_balls.ScrewRunScene():
             return head | _screw_run_tables(scene)
     raise AssertionError(scene.kind)
 
@@ -147,10 +144,10 @@ def _hertz_table(groove: ScrewGroove) -> Table:
     return {"ingredients": {"hertz": "as printed"}} if groove.hertz == "as printed" else {}
 
 
-def _bearing_ball_tables(scene: BearingBallScene) -> Table:
+def _bearing_ball_tables(scene: friction_kinds_bearings.BearingBallScene) -> Table:
     """Return the tables of the scene file of one bearing ball."""
     b = scene.bearing
-    creep = value_with_unit_text(Creep, scene.creep) if scene.creep else None
+    creep = value_with_unit_text(friction_kinds_bearings.Creep, scene.creep) if scene.creep else None
     law = without_empty_values(law=scene.law, creep=creep, sharpness=scene.sharpness or None, map_step=scene.map_step)
     return {
         "material": _material_table(b.young, b.poisson),
@@ -165,7 +162,7 @@ def _bearing_ball_tables(scene: BearingBallScene) -> Table:
     }
 
 
-def _bearing_pair_tables(scene: BearingPairScene) -> Table:
+def _bearing_pair_tables(scene: friction_kinds_bearings.BearingPairScene) -> Table:
     """Return the tables of the scene file of a four-point and a double-row bearing."""
     four, double = scene.four_point, scene.double_row
     groove = four.groove
@@ -193,7 +190,7 @@ def _tables_of_one_bearing(case: BearingCase) -> Table:
     return bodies | {"balls": bodies["balls"] | {"count": case.count}}
 
 
-def _linear_bearing_tables(scene: LinearBearingScene) -> Table:
+def _linear_bearing_tables(scene: friction_kinds_bearings.LinearBearingScene) -> Table:
     """Return the tables of the scene file of balls in a linear bearing."""
     b = scene.bearing
     load = {"vertical_force": value_with_unit_text(Force, scene.vertical), "distribution": scene.distribution}
@@ -202,10 +199,10 @@ def _linear_bearing_tables(scene: LinearBearingScene) -> Table:
         "track": {"contact_angle": value_with_unit_text(ContactAngle, b.contact_angle)},
         "grooves": {"conformity": b.conformity},
         "balls": {"radius": value_with_unit_text(Radius, b.ball_radius)},
-        "motion": {"carriage": value_with_unit_text(Speed, b.speed)},
+        "motion": {"carriage": value_with_unit_text(friction_kinds_bearings.Speed, b.speed)},
         "friction": {"coefficient": b.mu} | ({} if b.mu_balls == b.mu else {"balls": b.mu_balls}),
     }
-    if isinstance(scene, LinearPairScene):
+    if isinstance(scene, friction_kinds_bearings.LinearPairScene):
         mated = b.contact_angle + contact_angle_deviations(np.full(2, scene.deviation), mated=True)
         angles = {
             "deviation": value_with_unit_text(Theta, scene.deviation),
@@ -229,11 +226,14 @@ def _shared_screw_tables(groove: ScrewGroove, pair_or_run: Any, angles: Table) -
     """Return the tables that scene files of two balls of a screw and of a simulated whole screw have in common.
 
     ``groove``: grooves, balls, speeds and friction; ``pair_or_run``: record of the two balls or of the simulation, with
-    oversize, force, free direction and coupling; ``angles``: table of the contact angles.
+    ball oversize, force on the screw, direction in which the screw can move, and bodies that friction displaces;
+    ``angles``: table of the contact angles.
     """
     by_nut = groove.nut_speed != 0.0
     speed = {"speed": value_with_unit_text(Turning, groove.nut_speed if by_nut else groove.screw_speed)}
-    direction = next(name for name, letter in FREE_TRANSLATION.items() if letter == pair_or_run.free)
+    direction = next(
+        name for name, letter in friction_kinds_screw_balls.FREE_TRANSLATION.items() if letter == pair_or_run.free
+    )
     return {
         "material": _material_table(groove.young, groove.poisson),
         **_track_and_groove_tables(groove, pair_or_run.oversize),
@@ -249,7 +249,7 @@ def _shared_screw_tables(groove: ScrewGroove, pair_or_run: Any, angles: Table) -
     }
 
 
-def _screw_run_tables(scene: ScrewRunScene) -> Table:
+def _screw_run_tables(scene: friction_kinds_screw_balls.ScrewRunScene) -> Table:
     """Return the tables of the scene file for a transient simulation of a whole ball screw."""
     run = scene.run
     angles: Table = {"amplitude": value_with_unit_text(Theta, run.amplitude), "cycles_per_turn": run.cycles}

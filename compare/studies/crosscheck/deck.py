@@ -22,7 +22,7 @@ from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.ball_body import contact_frame_vectors, normal_between_hemispheres
 from rollbench.meshes.errors import GeometryWithErrors, draw_geometry_with_errors
-from rollbench.meshes.exchange.deck import ContactPair, DeckBody, InputDeck, RigidSection, surface_faces
+from rollbench.meshes.exchange.deck import ContactPair, DeckBody, InputDeck, RigidSection, outer_faces_of_tetrahedra
 from rollbench.meshes.exchange.whole_bodies import (
     ElementSizesNearPoints,
     ExportedBodyMesh,
@@ -85,10 +85,11 @@ def unit_load_semi_axes(scene: Scene, side: int) -> tuple[float, float]:
 
 
 def expected_contacts(scene: Scene, load: Array, sides: tuple[int, ...]) -> tuple[list[ExpectedContact], float]:
-    """Return the expected contacts, then the minor semi-axis [m] of a contact with mean load on the first flank.
+    """Return the expected contacts of balls and grooves, then the minor semi-axis [m] of a mean-load contact on one flank.
 
     ``load``: contact loads (N, 4) [N] of a low-order solution for N balls and the flanks SL, SR, NL, NR (screw left and
-    right, nut left and right); ``sides``: numbers of the flanks that may carry load, 0 to 3 in this order.
+    right, nut left and right); ``sides``: numbers, 0 to 3 in this order, of the flanks that may carry load. The returned
+    semi-axis is that of a contact on the first of these flanks.
     """
     layout, mean = ball_layout(scene), float(load[load > 0.0].mean())
     unit = {s: unit_load_semi_axes(scene, s) for s in sides}
@@ -101,13 +102,13 @@ def expected_contacts(scene: Scene, load: Array, sides: tuple[int, ...]) -> tupl
     return places, unit[sides[0]][1] * float(np.cbrt(mean))
 
 
-def ball_face_name(contact: ExpectedContact) -> str:
-    """Return the name in a deck of those mesh faces of a ball that may touch the groove at ``contact``."""
+def ball_contact_face_set_name(contact: ExpectedContact) -> str:
+    """Return the name, in a CalculiX deck, of the mesh faces of a ball that may touch the groove at ``contact``."""
     return f"BALL{contact.ball + 1}_{SIDES[contact.side]}"
 
 
-def groove_face_name(contact: ExpectedContact) -> str:
-    """Return the name in a deck of those mesh faces of a groove that the ball may touch at ``contact``."""
+def groove_contact_face_set_name(contact: ExpectedContact) -> str:
+    """Return the name, in a CalculiX deck, of the mesh faces of a groove that the ball may touch at ``contact``."""
     return f"{'SCREW' if contact.side < 2 else 'NUT'}_{SIDES[contact.side]}_{contact.ball + 1}"
 
 
@@ -178,7 +179,7 @@ def _outer_faces_with_corners(mesh: ExportedBodyMesh, nodes: Index) -> Index:
 
     Faces in the cut plane of a half body are left out. ``nodes``: node numbers. Raises ValueError if no face remains.
     """
-    faces = surface_faces(mesh.cells)
+    faces = outer_faces_of_tetrahedra(mesh.cells)
     within = faces[np.isin(faces, nodes).all(axis=1) & ~np.isin(faces, mesh.nodes_of_boundaries.get("cut", [])).all(axis=1)]
     if not len(within):
         raise ValueError(
@@ -213,7 +214,7 @@ class DeckOptions:
 
     #: Number of elements across the minor semi-axis of a contact with mean load; all contacts have the same element size.
     b_over_h: float = 1.5
-    #: Growth of element size per distance from the contacts.
+    #: Increase of the element size per unit of distance from the contacts.
     growth: float = 0.4
     #: Contact stiffness: pressure per overclosure (overlap of the surfaces) [Pa/m].
     stiffness: float = 2e17
@@ -234,7 +235,8 @@ class MeshedDeck:
 
     #: Input deck: nodes, elements, contacts, supports and loads.
     deck: InputDeck
-    #: Contact loads by the low-order model "refined", (n, 4) [N], for n balls and the flanks SL, SR, NL, NR.
+    #: Contact loads by the low-order model "refined", (n, 4) [N], for n balls and the four flanks (screw left, screw right,
+    #: nut left, nut right).
     expected_loads: Array
     #: Element size at the contacts [m].
     contact_element_size: float
@@ -243,10 +245,10 @@ class MeshedDeck:
 
 
 def raise_first_fault(where: str, faults: Iterable[tuple[bool, str, str, str, str]]) -> None:
-    """Raise InputError for the first possible fault of a scene that is present; do nothing if none is.
+    """Raise InputError for the first of several possible faults of a scene that is present; do nothing if none is present.
 
-    ``where``: name of the scene or file in the error message; ``faults``: for each fault whether it is present, the
-    key, the refused value, the allowed values, and advice.
+    ``where``: name of the scene or file in the error message; ``faults``: for each possible fault whether it is present,
+    the key of the scene, the refused value, the allowed values, and advice.
     """
     for there, key, value, allowed, advice in faults:
         if there:
@@ -254,7 +256,7 @@ def raise_first_fault(where: str, faults: Iterable[tuple[bool, str, str, str, st
 
 
 def _refuse_unsupported_scene(scene: Scene, half: bool) -> None:
-    """Raise InputError if a deck cannot describe a scene, or if the scene has too many balls for whole bodies.
+    """Raise InputError if a CalculiX deck cannot describe a scene, or if it has too many balls to mesh all bodies whole.
 
     ``half``: whether only the half y >= 0 is meshed. Then a scene is also refused if y = 0 is no plane of symmetry: if
     it has a helix, balls outside the plane, loads, or a screw that is not fixed along y and about x and z.
@@ -282,7 +284,7 @@ def _refuse_unsupported_scene(scene: Scene, half: bool) -> None:
 
 
 def geometric_errors_for_deck(scene: Scene) -> GeometryWithErrors:
-    """Return the geometric errors of a scene if a deck can describe all of them; raise InputError otherwise.
+    """Return the geometric errors of a scene if a CalculiX deck can describe all of them; raise InputError otherwise.
 
     A deck can describe errors of ball radii and of groove radii, which are meshed as real geometry.
     """
@@ -305,14 +307,14 @@ def groove_with_real_radius(groove: GrooveMap, errors: GeometryWithErrors, scene
     """Return the geometry of a groove whose radius includes its geometric error.
 
     ``groove``: nominal geometry; ``errors``: geometric errors of the scene; ``screw``: whether it is the groove of the
-    screw, else of the nut. The centres of the groove's arcs stay; the groove radius, and the radius of a ball that would
-    fit, change by the same amount.
+    screw, else of the nut. The centres of the groove's arcs stay; the groove radius, and the radius of the ball that
+    just touches the groove, change by the same amount.
     """
     change = errors.groove_radii - nominal_groove_radii(scene)
     return replace(groove, radius=errors.groove_radii, ball=groove.ball + float(change[0 if screw else 2]))
 
 
-def solve_expected_loads(scene: Scene) -> StaticResult:
+def solve_expected_contact_loads(scene: Scene) -> StaticResult:
     """Solve a scene by the refined low-order model, whose contact loads show where contacts are expected.
 
     Raises InputError if the scene has no equilibrium or no contact carries load.
@@ -339,7 +341,7 @@ def build_deck(scene: Scene, options: DeckOptions | None = None) -> MeshedDeck:
     Returns
     -------
     MeshedDeck
-        Deck, expected loads and quality of the meshes.
+        Deck, expected contact loads and quality of the meshes.
 
     Raises
     ------
@@ -348,7 +350,7 @@ def build_deck(scene: Scene, options: DeckOptions | None = None) -> MeshedDeck:
     """
     options = options or DeckOptions()
     _refuse_unsupported_scene(scene, options.half)
-    drawn, found, sides = geometric_errors_for_deck(scene), solve_expected_loads(scene), flanks_to_mesh(scene)
+    drawn, found, sides = geometric_errors_for_deck(scene), solve_expected_contact_loads(scene), flanks_to_mesh(scene)
     m, layout = GrooveMap.from_scene(scene), ball_layout(scene)
     places, short = expected_contacts(scene, found.load, sides)
     fine = short / options.b_over_h
@@ -365,7 +367,7 @@ def build_deck(scene: Scene, options: DeckOptions | None = None) -> MeshedDeck:
     count = sum(len(b.points) for b in bodies)
     smaller = "lower `b_over_h`, raise `growth`, or cut the screw by `balls`"
     raise_first_fault(scene.name, [(count > MOST_NODES, "deck", f"{count} nodes", f"at most {MOST_NODES} nodes", smaller)])
-    contacts = tuple(ContactPair(ball_face_name(p), groove_face_name(p)) for p in places)
+    contacts = tuple(ContactPair(ball_contact_face_set_name(p), groove_contact_face_set_name(p)) for p in places)
     deck = InputDeck(
         bodies,
         _rigid_sections_of_screw(scene, dims),
@@ -373,7 +375,7 @@ def build_deck(scene: Scene, options: DeckOptions | None = None) -> MeshedDeck:
         contacts,
         options.stiffness,
         options.spring,
-        _deck_heading(scene, dims, found, fine, count, options),
+        _deck_comment_lines(scene, dims, found, fine, count, options),
         f"{scene.name}: {scene.title}",
         options.nlgeom,
         tuple(f"{b.name}_CUT" for b in bodies if options.half),
@@ -381,7 +383,7 @@ def build_deck(scene: Scene, options: DeckOptions | None = None) -> MeshedDeck:
     return MeshedDeck(deck, found.load, fine, quality)
 
 
-def _deck_refinement(
+def _element_sizes_near_contacts(
     points: list[Array], finest_size: float, coarsest_size: float, options: DeckOptions
 ) -> ElementSizesNearPoints:
     """Return the element sizes in the mesh of a body, which grow with the distance from its contacts.
@@ -420,11 +422,11 @@ def _mesh_screw_and_nut(
         on_body = [p for p in contacts if (p.side < 2) == screw]
         groove = groove_with_real_radius(groove_map, errors, scene, screw)
         near = [points_on_groove(groove, p.ball_position_and_flank, refined_zone_points(p, element_size)) for p in on_body]
-        size = _deck_refinement(near, element_size, FAR_SIZES[0] * options.growth * groove_map.ball, options)
+        size = _element_sizes_near_contacts(near, element_size, FAR_SIZES[0] * options.growth * groove_map.ball, options)
         flange = None if screw else scene.nut.flange
         spec = GroovedBodySpec(*radii, *ends, screw, (), unused, element_size, size.largest_edge_length, flange=flange)
         mesh = (mesh_half_ring if options.half else mesh_whole_body)(groove, spec, size)
-        faces = {groove_face_name(p): flank_contact_faces(groove, mesh, p, element_size) for p in on_body}
+        faces = {groove_contact_face_set_name(p): flank_contact_faces(groove, mesh, p, element_size) for p in on_body}
         if screw:
             held = (
                 {"SCREW_BORE": mesh.nodes_of_boundaries["bore"]}
@@ -462,11 +464,11 @@ def _mesh_balls(
         if mesh is None:
             near = [p for p in contacts if errors.ball_radii[p.ball] == radius] if shared else on_ball
             zones = [points_on_ball_surface(groove, p.side, radius, refined_zone_points(p, element_size)) for p in near]
-            size = _deck_refinement(zones, element_size, FAR_SIZES[1] * options.growth * groove.ball, options)
+            size = _element_sizes_near_contacts(zones, element_size, FAR_SIZES[1] * options.growth * groove.ball, options)
             mesh = mesh_half_ball(radius, size, side) if options.half else mesh_whole_ball(groove, radius, size)
             if shared:
                 meshed[kind] = mesh
-        faces = {ball_face_name(p): ball_contact_faces(groove, mesh, p, radius, element_size) for p in on_ball}
+        faces = {ball_contact_face_set_name(p): ball_contact_faces(groove, mesh, p, radius, element_size) for p in on_ball}
         name = f"BALL{i + 1}"
         points = move_to_ball_position(groove, (float(layout.azimuth[i]), float(layout.z[i])), mesh.points)
         axes = (
@@ -545,10 +547,10 @@ def _rigid_sections_of_screw(scene: Scene, dims: Dimensions) -> tuple[RigidSecti
     return tuple(sections)
 
 
-def _deck_heading(
+def _deck_comment_lines(
     scene: Scene, dims: Dimensions, static_result: StaticResult, element_size: float, count: int, options: DeckOptions
 ) -> tuple[str, ...]:
-    """Return the comment lines at the top of a deck: scene, mesh sizes, contact options, expected contact loads.
+    """Return the comment lines at the top of a CalculiX deck: scene, mesh sizes, contact options, expected contact loads.
 
     ``static_result``: static result of the low-order model; ``element_size``: element size at the contacts [m]; ``count``:
     number of nodes.
@@ -576,7 +578,7 @@ def _deck_heading(
 
 
 def _clause_on_load_error(scene: Scene, static_result: StaticResult) -> str:
-    """Return a clause for the deck's heading on the error to expect in the low-order model's contact loads.
+    """Return a clause for the top of a CalculiX deck on the error to expect in the low-order model's contact loads.
 
     ``static_result``: static result of the low-order model.
     """

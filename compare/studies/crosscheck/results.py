@@ -56,7 +56,7 @@ class BodyMesh:
     nodes: int
     #: Number of finite elements.
     cells: int
-    #: Smallest scaled Jacobian of an element.
+    #: Smallest scaled Jacobian of the elements.
     smallest: float
 
 
@@ -64,9 +64,9 @@ class BodyMesh:
 class CalculixRun:
     """Solution of one input deck by CalculiX: mesh, contact options and contact loads."""
 
-    #: Elements across the minor semi-axis at mean load.
+    #: Number of elements across the minor semi-axis of a contact ellipse under the mean contact load.
     b_over_h: float
-    #: Growth of element size per distance from the contacts.
+    #: Increase of the element size per unit of distance from the contacts.
     growth: float
     #: Contact stiffness: pressure per overclosure (overlap of the surfaces) [Pa/m].
     stiffness: float
@@ -80,7 +80,7 @@ class CalculixRun:
     deck: str
     #: Meshes of the bodies.
     meshes: tuple[BodyMesh, ...]
-    #: Contact loads of n balls on the flanks SL, SR, NL, NR, (n, 4) [N].
+    #: Contact loads of n balls on the four flanks (screw left, screw right, nut left, nut right), (n, 4) [N].
     load: Array
     #: Largest force of a weak spring on a ball [N].
     weak: float
@@ -90,16 +90,16 @@ class CalculixRun:
     iterations: int
     #: Last correction of the displacements in the iteration [% of the largest displacement].
     correction: float
-    #: Processor time [s].
+    #: Processor time of CalculiX [s].
     seconds: float
     #: Date of the solution.
     date: str
-    #: Version of the program.
+    #: Name and version of the program, CalculiX.
     program: str
-    #: Whether only the half y >= 0 was meshed; the numbers of nodes are then those of the half, the loads those of the
-    #: whole.
+    #: Whether only the half y >= 0 of the bodies was meshed; numbers of nodes are then those of the half, but contact loads
+    #: those of whole bodies.
     half: bool = False
-    #: Whether the balls have the same mesh.
+    #: Whether all balls have the same mesh.
     alike: bool = False
 
     @property
@@ -114,22 +114,22 @@ class CalculixRunsOfScene:
 
     #: Name of the scene.
     scene: str
-    #: Digest of the scene's content.
+    #: Digest (hash value) of the scene's content.
     key: str
     #: Version of rollbench that made the meshes.
     rollbench: str
     #: Version of gmsh that made the meshes.
     gmsh: str
-    #: The solutions, one for each deck.
+    #: CalculiX solutions of the scene, one for each deck.
     runs: tuple[CalculixRun, ...]
 
 
-def shipped_results_folder() -> Path:
+def shipped_calculix_results_folder() -> Path:
     """Return the folder of the stored CalculiX results that are part of the package."""
     return Path(__file__).parent
 
 
-def path_of_stored_results(folder: Path, scene: str) -> Path:
+def path_of_calculix_results(folder: Path, scene: str) -> Path:
     """Return the path of the JSON file with the CalculiX results of a scene.
 
     ``folder``: folder of stored results; ``scene``: name of the scene.
@@ -145,7 +145,7 @@ def save_calculix_results(folder: Path, data: CalculixRunsOfScene) -> Path:
     plain = asdict(data)
     for run in plain["runs"]:
         run["load"] = [[float(f"{x:.7g}") for x in row] for row in run["load"].tolist()]
-    path = path_of_stored_results(folder, data.scene)
+    path = path_of_calculix_results(folder, data.scene)
     replace_file(path, json.dumps(plain, indent=1) + "\n")
     return path
 
@@ -157,7 +157,7 @@ def load_calculix_results(folder: Path, scene: str) -> CalculixRunsOfScene | Non
     """
     found = "results that rollbench crosscheck wrote", "compute the results again by `run=True`"
     return read_object_from_json(
-        path_of_stored_results(folder, scene),
+        path_of_calculix_results(folder, scene),
         lambda x: CalculixRunsOfScene(**{**x, "runs": tuple(_calculix_run_from_json(r) for r in x["runs"])}),
         *found,
     )
@@ -210,23 +210,23 @@ class LoadExtrapolation:
 
     #: Extrapolated contact loads, (n, 4) [N].
     load: Array
-    #: Uncertainty of these loads, (n, 4) [N].
+    #: Uncertainty of the extrapolated contact loads, (n, 4) [N].
     uncertainty: Array
-    #: Order p of the elements' error.
+    #: Order p with which the error of the elements decreases with their size.
     error_order: float
-    #: Length lambda over which the field changes, over the minor semi-axis.
+    #: Ratio of the length lambda, over which the elastic field of a contact changes, to the minor semi-axis of the contact.
     field_length: float
-    #: RMS of the weighted residuals of the fit [N]; weights are 1 on the finest mesh.
+    #: RMS of the weighted residuals of the fitted contact loads [N]; weights are 1 on the finest mesh.
     misfit: float
-    #: Effect of the finite element size in the run nearest to the limit, (n, 4) [N].
+    #: Effect of the finite element size on the contact loads in the run nearest to the limit, (n, 4) [N].
     element_size_effect: Array
-    #: Effect of the finite contact stiffness in the run nearest to the limit, (n, 4) [N].
+    #: Effect of the finite contact stiffness on the contact loads in the run nearest to the limit, (n, 4) [N].
     contact_stiffness_effect: Array
-    #: Names of those mesh sizes and contact options that are the same in all solutions.
+    #: Names of the mesh sizes and contact options that are the same in all solutions, so that their effect is not known.
     unvaried_options: tuple[str, ...]
 
 
-def element_error(size: Array, growth: Array, order: float) -> Array:
+def relative_element_error(size: Array, growth: Array, order: float) -> Array:
     """Return the relative error of the elements near a contact, e = int_0^1 (x h / c + (1 - x) g)^p dx, by Gauss' rule.
 
     Parameters
@@ -240,7 +240,7 @@ def element_error(size: Array, growth: Array, order: float) -> Array:
 
     Examples
     --------
-    >>> element_error(np.array([1.0, 0.0]), np.array([0.0, 0.5]), 2.0).round(6).tolist()
+    >>> relative_element_error(np.array([1.0, 0.0]), np.array([0.0, 0.5]), 2.0).round(6).tolist()
     [0.333333, 0.083333]
     """
     x, w = np.polynomial.legendre.leggauss(8)
@@ -251,9 +251,9 @@ def element_error(size: Array, growth: Array, order: float) -> Array:
 def contact_compliance_factor(runs: Sequence[CalculixRun]) -> Array | None:
     """Return the factor B of the contact compliance 1/k in the fit F = F0 + A e + B/k of a contact load F [N Pa/m].
 
-    There is one value for each contact. F0 is the limit of the load, e the relative error of the elements, and k the
-    contact stiffness (pressure per overclosure). B is the mean over pairs of solutions with the same mesh and different
-    k; the result is None without such a pair.
+    There is one value for each contact. F0 is the limit of the load, e the relative error of the elements, A the factor of
+    this error, and k the contact stiffness (pressure per overclosure). B is the mean over pairs of solutions with the same
+    mesh and different k; the result is None without such a pair.
     """
     pairs = [
         (a, b)
@@ -276,7 +276,7 @@ def mesh_options_of_run(run: CalculixRun) -> tuple[float, float, bool, bool]:
     return run.b_over_h, run.growth, run.half, run.alike
 
 
-def extrapolate_loads(runs: Sequence[CalculixRun]) -> LoadExtrapolation:
+def extrapolate_calculix_loads(runs: Sequence[CalculixRun]) -> LoadExtrapolation:
     """Extrapolate the contact loads of CalculiX to zero element size and rigid contact, from runs with small displacements.
 
     The loads are fitted with many pairs of an order p of the elements' error and a length over which the contact's
@@ -356,35 +356,36 @@ def _relative_element_errors_of_contacts(
 ) -> Array:
     """Return the relative error e of the elements on each of m meshes at each of c contacts, (m, c).
 
-    The error is that of `element_error`. ``elements_per_semi_axis``: element size over the minor semi-axis of a contact
-    with mean load (m,); ``growth``: growth of the element size (m,); ``half``: minor semi-axis of each contact over
-    that at mean load (c,); ``order``: order p; ``length``: length over which the field changes, over the minor
-    semi-axis.
+    The error is that of `relative_element_error`. ``elements_per_semi_axis``: element size over the minor semi-axis of a
+    contact with mean load (m,); ``growth``: growth of the element size (m,); ``half``: minor semi-axis of each contact over
+    that at mean load (c,); ``order``: order p with which the error decreases; ``length``: length over which the elastic
+    field of a contact changes, over its minor semi-axis.
     """
     size = elements_per_semi_axis[:, None] / (length * half)
-    return element_error(size, np.broadcast_to(growth[:, None], size.shape), order)
+    return relative_element_error(size, np.broadcast_to(growth[:, None], size.shape), order)
 
 
 @dataclass(frozen=True)
 class _LoadFit:
-    """Weighted least-squares fit of all contact loads over the error of the elements, for one order p and length lambda.
+    """Weighted least-squares fit of all contact loads over the error of the elements, for one order and one length.
 
-    m: number of meshes; c: number of contacts.
+    The error falls with the power p (order) of the element size over lambda (length), over which the contact's elastic
+    field changes. m: number of meshes; c: number of contacts.
     """
 
-    #: Order p of the elements' error.
+    #: Order p with which the error of the elements decreases with their size.
     order: float
-    #: Length lambda over which the field changes, over the minor semi-axis.
+    #: Ratio of the length lambda, over which the elastic field of a contact changes, to the minor semi-axis of the contact.
     length: float
     #: RMS of the weighted residuals of all contacts [N].
     misfit: float
     #: RMS of the weighted residuals of each contact, (c,) [N].
     residual: Array
-    #: Loads in the limit of zero element size, (c,) [N].
+    #: Contact loads extrapolated to zero element size, (c,) [N].
     limit_load: Array
-    #: Standard errors of these loads, (c,) [N].
+    #: Standard errors of the extrapolated contact loads, (c,) [N].
     standard_error: Array
-    #: Effects of the finite element size, (m, c) [N].
+    #: Effects of the finite element size on the contact loads, for each mesh, (m, c) [N].
     element_size_effect: Array
 
 
@@ -415,15 +416,15 @@ def _fit_loads_over_element_error(
 TARGET = 0.5
 
 #: Columns that name a contact.
-PLACE = (TableColumn("ball", "ball", "", "s"), TableColumn("side", "side", "", "s"))
+PLACE = (TableColumn("ball", "ball", "", "s"), TableColumn("side", "flank", "", "s"))
 
 #: Columns that compare a contact's load: finest level of the 3D reference, and extrapolated load of CalculiX.
 COMPARED = (
-    TableColumn("ours", "reference", "N", ".2f"),
-    TableColumn("ours_percent", "uncertainty, reference", "% of mean", ".2f"),
-    TableColumn("theirs", "CalculiX", "N", ".2f"),
-    TableColumn("theirs_percent", "uncertainty, CalculiX", "% of mean", ".2f"),
-    TableColumn("difference", "difference", "% of mean", "+.2f"),
+    TableColumn("ours", "load, 3D reference", "N", ".2f"),
+    TableColumn("ours_percent", "load uncertainty, 3D reference", "% of mean load", ".2f"),
+    TableColumn("theirs", "load, CalculiX", "N", ".2f"),
+    TableColumn("theirs_percent", "load uncertainty, CalculiX", "% of mean load", ".2f"),
+    TableColumn("difference", "load difference, 3D reference less CalculiX", "% of mean load", "+.2f"),
 )
 
 COLUMNS = (*PLACE, *COMPARED)
@@ -435,23 +436,23 @@ class ContactLoadComparison:
 
     #: Ball, from 1.
     ball: int
-    #: Flank: SL, SR, NL, NR.
+    #: Flank of the contact: SL, SR, NL, NR (screw left and right, nut left and right).
     side: str
-    #: Loads on every mesh of both programs, by the name of the mesh [N].
+    #: Contact load on every mesh of both programs, by the name of the mesh [N].
     meshes: Mapping[str, float]
-    #: Load on the finest level of the 3D reference [N].
+    #: Contact load by the 3D reference on its finest mesh level [N].
     ours: float
-    #: Uncertainty of that load [% of the mean load of the 3D reference].
+    #: Uncertainty of the contact load by the 3D reference [% of its mean contact load].
     ours_percent: float
-    #: Extrapolated load of CalculiX [N].
+    #: Contact load by CalculiX, extrapolated to zero element size [N].
     theirs: float
-    #: Uncertainty of that load [% of the mean load of the 3D reference].
+    #: Uncertainty of the contact load by CalculiX [% of the mean contact load of the 3D reference].
     theirs_percent: float
-    #: Load by the 3D reference less load by CalculiX [% of the mean load of the 3D reference].
+    #: Contact load by the 3D reference less that by CalculiX [% of the mean contact load of the 3D reference].
     difference: float
 
     def cells(self) -> dict[str, Cell]:
-        """Return the table row of this contact: its values by the key of the column."""
+        """Return the values of this contact as a table row, by the key of the table column."""
         compared: dict[str, Cell] = {q.key: getattr(self, q.key) for q in COMPARED}
         return {"ball": str(self.ball), "side": self.side, **self.meshes, **compared}
 
@@ -470,8 +471,8 @@ def runs_with_common_contact_stiffness(data: CalculixRunsOfScene) -> list[Calcul
 def deck_label(run: CalculixRun) -> str:
     """Return a short label of the mesh of a CalculiX solution, such as "b/h 0.8, g 0.6, half".
 
-    It states the elements across the minor semi-axis, the growth of the element size, whether only a half was meshed,
-    and whether all balls have the same mesh.
+    It states the number of elements across the minor semi-axis (b/h), the growth of the element size (g), whether only a
+    half was meshed, and whether all balls have the same mesh.
     """
     return f"b/h {run.b_over_h:g}, g {run.growth:g}" + ", half" * run.half + ", equal balls" * run.alike
 
@@ -484,7 +485,7 @@ def compare_contact_loads(
     ``data``: solutions by CalculiX; ``reference``: the 3D reference; ``extrapolation``: extrapolated loads of CalculiX,
     None to compute them.
     """
-    extrapolation = extrapolation or extrapolate_loads(data.runs)
+    extrapolation = extrapolation or extrapolate_calculix_loads(data.runs)
     best, mean, rows = reference.load, reference.mean, []
     meshes = {f"level {r.level}": r.load for r in reference.runs} | {
         deck_label(r): r.load for r in runs_with_common_contact_stiffness(data)
@@ -506,16 +507,16 @@ def compare_contact_loads(
     return rows
 
 
-def columns_of_load_table(data: CalculixRunsOfScene, reference: Reference) -> list[TableColumn]:
-    """Return the columns of the table of contact loads: the contact, then its load on every mesh of both programs.
+def columns_of_contact_load_table(data: CalculixRunsOfScene, reference: Reference) -> list[TableColumn]:
+    """Return the columns of the table of contact loads by 3D reference and CalculiX: the contact, its load on every mesh.
 
     ``data``: solutions by CalculiX; ``reference``: the 3D reference with its solutions on several mesh levels.
     """
     return [
         *PLACE,
-        *(TableColumn(f"level {r.level}", f"reference, level {r.level}", "N", ".2f") for r in reference.runs),
+        *(TableColumn(f"level {r.level}", f"load, 3D reference, mesh level {r.level}", "N", ".2f") for r in reference.runs),
         *(
-            TableColumn(deck_label(r), f"CalculiX, {deck_label(r)}", "N", ".2f")
+            TableColumn(deck_label(r), f"load, CalculiX, {deck_label(r)}", "N", ".2f")
             for r in runs_with_common_contact_stiffness(data)
         ),
     ]

@@ -29,16 +29,8 @@ from rollbench.compare.errors import ArgumentError, InputError
 from rollbench.compare.files import replace_file
 from rollbench.compare.reference.levels import STUDIED
 from rollbench.compare.scenes import catalogue
+from rollbench.compare.studies.crosscheck import results
 from rollbench.compare.studies.crosscheck.deck import DeckOptions, MeshedDeck, build_deck
-from rollbench.compare.studies.crosscheck.results import (
-    BodyMesh,
-    CalculixRun,
-    CalculixRunsOfScene,
-    extrapolate_loads,
-    load_calculix_results,
-    read_object_from_json,
-    shipped_results_folder,
-)
 from rollbench.hifi.elements.forms import assemble_constant_form, elasticity_form
 from rollbench.hifi.elements.rigid import nodal_displacements_of_rigid_motions
 from rollbench.hifi.linear_algebra import factorise_positive_definite
@@ -63,15 +55,15 @@ Triple = tuple[float, ...]
 class CalculixResult:
     """Contact forces, displacements and solver data that the program CalculiX wrote for one input deck."""
 
-    #: Resultant contact force on the ball, by the name of the ball's faces [N].
+    #: Resultant contact force on a ball along x, y, z, by the name of the ball's faces in the deck [N].
     forces: dict[str, Triple]
     #: Displacements of those nodes for which the deck requests output, by node set and node, in the unit of the deck.
     node_displacements: dict[str, dict[int, Triple]]
     #: Number of iterations of CalculiX.
     iterations: int
-    #: Last correction of the displacements over the largest displacement [%].
+    #: Last correction of the displacements in the iteration [% of the largest displacement].
     correction: float
-    #: Processor time [s].
+    #: Processor time of CalculiX [s].
     seconds: float
     #: Date of the solution.
     date: str
@@ -79,8 +71,8 @@ class CalculixResult:
     version: str
 
 
-def find_ccx() -> str:
-    """Return the path of the program CalculiX (ccx); InputError if it is not installed."""
+def find_calculix_program() -> str:
+    """Return the path of the program CalculiX (ccx); InputError if CalculiX is not installed."""
     found = shutil.which("ccx")
     if found is None:
         advice = "install it (Debian: apt-get install calculix-ccx), or leave `run` out"
@@ -110,12 +102,12 @@ def deck_digest(text: str) -> str:
 
 
 def solve_deck_or_read_result(text: str, folder: Path) -> CalculixResult:
-    """Solve an input deck with CalculiX in a folder, or read the folder's results if they are those of an equal deck.
+    """Solve an input deck with CalculiX in a folder, or read the results there if they belong to an equal deck.
 
     ``text``: text of the deck. CalculiX uses one thread. Raises InputError if CalculiX is missing, and ValueError with
     its last output if it does not converge.
     """
-    program, key = find_ccx(), deck_digest(text)
+    program, key = find_calculix_program(), deck_digest(text)
     kept = folder / "run.json"
     try:
         facts = json.loads(kept.read_text(encoding="utf-8"))
@@ -237,8 +229,8 @@ def scene_compared_with_calculix(name: str) -> Scene:
 
 
 def solve_decks_of_scene(
-    scene: Scene, deck_folder: Path, step: Callable[[str], None], stored: Sequence[CalculixRun] = ()
-) -> CalculixRunsOfScene:
+    scene: Scene, deck_folder: Path, step: Callable[[str], None], stored: Sequence[results.CalculixRun] = ()
+) -> results.CalculixRunsOfScene:
     """Solve all decks of a scene with CalculiX one after the other, each in a folder of its own below ``deck_folder``.
 
     ``step``: function that is called with each line of progress; ``stored``: known solutions. A deck is not solved again if
@@ -268,12 +260,14 @@ def solve_decks_of_scene(
             f"{deck_folder_name(options)}: {meshed.deck.node_count} nodes, {outcome.iterations} iterations, "
             f"{outcome.seconds:.0f} s"
         )
-    return CalculixRunsOfScene(
+    return results.CalculixRunsOfScene(
         scene.name, digest_of_shipped_scene(scene.name), __version__, installed_version("gmsh") or "", tuple(runs)
     )
 
 
-def calculix_run_record(meshed: MeshedDeck, options: DeckOptions, deck: str, outcome: CalculixResult) -> CalculixRun:
+def calculix_run_record(
+    meshed: MeshedDeck, options: DeckOptions, deck: str, outcome: CalculixResult
+) -> results.CalculixRun:
     """Return the record of a CalculiX solution in the form in which it is stored.
 
     ``meshed``: the deck with its meshes; ``options``: options of the deck; ``deck``: digest of the deck's text;
@@ -296,12 +290,13 @@ def calculix_run_record(meshed: MeshedDeck, options: DeckOptions, deck: str, out
     weak = [list(outcome.node_displacements[f"BALL{i + 1}_WEAK"].values()) for i in range(count)]
     held = np.array([mirror * spring * np.sum(nodes, axis=0) for nodes in weak])
     loose = np.linalg.norm(resultant - held, axis=1)  # what is printed acts on the slave, the ball
-    return CalculixRun(
+    return results.CalculixRun(
         **vars(options),
         fine=meshed.contact_element_size,
         deck=deck,
         meshes=tuple(
-            BodyMesh(b.name, len(b.points), len(b.cells), meshed.smallest_jacobians[b.name]) for b in meshed.deck.bodies
+            results.BodyMesh(b.name, len(b.points), len(b.cells), meshed.smallest_jacobians[b.name])
+            for b in meshed.deck.bodies
         ),
         load=load,
         weak=float(np.linalg.norm(held, axis=1).max()),
@@ -309,17 +304,6 @@ def calculix_run_record(meshed: MeshedDeck, options: DeckOptions, deck: str, out
         **{name: getattr(outcome, name) for name in ("iterations", "correction", "seconds", "date")},
         program=f"CalculiX {outcome.version}",
     )
-
-
-def extrapolated_results() -> tuple[str, dict[str, Array]]:
-    """Return the name of the program, then its extrapolated contact loads of each scene, (n, 4) [N] for n balls.
-
-    The loads are in a dictionary by the name of the scene, with the flanks in the order SL, SR, NL, NR. Scenes whose
-    content has changed since they were solved are left out.
-    """
-    stored = {name: load_calculix_results(shipped_results_folder(), name) for name in STUDIES}
-    kept = {name: d for name, d in stored.items() if d is not None and d.key == digest_of_shipped_scene(name)}
-    return "CalculiX", {name: extrapolate_loads(d.runs).load for name, d in kept.items()}
 
 
 def scenes_and_levels_for_report(fresh: bool) -> Iterator[tuple[tuple[str, ...], tuple[int, ...]]]:  # noqa: ARG001 - as every such function
@@ -347,13 +331,13 @@ class NutComplianceComparison:
 
     #: Name of the scene.
     scene: str
-    #: Digest of the scene's content.
+    #: Digest (hash value) of the scene's content.
     key: str
     #: Number of nodes of the nut's mesh.
     nodes: int
-    #: Compliances by the elements of the 3D reference [m/N].
+    #: Compliance matrix of the nut between its contacts, by the elements of the 3D reference [m/N].
     ours: list[list[float]]
-    #: Compliances by CalculiX [m/N].
+    #: Compliance matrix of the nut between its contacts, by CalculiX [m/N].
     theirs: list[list[float]]
     #: Date of the solution.
     date: str
@@ -362,7 +346,7 @@ class NutComplianceComparison:
 
     @property
     def difference(self) -> float:
-        """Largest difference of a compliance between both programs, over the smallest one of a loaded contact [%]."""
+        """Largest difference of a compliance between both programs [% of the smallest compliance of a loaded contact]."""
         ours, theirs = np.array(self.ours), np.array(self.theirs)
         return float(100.0 * np.abs(ours - theirs).max() / np.diag(theirs).min())
 
@@ -376,8 +360,8 @@ class NutComplianceComparison:
         )
 
 
-def nut_decks(scene: Scene, options: DeckOptions = NUT_MESH) -> tuple[list[InputDeck], Array]:
-    """Return one CalculiX deck of the nut for each of k contacts, loaded at it only, then the contact normals (k, 3).
+def nut_decks_loaded_at_one_contact(scene: Scene, options: DeckOptions = NUT_MESH) -> tuple[list[InputDeck], Array]:
+    """Return one CalculiX deck of the nut for each of k contacts, loaded at this contact only, and contact normals (k, 3).
 
     ``options``: mesh sizes of the decks. Raises InputError for scenes that `build_deck` refuses.
     """
@@ -409,7 +393,7 @@ def nut_decks(scene: Scene, options: DeckOptions = NUT_MESH) -> tuple[list[Input
     return decks, np.array(normals)
 
 
-def section_translations(decks: list[InputDeck]) -> Array:
+def rigid_section_translations(decks: list[InputDeck]) -> Array:
     """Return the translations (decks, sections, 3) [m] of rigid sections under the forces of each deck, without CalculiX.
 
     The translations are computed by the elements and the linear solver of the 3D reference. ``decks``: decks that
@@ -456,8 +440,8 @@ def compare_nut_compliance(
     ``deck_folder``: folder in which CalculiX solves its decks; ``options``: mesh sizes; ``key``: digest of the scene's
     content. Raises InputError if CalculiX is missing or fails.
     """
-    decks, normals = nut_decks(scene, options)
-    ours = section_translations(decks)
+    decks, normals = nut_decks_loaded_at_one_contact(scene, options)
+    ours = rigid_section_translations(decks)
     theirs, date, version = np.zeros_like(ours), "", ""
     for k, deck in enumerate(decks):
         try:
@@ -493,4 +477,4 @@ def load_nut_compliance(folder: Path) -> NutComplianceComparison | None:
     Raises InputError for a damaged file.
     """
     found = "a result of rollbench crosscheck", "compute the result again by `run=True`"
-    return read_object_from_json(folder / "nut.json", lambda plain: NutComplianceComparison(**plain), *found)
+    return results.read_object_from_json(folder / "nut.json", lambda plain: NutComplianceComparison(**plain), *found)

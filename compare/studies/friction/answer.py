@@ -141,21 +141,21 @@ ROUND_OFF = 1e-9
 class FrictionAnswer:
     """Friction of one scene as it is shown: JSON values, and tables and text lines for the terminal."""
 
-    #: JSON values.
+    #: All results as JSON values.
     data: dict[str, Any]
-    #: Tables: title, headings, rows.
+    #: Tables for the terminal, each with its title, columns and rows.
     tables: Sequence[tuple[str, Sequence[Column], Sequence[dict[str, Any]]]]
-    #: Text lines for the terminal: label and text.
+    #: Text lines for the terminal, each with its label and text.
     lines: Sequence[Line]
-    #: Whether contact loads and friction converged.
+    #: Whether the solutions for contact loads and friction converged.
     converged: bool
-    #: Tables with a row for each ball, as in ``tables``; shown on request.
+    #: Tables for the terminal with a row for each ball, each with its title, columns and rows; shown on request.
     ball_tables: Sequence[tuple[str, Sequence[Column], Sequence[dict[str, Any]]]] = ()
 
     @property
     def text(self) -> str:
-        """All text lines of the terminal as one text, each with its label."""
-        return "\n".join(f"{label}: {text}" for label, text in self.lines)
+        """All text lines of the terminal as one text, each with its label if it has one."""
+        return "\n".join(f"{label}: {text}" if label else text for label, text in self.lines)
 
     @property
     def warning(self) -> str:
@@ -166,11 +166,11 @@ class FrictionAnswer:
 def json_entries_of_all_kinds(
     scene: FrictionScene, status: str, converged: bool, coupling: str | None = None
 ) -> dict[str, Any]:
-    """Return the JSON entries that every friction result has: names, status, assumptions, neglected effects.
+    """Return the JSON entries that friction results of every kind of scene have: names, status, neglected effects etc.
 
     ``scene``: scene of single parts; ``status``: status in words; ``converged``: whether loads and friction converged;
     ``coupling``: for a screw, which balance of loads includes friction, see `neglected_effects_of_kind`; None for other
-    kinds.
+    kinds of scenes.
     """
     named = {"scene": scene.name, "title": scene.title, "kind": scene.kind}
     return named | {
@@ -242,7 +242,7 @@ def terminal_ball_row(sides: Sequence[str], row: dict[str, Any]) -> dict[str, An
 
 
 def zero_if_round_off(difference: float, magnitude: float) -> float:
-    """Return the difference of two computed values, or zero if the difference is round-off.
+    """Return the difference of two computed values; zero if the difference is no larger than round-off.
 
     ``difference``: the difference; ``magnitude``: magnitude of the two values, in the same unit. The limit is
     `ROUND_OFF` times ``magnitude``.
@@ -317,7 +317,7 @@ def scene_word_for_hertz_constants(hertz: str) -> str:
     return "nominal" if hertz == "right" else hertz
 
 
-def energy_line(values: dict[str, Any], digits: int = 6) -> Line:
+def line_on_energy_balance(values: dict[str, Any], digits: int = 6) -> Line:
     """Return a terminal line (label, text) on input power, friction loss and their difference.
 
     ``values``: JSON values of `power_balance_json`; ``digits``: number of significant digits of the powers.
@@ -420,7 +420,7 @@ def json_rows_of_balls(result: StaticResult, state: FrictionState) -> list[dict[
 
 
 def terminal_ball_rows(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Return the rows of the balls in a table of the terminal, with loads and losses of loaded contacts only.
+    """Return the rows of a terminal table with a row for each ball; unloaded contacts have neither load nor loss there.
 
     ``rows``: JSON rows of `json_rows_of_balls`.
     """
@@ -454,10 +454,10 @@ LOSS_COLUMNS: tuple[Column, ...] = (
 
 
 def losses_by_contact_and_cause(state: FrictionState) -> list[dict[str, Any]]:
-    """Return table rows of the friction losses of all balls [W]: one for each contact (SL, SR, NL, NR), one for the sum.
+    """Return table rows of the friction losses [W], summed over all balls: one for each flank, and one for all flanks.
 
-    Each row has the loss and its parts by cause (sliding across, sliding along, spin). ``state``: friction of the screw
-    or bearing.
+    The flanks are SL, SR, NL, NR (screw left and right, nut left and right). Each row has the loss and its parts by cause
+    (sliding across the groove, sliding along it, spin). ``state``: friction of the screw or bearing.
     """
     table = state.ball_friction.loss.sum(axis=0)
     named = [*zip(SIDES, table, strict=True), ("sum", table.sum(axis=0))]
@@ -486,10 +486,10 @@ def torque_row_for_coefficients(friction: Friction, state: FrictionState, drag: 
     return {"screw": friction.screw, "nut": friction.nut} | {name: found[name] for name in names}
 
 
-def coefficient_columns(kind: str) -> tuple[Column, ...]:
-    """Return the columns of the table that shows torques over the coefficient of friction.
+def columns_over_friction_coefficient(kind: str) -> tuple[Column, ...]:
+    """Return the columns of the terminal table that shows torques and efficiencies over the coefficient of friction.
 
-    ``kind``: kind of the scene, such as "bearing".
+    ``kind``: kind of the scene, such as "bearing", for which the table has torques only.
     """
     first: tuple[Column, ...] = (
         ("screw", "coefficient", ".4g"),
@@ -508,8 +508,8 @@ def coefficient_columns(kind: str) -> tuple[Column, ...]:
     )
 
 
-def without_pressure_and_size(warnings: Sequence[ResultWarning]) -> list[ResultWarning]:
-    """Return those of several warnings that concern neither contact pressure nor contact size.
+def warnings_without_pressure_and_size(warnings: Sequence[ResultWarning]) -> list[ResultWarning]:
+    """Return those of several warnings on a static result that concern neither contact pressure nor contact size.
 
     Pressure and size are checked again after the friction is computed, because friction changes the contact loads.
     """
@@ -527,7 +527,7 @@ def friction_warnings(
     """
     at = state.contacts
     loaded = at.force > 0.0
-    notes = without_pressure_and_size(static)
+    notes = warnings_without_pressure_and_size(static)
     notes += warn_of_overall_friction_coefficient(scene.track, friction)
     notes += contact_warnings(np.where(loaded, at.pressure, 0.0), np.where(loaded, at.a, 0.0), scene.balls.radius)
     if max(friction.screw, friction.nut) >= JAMMED:
@@ -560,7 +560,7 @@ def _line_on_driving_torque(torque: FrictionSums, motion: Motion, part: str) -> 
 
 
 def line_on_remaining_imbalance(residual: float, friction_residual: float) -> Line:
-    """Return a terminal line (label, text) on the remaining imbalance of contact loads and of friction.
+    """Return a terminal line (label, text) on the imbalance that the solver leaves in contact loads and in friction.
 
     ``residual``: relative residual of the static solution; ``friction_residual``: largest unbalanced force of a ball
     over its friction bound, the sum of friction coefficient times contact load.

@@ -17,37 +17,20 @@ from rollbench.compare.scenes.friction_kinds.bearings import BearingBallScene, B
 from rollbench.compare.scenes.friction_kinds.common import FrictionScene
 from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene, ScrewRunScene
 from rollbench.compare.studies.friction import answer
+from rollbench.compare.studies.friction import run as friction_run
 from rollbench.compare.studies.friction.answer import FrictionAnswer
 from rollbench.compare.studies.friction.linear_kinds import solve_friction_of_linear_bearing
-from rollbench.compare.studies.friction.run import (
-    lines_on_simulation,
-    simulate_with_several_step_sizes,
-    simulation_with_status,
-    transient_simulation_as_json,
-)
 from rollbench.compare.text.printing import Column, format_cell
 from rollbench.lowfi.friction import bearing
-from rollbench.lowfi.friction.bearing import (
-    BearingCase,
-    BearingState,
-    describe_unresisted_motion,
-    solve_bearing_over_force_angles,
-)
+from rollbench.lowfi.friction import bearing as friction_bearing
+from rollbench.lowfi.friction.contact import equilibrium
 from rollbench.lowfi.friction.contact.equilibrium import BodyMotion as BallMotion
-from rollbench.lowfi.friction.contact.equilibrium import (
-    BodyMotionProblem,
-    ContactLoadSolution,
-    least_dissipation,
-    motion_by_root,
-    motion_by_sharpened_sigmoids,
-    remove_friction_forces,
-)
 from rollbench.lowfi.friction.contact.laws import EllipticalContacts, RegularisedCoulombLaw
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.lowfi.friction.screw.motion import lin_sigmoid_law
 from rollbench.lowfi.friction.screw.run import ScrewPairSolution, solve_pair_of_screw_balls, summarise_screw_run
 from rollbench.lowfi.friction.screw.travel import TravelHistory
-from rollbench.lowfi.statics.validity import size_warnings
+from rollbench.lowfi.statics.validity import contact_size_warnings
 from rollbench.lowfi.warned import ResultWarning
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDES, Motion
@@ -72,14 +55,14 @@ def contact_size_warnings_of_screw(groove: ScrewGroove, force: Array) -> list[Re
 
     ``groove``: groove and ball; ``force``: contact loads (..., 4) [N] of each ball on the four flanks.
     """
-    return size_warnings((groove.contact_hertz_constants.C_a * np.cbrt(force)).ravel(), groove.ball_radius)
+    return contact_size_warnings((groove.contact_hertz_constants.C_a * np.cbrt(force)).ravel(), groove.ball_radius)
 
 
 # --- two balls
 
 
 def json_rows_of_two_screw_balls(result: ScrewPairSolution) -> list[dict[str, Any]]:
-    """Return four JSON rows: for two balls of a screw far apart, one row each, then for the same balls touching.
+    """Return four JSON rows for two balls of a screw: one row for each ball far apart, then one for each ball touching.
 
     A row has contact loads, motion and groove loss. ``result``: solution of the two balls.
     """
@@ -94,7 +77,7 @@ def json_rows_of_two_screw_balls(result: ScrewPairSolution) -> list[dict[str, An
 
 
 def status_of_two_screw_balls(result: ScrewPairSolution) -> str:
-    """Return "converged" for two balls of a screw, or what failed: the balance of loads or friction, or their agreement."""
+    """Return "converged" for two balls of a screw, or what failed: balance of loads or friction, or their agreement."""
     if result.converged:
         return "converged"
     if all(c.loads_with_friction.converged and c.motion.converged for c in (result.apart, result.touching)):
@@ -150,7 +133,7 @@ def lines_on_two_screw_balls(data: dict[str, Any]) -> list[answer.Line]:
             + ("" if rise is None else f"; contact changes all losses by {rise:+.4g} %"),
         ),
         ("closing", f"when apart the balls close in at {pair['closing_apart_rad_s']:.6g} rad/s of azimuth"),
-        answer.energy_line(data["energy"]),
+        answer.line_on_energy_balance(data["energy"]),
         answer.line_on_solver_residuals(solver, f", {solver['rounds']} rounds"),
         line_on_friction_law(data),
     ]
@@ -179,7 +162,10 @@ PAIR_COLUMNS: tuple[Column, ...] = (
 
 def balls_keep_their_order(history: TravelHistory) -> bool:
     """Return whether no ball of a simulated screw ever passes or overlaps the next one on its closed track."""
-    ahead = np.diff(np.column_stack([history.ends, history.ends[:, 0] + history.setting.ring]), axis=1)
+    ahead = np.diff(
+        np.column_stack([history.azimuths_at_piece_ends, history.azimuths_at_piece_ends[:, 0] + history.setting.ring]),
+        axis=1,
+    )
     return bool(ahead.min() >= history.setting.groove.pair.spacing - TOUCHING)
 
 
@@ -189,7 +175,7 @@ def screw_run_summary_json(history: TravelHistory) -> dict[str, Any]:
     ``history``: history of the simulation. "largest_ball_to_groove_percent" is the largest ratio of the torque by
     contact between balls to the torque by contact with the grooves.
     """
-    s, touch, nut = summarise_screw_run(history), np.any(history.contact, axis=1), np.degrees(history.nut_angle)
+    s, touch, nut = summarise_screw_run(history), np.any(history.presses_on_next, axis=1), np.degrees(history.nut_angle)
     met = bool(touch.any())
     torques = {
         "mean_torque_Nmm": history.torque,
@@ -206,7 +192,7 @@ def screw_run_summary_json(history: TravelHistory) -> dict[str, Any]:
         if met
         else None,
         "largest_groups": s.most_touching_groups,
-        **{name: json_number(1e3 * history.mean(values)) for name, values in torques.items()},
+        **{name: json_number(1e3 * history.mean_over_time(values)) for name, values in torques.items()},
         "groove_variation_percent": json_number(100.0 * s.groove_variation),
         "largest_ball_force_N": json_number(history.ball_force.max()),
         "order_kept": balls_keep_their_order(history),
@@ -231,25 +217,25 @@ def screw_run_series_json(history: TravelHistory) -> dict[str, list[Any]]:
         "balance_percent": 100.0 * history.imbalance,
     }
     out: dict[str, list[Any]] = {name: [json_number(v) for v in row] for name, row in values.items()}
-    out |= {"contacts": history.contact.sum(axis=1).tolist(), "groups": history.groups.tolist()}
+    out |= {"contacts": history.presses_on_next.sum(axis=1).tolist(), "groups": history.touching_group_counts.tolist()}
     return out | {"converged": history.converged.tolist()}
 
 
 def simulate_screw_over_time(scene: ScrewRunScene) -> answer.FrictionAnswer:
     """Simulate a whole screw over time; return contacts between balls, torques and energy."""
     run, time = scene.run, scene.time
-    in_time = simulation_with_status(
-        *simulate_with_several_step_sizes(run, Motion(run.groove.speed), time, scene.name), time
+    in_time = friction_run.simulation_with_status(
+        *friction_run.simulate_with_several_step_sizes(run, Motion(run.groove.speed), time, scene.name), time
     )
     h, speed = in_time.history, abs(run.groove.speed)
     bound = full_sliding_loss(run.groove, h.load) / h.time.size
     loss = h.torque * speed
-    spent = answer.power_balance_percent_json(h.mean(loss * (1.0 + h.imbalance)), h.mean(loss), bound)
+    spent = answer.power_balance_percent_json(h.mean_over_time(loss * (1.0 + h.imbalance)), h.mean_over_time(loss), bound)
     known = spent["balance_percent"] is not None
     largest = answer.zero_if_round_off(float(np.abs(h.imbalance).max()), 1.0)
     spent["largest_step_balance_percent"] = json_number(100.0 * largest) if known else None
     summary, failed = screw_run_summary_json(h), int(np.sum(~h.converged))
-    found = transient_simulation_as_json(in_time)
+    found = friction_run.transient_simulation_as_json(in_time)
     data = answer.json_entries_of_all_kinds(scene, in_time.status, in_time.converged, run.coupling) | {
         "law": "coulomb",
         "hertz": answer.scene_word_for_hertz_constants(run.groove.hertz),
@@ -271,9 +257,9 @@ def simulate_screw_over_time(scene: ScrewRunScene) -> answer.FrictionAnswer:
         "run": found,
         "warnings": contact_size_warnings_of_screw(run.groove, h.load),
     }
-    label, text = answer.energy_line(spent)
+    label, text = answer.line_on_energy_balance(spent)
     lines = [
-        *lines_on_simulation(in_time),
+        *friction_run.lines_on_simulation(in_time),
         ("balls", f"{run.count} over {run.duration:.6g} s"),
         (label, f"{text}, at most {largest:.1e} of the loss out of balance at an instant" if largest else text),
         ("solver", f"{failed} of {h.time.size} instants failed"),
@@ -289,13 +275,13 @@ RUN_LINES = (
     ("largest_ball_to_groove_percent", "largest ratio of torque by ball-to-ball contact to torque of the grooves %", ".4g"),
     ("largest_at_deg", "nut angle at this largest ratio deg", ".4g"),
     ("contact_begins_deg", "nut angle where contact begins deg", ".4g"),
-    ("contact_ends_deg", "nut angle of the first instant without contact after the largest deg", ".4g"),
-    ("contact_ends_within_deg", "this angle is known to within deg", ".4g"),
+    ("contact_ends_deg", "nut angle where contact first ends after the largest ratio deg", ".4g"),
+    ("contact_ends_within_deg", "uncertainty of the nut angle where contact ends deg", ".4g"),
     ("largest_groups", "largest number of groups of touching balls", "d"),
     ("mean_torque_Nmm", "mean torque N mm", ".5g"),
-    ("mean_groove_torque_Nmm", "part of the grooves in the mean N mm", ".5g"),
-    ("mean_ball_torque_Nmm", "part of ball-to-ball contact in the mean N mm", ".5g"),
-    ("mean_closing_torque_Nmm", "of this part by gaps that close N mm", ".3g"),
+    ("mean_groove_torque_Nmm", "part of the grooves in the mean torque N mm", ".5g"),
+    ("mean_ball_torque_Nmm", "part of ball-to-ball contact in the mean torque N mm", ".5g"),
+    ("mean_closing_torque_Nmm", "part of closing gaps between balls in the mean torque N mm", ".3g"),
     ("groove_variation_percent", "variation of the grooves' torque %", ".4g"),
     ("largest_ball_force_N", "largest ball-to-ball force N", ".5g"),
     ("order_kept", "order of balls kept", "s"),
@@ -304,24 +290,28 @@ RUN_LINES = (
 )
 
 
-def bearing_ball_motion(scene: BearingBallScene, problem: BodyMotionProblem) -> BallMotion:
+def bearing_ball_motion(scene: BearingBallScene, problem: equilibrium.BodyMotionProblem) -> BallMotion:
     """Return the motion of one ball of a bearing under the friction law that the scene chooses.
 
     ``problem``: equations of the ball's balance of friction forces and moments. For Coulomb friction the motion is that
     of least dissipation. For other laws it is the root of the equations that the solver finds from that motion.
     """
-    first = least_dissipation(problem)
+    first = equilibrium.least_dissipation(problem)
     if scene.law == "coulomb":
         return first
     if scene.law == "regularised":
-        return motion_by_root(problem, RegularisedCoulombLaw(scene.creep), first.unknown_velocities)
+        return equilibrium.motion_by_root(problem, RegularisedCoulombLaw(scene.creep), first.unknown_velocities)
     law = lin_sigmoid_law(scene.bearing, scene.sharpness, scene.map_step)
-    found = motion_by_root(problem, law, first.unknown_velocities)
-    return found if found.status == "exact" else motion_by_sharpened_sigmoids(problem, law, first.unknown_velocities)
+    found = equilibrium.motion_by_root(problem, law, first.unknown_velocities)
+    return (
+        found
+        if found.status == "exact"
+        else equilibrium.motion_by_sharpened_sigmoids(problem, law, first.unknown_velocities)
+    )
 
 
 def status_of_bearing_ball(loaded: bool, balanced: bool, motion: str) -> str:
-    """Return the status of one ball of a bearing: "converged", or what failed.
+    """Return the status of the solution for one ball of a bearing: "converged", or what failed.
 
     ``loaded``: whether a contact of the ball carries load; ``balanced``: whether the contact loads are in equilibrium;
     ``motion``: status of the friction solver, which is "failed" if it found no balance.
@@ -333,12 +323,14 @@ def status_of_bearing_ball(loaded: bool, balanced: bool, motion: str) -> str:
     return "no balance of friction found" if motion == "failed" else "converged"
 
 
-def json_row_of_bearing_ball(load: ContactLoadSolution, at: EllipticalContacts, motion: BallMotion) -> dict[str, Any]:
+def json_row_of_bearing_ball(
+    load: equilibrium.ContactLoadSolution, at: EllipticalContacts, motion: BallMotion
+) -> dict[str, Any]:
     """Return the JSON row of one ball of a bearing: contact loads and ellipses, motion, friction and losses.
 
     ``load``: contact loads; ``at``: contact ellipses; ``motion``: motion of the ball with its friction. The axes x and z of
-    a contact lie across and along its groove. The ball does not turn about its third axis, because loads and friction lie
-    in planes of symmetry.
+    a contact lie across and along its groove. The rotation of the ball about the direction of its path is zero by
+    symmetry.
     """
     f = motion.friction
     return (
@@ -384,14 +376,14 @@ CONTACT_COLUMNS = (
 
 
 def solve_friction_of_bearing_ball(scene: BearingBallScene) -> answer.FrictionAnswer:
-    """Solve contact loads and friction of one ball of a bearing; return them with losses and torque on the inner ring."""
+    """Solve contact loads and friction of one ball of a bearing; also return losses and torque on the inner ring."""
     b = scene.bearing
     load = bearing.contact_loads_of_ball(b, scene.force, scene.displacement)
     rough = replace(b, mu=b.mu or 1.0)
     at = bearing.ball_contacts(rough, load)
     motion = bearing_ball_motion(scene, bearing.ball_motion_problem(rough, load, at))
     if b.mu == 0.0:
-        motion = remove_friction_forces(motion)
+        motion = equilibrium.motion_without_friction_forces(motion)
     held = load.force > 0.0
     converged = bool(held.any()) and load.converged and motion.status != "failed"
     ball, torque, speed = (
@@ -420,7 +412,7 @@ def solve_friction_of_bearing_ball(scene: BearingBallScene) -> answer.FrictionAn
             "motion_steps": motion.steps,
             "motion": motion.status,
         },
-        "warnings": size_warnings(at.a[held], b.ball_radius),
+        "warnings": contact_size_warnings(at.a[held], b.ball_radius),
     }
     return answer.FrictionAnswer(
         data, [("per contact", CONTACT_COLUMNS, rows_of_loaded_contacts(ball))], lines_on_bearing_ball(data), converged
@@ -447,7 +439,7 @@ def lines_on_bearing_ball(data: dict[str, Any]) -> list[answer.Line]:
                 ball["orbit_rad_s"], *ball["rotation_rad_s"][:2]
             ),
         ),
-        answer.energy_line(data["energy"]),
+        answer.line_on_energy_balance(data["energy"]),
         answer.line_on_solver_residuals(data["solver"]),
         ("law", f"{data['law']}, Hertz constants {data['hertz']}"),
     ]
@@ -456,7 +448,7 @@ def lines_on_bearing_ball(data: dict[str, Any]) -> list[answer.Line]:
 # --- two designs of a bearing
 
 
-def has_friction_loss(case: BearingCase, state: BearingState) -> bool:
+def has_friction_loss(case: friction_bearing.BearingCase, state: friction_bearing.BearingState) -> bool:
     """Return whether the friction loss of a bearing is more than round-off.
 
     ``case``: bearing with its coefficient of friction; ``state``: its solution at one load angle.
@@ -464,7 +456,7 @@ def has_friction_loss(case: BearingCase, state: BearingState) -> bool:
     return float(state.loss.sum()) > answer.NOTHING * full_sliding_loss(case.groove, state.load.force)
 
 
-def bearing_torques_json(case: BearingCase, states: list[BearingState]) -> dict[str, Any]:
+def bearing_torques_json(case: friction_bearing.BearingCase, states: list[friction_bearing.BearingState]) -> dict[str, Any]:
     """Return the friction torque [N mm] of a bearing at each load angle, and the ratio of the largest to the smallest.
 
     ``states``: solution for each load angle. The JSON values also have, for each load angle, the number of balls with
@@ -483,12 +475,12 @@ def bearing_torques_json(case: BearingCase, states: list[BearingState]) -> dict[
 def unresisted_motions(scene: BearingPairScene) -> list[str]:
     """Return sentences on rigid motions of the inner ring that the load causes and no contact resists.
 
-    There is one sentence for each design of the bearing and load angle where this occurs.
+    There is one sentence for each bearing (four-point, double-row) and load angle with such a motion.
     """
     out = []
     for name, case in (("four-point", scene.four_point), ("double row", scene.double_row)):
         for angle in scene.angle:
-            free = describe_unresisted_motion(case, float(angle))
+            free = friction_bearing.describe_unresisted_motion(case, float(angle))
             if free:
                 where = f"load at {np.degrees(angle):.4g} deg"
                 out.append(f"{name} bearing, {where}: {free}: no contact resists it, and the force drives it")
@@ -525,7 +517,7 @@ def _answer_on_two_bearings(scene: BearingPairScene, common: dict[str, Any]) -> 
     ``common``: JSON entries that are known before the solution, such as the load angles.
     """
     cases = scene.four_point, scene.double_row
-    by_case = [solve_bearing_over_force_angles(case, scene.angle) for case in cases]
+    by_case = [friction_bearing.solve_bearing_over_force_angles(case, scene.angle) for case in cases]
     four, double = (bearing_torques_json(case, states) for case, states in zip(cases, by_case, strict=True))
     good = [f and d for f, d in zip(four["converged"], double["converged"], strict=True)]
     status = "converged" if all(good) else f"{good.count(False)} of {len(good)} load angles did not converge"
@@ -571,7 +563,7 @@ def lines_on_two_bearings(data: dict[str, Any]) -> list[answer.Line]:
     ``data``: JSON values of their friction.
     """
     four, double = (format_cell(data[name]["largest_over_smallest"], ".5g") for name in ("four_point", "double_row"))
-    label, text = answer.energy_line(data["energy"])
+    label, text = answer.line_on_energy_balance(data["energy"])
     ring = "free to tilt" if data["tilt"] else "kept from tilting"
     return [
         ("torque", f"largest over smallest: four-point {four}, double row {double}"),

@@ -11,24 +11,9 @@ from rollbench.compare.quantities import json_number
 from rollbench.compare.scenes.friction_kinds.bearings import LinearBearingScene
 from rollbench.compare.studies.friction import answer
 from rollbench.compare.text.printing import Column
-from rollbench.lowfi.friction.linear.bearing import (
-    CONTACTS,
-    contact_directions,
-    loads_equal_on_diagonals,
-    loads_in_equilibrium,
-    loads_of_elastic_contacts,
-)
-from rollbench.lowfi.friction.linear.chain import (
-    ANOTHER,
-    RISEN,
-    LinearChain,
-    LinearChainSolution,
-    find_second_equilibrium,
-    may_have_several_equilibria,
-    prepare_linear_chain,
-    solve_linear_chain,
-)
-from rollbench.lowfi.statics.validity import size_warnings
+from rollbench.lowfi.friction.linear import bearing
+from rollbench.lowfi.friction.linear import chain as linear_chain
+from rollbench.lowfi.statics.validity import contact_size_warnings
 from rollbench.lowfi.warned import ResultWarning
 from rollbench.meshes.arrays import Array
 
@@ -39,10 +24,11 @@ LONG = 60
 
 
 def linear_bearing_loads(scene: LinearBearingScene) -> tuple[Array, Array, float]:
-    """Return contact angles and contact loads of the balls of a linear bearing, then the largest unbalanced force.
+    """Return contact angles and contact loads of the N balls of a linear bearing, then the largest unbalanced force.
 
-    With the scene's distribution "diagonal" both contacts of a diagonal carry equal loads, an approximation in Lin's
-    thesis. The unbalanced force that this approximation leaves is reported, but does not count as a failure.
+    With the scene's distribution "diagonal" opposite contacts of a ball, such as bottom left and top right, carry equal
+    loads, an approximation in Lin's thesis. The unbalanced force that this approximation leaves is reported, but does not
+    count as a failure.
 
     Returns
     -------
@@ -60,23 +46,27 @@ def linear_bearing_loads(scene: LinearBearingScene) -> tuple[Array, Array, float
     """
     if scene.distribution == "elastic":
         try:
-            force, angles = loads_of_elastic_contacts(scene.bearing, scene.angles, scene.vertical, scene.side)
+            force, angles = bearing.loads_of_elastic_contacts(scene.bearing, scene.angles, scene.vertical, scene.side)
         except ArithmeticError as error:
             advice = 'change the forces on the balls, or take distribution = "balanced"'
             raise SceneNotCoveredError(scene.name, "load", str(error), advice) from error
     elif scene.distribution == "balanced":
-        angles, force = (scene.angles, loads_in_equilibrium(scene.angles, scene.vertical, scene.side))
+        angles, force = (scene.angles, bearing.loads_in_equilibrium(scene.angles, scene.vertical, scene.side))
     else:
-        rows = loads_equal_on_diagonals(scene.vertical, scene.side, scene.bearing.contact_angle)
+        rows = bearing.loads_equal_on_diagonals(scene.vertical, scene.side, scene.bearing.contact_angle)
         angles, force = scene.angles, rows
-    pushes = force[..., None] * contact_directions(angles)
+    pushes = force[..., None] * bearing.contact_directions(angles)
     carriage = scene.vertical * np.stack([scene.side, -np.ones_like(scene.side)], axis=-1)
     left = np.stack([pushes.sum(axis=1), pushes[:, 2:].sum(axis=1) + carriage])
     return angles, force, float(np.abs(left).max()) / scene.vertical
 
 
 def json_rows_of_linear_balls(
-    scene: LinearBearingScene, angles: Array, force: Array, apart: LinearChainSolution, touching: LinearChainSolution
+    scene: LinearBearingScene,
+    angles: Array,
+    force: Array,
+    apart: linear_chain.LinearChainSolution,
+    touching: linear_chain.LinearChainSolution,
 ) -> list[dict[str, Any]]:
     """Return one JSON row per ball of a linear bearing: contact loads, speed, rotation and friction loss.
 
@@ -87,7 +77,7 @@ def json_rows_of_linear_balls(
     rows = []
     for k in range(force.shape[0]):
         row: dict[str, Any] = {"index": k + 1, "side_force_ratio": json_number(scene.side[k])}
-        row |= answer.ball_loads_json(CONTACTS, force[k], angles[k])
+        row |= answer.ball_loads_json(bearing.CONTACTS, force[k], angles[k])
         for name, r in (("apart", apart), ("touching", touching)):
             row[f"velocity_{name}_mm_s"] = json_number(1e3 * r.velocity[k])
             moving = scene.bearing.speed != 0.0
@@ -98,7 +88,9 @@ def json_rows_of_linear_balls(
     return rows
 
 
-def json_rows_of_neighbouring_balls(scene: LinearBearingScene, touching: LinearChainSolution) -> list[dict[str, Any]]:
+def json_rows_of_neighbouring_balls(
+    scene: LinearBearingScene, touching: linear_chain.LinearChainSolution
+) -> list[dict[str, Any]]:
     """Return a JSON row for each pair of neighbouring balls: their gap, and force and friction loss in their contact.
 
     ``touching``: solution with balls that touch.
@@ -117,10 +109,12 @@ def json_rows_of_neighbouring_balls(scene: LinearBearingScene, touching: LinearC
 def solve_friction_of_linear_bearing(scene: LinearBearingScene) -> answer.FrictionAnswer:
     """Solve motion and friction of a row of balls in a linear bearing, both far apart and with balls that touch."""
     angles, force, left = linear_bearing_loads(scene)
-    chains = [prepare_linear_chain(scene.bearing, angles, force, touching) for touching in (False, scene.gap <= 0.0)]
+    chains = [
+        linear_chain.prepare_linear_chain(scene.bearing, angles, force, touching) for touching in (False, scene.gap <= 0.0)
+    ]
     fast = force.shape[0] > LONG
-    apart, near = (solve_linear_chain(chain, fast=fast) for chain in chains)
-    second = find_second_equilibrium(chains[1], near, fast) if near.status == "converged" else None
+    apart, near = (linear_chain.solve_linear_chain(chain, fast=fast) for chain in chains)
+    second = linear_chain.find_second_equilibrium(chains[1], near, fast) if near.status == "converged" else None
     loads_good = scene.distribution == "diagonal" or left <= BALANCED
     converged = loads_good and all(r.status == "converged" for r in (apart, near))
     balls, pairs = (
@@ -141,7 +135,7 @@ def solve_friction_of_linear_bearing(scene: LinearBearingScene) -> answer.Fricti
         "drive_N": json_number(near.carriage_drive_force),
         "drive_apart_N": json_number(apart.carriage_drive_force),
         "second_state": None if second is None else jammed_equilibrium_as_json(near, second),
-        "second_state_words": second_state_sentence(chains[1], second),
+        "second_state_words": sentence_on_jammed_equilibrium(chains[1], second),
         **answer.ball_to_ball_contact_effect_json(near.power, near.loss, apart.loss, ball_loss, bound),
         "solver": {
             "load_imbalance": json_number(left),
@@ -149,38 +143,40 @@ def solve_friction_of_linear_bearing(scene: LinearBearingScene) -> answer.Fricti
             "lag": json_number(near.largest_closing_speed_ratio),
             "iterations": near.iterations,
         },
-        "warnings": [*size_warnings(semi, scene.bearing.ball_radius), *jammed_state_warnings(near, second)],
+        "warnings": [*contact_size_warnings(semi, scene.bearing.ball_radius), *jammed_state_warnings(near, second)],
     }
     tables = [
-        ("per ball", BALL_COLUMNS, [answer.terminal_ball_row(CONTACTS, row) for row in balls]),
+        ("per ball", BALL_COLUMNS, [answer.terminal_ball_row(bearing.CONTACTS, row) for row in balls]),
         ("between balls", PAIR_COLUMNS, pairs),
     ]
     return answer.FrictionAnswer(data, [t for t in tables if t[2]], lines_on_linear_bearing(data), converged)
 
 
-def jammed_equilibrium_as_json(touching: LinearChainSolution, jammed: LinearChainSolution) -> dict[str, Any]:
+def jammed_equilibrium_as_json(
+    touching: linear_chain.LinearChainSolution, jammed: linear_chain.LinearChainSolution
+) -> dict[str, Any]:
     """Return the second equilibrium of a row of touching balls, in which friction jams them, as JSON.
 
     The JSON values are the force that drives the carriage, and those forces between neighbouring balls that differ from
     the first equilibrium. ``touching``: first equilibrium, in which the balls roll; ``jammed``: the second one.
     """
     apart = np.abs(jammed.ball_force - touching.ball_force)
-    other = np.flatnonzero(apart > ANOTHER * apart.max())
+    other = np.flatnonzero(apart > linear_chain.ANOTHER * apart.max())
     pairs = [{"balls": f"{k + 1}-{k + 2}", "force_N": json_number(jammed.ball_force[k])} for k in other]
     return {"drive_N": json_number(jammed.carriage_drive_force), "pairs": pairs}
 
 
-def second_state_sentence(chain: LinearChain, jammed: LinearChainSolution | None) -> str:
+def sentence_on_jammed_equilibrium(chain: linear_chain.LinearChain, jammed: linear_chain.LinearChainSolution | None) -> str:
     """Return a sentence on whether a second equilibrium was found, in which friction jams the row of balls.
 
     ``chain``: the touching balls; ``jammed``: their second equilibrium, None if none was found.
     """
-    if not may_have_several_equilibria(chain):
+    if not linear_chain.may_have_several_equilibria(chain):
         return "one only: no balls in reach of each other, or no friction between them"
     if jammed is None:
         return (
             "no second, jammed state was found, from three starts and from states with more friction between balls, "
-            f"{' and '.join(f'{mu:g}' for mu in RISEN)}: a search, no proof"
+            f"{' and '.join(f'{mu:g}' for mu in linear_chain.RISEN)}: a search, no proof"
         )
     force = float(jammed.ball_force.max())
     return (
@@ -189,7 +185,9 @@ def second_state_sentence(chain: LinearChain, jammed: LinearChainSolution | None
     )
 
 
-def jammed_state_warnings(touching: LinearChainSolution, jammed: LinearChainSolution | None) -> list[ResultWarning]:
+def jammed_state_warnings(
+    touching: linear_chain.LinearChainSolution, jammed: linear_chain.LinearChainSolution | None
+) -> list[ResultWarning]:
     """Return a warning if the balls have a second equilibrium, in which friction jams them; the list is empty otherwise.
 
     ``touching``: first equilibrium of the touching balls; ``jammed``: the second one, None if none was found.
@@ -219,7 +217,7 @@ def lines_on_linear_bearing(data: dict[str, Any]) -> list[answer.Line]:
             + ("" if rise is None else f": ball-to-ball contact changes it by {rise:+.4g} %"),
         ),
         ("states", data["second_state_words"]),
-        answer.energy_line(data["energy"]),
+        answer.line_on_energy_balance(data["energy"]),
         (
             "solver",
             f"loads out of balance by {solver['load_imbalance']:.1e} of the vertical force, friction by "
@@ -231,7 +229,7 @@ def lines_on_linear_bearing(data: dict[str, Any]) -> list[answer.Line]:
 
 BALL_COLUMNS: tuple[Column, ...] = (
     ("index", "ball", "s"),
-    *((f"{c} N", f"{c} N", ".3f") for c in CONTACTS),
+    *((f"{c} N", f"{c} N", ".3f") for c in bearing.CONTACTS),
     ("velocity_apart_mm_s", "v apart mm/s", ".5f"),
     ("deviation_apart_percent", "epsilon apart %", ".4f"),
     ("velocity_touching_mm_s", "v mm/s", ".5f"),

@@ -13,13 +13,7 @@ from rollbench.compare.errors import ArgumentError, SceneNotCoveredError
 from rollbench.compare.quantities import json_number
 from rollbench.compare.running import progress_bar
 from rollbench.compare.studies.friction.answer import Line
-from rollbench.lowfi.friction.screw.travel import (
-    UNCLEAR,
-    ClosedTrack,
-    TimeStepErrors,
-    TravelHistory,
-    simulate_with_step_errors,
-)
+from rollbench.lowfi.friction.screw import travel
 from rollbench.lowfi.friction.whole.circuit import balls_in_circuits
 from rollbench.lowfi.friction.whole.run import AGAIN, SceneInMotion, load_solver_for_travelling_balls
 from rollbench.meshes.arrays import Array
@@ -61,16 +55,16 @@ class TransientRun:
     """Simulation of a screw over time, with the estimated error due to the finite time steps, and a status."""
 
     #: Time series of contact loads, torques and motions of the balls.
-    history: TravelHistory
-    #: Estimated errors of the time steps; None if not estimated.
-    error: TimeStepErrors | None
+    history: travel.TravelHistory
+    #: Estimated errors of the torque due to the finite time steps; None if not estimated.
+    error: travel.TimeStepErrors | None
     #: Largest allowed error due to the time steps, as a fraction of the mean torque.
     allowed_error: float
     #: Whether the scene states the number of time steps.
     step_count_given: bool
     #: "converged" if every step converged and no error is above ``allowed_error``; else the reason why not.
     status: str
-    #: Whether the answer has the history of each ball.
+    #: Whether the JSON results include the time series of each ball.
     shows_ball_histories: bool = True
 
     @property
@@ -110,7 +104,7 @@ def simulate_friction_over_time(
 
 def simulate_with_several_step_sizes(
     setting: Any, motion: Motion, time: Time, name: str
-) -> tuple[TravelHistory, TimeStepErrors | None]:
+) -> tuple[travel.TravelHistory, travel.TimeStepErrors | None]:
     """Simulate a screw over time with several step sizes; return the time series, then its error due to finite steps.
 
     ``setting``: the screw with its balls, as the transient solver reads it; ``motion``: motion of screw or nut;
@@ -118,20 +112,20 @@ def simulate_with_several_step_sizes(
     progress bar. The error is None if it cannot be estimated.
     """
     with progress_bar(f"{name}, simulation over time") as progress:
-        return simulate_with_step_errors(setting, time.span(motion), time.steps, time.goal, progress)
+        return travel.simulate_with_step_errors(setting, time.span(motion), time.steps, time.goal, progress)
 
 
-def simulation_with_status(history: TravelHistory, error: TimeStepErrors | None, time: Time) -> TransientRun:
-    """Return a simulation over time together with its status: converged, or why not.
+def simulation_with_status(history: travel.TravelHistory, error: travel.TimeStepErrors | None, time: Time) -> TransientRun:
+    """Return a simulation over time together with its status: "converged", or why it did not converge.
 
     ``history``: time series; ``error``: estimated error due to finite time steps, None if it is not known; ``time``:
     settings of the simulation with the largest allowed error. The simulation is not converged if a step failed, if the
     error is not known, or if it is larger than allowed.
     """
     status = history.status
-    if history.good and error is None:
+    if history.fully_converged and error is None:
         status = "not converged in the time step: the error of fewer than 4 steps is not known; take more steps"
-    elif error is not None and not error.is_within(time.goal):
+    elif error is not None and not error.all_errors_within(time.goal):
         name = max(error.errors_by_quantity, key=lambda name: error.errors_by_quantity[name].error)
         unseen = " (no order of convergence observed)" * error.errors_by_quantity[name].no_order_observed
         status = (
@@ -150,7 +144,7 @@ def transient_simulation_as_json(run: TransientRun) -> dict[str, Any]:
     series have their values at the middle of each piece, gaps between balls at its end.
     """
     h, e = run.history, run.error
-    reached, asked = (json_number(math.degrees(angle)) for angle in h.angles)
+    reached, asked = (json_number(math.degrees(angle)) for angle in h.reached_and_intended_angle)
     data: dict[str, Any] = {
         "status": run.status,
         "converged": run.converged,
@@ -192,7 +186,7 @@ def transient_simulation_as_json(run: TransientRun) -> dict[str, Any]:
     return data
 
 
-def step_error_json(error: TimeStepErrors, goal: float) -> dict[str, Any]:
+def step_error_json(error: travel.TimeStepErrors, goal: float) -> dict[str, Any]:
     """Return the estimated errors due to finite time steps as JSON, with order of convergence and numbers of steps.
 
     ``error``: the errors; ``goal``: largest allowed error, as a fraction of the mean torque.
@@ -212,7 +206,7 @@ def step_error_json(error: TimeStepErrors, goal: float) -> dict[str, Any]:
         "no_order_seen": list(error.quantities_without_order),
         "steps": list(error.step_counts),
         "goal_percent": json_number(100.0 * goal),
-        "small": error.is_within(goal),
+        "small": error.all_errors_within(goal),
     }
 
 
@@ -220,12 +214,12 @@ def why_no_step_error(run: TransientRun) -> str | None:
     """Return why the error of a simulation due to its time steps is not known; None if it is known."""
     if run.error is not None:
         return None
-    if run.history.good:
+    if run.history.fully_converged:
         return "fewer than 4 steps"
     return "a step did not converge" if run.history.reached_end else "the run stopped before its end"
 
 
-def transient_energy_json(history: TravelHistory) -> dict[str, Any]:
+def transient_energy_json(history: travel.TravelHistory) -> dict[str, Any]:
     """Return the energies of a simulation over time [J], and their largest imbalances, as JSON.
 
     Energies are the work of torque and axial load on the screw, and the friction losses. There are two imbalances: one
@@ -239,30 +233,32 @@ def transient_energy_json(history: TravelHistory) -> dict[str, Any]:
         "torque_work_J": json_number(turning * float(history.lasts @ history.on_screw)),
         "load_work_J": json_number(along * float(history.lasts @ history.axial)),
         "loss_J": json_number(float(history.lasts @ loss)),
-        "balance_J": json_number(float(history.lasts @ history.torque_balance)),
+        "balance_J": json_number(float(history.lasts @ history.power_balance_on_screw)),
         "largest_imbalance": json_number(float(np.abs(history.imbalance).max())),
-        "largest_torque_imbalance": json_number(float(np.abs(history.torque_balance / loss).max())) if rubs else None,
+        "largest_torque_imbalance": json_number(float(np.abs(history.power_balance_on_screw / loss).max()))
+        if rubs
+        else None,
     }
 
 
-def transient_torque_json(history: TravelHistory) -> dict[str, Any]:
+def transient_torque_json(history: travel.TravelHistory) -> dict[str, Any]:
     """Return the friction torque in a simulation over time [N mm] as JSON: mean, extremes, and contributions.
 
     The contributions are those of the contacts with the grooves and of the contacts between balls.
     """
-    t = history.torques
+    t = history.torque_statistics
     return {
         "mean_Nmm": json_number(1e3 * t["mean"]),
         "least_Nmm": json_number(1e3 * t["least"]),
         "most_Nmm": json_number(1e3 * t["largest"]),
-        "groove_mean_Nmm": json_number(1e3 * history.mean(history.groove_torque)),
-        "ball_to_ball_mean_Nmm": json_number(1e3 * history.mean(history.ball_torque + history.closing_torque)),
-        "ball_to_ball_most_percent_of_groove": json_number(100.0 * history.share),
+        "groove_mean_Nmm": json_number(1e3 * history.mean_over_time(history.groove_torque)),
+        "ball_to_ball_mean_Nmm": json_number(1e3 * history.mean_over_time(history.ball_torque + history.closing_torque)),
+        "ball_to_ball_most_percent_of_groove": json_number(100.0 * history.largest_ball_to_groove_ratio),
         "largest_ball_force_N": json_number(float(history.ball_force.max(initial=0.0))),
     }
 
 
-def ball_history_json(history: TravelHistory, track: ClosedTrack, ball: int) -> dict[str, Any]:
+def ball_history_json(history: travel.TravelHistory, track: travel.ClosedTrack, ball: int) -> dict[str, Any]:
     """Return the time series of one ball as JSON: azimuth in the nut's frame, loads, distance and force to the next ball.
 
     ``history``: history of all balls; ``track``: circuit of the ball, on which the next ball follows; ``ball``: number
@@ -287,7 +283,7 @@ def _finite_values_for_json(values: Array) -> list[float | None]:
     return [json_number(float(v)) for v in values]
 
 
-def torque_rows_over_angle(history: TravelHistory) -> list[dict[str, object]]:
+def torque_rows_over_angle(history: travel.TravelHistory) -> list[dict[str, object]]:
     """Return table rows of the friction torque over the angle of rotation, at most `ROWS`, evenly spaced."""
     which = np.unique(np.linspace(0, history.time.size - 1, min(ROWS, history.time.size)).round().astype(int))
     return [
@@ -297,7 +293,7 @@ def torque_rows_over_angle(history: TravelHistory) -> list[dict[str, object]]:
             "groove_Nmm": json_number(1e3 * history.groove_torque[k]),
             "balls_Nmm": json_number(1e3 * (history.ball_torque[k] + history.closing_torque[k])),
             "loaded": int(history.loaded[k].sum()),
-            "groups": int(history.groups[k]),
+            "groups": int(history.touching_group_counts[k]),
         }
         for k in which
     ]
@@ -309,7 +305,7 @@ def lines_on_simulation(run: TransientRun) -> list[Line]:
     if not h.begun_step_count:
         return [("run", run.status)]
     t = transient_torque_json(h)
-    reached, asked = (f"{math.degrees(angle):.6g} deg" for angle in h.angles)
+    reached, asked = (f"{math.degrees(angle):.6g} deg" for angle in h.reached_and_intended_angle)
     far = f"over {reached}" if h.reached_end else f"stopped at {reached} of {asked},"
     digits = f".{digits_for_relative_error(None if e is None else e.largest_error)}g"
     mean, least, most, groove, between = (
@@ -335,12 +331,14 @@ def lines_on_simulation(run: TransientRun) -> list[Line]:
         lines.append(("steps", text))
         if e.quantities_without_order:
             names = ", ".join(QUANTITIES[name] for name in e.quantities_without_order)
-            lines.append(("", f"no order of convergence in {names}: {UNCLEAR:g} times the change between these is taken"))
+            lines.append(
+                ("", f"no order of convergence in {names}: {travel.UNCLEAR:g} times the change between these is taken")
+            )
     return lines if run.converged else [*lines, ("", run.status)]
 
 
 def digits_for_relative_error(error: float | None) -> int:
-    """Return the number of digits to show for a value, from 3 to 6, so that at most two digits are uncertain.
+    """Return how many significant digits of a value to show, from 3 to 6, so that at most two digits are uncertain.
 
     ``error``: relative error of the value; None if it is not known.
     """

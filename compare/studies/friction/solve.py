@@ -23,14 +23,8 @@ from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.duty_cycle import Described, DutyCycle
 from rollbench.compare.scenes.scene_file import kind_of_scene
 from rollbench.compare.studies.friction import answer
+from rollbench.compare.studies.friction import whole as friction_whole
 from rollbench.compare.studies.friction.answer import NOTHING, FrictionAnswer, format_three_digits, power_balance_json
-from rollbench.compare.studies.friction.whole import (
-    NO_SPEED,
-    FrictionChoices,
-    friction_coefficients,
-    friction_status,
-    solve_friction_of_screw_or_bearing,
-)
 from rollbench.compare.text.printing import Column
 from rollbench.lowfi.friction.whole.state import FrictionState, friction_state
 from rollbench.lowfi.friction.whole.torque import ONE_TURN
@@ -42,7 +36,9 @@ from rollbench.meshes.parts import Friction, Motion, Scene
 Say = Callable[[str], None]
 
 
-def solve_friction_of_named_scene(name: str, choices: FrictionChoices, say: Say = lambda _: None) -> FrictionAnswer:
+def solve_friction_of_named_scene(
+    name: str, choices: friction_whole.FrictionChoices, say: Say = lambda _: None
+) -> FrictionAnswer:
     """Compute the friction of a scene that is given by its name in the package or by its file.
 
     Parameters
@@ -69,7 +65,7 @@ def solve_friction_of_named_scene(name: str, choices: FrictionChoices, say: Say 
 
 
 def solve_friction_of_scene(
-    scene: Described, choices: FrictionChoices, origin: str, say: Say = lambda _: None
+    scene: Described, choices: friction_whole.FrictionChoices, origin: str, say: Say = lambda _: None
 ) -> FrictionAnswer:
     """Compute the friction of a scene of any kind.
 
@@ -95,12 +91,12 @@ def solve_friction_of_scene(
         If the choices do not fit the scene.
     """
     if isinstance(scene, Scene):
-        return solve_friction_of_screw_or_bearing(scene, choices, say)
+        return friction_whole.solve_friction_of_screw_or_bearing(scene, choices, say)
     if isinstance(scene, DutyCycle):
         return solve_friction_of_duty_cycle(scene, choices)
     if isinstance(scene, Assembly):
         return solve_friction_of_shaft(scene, choices)
-    if choices != FrictionChoices():
+    if choices != friction_whole.FrictionChoices():
         advice = "leave these arguments out: a scene of single parts states its loads and coefficients of friction"
         given = "model, mu, member, condensed"
         raise ArgumentError(given, origin, "the scene of a whole screw or bearing", advice)
@@ -109,19 +105,19 @@ def solve_friction_of_scene(
     return solve_friction_of_single_parts(scene)
 
 
-def friction_for_library(scene: Described, mu: tuple[float, ...], model: str) -> dict[str, Any]:
+def friction_json_for_library(scene: Described, mu: tuple[float, ...], model: str) -> dict[str, Any]:
     """Return the friction of a scene as JSON values for `rollbench.friction`.
 
     ``mu``: coefficients of friction that replace the scene's, empty for those of the scene; ``model``: name of the static
     model, empty for the default.
     """
     return friction_answer_json(
-        solve_friction_of_scene(scene, FrictionChoices(model, mu), f"a choice of these for {scene.name}")
+        solve_friction_of_scene(scene, friction_whole.FrictionChoices(model, mu), f"a choice of these for {scene.name}")
     )
 
 
 def friction_answer_json(found: FrictionAnswer) -> dict[str, Any]:
-    """Return the JSON values of the friction of a scene, with the warning that the terminal shows above them."""
+    """Return the JSON values of the friction of a scene, with the short warning that the terminal shows above."""
     return found.data | {"warning": found.warning or None}
 
 
@@ -157,7 +153,7 @@ OVER_COLUMNS: tuple[Column, ...] = (
 SolvedSets = list[tuple[int, SetResult, FrictionState]]
 
 
-def solve_friction_of_shaft(assembly: Assembly, choices: FrictionChoices) -> FrictionAnswer:
+def solve_friction_of_shaft(assembly: Assembly, choices: friction_whole.FrictionChoices) -> FrictionAnswer:
     """Compute the friction of every nut and ball bearing on a shaft, and the torque that turns the shaft.
 
     ``choices``: model, coefficients of friction and number of the specimen (draw of random errors). Raises InputError
@@ -166,7 +162,7 @@ def solve_friction_of_shaft(assembly: Assembly, choices: FrictionChoices) -> Fri
     if choices.condensed is not None:
         allowed = "this file only for a scene with a single nut or bearing"
         raise ArgumentError("condensed", str(choices.condensed), allowed, "leave `condensed` out")
-    pairs = _friction_coefficients(assembly, choices.mu)
+    pairs = _friction_coefficients_of_shaft(assembly, choices.mu)
     motion = assembly.motion or ONE_TURN
     if motion.turns != "screw":
         raise InputError(
@@ -190,15 +186,15 @@ def solve_friction_of_shaft(assembly: Assembly, choices: FrictionChoices) -> Fri
         answers,
         (pairs[0], motion, each[0], _drag_torques_of_nuts_and_bearings(assembly, result, pairs[0], motion)),
     )
-    over = [{"screw": f.screw, "nut": f.nut} | _summed_torques(states, {}) for f, states in zip(pairs, each, strict=True)]
+    over = [{"screw": f.screw, "nut": f.nut} | _torques_of_shaft(states, {}) for f, states in zip(pairs, each, strict=True)]
     tables = [*found.tables, *([("over the coefficient of friction", OVER_COLUMNS, over)] if len(pairs) > 1 else [])]
     return replace(found, data=found.data | {"over_friction": over}, tables=tables)
 
 
-def _friction_coefficients(assembly: Assembly, mu: Sequence[float]) -> list[Friction]:
-    """Return the coefficients of friction for which a shaft is solved: the user's, else the scene's.
+def _friction_coefficients_of_shaft(assembly: Assembly, mu: Sequence[float]) -> list[Friction]:
+    """Return the coefficients of friction for which a shaft is solved: those in ``mu``, else those of the scene.
 
-    ``mu``: coefficients that replace the scene's, empty for those of the scene. A shaft with bearings only needs none.
+    ``mu``: coefficients that replace those of the scene; empty: none. A shaft with bearings only needs none.
     Raises InputError for a nut without coefficient, and if a coefficient is given for a shaft without balls.
     """
     balls = [s.parts for s in assembly.sets if isinstance(s.parts, Scene)]
@@ -209,11 +205,11 @@ def _friction_coefficients(assembly: Assembly, mu: Sequence[float]) -> list[Fric
         raise ArgumentError(
             "mu", given, "a shaft with a ball nut or ball bearing", "leave `mu` out: all bearings have rollers"
         )
-    return friction_coefficients(replace(balls[0], name=assembly.name, friction=assembly.friction), mu)
+    return friction_whole.friction_coefficients(replace(balls[0], name=assembly.name, friction=assembly.friction), mu)
 
 
 def _friction_of_nuts_and_bearings(result: AxisResult, friction: Friction, motion: Motion) -> SolvedSets:
-    """Return number (from 0), static result and friction of every nut and ball bearing on a shaft.
+    """Compute the friction of every nut and ball bearing on a shaft; return number (from 0), static result and friction.
 
     ``result``: static solution of the shaft; ``friction``: coefficients of friction; ``motion``: motion of the shaft.
     """
@@ -245,11 +241,11 @@ def _drag_torques_of_nuts_and_bearings(
     }
 
 
-def _json_row_of_nut_or_bearing(i: int, s: SetResult, state: FrictionState, drag: float | None) -> dict[str, Any]:
+def _friction_row_of_nut_or_bearing(i: int, s: SetResult, state: FrictionState, drag: float | None) -> dict[str, Any]:
     """Return the JSON row of a nut or ball bearing on a shaft: its number and name, torques, and friction loss.
 
     ``i``: number of the nut or bearing, from 0; ``s``: its static result; ``state``: its friction; ``drag``: its
-    friction torque without loads [N m], None if it is not known.
+    friction torque without loads [N m], None if not known.
     """
     return (
         {"set": i + 1, "name": s.of.name}
@@ -275,23 +271,23 @@ def _answer_on_shaft(
     nuts = {
         i: (friction_results_json(x.friction_sums, None) if x.all_balanced else None, "")
         for i, s, x in solved
-        if _lead_of_nut(s)
+        if _lead_of_nut_or_zero(s)
     }
     drive = quantities.record_as_json(motor_torques_and_inertias(assembly, result, answers, nuts))
-    rows = [_json_row_of_nut_or_bearing(i, s, state, drag.get(i)) for i, s, state in solved]
+    rows = [_friction_row_of_nut_or_bearing(i, s, state, drag.get(i)) for i, s, state in solved]
     balls = [{"set": i + 1} | row for i, s, state in solved if s.balls for row in answer.json_rows_of_balls(s.balls, state)]
     losses = [{"set": i + 1} | row for i, _, state in solved for row in answer.losses_by_contact_and_cause(state)]
     good = all(state.all_balanced for _, _, state in solved)
     failed = next((x for x in solved if not x[2].all_balanced), None)
-    torque, power = _summed_torques(solved, drag), _summed_powers(solved)
+    torque, power = _torques_of_shaft(solved, drag), _powers_of_shaft(solved)
     of_rollers = tuple(f"{s.of.name}: " for s in result.sets if s.balls is None)  # whose loads friction leaves as they are
     warnings = [w for w in result.warnings if w.startswith(of_rollers)]
-    warnings += answer.without_pressure_and_size([w for w in result.warnings if not w.startswith(of_rollers)])
+    warnings += answer.warnings_without_pressure_and_size([w for w in result.warnings if not w.startswith(of_rollers)])
     for _, s, state in solved:
         if isinstance(s.of.parts, Scene):
             warnings += [w.with_part_name(s.of.name) for w in answer.friction_warnings(s.of.parts, friction, state, ())]
     data = head | {
-        "status": "converged" if failed is None else f"{failed[1].of.name}: {friction_status(failed[2])}",
+        "status": "converged" if failed is None else f"{failed[1].of.name}: {friction_whole.friction_status(failed[2])}",
         "converged": good,
         "law": "coulomb",
         "friction": {"screw": friction.screw, "nut": friction.nut},
@@ -304,7 +300,7 @@ def _answer_on_shaft(
         "energy": power,
         "assumed": [
             *friction.assumed,
-            *(() if assembly.motion else (NO_SPEED,)),
+            *(() if assembly.motion else (friction_whole.NO_SPEED,)),
             *assembly.assumed,
             *(f"contact loads: {x}" for x in result.assumed if x not in assembly.assumed),
             *(() if solved else (NO_COEFFICIENT,)),
@@ -331,12 +327,12 @@ def _answer_on_shaft(
     return FrictionAnswer(data, [*tables, ("torque that turns the shaft", DRIVE_COLUMNS, whole)], lines, good, every)
 
 
-def _lead_of_nut(s: SetResult) -> float:
+def _lead_of_nut_or_zero(s: SetResult) -> float:
     """Return the lead of a nut [m]; zero for a bearing."""
     return s.of.parts.track.lead if isinstance(s.of.parts, Scene) else 0.0
 
 
-def _summed_powers(solved: SolvedSets) -> dict[str, Any]:
+def _powers_of_shaft(solved: SolvedSets) -> dict[str, Any]:
     """Return input power, losses and further powers [W], summed over nuts and ball bearings of a shaft, and the efficiency.
 
     Powers are input power and friction loss of the contacts, power of the driving torque, and power of the axial loads.
@@ -355,7 +351,7 @@ def _summed_powers(solved: SolvedSets) -> dict[str, Any]:
     }
 
 
-def _summed_torques(solved: SolvedSets, drag: dict[int, float]) -> dict[str, Any]:
+def _torques_of_shaft(solved: SolvedSets, drag: dict[int, float]) -> dict[str, Any]:
     """Return friction, drag and driving torque [N mm] summed over all nuts and ball bearings of a shaft.
 
     ``solved``: nuts and ball bearings with their friction; ``drag``: friction torques without loads [N m] by number of the
@@ -382,19 +378,19 @@ COLUMNS = (
 )
 
 
-def solve_friction_of_duty_cycle(cycle: DutyCycle, choices: FrictionChoices) -> FrictionAnswer:
+def solve_friction_of_duty_cycle(cycle: DutyCycle, choices: friction_whole.FrictionChoices) -> FrictionAnswer:
     """Compute the friction of every load case of a duty cycle, and the mean friction torque over all revolutions.
 
     The mean torque is the work of friction over the angle of all revolutions. If a load case does not converge, the
-    results of the others are still given, but no mean torque. Raises InputError for the faults that
-    `solve_friction_of_screw_or_bearing` and `solve_axis` refuse.
+    results of the other load cases are still given, but no mean torque. Raises InputError for inputs that
+    `solve_friction_of_screw_or_bearing` or `solve_friction_of_shaft` refuses.
     """
     each = [
         (
             case,
             solve_friction_of_shaft(scene, choices)
             if isinstance(scene := case.scene, Assembly)
-            else solve_friction_of_screw_or_bearing(scene, choices),
+            else friction_whole.solve_friction_of_screw_or_bearing(scene, choices),
         )
         for case in cycle.cases
     ]
@@ -417,7 +413,7 @@ def solve_friction_of_duty_cycle(cycle: DutyCycle, choices: FrictionChoices) -> 
         lines += [("", ""), ("case", f"{case.name}, share {case.share:.4g}: {one.data['status']}"), *one.lines]
 
     def entries_of_all_cases(key: str) -> list[Any]:
-        """Return the different entries of the list ``key`` in the JSON values of all load cases."""
+        """Return the entries of the lists ``key`` in the JSON values of all load cases, each different entry once."""
         return list(dict.fromkeys(line for _, one in each for line in one.data.get(key, ())))
 
     data: dict[str, Any] = {

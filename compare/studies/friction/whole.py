@@ -25,14 +25,8 @@ from rollbench.compare.results.data import FrictionOnset
 from rollbench.compare.running import FIRST
 from rollbench.compare.scenes.scene_file import kind_of_scene
 from rollbench.compare.studies.friction import answer as output
+from rollbench.compare.studies.friction import run as friction_run
 from rollbench.compare.studies.friction.answer import FrictionAnswer, Line, format_three_digits, power_balance_json
-from rollbench.compare.studies.friction.run import (
-    TransientRun,
-    lines_on_simulation,
-    simulate_friction_over_time,
-    torque_table_over_angle,
-    transient_simulation_as_json,
-)
 from rollbench.lowfi.friction.whole.circuit import contact_onset
 from rollbench.lowfi.friction.whole.losses import WIDE, heathcote_loss_increase
 from rollbench.lowfi.friction.whole.state import FrictionState, friction_state
@@ -78,9 +72,9 @@ class StaticallySolvedPart:
 
     #: Scene of the screw or bearing.
     scene: Scene
-    #: Name of the model.
+    #: Name of the static model that computes the contact loads.
     model: str
-    #: Options of the model.
+    #: Options of the static model.
     options: ModelOptions
     #: Coefficients of friction.
     friction: Friction
@@ -213,7 +207,7 @@ def play_warning(data: dict[str, Any]) -> ResultWarning:
 FACTORS, HALVINGS = tuple(2.0**k for k in range(-4, 5)), 4
 
 
-def with_scaled_errors(scene: Scene, factor: float) -> Scene:
+def with_scaled_geometric_errors(scene: Scene, factor: float) -> Scene:
     """Return a scene with the geometric errors of its grooves and of single balls multiplied by ``factor``.
 
     The oversize that all balls share (preload or play) does not change.
@@ -235,17 +229,17 @@ def with_scaled_errors(scene: Scene, factor: float) -> Scene:
     return replace(scene, errors=replace(errors, balls=balls, **sides))
 
 
-def onset_of_touching(solved: StaticallySolvedPart, result: StaticResult) -> FrictionOnset | None:
-    """Return after which rotation neighbouring balls touch, and how large geometric errors must be for that.
+def onset_of_ball_to_ball_contact(solved: StaticallySolvedPart, result: StaticResult) -> FrictionOnset | None:
+    """Return after which rotation of the turning part neighbouring balls touch, and which geometric errors cause this.
 
-    The necessary size is stated as a factor on the scene's own errors. ``solved``: the scene with its model and motion;
-    ``result``: static result with the contact loads. The result is None if the balls overlap, or do not fit into their
-    circuits.
+    The necessary size of the errors is stated as a factor on the scene's own errors. ``solved``: the scene with its model
+    and motion; ``result``: static result with the contact loads. The returned value is None if the balls overlap, or do not
+    fit into their circuits.
     """
 
-    def touch_with_errors(factor: float) -> bool:
+    def balls_touch_with_scaled_errors(factor: float) -> bool:
         """Return whether neighbouring balls touch if the scene's geometric errors are multiplied by a factor."""
-        scene = with_scaled_errors(solved.scene, factor)
+        scene = with_scaled_geometric_errors(solved.scene, factor)
         options = solved.options if scene.errors.random else replace(solved.options, member=0)
         loads = run_model(scene, solved.model, options)
         return loads.converged and contact_onset(scene, loads, drive=solved.motion).touches_under_load
@@ -255,17 +249,20 @@ def onset_of_touching(solved: StaticallySolvedPart, result: StaticResult) -> Fri
     except ValueError:  # overlapping balls or impossible circuits: no statement on neighbours
         return None
     factor = None
-    if with_scaled_errors(solved.scene, 0.0) != solved.scene:
+    if with_scaled_geometric_errors(solved.scene, 0.0) != solved.scene:
         factor = (
             0.0
-            if touch_with_errors(0.0)
-            else next((x for x in FACTORS if (standing.touches_under_load if x == 1.0 else touch_with_errors(x))), None)
+            if balls_touch_with_scaled_errors(0.0)
+            else next(
+                (x for x in FACTORS if (standing.touches_under_load if x == 1.0 else balls_touch_with_scaled_errors(x))),
+                None,
+            )
         )
     if factor:
         low = 0.5 * factor if factor > FACTORS[0] else 0.0
         for _ in range(HALVINGS):
             middle = 0.5 * (low + factor)
-            low, factor = (low, middle) if touch_with_errors(middle) else (middle, factor)
+            low, factor = (low, middle) if balls_touch_with_scaled_errors(middle) else (middle, factor)
     meets = bool(np.isfinite(standing.rotation_to_first_meeting))
     return FrictionOnset(
         touch=standing.touches_under_load,
@@ -282,12 +279,12 @@ def onset_of_touching(solved: StaticallySolvedPart, result: StaticResult) -> Fri
 def line_on_ball_to_ball_contact(onset: FrictionOnset, turns: str, errors: bool) -> Line:
     """Return a terminal line (label, text) on whether neighbouring balls come to touch, and after which rotation.
 
-    ``onset``: angles at which balls touch, from `onset_of_touching`; ``turns``: name of the turning part, such as
-    "screw"; ``errors``: whether the scene has geometric errors.
+    ``onset``: angles at which balls touch, from `onset_of_ball_to_ball_contact`; ``turns``: name of the turning part, such
+    as "screw"; ``errors``: whether the scene has geometric errors.
     """
 
     def angle_text(value: float | None) -> str:
-        """Return a clause on the rotation [rad] after which balls meet, "never" for None."""
+        """Return a clause on the rotation ``value`` [rad] after which balls meet; "never" if it is None."""
         return "never" if value is None else f"after {format_three_digits(np.degrees(value))} deg of the {turns}"
 
     text = f"neighbours {'touch' if onset.touch else 'do not touch'}"
@@ -312,7 +309,7 @@ def line_on_ball_to_ball_contact(onset: FrictionOnset, turns: str, errors: bool)
     return "touch", text
 
 
-def feedback_warnings(state: FrictionState) -> list[ResultWarning]:
+def warnings_on_friction_feedback(state: FrictionState) -> list[ResultWarning]:
     """Return a warning if balls displaced by friction raise the friction torque by a factor of more than `FED_BACK`.
 
     The list is empty otherwise. ``state``: friction of a screw or bearing.
@@ -355,18 +352,18 @@ class FrictionChoices:
 class DragTorque:
     """Friction torque of a screw or bearing without loads (drag torque), or the reason why there is none."""
 
-    #: Torque [N m]; None if it has no meaning or was not found.
+    #: Drag torque [N m]; None if a drag torque has no meaning or was not found.
     torque: float | None
-    #: Reason why there is no torque.
+    #: Reason why there is no drag torque; empty if there is one.
     reason_without_torque: str = ""
     #: Note on how the screw was released axially, if its supports would preload it.
     note: str = ""
 
 
 def friction_coefficients(scene: Scene, mu: Sequence[float]) -> list[Friction]:
-    """Return the coefficients of friction for which a screw or bearing is solved: the user's, else the scene's.
+    """Return the coefficients of friction for which a screw or bearing is solved: those in ``mu``, else the scene's.
 
-    ``mu``: coefficients that replace the scene's, each for the contacts of both screw and nut; empty: the scene's.
+    ``mu``: coefficients that replace those of the scene, each for the contacts of both screw and nut; empty: none.
     Raises InputError for a scene without a coefficient of friction, and for a coefficient out of range.
     """
     for value in mu:
@@ -437,32 +434,38 @@ def solve_friction_of_screw_or_bearing(
             f"friction torque {format_three_digits(1e3 * states[0].friction_sums.friction_torque)} N mm; drag "
             "torque and range of torques follow"
         )
-    bare = result if not has_loads(scene) else run_model(replace(scene, loads=()), model, options)
+    bare = result if not has_external_loads(scene) else run_model(replace(scene, loads=()), model, options)
     drags = drag_torques(scene, states, pairs, bare, options)
     answer = _build_friction_answer(
         scene, result, head, (pairs, states, drags), StaticallySolvedPart(scene, model, options, pairs[0], motion, bare)
     )
     if scene.time is None:
         return answer
-    return _add_transient_run(answer, simulate_friction_over_time(scene, pairs[0], motion, model, choices.member))
+    return _add_transient_run(
+        answer, friction_run.simulate_friction_over_time(scene, pairs[0], motion, model, choices.member)
+    )
 
 
-def _add_transient_run(answer: FrictionAnswer, run: TransientRun) -> FrictionAnswer:
+def _add_transient_run(answer: FrictionAnswer, run: friction_run.TransientRun) -> FrictionAnswer:
     """Return the friction result at one instant with status, tables and lines of a simulation over time added.
 
     ``answer``: friction at the instant that the scene describes; ``run``: simulation over time of the same screw.
     """
-    data = answer.data | {"run": transient_simulation_as_json(run)}
+    data = answer.data | {"run": friction_run.transient_simulation_as_json(run)}
     good = answer.converged and run.converged
     if answer.converged and not good:
         data |= {"status": f"simulation over time: {run.status}"}
-    tables = [*answer.tables, *torque_table_over_angle(run)]
+    tables = [*answer.tables, *friction_run.torque_table_over_angle(run)]
     return FrictionAnswer(
-        data | {"converged": good}, tables, [*answer.lines, *lines_on_simulation(run)], good, answer.ball_tables
+        data | {"converged": good},
+        tables,
+        [*answer.lines, *friction_run.lines_on_simulation(run)],
+        good,
+        answer.ball_tables,
     )
 
 
-def has_loads(scene: Scene) -> bool:
+def has_external_loads(scene: Scene) -> bool:
     """Return whether a scene has loads other than zero."""
     return any(np.any(load.force) or np.any(load.moment) for load in scene.loads)
 
@@ -495,7 +498,7 @@ def drag_torques(
     """
     bare, motion = replace(scene, loads=()), scene.motion or ONE_TURN
 
-    def friction_of(changed: Scene, result: StaticResult) -> list[FrictionState] | str:
+    def friction_for_each_pair(changed: Scene, result: StaticResult) -> list[FrictionState] | str:
         """Return the friction for each pair of coefficients; the solver's status if contact loads did not converge.
 
         ``changed``: scene without loads; ``result``: its static result.
@@ -505,15 +508,15 @@ def drag_torques(
         return [cached_friction_state(changed, result, pair, motion, options.member) for pair in pairs]
 
     without: Sequence[FrictionState] | str = states
-    if has_loads(scene):
-        without = friction_of(bare, unloaded)
+    if has_external_loads(scene):
+        without = friction_for_each_pair(bare, unloaded)
     if isinstance(without, str):
         return [DragTorque(None, without)] * len(pairs)
     if not any(state.friction_sums.moves_axial_load for state in without):
         return [drag_torque_of_state(state) for state in without]
     pressed = f"its supports press it with {without[0].friction_sums.axial_load:.4g} N along its axis"
     freed = replace(bare, supports=without_axial_supports(scene.supports))
-    let_go = friction_of(freed, run_model(freed, unloaded.model, options))
+    let_go = friction_for_each_pair(freed, run_model(freed, unloaded.model, options))
     if isinstance(let_go, str):
         return [DragTorque(None, f"{pressed}, and without them: {let_go}")] * len(pairs)
     note = f"the screw left free along its axis: {pressed}"
@@ -530,7 +533,7 @@ def without_axial_supports(supports: Sequence[Support]) -> tuple[Support, ...]:
 
 
 def drag_torque_of_state(state: FrictionState) -> DragTorque:
-    """Return the drag torque from the friction of an unloaded screw, or the reason why there is none.
+    """Return the drag torque of an unloaded screw from its solved friction, or the reason why there is none.
 
     ``state``: friction of the screw without axial load.
     """
@@ -576,7 +579,7 @@ def _build_friction_answer(
 
     ``result``: static result under the loads; ``head``: JSON entries on scene and model; ``solved``: coefficients of
     friction, then the friction and the drag torque for each pair of them; ``unloaded``: the scene with its static result
-    without loads, from which the effect of inputs that may not be stated is computed.
+    without loads, from which the torque is also computed for other coefficients of friction and with play.
     """
     (friction, *_), (state, *_), (drag, *_) = solved
     motion = scene.motion or ONE_TURN
@@ -587,7 +590,7 @@ def _build_friction_answer(
     over = [output.torque_row_for_coefficients(f, s, d.torque) for f, s, d in zip(*solved, strict=True)]
     assumed = [*friction.assumed, *(() if scene.motion else (NO_SPEED,)), *_friction_assumptions(scene, result)]
     wide, played = torques_at_measured_coefficients(unloaded, result), torque_with_play(unloaded, state)
-    near = onset_of_touching(unloaded, result) if state.loaded else None
+    near = onset_of_ball_to_ball_contact(unloaded, result) if state.loaded else None
     held = preload_from_unloaded(scene, unloaded.unloaded_result).axial if unloaded.unloaded_result.converged else 0.0
     e, slip = state.friction_sums, heathcote_loss_increase(scene, state.contacts, state.ball_friction, friction, motion)
     data = head | {
@@ -643,7 +646,7 @@ def _build_friction_answer(
                 *validity_warnings(
                     scene, results_of_contact_loads(scene, result.load, result.contact_angle, result.member), held
                 ),
-                *feedback_warnings(state),
+                *warnings_on_friction_feedback(state),
                 *output.heathcote_slip_warnings(slip),
             ),
         ),
@@ -652,7 +655,9 @@ def _build_friction_answer(
     if state.loaded:
         tables = [("losses by contact and cause", output.LOSS_COLUMNS, losses)]
     if len(over) > 1:
-        tables.append(("over the coefficient of friction", output.coefficient_columns(kind_of_scene(scene)), over))
+        tables.append(
+            ("over the coefficient of friction", output.columns_over_friction_coefficient(kind_of_scene(scene)), over)
+        )
     every = [("per ball", output.BALL_COLUMNS, output.terminal_ball_rows(rows))] if state.loaded else []
     lines = [
         *output.lines_on_friction_of_screw(motion, state, (drag.torque, drag.reason_without_torque or drag.note)),
@@ -663,7 +668,7 @@ def _build_friction_answer(
             line_on_ball_to_ball_contact(
                 near,
                 "inner ring" if state.friction_sums.advance_per_radian == 0.0 and motion.turns == "screw" else motion.turns,
-                with_scaled_errors(scene, 0.0) != scene,
+                with_scaled_geometric_errors(scene, 0.0) != scene,
             )
         )
     lines.append(output.line_on_remaining_imbalance(result.solver.residual, state.ball_friction.largest_imbalance_ratio))

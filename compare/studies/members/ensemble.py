@@ -25,44 +25,25 @@ from rollbench.compare.models.registry import ModelOptions, run_model
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.lowfi.compliance.parts import LADDER
 from rollbench.lowfi.jit import STATICS, load_kernel_package
+from rollbench.lowfi.statics import problem as statics_problem
+from rollbench.lowfi.statics import static
 from rollbench.lowfi.statics.contacts import hertz_constants_by_scene_choice
 from rollbench.lowfi.statics.elastic import SpecimensWithSharedEquations, can_share_equations
 from rollbench.lowfi.statics.held import find_unresisted_motions
 from rollbench.lowfi.statics.kernel_types import SpecimenArrays, SpecimenSolutions
-from rollbench.lowfi.statics.nominal import nominal_contacts
-from rollbench.lowfi.statics.problem import (
-    Problem,
-    build_problem,
-    centre_vectors_and_interference,
-    flank_motions_of_specimens,
-)
+from rollbench.lowfi.statics.nominal import count_nominal_contacts
 from rollbench.lowfi.statics.result import AxisResult, StaticResult, StaticSolution
 from rollbench.lowfi.statics.selection import choose_flanks, flanks_of_scene, solutions_clear_of_left_out_flanks
 from rollbench.lowfi.statics.settle import ACCEPTED
-from rollbench.lowfi.statics.shape import motion_matrices
-from rollbench.lowfi.statics.static import (
-    BeamEquations,
-    Engine,
-    beam_equations,
-    pick_engine,
-    pin_free_motions,
-    residual_scale,
-    solve_static,
-)
+from rollbench.lowfi.statics.shape import beam_interpolation_matrices
+from rollbench.meshes import errors
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
-from rollbench.meshes.errors import (
-    GeometriesWithErrors,
-    draw_geometries_with_errors,
-    draw_geometry_with_errors,
-    have_equal_circular_grooves,
-    scene_without_random_errors,
-)
 from rollbench.meshes.helix import BallLayout, ball_layout, nominal_groove_centres
 from rollbench.meshes.parts import Scene
 
 #: How numerical kernels run: as machine code, because for many solutions compiling them is worthwhile.
-ENGINE: Engine = "compiled"
+ENGINE: static.Engine = "compiled"
 
 #: Distance between ball and flank at which a flank that was left out counts as touched [m]; the specimen is then solved
 #: with all four flanks.
@@ -85,15 +66,16 @@ CHUNK = 96
 class RandomDrawsResult:
     """Contact loads of a scene for M random draws of its geometric errors; each draw is called a specimen."""
 
-    #: Contact loads, (M, N, 4) [N]; nan without equilibrium.
+    #: Contact loads of N balls on the four flanks (screw left, screw right, nut left, nut right) in each draw, (M, N, 4)
+    #: [N]; nan without equilibrium.
     loads: Array
-    #: Status of each specimen, as in ``StaticResult``.
+    #: Status of the solution of each specimen, as in ``StaticResult``.
     statuses: tuple[str, ...]
     #: Relative residual of each specimen's equations, (M,).
     residuals: Array
-    #: Sum of the scene's loads times the displacements of their points of action, (M,) [J].
+    #: Sum of the scene's external loads times the displacements of the points at which they act, (M,) [J].
     works_of_loads: Array
-    #: Number of specimens in which contacts on all four flanks had to be considered.
+    #: Number of specimens that were solved with contacts on all four flanks, not only on the flanks expected to be loaded.
     all_flanks_count: int
     #: Number of specimens that were solved one by one with ``solve_static``, not together.
     singly_solved_count: int
@@ -107,10 +89,10 @@ class RandomDrawsResult:
 def can_share_one_system_of_equations(scene: Scene) -> bool:
     """Return whether many random draws of the scene's geometric errors can be solved together, by one system of equations.
 
-    This is so if the errors are those of ball sizes, pitch and roundness only, so that flanks are exact circular arcs, and
-    if the Hertz constants do not depend on the actual contact angle.
+    They can if only ball sizes, pitch and roundness have errors, so that flanks are exact circular arcs, and if the Hertz
+    constants do not depend on the actual contact angle.
     """
-    return have_equal_circular_grooves(scene) and scene.ingredients.hertz != "actual"
+    return errors.have_equal_circular_grooves(scene) and scene.ingredients.hertz != "actual"
 
 
 def solve_random_draws(scene: Scene, members: int | None = None, first: int = 0, *, threads: int = 1) -> RandomDrawsResult:
@@ -137,7 +119,7 @@ def solve_random_draws(scene: Scene, members: int | None = None, first: int = 0,
     all_sides = batch.solve() if can_share_one_system_of_equations(scene) else 0
     statuses, left = ["converged"] * count, np.flatnonzero(~batch.solved)
     for m in left:
-        result = solve_static(scene, engine=ENGINE, member=first + int(m))
+        result = static.solve_static(scene, engine=ENGINE, member=first + int(m))
         batch.loads[m], statuses[m] = result.load, result.status
         batch.residuals[m], batch.works[m] = result.solver.residual, work_done_by_loads(scene, result)
     return RandomDrawsResult(batch.loads, tuple(statuses), batch.residuals, batch.works, all_sides, int(left.size))
@@ -158,7 +140,7 @@ def work_done_by_loads(scene: Scene, result: StaticResult) -> float:
 
 
 class _RandomDrawBatch:
-    """Random draws of a scene's geometric errors (specimens) that share a system of equations, with their results.
+    """Random draws of a scene's geometric errors (specimens) that share one system of equations, with contact loads.
 
     After `solve`, ``loads`` has the contact loads (M, N, 4) [N] of M specimens with N balls, ``residuals`` the relative
     residuals (M,), ``works`` the loads times the displacements of the points at which they act (M,) [J], and ``solved``
@@ -172,23 +154,25 @@ class _RandomDrawBatch:
         """
         self.scene, self.threads = scene, threads
         self.layout = ball_layout(scene)
-        self.mean = draw_geometry_with_errors(scene_without_random_errors(scene), self.layout)
-        self.drawn = draw_geometries_with_errors(scene, self.layout, first, count)
+        self.mean = errors.draw_geometry_with_errors(errors.scene_without_random_errors(scene), self.layout)
+        self.drawn = errors.draw_geometries_with_errors(scene, self.layout, first, count)
         self.C = hertz_constants_by_scene_choice(scene, self.mean, self.drawn.ball_radii)
         self.loads, self.solved = np.full((count, scene.ball_count, 4), np.nan), np.zeros(count, dtype=bool)
         self.residuals, self.works = np.full(count, np.nan), np.full(count, np.nan)
 
-    def _drawn_errors(self, numbers_in_batch: NDArray[np.int64]) -> GeometriesWithErrors:
-        """Return the geometric errors of those random draws whose numbers in the batch are ``numbers_in_batch``."""
+    def _drawn_errors(self, numbers_in_batch: NDArray[np.int64]) -> errors.GeometriesWithErrors:
+        """Return the geometric errors of the random draws with the numbers ``numbers_in_batch`` in this batch."""
         centre = (
             self.drawn.groove_centres[numbers_in_batch] if len(self.drawn.groove_centres) > 1 else self.drawn.groove_centres
         )
-        return GeometriesWithErrors(self.drawn.ball_radii[numbers_in_batch], centre, self.drawn.groove_radii)
+        return errors.GeometriesWithErrors(self.drawn.ball_radii[numbers_in_batch], centre, self.drawn.groove_radii)
 
     def solve(self) -> int:
-        """Solve all random draws and store their loads; return in how many of them all four flanks had to be considered.
+        """Solve all random draws and store their contact loads; return for how many all flanks had to be included.
 
-        No specimen is solved if the scene cannot carry its loads.
+        Flanks that are expected to carry no load are first left out of the equations. Draws without accepted solution, such
+        as those in which a ball comes near such a flank, are solved again with all flanks. No draw is solved if the scene
+        cannot carry its loads.
         """
         # flanks that carry no load if no ball is too large are left out, which is then verified specimen by specimen
         few = choose_flanks(self.scene, replace(self.mean, ball_radii=self.drawn.ball_radii.min(axis=0)))
@@ -202,29 +186,31 @@ class _RandomDrawBatch:
             self._solve_with_flanks(whole, rest)
         return int(rest.size)
 
-    def _problem_with_flanks(self, used_flanks: NDArray[np.bool_]) -> Problem | None:
+    def _problem_with_flanks(self, used_flanks: NDArray[np.bool_]) -> statics_problem.Problem | None:
         """Return the static problem of the scene without random errors; None if the loads drive a free rigid motion.
 
-        ``used_flanks``: whether each of the flanks SL, SR, NL, NR takes part (4,).
+        ``used_flanks``: whether each of the four flanks (screw left, screw right, nut left, nut right) takes part (4,).
         """
-        problem = build_problem(self.scene, self.mean, self.layout, used_flanks)
-        if residual_scale(problem).typical_force == 0.0:  # only the random errors press anything together
+        problem = statics_problem.build_problem(self.scene, self.mean, self.layout, used_flanks)
+        if static.residual_scale(problem).typical_force == 0.0:  # only the random errors press anything together
             tightest = self._drawn_errors(
-                np.array([centre_vectors_and_interference(self.scene, self.drawn)[1].max(axis=(1, 2)).argmax()])
+                np.array(
+                    [statics_problem.centre_vectors_and_interference(self.scene, self.drawn)[1].max(axis=(1, 2)).argmax()]
+                )
             )
             drawn = replace(self.mean, ball_radii=tightest.ball_radii[0], groove_centres=tightest.groove_centres[0])
-            problem = build_problem(self.scene, drawn, self.layout, used_flanks)
+            problem = statics_problem.build_problem(self.scene, drawn, self.layout, used_flanks)
         mechanism = find_unresisted_motions(problem)
-        return None if mechanism.is_driven_by_loads else pin_free_motions(problem, mechanism)
+        return None if mechanism.is_driven_by_loads else static.pin_free_motions(problem, mechanism)
 
-    def _solved_shared_equations(self, problem: Problem) -> BeamEquations:
+    def _solved_shared_equations(self, problem: statics_problem.Problem) -> static.BeamEquations:
         """Return the system of equations that all random draws share, solved for the scene without random errors."""
-        prepared = beam_equations(problem, pick_engine(ENGINE, self.scene.ball_count))
+        prepared = static.beam_equations(problem, static.pick_engine(ENGINE, self.scene.ball_count))
         prepared.solve_by_newton()
         prepared.options = prepared.options._replace(tolerance=ENOUGH)
         return prepared
 
-    def _solve_with_flanks(self, problem: Problem | None, numbers_in_batch: NDArray[np.int64]) -> None:
+    def _solve_with_flanks(self, problem: statics_problem.Problem | None, numbers_in_batch: NDArray[np.int64]) -> None:
         """Solve some random draws with contacts only on those flanks that ``problem`` includes; store accepted solutions.
 
         ``problem``: static problem, None if it has a free rigid motion; ``numbers_in_batch``: numbers of the specimens in
@@ -246,7 +232,10 @@ class _RandomDrawBatch:
             list((map if self.threads == 1 else pool.map)(some, rest))
 
     def _solve_draws_in_kernel(
-        self, equations: BeamEquations, omitted_flank_check: _OmittedFlankCheck | None, numbers_in_batch: NDArray[np.int64]
+        self,
+        equations: static.BeamEquations,
+        omitted_flank_check: _OmittedFlankCheck | None,
+        numbers_in_batch: NDArray[np.int64],
     ) -> None:
         """Solve some random draws by one call of compiled code, and store the solutions that are accepted.
 
@@ -257,7 +246,7 @@ class _RandomDrawBatch:
         arrays = self._geometry_for_kernel(equations.problem, numbers_in_batch)
         forces, status, residual = np.empty(arrays.geometry.shape[:3]), np.empty(k, dtype=np.int64), np.empty(k)
         states = SpecimenSolutions(forces, status, residual, np.empty((k, *state.q.shape)), np.empty((k, *state.p.shape)))
-        equations.engine.ensemble(equations.kernel_arrays, state, equations.options, arrays, states)
+        equations.engine.solve_specimens(equations.kernel_arrays, state, equations.options, arrays, states)
         good = (states.status <= 1) & (states.residual <= ACCEPTED)
         if omitted_flank_check is not None:
             shift = states.q.reshape(k, -1) @ omitted_flank_check.rows.T
@@ -266,16 +255,20 @@ class _RandomDrawBatch:
         self.loads[kept], self.residuals[kept], self.works[kept] = states.force[good], states.residual[good], works[good]
         self.solved[kept] = True
 
-    def _geometry_for_kernel(self, problem: Problem, numbers_in_batch: NDArray[np.int64]) -> SpecimenArrays:
+    def _geometry_for_kernel(self, problem: statics_problem.Problem, numbers_in_batch: NDArray[np.int64]) -> SpecimenArrays:
         """Return the geometry of some random draws as arrays for the compiled solver.
 
         ``problem``: static problem without random errors; ``numbers_in_batch``: numbers of the specimens in the batch.
         """
         drawn = self._drawn_errors(numbers_in_batch)
-        offset, closure = centre_vectors_and_interference(self.scene, drawn)
+        offset, closure = statics_problem.centre_vectors_and_interference(self.scene, drawn)
         geometry = np.empty((numbers_in_batch.size, *problem.geometry.shape))
         geometry[..., :4], geometry[..., 4], geometry[..., 5:] = offset, self.C[numbers_in_batch], problem.geometry[..., 5:]
-        B = flank_motions_of_specimens(problem, drawn.groove_centres) if len(drawn.groove_centres) > 1 else problem.B[None]
+        B = (
+            statics_problem.flank_motions_of_specimens(problem, drawn.groove_centres)
+            if len(drawn.groove_centres) > 1
+            else problem.B[None]
+        )
         return SpecimenArrays(B, geometry, closure, drawn.ball_radii)
 
 
@@ -285,7 +278,7 @@ class _OmittedFlankCheck:
     A specimen with such a flank nearer than ``MARGIN`` to its ball is solved again with all four flanks.
     """
 
-    def __init__(self, prepared: BeamEquations, layout: BallLayout) -> None:
+    def __init__(self, prepared: static.BeamEquations, layout: BallLayout) -> None:
         """Prepare the check for the solved equations ``prepared``, which leave some flanks out."""
         problem = prepared.problem
         self.use = problem.used_flanks
@@ -300,9 +293,10 @@ class _OmittedFlankCheck:
         Parameters
         ----------
         flank_displacements
-            Displacements of the screw's two flanks in the section of each of N balls, two components each, (k, 4 N) [m].
+            Displacements of the screw's two flanks, left and right, at each of N balls, each with a radial and a binormal
+            component in the groove's section at the ball, (k, 4 N) [m].
         ball_centres
-            Ball centres in their sections, (k, N, 2) [m].
+            Displacements of the ball centres, radial and binormal, in these sections, (k, N, 2) [m].
         geometry
             Geometry of each flank of each ball as the kernels read it, (k, N, 4, 4 or more).
         loads
@@ -314,7 +308,7 @@ class _OmittedFlankCheck:
         return solutions_clear_of_left_out_flanks(ball_centres, shift, geometry, loads, self.use, MARGIN)
 
 
-def _nodal_to_flank_displacement_matrix(problem: Problem, layout: BallLayout, side: int) -> Array:
+def _nodal_to_flank_displacement_matrix(problem: statics_problem.Problem, layout: BallLayout, side: int) -> Array:
     """Return the matrix that gives a screw flank's displacements at each ball from all nodal displacements, (N, 2, 6 n).
 
     N: number of balls; n: number of beam nodes; the two rows of a ball are the radial and the binormal component in the
@@ -331,7 +325,7 @@ def _nodal_to_flank_displacement_matrix(problem: Problem, layout: BallLayout, si
     r[:, 2] -= layout.z
     axes = np.stack([layout.radial, layout.binormal], axis=1)
     rows = np.concatenate([axes, np.cross(r[:, None, :], axes)], axis=2)
-    first, matrices = motion_matrices(layout.z, problem.nodes, problem.section)
+    first, matrices = beam_interpolation_matrices(layout.z, problem.nodes, problem.section)
     for i, (j, row) in enumerate(zip(first, rows @ matrices, strict=True)):
         out[i, :, 6 * j : 6 * j + 12] = row
     return out
@@ -346,7 +340,7 @@ def cached_random_draws_of_scene(cache: SceneResultCache, name: str) -> RandomDr
 
 
 def _solve_random_draws_of_scene(cache: SceneResultCache, name: str) -> RandomDrawsResult:
-    """Solve many random draws of the geometric errors of the built-in scene ``name``; ``cache`` states their number."""
+    """Solve many random draws of the geometric errors of the built-in scene ``name``; ``cache`` states how many."""
     return solve_random_draws(cache.built_in_scene(name), cache.random_draw_count)
 
 
@@ -356,7 +350,7 @@ KEPT = {
     "mean_load_N": "mean contact load / N",
     "load_stiffness_N_per_um": "stiffness at the loads / (N/um)",
     "lost_contacts": "contacts that carry load only without random errors",
-    "relative_life": "life over that without random errors",
+    "relative_life": "ratio of the life to that without random errors",
     "residual": "relative residual",
 }
 
@@ -374,7 +368,7 @@ OF_SET = {
     "mean_load_N": "mean of the loads above 1 % of the largest / N",
     "axial_force_N": "axial force on the shaft / N",
     "lost_contacts": "contacts that carry load only without random errors",
-    "relative_life": "life over that without random errors",
+    "relative_life": "ratio of the life to that without random errors",
 }
 
 
@@ -397,16 +391,17 @@ class RandomDrawBlock:
     loads: Array
     #: Outputs of each specimen in the order of `output_names_of_draw`, (k, number of outputs).
     outputs: Array
-    #: Status of each specimen.
+    #: Status of the solution of each specimen.
     statuses: tuple[str, ...]
 
 
 def raceway_life_measure(load: Array) -> Array:
     """Return L^(-10/9) up to a constant factor, where L is the life of all raceways together by ISO/TS 16281.
 
-    ``load``: contact loads (..., N, 4) [N] of N balls on the flanks SL, SR, NL, NR. The screw's grooves turn relative to
-    the load (cubic mean over the balls), the nut's do not (power 10/3). The raceways are assumed to be equally strong, and
-    all positions of the balls equally frequent.
+    ``load``: contact loads (..., N, 4) [N] of N balls on the flanks SL, SR, NL, NR (screw left and right, nut left and
+    right). The screw's raceways turn relative to the load (cubic mean over the balls), the nut's do not (mean with the
+    power 10/3). All raceways are assumed to have the same dynamic load rating, and all positions of the balls to be equally
+    frequent.
     """
     turning = (load[..., :2] ** TURNING).mean(axis=-2) ** (SYSTEM * 3.0 / TURNING)
     standing = (load[..., 2:] ** STANDING).mean(axis=-2) ** (SYSTEM * 3.0 / STANDING)
@@ -431,7 +426,7 @@ def output_names_of_draw(scene: Scene | Assembly) -> list[str]:
 
 
 def ball_slices(scene: Scene | Assembly) -> tuple[slice | None, ...]:
-    """Return for each nut or bearing the range of its balls in an array over all balls of the scene; None for rollers."""
+    """Return the index range of each nut's or bearing's balls in arrays over all balls of a scene; None for rollers."""
     if isinstance(scene, Scene):
         return (slice(0, scene.ball_count),)
     slices: list[slice | None] = []
@@ -464,7 +459,7 @@ def with_error_seed(scene: Scene | Assembly, seed: int) -> Scene | Assembly:
 
 def without_random_errors(scene: Scene | Assembly) -> Scene | Assembly:
     """Return a copy of a scene without random geometric errors; fixed errors stay."""
-    return _change_parts_of_nuts_and_bearings(scene, lambda parts, _: scene_without_random_errors(parts))
+    return _change_parts_of_nuts_and_bearings(scene, lambda parts, _: errors.scene_without_random_errors(parts))
 
 
 def _solve_draws_under_scaled_loads(
@@ -495,7 +490,7 @@ def _solve_draws_under_scaled_loads(
 
 @lru_cache(maxsize=4)
 def _equations_shared_by_draws(scene: Scene, model: str, engine: str, load_factor: float) -> SpecimensWithSharedEquations:
-    """Return the equations that all random draws of a scene's errors share, computed once in a process.
+    """Return the system of equations that all random draws of a scene's errors share; it is computed once in a process.
 
     ``engine``: whether numerical kernels run as plain Python ("interpreted") or as machine code ("compiled");
     ``load_factor``: factor on the loads of the scene.
@@ -545,7 +540,7 @@ def solve_block_of_random_draws(
             stiffness = 1e-6 * force * step / (heavier - works)
     good = np.array([s == "converged" for s in statuses])
     loads[~good] = np.nan
-    contacts = nominal_contacts(scene)
+    contacts = count_nominal_contacts(scene)
     mean = np.array([mean_load(load, contacts) for load in loads])
     lost = (~(loads > 0.0) & (loads_without_errors > 0.0)).sum(axis=(1, 2)).astype(float)
     kept = np.column_stack(
@@ -578,7 +573,8 @@ def _solve_shaft_block_of_draws(
 def contact_loads_of_all_balls(result: StaticSolution) -> Array:
     """Return the contact loads of all N balls of a static result, (N, 4) [N], on the flanks SL, SR, NL, NR.
 
-    Balls of several nuts and bearings come one nut or bearing after the other.
+    The flanks are those of screw left and right, nut left and right. Balls of several nuts and bearings come one nut or
+    bearing after the other.
     """
     return np.concatenate([b.load for b in result.ball_results()])
 
@@ -586,7 +582,7 @@ def contact_loads_of_all_balls(result: StaticSolution) -> Array:
 def outputs_of_shaft_draw(result: AxisResult, loads_without_errors: Array, ball_slices: Sequence[slice | None]) -> Array:
     """Return the outputs of one random draw of a shaft in the order of `output_names_of_draw`.
 
-    Nan: the output does not exist.
+    An output that does not exist is nan.
 
     ``result``: static result of the draw; ``loads_without_errors``: contact loads of all N balls without random errors, (N,
     4) [N]; ``ball_slices``: range of the balls of each nut or bearing, from `ball_slices`.

@@ -101,12 +101,12 @@ class LoadDistributions:
 
     @property
     def _draw_count(self) -> int:
-        """Number of random draws whose loads were added."""
+        """Number of random draws whose contact loads were added."""
         return int(self.counts.reshape(-1, BINS + 2)[0].sum())
 
     @property
     def mean_loads(self) -> Array:
-        """Mean load of each contact over the random draws, (N, 4) [N], for N balls and the flanks SL, SR, NL, NR."""
+        """Mean load of each contact over the random draws, (N, 4) [N], for N balls and the four groove flanks."""
         return self.nominal + self._first / max(self._draw_count, 1)
 
     @property
@@ -118,7 +118,7 @@ class LoadDistributions:
 
     @property
     def smallest_loads(self) -> Array:
-        """Smallest load of each contact in all random draws, (N, 4) [N], for N balls and the flanks SL, SR, NL, NR."""
+        """Smallest load of each contact in all random draws, (N, 4) [N], for N balls and the four groove flanks."""
         return np.where(np.isfinite(self._low), self._low, 0.0)
 
     @property
@@ -150,9 +150,9 @@ class EnsembleSummary:
     status_of_failed_draws: dict[int, str]
     #: Distributions of the contact loads over the specimens; the balls of a shaft come one nut or bearing after the other.
     load_distributions: LoadDistributions
-    #: Range of the balls of each nut or bearing in these distributions; None for rollers.
+    #: Index range of the balls of each nut or bearing in ``load_distributions``; None for rollers.
     ball_slices: tuple[slice | None, ...]
-    #: Wall clock [s].
+    #: Wall-clock time of the computation [s].
     seconds: float
 
 
@@ -248,9 +248,9 @@ def _solve_blocks_of_random_draws(
 ) -> Iterator[tuple[int, RandomDrawBlock]]:
     """Solve random draws of a scene's errors in blocks; yield for each block the number of its first draw, and its results.
 
-    Blocks may be finished in any order but are yielded by increasing numbers. ``block_arguments``: scene, model, kind of
-    kernels, and contact loads without random errors, as `solve_block_of_random_draws` takes them; ``count``: number of
-    specimens; ``show_progress``: function that is called with each line of progress.
+    Blocks may be finished in any order but are yielded by increasing numbers. ``block_arguments``: scene, model, how
+    numerical kernels run, and contact loads without random errors, as `solve_block_of_random_draws` takes them; ``count``:
+    number of specimens; ``show_progress``: function that is called with each line of progress.
     """
     least = LEAST if isinstance(block_arguments[0], Scene) else 1
     size = max(least, min(BLOCK, count // 16))  # depends on the count only, as the division into blocks affects round-off
@@ -271,7 +271,7 @@ def _binomial_quantile(probability: float, trials: int, chance: float) -> int:
     """Return a quantile of a binomial distribution: smallest count not exceeded with probability ``probability``.
 
     ``trials``: number of trials; ``chance``: probability of success of each trial. Probabilities are summed within about
-    fifteen standard deviations of the mean; scipy.special has this too, but takes long to import.
+    fifteen standard deviations of the mean; scipy.special has such a function, too, but takes long to import.
     """
     mean, reach = trials * chance, 15.0 * (1.0 + np.sqrt(trials * chance * (1.0 - chance)))
     first = max(0, int(mean - reach))
@@ -282,7 +282,7 @@ def _binomial_quantile(probability: float, trials: int, chance: float) -> int:
 
 
 def output_statistics_with_intervals(values: Array) -> dict[str, Any] | None:
-    """Return statistics of an output over many random draws: mean, deviation, extremes, quantiles, with their errors.
+    """Return statistics of an output over random draws: mean, deviation, extremes, quantiles, with statistical errors.
 
     Parameters
     ----------
@@ -320,7 +320,7 @@ def run_ensemble(
 
     ``described``: scene or duty cycle; ``count``: number of specimens; ``seed``: seed of the random errors, None for that
     of the scene; ``workers``: number of processes; ``show_progress``: function that is called with each line of progress.
-    Raises InputError for the faults that `solve_random_draws_of_scene` refuses.
+    Raises InputError for inputs that `solve_random_draws_of_scene` refuses.
     """
     each, cases = solve_random_draws_of_load_cases(
         described, described.name, model, count, seed, ComputingSettings(parallel_jobs=workers), show_progress
@@ -354,7 +354,7 @@ def solve_random_draws_of_load_cases(
     ``name``: file or name of the scene in error messages; ``count``: number of specimens; ``seed``: seed of the random
     errors, None for that of the scene; ``show_progress``: function that is called with each line of progress; ``csv_out``:
     file for the outputs of each specimen, or None. Returns the results for each load case, then the names of the load cases
-    (none for a scene without load cases). Raises InputError for the faults that `solve_random_draws_of_scene` refuses.
+    (none for a scene without load cases). Raises InputError for inputs that `solve_random_draws_of_scene` refuses.
     """
     if seed is not None and not 0 <= seed < 2**62:
         raise ArgumentError("seed", str(seed), f"0 to {2**62 - 1}", "leave `seed` out for the seed of the scene")

@@ -10,20 +10,9 @@ from rollbench.compare.errors import SceneNotCoveredError
 from rollbench.compare.scenes.friction_kinds.bearings import BearingBallScene, LinearBearingScene
 from rollbench.compare.scenes.friction_kinds.common import FrictionScene
 from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene
+from rollbench.hifi.rolling import scenes as rolling_scenes
 from rollbench.hifi.rolling.balls import RollingSettings, copy_without_ball_to_ball_contacts
 from rollbench.hifi.rolling.kinematics import RollingBalls
-from rollbench.hifi.rolling.scenes import (
-    BallLayoutOnTrack,
-    RollingMaterial,
-    StaticProblem,
-    create_rolling_balls,
-    hertz_constants,
-    place_ball_in_ring,
-    place_balls_along_helix,
-    place_balls_on_straight_track,
-    solve_loads_with_rolling,
-    solve_static_problem,
-)
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDE_SIGNS
 
@@ -39,17 +28,17 @@ MOVING = np.array([False, False, True, True])
 
 @dataclass(frozen=True)
 class RollingCase:
-    """Friction scene as input of the 3D model of rolling: systems of balls far apart and of balls that touch."""
+    """Friction scene as input of the 3D model of rolling: the system of balls far apart, and that of balls that touch."""
 
     #: Name of the scene.
     name: str
-    #: Kind of the scene.
+    #: Kind of the friction scene, such as "linear pair".
     kind: str
-    #: Balls and grooves with the balls far apart.
+    #: System of balls and grooves with the balls far apart.
     apart: RollingBalls
-    #: Balls and grooves with balls that touch.
+    #: System of balls and grooves with neighbouring balls that touch.
     touching: RollingBalls
-    #: Speed of the driving part (m/s on a straight track, else rad/s).
+    #: Speed of the part that drives the balls [m/s] on a straight track, else its angular speed [rad/s].
     speed: float
     #: Names of the contacts of a ball.
     contact_names: tuple[str, ...]
@@ -65,7 +54,7 @@ def prepare_rolling_case(scene: FrictionScene, choices: RollingSettings) -> Roll
     scene
         Friction scene of one to four balls.
     choices
-        Grid of the contacts, on which friction is solved if the contact loads depend on it.
+        Grid of the contacts, on which friction is solved if the contact loads depend on friction.
 
     Returns
     -------
@@ -78,11 +67,11 @@ def prepare_rolling_case(scene: FrictionScene, choices: RollingSettings) -> Roll
         If the 3D model does not cover the scene.
     """
     if isinstance(scene, LinearBearingScene):
-        return _linear_case(scene)
+        return _linear_bearing_as_rolling_case(scene)
     if isinstance(scene, ScrewPairScene):
-        return _screw_case(scene, choices)
+        return _screw_balls_as_rolling_case(scene, choices)
     if isinstance(scene, BearingBallScene):
-        return _bearing_case(scene)
+        return _bearing_ball_as_rolling_case(scene)
     reason = f"the 3D model of rolling takes one to {MOST} balls under given loads, not a scene of the kind {scene.kind}"
     raise SceneNotCoveredError(
         scene.name, "kind", reason, "take one of the kind linear pair, linear chain, screw pair or bearing ball"
@@ -105,8 +94,11 @@ def _contact_directions(angles: Array, signs: Array) -> Array:
     return np.asarray(signs * np.stack([np.sin(angles), np.cos(angles)], axis=-1))
 
 
-def _linear_case(scene: LinearBearingScene) -> RollingCase:
-    """Return the balls of a linear bearing as 3D input; raise SceneNotCoveredError for too many balls or no motion."""
+def _linear_bearing_as_rolling_case(scene: LinearBearingScene) -> RollingCase:
+    """Return a linear bearing's balls as input of the 3D model of rolling.
+
+    Raises SceneNotCoveredError for too many balls or no motion.
+    """
     b, count = scene.bearing, len(scene.side)
     if count > MOST:
         _refuse_scene(
@@ -114,10 +106,10 @@ def _linear_case(scene: LinearBearingScene) -> RollingCase:
         )
     if b.speed == 0.0:
         _refuse_scene(scene, "motion.carriage", "balls at rest do not roll", "let the carriage move")
-    layout = place_balls_on_straight_track(
+    layout = rolling_scenes.place_balls_on_straight_track(
         b.ball_radius, 2.0 * b.conformity * b.ball_radius, count, MOVING, b.speed, np.asarray(scene.gap) <= 0.0
     )
-    material = RollingMaterial(b.young, b.poisson, b.mu, b.mu_balls)
+    material = rolling_scenes.RollingMaterial(b.young, b.poisson, b.mu, b.mu_balls)
     normals = _contact_directions(scene.angles, LINEAR)
     if scene.distribution == "elastic":
         found = [
@@ -127,7 +119,7 @@ def _linear_case(scene: LinearBearingScene) -> RollingCase:
         normals, loads = np.array([f[0] for f in found]), np.array([f[1] for f in found])
     else:
         loads = np.array([_loads_at_given_angles(scene, n, float(r)) for n, r in zip(normals, scene.side, strict=True)])
-    whole = create_rolling_balls(layout, material, normals, loads)
+    whole = rolling_scenes.create_rolling_balls(layout, material, normals, loads)
     return RollingCase(
         scene.name, scene.kind, copy_without_ball_to_ball_contacts(whole), whole, b.speed, ("BL", "BR", "TR", "TL"), False
     )
@@ -136,9 +128,9 @@ def _linear_case(scene: LinearBearingScene) -> RollingCase:
 def _loads_at_given_angles(scene: LinearBearingScene, normals: Array, rho: float) -> Array:
     """Return the contact loads (4,) [N] in equilibrium on one ball of a linear bearing, at given contact angles.
 
-    ``normals``: contact normals (4, 2) of the contacts BL, BR, TR, TL (bottom left to top left); they are replaced by
-    those of the nominal contact angle if the scene's distribution is "diagonal"; ``rho``: side force over vertical
-    force.
+    ``normals``: contact normals (4, 2) at the bottom left, bottom right, top right and top left of the ball, which are
+    replaced by those of the nominal contact angle if the scene's distribution of loads is "diagonal"; ``rho``: side force
+    over vertical force.
     """
     if scene.distribution == "diagonal":
         normals = _contact_directions(np.full(4, scene.bearing.contact_angle), LINEAR)
@@ -148,19 +140,25 @@ def _loads_at_given_angles(scene: LinearBearingScene, normals: Array, rho: float
 
 
 def _loads_with_elastic_angles(
-    scene: LinearBearingScene, layout: BallLayoutOnTrack, material: RollingMaterial, normals: Array, rho: float
+    scene: LinearBearingScene,
+    layout: rolling_scenes.BallLayoutOnTrack,
+    material: rolling_scenes.RollingMaterial,
+    normals: Array,
+    rho: float,
 ) -> tuple[Array, Array]:
-    """Return contact normals (4, 2), then loads (4,) [N], of one ball of a linear bearing; contact angles follow the loads.
+    """Return contact normals (4, 2), then contact loads (4,) [N], of a linear bearing's ball whose angles follow the loads.
 
     ``layout``: geometry of the balls; ``normals``: contact normals without load (4, 2); ``rho``: side force over
     vertical force.
     """
-    C = hertz_constants(layout, material)
+    C = rolling_scenes.hertz_constants(layout, material)
     pull = scene.vertical * np.array([rho, -1.0])
     reach = layout.groove_radius - layout.ball_radius
     none = np.zeros((1, 2))
-    cell = StaticProblem(normals[None], reach, np.zeros((1, 4)), C[None], MOVING, np.eye(2)[None], none, pull, none)
-    found = solve_static_problem(cell)
+    cell = rolling_scenes.StaticProblem(
+        normals[None], reach, np.zeros((1, 4)), C[None], MOVING, np.eye(2)[None], none, pull, none
+    )
+    found = rolling_scenes.solve_static_problem(cell)
     if not found.converged:
         _refuse_scene(
             scene,
@@ -171,7 +169,7 @@ def _loads_with_elastic_angles(
     return found.normal[0], found.force[0]
 
 
-def _screw_case(scene: ScrewPairScene, choices: RollingSettings) -> RollingCase:
+def _screw_balls_as_rolling_case(scene: ScrewPairScene, choices: RollingSettings) -> RollingCase:
     """Return two balls of a ball screw as input of the 3D model of rolling.
 
     ``choices``: grid of the contacts. Raises SceneNotCoveredError for features that the model does not have: Hertz
@@ -193,10 +191,10 @@ def _screw_case(scene: ScrewPairScene, choices: RollingSettings) -> RollingCase:
     signs = np.array(SIDE_SIGNS, dtype=float)
     outward = signs[:, 0]
     groove_speeds = np.where(outward < 0.0, g.screw_speed, g.nut_speed)
-    layout = place_balls_along_helix(
+    layout = rolling_scenes.place_balls_along_helix(
         g.ball_radius, g.groove_radius, g.pitch_radius, g.lead, g.contact_angle, outward, groove_speeds, len(pair.theta)
     )
-    material = RollingMaterial(g.young, g.poisson, g.mu, g.mu if g.mu_balls is None else g.mu_balls)
+    material = rolling_scenes.RollingMaterial(g.young, g.poisson, g.mu, g.mu if g.mu_balls is None else g.mu_balls)
     angles = g.contact_angle + np.array(pair.theta)[:, None] * np.array(pair.pattern)
     normals = signs * np.stack([np.cos(angles), np.sin(angles)], axis=-1)
     fixed = {"x": np.eye(3)[0], "y": np.eye(3)[1], "z": np.eye(3)[2]}
@@ -210,11 +208,11 @@ def _screw_case(scene: ScrewPairScene, choices: RollingSettings) -> RollingCase:
         ]
     )
     count = len(layout.ball_axes)
-    cell = StaticProblem(
+    cell = rolling_scenes.StaticProblem(
         normals,
         layout.groove_radius - layout.ball_radius,
         np.full((count, 4), pair.oversize),
-        np.tile(hertz_constants(layout, material), (count, 1)),
+        np.tile(rolling_scenes.hertz_constants(layout, material), (count, 1)),
         outward < 0.0,
         rows,
         np.zeros((count, 2)),
@@ -225,13 +223,13 @@ def _screw_case(scene: ScrewPairScene, choices: RollingSettings) -> RollingCase:
     scenes = []
     for meet in (False, True):
         if coupled:
-            loads, good = solve_loads_with_rolling(layout, material, cell, choices, balls_may_touch=meet)
+            loads, good = rolling_scenes.solve_loads_with_rolling(layout, material, cell, choices, balls_may_touch=meet)
         else:
-            loads = solve_static_problem(cell)
+            loads = rolling_scenes.solve_static_problem(cell)
             good = loads.converged
         if not good:
             _refuse_scene(scene, "load", "no 3D contact loads balance friction", 'take coupling = "none"')
-        scenes.append(create_rolling_balls(layout, material, loads.normal, loads.force))
+        scenes.append(rolling_scenes.create_rolling_balls(layout, material, loads.normal, loads.force))
     return RollingCase(
         scene.name,
         scene.kind,
@@ -243,7 +241,7 @@ def _screw_case(scene: ScrewPairScene, choices: RollingSettings) -> RollingCase:
     )
 
 
-def _bearing_case(scene: BearingBallScene) -> RollingCase:
+def _bearing_ball_as_rolling_case(scene: BearingBallScene) -> RollingCase:
     """Return one ball of a rotary bearing as input of the 3D model of rolling.
 
     Raises SceneNotCoveredError for features that the model does not have: friction laws other than Coulomb's, Hertz
@@ -261,21 +259,23 @@ def _bearing_case(scene: BearingBallScene) -> RollingCase:
         _refuse_scene(scene, "motion.speed", "a ball at rest does not roll", "let the ring turn")
     outward = RING[:, 1]
     speeds = np.where(outward < 0.0, b.screw_speed, 0.0)
-    layout = place_ball_in_ring(b.ball_radius, b.groove_radius, b.pitch_radius, b.contact_angle, outward, speeds)
-    material = RollingMaterial(b.young, b.poisson, b.mu, b.mu)
-    cell = StaticProblem(
+    layout = rolling_scenes.place_ball_in_ring(
+        b.ball_radius, b.groove_radius, b.pitch_radius, b.contact_angle, outward, speeds
+    )
+    material = rolling_scenes.RollingMaterial(b.young, b.poisson, b.mu, b.mu)
+    cell = rolling_scenes.StaticProblem(
         _contact_directions(np.full(4, b.contact_angle), RING)[None],
         b.groove_radius - b.ball_radius,
         np.full((1, 4), -b.clearance),
-        hertz_constants(layout, material)[None],
+        rolling_scenes.hertz_constants(layout, material)[None],
         outward < 0.0,
         np.array([[[1.0], [0.0]]]),
         np.array([[0.0, scene.displacement]]),
         np.array([scene.force]),
         np.zeros((1, 2)),
     )
-    loads = solve_static_problem(cell)
+    loads = rolling_scenes.solve_static_problem(cell)
     if not loads.converged:
         _refuse_scene(scene, "load", "contact loads do not balance", "take a load that presses the ball")
-    whole = create_rolling_balls(layout, material, loads.normal, loads.force)
+    whole = rolling_scenes.create_rolling_balls(layout, material, loads.normal, loads.force)
     return RollingCase(scene.name, scene.kind, whole, whole, b.screw_speed, ("IL", "IR", "OR", "OL"), False)

@@ -29,22 +29,8 @@ from rollbench.compare.scenes.friction_kinds.bearings import BearingBallScene, L
 from rollbench.compare.scenes.friction_kinds.common import FrictionScene
 from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene
 from rollbench.compare.studies.friction.linear_kinds import linear_bearing_loads
+from rollbench.compare.studies.rolling import runs as rolling_runs
 from rollbench.compare.studies.rolling.cases import prepare_rolling_case
-from rollbench.compare.studies.rolling.runs import (
-    LEVELS,
-    LINEAR,
-    SCENES,
-    SHAPE,
-    SOURCE_LEVEL,
-    SOURCE_SIZE,
-    BodyChoiceResult,
-    RollingRun,
-    check_rolling_levels,
-    find_or_compute_rolling_runs,
-    largest_change_by_body_choice,
-    load_rolling_run,
-    scenes_and_sizes_of_body_variants,
-)
 from rollbench.hifi.rolling.balls import NEARLY_RIGID, RollingSettings, compute_motion_from_rest, solve_rolling
 from rollbench.hifi.rolling.friction import PATH
 from rollbench.hifi.rolling.kinematics import RollingBalls
@@ -54,10 +40,10 @@ from rollbench.lowfi.friction.screw.run import solve_pair_of_screw_balls
 
 
 def solve_low_order(scene: FrictionScene) -> tuple[dict[str, float], float, str]:
-    """Solve a friction scene of rolling balls by the low-order model; return first values, then run time, then status.
+    """Solve a friction scene of rolling balls by the low-order model; return values by name, run time [s] and status.
 
-    The values are forces, speeds and losses by names that end in the unit. The run time [s] is that of a second
-    solution, when code and caches are loaded.
+    The values are forces, speeds and losses by names that end in the unit, such as "force 1-2 N". The run time [s] is that
+    of a second solution, when code and caches are loaded.
     """
     kinds: dict[type[FrictionScene], Callable[[Any], tuple[dict[str, float], str]]]
     kinds = {
@@ -73,7 +59,7 @@ def solve_low_order(scene: FrictionScene) -> tuple[dict[str, float], float, str]
 
 
 def _linear_bearing_values(scene: LinearBearingScene) -> tuple[dict[str, float], str]:
-    """Solve the balls of a linear bearing by the low-order model; return first values, then the status.
+    """Solve the balls of a linear bearing by the low-order model; return forces, speeds and losses, then the status.
 
     The values are in a dictionary by names that end in the unit, such as "force 1-2 N".
     """
@@ -91,7 +77,7 @@ def _linear_bearing_values(scene: LinearBearingScene) -> tuple[dict[str, float],
 
 
 def _screw_pair_values(scene: ScrewPairScene) -> tuple[dict[str, float], str]:
-    """Solve two balls of a screw by the low-order model; return first values, then the status.
+    """Solve two balls of a screw by the low-order model; return forces, speeds and losses, then the status.
 
     The values are in a dictionary by names that end in the unit, such as "force 1-2 N".
     """
@@ -105,7 +91,7 @@ def _screw_pair_values(scene: ScrewPairScene) -> tuple[dict[str, float], str]:
 
 
 def _bearing_ball_values(scene: BearingBallScene) -> tuple[dict[str, float], str]:
-    """Solve one ball of a rotary bearing by the low-order model; return first values, then the status.
+    """Solve one ball of a rotary bearing by the low-order model; return forces, speeds, losses and torque, then the status.
 
     The values are in a dictionary by names that end in the unit, such as "torque N mm".
     """
@@ -164,23 +150,23 @@ class RollingComparisonRow:
     quantity: str
     #: Unit of the quantity, which is also that of all values below without a unit of their own.
     unit: str
-    #: Value of the low-order model; None: it does not have the quantity.
+    #: Value of the low-order model; None if this model does not compute the quantity.
     low: float | None
     #: Value of the 3D model.
     reference: float
-    #: Uncertainty of the 3D model.
+    #: Uncertainty of the value of the 3D model.
     uncertainty: float
-    #: Value that Lin's thesis prints for its low-order model; None if it prints none.
+    #: Value that Lin's thesis prints for its low-order model; None without a printed value.
     printed: float | None
-    #: Value that Lin's thesis prints for its finite elements (ANSYS); None if it prints none.
+    #: Value that Lin's thesis prints for its finite elements (ANSYS); None without a printed value.
     printed_ansys: float | None
     #: Value of the 3D model with elastic bodies and flat contacts.
     flat: float
     #: Value of the 3D model with rigid bodies and curved contacts.
     rigid: float
-    #: Error of the low-order model [%]; None if the value of the 3D model is zero.
+    #: Error of the low-order model [% of the value of the 3D model]; None if that value is zero.
     error_percent: float | None
-    #: Uncertainty of the 3D model [%]; None if its value is zero.
+    #: Uncertainty of the value of the 3D model [% of this value]; None if the value is zero.
     uncertainty_percent: float | None
     #: Run time of the low-order model [s].
     low_seconds: float
@@ -188,10 +174,10 @@ class RollingComparisonRow:
     seconds: float
     #: Value by the 3D model with half spaces on the finest grid, if ``reference`` is computed with finite bodies.
     half_space: float | None = None
-    #: How contact loads were found that Lin's thesis does not print, "plain" or "inferred", see
-    #: `interpretation_of_contact_loads`; None if the loads are printed.
+    #: How the scene's contact loads were found if Lin's thesis does not print them: computed from its printed inputs
+    #: ("plain") or inferred from its printed results ("inferred"); None if it prints the loads.
     load_state: str | None = None
-    #: Version and machine with which the run time of the 3D model was measured.
+    #: Version of rollbench and machine with which the run time of the 3D model was measured.
     measured_with: str = ""
 
     def as_json(self) -> dict[str, Any]:
@@ -224,12 +210,12 @@ def interpretation_of_contact_loads(name: str) -> str | None:
     return "inferred" if name.removesuffix(".toml").endswith("-inferred") else "plain"
 
 
-def quantity_uncertainty(runs: Sequence[RollingRun], name: str) -> float:
-    """Return the uncertainty of a quantity by the 3D model of rolling, in its unit; infinite with a single grid.
+def quantity_uncertainty(runs: Sequence[rolling_runs.RollingRun], name: str) -> float:
+    """Return the uncertainty of a quantity by the 3D model of rolling, in the quantity's unit; infinite with one grid only.
 
-    The uncertainty is `SAFETY` times the largest difference between a grid and the finest one, plus the difference
-    between two quadratures of the value for rigid bodies. ``runs``: solutions on several grids, from coarse to fine;
-    ``name``: name of the quantity with its unit.
+    The uncertainty is `SAFETY` times the largest difference between the value on a grid and that on the finest one, plus
+    the difference between the values for rigid bodies that result from two numbers of quadrature points. ``runs``:
+    solutions on several grids, from coarse to fine; ``name``: name of the quantity with its unit.
     """
     values = [r.values[name] for r in runs]
     if len(values) < 2:
@@ -238,7 +224,7 @@ def quantity_uncertainty(runs: Sequence[RollingRun], name: str) -> float:
 
 
 def compare_scene_with_rolling_runs(
-    scene: FrictionScene, runs: Sequence[RollingRun], half_space: RollingRun | None = None
+    scene: FrictionScene, runs: Sequence[rolling_runs.RollingRun], half_space: rolling_runs.RollingRun | None = None
 ) -> list[RollingComparisonRow]:
     """Compare the low-order model of a scene with 3D solutions of rolling; return one row for each quantity.
 
@@ -255,7 +241,7 @@ def compare_scene_with_rolling_runs(
     low, low_seconds, _ = solve_low_order(scene)
     finest = runs[-1]
     table = PRINTED.get(scene.name.removesuffix(".toml"))
-    by_bodies = 0.0 if half_space is None else largest_change_by_body_choice("linear" in scene.kind)
+    by_bodies = 0.0 if half_space is None else rolling_runs.largest_change_by_body_choice("linear" in scene.kind)
     out = []
     for name, value in finest.values.items():
         quantity, unit = split_name_and_unit(name)
@@ -311,19 +297,19 @@ def compare_scene_with_stored_runs(
     folders with solutions; ``bodies``: bodies of the 3D model, half spaces ("half-space") or finite.
     """
     scene = shipped_case(name, FrictionScene)
-    found = [load_rolling_run(scene, level, stores, bodies) for level in LEVELS]
+    found = [rolling_runs.load_rolling_run(scene, level, stores, bodies) for level in rolling_runs.LEVELS]
     runs = [run for run in found if run is not None and run.converged]
-    half_space = None if bodies == HALF_SPACE else load_rolling_run(scene, max(LEVELS), stores)
-    return compare_scene_with_rolling_runs(scene, runs, half_space) if len(runs) == len(LEVELS) else []
+    half_space = None if bodies == HALF_SPACE else rolling_runs.load_rolling_run(scene, max(rolling_runs.LEVELS), stores)
+    return compare_scene_with_rolling_runs(scene, runs, half_space) if len(runs) == len(rolling_runs.LEVELS) else []
 
 
 # --- rows of the acceptance check: low-order models of rolling balls against the 3D model
 
 
-def gate_rows_of_rolling_balls(cache: SceneResultCache, max_error: float) -> list[GateCheck]:
+def checks_of_rolling_balls(cache: SceneResultCache, max_error: float) -> list[GateCheck]:
     """Check ball-to-ball forces and torques of low-order models of rolling balls against stored 3D solutions.
 
-    The rows are a part of ``rollbench check``. ``max_error``: largest allowed error [%]; the limit is this or `LIMIT`,
+    The checks are a part of ``rollbench check``. ``max_error``: largest allowed error [%]; the limit is this or `LIMIT`,
     whichever is smaller. A quantity whose error exceeds the limit passes if `KNOWN` lists it with the cause. A quantity
     that `KNOWN` lists although its error is within the limit fails.
     """
@@ -358,13 +344,13 @@ class RunFromRest:
 
     #: Number of time steps.
     steps: int
-    #: Ends of the steps [s].
+    #: Times at the ends of the time steps [s].
     time: tuple[float, ...]
-    #: Force between the balls [N].
+    #: Force between the balls at the end of each time step [N].
     force: tuple[float, ...]
-    #: Speeds of the balls [m/s].
+    #: Speeds of both balls at the end of each time step [m/s].
     speed: tuple[tuple[float, ...], ...]
-    #: Steady force on the same grid [N].
+    #: Force between the balls in steady motion, on the same grid [N].
     steady_force: float
     #: Processor time [s].
     seconds: float
@@ -378,7 +364,7 @@ def runs_from_rest() -> tuple[RunFromRest, ...]:
 
     The results are computed once in a process.
     """
-    choices = RollingSettings(SHAPE)
+    choices = RollingSettings(rolling_runs.SHAPE)
     scene = prepare_rolling_case(shipped_case("lin-pair-a", LinearPairScene), choices).touching
     steady = float(solve_rolling(scene, choices).ball_to_ball_forces[0])
     out = []
@@ -410,21 +396,21 @@ class ChoiceEffect:
     scene: str
     #: Name of the numerical choice, such as "grid".
     choice: str
-    #: Variants that were tried.
+    #: Variants of the choice that were tried.
     tried_variants: str
-    #: Largest change of the force [%].
+    #: Largest change of the ball-to-ball force by one of the tried variants [%].
     change: float
-    #: Stated uncertainty of the force [%].
+    #: Stated uncertainty of the ball-to-ball force [%].
     uncertainty: float
 
     @property
     def is_within_uncertainty(self) -> bool:
-        """Whether the change of the ball-to-ball force is at most its stated uncertainty."""
+        """Whether the change of the ball-to-ball force is at most the stated uncertainty of this force."""
         return self.change <= self.uncertainty
 
 
 def force_changes_by_numerical_choices(
-    stores: Sequence[Path], series: Sequence[RunFromRest], sizes: Sequence[BodyChoiceResult]
+    stores: Sequence[Path], series: Sequence[RunFromRest], sizes: Sequence[rolling_runs.BodyChoiceResult]
 ) -> tuple[ChoiceEffect, ...]:
     """Return how numerical choices of the 3D model of rolling change the ball-to-ball force of two scenes.
 
@@ -439,11 +425,11 @@ def force_changes_by_numerical_choices(
     sizes
         Results with other sizes of the finite bodies; empty: this choice is left out.
     """
-    return tuple(one for name in SCENES for one in _force_changes_in_scene(name, stores, series, sizes))
+    return tuple(one for name in rolling_runs.SCENES for one in _force_changes_in_scene(name, stores, series, sizes))
 
 
 def _force_changes_in_scene(
-    name: str, stores: Sequence[Path], series: Sequence[RunFromRest], sizes: Sequence[BodyChoiceResult]
+    name: str, stores: Sequence[Path], series: Sequence[RunFromRest], sizes: Sequence[rolling_runs.BodyChoiceResult]
 ) -> Iterator[ChoiceEffect]:
     """Yield the change of a scene's ball-to-ball force by grid, finite bodies, time step and regularisation of friction.
 
@@ -451,27 +437,29 @@ def _force_changes_in_scene(
     """
     scene = shipped_case(name, FrictionScene)
     half, finite = (_force_uncertainty_percent(name, stores, *bodies) for bodies in ((), (FINITE,)))
-    run = load_rolling_run(scene, max(LEVELS), stores)
+    run = rolling_runs.load_rolling_run(scene, max(rolling_runs.LEVELS), stores)
     if run is None or half is None:
         return
-    key, case = f"{FORCE} N", prepare_rolling_case(scene, RollingSettings(SHAPE)).touching
+    key, case = f"{FORCE} N", prepare_rolling_case(scene, RollingSettings(rolling_runs.SHAPE)).touching
     near, elastic = (_solve_ball_to_ball_force(case, RollingSettings(BEYOND, share)) for share in (NEARLY_RIGID, 1.0))
     grid = _largest_error_percent([run.limit[key] + elastic - near], run.values[key])
     yield ChoiceEffect(name, "grid", f"{BEYOND[0]} x {BEYOND[1]} cells beyond {run.shape[0]} x {run.shape[1]}", grid, half)
     values = [
         v.values[key]
         for v in sizes
-        if scenes_and_sizes_of_body_variants()[v.choice][0] == name
-        and scenes_and_sizes_of_body_variants()[v.choice][1] is not None
+        if rolling_runs.scenes_and_sizes_of_body_variants()[v.choice][0] == name
+        and rolling_runs.scenes_and_sizes_of_body_variants()[v.choice][1] is not None
     ]
     if values and finite is not None:
         tried = f"{len(values) - 1} other sizes, cells, kernels, patches"
         yield ChoiceEffect(name, "finite bodies", tried, _largest_error_percent(values[1:], values[0]), finite)
-    if name == LINEAR:
+    if name == rolling_runs.LINEAR:
         tried = f"{', '.join(str(s.steps) for s in series)} steps from rest"
         ends = [s.force[-1] / s.steady_force if s.status == "converged" else np.nan for s in series]
         yield ChoiceEffect(name, "time step", tried, _largest_error_percent(ends, 1.0), half)
-    first, *others = (_solve_ball_to_ball_force(case, RollingSettings(SHAPE), path) for path in (PATH, *PATHS.values()))
+    first, *others = (
+        _solve_ball_to_ball_force(case, RollingSettings(rolling_runs.SHAPE), path) for path in (PATH, *PATHS.values())
+    )
     yield ChoiceEffect(name, "path of regularisation", ", ".join(PATHS), _largest_error_percent(others, first), half)
 
 
@@ -519,14 +507,14 @@ def rolling_comparison(
     bodies of the 3D model, a key of `runs.BODIES`. Raises InputError for an unknown level, and SceneNotCoveredError if
     a solution did not converge.
     """
-    wanted = check_rolling_levels(levels or tuple(LEVELS))
+    wanted = rolling_runs.check_rolling_levels(levels or tuple(rolling_runs.LEVELS))
     out: list[RollingComparisonRow] = []
     for scene in scenes:
-        found = find_or_compute_rolling_runs(scene, wanted, store, engine, fresh=fresh, bodies=bodies)
+        found = rolling_runs.find_or_compute_rolling_runs(scene, wanted, store, engine, fresh=fresh, bodies=bodies)
         half_space = (
             None
             if bodies == HALF_SPACE
-            else find_or_compute_rolling_runs(scene, wanted[-1:], store, ComputingSettings(), fresh=False)[0]
+            else rolling_runs.find_or_compute_rolling_runs(scene, wanted[-1:], store, ComputingSettings(), fresh=False)[0]
         )
         out += compare_scene_with_rolling_runs(scene, found, half_space)
     return out
@@ -542,7 +530,7 @@ def rolling_mesh_study(
     fresh: bool,
     bodies: str,
 ) -> list[dict[str, Any]]:
-    """Return table rows with every quantity of rolling balls on every grid of the 3D model, and its uncertainty.
+    """Return table rows with every quantity of rolling balls on every grid of the 3D model, and the quantity's uncertainty.
 
     ``levels``: number of grids from the coarsest on, None for all; ``store``: folder for new solutions; ``engine``:
     number of processes, or cluster, that compute them; ``source``: whether a grid with the element size of Lin's thesis
@@ -550,28 +538,34 @@ def rolling_mesh_study(
     `runs.BODIES`. Raises InputError for a number of grids out of range, and SceneNotCoveredError if a solution did not
     converge.
     """
-    levels = len(LEVELS) if levels is None else levels
-    if not 1 <= levels <= len(LEVELS):
+    levels = len(rolling_runs.LEVELS) if levels is None else levels
+    if not 1 <= levels <= len(rolling_runs.LEVELS):
         raise ArgumentError(
-            "levels", str(levels), f"1 to {len(LEVELS)}", "take three levels, which show how results scatter between grids"
+            "levels",
+            str(levels),
+            f"1 to {len(rolling_runs.LEVELS)}",
+            "take three levels, which show how results scatter between grids",
         )
     out: list[dict[str, Any]] = []
     for scene in scenes:
-        wanted = [*([SOURCE_LEVEL] if source and scene.kind in SOURCE_SIZE else []), *range(1, levels + 1)]
-        found = find_or_compute_rolling_runs(scene, wanted, store, engine, fresh=fresh, bodies=bodies)
-        grids = [run for run in found if run.level != SOURCE_LEVEL]
+        wanted = [
+            *([rolling_runs.SOURCE_LEVEL] if source and scene.kind in rolling_runs.SOURCE_SIZE else []),
+            *range(1, levels + 1),
+        ]
+        found = rolling_runs.find_or_compute_rolling_runs(scene, wanted, store, engine, fresh=fresh, bodies=bodies)
+        grids = [run for run in found if run.level != rolling_runs.SOURCE_LEVEL]
         for key in found[-1].values:
-            share = none_for_infinity({"uncertainty": quantity_uncertainty(grids, key)})
+            share = row_with_none_for_infinity({"uncertainty": quantity_uncertainty(grids, key)})
             out += [grid_study_row_of_quantity(scene.name, run, key) | share for run in found]
     return out
 
 
-def none_for_infinity(row: dict[str, Any]) -> dict[str, Any]:
+def row_with_none_for_infinity(row: dict[str, Any]) -> dict[str, Any]:
     """Return a table row with None in place of infinite values."""
     return {k: None if isinstance(v, float) and abs(v) == float("inf") else v for k, v in row.items()}
 
 
-def grid_study_row_of_quantity(name: str, run: RollingRun, key: str) -> dict[str, Any]:
+def grid_study_row_of_quantity(name: str, run: rolling_runs.RollingRun, key: str) -> dict[str, Any]:
     """Return a row of the mesh study: one quantity of rolling balls by the 3D model on one grid.
 
     The row has the value, the limit for rigid bodies, and the effect of elasticity on this grid. ``name``: name of the
@@ -581,7 +575,7 @@ def grid_study_row_of_quantity(name: str, run: RollingRun, key: str) -> dict[str
         "scene": name,
         "load_state": interpretation_of_contact_loads(name),
         "quantity": key,
-        "level": "source" if run.level == SOURCE_LEVEL else str(run.level),
+        "level": "source" if run.level == rolling_runs.SOURCE_LEVEL else str(run.level),
         "cells": f"{run.shape[0]} x {run.shape[1]}",
         "value": run.values[key],
         "grid_alone": run.elastic[key],

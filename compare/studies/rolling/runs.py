@@ -70,15 +70,15 @@ class RollingRun:
     level: int
     #: Numbers of cells of a contact along and across the groove.
     shape: tuple[int, int]
-    #: Values with elastic bodies, by name of the quantity with its unit.
+    #: Values of the quantities with elastic bodies, by name of the quantity with its unit.
     elastic: dict[str, float]
-    #: Values with nearly rigid bodies on the same grid.
+    #: Values of the quantities with nearly rigid bodies on the same grid, by name.
     near_rigid: dict[str, float]
-    #: Values for rigid bodies, by name, from quadrature over the contacts.
+    #: Values of the quantities for rigid bodies, by name, from quadrature over the contacts.
     limit: dict[str, float]
-    #: Difference between the values of two quadratures.
+    #: Difference between the values for rigid bodies by two quadratures, by name of the quantity.
     limit_spread: dict[str, float]
-    #: Values with elastic bodies and flat contacts.
+    #: Values of the quantities with elastic bodies and flat contacts, by name.
     flat: dict[str, float]
     #: Status of the solver.
     status: str
@@ -88,15 +88,15 @@ class RollingRun:
     residual: float
     #: Processor time of the elastic solution [s].
     seconds: float
-    #: Processor time of all solutions [s].
+    #: Processor time of all solutions (elastic, nearly rigid, flat, rigid) [s].
     all_seconds: float
     #: Number of contact cells that stick.
     sticking: int
-    #: Kind of bodies, a key of `BODIES`.
+    #: Kind of bodies, half spaces or finite: a key of `BODIES`.
     bodies: str = HALF_SPACE
-    #: Version with which the times were measured.
+    #: Version of rollbench with which the times were measured.
     version: str = ""
-    #: Digest of the solvers' sources at that time (empty before version 0.15).
+    #: Digest (hash value) of the solvers' sources with which the times were measured (empty before version 0.15).
     sources: str = ""
     #: Machine on which the times were measured (empty before version 0.15).
     machine: str = ""
@@ -108,12 +108,12 @@ class RollingRun:
 
     @property
     def converged(self) -> bool:
-        """Whether all solutions (elastic, nearly rigid and flat) converged."""
+        """Whether all solutions converged: with elastic bodies, nearly rigid bodies, and flat (not curved) contacts."""
         return self.status == "converged"
 
     @property
     def values(self) -> dict[str, float]:
-        """Final values by name: those for rigid bodies, plus those for elastic less those for nearly rigid bodies."""
+        """Final values by name: for rigid bodies, plus the difference from nearly rigid to elastic bodies on this grid."""
         return {k: self.limit[k] + self.elastic[k] - self.near_rigid[k] for k in self.elastic}
 
 
@@ -169,7 +169,7 @@ def save_rolling_run(store: Path, scene: FrictionScene, run: RollingRun) -> Path
 
 
 def grid_shape(case: RollingCase, level: int) -> tuple[int, int]:
-    """Return the numbers of cells of a contact along and across the groove on one level of the grid.
+    """Return the numbers of grid cells of a contact along and across the groove on one level of the grid.
 
     On `SOURCE_LEVEL` the cells have the element size of Lin's thesis, and there are as many of them as fit into the
     largest contact.
@@ -219,16 +219,17 @@ def compute_run(scene: FrictionScene, level: int, bodies: str = HALF_SPACE, proc
 
 
 def _solve_on_grid(scene: FrictionScene, level: int, bodies: str, processes: int) -> RollingRun:
-    """Solve a scene of rolling balls on one grid with elastic, nearly rigid and flat bodies, and with rigid bodies.
+    """Solve a scene of rolling balls on one grid: with elastic, nearly rigid and rigid bodies, and with flat contacts.
 
-    The arguments are those of `compute_run`.
+    Contacts are curved like ball and groove except in the solution with flat contacts, whose bodies are elastic. The
+    arguments are those of `compute_run`.
     """
     begin, sizes = process_time(), BODIES[bodies]
     case = prepare_rolling_case(scene, balls.RollingSettings(LEVELS.get(level, LEVELS[1])))
     shape = grid_shape(case, level)
     elsewhere = balls.cache_kernels_of_scenes((case.apart, case.touching), sizes, processes)
     pairs = {
-        name: _solve_apart_and_touching(case, balls.RollingSettings(shape, share, curved, sizes))
+        name: _solve_balls_apart_and_touching(case, balls.RollingSettings(shape, share, curved, sizes))
         for name, share, curved in (("elastic", 1.0, True), ("near", balls.NEARLY_RIGID, True), ("flat", 1.0, False))
     }
     limits = [[balls.solve_rigid_rolling(s, n, bodies=sizes) for s in (case.apart, case.touching)] for n in QUADRATURES]
@@ -256,13 +257,13 @@ def _solve_on_grid(scene: FrictionScene, level: int, bodies: str, processes: int
     )
 
 
-def _solve_apart_and_touching(
+def _solve_balls_apart_and_touching(
     case: RollingCase, choices: balls.RollingSettings
 ) -> tuple[balls.RollingResult, balls.RollingResult]:
     """Return the 3D solution with balls far apart, then the 3D solution with balls that touch.
 
-    ``case``: both systems of balls; if they are the same, they are solved once. ``choices``: grid of the contacts, and
-    bodies.
+    ``case``: both systems of balls; if the systems are the same, they are solved only once. ``choices``: grid of the
+    contacts, and bodies.
     """
     apart = balls.solve_rolling(case.apart, choices)
     return apart, (apart if case.touching is case.apart else balls.solve_rolling(case.touching, choices))
@@ -289,7 +290,7 @@ def forces_speeds_and_losses_by_name(
             out[f"orbit {k + 1} apart rad/s" if len(apart.track_speeds) > 1 else "orbit rad/s"] = float(speed)
     if case.apart is case.touching:
         out |= {f"omega {axis} rad/s": float(w) for axis, w in zip("xy", apart.rotations[0][:2], strict=True)}
-        names = [case.contact_names[t] for t in _loaded_contacts(case.apart)]
+        names = [case.contact_names[t] for t in _loaded_contacts_of_first_ball(case.apart)]
         out |= {f"loss {n} mW": 1e3 * float(v) for n, v in zip(names, _contact_losses(apart), strict=True)}
         return out | {"torque N mm": 1e3 * float(apart.friction_loss) / abs(case.speed)}
     out["loss apart mW"], out["loss touching mW"] = 1e3 * float(apart.friction_loss), 1e3 * float(touching.friction_loss)
@@ -299,7 +300,7 @@ def forces_speeds_and_losses_by_name(
     return out
 
 
-def _loaded_contacts(scene: RollingBalls) -> list[int]:
+def _loaded_contacts_of_first_ball(scene: RollingBalls) -> list[int]:
     """Return the indices of the loaded contacts of the first ball in a system of rolling balls."""
     return [k for k, t in enumerate(scene.balls[0].groove_contacts) if t.contact_force > 0.0]
 
@@ -326,14 +327,14 @@ NAMES = ("force 1-2 N", "loss apart mW", "loss touching mW", "increase %")
 class BodyChoiceResult:
     """Forces and losses of rolling balls in 3D after one modelling choice of the finite bodies is changed."""
 
-    #: Description of the choice.
+    #: Description of the changed modelling choice, such as other sizes of the meshed bodies.
     choice: str
     #: Forces [N], losses [mW] and the increase of the loss [%], by names such as "force 1-2 N".
     values: dict[str, float]
 
 
 def scenes_and_sizes_of_body_variants() -> dict[str, tuple[str, Sizes | None]]:
-    """Return the compared choices of finite bodies: by their description, the name of a scene and the sizes of its bodies.
+    """Return the compared modelling choices of finite bodies: by description, the name of a scene and sizes of its bodies.
 
     Sizes are None for half spaces.
     """
@@ -396,7 +397,7 @@ class StoredBodyChoiceResults:
 
     #: Result for each changed choice.
     variants: tuple[BodyChoiceResult, ...]
-    #: Sentence on whether the variants were stored or computed.
+    #: Sentence on whether the results were stored or computed anew.
     origin_sentence: str
 
 
@@ -411,10 +412,9 @@ def body_variants_key() -> str:
 def find_body_variants(stores: Sequence[Path], *, fresh: bool) -> StoredBodyChoiceResults:
     """Return the stored results for changed choices of finite bodies; compute and store them if inputs have changed.
 
-    ``stores``: folders, the first of which takes new results; ``fresh``: whether they are computed even if they are
-    stored.
+    ``stores``: folders, the first of which takes new results; ``fresh``: whether stored results are computed again.
     """
-    kept = None if fresh else _load_variants(stores)
+    kept = None if fresh else _load_stored_body_variants(stores)
     if kept is None:
         found = compute_body_variants()
         if fresh:
@@ -443,8 +443,8 @@ def largest_change_by_body_choice(straight: bool) -> float:
     return float(max(abs(other[name] / first[name] - 1.0) for other in others for name in NAMES[:3]))
 
 
-def _load_variants(stores: Sequence[Path]) -> tuple[BodyChoiceResult, ...] | None:
-    """Return the results for choices of finite bodies from the first folder that has them for these inputs, or None."""
+def _load_stored_body_variants(stores: Sequence[Path]) -> tuple[BodyChoiceResult, ...] | None:
+    """Return the results for choices of finite bodies from the first folder that has them for the present inputs."""
     for store in stores:
         try:
             found = json.loads((store / FILE).read_text(encoding="utf-8"))
@@ -465,11 +465,11 @@ def find_or_compute_rolling_runs(
     fresh: bool,
     bodies: str = "half-space",
 ) -> list[RollingRun]:
-    """Return the 3D solutions of a scene of rolling balls on several grids; those that are not stored are computed.
+    """Return the 3D solutions of a scene of rolling balls on several grids; solutions that are not stored are computed.
 
     ``levels``: levels of the grids; ``store``: folder for new solutions, each of which is stored when it is done;
-    ``engine``: number of processes, or cluster, that compute them; ``fresh``: whether stored solutions are computed
-    again; ``bodies``: kind of the bodies, a key of `BODIES`. Raises SceneNotCoveredError if a solution did not
+    ``engine``: number of processes, or cluster, that compute the solutions; ``fresh``: whether stored solutions are
+    computed again; ``bodies``: kind of the bodies, a key of `BODIES`. Raises SceneNotCoveredError if a solution did not
     converge.
     """
     stores = (store, shipped_store())

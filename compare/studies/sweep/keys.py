@@ -58,15 +58,15 @@ class VariedKey:
     key: str
     #: Key with its range or values, as the user wrote it.
     stated_text: str
-    #: Low end of a range.
+    #: Low end of the key's range, in ``unit``.
     low: float = 0.0
-    #: High end of a range.
+    #: High end of the key's range, in ``unit``.
     high: float = 0.0
-    #: Unit of a range.
+    #: Unit of both ends of the range.
     unit: str = ""
-    #: Whether only whole numbers of the range are used, both ends included.
+    #: Whether the key takes only whole numbers of the range, both ends included.
     whole_numbers_only: bool = False
-    #: Values of a list, as in a scene file; empty for a range.
+    #: Values that the key takes, as a scene file writes them; empty: all values of the range.
     listed_values: tuple[Any, ...] = ()
 
     def value_at_relative_position(self, relative_position: float) -> Any:
@@ -81,7 +81,7 @@ class VariedKey:
     def as_number(self, value: Any) -> float:
         """Return a value of the key as a number for plots and means.
 
-        For a range it is the number in the range's unit, for a list the position of the value in the list from 1.
+        The number is the value in the range's unit or, for a list, the position of the value in the list, from 1.
         """
         if self.listed_values:
             return 1.0 + self.listed_values.index(value)
@@ -149,7 +149,7 @@ def read_varied_keys(texts: Sequence[str]) -> tuple[VariedKey, ...]:
 
 
 def _error_for_vary_text(value: str, allowed: str, advice: str = f"give {_FORM}") -> ArgumentError:
-    """Return the ArgumentError for a text of the argument ``vary`` that cannot be used.
+    """Return the ArgumentError for a text of the argument ``vary`` that does not name a key with valid values.
 
     ``value``: text or value that the user gave; ``allowed``: which values are allowed; ``advice``: how to correct the text.
     """
@@ -168,7 +168,7 @@ def _read_varied_key(text: str) -> VariedKey:
     if not 2 <= len(parts) <= MOST_VALUES or not all(parts):
         raise _error_for_vary_text(text, f"2 to {MOST_VALUES} values with commas between")
     if len(set(parts)) < len(parts):
-        raise _error_for_vary_text(text, "each value once", "remove the repeated one")
+        raise _error_for_vary_text(text, "a list with each value once", "remove the repeated value")
     return VariedKey(key, text, listed_values=tuple(_toml_value_or_text(piece) for piece in parts))
 
 
@@ -178,17 +178,17 @@ def _read_range(key: str, text: str, values: str) -> VariedKey:
     ``key``: path of the key; ``text``: whole text as the user wrote it, for error messages; ``values``: the range in it.
     """
     if any(map(has_comma_in_number, values.split(":"))):
-        raise _error_for_vary_text(text, "numbers with a point", COMMA)
+        raise _error_for_vary_text(text, "numbers with a decimal point", COMMA)
     try:
         (first, unit), (second, other), *steps = map(_split_quantity, values.split(":"))
     except ValueError:
-        raise _error_for_vary_text(text, "two numbers, with or without unit") from None
+        raise _error_for_vary_text(text, "a range A:B of two numbers, with or without unit") from None
     units = list(dict.fromkeys(x for x in (unit, other, *(of for _, of in steps)) if x))
     if len(units) > 1:
-        raise _error_for_vary_text(text, "one unit for both ends", f"write both in {units[-1]}")
+        raise _error_for_vary_text(text, "one unit for both ends of the range", f"write both in {units[-1]}")
     low, high, common = float(first), float(second), "".join(units)
     if not low < high:
-        raise _error_for_vary_text(text, "A below B", "exchange A and B, or give a list of values")
+        raise _error_for_vary_text(text, "a range A:B with A below B", "exchange A and B, or give a list of values")
     if steps:
         return VariedKey(
             key,
@@ -243,10 +243,10 @@ def tables_with_varied_keys(raw: dict[str, Any], keys: Sequence[VariedKey], valu
     out = copy.deepcopy(raw)
     for path in (p for vary in keys for p in vary.key_paths):
         for other in _other_keys_for_same_quantity(path):
-            _remove_key(out, other)
+            _remove_scene_key(out, other)
     for vary, value in zip(keys, values, strict=True):
         for path in vary.key_paths:
-            _set_key_value(out, path, value)
+            _set_scene_key_value(out, path, value)
     return out
 
 
@@ -259,7 +259,7 @@ def varied_and_replaced_keys(raw: dict[str, Any], keys: Sequence[VariedKey]) -> 
     pairs = dict.fromkeys(
         (path, other) for vary in keys for path in vary.key_paths for other in _other_keys_for_same_quantity(path)
     )
-    return [(path, other) for path, other in pairs if _remove_key(copy.deepcopy(raw), other)]
+    return [(path, other) for path, other in pairs if _remove_scene_key(copy.deepcopy(raw), other)]
 
 
 def _other_keys_for_same_quantity(path: str) -> Iterator[str]:
@@ -270,7 +270,7 @@ def _other_keys_for_same_quantity(path: str) -> Iterator[str]:
             yield from (prefix + other for other in group if other != key)
 
 
-def _remove_key(raw: dict[str, Any], key: str) -> bool:
+def _remove_scene_key(raw: dict[str, Any], key: str) -> bool:
     """Remove a key from a scene's TOML tables, and its table if that gets empty; return whether the key was there."""
     above, _, last = key.rpartition(".")
     node: Any = raw
@@ -292,7 +292,7 @@ def _key_path_entries(key: str) -> list[str | int]:
     return [int(p) if p.isdigit() else p for p in re.findall(r"[^.\[\]]+", key)]
 
 
-def _set_key_value(raw: dict[str, Any], key: str, value: Any) -> None:
+def _set_scene_key_value(raw: dict[str, Any], key: str, value: Any) -> None:
     """Set the value of a key in a scene's TOML tables, and create missing tables.
 
     ``key``: path of the key. Raises InputError for the index of a list entry that does not exist, and for a path through a
@@ -333,7 +333,7 @@ MOST = 1_000_000
 
 
 def base_point_count(sample_count: int, key_count: int) -> int:
-    """Return the number n of base points of a sweep's design, from which Sobol indices are computed.
+    """Return the number n of base points in the Sobol design of a sweep, from which Sobol indices are computed.
 
     ``sample_count``: requested number of samples; ``key_count``: number of varied keys. n is the power of two, at least 2,
     for which the ratio of the number of samples n (keys + 2) to ``sample_count`` is nearest to 1.

@@ -28,26 +28,9 @@ from rollbench.compare.reference import parallel
 from rollbench.compare.reference.jobs import ComputingSettings, run_jobs_in_fastest_way
 from rollbench.compare.scenes import catalogue, scene_file, scene_tables
 from rollbench.compare.scenes.scene_file import hash_of_scene_text
+from rollbench.compare.studies.sweep import keys as sweep_keys
 from rollbench.compare.studies.sweep import sample
-from rollbench.compare.studies.sweep.keys import (
-    Method,
-    VariedKey,
-    base_point_count,
-    key_values_at_coordinates,
-    read_varied_keys,
-    sample_coordinates,
-    tables_with_varied_keys,
-    varied_and_replaced_keys,
-)
-from rollbench.compare.studies.sweep.sample import (
-    CONVERGED,
-    MAIN,
-    OUTPUTS,
-    Record,
-    refusal_reason_without_numbers,
-    solve_and_append_batch,
-    solve_sample_or_refuse,
-)
+from rollbench.compare.studies.sweep import sample as sweep_sample
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 from rollbench.reports.content import Figure, Panel, Series
@@ -74,11 +57,11 @@ class SweepDefinition:
     #: Name of the scene or its file, for error messages.
     origin: str
     #: Keys of the scene that are varied, with their ranges or values.
-    keys: tuple[VariedKey, ...]
+    keys: tuple[sweep_keys.VariedKey, ...]
     #: Number of samples.
     samples: int
     #: Design of the samples: "sobol", "lhs" (Latin hypercube) or "grid".
-    method: Method = "sobol"
+    method: sweep_keys.Method = "sobol"
     #: Seed of the random numbers of the design.
     seed: int = 0
     #: Name of the model.
@@ -88,12 +71,17 @@ class SweepDefinition:
 
     @property
     def wanted_outputs(self) -> tuple[str, ...]:
-        """Names of the stored outputs in the order of `OUTPUTS`: those of ``outputs`` (empty: all), and always `MAIN`."""
-        return tuple(name for name in OUTPUTS if not self.outputs or name in (MAIN, *self.outputs))
+        """Names of the stored outputs, in the order of `OUTPUTS`: those in ``outputs`` and the largest contact load.
+
+        All outputs are stored if ``outputs`` is empty.
+        """
+        return tuple(
+            name for name in sweep_sample.OUTPUTS if not self.outputs or name in (sweep_sample.MAIN, *self.outputs)
+        )
 
     def coordinates(self) -> Array:
         """Return the positions of the m samples in the ranges of the d varied keys, (m, d) from 0 to 1."""
-        return sample_coordinates(self.method, self.keys, self.samples, self.seed)
+        return sweep_keys.sample_coordinates(self.method, self.keys, self.samples, self.seed)
 
     def header(self) -> dict[str, Any]:
         """Return all inputs on which the results of the samples depend, as JSON values that identify the sweep."""
@@ -107,8 +95,8 @@ class SweepDefinition:
     def check(self) -> None:
         """Raise InputError if model, output or varied key is unknown, or if the scene does not allow a value of a key."""
         for name in self.outputs:
-            if name not in OUTPUTS:
-                raise ArgumentError("outputs", name, ", ".join(OUTPUTS), "give names separated by commas")
+            if name not in sweep_sample.OUTPUTS:
+                raise ArgumentError("outputs", name, ", ".join(sweep_sample.OUTPUTS), "give names separated by commas")
         raw = scene_file.parse_toml(self.text, self.origin)
         scene = scene_tables.scene_from_tables(raw, self.origin)
         if not isinstance(scene, Assembly):
@@ -118,23 +106,23 @@ class SweepDefinition:
         scene_file.scenes_to_solve(scene, self.origin)
         for vary in self.keys:
             for value in vary.trial_values:
-                scene_tables.validated_keys(tables_with_varied_keys(raw, [vary], [value]), self.origin)
+                scene_tables.validated_keys(sweep_keys.tables_with_varied_keys(raw, [vary], [value]), self.origin)
 
 
 def solve_missing_samples(
     sweep: SweepDefinition, folder: Path, engine: ComputingSettings, show_progress: Step
 ) -> dict[int, sample.Record]:
-    """Solve those samples of a sweep that its folder does not hold yet, and return the records of all samples by number.
+    """Solve the samples of a sweep that its folder does not hold yet, and return the records of all samples by number.
 
     ``folder``: folder of the stored samples; ``engine``: number of processes, or cluster, that solve the samples;
     ``show_progress``: function that is called with each line of progress. Raises InputError if the sweep is not valid, if
-    the folder holds something else, or if worker processes are lost.
+    the folder holds another sweep or other files, or if worker processes are lost.
     """
     sweep.check()
     places = sweep.coordinates()
     if not sample.stored_records_by_sample(folder):
         _check_first_samples_are_accepted(sweep, places)
-    for path, other in varied_and_replaced_keys(scene_file.parse_toml(sweep.text, sweep.origin), sweep.keys):
+    for path, other in sweep_keys.varied_and_replaced_keys(scene_file.parse_toml(sweep.text, sweep.origin), sweep.keys):
         show_progress(f"{path} takes the place of the scene's {other}")
     sample.create_or_check_sweep_folder(folder, sweep.header())
     with sample.reserve_sweep_folder(folder) as token:
@@ -156,11 +144,11 @@ def _check_first_samples_are_accepted(sweep: SweepDefinition, coordinates: Array
     refused: list[InputError] = []
     for place in coordinates[:FIRST]:
         try:
-            solve_sample_or_refuse(
+            sweep_sample.solve_sample_or_refuse(
                 sweep.text,
                 sweep.origin,
                 sweep.keys,
-                key_values_at_coordinates(sweep.keys, place),
+                sweep_keys.key_values_at_coordinates(sweep.keys, place),
                 sweep.model,
                 "interpreted",
                 sweep.wanted_outputs,
@@ -168,7 +156,7 @@ def _check_first_samples_are_accepted(sweep: SweepDefinition, coordinates: Array
             return
         except InputError as error:
             refused.append(error)
-    if len({refusal_reason_without_numbers(error) for error in refused}) > 1:
+    if len({sweep_sample.refusal_reason_without_numbers(error) for error in refused}) > 1:
         return
     if isinstance(refused[-1], ProgramError):
         raise refused[-1]
@@ -185,7 +173,7 @@ def _solve_samples_in_batches(
     show_progress: Step,
     token_coordinates_and_numbers: tuple[str, Array, list[int]],
 ) -> None:
-    """Solve those samples of a sweep that are not stored yet, in batches, and store them.
+    """Solve the samples of a sweep that are not stored yet, in batches, and store their records.
 
     ``folder``: folder of the sweep; ``engine``: number of processes, or cluster, that solve the samples; ``show_progress``:
     function that is called with each line of progress; ``token_coordinates_and_numbers``: token that identifies the present
@@ -199,8 +187,13 @@ def _solve_samples_in_batches(
     batches = [left[k : k + size] for k in range(0, len(left), size)]
     jobs: list[parallel.Job] = [
         (
-            solve_and_append_batch,
-            (str(folder.resolve()), token, what, [(n, key_values_at_coordinates(sweep.keys, places[n])) for n in batch]),
+            sweep_sample.solve_and_append_batch,
+            (
+                str(folder.resolve()),
+                token,
+                what,
+                [(n, sweep_keys.key_values_at_coordinates(sweep.keys, places[n])) for n in batch],
+            ),
         )
         for batch in batches
     ]
@@ -226,14 +219,14 @@ RESAMPLES, CONFIDENCE, LEAST = 200, 0.95, 8
 CONSTANT = 1e-9
 
 
-def sweep_summary_json(sweep: SweepDefinition, records: Mapping[int, Record]) -> dict[str, Any]:
+def sweep_summary_json(sweep: SweepDefinition, records: Mapping[int, sweep_sample.Record]) -> dict[str, Any]:
     """Return the summary of a sweep as JSON values: counts, failures, statistics, main effects and Sobol indices.
 
     ``records``: records of the samples by sample number. Failed samples are counted by reason, with one example each.
     """
     rows = [records[n] for n in sorted(records)]
     good = converged_records(records)
-    failed = [row for row in rows if row["status"] != CONVERGED]
+    failed = [row for row in rows if row["status"] != sweep_sample.CONVERGED]
     reasons = Counter(row.get("reason", row["status"]) for row in failed)
     first = {
         row.get("reason", row["status"]): row["status"] for row in reversed(failed)
@@ -246,17 +239,17 @@ def sweep_summary_json(sweep: SweepDefinition, records: Mapping[int, Record]) ->
         "failures": [{"reason": first[reason], "samples": n} for reason, n in reasons.most_common()],
         "outputs": {name: output_statistics(output_values(good, name)) for name in sweep.wanted_outputs},
         "main_effects": main_effects(sweep.keys, good),
-        "worst": sorted(good, key=lambda row: -row[MAIN])[:WORST],
+        "worst": sorted(good, key=lambda row: -row[sweep_sample.MAIN])[:WORST],
         "indices": sobol_indices_by_output(sweep, records),
     }
 
 
-def converged_records(records: Mapping[int, Record]) -> list[Record]:
+def converged_records(records: Mapping[int, sweep_sample.Record]) -> list[sweep_sample.Record]:
     """Return the records of converged samples in the order of their numbers."""
-    return [records[n] for n in sorted(records) if records[n]["status"] == CONVERGED]
+    return [records[n] for n in sorted(records) if records[n]["status"] == sweep_sample.CONVERGED]
 
 
-def output_values(records: Sequence[Record], name: str) -> Array:
+def output_values(records: Sequence[sweep_sample.Record], name: str) -> Array:
     """Return the values of one output in k samples as an array (k,); nan for a sample without this output.
 
     ``records``: records of the samples; ``name``: name of the output, a key of `OUTPUTS`.
@@ -264,11 +257,10 @@ def output_values(records: Sequence[Record], name: str) -> Array:
     return np.array([np.nan if row[name] is None else row[name] for row in records], dtype=float)
 
 
-def key_values_as_numbers(keys: Sequence[VariedKey], records: Sequence[Record]) -> Array:
+def key_values_as_numbers(keys: Sequence[sweep_keys.VariedKey], records: Sequence[sweep_sample.Record]) -> Array:
     """Return the values of d varied keys in k samples as an array of numbers (k, d).
 
-    ``records``: records of the samples. A value from a list is replaced by its position in the list, see
-    `VariedKey.as_number`.
+    ``records``: records of the samples. A value from a list is replaced by its position in the list, from 1.
     """
     found = [[vary.as_number(v) for vary, v in zip(keys, row["values"], strict=True)] for row in records]
     return np.array(found, dtype=float).reshape(len(records), len(keys))
@@ -289,21 +281,23 @@ def output_statistics(values: Array) -> dict[str, float] | None:
     return found | {f"quantile_{level:g}": float(np.quantile(y, level)) for level in LEVELS}
 
 
-def main_effects(keys: Sequence[VariedKey], rows: Sequence[Record]) -> dict[str, list[dict[str, float]]]:
-    """Return for each varied key the mean of the output `MAIN` in groups of samples, a list with one entry per group.
+def main_effects(
+    keys: Sequence[sweep_keys.VariedKey], rows: Sequence[sweep_sample.Record]
+) -> dict[str, list[dict[str, float]]]:
+    """Return for each varied key the mean largest contact load [N] in groups of samples, a list with one entry per group.
 
     A group consists of the samples in one part of the key's range, or at one value of its list. An entry has "at" (mean
-    value of the key in its unit), "mean" and "standard_error" of the output, and "samples" (number of samples in the
+    value of the key in its unit), "mean" and "standard_error" of the load [N], and "samples" (number of samples in the
     group). ``rows``: records of the converged samples.
     """
-    x, y = key_values_as_numbers(keys, rows), output_values(rows, MAIN)
+    x, y = key_values_as_numbers(keys, rows), output_values(rows, sweep_sample.MAIN)
     return {
-        vary.key: [_means_of_sample_group(x[g, k], y[g]) for g in _sample_masks_by_key_range(vary, x[:, k])]
+        vary.key: [_mean_key_and_output_of_group(x[g, k], y[g]) for g in _sample_masks_by_key_range(vary, x[:, k])]
         for k, vary in enumerate(keys)
     }
 
 
-def _sample_masks_by_key_range(varied_key: VariedKey, key_values: Array) -> list[NDArray[np.bool_]]:
+def _sample_masks_by_key_range(varied_key: sweep_keys.VariedKey, key_values: Array) -> list[NDArray[np.bool_]]:
     """Group k samples by the value of a varied key: return a Boolean mask (k,) for each part of its range or list value.
 
     ``varied_key``: the key; ``key_values``: values of the key in the samples, (k,).
@@ -315,8 +309,8 @@ def _sample_masks_by_key_range(varied_key: VariedKey, key_values: Array) -> list
     return [bins == k for k in np.unique(bins)]
 
 
-def _means_of_sample_group(key_values: Array, outputs: Array) -> dict[str, float]:
-    """Return for a group of k samples the mean of a key and of an output, its standard error, and the number of samples.
+def _mean_key_and_output_of_group(key_values: Array, outputs: Array) -> dict[str, float]:
+    """Return for a group of k samples the mean of a key, mean and standard error of an output, and the number of samples.
 
     ``key_values``: values of the key (k,); ``outputs``: values of the output (k,).
     """
@@ -329,7 +323,7 @@ def _means_of_sample_group(key_values: Array, outputs: Array) -> dict[str, float
     }
 
 
-def sobol_indices_by_output(sweep: SweepDefinition, records: Mapping[int, Record]) -> dict[str, Any]:
+def sobol_indices_by_output(sweep: SweepDefinition, records: Mapping[int, sweep_sample.Record]) -> dict[str, Any]:
     """Return the Sobol indices of every output with confidence intervals of level `CONFIDENCE`, or the reason for none.
 
     For each output and key there is the first-order index with the ends of its interval (first, first_low, first_high) and
@@ -339,9 +333,9 @@ def sobol_indices_by_output(sweep: SweepDefinition, records: Mapping[int, Record
     """
     if sweep.method != "sobol":
         return {"none": f"a design by {sweep.method} gives no Sobol indices: sobol does"}
-    d, n = len(sweep.keys), base_point_count(sweep.samples, len(sweep.keys))
+    d, n = len(sweep.keys), sweep_keys.base_point_count(sweep.samples, len(sweep.keys))
     rows = [records.get(k) for k in range(n * (d + 2))]
-    good = np.array([row is not None and row["status"] == CONVERGED for row in rows]).reshape(d + 2, n)
+    good = np.array([row is not None and row["status"] == sweep_sample.CONVERGED for row in rows]).reshape(d + 2, n)
     whole = np.flatnonzero(good.all(axis=0))
     if whole.size < LEAST:
         return {"none": f"{whole.size} base points of {n} have all their samples; {LEAST} are needed"}
@@ -354,7 +348,7 @@ def sobol_indices_by_output(sweep: SweepDefinition, records: Mapping[int, Record
 
 
 def _sobol_indices_with_intervals(
-    keys: Sequence[VariedKey], outputs: Array, seed: int
+    keys: Sequence[sweep_keys.VariedKey], outputs: Array, seed: int
 ) -> dict[str, dict[str, float]] | None:
     """Return the Sobol indices of one output for each key, with intervals by resampling; None for a constant output.
 
@@ -399,7 +393,9 @@ PANELS, POINTS = 6, 2000
 SEED = "errors.seed"
 
 
-def sweep_figures(name: str, keys: Sequence[VariedKey], summary: Mapping[str, Any], rows: Sequence[Record]) -> list[Figure]:
+def sweep_figures(
+    name: str, keys: Sequence[sweep_keys.VariedKey], summary: Mapping[str, Any], rows: Sequence[sweep_sample.Record]
+) -> list[Figure]:
     """Return the figures of a sweep; the list is empty with fewer than two converged samples.
 
     ``name``: start of the figures' names; ``summary``: summary of the sweep from `sweep_summary_json`; ``rows``: records of
@@ -413,11 +409,11 @@ def sweep_figures(name: str, keys: Sequence[VariedKey], summary: Mapping[str, An
 
 def figures_from_sweep_summary(
     name: str,
-    keys: Sequence[VariedKey],
+    keys: Sequence[sweep_keys.VariedKey],
     summary: Mapping[str, Any],
-    short_name: Callable[[VariedKey], str] = lambda vary: vary.short_name,
+    short_name: Callable[[sweep_keys.VariedKey], str] = lambda vary: vary.short_name,
 ) -> list[Figure]:
-    """Return those figures of a sweep that need its summary only, without the records of the samples.
+    """Return the figures of a sweep that need only the summary of the sweep, not the records of its samples.
 
     ``name``: start of the figures' names; ``summary``: summary of the sweep from `sweep_summary_json`; ``short_name``:
     function that returns the short name of a key.
@@ -431,7 +427,7 @@ def figures_from_sweep_summary(
     return figures if indices is None else [*figures, indices]
 
 
-def _keys_with_largest_effect(keys: Sequence[VariedKey], summary: Mapping[str, Any]) -> tuple[list[int], str]:
+def _keys_with_largest_effect(keys: Sequence[sweep_keys.VariedKey], summary: Mapping[str, Any]) -> tuple[list[int], str]:
     """Return the indices of the varied keys with the largest effects on the largest load, then a sentence on left-out keys.
 
     At most `PANELS` keys are returned, as many as a figure has panels. A seed of random errors is left out, because an
@@ -441,10 +437,10 @@ def _keys_with_largest_effect(keys: Sequence[VariedKey], summary: Mapping[str, A
     shown = sorted(ordered, key=lambda k: -_main_effect_size(summary["main_effects"][keys[k].key]))[:PANELS]
     return shown, "" if len(shown) == len(
         ordered
-    ) else f" Shown are the {PANELS} keys with the largest effects, of {len(ordered)} varied keys."
+    ) else f" Shown are the {PANELS} inputs with the largest effects, of {len(ordered)} varied inputs."
 
 
-def _indices_of_keys_without_seed(keys: Sequence[VariedKey]) -> list[int]:
+def _indices_of_keys_without_seed(keys: Sequence[sweep_keys.VariedKey]) -> list[int]:
     """Return the indices of the varied keys without the seed of random errors; of all keys if only the seed varies.
 
     Values of a seed have no meaningful order.
@@ -453,9 +449,9 @@ def _indices_of_keys_without_seed(keys: Sequence[VariedKey]) -> list[int]:
 
 
 def _main_effect_size(groups: Sequence[Mapping[str, float]]) -> float:
-    """Return the effect of a key: difference between largest and smallest mean output over groups of samples.
+    """Return the effect of a varied key: difference between largest and smallest mean output over groups of samples.
 
-    ``groups``: entries of `main_effects` for the key.
+    ``groups``: entries of `main_effects` for the key, one for each part of the key's range.
     """
     means = [g["mean"] for g in groups]
     return max(means) - min(means)
@@ -463,12 +459,12 @@ def _main_effect_size(groups: Sequence[Mapping[str, float]]) -> float:
 
 def _main_effects_figure(
     figure_name: str,
-    keys: Sequence[VariedKey],
+    keys: Sequence[sweep_keys.VariedKey],
     summary: Mapping[str, Any],
     left_out_sentence: str,
-    short_name: Callable[[VariedKey], str],
+    short_name: Callable[[sweep_keys.VariedKey], str],
 ) -> Figure:
-    """Return a figure of the mean of the largest contact load over each varied key, with its standard error.
+    """Return a figure of the mean of the largest contact load over each varied key, with the standard error of the mean.
 
     ``figure_name``: start of the figure's name; ``keys``: varied keys to show; ``summary``: summary of the sweep;
     ``left_out_sentence``: sentence on keys that are left out, empty if there are none; ``short_name``: function that
@@ -483,14 +479,16 @@ def _main_effects_figure(
         series = Series("mean", at, mean, "line+markers", error_bars=(bars, ends))
         short = short_name(vary)
         label = vary.axis_label if short == vary.short_name or not vary.unit else f"{short} / {vary.unit}"
-        panels.append(Panel(short, label, OUTPUTS[MAIN], (series,), integer_x=bool(vary.listed_values)))
+        panels.append(
+            Panel(short, label, sweep_sample.OUTPUTS[sweep_sample.MAIN], (series,), integer_x=bool(vary.listed_values))
+        )
     caption = (
-        "Largest contact load, averaged over the samples in each part of a key's range; bars: standard error of this mean."
+        "Largest contact load, averaged over samples in each part of an input's range; bars: standard error of this mean."
         + left_out_sentence
     )
     return Figure(
         f"{figure_name}-effects",
-        f"{figure_name}: mean largest contact load over each varied key",
+        f"{figure_name}: largest contact load of a sample, averaged, over the value of each varied input",
         tuple(panels),
         caption,
         same_y=True,
@@ -498,7 +496,11 @@ def _main_effects_figure(
 
 
 def _sample_scatter_figure(
-    name: str, keys: Sequence[VariedKey], shown: Sequence[int], rows: Sequence[Record], left_out_sentence: str
+    name: str,
+    keys: Sequence[sweep_keys.VariedKey],
+    shown: Sequence[int],
+    rows: Sequence[sweep_sample.Record],
+    left_out_sentence: str,
 ) -> Figure:
     """Return a figure of the largest contact load of single samples over each varied key that is shown.
 
@@ -506,23 +508,29 @@ def _sample_scatter_figure(
     ``left_out_sentence``: sentence on keys that are left out, empty if there are none.
     """
     some = list(rows[:: max(1, len(rows) // POINTS)])
-    x, y = key_values_as_numbers(keys, some), output_values(some, MAIN)
+    x, y = key_values_as_numbers(keys, some), output_values(some, sweep_sample.MAIN)
     panels = tuple(
         Panel(
-            keys[k].short_name, keys[k].axis_label, OUTPUTS[MAIN], (Series("samples", list(x[:, k]), list(y), "markers"),)
+            keys[k].short_name,
+            keys[k].axis_label,
+            sweep_sample.OUTPUTS[sweep_sample.MAIN],
+            (Series("samples", list(x[:, k]), list(y), "markers"),),
         )
         for k in shown
     )
     return Figure(
         f"{name}-scatter",
-        f"{name}: largest contact load of each sample over each varied key",
+        f"{name}: largest contact load of each sample over the value of each varied input",
         panels,
         f"Shown are {len(some)} of {len(rows)} samples.{left_out_sentence}",
     )
 
 
 def _worst_samples_figure(
-    name: str, keys: Sequence[VariedKey], worst: Sequence[Record], short_name: Callable[[VariedKey], str]
+    name: str,
+    keys: Sequence[sweep_keys.VariedKey],
+    worst: Sequence[sweep_sample.Record],
+    short_name: Callable[[sweep_keys.VariedKey], str],
 ) -> Figure:
     """Return a figure of the samples with the largest contact loads: position of each varied key in its range.
 
@@ -536,28 +544,37 @@ def _worst_samples_figure(
     place = (x - low) / (high - low)
     number = [float(k) for k in range(1, len(keys) + 1)]
     series = tuple(
-        Series(f"{row[MAIN]:.4g} N at {row['at']}", number, list(at)) for row, at in zip(worst[:5], place[:5], strict=True)
+        Series(f"{row[sweep_sample.MAIN]:.4g} N at {row['at']}", number, list(at))
+        for row, at in zip(worst[:5], place[:5], strict=True)
     )
-    caption = "Position of each varied key in its range (0 to 1), in the samples with the largest contact loads."
+    caption = "Value of each varied input as position in its range (0: lower end, 1: upper end), in these samples."
     panel = Panel(
         "samples with the largest loads",
         "",
-        "position in the range of the key",
+        "position in the range of the input",
         series,
         abscissa_names=[short_name(v) for v in keys],
     )
-    return Figure(f"{name}-worst", f"{name}: key values of the samples with the largest contact loads", (panel,), caption)
+    return Figure(
+        f"{name}-worst",
+        f"{name}: values of the varied inputs in the samples with the largest contact loads",
+        (panel,),
+        caption,
+    )
 
 
 def _sobol_indices_figure(
-    name: str, keys: Sequence[VariedKey], indices: Mapping[str, Any], short_name: Callable[[VariedKey], str]
+    name: str,
+    keys: Sequence[sweep_keys.VariedKey],
+    indices: Mapping[str, Any],
+    short_name: Callable[[sweep_keys.VariedKey], str],
 ) -> Figure | None:
     """Return a figure of the Sobol indices of the largest contact load, with confidence intervals; None without indices.
 
     ``name``: start of the figure's name; ``indices``: result of `sobol_indices_by_output`; ``short_name``: function that
     returns the short name of a key.
     """
-    main = indices.get("outputs", {}).get(MAIN)
+    main = indices.get("outputs", {}).get(sweep_sample.MAIN)
     if main is None:
         return None
     keys = sorted(keys, key=lambda vary: -main[vary.key]["total"])
@@ -568,8 +585,9 @@ def _sobol_indices_figure(
         bars = ([min(a, b) for a, b in zip(low, value, strict=True)], [max(a, b) for a, b in zip(high, value, strict=True)])
         series.append(Series(kind, [n + shift for n in number], value, "markers", error_bars=bars))
     caption = (
-        f"Sobol indices of the {OUTPUTS[MAIN].removesuffix(' / N')} from {indices['base_points']} base points, with "
-        f"{100 * indices['confidence']:g} % intervals: first, of the key only; total, with its interactions."
+        f"Sobol indices of the {sweep_sample.OUTPUTS[sweep_sample.MAIN].removesuffix(' / N')} from "
+        f"{indices['base_points']} base points, with "
+        f"{100 * indices['confidence']:g} % intervals; first: effect of the input alone; total: with its interactions."
     )
     panel = Panel(
         "Sobol indices",
@@ -581,14 +599,20 @@ def _sobol_indices_figure(
     )
     return Figure(
         f"{name}-indices",
-        f"{name}: share of the variance of the largest contact load due to each varied key",
+        f"{name}: share of the variance of the largest contact load due to each varied input",
         (panel,),
         caption,
     )
 
 
 def sweep_definition(
-    scene: str, vary: Sequence[str], samples: int, method: Method, seed: int, model: str, outputs: Sequence[str] = ()
+    scene: str,
+    vary: Sequence[str],
+    samples: int,
+    method: sweep_keys.Method,
+    seed: int,
+    model: str,
+    outputs: Sequence[str] = (),
 ) -> SweepDefinition:
     """Return the definition of a sweep of a scene: varied keys, design of the samples, model and outputs.
 
@@ -603,7 +627,7 @@ def sweep_definition(
     else:
         text, origin = scene_file.read_scene_text(scene), scene
     model = model or (default_model_name(found) if isinstance(found, Assembly) else DEFAULT)
-    return SweepDefinition(text, origin, read_varied_keys(vary), samples, method, seed, model, tuple(outputs))
+    return SweepDefinition(text, origin, sweep_keys.read_varied_keys(vary), samples, method, seed, model, tuple(outputs))
 
 
 def solve_sweep(
@@ -621,7 +645,9 @@ def solve_sweep(
     return found
 
 
-def write_sweep_files(sweep: SweepDefinition, records: Mapping[int, Record], summary: Mapping[str, Any], out: Path) -> None:
+def write_sweep_files(
+    sweep: SweepDefinition, records: Mapping[int, sweep_sample.Record], summary: Mapping[str, Any], out: Path
+) -> None:
     """Write samples.csv, summary.json and the figures of a sweep to its folder.
 
     ``records``: records of the samples by sample number; ``summary``: summary of the sweep; ``out``: the folder.
@@ -632,7 +658,7 @@ def write_sweep_files(sweep: SweepDefinition, records: Mapping[int, Record], sum
         write_figure(out / f"{figure.name}.svg", figure)
 
 
-def samples_csv(sweep: SweepDefinition, records: Mapping[int, Record]) -> str:
+def samples_csv(sweep: SweepDefinition, records: Mapping[int, sweep_sample.Record]) -> str:
     """Return the samples of a sweep as CSV text, with one row for each sample.
 
     The columns are the number of the sample, the values of the varied keys, the status, the outputs, and "at", which names
@@ -652,7 +678,7 @@ def run_sweep(
     scene: str,
     vary: Sequence[str],
     samples: int,
-    method: Method,
+    method: sweep_keys.Method,
     model: str,
     seed: int,
     out: Path,

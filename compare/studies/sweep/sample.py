@@ -45,7 +45,7 @@ from rollbench.compare.studies.sweep.keys import VariedKey, tables_with_varied_k
 from rollbench.lowfi.rating import roller_life
 from rollbench.lowfi.rating.life import basic_rating_life
 from rollbench.lowfi.rating.rigidity import axial_force, screw_displacement_at_nut
-from rollbench.lowfi.statics.nominal import nominal_contacts
+from rollbench.lowfi.statics.nominal import count_nominal_contacts
 from rollbench.lowfi.statics.result import AxisResult, StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, RollerRow
@@ -63,8 +63,8 @@ OUTPUTS = {
     "preload_N": "axial preload / N",
     "torque_Nmm": "friction torque / (N mm)",
     "life_million_revolutions": "life L10 / 10^6 revolutions",
-    "largest_growth": "largest load over that of the first load case, largest ratio of all nuts and bearings",
-    "least_growth": "largest load over that of the first load case, smallest ratio of all nuts and bearings",
+    "largest_growth": "largest load over that in the first load case, largest ratio of all nuts and bearings",
+    "least_growth": "largest load over that in the first load case, smallest ratio of all nuts and bearings",
 }
 #: Outputs that compare load cases; None for a scene without load cases.
 GROWTH = ("largest_growth", "least_growth")
@@ -91,11 +91,11 @@ def outputs_of_scene(
 
     @cache
     def unloaded_result() -> StaticResult:
-        """Return the result of the scene without loads."""
+        """Return the static result of the sample's scene with all external loads set to zero."""
         return solve_with_scaled_loads(scene, 0.0, model, options)
 
     def secant_rigidity() -> float | None:
-        """Return the axial secant rigidity from the unloaded position [N/um]."""
+        """Return the axial force over the screw's axial displacement from the unloaded position [N/um], or None."""
         moved = screw_displacement_at_nut(scene, result) - unloaded_axial_displacement(scene, unloaded_result())
         return _secant_rigidity(axial_force(result), moved)
 
@@ -105,7 +105,7 @@ def outputs_of_scene(
         "preload_N": lambda: axial_preload(scene, unloaded_result()) if unloaded_result().converged else None,
     }
     return _compute_wanted_outputs(
-        [("", scene, result)], scene, makers, options, wanted_outputs, lambda: nominal_contacts(scene)
+        [("", scene, result)], scene, makers, options, wanted_outputs, lambda: count_nominal_contacts(scene)
     )
 
 
@@ -119,9 +119,9 @@ def outputs_of_duty_cycle(
     """Return the outputs of a sweep's sample for a duty cycle, from results and outputs of its load cases.
 
     Outputs are those of the load case with the largest contact load, which "at" names, with three exceptions. Life is
-    the shortest life of a nut or bearing over the duty cycle. Torque is the mean over all revolutions. Growth is the ratio
-    of a nut's or bearing's largest load in any load case to its largest load in the first; the outputs are the largest and
-    the smallest growth.
+    the shortest life of a nut or bearing over the duty cycle. The friction torque is the mean over all revolutions of the
+    cycle. Growth is the ratio of the largest contact or roller load of a nut or bearing in any load case to the largest in
+    the first load case; the outputs are the largest and the smallest growth.
 
     Parameters
     ----------
@@ -177,9 +177,9 @@ def outputs_of_shaft(
     ``result``: converged static result; ``engine``: whether numerical kernels run as plain Python ("interpreted") or as
     machine code ("compiled"); ``wanted_outputs``: names of the outputs, keys of `OUTPUTS`. Loads are those of ball contacts
     and rollers; "at", the place of the largest load, begins with the name of the nut or bearing. The displacement is axial,
-    at the section or housing that the scene names; for the rigidity it counts from the unloaded position. Approaches and
-    torque are of balls only. Life is the shortest life of a nut or bearing; preload is the largest axial force on one of
-    them without loads.
+    at the section or housing that the scene names; the rigidity is the force over the displacement from the unloaded
+    position. Hertz approaches and friction torque are of balls only, without rollers. Life is the shortest life of a nut or
+    bearing; preload is the largest axial force on a nut or bearing without external loads.
     """
     sets = [(f"{s.of.name}: ", s.of.parts, s.balls) for s in result.sets if s.balls and isinstance(s.of.parts, Scene)]
     force, moved, loads = (
@@ -300,8 +300,8 @@ def _secant_rigidity(force: float, displacement: float) -> float | None:
 def _shortest_life_of_bearings(sets: list[tuple[Scene | RollerRow, Array]]) -> float | None:
     """Return the shortest life of several nuts and bearings [10^6 revolutions].
 
-    ``sets``: geometry of each nut or bearing, and its contact or roller loads [N]. None if none of them is loaded, or if a
-    rating is outside its range of validity.
+    ``sets``: geometry of each nut or bearing, and its contact or roller loads [N]. The result is None if no nut or bearing
+    is loaded, or if a load rating is outside its range of validity.
     """
     try:
         found = [
@@ -316,10 +316,10 @@ def _shortest_life_of_bearings(sets: list[tuple[Scene | RollerRow, Array]]) -> f
 def _friction_torque(
     sets: list[tuple[Scene, StaticResult]], friction: Friction, motion: Motion | None, options: ModelOptions
 ) -> float | None:
-    """Return the friction torque of all nuts and ball bearings [N mm].
+    """Return the friction torque of several nuts and ball bearings together [N mm].
 
-    ``sets``: scene and static result of each of them. None if friction does not converge, or if the friction model does not
-    cover one of them.
+    ``sets``: scene and static result of each nut or bearing. None if friction does not converge, or if the friction model
+    does not cover one of the nuts and bearings.
     """
     from rollbench.compare.models.friction_sums import total_friction_torque
 
@@ -361,9 +361,9 @@ def create_or_check_sweep_folder(folder: Path, header: Mapping[str, Any]) -> Non
 
 @contextmanager
 def reserve_sweep_folder(folder: Path) -> Iterator[str]:
-    """Reserve the folder of a sweep for the present execution and yield the token that identifies it.
+    """Reserve the folder of a sweep for the present execution, and yield a text (token) that identifies the execution.
 
-    It waits until no process of an earlier execution of the sweep writes to the folder. Raises InputError if another
+    First wait until no process of an earlier execution of the sweep writes to the folder. Raises InputError if another
     execution is active there.
     """
     from filelock import FileLock, Timeout
@@ -385,7 +385,7 @@ def reserve_sweep_folder(folder: Path) -> Iterator[str]:
 def _wait_for_earlier_runs(folder: Path) -> None:
     """Wait until the processes of earlier executions of a sweep have finished their batches, and remove their lock files.
 
-    ``folder``: folder of the sweep. Raises InputError if they take longer than `PATIENCE`.
+    ``folder``: folder of the sweep. Raises InputError if the processes take longer than `PATIENCE` seconds.
     """
     from filelock import FileLock, Timeout
 
@@ -423,7 +423,7 @@ def _machine_and_process_name() -> str:
 
 
 def is_token_of_current_run(folder: Path, token: str) -> bool:
-    """Return whether the folder of a sweep exists and belongs to the execution with this token."""
+    """Return whether the folder of a sweep exists and is reserved for the execution that ``token`` identifies."""
     try:
         return (folder / TOKEN).read_text(encoding="utf-8") == token
     except OSError:
@@ -441,7 +441,7 @@ class RecordWriter:
         self._path = folder / RECORDS / f"{token[:8]}-{_machine_and_process_name()}.lines"
 
     def append(self, records: Sequence[Record]) -> None:
-        """Append records of samples to the file in one call; OSError if the disk does not take all of them."""
+        """Append records of samples to the file in one call; OSError if the disk does not take all of the records."""
         lines = b"".join(map(record_as_checked_line, records))
         handle = os.open(self._path, os.O_WRONLY | os.O_CREAT | os.O_APPEND | getattr(os, "O_BINARY", 0), 0o644)
         try:
@@ -466,7 +466,7 @@ def record_from_checked_line(line: bytes) -> Record | None:
     return found
 
 
-def stored_records(folder: Path) -> Iterator[Record]:
+def stored_sample_records(folder: Path) -> Iterator[Record]:
     """Yield all undamaged records of samples in the folder of a sweep, file by file."""
     for path in sorted((folder / RECORDS).glob("*.lines")):
         with path.open("rb") as file:
@@ -478,7 +478,7 @@ def stored_records(folder: Path) -> Iterator[Record]:
 
 def stored_records_by_sample(folder: Path) -> dict[int, Record]:
     """Return the stored records of a sweep's samples by the number of the sample, from 0."""
-    return {int(record["sample"]): record for record in stored_records(folder)}
+    return {int(record["sample"]): record for record in stored_sample_records(folder)}
 
 
 #: Status of a solved sample.
@@ -548,7 +548,7 @@ def solve_sample_or_refuse(
 
 
 def refusal_reason_without_numbers(error: InputError) -> str:
-    """Return why a sample's values are refused, as text in which "#" replaces each number.
+    """Return why a sample's key values are refused, as text in which "#" replaces each number.
 
     Reasons that differ only in numbers, such as a range that depends on the sample, thus become equal. ``error``: error
     that the refused values raised.

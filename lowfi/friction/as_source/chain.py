@@ -18,22 +18,17 @@ from typing import Literal
 import numpy as np
 from scipy.optimize import root
 
+from rollbench.lowfi.friction.contact import laws
 from rollbench.lowfi.friction.contact.equilibrium import HYBRID
-from rollbench.lowfi.friction.contact.laws import (
-    CoulombLaw,
-    EllipticalContacts,
-    FrictionLaw,
-    SigmoidLaw,
-    contacts_from_values,
-)
 from rollbench.lowfi.friction.linear.bearing import MOVING, LinearBearing, contact_directions, contact_semi_axes
 from rollbench.lowfi.friction.linear.chain import pair_angles_and_loads
 from rollbench.meshes.arrays import Array, Mask
 
+#: Outcome of a search by Lin's method, see `BallMotionsByLin.status`.
 Status = Literal["exact", "overlapping", "failed"]
 
-#: Values accepted as zero: largest force out of balance over a ball's friction bound, and largest closing speed of
-#: neighbours over the nominal speed.
+#: Values accepted as zero: largest unbalanced force on a ball, divided by a ball's friction bound, and largest closing
+#: speed of neighbours, divided by the nominal speed.
 ACCEPTED = 1e-8
 
 #: Sharpness k_S of Lin's sigmoid in searches for touching balls, for which his thesis prints no value.
@@ -47,19 +42,20 @@ class BallToBallContact:
     A ball has n unknowns of motion, the first of which is its motion along the track.
     """
 
-    #: Velocity of the first ball's surface at its contact with the second ball, along two tangents, per unit of the first
-    #: ball's unknowns ``(2, n)``.
+    #: Velocity of the first ball's surface at its contact with the second ball, along two tangents, per unit of each of the
+    #: first ball's unknowns ``(2, n)``.
     first_ball_surface_speeds: Array
-    #: Velocity of the second ball's surface at this contact, along the same tangents, per unit of the second ball's
-    #: unknowns ``(2, n)``.
+    #: Velocity of the second ball's surface at its contact with the first ball, along the same tangents, per unit of each
+    #: of the second ball's unknowns ``(2, n)``.
     second_ball_surface_speeds: Array
-    #: Velocity at which two balls approach each other, per difference of their first unknowns.
+    #: Speed at which two balls approach each other, per unit of difference of their motions along the track (first
+    #: unknowns).
     closing_speed_factor: float
-    #: Coefficient of friction from ball to ball.
+    #: Coefficient of friction between two balls.
     mu: float
     #: Surface speed of a ball per unit of each unknown ``(n,)``, by which the unknowns are scaled.
     surface_speed_per_unit: Array
-    #: Unknowns of a ball in nominal rolling ``(n,)``, from which searches begin.
+    #: Unknowns of a ball that rolls at the nominal contact angle ``(n,)``, from which searches begin.
     nominal_rolling_motion: Array
 
     @property
@@ -75,13 +71,13 @@ class LoadedBalls:
     A ball has four contacts and n unknowns of motion.
     """
 
-    #: Contacts of all balls, the four of each ball in succession ``(4 N,)``.
-    contacts: EllipticalContacts
+    #: Contacts of all balls with the grooves, the four of each ball in succession ``(4 N,)``.
+    contacts: laws.EllipticalContacts
     #: Sliding along x and z [m/s] and spin [rad/s] of each contact per unit of its ball's unknowns ``(N, 4, 3, n)``.
     contact_motion_maps: Array
-    #: Sliding [m/s] and spin [rad/s] of each contact while the balls rest ``(N, 4, 3)``.
+    #: Sliding [m/s] and spin [rad/s] of each contact while the balls rest and the grooves move ``(N, 4, 3)``.
     imposed_contact_motions: Array
-    #: Kinematics and friction of neighbouring balls that touch.
+    #: Kinematics and friction of two neighbouring balls that touch.
     ball_to_ball_contact: BallToBallContact
 
     @property
@@ -95,9 +91,9 @@ class LoadedBalls:
         return max(float(self.contacts.friction_bound.reshape(-1, 4).sum(axis=1).max()), 1e-300)
 
     def subset(self, chosen: slice) -> LoadedBalls:
-        """Return the balls with indices in the range ``chosen``, with their contacts."""
+        """Return those of the balls whose indices lie in the range ``chosen``, with their contacts."""
         rows = slice(4 * chosen.start, 4 * chosen.stop)
-        at = EllipticalContacts(
+        at = laws.EllipticalContacts(
             self.contacts.a[rows], self.contacts.b[rows], self.contacts.load[rows], self.contacts.mu[rows]
         )
         return LoadedBalls(
@@ -109,7 +105,7 @@ class LoadedBalls:
 class BallForcesAndLosses:
     """Unbalanced forces, friction and losses of N balls in given motions, with n unknowns for each ball."""
 
-    #: Generalised forces out of balance, power per unit of each unknown ``(N, n)``.
+    #: Unbalanced generalised forces on each ball: power per unit of each unknown ``(N, n)``.
     unbalanced_forces: Array
     #: Friction on the balls along the axes x and z of each contact ``(N, 4, 2)`` [N].
     force: Array
@@ -128,7 +124,7 @@ class BallForcesAndLosses:
 class BallMotionsByLin:
     """Motion of N balls by the method of Lin's thesis, with n unknowns for each ball."""
 
-    #: Motions of the balls ``(N, n)``.
+    #: Motions of the balls, with the forces between touching balls ``(N, n)``.
     ball_motions: Array
     #: Motions that the balls would have without forces on each other ``(N, n)``.
     motions_without_ball_forces: Array
@@ -138,9 +134,10 @@ class BallMotionsByLin:
     groove_loss: Array
     #: Power lost between each ball and the next one ``(N-1,)`` [W].
     ball_loss: Array
-    #: Largest residual of the scaled equations: force out of balance over the largest friction bound of a ball.
+    #: Largest residual of the scaled equations: unbalanced force on a ball divided by the largest friction bound of a ball,
+    #: or difference of the speeds of touching balls divided by the nominal speed.
     largest_residual: float
-    #: Number of evaluations of the force balance.
+    #: Number of evaluations of the force balance in all searches.
     calls: int
     #: ``"exact"``: a root was found; ``"failed"``: no root was found; ``"overlapping"``: a root was found, but balls that
     #: do not count as touching approach each other, or touching balls pull each other. This may occur because the method
@@ -149,11 +146,11 @@ class BallMotionsByLin:
 
     @property
     def loss(self) -> float:
-        """Power lost in all contacts, with grooves and between balls [W]."""
+        """Power lost by friction in all contacts, with the grooves and between balls [W]."""
         return float(self.groove_loss.sum() + self.ball_loss.sum())
 
 
-def ball_forces_and_losses(balls: LoadedBalls, law: FrictionLaw, q: Array, ball_force: Array) -> BallForcesAndLosses:
+def ball_forces_and_losses(balls: LoadedBalls, law: laws.FrictionLaw, q: Array, ball_force: Array) -> BallForcesAndLosses:
     """Return the unbalanced forces, friction and losses of N balls in given motions.
 
     ``balls``: the balls with their contacts; ``law``: friction law of the contacts with the grooves; ``q``: motions, n
@@ -182,7 +179,7 @@ def ball_forces_and_losses(balls: LoadedBalls, law: FrictionLaw, q: Array, ball_
     return BallForcesAndLosses(left, wrench[..., :2], wrench[..., 2], f.loss.reshape(n, 4), bite * size, rub)
 
 
-def touching_groups(touching: Mask) -> list[slice]:
+def index_ranges_of_touching_groups(touching: Mask) -> list[slice]:
     """Return the index range of each group of touching balls; a ball that touches no other one is a group by itself.
 
     ``touching``: whether each ball touches the next one ``(N-1,)``.
@@ -192,7 +189,7 @@ def touching_groups(touching: Mask) -> list[slice]:
 
 
 def solve_touching_group(
-    balls: LoadedBalls, law: FrictionLaw, q: Array, ball_force: Array
+    balls: LoadedBalls, law: laws.FrictionLaw, q: Array, ball_force: Array
 ) -> tuple[Array, Array, float, int]:
     """Return the motions of a group of N touching balls and the forces between them, from one system of equations.
 
@@ -210,13 +207,13 @@ def solve_touching_group(
     n, pair, bound = balls.count, balls.ball_to_ball_contact, balls.largest_friction_bound
     turn = pair.surface_speed_per_unit / pair.speed
 
-    def split(x: Array) -> tuple[Array, Array]:
-        """Return motions ``(N, n)``, then ball-to-ball forces ``(N-1,)`` [N], from the scaled unknowns x."""
+    def motions_and_forces(x: Array) -> tuple[Array, Array]:
+        """Return motions ``(N, n)``, then ball-to-ball forces ``(N-1,)`` [N], converted from the scaled unknowns x."""
         return x[: q.size].reshape(q.shape) / turn, x[q.size :] * bound
 
     def residual(x: Array) -> Array:
         """Return the scaled unbalanced forces on the balls, then the differences of the speeds of neighbours."""
-        motions, forces = split(x)
+        motions, forces = motions_and_forces(x)
         left = ball_forces_and_losses(balls, law, motions, forces).unbalanced_forces / (pair.surface_speed_per_unit * bound)
         return np.append(left.ravel(), np.diff(x[: q.size].reshape(q.shape)[:, 0]))
 
@@ -224,11 +221,11 @@ def solve_touching_group(
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         solution = root(residual, start, method="hybr", options=HYBRID)
         worst = float(np.max(np.abs(solution.fun)))
-    return *split(solution.x), worst if np.isfinite(worst) else np.inf, int(solution.nfev)
+    return *motions_and_forces(solution.x), worst if np.isfinite(worst) else np.inf, int(solution.nfev)
 
 
 def solve_touching_groups(
-    balls: LoadedBalls, law: FrictionLaw, touching: Mask, start: tuple[Array, Array]
+    balls: LoadedBalls, law: laws.FrictionLaw, touching: Mask, start: tuple[Array, Array]
 ) -> tuple[Array, Array, float, int]:
     """Return the motions of N balls and the forces between them, for known pairs of touching balls.
 
@@ -244,7 +241,7 @@ def solve_touching_groups(
     """
     q, force = start[0].copy(), np.zeros(balls.count - 1)
     worst, calls = 0.0, 0
-    for group in touching_groups(touching):
+    for group in index_ranges_of_touching_groups(touching):
         inner = slice(group.start, group.stop - 1)
         q[group], force[inner], left, further = solve_touching_group(
             balls.subset(group), law, start[0][group], start[1][inner]
@@ -265,7 +262,7 @@ def neighbours_not_separating(pair: BallToBallContact, q: Array, tolerance: floa
 
 def solve_motions_of_balls_by_root(
     balls: LoadedBalls,
-    law: FrictionLaw,
+    law: laws.FrictionLaw,
     may_touch: Mask,
     start: Array | None = None,
     touching: tuple[Array, Array] | None = None,
@@ -328,7 +325,7 @@ def balls_of_linear_bearing(bearing: LinearBearing, angles: Array, loads: Array)
     angles, loads = np.atleast_2d(np.asarray(angles, dtype=float)), np.atleast_2d(np.asarray(loads, dtype=float))
     r, n = bearing.ball_radius, contact_directions(angles)
     a, b = contact_semi_axes(bearing, np.maximum(loads, max(1e-9 * float(loads.max()), 1e-30)))
-    at = contacts_from_values(a.ravel(), b.ravel(), loads.ravel(), bearing.mu)
+    at = laws.contacts_from_values(a.ravel(), b.ravel(), loads.ravel(), bearing.mu)
     maps = np.zeros((*loads.shape, 3, 3))
     maps[..., 1, 0] = 1.0
     maps[..., 1, 1], maps[..., 1, 2] = r * n[..., 1], -r * n[..., 0]
@@ -338,7 +335,7 @@ def balls_of_linear_bearing(bearing: LinearBearing, angles: Array, loads: Array)
     return LoadedBalls(at, maps, drives, ball_to_ball_contact_of_linear_bearing(bearing))
 
 
-def linear_bearing_friction_law(bearing: LinearBearing, sharpness: float | None = SHARPNESS) -> FrictionLaw:
+def linear_bearing_friction_law(bearing: LinearBearing, sharpness: float | None = SHARPNESS) -> laws.FrictionLaw:
     """Return the sigmoid friction law of equation 3.20 of Lin's thesis for a linear bearing, or Coulomb's law.
 
     ``bearing``: bearing with carriage speed v, contact angle beta and ball radius R_B; ``sharpness``: factor k_S of the
@@ -347,12 +344,12 @@ def linear_bearing_friction_law(bearing: LinearBearing, sharpness: float | None 
     both rings, is zero between grooves that do not turn.
     """
     if sharpness is None:
-        return CoulombLaw()
-    return SigmoidLaw(sharpness, 0.5 * abs(bearing.speed) * float(np.tan(bearing.contact_angle)) / bearing.ball_radius)
+        return laws.CoulombLaw()
+    return laws.SigmoidLaw(sharpness, 0.5 * abs(bearing.speed) * float(np.tan(bearing.contact_angle)) / bearing.ball_radius)
 
 
 def solve_linear_bearing_by_root(
-    bearing: LinearBearing, angles: Array, loads: Array, may_touch: Mask | bool = True, law: FrictionLaw | None = None
+    bearing: LinearBearing, angles: Array, loads: Array, may_touch: Mask | bool = True, law: laws.FrictionLaw | None = None
 ) -> BallMotionsByLin:
     """Return the motion of balls in a linear bearing by Lin's method, equations 3.25 to 3.31 of his thesis.
 
@@ -362,11 +359,11 @@ def solve_linear_bearing_by_root(
     """
     balls = balls_of_linear_bearing(bearing, angles, loads)
     near = np.broadcast_to(np.asarray(may_touch, dtype=bool), (balls.count - 1,))
-    return solve_motions_of_balls_by_root(balls, CoulombLaw() if law is None else law, near)
+    return solve_motions_of_balls_by_root(balls, laws.CoulombLaw() if law is None else law, near)
 
 
 def solve_linear_pair_by_root(
-    bearing: LinearBearing, theta: float, side_force_ratio: float, vertical: float, law: FrictionLaw | None = None
+    bearing: LinearBearing, theta: float, side_force_ratio: float, vertical: float, law: laws.FrictionLaw | None = None
 ) -> BallMotionsByLin:
     """Return the motion by Lin's method of the two balls in section 3.3.4 of his thesis, which are near enough to touch.
 

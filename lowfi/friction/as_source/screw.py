@@ -29,34 +29,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import root
 
-from rollbench.lowfi.friction.as_source.chain import (
-    ACCEPTED,
-    SHARPNESS,
-    BallMotionsByLin,
-    BallToBallContact,
-    LoadedBalls,
-    Status,
-    ball_forces_and_losses,
-    balls_of_linear_bearing,
-    linear_bearing_friction_law,
-    neighbours_not_separating,
-    solve_motions_of_balls_by_root,
-    solve_touching_groups,
-    touching_groups,
-)
+from rollbench.lowfi.friction.as_source import chain as as_source_chain
 from rollbench.lowfi.friction.contact.equilibrium import HYBRID, ContactLoadSolution
 from rollbench.lowfi.friction.contact.laws import FrictionLaw, SigmoidLaw
 from rollbench.lowfi.friction.linear.bearing import LinearBearing
 from rollbench.lowfi.friction.linear.chain import prepare_linear_chain, solve_linear_chain
+from rollbench.lowfi.friction.screw import motion as screw_motion
 from rollbench.lowfi.friction.screw.chain import ChainMotion, ScrewBallChain, solve_motion_of_chain
 from rollbench.lowfi.friction.screw.groove import ON_SCREW, SIGN_X, SIGN_Z, ScrewGroove
-from rollbench.lowfi.friction.screw.motion import (
-    BallsBetweenGrooves,
-    contact_ellipses_of_screw,
-    friction_wrench_at_contacts,
-    lin_sigmoid_law,
-    with_fixed_screw,
-)
 from rollbench.lowfi.friction.screw.run import Pair, Run, ScrewPairSolution, balls_at_instant
 from rollbench.meshes.arrays import Array, Mask
 
@@ -73,7 +53,9 @@ class BallPositions:
     screw_displacements: Array
 
 
-def contact_loads_at_positions(cell: BallsBetweenGrooves, positions: BallPositions) -> tuple[Array, Array, Array]:
+def contact_loads_at_positions(
+    cell: screw_motion.BallsBetweenGrooves, positions: BallPositions
+) -> tuple[Array, Array, Array]:
     """Return the contact loads of N balls in given positions, and by how much the contact angles miss their conditions.
 
     Loads and misses follow from the contact conditions in chapter 2 of Lin's thesis: at the contact angle gamma, the
@@ -100,7 +82,7 @@ def contact_loads_at_positions(cell: BallsBetweenGrooves, positions: BallPositio
     )
 
 
-def load_and_approach_scales(cell: BallsBetweenGrooves) -> tuple[float, float]:
+def load_per_ball_and_its_approach(cell: screw_motion.BallsBetweenGrooves) -> tuple[float, float]:
     """Return the load on the screw per ball [N], then the approach of a ball and a groove under this load [m].
 
     Forces and displacements in the equations of `solve_contact_loads_by_root` are divided by these values.
@@ -109,15 +91,15 @@ def load_and_approach_scales(cell: BallsBetweenGrooves) -> tuple[float, float]:
     return share, float(np.max(cell.groove.contact_hertz_constants.C)) * share ** (2.0 / 3.0)
 
 
-def starting_positions(cell: BallsBetweenGrooves) -> BallPositions:
+def starting_positions(cell: screw_motion.BallsBetweenGrooves) -> BallPositions:
     """Return the positions of balls and screw from which Lin's search for the contact loads starts.
 
     The screw is displaced along its load by four times the approach of a ball under an equal part of the load on the
     screw, plus the clearance; the balls are displaced half as far. The nominal state, from which Lin's text starts, has
-    no stiffness without preload. The function `solve_screw_contact_loads` starts from the same positions for a screw
-    without given displacement.
+    no stiffness without preload. The function `solve_screw_contact_loads` starts from the same positions if ``cell``
+    gives no displacement of the screw in addition to its free motions. ``cell``: the balls and their grooves.
     """
-    total, (_, size) = float(np.linalg.norm(cell.external_screw_force)), load_and_approach_scales(cell)
+    total, (_, size) = float(np.linalg.norm(cell.external_screw_force)), load_per_ball_and_its_approach(cell)
     size += max(0.0, -float(np.min(cell.interference)))
     screw = np.zeros(cell.external_screw_force.size) if total == 0.0 else 4.0 * size * cell.external_screw_force / total
     return BallPositions(
@@ -125,24 +107,27 @@ def starting_positions(cell: BallsBetweenGrooves) -> BallPositions:
     )
 
 
-def solve_contact_loads_by_root(cell: BallsBetweenGrooves, start: BallPositions | None = None) -> ContactLoadSolution:
+def solve_contact_loads_by_root(
+    cell: screw_motion.BallsBetweenGrooves, start: BallPositions | None = None
+) -> ContactLoadSolution:
     """Return the contact loads of N balls without friction, as the root of 6 N + m equations for a screw with m motions.
 
-    ``start``: positions from which the search starts; None: `starting_positions`. In the result,
-    ``largest_unbalanced_force`` is the largest force out of balance [N], ``steps`` the number of evaluations of the
-    equations, and ``converged`` is False if no root was found.
+    The unknowns are two coordinates and four contact angles of each ball, and the screw's displacements. ``start``:
+    positions from which the search starts; None: `starting_positions`. In the result, ``largest_unbalanced_force`` is
+    the largest force out of balance [N], ``steps`` the number of evaluations of the equations, and ``converged`` is
+    False if no root was found.
     """
     n = cell.angle.shape[0]
-    scale, size = load_and_approach_scales(cell)
+    scale, size = load_per_ball_and_its_approach(cell)
     at = starting_positions(cell) if start is None else start
 
-    def split(x: Array) -> BallPositions:
+    def positions_from_unknowns(x: Array) -> BallPositions:
         """Return positions of balls and screw from the scaled unknowns x."""
         return BallPositions(x[: 2 * n].reshape(n, 2) * size, x[2 * n : 6 * n].reshape(n, 4), x[6 * n :] * size)
 
     def residual(x: Array) -> Array:
         """Return the residuals of the equations: scaled forces on the balls, contact conditions, forces on the screw."""
-        force, bent, normal = contact_loads_at_positions(cell, split(x))
+        force, bent, normal = contact_loads_at_positions(cell, positions_from_unknowns(x))
         pull = force[..., None] * normal
         on_screw = (
             np.einsum("nim,ni->m", cell.section_displacement_maps, pull[:, ON_SCREW].sum(axis=1))
@@ -155,23 +140,23 @@ def solve_contact_loads_by_root(cell: BallsBetweenGrooves, start: BallPositions 
 
     x = np.concatenate([(at.ball_displacements / size).ravel(), at.contact_angles.ravel(), at.screw_displacements / size])
     solution = root(residual, x, method="hybr", options=HYBRID)
-    places = split(solution.x)
+    places = positions_from_unknowns(solution.x)
     force, _, _ = contact_loads_at_positions(cell, places)
     left = float(np.max(np.abs(solution.fun))) * scale
-    good = left <= ACCEPTED * (scale * n + float(force.sum()))
+    good = left <= as_source_chain.ACCEPTED * (scale * n + float(force.sum()))
     return ContactLoadSolution(
         force, places.contact_angles, places.ball_displacements, places.screw_displacements, left, int(solution.nfev), good
     )
 
 
-def ball_to_ball_contact_of_screw(groove: ScrewGroove) -> BallToBallContact:
+def ball_to_ball_contact_of_screw(groove: ScrewGroove) -> as_source_chain.BallToBallContact:
     """Return kinematics and friction of touching balls of a screw, on the exact helix.
 
     The unknowns of a ball are its angular speeds omega_B around the axis and omega_x, omega_y, omega_z [rad/s]. The exact
     helix corrects equations 3.73 to 3.75 of Lin's thesis.
     """
     p, r = groove.pair, groove.ball_radius
-    return BallToBallContact(
+    return as_source_chain.BallToBallContact(
         p.first_ball_surface_speeds,
         p.second_ball_surface_speeds,
         p.closing_speed_factor,
@@ -193,14 +178,16 @@ def least_sliding_motion(groove: ScrewGroove) -> Array:
     return np.asarray(x / units)
 
 
-def balls_of_screw(groove: ScrewGroove, force: Array, angle: Array) -> LoadedBalls:
-    """Return N balls of a screw with their contacts.
+def balls_of_screw(groove: ScrewGroove, force: Array, angle: Array) -> as_source_chain.LoadedBalls:
+    """Return N balls of a screw at given contact loads, with the kinematics of their contacts.
 
     ``force``: contact loads ``(N, 4)`` [N]; ``angle``: contact angles ``(N, 4)`` [rad], both in the order SL, SR, NL, NR
     (screw or nut, left or right).
     """
     maps, drives = groove.contact_kinematics(groove.normals(angle))
-    return LoadedBalls(contact_ellipses_of_screw(groove, force), maps, drives, ball_to_ball_contact_of_screw(groove))
+    return as_source_chain.LoadedBalls(
+        screw_motion.contact_ellipses_of_screw(groove, force), maps, drives, ball_to_ball_contact_of_screw(groove)
+    )
 
 
 @dataclass(frozen=True)
@@ -209,15 +196,16 @@ class BallStateByLin:
 
     #: Positions of balls and screw, with the contact angles.
     positions: BallPositions
-    #: Contact forces ``(N, 4)`` [N].
+    #: Forces at the contacts of the balls with the grooves ``(N, 4)`` [N].
     contact_forces: Array
-    #: Motions of the balls, orbit and three rotations ``(N, 4)`` [rad/s].
+    #: Motions of the balls: orbit and three rotations ``(N, 4)`` [rad/s].
     ball_motions: Array
     #: Force of each ball on the next one ``(N-1,)`` [N].
     ball_force: Array
-    #: Largest residual of the scaled equations.
+    #: Largest residual of the scaled equations of the search: unbalanced forces, contact conditions, and speed differences
+    #: of touching balls; 0 for a state that was not searched.
     largest_residual: float
-    #: Number of evaluations of the equations.
+    #: Number of evaluations of the equations in the search.
     calls: int
 
 
@@ -231,12 +219,12 @@ class ScrewSolutionByLin:
     force: Array
     #: Contact angles with friction ``(N, 4)`` [rad].
     angle: Array
-    #: Motion of the balls and forces between them.
-    motion: BallMotionsByLin
+    #: Motion of the balls with friction, and forces between balls.
+    motion: as_source_chain.BallMotionsByLin
 
 
 def solve_loads_and_motion_of_group(
-    cell: BallsBetweenGrooves, law: FrictionLaw, start: BallStateByLin, reference_load: float
+    cell: screw_motion.BallsBetweenGrooves, law: FrictionLaw, start: BallStateByLin, reference_load: float
 ) -> BallStateByLin:
     """Return contact loads and motions of N touching balls from one system of equations, with the screw fixed.
 
@@ -248,7 +236,7 @@ def solve_loads_and_motion_of_group(
     n, turn = cell.angle.shape[0], pair.surface_speed_per_unit / pair.speed
     size, bound = float(np.max(g.contact_hertz_constants.C)) * reference_load ** (2.0 / 3.0), g.mu * reference_load or 1.0
 
-    def split(x: Array) -> tuple[BallPositions, Array, Array]:
+    def positions_motions_and_forces(x: Array) -> tuple[BallPositions, Array, Array]:
         """Return positions, then motions, then forces between the balls, from the scaled unknowns x."""
         by_ball = x[: 10 * n].reshape(n, 10)
         return (
@@ -261,10 +249,12 @@ def solve_loads_and_motion_of_group(
         """Return the residuals of the scaled equations of all balls, then the differences of the speeds of neighbours."""
         if not np.all(np.isfinite(x)):
             return np.full_like(x, 1e3)
-        places, q, between = split(x)
+        places, q, between = positions_motions_and_forces(x)
         force, bent, normal = contact_loads_at_positions(cell, places)
-        rolling = ball_forces_and_losses(balls_of_screw(g, force, places.contact_angles), law, q, between)
-        friction = friction_wrench_at_contacts(g.normals(places.contact_angles), rolling.force, rolling.moment)[..., [0, 2]]
+        rolling = as_source_chain.ball_forces_and_losses(balls_of_screw(g, force, places.contact_angles), law, q, between)
+        friction = screw_motion.friction_wrench_at_contacts(
+            g.normals(places.contact_angles), rolling.force, rolling.moment
+        )[..., [0, 2]]
         pull = cell.ball_friction_forces + (friction - force[..., None] * normal).sum(axis=1)
         bite = (pair.mu * between)[:, None] * rolling.sliding_directions
         pull[:-1] += (between[:, None] * g.pair.force_directions[0] - bite @ g.pair.tangent_directions[0])[:, [0, 2]]
@@ -279,13 +269,13 @@ def solve_loads_and_motion_of_group(
     )
     x = np.append(unknowns.ravel(), start.ball_force / bound)
     solution = root(residual, x, method="hybr", options=HYBRID)
-    at, q, between = split(solution.x)
+    at, q, between = positions_motions_and_forces(solution.x)
     force, _, _ = contact_loads_at_positions(cell, at)
     return BallStateByLin(at, force, q, between, float(np.max(np.abs(solution.fun))), int(solution.nfev))
 
 
 def solve_loads_and_motion_of_groups(
-    cell: BallsBetweenGrooves, law: FrictionLaw, touching: Mask, start: BallStateByLin, reference_load: float
+    cell: screw_motion.BallsBetweenGrooves, law: FrictionLaw, touching: Mask, start: BallStateByLin, reference_load: float
 ) -> BallStateByLin:
     """Return contact loads and motions of all N balls for known pairs of touching balls, with the screw fixed.
 
@@ -300,7 +290,7 @@ def solve_loads_and_motion_of_groups(
         start.ball_motions.copy(),
     )
     force, between, left, calls = np.zeros((n, 4)), np.zeros(n - 1), 0.0, 0
-    for group in touching_groups(touching):
+    for group in as_source_chain.index_ranges_of_touching_groups(touching):
         inner = slice(group.start, group.stop - 1)
         group_cell = replace(
             cell,
@@ -327,7 +317,7 @@ def solve_loads_and_motion_of_groups(
     return BallStateByLin(BallPositions(ball, gamma, start.positions.screw_displacements), force, q, between, left, calls)
 
 
-def lin_state_of_result(result: ScrewPairSolution, touching: bool) -> BallStateByLin:
+def lin_start_from_rollbench_solution(result: ScrewPairSolution, touching: bool) -> BallStateByLin:
     """Return rollbench's solution for two balls of a screw as a state from which searches by Lin's method start.
 
     ``result``: solution by rollbench; ``touching``: True for its state with ball-to-ball contact, False for that
@@ -339,7 +329,7 @@ def lin_state_of_result(result: ScrewPairSolution, touching: bool) -> BallStateB
 
 
 def solve_motion_of_separate_balls(
-    cell: BallsBetweenGrooves, load: ContactLoadSolution, law: FrictionLaw
+    cell: screw_motion.BallsBetweenGrooves, load: ContactLoadSolution, law: FrictionLaw
 ) -> BallStateByLin:
     """Return the motions of balls that do not touch each other, at contact loads without friction.
 
@@ -349,14 +339,14 @@ def solve_motion_of_separate_balls(
     """
     n, pair = cell.angle.shape[0], ball_to_ball_contact_of_screw(cell.groove)
     none, first = np.zeros(n - 1), np.tile(pair.nominal_rolling_motion, (n, 1))
-    q, _, left, calls = solve_touching_groups(
+    q, _, left, calls = as_source_chain.solve_touching_groups(
         balls_of_screw(cell.groove, load.force, load.angle), law, none > 0.0, (first, none)
     )
     return BallStateByLin(BallPositions(load.ball_displacements, load.angle, np.zeros(0)), load.force, q, none, left, calls)
 
 
 def solve_loads_and_motion_by_root(
-    cell: BallsBetweenGrooves,
+    cell: screw_motion.BallsBetweenGrooves,
     load: ContactLoadSolution,
     may_touch: Mask,
     law: FrictionLaw,
@@ -382,26 +372,35 @@ def solve_loads_and_motion_by_root(
     touching
         State from which the search for touching balls starts; None: the result for balls without contact with each other.
     """
-    held, pair = with_fixed_screw(cell, load), ball_to_ball_contact_of_screw(cell.groove)
+    held, pair = screw_motion.balls_with_fixed_screw(cell, load), ball_to_ball_contact_of_screw(cell.groove)
     scale = max(float(load.force.sum(axis=1).max()), 1e-300)
     begin = solve_motion_of_separate_balls(cell, load, law) if start is None else start
     none = np.zeros(cell.angle.shape[0] - 1)
     free = solved = solve_loads_and_motion_of_groups(held, law, none > 0.0, replace(begin, ball_force=none), scale)
     calls = begin.calls + free.calls
-    touch = np.asarray(may_touch, dtype=bool) & neighbours_not_separating(pair, free.ball_motions)
-    if free.largest_residual <= ACCEPTED and np.any(touch):
+    touch = np.asarray(may_touch, dtype=bool) & as_source_chain.neighbours_not_separating(pair, free.ball_motions)
+    if free.largest_residual <= as_source_chain.ACCEPTED and np.any(touch):
         solved = solve_loads_and_motion_of_groups(held, law, touch, free if touching is None else touching, scale)
         calls += solved.calls
-    sums = ball_forces_and_losses(
+    sums = as_source_chain.ball_forces_and_losses(
         balls_of_screw(cell.groove, solved.contact_forces, solved.positions.contact_angles),
         law,
         solved.ball_motions,
         solved.ball_force,
     )
-    bad = np.any(solved.ball_force < -ACCEPTED * cell.groove.mu * scale)
-    wrong = bool(bad or np.any(may_touch & ~touch & neighbours_not_separating(pair, solved.ball_motions, ACCEPTED)))
-    status: Status = "failed" if not solved.largest_residual <= ACCEPTED else "overlapping" if wrong else "exact"
-    motion = BallMotionsByLin(
+    bad = np.any(solved.ball_force < -as_source_chain.ACCEPTED * cell.groove.mu * scale)
+    wrong = bool(
+        bad
+        or np.any(
+            may_touch
+            & ~touch
+            & as_source_chain.neighbours_not_separating(pair, solved.ball_motions, as_source_chain.ACCEPTED)
+        )
+    )
+    status: as_source_chain.Status = (
+        "failed" if not solved.largest_residual <= as_source_chain.ACCEPTED else "overlapping" if wrong else "exact"
+    )
+    motion = as_source_chain.BallMotionsByLin(
         solved.ball_motions,
         free.ball_motions,
         solved.ball_force,
@@ -436,7 +435,10 @@ def solve_screw_pair_by_root(
             'coupling must be "none" or "ball" in Lin\'s method for two balls, got "ball and screw": the method holds the '
             "screw in the position that it has without friction"
         )
-    cell, law = pair.cell(), lin_sigmoid_law(pair.groove, SHARPNESS) if law is None else law
+    cell, law = (
+        pair.balls_with_loads(),
+        screw_motion.lin_sigmoid_law(pair.groove, as_source_chain.SHARPNESS) if law is None else law,
+    )
     load, reach = solve_contact_loads_by_root(cell), np.array([True])
     if not load.converged:
         raise RuntimeError(
@@ -445,7 +447,7 @@ def solve_screw_pair_by_root(
         )
     if pair.coupling == "ball":
         return solve_loads_and_motion_by_root(cell, load, reach, law, start, touching)
-    motion = solve_motions_of_balls_by_root(
+    motion = as_source_chain.solve_motions_of_balls_by_root(
         balls_of_screw(pair.groove, load.force, load.angle),
         law,
         reach,
@@ -464,7 +466,7 @@ class ScrewHistoryByLin:
 
     #: Angle of the nut at the beginning of each step ``(T,)`` [rad].
     nut_angle: Array
-    #: Gap between each ball and the next one at the end of each step ``(T, N)`` [rad]; negative if they overlap.
+    #: Gap between each ball and the next one at the end of each step ``(T, N)`` [rad]; negative if the two overlap.
     gap: Array
     #: Force of each ball on the next one ``(T, N)`` [N].
     ball_force: Array
@@ -474,8 +476,8 @@ class ScrewHistoryByLin:
     groove_torque: Array
     #: Friction torque of the contacts between balls ``(T,)`` [N m].
     ball_torque: Array
-    #: Status of each step's motion (`BallMotionsByLin.status`); ``"failed"`` also if no contact loads were found. After a
-    #: failure the speeds of the previous step continue.
+    #: Status of the solution for the motion in each step (`BallMotionsByLin.status`); ``"failed"`` also if no contact loads
+    #: were found. After a failure the speeds of the previous step continue.
     status: tuple[str, ...]
 
     @property
@@ -485,12 +487,12 @@ class ScrewHistoryByLin:
 
     @property
     def overlapping_step_count(self) -> int:
-        """Number of steps whose root is impossible: balls that count as apart approach, or touching balls attract."""
+        """Number of steps with an impossible root: separate balls approach, or touching balls pull each other."""
         return self.status.count("overlapping")
 
     @property
     def largest_overlap(self) -> float:
-        """Largest overlap of neighbouring balls in all steps [rad]."""
+        """Largest angle by which two neighbouring balls overlap, over all steps [rad]; 0 without overlap."""
         return max(0.0, -float(self.gap.min()))
 
 
@@ -532,14 +534,14 @@ def simulate_by_root(run: Run, steps: int | None = None) -> ScrewHistoryByLin:
             'of friction (coupling = "none")'
         )
     g, n, dt = run.groove, run.count, run.duration / run.steps
-    law = lin_sigmoid_law(g, SHARPNESS)
+    law = screw_motion.lin_sigmoid_law(g, as_source_chain.SHARPNESS)
     azimuth = run.ring * (np.arange(n) + run.first) / n - np.pi * run.turns
     gap = np.full(n, run.ring / n - g.pair.spacing)
     before: _PreviousStep | None = None
     omega, rows, status = np.zeros(n), list[tuple[Array, Array, Array, float, float]](), list[str]()
     for k in range(steps or run.steps):
         turned = g.speed * dt * k
-        azimuths, loaded = run.place(azimuth, turned)
+        azimuths, loaded = run.fold_into_track(azimuth, turned)
         load = solve_contact_loads_by_root(
             balls_at_instant(run, azimuths, loaded, turned), None if before is None else before.positions
         )
@@ -566,7 +568,7 @@ def simulate_by_root(run: Run, steps: int | None = None) -> ScrewHistoryByLin:
 
 def _solve_motion_of_step(
     run: Run, force: Array, angle: Array, may_touch: NDArray[np.bool_], law: FrictionLaw, previous: _PreviousStep | None
-) -> tuple[BallMotionsByLin, NDArray[np.intp]]:
+) -> tuple[as_source_chain.BallMotionsByLin, NDArray[np.intp]]:
     """Return the motion of the balls in one time step, and the indices of the balls in the order of this motion ``(N,)``.
 
     The order begins after a ball that cannot touch the next one: there the ring of balls is cut open. ``force`` [N],
@@ -582,12 +584,14 @@ def _solve_motion_of_step(
     balls = balls_of_screw(run.groove, force[order], angle[order])
     near = may_touch[order[:-1]]
     if previous is None:
-        return solve_motions_of_balls_by_root(balls, law, near), order
+        return as_source_chain.solve_motions_of_balls_by_root(balls, law, near), order
     free = previous.motions_without_ball_forces[order]
-    motion = solve_motions_of_balls_by_root(
+    motion = as_source_chain.solve_motions_of_balls_by_root(
         balls, law, near, free, (previous.ball_motions[order], previous.force[order[:-1]])
     )
-    return (motion if motion.status != "failed" else solve_motions_of_balls_by_root(balls, law, near, free)), order
+    return (
+        motion if motion.status != "failed" else as_source_chain.solve_motions_of_balls_by_root(balls, law, near, free)
+    ), order
 
 
 def randomly_perturbed_motions(q: Array, units: Array, rng: np.random.Generator, largest_deviation: float) -> Array:
@@ -604,11 +608,11 @@ def randomly_perturbed_motions(q: Array, units: Array, rng: np.random.Generator,
 
 def linear_solutions_from_starts(
     bearing: LinearBearing, angles: Array, loads: Array, rng: np.random.Generator, count: int, largest_deviation: float
-) -> Iterator[BallMotionsByLin]:
+) -> Iterator[as_source_chain.BallMotionsByLin]:
     """Yield motions of N balls of a linear bearing by Lin's method, from nominal rolling and then from random starts.
 
-    All neighbours are near enough to touch. The random starts are motions that deviate from the solution by rollbench, with
-    its ball-to-ball forces multiplied by random factors from 0 to 2.
+    All neighbours are near enough to touch. The random starts are motions that deviate from the solution by rollbench,
+    and the ball-to-ball forces of this solution multiplied by random factors from 0 to 2.
 
     Parameters
     ----------
@@ -623,25 +627,30 @@ def linear_solutions_from_starts(
     count
         Number of random starts.
     largest_deviation
-        Largest deviation of a start from the solution by rollbench, as a fraction of the value.
+        Largest relative deviation of each motion of a start from the motion in the solution by rollbench
+        (`randomly_perturbed_motions`).
     """
     apart, together = (
         solve_linear_chain(prepare_linear_chain(bearing, angles, loads, touching)) for touching in (False, True)
     )
-    balls = balls_of_linear_bearing(bearing, angles, loads)
-    law = linear_bearing_friction_law(bearing, SHARPNESS) if bearing.speed else SigmoidLaw(SHARPNESS, 1.0)
+    balls = as_source_chain.balls_of_linear_bearing(bearing, angles, loads)
+    law = (
+        as_source_chain.linear_bearing_friction_law(bearing, as_source_chain.SHARPNESS)
+        if bearing.speed
+        else SigmoidLaw(as_source_chain.SHARPNESS, 1.0)
+    )
     reach, units = np.ones(balls.count - 1, dtype=bool), balls.ball_to_ball_contact.surface_speed_per_unit
-    yield solve_motions_of_balls_by_root(balls, law, reach)
+    yield as_source_chain.solve_motions_of_balls_by_root(balls, law, reach)
     for _ in range(count):
         free, near = (
             randomly_perturbed_motions(np.column_stack([r.velocity, r.rotation]), units, rng, largest_deviation)
             for r in (apart, together)
         )
         force = together.ball_force * rng.uniform(0.0, 2.0, together.ball_force.size)
-        yield solve_motions_of_balls_by_root(balls, law, reach, free, (near, force))
+        yield as_source_chain.solve_motions_of_balls_by_root(balls, law, reach, free, (near, force))
 
 
-def sigmoid_of_moving_or_resting_screw(groove: ScrewGroove, sharpness: float = SHARPNESS) -> SigmoidLaw:
+def sigmoid_of_moving_or_resting_screw(groove: ScrewGroove, sharpness: float = as_source_chain.SHARPNESS) -> SigmoidLaw:
     """Return Lin's sigmoid friction law for a screw, also for a screw at rest.
 
     For a screw at rest the reference spin of the sigmoid would be zero; it is then set to 1 rad/s.
@@ -653,12 +662,12 @@ def sigmoid_of_moving_or_resting_screw(groove: ScrewGroove, sharpness: float = S
     sharpness
         Sharpness k_S of the sigmoid.
     """
-    return lin_sigmoid_law(groove, sharpness) if groove.speed else SigmoidLaw(sharpness, 1.0)
+    return screw_motion.lin_sigmoid_law(groove, sharpness) if groove.speed else SigmoidLaw(sharpness, 1.0)
 
 
 def pair_solutions_from_starts(
     pair: Pair, solved: ScrewPairSolution, rng: np.random.Generator, count: int, largest_deviation: float
-) -> Iterator[BallMotionsByLin | None]:
+) -> Iterator[as_source_chain.BallMotionsByLin | None]:
     """Yield motions of two balls of a screw by Lin's method, from nominal rolling and then from random starts.
 
     None is yielded where the method finds no contact loads. The random starts are states that deviate from the solution by
@@ -675,11 +684,12 @@ def pair_solutions_from_starts(
     count
         Number of random starts.
     largest_deviation
-        Largest deviation of a start from the solution by rollbench, as a fraction of the value.
+        Largest relative deviation of each motion of a start from the motion in the solution by rollbench
+        (`randomly_perturbed_motions`).
     """
     free, touching, units = (
-        lin_state_of_result(solved, False),
-        lin_state_of_result(solved, True),
+        lin_start_from_rollbench_solution(solved, False),
+        lin_start_from_rollbench_solution(solved, True),
         ball_to_ball_contact_of_screw(pair.groove).surface_speed_per_unit,
     )
     starts: list[tuple[BallStateByLin | None, BallStateByLin | None]] = [(None, None)]
@@ -702,7 +712,7 @@ def pair_solutions_from_starts(
 
 def chain_motions_from_random_starts(
     chain: ScrewBallChain, angle: Array, solved: ChainMotion, rng: np.random.Generator, count: int, largest_deviation: float
-) -> Iterator[BallMotionsByLin]:
+) -> Iterator[as_source_chain.BallMotionsByLin]:
     """Yield motions of an open chain of balls of a screw by Lin's method, from nominal rolling and then from random starts.
 
     The contact loads are known. Only neighbours without a gap count as near enough to touch: if a gap closes within a
@@ -721,15 +731,18 @@ def chain_motions_from_random_starts(
     count
         Number of random starts.
     largest_deviation
-        Largest deviation of a start from the solution by rollbench, as a fraction of the value.
+        Largest relative deviation of each motion of a start from the motion in the solution by rollbench
+        (`randomly_perturbed_motions`).
     """
     alone = solve_motion_of_chain(replace(chain, allowed_closing_rate=np.full(chain.allowed_closing_rate.shape, np.inf)))
     balls, law = balls_of_screw(chain.groove, chain.force, angle), sigmoid_of_moving_or_resting_screw(chain.groove)
     reach, force = chain.allowed_closing_rate[:-1] <= 0.0, solved.ball_force[:-1]
-    yield solve_motions_of_balls_by_root(balls, law, reach)
+    yield as_source_chain.solve_motions_of_balls_by_root(balls, law, reach)
     for _ in range(count):
         free, near = (
             randomly_perturbed_motions(q, balls.ball_to_ball_contact.surface_speed_per_unit, rng, largest_deviation)
             for q in (alone.q, solved.q)
         )
-        yield solve_motions_of_balls_by_root(balls, law, reach, free, (near, force * rng.uniform(0.0, 2.0, force.size)))
+        yield as_source_chain.solve_motions_of_balls_by_root(
+            balls, law, reach, free, (near, force * rng.uniform(0.0, 2.0, force.size))
+        )

@@ -26,10 +26,10 @@ from rollbench.lowfi.friction.contact.laws import ContactFriction, EllipticalCon
 from rollbench.lowfi.jit import CONTACT, load_kernel_package
 from rollbench.meshes.arrays import Array
 
-#: Unbalanced force, divided by the sum of all forces: value at which the iteration ends, and value up to which the result
-#: counts as converged.
+#: Largest unbalanced force, divided by the sum of all forces, at which the search for contact loads ends, and up to which
+#: its result counts as converged.
 GOAL, ACCEPTED = 1e-13, 1e-8
-#: Largest number of Newton steps.
+#: Largest number of Newton steps in the search for contact loads.
 STEPS = 600
 
 
@@ -45,11 +45,11 @@ class ContactLoadSolution:
     ball_displacements: Array
     #: Displacement of the inner body in each of the m motions in which it is free ``(m,)`` [m].
     inner_body_displacements: Array
-    #: Largest unbalanced force [N].
+    #: Largest unbalanced force on a ball or on the inner body [N].
     largest_unbalanced_force: float
     #: Number of Newton steps.
     steps: int
-    #: Whether the unbalanced force is below 1e-8 times the sum of forces.
+    #: Whether the largest unbalanced force is at most 1e-8 times the sum of all forces.
     converged: bool
 
 
@@ -158,23 +158,28 @@ HYBRID = {"xtol": 1e-13, "factor": 0.1}
 class BodyMotionProblem:
     """Contacts, kinematics and forces that determine n unknown velocities of a body with m frictional contacts."""
 
-    #: Ellipses, loads and friction coefficients of the contacts.
+    #: Ellipses, loads and friction coefficients of the body's contacts.
     contacts: EllipticalContacts
-    #: Motion vx, vz [m/s], spin [rad/s] of the contacts by unit of each unknown ``(m, 3, n)``.
+    #: Motion vx, vz [m/s], spin [rad/s] of the contacts per unit of each unknown velocity ``(m, 3, n)``.
     contact_motion_maps: Array
-    #: Motion vx, vz [m/s], spin [rad/s] of the contacts at zero unknowns, which the drive imposes ``(m, 3)``.
+    #: Motion vx, vz [m/s], spin [rad/s] that the drive imposes on the contacts while all unknown velocities are zero ``(m,
+    #: 3)``.
     imposed_contact_motions: Array
-    #: Generalised forces other than friction ``(n,)`` [W per unit of the unknown].
+    #: Generalised forces on the body other than friction ``(n,)`` [W per unit of the unknown velocity].
     other_forces: Array
 
     def contact_motions_at(self, q: Array) -> Array:
-        """Return the motions vx, vz [m/s], spin [rad/s] of the contacts ``(m, 3)`` for unknown velocities q ``(n,)``."""
+        """Return the sliding and spin of the body at its m contacts ``(m, 3)`` for unknown velocities q ``(n,)``.
+
+        The values for a contact are the sliding vx, vz along the semi-axes a, b [m/s] and the spin about the normal
+        [rad/s].
+        """
         return np.asarray(self.imposed_contact_motions + self.contact_motion_maps @ q)
 
     def surface_speed_per_unknown(self) -> Array:
         """Return the surface speed of the loaded contacts per unit of each unknown velocity ``(n,)``.
 
-        The speed is 1 for an unknown that moves no loaded contact. Solvers scale the unknowns by these values.
+        The value is 1 for an unknown velocity that moves no loaded contact. Solvers scale the unknowns by these values.
         """
         rows = (
             self.contact_motion_maps
@@ -183,7 +188,7 @@ class BodyMotionProblem:
         size = np.sqrt(np.sum(rows[self.contacts.friction_bound > 0.0] ** 2, axis=(0, 1)))
         return np.asarray(np.where(size > 0.0, size, 1.0))
 
-    def imbalance(self, friction: ContactFriction) -> float:
+    def largest_unbalanced_force(self, friction: ContactFriction) -> float:
         """Return the largest unbalanced force on the body [N] under given friction and the other forces.
 
         ``friction``: friction at the contacts. The generalised force on each unknown is divided by its surface speed
@@ -204,28 +209,29 @@ class BodyMotionProblem:
 class BodyMotion:
     """Computed motion of a body with m frictional contacts and n unknown velocities, with the friction on it."""
 
-    #: Unknown velocities of the body ``(n,)``.
+    #: Computed values of the unknown velocities of the body ``(n,)``.
     unknown_velocities: Array
-    #: Motion vx, vz [m/s], spin [rad/s] of the contacts ``(m, 3)``.
+    #: Motion vx, vz [m/s], spin [rad/s] of the body relative to its counterbody at each contact ``(m, 3)``.
     contact_motions: Array
-    #: Friction on the body, with the reactions of contacts at rest.
+    #: Friction on the body at each contact; for contacts at rest, the reactions.
     friction: ContactFriction
-    #: Which contacts are at rest ``(m,)``.
+    #: Whether each contact is at rest ``(m,)``.
     sticking_contacts: NDArray[np.bool_]
-    #: Largest unbalanced force [N].
+    #: Largest unbalanced force on the body [N].
     imbalance: float
-    #: Lower and upper bound of the least value of eq. (1) of this module, dissipation less power of the other forces [W].
+    #: Lower and upper bound of the least value of dissipated power less power of the other forces, eq. (1) of this module
+    #: [W].
     dissipation_bounds: tuple[float, float]
     #: ``"exact"``: equilibrium in which contacts rest or slip exactly; ``"regularised"``: equilibrium with regularised
     #: friction, because a contact is on the verge of slip; ``"at rest"``: no motion, for lack of drive and force;
     #: ``"failed"``: no equilibrium found.
     status: str
-    #: Number of iterations or function calls.
+    #: Number of Newton steps, or of evaluations of the equations, in the search.
     steps: int
 
     @property
     def loss(self) -> float:
-        """Total friction loss [W]."""
+        """Friction loss of the body, summed over its contacts [W]."""
         return float(np.sum(self.friction.loss))
 
 
@@ -273,7 +279,7 @@ def least_dissipation(problem: BodyMotionProblem, start: Array | None = None, fa
     )
 
 
-def remove_friction_forces(motion: BodyMotion) -> BodyMotion:
+def motion_without_friction_forces(motion: BodyMotion) -> BodyMotion:
     """Return the same motion of a body with friction forces and losses of zero.
 
     This is the limit for a coefficient of friction that tends to zero, because with given normal loads the motion does
@@ -324,7 +330,7 @@ def motion_by_root(problem: BodyMotionProblem, law: FrictionLaw, start: Array, f
     q = np.asarray(solution.x / units)
     motion = problem.contact_motions_at(q)
     friction = law.friction(problem.contacts, motion, fast)
-    left = problem.imbalance(friction)
+    left = problem.largest_unbalanced_force(friction)
     loss = float(np.sum(friction.loss))
     return BodyMotion(
         unknown_velocities=q,

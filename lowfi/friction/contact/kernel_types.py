@@ -15,27 +15,27 @@ class DissipationTerms(NamedTuple):
     [rad/s] and by the regularising speed of Coulomb friction [m/s].
     """
 
-    #: Dissipated power D over mu F [m/s].
+    #: Power dissipated in the contact, divided by its friction bound mu F: the ratio D [m/s].
     value: float
-    #: First derivative of D by vx, without unit.
+    #: First derivative of D, the dissipated power over mu F, by the sliding velocity vx, without unit.
     by_vx: float
-    #: First derivative of D by vz, without unit.
+    #: First derivative of D, the dissipated power over mu F, by the sliding velocity vz, without unit.
     by_vz: float
-    #: First derivative of D by the spin [m].
+    #: First derivative of D, the dissipated power over mu F, by the spin [m].
     by_spin: float
-    #: First derivative of D by the regularising speed, without unit.
+    #: First derivative of D, the dissipated power over mu F, by the regularising speed, without unit.
     by_speed: float
-    #: Second derivative by vx and vx [s/m].
+    #: Second derivative of D, the dissipated power over mu F, by vx and vx [s/m].
     xx: float
-    #: Second derivative by vx and vz [s/m].
+    #: Second derivative of D, the dissipated power over mu F, by vx and vz [s/m].
     xz: float
-    #: Second derivative by vz and vz [s/m].
+    #: Second derivative of D, the dissipated power over mu F, by vz and vz [s/m].
     zz: float
-    #: Second derivative by vx and spin [s].
+    #: Second derivative of D, the dissipated power over mu F, by vx and the spin [s].
     x_spin: float
-    #: Second derivative by vz and spin [s].
+    #: Second derivative of D, the dissipated power over mu F, by vz and the spin [s].
     z_spin: float
-    #: Second derivative by spin and spin [m s].
+    #: Second derivative of D, the dissipated power over mu F, by the spin, twice, [m s].
     spin_spin: float
 
 
@@ -54,9 +54,9 @@ class BallContactArrays(NamedTuple):
     C: Array
     #: Displacement of the inner body along x, z at each ball per unit of each motion u (N, 2, m).
     inner_displacement_maps: Array
-    #: Given displacement of the inner body along x, z at each ball, in addition to its motions u (N, 2) [m].
+    #: Given displacement of the inner body along x, z at each ball, which is added to that by its motions u (N, 2) [m].
     given_inner_displacement: Array
-    #: Applied forces on the balls along x, z (N, 2) [N].
+    #: Applied forces on the balls along x, z, other than contact loads (N, 2) [N].
     ball_forces: Array
     #: Applied forces on the inner body along its motions u (m,) [N].
     inner_body_forces: Array
@@ -70,12 +70,14 @@ class BallContactState(NamedTuple):
     An unbalanced force is the derivative of the elastic energy less the work of the applied forces by a displacement.
     """
 
-    #: Forces out of balance on the balls (N, 2) [N]: derivative, by their positions, of the elastic energy less the work of
-    #: the applied forces.
+    #: Unbalanced forces on the balls along x, z (N, 2) [N]: derivatives, by the positions of the balls, of the elastic
+    #: energy less the work of the applied forces.
     ball_unbalanced_forces: Array
-    #: Forces out of balance on the inner body (m,) [N]: derivative of the same function by its displacements.
+    #: Unbalanced forces on the inner body along its motions u (m,) [N]: derivatives, by these motions, of the elastic
+    #: energy less the work of the applied forces.
     inner_unbalanced_forces: Array
-    #: Stiffness of the contacts, entries xx, xz, zz of a symmetric matrix (N, 4, 3) [N/m].
+    #: Stiffness of the contacts against displacements of the ball, entries xx, xz, zz of a symmetric matrix (N, 4, 3)
+    #: [N/m].
     stiffness: Array
     #: Contact forces (N, 4) [N].
     force: Array

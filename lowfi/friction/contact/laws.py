@@ -22,18 +22,18 @@ from rollbench.meshes.arrays import Array
 class EllipticalContacts:
     """Semi-axes, normal forces and coefficients of friction of n elliptical contacts, arrays ``(n,)``."""
 
-    #: Semi-axes a >= b [m].
+    #: Larger semi-axes a of the contact ellipses, a >= b [m].
     a: Array
-    #: Semi-axes b > 0 [m].
+    #: Smaller semi-axes b of the contact ellipses, b > 0 [m].
     b: Array
     #: Normal forces F >= 0 [N].
     load: Array
-    #: Coefficients of friction.
+    #: Coefficients of friction of the contacts.
     mu: Array
 
     @property
     def friction_bound(self) -> Array:
-        """Friction bound mu F ``(n,)`` [N]."""
+        """Friction bound mu F (coefficient of friction times normal force) of each contact ``(n,)`` [N]."""
         return np.asarray(self.mu * self.load)
 
 
@@ -41,9 +41,9 @@ class EllipticalContacts:
 class ContactFriction:
     """Friction force, friction moment and friction loss at n contacts, acting on the moving body."""
 
-    #: Force along x and z ``(n, 2)`` [N].
+    #: Friction force on the moving body along x and z ``(n, 2)`` [N].
     force: Array
-    #: Moment about the contact normal through the ellipse's centre ``(n,)`` [N m].
+    #: Friction moment on the moving body about the contact normal through the ellipse's centre ``(n,)`` [N m].
     moment: Array
     #: Friction loss ``(n,)`` [W].
     loss: Array
@@ -53,14 +53,14 @@ class ContactFriction:
 class ContactDissipation:
     """Power that friction dissipates in each of n contacts, with its first and second derivatives by the sliding motion.
 
-    The friction on the moving body is the negative gradient.
+    Friction force and moment on the moving body are the negative gradient of this power.
     """
 
     #: Dissipated power, a convex function of the motion ``(n,)`` [W].
     power: Array
-    #: Derivatives by vx, vz [N] and spin [N m] ``(n, 3)``.
+    #: Derivatives of the dissipated power by vx, vz [N] and spin [N m] ``(n, 3)``.
     gradient: Array
-    #: Second derivatives by vx, vz and spin ``(n, 3, 3)`` [N s/m, N s, N m s].
+    #: Second derivatives of the dissipated power by vx, vz and spin ``(n, 3, 3)`` [N s/m, N s, N m s].
     hessian: Array
     #: Dissipated power less the friction loss ``(n,)`` [W]; zero without a regularising speed.
     excess_over_loss: Array
@@ -69,8 +69,8 @@ class ContactDissipation:
 def contacts_from_values(a: ArrayLike, b: ArrayLike, load: ArrayLike, mu: ArrayLike) -> EllipticalContacts:
     """Return the data of n contacts from numbers or arrays that broadcast to ``(n,)``, after checking them.
 
-    Values out of range are refused. With these contacts the relative error of friction is 1e-10 for b/a >= 0.01 (against
-    quadrature), 1e-8 at b/a = 1e-3, and 1e-7 at b/a = 1e-4.
+    Values out of range are refused. The relative error of friction that is computed with these contacts is 1e-10 for
+    b/a >= 0.01 (against quadrature), 1e-8 at b/a = 1e-3, and 1e-7 at b/a = 1e-4.
 
     Parameters
     ----------
@@ -121,10 +121,10 @@ def dissipated_power(
     contacts
         Ellipses, loads and coefficients of friction of n contacts.
     motion
-        Sliding and spin of the contacts, vx, vz [m/s] and spin [rad/s] ``(n, 3)``. A contact at rest without regularisation
-        has no gradient; zeros are returned.
+        Sliding vx, vz of the contacts along the semi-axes a, b [m/s] and their spin [rad/s] ``(n, 3)``. A contact at
+        rest without regularisation has no gradient; zeros are returned.
     regularising_speed
-        Regularising speed >= 0 [m/s], which raises the power by at most mu F times its value.
+        Regularising speed >= 0 [m/s], which raises the power by at most mu F times this speed, with the normal force F.
     fast
         Whether to use compiled kernels.
 
@@ -153,9 +153,9 @@ def friction_forces(
 ) -> ContactFriction:
     """Return friction force, moment and loss of contacts for a given sliding motion.
 
-    ``contacts``: ellipses, loads and coefficients of friction of n contacts; ``motion``: their sliding vx, vz [m/s] and
-    spin [rad/s] ``(n, 3)``; ``regularising_speed``: regularising speed >= 0 [m/s], 0 for exact Coulomb friction; ``fast``:
-    whether to use compiled kernels.
+    ``contacts``: ellipses, loads and coefficients of friction of n contacts; ``motion``: their sliding vx, vz along the
+    semi-axes a, b [m/s] and spin [rad/s] ``(n, 3)``; ``regularising_speed``: regularising speed >= 0 [m/s], 0 for exact
+    Coulomb friction; ``fast``: whether to use compiled kernels.
 
     References
     ----------
@@ -164,7 +164,7 @@ def friction_forces(
 
     Examples
     --------
-    The friction force of pure sliding is mu F:
+    The friction force of pure sliding is mu F, coefficient of friction times normal force:
 
     >>> sliding = friction_forces(contacts_from_values(1e-3, 0.5e-3, 10.0, 0.1), np.array([[0.0, 2.0, 0.0]]))
     >>> round(float(sliding.force[0, 1]), 9), round(float(sliding.loss[0]), 9)
@@ -177,9 +177,9 @@ def friction_forces(
 def linear_friction_force_factor(axis_ratio: ArrayLike) -> Array:
     """Return the slope k_f of friction force over c/a for an elliptical contact that rotates about a point near its centre.
 
-    The force is in units of mu F. c is the distance of the centre of rotation from the centre of the contact ellipse
-    along its semi-axis a. The slope is k_f = (b/a)^2 R_D(0, 1, b^2/a^2)/2 with Carlson's elliptic integral R_D; it is 3
-    pi/8 = 1.178 for a circle and 3/2 in the limit of a line.
+    The force is divided by mu F, coefficient of friction times normal force. c is the distance of the centre of
+    rotation from the centre of the contact ellipse along its semi-axis a. The slope is k_f = (b/a)^2 R_D(0, 1,
+    b^2/a^2)/2 with Carlson's elliptic integral R_D; it is 3 pi/8 = 1.178 for a circle and 3/2 in the limit of a line.
 
     Parameters
     ----------
@@ -202,9 +202,10 @@ def linear_friction_force_factor(axis_ratio: ArrayLike) -> Array:
 def cubic_friction_force_factor(axis_ratio: ArrayLike) -> Array:
     """Return the factor g of the cubic term in the friction force of a rotating contact, force/(mu F) = k_f t - g t^3.
 
-    Here t = c/a, and c is the distance of the centre of rotation from the centre of the contact ellipse along its
-    semi-axis a. The formula is exact for -1 <= t <= 1; k_f is `linear_friction_force_factor`. The factor is g = (b/a)^2
-    (R_D(0, 1, r^2) - R_D(0, r^2, 1))/(6 (1 - r^2)), with r = b/a <= 1 - 1e-6 and Carlson's elliptic integral R_D.
+    mu F is the coefficient of friction times the normal force; t = c/a, and c is the distance of the centre of rotation
+    from the centre of the contact ellipse along its semi-axis a. The formula is exact for -1 <= t <= 1; k_f is
+    `linear_friction_force_factor`. The factor is g = (b/a)^2 (R_D(0, 1, r^2) - R_D(0, r^2, 1))/(6 (1 - r^2)), with r =
+    b/a <= 1 - 1e-6 and Carlson's elliptic integral R_D.
 
     Parameters
     ----------
@@ -228,7 +229,8 @@ def error_of_linear_friction_force(axis_ratio: ArrayLike, force_slope: ArrayLike
     axis_ratio
         Ratio b/a of the semi-axes, in (0, 1].
     force_slope
-        Slope of the linear law: friction force divided by mu F, per c/a; Lin uses 1.38.
+        Slope of the linear law: friction force divided by mu F (coefficient of friction times normal force), per c/a;
+        Lin uses 1.38.
     reach
         Largest |c/a| of the range, at most 1; Lin uses 0.5.
 
@@ -254,19 +256,22 @@ def error_of_linear_friction_force(axis_ratio: ArrayLike, force_slope: ArrayLike
 
 
 class FrictionLaw(Protocol):
-    """Interface of a friction law for contacts that slide and spin."""
+    """Interface of a friction law, which gives the friction of contacts that slide and spin."""
 
     def friction(self, at: EllipticalContacts, motion: Array, fast: bool = False) -> ContactFriction:
         """Return the friction on the moving body at each of n contacts.
 
-        ``at``: ellipses, loads and coefficients of friction; ``motion``: vx, vz [m/s] and spin [rad/s] of the contacts
-        ``(n, 3)``; ``fast``: whether to use compiled kernels.
+        ``at``: ellipses, loads and coefficients of friction; ``motion``: sliding vx, vz along the semi-axes a, b [m/s]
+        and spin [rad/s] of the contacts ``(n, 3)``; ``fast``: whether to use compiled kernels.
         """
 
 
 @dataclass(frozen=True)
 class CoulombLaw:
-    """Coulomb's law: traction mu p against the local sliding velocity; zero at rest, where it is not determined."""
+    """Coulomb's law: traction mu p against the local sliding velocity; zero at rest, where it is not determined.
+
+    mu is the coefficient of friction, p the Hertz pressure.
+    """
 
     def friction(self, at: EllipticalContacts, motion: Array, fast: bool = False) -> ContactFriction:
         """Return Coulomb friction of n contacts at the given motion by exact integrals over their ellipses."""
@@ -277,10 +282,12 @@ class CoulombLaw:
 class RegularisedCoulombLaw:
     """Coulomb's law made smooth by a regularising speed: the traction is mu p v/sqrt(|v|^2 + speed^2).
 
-    The dissipated power is convex in the motion and exceeds that of Coulomb's law by at most mu F speed.
+    mu is the coefficient of friction, p the Hertz pressure, and v the local sliding velocity. The dissipated power is
+    convex in the motion and exceeds that of Coulomb's law by at most mu F times the regularising speed, with the normal
+    force F.
     """
 
-    #: Regularising speed > 0 [m/s].
+    #: Regularising speed > 0 [m/s]: at sliding speeds far below it, friction is proportional to the sliding speed.
     regularising_speed: float
 
     def friction(self, at: EllipticalContacts, motion: Array, fast: bool = False) -> ContactFriction:
@@ -331,9 +338,10 @@ def interpolated_friction(
     """Return Coulomb friction of n contacts, interpolated linearly in c/a as in section 3.2.1 of Lin's thesis.
 
     c is the distance of the centre of rotation from the centre of the contact ellipse along its semi-axis a. ``motion``:
-    vx, vz [m/s] and spin [rad/s] ``(n, 3)``; ``spacing``: step of c/a in the table; ``exact``: friction without
-    interpolation, which is returned for contacts without spin, whose c/a is not defined; ``fast``: whether to use compiled
-    kernels. Raises ValueError if vx is not 0, because the centre of rotation then does not lie on the semi-axis a.
+    sliding vx, vz along the semi-axes a, b [m/s] and spin [rad/s] ``(n, 3)``; ``spacing``: step of c/a in the table;
+    ``exact``: friction without interpolation, which is returned for contacts without spin, whose c/a is not defined;
+    ``fast``: whether to use compiled kernels. Raises ValueError if vx is not 0, because the centre of rotation then does
+    not lie on the semi-axis a.
     """
     if np.any(motion[:, 0] != 0.0):
         raise ValueError(

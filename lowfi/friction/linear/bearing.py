@@ -27,16 +27,18 @@ from rollbench.meshes.arrays import Array
 #: How contact loads are computed: by `loads_equal_on_diagonals`, `loads_in_equilibrium` or `loads_of_elastic_contacts`.
 Loads = Literal["diagonal", "balanced", "elastic"]
 
-#: Indices that put the contacts of the carriage first; applied twice they restore the original order.
+#: Indices that put the contacts of a ball on the carriage (the top) first; applied twice they restore the original order.
 TOP_FIRST = [2, 3, 0, 1]
 
-#: Names of the four contacts, in the order of all arrays of contacts.
+#: Names of the four contacts of a ball in the order of all arrays of contacts: B and T stand for bottom and top, L and R
+#: for left and right.
 CONTACTS = ("BL", "BR", "TR", "TL")
 
-#: Signs of the components along x and y of the directions from the ball's centre to the contacts.
+#: Signs of the components along x, then y, of the directions from the ball's centre to its contacts, in the order of
+#: ``CONTACTS``.
 SENSE = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
 
-#: 1 for contacts on the moving carriage, 0 for those on the rail.
+#: For the contacts of a ball in the order of ``CONTACTS``: 1 for a contact on the moving carriage, 0 for one on the rail.
 MOVING = np.array([0.0, 0.0, 1.0, 1.0])
 
 
@@ -46,7 +48,7 @@ class LinearBearing:
 
     #: Ball radius R_B [m].
     ball_radius: float
-    #: Groove radius over ball diameter.
+    #: Conformity of the grooves: groove radius divided by ball diameter.
     conformity: float
     #: Nominal contact angle beta_0 [rad].
     contact_angle: float
@@ -54,7 +56,7 @@ class LinearBearing:
     speed: float
     #: Coefficient of friction of the grooves.
     mu: float
-    #: Coefficient of friction of balls against each other.
+    #: Coefficient of friction between two balls.
     mu_balls: float
     #: Young's modulus [Pa].
     young: float
@@ -62,14 +64,14 @@ class LinearBearing:
     poisson: float
 
     def __post_init__(self) -> None:
-        """Raise ValueError for values outside their range."""
+        """Raise ValueError for dimensions, angles, material constants or coefficients of friction out of range."""
         if not self.ball_radius > 0.0 or not self.young > 0.0 or not -1.0 < self.poisson <= 0.5:
             raise ValueError(
                 "ball radius and Young's modulus must be positive, Poisson's ratio in (-1, 0.5], "
                 f"got ball_radius {self.ball_radius} m, young {self.young} Pa, poisson {self.poisson}"
             )
         if not self.conformity > 0.5:
-            raise ValueError(f"conformity must exceed 0.5 (groove wider than the ball), got {self.conformity}")
+            raise ValueError(f"conformity (groove radius over ball diameter) must exceed 0.5, got {self.conformity}")
         if not 0.0 < self.contact_angle < 0.5 * np.pi:
             raise ValueError(f"contact angle must lie between 0 and pi/2, got {self.contact_angle} rad")
         if not (self.mu >= 0.0 and self.mu_balls >= 0.0 and np.isfinite(self.mu + self.mu_balls + self.speed)):
@@ -125,9 +127,10 @@ def contact_semi_axes(bearing: LinearBearing, loads: Array) -> tuple[Array, Arra
 
 
 def contact_angle_deviations(theta: Array, *, mated: bool = False) -> Array:
-    """Return deviations of the contact angles BL, BR, TR, TL ``(..., 4)`` [rad]: -theta and theta on the bottom groove.
+    """Return deviations of a ball's four contact angles ``(..., 4)`` [rad]: -theta and theta on the bottom groove.
 
-    These are the deviations in the case study of Lin's thesis.
+    The order is bottom left, bottom right, top right, top left. These are the deviations in the case study of Lin's
+    thesis.
 
     Parameters
     ----------
@@ -144,11 +147,11 @@ def contact_angle_deviations(theta: Array, *, mated: bool = False) -> Array:
 
 
 def top_deviations_matching_bottom(bottom: Array) -> Array:
-    """Return deviations of the top contact angles (TR, TL) [rad] that make the ball's velocity independent of the loads.
+    """Return deviations of the top contact angles (right, left) [rad] that make a ball's velocity independent of the loads.
 
-    ``bottom``: deviations of the contact angles at BL, BR ``(..., 2)`` [rad]. By the rule of section 3.3.4.2 of Lin's
-    thesis, the two contacts of each diagonal remain opposite to each other, so that the deviation of the velocity, eq.
-    (3.43) of the thesis, is zero under any load.
+    ``bottom``: deviations of the contact angles at the bottom left and the bottom right ``(..., 2)`` [rad]. By the rule
+    of section 3.3.4.2 of Lin's thesis, the two contacts of each diagonal remain opposite to each other, so that the
+    deviation of the velocity, eq. (3.43) of the thesis, is zero under any load.
     """
     return np.asarray(bottom, dtype=float).copy()
 
@@ -157,7 +160,8 @@ def loads_equal_on_diagonals(vertical: float, side_ratio: Array, contact_angle: 
     """Return loads of a ball's contacts that are equal on each diagonal, BL with TR and BR with TL.
 
     These loads are F_BL = F_TR = (N_y/cos beta_0 - N_x/sin beta_0)/2 and F_BR = F_TL = (N_y/cos beta_0 + N_x/sin
-    beta_0)/2 with the vertical force N_y, the side force N_x and the contact angle beta_0.
+    beta_0)/2 with the vertical force N_y, the side force N_x and the contact angle beta_0. B and T stand for bottom and
+    top, L and R for left and right.
 
     Parameters
     ----------
@@ -281,19 +285,20 @@ def _elastic_loads_and_angles(
         groove_ball_centre_distance=slack,
     )
 
-    def angles_of(normal: Array) -> Array:
-        """Return contact angles in the order BL, BR, TR, TL [rad] from normals in the order ``TOP_FIRST``.
+    def angles_from_normals(normal: Array) -> Array:
+        """Return the contact angles ``(N, 4)`` [rad] that belong to contact normals.
 
-        ``normal``: contact normals, those of the carriage first ``(N, 4, 2)``.
+        The angles are in the order bottom left, bottom right, top right, top left. ``normal``: contact normals in the
+        order top right, top left, bottom left, bottom right ``(N, 4, 2)``.
         """
         outward = SENSE * normal[:, TOP_FIRST]
         return np.asarray(np.arctan2(outward[..., 0], outward[..., 1]))
 
-    settled = solve_contact_loads(cell, float(np.linalg.norm(pull)), place[None].copy(), 2.0 * place, angles_of)
+    settled = solve_contact_loads(cell, float(np.linalg.norm(pull)), place[None].copy(), 2.0 * place, angles_from_normals)
     if not settled.converged:
         raise ArithmeticError(
-            f"no equilibrium of a ball was found: {settled.largest_unbalanced_force:.1e} N are out of balance after "
-            f"{settled.steps} steps"
+            "no equilibrium of a ball in the linear bearing was found: "
+            f"{settled.largest_unbalanced_force:.1e} N are out of balance after {settled.steps} steps"
         )
     return settled.force[0, TOP_FIRST], settled.angle[0]
 
@@ -316,9 +321,10 @@ def relative_velocity_deviation(contact_angle: float, deviation: Array, bl_tr_lo
     contact_angle
         Nominal contact angle beta_0 [rad].
     deviation
-        Deviations Delta beta of the contact angles ``(..., 4)`` [rad].
+        Deviations Delta beta of the contact angles at bottom left, bottom right, top right, top left ``(..., 4)``
+        [rad].
     bl_tr_load, br_tl_load
-        Contact loads F_U of the diagonal BL, TR and F_D of the diagonal BR, TL ``(...)`` [N].
+        Contact loads: F_U on the diagonal from bottom left to top right, F_D on the other diagonal ``(...)`` [N].
 
     References
     ----------
@@ -337,13 +343,15 @@ def ball_force_by_formula(bearing: LinearBearing, loads: Array, difference: Arra
     bearing
         Bearing with its ball radius, contact angle and coefficients of friction.
     loads
-        Contact loads F_U (diagonal BL, TR) and F_D (diagonal BR, TL), last axis, of balls 1 and 2 ``(..., 2, 2)`` [N].
+        Contact loads of balls 1 and 2, in the last axis F_U (diagonal from bottom left to top right) and F_D (other
+        diagonal) ``(..., 2, 2)`` [N].
     difference
         Difference epsilon_1 - epsilon_2 of the relative deviations of the balls' velocities without ball-to-ball contact
         ``(...)``.
     k_f
-        Slope of friction force divided by mu F, per c/a, see `linear_friction_force_factor`; c is the distance of the
-        centre of rotation from the centre of the contact ellipse along its semi-axis a.
+        Slope of friction force divided by mu F (coefficient of friction times contact load), per c/a, see
+        `linear_friction_force_factor`; c is the distance of the centre of rotation from the centre of the contact
+        ellipse along its semi-axis a.
 
     References
     ----------
@@ -380,7 +388,8 @@ def groove_spin_loss(bearing: LinearBearing, loads: Array) -> Array:
     The sum over all contacts is the groove loss to which Lin compares the loss between balls, eq. (3.53) of his thesis.
     ``bearing``: bearing with speed v, contact angle beta_0 and ball radius R_B; ``loads``: contact loads F [N], any
     shape, which is that of the result. The spin is v tan(beta_0)/(2 R_B), and the moment 3/8 mu F a E(e) by eq. (3.32)
-    of Lin's thesis.
+    of Lin's thesis, with the coefficient of friction mu, the long semi-axis a, and the complete elliptic integral of
+    the second kind E(e) (`elliptic_integral_second_kind`).
     """
     constants = bearing.contact_hertz_constants()
     spin = 0.5 * abs(bearing.speed) * np.tan(bearing.contact_angle) / bearing.ball_radius

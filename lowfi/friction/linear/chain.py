@@ -27,51 +27,38 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from rollbench.lowfi.friction.contact.laws import cubic_friction_force_factor, linear_friction_force_factor
-from rollbench.lowfi.friction.linear.bearing import (
-    MOVING,
-    LinearBearing,
-    Loads,
-    ball_force_by_formula,
-    ball_to_ball_loss,
-    contact_angle_deviations,
-    contact_directions,
-    contact_semi_axes,
-    elliptic_integral_second_kind,
-    groove_spin_loss,
-    loads_equal_on_diagonals,
-    loads_in_equilibrium,
-    loads_of_elastic_contacts,
-    relative_velocity_deviation,
-)
+from rollbench.lowfi.friction.linear import bearing as linear_bearing
 from rollbench.lowfi.friction.linear.kernel import FILLED, WIDTH
 from rollbench.lowfi.friction.linear.kernel_types import ChainArrays, ChainSearchState, NewtonArrays
 from rollbench.lowfi.jit import LINEAR, load_kernel_package
 from rollbench.meshes.arrays import Array, Mask
 
+#: Outcome of the search for the motion of a row of balls, see `LinearChainSolution.status`.
 Status = Literal["converged", "not converged"]
 
 #: Regularising speed of friction, at which contacts that stick creep under a force, divided by the carriage's speed.
 CREEP = 1e-8
 
-#: Force out of balance at which the search ends, over the largest friction bound of a ball.
+#: Largest unbalanced force on a ball, divided by the largest friction bound of a ball, at which the search ends.
 TOLERANCE = 1e-12
 
-#: Stiffness of a weak spring that draws balls to nominal rolling, over the ball's friction bound; it fixes motions that no
-#: friction resists.
+#: Stiffness of a weak spring that draws the motion of a ball to nominal rolling, divided by the ball's friction bound; the
+#: spring fixes motions that no friction resists.
 HOLD = 1e-11
 
-#: Force out of balance, over the largest friction bound of a ball, up to which a result counts as converged; where contacts
-#: stick, round-off limits the accuracy.
+#: Largest unbalanced force on a ball, divided by the largest friction bound of a ball, up to which a result counts as
+#: converged; where contacts stick, round-off limits the accuracy.
 ACCEPTED = 1e-9
 
-#: Least difference of the ball-to-ball forces of two different states, over the largest friction bound of a ball.
+#: Least difference of the ball-to-ball forces by which two equilibria of a row count as different, divided by the largest
+#: friction bound of a ball.
 ANOTHER = 1e-3
 
-#: Coefficients of friction between balls, above the actual one, at which a search for a state with jammed balls also
+#: Coefficients of friction between balls, above the actual one, at which a search for an equilibrium with jammed balls
 #: begins, and the factor by which the coefficient is then reduced step by step.
 RISEN, FALLING = (0.3, 1.0), 0.85
 
-#: Largest number of Newton steps.
+#: Largest number of Newton steps in the search for the motion of a row of balls.
 STEPS = 50_000
 
 #: Least ratio b/a of the semi-axes of a contact ellipse that is allowed, because the friction formulas lose accuracy below
@@ -103,11 +90,12 @@ class LinearChainSolution:
     carriage_drive_force: float
     #: Speed of the carriage [m/s].
     carriage_speed: float
-    #: Number of Newton steps.
+    #: Number of Newton steps of the search.
     iterations: int
-    #: Largest force out of balance, over the largest friction bound of a ball.
+    #: Largest unbalanced force on a ball, divided by the largest friction bound of a ball.
     largest_imbalance_ratio: float
-    #: Largest speed at which balls that press on each other approach or separate, over the regularising speed; ideally 0.
+    #: Largest speed at which balls that press on each other approach or separate, divided by the regularising speed of
+    #: friction; ideally 0.
     largest_closing_speed_ratio: float
     #: "converged" if forces are in balance and balls that press on each other stay together, else "not converged".
     status: Status
@@ -130,15 +118,15 @@ class LinearChainSolution:
 
 @dataclass(frozen=True)
 class LinearChain:
-    """Row of balls in a linear bearing under given contact loads, with its data in the scaled units of the kernels.
+    """Row of balls in a linear bearing under given contact loads, with its arrays in the scaled units of the kernels.
 
     The motion does not depend on the grooves' coefficient of friction mu, and forces and losses are proportional to it.
     Without friction (mu = 0) the unit of force is the one for mu = 1, so that the motion is the limit for a mu that
     tends to zero.
     """
 
-    #: Bearing with speed and coefficients of friction.
-    bearing: LinearBearing
+    #: Bearing with the speed of its carriage and the coefficients of friction.
+    bearing: linear_bearing.LinearBearing
     #: Contacts and neighbours of the balls; speeds are in units of the carriage's speed, forces in units of ``force_unit``.
     kernel_arrays: ChainArrays
     #: Largest friction bound of a ball, the sum of mu F over its contacts [N].
@@ -152,7 +140,9 @@ class LinearChain:
         return int(self.kernel_arrays.contacts.shape[0])
 
 
-def prepare_linear_chain(bearing: LinearBearing, angles: Array, loads: Array, touching: Mask | bool = True) -> LinearChain:
+def prepare_linear_chain(
+    bearing: linear_bearing.LinearBearing, angles: Array, loads: Array, touching: Mask | bool = True
+) -> LinearChain:
     """Return a row of N balls in a linear bearing under given contact loads, prepared for `solve_linear_chain`.
 
     Parameters
@@ -184,11 +174,11 @@ def prepare_linear_chain(bearing: LinearBearing, angles: Array, loads: Array, to
     bounds = (bearing.mu or 1.0) * loads
     scale = float(bounds.sum(axis=1).max())
     sign = float(np.sign(bearing.speed))
-    n = contact_directions(angles)
-    a, _ = contact_semi_axes(bearing, loads)
+    n = linear_bearing.contact_directions(angles)
+    a, _ = linear_bearing.contact_semi_axes(bearing, loads)
     contacts = np.empty((count, 4, 5))
     contacts[..., :2] = n
-    contacts[..., 2] = MOVING * sign
+    contacts[..., 2] = linear_bearing.MOVING * sign
     contacts[..., 3] = bounds / scale if scale > 0.0 else 0.0
     contacts[..., 4] = a / bearing.ball_radius
     hold = HOLD * np.maximum(contacts[..., 3].sum(axis=1), HOLD)
@@ -197,7 +187,7 @@ def prepare_linear_chain(bearing: LinearBearing, angles: Array, loads: Array, to
     return LinearChain(bearing, arrays, scale, sign)
 
 
-def contact_friction_constants(bearing: LinearBearing) -> Array:
+def contact_friction_constants(bearing: linear_bearing.LinearBearing) -> Array:
     """Return the constants (b/a, q0, k1, k3) of formulas for the friction of the bearing's contacts ``(4,)``.
 
     b/a is the ratio of the semi-axes of the contact ellipse. Consider a contact with load F and coefficient of friction
@@ -218,7 +208,7 @@ def contact_friction_constants(bearing: LinearBearing) -> Array:
     return np.array(
         [
             ratio,
-            0.375 * elliptic_integral_second_kind(ratio),
+            0.375 * linear_bearing.elliptic_integral_second_kind(ratio),
             linear_friction_force_factor(ratio),
             cubic_friction_force_factor(ratio),
         ]
@@ -285,11 +275,11 @@ def find_second_equilibrium(
 ) -> LinearChainSolution | None:
     """Return an equilibrium of a row of balls other than a known one; None if none is found, though one may exist.
 
-    The search begins from several states: the end of the path of rising friction between balls, the motion without this
-    friction, and all pairs pressed together. The search also begins from the end of the path for higher coefficients of
-    friction between balls (``RISEN``), and follows that state while the coefficient falls to that of the chain. If
-    there are several states, the one with the largest ball-to-ball force is returned. Without friction between balls
-    there is only one state.
+    The search begins from several states: the end of the path of solutions along which the friction between balls rises
+    to its full value, the motion without this friction, and all pairs pressed together. The search also begins from the
+    end of the path for higher coefficients of friction between balls (``RISEN``), and follows that state while the
+    coefficient falls to that of the chain. If there are several states, the one with the largest ball-to-ball force is
+    returned. Without friction between balls there is only one state.
 
     Parameters
     ----------
@@ -302,8 +292,8 @@ def find_second_equilibrium(
     """
     engine = load_kernel_package(LINEAR, compiled=fast)
 
-    def states() -> Iterator[LinearChainSolution]:
-        """Yield the equilibria to which the searches from all starts lead."""
+    def equilibria_from_all_starts() -> Iterator[LinearChainSolution]:
+        """Yield the solutions, converged or not, to which the searches from all starts lead."""
         for start in range(engine.STARTS):
             point, work = _starting_point_and_work_arrays(chain)
             done = engine.solve_motion_from_other_start(chain.kernel_arrays, point, work, CREEP, TOLERANCE, STEPS, start)
@@ -320,7 +310,7 @@ def find_second_equilibrium(
 
     if not may_have_several_equilibria(chain):
         return None
-    good = (other for other in states() if other.status == "converged")
+    good = (other for other in equilibria_from_all_starts() if other.status == "converged")
     others = [s for s in good if np.abs(s.ball_force - known.ball_force).max() > ANOTHER * chain.force_unit]
     return max(others, key=lambda other: float(other.ball_force.max()), default=None)
 
@@ -368,7 +358,7 @@ def _solution_in_si_units(
         groove_loss=bound * (slips[..., 0] * force + slips[..., 1] * moment) * speed,
         ball_force=scale * lam,
         ball_loss=mu_balls * scale * lam * bite * rub * speed,
-        carriage_drive_force=float(-(bound * force * MOVING).sum()),
+        carriage_drive_force=float(-(bound * force * linear_bearing.MOVING).sum()),
         carriage_speed=chain.bearing.speed,
         iterations=iterations,
         largest_imbalance_ratio=residual,
@@ -391,7 +381,7 @@ class LinearPairSolution:
 
     @property
     def ball_to_ball_force(self) -> float:
-        """Ball-to-ball force [N]; zero for balls that part."""
+        """Force between the two balls at a distance of one ball diameter [N]; zero if they separate."""
         return float(self.touching.ball_force[0])
 
     @property
@@ -401,7 +391,7 @@ class LinearPairSolution:
 
     @property
     def friction_increase(self) -> float:
-        """Relative increase of the friction losses, and of the drive force, by ball-to-ball contact."""
+        """Relative increase of the friction losses, and of the drive force, by contact of the two balls with each other."""
         return self.touching.loss / self.apart.loss - 1.0
 
     @property
@@ -414,13 +404,13 @@ class LinearPairSolution:
 
 
 def pair_angles_and_loads(
-    bearing: LinearBearing,
+    bearing: linear_bearing.LinearBearing,
     theta: float,
     side_force_ratio: float,
     vertical: float,
     *,
     mated: bool = False,
-    loads: Loads = "balanced",
+    loads: linear_bearing.Loads = "balanced",
 ) -> tuple[Array, Array]:
     """Return the contact angles [rad], then the contact loads [N] of the two balls of Lin's case study, ``(2, 4)`` each.
 
@@ -443,24 +433,24 @@ def pair_angles_and_loads(
     loads
         How the contact loads are computed, see `solve_pair_of_linear_balls`.
     """
-    angles = bearing.contact_angle + contact_angle_deviations(np.array([theta, theta]), mated=mated)
+    angles = bearing.contact_angle + linear_bearing.contact_angle_deviations(np.array([theta, theta]), mated=mated)
     side = np.array([side_force_ratio, -side_force_ratio])
     if loads == "diagonal":
-        return angles, loads_equal_on_diagonals(vertical, side, bearing.contact_angle)
+        return angles, linear_bearing.loads_equal_on_diagonals(vertical, side, bearing.contact_angle)
     if loads == "balanced":
-        return angles, loads_in_equilibrium(angles, vertical, side)
-    force, turned = loads_of_elastic_contacts(bearing, angles, vertical, side)
+        return angles, linear_bearing.loads_in_equilibrium(angles, vertical, side)
+    force, turned = linear_bearing.loads_of_elastic_contacts(bearing, angles, vertical, side)
     return turned, force
 
 
 def solve_pair_of_linear_balls(
-    bearing: LinearBearing,
+    bearing: linear_bearing.LinearBearing,
     theta: float,
     side_force_ratio: float,
     vertical: float,
     *,
     mated: bool = False,
-    loads: Loads = "balanced",
+    loads: linear_bearing.Loads = "balanced",
     fast: bool = True,
 ) -> LinearPairSolution:
     """Return the states of two balls of a linear bearing without and with contact (section 3.3.4 of Lin's thesis).
@@ -519,20 +509,20 @@ class LinearPairResultsOverGrid:
     contact_angle_deviation: Array
     #: Ratios of side force to vertical force ``(R,)``.
     side_force_ratio: Array
-    #: Difference epsilon_1 - epsilon_2 of the relative deviations of the balls' velocities from the nominal one, without
-    #: ball-to-ball contact.
+    #: Relative deviation epsilon_1 of the first ball's velocity from the nominal one less that of the second ball,
+    #: epsilon_2, both without ball-to-ball contact.
     velocity_deviation_difference: ModelAndFormula
-    #: Ball-to-ball force [N].
+    #: Force between the two balls [N].
     force: ModelAndFormula
     #: Ratio of groove loss plus loss between balls to the groove loss; the groove loss is that without ball-to-ball
     #: contact.
     groove_and_ball_loss_ratio: ModelAndFormula
-    #: Number of states of the numerical model that did not converge.
+    #: Number of solutions of the numerical model, without or with ball-to-ball contact, that did not converge.
     unconverged_state_count: int
 
 
 def pair_results_over_grid(
-    bearing: LinearBearing, theta: Array, rho: Array, vertical: float, k_f: float
+    bearing: linear_bearing.LinearBearing, theta: Array, rho: Array, vertical: float, k_f: float
 ) -> LinearPairResultsOverGrid:
     """Return the results of numerical model and closed formulas for two balls, for T deviations and R side force ratios.
 
@@ -550,8 +540,9 @@ def pair_results_over_grid(
     vertical
         Vertical force N_y on each ball [N].
     k_f
-        Slope of the friction force over mu F against c/a in the formulas; c is the distance of the centre of rotation from
-        the centre of the contact ellipse along its semi-axis a.
+        Slope of the friction force, divided by mu F (coefficient of friction times contact load), per c/a in the
+        formulas; c is the distance of the centre of rotation from the centre of the contact ellipse along its semi-axis
+        a.
     """
     values, failures = np.empty((3, 2, len(theta), len(rho))), 0
     for i, j in np.ndindex(len(theta), len(rho)):
@@ -568,7 +559,13 @@ def pair_results_over_grid(
 
 
 def pair_results_by_formulas(
-    bearing: LinearBearing, theta: float, side_force_ratio: float, vertical: float, k_f: float, *, mated: bool = False
+    bearing: linear_bearing.LinearBearing,
+    theta: float,
+    side_force_ratio: float,
+    vertical: float,
+    k_f: float,
+    *,
+    mated: bool = False,
 ) -> tuple[float, float, float]:
     """Return the results of Lin's closed formulas for two balls, with equal contact loads on each diagonal.
 
@@ -584,8 +581,9 @@ def pair_results_by_formulas(
     vertical
         Vertical force N_y on each ball [N].
     k_f
-        Slope of the friction force over mu F against c/a, which Lin reads off a figure; c is the distance of the centre of
-        rotation from the centre of the contact ellipse along its semi-axis a.
+        Slope of the friction force, divided by mu F (coefficient of friction times contact load), per c/a, which Lin
+        reads off a figure; c is the distance of the centre of rotation from the centre of the contact ellipse along its
+        semi-axis a.
     mated
         Whether the top groove is made to match the bottom groove, design (b) of section 3.3.4.2 of Lin's thesis.
 
@@ -599,10 +597,12 @@ def pair_results_by_formulas(
     ----------
     Lin (2019), 3.43, 3.51 and 3.53 at the loads of the text before 3.54.
     """
-    loads = loads_equal_on_diagonals(vertical, np.array([side_force_ratio, -side_force_ratio]), bearing.contact_angle)
-    turn = contact_angle_deviations(np.array([theta, theta]), mated=mated)
-    epsilon = relative_velocity_deviation(bearing.contact_angle, turn, loads[:, 0], loads[:, 1])
+    loads = linear_bearing.loads_equal_on_diagonals(
+        vertical, np.array([side_force_ratio, -side_force_ratio]), bearing.contact_angle
+    )
+    turn = linear_bearing.contact_angle_deviations(np.array([theta, theta]), mated=mated)
+    epsilon = linear_bearing.relative_velocity_deviation(bearing.contact_angle, turn, loads[:, 0], loads[:, 1])
     difference = float(epsilon[0] - epsilon[1])
-    force = ball_force_by_formula(bearing, loads[:, :2], np.array(difference), k_f)
-    baseline = float(groove_spin_loss(bearing, loads).sum())
-    return difference, float(force), 1.0 + float(ball_to_ball_loss(bearing, force)) / baseline
+    force = linear_bearing.ball_force_by_formula(bearing, loads[:, :2], np.array(difference), k_f)
+    baseline = float(linear_bearing.groove_spin_loss(bearing, loads).sum())
+    return difference, float(force), 1.0 + float(linear_bearing.ball_to_ball_loss(bearing, force)) / baseline

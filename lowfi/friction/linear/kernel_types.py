@@ -17,15 +17,15 @@ class ChainArrays(NamedTuple):
     """Contacts, friction and neighbours of N balls of one row in a linear bearing, with C contacts each."""
 
     #: For each contact: direction n_x, n_y from the ball's centre, speed of the body in contact (1 carriage, 0 rail, with
-    #: the sign of the speed), friction bound, semi-axis a over the ball's radius; (N, C, 5).
+    #: the sign of the carriage's speed), friction bound, semi-axis a divided by the ball radius; (N, C, 5).
     contacts: Array
-    #: Constants (b/a, q0, k1, k3) of the friction of the contacts (4,), see `contact_friction_constants`.
+    #: Constants (b/a, q0, k1, k3) of the formulas for the friction of a contact (4,), see `contact_friction_constants`.
     friction_constants: Array
     #: 1 where balls k and k + 1 are near enough to touch, else 0 (N - 1,).
     can_touch_next: Array
-    #: Coefficient of friction from ball to ball.
+    #: Coefficient of friction between two balls.
     mu: float
-    #: Stiffness of weak springs that draw the balls to the nominal motion (N,).
+    #: Stiffness of weak springs that draw the motion of each ball to the nominal motion (N,).
     holding_stiffness: Array
     #: Motion x of balls that roll at the nominal contact angle (N, 3).
     nominal_motion: Array
@@ -37,7 +37,7 @@ class ChainSearchState(NamedTuple):
     All values are changed by increments, so that no accuracy is lost where contacts stick.
     """
 
-    #: For each contact: sliding speed along the track, and semi-axis a times spin (N, C, 2).
+    #: For each contact with the grooves: sliding speed along the track, and semi-axis a times spin (N, C, 2).
     groove_contact_slips: Array
     #: For balls k and k + 1: speed at which they approach each other, and two components of their sliding on each other (N
     #: - 1, 3).
@@ -56,22 +56,24 @@ class EquationSmoothing(NamedTuple):
     regularising_speed: float
     #: Fraction of the friction between balls that acts, 0 to 1.
     ball_friction_fraction: float
-    #: Product of ball-to-ball force and opening rate of the gap; zero for exact complementarity.
+    #: Product of the force between two neighbouring balls and the opening rate of their gap; zero for exact
+    #: complementarity.
     force_rate_product: float
-    #: Stiffness of springs that draw the balls to nominal rolling, in addition to ``holding_stiffness`` of `ChainArrays`.
+    #: Stiffness of springs that draw the balls to nominal rolling, to which ``holding_stiffness`` of `ChainArrays` is
+    #: added.
     spring_stiffness: float
 
 
 class NewtonArrays(NamedTuple):
     """Work arrays for Newton's method on a row of N balls with four unknowns each."""
 
-    #: Jacobian of the equations as a band (4 N, 11).
+    #: Jacobian of the equations, stored as a band (4 N, 11).
     jacobian_band: Array
-    #: Factors of the Jacobian, with columns for exchanged rows (4 N, 16).
+    #: Factors of the Jacobian, with additional columns for exchanged rows (4 N, 16).
     factors: Array
     #: Residual of the equations (4 N,).
     residual: Array
     #: Newton step of the unknowns (4 N,).
     step: Array
-    #: Second right-hand side of the linear system, which is solved together with the step (4 N,).
+    #: Second right-hand side of the linear system with the Jacobian, which is solved together with the Newton step (4 N,).
     second_right_hand_side: Array

@@ -21,33 +21,21 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rollbench.lowfi.friction.contact.equilibrium import ContactLoadSolution, zero_contact_state_arrays
-from rollbench.lowfi.friction.screw.groove import (
-    GroovesInMotion,
-    ScrewGroove,
-    contiguous_floats,
-    kernel_groove_arrays,
-    nut_speed_along_path,
-    surface_speed_levers,
-)
-from rollbench.lowfi.friction.screw.kernel_types import (
-    BalanceResiduals,
-    BallArrays,
-    LoadsAndMotionSystem,
-    LoadsAndMotionUnknowns,
-)
+from rollbench.lowfi.friction.screw import groove as screw_groove
+from rollbench.lowfi.friction.screw import kernel_types
 from rollbench.lowfi.friction.screw.motion import (
     AGREED,
     ROUNDS,
     AndersonAcceleration,
     BallsBetweenGrooves,
     Coupling,
+    balls_with_fixed_screw,
     contact_ellipses_of_screw,
     friction_on_balls_and_screw,
     friction_wrench_at_contacts,
-    kernel_load_arrays,
+    kernel_arrays_for_contact_loads,
     power_of_helical_motion,
     solve_screw_contact_loads,
-    with_fixed_screw,
 )
 from rollbench.lowfi.jit import CONTACT, SCREW, load_kernel_package
 from rollbench.meshes.arrays import Array
@@ -55,7 +43,8 @@ from rollbench.meshes.arrays import Array
 #: Regularising speeds of friction as fractions of the nut's speed along the path, from the first (cold start) to the last.
 SPEEDS = tuple(10.0 ** (-0.5 * k) for k in range(2, 15))
 
-#: Fractions of the friction between balls that act one after the other at the first regularising speed.
+#: Fractions of the friction between balls with which the equations are solved one after the other, all at the first
+#: regularising speed.
 PARTS = (0.0, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0)
 
 #: Force out of balance, as a fraction of the largest friction bound (mu times load) of a ball: value aimed at (root of the
@@ -63,19 +52,19 @@ PARTS = (0.0, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0)
 #: largest ball-to-ball force where this is larger than the bound).
 GOAL, ACCEPTED = 1e-12, 2e-9
 
-#: Residual aimed at for all regularising speeds but the last (in the unit of ``GOAL``), largest number of Newton steps, and
-#: largest number of Newton steps in the first attempt.
+#: Residual aimed at for all regularising speeds but the last (in the unit of ``GOAL``), largest number of Newton steps at
+#: one regularising speed, and largest number in the first attempt.
 COARSE, STEPS, SHORT = 1e-10, 60, 15
 
-#: Residual above which the solution of a stage (a fraction of friction at one regularising speed) counts as failed, and
-#: largest number of halvings of stages.
+#: Residual above which the solution of a stage (a fraction of the friction between balls at one regularising speed) counts
+#: as failed, and largest number of stages that are inserted half way.
 MISSED, DEPTH = 1e-8, 12
 
-#: Stiffness of weak springs that draw balls to their nominal motion, over the friction bound, for balls with load and
-#: without.
+#: Stiffness of weak springs that draw the motion of a ball to the nominal motion, in units of the largest friction bound of
+#: a ball: for loaded balls, then for unloaded balls.
 HOLD, HOLD_IDLE = 1e-13, 1e-10
 
-#: Balls with less than this fraction of the largest load count as unloaded.
+#: Balls whose load is less than this fraction of the largest load of a ball count as unloaded.
 NEGLIGIBLE = 1e-7
 
 
@@ -105,9 +94,9 @@ class BallChain(ABC):
     friction, as a spacer ball does.
     """
 
-    #: Grooves in motion.
-    groove: GroovesInMotion
-    #: Contact forces ``(N, 4)`` [N].
+    #: Grooves of screw and nut in motion.
+    groove: screw_groove.GroovesInMotion
+    #: Forces at the contacts of the balls with the grooves ``(N, 4)`` [N].
     force: Array
     #: Unit vectors from each ball's centre to its contacts in x3, y3, z3 ``(N, 4, 3)``.
     normals: Array
@@ -125,7 +114,7 @@ class BallChain(ABC):
     def mu_balls(self) -> float:
         """Coefficient of friction between touching balls."""
 
-    def wrench(self, pull: Array) -> Array:
+    def contact_wrenches(self, pull: Array) -> Array:
         """Return force, then moment of friction on the balls at each contact, along x3, y3, z3 each ``(N, 4, 6)`` [N, N m].
 
         x3 is radial, y3 along the track and z3 the binormal. ``pull``: friction on the balls in the axes of each
@@ -144,10 +133,10 @@ class BallChain(ABC):
 
 @dataclass(frozen=True)
 class ScrewBallChain(BallChain):
-    """Balls of equal size in the grooves of one screw and nut, in the order of azimuth, with their contact loads."""
+    """Balls of equal size and their contact loads in the grooves of one screw and nut, in the order of azimuth."""
 
     #: Grooves of screw and nut with their speeds.
-    groove: ScrewGroove
+    groove: screw_groove.ScrewGroove
 
     @property
     def friction_contacts(self) -> FrictionContacts:
@@ -192,15 +181,16 @@ class ChainMotion:
     groove_loss: Array
     #: Power lost where balls k and k + 1 slide on each other ``(N,)`` [W].
     ball_loss: Array
-    #: Power lost where the gap between balls k and k + 1 closes while they press on each other ``(N,)`` [W].
+    #: Power lost where balls k and k + 1 press on each other while the gap between them still closes within a time step
+    #: ``(N,)`` [W].
     closing_loss: Array
     #: Power that screw and nut supply [W].
     input_power: float
-    #: Largest force out of balance [N].
+    #: Largest unbalanced force on a ball [N].
     largest_unbalanced_force: float
     #: Largest rate [rad/s] by which a ball approaches the next one faster than their gap allows; 0 if none does.
     largest_gap_violation: float
-    #: Number of Newton steps.
+    #: Number of Newton steps of the search.
     steps: int
     #: Whether the forces on all balls are in balance.
     converged: bool
@@ -218,9 +208,11 @@ class ChainMotion:
         return sum(self.losses_by_cause)
 
 
-def zero_balance_arrays(count: int) -> BalanceResiduals:
+def zero_residual_arrays(count: int) -> kernel_types.BalanceResiduals:
     """Return zero arrays for ``count`` balls, to which kernels write unbalanced forces and their derivatives."""
-    return BalanceResiduals(np.zeros((count, 4)), np.zeros(count), np.zeros((count, 2)), np.zeros((count, 4, 4)))
+    return kernel_types.BalanceResiduals(
+        np.zeros((count, 4)), np.zeros(count), np.zeros((count, 2)), np.zeros((count, 4, 4))
+    )
 
 
 class BalanceSearch:
@@ -228,7 +220,7 @@ class BalanceSearch:
 
     The scaled motions x ``(N, 4)`` are surface speeds (orbit, and spins times the ball radius) divided by ``speed``
     [m/s], which is the nut's speed along the path. The scaled forces f ``(N,)`` act from ball k on ball k + 1 and are
-    divided by ``bound`` [N], the largest friction bound of a ball, which is coefficient of friction mu times load. The
+    divided by ``bound`` [N], the largest friction bound of a ball: coefficient of friction mu times its load. The
     motion does not depend on the size of the grooves' mu, and all friction forces are proportional to it. Without
     friction (mu = 0) the bound is computed with mu = 1, so that the motion is the limit for a mu that tends to zero.
     """
@@ -244,7 +236,11 @@ class BalanceSearch:
         loaded = total > NEGLIGIBLE * float(total.max())
         self.chain, self.count, self.loaded = chain, chain.force.shape[0], loaded
         self.kernels = load_kernel_package(SCREW, compiled=fast)
-        self.units, self.speed, self.groove = surface_speed_levers(g), nut_speed_along_path(g), kernel_groove_arrays(g)
+        self.units, self.speed, self.groove = (
+            screw_groove.surface_speed_levers(g),
+            screw_groove.nut_speed_along_path(g),
+            screw_groove.kernel_groove_arrays(g),
+        )
         shape = contacts.semi_axes_and_bound
         self.rubbing = bool(np.any(shape[..., 2] > 0.0))
         if not self.rubbing:
@@ -254,30 +250,34 @@ class BalanceSearch:
         slack = np.where(self.allowed, chain.allowed_closing_rate, 0.0) * g.pair.closing_speed_factor / self.speed
         self.mu = np.where(loaded & np.append(loaded[1:], loaded[:1]), chain.mu_balls, 0.0)
         ones = np.ones(self.count)
-        self.balls = BallArrays(
-            force=contiguous_floats(np.where(loaded[:, None], chain.force, 0.0)),
-            normal=contiguous_floats(chain.normals[..., [0, 2]]),
+        self.balls = kernel_types.BallArrays(
+            force=screw_groove.contiguous_floats(np.where(loaded[:, None], chain.force, 0.0)),
+            normal=screw_groove.contiguous_floats(chain.normals[..., [0, 2]]),
             holding_stiffness=np.where(loaded, HOLD, HOLD_IDLE),
             allowed_closing_rate=slack,
             can_touch_next=self.allowed.astype(float),
             mu=self.mu,
             scaled_groove_mu=(g.mu or 1.0) / self.bound,
-            semi_axes_and_bound=contiguous_floats(shape * np.stack([ones, ones, loaded / self.bound], axis=1)[:, None]),
-            contact_motion_maps=contiguous_floats(contacts.contact_motion_maps / self.units),
-            imposed_contact_motions=contiguous_floats(contacts.imposed_contact_motions / self.speed),
+            semi_axes_and_bound=screw_groove.contiguous_floats(
+                shape * np.stack([ones, ones, loaded / self.bound], axis=1)[:, None]
+            ),
+            contact_motion_maps=screw_groove.contiguous_floats(contacts.contact_motion_maps / self.units),
+            imposed_contact_motions=screw_groove.contiguous_floats(contacts.imposed_contact_motions / self.speed),
         )
-        self.parts = zero_balance_arrays(self.count)
+        self.parts = zero_residual_arrays(self.count)
 
     def motions_without_neighbours(self) -> Array:
         """Return the scaled motions ``(N, 4)`` of the balls if neighbours exert no forces on each other.
 
-        Loaded balls move with least dissipation, the others with their nominal motion.
+        Loaded balls move with least dissipation, unloaded balls with the nominal motion.
         """
         x = np.tile(self.groove.nominal, (self.count, 1))
-        self.kernels.move_without_neighbours(self.balls, x)
+        self.kernels.write_motions_without_neighbours(self.balls, x)
         return x
 
-    def solve(self, x: Array, f: Array, eps: float, goal: float, limit: int) -> tuple[Array, Array, float, int]:
+    def solve_force_balance(
+        self, x: Array, f: Array, eps: float, goal: float, limit: int
+    ) -> tuple[Array, Array, float, int]:
         """Solve the force balance of all balls by Newton's method at one regularising speed of friction.
 
         ``x``: scaled motions ``(N, 4)`` and ``f``: scaled ball-to-ball forces ``(N,)`` to begin from; ``eps``:
@@ -285,35 +285,35 @@ class BalanceSearch:
         number of Newton steps. Returns the scaled motions, the scaled forces, the residual (root of the sum of squares
         of the unbalanced forces) and the number of steps.
         """
-        x, f = contiguous_floats(x).copy(), contiguous_floats(f).copy()
+        x, f = screw_groove.contiguous_floats(x).copy(), screw_groove.contiguous_floats(f).copy()
         size, steps = self.kernels.solve_force_balance_of_balls(
             self.groove, self.balls, x, f, eps, goal, ACCEPTED, limit, self.parts
         )
         return x, f, float(size), int(steps)
 
     def is_converged(self, f: Array) -> bool:
-        """Return whether the last result of `solve` balances the forces on all balls.
+        """Return whether the last result of `solve_force_balance` balances the forces on all balls.
 
-        ``f``: scaled ball-to-ball forces ``(N,)`` of this result; if the largest of them is above one, the tolerance is
-        multiplied by it.
+        ``f``: scaled ball-to-ball forces ``(N,)`` of this result; if the largest force is above one, the tolerance is
+        multiplied by this force.
         """
         return bool(self.kernels.largest_residual(self.parts) <= ACCEPTED * max(1.0, float(np.max(f))))
 
-    def solve_at_last_speed(self, x: Array, f: Array) -> tuple[Array, Array, bool, int]:
+    def solve_at_smallest_regularising_speed(self, x: Array, f: Array) -> tuple[Array, Array, bool, int]:
         """Solve the force balance at the smallest regularising speed of friction, with up to ``SHORT`` Newton steps.
 
         If the forces are in balance after exactly ``SHORT`` steps, the search goes on for higher accuracy. ``x``,
         ``f``: scaled motions ``(N, 4)`` and ball-to-ball forces ``(N,)`` to begin from. Returns the scaled motions, the
         scaled forces, whether they are in balance, and the number of Newton steps.
         """
-        x, f, _, steps = self.solve(x, f, SPEEDS[-1], GOAL, SHORT)
+        x, f, _, steps = self.solve_force_balance(x, f, SPEEDS[-1], GOAL, SHORT)
         good = self.is_converged(f)
         if good and steps == SHORT:
-            x, f, _, further = self.solve(x, f, SPEEDS[-1], GOAL, STEPS)
+            x, f, _, further = self.solve_force_balance(x, f, SPEEDS[-1], GOAL, STEPS)
             steps += further
         return x, f, good, steps
 
-    def solve_by_stages(self, x: Array) -> tuple[Array, Array, int]:
+    def solve_force_balance_by_stages(self, x: Array) -> tuple[Array, Array, int]:
         """Solve the force balance in stages of rising friction between balls, then of falling regularising speed.
 
         The friction between balls rises from zero at the first, largest regularising speed; then this speed falls to
@@ -328,7 +328,7 @@ class BalanceSearch:
         while goals:
             share, eps = goals[-1]
             self.balls = self.balls._replace(mu=share * full)
-            x_new, f_new, size, steps = self.solve(x, f, eps, COARSE if eps > SPEEDS[-1] else GOAL, STEPS)
+            x_new, f_new, size, steps = self.solve_force_balance(x, f, eps, COARSE if eps > SPEEDS[-1] else GOAL, STEPS)
             total += steps
             if size > MISSED and tries < DEPTH and at != goals[-1]:
                 tries += 1
@@ -367,19 +367,19 @@ def solve_motion_of_chain(
     s = BalanceSearch(chain, fast)
     total = 0
     if start is not None and (warm or np.any(start[1] > 0.0)):
-        x, f, good, total = s.solve_at_last_speed(start[0] * s.units / s.speed, start[1] / s.bound)
+        x, f, good, total = s.solve_at_smallest_regularising_speed(start[0] * s.units / s.speed, start[1] / s.bound)
         if good:
-            return _motion_in_si_units(s, x, f, total, True)
+            return _chain_motion_in_si_units(s, x, f, total, True)
     alone = s.motions_without_neighbours()
-    x, f, good, steps = s.solve_at_last_speed(alone, np.zeros(s.count))
+    x, f, good, steps = s.solve_at_smallest_regularising_speed(alone, np.zeros(s.count))
     total += steps
     if not good:
-        x, f, steps = s.solve_by_stages(alone)
+        x, f, steps = s.solve_force_balance_by_stages(alone)
         total += steps
-    return _motion_in_si_units(s, x, f, total)
+    return _chain_motion_in_si_units(s, x, f, total)
 
 
-def _motion_in_si_units(s: BalanceSearch, x: Array, f: Array, steps: int, from_start: bool = False) -> ChainMotion:
+def _chain_motion_in_si_units(s: BalanceSearch, x: Array, f: Array, steps: int, from_start: bool = False) -> ChainMotion:
     """Return motion, forces and losses of the balls in SI units, from the scaled solution of a search.
 
     ``s``: the search with its scales; ``x``: scaled motions ``(N, 4)``; ``f``: scaled ball-to-ball forces ``(N,)``;
@@ -399,9 +399,9 @@ def _motion_in_si_units(s: BalanceSearch, x: Array, f: Array, steps: int, from_s
         np.zeros((n, 3)),
         np.zeros(n),
     )
-    s.kernels.contact_friction(s.balls, x, eps, motion, pull, loss)
-    wrench = chain.wrench(bound * pull)
-    s.kernels.neighbour_forces(
+    s.kernels.write_contact_friction(s.balls, x, eps, motion, pull, loss)
+    wrench = chain.contact_wrenches(bound * pull)
+    s.kernels.write_neighbour_forces(
         s.groove, s.balls, x, ball_force, eps, pair.force_directions, pair.tangent_directions, push, ball_loss
     )
     return ChainMotion(
@@ -430,14 +430,15 @@ PATIENCE = 26
 #: is accepted, both over the largest friction bound of a ball.
 COUPLED_GOAL, PASSED = 1e-13, 1e-9
 
-#: Largest numbers of Newton steps in one stage and in all stages; number of steps up to which a stage is easy, so that the
-#: next one is longer.
+#: Largest numbers of Newton steps in one stage of rising friction and in all stages; number of steps up to which a stage is
+#: easy, so that the next one is longer.
 COUPLED_STEPS, MOST, EASY = 80, 800, 8
 
-#: Regularising speeds at which friction rises, tried in turn, because the path of solutions may turn back at a fold.
+#: Regularising speeds, as fractions of the nut's speed along the path, at which friction rises; they are tried in turn,
+#: because the path of solutions may turn back at a fold.
 SMOOTH = (SPEEDS[0], 1e-2, 1e-3)
 
-#: Lengths of the first and of the shortest stage, as fractions of the whole change of friction.
+#: Lengths of the first and of the shortest stage of rising friction, as fractions of the whole change of friction.
 FIRST, SHORTEST = 1.0 / 32.0, 1e-5
 
 
@@ -453,13 +454,11 @@ class LoadsAndMotionSolution:
     q: Array
     #: Force of ball k on ball k + 1 ``(N,)`` [N].
     ball_force: Array
-    #: Forces of friction and neighbours on the balls that their contact loads balance ``(N, 2)`` [N], field of the same
-    #: name of `BallsBetweenGrooves`.
+    #: Forces along x3, z3 that friction and neighbours exert on each ball, balanced by its contact loads ``(N, 2)`` [N].
     ball_friction_forces: Array
-    #: Forces of friction on the screw that the contact loads balance ``(m,)`` [N], field of the same name of
-    #: `BallsBetweenGrooves`.
+    #: Forces of friction on the screw along each of its m motions, balanced by the contact loads ``(m,)`` [N].
     screw_friction_forces: Array
-    #: Whether the search arrived at the full friction; if not, this is the state in which it ended.
+    #: Whether the search arrived at the full friction; if not, the other fields hold the state in which it ended.
     reached_full_friction: bool
     #: Number of Newton steps.
     steps: int
@@ -513,23 +512,25 @@ def solve_loads_and_motion(
     return LoadsAndMotionSolution(path.ball, path.screw, path.q, path.ball_force, push, drag, done, steps)
 
 
-def joint_kernel_arguments(cell: BallsBetweenGrooves, search: BalanceSearch) -> LoadsAndMotionSystem:
-    """Return the data with which kernels solve contact loads and motion of balls as one system of equations.
+def kernel_arrays_for_loads_and_motion(
+    cell: BallsBetweenGrooves, search: BalanceSearch
+) -> kernel_types.LoadsAndMotionSystem:
+    """Return the arrays with which the kernels solve contact loads and motions of balls as one system of equations.
 
     ``cell``: balls between screw and nut; ``search``: arrays of the chain of these balls, scaled at the present contact
     loads.
     """
     pair, total = cell.groove.pair, float(search.balls.force.sum())
     length = float(np.max(cell.groove.contact_hertz_constants.C)) * max(total, 1e-30) ** (2.0 / 3.0)
-    return LoadsAndMotionSystem(
-        cell=kernel_load_arrays(cell),
+    return kernel_types.LoadsAndMotionSystem(
+        cell=kernel_arrays_for_contact_loads(cell),
         groove=search.groove,
         balls=search.balls,
         force_unit=search.bound,
         position_unit=length,
-        ball_force_directions=contiguous_floats(pair.force_directions[:, [0, 2]]),
-        tangent_directions=contiguous_floats(pair.tangent_directions[..., [0, 2]]),
-        screw_displacement_maps=contiguous_floats(cell.screw_displacement_maps),
+        ball_force_directions=screw_groove.contiguous_floats(pair.force_directions[:, [0, 2]]),
+        tangent_directions=screw_groove.contiguous_floats(pair.tangent_directions[..., [0, 2]]),
+        screw_displacement_maps=screw_groove.contiguous_floats(cell.screw_displacement_maps),
     )
 
 
@@ -549,19 +550,19 @@ class _LoadsAndMotionPath:
         """
         self.cell, self.slack, self.fast, self.steps = cell, slack, fast, 0
         self.ball, self.screw = start
-        self.update_loads()
+        self.compute_loads_and_scales()
         moved = solve_motion_of_chain(self.search.chain, None, fast)
         self.q, self.ball_force = moved.q, moved.ball_force
 
-    def update_loads(self) -> None:
-        """Compute the contact loads at the present positions, and from them the scales and which balls count as loaded."""
-        g, arrays = self.cell.groove, kernel_load_arrays(self.cell)
+    def compute_loads_and_scales(self) -> None:
+        """Compute and store the contact loads at the present positions, and the scales of the equations there."""
+        g, arrays = self.cell.groove, kernel_arrays_for_contact_loads(self.cell)
         self.state = zero_contact_state_arrays(arrays)
         load_kernel_package(CONTACT, compiled=self.fast).contact_energy(arrays, self.ball, self.screw, self.state)
         n = self.state.normal
         normals = np.stack([n[..., 0], np.zeros_like(n[..., 0]), n[..., 1]], axis=-1)
         self.search = BalanceSearch(ScrewBallChain(g, self.state.force, normals, self.slack), self.fast)
-        self.system = joint_kernel_arguments(self.cell, self.search)
+        self.system = kernel_arrays_for_loads_and_motion(self.cell, self.search)
 
     def follow_solution(self, start: tuple[float, float], end: tuple[float, float]) -> bool:
         """Follow the solution while friction and its regularising speed change; return whether it arrived at ``end``.
@@ -571,15 +572,15 @@ class _LoadsAndMotionPath:
         the path.
         """
         way, step = 0.0, FIRST
-        last: tuple[float, LoadsAndMotionUnknowns] | None = None
+        last: tuple[float, kernel_types.LoadsAndMotionUnknowns] | None = None
         while way < 1.0 and step >= SHORTEST and self.steps < MOST:
-            goal, here = min(1.0, way + step), self.unknowns()
+            goal, here = min(1.0, way + step), self.present_unknowns()
             guess = here
             if last is not None:
                 p, u, x, f = (a + (goal - way) / (way - last[0]) * (a - b) for a, b in zip(here, last[1], strict=True))
-                guess = LoadsAndMotionUnknowns(p, u, x, f)
+                guess = kernel_types.LoadsAndMotionUnknowns(p, u, x, f)
             share, eps = start[0] + goal * (end[0] - start[0]), np.exp(start[1] + goal * (end[1] - start[1]))
-            used = self.solve_stage(guess, float(share), float(eps))
+            used = self.solve_at_fraction_of_friction(guess, float(share), float(eps))
             if used is None:
                 step *= 0.5
                 continue
@@ -587,35 +588,37 @@ class _LoadsAndMotionPath:
             step *= 1.5 if used <= EASY else 1.0
         return way >= 1.0
 
-    def unknowns(self) -> LoadsAndMotionUnknowns:
+    def present_unknowns(self) -> kernel_types.LoadsAndMotionUnknowns:
         """Return the present displacements [m], scaled ball motions and ball-to-ball forces [N].
 
         Motions are surface speeds divided by the nut's speed along the path. The forces are not scaled, because the
         unit of force of the kernels changes with the contact loads.
         """
-        return LoadsAndMotionUnknowns(
+        return kernel_types.LoadsAndMotionUnknowns(
             self.ball, self.screw, self.q * self.search.units / self.search.speed, self.ball_force
         )
 
-    def solve_stage(self, guess: LoadsAndMotionUnknowns, share: float, eps: float) -> int | None:
+    def solve_at_fraction_of_friction(
+        self, guess: kernel_types.LoadsAndMotionUnknowns, share: float, eps: float
+    ) -> int | None:
         """Solve contact loads and motion by Newton's method at one fraction of the friction and one regularising speed.
 
-        ``guess``: unknowns to begin from, as `unknowns` returns them; ``share``: fraction of the friction that acts on
+        ``guess``: unknowns to begin from, as by `present_unknowns`; ``share``: fraction of the friction that acts on
         the loads; ``eps``: regularising speed divided by the nut's speed along the path. Returns the number of Newton
         steps and stores the new solution in this object. If the steps do not converge, None is returned and the stored
         solution is not changed.
         """
         s = self.search
-        p, u, x, f = (contiguous_floats(a).copy() for a in guess)
+        p, u, x, f = (screw_groove.contiguous_floats(a).copy() for a in guess)
         f /= s.bound
         left, used = s.kernels.solve_loads_and_motion_by_newton(
-            self.system, LoadsAndMotionUnknowns(p, u, x, f), share, eps, COUPLED_GOAL, COUPLED_STEPS
+            self.system, kernel_types.LoadsAndMotionUnknowns(p, u, x, f), share, eps, COUPLED_GOAL, COUPLED_STEPS
         )
         self.steps += int(used)
         if not left <= PASSED:
             return None
         self.ball, self.screw, self.q, self.ball_force = p, u, x * s.speed / s.units, f * s.bound
-        self.update_loads()
+        self.compute_loads_and_scales()
         return int(used)
 
 
@@ -623,11 +626,11 @@ class _LoadsAndMotionPath:
 class CoupledChainSolution:
     """Contact loads and motion of the balls of a track, with the loads in balance with the friction of this motion."""
 
-    #: Contact loads without friction. If friction may not move the screw, the screw stays in its position in this state.
+    #: Contact loads without friction. If friction may not move the screw, the screw stays at its position in this solution.
     loads_without_friction: ContactLoadSolution
     #: Contact loads with friction.
     loads_with_friction: ContactLoadSolution
-    #: Motion, friction and ball-to-ball forces.
+    #: Motion of the balls, friction on them and ball-to-ball forces.
     motion: ChainMotion
     #: Largest change, in the last round, of a friction force that acts on the contact loads [N].
     last_friction_change: float
@@ -697,7 +700,7 @@ def solve_coupled_chain(
             similar_solution.loads_without_friction.inner_body_displacements,
         ),
     )
-    held = with_fixed_screw(cell, bare) if coupling == "ball" else cell
+    held = balls_with_fixed_screw(cell, bare) if coupling == "ball" else cell
     m = held.screw_displacement_maps.shape[2]
     if guess is None:
         guess = _starting_forces_and_motion(held, coupling, similar_solution)

@@ -26,8 +26,12 @@ from rollbench.meshes.parts import SIDE_SIGNS, Balls, Material, Nut, Scene, Scre
 from rollbench.meshes.record_keys import frozen_default, register_frozen_defaults
 from rollbench.meshes.surface import printed_principal_radii
 
+#: How Hertz constants are computed: exactly ("right"), or with the errors of Lin's Table B.1 ("as printed").
 Mode = Literal["right", "as printed"]
+#: Signs of the components, along x3 (radial) and z3 (binormal), of the directions from the ball's centre to its contacts
+#: SL, SR, NL, NR (screw or nut, left or right).
 SIGN_X, SIGN_Z = np.array(SIDE_SIGNS).T
+#: Whether each of the contacts SL, SR, NL, NR (screw or nut, left or right) is on the screw.
 ON_SCREW = np.array([True, True, False, False])
 
 
@@ -52,19 +56,19 @@ class HelicalMotion:
     screw_speed: float
 
     @property
-    def ratio(self) -> float:
+    def advance_per_radian(self) -> float:
         """Advance along the axis per angle, lead/(2 pi) [m/rad] (Lin 3.55)."""
         return self.lead / (2.0 * np.pi)
 
     @property
     def radius(self) -> float:
         """Length of the helical path of ball centres per angle, L/(2 pi) with the length L of one turn [m] (Lin 3.66)."""
-        return float(np.hypot(self.pitch_radius, self.ratio))
+        return float(np.hypot(self.pitch_radius, self.advance_per_radian))
 
     @property
     def lead_angle(self) -> float:
-        """Lead angle [rad] (Lin 3.63)."""
-        return float(np.arctan2(self.ratio, self.pitch_radius))
+        """Lead angle of the helix of ball centres [rad] (Lin 3.63)."""
+        return float(np.arctan2(self.advance_per_radian, self.pitch_radius))
 
     @property
     def screw_axis_direction(self) -> Array:
@@ -156,7 +160,7 @@ def contact_axes(normals: Array) -> Array:
 
 @dataclass(frozen=True)
 class GrooveHertzConstants:
-    """Hertz constants of the four contacts of a ball: factors of powers of the contact force F."""
+    """Hertz constants of the four contacts of a ball, from which approach and semi-axes follow at a contact force F."""
 
     #: Constant C of the approach C F^(2/3) ``(4,)`` [m/N^(2/3)].
     C: Array
@@ -167,7 +171,7 @@ class GrooveHertzConstants:
 
 
 class GroovesInMotion(HelicalMotion, ABC):
-    """Interface of the grooves of screw and nut in helical motion, with friction."""
+    """Interface of the grooves of screw and nut that move along the helix: kinematics, Hertz constants and friction."""
 
     #: Largest coefficient of friction of the grooves.
     mu: float
@@ -275,16 +279,17 @@ class TouchingBallsGeometry:
 
     #: Difference of the azimuths of the two balls [rad].
     spacing: float
-    #: Speed at which the balls approach each other per difference of their orbital speeds omega_B [m].
+    #: Speed at which two balls approach each other, per unit of difference of their orbital speeds omega_B [m].
     closing_speed_factor: float
-    #: Velocity of the first ball's surface along two tangents of the contact, per unit of its motion (orbit and three
-    #: spins) ``(2, 4)`` [m].
+    #: Velocity of the first ball's surface at the contact, along two tangents, per unit of each of the ball's four angular
+    #: speeds (orbit and three spins) ``(2, 4)`` [m].
     first_ball_surface_speeds: Array
-    #: Velocity of the second ball's surface along the same tangents, per unit of its motion ``(2, 4)`` [m].
+    #: Velocity of the second ball's surface at the contact, along the same tangents, per unit of each of this ball's four
+    #: angular speeds ``(2, 4)`` [m].
     second_ball_surface_speeds: Array
     #: Direction of the contact force on the first and on the second ball ``(2, 3)``.
     force_directions: Array
-    #: Directions of the two tangents in the axes of the first and of the second ball ``(2, 2, 3)``.
+    #: Directions of the two tangents of the contact, in the axes of the first, then of the second ball ``(2, 2, 3)``.
     tangent_directions: Array
 
 
@@ -305,23 +310,24 @@ def azimuth_between_touching_balls(screw: HelicalMotion) -> float:
 
     References
     ----------
-    Lin (2019), 3.72, prints 2 arcsin(R_B/(L/2 pi)), which is the same for zero lead only.
+    Lin (2019), 3.72, prints 2 arcsin(R_B/(L/2 pi)) with the length L of one turn of the helix, which is the same for
+    zero lead only.
     """
-    pitch, rise, reach = screw.pitch_radius, screw.ratio, 2.0 * screw.ball_radius
+    pitch, rise, reach = screw.pitch_radius, screw.advance_per_radian, 2.0 * screw.ball_radius
 
-    def excess(angle: float) -> float:
+    def distance_above_ball_diameter(angle: float) -> float:
         """Return by how much the distance of two ball centres exceeds the ball diameter [m].
 
         ``angle``: difference of the azimuths of the balls [rad].
         """
         return float(np.hypot(2.0 * pitch * np.sin(0.5 * angle), rise * angle)) - reach
 
-    if excess(0.5 * np.pi) <= 0.0:
+    if distance_above_ball_diameter(0.5 * np.pi) <= 0.0:
         raise ValueError(
             f"the ball radius {screw.ball_radius} m is too large for the pitch radius {pitch} m: two balls that touch must "
             "lie less than a quarter turn apart"
         )
-    return float(brentq(excess, 0.0, 0.5 * np.pi, xtol=1e-15, rtol=1e-14))
+    return float(brentq(distance_above_ball_diameter, 0.0, 0.5 * np.pi, xtol=1e-15, rtol=1e-14))
 
 
 def section_axes(screw: HelicalMotion, azimuth: ArrayLike) -> Array:
@@ -345,12 +351,13 @@ def touching_balls_geometry(screw: HelicalMotion) -> TouchingBallsGeometry:
 
     References
     ----------
-    Corrects Lin (2019), 3.73 to 3.75, which take a circle of radius L/2 pi in place of the helix.
+    Corrects Lin (2019), 3.73 to 3.75, which take a circle of radius L/2 pi in place of a helix whose turn has the
+    length L.
     """
     spacing = azimuth_between_touching_balls(screw)
     frames = [section_axes(screw, -0.5 * spacing), section_axes(screw, 0.5 * spacing)]
     centres = [
-        screw.pitch_radius * f[0] + np.array([0.0, 0.0, screw.ratio * s * 0.5 * spacing])
+        screw.pitch_radius * f[0] + np.array([0.0, 0.0, screw.advance_per_radian * s * 0.5 * spacing])
         for f, s in zip(frames, (-1.0, 1.0), strict=True)
     ]
     line = centres[1] - centres[0]

@@ -16,32 +16,17 @@ from typing import Literal
 
 import numpy as np
 
-from rollbench.lowfi.friction.contact.equilibrium import (
-    BodyMotion,
-    BodyMotionProblem,
-    ContactLoadSolution,
-    least_dissipation,
-    motion_by_root,
-    solve_contact_loads,
-)
+from rollbench.lowfi.friction.contact import equilibrium
 from rollbench.lowfi.friction.contact.kernel_types import BallContactArrays
 from rollbench.lowfi.friction.contact.laws import EllipticalContacts, FrictionLaw, SigmoidLaw, contacts_from_values
-from rollbench.lowfi.friction.screw.groove import (
-    ON_SCREW,
-    SIGN_X,
-    SIGN_Z,
-    ScrewGroove,
-    contact_axes,
-    contiguous_floats,
-    section_axes,
-)
+from rollbench.lowfi.friction.screw import groove as screw_groove
 from rollbench.lowfi.jit import SCREW, load_kernel_package
 from rollbench.lowfi.statics.settle import contact_angles
 from rollbench.meshes.arrays import Array, Mask
 
 
 def balls_without_friction(
-    groove: ScrewGroove, angle: Array, interference: Array, rows: Array, force: Array
+    groove: screw_groove.ScrewGroove, angle: Array, interference: Array, rows: Array, force: Array
 ) -> BallsBetweenGrooves:
     """Return N balls between screw and nut under an external force on the screw, with friction forces of zero.
 
@@ -59,8 +44,8 @@ def balls_without_friction(
 class BallsBetweenGrooves:
     """N balls between screw and nut with the forces on balls and screw; the screw is free in m motions u."""
 
-    #: Grooves of screw and nut with their speeds.
-    groove: ScrewGroove
+    #: Grooves of screw and nut, with the speeds of both bodies.
+    groove: screw_groove.ScrewGroove
     #: Contact angles of the unloaded balls ``(N, 4)`` [rad].
     angle: Array
     #: Interference of ball and groove at each contact before any displacement, negative for clearance ``(N, 4)`` [m].
@@ -71,7 +56,7 @@ class BallsBetweenGrooves:
     external_screw_force: Array
     #: Given displacement of the screw along x3, z3 at each ball, in addition to its motions u ``(N, 2)`` [m].
     given_screw_displacement: Array
-    #: Forces on the balls along x3, z3, such as friction ``(N, 2)`` [N].
+    #: Forces other than contact loads on the balls along x3, z3, such as friction ``(N, 2)`` [N].
     ball_friction_forces: Array
     #: Force of friction on the screw along each motion u ``(m,)`` [N].
     screw_friction_forces: Array
@@ -82,13 +67,13 @@ class BallsBetweenGrooves:
         return self.screw_displacement_maps[:, [0, 2]]
 
 
-def kernel_load_arrays(cell: BallsBetweenGrooves) -> BallContactArrays:
+def kernel_arrays_for_contact_loads(cell: BallsBetweenGrooves) -> BallContactArrays:
     """Return geometry, stiffness and applied forces of the balls in ``cell`` as arrays for the kernels."""
     start = cell.groove.groove_ball_centre_distance * np.stack(
-        [SIGN_X * np.cos(cell.angle), SIGN_Z * np.sin(cell.angle)], axis=-1
+        [screw_groove.SIGN_X * np.cos(cell.angle), screw_groove.SIGN_Z * np.sin(cell.angle)], axis=-1
     )
     start, interference, C, section, offset, push, pull = map(
-        contiguous_floats,
+        screw_groove.contiguous_floats,
         (
             start,
             cell.interference,
@@ -121,7 +106,7 @@ def _starting_displacements(cell: BallsBetweenGrooves) -> tuple[Array, Array]:
 
 def solve_screw_contact_loads(
     cell: BallsBetweenGrooves, start: tuple[Array, Array] | None = None, fast: bool = True
-) -> ContactLoadSolution:
+) -> equilibrium.ContactLoadSolution:
     """Return the contact loads of balls between screw and nut, in balance with the forces on balls and screw.
 
     The loads are found by Newton's method with line search at the minimum of sum (2/5) C^(-3/2) <approach>^(5/2) -
@@ -147,14 +132,14 @@ def solve_screw_contact_loads(
     p, u = (
         _starting_displacements(cell)
         if start is None
-        else (contiguous_floats(start[0]).copy(), contiguous_floats(start[1]).copy())
+        else (screw_groove.contiguous_floats(start[0]).copy(), screw_groove.contiguous_floats(start[1]).copy())
     )
-    settled = solve_contact_loads(kernel_load_arrays(cell), load, p, u, contact_angles, fast)
+    settled = equilibrium.solve_contact_loads(kernel_arrays_for_contact_loads(cell), load, p, u, contact_angles, fast)
     # from a distant start a nearly unloaded ball may creep along a flat energy
     return settled if settled.converged or start is None else solve_screw_contact_loads(cell, None, fast)
 
 
-def screw_displacement_maps(groove: ScrewGroove, azimuth: Array, free: str) -> Array:
+def screw_displacement_maps(groove: screw_groove.ScrewGroove, azimuth: Array, free: str) -> Array:
     """Return the displacement of the screw at each of N balls per unit of its m translations ``(N, 3, m)``.
 
     The displacement is along x3 (radial), y3 (along the track), z3 (binormal) of each ball. ``groove``: the helix;
@@ -164,7 +149,7 @@ def screw_displacement_maps(groove: ScrewGroove, azimuth: Array, free: str) -> A
     """
     if any(letter not in "xyzr" for letter in free):
         raise ValueError(f'the translations in which the screw is free must be letters of "xyzr", got "{free}"')
-    turn = section_axes(groove, azimuth)
+    turn = screw_groove.section_axes(groove, azimuth)
     out = np.zeros((*turn.shape[:2], len(free)))
     for j, letter in enumerate(free):
         out[..., j] = (1.0, 0.0, 0.0) if letter == "r" else turn[..., "xyz".index(letter)]
@@ -175,8 +160,8 @@ def screw_displacement_maps(groove: ScrewGroove, azimuth: Array, free: str) -> A
 #: the position of the screw ("ball and screw").
 Coupling = Literal["none", "ball", "ball and screw"]
 
-#: Change of the friction forces in one round, over the sum of the contact loads, up to which loads and friction agree, and
-#: largest number of rounds.
+#: Change of the friction forces from one round to the next, divided by the sum of the contact loads, up to which contact
+#: loads and friction agree; largest number of rounds.
 AGREED, ROUNDS = 1e-11, 100
 
 
@@ -184,16 +169,16 @@ AGREED, ROUNDS = 1e-11, 100
 class BallMotion:
     """Motion of one ball of a screw under given contact loads, with the friction on it."""
 
-    #: Grooves of screw and nut with their speeds.
-    groove: ScrewGroove
+    #: Grooves of screw and nut, with the speeds of both bodies.
+    groove: screw_groove.ScrewGroove
     #: Ellipses, loads and coefficients of friction of the ball's contacts ``(4,)``.
     contacts: EllipticalContacts
     #: Directions from the ball's centre to the contacts in x3, y3, z3 ``(4, 3)``.
     normals: Array
     #: Contacts, kinematics and forces that determine the motion.
-    problem: BodyMotionProblem
-    #: Motion of least dissipation.
-    motion: BodyMotion
+    problem: equilibrium.BodyMotionProblem
+    #: Motion of the ball with least dissipation, and the friction on it.
+    motion: equilibrium.BodyMotion
 
     @property
     def wrench(self) -> Array:
@@ -213,15 +198,15 @@ def friction_wrench_at_contacts(normals: Array, force: Array, moment: Array) -> 
     """Return force, then moment of friction on balls at each contact, along x3, y3, z3 each ``(..., 4, 6)`` [N, N m].
 
     x3 is radial, y3 along the track, z3 the binormal. ``normals``: directions from the ball's centre to the contacts in
-    these axes ``(..., 4, 3)``; ``force``: friction along the contacts' axes x, z ``(..., 4, 2)`` [N]; ``moment``:
-    friction moment about the contacts' axes y ``(..., 4)`` [N m].
+    these axes ``(..., 4, 3)``; ``force``: friction at each contact across the groove and along the path ``(..., 4, 2)``
+    [N]; ``moment``: friction moment about the contact normal into the ball ``(..., 4)`` [N m].
     """
-    axes = contact_axes(normals)
+    axes = screw_groove.contact_axes(normals)
     f = np.einsum("...r,...ri->...i", force, axes[..., :2, :])
     return np.concatenate([f, moment[..., None] * axes[..., 2, :]], axis=-1)
 
 
-def power_of_helical_motion(groove: ScrewGroove, normals: Array, wrench: Array) -> float:
+def power_of_helical_motion(groove: screw_groove.ScrewGroove, normals: Array, wrench: Array) -> float:
     """Return the power [W] that keeps nut and screw in helical motion against friction.
 
     The power is summed over the contacts: velocity of the surface of screw or nut times the force, plus angular
@@ -230,7 +215,7 @@ def power_of_helical_motion(groove: ScrewGroove, normals: Array, wrench: Array) 
     (radial), y3 (along the track), z3 (binormal) ``(..., 4, 3)``; ``wrench``: force and moment of friction on the balls
     in the same axes ``(..., 4, 6)`` [N, N m].
     """
-    body = np.where(ON_SCREW, groove.screw_speed, groove.nut_speed)
+    body = np.where(screw_groove.ON_SCREW, groove.screw_speed, groove.nut_speed)
     surface = groove.ball_radius * (normals @ groove.cross_product_matrices[0].T) + groove.radius * np.array(
         [0.0, 1.0, 0.0]
     )
@@ -238,7 +223,7 @@ def power_of_helical_motion(groove: ScrewGroove, normals: Array, wrench: Array) 
     return float(np.sum(body * per_speed))
 
 
-def contact_ellipses_of_screw(groove: ScrewGroove, force: Array) -> EllipticalContacts:
+def contact_ellipses_of_screw(groove: screw_groove.ScrewGroove, force: Array) -> EllipticalContacts:
     """Return ellipses, loads and friction coefficients of all n contacts of several balls of a screw, as arrays ``(n,)``.
 
     A contact without load has an ellipse of vanishing size.
@@ -252,12 +237,14 @@ def contact_ellipses_of_screw(groove: ScrewGroove, force: Array) -> EllipticalCo
     """
     h, four = groove.contact_hertz_constants, np.reshape(force, (-1, 4)).astype(float)
     a, b = np.empty_like(four), np.empty_like(four)
-    load_kernel_package(SCREW, compiled=True).semi_axes(four, contiguous_floats(h.C_a), contiguous_floats(h.C_b), a, b)
+    load_kernel_package(SCREW, compiled=True).write_semi_axes(
+        four, screw_groove.contiguous_floats(h.C_a), screw_groove.contiguous_floats(h.C_b), a, b
+    )
     return contacts_from_values(a.ravel(), b.ravel(), four.ravel(), groove.mu)
 
 
 def solve_ball_motion(
-    groove: ScrewGroove,
+    groove: screw_groove.ScrewGroove,
     force: Array,
     angle: Array,
     push: Array | None = None,
@@ -286,11 +273,13 @@ def solve_ball_motion(
     normals = groove.normals(angle)
     maps, drives = groove.contact_kinematics(normals)
     at = contact_ellipses_of_screw(groove, np.asarray(force, dtype=float))
-    problem = BodyMotionProblem(at, maps, drives, np.zeros(4) if push is None else np.asarray(push, dtype=float))
-    return BallMotion(groove, at, normals, problem, least_dissipation(problem, start, fast))
+    problem = equilibrium.BodyMotionProblem(
+        at, maps, drives, np.zeros(4) if push is None else np.asarray(push, dtype=float)
+    )
+    return BallMotion(groove, at, normals, problem, equilibrium.least_dissipation(problem, start, fast))
 
 
-def lin_sigmoid_law(groove: ScrewGroove, sharpness: float, map_spacing: float | None = None) -> SigmoidLaw:
+def lin_sigmoid_law(groove: screw_groove.ScrewGroove, sharpness: float, map_spacing: float | None = None) -> SigmoidLaw:
     """Return Lin's sigmoid friction law for the contacts of a screw.
 
     The reference spin of the sigmoid is the relative spin of two opposite contacts, which for a bearing is omega_I
@@ -314,7 +303,7 @@ def lin_sigmoid_law(groove: ScrewGroove, sharpness: float, map_spacing: float | 
     return SigmoidLaw(sharpness, spin, map_spacing)
 
 
-def solve_ball_motion_by_root(ball: BallMotion, law: FrictionLaw, start: Array | None = None) -> BodyMotion:
+def solve_ball_motion_by_root(ball: BallMotion, law: FrictionLaw, start: Array | None = None) -> equilibrium.BodyMotion:
     """Return the motion of a ball by Lin's method for comparison: a root of the balance of forces (Lin 3.69, 3.71).
 
     ``ball``: the ball, of which contacts and kinematics are used; ``law``: friction law; ``start``: orbit omega_B and
@@ -322,7 +311,7 @@ def solve_ball_motion_by_root(ball: BallMotion, law: FrictionLaw, start: Array |
     contact angle. From many starts near two-point contact the search fails (status "failed").
     """
     first = np.array([ball.groove.nominal_orbit, 0.0, 0.0, 0.0]) if start is None else start
-    return motion_by_root(ball.problem, law, first, fast=True)
+    return equilibrium.motion_by_root(ball.problem, law, first, fast=True)
 
 
 def friction_on_balls_and_screw(
@@ -337,7 +326,7 @@ def friction_on_balls_and_screw(
     are zero.
     """
     push = wrench[:, :, [0, 2]].sum(axis=1) + neighbour_forces
-    on_screw = wrench[:, ON_SCREW, :3].sum(axis=1)
+    on_screw = wrench[:, screw_groove.ON_SCREW, :3].sum(axis=1)
     drag = -np.einsum("nim,ni->m", cell.screw_displacement_maps, on_screw)
     if coupling == "none":
         return np.zeros_like(push), np.zeros_like(drag)
@@ -347,11 +336,11 @@ def friction_on_balls_and_screw(
 class AndersonAcceleration:
     """Anderson acceleration of a fixed-point iteration x = g(x), from the history of the last few rounds.
 
-    The steps are damped and the history is dropped after many rounds.
+    After many rounds without convergence the steps are damped and the history is dropped.
     """
 
     def __init__(self, depth: int = 3, patience: int = 20) -> None:
-        """Begin without history.
+        """Begin an iteration without a history of earlier rounds.
 
         ``depth``: number of differences between successive rounds that are used; ``patience``: number of rounds after
         which, each time, the steps are halved and the history is dropped.
@@ -360,7 +349,7 @@ class AndersonAcceleration:
         self.x, self.r = list[Array](), list[Array]()
 
     def keep_vectors(self, which: Mask) -> None:
-        """Drop some of the vectors x that are iterated together, with their history.
+        """Keep some of the vectors x that are iterated together, and drop the other vectors with their history.
 
         ``which``: whether to keep each vector.
         """
@@ -383,7 +372,7 @@ class AndersonAcceleration:
         return np.asarray(x + damping * (g - x) - ((dx + damping * dr) @ share)[..., 0])
 
 
-def with_fixed_screw(cell: BallsBetweenGrooves, load: ContactLoadSolution) -> BallsBetweenGrooves:
+def balls_with_fixed_screw(cell: BallsBetweenGrooves, load: equilibrium.ContactLoadSolution) -> BallsBetweenGrooves:
     """Return the balls of ``cell`` with the screw fixed at the displacement that it has in the solution ``load``.
 
     The screw then has no free motions, so that the arrays of forces on it are empty.

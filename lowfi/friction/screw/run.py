@@ -16,22 +16,17 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from rollbench.lowfi.friction.screw import motion as screw_motion
 from rollbench.lowfi.friction.screw.chain import CoupledChainSolution, IterationStart, solve_coupled_chain
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
-from rollbench.lowfi.friction.screw.motion import (
-    BallsBetweenGrooves,
-    Coupling,
-    balls_without_friction,
-    screw_displacement_maps,
-    solve_ball_motion,
-)
 from rollbench.lowfi.friction.screw.travel import BallState, ClosedTrack, InstantSolution, TravelHistory, simulate
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.numerics import brentq
 from rollbench.meshes.record_keys import frozen_default, register_frozen_defaults
 
-#: Factors of the deviation theta at the contacts SL, SR, NL, NR (screw or nut, left or right): both contact angles on the
-#: screw deviate by the same amount, or by opposite amounts, as on a groove that is shifted sideways.
+#: Factors by which the deviation theta of the contact angles is multiplied at the contacts SL, SR, NL, NR (screw or nut,
+#: left or right): both contact angles on the screw deviate by the same amount, or by opposite amounts, as on a groove that
+#: is shifted sideways.
 BOTH, SHIFTED = (1.0, 1.0, 0.0, 0.0), (1.0, -1.0, 0.0, 0.0)
 
 
@@ -42,11 +37,12 @@ class Pair:
 
     #: Grooves of screw and nut with their speeds.
     groove: ScrewGroove
-    #: Deviation theta of the contact angles of each ball [rad].
+    #: Deviation theta of the contact angles of each ball from the nominal contact angle [rad].
     theta: tuple[float, float]
-    #: Factors of theta at the contacts SL, SR, NL, NR (screw or nut, left or right) of the first and of the second ball.
+    #: Factors by which theta is multiplied at the contacts SL, SR, NL, NR (screw or nut, left or right) of the first and of
+    #: the second ball.
     pattern: tuple[tuple[float, ...], tuple[float, ...]] = frozen_default((BOTH, BOTH))
-    #: Oversize of the ball radii [m], negative for clearance.
+    #: Oversize of the ball radii, which is the interference at each contact [m]; negative for clearance.
     oversize: float = frozen_default(0.0)
     #: Translations in which the screw is free, letters of "xyzr" (see `screw_displacement_maps`).
     free: str = frozen_default("z")
@@ -54,20 +50,20 @@ class Pair:
     force: tuple[float, ...] = frozen_default((0.0,))
     #: What friction may change: nothing ("none"), the contact loads of the balls ("ball"), or also the position of the
     #: screw ("ball and screw").
-    coupling: Coupling = frozen_default("none")
+    coupling: screw_motion.Coupling = frozen_default("none")
 
-    def cell(self) -> BallsBetweenGrooves:
+    def balls_with_loads(self) -> screw_motion.BallsBetweenGrooves:
         """Return both balls between screw and nut with their loads, as argument of `solve_coupled_chain`.
 
         The balls touch each other, and azimuth 0 lies in the middle between them.
         """
         half = 0.5 * self.groove.pair.spacing
         angle = self.groove.contact_angle + np.array(self.theta)[:, None] * np.array(self.pattern)
-        return balls_without_friction(
+        return screw_motion.balls_without_friction(
             self.groove,
             angle,
             np.full((2, 4), self.oversize),
-            screw_displacement_maps(self.groove, np.array([-half, half]), self.free),
+            screw_motion.screw_displacement_maps(self.groove, np.array([-half, half]), self.free),
             np.array(self.force),
         )
 
@@ -76,9 +72,9 @@ class Pair:
 class ScrewPairSolution:
     """Contact loads and motion of two balls of a screw, without and with contact of the balls with each other."""
 
-    #: State without ball-to-ball contact.
+    #: Solution for the two balls without contact with each other.
     apart: CoupledChainSolution
-    #: State with ball-to-ball contact.
+    #: Solution for the two balls with contact with each other.
     touching: CoupledChainSolution
 
     @property
@@ -112,7 +108,7 @@ class ScrewPairSolution:
 
     @property
     def converged(self) -> bool:
-        """Whether both states converged."""
+        """Whether the solutions without and with ball-to-ball contact both converged."""
         return self.apart.converged and self.touching.converged
 
 
@@ -135,7 +131,7 @@ def solve_pair_of_screw_balls(pair: Pair, guess: IterationStart | None = None) -
         Forces and motions from which the searches for both states begin. With None, the search for the state without
         contact begins without friction, and the search for the state with contact from the state without contact.
     """
-    cell, apart = pair.cell(), None if guess is None else replace(guess, ball_force=np.zeros(2))
+    cell, apart = pair.balls_with_loads(), None if guess is None else replace(guess, ball_force=np.zeros(2))
     free = solve_coupled_chain(cell, np.full(2, np.inf), pair.coupling, guess=apart)
     return ScrewPairSolution(free, solve_coupled_chain(cell, np.array([0.0, np.inf]), pair.coupling, free, guess=guess))
 
@@ -171,22 +167,28 @@ def load_implied_by_ball_force(pair: Pair, force: float, increase: float) -> flo
     loss = 0.5 * g.ball_to_ball_mu * force * pair_sliding_speed(pair) / increase
     angle = np.full(4, g.contact_angle)
 
-    def excess(log_load: float) -> float:
-        """Return the loss of a ball over the implied loss, less 1, at a load of exp(``log_load``) [N] on each contact."""
-        return solve_ball_motion(g, np.full(4, np.exp(log_load)), angle).motion.loss / loss - 1.0
+    def relative_loss_excess(log_load: float) -> float:
+        """Return the loss of a ball over the sought loss, less 1, at a load of exp(``log_load``) [N] on each contact.
 
-    return 4.0 * float(np.exp(brentq(excess, np.log(1e-3), np.log(1e5), xtol=1e-10)))
+        The sought loss is half of the loss at the grooves of both balls.
+        """
+        return screw_motion.solve_ball_motion(g, np.full(4, np.exp(log_load)), angle).motion.loss / loss - 1.0
+
+    return 4.0 * float(np.exp(brentq(relative_loss_excess, np.log(1e-3), np.log(1e5), xtol=1e-10)))
 
 
 @dataclass(frozen=True)
 class ScrewPairResultGrid:
-    """Ball-to-ball force and friction increase of two balls over a grid of m oversizes and n forces on the screw."""
+    """Ball-to-ball force and friction increase of two balls for m oversizes of the balls and n forces on the screw.
+
+    The oversize of a ball's radius is its interference with screw and nut at each contact.
+    """
 
     #: Ball-to-ball force ``(m, n)`` [N].
     force: Array
     #: Relative increase of the friction loss by ball-to-ball contact ``(m, n)``.
     friction_increase: Array
-    #: Whether both states, without and with contact, converged ``(m, n)``.
+    #: Whether the solutions without and with ball-to-ball contact both converged ``(m, n)``.
     converged: Array
 
 
@@ -201,7 +203,7 @@ def results_over_oversize_and_force(pair: Pair, oversize: Array, axial: Array) -
     pair
         Two balls of a screw, whose oversize and magnitude of the force are replaced by the given values.
     oversize
-        Oversizes of the ball radius, ``(m,)`` [m].
+        Oversizes of the ball radius, which are the interference at each contact; negative for clearance ``(m,)`` [m].
     axial
         Magnitudes of the force on the screw, ``(n,)`` [N].
     """
@@ -240,19 +242,20 @@ class Run:
     force: tuple[float, ...]
     #: Translations in which the screw is free, letters of "xyzr" (see `screw_displacement_maps`).
     free: str
-    #: Time to simulate [s].
+    #: Time that is simulated [s].
     duration: float
-    #: Number of equal time steps.
+    #: Number of equal time steps into which ``duration`` is divided.
     steps: int
-    #: Oversize of the ball radii [m].
+    #: Oversize of the ball radii, which is the interference at each contact [m]; negative for clearance.
     oversize: float = frozen_default(0.0)
-    #: Amplitude of the deviation theta of the contact angles, which is a sine function of the azimuth [rad].
+    #: Amplitude of the deviation theta of the contact angles from the nominal one; theta is a sine function of the azimuth
+    #: [rad].
     amplitude: float = frozen_default(0.0)
-    #: Number of periods of theta per turn.
+    #: Number of periods, per turn, of the deviation theta of the contact angles.
     cycles: float = frozen_default(2.0)
-    #: Phase of theta at azimuth 0 [rad].
+    #: Phase of the deviation theta of the contact angles at azimuth 0 [rad].
     phase: float = frozen_default(0.0)
-    #: Factors of theta at the contacts SL, SR, NL, NR (screw or nut, left or right).
+    #: Factors by which the deviation theta is multiplied at the contacts SL, SR, NL, NR (screw or nut, left or right).
     pattern: tuple[float, ...] = frozen_default(BOTH)
     #: Length of the return tube as an angle of the track [rad]; balls in it bear no load.
     tube: float = frozen_default(0.0)
@@ -261,15 +264,16 @@ class Run:
     first: float = frozen_default(0.5)
     #: What friction may change: nothing ("none"), the contact loads of the balls ("ball"), or also the position of the
     #: screw ("ball and screw").
-    coupling: Coupling = frozen_default("none")
+    coupling: screw_motion.Coupling = frozen_default("none")
     #: Largest number of rounds of contact loads and friction in each time step; with one round the loads are those under
     #: the friction of the previous step.
     rounds: int = frozen_default(1)
-    #: Body, screw or nut, whose groove has the deviation theta, so that theta turns with it.
+    #: Body, screw or nut, whose groove causes the deviation theta of the contact angles, so that theta turns with this
+    #: body.
     follows: Literal["screw", "nut"] = frozen_default("screw")
 
     def __post_init__(self) -> None:
-        """Raise ValueError for values out of range, or if the balls do not fit into the closed track."""
+        """Raise ValueError for numbers, times or lengths out of range, or if the balls do not fit into the closed track."""
         if self.count < 2 or self.steps < 1 or self.duration <= 0.0 or self.tube < 0.0:
             raise ValueError(
                 "a simulation needs at least 2 balls and 1 time step, a positive duration and a tube of length >= 0, "
@@ -307,7 +311,7 @@ class Run:
         """Ratio of the length of all balls in a row to that of the loaded turns (97.8 % in Lin's section 3.4.4)."""
         return self.count * self.groove.pair.spacing / (2.0 * np.pi * self.turns)
 
-    def place(self, azimuth: Array, nut_angle: float) -> tuple[Array, NDArray[np.bool_]]:
+    def fold_into_track(self, azimuth: Array, nut_angle: float) -> tuple[Array, NDArray[np.bool_]]:
         """Return the balls' azimuths, reduced to one passage of the closed track, then which balls are in the loaded turns.
 
         ``azimuth``: azimuths of the balls, measured on the screw, which increase without bound ``(N,)`` [rad];
@@ -318,13 +322,13 @@ class Run:
         along = track.distances_from_arc_start(azimuth, nut_angle)
         return along + nut_angle + track.loaded_arc_start, along < track.arc
 
-    def begin(self) -> BallState:
+    def state_at_start(self) -> BallState:
         """Return the state at the start: balls spread evenly over the closed track, at the nominal orbital speed."""
         azimuth = self.ring * (np.arange(self.count) + self.first) / self.count - np.pi * self.turns
         gap = np.full(self.count, self.ring / self.count - self.groove.pair.spacing)
         return BallState(azimuth, gap, np.full(self.count, self.groove.nominal_orbit - self.groove.screw_speed), None)
 
-    def time_to_end(self, azimuth: Array, omega: Array, time: float) -> float:
+    def time_to_next_arc_end(self, azimuth: Array, omega: Array, time: float) -> float:
         """Return the time until a ball reaches an end of the nut's loaded turns [s].
 
         The result is inf for a track without return tube whose contact angles are the same at both ends, because
@@ -336,7 +340,9 @@ class Run:
         speed = self.groove.speed
         return self.tracks[0].time_to_arc_end(azimuth, omega - speed, speed * time)
 
-    def instant(self, azimuth: Array, time: float, slack: Array, memory: CoupledChainSolution | None) -> InstantSolution:
+    def solve_at_instant(
+        self, azimuth: Array, time: float, slack: Array, memory: CoupledChainSolution | None
+    ) -> InstantSolution:
         """Return the contact loads and ball motions of the simulated screw at one instant.
 
         ``azimuth``: azimuths of the balls, measured on the screw ``(N,)`` [rad]; ``time``: time since the start [s];
@@ -344,7 +350,7 @@ class Run:
         the previous instant, None at the start.
         """
         turned = self.groove.speed * time
-        azimuths, loaded = self.place(azimuth, turned)
+        azimuths, loaded = self.fold_into_track(azimuth, turned)
         near = solve_coupled_chain(
             balls_at_instant(self, azimuths, loaded, turned), slack, self.coupling, memory, self.rounds
         )
@@ -378,18 +384,20 @@ def contact_angle_deviation(run: Run, azimuth: Array, nut_angle: float = 0.0) ->
     return np.asarray(run.amplitude * np.sin(run.cycles * own + run.phase))
 
 
-def balls_at_instant(run: Run, azimuth: Array, loaded: NDArray[np.bool_], nut_angle: float) -> BallsBetweenGrooves:
+def balls_at_instant(
+    run: Run, azimuth: Array, loaded: NDArray[np.bool_], nut_angle: float
+) -> screw_motion.BallsBetweenGrooves:
     """Return the balls of a simulated screw at one instant and the force on it, as argument of `solve_coupled_chain`.
 
     ``run``: the simulated screw; ``azimuth``: azimuths of the balls, measured on the screw ``(N,)`` [rad]; ``loaded``:
-    whether each ball is in the loaded turns ``(N,)``; the others get so much clearance that they have no contact;
+    whether each ball is in the loaded turns ``(N,)`` (balls outside get so much clearance that they have no contact);
     ``nut_angle``: angle by which the nut has turned relative to the screw [rad].
     """
     g = run.groove
     angle = g.contact_angle + contact_angle_deviation(run, azimuth, nut_angle)[:, None] * np.array(run.pattern)
     clear = np.where(loaded, run.oversize, -0.5 * g.groove_ball_centre_distance)
-    rows = screw_displacement_maps(g, azimuth, run.free)
-    return balls_without_friction(g, angle, np.repeat(clear[:, None], 4, axis=1), rows, np.array(run.force))
+    rows = screw_motion.screw_displacement_maps(g, azimuth, run.free)
+    return screw_motion.balls_without_friction(g, angle, np.repeat(clear[:, None], 4, axis=1), rows, np.array(run.force))
 
 
 def simulate_equal_steps(run: Run) -> TravelHistory:
@@ -409,11 +417,12 @@ class ScrewRunSummary:
 
     #: Largest ratio of the friction torque between balls to that in the grooves.
     largest_ball_to_groove_ratio: float
-    #: Nut angle at which this ratio is largest [deg].
+    #: Nut angle at which the ratio of the friction torque between balls to that in the grooves is largest [deg].
     nut_angle_of_largest_ratio: float
-    #: Nut angle of the first instant after that one at which no balls press on each other [deg]; nan if there is none.
+    #: Nut angle of the first instant, after that of the largest ratio, at which no balls press on each other [deg]; nan if
+    #: there is none.
     nut_angle_without_contact: float
-    #: Largest number of groups of touching balls at any time.
+    #: Largest number of groups of touching balls at any instant.
     most_touching_groups: int
     #: Variation of the friction torque in the grooves, (largest - least)/mean; nan without friction.
     groove_variation: float
@@ -429,12 +438,14 @@ def summarise_screw_run(result: TravelHistory) -> ScrewRunSummary:
     """
     angle = np.degrees(result.nut_angle)
     top = int(np.argmax(result.ball_to_groove_ratio))
-    later = np.flatnonzero(~result.contact.any(axis=1) & (np.arange(angle.size) > top))
+    later = np.flatnonzero(~result.presses_on_next.any(axis=1) & (np.arange(angle.size) > top))
     torque = result.groove_torque
     return ScrewRunSummary(
         largest_ball_to_groove_ratio=float(result.ball_to_groove_ratio[top]),
         nut_angle_of_largest_ratio=float(angle[top]),
         nut_angle_without_contact=float(angle[later[0]]) if later.size else float("nan"),
-        most_touching_groups=int(np.max(result.groups)),
-        groove_variation=float(np.ptp(torque) / result.mean(torque)) if result.mean(torque) > 0.0 else float("nan"),
+        most_touching_groups=int(np.max(result.touching_group_counts)),
+        groove_variation=float(np.ptp(torque) / result.mean_over_time(torque))
+        if result.mean_over_time(torque) > 0.0
+        else float("nan"),
     )

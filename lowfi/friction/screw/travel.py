@@ -33,7 +33,7 @@ class ClosedTrack(NamedTuple):
     arc: float
     #: Length of the whole track, return included, as an azimuth [rad].
     ring: float
-    #: Difference of the azimuths of two balls of nominal size that touch [rad].
+    #: Difference of the azimuths of two touching balls of nominal size [rad].
     spacing: float
     #: Indices, among all N balls of the screw or bearing, of the balls on this track.
     balls: slice
@@ -59,20 +59,23 @@ class ClosedTrack(NamedTuple):
         return float(np.divide(distance, np.abs(rate), out=np.full_like(rate, np.inf), where=rate != 0.0).min())
 
 
+#: Scheme of the time steps: steps divided at events ("located": balls enter or leave a loaded arc, or meet), or equal
+#: steps.
 Scheme = Literal["located", "equal"]
 
-#: Duration of the pieces of a time step before and after an event, and least duration of a piece, both as fractions of a
-#: time step; largest number of pieces of a time step.
+#: Duration of the pieces of a time step just before and just after an event (a ball enters or leaves a loaded arc, or meets
+#: its neighbour), and least duration of a piece, both as fractions of a time step; largest number of pieces of a time step.
 SHORT, TINY, PIECES = 1e-2, 1e-6, 100
 
 #: Gap [rad] up to which neighbouring balls count as touching.
 CLOSED = 1e-10
 
-#: Ratio of the closing rate of two neighbours to the largest speed of a ball, so high that it is never reached: a gap that
-#: could only close at a faster rate counts as staying open in a time step.
+#: Ratio of a closing rate of two neighbours to the largest angular speed of a ball, so high that it is never reached: a gap
+#: that could close only at a faster rate counts as open during the whole time step.
 FASTEST = 10.0
 
-#: Fields of `TravelHistory` with the torques of the three entries of ``InstantSolution.losses``, in their order.
+#: Fields of `TravelHistory` with the friction torques that belong to the three values of ``InstantSolution.losses``, in the
+#: same order.
 TORQUES = ("groove_torque", "ball_torque", "closing_torque")
 
 #: Number of time steps of the first simulation if the caller states none: steps per ball diameter travelled, then smallest
@@ -101,11 +104,12 @@ class InstantSolution:
     omega: Array
     #: Force of each ball on the next one of its track ``(N,)`` [N].
     ball_force: Array
-    #: Contact forces ``(N, 4)`` [N].
+    #: Forces at the contacts of the balls with the grooves ``(N, 4)`` [N].
     load: Array
     #: Which balls are on a loaded arc ``(N,)``.
     loaded: Mask
-    #: Losses by friction in the grooves, by balls that slide on each other, and by gaps that close under force [W].
+    #: Power lost by friction in the grooves, by balls that slide on each other, and by gaps that close while the balls
+    #: press on each other [W].
     losses: tuple[float, float, float]
     #: Power that screw and nut supply [W].
     input_power: float
@@ -113,7 +117,8 @@ class InstantSolution:
     converged: bool
     #: Solution from which the search at the next instant begins.
     memory: Any
-    #: Change, in the last iteration of loads and friction, of the friction forces that act on the contact loads [N].
+    #: Change of the friction forces on balls and screw in the last round of the iteration between contact loads and
+    #: friction [N].
     change: float = 0.0
     #: External axial load on the screw [N]; nan if it is not computed.
     axial: float = float("nan")
@@ -140,17 +145,17 @@ class SimulatedSystem(Protocol):
     def number(self) -> NDArray[np.int64]:
         """Numbers of the balls in the scene ``(N,)``; -1 for a ball that is in the return at the start."""
 
-    def begin(self) -> BallState:
+    def state_at_start(self) -> BallState:
         """Return positions and speeds of the balls at the start of the simulation."""
 
-    def time_to_end(self, azimuth: Array, omega: Array, time: float) -> float:
-        """Return the time until a ball reaches an end of its loaded arc [s]; inf if no ball does.
+    def time_to_next_arc_end(self, azimuth: Array, omega: Array, time: float) -> float:
+        """Return the time until a ball reaches an end of its loaded arc [s]; inf if no ball ever reaches one.
 
         ``azimuth``: present azimuths of the balls ``(N,)`` [rad]; ``omega``: their angular speeds ``(N,)`` [rad/s];
         ``time``: present time since the start [s].
         """
 
-    def instant(self, azimuth: Array, time: float, slack: Array, memory: Any) -> InstantSolution | str:
+    def solve_at_instant(self, azimuth: Array, time: float, slack: Array, memory: Any) -> InstantSolution | str:
         """Return contact loads and ball motions at one instant, or a text that says why no loads are found.
 
         ``azimuth``: azimuths of the balls ``(N,)`` [rad]; ``time``: time since the start [s]; ``slack``: largest rate
@@ -161,9 +166,11 @@ class SimulatedSystem(Protocol):
 
 @dataclass(frozen=True)
 class TravelHistory:
-    """Time history of N balls that travel round their tracks. All time steps together consist of T pieces.
+    """Time history of N balls that travel round their tracks.
 
-    Ball k pushes the next ball of its track: forces and gaps with index k lie between these two balls.
+    Events (a ball enters or leaves a loaded arc, or meets its neighbour) may divide a time step into pieces. All time
+    steps together consist of T pieces. Ball k pushes the next ball of its track: forces and gaps with index k lie
+    between these two balls.
     """
 
     #: Screw or bearing that was simulated (a `SimulatedSystem`).
@@ -188,24 +195,24 @@ class TravelHistory:
     ball_force: Array
     #: Angular speeds of the balls in the frame in which azimuths are measured ``(T, N)`` [rad/s].
     omega: Array
-    #: Contact forces ``(T, N, 4)`` [N].
+    #: Forces at the contacts of the balls with the grooves ``(T, N, 4)`` [N].
     load: Array
     #: Friction torque by losses in the grooves, which is the power lost over the angular speed of the nut relative to the
     #: screw ``(T,)`` [N m].
     groove_torque: Array
     #: Friction torque by balls that slide on each other ``(T,)`` [N m].
     ball_torque: Array
-    #: Friction torque by gaps that close under force ``(T,)`` [N m].
+    #: Friction torque by gaps that close while the balls press on each other ``(T,)`` [N m].
     closing_torque: Array
     #: External axial load on the screw ``(T,)`` [N]; nan if ``setting`` does not compute it.
     axial: Array
     #: Torque about +z that drives the screw ``(T,)`` [N m]; nan if ``setting`` does not compute it.
     on_screw: Array
-    #: Input power less all losses, as a ratio to the losses ``(T,)``; where there are no losses, the input power itself
-    #: [W].
+    #: Power that screw and nut supply less all losses, divided by the losses ``(T,)``; where there are no losses, the
+    #: supplied power [W].
     imbalance: Array
-    #: Change, in the last iteration of loads and friction, of the friction forces that act on the contact loads ``(T,)``
-    #: [N].
+    #: Change of the friction forces on balls and screw in the last round of the iteration between contact loads and
+    #: friction ``(T,)`` [N].
     change: Array
     #: Whether loads and motions of each piece converged ``(T,)``.
     converged: Mask
@@ -218,7 +225,7 @@ class TravelHistory:
         """Friction torque by all losses ``(T,)`` [N m] (Figure 3.25 of Lin's thesis)."""
         return np.asarray(self.groove_torque + self.ball_torque + self.closing_torque)
 
-    def mean(self, values: Array) -> float:
+    def mean_over_time(self, values: Array) -> float:
         """Return the mean over time of ``values``, one for each piece of a time step ``(T,)``, in their unit."""
         return float(np.sum(self.lasts * values) / np.sum(self.lasts))
 
@@ -228,17 +235,21 @@ class TravelHistory:
         return int(self.step[-1]) + 1 if self.step.size else 0
 
     @cached_property
-    def per_step(self) -> Array:
+    def mean_torque_per_step(self) -> Array:
         """Mean friction torque of each time step of which at least one piece was solved ``(begun_step_count,)`` [N m]."""
         return np.asarray(np.bincount(self.step, self.lasts * self.torque) / np.bincount(self.step, self.lasts))
 
     @cached_property
-    def torques(self) -> dict[str, float]:
+    def torque_statistics(self) -> dict[str, float]:
         """Mean, largest and least friction torque over the simulated time [N m], keys "mean", "largest" and "least"."""
-        return {"mean": self.mean(self.torque), "largest": float(self.torque.max()), "least": float(self.torque.min())}
+        return {
+            "mean": self.mean_over_time(self.torque),
+            "largest": float(self.torque.max()),
+            "least": float(self.torque.min()),
+        }
 
     @property
-    def share(self) -> float:
+    def largest_ball_to_groove_ratio(self) -> float:
         """Largest ratio over time of the friction torque between balls to that in the grooves; nan without friction."""
         return float(self.ball_to_groove_ratio.max())
 
@@ -253,40 +264,40 @@ class TravelHistory:
         return np.asarray(np.abs(self.nut_angle))
 
     @property
-    def angles(self) -> tuple[float, float]:
-        """Angle by which the rotating part had turned when the simulation ended, then the angle intended [rad]."""
+    def reached_and_intended_angle(self) -> tuple[float, float]:
+        """Angle by which the rotating part had turned when the simulation ended, then the angle to be simulated [rad]."""
         speed = abs(self.setting.groove.speed)
         return speed * float(self.lasts.sum()), speed * self.span
 
     @property
     def reached_end(self) -> bool:
-        """Whether the whole time ``span`` was simulated."""
+        """Whether the simulation covers the whole time ``span`` that was asked for."""
         return bool(abs(float(self.lasts.sum()) - self.span) <= TINY * self.span)
 
     @property
-    def good(self) -> bool:
-        """Whether the whole time was simulated, and contact loads and motions converged at every instant."""
+    def fully_converged(self) -> bool:
+        """Whether the whole time ``span`` was simulated, and contact loads and motions converged at every instant."""
         return self.status == "converged"
 
     @property
-    def ends(self) -> Array:
+    def azimuths_at_piece_ends(self) -> Array:
         """Azimuths of the balls at the end of each piece of a time step, unwrapped ``(T, N)`` [rad]."""
-        return np.asarray(self.setting.begin().azimuth + np.cumsum(self.lasts[:, None] * self.omega, axis=0))
+        return np.asarray(self.setting.state_at_start().azimuth + np.cumsum(self.lasts[:, None] * self.omega, axis=0))
 
     @property
-    def contact(self) -> Mask:
+    def presses_on_next(self) -> Mask:
         """Whether each ball presses on the next one ``(T, N)``, as shown by dots in Figure 3.24 of Lin's thesis."""
         return np.asarray(self.ball_force > 0.0)
 
     @property
     def spacing(self) -> Array:
-        """Angular distance to the next ball at the end of each piece of a step ``(T, N)`` [rad] (Lin's Figure 3.24)."""
+        """Angle from each ball to the next one at the end of each piece of a step ``(T, N)`` [rad] (Lin's Figure 3.24)."""
         return np.asarray(self.gap + self.setting.spacing)
 
     @cached_property
-    def groups(self) -> Array:
-        """Number of groups of touching balls ``(T,)``."""
-        return np.asarray(sum(count_touching_groups(self.contact[:, track.balls]) for track in self.setting.tracks))
+    def touching_group_counts(self) -> Array:
+        """Number of groups of touching balls, on all tracks, at each instant ``(T,)``."""
+        return np.asarray(sum(count_touching_groups(self.presses_on_next[:, track.balls]) for track in self.setting.tracks))
 
     @cached_property
     def ball_to_groove_ratio(self) -> Array:
@@ -301,10 +312,10 @@ class TravelHistory:
     def turning_and_axial_speed(self) -> tuple[float, float]:
         """Angular speed of the screw relative to the nut [rad/s], then the speed of its axial advance [m/s]."""
         turning = -self.setting.groove.speed
-        return turning, self.setting.groove.ratio * turning
+        return turning, self.setting.groove.advance_per_radian * turning
 
     @property
-    def torque_balance(self) -> Array:
+    def power_balance_on_screw(self) -> Array:
         """Power of torque and axial load on the screw, less all losses ``(T,)`` [W]; zero but for round-off."""
         turning, along = self.turning_and_axial_speed
         return np.asarray(self.on_screw * turning + self.axial * along - self.torque * abs(turning))
@@ -321,7 +332,7 @@ def count_touching_groups(contact: Mask) -> Array:
     return np.asarray(np.sum(contact & ~np.roll(contact, 1, axis=1), axis=1) + np.all(contact, axis=1))
 
 
-def _time_to_meeting(place: BallState, tracks: Sequence[ClosedTrack]) -> float:
+def _time_until_neighbours_meet(place: BallState, tracks: Sequence[ClosedTrack]) -> float:
     """Return the time until the first two neighbours with a gap between them meet at their present speeds [s].
 
     The result is inf if none meet. ``place``: positions and speeds of the balls; ``tracks``: the closed tracks with their
@@ -354,7 +365,7 @@ def _next_piece_of_step(left: float, step: float, time_to_event: float, after_ev
     return (left, ends) if left - piece < TINY * step else (piece, ends)
 
 
-def _history_of_pieces(
+def _history_from_pieces(
     rows: list[dict[str, Any]], setting: SimulatedSystem, duration: float, steps: int, status: str
 ) -> TravelHistory:
     """Return the time history of a simulation from its values at all pieces of the time steps.
@@ -370,7 +381,7 @@ def _history_of_pieces(
     if status != "converged" or run.converged.all():
         return run
     first = np.degrees(run.rotation_angle[np.argmin(run.converged)])
-    return replace(run, status=f"no balance of friction found at {first:.6g} deg")
+    return replace(run, status=f"no balance of friction found at a rotation of {first:.6g} deg")
 
 
 def simulate(
@@ -410,10 +421,10 @@ def simulate(
     """
     if steps < 1 or not duration > 0.0:
         raise ValueError(f"a simulation needs at least 1 step and a duration above 0 s, got {steps} steps and {duration} s")
-    dt, place, rows, located = duration / steps, setting.begin(), list[dict[str, Any]](), scheme == "located"
+    dt, place, rows, located = duration / steps, setting.state_at_start(), list[dict[str, Any]](), scheme == "located"
     speed = abs(setting.groove.speed)
     if located:
-        first = setting.instant(place.azimuth, 0.0, np.full(place.gap.size, np.inf), place.memory)
+        first = setting.solve_at_instant(place.azimuth, 0.0, np.full(place.gap.size, np.inf), place.memory)
         if not isinstance(first, str):  # speeds of the first half step
             place = place._replace(omega=first.omega, memory=first.memory)
     for k in range(steps):
@@ -421,17 +432,20 @@ def simulate(
         while left > 0.0:
             piece, begin, count = left, k * dt + (dt - left), count + 1
             if located and count < PIECES:
-                event = min(setting.time_to_end(place.azimuth, place.omega, begin), _time_to_meeting(place, setting.tracks))
+                event = min(
+                    setting.time_to_next_arc_end(place.azimuth, place.omega, begin),
+                    _time_until_neighbours_meet(place, setting.tracks),
+                )
                 piece, after = _next_piece_of_step(left, dt, event, after)
             ahead = 0.5 * piece if located else 0.0
             azimuth, time = place.azimuth + ahead * place.omega, begin + ahead
             slack = place.gap / piece
             if located:
                 slack = np.where(slack > FASTEST * np.abs(place.omega).max(), np.inf, slack)
-            instant = setting.instant(azimuth, time, slack, place.memory)
+            instant = setting.solve_at_instant(azimuth, time, slack, place.memory)
             if isinstance(instant, str):
-                return _history_of_pieces(
-                    rows, setting, duration, steps, f"at {np.degrees(speed * time):.6g} deg: {instant}"
+                return _history_from_pieces(
+                    rows, setting, duration, steps, f"at a rotation of {np.degrees(speed * time):.6g} deg: {instant}"
                 )
             place = _state_after_piece(setting, place, instant, piece)
             loss = sum(instant.losses)
@@ -443,7 +457,7 @@ def simulate(
             )
             left -= piece
         report((k + 1) / steps)
-    return _history_of_pieces(rows, setting, duration, steps, "converged")
+    return _history_from_pieces(rows, setting, duration, steps, "converged")
 
 
 def ignore_progress(steps: str, share: float) -> None:
@@ -484,14 +498,14 @@ def simulate_with_step_errors(
         The simulation with the most time steps, and its errors. The errors are None if the simulation ended early or has
         fewer than four steps.
     """
-    pitches = abs(float(setting.begin().omega[0])) * duration / setting.tracks[0].spacing
+    pitches = abs(float(setting.state_at_start().omega[0])) * duration / setting.tracks[0].spacing
     first = int(np.clip(np.ceil(STEPS_PER_PITCH * pitches), *FIRST_STEPS))
 
-    def run(count: int) -> TravelHistory:
-        """Return the simulation with ``count`` time steps."""
+    def simulate_in_steps(count: int) -> TravelHistory:
+        """Return the history simulated with ``count`` equal time steps."""
         return simulate(setting, duration, count, report=lambda share: report(f"{count} steps", share))
 
-    return simulate_until_accurate(run, steps, first, goal)
+    return simulate_until_accurate(simulate_in_steps, steps, first, goal)
 
 
 def _state_after_piece(setting: SimulatedSystem, place: BallState, instant: InstantSolution, piece: float) -> BallState:
@@ -532,7 +546,7 @@ class TimeStepErrorEstimate:
 
     #: Estimated error as a ratio to the mean friction torque.
     error: float
-    #: Order of convergence observed over three simulations; nan where their differences are round-off.
+    #: Order of convergence observed over three simulations; nan where the changes between them are round-off.
     order: float = float("nan")
     #: Order of convergence with which the error is extrapolated; nan where no order is observed.
     order_used: float = SMOOTH
@@ -548,7 +562,7 @@ class TimeStepErrors:
     """Estimated errors of the results of a simulation due to its finite time steps."""
 
     #: Estimated errors by the name of the quantity: "torque" (its course over the angle), "mean", "largest" and "least"
-    #: (see `TravelHistory.torques`), and "share" (see `TravelHistory.share`).
+    #: (see `TravelHistory.torque_statistics`), and "share" (see `TravelHistory.largest_ball_to_groove_ratio`).
     errors_by_quantity: dict[str, TimeStepErrorEstimate]
     #: Numbers of time steps of the three simulations that are compared, in increasing order.
     step_counts: tuple[int, ...]
@@ -565,10 +579,10 @@ class TimeStepErrors:
 
     @property
     def quantities_without_order(self) -> tuple[str, ...]:
-        """Names of the quantities for which no order of convergence is observed."""
+        """Names of the quantities, keys of ``errors_by_quantity``, for which no order of convergence is observed."""
         return tuple(name for name, q in self.errors_by_quantity.items() if q.no_order_observed)
 
-    def is_within(self, goal: float) -> bool:
+    def all_errors_within(self, goal: float) -> bool:
         """Return whether every estimated error is at most ``goal``, a fraction of the mean torque."""
         return self.largest_error <= goal
 
@@ -613,12 +627,13 @@ def estimate_time_step_errors(levels: Sequence[TravelHistory]) -> TimeStepErrors
     ``levels``: simulations of the same motion in the order of increasing numbers of time steps, of which the last three are
     compared and the errors of the last one are returned. The result is None for fewer than three simulations, or if the
     numbers of steps do not increase. Simulations may by chance agree on a wrong time of a jump of the torque: the error of
-    the torque is therefore never below that of the largest jump between two steps, if this is displaced by half a step.
+    the torque is therefore at least the mean error over time that arises if the largest jump between two successive steps
+    occurs half a step too early or too late.
     """
-    steps = tuple(level.per_step.size for level in levels[-3:])
+    steps = tuple(level.mean_torque_per_step.size for level in levels[-3:])
     if len(steps) < 3 or not steps[0] < steps[1] < steps[2]:
         return None
-    one, two, three = (level.per_step for level in levels[-3:])
+    one, two, three = (level.mean_torque_per_step for level in levels[-3:])
     size = abs(float(three.mean()))
     if size == 0.0:
         return TimeStepErrors({"torque": TimeStepErrorEstimate(0.0)}, steps)
@@ -627,7 +642,10 @@ def estimate_time_step_errors(levels: Sequence[TravelHistory]) -> TimeStepErrors
     )
     least = 0.5 * float(np.abs(np.diff(three)).max(initial=0.0)) / (steps[-1] * size)
     errors = {"torque": replace(over, error=max(over.error, least))}
-    numbers = [{name: value / size for name, value in x.torques.items()} | {"share": x.share} for x in levels[-3:]]
+    numbers = [
+        {name: value / size for name, value in x.torque_statistics.items()} | {"share": x.largest_ball_to_groove_ratio}
+        for x in levels[-3:]
+    ]
     for name, value in numbers[-1].items():
         if not np.isnan(value):
             errors[name] = extrapolated_error(numbers[1][name] - numbers[0][name], value - numbers[1][name])
@@ -652,9 +670,9 @@ def simulate_until_accurate(
     error: TimeStepErrors | None = None
     for count in counts:
         levels.append(simulate(count))
-        if not levels[-1].good:
+        if not levels[-1].fully_converged:
             return levels[-1], None
         error = estimate_time_step_errors(levels)
-        if steps is None and error is not None and error.is_within(goal):
+        if steps is None and error is not None and error.all_errors_within(goal):
             break
     return levels[-1], error

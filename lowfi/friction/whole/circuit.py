@@ -12,13 +12,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from rollbench.lowfi.friction.screw import groove
 from rollbench.lowfi.friction.screw.chain import BallChain, ChainMotion, FrictionContacts, solve_motion_of_chain
-from rollbench.lowfi.friction.screw.groove import (
-    ON_SCREW,
-    GrooveHertzConstants,
-    GroovesInMotion,
-    azimuth_between_touching_balls,
-)
 from rollbench.lowfi.friction.screw.travel import ClosedTrack
 from rollbench.lowfi.friction.whole.contacts import StaticContacts, contacts_of_result
 from rollbench.lowfi.friction.whole.losses import (
@@ -26,7 +21,7 @@ from rollbench.lowfi.friction.whole.losses import (
     ball_friction,
     ball_kinematics,
     friction_contacts,
-    relative_coefficients,
+    relative_friction_coefficients,
     rotate_to_groove_axes,
 )
 from rollbench.lowfi.friction.whole.torque import ONE_TURN, axial_forces_and_moments
@@ -42,7 +37,8 @@ from rollbench.meshes.parts import Motion as Drive
 #: Tolerance [rad] for the overlap of loaded arcs, and for balls outside the ends of their arc.
 CLOSE = 1e-9
 
-#: Ratio of the distance between two neighbours to the median distance, above which two circuits are separated there.
+#: Ratio of the distance between two neighbouring balls to the median of these distances; where it is exceeded, one circuit
+#: ends and the next one begins.
 APART = 1.5
 
 
@@ -50,7 +46,7 @@ class CircuitError(ValueError):
     """Error for a circuit (closed track of balls) that cannot hold its balls or overlaps another circuit."""
 
     def __init__(self, key: str, allowed: str, advice: str) -> None:
-        """Store the key of the scene file that is to be changed, the condition that its value must satisfy, and advice.
+        """Store the name of the key of the scene file that must be changed, the values allowed for it, and advice.
 
         ``key``: name in the table [circulation]; ``allowed``: text with the values that are allowed; ``advice``: text
         that says what to change.
@@ -66,11 +62,12 @@ class Circuit(NamedTuple):
     that its loaded arc is as long as the whole track.
     """
 
-    #: The closed track with its loaded arc.
+    #: The closed track of the circuit, with its loaded arc.
     track: ClosedTrack
-    #: Azimuth of the balls at the beginning, in order, those of the return last ``(n,)`` [rad].
+    #: Azimuths of the balls at the beginning of a simulation, in increasing order, those of the balls in the return last
+    #: ``(n,)`` [rad].
     azimuth: Array
-    #: Numbers of these balls in the scene ``(n,)``, -1 in the return.
+    #: Numbers in the scene of the balls of the circuit ``(n,)``; -1 for a ball in the return.
     ball_numbers: NDArray[np.int64]
 
 
@@ -94,7 +91,7 @@ def circuits_of_scene(scene: Scene) -> tuple[Circuit, ...]:
     azimuths = np.sort(np.asarray(scene.balls.azimuths, dtype=float))
     ring = scene.track.lead == 0.0
     path = ball_kinematics(scene, scene.motion or ONE_TURN, scene.balls.radius)
-    spacing = azimuth_between_touching_balls(path)
+    spacing = groove.azimuth_between_touching_balls(path)
     if azimuths.size % loop.circuits:
         allowed = f"a number by which the {azimuths.size} balls of a thread start can be divided"
         raise CircuitError("circuits", allowed, "give all circuits of a thread start the same number of balls")
@@ -133,7 +130,7 @@ def _first_balls_after_gaps(azimuths: Array) -> NDArray[np.int64]:
 
 
 def _loaded_arc_length(group: Array, given_length: float | None, spacing: float) -> float:
-    """Return the length of the loaded arc of one circuit, on which balls carry load [rad].
+    """Return the angular length of the loaded arc of one circuit, on which balls carry load [rad].
 
     The result is ``given_length``, the length that the scene states [rad]. If this is None, the result is the length
     that the balls fill, with half a distance between neighbours outside the first and the last ball. ``group``: sorted
@@ -173,7 +170,7 @@ def _track_length(loop: Circulation, loaded_count: int, arc: float, spacing: flo
     raise CircuitError("gap", f"at least {1e6 * path_length_per_angle * (least / count - spacing):.4g} um", advice)
 
 
-def nut_travel(scene: Scene) -> Array:
+def nut_positions_at_start_and_end(scene: Scene) -> Array:
     """Return the axial positions of the nut on the screw at the start and the end of a simulation ``(2,)`` [m].
 
     Positions are measured from that at the start, so that the first one is 0.
@@ -190,7 +187,7 @@ def nut_travel(scene: Scene) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
-class SceneGrooves(BallKinematics, GroovesInMotion):
+class SceneGrooves(BallKinematics, groove.GroovesInMotion):
     """Grooves of a scene without geometric errors, with the speeds of screw and nut and with friction.
 
     One object is used in a whole simulation, because the arrays for the compiled functions are cached for it
@@ -199,11 +196,11 @@ class SceneGrooves(BallKinematics, GroovesInMotion):
 
     #: Larger one of the coefficients of friction of the screw's and the nut's grooves.
     mu: float
-    #: Hertz constants of the contacts without errors.
-    hertz: GrooveHertzConstants = field(repr=False)
+    #: Hertz constants of the contacts, computed without geometric errors.
+    hertz: groove.GrooveHertzConstants = field(repr=False)
 
     @property
-    def contact_hertz_constants(self) -> GrooveHertzConstants:
+    def contact_hertz_constants(self) -> groove.GrooveHertzConstants:
         """Hertz constants of the contacts without geometric errors."""
         return self.hertz
 
@@ -215,12 +212,14 @@ def grooves_of_scene(scene: Scene, friction: Friction, drive: Drive) -> SceneGro
     coefficients of friction; ``drive``: motion of the screw or nut that turns.
     """
     path, h = ball_kinematics(scene, drive, scene.balls.radius), hertz_without_errors(scene)
-    return SceneGrooves(**asdict(path), mu=max(friction.screw, friction.nut), hertz=GrooveHertzConstants(h.C, h.C_a, h.C_b))
+    return SceneGrooves(
+        **asdict(path), mu=max(friction.screw, friction.nut), hertz=groove.GrooveHertzConstants(h.C, h.C_a, h.C_b)
+    )
 
 
 @dataclass(frozen=True)
 class SceneBallChain(BallChain):
-    """Balls of one closed track of a scene with their contact loads; radii and coefficients of friction may differ."""
+    """Balls of one closed track of a scene with their contact loads; radii and friction may differ from ball to ball."""
 
     #: Contact forces, angles and ellipses of the balls.
     static_contacts: StaticContacts
@@ -239,7 +238,7 @@ class SceneBallChain(BallChain):
         """Coefficient of friction between touching balls."""
         return self.ball_to_ball_mu
 
-    def wrench(self, pull: Array) -> Array:
+    def contact_wrenches(self, pull: Array) -> Array:
         """Return force, then moment of friction on the balls, along x3, y3, z3 each ``(N, 4, 6)`` [N, N m].
 
         x3 is radial, y3 along the track, z3 the binormal. ``pull``: friction in the axes of each contact ``(N, 4, 3)``:
@@ -247,17 +246,17 @@ class SceneBallChain(BallChain):
         """
         turned = pull.copy()
         rotate_to_groove_axes(self.static_contacts, turned)
-        return super().wrench(turned)
+        return super().contact_wrenches(turned)
 
     def input_power(self, wrench: Array) -> float:
         """Return the power that the motions of screw and nut supply against friction [W].
 
-        ``wrench``: force and moment of friction on the balls in the section's axes ``(N, 4, 6)`` [N, N m], from
-        `wrench`.
+        ``wrench``: force (first three components) and moment of friction on the balls at each contact in x3 (radial),
+        y3 (along the track), z3 (binormal) ``(N, 4, 6)`` [N, N m], from `contact_wrenches`.
         """
         axial, moment = axial_forces_and_moments(self.static_contacts, wrench)
-        helical = moment + self.groove.ratio * axial
-        return float(np.sum(helical * np.where(ON_SCREW, self.groove.screw_speed, self.groove.nut_speed)))
+        helical = moment + self.groove.advance_per_radian * axial
+        return float(np.sum(helical * np.where(groove.ON_SCREW, self.groove.screw_speed, self.groove.nut_speed)))
 
 
 def solve_motion_on_track(
@@ -300,7 +299,7 @@ def solve_motion_on_track(
     ChainMotion
         The motion; its field ``converged`` is False if no solution was found.
     """
-    share, top = relative_coefficients(friction)
+    share, top = relative_friction_coefficients(friction)
     rubs = friction_contacts(scene, contacts, top * share, drive)
     motion = solve_motion_of_chain(
         SceneBallChain(grooves, contacts.force, contacts.normals, slack, contacts, rubs, friction.between_balls),
@@ -322,7 +321,7 @@ FULL = 1e-9
 class BallsInCircuits:
     """All N balls of a scene in their circuits (closed tracks), in the order of the circuits."""
 
-    #: Tracks of the circuits.
+    #: Closed tracks of the circuits.
     tracks: tuple[ClosedTrack, ...]
     #: Radii of the balls ``(N,)`` [m].
     radius: Array
@@ -330,12 +329,12 @@ class BallsInCircuits:
     number: NDArray[np.int64]
     #: Azimuth of each ball in the nut's frame at the start ``(N,)`` [rad].
     azimuth: Array
-    #: Azimuth of the next ball of the circuit less that of each ball if the two touch ``(N,)`` [rad].
+    #: Difference of the azimuths of each ball and the next one of its circuit when the two touch ``(N,)`` [rad].
     touching_spacing: Array
-    #: Grooves without errors.
+    #: Grooves of screw and nut without geometric errors.
     grooves: SceneGrooves
 
-    def gaps(self, azimuth: Array) -> Array:
+    def gaps_to_next_balls(self, azimuth: Array) -> Array:
         """Return the gap between each ball and the next one of its circuit ``(N,)`` [rad]; negative if they overlap.
 
         ``azimuth``: azimuths of the balls in the nut's frame ``(N,)`` [rad].
@@ -413,12 +412,11 @@ def balls_in_circuits(
     for members in (track.balls for track in tracks):
         spacing[members] = pair.spacing + (excess[members] + np.roll(excess[members], -1)) / pair.closing_speed_factor
     balls = BallsInCircuits(tracks, radius, number, azimuth, spacing, grooves)
-    gaps = balls.gaps(azimuth)
+    gaps = balls.gaps_to_next_balls(azimuth)
     if gaps.min() < -FULL:
         raise ValueError(
-            f"neighbouring balls overlap by {-1e6 * pair.closing_speed_factor * gaps.min():.3g} um at the beginning; use "
-            "smaller "
-            "balls or larger angles between them"
+            f"neighbouring balls overlap by {-1e6 * pair.closing_speed_factor * gaps.min():.3g} um at their starting "
+            "positions; use smaller balls or larger angles between them"
         )
     for members in (track.balls for track in tracks):
         if members.stop - members.start > 1 and gaps[members].sum() < FULL:
@@ -443,26 +441,26 @@ class ContactOnset:
     There are N balls and M pairs of neighbours.
     """
 
-    #: Angular speeds of the balls around the axis ``(N,)`` [rad/s]; those of unloaded balls are assumed.
+    #: Angular speeds of the balls around the axis ``(N,)`` [rad/s]; for unloaded balls an assumed value.
     orbital_speeds: Array
     #: Sum of the contact loads of each ball ``(N,)`` [N].
     contact_load_sums: Array
-    #: Numbers of the two balls of each pair, the one at the larger azimuth second ``(M, 2)``.
+    #: Numbers of the two balls of each pair of neighbours; the second ball is at the larger azimuth ``(M, 2)``.
     neighbour_pairs: NDArray[np.int64]
     #: Gap between the two balls of a pair ``(M,)`` [rad].
     pair_gaps: Array
-    #: Rotation of the driven part after which the two balls of a pair meet at these speeds ``(M,)`` [rad]; infinite if they
-    #: never meet.
+    #: Rotation of screw or nut after which the two balls of a pair meet at their present speeds ``(M,)`` [rad]; infinite if
+    #: they never meet.
     rotation_to_meeting: Array
-    #: Rotation of the driven part after which the leading ball of the pair has left its loaded arc, or the balls of a
-    #: bearing have gone round once ``(M,)`` [rad].
+    #: Rotation of screw or nut after which the leading ball of a pair has left its loaded arc, or the balls of a bearing
+    #: have gone round once ``(M,)`` [rad].
     rotation_to_arc_end: Array
     #: Whether the friction forces are in balance on every ball.
     converged: bool
 
     @property
     def rotation_to_first_meeting(self) -> float:
-        """Rotation of the driven part after which the first two neighbouring balls meet [rad]; infinite if none do."""
+        """Rotation of screw or nut after which the first two neighbouring balls meet [rad]; infinite if none do."""
         return float(self.rotation_to_meeting.min(initial=np.inf))
 
     @property
@@ -501,7 +499,7 @@ def contact_onset(
     balls = ball_friction(scene, contacts_of_result(scene, result), Friction(1.0, 1.0), drive, fast=is_copy_loaded(CONTACT))
     carrying = result.load.sum(axis=1)
     orbit = np.where(carrying > 0.0, balls.orbital_speed, unloaded_speed_ratio * path.nominal_orbit)
-    spacing, ring = azimuth_between_touching_balls(path), scene.track.lead == 0.0
+    spacing, ring = groove.azimuth_between_touching_balls(path), scene.track.lead == 0.0
     pairs, gaps, leaving = [], [], []
     for track, azimuth, ball in circuits_of_scene(scene):
         here, number = azimuth[ball >= 0], ball[ball >= 0]

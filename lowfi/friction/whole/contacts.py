@@ -10,13 +10,7 @@ from numpy.typing import NDArray
 
 from rollbench.lowfi.friction.screw.groove import SIGN_X, SIGN_Z
 from rollbench.lowfi.hertz import contact_modulus, hertz_constants_as_printed
-from rollbench.lowfi.statics.contacts import (
-    hertz_at_contact_angles,
-    hertz_with_errors_if_distinct,
-    hertz_without_errors,
-    nominal_curvatures,
-    relative_curvatures,
-)
+from rollbench.lowfi.statics import contacts as statics_contacts
 from rollbench.lowfi.statics.nominal import ContactLoads
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
@@ -25,8 +19,8 @@ from rollbench.meshes.helix import BallLayout, ball_layout, nominal_groove_radii
 from rollbench.meshes.parts import Errors, Scene
 from rollbench.meshes.surface import printed_principal_radii
 
-#: Fraction of a ball's largest contact load that counts as the load of its unloaded contacts when the size of their
-#: ellipses is computed, so that it is not zero.
+#: Fraction of a ball's largest contact load from which the ellipses of its unloaded contacts are computed, so that their
+#: size is not zero.
 FAINT = 1e-9
 
 
@@ -39,15 +33,15 @@ class StaticContacts:
 
     #: Radius of each ball, errors included ``(N,)`` [m].
     ball_radius: Array
-    #: Contact forces ``(N, 4)`` [N], zero without contact.
+    #: Contact forces ``(N, 4)`` [N]; zero for an open contact.
     force: Array
-    #: Contact angles ``(N, 4)`` [rad], the nominal one without contact.
+    #: Contact angles ``(N, 4)`` [rad]; the nominal angle for an open contact.
     angle: Array
-    #: Long semi-axes ``(N, 4)`` [m].
+    #: Long semi-axes of the contact ellipses ``(N, 4)`` [m].
     a: Array
-    #: Short semi-axes ``(N, 4)`` [m].
+    #: Short semi-axes of the contact ellipses ``(N, 4)`` [m].
     b: Array
-    #: Whether the long semi-axis lies across the groove ``(N, 4)``.
+    #: Whether the long semi-axis of each contact ellipse lies across the groove ``(N, 4)``.
     across: NDArray[np.bool_]
     #: Azimuths, centres and section axes of the balls.
     layout: BallLayout
@@ -71,7 +65,7 @@ class StaticContacts:
         return np.asarray(1.5 * self.force / (np.pi * self.a * self.b))
 
     def subset(self, balls: NDArray[np.int64] | slice) -> StaticContacts:
-        """Return the contacts of some of the balls.
+        """Return the contacts of chosen balls only.
 
         ``balls``: indices of these balls, or a range of indices.
         """
@@ -88,7 +82,7 @@ class StaticContacts:
 
     @property
     def axial_force(self) -> float:
-        """Axial force of the normal contact loads on the screw, positive along +z [N]."""
+        """Axial force that the normal contact loads of all balls exert on the screw, positive along +z [N]."""
         push = self.force[:, :2, None] * self.normals[:, :2]
         return float(np.einsum("nsi,ni->", push, self.section_axes[:, :, 2]))
 
@@ -152,7 +146,7 @@ def contacts_with_loads(contacts: StaticContacts, force: Array, angle: Array) ->
 def contacts_of_all_balls(
     contacts: StaticContacts | None, layout: BallLayout, balls: NDArray[np.int64], ball_radius: Array, unloaded_angle: float
 ) -> StaticContacts:
-    """Return the contacts of all N balls of a scene, from those of the balls that may be loaded; the others have no load.
+    """Return the contacts of all N balls of a scene from those of balls that may carry load; all other balls have no load.
 
     Parameters
     ----------
@@ -185,7 +179,7 @@ def contacts_of_all_balls(
 
 
 def _ellipse_constants(scene: Scene, drawn: GeometryWithErrors, angle: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
-    """Return the Hertz constants of the long, then the short semi-axes, then whether the long axis lies across the groove.
+    """Return the Hertz constants of long and short semi-axes, then whether the long semi-axis lies across the groove.
 
     Each array is ``(N, 4)``; the semi-axes [m] are the constants times the cube root of the force [N]. The scene's
     ingredient ``hertz`` chooses the radii of curvature: without errors, with the errors of ``drawn``, or as printed in
@@ -196,14 +190,17 @@ def _ellipse_constants(scene: Scene, drawn: GeometryWithErrors, angle: Array) ->
         c_a, c_b = _printed_ellipse_constants(scene)
         return np.broadcast_to(c_a, shape), np.broadcast_to(c_b, shape), np.ones(shape, dtype=bool)
     if kind == "actual":
-        h, curvature = hertz_at_contact_angles(scene, drawn, angle), relative_curvatures(scene, drawn, angle)
+        h, curvature = (
+            statics_contacts.hertz_at_contact_angles(scene, drawn, angle),
+            statics_contacts.relative_curvatures(scene, drawn, angle),
+        )
     else:
         h = (
-            hertz_without_errors(scene)
+            statics_contacts.hertz_without_errors(scene)
             if kind == "error-free"
-            else hertz_with_errors_if_distinct(scene, drawn, drawn.ball_radii)
+            else statics_contacts.hertz_with_errors_if_distinct(scene, drawn, drawn.ball_radii)
         )
-        curvature = nominal_curvatures(scene)
+        curvature = statics_contacts.nominal_curvatures(scene)
     # curvatures are in ascending order; the one that equals the groove profile's belongs to the semi-axis across
     profile = 1.0 / drawn.ball_radii[:, None] - 1.0 / nominal_groove_radii(scene)
     across = np.abs(curvature[..., 0] - profile) <= np.abs(curvature[..., 1] - profile)

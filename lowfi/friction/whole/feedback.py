@@ -25,17 +25,18 @@ from rollbench.meshes.errors import GeometryWithErrors, draw_geometry_with_error
 from rollbench.meshes.parts import Friction, Scene
 from rollbench.meshes.parts import Motion as Drive
 
-#: Difference between the friction in the contacts and the friction that their loads balance, as a fraction of the sum of a
-#: ball's contact loads: tolerance that the iteration aims at, and largest difference that is accepted.
+#: Difference between the friction in a ball's contacts and the friction that its contact loads balance, as a fraction of
+#: the sum of these loads: tolerance that the iteration aims at, and largest difference that is accepted.
 AGREED, ACCEPTED = 1e-7, 1e-4
-#: Number of iterations after which a ball is solved by Newton's method. Where a lightly loaded contact is about to slip or
-#: to stick, friction changes its direction at the smallest change of position, and the iteration oscillates.
+#: Number of rounds of the iteration between contact loads and friction, after which a ball is solved by Newton's method.
+#: Where a lightly loaded contact is about to slip or to stick, friction changes its direction at the smallest change of
+#: position, and the iteration oscillates.
 ROUNDS = 40
-#: Newton's method: step of the finite differences and final step, as fractions of a ball's contact loads; largest number of
-#: evaluations.
+#: Newton's method for a single ball: step of the finite differences and length of the last step, as fractions of the ball's
+#: contact loads; largest number of evaluations.
 DIFFERENCE, SOLVED, TRIALS = 1e-8, 1e-12, 400
-#: Force that displaces a ball at the start of the search for other states, and least difference of the contact forces of
-#: two states, as fractions of a ball's largest contact force.
+#: Force that displaces a ball at the start of the search for a second equilibrium, and least difference of the contact
+#: forces of two equilibria, as fractions of the ball's largest contact force.
 DISPLACED, ANOTHER = 3.0, 1e-3
 #: Coefficient of friction from which on a second state of a ball, jammed between its grooves, was observed.
 JAMMED = 0.3
@@ -47,11 +48,12 @@ class PositionsInGrooves:
 
     #: Vector from the centre of each groove's profile to the ball's centre, along x3 and z3 ``(N, 4, 2)`` [m].
     groove_to_ball_vectors: Array
-    #: Length of this vector where ball and groove just touch ``(N, 4)`` [m].
+    #: Distance of the ball's centre from the centre of each groove's profile where ball and groove just touch ``(N, 4)``
+    #: [m].
     touching_distance: Array
-    #: Hertz constants C of the approach C F^(2/3) ``(N, 4)`` [m/N^(2/3)].
+    #: Hertz constants C of the approach C F^(2/3) at a contact force F ``(N, 4)`` [m/N^(2/3)].
     C: Array
-    #: Direction of the screw's axis in x3, y3, z3 ``(3,)``.
+    #: Direction of the screw's axis in the axes x3, y3, z3 of a ball's section ``(3,)``.
     screw_axis_direction: Array
 
 
@@ -121,15 +123,15 @@ class FrictionEquilibrium:
     ``ACCEPTED`` times the sum of its contact loads.
     """
 
-    #: Contacts of the balls with friction.
+    #: Contacts of the balls, with the loads and angles under friction.
     contacts: StaticContacts
     #: Motion and friction of the balls in these contacts.
     friction: BallFriction
-    #: Which balls failed ``(N,)``.
+    #: Whether each ball failed to reach an equilibrium ``(N,)``.
     failed_balls: NDArray[np.bool_]
-    #: Number of rounds of the iteration.
+    #: Number of rounds of the iteration between contact loads and friction.
     rounds: int
-    #: Largest force out of balance on a ball, as a ratio to the sum of its contact loads.
+    #: Largest unbalanced force on a ball, as a ratio to the sum of its contact loads.
     largest_imbalance_ratio: float
     #: Friction on each ball along x3 and z3 and on the screw along its axis, which the contact loads balance ``(N, 3)``
     #: [N].
@@ -207,7 +209,7 @@ def solve_friction_equilibrium(
 
         one, size = np.array([ball]), float(contacts.force[ball].sum())
 
-        def excess(x: Array, one: NDArray[np.int64] = one, size: float = size) -> Array:
+        def change_of_friction(x: Array, one: NDArray[np.int64] = one, size: float = size) -> Array:
             """Return the resulting less the assumed friction, divided by the sum of the contact loads ``(3,)``.
 
             ``x``: assumed friction on ball and screw divided by the sum of the contact loads ``(3,)``; ``one``: index
@@ -221,7 +223,7 @@ def solve_friction_equilibrium(
             return np.asarray(_friction_on_balls_and_screw(by_ball, chosen, positions.screw_axis_direction)[0] / size - x)
 
         options = {"xtol": SOLVED, "eps": DIFFERENCE**2, "maxfev": TRIALS}
-        guess[ball] = size * root(excess, guess[ball] / size, options=options).x
+        guess[ball] = size * root(change_of_friction, guess[ball] / size, options=options).x
         contacts, shift[one], failed[one] = _contacts_under_forces(
             contacts, positions, one, still[one] + guess[one], shift[one], static_contacts, fast
         )
@@ -242,7 +244,7 @@ def _friction_on_balls_and_screw(by_ball: BallFriction, contacts: StaticContacts
     ``by_ball``: friction of the balls in the contacts ``contacts``; ``axis`` ``(3,)``: direction of the screw's axis in
     x3, y3, z3.
     """
-    wrench = by_ball.wrench(contacts.normals)[..., :3]
+    wrench = by_ball.contact_wrenches(contacts.normals)[..., :3]
     drag = -np.einsum("nsi,i->n", wrench[:, ON_SCREW], axis)
     return np.column_stack([wrench[:, :, [0, 2]].sum(axis=1), drag])
 

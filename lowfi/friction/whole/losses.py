@@ -33,14 +33,14 @@ from rollbench.meshes.parts import Motion as Drive
 #: about the normal.
 CAUSES = ("sliding_across", "sliding_along", "spin")
 
-#: Force out of balance, as a fraction of the sum of the friction bounds mu F of a ball, above which the solution for its
-#: motion counts as failed.
+#: Unbalanced force on a ball, as a fraction of the sum of its friction bounds mu F, above which the solution for its motion
+#: counts as failed.
 UNBALANCED = 1e-6
 
 
 @dataclass(frozen=True)
 class BallKinematics(HelicalMotion):
-    """Data for the motion of a ball of given radius along a scene's helix, or round the ring of a bearing (zero lead)."""
+    """Radii, contact angle, lead and speeds of screw and nut that determine the motion of a ball; lead 0 for a bearing."""
 
     #: Radius of the ball [m].
     ball_radius: float
@@ -73,31 +73,32 @@ def ball_kinematics(scene: Scene, drive: Drive, ball_radius: float) -> BallKinem
 class BallFriction:
     """Motion, friction and losses of N balls; four contacts each, in the order SL, SR, NL, NR (screw, nut; left, right)."""
 
-    #: Angular speed of each ball's centre around the axis ``(N,)`` [rad/s], seen from the part that does not rotate; nan
-    #: without load.
+    #: Angular speed of each ball's centre around the axis ``(N,)`` [rad/s], seen from the part (screw or nut) that does not
+    #: rotate; nan for a ball without load.
     orbital_speed: Array
-    #: Angular speed of each ball about x3, y3, z3, relative to its section, which goes round with it ``(N, 3)`` [rad/s];
-    #: nan without load.
+    #: Angular speeds of each ball about x3, y3, z3, relative to these axes, which go round with the ball ``(N, 3)``
+    #: [rad/s]; nan for a ball without load.
     rotation: Array
     #: Motion of the ball relative to the groove at each contact: sliding of the contact's centre across (x) and along (z)
     #: the groove [m/s], and spin about the normal [rad/s] ``(N, 4, 3)``.
     contact_motions: Array
-    #: Force of friction on the ball along x and z ``(N, 4, 2)`` [N].
+    #: Force of friction on the ball at each contact, across (x) and along (z) the groove ``(N, 4, 2)`` [N].
     force: Array
-    #: Moment of friction on the ball about the normal ``(N, 4)`` [N m].
+    #: Moment of friction on the ball about the normal of each contact ``(N, 4)`` [N m].
     moment: Array
     #: Power lost in each contact by each of the three ``CAUSES`` ``(N, 4, 3)`` [W].
     loss: Array
     #: Whether each contact sticks ``(N, 4)``.
     sticking_contacts: NDArray[np.bool_]
-    #: Status of the solution for each ball; ``"no load"`` for a ball without contact forces.
+    #: Status of the solution for each ball, such as ``"exact"`` or ``"failed"``; ``"no load"`` for a ball without contact
+    #: forces.
     status: tuple[str, ...]
-    #: Largest force out of balance of all balls, as a fraction of the sum of the ball's friction bounds mu F.
+    #: Largest unbalanced force on a ball, as a fraction of the sum of its friction bounds mu F: largest value of all balls.
     largest_imbalance_ratio: float
 
     @property
     def converged(self) -> bool:
-        """Whether the friction of every ball balances."""
+        """Whether the friction forces on every ball are in balance."""
         return "failed" not in self.status
 
     @property
@@ -107,10 +108,10 @@ class BallFriction:
 
     @property
     def total_power_lost(self) -> float:
-        """Power lost by all contacts [W]."""
+        """Power lost by friction in all contacts of all balls [W]."""
         return float(self.loss.sum())
 
-    def wrench(self, normals: Array) -> Array:
+    def contact_wrenches(self, normals: Array) -> Array:
         """Return force, then moment of friction on each ball at its contacts, along x3, y3, z3 each ``(N, 4, 6)`` [N, N m].
 
         x3 is radial, y3 along the track, z3 the binormal. ``normals``: unit vectors from each ball's centre to its
@@ -160,7 +161,7 @@ def ball_friction(
     count = contacts.force.shape[0]
     loaded = np.flatnonzero(contacts.force.sum(axis=1) > 0.0)
     pressed = contacts.subset(loaded)
-    share, top = relative_coefficients(friction)
+    share, top = relative_friction_coefficients(friction)
     rubs = friction_contacts(scene, pressed, share, drive)
     n = loaded.size
     q = np.full((n, 4), np.nan) if starting_motions is None else starting_motions[loaded]
@@ -179,10 +180,10 @@ def ball_friction(
     left = outcome[:, 1] / rubs.semi_axes_and_bound[..., 2].sum(axis=1)
     for k, code, off in zip(loaded, outcome[:, 0].astype(int), left, strict=True):
         status[k] = STATUS[code] if off <= UNBALANCED else "failed"
-    return friction_of_motions(contacts, every, motion, pull, rest, status, float(left.max(initial=0.0)))
+    return ball_friction_from_motions(contacts, every, motion, pull, rest, status, float(left.max(initial=0.0)))
 
 
-def friction_of_motions(
+def ball_friction_from_motions(
     contacts: StaticContacts,
     motions: Array,
     motion: Array,
@@ -191,13 +192,14 @@ def friction_of_motions(
     status: list[str],
     imbalance: float,
 ) -> BallFriction:
-    """Return motion, friction and losses of N balls as one record; the losses follow from the other two.
+    """Return motion, friction and losses of N balls as one record; the losses are friction times motion.
 
-    ``contacts``: contacts of the balls; ``motions``: motions ``(N, 4)`` [rad/s], orbit and then rotation, nan without
-    load; ``motion``: sliding and spin of the contacts ``(N, 4, 3)`` [m/s, rad/s]; ``pull``: friction on the ball ``(N,
-    4, 3)``, two forces [N] and the moment about the normal [N m]; ``rest``: whether each contact sticks ``(N, 4)``;
-    ``status``: status of the solution for each ball; ``imbalance``: largest unbalanced force as a fraction of a ball's
-    sum of mu F.
+    ``contacts``: contacts of the balls; ``motions``: motions ``(N, 4)`` [rad/s], orbit and then rotation, nan without load;
+    ``motion``: sliding of the contacts across and along the groove [m/s], and spin about the normal [rad/s], ``(N, 4, 3)``;
+    ``pull``: friction on the ball, force across and along the groove [N], and moment about the normal [N m], ``(N, 4, 3)``;
+    ``rest``: whether each contact sticks ``(N, 4)``; ``status``: status of the solution for each ball; ``imbalance``:
+    largest unbalanced force on a ball, as a fraction of the sum of friction bounds (coefficient of friction times contact
+    force) of this ball.
     """
     loaded = contacts.force[..., None] > 0.0
     loss = np.where(loaded, -pull * np.nan_to_num(motion), 0.0) + 0.0
@@ -207,12 +209,12 @@ def friction_of_motions(
     )
 
 
-def relative_coefficients(friction: Friction) -> tuple[Array, float]:
+def relative_friction_coefficients(friction: Friction) -> tuple[Array, float]:
     """Return the ratios of the contacts' coefficients of friction to the largest one ``(4,)``, then the largest one.
 
-    The ratios are in the order SL, SR, NL, NR. The ratios are 1 if all coefficients are zero: the motions depend only
-    on the ratios, so that motions without friction are the limit for equal coefficients that tend to zero.
-    ``friction``: coefficients of friction of screw and nut.
+    The ratios are in the order screw left, screw right, nut left, nut right. The ratios are 1 if all coefficients are zero:
+    the motions depend only on the ratios, so that motions without friction are the limit for equal coefficients that tend
+    to zero. ``friction``: coefficients of friction of screw and nut.
     """
     mu = np.array([friction.screw, friction.screw, friction.nut, friction.nut])
     top = float(mu.max())
@@ -224,9 +226,9 @@ def friction_contacts(
 ) -> FrictionContacts:
     """Return ellipses, friction bounds and kinematics of all contacts, with x along the long semi-axis of each ellipse.
 
-    ``contacts``: contact forces and ellipses; ``friction_coefficients``: coefficients of friction of the contacts SL,
-    SR, NL, NR ``(4,)``, or their ratios to the largest one; the friction bounds in the result are products of these and
-    the forces. ``drive``: motion of the screw or nut that turns.
+    ``contacts``: contact forces and ellipses; ``friction_coefficients``: coefficients of friction of the contacts with the
+    four flanks (screw left, screw right, nut left, nut right) ``(4,)``, or their ratios to the largest one; the friction
+    bounds in the result are the products of these values and the forces. ``drive``: motion of the screw or nut that turns.
     """
     maps, drives = ball_kinematics(scene, drive, scene.balls.radius).contact_kinematics(
         contacts.normals, contacts.ball_radius
@@ -241,10 +243,10 @@ def friction_contacts(
 
 
 def rotate_to_groove_axes(at: StaticContacts, values: Array) -> None:
-    """Rotate components from the axes of `friction_contacts` to axes x across the groove and z along it.
+    """Rotate components from the axes of the contact ellipses to axes x across the groove and z along it.
 
-    ``at``: the N balls' contacts; ``values`` ``(N, 4, 3)``: components along x and z and about the normal for each contact,
-    which are overwritten.
+    The given axis x is the long axis of each ellipse, as in `friction_contacts`. ``at``: contacts of the N balls;
+    ``values`` ``(N, 4, 3)``: components along x and z and about the normal for each contact, which are overwritten.
     """
     values[~at.across] = _rotate_quarter_turn(values[~at.across], -1.0)
 
@@ -279,14 +281,14 @@ def closing_speeds_of_neighbours(scene: Scene, contacts: StaticContacts, by_ball
     return closing
 
 
-#: Numbers of quadrature points along a radius of a contact ellipse and around it.
+#: Numbers of quadrature points of a contact ellipse: along a radius, and around the ellipse.
 OUTWARDS, ROUND = 10, 20
 
-#: Regularising speeds as fractions of a typical sliding speed; largest number of Newton steps at each of them; largest
-#: number of halvings of a step.
+#: Regularising speeds of friction as fractions of a typical sliding speed, used one after the other; largest number of
+#: Newton steps at each; largest number of halvings of a step.
 SPEEDS, STEPS, HALVINGS = (0.3, 0.1, 0.03, 0.01, 0.003), 12, 12
 
-#: Relative increase of the losses by Heathcote slip above which a warning is given.
+#: Relative increase of the contact losses by Heathcote slip above which a warning is given.
 WIDE = 0.03
 
 
@@ -298,8 +300,8 @@ def hertz_pressure_quadrature(outwards: int = OUTWARDS, around: int = ROUND) -> 
     Returns
     -------
     tuple
-        Coordinates x, then z, of the points ``(k,)`` as fractions of the semi-axes, then the weights ``(k,)``, whose sum is
-        1.
+        Coordinates x, then z, of the points ``(k,)`` as fractions of the semi-axes of a contact ellipse, then the weights
+        ``(k,)``, whose sum is 1.
     """
     node, weight = np.polynomial.legendre.leggauss(outwards)
     height, half = 0.5 * (1.0 + node), 0.5 * weight  # radius^2 = 1 - height^2 makes pressure a polynomial
@@ -364,14 +366,18 @@ def least_dissipated_power(rows: Array, added: Array, strength: Array, start: Ar
     rows, added = rows[:, loaded].reshape(len(weight), -1, 4), added[:, loaded].reshape(*weight.shape, 2)
     q = start.copy()
 
-    def value(motion: Array, eps: float) -> tuple[Array, Array, Array]:
-        """Return the dissipated power of each ball [W], then sliding velocity and regularised speed of its points [m/s]."""
+    def power_and_sliding(motion: Array, eps: float) -> tuple[Array, Array, Array]:
+        """Return the dissipated power of each ball [W], then sliding velocities and regularised speeds in contacts [m/s].
+
+        ``motion`` ``(n, 4)``: motions of the n balls [rad/s]. The regularised speed of a sliding velocity v is
+        sqrt(v^2 + eps^2).
+        """
         v = (rows @ motion[..., None]).reshape(added.shape) + added
         size = np.sqrt(v[..., 0] ** 2 + v[..., 1] ** 2 + eps * eps)
         return (weight * size).sum(axis=1), v, size
 
     for eps in typical_sliding_speed * np.array(SPEEDS):
-        total, v, size = value(q, eps)
+        total, v, size = power_and_sliding(q, eps)
         for _ in range(STEPS):
             w = weight / size
             along = np.einsum("npci,npc->npi", rows.reshape(*v.shape, 4), v)
@@ -382,16 +388,16 @@ def least_dissipated_power(rows: Array, added: Array, strength: Array, start: Ar
             step = -np.linalg.solve(hessian + floor[:, None, None] * np.eye(4), gradient[..., None])[..., 0]
             length = np.ones(q.shape[0])
             for _ in range(HALVINGS):
-                worse = ~(value(q + length[:, None] * step, eps)[0] <= total)
+                worse = ~(power_and_sliding(q + length[:, None] * step, eps)[0] <= total)
                 if not worse.any():
                     break
                 length = np.where(worse, 0.5 * length, length)
             length[worse] = 0.0
             before, q = total, q + length[:, None] * step
-            total, v, size = value(q, eps)
+            total, v, size = power_and_sliding(q, eps)
             if float((before - total).max()) <= 1e-12 * float(before.max()):
                 break
-    return value(q, 0.0)[0]
+    return power_and_sliding(q, 0.0)[0]
 
 
 def heathcote_loss_increase(
@@ -419,7 +425,7 @@ def heathcote_loss_increase(
     balls = np.flatnonzero(np.isfinite(by_ball.orbital_speed))
     if balls.size == 0:
         return float("nan")
-    pressed, share = contacts.subset(balls), relative_coefficients(friction)[0]
+    pressed, share = contacts.subset(balls), relative_friction_coefficients(friction)[0]
     strength = share * pressed.force
     start = np.column_stack([by_ball.orbital_speed, by_ball.rotation])[balls]
     seen = np.nan_to_num(by_ball.contact_motions[balls])

@@ -30,8 +30,8 @@ from rollbench.meshes.helix import BallLayout, ball_layout_at_positions, lead_pe
 from rollbench.meshes.parts import Friction, Scene, Track
 from rollbench.meshes.parts import Motion as Drive
 
-#: Length of a window of `TravellingCompliance` and least length [rad]; distance by which balls may be outside its ends, as
-#: a fraction of its length; largest motion of the balls relative to each other within it [rad].
+#: Lengths of a window of `TravellingCompliance` [rad], usual and least; distance by which balls may lie outside the ends of
+#: a window, as a fraction of its length; largest motion of the balls relative to each other within a window [rad].
 WINDOW, LEAST, BEYOND, APART = np.radians(8.0), 1e-4, 0.01, 5e-4
 
 
@@ -53,16 +53,17 @@ class ComplianceWindow(NamedTuple):
 class TravellingCompliance:
     """Compliance of screw or nut between contacts that travel along the track together.
 
-    The compliance is computed for balls at three positions of a window, and interpolated between these by a parabola. A
-    body of revolution with a groove in it responds in the same way to balls that turn and advance together, except near
-    its ends, so that the compliance changes slowly. Where balls have moved by more than ``APART`` relative to each
-    other, or other balls are on the loaded arc, a new window begins. One object serves one scene and one compliance
-    model only.
+    The compliance is computed for balls at three positions of a window, which is a short piece of the track, and
+    interpolated between these positions by a parabola. A body of revolution with a groove in it responds in the same way to
+    balls that turn and advance together, except near its ends, so that the compliance changes slowly. Where balls have
+    moved by more than ``APART`` relative to each other, or other balls are on the loaded arc, a new window begins. One
+    object serves one scene and one compliance model only.
     """
 
-    #: Length of a window [rad], with the sign of the balls' travel in the nut.
+    #: Length of a window of the track [rad], positive if the balls travel towards larger azimuths in the nut, else
+    #: negative.
     window_angle: float
-    #: Windows computed so far; the key is body (whether screw), flanks and number of balls.
+    #: Windows computed so far, listed under a key of body (whether screw), flanks and number of balls.
     windows: dict[tuple[object, ...], list[ComplianceWindow]] = field(default_factory=dict)
 
     def __call__(
@@ -95,11 +96,12 @@ class TravellingCompliance:
         return np.asarray(left * (left - share) * first + 4.0 * share * left * second + share * (share - left) * third)
 
     def new_window(self, layout: BallLayout, track: Track, compute: Callable[[BallLayout], Array]) -> ComplianceWindow:
-        """Return a window that begins at the positions ``layout``, with the body's compliance at its three positions.
+        """Return a window that begins at the ball positions ``layout``, with the compliance of screw or nut.
 
-        The window is shorter than ``window_angle`` where a ball would otherwise pass the face of the nut. The body is
-        screw or nut. ``track``: helix along which the balls travel; ``compute``: function that returns the compliance
-        [m/N] at given positions of the balls. Raises ValueError if ``compute`` raises it even for the shortest window.
+        The compliance is that for balls at the start, middle and end of the window, a short piece of the track. The window
+        is shorter than ``window_angle`` where a ball would otherwise pass the face of the nut. ``track``: helix along which
+        the balls travel; ``compute``: function that returns the compliance [m/N] at given positions of the balls. Raises
+        ValueError if ``compute`` raises it even for the shortest window.
         """
         rate, length = lead_per_radian(track), self.window_angle
         while True:
@@ -145,11 +147,11 @@ Solve = Callable[[GeometryWithErrors, BallLayout], StaticResult | ContactLoads]
 class LastInstant(NamedTuple):
     """Motions of N balls and forces on them at the previous instant, from which the next solution begins."""
 
-    #: Motions of the balls, orbit and then three rotations ``(N, 4)`` [rad/s].
+    #: Motions of the balls: orbit, then three rotations ``(N, 4)`` [rad/s].
     ball_motions: Array
     #: Force of each ball on the next one ``(N,)`` [N].
     ball_forces: Array
-    #: Friction that displaces the balls, on balls along x3 and z3 and on the screw along its axis ``(N, 3)`` [N].
+    #: Friction that displaces the balls: on each ball along x3 and z3, and on the screw along its axis ``(N, 3)`` [N].
     displacing_friction: Array
 
 
@@ -163,25 +165,27 @@ class SceneInMotion:
     friction: Friction
     #: Motion of the screw or nut that turns.
     drive: Drive
-    #: Random errors of balls and grooves.
+    #: Random geometric errors of balls and grooves.
     random_errors: ErrorsAfterDrawing
-    #: Balls in their circuits.
+    #: All balls in their circuits (closed tracks).
     balls: BallsInCircuits
-    #: Function that computes the contact loads of balls at given positions.
+    #: Function that computes the contact loads of balls with given errors at given positions.
     solve_contact_loads: Solve
     #: Whether to use the compiled functions instead of plain Python.
     fast: bool = True
 
-    def angles(self, time: float) -> tuple[float, float]:
-        """Return the angle [rad] by which the screw, then by which the nut has turned in space after a given time.
+    def rotations_of_screw_and_nut(self, time: float) -> tuple[float, float]:
+        """Return the angles by which the screw, then the nut, has turned in space after a given time [rad].
 
         ``time``: time since the start [s].
         """
         turned = self.drive.speed * time
         return (turned, 0.0) if self.drive.turns == "screw" else (0.0, turned)
 
-    def contacts(self, azimuth: Array, time: float, push: Array, q: Array) -> tuple[StaticContacts, NDArray[np.bool_], str]:
-        """Return the contact loads of all N balls at one instant, changed by friction if this feedback is requested.
+    def solve_contacts(
+        self, azimuth: Array, time: float, push: Array, q: Array
+    ) -> tuple[StaticContacts, NDArray[np.bool_], str]:
+        """Return the contacts of all N balls at one instant; friction changes the contact loads if the scene requests it.
 
         Parameters
         ----------
@@ -198,10 +202,11 @@ class SceneInMotion:
         Returns
         -------
         tuple
-            The contacts; which balls are on a loaded arc ``(N,)``; ``"converged"``, or a phrase that says what failed.
+            The contacts; whether each ball is on a loaded arc ``(N,)``; ``"converged"``, or a phrase that says what
+            failed.
         """
         scene, track = self.scene, self.scene.track
-        on_screw, on_nut = self.angles(time)
+        on_screw, on_nut = self.rotations_of_screw_and_nut(time)
         folded, loaded = self.balls.fold_into_circuits(azimuth)
         layout, on_arc = self.balls.layout(scene, folded, on_nut), np.flatnonzero(loaded)
         space, station = layout.azimuth[on_arc], layout.z[on_arc]
@@ -233,7 +238,7 @@ class SceneInMotion:
 
     @property
     def tracks(self) -> tuple[ClosedTrack, ...]:
-        """Closed tracks of the circuits."""
+        """Closed tracks of the balls, one for each circuit."""
         return self.balls.tracks
 
     @property
@@ -243,18 +248,18 @@ class SceneInMotion:
 
     @property
     def number(self) -> NDArray[np.int64]:
-        """Numbers of the balls in the scene ``(N,)``, -1 for those of the return."""
+        """Numbers of the balls in the scene ``(N,)``; -1 for a ball that is in the return tube at the start."""
         return self.balls.number
 
-    def begin(self) -> BallState:
+    def state_at_start(self) -> BallState:
         """Return the state at the start of the simulation: balls at the scene's positions, rolling at the nominal speed."""
         count, nut = self.balls.radius.size, self.groove.nut_speed
         nominal = self.groove.nominal_orbit - nut
         memory = LastInstant(np.tile([nominal + nut, 0.0, 0.0, 0.0], (count, 1)), np.zeros(count), np.zeros((count, 3)))
-        gap = np.maximum(self.balls.gaps(self.balls.azimuth), 0.0)
+        gap = np.maximum(self.balls.gaps_to_next_balls(self.balls.azimuth), 0.0)
         return BallState(self.balls.azimuth, gap, np.full(count, nominal), memory)
 
-    def time_to_end(self, azimuth: Array, omega: Array, time: float) -> float:  # noqa: ARG002 - arcs are fixed in the nut
+    def time_to_next_arc_end(self, azimuth: Array, omega: Array, time: float) -> float:  # noqa: ARG002 - arcs are fixed in the nut
         """Return the time until a ball reaches an end of its loaded arc [s]; infinite for a bearing, which has no ends.
 
         ``azimuth``: azimuths of the balls in the nut's frame ``(N,)`` [rad]; ``omega``: their angular speeds in this
@@ -264,7 +269,7 @@ class SceneInMotion:
             return np.inf
         return min(track.time_to_arc_end(azimuth, omega) for track in self.tracks)
 
-    def instant(self, azimuth: Array, time: float, slack: Array, memory: LastInstant) -> InstantSolution | str:
+    def solve_at_instant(self, azimuth: Array, time: float, slack: Array, memory: LastInstant) -> InstantSolution | str:
         """Return the contact loads and ball motions at one instant, or a text that says why no loads were found.
 
         ``azimuth``: azimuths of the balls in the nut's frame ``(N,)`` [rad]; ``time``: time since the start [s];
@@ -272,7 +277,7 @@ class SceneInMotion:
         touch; ``memory``: results at the previous instant, from which the searches begin.
         """
         push = memory.displacing_friction.copy()
-        at, loaded, status = self.contacts(azimuth, time, push, memory.ball_motions)
+        at, loaded, status = self.solve_contacts(azimuth, time, push, memory.ball_motions)
         if status != "converged":
             return status
         moved = [
@@ -312,10 +317,10 @@ class SceneInMotion:
 def _driving_torque_on_screw(setting: SceneInMotion, contacts: StaticContacts, wrench: Array, axial: float) -> float:
     """Return the torque about +z [N m] that drives the screw under an external axial load ``axial`` [N].
 
-    The torque is the moment of contact loads and friction about the axis. An axial force of friction that the contact
-    loads do not balance contributes its work along the helix. ``setting``: the simulated screw; ``contacts``: contacts
-    of the N balls; ``wrench``: force and moment of friction on the balls in their sections' axes x3 (radial), y3 (along
-    the track), z3 (binormal) ``(N, 4, 6)`` [N, N m].
+    The torque is the moment of contact loads and friction about the axis. If friction makes the axial force on the balls
+    differ from the load, the difference times lead/(2 pi) is added. ``setting``: the simulated screw; ``contacts``:
+    contacts of the N balls; ``wrench``: force and moment of friction on the balls in their sections' axes x3 (radial), y3
+    (along the track), z3 (binormal) ``(N, 4, 6)`` [N, N m].
     """
     wrenches = wrench.copy()
     wrenches[..., :3] -= contacts.force[..., None] * contacts.normals

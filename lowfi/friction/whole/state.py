@@ -7,25 +7,15 @@ from functools import partial
 
 import numpy as np
 
+from rollbench.lowfi.friction.whole import feedback
+from rollbench.lowfi.friction.whole import torque as whole_torque
 from rollbench.lowfi.friction.whole.circuit import balls_in_circuits, solve_motion_on_track
 from rollbench.lowfi.friction.whole.contacts import StaticContacts, contacts_of_all_balls, contacts_of_result
-from rollbench.lowfi.friction.whole.feedback import (
-    JAMMED,
-    balls_with_jammed_state,
-    positions_in_grooves_of_result,
-    solve_friction_equilibrium,
-)
 from rollbench.lowfi.friction.whole.losses import (
     BallFriction,
     ball_friction,
+    ball_friction_from_motions,
     closing_speeds_of_neighbours,
-    friction_of_motions,
-)
-from rollbench.lowfi.friction.whole.torque import (
-    FrictionSums,
-    compiling_saves_time,
-    friction_displaces_balls,
-    sum_friction_over_contacts,
 )
 from rollbench.lowfi.jit import CONTACT, is_copy_loaded, is_machine_code_cached, register_compile_job
 from rollbench.lowfi.statics.result import StaticResult
@@ -34,8 +24,9 @@ from rollbench.meshes.errors import draw_errors
 from rollbench.meshes.parts import Friction, Scene
 from rollbench.meshes.parts import Motion as Drive
 
-#: Number of balls up to which a command does not wait until functions are compiled. In plain Python they take about 0.05 s
-#: for each ball, and a command, with drag torque and a range of coefficients, needs up to seven solutions.
+#: Number of balls up to which a command does not wait until functions are compiled. The functions in plain Python take
+#: about 0.05 s for each ball, and a command, with drag torque and a range of coefficients of friction, needs up to seven
+#: solutions.
 UNCOMPILED = 120
 #: Gap between neighbouring balls [m] up to which they count as touching.
 TOUCHING = 1e-6
@@ -45,11 +36,11 @@ TOUCHING = 1e-6
 class NeighbourFriction:
     """Friction of N balls, in the order of the scene, where neighbours that touch press on each other."""
 
-    #: Motion and friction of the balls.
+    #: Motion of the balls, friction on them and losses at the grooves.
     ball_friction: BallFriction
-    #: Force of a ball on the next one at the larger azimuth ``(N,)`` [N].
+    #: Force of each ball on the next one, which is the neighbour at the larger azimuth ``(N,)`` [N].
     force_on_next_ball: Array
-    #: Power lost between touching balls [W].
+    #: Power lost between all touching balls together [W].
     power_lost_between_balls: float
     #: Number of pairs of neighbouring balls that touch.
     touching_pair_count: int
@@ -62,9 +53,9 @@ def friction_with_neighbours(
 ) -> NeighbourFriction:
     """Return the friction of all balls at given contact loads, with forces between neighbours that touch.
 
-    Neighbours touch if their gap is at most ``TOUCHING``; balls in the return touch no other ball. ``scene``: screw or
-    bearing; ``contacts``: contacts of its balls; ``friction``: coefficients of friction; ``drive``: motion of the screw
-    or nut that turns; ``member``: number of the draw of random errors (specimen); ``fast``: whether to use the compiled
+    Neighbours touch if their gap is at most ``TOUCHING``; balls in the return tube touch no other ball. ``scene``: screw or
+    bearing; ``contacts``: contacts of its balls; ``friction``: coefficients of friction; ``drive``: motion of the screw or
+    nut that turns; ``member``: number of the draw of random errors (specimen); ``fast``: whether to use the compiled
     functions.
 
     Raises
@@ -80,7 +71,7 @@ def friction_with_neighbours(
     order = all_balls.number[on_arc]
     layout = all_balls.layout(scene, all_balls.azimuth)
     full = contacts_of_all_balls(contacts.subset(order), layout, on_arc, all_balls.radius, track.contact_angle)
-    gap = all_balls.gaps(all_balls.azimuth) * all_balls.grooves.pair.closing_speed_factor
+    gap = all_balls.gaps_to_next_balls(all_balls.azimuth) * all_balls.grooves.pair.closing_speed_factor
     slack = np.where(gap <= TOUCHING, 0.0, np.inf)
     least = np.inf
     q, force, status = np.full((order.size, 4), np.nan), np.zeros(order.size), ["no load"] * order.size
@@ -105,7 +96,7 @@ def friction_with_neighbours(
             status[k] = "balanced" if moved.converged else "failed"
     rest = np.zeros(contacts.force.shape, dtype=bool)
     scale = max(max(friction.screw, friction.nut) * float(contacts.force.sum(axis=1).max(initial=0.0)), 1e-30)
-    by_ball = friction_of_motions(contacts, q, motion, pull, rest, status, left / scale)
+    by_ball = ball_friction_from_motions(contacts, q, motion, pull, rest, status, left / scale)
     return NeighbourFriction(by_ball, force, power, touching, least)
 
 
@@ -113,29 +104,29 @@ def friction_with_neighbours(
 class FrictionState:
     """Friction of a whole screw or bearing at one instant, for given coefficients of friction of screw and nut."""
 
-    #: Contacts of all balls.
+    #: Contacts of all balls, with their loads, angles and ellipses.
     contacts: StaticContacts
     #: Motion and friction of every ball.
     ball_friction: BallFriction
     #: Torque, axial force and power of the friction, as sums over all balls.
-    friction_sums: FrictionSums
-    #: Speed at which each ball approaches the next one ``(N,)`` [m/s]; negative if they separate, nan without load or next
-    #: ball.
+    friction_sums: whole_torque.FrictionSums
+    #: Speed at which each ball approaches the next one ``(N,)`` [m/s]; negative if they separate, nan if there is no next
+    #: ball or one of the two has no load.
     closing_speeds: Array
-    #: Torque, axial force and power as in ``friction_sums``, but at the static contact loads, without the effect of
-    #: friction on the loads.
-    sums_without_feedback: FrictionSums
-    #: Indices of balls for which friction and position could not be made to agree, in the motion of the scene or in the
-    #: reversed one.
+    #: Torque, axial force and power of the friction at the static contact loads, without the effect of friction on the
+    #: loads.
+    sums_without_feedback: whole_torque.FrictionSums
+    #: Indices of balls for which no equilibrium of friction and position was found, in the motion of the scene or in the
+    #: reversed motion.
     unsettled_balls: tuple[int, ...]
-    #: Largest force out of balance on a ball, as a ratio to the sum of its contact loads
-    #: (`FrictionEquilibrium.largest_imbalance_ratio`).
+    #: Largest unbalanced force on a ball after friction has changed its contact loads, as a ratio to the sum of these
+    #: loads; 0 if friction does not change them.
     change: float
     #: Whether friction displaces the balls in their grooves and so changes the contact loads.
     friction_changes_loads: bool
-    #: Forces and losses between touching balls; None if they are not requested.
+    #: Forces and losses between touching balls; None if the scene does not request them.
     neighbour_friction: NeighbourFriction | None = None
-    #: Indices of balls for which a second, jammed state was found; None if it was not searched for.
+    #: Indices of balls for which a second equilibrium was found, jammed between their grooves; None if no search was made.
     jammed_balls: tuple[int, ...] | None = None
 
     @property
@@ -172,8 +163,9 @@ def friction_state(
     member
         Number of the draw of random geometric errors (specimen) for which ``result`` was solved.
     fast
-        Whether to use the compiled functions instead of plain Python. If None, they are used where they save time; a scene
-        with few balls does not wait until they are compiled, because `register_compile_job` has them compiled later.
+        Whether to use the compiled functions instead of plain Python; None: where the compiled functions save time; a
+        scene with few balls does not wait until they are compiled, because `register_compile_job` has them compiled
+        later.
 
     Raises
     ------
@@ -183,7 +175,7 @@ def friction_state(
         The static result did not converge, the speed is zero, or balls overlap.
     """
     at = contacts_of_result(scene, result, member)
-    coupled = friction_displaces_balls(scene, friction)
+    coupled = whole_torque.friction_displaces_balls(scene, friction)
     pushed = friction.neighbours
     first = (
         fast is None
@@ -192,32 +184,34 @@ def friction_state(
         and not pushed
         and scene.ball_count <= UNCOMPILED
     )
-    if first and compiling_saves_time(scene, friction):
+    if first and whole_torque.compiling_saves_time(scene, friction):
         register_compile_job(CONTACT, partial(friction_state, scene, result, friction, drive, member, fast=True))
     if fast is None:
         fast = not first and (
-            compiling_saves_time(scene, friction)
+            whole_torque.compiling_saves_time(scene, friction)
             or is_copy_loaded(CONTACT)
             or (coupled and is_machine_code_cached(CONTACT))
         )
     balls = ball_friction(scene, at, friction, drive, fast)
-    torque = bare = sum_friction_over_contacts(scene, at, balls, drive)
+    torque = bare = whole_torque.sum_friction_over_contacts(scene, at, balls, drive)
     unsettled: tuple[int, ...] = ()
     second: tuple[int, ...] | None
     change, second, at_back = 0.0, None, at
     if coupled:
-        place = positions_in_grooves_of_result(scene, result, at, member)
+        place = feedback.positions_in_grooves_of_result(scene, result, at, member)
         there, back = (
-            solve_friction_equilibrium(scene, at, place, friction, d, fast) for d in (drive, reversed_motion(drive))
+            feedback.solve_friction_equilibrium(scene, at, place, friction, d, fast)
+            for d in (drive, reversed_motion(drive))
         )
         still, at, at_back, balls = at, there.contacts, back.contacts, there.friction
         torque = replace(
-            sum_friction_over_contacts(scene, at, balls, drive, coupled=True), reverse_power=back.friction.total_power_lost
+            whole_torque.sum_friction_over_contacts(scene, at, balls, drive, coupled=True),
+            reverse_power=back.friction.total_power_lost,
         )
         change = max(there.largest_imbalance_ratio, back.largest_imbalance_ratio)
         unsettled = tuple(int(k) for k in np.flatnonzero(there.failed_balls | back.failed_balls))
-        if max(friction.screw, friction.nut) >= JAMMED:
-            second = balls_with_jammed_state(scene, place, still, there, friction, drive, fast)
+        if max(friction.screw, friction.nut) >= feedback.JAMMED:
+            second = feedback.balls_with_jammed_state(scene, place, still, there, friction, drive, fast)
     touching: NeighbourFriction | None = None
     if pushed:
         ways = ((at, drive), (at_back, reversed_motion(drive)))
@@ -225,7 +219,7 @@ def friction_state(
             friction_with_neighbours(scene, contacts, friction, d, member, fast) for contacts, d in ways
         )
         balls = touching.ball_friction
-        sums = sum_friction_over_contacts(scene, at, balls, drive, coupled=coupled)
+        sums = whole_torque.sum_friction_over_contacts(scene, at, balls, drive, coupled=coupled)
         torque = replace(
             sums,
             power=sums.power + touching.power_lost_between_balls,

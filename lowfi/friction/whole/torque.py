@@ -33,7 +33,8 @@ if TYPE_CHECKING:
     from rollbench.lowfi.friction.whole.losses import BallFriction
 
 
-#: Ratio of axial load to the sum of contact loads below which the axial load is round-off, so that there is no efficiency.
+#: Ratio of axial load to the sum of contact loads below which the axial load counts as round-off, so that no efficiency is
+#: computed.
 ROUND_OFF = 1e-6
 
 
@@ -44,29 +45,30 @@ class FrictionSums:
     Forces are positive along +z, torques and angles about +z.
     """
 
-    #: Angular speed of the screw relative to the nut [rad/s].
+    #: Angular speed of the screw relative to the nut, about +z [rad/s].
     speed: float
     #: Advance per angle, lead/(2 pi) [m/rad], negative for a left-hand thread.
     advance_per_radian: float
     #: External axial load on the screw that the contacts balance [N].
     axial_load: float
-    #: Power lost in the contacts [W].
+    #: Power lost by friction in all contacts [W].
     power: float
     #: Axial force of friction on the screw [N], which the contact loads of the static model do not balance.
     axial_friction_on_screw: float
-    #: Work per angle [N m] that the drive of the screw, then the drive of the nut, does in a helical motion. This work
-    #: contains the moments about the axis and the axial forces of all contacts, normal forces included.
+    #: Work per angle [N m] that the drive of the screw, then the drive of the nut, does in a helical motion. The work
+    #: contains the moments about the axis and the axial forces at all contacts, those of the normal forces included.
     helical_work_per_radian: tuple[float, float]
-    #: Largest ratio, of all balls, of the friction in the plane of a ball's groove section to its largest contact load.
+    #: Friction on a ball in the plane of its groove section, divided by the largest contact load of this ball: largest
+    #: value of all balls.
     cross_groove_friction_ratio: float
     #: Sum of all contact loads [N].
     contact_load_sum: float
-    #: Power lost in the reversed motion [W]; it differs from ``power`` if friction changes the contact loads.
+    #: Power lost by friction in the reversed motion [W]; it differs from ``power`` if friction changes the contact loads.
     reverse_power: float
 
     @property
     def friction_torque(self) -> float:
-        """Friction torque on the screw, which is the power lost divided by the angular speed [N m].
+        """Friction torque on the screw [N m]: power lost divided by the angular speed of the screw relative to the nut.
 
         The friction torque on the nut has the opposite sign.
         """
@@ -74,9 +76,10 @@ class FrictionSums:
 
     @property
     def driving_torque_on_screw(self) -> float:
-        """Torque about +z that drives the screw at this speed, friction included [N m]; negative if it brakes the screw.
+        """Torque about +z that keeps the screw at its speed relative to the nut, friction included [N m].
 
-        The torque on the nut is the opposite one.
+        It brakes the screw if it has the opposite sign to the speed. The torque on the nut is opposite to that on the
+        screw.
         """
         return self.power / self.speed - self.advance_per_radian * self.axial_load
 
@@ -92,12 +95,12 @@ class FrictionSums:
 
     @property
     def frictionless_torque(self) -> float:
-        """Torque that balances the axial load without friction [N m]."""
+        """Torque on the screw that would balance the axial load if there were no friction, as a magnitude [N m]."""
         return abs(self.advance_per_radian * self.axial_load)
 
     @property
     def forward_torque(self) -> float:
-        """Torque that moves the screw against the axial load, friction included [N m]."""
+        """Torque that turns the screw against the axial load, friction included [N m]."""
         with_load = self.axial_load * self.advance_per_radian * self.speed > 0.0
         return self.frictionless_torque + (self.reverse_power if with_load else self.power) / abs(self.speed)
 
@@ -133,7 +136,7 @@ def sum_friction_over_contacts(
     or the contact loads alone (False).
     """
     normals, frames = contacts.normals, contacts.section_axes
-    friction = by_ball.wrench(normals)
+    friction = by_ball.contact_wrenches(normals)
     total = friction.copy()
     total[..., :3] -= contacts.force[..., None] * normals
     axial, moment = axial_forces_and_moments(contacts, total)
@@ -177,8 +180,8 @@ def axial_forces_and_moments(contacts: StaticContacts, wrench: Array) -> tuple[A
 #: Motion that is assumed if the scene gives none: the screw turns once a second.
 ONE_TURN = Motion(2.0 * pi)
 
-#: Numbers of balls above which compiling the functions (20 s, once) saves time in one solution: first without, then with
-#: the effect of friction on the loads.
+#: Numbers of balls above which compiling the functions (20 s, once) saves time in one solution: without, then with the
+#: effect of friction on the contact loads.
 COMPILE_ABOVE, COUPLED_ABOVE = 1000, 8
 
 

@@ -24,7 +24,7 @@ CONSTANT, IMPLICIT, EXACT = 0, 1, 2
 
 @kernel
 def _implicit_approach(v: float, error: float, p: Array) -> tuple[float, float, float]:
-    """Return approach [m], sine of the contact angle and derivative of the approach by v of a ball by Liu's (10) and (14).
+    """Return a ball's approach [m], sine of its contact angle, and d(approach)/dv, by Liu's equations (10) and (14).
 
     The equation solved is approach = error + v sin(angle(approach)). v: axial motion of the groove times the cosine of the
     lead angle [m]; error: oversize of the ball [m]; p (5,): Hertz stiffness [N/m^1.5], distance A of the groove centres
@@ -47,7 +47,7 @@ def _implicit_approach(v: float, error: float, p: Array) -> tuple[float, float, 
 
 @kernel
 def _exact_approach(v: float, error: float, p: Array) -> tuple[float, float, float]:
-    """Return approach [m], sine of the contact angle and derivative of the approach by v of a ball by exact geometry.
+    """Return a ball's approach [m], sine of its contact angle, and d(approach)/dv, by the exact groove geometry.
 
     The approach follows from the distance of the groove centres, whose offset across the axis is constant. v: axial motion
     of the groove times the cosine of the lead angle [m]; error: oversize of the ball [m]; p (5,): Hertz stiffness
@@ -64,11 +64,12 @@ def _exact_approach(v: float, error: float, p: Array) -> tuple[float, float, flo
 
 @kernel
 def ball_force(u: float, error: float, law: int, p: Array) -> tuple[float, float, float]:
-    """Return contact load [N], axial force [N] and the derivative of the axial force by u [N/m] of one ball.
+    """Return one ball's contact load [N], axial force [N], and the derivative of the axial force by its motion u [N/m].
 
-    u: axial motion of the groove [m]; error: oversize of the ball [m]; law: number of the law of the contact angle
-    (``CONSTANT``, ``IMPLICIT`` or ``EXACT``); p (5,): Hertz stiffness [N/m^1.5], distance A of the groove centres [m], sine
-    and cosine of the unloaded contact angle, cosine of the lead angle. All three results are zero without contact.
+    u: axial motion of the groove [m]; error: oversize of the ball [m]; law: number of the rule by which the contact angle
+    changes under load (``CONSTANT``, ``IMPLICIT`` or ``EXACT``); p (5,): Hertz stiffness [N/m^1.5], distance A of the
+    groove centres [m], sine and cosine of the unloaded contact angle, cosine of the lead angle. All three results are zero
+    without contact.
     """
     v = u * p[4]
     approach, sine, slope = error + v * p[2], p[2], p[2]
@@ -121,12 +122,13 @@ def _motion_of_rigid_bodies(errors: Array, load: float, p: Array) -> float:
 def solve_by_newton(
     errors: Array, load: float, segments: Array, law: int, p: Array, u: Array, work: Array
 ) -> tuple[int, float, float]:
-    """Solve the axial equilibrium of all balls by Newton's method; the equations are in ``lowfi.random_errors.chain``.
+    """Solve the axial equilibrium of all balls of one screw by Newton's method (equations of `lowfi.random_errors.chain`).
 
     errors (M,): oversize of the balls [m]; load: axial load [N]; segments (M,): compliance of screw and nut between each
     ball and the preceding one [m/N]; law, p: as in `ball_force`; u (M,): axial motions at the balls [m], the result; work
-    (3, M): work arrays, the first with the contact loads [N] at the end. Returns the number of steps, the largest error of
-    a ball's force over the load, and the stiffness dF/du_1 [N/m].
+    (3, M): work arrays, the first with the contact loads [N] at the end. Returns the number of steps; the residual, which
+    is the largest unbalanced axial force on a ball as a fraction of the load; and the stiffness [N/m], the derivative of
+    the load by the axial motion at ball 1.
     """
     m = errors.size
     loads, s, t = work[0], work[1], work[2]
@@ -172,7 +174,8 @@ def solve_batch(errors: Array, loads: Array, segments: Array, law: int, p: Array
 
     errors (n, M): oversize of the balls [m]; loads (L,) [N]; segments (M,): compliance of screw and nut between each ball
     and the preceding one [m/N]; law, p: as in `ball_force`. out (n, L, 7): smallest and largest contact load [N], number of
-    loaded balls, axial motion at ball 1 and at the first loaded ball [m], stiffness dF/du_1 [N/m], residual over the load.
+    loaded balls, axial motion at ball 1 and at the first loaded ball [m], derivative of the load by the motion at ball 1
+    [N/m], and largest unbalanced axial force on a ball as a fraction of the load.
     """
     n, m = errors.shape
     u, work = np.empty(m), np.empty((3, m))

@@ -20,14 +20,9 @@ from scipy.linalg import block_diag, cho_factor, cho_solve
 
 from rollbench.lowfi.compliance.bodies import ball_compliance, body_compliance
 from rollbench.lowfi.compliance.parts import REFINED, ComplianceModel, grooved_section, reduce_to_compliance_geometry
-from rollbench.lowfi.statics.axis.solve import (
-    AssemblyEquations,
-    AssemblyModel,
-    screw_flank_motions_per_rigid_motion,
-    solve_assembly,
-    solve_assembly_by_model,
-    stiffness_from_compliance,
-)
+from rollbench.lowfi.statics import response
+from rollbench.lowfi.statics import shaft as statics_shaft
+from rollbench.lowfi.statics.axis import solve
 from rollbench.lowfi.statics.axis.structure import Structure, first_ball_nut
 from rollbench.lowfi.statics.axis.system import (
     AssemblyArrays,
@@ -36,7 +31,7 @@ from rollbench.lowfi.statics.axis.system import (
     assembly_residual_scale,
     body_of_reported_stiffness,
     contact_states_of_sets,
-    pad_to_two_bodies,
+    pad_coefficients_to_two_bodies,
     replace_lever_arms,
     roller_elements,
     starting_spring_factors_of_rollers,
@@ -46,29 +41,8 @@ from rollbench.lowfi.statics.contacts import hertz_without_errors, oblique_press
 from rollbench.lowfi.statics.elastic import CONDENSED
 from rollbench.lowfi.statics.kernel_types import BallContacts, BodySystem, ElasticBodies, ForceState, MotionState
 from rollbench.lowfi.statics.problem import Problem
-from rollbench.lowfi.statics.response import (
-    LARGEST,
-    contact_normals,
-    order_ball_by_ball,
-    starting_spring_factors,
-    tangent_compliance_of_contact,
-    typical_axes,
-    without_negative_eigenvalues,
-)
 from rollbench.lowfi.statics.result import AxisResult
 from rollbench.lowfi.statics.settle import ContactState, ModelDescription, residual_by_round_off, solver_options
-from rollbench.lowfi.statics.shaft import (
-    SectionForceCoupling,
-    ShaftBeam,
-    build_shaft,
-    build_shaft_stretch,
-    couple_section_forces,
-    flank_compliance_and_free_motions,
-    flank_motions_by_loads,
-    nodal_loads_of_flank_forces,
-    node_forces,
-    node_motions,
-)
 from rollbench.lowfi.statics.shape import independent_columns
 from rollbench.lowfi.statics.static import Engine
 from rollbench.lowfi.statics.summary import ELASTIC_ASSUMPTIONS
@@ -126,7 +100,7 @@ class Housings:
 
 
 @dataclass(kw_only=True)
-class ElasticAssemblyEquations(AssemblyEquations):
+class ElasticAssemblyEquations(solve.AssemblyEquations):
     """Equations of an assembly (shaft, bearings, nuts, m moving housings) with elastic bodies, and N balls and rollers."""
 
     SOLVER = "solve_forces"
@@ -138,9 +112,9 @@ class ElasticAssemblyEquations(AssemblyEquations):
     backend: ComplianceModel
     #: All balls and rollers as one contact problem on the shaft.
     combined_problem: Problem
-    #: Beam of the shaft.
-    shaft: ShaftBeam
-    #: The moving housings.
+    #: The shaft as a beam on its supports.
+    shaft: statics_shaft.ShaftBeam
+    #: The moving housings with the springs that hold them.
     housings: Housings
     #: Motions ``(4 N, 6 m)`` of the flanks of nuts and outer rings per unit motion of the housings.
     outer_flank_motions_by_housings: Array
@@ -151,8 +125,8 @@ class ElasticAssemblyEquations(AssemblyEquations):
     own_compliances_of_sets: list[tuple[Array, Array]]
     #: Assumptions about the bodies, as sentences for the report.
     assumed: tuple[str, ...]
-    #: Change of the contacts' approach by the shaft's section forces; None: not modelled.
-    section_force_coupling: SectionForceCoupling | None
+    #: Coupling by which the shaft's section forces change the contacts' approach; None: not modelled.
+    section_force_coupling: statics_shaft.SectionForceCoupling | None
 
     def contact_states(self) -> Sequence[ContactState]:
         """Return contact forces, ball centres and flank motions of each bearing and nut, as the iteration has them now."""
@@ -184,8 +158,8 @@ class ElasticAssemblyEquations(AssemblyEquations):
     def forces_on_flanks(self) -> Array:
         """Return the ball forces on the flanks ``(N, 4, 2)`` [N] with which the elastic bodies are in equilibrium.
 
-        They differ by the residual of the iteration from the forces that the contact law gives. The latter must not be used
-        in their place: even a small difference moves a long, compliant shaft noticeably.
+        They differ by the residual of the iteration from the forces of the contact law, which must not be used instead:
+        even a small difference moves a long, compliant shaft noticeably.
         """
         return self.state.phi.reshape(-1, 4, 2)
 
@@ -212,10 +186,10 @@ class ElasticAssemblyEquations(AssemblyEquations):
         n, k = structure.nodes.size, shaft.work_on_free_motions.size
         pushes = forces[:, :2].transpose(1, 0, 2).reshape(-1, 2)
         q = np.zeros((structure.body_positions.size, 6))
-        by_flanks = nodal_loads_of_flank_forces(self.combined_problem, pushes, [0, 1])
+        by_flanks = statics_shaft.nodal_loads_of_flank_forces(self.combined_problem, pushes, [0, 1])
         if self.section_force_coupling is not None:
             by_flanks += self.section_force_coupling.nodal_loads_of_jumps(pushes.ravel())
-        q[:n] = node_motions(shaft, by_flanks, self.state.a[:k])
+        q[:n] = statics_shaft.nodal_motions_under_loads(shaft, by_flanks, self.state.a[:k])
         on_outer = (
             self.outer_flank_motions_by_housings.T @ forces[:, 2:].ravel()
             + self.inner_flank_motions_by_housings.T @ forces[:, :2].ravel()
@@ -230,20 +204,22 @@ class ElasticAssemblyEquations(AssemblyEquations):
         loads = structure.load.copy()
         loads[:n] += by_flanks.reshape(-1, 6)
         loads[n:] += on_outer.reshape(-1, 6)
-        taken = np.concatenate([node_forces(shaft, by_flanks), (h.stiffness @ outer).reshape(-1, 6)])
+        taken = np.concatenate(
+            [statics_shaft.nodal_forces_under_loads(shaft, by_flanks), (h.stiffness @ outer).reshape(-1, 6)]
+        )
         held = np.where(structure.fixed, taken - loads, 0.0)
         slices = np.zeros((system.roller_slice_arrays.gap.size, 2))
-        self.engine.roller_forces(system.roller_slice_arrays, q, slices, np.zeros_like(q))
+        self.engine.add_roller_forces(system.roller_slice_arrays, q, slices, np.zeros_like(q))
         if self.section_force_coupling is not None:
             q[:n] = self.section_force_coupling.add_jumps_inside_stretches(q[:n], pushes, structure.fixed[:n])
         state = MotionState(q, np.zeros((n - 1, 6)), self.state.ball_unknowns[:, :2], self.state.contact, slices)
         return state, held
 
-    def stiffness(self) -> tuple[Sequence[Array], Array | None]:
+    def stiffness_of_sets_and_assembly(self) -> tuple[Sequence[Array], Array | None]:
         """Return the tangent stiffness ``(6, 6)`` [N/m, N, N m] of each bearing or nut, and of the assembly.
 
-        The second entry is taken at the reported shaft node or housing; None if nothing resists some motion there
-        (`stiffness_of_elastic_assembly`).
+        The assembly's stiffness is taken at the shaft node or housing for which it is reported; None if nothing resists
+        some motion there (`stiffness_of_elastic_assembly`).
         """
         S = square_root_stiffness_of_balls(self)
         return [
@@ -251,7 +227,7 @@ class ElasticAssemblyEquations(AssemblyEquations):
         ], stiffness_of_elastic_assembly(self, S)
 
 
-def housings_of(structure: Structure, arm: float) -> Housings:
+def build_housings(structure: Structure, arm: float) -> Housings:
     """Return the moving housings, and the springs between them and to the fixed frame, as one linear elastic system.
 
     Parameters
@@ -289,10 +265,10 @@ def housings_of(structure: Structure, arm: float) -> Housings:
     return replace(found, motions_by_external_loads=given + found.motions_under_loads((load - K @ given)[:, None])[:, 0])
 
 
-def problem_moved_by_shaft_only(ball_set: BallSet) -> Problem:
-    """Return the contact problem of a ball nut or bearing, in which only the shaft moves the flanks SL and SR.
+def problem_with_flanks_moved_by_shaft(ball_set: BallSet) -> Problem:
+    """Return the contact problem of a ball nut or bearing, in which only the shaft moves the flanks of screw or inner ring.
 
-    If a housing in place of the shaft carries the inner ring, the coefficients of the motions of SL and SR are zero.
+    If a housing in place of the shaft carries the inner ring, the coefficients of its flanks' motions are zero.
     """
     p = ball_set.problem
     return (
@@ -323,11 +299,11 @@ def combined_problem(system: AssemblyArrays, rollers: RollerElements) -> Problem
     first ball bearing or nut and are not valid for the others. ``system``: arrays of the assembly; ``rollers``: its rollers
     as elements between rigid rings.
     """
-    s, problems = system.structure, [problem_moved_by_shaft_only(b) for b in system.ball_sets]
+    s, problems = system.structure, [problem_with_flanks_moved_by_shaft(b) for b in system.ball_sets]
     first = problems[0]
     on_cones = np.stack([rollers.B[:, 0], np.zeros((rollers.count, 2, 6))], axis=1)
     at_cones = np.repeat(rollers.cone_nodes[:, None], 2, axis=1)
-    at_cones, on_cones = pad_to_two_bodies(at_cones, on_cones, first.B.shape[3], s.nodes.size)
+    at_cones, on_cones = pad_coefficients_to_two_bodies(at_cones, on_cones, first.B.shape[3], s.nodes.size)
     return replace(
         first,
         fixed=s.fixed[: s.nodes.size],
@@ -343,9 +319,9 @@ def combined_problem(system: AssemblyArrays, rollers: RollerElements) -> Problem
 def compliance_of_screw_and_nut(
     ball_set: BallSet, backend: ComplianceModel, force: float
 ) -> tuple[tuple[Array, Array], Array, Array, Array, tuple[str, ...]]:
-    """Return the compliance of screw and nut of one ball nut, or of the rings of one bearing, and further contact terms.
+    """Return the compliance of screw and nut of one ball nut, or of the rings of one bearing, and terms of the contact law.
 
-    These terms are added to Hertz's approach of a contact.
+    The terms are added to Hertz's approach of a contact.
 
     Parameters
     ----------
@@ -365,7 +341,7 @@ def compliance_of_screw_and_nut(
     """
     problem, scene = ball_set.problem, ball_set.problem.scene
     N, layout = problem.layout.z.size, problem.layout
-    axes, size = typical_axes(problem, force), float(np.cbrt(force))
+    axes, size = response.typical_ellipse_semi_axes(problem, force), float(np.cbrt(force))
     ball = ball_compliance(scene, axes, backend)
     oblique = (
         oblique_pressure_coefficient(hertz_without_errors(scene), scene.balls.radius)
@@ -383,7 +359,7 @@ def compliance_of_screw_and_nut(
             body.contact_compliance + ball.contact_compliance - slope,
             oblique[list(sides)] + slope / size,
         )
-        order = order_ball_by_ball(N, 2)
+        order = response.permutation_to_ball_by_ball_order(N, 2)
         blocks.append(body.G[np.ix_(order, order)])
     return (
         (blocks[0], blocks[1]),
@@ -407,7 +383,7 @@ def flank_motions_by_housings(system: AssemblyArrays, rollers: RollerElements) -
         carrier = -1 if b.rolling_set.carrier is None else int(b.problem.first_nodes[0, 0])
         for rows, row, flanks in ((outer, b.outer_body_row, slice(2, 4)), (inner, carrier, slice(2))):
             if row >= 0:
-                rows[b.ball_indices, :, :, 6 * (row - n) : 6 * (row - n) + 6] = b.coefficients_of_one_body(flanks)
+                rows[b.ball_indices, :, :, 6 * (row - n) : 6 * (row - n) + 6] = b.flank_motions_per_body_motion(flanks)
     for i in np.flatnonzero(rollers.cup_body_rows >= 0):
         j = 6 * (int(rollers.cup_body_rows[i]) - n)
         outer[balls + i, 0, :, j : j + 6] = rollers.B[i, 1]
@@ -438,18 +414,25 @@ def elastic_assembly_equations(
     rollers = roller_elements(system.roller_sets)
     balls = system.ball_arrays.r_ball.size
     N = balls + rollers.count
-    if N > LARGEST:
-        raise ValueError(f"elastic bodies are allowed with at most {LARGEST} balls and rollers, got {N}; use the model lin")
+    if N > response.LARGEST:
+        raise ValueError(
+            f"elastic bodies are allowed with at most {response.LARGEST} balls and rollers, got {N}; use the model lin"
+        )
     whole, s = combined_problem(system, rollers), system.structure
-    shaft, housings = build_shaft(whole), housings_of(s, system.moment_arm)
-    order = order_ball_by_ball(N, 2)
-    (beam, rigid), moved = flank_compliance_and_free_motions(shaft, [0, 1]), flank_motions_by_loads(shaft, [0, 1])
+    shaft, housings = statics_shaft.build_shaft(whole), build_housings(s, system.moment_arm)
+    order = response.permutation_to_ball_by_ball_order(N, 2)
+    (beam, rigid), moved = (
+        statics_shaft.flank_compliance_and_free_motions(shaft, [0, 1]),
+        statics_shaft.flank_motions_by_loads(shaft, [0, 1]),
+    )
     stretches = [
-        build_shaft_stretch(whole, b.problem.scene, b.problem.layout, backend, [0, 1], b.ball_indices)
+        statics_shaft.build_shaft_stretch(whole, b.problem.scene, b.problem.layout, backend, [0, 1], b.ball_indices)
         for b in system.ball_sets
         if b.rolling_set.carrier is None
     ]
-    squeeze = couple_section_forces(shaft, [0, 1], [x for x in stretches if x is not None], system.assembly.thermal_strain)
+    squeeze = statics_shaft.couple_section_forces(
+        shaft, [0, 1], [x for x in stretches if x is not None], system.assembly.thermal_strain
+    )
     if squeeze is not None:
         beam, moved = beam + squeeze.added_compliance, moved + squeeze.flank_motions_by_loads
     forces = [typical_contact_force(system, b) for b in system.ball_sets]
@@ -461,10 +444,14 @@ def elastic_assembly_equations(
             "flanks, which the model with elastic bodies cannot represent; use the model lin"
         )
     rigid_rings = np.zeros((4 * rollers.count,) * 2)
-    compliance = min(tangent_compliance_of_contact(b.problem, x) for b, x in zip(system.ball_sets, forces, strict=True))
-    normals = np.concatenate([contact_normals(system.ball_arrays.geometry), np.zeros((rollers.count, 4, 2))])
+    compliance = min(
+        response.tangent_compliance_of_contact(b.problem, x) for b, x in zip(system.ball_sets, forces, strict=True)
+    )
+    normals = np.concatenate([response.contact_normals(system.ball_arrays.geometry), np.zeros((rollers.count, 4, 2))])
     (first, on_inner, low), (second, on_outer, high) = (
-        without_negative_eigenvalues(G + block_diag(*(p[0][k] for p in parts), rigid_rings), n.reshape(-1, 2), compliance)
+        response.without_negative_eigenvalues(
+            G + block_diag(*(p[0][k] for p in parts), rigid_rings), n.reshape(-1, 2), compliance
+        )
         for k, (G, n) in enumerate(
             ((beam[np.ix_(order, order)], normals[:, :2]), (flat @ housings.motions_under_loads(flat.T), normals[:, 2:]))
         )
@@ -487,7 +474,7 @@ def elastic_assembly_equations(
     used = system.ball_arrays.geometry[..., 5] > 0.0
     springs = np.concatenate(
         [
-            starting_spring_factors(whole, None, scale.stiffness) * used[:, None, :].repeat(2, axis=2),
+            response.starting_spring_factors(whole, None, scale.stiffness) * used[:, None, :].repeat(2, axis=2),
             starting_spring_factors_of_rollers(rollers.count, scale.stiffness),
         ]
     )
@@ -530,12 +517,13 @@ def elastic_assembly_equations(
 def square_root_stiffness_of_balls(elastic: ElasticAssemblyEquations) -> list[Array]:
     """Return for each ball or roller i a matrix S_i such that S_i^T S_i is its stiffness [N/m] for motions of its flanks.
 
-    S_i ``(rows, 8)`` has at most six rows. The eight columns are the flanks SL, SR, NL, NR with two components in the
-    ball's section plane each; for a roller see `kernel.rollers`. ``elastic``: solved assembly.
+    S_i ``(rows, 8)`` has at most six rows. The eight columns are the four flanks (screw left, screw right, nut left, nut
+    right) with two components in the ball's section plane each; for a roller see `kernel.rollers`. ``elastic``: solved
+    assembly.
     """
     N = elastic.state.contact.shape[0]
     S, counts = np.zeros((N, 6, 8)), np.zeros(N, dtype=np.int64)
-    elastic.engine.ball_rows(elastic.kernel_arrays.contacts, elastic.state.contact, S, counts)
+    elastic.engine.write_stiffness_factors(elastic.kernel_arrays.contacts, elastic.state.contact, S, counts)
     return [S[i, : counts[i]] for i in range(N)]
 
 
@@ -571,8 +559,8 @@ def stiffness_of_elastic_nut_or_bearing(
 ) -> Array:
     """Return the stiffness ``(6, 6)`` [N/m, N, N m] of one ball nut or bearing with elastic screw and nut, or rings.
 
-    It acts against a rigid motion of screw or inner ring, to which the deformation of both bodies is added, while nut or
-    outer ring are fixed where they are mounted.
+    The stiffness acts against a rigid motion of screw or inner ring, to which the deformation of both bodies is added,
+    while nut or outer ring are fixed where they are mounted.
 
     Parameters
     ----------
@@ -587,7 +575,7 @@ def stiffness_of_elastic_nut_or_bearing(
     """
     root = block_diagonal(S[ball_set.ball_indices])
     rows = np.zeros((ball_set.problem.layout.z.size, 8, 6))
-    rows[:, :4] = screw_flank_motions_per_rigid_motion(ball_set, elastic.assembly_arrays.structure.body_positions)
+    rows[:, :4] = solve.screw_flank_motions_per_rigid_motion(ball_set, elastic.assembly_arrays.structure.body_positions)
     moved = root @ rows.reshape(-1, 6)
     compliance = compliance_ordered_ball_by_ball(*elastic.own_compliances_of_sets[i])
     return np.asarray(moved.T @ np.linalg.solve(np.eye(len(root)) + root @ compliance @ root.T, moved))
@@ -596,7 +584,7 @@ def stiffness_of_elastic_nut_or_bearing(
 def stiffness_of_elastic_assembly(elastic: ElasticAssemblyEquations, S: list[Array]) -> Array | None:
     """Return the tangent stiffness ``(6, 6)`` [N/m, N, N m] of the whole assembly at the reported shaft node or housing.
 
-    None if that housing is fixed, or the assembly has no resistance to some motion. ``elastic``: solved assembly; ``S``:
+    None if this housing is fixed, or the assembly has no resistance to some motion. ``elastic``: solved assembly; ``S``:
     square roots of the balls' stiffness, from `square_root_stiffness_of_balls`. `stiffness_of_rigid_assembly` is the
     counterpart for rigid bodies (model lin).
     """
@@ -645,7 +633,7 @@ def stiffness_of_elastic_assembly(elastic: ElasticAssemblyEquations, S: list[Arr
     except np.linalg.LinAlgError:
         return None
     compliance = answer[at : at + 6] - load.T @ (root.T @ x[: len(root)]) + work.T @ x[len(root) :]
-    return stiffness_from_compliance(0.5 * (compliance + compliance.T), ~structure.fixed[row], system.moment_arm)
+    return solve.stiffness_from_compliance(0.5 * (compliance + compliance.T), ~structure.fixed[row], system.moment_arm)
 
 
 def solve_assembly_with_elastic_bodies(
@@ -679,21 +667,23 @@ def solve_assembly_with_elastic_bodies(
         If an inner ring sits on a housing that stands on springs, there are more than `LARGEST` balls and rollers, or a
         body has impossible dimensions.
     """
-    rigid = sentences_on_rigid_rings(assembly)
+    rigid = describe_rigid_rings(assembly)
     if not assembly.ball_count:
-        result = solve_assembly(assembly, engine=engine, member=member)
+        result = solve.solve_assembly(assembly, engine=engine, member=member)
         return replace(result, model=name, left_out=(*result.left_out, *rigid))
 
-    def made_ready(system: AssemblyArrays, kernels: ModuleType) -> ElasticAssemblyEquations:
-        """Return the equations of an assembly with elastic bodies, whose compliance ``backend`` computes."""
+    def equations_with_elastic_bodies(system: AssemblyArrays, kernels: ModuleType) -> ElasticAssemblyEquations:
+        """Return the equations of an assembly with elastic bodies; ``system``: arrays; ``kernels``: numerical kernels."""
         return elastic_assembly_equations(system, backend, kernels)
 
     again = partial(solve_assembly_with_elastic_bodies, engine=engine, member=member, backend=backend, name=name)
-    model = AssemblyModel(name, ASSUMPTIONS, rigid, made_ready, grooved_shaft_section(assembly, backend), False)
-    return solve_assembly_by_model(assembly, model, engine, member, again)
+    model = solve.AssemblyModel(
+        name, ASSUMPTIONS, rigid, equations_with_elastic_bodies, grooved_shaft_section(assembly, backend), False
+    )
+    return solve.solve_assembly_by_model(assembly, model, engine, member, again)
 
 
-def sentences_on_rigid_rings(assembly: Assembly) -> tuple[str, ...]:
+def describe_rigid_rings(assembly: Assembly) -> tuple[str, ...]:
     """Return a sentence for each roller bearing, and each inner ring on a housing, that the model takes as rigid."""
     rollers = tuple(f"{s.name}: {RIGID_RINGS}" for s in assembly.sets if isinstance(s.parts, RollerRow))
     return rollers + tuple(f"{s.name}: {RIGID_INNER}" for s in assembly.sets if s.carrier is not None)

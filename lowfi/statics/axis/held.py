@@ -16,14 +16,9 @@ from functools import partial
 
 import numpy as np
 
-from rollbench.lowfi.statics.axis.structure import restraints_on_rigid_motions, rigid_motions
+from rollbench.lowfi.statics import held
+from rollbench.lowfi.statics.axis.structure import restraints_on_rigid_motions, rigid_motions_of_shaft_and_housings
 from rollbench.lowfi.statics.axis.system import AssemblyArrays, BallSet
-from rollbench.lowfi.statics.held import (
-    approach_change_by_motions,
-    find_opening_by_linear_program,
-    loads_do_work_on,
-    status_of_runaway_body,
-)
 from rollbench.lowfi.statics.problem import point_motion_matrix
 from rollbench.lowfi.statics.result import Status
 from rollbench.lowfi.statics.shape import independent_columns, null_space_of_constraints
@@ -38,9 +33,9 @@ class UnrestrainedMotions:
     A pin is a degree of freedom that the model fixes although no support does.
     """
 
-    #: Whether the loads do work on such a motion, so that there is no equilibrium.
+    #: Whether the loads do work on an unrestrained motion, so that there is no equilibrium.
     is_driven_by_loads: bool
-    #: Description of the motions in words, for the user; empty if there are none.
+    #: Description of the unrestrained motions in words, for the user; empty if there are none.
     description: str
     #: Each pin: number of the shaft node or housing, and of its degree of freedom to fix.
     pins: tuple[tuple[int, int], ...] = ()
@@ -49,11 +44,11 @@ class UnrestrainedMotions:
 def unrestrained_motions(system: AssemblyArrays) -> UnrestrainedMotions:
     """Return the rigid motions of shaft and housings that no support, spring, ball or roller resists.
 
-    They are found from the motions of the bodies at the balls' centres, where a screw motion along the helix is exactly
+    The motions are found from those of the bodies at the balls' centres, where a screw motion along the helix is exactly
     free. At the contact points, the planar sections of the model would seem to resist it.
     """
     s = system.structure
-    motions = rigid_motions(s, system.moment_arm)
+    motions = rigid_motions_of_shaft_and_housings(s, system.moment_arm)
     rows = [restraints_on_rigid_motions(s, motions)]
     by_row = motions.reshape(-1, 6, motions.shape[1])
     n = s.nodes.size
@@ -79,8 +74,8 @@ def unrestrained_motions(system: AssemblyArrays) -> UnrestrainedMotions:
     if not null.shape[0]:
         return UnrestrainedMotions(False, "")
     free = (motions @ null.T).reshape(-1, 6, null.shape[0])
-    text = describe_motions(system, free)
-    if loads_do_work_on(np.einsum("rkc,rk->c", free, s.load), s.load, system.moment_arm):
+    text = describe_rigid_motions(system, free)
+    if held.loads_do_work_on(np.einsum("rkc,rk->c", free, s.load), s.load, system.moment_arm):
         return UnrestrainedMotions(
             True, f"{text}: no support, spring or rolling element resists it, and the loads drive it"
         )
@@ -91,7 +86,7 @@ def unrestrained_motions(system: AssemblyArrays) -> UnrestrainedMotions:
     return UnrestrainedMotions(False, text, tuple((rows_of[k // 6], k % 6) for k in chosen))
 
 
-def describe_motions(system: AssemblyArrays, free: Array) -> str:
+def describe_rigid_motions(system: AssemblyArrays, free: Array) -> str:
     """Return a description in words of rigid motions of shaft and housings, such as "rigid motion of the shaft in uz".
 
     Parameters
@@ -128,7 +123,8 @@ def pin_unrestrained_motions(system: AssemblyArrays, unrestrained_motions: Unres
     return replace(system, structure=structure, structure_arrays=system.structure_arrays._replace(fixed=fixed))
 
 
-#: Contact angle [rad] below which a contact of a bearing for one direction of thrust lies on or beyond the groove's bottom.
+#: Contact angle [rad] below which a contact counts as on or beyond the groove's bottom, in a bearing that carries thrust in
+#: one direction only.
 APEX = 1e-6
 
 
@@ -151,7 +147,7 @@ def find_opening_motion(system: AssemblyArrays) -> Array | None:
     from scipy.sparse import csr_array, hstack, vstack
 
     s = system.structure
-    motions = rigid_motions(s, system.moment_arm)
+    motions = rigid_motions_of_shaft_and_housings(s, system.moment_arm)
     by_row = motions.reshape(-1, 6, motions.shape[1])
     work = motions.T @ s.load.ravel()
     total = float(np.abs(s.load[:, :3]).sum() + np.abs(s.load[:, 3:]).sum() / system.moment_arm)
@@ -160,7 +156,7 @@ def find_opening_motion(system: AssemblyArrays) -> Array | None:
     centres = 2 * system.ball_arrays.r_ball.size
     rows = [csr_array(_approach_change_of_balls(b, system, by_row)) for b in system.ball_sets]
     rows += [hstack([csr_array(x), csr_array((len(x), centres))]) for x in _approach_change_of_rollers(system, by_row)]
-    answer = find_opening_by_linear_program(work, csr_array(vstack(rows)), restraints_on_rigid_motions(s, motions))
+    answer = held.find_opening_by_linear_program(work, csr_array(vstack(rows)), restraints_on_rigid_motions(s, motions))
     return None if answer is None else np.asarray(motions @ answer).reshape(-1, 6)
 
 
@@ -184,7 +180,7 @@ def _approach_change_of_balls(ball_set: BallSet, system: AssemblyArrays, by_row:
     moved, balls = ball_set.flank_motions(by_row), system.ball_arrays.r_ball.size
     used = [(int(side), angle) for side in np.flatnonzero(ball_set.problem.used_flanks) for angle in angles]
     return np.concatenate(
-        [approach_change_by_motions(s, angle, moved[:, s], ball_set.ball_indices.start, balls) for s, angle in used]
+        [held.approach_change_by_motions(s, angle, moved[:, s], ball_set.ball_indices.start, balls) for s, angle in used]
     )
 
 
@@ -215,10 +211,10 @@ def status_of_runaway_assembly(system: AssemblyArrays) -> Status:
     converged".
     """
     opens = "the loads open every contact that could carry them (linear program: {})"
-    return status_of_runaway_body(
+    return held.status_of_runaway_body(
         partial(find_opening_motion, system),
         "the shaft or a ring",
-        lambda motion: opens.format(describe_motions(system, motion)),
+        lambda motion: opens.format(describe_rigid_motions(system, motion)),
     )
 
 

@@ -17,9 +17,10 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, Housing, Joint, RollerRow, RollingSet, diagonal_stiffness
 from rollbench.meshes.parts import FREEDOMS
 
-#: Largest number of Newton steps.
+#: Largest number of Newton steps in the search for the axial shifts.
 STEPS = 12
-#: Step of the difference quotients that approximate the Jacobian matrix, relative to the shift that gives the preload.
+#: Step of the axial shifts in the difference quotients that approximate the Jacobian matrix (logarithms of the preload
+#: forces by the shifts), relative to the shift that gives the preload.
 DIFFERENCE = 1e-3
 #: Singular values of the Jacobian matrix below this share of the largest are noise: forces are accurate to ``ACCEPTED``,
 #: hence difference quotients of their logarithms over ``DIFFERENCE`` to this. If two nuts press against each other, their
@@ -35,15 +36,15 @@ TIED = diagonal_stiffness((1e12, 1e12, 0.0, 1e9, 1e9, 1e9))
 class _PreloadTask:
     """Input of the search for preload offsets: an assembly without loads, and the function that solves it.
 
-    It is the argument of the cached function `_find_preload_shifts`; the same assembly and ``solver_identification``
+    It is the argument of the cached function `_find_axial_preload_shifts`; the same assembly and ``solver_identification``
     give the cached result.
     """
 
     #: Assembly without loads and without thermal expansion.
     unloaded_assembly: Assembly
-    #: Identification of the solver and its options.
+    #: Solver function and its arguments, by which the cache tells different solvers apart.
     solver_identification: tuple[object, ...]
-    #: Function that solves an assembly.
+    #: Function that computes the equilibrium of an assembly.
     solve_assembly: Callable[[Assembly], AxisResult] = field(compare=False)
 
 
@@ -73,7 +74,7 @@ def replace_preload_forces_by_offsets(
         return assembly, (), None
     idle = tuple(replace(h, force=(0.0, 0.0, 0.0), moment=(0.0, 0.0, 0.0)) for h in assembly.housings)
     bare = replace(assembly, loads=(), housings=idle, thermal_strain=0.0)
-    shift, notes, unmet = _find_preload_shifts(
+    shift, notes, unmet = _find_axial_preload_shifts(
         _PreloadTask(bare, (solve.func, solve.args, *sorted(solve.keywords.items())), solve)
     )
     return assembly if shift is None else _with_offsets_for_preload_forces(assembly, numbers, np.array(shift)), notes, unmet
@@ -85,7 +86,9 @@ def _sets_with_preload_force(assembly: Assembly) -> list[int]:
 
 
 @lru_cache(maxsize=4)
-def _find_preload_shifts(preload_search: _PreloadTask) -> tuple[tuple[float, ...] | None, tuple[str, ...], Status | None]:
+def _find_axial_preload_shifts(
+    preload_search: _PreloadTask,
+) -> tuple[tuple[float, ...] | None, tuple[str, ...], Status | None]:
     """Find the axial shifts [m] of outer rings and nuts that press them onto their balls with the prescribed preloads.
 
     First the outer rings and nuts are free to slide along the axis and are pushed by their preload forces. As the energy is
@@ -97,15 +100,15 @@ def _find_preload_shifts(preload_search: _PreloadTask) -> tuple[tuple[float, ...
     Returns
     -------
     tuple[tuple[float, ...] | None, tuple[str, ...], Status | None]
-        Shifts, None if there is no equilibrium; notes for the report; and a status with the reason if preloads are not
-        reached, else None.
+        Axial shifts [m], None if there is no equilibrium; notes for the report; and a status with the reason if preloads
+        are not reached, else None.
     """
     bare, solve = preload_search.unloaded_assembly, preload_search.solve_assembly
     numbers = _sets_with_preload_force(bare)
     goal = np.log([bare.sets[i].preload for i in numbers])
 
-    def excess(shift: Array) -> Array:
-        """Return the logarithm of preload force over required force for each outer ring or nut; nan without load.
+    def log_force_ratios(shift: Array) -> Array:
+        """Return the logarithm of computed over prescribed preload force for each outer ring or nut; nan without force.
 
         ``shift``: axial shifts of the outer rings and nuts [m].
         """
@@ -119,21 +122,21 @@ def _find_preload_shifts(preload_search: _PreloadTask) -> tuple[tuple[float, ...
         return None, (), Status(status.kind, why, "mounting")
     ways = np.array([-1.0 if bare.sets[i].thrust == "+z" else 1.0 for i in numbers])
     shift = pushed - ways * float((ways * pushed).mean())
-    value = excess(shift) if len(numbers) > 1 else np.array([np.nan])
+    value = log_force_ratios(shift) if len(numbers) > 1 else np.array([np.nan])
     if not float(np.abs(value).max()) < DIFFERENCE:  # the shaft's axial position is fixed
         shift = pushed
-        value = excess(shift)
+        value = log_force_ratios(shift)
     steps, slope = np.diag([DIFFERENCE * preload_shift_of_rigid_parts(bare.sets[i]) for i in numbers]), np.zeros((0, 0))
     for _ in range(STEPS):
         worst = float(np.abs(value).max())
         if not worst > ACCEPTED:
             break
         if not slope.size:
-            slope = np.column_stack([(excess(shift + e) - value) / e.sum() for e in steps])
+            slope = np.column_stack([(log_force_ratios(shift + e) - value) / e.sum() for e in steps])
         if not np.isfinite(slope).all():
             break
         move = np.linalg.lstsq(slope, -value, rcond=NOISE)[0]
-        new = excess(shift + move)
+        new = log_force_ratios(shift + move)
         if not float(np.abs(new).max()) < worst:
             break  # the forces are not more accurate than this
         shift, value = shift + move, new
@@ -142,7 +145,7 @@ def _find_preload_shifts(preload_search: _PreloadTask) -> tuple[tuple[float, ...
     worst = float(np.abs(value).max())
     if not worst < TOLD:
         note += f"; the preload forces differ from the required ones by up to {100.0 * worst:.1e} %"
-    reason = f"preload forces differ from the required ones by {100.0 * worst:.2g} % at shifts {words}"
+    reason = f"preload forces differ from the required ones by {100.0 * worst:.2g} % at the axial shifts {words}"
     failed = Status("not converged", reason)
     return tuple(shift), (note,), None if worst < FAILED else failed
 
@@ -164,7 +167,7 @@ def _shifts_of_sliding_parts(
     Returns
     -------
     tuple[Array | None, Status]
-        Shifts against the rolling elements, None if there is no equilibrium; and the status of the solution.
+        Shifts towards the rolling elements, None if there is no equilibrium; and the status of the solution.
     """
     sets, joints, bodies = (
         list(unloaded_assembly.sets),
@@ -214,7 +217,7 @@ def _with_offsets_for_preload_forces(assembly: Assembly, numbers: Sequence[int],
     numbers
         Indices of the preloaded bearings and nuts.
     shift
-        Shifts of their outer parts against the rolling elements [m].
+        Axial shifts [m] of their outer rings or nuts towards the rolling elements.
     """
     sets = list(assembly.sets)
     for i, x in zip(numbers, shift, strict=True):

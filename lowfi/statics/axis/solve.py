@@ -21,34 +21,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.lowfi.hertz import contact_approach, contact_force
+from rollbench.lowfi.statics.axis import summary
+from rollbench.lowfi.statics.axis import system as axis_system
 from rollbench.lowfi.statics.axis.held import pin_unrestrained_motions, status_of_runaway_assembly, unrestrained_motions
 from rollbench.lowfi.statics.axis.mount import replace_preload_forces_by_offsets
 from rollbench.lowfi.statics.axis.structure import largest_spring_force_term
-from rollbench.lowfi.statics.axis.summary import (
-    AXIS_ASSUMPTIONS,
-    SolveRecord,
-    assemble_axis,
-    axis_result_without_equilibrium,
-)
-from rollbench.lowfi.statics.axis.system import (
-    USE,
-    AssemblyArrays,
-    BallSet,
-    Placed,
-    assembly_residual_scale,
-    ball_positions,
-    body_of_reported_stiffness,
-    build_assembly_arrays,
-    contact_states_of_sets,
-    flank_motions_of_set,
-    interpolate_shaft_motions,
-    replace_lever_arms,
-)
 from rollbench.lowfi.statics.contacts import hertz_without_errors
 from rollbench.lowfi.statics.kernel_types import AxisSystem, EnergyDerivatives, MotionState
 from rollbench.lowfi.statics.problem import Problem, centre_vectors_and_interference
 from rollbench.lowfi.statics.result import AxisResult, Status
-from rollbench.lowfi.statics.selection import motions_in_section, solutions_clear_of_left_out_flanks
+from rollbench.lowfi.statics.selection import groove_arc_motions_in_section_planes, solutions_clear_of_left_out_flanks
 from rollbench.lowfi.statics.settle import (
     NO_LOADS,
     ContactState,
@@ -70,7 +52,7 @@ from rollbench.meshes.parts import Scene
 from rollbench.meshes.section import BeamSection, contact_force_positions
 
 
-def guess_loaded_flanks(assembly: Assembly, places: Sequence[Placed]) -> list[Mask]:
+def guess_loaded_flanks(assembly: Assembly, places: Sequence[axis_system.Placed]) -> list[Mask]:
     """Guess which groove flanks of each ball nut or ball bearing carry load; the guess is tested at the solution.
 
     Parameters
@@ -78,12 +60,13 @@ def guess_loaded_flanks(assembly: Assembly, places: Sequence[Placed]) -> list[Ma
     assembly
         Shaft with bearings and ball nuts.
     places
-        Ball positions and errors, from `ball_positions`.
+        Ball positions and errors, from `ball_positions_with_errors`.
 
     Returns
     -------
     list[Mask]
-        For each ball nut or ball bearing, whether to use the flanks SL, SR, NL, NR ``(4,)``.
+        For each ball nut or ball bearing, whether to use the four flanks (screw left, screw right, nut left, nut right)
+        ``(4,)``.
     """
     sets = [(s, s.parts) for s in assembly.sets if isinstance(s.parts, Scene)]
     if len(sets) < len(assembly.sets) or any(s.carrier is not None for s, _ in sets):
@@ -97,8 +80,8 @@ def guess_loaded_flanks(assembly: Assembly, places: Sequence[Placed]) -> list[Ma
 def estimate_axial_displacement(assembly: Assembly, sets: Sequence[tuple[RollingSet, Scene]]) -> float:
     """Estimate the axial displacement of the shaft [m] under the loads, with elastic contacts between rigid bodies.
 
-    It is the prescribed displacement of a support, or else the one at which the contact forces of all bearings and nuts
-    balance the axial load. ``sets``: the bearings and nuts, each with a scene of its dimensions.
+    It is the displacement uz that a support prescribes, or else the one at which the contact forces of all bearings and
+    nuts balance the axial load. ``sets``: the bearings and nuts, each with a scene of its dimensions.
     """
     held = [value for s in assembly.supports for name, value in s.fixed if name == "uz"]
     force = sum(x.force[2] for x in assembly.loads)
@@ -109,35 +92,35 @@ def estimate_axial_displacement(assembly: Assembly, sets: Sequence[tuple[Rolling
     share, pair = sin * [scene.ball_count for _, scene in sets], C[:, 0] + C[:, 3]
     offset = np.array([s.offset for s, _ in sets])
 
-    def excess(u: float) -> float:
-        """Return the axial contact forces minus the axial load [N] at an axial displacement u [m] of the shaft."""
+    def unbalanced_axial_force(u: float) -> float:
+        """Return the axial contact forces minus the axial load [N] for an axial displacement u [m] of the shaft."""
         return float(np.sum(np.sign(u - offset) * share * contact_force(abs(u - offset) * sin, pair))) - force
 
     reach = 1e-9 + float((contact_approach(abs(force) / share, pair) / sin).max())
-    return float(brentq(excess, offset.min() - reach, offset.max() + reach, xtol=1e-9))
+    return float(brentq(unbalanced_axial_force, offset.min() - reach, offset.max() + reach, xtol=1e-9))
 
 
 def _flanks_in_contact(rolling: RollingSet, scene: Scene, shift: float, drawn: GeometryWithErrors) -> Mask:
-    """Return which flanks SL, SR, NL, NR of one ball nut or bearing touch a ball at an axial shift, as booleans ``(4,)``.
+    """Return which flanks of one ball nut or bearing touch a ball at an axial shift, as booleans ``(4,)``.
 
-    ``shift``: displacement of the shaft along z [m] relative to the nut or outer ring; a positive one closes the flank pair
-    SL-NR and opens SR-NL by the shift times the sine of the contact angle. ``rolling``: the ball nut or bearing in the
-    assembly; ``scene``: its dimensions; ``drawn``: dimensions with manufacturing errors. If one pair touches balls and
-    the other does not, only the first is returned; otherwise all flanks that can be loaded by thrust in the direction
-    which the nut or bearing carries.
+    The flanks are SL, SR, NL, NR: screw left, screw right, nut left, nut right. ``shift``: displacement of the shaft along
+    z [m] relative to the nut or outer ring; a positive one closes the flank pair SL-NR and opens SR-NL by the shift times
+    the sine of the contact angle. ``rolling``: the ball nut or bearing in the assembly; ``scene``: its dimensions;
+    ``drawn``: dimensions with manufacturing errors. If one pair touches balls and the other does not, only the first is
+    returned; otherwise all flanks that can be loaded by thrust in the direction which the nut or bearing carries.
     """
-    use = USE[rolling.thrust]
+    use = axis_system.USE[rolling.thrust]
     if rolling.thrust != "both" or drawn.profile_coefficients.shape[1]:
         return use
     closed = centre_vectors_and_interference(scene, drawn)[1] + shift * np.sin(scene.track.contact_angle) * np.array(
         [1.0, -1.0]
     )
     if closed[:, 0].max() > 0.0 >= closed[:, 1].max():
-        return USE["+z"]
-    return USE["-z"] if closed[:, 1].max() > 0.0 >= closed[:, 0].max() else use
+        return axis_system.USE["+z"]
+    return axis_system.USE["-z"] if closed[:, 1].max() > 0.0 >= closed[:, 0].max() else use
 
 
-def are_balls_clear_of_left_out_flanks(system: AssemblyArrays, state: MotionState) -> bool:
+def are_balls_clear_of_left_out_flanks(system: axis_system.AssemblyArrays, state: MotionState) -> bool:
     """Return whether no ball of the solved assembly touches a flank that was left out of its equations.
 
     A flank is examined only if thrust in the direction which its nut or bearing carries can load it. ``system``: arrays
@@ -146,17 +129,19 @@ def are_balls_clear_of_left_out_flanks(system: AssemblyArrays, state: MotionStat
     return all(
         _is_set_clear_of_left_out_flanks(system, b, state)
         for b in system.ball_sets
-        if np.any(USE[b.rolling_set.thrust] & ~b.problem.used_flanks)
+        if np.any(axis_system.USE[b.rolling_set.thrust] & ~b.problem.used_flanks)
     )
 
 
-def _is_set_clear_of_left_out_flanks(system: AssemblyArrays, ball_set: BallSet, state: MotionState) -> bool:
+def _is_set_clear_of_left_out_flanks(
+    system: axis_system.AssemblyArrays, ball_set: axis_system.BallSet, state: MotionState
+) -> bool:
     """Return whether no ball of one nut or bearing touches a flank that was left out of the solved equations.
 
     ``ball_set``: the ball nut or bearing; ``system``: arrays of the assembly; ``state``: solved motions and ball centres.
     """
     contact = state.contact[ball_set.ball_indices]
-    shift = flank_motions_of_set(ball_set, state.q)
+    shift = axis_system.flank_motions_of_set(ball_set, state.q)
     for s in range(2):
         if not ball_set.problem.used_flanks[s] and ball_set.rolling_set.carrier is None:
             shift[:, s] = _left_out_flank_motion(system, ball_set, s, state.q)
@@ -168,21 +153,28 @@ def _is_set_clear_of_left_out_flanks(system: AssemblyArrays, ball_set: BallSet, 
     )
 
 
-def _left_out_flank_motion(system: AssemblyArrays, ball_set: BallSet, flank: int, q: Array) -> Array:
-    """Return the motion ``(N, 2)`` [m] of screw flank ``flank`` (0: SL, 1: SR), which was left out, at each of N balls.
+def _left_out_flank_motion(
+    system: axis_system.AssemblyArrays, ball_set: axis_system.BallSet, flank: int, q: Array
+) -> Array:
+    """Return the motion ``(N, 2)`` [m] of a screw flank that the solved equations leave out, at each of N balls.
 
-    ``q`` ``(r, 6)``: solved motions of shaft nodes and housings [m, rad], between which the motion is interpolated.
-    ``ball_set``: the ball nut or bearing.
+    ``flank``: 0 for the left flank of the screw, 1 for the right one; ``q`` ``(r, 6)``: solved motions of shaft nodes and
+    housings [m, rad], interpolated between the nodes; ``ball_set``: the ball nut or bearing.
     """
     stations = contact_force_positions(ball_set.problem.scene, ball_set.problem.layout)[:, flank]
-    j, m = interpolate_shaft_motions(system.structure, stations)
+    j, m = axis_system.interpolate_shaft_motions(system.structure, stations)
     moved = np.einsum("nab,nb->na", m, np.concatenate([q[j], q[j + 1]], axis=1))
-    return motions_in_section(ball_set.problem.layout, ball_set.problem.drawn.groove_centres[:, flank], stations, moved)
+    return groove_arc_motions_in_section_planes(
+        ball_set.problem.layout, ball_set.problem.drawn.groove_centres[:, flank], stations, moved
+    )
 
 
 def flanks_by_thrust_direction(assembly: Assembly) -> list[Mask]:
-    """Return for each ball nut or ball bearing which flanks SL, SR, NL, NR can be loaded by thrust in its direction."""
-    return [USE[s.thrust] for s in assembly.sets if isinstance(s.parts, Scene)]
+    """Return which flanks of each ball nut or bearing can be loaded by thrust in the direction that it carries.
+
+    The flanks of each are screw left, screw right, nut left, nut right ``(4,)``.
+    """
+    return [axis_system.USE[s.thrust] for s in assembly.sets if isinstance(s.parts, Scene)]
 
 
 def uses_all_flanks(uses: Sequence[Mask], assembly: Assembly) -> bool:
@@ -194,11 +186,11 @@ def uses_all_flanks(uses: Sequence[Mask], assembly: Assembly) -> bool:
 
 
 def stiffness_of_rigid_assembly(
-    system: AssemblyArrays, engine: ModuleType, given: AxisSystem, state: MotionState, hessians: Array
+    system: axis_system.AssemblyArrays, engine: ModuleType, given: AxisSystem, state: MotionState, hessians: Array
 ) -> Array | None:
     """Return the tangent stiffness ``(6, 6)`` [N/m, N, N m] of the assembly at the reported shaft node or housing.
 
-    It is the force and moment per unit motion of this node or housing while all other bodies follow freely. Rows and
+    It is the force and moment per unit motion of that node or housing while all other bodies follow freely. Rows and
     columns of fixed degrees of freedom are nan. None if the housing is fixed, or the contacts carry too little load to
     resist. Nuts, rings and housings are rigid.
 
@@ -211,37 +203,37 @@ def stiffness_of_rigid_assembly(
     given
         Arrays of shaft, balls and rollers with which the equilibrium was solved.
     state
-        Solution.
+        Solved motions, ball centres and contacts.
     hessians
         Second derivatives of each ball's energy by the motions of its four flanks ``(N, 8, 8)`` [N/m].
     """
-    row = body_of_reported_stiffness(system)
+    row = axis_system.body_of_reported_stiffness(system)
     if row < 0:
         return None
     r = system.structure.body_positions.size
     size = given.shaft.row_offsets[-1]
     base, values, step = np.zeros(size), np.empty(size), np.empty((r, 6))
-    engine.add_axis(base, given.shaft)
-    if not engine.tangent(given, state, hessians, base, values, np.zeros(6)):
+    engine.add_structure_stiffness(base, given.shaft)
+    if not engine.factor_tangent_stiffness(given, state, hessians, base, values, np.zeros(6)):
         return None
     compliance = np.empty((6, 6))
     for k in range(6):
         load = np.zeros((r, 6))
         load[row, k] = 1.0
-        engine.solve_lines(given.shaft, values, load, step)
+        engine.solve_for_motions_under_loads(given.shaft, values, load, step)
         compliance[:, k] = step[row]
     return stiffness_from_compliance(compliance, ~system.structure.fixed[row], system.moment_arm)
 
 
 def stiffness_from_compliance(compliance: Array, free: NDArray[np.bool_], arm: float) -> Array | None:
-    """Return the stiffness ``(6, 6)`` of the free degrees of freedom, from the compliance ``(6, 6)``; nan for the others.
+    """Return the stiffness ``(6, 6)`` [N/m, N, N m] of the free degrees of freedom of a body; nan for the fixed ones.
 
     None if the matrix is not a positive compliance but round-off, as happens if no contact carries load.
 
     Parameters
     ----------
     compliance
-        Compliance matrix ``(6, 6)``.
+        Compliance matrix ``(6, 6)`` of the body [m/N, 1/N, 1/(N m)], whose inverse is the result.
     free
         Which degrees of freedom are free ``(6,)``.
     arm
@@ -263,11 +255,11 @@ def stiffness_from_compliance(compliance: Array, free: NDArray[np.bool_], arm: f
     return out
 
 
-def screw_flank_motions_per_rigid_motion(ball_set: BallSet, stations: Array) -> Array:
+def screw_flank_motions_per_rigid_motion(ball_set: axis_system.BallSet, stations: Array) -> Array:
     """Return the motions ``(N, 4, 6)`` of the screw's flanks at N balls per unit of the screw's six rigid motions.
 
-    The four rows of a ball are flank SL, radial and along the helix's binormal, then flank SR likewise. In a bearing, the
-    inner ring takes the screw's place. The rigid motion is taken at the axial position of the nut or bearing.
+    The four rows of a ball are the left flank, radial and along the helix's binormal, then the right flank likewise. In a
+    bearing, the inner ring takes the screw's place. The rigid motion is taken at the axial position of the nut or bearing.
 
     Parameters
     ----------
@@ -281,7 +273,7 @@ def screw_flank_motions_per_rigid_motion(ball_set: BallSet, stations: Array) -> 
     )
 
 
-def stiffness_of_nut_or_bearing(ball_set: BallSet, stations: Array, hessians: Array) -> Array:
+def stiffness_of_nut_or_bearing(ball_set: axis_system.BallSet, stations: Array, hessians: Array) -> Array:
     """Return the stiffness ``(6, 6)`` [N/m, N, N m] between screw and nut, or between the rings of a bearing.
 
     Screw or inner ring move as a rigid body, while nut or outer ring are fixed.
@@ -308,8 +300,8 @@ FAR = 0.1
 class AssemblyEquations(StaticEquations):
     """Equations of an assembly for the numerical kernels: base class for rigid and for elastic bodies."""
 
-    #: Arrays of the assembly.
-    assembly_arrays: AssemblyArrays
+    #: Shaft, housings, bearings and nuts of the assembly as arrays.
+    assembly_arrays: axis_system.AssemblyArrays
 
     @property
     def problems(self) -> Sequence[Problem]:
@@ -324,10 +316,10 @@ class AssemblyEquations(StaticEquations):
         """
 
     @abstractmethod
-    def stiffness(self) -> tuple[Sequence[Array], Array | None]:
+    def stiffness_of_sets_and_assembly(self) -> tuple[Sequence[Array], Array | None]:
         """Return the tangent stiffness ``(6, 6)`` [N/m, N, N m] of each ball nut or bearing, and of the assembly.
 
-        The second is taken at the reported shaft node or housing; None if the assembly has no stiffness there.
+        The assembly's stiffness is taken at the shaft node or housing for which it is reported; None if there is none.
         """
 
 
@@ -343,7 +335,7 @@ class BeamAssemblyEquations(AssemblyEquations):
 
     def contact_states(self) -> Sequence[ContactState]:
         """Return contact forces, ball centres and flank motions of each bearing and nut, as the iteration has them now."""
-        return contact_states_of_sets(self.assembly_arrays, self.state)
+        return axis_system.contact_states_of_sets(self.assembly_arrays, self.state)
 
     def with_lever_arms(self, arms: Sequence[Array]) -> Self:
         """Return equations with new lever arms of the contact forces, which start from the present state.
@@ -351,13 +343,14 @@ class BeamAssemblyEquations(AssemblyEquations):
         ``arms``: for each bearing or nut with N balls, the shifts ``(N, 4, 2)`` [m] of the flanks' centres of curvature by
         profile errors; contact forces act through these centres.
         """
-        system = replace_lever_arms(self.assembly_arrays, arms)
+        system = axis_system.replace_lever_arms(self.assembly_arrays, arms)
         return replace(self, assembly_arrays=system, kernel_arrays=self.kernel_arrays._replace(balls=system.ball_arrays))
 
     def round_off_residual(self) -> float:
         """Return the relative residual that rounding errors leave at the solution.
 
-        It is the larger of two bounds: from the largest motion and the stiffest contact, and from the springs of housings.
+        It is the larger of two bounds: one from the largest motion and the stiffest contact, one from the housings'
+        springs.
         """
         state, v0 = self.state, self.kernel_arrays.balls.v0
         motion = float(np.abs(state.q[:, :3]).max(initial=0.0)) + float(np.abs(v0).max(initial=0.0))
@@ -383,10 +376,10 @@ class BeamAssemblyEquations(AssemblyEquations):
         """Return the present state, and support reactions ``(r, 6)``: the energy's gradient at fixed degrees of freedom."""
         return self.state, np.where(self.assembly_arrays.structure.fixed, self.energy_derivatives().gradient, 0.0)
 
-    def stiffness(self) -> tuple[Sequence[Array], Array | None]:
+    def stiffness_of_sets_and_assembly(self) -> tuple[Sequence[Array], Array | None]:
         """Return the tangent stiffness ``(6, 6)`` [N/m, N, N m] of each ball nut or bearing, and of the assembly.
 
-        The second is taken at the reported shaft node or housing; None if the assembly has no stiffness there.
+        The assembly's stiffness is taken at the shaft node or housing for which it is reported; None if there is none.
         """
         system, hessians = self.assembly_arrays, self.energy_derivatives().ball_hessians
         sets = [
@@ -396,7 +389,7 @@ class BeamAssemblyEquations(AssemblyEquations):
         return sets, stiffness_of_rigid_assembly(system, self.engine, self.kernel_arrays, self.state, hessians)
 
 
-def moved_too_far(q: Array, system: AssemblyArrays) -> bool:
+def moved_too_far(q: Array, system: axis_system.AssemblyArrays) -> bool:
     """Return whether a body moved so far that the linear kinematics of the contacts no longer hold.
 
     Parameters
@@ -409,13 +402,13 @@ def moved_too_far(q: Array, system: AssemblyArrays) -> bool:
     return not float((np.abs(q) / np.repeat([system.moment_arm, 1.0], 3)).max()) <= FAR
 
 
-def build_beam_assembly_equations(system: AssemblyArrays, engine: ModuleType) -> BeamAssemblyEquations:
+def build_beam_assembly_equations(system: axis_system.AssemblyArrays, engine: ModuleType) -> BeamAssemblyEquations:
     """Return the equations of an assembly (model lin), with an initial state that has the prescribed displacements.
 
     ``system``: arrays of the assembly; ``engine``: module of the numerical kernels, compiled or interpreted.
     """
     s, n = system.structure, system.structure.nodes.size
-    scale, furthest = assembly_residual_scale(system), float(system.ball_arrays.r_ball.max(initial=0.0))
+    scale, furthest = axis_system.assembly_residual_scale(system), float(system.ball_arrays.r_ball.max(initial=0.0))
     q = np.zeros((s.body_positions.size, 6))
     q[:n], d = initial_motions_with_supports(s.nodes, s.fixed[:n], s.prescribed[:n])
     q[n:] = np.where(s.fixed[n:], s.prescribed[n:], 0.0)
@@ -436,8 +429,8 @@ class AssemblyModel(NamedTuple):
     assumed: tuple[str, ...]
     #: Effects that the model neglects, as sentences.
     left_out: tuple[str, ...]
-    #: Function that makes the equations for the kernels from the arrays of an assembly.
-    build_equations: Callable[[AssemblyArrays, ModuleType], AssemblyEquations]
+    #: Function that builds the equations for the kernels from the arrays of an assembly and the module of the kernels.
+    build_equations: Callable[[axis_system.AssemblyArrays, ModuleType], AssemblyEquations]
     #: Cross-section of the threaded shaft; None: computed from the assembly's dimensions.
     threaded_shaft_section: BeamSection | None
     #: Whether the equations leave out flanks that loads and axial offsets lift off the balls.
@@ -468,7 +461,7 @@ def solve_assembly(assembly: Assembly, *, engine: Engine = "auto", member: int =
     ValueError
         If dimensions leave a part without material.
     """
-    model = AssemblyModel("lin", AXIS_ASSUMPTIONS, (), build_beam_assembly_equations, None, True)
+    model = AssemblyModel("lin", summary.AXIS_ASSUMPTIONS, (), build_beam_assembly_equations, None, True)
     return solve_assembly_by_model(assembly, model, engine, member, partial(solve_assembly, engine=engine, member=member))
 
 
@@ -493,20 +486,20 @@ def solve_assembly_by_model(
     """
     start = perf_counter()
 
-    def failed(status: Status) -> AxisResult:
+    def result_without_equilibrium(status: Status) -> AxisResult:
         """Return the result of an assembly without equilibrium, with the ``status`` that gives the reason."""
-        return axis_result_without_equilibrium(assembly, model.name, status, perf_counter() - start, model.assumed)
+        return summary.axis_result_without_equilibrium(assembly, model.name, status, perf_counter() - start, model.assumed)
 
     mounted, notes, unmet = replace_preload_forces_by_offsets(assembly, solve_same_model)
     if unmet:
-        return failed(unmet)
-    kernels, places = kernels_for_assembly(assembly, engine), ball_positions(mounted, member)
+        return result_without_equilibrium(unmet)
+    kernels, places = kernels_for_assembly(assembly, engine), axis_system.ball_positions_with_errors(mounted, member)
     uses = guess_loaded_flanks(mounted, places) if model.leaves_out_lifted_flanks else flanks_by_thrust_direction(mounted)
     while True:
-        system = build_assembly_arrays(mounted, member, uses, places, model.threaded_shaft_section)
+        system = axis_system.build_assembly_arrays(mounted, member, uses, places, model.threaded_shaft_section)
         loose = unrestrained_motions(system)
         if loose.is_driven_by_loads:
-            return failed(Status("not held", loose.description))
+            return result_without_equilibrium(Status("not held", loose.description))
         prepared = model.build_equations(pin_unrestrained_motions(system, loose), kernels)
         ready = perf_counter()
         prepared, outcome = solve_with_updated_contacts(prepared)
@@ -524,9 +517,9 @@ def solve_assembly_by_model(
         outcome, prepared.round_off_residual(), partial(status_of_runaway_assembly, proven), moved_too_far(state.q, proven)
     )
     if outcome.status in NO_LOADS:
-        return failed(status)
-    description, (sets, whole) = prepared.model_description(), prepared.stiffness()
-    ending = SolveRecord(
+        return result_without_equilibrium(status)
+    description, (sets, whole) = prepared.model_description(), prepared.stiffness_of_sets_and_assembly()
+    ending = summary.SolveRecord(
         status=status,
         report=solver_report(
             outcome, prepared, description, prepared.assembly_arrays.structure.nodes.size - 1, (start, ready), notes
@@ -541,15 +534,15 @@ def solve_assembly_by_model(
         flank_motions=[x.flank_motions for x in prepared.contact_states()],
         residual_force_scale=outcome.scale,
     )
-    return assemble_axis(prepared.assembly_arrays, state, ending)
+    return summary.result_of_solved_assembly(prepared.assembly_arrays, state, ending)
 
 
 def kernels_for_assembly(assembly: Assembly, engine: Engine) -> ModuleType:
     """Return the module of numerical kernels, compiled or interpreted, that suits the size of an assembly.
 
-    ``engine``: the user's choice, see `pick_engine`. The size is the number of balls plus a quarter of the number of
-    roller slices. It is multiplied by one plus the number of preload forces, because each preload force takes further
-    solves.
+    ``engine``: ``"interpreted"``, ``"compiled"`` or ``"auto"``, see `pick_engine`. The size is the number of balls plus a
+    quarter of the number of roller slices. It is multiplied by one plus the number of preload forces, because each preload
+    force takes further solves.
     """
     slices = sum(s.parts.count * s.parts.slices for s in assembly.sets if isinstance(s.parts, RollerRow))
     preloads = sum(s.preload > 0.0 for s in assembly.sets)

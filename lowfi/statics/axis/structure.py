@@ -12,18 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.lowfi.statics.shape import rigid_motion_transfer_matrix
+from rollbench.meshes import section as meshes_section
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, Housing
 from rollbench.meshes.parts import FREEDOMS, Scene
-from rollbench.meshes.section import (
-    MERGE,
-    BeamSection,
-    enclosing_nodes,
-    merge_close_positions,
-    nodes_of_whole_beam,
-    screw_section,
-    tube_section,
-)
 
 Ints = NDArray[np.int64]
 
@@ -39,22 +31,22 @@ class Structure:
     nodes: Array
     #: Axial positions of the moving housings ``(r - n,)`` [m].
     housing_positions: Array
-    #: Cross-section of each beam element.
-    sections: tuple[BeamSection, ...]
-    #: Which degrees of freedom are fixed ``(r, 6)``.
+    #: Cross-section of each beam element of the shaft.
+    sections: tuple[meshes_section.BeamSection, ...]
+    #: Which degrees of freedom of the r bodies are fixed ``(r, 6)``.
     fixed: NDArray[np.bool_]
     #: Prescribed values of the fixed degrees of freedom ``(r, 6)`` [m, rad].
     prescribed: Array
-    #: Loads ``(r, 6)`` [N, N m], those of thermal expansion included.
+    #: Loads on the r bodies ``(r, 6)`` [N, N m], with the forces that represent thermal expansion.
     load: Array
     #: Numbers of the two bodies joined by each of k springs, -1 for the fixed frame ``(k, 2)``.
     spring_bodies: Ints
-    #: Matrices ``(k, 2, 6, 6)`` from the motions of these two bodies to the motions of the spring's ends. The second matrix
-    #: has a negative sign, so that the sum of both motions is the spring's deformation.
+    #: Matrices ``(k, 2, 6, 6)`` from the motions of the two bodies that a spring joins to the motions of its two ends. The
+    #: second matrix has a negative sign, so that the sum of both end motions is the spring's deformation.
     spring_end_matrices: Array
-    #: Stiffness matrices of the springs ``(k, 6, 6)``.
+    #: Stiffness matrices of the springs ``(k, 6, 6)`` [N/m, N, N m].
     springs: Array
-    #: Number of each housing among the r bodies by its name, -1 for a fixed housing.
+    #: For each housing, by its name, its number among the r bodies; -1 for a fixed housing.
     housing_numbers: dict[str, int]
 
     @property
@@ -86,12 +78,17 @@ def shaft_nodes(assembly: Assembly, stations: Array) -> Array:
     if assembly.ingredients.partition != "nodal" and on_shaft:
         extra = [*needed[len(stations) :], *(s.position for s in assembly.sets if not isinstance(s.parts, Scene)), *steps]
         scenes = [replace(x, screw=replace(x.screw, length=assembly.screw.length)) for x in on_shaft]
-        return enclosing_nodes(
-            merge_close_positions(np.concatenate([nodes_of_whole_beam(*scenes), extra]), held), np.array(needed)
+        return meshes_section.nodes_enclosing_positions(
+            meshes_section.merge_close_positions(
+                np.concatenate([meshes_section.nodes_of_whole_beam(*scenes), extra]), held
+            ),
+            np.array(needed),
         )[0]
-    nodes = merge_close_positions(np.array([*needed, *steps]), held)
+    nodes = meshes_section.merge_close_positions(np.array([*needed, *steps]), held)
     if nodes.size == 1:  # a beam needs one element
-        away = low - MERGE * 100.0 if low > 0.5 * assembly.screw.length else low + MERGE * 100.0
+        away = (
+            low - meshes_section.MERGE * 100.0 if low > 0.5 * assembly.screw.length else low + meshes_section.MERGE * 100.0
+        )
         nodes = np.sort(np.array([low, away]))
     return nodes
 
@@ -104,7 +101,9 @@ def first_ball_nut(assembly: Assembly) -> Scene | None:
     return None
 
 
-def element_sections(assembly: Assembly, nodes: Array, section: BeamSection | None = None) -> tuple[BeamSection, ...]:
+def element_sections(
+    assembly: Assembly, nodes: Array, section: meshes_section.BeamSection | None = None
+) -> tuple[meshes_section.BeamSection, ...]:
     """Return the cross-section of each beam element of the shaft, which is a plain segment or threaded.
 
     Parameters
@@ -117,14 +116,14 @@ def element_sections(assembly: Assembly, nodes: Array, section: BeamSection | No
         Cross-section of the threaded shaft; None: computed from its dimensions.
     """
     screw, thread = assembly.screw, first_ball_nut(assembly)
-    plain_screw = partial(tube_section, screw.outer_diameter, screw.bore, screw.material)
-    base = section or (plain_screw() if thread is None else screw_section(thread))
-    plain = [(s.start, s.end, tube_section(s.diameter, s.bore, screw.material)) for s in assembly.segments]
+    plain_screw = partial(meshes_section.tube_section, screw.outer_diameter, screw.bore, screw.material)
+    base = section or (plain_screw() if thread is None else meshes_section.screw_section(thread))
+    plain = [(s.start, s.end, meshes_section.tube_section(s.diameter, s.bore, screw.material)) for s in assembly.segments]
     middles = 0.5 * (nodes[1:] + nodes[:-1])
     return tuple(next((x for low, high, x in plain if low <= z <= high), base) for z in middles)
 
 
-def structure_of(assembly: Assembly, stations: Array, section: BeamSection | None = None) -> Structure:
+def build_structure(assembly: Assembly, stations: Array, section: meshes_section.BeamSection | None = None) -> Structure:
     """Return shaft, moving housings and springs of an assembly as arrays.
 
     Parameters
@@ -154,7 +153,7 @@ def structure_of(assembly: Assembly, stations: Array, section: BeamSection | Non
                 where = f"at {1e3 * at:g} mm"
                 raise ValueError(
                     f"got two supports that fix {name} {where}; allowed: one support for each degree of freedom within "
-                    f"{1e6 * MERGE:g} um; remove one of them"
+                    f"{1e6 * meshes_section.MERGE:g} um; remove one of them"
                 )
             fixed[j, k], prescribed[j, k] = True, value
     for x in assembly.loads:
@@ -167,13 +166,13 @@ def structure_of(assembly: Assembly, stations: Array, section: BeamSection | Non
         load[e, 2] -= section.EA * assembly.thermal_strain
         load[e + 1, 2] += section.EA * assembly.thermal_strain
     row = {h.name: -1 for h in assembly.housings} | {h.name: nodes.size + i for i, h in enumerate(moving)}
-    ends, reach, springs = _springs(assembly, moving, row)
+    ends, reach, springs = _spring_arrays(assembly, moving, row)
     places = np.array([h.at for h in moving])
     return Structure(nodes, places, sections, fixed, prescribed, load, ends, reach, springs, row)
 
 
-def _springs(assembly: Assembly, moving_housings: list[Housing], row: dict[str, int]) -> tuple[Ints, Array, Array]:
-    """Return which bodies the springs of the housings join, the lever arms of the springs' ends, and their stiffness.
+def _spring_arrays(assembly: Assembly, moving_housings: list[Housing], row: dict[str, int]) -> tuple[Ints, Array, Array]:
+    """Return which bodies the springs of the housings join, the motions of the springs' ends, and the springs' stiffness.
 
     Springs join two housings, or a housing and the fixed frame.
 
@@ -208,8 +207,8 @@ def _springs(assembly: Assembly, moving_housings: list[Housing], row: dict[str, 
 def largest_spring_force_term(structure: Structure, q: Array, arm: float) -> float:
     """Return the largest spring force [N] that would result if all its terms (stiffness times motion) had the same sign.
 
-    The round-off error of the spring forces is proportional to it. If two housings joined by a stiff spring move far
-    together, the spring force itself is a small difference of large terms.
+    The round-off error of the spring forces is proportional to this force. If two housings joined by a stiff spring move
+    far together, the spring force itself is a small difference of large terms.
 
     Parameters
     ----------
@@ -230,7 +229,7 @@ def largest_spring_force_term(structure: Structure, q: Array, arm: float) -> flo
     return worst
 
 
-def rigid_motions(structure: Structure, arm: float) -> Array:
+def rigid_motions_of_shaft_and_housings(structure: Structure, arm: float) -> Array:
     """Return the rigid motions of the shaft and of each of m moving housings, as motions of the r shaft nodes and housings.
 
     Parameters
@@ -264,7 +263,7 @@ def restraints_on_rigid_motions(structure: Structure, motions: Array) -> Array:
     structure
         Shaft, housings and springs.
     motions
-        Result of `rigid_motions`.
+        Result of `rigid_motions_of_shaft_and_housings`.
     """
     arms = motions.reshape(-1, 6, motions.shape[1])
     rows = [arms[i, k] for i, k in np.argwhere(structure.fixed)]

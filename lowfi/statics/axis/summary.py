@@ -9,33 +9,14 @@ from functools import partial
 import numpy as np
 
 from rollbench.lowfi.rollers import half_widths_and_pressures_of_slices, tapered_bearing_of_row
+from rollbench.lowfi.statics import summary
+from rollbench.lowfi.statics.axis import system as axis_system
 from rollbench.lowfi.statics.axis.held import APEX, status_of_reversed_thrust
-from rollbench.lowfi.statics.axis.system import (
-    AssemblyArrays,
-    BallSet,
-    RollerSet,
-    body_of_reported_stiffness,
-    describe_left_out_flanks,
-    location_of_reported_stiffness,
-)
 from rollbench.lowfi.statics.kernel_types import MotionState
 from rollbench.lowfi.statics.problem import SolvedState
 from rollbench.lowfi.statics.result import AxisResult, Equilibrium, HousingResult, SetResult, SolverReport, Status
 from rollbench.lowfi.statics.settle import ACCEPTED
 from rollbench.lowfi.statics.shape import rigid_motion_transfer_matrix
-from rollbench.lowfi.statics.summary import (
-    BALANCE,
-    MODEL_ASSUMPTIONS,
-    add_reason_not_unique,
-    check_equilibrium,
-    contact_result,
-    magnitudes_of_net_ball_forces,
-    nodal_reactions,
-    resultant_about_origin,
-    resultant_of_loads,
-    round_off_forces,
-    status_after_equilibrium_check,
-)
 from rollbench.lowfi.statics.validity import contact_warnings, large_tilt_warning, rotation_warning
 from rollbench.lowfi.warned import ResultWarning
 from rollbench.meshes.arrays import Array
@@ -44,7 +25,7 @@ from rollbench.meshes.axis import Assembly, RollerRow
 #: Assumptions of every result of Lin's low-order model on a shaft with several bearings and nuts.
 AXIS_ASSUMPTIONS = (
     "nuts, outer rings and housings are rigid, apart from the contacts (Lin 2.3.1); inner rings are one with the shaft",
-    *MODEL_ASSUMPTIONS[1:],
+    *summary.MODEL_ASSUMPTIONS[1:],
     "lever arms of contact loads are those of error-free flanks",
 )
 #: Assumption of every result with tapered roller bearings.
@@ -53,13 +34,14 @@ ROLLERS = (
     "touch their ribs; rings do not bend"
 )
 
-#: A contact force below this share of the largest force counts as zero: ten times the accepted residual of the solver.
+#: Share of the largest force in the model below which a contact force counts as zero: ten times the residual up to which a
+#: solution counts as converged.
 NOTHING = 10.0 * ACCEPTED
 
 
 @dataclass(frozen=True)
 class SolveRecord:
-    """Data of a finished solve of an assembly that its result needs besides motions and contacts."""
+    """Status, effort, reactions and stiffness of a solved assembly, which its result needs besides motions and contacts."""
 
     #: Status that the solver reported.
     status: Status
@@ -86,7 +68,9 @@ class SolveRecord:
     residual_force_scale: float
 
 
-def assemble_axis(system: AssemblyArrays, state: MotionState, solve_record: SolveRecord) -> AxisResult:
+def result_of_solved_assembly(
+    system: axis_system.AssemblyArrays, state: MotionState, solve_record: SolveRecord
+) -> AxisResult:
     """Return the result of a solved assembly: bearings, housings, reactions, equilibrium check, stiffness and status.
 
     Parameters
@@ -100,16 +84,22 @@ def assemble_axis(system: AssemblyArrays, state: MotionState, solve_record: Solv
     """
     assembly, structure = system.assembly, system.structure
     r, n = structure.body_positions.size, structure.nodes.size
-    by_name = {b.rolling_set.name: ball_result(system, i, state, solve_record) for i, b in enumerate(system.ball_sets)}
-    by_name |= {x.rolling_set.name: roller_result(x, state, structure.body_positions) for x in system.roller_sets}
+    by_name = {
+        b.rolling_set.name: result_of_ball_set(system, i, state, solve_record) for i, b in enumerate(system.ball_sets)
+    }
+    by_name |= {
+        x.rolling_set.name: result_of_roller_bearing(x, state, structure.body_positions) for x in system.roller_sets
+    }
     sets = tuple(by_name[s.name] for s in assembly.sets)
-    balance = _shaft_equilibrium(system, state, solve_record, sets)
-    housings = tuple(_housing_result(system, i, sets, state.q, solve_record) for i in range(r - n))
+    balance = _check_shaft_equilibrium(system, state, solve_record, sets)
+    housings = tuple(_result_of_housing(system, i, sets, state.q, solve_record) for i in range(r - n))
     of_rollers = partial(roller_warnings, z=structure.nodes, motion=state.q[:n])
     warnings = tuple(
         w.with_part_name(s.of.name) for s in sets for w in (s.balls.warnings if s.balls is not None else of_rollers(s))
     )
-    status = add_reason_not_unique(status_after_assembly_check(solve_record.status, system, balance, housings), warnings)
+    status = summary.add_reason_not_unique(
+        status_after_assembly_check(solve_record.status, system, balance, housings), warnings
+    )
     if status == "converged":
         status = status_of_reversed_bearing(system, sets, solve_record.residual_force_scale) or status
     held = (
@@ -117,8 +107,8 @@ def assemble_axis(system: AssemblyArrays, state: MotionState, solve_record: Solv
         if solve_record.pinned_motions_text
         else ()
     )
-    at = location_of_reported_stiffness(assembly)
-    station = None if isinstance(at, str) else float(structure.nodes[body_of_reported_stiffness(system)])
+    at = axis_system.location_of_reported_stiffness(assembly)
+    station = None if isinstance(at, str) else float(structure.nodes[axis_system.body_of_reported_stiffness(system)])
     return AxisResult(
         model=solve_record.model,
         status=status,
@@ -132,18 +122,19 @@ def assemble_axis(system: AssemblyArrays, state: MotionState, solve_record: Solv
         stiffness=solve_record.assembly_stiffness,
         solver=solve_record.report,
         assumed=(*assembly.assumed, *solve_record.assumed, *((ROLLERS,) if system.roller_sets else ())),
-        left_out=(*held, *solve_record.left_out, *describe_left_out_flanks(system)),
+        left_out=(*held, *solve_record.left_out, *axis_system.describe_left_out_flanks(system)),
         warnings=warnings,
-        reactions=nodal_reactions(structure.nodes, assembly.supports, solve_record.support_reactions[:n]),
+        reactions=summary.nodal_reactions(structure.nodes, assembly.supports, solve_record.support_reactions[:n]),
     )
 
 
 def status_after_assembly_check(
-    status: Status, system: AssemblyArrays, balance: Equilibrium, housings: Sequence[HousingResult]
+    status: Status, system: axis_system.AssemblyArrays, balance: Equilibrium, housings: Sequence[HousingResult]
 ) -> Status:
     """Return the status of an assembly after the check of equilibrium of shaft, balls and housings.
 
-    It is "not converged" if the sum of the forces or moments on one of them is not zero within the accepted residual.
+    The status is "not converged" if forces or moments on shaft, a ball or a housing do not add up to zero within the
+    accepted residual.
 
     Parameters
     ----------
@@ -160,15 +151,17 @@ def status_after_assembly_check(
     for b in system.ball_sets:
         if b.ball_indices.start < balance.worst_ball <= b.ball_indices.stop:
             ball = f"ball {balance.worst_ball - b.ball_indices.start} of {b.rolling_set.name}"
-    status = status_after_equilibrium_check(status, balance, frozen, "the shaft", ball)
+    status = summary.status_after_equilibrium_check(status, balance, frozen, "the shaft", ball)
     worst = max(housings, key=lambda h: h.residual, default=None)
-    if status == "converged" and worst is not None and not frozen and not worst.residual <= BALANCE:
+    if status == "converged" and worst is not None and not frozen and not worst.residual <= summary.BALANCE:
         reason = f"{worst.name} is out of balance by {worst.residual:.1e} of the largest force"
         return Status("not converged", reason)
     return status
 
 
-def status_of_reversed_bearing(system: AssemblyArrays, sets: Sequence[SetResult], scale: float) -> Status | None:
+def status_of_reversed_bearing(
+    system: axis_system.AssemblyArrays, sets: Sequence[SetResult], scale: float
+) -> Status | None:
     """Return the status if a bearing for one direction of thrust is loaded against this direction; None if none is.
 
     Parameters
@@ -190,7 +183,9 @@ def status_of_reversed_bearing(system: AssemblyArrays, sets: Sequence[SetResult]
     return None
 
 
-def ball_result(system: AssemblyArrays, i: int, state: MotionState, solve_record: SolveRecord) -> SetResult:
+def result_of_ball_set(
+    system: axis_system.AssemblyArrays, i: int, state: MotionState, solve_record: SolveRecord
+) -> SetResult:
     """Return the result of one ball nut or ball bearing: contacts, and force and moment on the shaft and on nut or ring.
 
     Parameters
@@ -212,7 +207,7 @@ def ball_result(system: AssemblyArrays, i: int, state: MotionState, solve_record
     motion = state.q[: problem.nodes.size]
     largest = float(force.max(initial=0.0))
     solved = SolvedState(problem, motion, p, force, normal, np.zeros(motion.shape), shifts, largest)
-    result = contact_result(
+    result = summary.contact_result(
         solved, problem.nodes, motion, solve_record.report, arc_on_both_sides=b.rolling_set.thrust == "deep groove"
     )
     forces = -result.force_direction * force[..., None]
@@ -224,7 +219,7 @@ def ball_result(system: AssemblyArrays, i: int, state: MotionState, solve_record
     return SetResult(b.rolling_set, *on_shaft, np.concatenate(back), solve_record.set_stiffnesses[i], outer, result)
 
 
-def roller_result(roller_set: RollerSet, state: MotionState, stations: Array) -> SetResult:
+def result_of_roller_bearing(roller_set: axis_system.RollerSet, state: MotionState, stations: Array) -> SetResult:
     """Return the result of one tapered roller bearing: roller loads, force and moment on the shaft, and stiffness.
 
     Parameters
@@ -257,7 +252,9 @@ def roller_result(roller_set: RollerSet, state: MotionState, stations: Array) ->
     )
 
 
-def _outer_part_motion(rolling_set: BallSet | RollerSet, state: MotionState, stations: Array) -> Array:
+def _outer_part_motion(
+    rolling_set: axis_system.BallSet | axis_system.RollerSet, state: MotionState, stations: Array
+) -> Array:
     """Return the motion ``(6,)`` [m, rad] of an outer ring or nut at its axial position, its prescribed offset included.
 
     Parameters
@@ -270,7 +267,9 @@ def _outer_part_motion(rolling_set: BallSet | RollerSet, state: MotionState, sta
         Axial positions of shaft nodes and moving housings [m].
     """
     row = (
-        rolling_set.outer_body_row if isinstance(rolling_set, BallSet) else int(rolling_set.slice_arrays.ring_bodies[0, 1])
+        rolling_set.outer_body_row
+        if isinstance(rolling_set, axis_system.BallSet)
+        else int(rolling_set.slice_arrays.ring_bodies[0, 1])
     )
     moved = (
         rigid_motion_transfer_matrix(rolling_set.rolling_set.position - float(stations[row])) @ state.q[row]
@@ -286,7 +285,7 @@ def _resultant_about_axis_point(points: Array, forces: Array, station: float) ->
     Parameters
     ----------
     points
-        Contact points ``(N, s, 3)`` [m].
+        Contact points of N balls with s flanks ``(N, s, 3)`` [m].
     forces
         Contact forces ``(N, s, 3)`` [N].
     station
@@ -296,31 +295,31 @@ def _resultant_about_axis_point(points: Array, forces: Array, station: float) ->
     return forces.sum(axis=(0, 1)), np.cross(arm, forces).sum(axis=(0, 1))
 
 
-def _shaft_equilibrium(
-    system: AssemblyArrays, state: MotionState, solve_record: SolveRecord, sets: tuple[SetResult, ...]
+def _check_shaft_equilibrium(
+    system: axis_system.AssemblyArrays, state: MotionState, solve_record: SolveRecord, sets: tuple[SetResult, ...]
 ) -> Equilibrium:
     """Return the check of equilibrium of the shaft: external loads, support reactions, and forces of bearings and nuts.
 
     ``state``: solved motions; ``solve_record``: data of the finished solve; ``sets``: results of the bearings and nuts.
     """
     nodes = system.structure.nodes
-    applied, contact = resultant_of_loads(system.assembly.loads), np.zeros(6)
-    reaction = resultant_about_origin(nodes, solve_record.support_reactions[: nodes.size])
+    applied, contact = summary.resultant_of_loads(system.assembly.loads), np.zeros(6)
+    reaction = summary.resultant_about_origin(nodes, solve_record.support_reactions[: nodes.size])
     largest = solve_record.residual_force_scale
     for s in (x for x in sets if x.of.carrier is None):
         contact += rigid_motion_transfer_matrix(s.of.position).T @ np.concatenate([s.force, s.moment])
         contacts = 0.0 if s.balls is None else float(s.balls.load.max(initial=0.0))
         largest = max(largest, float(np.abs(s.force).max()), contacts)
     size = max(largest, float(np.abs(np.concatenate([applied[:3], reaction[:3]])).max()))
-    noise = round_off_forces(np.diff(nodes), system.structure_arrays.sections, state.q[: nodes.size])
-    net = magnitudes_of_net_ball_forces(state.contact[..., 0], state.contact[..., 1:3])
-    return check_equilibrium(
+    noise = summary.round_off_forces(np.diff(nodes), system.structure_arrays.sections, state.q[: nodes.size])
+    net = summary.magnitudes_of_net_ball_forces(state.contact[..., 0], state.contact[..., 1:3])
+    return summary.check_equilibrium(
         (applied, reaction, contact, np.zeros(6)), size, system.moment_arm, noise, net[: system.ball_arrays.r_ball.size]
     )
 
 
-def _housing_result(
-    system: AssemblyArrays, i: int, sets: tuple[SetResult, ...], q: Array, solve_record: SolveRecord
+def _result_of_housing(
+    system: axis_system.AssemblyArrays, i: int, sets: tuple[SetResult, ...], q: Array, solve_record: SolveRecord
 ) -> HousingResult:
     """Return the result of one housing: its motion, the forces of supports and springs on it, and the unbalanced force.
 
@@ -380,7 +379,7 @@ def axis_result_without_equilibrium(
     model
         Name of the model.
     status
-        Status with the reason.
+        Status, which gives the reason why there is no equilibrium.
     seconds
         Computing time [s].
     assumed

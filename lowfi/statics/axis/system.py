@@ -19,19 +19,13 @@ from numpy.typing import NDArray
 
 from rollbench.lowfi.hertz import contact_force
 from rollbench.lowfi.rollers import slice_middles, tapered_bearing_of_row
-from rollbench.lowfi.statics.axis.structure import Structure, structure_of
+from rollbench.lowfi.statics import problem as statics_problem
+from rollbench.lowfi.statics.axis.structure import Structure, build_structure
 from rollbench.lowfi.statics.contacts import hertz_constants_by_scene_choice
 from rollbench.lowfi.statics.kernel.beam import element_constants
 from rollbench.lowfi.statics.kernel_types import AxisArrays, AxisBalls, AxisRollers, MotionState, RollerContacts
-from rollbench.lowfi.statics.problem import (
-    Problem,
-    flank_motion_matrix,
-    largest_interference,
-    pack_contact_data,
-    round_off_approach,
-)
 from rollbench.lowfi.statics.settle import ContactState, ResidualScale
-from rollbench.lowfi.statics.shape import motion_matrices
+from rollbench.lowfi.statics.shape import beam_interpolation_matrices
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, Housing, RollerRow, RollingSet
 from rollbench.meshes.errors import GeometryWithErrors, draw_geometry_with_errors
@@ -43,8 +37,8 @@ Ints = NDArray[np.int64]
 #: Positions of the balls of one bearing row or ball nut, and its dimensions with random manufacturing errors.
 Placed = tuple[BallLayout, GeometryWithErrors]
 
-#: Which of the flanks SL, SR, NL, NR can be loaded, by the direction of the thrust on the shaft that a bearing row or ball
-#: nut carries. The diagonal pair SL-NR closes under thrust along +z.
+#: Which of the four flanks (screw left, screw right, nut left, nut right) can be loaded, by the direction of the thrust on
+#: the shaft that a bearing row or ball nut carries. The diagonal pair SL-NR closes under thrust along +z.
 USE = {
     "both": np.array([True, True, True, True]),
     "+z": np.array([True, False, False, True]),
@@ -57,21 +51,21 @@ USE = {
 class BallSet:
     """The N balls of one bearing row or ball nut of an assembly, with the motions of their four flanks.
 
-    A motion row holds the six motions of one body: a shaft node or a moving housing (numbered in `Structure`).
+    A row of the array of motions holds the six motions of one body: a shaft node or a moving housing, see `Structure`.
     """
 
     #: The bearing row or ball nut.
     rolling_set: RollingSet
-    #: Contact problem of these balls, with the nodes of the whole shaft.
-    problem: Problem
-    #: Indices of these balls among the balls of the whole assembly.
+    #: Contact problem of the balls of this row or nut, with the beam nodes of the whole shaft.
+    problem: statics_problem.Problem
+    #: Indices of the balls of this row or nut among the balls of the whole assembly.
     ball_indices: slice
     #: Motion row of the housing of the nut or outer ring; -1 if the housing is fixed.
     outer_body_row: int
     #: Number of the first body (shaft node or moving housing) that moves each flank ``(N, 4)``; -1 if the flank is fixed.
     first_body_rows: Ints
-    #: Motions of the flanks, radial and along the helix's binormal, per unit of the six motions of this body (m = 6), or of
-    #: the motions of this body and the next one (m = 12): ``(N, 4, 2, m)``.
+    #: Motions of the flanks, radial and along the helix's binormal, per unit of the six motions of the body in
+    #: ``first_body_rows`` (m = 6), or of this body and the next one (m = 12): ``(N, 4, 2, m)``.
     B: Array
     #: Prescribed motion of the flanks ``(N, 4, 2)`` [m], by the axial offset of the nut or outer ring.
     v0: Array
@@ -80,9 +74,9 @@ class BallSet:
         """Return the motions of the four flanks of N balls that follow from the motions of all bodies.
 
         ``motions`` ``(r, 6, ...)``: three displacements and three rotations of the r bodies, which are the shaft's nodes
-        and the moving housings; further axes are load cases. Returns ``(N, 4, 2, ...)``: for each ball the flanks SL, SR,
-        NL, NR, and two components in the ball's section plane, radial and along the helix's binormal. Flanks of a fixed
-        housing do not move; prescribed offsets are not included.
+        and the moving housings; further axes are load cases. Returns ``(N, 4, 2, ...)``: for each ball the four flanks
+        (screw left, screw right, nut left, nut right), and two components in the ball's section plane, radial and along the
+        helix's binormal. Flanks of a fixed housing do not move; prescribed offsets are not included.
         """
         flat = motions.reshape(-1, *motions.shape[2:])
         found = np.einsum(
@@ -91,7 +85,7 @@ class BallSet:
         found[self.first_body_rows < 0] = 0.0
         return np.asarray(found)
 
-    def coefficients_of_one_body(self, flanks: slice) -> Array:
+    def flank_motions_per_body_motion(self, flanks: slice) -> Array:
         """Return the coefficients ``(N, 2, 2, 6)`` that give the motions of two flanks by the motions of their rigid body.
 
         ``flanks``: the two flanks on this body, ``slice(2)`` on the inner and ``slice(2, 4)`` on the outer part. The axes
@@ -109,11 +103,11 @@ class RollerSet:
     rolling_set: RollingSet
     #: Dimensions of the rollers and raceways.
     roller_row: RollerRow
-    #: Indices of the slices of this bearing among the slices of all roller bearings.
+    #: Indices of the roller slices of this bearing among those of all roller bearings.
     slice_indices: slice
-    #: Azimuths of its rollers ``(count,)`` [rad].
+    #: Azimuths of the rollers ``(count,)`` [rad].
     roller_azimuths: Array
-    #: Arrays of the slices for the kernels.
+    #: Arrays of the roller slices for the kernels: motions, gaps, widths and force law.
     slice_arrays: AxisRollers
 
 
@@ -139,7 +133,7 @@ class AssemblyArrays:
     roller_slice_arrays: AxisRollers = field(repr=False)
 
 
-def ball_positions(assembly: Assembly, member: int = 0) -> list[Placed]:
+def ball_positions_with_errors(assembly: Assembly, member: int = 0) -> list[Placed]:
     """Return the ball positions, and the dimensions with manufacturing errors, of each ball nut and ball bearing.
 
     Parameters
@@ -173,7 +167,7 @@ def build_assembly_arrays(
         For each ball nut or ball bearing, which of its four flanks get contacts ``(4,)``. None: all flanks that can be
         loaded by thrust in the direction which the nut or bearing carries.
     positions_and_errors
-        Result of `ball_positions`, if it is known already.
+        Result of `ball_positions_with_errors`; None: computed here.
     section
         Cross-section of the threaded shaft; None: computed from the assembly's dimensions.
 
@@ -185,23 +179,23 @@ def build_assembly_arrays(
     parts = [(s, s.parts) for s in assembly.sets if isinstance(s.parts, Scene)]
     rows = [(s, s.parts) for s in assembly.sets if isinstance(s.parts, RollerRow)]
     built = [USE[s.thrust] for s, _ in parts] if flanks_in_use is None else list(flanks_in_use)
-    placements = ball_positions(assembly, member) if positions_and_errors is None else positions_and_errors
+    placements = ball_positions_with_errors(assembly, member) if positions_and_errors is None else positions_and_errors
     stations = [
         contact_force_positions(scene, x)[:, u[:2]]
         for (s, scene), (x, _), u in zip(parts, placements, built, strict=True)
         if s.carrier is None
     ]
     rings = np.array([s.position for s, _ in rows])
-    structure = structure_of(assembly, np.concatenate([rings, *(x.ravel() for x in stations)]), section)
+    structure = build_structure(assembly, np.concatenate([rings, *(x.ravel() for x in stations)]), section)
     balls: list[BallSet] = []
     first = 0
     for (rolling, scene), use, place in zip(parts, built, placements, strict=True):
-        balls.append(_ball_set(rolling, scene, structure, use, place, first))
+        balls.append(_build_ball_set(rolling, scene, structure, use, place, first))
         first = balls[-1].ball_indices.stop
     rollers: list[RollerSet] = []
     first = 0
     for rolling, row in rows:
-        rollers.append(_roller_set(rolling, row, structure, first))
+        rollers.append(_build_roller_set(rolling, row, structure, first))
         first = rollers[-1].slice_indices.stop
     arm = max(
         [b.problem.scene.track.pitch_radius for b in balls]
@@ -213,7 +207,7 @@ def build_assembly_arrays(
     )
 
 
-def _ball_set(
+def _build_ball_set(
     rolling: RollingSet,
     scene: Scene,
     structure: Structure,
@@ -229,11 +223,11 @@ def _ball_set(
     rolling
         The ball nut or bearing in the assembly.
     scene
-        Its dimensions.
+        Dimensions of the ball nut or bearing.
     structure
         Shaft, housings and springs.
     used_flanks
-        Which of the flanks SL, SR, NL, NR get contacts ``(4,)``.
+        Which of the four flanks (screw left, screw right, nut left, nut right) get contacts ``(4,)``.
     positions_and_errors
         Positions of the balls, and dimensions with their random manufacturing errors.
     first_ball
@@ -243,7 +237,9 @@ def _ball_set(
     """
     layout, drawn = positions_and_errors
     parts = (scene, drawn, layout, centre_of_curvature_shifts)
-    geometry, closure = pack_contact_data(scene, drawn, hertz_constants_by_scene_choice(scene, drawn), used_flanks)
+    geometry, closure = statics_problem.pack_contact_data(
+        scene, drawn, hertz_constants_by_scene_choice(scene, drawn), used_flanks
+    )
     n, nodes, N = structure.nodes.size, structure.nodes, layout.z.size
     stations = contact_force_positions(scene, layout)
     nodal, built = scene.ingredients.partition == "nodal", int(np.argmax(used_flanks[:2]))
@@ -254,20 +250,27 @@ def _ball_set(
         node[:, ~used_flanks[:2]] = node[:, [built]]
     outer = -1 if rolling.housing is None else structure.housing_numbers[rolling.housing]
     at = float(structure.housing_positions[outer - n]) if outer >= 0 else scene.nut.position
-    on_nut = np.stack([flank_motion_matrix(parts, s, np.full(N, at)) for s in (2, 3)], axis=1)
+    on_nut = np.stack([statics_problem.flank_motion_matrix(parts, s, np.full(N, at)) for s in (2, 3)], axis=1)
     v0 = np.zeros((N, 4, 2))
     v0[:, 2:] = rolling.offset * on_nut[..., 2]
     if nodal or rolling.carrier is not None:
-        on_screw = np.stack([flank_motion_matrix(parts, s, structure.body_positions[node[:, s]]) for s in range(2)], axis=1)
+        on_screw = np.stack(
+            [statics_problem.flank_motion_matrix(parts, s, structure.body_positions[node[:, s]]) for s in range(2)], axis=1
+        )
     else:
         sides = [s if used_flanks[s] else built for s in range(2)]
         around = [interpolate_shaft_motions(structure, stations[:, s]) for s in range(2)]
         node = np.stack([around[s][0] for s in sides], axis=1)
-        on_screw = np.stack([flank_motion_matrix(parts, s, stations[:, s]) @ around[s][1] for s in sides], axis=1)
+        on_screw = np.stack(
+            [statics_problem.flank_motion_matrix(parts, s, stations[:, s]) @ around[s][1] for s in sides], axis=1
+        )
     width, r = (6 if nodal else 12), structure.body_positions.size
-    pieces = pad_to_two_bodies(node, on_screw, width, r), pad_to_two_bodies(np.full((N, 2), outer), on_nut, width, r)
+    pieces = (
+        pad_coefficients_to_two_bodies(node, on_screw, width, r),
+        pad_coefficients_to_two_bodies(np.full((N, 2), outer), on_nut, width, r),
+    )
     row, B = (np.concatenate(x, axis=1) for x in zip(*pieces, strict=True))
-    problem = Problem(
+    problem = statics_problem.Problem(
         scene=scene,
         layout=layout,
         drawn=drawn,
@@ -303,22 +306,23 @@ def interpolate_shaft_motions(structure: Structure, stations: Array) -> tuple[In
     element = np.clip(np.searchsorted(nodes, stations, side="right") - 1, 0, nodes.size - 2)
     sections = [structure.sections[e] for e in element]
     EA, EI, GJ, kGA = np.array([(s.EA, s.EI, s.GJ, s.kGA) for s in sections]).T
-    return motion_matrices(stations, nodes, BeamSection(EA, EI, GJ, kGA))
+    return beam_interpolation_matrices(stations, nodes, BeamSection(EA, EI, GJ, kGA))
 
 
-def pad_to_two_bodies(body: Ints, B: Array, width: int, body_count: int) -> tuple[Ints, Array]:
+def pad_coefficients_to_two_bodies(body: Ints, B: Array, width: int, body_count: int) -> tuple[Ints, Array]:
     """Pad the coefficients of one body's six motions with zeros to the twelve motions of two consecutively numbered bodies.
 
-    The kernels store for every flank the coefficients of the motions of two such bodies. Returns the number of the first
-    body of each pair, and the padded coefficients. The body is the first of its pair, unless it is the last of all bodies,
-    which becomes the second of its pair.
+    The kernels store for every flank the coefficients of the motions of two bodies, although only one of them moves the
+    flank. The body that moves it is the first of the pair; only the last of all bodies is the second of its pair. Returns
+    the number of the first body of each pair, and the padded coefficients.
 
     Parameters
     ----------
     body
         Number of the body (shaft node or housing) that moves each flank; -1 if the flank is fixed.
     B
-        Motion of each flank per unit of the body's six motions ``(..., 6)``. With ``width`` 6 both are returned unchanged.
+        Motion of each flank per unit of the body's six motions ``(..., 6)``. With ``width`` 6, ``body`` and ``B`` are
+        returned unchanged.
     width
         Number of columns to return, 6 or 12.
     body_count
@@ -345,7 +349,7 @@ def replace_lever_arms(system: AssemblyArrays, centre_of_curvature_shifts: Seque
     balls = []
     for b, m in zip(system.ball_sets, centre_of_curvature_shifts, strict=True):
         p = b.problem
-        longer = _ball_set(
+        longer = _build_ball_set(
             b.rolling_set, p.scene, system.structure, p.used_flanks, (p.layout, p.drawn), b.ball_indices.start, m
         )
         longer.problem.C[:] = p.C
@@ -405,26 +409,26 @@ def _concatenate_balls(sets: list[BallSet]) -> AxisBalls:
         terms[:, : b.problem.drawn.profile_coefficients.shape[1]] = b.problem.drawn.profile_coefficients
         profile.append(np.broadcast_to(terms, (N, 4, degree)))
 
-    def joined(arrays: Sequence[NDArray[Any]], shape: tuple[int, ...]) -> NDArray[Any]:
+    def concatenated(arrays: Sequence[NDArray[Any]], shape: tuple[int, ...]) -> NDArray[Any]:
         """Return arrays ``(N_i, *shape)`` concatenated along the first axis, also if there are none."""
         return np.ascontiguousarray(np.concatenate([np.zeros((0, *shape)), *arrays]))
 
-    geometry = joined([b.problem.geometry for b in sets], (4, 9))
+    geometry = concatenated([b.problem.geometry for b in sets], (4, 9))
     for b in sets:  # a view, so that an update of Hertz constants is seen in both places
         b.problem = replace(b.problem, geometry=geometry[b.ball_indices])
     return AxisBalls(
-        first_bodies=joined(row, (4,)).astype(np.int64),
-        B=joined([b.B for b in sets], (4, 2, sets[0].B.shape[3] if sets else 6)),
-        v0=joined([b.v0 for b in sets], (4, 2)),
+        first_bodies=concatenated(row, (4,)).astype(np.int64),
+        B=concatenated([b.B for b in sets], (4, 2, sets[0].B.shape[3] if sets else 6)),
+        v0=concatenated([b.v0 for b in sets], (4, 2)),
         geometry=geometry,
-        interference=joined([b.problem.interference for b in sets], (2,)),
-        r_ball=joined([b.problem.drawn.ball_radii for b in sets], ()),
-        profile=joined(profile, (4, degree)),
+        interference=concatenated([b.problem.interference for b in sets], (2,)),
+        r_ball=concatenated([b.problem.drawn.ball_radii for b in sets], ()),
+        profile=concatenated(profile, (4, degree)),
         unloaded_force_limit=0.0,
     )
 
 
-def _roller_set(rolling: RollingSet, row: RollerRow, structure: Structure, first_slice: int) -> RollerSet:
+def _build_roller_set(rolling: RollingSet, row: RollerRow, structure: Structure, first_slice: int) -> RollerSet:
     """Return the roller slices of one tapered roller bearing as arrays for the kernels.
 
     ``rolling``: the bearing with its position and housing; ``row``: dimensions of its rollers and raceways;
@@ -527,7 +531,7 @@ def _kernel_arrays_of_structure(structure: Structure, contacts: AxisBalls, slice
 
 
 def sum_of_applied_loads(system: AssemblyArrays) -> float:
-    """Return the sum of the magnitudes of all loads on shaft and housings [N], without thermal loads.
+    """Return the sum of the magnitudes of all external loads on shaft and housings [N], without thermal loads.
 
     Moments count as moment divided by the largest pitch radius.
     """
@@ -552,11 +556,14 @@ def preload_approach(ball_set: BallSet) -> float:
     shift = {"+z": -ball_set.rolling_set.offset, "-z": ball_set.rolling_set.offset}.get(
         ball_set.rolling_set.thrust, abs(ball_set.rolling_set.offset)
     )
-    return max(largest_interference(ball_set.problem), shift * float(np.sin(ball_set.problem.scene.track.contact_angle)))
+    return max(
+        statics_problem.largest_interference(ball_set.problem),
+        shift * float(np.sin(ball_set.problem.scene.track.contact_angle)),
+    )
 
 
-def mean_load_per_element(system: AssemblyArrays) -> float:
-    """Return the sum of the magnitudes of all loads, divided by the number of balls and rollers [N].
+def mean_load_per_rolling_element(system: AssemblyArrays) -> float:
+    """Return the sum of the magnitudes of all external loads, divided by the number of balls and rollers [N].
 
     Moments count as moment divided by the largest pitch radius (`sum_of_applied_loads`).
     """
@@ -568,11 +575,11 @@ def mean_load_per_element(system: AssemblyArrays) -> float:
 def typical_contact_force(system: AssemblyArrays, ball_set: BallSet) -> float:
     """Return the force [N] of a typical contact of the ball nut or bearing ``ball_set``, at least 1e-6 N.
 
-    This is the larger of the mean load of a rolling element and the preload of a contact. If there are neither loads nor
-    preload but prescribed displacements, it is the force at an approach of 1 um.
+    The force is the larger of the mean load of a rolling element and the preload of a contact. If there are neither loads
+    nor preload but prescribed displacements, it is the force at an approach of 1 um.
     """
     pair = mean_hertz_constant_in_series(ball_set)
-    force = max(mean_load_per_element(system), float(contact_force(preload_approach(ball_set), pair)))
+    force = max(mean_load_per_rolling_element(system), float(contact_force(preload_approach(ball_set), pair)))
     if force == 0.0 and np.any(system.structure.prescribed):
         force = float(contact_force(1e-6, pair))
     return max(force, 1e-6)
@@ -584,7 +591,7 @@ def assembly_residual_scale(system: AssemblyArrays) -> ResidualScale:
     The solver scales residuals by these values. A contact counts as unloaded below 1e-14 of the typical force. If neither
     loads nor preload press any contact, this limit is the force at an approach of the size of the coordinates' round-off.
     """
-    load, share = system.structure.load, mean_load_per_element(system)
+    load, share = system.structure.load, mean_load_per_rolling_element(system)
     stiffness, squeezed = 1.0, 0.0
     for b in system.ball_sets:
         pair = mean_hertz_constant_in_series(b)
@@ -603,7 +610,10 @@ def assembly_residual_scale(system: AssemblyArrays) -> ResidualScale:
     floor = max(float(np.abs(load[:, :3]).max()), float(np.abs(load[:, 3:]).max()) / system.moment_arm, squeezed)
     none = 1e-14 * force
     if force == 0.0:
-        pressed = (contact_force(round_off_approach(b.problem), mean_hertz_constant_in_series(b)) for b in system.ball_sets)
+        pressed = (
+            contact_force(statics_problem.round_off_approach(b.problem), mean_hertz_constant_in_series(b))
+            for b in system.ball_sets
+        )
         none = max(map(float, pressed), default=0.0)
     return ResidualScale(force, stiffness, floor, none)
 
@@ -620,12 +630,12 @@ class RollerElements:
     #: roller; cone or cup; displacement along the contact normal at the roller's middle, or its slope along the roller
     #: times the roller's length; the six motions of the shaft node (cone) or housing (cup).
     B: Array
-    #: Slices of the rollers.
+    #: Positions, widths and gaps of the rollers' slices, and their force law.
     roller_contacts: RollerContacts
 
     @property
     def count(self) -> int:
-        """Number M of rollers."""
+        """Return the number M of rollers of all roller bearings."""
         return self.cone_nodes.size
 
 
@@ -676,8 +686,8 @@ def starting_spring_factors_of_rollers(count: int, stiffness: float) -> Array:
 def location_of_reported_stiffness(assembly: Assembly) -> float | str:
     """Return where an assembly's stiffness is reported: an axial position on the shaft [m], or the name of a housing.
 
-    This is the location that the user asked for. Without one, it is the first loaded housing, else the position of the
-    first load, else the position of the first bearing or nut.
+    It is the location ``stiffness_at`` of the assembly; if that is None, the first loaded housing, else the position of the
+    first load on the shaft, else the position of the first bearing or nut.
 
     Parameters
     ----------

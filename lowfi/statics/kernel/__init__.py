@@ -3,27 +3,33 @@
 They are written in the subset of Python that numba compiles, and run with or without compilation; see ``lowfi.jit``.
 """
 
-from .axis import add_axis, evaluate_axis, solve_axis, solve_lines, tangent
-from .ball import settle_ball
-from .beam import assemble_beam, ensemble, evaluate, solve_beam
+from .axis import (
+    add_structure_stiffness,
+    evaluate_axis,
+    factor_tangent_stiffness,
+    solve_axis,
+    solve_for_motions_under_loads,
+)
+from .ball import find_ball_equilibrium
+from .beam import assemble_beam_stiffness, evaluate_screw, solve_beam, solve_specimens
 from .contact import contact_law
-from .elastic import ball_rows, evaluate_balls, solve_forces
-from .rollers import roller_forces
+from .elastic import evaluate_balls, solve_forces, write_stiffness_factors
+from .rollers import add_roller_forces
 
 __all__ = [
-    "add_axis",
-    "assemble_beam",
-    "ball_rows",
+    "add_roller_forces",
+    "add_structure_stiffness",
+    "assemble_beam_stiffness",
     "contact_law",
-    "ensemble",
-    "evaluate",
     "evaluate_axis",
     "evaluate_balls",
-    "roller_forces",
-    "settle_ball",
+    "evaluate_screw",
+    "factor_tangent_stiffness",
+    "find_ball_equilibrium",
     "solve_axis",
     "solve_beam",
+    "solve_for_motions_under_loads",
     "solve_forces",
-    "solve_lines",
-    "tangent",
+    "solve_specimens",
+    "write_stiffness_factors",
 ]

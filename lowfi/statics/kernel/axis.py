@@ -28,22 +28,22 @@ from rollbench.lowfi.statics.kernel_types import (
     Outcome,
 )
 
-from .ball import FORCE, MX, MZ, SIZE, USE, WX, WZ, flank_hessian, settle_ball
+from .ball import FORCE, MX, MZ, SIZE, USE, WX, WZ, find_ball_equilibrium, write_stiffness_against_flank_motions
 from .beam import (  # noqa: F401 - some are only looked up by ``descent``
-    add_element,
+    add_element_stiffness,
+    complete_final_state,
+    energy_slope_along_step,
     evaluate_beam,
-    finish,
-    furthest,
-    least_force,
-    move,
-    residual_at,
-    save_start,
+    largest_displacement,
+    largest_relative_net_ball_force,
+    least_residual_force_scale,
+    move_along_step,
+    relative_residual,
+    save_line_search_start,
     shorten_first_step,
-    slope_along,
-    unbalanced,
 )
 from .matrices import factor, substitute
-from .rollers import roller_forces
+from .rollers import add_roller_forces
 
 
 @kernel
@@ -69,7 +69,7 @@ def add_stiffness_block(values: Array, axis: AxisArrays, a: int, b: int, block: 
 
 
 @kernel
-def add_axis(values: Array, axis: AxisArrays) -> None:
+def add_structure_stiffness(values: Array, axis: AxisArrays) -> None:
     """Add the stiffness of the shaft's beam elements, and of the springs between bodies, to the matrix ``values``.
 
     ``values``: stiffness matrix of the bodies' motions, stored as an envelope (`kernel.matrices`). ``axis``: arrays of
@@ -78,7 +78,7 @@ def add_axis(values: Array, axis: AxisArrays) -> None:
     band, block = np.empty((12, 12)), np.empty((6, 6))
     for e in range(axis.lengths.shape[0]):
         band[:, :] = 0.0
-        add_element(band, 0, axis.lengths[e], axis.sections[e])
+        add_element_stiffness(band, 0, axis.lengths[e], axis.sections[e])
         for half in range(3):
             first, second = (0, 0) if half == 0 else ((6, 0) if half == 1 else (6, 6))
             for i in range(6):
@@ -148,7 +148,7 @@ def write_coupling_block(left: Array, h: Array, right: Array, block: Array) -> N
 
 
 @kernel
-def add_rollers(values: Array, axis: AxisArrays, rollers: AxisRollers, slices: Array) -> None:
+def add_roller_stiffness(values: Array, axis: AxisArrays, rollers: AxisRollers, slices: Array) -> None:
     """Add the contact stiffness of all roller slices to the stiffness matrix ``values``, stored as an envelope.
 
     rollers: coefficients of the slices' approaches; slices (M, 2): force [N] and stiffness [N/m] of each slice. ``axis``:
@@ -209,7 +209,8 @@ def _add_ball_stiffness_by_numpy(values: Array, axis: AxisArrays, balls: AxisBal
 
 add_balls = add_ball_stiffness_in_loops if is_compiled_module(__name__) else _add_ball_stiffness_by_numpy
 
-#: Residual ratio above which the stiffness is factored again, see ``descent``. Zero means in every step.
+#: Ratio of the residual to the smallest one so far above which the stiffness is factored again, see ``descent``. Zero:
+#: the stiffness is factored in every step.
 KEPT = 0.0
 
 
@@ -229,8 +230,8 @@ def evaluate_axis(given: AxisSystem, state: MotionState, out: EnergyDerivatives)
     for i in range(balls.r_ball.shape[0]):
         write_flank_motions_of_ball(balls, q, i, shift)
         ball = balls.geometry[i], balls.interference[i], rigid, balls.r_ball[i], balls.profile[i]
-        energy += settle_ball(p[i], shift, *ball, balls.unloaded_force_limit, contact[i])
-        flank_hessian(contact[i], hessians[i])
+        energy += find_ball_equilibrium(p[i], shift, *ball, balls.unloaded_force_limit, contact[i])
+        write_stiffness_against_flank_motions(contact[i], hessians[i])
         for s in range(4):
             force, row = contact[i, s, FORCE], balls.first_bodies[i, s]
             scale = max(scale, force)
@@ -238,7 +239,7 @@ def evaluate_axis(given: AxisSystem, state: MotionState, out: EnergyDerivatives)
                 fx, fz = force * contact[i, s, MX], force * contact[i, s, MZ]
                 for k in range(m):
                     flat[6 * row + k] -= fx * balls.B[i, s, 0, k] + fz * balls.B[i, s, 1, k]
-    stored, largest = roller_forces(rollers, q, slices, gradient)
+    stored, largest = add_roller_forces(rollers, q, slices, gradient)
     return energy + stored, max(scale, largest)
 
 
@@ -294,9 +295,9 @@ def add_spring_forces(axis: AxisArrays, q: Array, gradient: Array) -> float:
 def write_flank_motions_of_ball(balls: AxisBalls, q: Array, i: int, shift: Array) -> None:
     """Compute the motions of the four groove flanks at ball i from the motions q (r, 6) of nodes and bodies.
 
-    They are written to ``shift`` (4, 2) [m], with two components in the ball's section plane.
-
-    ``balls``: coefficients and prescribed offsets of the flanks' motions.
+    The flank motions are written to ``shift`` (4, 2) [m]: for each flank (screw left, screw right, nut left, nut right) the
+    radial component and the one along the helix's binormal. ``balls``: coefficients and prescribed offsets of the flanks'
+    motions.
     """
     flat = q.ravel()
     for s in range(4):
@@ -310,27 +311,30 @@ def write_flank_motions_of_ball(balls: AxisBalls, q: Array, i: int, shift: Array
 
 
 @kernel
-def tangent(given: AxisSystem, state: MotionState, hessians: Array, base: Array, values: Array, shift: Array) -> bool:
+def factor_tangent_stiffness(
+    given: AxisSystem, state: MotionState, hessians: Array, base: Array, values: Array, shift: Array
+) -> bool:
     """Assemble and factor the tangent stiffness matrix of shaft, bodies and rolling elements.
 
     Writes the factor to ``values``; returns False if the matrix is not positive definite. base: stiffness of shaft and
-    springs, from `add_axis`; hessians (N, 8, 8): stiffness of the balls [N/m]; ``state``: stiffness of the roller slices;
-    shift (6,) [N/m, N m]: stiffness added to the diagonal; ``given``: arrays of shaft, bodies, springs, balls and rollers.
+    springs, from `add_structure_stiffness`; hessians (N, 8, 8): stiffness of the balls [N/m]; ``state``: holds the
+    stiffness of the roller slices; shift (6,) [N/m, N m]: stiffness added to the diagonal; ``given``: arrays of shaft,
+    bodies, springs, balls and rollers.
     """
     axis, balls, rollers = given
     values[:] = base
     add_balls(values, axis, balls, hessians)
-    add_rollers(values, axis, rollers, state.slices)
+    add_roller_stiffness(values, axis, rollers, state.slices)
     fix_prescribed_motions(values, axis, shift)
     return bool(factor(values, axis.first_columns, axis.row_offsets))
 
 
 @kernel
-def solve_lines(axis: AxisArrays, values: Array, loads: Array, step: Array) -> None:
+def solve_for_motions_under_loads(axis: AxisArrays, values: Array, loads: Array, step: Array) -> None:
     """Solve for the motions ``step`` (r, 6) [m, rad] of nodes and bodies under loads (r, 6) [N, N m].
 
-    values: factored stiffness matrix, from `tangent`. Fixed motions are zero. ``axis``: which motions are fixed, and the
-    positions of the rows in ``values``.
+    values: factored stiffness matrix, from `factor_tangent_stiffness`. Fixed motions are zero. ``axis``: which motions are
+    fixed, and the positions of the rows in ``values``.
     """
     b = np.zeros(6 * loads.shape[0])
     for i in range(loads.shape[0]):
@@ -344,7 +348,7 @@ def solve_lines(axis: AxisArrays, values: Array, loads: Array, step: Array) -> N
 
 
 @kernel
-def energy_at(given: AxisSystem, state: MotionState, workspace: MotionWorkspace) -> tuple[float, float]:
+def energy_and_largest_force(given: AxisSystem, state: MotionState, workspace: MotionWorkspace) -> tuple[float, float]:
     """Return the energy [J] of shaft, bodies and rolling elements at the state, and the largest force [N].
 
     ``given``: arrays of shaft, bodies, springs, balls and rollers. The derivatives of the energy are written to the
@@ -354,7 +358,7 @@ def energy_at(given: AxisSystem, state: MotionState, workspace: MotionWorkspace)
 
 
 @kernel
-def find_step(
+def write_newton_step(
     given: AxisSystem, state: MotionState, options: NewtonOptions, workspace: MotionWorkspace, shift: float, fresh: bool
 ) -> bool:
     """Write Newton's step of the motions of nodes and bodies to the workspace; return False if it cannot be solved.
@@ -365,17 +369,19 @@ def find_step(
     """
     diagonal = np.full(6, shift)
     diagonal[3:] *= options.moment_arm * options.moment_arm
-    if not tangent(given, state, workspace.energy_derivatives.ball_hessians, workspace.base, workspace.matrix, diagonal):
+    if not factor_tangent_stiffness(
+        given, state, workspace.energy_derivatives.ball_hessians, workspace.base, workspace.matrix, diagonal
+    ):
         return False
-    solve_lines(given.shaft, workspace.matrix, -workspace.energy_derivatives.gradient, workspace.step)
+    solve_for_motions_under_loads(given.shaft, workspace.matrix, -workspace.energy_derivatives.gradient, workspace.step)
     return True
 
 
 @kernel
-def reach_of(given: AxisSystem, workspace: MotionWorkspace) -> float:
+def largest_flank_motion_in_step(given: AxisSystem, workspace: MotionWorkspace) -> float:
     """Return the largest relative displacement [m] of two opposite flanks of a ball in the full Newton step.
 
-    The step is taken from the ``workspace``. ``given``: arrays of shaft, bodies, springs, balls and rollers.
+    The ``workspace`` holds the step. ``given``: arrays of shaft, bodies, springs, balls and rollers.
     """
     balls, largest, shift = given.balls, 0.0, np.zeros((4, 2))
     for i in range(balls.first_bodies.shape[0]):
@@ -398,9 +404,9 @@ def start_from_linear_springs(
 ) -> None:
     """Set the state to a first guess: the equilibrium with linear springs in place of balls and rollers.
 
-    Leaves the state unchanged if that stiffness matrix is not positive definite. The step is shortened such that no flank
-    moves further than ``options.max_flank_motion_per_step`` [m]. ``given``: arrays of shaft, bodies, springs, balls and
-    rollers; ``workspace``: work arrays, changed.
+    Leaves the state unchanged if the stiffness matrix with these springs is not positive definite. The step is shortened
+    such that no flank moves further than ``options.max_flank_motion_per_step`` [m]. ``given``: arrays of shaft, bodies,
+    springs, balls and rollers; ``workspace``: work arrays, changed.
     """
     gradient, hessians = workspace.energy_derivatives
     hessians[:] = 0.0
@@ -410,8 +416,8 @@ def start_from_linear_springs(
     state.slices[:, 0] = 0.0
     state.slices[:, 1] = options.stiffness
     evaluate_structure(given.shaft, state, gradient)
-    if find_step(given, state, options, workspace, 1e-9 * options.stiffness, bool(np.bool_(True))):
-        shorten_first_step(given, state, options, workspace, reach_of(given, workspace))
+    if write_newton_step(given, state, options, workspace, 1e-9 * options.stiffness, bool(np.bool_(True))):
+        shorten_first_step(given, state, options, workspace, largest_flank_motion_in_step(given, workspace))
 
 
 @kernel
@@ -444,7 +450,7 @@ def solve_axis(given: AxisSystem, state: MotionState, options: NewtonOptions, st
     """
     r, size = state.q.shape[0], given.shaft.row_offsets[-1]
     slopes, base = EnergyDerivatives(np.empty((r, 6)), np.zeros((given.balls.first_bodies.shape[0], 8, 8))), np.zeros(size)
-    add_axis(base, given.shaft)
+    add_structure_stiffness(base, given.shaft)
     workspace = MotionWorkspace(slopes, base, np.empty(size), np.empty((r, 6)), np.empty((r, 6)), np.empty(state.d.shape))
     if start:
         start_from_linear_springs(given, state, options, workspace)

@@ -32,7 +32,7 @@ WX, WZ, SIZE, APPROACH, HERTZ, USE, RADIUS, SX, SZ = range(9)
 FORCE, MX, MZ, KN, KT = range(5)
 #: Columns of the array ``local``: e, decrease of the approach by the ball's deformation, h.
 LINEAR, BODY, HIGHER = range(3)
-#: Largest number of Newton steps to find a ball's equilibrium, and of halvings of one step.
+#: Largest number of Newton steps to find a ball's equilibrium, and largest number of times that one step is halved.
 SETTLING, HALVINGS = 60, 30
 
 
@@ -40,12 +40,12 @@ SETTLING, HALVINGS = 60, 30
 def guess_ball_centre(p: Array, shift: Array, geometry: Array, closure: Array) -> int:
     """Write a first guess of the ball's centre p (2,) [m] for Newton's method; return from how many flank pairs it follows.
 
-    p is relative to the nominal position. A diagonal pair is two opposite flanks a, b of screw and nut. The guess is the
-    mean of the two-contact solutions of all pairs with interference, or the mean motion of the flanks if there is none. A
-    pair that is the only one is used even with clearance. With D from the groove centre of b to that of a, and the motions
-    v_a, v_b of both flanks, the interference is its nominal value in ``closure`` (2,) [m] plus |D + v_a - v_b| - |D|. The
-    contacts share it in the ratio of their Hertz constants, which is exact for circular flanks. shift (4, 2): motions of
-    the flanks [m]; geometry (4, 9): contact data, see the module.
+    p is the displacement from the nominal position of the centre. A diagonal pair is two opposite flanks a, b of screw and
+    nut. The guess is the mean of the two-contact solutions of all pairs with interference, or the mean motion of the flanks
+    if there is none. A pair that is the only one is used even with clearance. With D from the groove centre of b to that of
+    a, and the motions v_a, v_b of both flanks, the interference is its nominal value in ``closure`` (2,) [m] plus |D + v_a
+    - v_b| - |D|. The contacts share it in the ratio of their Hertz constants, which is exact for circular flanks. shift (4,
+    2): motions of the flanks [m]; geometry (4, 9): contact data, see the module.
     """
     count = 0
     x, z = 0.0, 0.0
@@ -159,7 +159,7 @@ def general_ball_contact_forces(
 
 
 @kernel
-def net_force(contact: Array) -> tuple[float, float]:
+def net_and_largest_contact_force(contact: Array) -> tuple[float, float]:
     """Return the magnitude of the net force on the ball and the largest of its contact forces [N].
 
     contact (4, 5): force, unit normal (x, z), and two stiffnesses of each contact.
@@ -188,7 +188,7 @@ def unbalanced_deformation_force(y: float, contact: Array, local: Array) -> floa
 
 
 @kernel
-def newton_step(y: float, contact: Array, local: Array) -> tuple[float, float, float, float]:
+def newton_step_of_ball(y: float, contact: Array, local: Array) -> tuple[float, float, float, float]:
     """Return the Newton step of a ball's centre (x, z) and deformation (y), and the derivative of the energy along it [J].
 
     y: amplitude of the deformation before the step; contact (4, 5), local (4, 3): forces and compliance terms of the
@@ -235,8 +235,8 @@ def newton_step_of_elastic_ball(
 ) -> tuple[float, float, float, float]:
     """Return the Newton step of an elastic ball's centre (x, z) and deformation (y), and the energy's derivative along it.
 
-    Solved by Cholesky's method from the gradient (gx, gz, gy) of the contact energy and the coefficients hxx, hxz, ... of
-    its Hessian. Returns zeros if the Hessian is not positive definite.
+    The step is computed by Cholesky's method from the gradient (gx, gz, gy) of the contact energy and the coefficients hxx,
+    hxz, ... of its Hessian. Returns zeros if the Hessian is not positive definite.
     """
     # L L^T of the Hessian in the order (x, z, y)
     if hxx <= 0.0:
@@ -335,7 +335,7 @@ def clear_negligible_forces(contact: Array, tiny: float, energy: float) -> float
 
 
 @kernel
-def settle_ball(
+def find_ball_equilibrium(
     p: Array,
     shift: Array,
     geometry: Array,
@@ -355,8 +355,8 @@ def settle_ball(
     ``contact`` (4, 5). Returns the energy [J].
 
     For circular flanks with groove radius >= ball radius the energy is convex, and the forces at the minimum are unique. If
-    a flank is so uneven that no step lowers the energy, the iteration ends with a ball out of equilibrium; `net_force`
-    then gives its unbalanced force.
+    a flank is so uneven that no step lowers the energy, the iteration ends with a ball out of equilibrium;
+    `net_and_largest_contact_force` then gives its unbalanced force.
     """
     elastic = local.shape[0] > 0
     if profile.shape[1] == 0 and not elastic:
@@ -376,7 +376,7 @@ def settle_ball(
     energy = ball_contact_forces(x, z, y, shift, geometry, local, r_ball, profile, contact)
     best = 1e300
     for _ in range(SETTLING):
-        net, scale = net_force(contact)
+        net, scale = net_and_largest_contact_force(contact)
         if elastic:
             net = max(net, unbalanced_deformation_force(y, contact, local))
         if scale <= tiny:
@@ -385,7 +385,7 @@ def settle_ball(
         if net <= 2e-15 * scale or (net <= 1e-11 * scale and net >= 0.5 * best):
             break  # balanced, or at the round-off floor
         best = min(best, net)
-        sx, sz, sy, slope = newton_step(y, contact, local)
+        sx, sz, sy, slope = newton_step_of_ball(y, contact, local)
         if slope == 0.0:
             break
         t = 1.0
@@ -410,12 +410,12 @@ def settle_ball(
 def largest_net_ball_force(contact: Array, scale: float) -> float:
     """Return the largest net contact force on any of N balls, as a fraction of ``scale`` [N] or in newtons if that is zero.
 
-    It is zero in equilibrium. The check is separate, because the equilibrium equations of the beam do not contain the
-    equilibrium of the balls. contact (N, 4, 5): forces and normals of the contacts.
+    The net force is zero in equilibrium. The check is separate, because the equilibrium equations of the beam do not
+    contain the equilibrium of the balls. contact (N, 4, 5): forces and normals of the contacts.
     """
     worst = 0.0
     for i in range(contact.shape[0]):
-        worst = max(worst, net_force(contact[i])[0])
+        worst = max(worst, net_and_largest_contact_force(contact[i])[0])
     return worst / scale if scale > 0.0 else worst
 
 
@@ -434,13 +434,14 @@ def contact_stiffness_entries(contact: Array, s: int) -> tuple[float, float, flo
 
 
 @kernel
-def flank_hessian(contact: Array, out: Array) -> None:
+def write_stiffness_against_flank_motions(contact: Array, out: Array) -> None:
     """Write the stiffness matrix of a ball against motions of its groove flanks, while its centre moves to equilibrium.
 
     contact (4, 5): contacts of the ball; out: (4, 4) for the screw's flanks or (8, 8) for all flanks [N/m], in the order
-    SL x, SL z, SR x, ... (x: radial, z: along the helix's binormal). With the stiffness
-    h_s of each contact and the sum H of all, the blocks are -h_s H^-1 h_t off the diagonal and h_s H^-1 (H - h_s) on it.
-    H - h_s is summed over the other contacts, which avoids cancellation.
+    screw left, screw right, nut left, nut right, with two components each (x: radial, z: along the helix's binormal). With
+    the stiffness h_s (2, 2) of the contact on flank s and the sum H over all contacts, the block of flanks s and t is
+    -h_s H^-1 h_t, and the block of flank s on the diagonal is h_s H^-1 (H - h_s). H - h_s is summed over the other
+    contacts, which avoids cancellation.
     """
     out[:, :] = 0.0
     txx, txz, tzz = 0.0, 0.0, 0.0  # H, the sum of all blocks h_s

@@ -34,7 +34,18 @@ from rollbench.lowfi.statics.kernel_types import (
     SpecimenSolutions,
 )
 
-from .ball import FORCE, MX, MZ, SIZE, USE, WX, WZ, flank_hessian, largest_net_ball_force, settle_ball
+from .ball import (
+    FORCE,
+    MX,
+    MZ,
+    SIZE,
+    USE,
+    WX,
+    WZ,
+    find_ball_equilibrium,
+    largest_net_ball_force,
+    write_stiffness_against_flank_motions,
+)
 from .matrices import factor_band, substitute_band
 
 
@@ -71,7 +82,7 @@ def write_element_force(d: Array, constants: tuple[float, float, float, float, f
 
 
 @kernel
-def add_element(band: Array, node: int, length: float, section: Array) -> None:
+def add_element_stiffness(band: Array, node: int, length: float, section: Array) -> None:
     """Add the stiffness of the beam element from ``node`` to the next node to the global stiffness matrix.
 
     band: lower band of the matrix, with A[i, j] = band[j, i - j] for i >= j. length [m]; section (4,): EA [N], EI [N m^2],
@@ -104,7 +115,7 @@ def add_element(band: Array, node: int, length: float, section: Array) -> None:
 
 
 @kernel
-def assemble_beam(lengths: Array, sections: Array, constants: Array, band: Array) -> None:
+def assemble_beam_stiffness(lengths: Array, sections: Array, constants: Array, band: Array) -> None:
     """Compute the stiffness constants of all beam elements and add their stiffness to a stiffness matrix.
 
     lengths (n - 1,) [m]; sections (n - 1, 4): EA [N], EI [N m^2], GJ [N m^2], kappa G A [N] of each element. Writes the
@@ -113,14 +124,14 @@ def assemble_beam(lengths: Array, sections: Array, constants: Array, band: Array
     for e in range(lengths.shape[0]):
         kuu, kur, krr, ka, kt = element_constants(lengths[e], sections[e])
         constants[e, 0], constants[e, 1], constants[e, 2], constants[e, 3], constants[e, 4] = kuu, kur, krr, ka, kt
-        add_element(band, e, lengths[e], sections[e])
+        add_element_stiffness(band, e, lengths[e], sections[e])
 
 
-#: Ratio of a residual to the smallest residual before it, above which the stiffness is factored again for the next step.
+#: Ratio of a residual to the smallest one so far above which the stiffness is factored again for the next Newton step.
 #: Below it, convergence is fast enough with the last factor. Used near the solution only.
 KEPT = 1e-3
-#: Smallest stiffness added to the diagonal, as a fraction of the beam's largest one. With less, a motion that nothing
-#: resists would have a stiffness of round-off only.
+#: Smallest stiffness added to the diagonal of the stiffness matrix, as a fraction of the beam's largest coefficient. With
+#: less, a motion that nothing resists would have a stiffness of round-off only.
 ROUND_OFF = 1e-17
 
 
@@ -186,7 +197,7 @@ def evaluate_beam(beam: BeamArrays | AxisArrays, q: Array, d: Array, gradient: A
 
 
 @kernel
-def evaluate(given: BeamSystem, state: MotionState, out: EnergyDerivatives) -> tuple[float, float]:
+def evaluate_screw(given: BeamSystem, state: MotionState, out: EnergyDerivatives) -> tuple[float, float]:
     """Return the energy [J] of a screw's beam and its balls at the state, and the largest force [N] in the model.
 
     The largest force is a load, the force in a beam element, or a contact force. Writes the gradient of the energy and the
@@ -206,8 +217,8 @@ def evaluate(given: BeamSystem, state: MotionState, out: EnergyDerivatives) -> t
             write_screw_flank_motions(contacts, flat, i, 6, shift)
         else:
             write_screw_flank_motions(contacts, flat, i, m, shift)
-        energy += settle_ball(p[i], shift, geometry[i], closure[i], rigid, r_ball[i], profile, tiny, contact[i])
-        flank_hessian(contact[i], hessians[i])
+        energy += find_ball_equilibrium(p[i], shift, geometry[i], closure[i], rigid, r_ball[i], profile, tiny, contact[i])
+        write_stiffness_against_flank_motions(contact[i], hessians[i])
         for s in range(4):
             scale = max(scale, contact[i, s, FORCE])
         for s in range(2):
@@ -240,7 +251,9 @@ def add_contact_stiffness(
 
 
 @kernel
-def add_flank_coupling(band: Array, b: Array, c: Array, h: Array, rows: int, columns: int, workspace: Array) -> None:
+def add_stiffness_between_flanks(
+    band: Array, b: Array, c: Array, h: Array, rows: int, columns: int, workspace: Array
+) -> None:
     """Add the stiffness b^T h c by which a ball couples the screw's two flanks to ``band``, the lower band of the matrix.
 
     b, c (2, m): motions of the two flanks per unit of m nodal motions each, the first of which have the indices ``rows``
@@ -257,7 +270,7 @@ def add_flank_coupling(band: Array, b: Array, c: Array, h: Array, rows: int, col
 
 
 @kernel
-def assemble_stiffness(
+def assemble_beam_and_ball_stiffness(
     band: Array, beam: BeamArrays, contacts: BeamContacts, hessians: Array, shift: float, arm: float
 ) -> None:
     """Write the stiffness matrix of beam and balls to ``band``, its lower band A[i, j] = band[j, i - j].
@@ -282,7 +295,7 @@ def assemble_stiffness(
                 add_contact_stiffness(band, B[i, s], stiffness, 6 * node[i, s], m, workspace)
             if hessians[i, o, t] != 0.0 or hessians[i, o + 1, t + 1] != 0.0:
                 between, rows, columns = hessians[i, o : o + 2, t : t + 2], 6 * node[i, s], 6 * node[i, 1 - s]
-                add_flank_coupling(band, B[i, s], B[i, 1 - s], between, rows, columns, workspace)
+                add_stiffness_between_flanks(band, B[i, s], B[i, 1 - s], between, rows, columns, workspace)
     for i in range(fixed.shape[0]):
         for k in range(6):
             band[6 * i + k, 0] += shift if k < 3 else shift * arm * arm
@@ -328,16 +341,16 @@ def advance_along_step(
 
 
 @kernel
-def energy_at(given: BeamSystem, state: MotionState, workspace: MotionWorkspace) -> tuple[float, float]:
+def energy_and_largest_force(given: BeamSystem, state: MotionState, workspace: MotionWorkspace) -> tuple[float, float]:
     """Return the energy [J] of a screw's beam and its balls at the state, and the largest force [N] in the model.
 
     ``given``: arrays of the screw as a beam and of its balls; the derivatives are written to the ``workspace``.
     """
-    return evaluate(given, state, workspace.energy_derivatives)
+    return evaluate_screw(given, state, workspace.energy_derivatives)
 
 
 @kernel
-def find_step(
+def write_newton_step(
     given: BeamSystem, state: MotionState, options: NewtonOptions, workspace: MotionWorkspace, shift: float, fresh: bool
 ) -> bool:
     """Write Newton's step of the nodal motions to the workspace; return False if the stiffness is not positive definite.
@@ -349,7 +362,7 @@ def find_step(
     beam, band = given.shaft, workspace.matrix
     if fresh:
         least = ROUND_OFF * max(0.0, beam.band[:, 0].max())
-        assemble_stiffness(
+        assemble_beam_and_ball_stiffness(
             band, beam, given.contacts, workspace.energy_derivatives.ball_hessians, max(shift, least), options.moment_arm
         )
         if not factor_band(band):
@@ -372,7 +385,9 @@ def solve_newton_step(given: BeamSystem, workspace: MotionWorkspace) -> None:
 
 
 @kernel
-def residual_at(given: Rows, state: MotionState, options: NewtonOptions, workspace: MotionWorkspace, scale: float) -> float:
+def relative_residual(
+    given: Rows, state: MotionState, options: NewtonOptions, workspace: MotionWorkspace, scale: float
+) -> float:
     """Return the largest unbalanced force of the equilibrium equations as a fraction of ``scale`` [N].
 
     Moments are divided by the length ``options.moment_arm``. Components of fixed motions do not count. If ``scale`` is
@@ -388,7 +403,7 @@ def residual_at(given: Rows, state: MotionState, options: NewtonOptions, workspa
 
 
 @kernel
-def slope_along(given: Rows, state: MotionState, workspace: MotionWorkspace) -> float:
+def energy_slope_along_step(given: Rows, state: MotionState, workspace: MotionWorkspace) -> float:
     """Return the derivative [J] of the energy by the step length, along the step in the workspace.
 
     The ``workspace`` holds the gradient of the energy and the step; ``given`` tells which motions are fixed; ``state`` is
@@ -403,7 +418,7 @@ def slope_along(given: Rows, state: MotionState, workspace: MotionWorkspace) -> 
 
 
 @kernel
-def reach_of(given: BeamSystem, workspace: MotionWorkspace) -> float:
+def largest_flank_motion_in_step(given: BeamSystem, workspace: MotionWorkspace) -> float:
     """Return the largest displacement [m] of a groove flank of the screw in the full Newton step (step length 1).
 
     ``given``: arrays of the screw as a beam and of its balls; the ``workspace`` holds the step.
@@ -421,13 +436,13 @@ def reach_of(given: BeamSystem, workspace: MotionWorkspace) -> float:
 
 
 @kernel
-def save_start(state: MotionState, workspace: MotionWorkspace) -> None:
+def save_line_search_start(state: MotionState, workspace: MotionWorkspace) -> None:
     """Store the current nodal motions and element deformations in the workspace as the start of the line search."""
     workspace.q0[:], workspace.d0[:] = state.q, state.d
 
 
 @kernel
-def move(given: Rows, state: MotionState, workspace: MotionWorkspace, t: float) -> None:
+def move_along_step(given: Rows, state: MotionState, workspace: MotionWorkspace, t: float) -> None:
     """Set the state to the start of the line search plus ``t`` times the Newton step.
 
     ``given``: arrays of the screw as a beam and of its balls, or of a shaft with several nuts and bearings; the
@@ -437,17 +452,17 @@ def move(given: Rows, state: MotionState, workspace: MotionWorkspace, t: float) 
 
 
 @kernel
-def finish(given: Rows, state: MotionState, options: NewtonOptions, workspace: MotionWorkspace) -> None:
-    """Do nothing, because the state is complete at the last evaluation; the model with elastic bodies completes it here."""
+def complete_final_state(given: Rows, state: MotionState, options: NewtonOptions, workspace: MotionWorkspace) -> None:
+    """Do nothing: the last evaluation completed the state. Only the model with elastic bodies completes its state here."""
 
 
 @kernel
-def least_force(given: Rows, state: MotionState, options: NewtonOptions) -> float:
+def least_residual_force_scale(given: Rows, state: MotionState, options: NewtonOptions) -> float:
     """Return the smallest force [N] that relative residuals may be divided by.
 
-    The larger of ``options.least_force_scale`` and the largest element moment divided by ``options.moment_arm``. Without
-    it, a screw that is bent by moments only, or that has lost its last contact, would have no force to compare with.
-    ``given``: arrays of the shaft; ``state``: deformations of its elements.
+    It is the larger of ``options.least_force_scale`` and the largest element moment divided by ``options.moment_arm``.
+    Without this limit, a screw that is bent by moments only, or that has lost its last contact, would have no force to
+    compare with. ``given``: arrays of the shaft; ``state``: deformations of its elements.
     """
     floor, f = options.least_force_scale, np.empty(6)
     for e in range(state.d.shape[0]):
@@ -459,10 +474,10 @@ def least_force(given: Rows, state: MotionState, options: NewtonOptions) -> floa
 
 
 @kernel
-def furthest(given: Rows, state: MotionState) -> float:
+def largest_displacement(given: Rows, state: MotionState) -> float:
     """Return the largest displacement [m] of a node of the shaft, or of another body that the state contains.
 
-    Rotations do not count. ``given`` is not used.
+    The displacement counts from the undeformed position; rotations do not count. ``given`` is not used.
     """
     q, moved = state.q, 0.0
     for i in range(q.shape[0]):
@@ -471,7 +486,7 @@ def furthest(given: Rows, state: MotionState) -> float:
 
 
 @kernel
-def unbalanced(state: MotionState, scale: float) -> float:
+def largest_relative_net_ball_force(state: MotionState, scale: float) -> float:
     """Return the largest net force on a ball as a fraction of ``scale`` [N]; zero when all balls are in equilibrium.
 
     ``state``: contact forces and normals of all balls.
@@ -488,7 +503,7 @@ def start_from_linear_springs(
 ) -> None:
     """Set the state to a first guess: the equilibrium of the screw on linear springs in the nominal contact directions.
 
-    Leaves the state unchanged if that stiffness cannot be factored. No flank moves further than
+    Leaves the state unchanged if the stiffness matrix with these springs cannot be factored. No flank moves further than
     ``options.max_flank_motion_per_step``, the radius of the largest ball: springs of fixed direction are wrong where the
     contact direction must turn first, for example at a contact angle near zero under an axial load. ``given``: arrays of
     the screw as a beam and of its balls; ``workspace``: work arrays, changed.
@@ -503,10 +518,12 @@ def start_from_linear_springs(
                 size = max(geometry[i, s, SIZE], 1e-30)
                 own[0, 0], own[1, 1] = stiffness * wx * wx / (size * size), stiffness * wz * wz / (size * size)
                 own[0, 1] = own[1, 0] = stiffness * wx * wz / (size * size)
-    assemble_stiffness(workspace.matrix, given.shaft, given.contacts, hessians, 1e-9 * stiffness, options.moment_arm)
+    assemble_beam_and_ball_stiffness(
+        workspace.matrix, given.shaft, given.contacts, hessians, 1e-9 * stiffness, options.moment_arm
+    )
     if factor_band(workspace.matrix):
         solve_newton_step(given, workspace)
-        shorten_first_step(given, state, options, workspace, reach_of(given, workspace))
+        shorten_first_step(given, state, options, workspace, largest_flank_motion_in_step(given, workspace))
 
 
 @kernel
@@ -519,8 +536,8 @@ def shorten_first_step(
     ``given``: arrays of the screw and its balls, or of a shaft with several nuts and bearings. The ``workspace`` holds
     the step; ``state`` is changed.
     """
-    save_start(state, workspace)
-    move(
+    save_line_search_start(state, workspace)
+    move_along_step(
         given,
         state,
         workspace,
@@ -551,7 +568,7 @@ def solve_beam(given: BeamSystem, state: MotionState, options: NewtonOptions, st
 
 
 @kernel
-def ensemble(
+def solve_specimens(
     given: BeamSystem, begin: MotionState, options: NewtonOptions, members: SpecimenArrays, out: SpecimenSolutions
 ) -> None:
     """Solve the equilibrium of many specimens of one screw, which differ in ball radii, groove centres and lever arms.

@@ -5,7 +5,8 @@ from math import atan2, cos, sin, sqrt
 from rollbench.lowfi.jit import kernel
 from rollbench.lowfi.statics.kernel_types import Array
 
-#: Relative step of a scalar Newton iteration after which the result is exact: each step squares the error.
+#: Relative size of a Newton step for one unknown after which the iteration ends: as each step squares the error, the result
+#: is then exact to round-off.
 SETTLED = 1e-9
 
 
@@ -60,8 +61,8 @@ def contact_law(delta: float, c: float, e: float, h: float) -> tuple[float, floa
 def force_root_at_continuation(c: float, e: float, h: float) -> float:
     """Return the cube root of the force [N^(1/3)] from which `contact_law` continues as c F^(2/3)/2 + constant; 0 if none.
 
-    It is the smallest x > 0 with 3 e x + 4 h x^2 = -c, where the law is delta = c x^2 + e x^3 + h x^4 at the approach delta
-    and the force x^3.
+    This cube root is the smallest x > 0 with 3 e x + 4 h x^2 = -c, where the law is delta = c x^2 + e x^3 + h x^4 at the
+    approach delta and the force x^3.
     """
     root = 9.0 * e * e - 16.0 * h * c
     if root < 0.0 or (e >= 0.0 and h >= 0.0):
@@ -75,8 +76,8 @@ def force_root_at_continuation(c: float, e: float, h: float) -> float:
 def contact_energy(x: float, c: float, e: float, h: float) -> float:
     """Return the elastic energy [J] of a contact that follows `contact_law`, at the force x^3 [N].
 
-    It is force times approach, minus the integral of the approach over the force. c, e, h: coefficients of the law approach
-    = c F^(2/3) + e F + h F^(4/3).
+    The energy is force times approach, minus the integral of the approach over the force. c, e, h: coefficients of the law
+    approach = c F^(2/3) + e F + h F^(4/3).
     """
     return x * x * x * x * x * (0.4 * c + x * (0.5 * e + 4.0 / 7.0 * h * x))
 

@@ -36,20 +36,18 @@ from rollbench.lowfi.statics.kernel_types import (
     StiffnessFactors,
 )
 
-from .ball import BODY, FORCE, KN, KT, MX, MZ, largest_net_ball_force, settle_ball
+from .ball import BODY, FORCE, KN, KT, MX, MZ, find_ball_equilibrium, largest_net_ball_force
 from .contact import contact_law
-from .rollers import roller_elements, write_roller_stiffness_rows
+from .rollers import compute_roller_forces_from_ring_motions, write_stiffness_factors_of_roller
 
 
 @kernel
 def flank_motions_by_forces(bodies: ElasticBodies, phi: Array, out: Array) -> None:
     """Compute the motions G phi [m] of the groove flanks by the contact forces ``phi`` (N, d) [N] on the elastic bodies.
 
-    They are written to ``out`` (N, d).
-
-    Each ball has d motions of its flanks. With two bodies (screw and nut), the first half of these columns belongs to the
-    first body and the second half to the second one. With one body, all columns belong to it. G: compliance matrix of the
-    bodies.
+    The motions are written to ``out`` (N, d). Each ball has d motions of its flanks. With two bodies (screw and nut), the
+    first half of these columns belongs to the first body and the second half to the second one. With one body, all columns
+    belong to it. G: compliance matrix of the bodies.
     """
     first, second = bodies.first_compliance, bodies.second_compliance
     n, d = phi.shape
@@ -70,13 +68,13 @@ def assemble_newton_matrix(bodies: ElasticBodies, rows: StiffnessFactors, M: Arr
     """
     half = rows.S.shape[2] // (2 if bodies.second_compliance.shape[0] else 1)
     M[:] = np.eye(M.shape[0])
-    add_body(bodies.first_compliance, rows, 0, half, M)
+    add_body_compliance_to_newton_matrix(bodies.first_compliance, rows, 0, half, M)
     if bodies.second_compliance.shape[0]:
-        add_body(bodies.second_compliance, rows, half, half, M)
+        add_body_compliance_to_newton_matrix(bodies.second_compliance, rows, half, half, M)
 
 
 @kernel
-def add_body(G: Array, rows: StiffnessFactors, first: int, width: int, M: Array) -> None:
+def add_body_compliance_to_newton_matrix(G: Array, rows: StiffnessFactors, first: int, width: int, M: Array) -> None:
     """Add S G S^T of one elastic body to the matrix M of the Newton step for the contact forces.
 
     G [m/N] is the body's compliance matrix. S is the matrix of the ``rows`` of factors with which S^T S is the stiffness
@@ -136,8 +134,8 @@ def multiply_by_stiffness_rows(rows: StiffnessFactors, x: Array, out: Array) -> 
 def subtract_flank_forces(rows: StiffnessFactors, u: Array, out: Array) -> None:
     """Subtract from the ball forces ``out`` (N, d) [N] on the flanks their change S^T u in a Newton step.
 
-    S is the matrix of the q ``rows`` of factors with which S^T S is the stiffness of the balls; u (q,): solution of the
-    step's equations, see `solve_newton_equations`.
+    S is the matrix of the q ``rows`` of factors with which S^T S is the stiffness of the balls; u (q,): solution of
+    `solve_newton_equations`.
     """
     S, counts, starts = rows
     for i in range(S.shape[0]):
@@ -175,7 +173,7 @@ def solve_free_motions(
 
 
 @kernel
-def write_stiffness_rows(contact: Array, local: Array, rows: Array) -> int:
+def write_stiffness_factors_of_ball(contact: Array, local: Array, rows: Array) -> int:
     """Write factors S of a ball's stiffness S^T S against motions of its four flanks; return the number of rows of S used.
 
     S is written to ``rows`` (6, 8). Each contact gives rows sqrt(k) d, with its normal or tangential stiffness k and
@@ -256,13 +254,15 @@ def solve_balls_of_four_flanks(
     balls = r_ball.shape[0]
     for i in range(balls):
         shift = v[i].reshape(4, 2)
-        energy += settle_ball(inner[i], shift, geometry[i], closure[i], local[i], r_ball[i], profile[i], tiny, contact[i])
+        energy += find_ball_equilibrium(
+            inner[i], shift, geometry[i], closure[i], local[i], r_ball[i], profile[i], tiny, contact[i]
+        )
         for s in range(4):
             force = contact[i, s, FORCE]
             scale = max(scale, force)
             f[i, 2 * s] = force * contact[i, s, MX] if force > 0.0 else 0.0
             f[i, 2 * s + 1] = force * contact[i, s, MZ] if force > 0.0 else 0.0
-    stored, largest = roller_elements(v[balls:], contacts.rollers, contact[balls:], f[balls:], tiny)
+    stored, largest = compute_roller_forces_from_ring_motions(v[balls:], contacts.rollers, contact[balls:], f[balls:], tiny)
     return energy + stored, max(scale, largest)
 
 
@@ -314,7 +314,7 @@ def evaluate_balls(v: Array, contacts: BallContacts, state: ForceState, f: Array
 
 
 @kernel
-def ball_rows(contacts: BallContacts, contact: Array, S: Array, counts: Array) -> int:
+def write_stiffness_factors(contacts: BallContacts, contact: Array, S: Array, counts: Array) -> int:
     """Write factors S (N, 6 or 2, d) of the stiffness matrix S^T S of each ball and roller; return the number of rows used.
 
     Writes the number of rows of each element to ``counts`` (N,) and returns their sum. ``contacts``: data of balls and
@@ -324,9 +324,9 @@ def ball_rows(contacts: BallContacts, contact: Array, S: Array, counts: Array) -
     d = S.shape[2]
     for i in range(S.shape[0]):
         if i >= contacts.r_ball.shape[0]:
-            counts[i] = write_roller_stiffness_rows(contact[i], S[i])
+            counts[i] = write_stiffness_factors_of_roller(contact[i], S[i])
         elif d == 8:
-            counts[i] = write_stiffness_rows(contact[i], contacts.compliance_terms[i], S[i])
+            counts[i] = write_stiffness_factors_of_ball(contact[i], contacts.compliance_terms[i], S[i])
         elif contact[i, 0, FORCE] > 0.0:
             mx, mz = contact[i, 0, MX], contact[i, 0, MZ]
             # rows along the normal and the tangent
@@ -340,8 +340,8 @@ def ball_rows(contacts: BallContacts, contact: Array, S: Array, counts: Array) -
     return total
 
 
-#: Residual ratio above which the stiffness is factored again, see ``descent``. Zero means in every step: after a contact
-#: opens, the stiffness of the previous step would be too large.
+#: Ratio of the residual to the smallest one so far above which the stiffness is factored again, see ``descent``. Zero: it
+#: is factored in every step, because the stiffness of the previous step is too large after a contact opens.
 KEPT = 0.0
 
 
@@ -413,17 +413,17 @@ def largest_relative_flank_motion(v: Array) -> float:
 
 
 @kernel
-def unbalanced(state: ForceState, scale: float) -> float:
+def largest_relative_net_ball_force(state: ForceState, scale: float) -> float:
     """Return the largest net force on a ball as a fraction of ``scale`` [N].
 
-    Zero where each ball touches two opposite flanks only: then the closed-form solution keeps it in equilibrium.
-    ``state``: forces and normals of all contacts.
+    It is zero where each ball touches two opposite flanks only, as the closed-form solution then keeps balls in
+    equilibrium. ``state``: forces and normals of all contacts.
     """
     return 0.0 if state.contact.shape[1] == 1 else largest_net_ball_force(state.contact, scale)
 
 
 @kernel
-def energy_at(given: BodySystem, state: ForceState, workspace: BodyWorkspace) -> tuple[float, float]:
+def energy_and_largest_force(given: BodySystem, state: ForceState, workspace: BodyWorkspace) -> tuple[float, float]:
     """Return the energy of bodies and balls [J] and the largest contact force [N] at the state.
 
     Writes the forces of the balls on the flanks to ``workspace.f``, and ball centres and contacts to ``state``. The flank
@@ -434,7 +434,7 @@ def energy_at(given: BodySystem, state: ForceState, workspace: BodyWorkspace) ->
 
 
 @kernel
-def find_step(
+def write_newton_step(
     given: BodySystem, state: ForceState, options: NewtonOptions, workspace: BodyWorkspace, shift: float, fresh: bool
 ) -> bool:
     """Write Newton's step of contact forces and free motions to the workspace; return False if it cannot be solved.
@@ -446,7 +446,7 @@ def find_step(
     bodies, rows, f = given.bodies, workspace.stiffness_factors, workspace.f
     R, counts, starts = bodies.R, rows.counts, rows.starts
     dphi, dv, da = workspace.step
-    ball_rows(given.contacts, state.contact, rows.S, counts)
+    write_stiffness_factors(given.contacts, state.contact, rows.S, counts)
     starts[1:] = np.cumsum(counts)[:-1]
     dphi[:] = f - state.phi
     flank_motions_by_forces(bodies, dphi, dv)
@@ -464,13 +464,13 @@ def find_step(
 
 
 @kernel
-def residual_at(
+def relative_residual(
     given: BodySystem, state: ForceState, options: NewtonOptions, workspace: BodyWorkspace, scale: float
 ) -> float:
     """Return the largest unbalanced force as a fraction of ``scale`` [N].
 
     It is the larger of two values: the largest difference between a flank force of the state and the force that the ball
-    exerts there, and the largest net load on a free motion of the bodies. If ``scale`` is zero, the result is in
+    exerts on this flank, and the largest net load on a free motion of the bodies. If ``scale`` is zero, the result is in
     newtons. The ``workspace`` holds the forces that the balls exert; ``given``: arrays of bodies, balls and rollers.
     ``options`` is not used.
     """
@@ -482,7 +482,7 @@ def residual_at(
 
 
 @kernel
-def slope_along(given: BodySystem, state: ForceState, workspace: BodyWorkspace) -> float:
+def energy_slope_along_step(given: BodySystem, state: ForceState, workspace: BodyWorkspace) -> float:
     """Return the derivative [J] of the energy by the step length, along the Newton step in the workspace.
 
     The ``workspace`` also holds the present flank motions and ball forces; ``state`` is not used.
@@ -497,7 +497,7 @@ def slope_along(given: BodySystem, state: ForceState, workspace: BodyWorkspace) 
 
 
 @kernel
-def reach_of(given: BodySystem, workspace: BodyWorkspace) -> float:
+def largest_flank_motion_in_step(given: BodySystem, workspace: BodyWorkspace) -> float:
     """Return the largest relative motion [m] of two opposite flanks of a ball in the full Newton step (step length 1).
 
     The ``workspace`` holds the step; ``given`` is not used.
@@ -506,7 +506,7 @@ def reach_of(given: BodySystem, workspace: BodyWorkspace) -> float:
 
 
 @kernel
-def save_start(state: ForceState, workspace: BodyWorkspace) -> None:
+def save_line_search_start(state: ForceState, workspace: BodyWorkspace) -> None:
     """Store the current forces and motions in the workspace as the start of the line search.
 
     ``state``: contact forces and free motions of the bodies.
@@ -520,7 +520,7 @@ def save_start(state: ForceState, workspace: BodyWorkspace) -> None:
 
 
 @kernel
-def move(given: BodySystem, state: ForceState, workspace: BodyWorkspace, t: float) -> None:
+def move_along_step(given: BodySystem, state: ForceState, workspace: BodyWorkspace, t: float) -> None:
     """Set forces and motions to the start of the line search plus ``t`` times the Newton step.
 
     The results are written to ``state``, and the flank motions to the ``workspace``, which holds start and step.
@@ -533,23 +533,24 @@ def move(given: BodySystem, state: ForceState, workspace: BodyWorkspace, t: floa
 
 
 @kernel
-def finish(given: BodySystem, state: ForceState, options: NewtonOptions, workspace: BodyWorkspace) -> None:
+def complete_final_state(given: BodySystem, state: ForceState, options: NewtonOptions, workspace: BodyWorkspace) -> None:
     """Compute the contacts at the solution from those flank motions that have less round-off.
 
     The motions are known in two ways: summed over all Newton steps, and computed anew from the contact forces as G phi. The
-    second have more round-off where the bodies bend much under contact forces that almost cancel. The motions that give the
-    smaller residual are used. The contacts are written to ``state``. ``given``: arrays of bodies, balls and rollers.
+    motions G phi have more round-off where the bodies bend much under contact forces that almost cancel. The motions that
+    give the smaller residual are used. The contacts are written to ``state``. ``given``: arrays of bodies, balls and
+    rollers.
     """
-    v, residual = workspace.v.copy(), residual_at(given, state, options, workspace, 1.0)
+    v, residual = workspace.v.copy(), relative_residual(given, state, options, workspace, 1.0)
     write_flank_motions(given.bodies, state, workspace.g, workspace.v)
     evaluate_balls(workspace.v, given.contacts, state, workspace.f)
-    if residual_at(given, state, options, workspace, 1.0) > residual:
+    if relative_residual(given, state, options, workspace, 1.0) > residual:
         workspace.v[:] = v
         evaluate_balls(workspace.v, given.contacts, state, workspace.f)
 
 
 @kernel
-def least_force(given: BodySystem, state: ForceState, options: NewtonOptions) -> float:
+def least_residual_force_scale(given: BodySystem, state: ForceState, options: NewtonOptions) -> float:
     """Return the smallest force [N] that relative residuals may be divided by.
 
     It is ``options.least_force_scale``; ``given`` and ``state`` are not used.
@@ -558,7 +559,7 @@ def least_force(given: BodySystem, state: ForceState, options: NewtonOptions) ->
 
 
 @kernel
-def furthest(given: BodySystem, state: ForceState) -> float:
+def largest_displacement(given: BodySystem, state: ForceState) -> float:
     """Return the largest amplitude [m] of a free motion of the bodies, which only the contacts resist; 0 without any.
 
     ``state``: amplitudes of the free motions; ``given`` is not used.

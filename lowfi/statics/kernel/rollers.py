@@ -1,10 +1,10 @@
 """Forces and stiffness of bearing rollers, each divided into slices that are line contacts with the two raceways.
 
 The rings are rigid. The approach of each slice follows either from the six motions of the bodies that carry the rings
-(`roller_forces`) or, on an elastic shaft, from two motions of each ring at the roller (`roller_elements`): displacement
-along the contact normal at the roller's middle, and the slope along the roller times the roller's length, both in metres.
-These are stored in the arrays of a ball, with the cone (inner ring) in place of its flank SL and the cup (outer ring) in
-place of its flank NL.
+(`add_roller_forces`) or, on an elastic shaft, from two motions of each ring at the roller
+(`compute_roller_forces_from_ring_motions`): displacement along the contact normal at the roller's middle, and the slope
+along the roller times the roller's length, both in metres. These motions are stored in the arrays of a ball, with the cone
+(inner ring) in place of its flank SL and the cup (outer ring) in place of its flank NL.
 """
 
 from math import exp, log, sqrt
@@ -18,8 +18,8 @@ from .contact import SETTLED
 #: Positions in the arrays of a ball's four flanks at which the cone (inner ring) and cup (outer ring) of a roller are
 #: stored.
 CONE, CUP = 0, 2
-#: A slice counts as open if its approach is at most this fraction of the sum of the absolute values of its terms: it is
-#: then round-off.
+#: A roller slice counts as unloaded if its approach is at most this fraction of the sum of the absolute values of the
+#: terms of the approach, because the approach is then round-off.
 ROUND_OFF = 2.0**-52
 
 
@@ -27,8 +27,8 @@ ROUND_OFF = 2.0**-52
 def line_contact_law(delta: float, g: float, s: float) -> tuple[float, float, float]:
     """Return line load q [N/m], stiffness dq/d delta [N/m^2] and energy [J/m] of a line contact of approach delta > 0 [m].
 
-    The law is delta = q (g - s ln q), with constants g and s [m^2/N] of the roller and its raceways. delta has a maximum as
-    a function of q. Above exp(-3) times the load at this maximum, which is far above any real load, the law is continued
+    The law is delta = q (g - s ln q), with constants g and s [m^2/N] of roller and raceways. delta has a maximum as a
+    function of q. Above exp(-3) times the load at this maximum, which is far above any real load, the law is continued
     along its tangent, so that the energy remains convex.
     """
     edge = exp(g / s - 4.0)
@@ -53,7 +53,7 @@ def line_contact_law(delta: float, g: float, s: float) -> tuple[float, float, fl
 
 
 @kernel
-def roller_forces(rollers: AxisRollers, q: Array, slices: Array, gradient: Array) -> tuple[float, float]:
+def add_roller_forces(rollers: AxisRollers, q: Array, slices: Array, gradient: Array) -> tuple[float, float]:
     """Compute forces and stiffness of all roller slices between rigid rings; return energy [J] and largest slice force [N].
 
     q (r, 6): motions of the bodies that carry the rings [m, rad]. Writes force [N] and stiffness [N/m] of each slice to
@@ -86,14 +86,17 @@ def roller_forces(rollers: AxisRollers, q: Array, slices: Array, gradient: Array
 
 
 @kernel
-def roller_elements(v: Array, rollers: RollerContacts, contact: Array, f: Array, tiny: float) -> tuple[float, float]:
+def compute_roller_forces_from_ring_motions(
+    v: Array, rollers: RollerContacts, contact: Array, f: Array, tiny: float
+) -> tuple[float, float]:
     """Compute the forces of rollers between rings on an elastic shaft; return energy [J] and the largest roller force [N].
 
-    v (M, 8): motions of the rings at each roller [m], see the module. Writes the forces on the rings to f (M, 8) [N], and
-    force and direction of each roller to ``contact`` (M, 4, 5), in the columns of a ball's contacts. The symmetric
-    stiffness matrix of displacement and slope of one ring against the other has three different coefficients: force by
-    displacement (column KN of the cone), force by slope (KT of the cone), and moment by slope (KN of the cup). A roller
-    whose force is at most ``tiny`` [N] counts as unloaded.
+    v (M, 8): motions of cone (inner ring) and cup (outer ring) at each of M rollers [m], see the module. Writes the forces
+    on the rings to f (M, 8) [N], and force and direction of each roller to ``contact`` (M, 4, 5), in the columns of a
+    ball's contacts. The symmetric stiffness matrix of displacement and slope of one ring against the other has three
+    different coefficients: force by displacement (in the column of the cone's normal stiffness), force by slope (cone's
+    tangential stiffness), and moment by slope (cup's normal stiffness). A roller whose force is at most ``tiny`` [N] counts
+    as unloaded.
     """
     energy, scale = 0.0, 0.0
     for i in range(v.shape[0]):
@@ -127,11 +130,11 @@ def roller_elements(v: Array, rollers: RollerContacts, contact: Array, f: Array,
 
 
 @kernel
-def write_roller_stiffness_rows(contact: Array, rows: Array) -> int:
+def write_stiffness_factors_of_roller(contact: Array, rows: Array) -> int:
     """Write factors S of a roller's stiffness S^T S against the eight motions of its rings; return the number of rows of S.
 
-    contact (4, 5): stiffness of the roller, from `roller_elements`. Writes S to ``rows`` (6, 8), of which at most two rows
-    are used; the number is 0 for a roller without force.
+    contact (4, 5): stiffness of the roller, from `compute_roller_forces_from_ring_motions`. Writes S to ``rows`` (6, 8), of
+    which at most two rows are used; the number is 0 for a roller without force.
     """
     if contact[CONE, FORCE] <= 0.0:
         return 0

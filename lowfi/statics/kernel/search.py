@@ -7,7 +7,8 @@ from rollbench.lowfi.statics.kernel_types import IterationProgress, LineSearchTr
 CONVERGED, ITERATIONS, NOT_HELD, SINGULAR = range(4)
 #: Net contact force on a ball, as a fraction of the largest force in the model, up to which the ball is in equilibrium.
 BALANCED = 1e-10
-#: Number of additional stiffnesses tried on the diagonal, each a hundred times the one before, until it counts as singular.
+#: Number of stiffnesses that are tried in addition to those on the diagonal, each a hundred times the one before, until the
+#: stiffness matrix counts as singular.
 SHIFTS = 12
 
 #: Relative round-off of an energy, which is a sum of positive and negative terms.
@@ -25,7 +26,7 @@ SOLVED = 1e-10
 #: round-off. Near the solution is judged by the applied loads: in a shaft twisted by its fixed ends, the element forces are
 #: so large that an unbalanced load is small compared with them.
 PATIENCE, PATIENCE_NEAR, PATIENCE_LAST = 100, 10, 2
-#: Relative residuals below which the state is near the solution, and at round-off.
+#: Relative residuals below which the state counts as near the solution, and as exact to round-off.
 NEAR, LAST = 1e-9, 1e-12
 #: Relative decrease of the energy that counts as progress of an iteration.
 FALLS = 1e-6

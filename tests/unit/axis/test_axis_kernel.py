@@ -92,9 +92,9 @@ def test_gradient_is_the_slope_of_the_energy_and_the_matrix_that_of_the_gradient
     change = (ends[1][1].gradient - ends[0][1].gradient) / 2e-2
     evaluated(ready)
     values = np.zeros(s.structure_arrays.row_offsets[-1])
-    axis.add_axis(values, s.structure_arrays)
+    axis.add_structure_stiffness(values, s.structure_arrays)
     axis.add_balls(values, s.structure_arrays, s.ball_arrays, out.ball_hessians)
-    axis.add_rollers(values, s.structure_arrays, s.roller_slice_arrays, ready.state.slices)
+    axis.add_roller_stiffness(values, s.structure_arrays, s.roller_slice_arrays, ready.state.slices)
     lines = full(values, s.structure_arrays)
     place = (6 * s.structure_arrays.body_order[:, None] + np.arange(6)).ravel()
     placed = np.zeros(len(lines))

@@ -88,7 +88,7 @@ def test_sum_in_series_is_softer_than_any_topology():
 
 
 def test_torque():
-    assert axis.angular_speed(0.3, 14e-3) == pytest.approx(2.0 * np.pi * 0.3 / 14e-3, rel=1e-14)
+    assert axis.screw_angular_speed(0.3, 14e-3) == pytest.approx(2.0 * np.pi * 0.3 / 14e-3, rel=1e-14)
     radius, length = 17.5e-3, 1.3
     mass = 7850.0 * np.pi * radius**2 * length
     assert axis.shaft_inertia(7850.0, 2 * radius, length) == pytest.approx(0.5 * mass * radius**2, rel=1e-12)
@@ -106,7 +106,7 @@ def test_faulty_axes_are_refused(change):
 
 def test_inertia_of_a_mass_on_the_nut_holds_its_energy():
     """Half m v^2 is half J omega^2; of a bored shaft with a plain stretch each part by hand."""
-    speed = axis.angular_speed(0.4, 12e-3)
+    speed = axis.screw_angular_speed(0.4, 12e-3)
     assert 0.5 * axis.reflected_inertia(300.0, 12e-3) * speed**2 == pytest.approx(0.5 * 300.0 * 0.4**2, rel=1e-12)
     assert axis.reflected_inertia(300.0, 12e-3, 0.8) == pytest.approx(axis.reflected_inertia(300.0, 12e-3) / 0.8)
     shaft = Assembly("s", "s", Screw(0.5, 30e-3, 0.0, STEEL, 10e-3), (), (Segment(0.0, 0.1, 20e-3, 5e-3),))

@@ -5,20 +5,13 @@ import pytest
 from scipy.integrate import quad
 from scipy.optimize import minimize_scalar
 
-from rollbench.lowfi.bearings import angular_contact
-from rollbench.lowfi.bearings.axis import (
-    BearingRows,
-    equal_rows_with_gap,
-    equal_rows_with_preload,
-    lift_off_force,
-    solve_bearing_row_equilibrium,
-)
+from rollbench.lowfi.bearings import angular_contact, axis
 
 ROW = angular_contact.BallBearingRow(
-    angular_contact.bearing_of_contact_angle(18, 8.73e-3, 55e-3, (0.52, 0.53), np.radians(57.0), 207e9, 0.3)
+    angular_contact.bearing_with_contact_angle(18, 8.73e-3, 55e-3, (0.52, 0.53), np.radians(57.0), 207e9, 0.3)
 )
 OTHER = angular_contact.BallBearingRow(
-    angular_contact.bearing_of_contact_angle(14, 7e-3, 45e-3, (0.53, 0.53), np.radians(40.0), 207e9, 0.3)
+    angular_contact.bearing_with_contact_angle(14, 7e-3, 45e-3, (0.53, 0.53), np.radians(40.0), 207e9, 0.3)
 )
 TRIPLEX = (1, 1, -1)
 
@@ -41,8 +34,8 @@ class Power:
 
 @pytest.mark.parametrize("n", [1, 2, 5])
 def test_tandem_rows_are_n_times_one(n):
-    rows = BearingRows((ROW,) * n, (1,) * n, (0.0,) * n)
-    s = solve_bearing_row_equilibrium(rows, 4e3)
+    rows = axis.BearingRows((ROW,) * n, (1,) * n, (0.0,) * n)
+    s = axis.solve_bearing_row_equilibrium(rows, 4e3)
     np.testing.assert_allclose(s.row_thrusts, 4e3 / n, rtol=1e-12)
     assert s.displacement == pytest.approx(ROW.deflection(4e3 / n), rel=1e-12)
     assert s.stiffness == pytest.approx(n * ROW.stiffness(s.displacement), rel=1e-12)
@@ -50,12 +43,12 @@ def test_tandem_rows_are_n_times_one(n):
 
 def test_opposed_rows_double_the_stiffness_at_preload_and_are_second_order_straight():
     """Preloaded pair: u = F/k to third order, because the curvatures of both rows cancel: half of F, an eighth off."""
-    pair = equal_rows_with_preload(ROW, (1, -1), 2e3)
-    s = solve_bearing_row_equilibrium(pair)
+    pair = axis.equal_rows_with_preload(ROW, (1, -1), 2e3)
+    s = axis.solve_bearing_row_equilibrium(pair)
     np.testing.assert_allclose(s.row_thrusts, 2e3, rtol=1e-11)
     assert s.displacement == pytest.approx(0.0, abs=1e-16)
     assert s.stiffness == pytest.approx(2.0 * ROW.stiffness(ROW.deflection(2e3)), rel=1e-9)
-    off = [abs(solve_bearing_row_equilibrium(pair, f).displacement - f / s.stiffness) for f in (800.0, 400.0, 200.0)]
+    off = [abs(axis.solve_bearing_row_equilibrium(pair, f).displacement - f / s.stiffness) for f in (800.0, 400.0, 200.0)]
     assert off[0] / off[1] == pytest.approx(8.0, rel=0.05)
     assert off[1] / off[2] == pytest.approx(8.0, rel=0.02)
 
@@ -63,8 +56,8 @@ def test_opposed_rows_double_the_stiffness_at_preload_and_are_second_order_strai
 @pytest.mark.parametrize("force", [-2.5e4, -3e3, 0.0, 500.0, 6e3, 5e4])
 def test_equilibrium_balances_and_minimises_the_energy(force):
     """Brute force: the sum of the work of all rows less that of the force is least there."""
-    rows = BearingRows((ROW, OTHER, ROW), TRIPLEX, (1.5e-5, 1.2e-5, 1.5e-5))
-    s = solve_bearing_row_equilibrium(rows, force)
+    rows = axis.BearingRows((ROW, OTHER, ROW), TRIPLEX, (1.5e-5, 1.2e-5, 1.5e-5))
+    s = axis.solve_bearing_row_equilibrium(rows, force)
     assert np.array(TRIPLEX) @ s.row_thrusts == pytest.approx(force, abs=1e-9 * max(abs(force), 1e3))
 
     def energy(u):
@@ -78,20 +71,23 @@ def test_equilibrium_balances_and_minimises_the_energy(force):
 
 
 def test_stiffness_of_a_set_is_the_derivative():
-    rows = equal_rows_with_gap(ROW, TRIPLEX, 1.5e-5)
+    rows = axis.equal_rows_with_gap(ROW, TRIPLEX, 1.5e-5)
     for force in (-3e3, 0.0, 4e3):
         h = 1.0
         slope = (
-            solve_bearing_row_equilibrium(rows, force + h).displacement
-            - solve_bearing_row_equilibrium(rows, force - h).displacement
+            axis.solve_bearing_row_equilibrium(rows, force + h).displacement
+            - axis.solve_bearing_row_equilibrium(rows, force - h).displacement
         ) / (2.0 * h)
-        assert solve_bearing_row_equilibrium(rows, force).stiffness == pytest.approx(1.0 / slope, rel=1e-6)
+        assert axis.solve_bearing_row_equilibrium(rows, force).stiffness == pytest.approx(1.0 / slope, rel=1e-6)
 
 
 def test_unloaded_row_leaves_the_rest_alone():
-    pair = equal_rows_with_preload(ROW, (1, -1), 1e3)
-    limit = lift_off_force(pair)
-    just, beyond = solve_bearing_row_equilibrium(pair, 0.999 * limit), solve_bearing_row_equilibrium(pair, 1.5 * limit)
+    pair = axis.equal_rows_with_preload(ROW, (1, -1), 1e3)
+    limit = axis.lift_off_force(pair)
+    just, beyond = (
+        axis.solve_bearing_row_equilibrium(pair, 0.999 * limit),
+        axis.solve_bearing_row_equilibrium(pair, 1.5 * limit),
+    )
     assert just.row_thrusts[1] > 0.0
     np.testing.assert_array_equal(beyond.row_thrusts[1], 0.0)
     assert beyond.row_thrusts[0] == pytest.approx(1.5 * limit, rel=1e-12)
@@ -100,39 +96,43 @@ def test_unloaded_row_leaves_the_rest_alone():
 
 @pytest.mark.parametrize("n", [1.0, 1.1, 1.5])
 def test_lift_off_of_a_power_law(n):
-    assert lift_off_force(equal_rows_with_preload(Power(n), (1, -1), 700.0)) == pytest.approx(2.0**n * 700.0, rel=1e-12)
+    assert axis.lift_off_force(axis.equal_rows_with_preload(Power(n), (1, -1), 700.0)) == pytest.approx(
+        2.0**n * 700.0, rel=1e-12
+    )
 
 
 def test_triplex_preload_of_a_power_law():
     """Both gaps closed: (P/2)^(1/n) + P^(1/n) = 2 F_p^(1/n), so P/F_p = (2/(1 + 2^(-1/n)))^n; 1.359 for n = 1.5."""
     row = Power(1.5)
-    loads = solve_bearing_row_equilibrium(equal_rows_with_gap(row, TRIPLEX, row.deflection(1500.0))).row_thrusts
+    loads = axis.solve_bearing_row_equilibrium(axis.equal_rows_with_gap(row, TRIPLEX, row.deflection(1500.0))).row_thrusts
     expected = 1500.0 * (2.0 / (1.0 + 2.0 ** (-2.0 / 3.0))) ** 1.5
     np.testing.assert_allclose(loads, [expected / 2.0, expected / 2.0, expected], rtol=1e-10)
 
 
 def test_gap_and_force_describe_one_set():
-    by_gap = solve_bearing_row_equilibrium(equal_rows_with_gap(ROW, TRIPLEX, 1.5e-5))
-    by_force = equal_rows_with_preload(ROW, TRIPLEX, float(by_gap.row_thrusts[2]))
-    np.testing.assert_allclose(solve_bearing_row_equilibrium(by_force).row_thrusts, by_gap.row_thrusts, rtol=1e-10)
+    by_gap = axis.solve_bearing_row_equilibrium(axis.equal_rows_with_gap(ROW, TRIPLEX, 1.5e-5))
+    by_force = axis.equal_rows_with_preload(ROW, TRIPLEX, float(by_gap.row_thrusts[2]))
+    np.testing.assert_allclose(axis.solve_bearing_row_equilibrium(by_force).row_thrusts, by_gap.row_thrusts, rtol=1e-10)
     assert sum(by_force.preload_deflections[1:]) == pytest.approx(3e-5, rel=1e-10)
     np.testing.assert_allclose(
-        solve_bearing_row_equilibrium(by_force, 2e3).row_thrusts,
-        solve_bearing_row_equilibrium(equal_rows_with_gap(ROW, TRIPLEX, 1.5e-5), 2e3).row_thrusts,
+        axis.solve_bearing_row_equilibrium(by_force, 2e3).row_thrusts,
+        axis.solve_bearing_row_equilibrium(axis.equal_rows_with_gap(ROW, TRIPLEX, 1.5e-5), 2e3).row_thrusts,
     )
 
 
 def test_a_set_facing_one_way_rests_loose():
-    assert np.all(solve_bearing_row_equilibrium(BearingRows((ROW, ROW), (-1, -1), (1e-6, 2e-6))).row_thrusts == 0.0)
+    assert np.all(
+        axis.solve_bearing_row_equilibrium(axis.BearingRows((ROW, ROW), (-1, -1), (1e-6, 2e-6))).row_thrusts == 0.0
+    )
 
 
 REFUSED = [
-    (lambda: BearingRows((), (), ()), "got 0 rows"),
-    (lambda: BearingRows((ROW,), (1,), ()), "0 gaps; allowed: one direction and one closed gap for each row"),
-    (lambda: BearingRows((ROW,), (2,), (0.0,)), r"got \[2\]; allowed: \+1 and -1"),
-    (lambda: solve_bearing_row_equilibrium(BearingRows((ROW,), (1,), (0.0,)), -1.0), "thrust in that direction"),
-    (lambda: equal_rows_with_preload(ROW, (1, 1), 1e3), "both directions"),
-    (lambda: lift_off_force(BearingRows((ROW,), (1,), (0.0,))), "at least one row of direction -1"),
+    (lambda: axis.BearingRows((), (), ()), "got 0 rows"),
+    (lambda: axis.BearingRows((ROW,), (1,), ()), "0 gaps; allowed: one direction and one closed gap for each row"),
+    (lambda: axis.BearingRows((ROW,), (2,), (0.0,)), r"got \[2\]; allowed: \+1 and -1"),
+    (lambda: axis.solve_bearing_row_equilibrium(axis.BearingRows((ROW,), (1,), (0.0,)), -1.0), "thrust in that direction"),
+    (lambda: axis.equal_rows_with_preload(ROW, (1, 1), 1e3), "both directions"),
+    (lambda: axis.lift_off_force(axis.BearingRows((ROW,), (1,), (0.0,))), "at least one row of direction -1"),
 ]
 
 

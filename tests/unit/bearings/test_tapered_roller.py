@@ -7,29 +7,12 @@ import pytest
 from scipy.integrate import quad
 from scipy.special import beta, gamma
 
-from rollbench.lowfi.bearings import as_printed
+from rollbench.lowfi import rollers as lowfi_rollers
+from rollbench.lowfi.bearings import as_printed, tapered_roller
 from rollbench.lowfi.bearings.axis import equal_rows_with_preload, solve_bearing_row_equilibrium
-from rollbench.lowfi.bearings.tapered_roller import (
-    load_zone_integrals,
-    load_zone_under_thrust_and_radial_load,
-    roller_azimuths,
-    solve_by_smith_load_zone,
-    solve_thrust_and_radial_equilibrium,
-    strain_energy_and_derivatives,
-)
 from rollbench.lowfi.hertz import contact_modulus
-from rollbench.lowfi.rollers import (
-    SlicedTaperedRow,
-    StraightTaperedRow,
-    TaperedBearing,
-    circular_crown_profile,
-    roller_line_contacts,
-    slice_roller,
-    sliced_roller_approach_under_force,
-    sliced_roller_state_at_approach,
-)
 
-B = TaperedBearing(16, 8.38e-3, 12.4e-3, np.radians(30.8), np.radians(4.0), 207e9, 0.3, 5e-3)
+B = lowfi_rollers.TaperedBearing(16, 8.38e-3, 12.4e-3, np.radians(30.8), np.radians(4.0), 207e9, 0.3, 5e-3)
 THRUST = 9e3
 
 # --- load zone
@@ -38,7 +21,7 @@ THRUST = 9e3
 @pytest.mark.parametrize("exponent", [1.0, 1.1, 1.5])
 @pytest.mark.parametrize("eps", [0.02, 0.3, 0.4999, 0.6, 3.0])
 def test_load_zone_against_plain_quadrature(eps, exponent):
-    z = load_zone_integrals(eps, exponent)
+    z = tapered_roller.load_zone_integrals(eps, exponent)
 
     def share(psi):
         return max(1.0 - 0.5 / eps * (1.0 - np.cos(psi)), 0.0) ** exponent
@@ -52,7 +35,7 @@ def test_load_zone_against_plain_quadrature(eps, exponent):
 @pytest.mark.parametrize("n", [1.0, 1.1, 10.0 / 9.0, 1.5])
 def test_half_zone_in_closed_form(n):
     """eps = 1/2: the bracket is cos(psi) over half the circumference, J_a = B((n+1)/2, 1/2)/2 pi, J_r with n + 1."""
-    z = load_zone_integrals(0.5, n)
+    z = tapered_roller.load_zone_integrals(0.5, n)
     assert z.thrust_integral == pytest.approx(beta((n + 1) / 2, 0.5) / (2 * np.pi), rel=1e-12)
     assert z.radial_integral == pytest.approx(beta((n + 2) / 2, 0.5) / (2 * np.pi), rel=1e-12)
 
@@ -60,23 +43,23 @@ def test_half_zone_in_closed_form(n):
 def test_full_zone_in_closed_form():
     """eps = 1: the bracket is cos^2(psi/2), so J_a = Gamma(n + 1/2)/(sqrt(pi) Gamma(n + 1)), J_r = J_a n/(n + 1)."""
     n = 1.1
-    z = load_zone_integrals(1.0, n)
+    z = tapered_roller.load_zone_integrals(1.0, n)
     assert z.thrust_integral == pytest.approx(gamma(n + 0.5) / (np.sqrt(np.pi) * gamma(n + 1)), rel=1e-12)
     assert z.radial_integral / z.thrust_integral == pytest.approx(n / (n + 1), rel=1e-12)
 
 
 def test_pure_thrust_and_nearly():
-    z = load_zone_integrals(np.inf, 1.1)
+    z = tapered_roller.load_zone_integrals(np.inf, 1.1)
     assert (z.thrust_integral, z.radial_integral, z.half_angle) == (1.0, 0.0, np.pi)
-    near = load_zone_integrals(1e9, 1.1)
+    near = tapered_roller.load_zone_integrals(1e9, 1.1)
     assert near.radial_integral == pytest.approx(1.1 / 4e9, rel=1e-8)  # n w/2, w = 1/(2 eps)
 
 
 @pytest.mark.parametrize("eps", [1e-3, 0.2, 0.5, 1.0, 40.0, 1e6])
 def test_zone_of_a_load_inverts(eps):
-    z = load_zone_integrals(eps, 1.1)
+    z = tapered_roller.load_zone_integrals(eps, 1.1)
     angle = 0.4
-    back = load_zone_under_thrust_and_radial_load(
+    back = tapered_roller.load_zone_under_thrust_and_radial_load(
         1e3, 1e3 * z.radial_integral / z.thrust_integral / np.tan(angle), angle, 1.1
     )
     assert back.eps == pytest.approx(eps, rel=1e-8)
@@ -84,10 +67,10 @@ def test_zone_of_a_load_inverts(eps):
 
 def test_zone_refusals():
     with pytest.raises(ValueError, match="above zero"):
-        load_zone_integrals(0.0, 1.1)
+        tapered_roller.load_zone_integrals(0.0, 1.1)
     for axial, radial in ((1.0, 2.0), (0.0, 1.0), (1.0, -0.1)):
         with pytest.raises(ValueError, match="F_r tan"):
-            load_zone_under_thrust_and_radial_load(axial, radial, np.pi / 4.0, 1.1)
+            tapered_roller.load_zone_under_thrust_and_radial_load(axial, radial, np.pi / 4.0, 1.1)
 
 
 # --- one roller
@@ -107,7 +90,7 @@ def test_cones_share_one_apex():
 def test_balance_of_the_roller_with_its_rib():
     """Forces on the roller in an axial plane: cup, cone, rib; and thrust on the cone from race and rib together."""
     q = 1000.0
-    rib = roller_line_contacts(B, q).rib_load
+    rib = lowfi_rollers.roller_line_contacts(B, q).rib_load
     cup = -q * np.array([np.sin(B.cup_angle), np.cos(B.cup_angle)])  # (axial, radial)
     cone = q * np.array([np.sin(B.cone_angle), np.cos(B.cone_angle)])
     along = B.cup_angle - B.roller_angle
@@ -118,7 +101,7 @@ def test_balance_of_the_roller_with_its_rib():
 
 
 def test_contacts_are_hertz_lines():
-    c = roller_line_contacts(B, 1100.0)
+    c = lowfi_rollers.roller_line_contacts(B, 1100.0)
     roller, cone, cup = (float(r) for r in B.curvature_radii())
     modulus = contact_modulus(207e9, 0.3, 207e9, 0.3)
     for i, k in enumerate((1 / roller + 1 / cone, 1 / roller - 1 / cup)):
@@ -129,7 +112,7 @@ def test_contacts_are_hertz_lines():
 
 
 def test_row_under_thrust():
-    row = StraightTaperedRow(B)
+    row = lowfi_rollers.StraightTaperedRow(B)
     u = row.deflection(THRUST)
     assert row.thrust(u) == pytest.approx(THRUST, rel=1e-12)
     h = 1e-5 * u
@@ -141,9 +124,9 @@ def test_row_under_thrust():
 
 def test_direct_mounting_with_preload():
     """Two rows: nearly straight, so the stiffness doubles and stays within 2 % up to half the lift-off."""
-    pair = equal_rows_with_preload(StraightTaperedRow(B), (1, -1), 6e3)
+    pair = equal_rows_with_preload(lowfi_rollers.StraightTaperedRow(B), (1, -1), 6e3)
     k = [solve_bearing_row_equilibrium(pair, f).stiffness for f in (0.0, 3e3, 6e3)]
-    row = StraightTaperedRow(B)
+    row = lowfi_rollers.StraightTaperedRow(B)
     assert k[0] == pytest.approx(2.0 * row.stiffness(row.deflection(6e3)), rel=1e-9)
     assert max(k) / min(k) < 1.02
 
@@ -153,30 +136,33 @@ def test_direct_mounting_with_preload():
 
 @pytest.mark.parametrize("radial", [0.0, 1.0, 4e3, 9e3, 14e3])
 def test_combined_load_balances(radial):
-    s = solve_thrust_and_radial_equilibrium(B, THRUST, radial)
+    s = tapered_roller.solve_thrust_and_radial_equilibrium(B, THRUST, radial)
     assert s.converged
     assert s.roller_loads.sum() * np.sin(B.cup_angle) == pytest.approx(THRUST, rel=1e-10)
-    total = (s.roller_loads * np.cos(roller_azimuths(B))).sum() * np.cos(B.cup_angle)
+    total = (s.roller_loads * np.cos(tapered_roller.roller_azimuths(B))).sum() * np.cos(B.cup_angle)
     assert total == pytest.approx(radial, abs=1e-9 * THRUST)
-    assert abs((s.roller_loads * np.sin(roller_azimuths(B))).sum()) < 1e-9 * THRUST
+    assert abs((s.roller_loads * np.sin(tapered_roller.roller_azimuths(B))).sum()) < 1e-9 * THRUST
 
 
 def test_combined_stiffness_and_force_are_derivatives():
     x = np.array([9e-6, 6e-6])
-    _, force, stiffness, _ = strain_energy_and_derivatives(B, x)
+    _, force, stiffness, _ = tapered_roller.strain_energy_and_derivatives(B, x)
     for i in range(2):
         h = np.zeros(2)
         h[i] = 1e-10
-        up, down = strain_energy_and_derivatives(B, x + h), strain_energy_and_derivatives(B, x - h)
+        up, down = (
+            tapered_roller.strain_energy_and_derivatives(B, x + h),
+            tapered_roller.strain_energy_and_derivatives(B, x - h),
+        )
         assert force[i] == pytest.approx((up[0] - down[0]) / 2e-10, rel=1e-6)
         np.testing.assert_allclose(stiffness[i], (up[1] - down[1]) / 2e-10, rtol=1e-6)
 
 
 def test_pure_thrust_is_the_row():
-    s = solve_thrust_and_radial_equilibrium(B, THRUST, 0.0)
-    assert s.axial_displacement == pytest.approx(StraightTaperedRow(B).deflection(THRUST), rel=1e-10)
+    s = tapered_roller.solve_thrust_and_radial_equilibrium(B, THRUST, 0.0)
+    assert s.axial_displacement == pytest.approx(lowfi_rollers.StraightTaperedRow(B).deflection(THRUST), rel=1e-10)
     assert s.radial_displacement == pytest.approx(0.0, abs=1e-15)
-    zone = solve_by_smith_load_zone(B, THRUST, 0.0)
+    zone = tapered_roller.solve_by_smith_load_zone(B, THRUST, 0.0)
     assert zone.axial_displacement == pytest.approx(s.axial_displacement, rel=1e-12)
 
 
@@ -185,7 +171,10 @@ def test_load_zone_integrals_meet_the_rollers(radial):
     """The source's route with exponent 1.1: greatest load within 1 %, deflections within 3 %, for many rollers too."""
     for rollers in (16, 64):
         b = replace(B, rollers=rollers)
-        s, z = solve_thrust_and_radial_equilibrium(b, THRUST, radial), solve_by_smith_load_zone(b, THRUST, radial)
+        s, z = (
+            tapered_roller.solve_thrust_and_radial_equilibrium(b, THRUST, radial),
+            tapered_roller.solve_by_smith_load_zone(b, THRUST, radial),
+        )
         assert z.largest_roller_load == pytest.approx(s.roller_loads.max(), rel=0.01)
         assert (z.axial_displacement, z.radial_displacement) == pytest.approx(
             (s.axial_displacement, s.radial_displacement), rel=0.03
@@ -194,17 +183,17 @@ def test_load_zone_integrals_meet_the_rollers(radial):
 
 def test_small_radial_load_by_first_order():
     """dF_r/d(delta_r) at pure thrust: sum over the rollers of k cos^2(alpha) cos^2(psi)."""
-    row = StraightTaperedRow(B)
+    row = lowfi_rollers.StraightTaperedRow(B)
     k = row.stiffness(row.deflection(THRUST)) / (B.rollers * np.sin(B.cup_angle) ** 2)
-    assert solve_thrust_and_radial_equilibrium(B, THRUST, 1.0).radial_displacement == pytest.approx(
+    assert tapered_roller.solve_thrust_and_radial_equilibrium(B, THRUST, 1.0).radial_displacement == pytest.approx(
         2.0 / (B.rollers * k * np.cos(B.cup_angle) ** 2), rel=1e-5
     )
 
 
 def test_too_much_radial_load_is_refused():
     with pytest.raises(ValueError, match="F_r tan"):
-        solve_thrust_and_radial_equilibrium(B, THRUST, 1.01 * THRUST / np.tan(B.cup_angle))
-    hard = solve_thrust_and_radial_equilibrium(B, THRUST, 0.97 * THRUST / np.tan(B.cup_angle))
+        tapered_roller.solve_thrust_and_radial_equilibrium(B, THRUST, 1.01 * THRUST / np.tan(B.cup_angle))
+    hard = tapered_roller.solve_thrust_and_radial_equilibrium(B, THRUST, 0.97 * THRUST / np.tan(B.cup_angle))
     assert hard.converged
     assert 1 < np.count_nonzero(hard.roller_loads) < 5
 
@@ -215,7 +204,7 @@ def test_near_the_limit_of_the_radial_load_steps_must_be_cut(rollers, share):
     """One or two rollers carry nearly all and a direction is soft: whole Newton steps leave the law's range here."""
     b = replace(B, rollers=rollers, cup_angle=np.radians(10.0), roller_angle=np.radians(2.0))
     for thrust in (1.0, 1e5):
-        assert solve_thrust_and_radial_equilibrium(b, thrust, share * thrust / np.tan(b.cup_angle)).converged
+        assert tapered_roller.solve_thrust_and_radial_equilibrium(b, thrust, share * thrust / np.tan(b.cup_angle)).converged
 
 
 # --- slices
@@ -223,15 +212,15 @@ def test_near_the_limit_of_the_radial_load_steps_must_be_cut(rollers, share):
 
 @pytest.mark.parametrize("slices", [1, 2, 7, 40])
 def test_plain_roller_is_a_line_contact_for_any_number_of_slices(slices):
-    r = slice_roller(B, slices)
+    r = lowfi_rollers.slice_roller(B, slices)
     d = float(B.approach_law().approach(1100.0 / B.length))
-    s = sliced_roller_state_at_approach(r, d)
+    s = lowfi_rollers.sliced_roller_state_at_approach(r, d)
     assert s.race_force == pytest.approx(1100.0, rel=1e-12)
-    assert sliced_roller_approach_under_force(r, 1100.0) == pytest.approx(d, rel=1e-12)
-    row = SlicedTaperedRow(B, slices)
-    assert row.deflection(THRUST) == pytest.approx(StraightTaperedRow(B).deflection(THRUST), rel=1e-12)
-    assert row.stiffness(1e-5) == pytest.approx(StraightTaperedRow(B).stiffness(1e-5), rel=1e-12)
-    assert row.thrust(1e-5) == pytest.approx(StraightTaperedRow(B).thrust(1e-5), rel=1e-12)
+    assert lowfi_rollers.sliced_roller_approach_under_force(r, 1100.0) == pytest.approx(d, rel=1e-12)
+    row = lowfi_rollers.SlicedTaperedRow(B, slices)
+    assert row.deflection(THRUST) == pytest.approx(lowfi_rollers.StraightTaperedRow(B).deflection(THRUST), rel=1e-12)
+    assert row.stiffness(1e-5) == pytest.approx(lowfi_rollers.StraightTaperedRow(B).stiffness(1e-5), rel=1e-12)
+    assert row.thrust(1e-5) == pytest.approx(lowfi_rollers.StraightTaperedRow(B).thrust(1e-5), rel=1e-12)
 
 
 def test_a_roller_on_one_apex_is_loaded_evenly():
@@ -246,7 +235,10 @@ def test_slices_converge_with_second_order():
         lambda x: float(B.approach_law().line_load(2e-5 - x**2 / 20.0)), -0.5 * B.length, 0.5 * B.length, epsrel=1e-12
     )[0]
     off = [
-        sliced_roller_state_at_approach(slice_roller(B, n, circular_crown_profile(20.0)), 2e-5).race_force - exact
+        lowfi_rollers.sliced_roller_state_at_approach(
+            lowfi_rollers.slice_roller(B, n, lowfi_rollers.circular_crown_profile(20.0)), 2e-5
+        ).race_force
+        - exact
         for n in (10, 20, 40)
     ]
     assert off[0] / off[1] == pytest.approx(4.0, rel=0.02)
@@ -255,20 +247,22 @@ def test_slices_converge_with_second_order():
 
 
 def test_strong_crown_leaves_the_ends_unloaded():
-    r = slice_roller(B, 400, circular_crown_profile(0.5))
-    d = sliced_roller_approach_under_force(r, 1100.0)
-    s = sliced_roller_state_at_approach(r, d)
+    r = lowfi_rollers.slice_roller(B, 400, lowfi_rollers.circular_crown_profile(0.5))
+    d = lowfi_rollers.sliced_roller_approach_under_force(r, 1100.0)
+    s = lowfi_rollers.sliced_roller_state_at_approach(r, d)
     assert s.race_force == pytest.approx(1100.0, rel=1e-9)
     loaded = r.slice_positions[s.line_loads > 0.0]
     assert loaded.max() == pytest.approx(np.sqrt(0.5 * d), abs=B.length / 400)
-    assert d > sliced_roller_approach_under_force(slice_roller(B, 400), 1100.0)
-    assert SlicedTaperedRow(B, 101, circular_crown_profile(0.5)).stiffness(2e-5) < StraightTaperedRow(B).stiffness(2e-5)
+    assert d > lowfi_rollers.sliced_roller_approach_under_force(lowfi_rollers.slice_roller(B, 400), 1100.0)
+    assert lowfi_rollers.SlicedTaperedRow(B, 101, lowfi_rollers.circular_crown_profile(0.5)).stiffness(
+        2e-5
+    ) < lowfi_rollers.StraightTaperedRow(B).stiffness(2e-5)
 
 
 def test_slices_beside_the_source_s_formulas():
     """3.19 with base-10 logarithm is softer than line contacts between rings of 5 mm by a quarter; 3.22 by less."""
     inch, pound = 0.0254, 4.4482216152605
-    ours = SlicedTaperedRow(B).deflection(2040.0 * pound) / inch
+    ours = lowfi_rollers.SlicedTaperedRow(B).deflection(2040.0 * pound) / inch
     line = 2040.0 / (16 * np.sin(B.cup_angle)) / (B.length / inch)
     log = as_printed.roller_approach_as_printed(line, B.diameter / inch, B.cup_angle, B.roller_angle) / np.sin(B.cup_angle)
     race = 2040.0 / (16 * np.sin(B.cup_angle))

@@ -33,7 +33,7 @@ def test_the_page_of_an_axis_has_the_numbers_of_its_results():
     assert [row["load"] for row in tables["rollers"]] == pytest.approx(
         [load for s in solved.sets.values() for load in s.roller_loads]
     )
-    shown = [float(row["force N"]) for row in tables["sets"]]
+    shown = [float(row["axial force N"]) for row in tables["sets"]]
     assert shown == pytest.approx([s.force[2] for s in solved.sets.values()], rel=1e-3)
     view = json.loads(re.search(r'id="view-data">(.*?)</script>', html, flags=re.DOTALL)[1])
     assert [one["name"] for one in view["cases"][0]["sets"]] == [*solved.sets]

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import pytest
 
+from rollbench.compare.cases.lin import times
 from rollbench.compare.commands import bench
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.reference.store import shipped_store
@@ -80,4 +81,15 @@ def test_what_is_not_timed_is_no_job():
     study = SceneResultCache()
     study.computed_values[reference_time.run_times_to_show, print] = None
     points = reference_time.error_and_time_points("lin-case1", study.stored_reference("lin-case1"), study, print)
-    assert list(bench.timed_jobs_of_scene("lin-case1", points)) == []
+    assert list(bench.run_time_rows_of_scene("lin-case1", points)) == []
+
+
+def test_times_of_a_publication_are_listed_as_they_were_stored(monkeypatch, tmp_path):
+    kept = load_run_times((shipped_store(),), "lin")
+    monkeypatch.setattr(times, "measure_run_times", lambda *_: kept)
+    rows = bench.measure_publication_times("lin", tmp_path).data
+    assert [row["seconds"] for row in rows] == [
+        *(one.cold for one in kept.times_by_scene_and_model.values()),
+        *(one.process for one in kept.mesh_level_times),
+    ]
+    assert load_run_times((tmp_path,), "lin") == kept

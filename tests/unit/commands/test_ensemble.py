@@ -7,11 +7,7 @@ import pytest
 from tests.helpers import with_ingredients
 
 from rollbench.compare.scenes.catalogue import scene as shipped
-from rollbench.compare.studies.members.ensemble import (
-    can_share_one_system_of_equations,
-    solve_random_draws,
-    work_done_by_loads,
-)
+from rollbench.compare.studies.members import ensemble
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.parts import BallErrors, FourierTerm, Load, SideErrors
 
@@ -34,7 +30,7 @@ def assert_same_loads(scene, result, members, first=0):
         single = solve_static(scene, engine="compiled", member=first + m)
         assert result.statuses[m] == single.status
         np.testing.assert_allclose(result.loads[m], single.load, rtol=0, atol=1e-9 * np.nanmax(single.load))
-        assert result.works_of_loads[m] == pytest.approx(work_done_by_loads(scene, single), rel=1e-9, nan_ok=True)
+        assert result.works_of_loads[m] == pytest.approx(ensemble.work_done_by_loads(scene, single), rel=1e-9, nan_ok=True)
 
 
 SCENES = [
@@ -56,7 +52,7 @@ SCENES = [
 
 @pytest.mark.parametrize(("scene", "all_sides"), SCENES)
 def test_fast_path_equals_single_solves(scene, all_sides):
-    result = solve_random_draws(scene, 6)
+    result = ensemble.solve_random_draws(scene, 6)
     assert (result.all_flanks_count, result.singly_solved_count) == (all_sides, 0)
     assert_same_loads(scene, result, 6)
 
@@ -64,14 +60,14 @@ def test_fast_path_equals_single_solves(scene, all_sides):
 def test_two_specimens_have_lever_arms_of_their_own():
     """Random pitch moves the contact points; two are the fewest that differ; with clearance one diagonal bears."""
     scene = with_errors(1e-6, -8e-6, SL=PITCH, NR=ROUND)
-    result = solve_random_draws(scene, 2)
+    result = ensemble.solve_random_draws(scene, 2)
     assert result.all_flanks_count == 0
     assert_same_loads(scene, result, 2)
 
 
 def test_numbers_do_not_depend_on_threads():
     scene = with_errors(2e-6, SL=PITCH)
-    one, two = (solve_random_draws(scene, 40, threads=n) for n in (1, 3))
+    one, two = (ensemble.solve_random_draws(scene, 40, threads=n) for n in (1, 3))
     # products of matrices may round by a member's place among those solved side by side
     np.testing.assert_allclose(one.loads, two.loads, rtol=0, atol=1e-13 * one.loads.max())
     np.testing.assert_allclose(one.works_of_loads, two.works_of_loads, rtol=1e-13)
@@ -81,22 +77,25 @@ def test_fast_path_serves_exact_arcs_only():
     term = (FourierTerm(2.0, sigma=1e-6),)
     arcs = ({}, {"profile": (1e-6,)}, {"pitch": term}, {"roundness": term})
     others = ({"profile": (1e-6, 1e-6)}, {"profile_sigma": (1e-6,)})
-    fast = [can_share_one_system_of_equations(with_errors(1e-6, NR=SideErrors(**change))) for change in (*arcs, *others)]
+    fast = [
+        ensemble.can_share_one_system_of_equations(with_errors(1e-6, NR=SideErrors(**change)))
+        for change in (*arcs, *others)
+    ]
     assert fast == [True] * 4 + [False] * 2
     scene = with_errors(1e-6, SL=SideErrors(profile_sigma=(1e-6,)))
-    result = solve_random_draws(scene, 3)
+    result = ensemble.solve_random_draws(scene, 3)
     assert (result.all_flanks_count, result.singly_solved_count) == (0, 3)
     assert_same_loads(scene, result, 3)
 
 
 def test_members_without_equilibrium_are_reported():
-    result = solve_random_draws(replace(BASE, supports=()), 2)
+    result = ensemble.solve_random_draws(replace(BASE, supports=()), 2)
     assert not result.converged.any()
     assert all(s.startswith("not held: screw motion along the helix") for s in result.statuses)
     assert np.isnan(result.loads).all()
 
 
 def test_members_from_a_number_on_as_many_as_the_scene_says():
-    result = solve_random_draws(replace(BASE, members=4), first=4)
+    result = ensemble.solve_random_draws(replace(BASE, members=4), first=4)
     assert len(result.statuses) == 4
     assert_same_loads(BASE, result, 4, first=4)

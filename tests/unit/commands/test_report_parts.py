@@ -24,7 +24,7 @@ def test_points_of_the_estimate_are_a_step_of_their_own(tmp_path, monkeypatch: p
     study = SceneResultCache((tmp_path, shipped_store()))
     found = study.stored_reference("lin-case1")
     rungs = modelling.solve_refinement_sequence(study.built_in_scene("lin-case1"), found, None)[:2]
-    monkeypatch.setattr(modelling, "ladder", lambda _: rungs)
+    monkeypatch.setattr(modelling, "solve_refinement_sequence_on_all_scenes", lambda _: rungs)
     report.save_model_errors(study)
     kept = (tmp_path / model_form.FILE).read_text(encoding="utf-8")
     assert kept.count('"scene": "lin-case1"') == 2

@@ -9,12 +9,8 @@ from rollbench.compare.errors import InputError
 from rollbench.compare.reference import store
 from rollbench.compare.reference.jobs import ComputingSettings
 from rollbench.compare.scenes import catalogue
+from rollbench.compare.studies.rolling import rows as rolling_rows
 from rollbench.compare.studies.rolling import runs
-from rollbench.compare.studies.rolling.rows import (
-    RollingComparisonRow,
-    low_order_error_is_within_limit,
-    quantity_uncertainty,
-)
 from rollbench.compare.studies.rolling.runs import find_or_compute_rolling_runs
 from rollbench.hifi.rolling import balls, bodies
 
@@ -70,19 +66,24 @@ def test_a_grid_is_stored_as_soon_as_it_is_done(tmp_path, monkeypatch):
     kept = find_or_compute_rolling_runs(
         catalogue.scene_of_any_kind("lin-rotary-3"), [1], tmp_path, ComputingSettings(), fresh=False
     )
-    assert quantity_uncertainty(kept, "torque N mm") == float("inf"), "one grid has none"
+    assert rolling_rows.quantity_uncertainty(kept, "torque N mm") == float("inf"), "one grid has none"
 
 
 def row(low, reference, bar):
     error = 100.0 * (low - reference) / reference
-    return RollingComparisonRow(
+    return rolling_rows.RollingComparisonRow(
         "a", "force 1-2", "N", low, reference, bar, None, None, 0, 0, error, 100.0 * bar / reference, 0, 0
     )
 
 
 def test_the_uncertainty_is_deducted_but_excuses_no_more_than_the_limit():
     cases = ((4.07, 0.0), (4.1, 0.0), (4.1, 0.03), (4.2, 1.0))
-    assert [low_order_error_is_within_limit(row(low, 4.0, bar)) for low, bar in cases] == [True, False, True, False]
+    assert [rolling_rows.low_order_error_is_within_limit(row(low, 4.0, bar)) for low, bar in cases] == [
+        True,
+        False,
+        True,
+        False,
+    ]
 
 
 def test_finite_bodies_have_keys_of_their_own_and_half_spaces_beside_them(command, tmp_path, monkeypatch):

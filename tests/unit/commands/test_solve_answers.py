@@ -47,7 +47,8 @@ def test_the_json_holds_the_numbers_of_the_result(solved) -> None:
     # by pressure, which the screw's flank has more of at the same force
     assert data["worst_contact"]["side"].startswith("S")
     assert data["worst_contact"]["force_N"] == pytest.approx(data["loads"]["max_N"], rel=1e-3)
-    assert (data["friction"], "mu = " in data["friction_words"]) == (None, True)
+    assert data["friction"] is None
+    assert "no coefficient" in data["friction_words"]
     alone, tangent = data["rigidities_N_per_um"]["contacts_alone"], data["axial"]["tangent_N_per_um"]
     assert 0.5 * alone < tangent < 1.5 * alone
 

@@ -63,7 +63,7 @@ def test_cases_in_order_each_as_it_is_alone_and_their_summary(tmp_path, command)
 def test_text_names_the_worst_cases_and_the_library_has_the_same(tmp_path, command) -> None:
     text = command.said("solve", written(tmp_path), "--model", "lin", "--verbose")
     assert "3 load cases, converged" in text
-    assert re.search(r"peak pressure of all cases +\d+ +MPa +case push\n", text)
+    assert re.search(r"peak pressure of all load cases +\d+ +MPa +case push\n", text)
     assert text.count("assumed: A ring pair with one groove each") == 1, "what is assumed is said once"
     found = rollbench.solve(written(tmp_path), "lin")
     assert [one.loads.shape for one in found.cases.values()] == [(2, 4)] * 3

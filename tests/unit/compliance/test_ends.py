@@ -7,13 +7,8 @@ import pytest
 
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes import catalogue
+from rollbench.lowfi.compliance import bodies as compliance_bodies
 from rollbench.lowfi.compliance.between import contact_points_and_axes
-from rollbench.lowfi.compliance.bodies import (
-    compliance_between_contacts,
-    nominal_normals_matrix,
-    screw_response_to_end_wrench,
-    screw_response_to_section_wrench,
-)
 from rollbench.lowfi.compliance.parts import LADDER, REFINED, grooved_section, reduce_to_compliance_geometry, smooth_body
 from rollbench.lowfi.compliance.tube import clamped_beam_compliance, contact_motions_by_rigid_motions
 from rollbench.meshes.condensed import digest_of_geometry, read_condensed_bodies
@@ -30,7 +25,7 @@ PLAIN = tube_section(2.0 * TUBE.outer_radius, 2.0 * TUBE.bore_radius, TUBE.mater
 @pytest.fixture(scope="module")
 def response():
     """The smooth stretch loaded at its end; not made where tests are only collected, as every worker does."""
-    return screw_response_to_end_wrench(CASE, LAYOUT, SMOOTH)
+    return compliance_bodies.screw_response_to_end_wrench(CASE, LAYOUT, SMOOTH)
 
 
 def by_closed_form(width: float) -> np.ndarray:
@@ -62,7 +57,10 @@ def test_a_section_between_contacts_is_felt_below_it_and_not_above(response):
     """A wrench on the section at the nut's centre: the end's motions a radius below it, half at it, none a radius above,
     but for the shift by a moment, part of which acts across in a slice."""
     at, z = CASE.nut.position, np.repeat(contact_points_and_axes(CASE, LAYOUT, True)[0][:, 2], 2)
-    found, wanted = screw_response_to_section_wrench(CASE, LAYOUT, SMOOTH, at), response.contact_motions.copy()
+    found, wanted = (
+        compliance_bodies.screw_response_to_section_wrench(CASE, LAYOUT, SMOOTH, at),
+        response.contact_motions.copy(),
+    )
     wanted[:, 0] += (at - response.high_end) * wanted[:, 4]
     wanted[:, 1] -= (at - response.high_end) * wanted[:, 3]
     far, size = 1.1 * TUBE.outer_radius, np.abs(wanted).max(axis=0)
@@ -85,7 +83,7 @@ def test_contacts_lengthen_a_grooved_screw_as_in_3d():
         contact_motions_by_rigid_motions(x, axes), np.repeat(x[:, 2], 2), (bodies.base, 0.0), "low", section
     )
     sides = [int(s) for s in bodies.sides if s < 2]
-    rows, ball = nominal_normals_matrix(CASE, N, sides), np.repeat(np.arange(N), len(sides))
+    rows, ball = compliance_bodies.nominal_normals_matrix(CASE, N, sides), np.repeat(np.arange(N), len(sides))
     rigid = np.linalg.qr(rows @ contact_motions_by_rigid_motions(x, axes, CASE.nut.position))[0]
 
     def by_all(G):
@@ -93,7 +91,7 @@ def test_contacts_lengthen_a_grooved_screw_as_in_3d():
         return u - rigid @ (rigid.T @ u)
 
     wanted = by_all(bodies.screw)
-    found = by_all(rows @ (compliance_between_contacts(CASE, LAYOUT, True, REFINED) + beam) @ rows.T)
+    found = by_all(rows @ (compliance_bodies.compliance_between_contacts(CASE, LAYOUT, True, REFINED) + beam) @ rows.T)
     assert np.linalg.norm(found - wanted) < 0.01 * np.linalg.norm(wanted)
 
 
@@ -116,5 +114,5 @@ def test_bodies_that_are_no_stretch_of_a_shaft_have_none():
     """A beam alone, a ring on a stiff shaft."""
     ring = catalogue.scene("bearing-9")
     held = replace(ring, solid=replace(ring.solid, screw_held="bore"))
-    assert screw_response_to_end_wrench(CASE, LAYOUT, LADDER["lin"]) is None
-    assert screw_response_to_end_wrench(held, ball_layout(held), REFINED) is None
+    assert compliance_bodies.screw_response_to_end_wrench(CASE, LAYOUT, LADDER["lin"]) is None
+    assert compliance_bodies.screw_response_to_end_wrench(held, ball_layout(held), REFINED) is None

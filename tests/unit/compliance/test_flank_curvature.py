@@ -7,19 +7,7 @@ import pytest
 from scipy.special import ive
 
 from rollbench.compare.scenes import catalogue
-from rollbench.lowfi.compliance.beyond_hertz import (
-    contact_size_correction,
-    half_space_compliance,
-    sphere_self_compliance,
-    sphere_self_compliance_slope,
-    sphere_series_coefficients,
-    sphere_series_expansion,
-)
-from rollbench.lowfi.compliance.groove import (
-    nodal_forces_along_flank_normals,
-    patch_self_motion,
-    symmetric_and_antisymmetric_loads,
-)
+from rollbench.lowfi.compliance import beyond_hertz, groove
 from rollbench.lowfi.compliance.parts import half_groove_of_body, reduce_to_compliance_geometry
 
 pytestmark = pytest.mark.xdist_group("flank")
@@ -40,11 +28,11 @@ def test_curvature_terms_of_cylinder_and_sphere():
     along = A * ive(1, x) ** 2 / (x**2 * ive(0, x) ** 2 - (x**2 + A) * ive(1, x) ** 2)  # long cylinder, pressure cos k z
     around = (A * x - 1 + 2 * NU) / (x**2 - 1)  # disc in plane strain, pressure cos n theta
     n = x - 0.5
-    sphere = float(sphere_series_coefficients(np.array(n), NU))
+    sphere = float(beyond_hertz.sphere_series_coefficients(np.array(n), NU))
     for exact, trace, along_k in ((along, 1, 0), (around, 1, 1), (sphere, 2, 1)):
         remainder = (exact - A / x) * x**2
         assert remainder == pytest.approx(ALPHA * trace + BETA * along_k, abs=2e-2)
-    a, b = sphere_series_expansion(NU)
+    a, b = beyond_hertz.sphere_series_expansion(NU)
     assert (a + 2 * b) / 2 == pytest.approx(2 * ALPHA + BETA, rel=1e-12)
 
 
@@ -61,8 +49,8 @@ def test_mean_direction_in_an_ellipse(ratio):
 
 def test_own_slope_of_a_ball():
     material = catalogue.scene("lin-case1").balls.material
-    one, other = (sphere_self_compliance((s, s), 3e-3, material) for s in (2e-4, 4e-4))
-    assert other - one == pytest.approx(sphere_self_compliance_slope(3e-3, material) * np.log(2.0), rel=1e-9)
+    one, other = (beyond_hertz.sphere_self_compliance((s, s), 3e-3, material) for s in (2e-4, 4e-4))
+    assert other - one == pytest.approx(beyond_hertz.sphere_self_compliance_slope(3e-3, material) * np.log(2.0), rel=1e-9)
 
 
 def nominal_of(flank):
@@ -76,14 +64,14 @@ def test_loads_along_the_normals_move_a_concave_flank_less(flank):
     width = 0.12 * flank.groove_map.ball
     grid = flank.finite_element_grid()
     line = grid.shape[1] - 1
-    load = nodal_forces_along_flank_normals(flank, grid, width, flank.contact_position()[1])
+    load = groove.nodal_forces_along_flank_normals(flank, grid, width, flank.contact_position()[1])
     fixed = np.zeros((*grid.shape, 3))
     fixed[:, line, ::2] = np.linalg.norm(load, axis=1)[:, None] * nominal_of(flank)
-    change = patch_self_motion(flank, grid, symmetric_and_antisymmetric_loads(flank, grid, width), width)
-    change -= patch_self_motion(flank, grid, (fixed, fixed), width)
+    change = groove.patch_self_motion(flank, grid, groove.symmetric_and_antisymmetric_loads(flank, grid, width), width)
+    change -= groove.patch_self_motion(flank, grid, (fixed, fixed), width)
     expected = -(1 - 2 * NU) / (8 * np.pi * flank.material.shear_modulus * 3.254e-3)
     assert 0.9 < change / expected < 1.5
-    assert abs(change) < 0.05 * half_space_compliance(width, flank.material)
+    assert abs(change) < 0.05 * beyond_hertz.half_space_compliance(width, flank.material)
 
 
 def test_a_flat_material_has_no_curvature_terms():
@@ -91,5 +79,5 @@ def test_a_flat_material_has_no_curvature_terms():
     scene = reduce_to_compliance_geometry(catalogue.scene("lin-case1"))
     soft = replace(scene, screw=replace(scene.screw, material=replace(scene.screw.material, poissons_ratio=0.4999999)))
     flank = half_groove_of_body(soft, True)
-    usual = contact_size_correction(half_groove_of_body(scene, True), (4e-4, 1e-4))
-    assert abs(contact_size_correction(flank, (4e-4, 1e-4))) < 1e-5 * abs(usual)
+    usual = beyond_hertz.contact_size_correction(half_groove_of_body(scene, True), (4e-4, 1e-4))
+    assert abs(beyond_hertz.contact_size_correction(flank, (4e-4, 1e-4))) < 1e-5 * abs(usual)

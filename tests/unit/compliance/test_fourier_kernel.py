@@ -10,27 +10,11 @@ from scipy.sparse.linalg import spsolve
 from tests.helpers import relative
 
 from rollbench.compare.scenes import catalogue
+from rollbench.lowfi.compliance import fourier
+from rollbench.lowfi.compliance import tube as compliance_tube
 from rollbench.lowfi.compliance.between import compliance_of_smooth_body, contact_points_and_axes
 from rollbench.lowfi.compliance.beyond_hertz import half_space_compliance, sphere_series_expansion
-from rollbench.lowfi.compliance.fourier import (
-    BodyOfRevolution,
-    circumference_integral_factor,
-    grid_line_compliance,
-    low_end_mean_motion_matrix,
-    tube_grid,
-)
 from rollbench.lowfi.compliance.parts import REFINED, reduce_to_compliance_geometry, smooth_body
-from rollbench.lowfi.compliance.tube import (
-    ContactPoints,
-    SmoothBody,
-    clamped_beam_compliance,
-    contact_compliance,
-    contact_motions_by_rigid_motions,
-    convert_contacts_to_cylindrical,
-    gaussian_weights_on_line,
-    low_end_spring_compliance,
-    tube_compliance,
-)
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Material
 from rollbench.meshes.section import tube_section
@@ -42,7 +26,9 @@ BORE, OUTER = 17.4e-3, 24e-3
 
 
 def tube(elements, rows, length, bore=BORE, outer=OUTER):
-    return BodyOfRevolution(tube_grid(np.linspace(bore, outer, elements + 1), np.linspace(0.0, length, rows + 1)), E, NU)
+    return fourier.BodyOfRevolution(
+        fourier.tube_grid(np.linspace(bore, outer, elements + 1), np.linspace(0.0, length, rows + 1)), E, NU
+    )
 
 
 def nothing(body, kind=float):
@@ -53,7 +39,7 @@ def nothing(body, kind=float):
 def scattered(rng, low, high, count):
     """Contacts all around between two stations, with random axes."""
     z, t = rng.uniform(low, high, count), rng.uniform(-np.pi, np.pi, count)
-    return ContactPoints(t, z, axes_of(rng, count))
+    return compliance_tube.ContactPoints(t, z, axes_of(rng, count))
 
 
 def axes_of(rng, count):
@@ -85,7 +71,7 @@ def plane_ring(n, elements, column, bore=BORE, outer=OUTER):
     held, force = nothing(body, bool), nothing(body)
     held[..., 2] = True
     held[..., 1] = n == 0
-    force[:, column, 0] = (1.0 if column == 0 else -1.0) * circumference_integral_factor(n) * r[column] * simpson(z)
+    force[:, column, 0] = (1.0 if column == 0 else -1.0) * fourier.circumference_integral_factor(n) * r[column] * simpson(z)
     return r, solve(body, n, held, force)[1]
 
 
@@ -126,7 +112,7 @@ def test_torsion_is_exact():
     held, force = nothing(body, bool), nothing(body)
     held[0] = True
     held[..., (0, 2)] = True
-    force[-1, :, 1] = low_end_mean_motion_matrix(body, 0)[1].reshape(-1, 3)[
+    force[-1, :, 1] = fourier.low_end_mean_motion_matrix(body, 0)[1].reshape(-1, 3)[
         :, 1
     ]  # shares in the mean of u_t r over the polar moment
     np.testing.assert_allclose(solve(body, 0, held, force)[..., 1], r * z / (G * polar), rtol=1e-9, atol=1e-22)
@@ -162,7 +148,7 @@ def test_cantilever_tube_is_timoshenkos():
     body = tube(3, 50, length)
     held = nothing(body, bool)
     held[-1] = True
-    means = low_end_mean_motion_matrix(body, 1)
+    means = fourier.low_end_mean_motion_matrix(body, 1)
     force, moment = nothing(body), nothing(body)
     force[0], moment[0] = means.reshape(2, -1, 3)
     z = body.grid.z[:, 0]
@@ -219,9 +205,9 @@ def test_angles_between_contacts_stand_for_both_sets_of_a_harmonic(resultant):
     body = replace(smooth_body(reduce_to_compliance_geometry(catalogue.scene("lin-case1")), True, REFINED), harmonics=4)
     low, high = body.ends
     zone = (0.5 * (low + high) - 10e-3, 0.5 * (low + high) + 10e-3)
-    found = tube_compliance(body, zone)
+    found = compliance_tube.tube_compliance(body, zone)
     points = scattered(rng, zone[0] + 2e-3, zone[1] - 2e-3, 5)
-    weights, k = gaussian_weights_on_line(found.z, points.z, body.patch_width), found.z.size
+    weights, k = compliance_tube.gaussian_weights_on_line(found.z, points.z, body.patch_width), found.z.size
     expected = np.zeros((10, 10))
     for n, line in enumerate(found.line_compliance):
         S = line.full_matrix()[: 3 * k, : 3 * k]
@@ -229,7 +215,7 @@ def test_angles_between_contacts_stand_for_both_sets_of_a_harmonic(resultant):
         for one in harmonic_rows(n, points, weights):
             rows = one.reshape(10, -1)
             expected += share * rows @ S @ rows.T
-    assert relative(contact_compliance(found, points, resultant=resultant), expected) < 1e-12
+    assert relative(compliance_tube.contact_compliance(found, points, resultant=resultant), expected) < 1e-12
 
 
 BIG = 50e-3
@@ -239,9 +225,11 @@ BIG = 50e-3
 def own_compliance(width, harmonics=2.6, size=1.0):
     """Own compliance of a radial Gaussian patch on the middle of a big shaft."""
     count, mesh = int(np.ceil(harmonics * BIG / width)), (1.25 * width * size, 0.6 * width * size)
-    shaft = SmoothBody(10e-3, BIG, (-40e-3, 40e-3), "both", BIG, width, count, mesh, STEEL)
-    points = ContactPoints(np.array([0.4]), np.zeros(1), np.array([[[1.0, 0, 0], [0, 0, 1.0]]]))
-    return contact_compliance(tube_compliance(shaft, (-5.0 * width, 5.0 * width)), points)[0, 0]
+    shaft = compliance_tube.SmoothBody(10e-3, BIG, (-40e-3, 40e-3), "both", BIG, width, count, mesh, STEEL)
+    points = compliance_tube.ContactPoints(np.array([0.4]), np.zeros(1), np.array([[[1.0, 0, 0], [0, 0, 1.0]]]))
+    return compliance_tube.contact_compliance(compliance_tube.tube_compliance(shaft, (-5.0 * width, 5.0 * width)), points)[
+        0, 0
+    ]
 
 
 def test_half_space_limit():
@@ -271,9 +259,9 @@ def test_held_faces_mirror():
     body = smooth_body(reduce_to_compliance_geometry(catalogue.scene("lin-case1")), False, REFINED)
     low = replace(body, ends=(0.0, 54e-3), held="low", harmonics=6)
     points = scattered(np.random.default_rng(0), 8e-3, 46e-3, 6)
-    turned = ContactPoints(points.azimuth, 54e-3 - points.z, points.axes * np.array([1.0, 1.0, -1.0]))
+    turned = compliance_tube.ContactPoints(points.azimuth, 54e-3 - points.z, points.axes * np.array([1.0, 1.0, -1.0]))
     one, other, both = (
-        contact_compliance(tube_compliance(replace(low, held=held), (5e-3, 49e-3)), at)
+        compliance_tube.contact_compliance(compliance_tube.tube_compliance(replace(low, held=held), (5e-3, 49e-3)), at)
         for held, at in (("low", points), ("high", turned), ("both", points))
     )
     assert relative(other, one) < 1e-9
@@ -287,9 +275,9 @@ def test_compliance_of_a_scene_s_contacts_is_symmetric_and_positive_and_converge
     x, axes = contact_points_and_axes(scene, ball_layout(scene), screw)
 
     def compliance(**changes):
-        return contact_compliance(
+        return compliance_tube.contact_compliance(
             compliance_of_smooth_body(geometry, screw, replace(REFINED, **changes)),
-            convert_contacts_to_cylindrical(x, axes),
+            compliance_tube.convert_contacts_to_cylindrical(x, axes),
         )
 
     base = compliance()
@@ -304,10 +292,11 @@ def test_compliance_of_a_scene_s_contacts_is_symmetric_and_positive_and_converge
 
 def test_turning_all_contacts_changes_nothing():
     body = replace(smooth_body(reduce_to_compliance_geometry(catalogue.scene("lin-case1")), False, REFINED), harmonics=5)
-    found = tube_compliance(body, (body.ends[0], body.ends[1]))
+    found = compliance_tube.tube_compliance(body, (body.ends[0], body.ends[1]))
     points = scattered(np.random.default_rng(5), body.ends[0] + 5e-3, body.ends[1] - 5e-3, 4)
     turned, here = (
-        contact_compliance(found, ContactPoints(points.azimuth + by, points.z, points.axes)) for by in (1.234, 0.0)
+        compliance_tube.contact_compliance(found, compliance_tube.ContactPoints(points.azimuth + by, points.z, points.axes))
+        for by in (1.234, 0.0)
     )
     assert relative(turned, here) < 1e-12
 
@@ -320,13 +309,13 @@ def test_line_compliance_is_that_of_the_whole_body():
     for held_end, own_springs in ((True, ()), (False, springs)):
         held = nothing(body, bool)
         held[0] = held_end
-        found = grid_line_compliance(body, range(3), held.ravel(), columns - 1, (2, 7), own_springs)
+        found = fourier.grid_line_compliance(body, range(3), held.ravel(), columns - 1, (2, 7), own_springs)
         watched = (3 * (np.arange(2, 7) * columns + columns - 1)[:, None] + np.arange(3)).ravel()
         for n, S in enumerate(S.full_matrix() for S in (found if held_end else found[:2])):
             K = body.harmonic_stiffness(n).toarray()
             if own_springs:
                 ends = np.zeros((2, 3 * count))
-                ends[:, : 3 * columns] = low_end_mean_motion_matrix(body, n)
+                ends[:, : 3 * columns] = fourier.low_end_mean_motion_matrix(body, n)
                 K += ends.T @ (np.array(springs[2:] if n == 0 else springs[:2])[:, None] * ends)
             free = ~held.ravel()
             dense = np.zeros_like(K)
@@ -334,7 +323,7 @@ def test_line_compliance_is_that_of_the_whole_body():
             rows = np.eye(3 * count)[watched]
             if own_springs:
                 high = np.zeros((2, 3 * count))
-                high[:, -3 * columns :] = low_end_mean_motion_matrix(body, n)
+                high[:, -3 * columns :] = fourier.low_end_mean_motion_matrix(body, n)
                 rows = np.concatenate([rows, high])
             size = np.sqrt(np.diag(S))
             np.testing.assert_allclose(S / size / size[:, None], rows @ dense @ rows.T / size / size[:, None], atol=1e-8)
@@ -342,17 +331,23 @@ def test_line_compliance_is_that_of_the_whole_body():
 
 def far_apart(width, held):
     """Compliance from a far contact to a pair of opposite ones on a shaft, by the kernel and by beam and springs."""
-    shaft = SmoothBody(0.0, 15e-3, (0.0, 0.3), held, 15e-3, width, 8, (2e-3, 1e-3), STEEL)
+    shaft = compliance_tube.SmoothBody(0.0, 15e-3, (0.0, 0.3), held, 15e-3, width, 8, (2e-3, 1e-3), STEEL)
     z = np.array([0.15, 0.15, 0.25])
     t = np.array([0.3, 0.3 + np.pi, -1.0])
     x = np.column_stack([15e-3 * np.cos(t), 15e-3 * np.sin(t), z])
     axes = axes_of(np.random.default_rng(8), 3)
-    found = contact_compliance(tube_compliance(shaft, (0.14, 0.26)), convert_contacts_to_cylindrical(x, axes))
-    beam = clamped_beam_compliance(
-        contact_motions_by_rigid_motions(x, axes), np.repeat(z, 2), shaft.ends, "low", tube_section(30e-3, 0.0, STEEL)
+    found = compliance_tube.contact_compliance(
+        compliance_tube.tube_compliance(shaft, (0.14, 0.26)), compliance_tube.convert_contacts_to_cylindrical(x, axes)
+    )
+    beam = compliance_tube.clamped_beam_compliance(
+        compliance_tube.contact_motions_by_rigid_motions(x, axes),
+        np.repeat(z, 2),
+        shaft.ends,
+        "low",
+        tube_section(30e-3, 0.0, STEEL),
     )
     if held == "section":
-        beam = beam + low_end_spring_compliance(shaft, x, axes)
+        beam = beam + compliance_tube.low_end_spring_compliance(shaft, x, axes)
     return found[:4, 4:], beam[:4, 4:]
 
 

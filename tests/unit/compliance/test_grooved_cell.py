@@ -7,38 +7,26 @@ import pytest
 
 from rollbench.compare.scenes import catalogue
 from rollbench.hifi.shaft.section import stiffness_of_grooved_shaft
-from rollbench.lowfi.compliance import tube
+from rollbench.lowfi.compliance import parts, tube
+from rollbench.lowfi.compliance import tube as compliance_tube
 from rollbench.lowfi.compliance.fourier import BodyOfRevolution, tube_grid
 from rollbench.lowfi.compliance.groove import equivalent_cylinder_radius
-from rollbench.lowfi.compliance.parts import (
-    REFINED,
-    grooved_section,
-    half_groove_of_body,
-    reduce_to_compliance_geometry,
-    smooth_body,
-)
-from rollbench.lowfi.compliance.tube import (
-    flank_profile_points,
-    grooved_beam_section,
-    half_lead_cell_grid,
-    half_lead_stiffness,
-)
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.section import screw_section, tube_section
 
 SCENE = catalogue.scene("lin-case1")
 MAP, STEEL = GrooveMap.from_scene(SCENE), SCENE.screw.material
-LAND, ROOT = 16e-3, float(flank_profile_points(GrooveMap.from_scene(SCENE), 16e-3, True, 17)[0][0])
+LAND, ROOT = 16e-3, float(compliance_tube.flank_profile_points(GrooveMap.from_scene(SCENE), 16e-3, True, 17)[0][0])
 KINDS = {"axial": "EA", "torsion": "GJ", "bending": "EI"}
 
 
 def constants(grid):
     body = BodyOfRevolution(grid, STEEL.youngs_modulus, STEEL.poissons_ratio)
-    return np.array([half_lead_stiffness(body, kind) * float(grid.z[-1, 0]) for kind in KINDS])
+    return np.array([compliance_tube.half_lead_stiffness(body, kind) * float(grid.z[-1, 0]) for kind in KINDS])
 
 
 def of_screw(m=MAP, land=LAND, bore=0.0):
-    return grooved_beam_section(m, land, bore, True, STEEL)
+    return compliance_tube.grooved_beam_section(m, land, bore, True, STEEL)
 
 
 def changed(**track):
@@ -58,17 +46,17 @@ def test_plain_cell_is_exact(bore):
 
 @pytest.mark.parametrize("screw", [True, False], ids=["screw", "nut"])
 def test_refinement(screw):
-    flank = half_groove_of_body(reduce_to_compliance_geometry(SCENE), screw)
+    flank = parts.half_groove_of_body(parts.reduce_to_compliance_geometry(SCENE), screw)
     meshes = [(4, 3, 4), tube.MESH, (16, 10, 16)]
     found = [
-        constants(half_lead_cell_grid(flank.groove_map, flank.land_radius, flank.plain_radius, screw, mesh))
+        constants(compliance_tube.half_lead_cell_grid(flank.groove_map, flank.land_radius, flank.plain_radius, screw, mesh))
         for mesh in meshes
     ]
     np.testing.assert_allclose(found[0], found[2], rtol=5e-3)
     np.testing.assert_allclose(found[1], found[2], rtol=4e-4)
     assert np.all(found[0] >= found[1])
     assert np.all(found[1] >= found[2])
-    section = grooved_section(reduce_to_compliance_geometry(SCENE), screw)
+    section = parts.grooved_section(parts.reduce_to_compliance_geometry(SCENE), screw)
     np.testing.assert_allclose(of_section(section), found[1], rtol=1e-12)
 
 
@@ -83,15 +71,15 @@ def test_screw_and_nut_between_root_and_land():
     section = of_screw()
     between(section, (2 * ROOT, 0.0), (2 * LAND, 0.0))
     assert ROOT < section.equivalent_radii[0] < LAND
-    volume = equivalent_cylinder_radius(half_groove_of_body(reduce_to_compliance_geometry(SCENE), True), 2)
+    volume = equivalent_cylinder_radius(parts.half_groove_of_body(parts.reduce_to_compliance_geometry(SCENE), True), 2)
     assert all(ROOT < r < volume for r in section.equivalent_radii)
     assert of_section(section.section)[0] < screw_section(SCENE).EA
     for name, radius in zip(("EA", "EI", "GJ"), section.equivalent_radii, strict=True):
         plain = getattr(tube_section(2 * radius, 0.0, STEEL), name)
         assert plain == pytest.approx(getattr(section.section, name), rel=1e-12)
-    flank = half_groove_of_body(reduce_to_compliance_geometry(SCENE), False)
-    section = grooved_beam_section(flank.groove_map, flank.land_radius, flank.plain_radius, False, STEEL)
-    root = float(flank_profile_points(flank.groove_map, flank.land_radius, False, 17)[0][0])
+    flank = parts.half_groove_of_body(parts.reduce_to_compliance_geometry(SCENE), False)
+    section = compliance_tube.grooved_beam_section(flank.groove_map, flank.land_radius, flank.plain_radius, False, STEEL)
+    root = float(compliance_tube.flank_profile_points(flank.groove_map, flank.land_radius, False, 17)[0][0])
     between(section, (2 * flank.plain_radius, 2 * root), (2 * flank.plain_radius, 2 * flank.land_radius))
     assert all(flank.land_radius < r < root for r in section.equivalent_radii)
 
@@ -132,10 +120,10 @@ def test_the_helix_changes_half_a_per_cent():
 @pytest.mark.parametrize("name", ["lin-case1", "unseen-40x10", "liu-drawn"])
 def test_the_layer_is_as_stiff_as_the_grooved_section(name):
     """EA and GJ are what its two powers are chosen for, beside a body whose layer may widen; EI follows."""
-    geometry = reduce_to_compliance_geometry(catalogue.scene(name))
-    layered, grooved = smooth_body(geometry, False, REFINED).section, grooved_section(geometry, False)
+    geometry = parts.reduce_to_compliance_geometry(catalogue.scene(name))
+    layered, grooved = parts.smooth_body(geometry, False, parts.REFINED).section, parts.grooved_section(geometry, False)
     assert of_section(layered) == pytest.approx(of_section(grooved), rel=8e-3)
-    plain = smooth_body(geometry, False, replace(REFINED, bore="ring")).section
+    plain = parts.smooth_body(geometry, False, replace(parts.REFINED, bore="ring")).section
     assert plain.EA > 1.02 * grooved.EA  # rings alone are too stiff along the axis
 
 
@@ -143,7 +131,7 @@ def test_a_bearing_s_outer_ring_is_a_tube_of_its_outer_diameter():
     """EA = E pi (R^2 - r^2) and 4 EI / EA = R^2 + r^2 give both radii; the inner one is that of the bore's volume, two arcs
     that meet at the apex, between cylindrical lands."""
     scene = catalogue.scene("bearing-9")
-    section, E = grooved_section(reduce_to_compliance_geometry(scene), False), scene.nut.material.youngs_modulus
+    section, E = parts.grooved_section(parts.reduce_to_compliance_geometry(scene), False), scene.nut.material.youngs_modulus
     difference, total = section.EA / (np.pi * E), 4.0 * section.EI / section.EA
     outer, inner = np.sqrt(0.5 * (total + difference)), np.sqrt(0.5 * (total - difference))
     assert outer == pytest.approx(scene.nut.outer_diameter / 2.0, rel=1e-9)
@@ -151,5 +139,5 @@ def test_a_bearing_s_outer_ring_is_a_tube_of_its_outer_diameter():
     beside, above = (f(angle) * (radius - scene.balls.radius) for f in (np.sin, np.cos))
     across = np.linspace(0.0, scene.nut.length / 2.0, 20_001) + beside
     arc = scene.track.pitch_radius - above + np.sqrt(np.maximum(radius**2 - across**2, 0.0))
-    bore = np.maximum(arc, half_groove_of_body(reduce_to_compliance_geometry(scene), False).land_radius)
+    bore = np.maximum(arc, parts.half_groove_of_body(parts.reduce_to_compliance_geometry(scene), False).land_radius)
     assert inner == pytest.approx(np.sqrt((bore**2).mean()), rel=1e-3)

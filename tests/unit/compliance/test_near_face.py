@@ -9,24 +9,12 @@ from rollbench.compare.models.registry import ModelOptions, run_model
 from rollbench.compare.scenes import scene_file
 from rollbench.compare.scenes.catalogue import scene
 from rollbench.compare.studies.survey import SEED, random_screw_scene_text
-from rollbench.lowfi.compliance import faces
-from rollbench.lowfi.compliance.between import (
-    groove_and_face_compliance,
-    groove_and_face_compliance_of_body,
-    nut_beam_compliance,
-    smooth_body_compliance_beyond_beam,
-)
+from rollbench.lowfi.compliance import between, faces
+from rollbench.lowfi.compliance import parts as compliance_parts
 from rollbench.lowfi.compliance.beyond_hertz import NARROW, half_space_compliance
 from rollbench.lowfi.compliance.bodies import clear_compliance_cache
 from rollbench.lowfi.compliance.fourier import BodyOfRevolution, QuadrilateralGrid, solve_harmonic_displacements
 from rollbench.lowfi.compliance.groove import patch_self_motion, sampled_harmonics, symmetric_and_antisymmetric_loads
-from rollbench.lowfi.compliance.parts import (
-    REFINED,
-    grooved_section,
-    half_groove_of_body,
-    reduce_to_compliance_geometry,
-    smooth_body,
-)
 from rollbench.meshes.helix import ball_layout
 
 pytestmark = pytest.mark.xdist_group("near face")
@@ -35,8 +23,12 @@ pytestmark = pytest.mark.xdist_group("near face")
 @pytest.fixture(scope="module")
 def case():
     """Geometry of case 1, its nut's flank and smooth body."""
-    parts = reduce_to_compliance_geometry(scene("lin-case1"))
-    return parts, half_groove_of_body(parts, False), smooth_body(parts, False, REFINED)
+    parts = compliance_parts.reduce_to_compliance_geometry(scene("lin-case1"))
+    return (
+        parts,
+        compliance_parts.half_groove_of_body(parts, False),
+        compliance_parts.smooth_body(parts, False, compliance_parts.REFINED),
+    )
 
 
 @pytest.mark.parametrize("name", ["lin-case1", "unseen-40x10"])
@@ -44,8 +36,11 @@ def case():
 def test_a_cut_is_a_body_of_its_own(name, held):
     """One factor of the longest body gives the motion of a shorter one, meshed and solved alone: harmonic 3, loads on the
     own groove and on that behind, along the normals and across them."""
-    parts = reduce_to_compliance_geometry(scene(name))
-    flank, smooth = half_groove_of_body(parts, False), smooth_body(parts, False, REFINED)
+    parts = compliance_parts.reduce_to_compliance_geometry(scene(name))
+    flank, smooth = (
+        compliance_parts.half_groove_of_body(parts, False),
+        compliance_parts.smooth_body(parts, False, compliance_parts.REFINED),
+    )
     grid, cuts = faces.grooved_body_grid(flank, faces.FAR.mesh)
     k, n, width = 3, 3, NARROW * flank.groove_map.ball
     loads = faces.flank_patch_loads(flank, grid, cuts, width, 2)
@@ -66,11 +61,14 @@ def test_a_cut_is_a_body_of_its_own(name, held):
 def whole(parts):
     """Compliance ``(2, N, 2, N)`` [um/kN] of the nut between contacts of both flanks (left first) along their normals, but
     for what all contacts have in common."""
-    layout, flank = ball_layout(parts), half_groove_of_body(reduce_to_compliance_geometry(parts), False)
+    layout, flank = (
+        ball_layout(parts),
+        compliance_parts.half_groove_of_body(compliance_parts.reduce_to_compliance_geometry(parts), False),
+    )
     G = (
-        smooth_body_compliance_beyond_beam(parts, layout, False, REFINED)
-        + nut_beam_compliance(parts, layout)
-        + groove_and_face_compliance(parts, layout, False, REFINED)
+        between.smooth_body_compliance_beyond_beam(parts, layout, False, compliance_parts.REFINED)
+        + between.nut_beam_compliance(parts, layout)
+        + between.groove_and_face_compliance(parts, layout, False, compliance_parts.REFINED)
     )
     normal = flank.groove_map.signs[2:] * np.array([np.cos(flank.groove_map.beta), np.sin(flank.groove_map.beta)])
     count = layout.z.size
@@ -88,7 +86,7 @@ def test_a_lip_is_soft_and_a_clamp_is_stiff(case):
     parts, flank, _ = case
     compliance = own(scene("lin-case1"), 1)
     assert compliance[[-1, -2]] - compliance[16] == pytest.approx([1.756, 1.352], rel=0.04)
-    found = groove_and_face_compliance_of_body(parts, False, REFINED)
+    found = between.groove_and_face_compliance_of_body(parts, False, compliance_parts.REFINED)
     distance = np.array([2.05, 2.50]) * flank.groove_map.ball + found.contact_to_mid_groove
     assert (found.compliance_by_face(True, np.zeros(2), distance)[:, 0, 0, 0, 0] < 0.0).all()
     assert found.compliance_by_face(False, np.zeros(1), np.array([1.0]))[0] == pytest.approx(
@@ -115,14 +113,15 @@ def test_both_faces_are_told_apart(name):
     mirror image."""
     parts = scene(name)
     grid, cuts = faces.grooved_body_grid(
-        half_groove_of_body(reduce_to_compliance_geometry(parts), False), faces.BESIDE_FACE.mesh
+        compliance_parts.half_groove_of_body(compliance_parts.reduce_to_compliance_geometry(parts), False),
+        faces.BESIDE_FACE.mesh,
     )
     assert cuts[-1] == len(grid.z) - 1
     assert grid.z[::-1] == pytest.approx(-grid.z, abs=1e-15)
     assert grid.r[::-1] == pytest.approx(grid.r, abs=1e-15)
-    here = groove_and_face_compliance(parts, ball_layout(parts), False, REFINED)
+    here = between.groove_and_face_compliance(parts, ball_layout(parts), False, compliance_parts.REFINED)
     other = replace(parts, solid=replace(parts.solid, nut_held="right face"))
-    turned = groove_and_face_compliance(other, ball_layout(other), False, REFINED)
+    turned = between.groove_and_face_compliance(other, ball_layout(other), False, compliance_parts.REFINED)
     shape, sign = (2, ball_layout(parts).z.size, 2), np.array([1.0, -1.0])
     back = turned.reshape(*shape, *shape)[::-1, ::-1, :, ::-1, ::-1] * sign * sign[:, None, None, None]
     assert here.reshape(*shape, *shape) == pytest.approx(back, abs=1e-9 * np.abs(here).max())
@@ -132,7 +131,7 @@ def test_the_free_face_is_the_other_one():
     """The nut of case 1 is held at its left face: beyond the smooth body its last right contact gains, its first left one
     loses."""
     layout = ball_layout(scene("lin-case1"))
-    G = groove_and_face_compliance(scene("lin-case1"), layout, False, REFINED).reshape(
+    G = between.groove_and_face_compliance(scene("lin-case1"), layout, False, compliance_parts.REFINED).reshape(
         2, layout.z.size, 2, 2, layout.z.size, 2
     )
     left, right = (np.einsum("iaia->i", G[side, :, :, side]) for side in (0, 1))
@@ -144,7 +143,7 @@ def test_short_lands_are_softer():
     """Grooves 1.57 ball radii from mid land to mid land: beyond the beam, 3D own compliance of a middle contact is
     0.96 um/kN above that of a cell of half a lead clamped at its end and outer surface."""
     parts = scene("unseen-40x10")
-    flank, middle = half_groove_of_body(reduce_to_compliance_geometry(parts), False), 28
+    flank, middle = compliance_parts.half_groove_of_body(compliance_parts.reduce_to_compliance_geometry(parts), False), 28
     width = NARROW * flank.groove_map.ball
     cell = patch_self_motion(
         flank,
@@ -152,12 +151,14 @@ def test_short_lands_are_softer():
         symmetric_and_antisymmetric_loads(flank, flank.finite_element_grid(), width),
         width,
     )
-    beam = nut_beam_compliance(parts, ball_layout(parts)).reshape(2, -1, 2, 2, ball_layout(parts).z.size, 2)[
+    beam = between.nut_beam_compliance(parts, ball_layout(parts)).reshape(2, -1, 2, 2, ball_layout(parts).z.size, 2)[
         1, middle, :, 1, middle
     ]
     normal = flank.groove_map.signs[3] * np.array([np.cos(flank.groove_map.beta), np.sin(flank.groove_map.beta)])
     softer = (
-        groove_and_face_compliance_of_body(reduce_to_compliance_geometry(parts), False, REFINED).self_compliance
+        between.groove_and_face_compliance_of_body(
+            compliance_parts.reduce_to_compliance_geometry(parts), False, compliance_parts.REFINED
+        ).self_compliance
         + half_space_compliance(width, flank.material)
         - cell
     )
@@ -176,7 +177,7 @@ def test_a_land_between_two_contacts():
 def test_far_from_a_face_it_does_not_matter_how_the_face_is_held(case):
     """Between radii that hold nothing of the nut (those of a flange's annulus) as over the whole face."""
     parts, flank, smooth = case
-    section, angle = grooved_section(parts, False), np.array([0.0, 0.1, 0.4])
+    section, angle = compliance_parts.grooved_section(parts, False), np.array([0.0, 0.1, 0.4])
     whole_face, annulus = (
         faces.compute_groove_and_face_compliance(flank, smooth, section, radii, has_near_face=False)
         for radii in ((0.0, np.inf), (1.1 * smooth.outer_radius, 1.5 * smooth.outer_radius))

@@ -8,14 +8,7 @@ import scipy.sparse as sp
 from scipy.sparse.linalg import spsolve
 from scipy.special import eval_legendre
 
-from rollbench.lowfi.compliance.beyond_hertz import (
-    MEAN_LOG,
-    sphere_compliance,
-    sphere_self_compliance,
-    sphere_series_coefficients,
-    sphere_series_expansion,
-)
-from rollbench.lowfi.compliance.fourier import BodyOfRevolution, QuadrilateralGrid, add_mid_nodes, quadratic_shape_functions
+from rollbench.lowfi.compliance import beyond_hertz, fourier
 from rollbench.meshes.parts import Material
 
 STEEL, RADIUS = Material(210e9, 0.28), 2.778e-3
@@ -26,7 +19,7 @@ POISSON = (0.0, 0.28, 0.45)
 def summed(cosine, poisson, terms=4000):
     """Sum of (2 n + 1) c_n P_n by second means, which converge where the series does not; their 1/terms extrapolated."""
     n = np.arange(2 * terms)
-    x = (2 * n + 1) * sphere_series_coefficients(n, poisson) * eval_legendre(n, cosine)
+    x = (2 * n + 1) * beyond_hertz.sphere_series_coefficients(n, poisson) * eval_legendre(n, cosine)
 
     def mean(count):
         return float(x[:count] @ ((1.0 - n[:count] / count) * (1.0 - n[:count] / (count + 1.0))))
@@ -40,7 +33,7 @@ def test_series_against_its_sum(angle, poisson):
     material = Material(210e9, poisson)
     cosine = np.cos(np.radians(angle))
     unit = 8.0 * np.pi * material.shear_modulus * RADIUS
-    found = unit * sphere_compliance(cosine, RADIUS, material)
+    found = unit * beyond_hertz.sphere_compliance(cosine, RADIUS, material)
     assert found == pytest.approx(summed(cosine, poisson), rel=1e-5, abs=2e-5)
 
 
@@ -49,20 +42,20 @@ def test_share_of_every_wave():
     node, weight = np.polynomial.legendre.leggauss(200)
     s = 0.5 * (node + 1.0)  # sin(t/2), which takes the singularity out
     cosine = 1.0 - 2.0 * s * s
-    found = np.array([UNIT * sphere_compliance(x, RADIUS, STEEL) for x in cosine])
+    found = np.array([UNIT * beyond_hertz.sphere_compliance(x, RADIUS, STEEL) for x in cosine])
     for k in (0, 1, 2, 3, 7):
         share = (weight * s) @ (found * eval_legendre(k, cosine))
-        assert share == pytest.approx(float(sphere_series_coefficients(np.array(float(k)), 0.28)), abs=2e-6)
+        assert share == pytest.approx(float(beyond_hertz.sphere_series_coefficients(np.array(float(k)), 0.28)), abs=2e-6)
 
 
 def test_small_angle_is_the_half_space():
     """(1 - nu^2)/(pi E d) at a distance d, and the logarithm of curvature beyond it."""
     nu, E = STEEL.poissons_ratio, STEEL.youngs_modulus
-    a, b = sphere_series_expansion(nu)
+    a, b = beyond_hertz.sphere_series_expansion(nu)
     rest = []
     for angle in (1e-2, 1e-3, 1e-4):
         distance = 2.0 * RADIUS * np.sin(0.5 * angle)
-        found = sphere_compliance(np.cos(angle), RADIUS, STEEL)
+        found = beyond_hertz.sphere_compliance(np.cos(angle), RADIUS, STEEL)
         space = (1 - nu**2) / (np.pi * E * distance)
         assert found == pytest.approx(space, rel=2.0 * angle * np.log(1.0 / angle), abs=0.0)
         rest.append(UNIT * (found - space) + (a + 2 * b) * np.log(0.5 * angle))
@@ -81,7 +74,10 @@ def disc_average(radius, count=24):
     nu, E = STEEL.poissons_ratio, STEEL.youngs_modulus
     cosine = 1.0 - 0.5 * (distance / RADIUS) ** 2
     table = np.geomspace(distance.min(), distance.max(), 60)
-    value = [sphere_compliance(1.0 - 0.5 * (d / RADIUS) ** 2, RADIUS, STEEL) - (1 - nu**2) / (np.pi * E * d) for d in table]
+    value = [
+        beyond_hertz.sphere_compliance(1.0 - 0.5 * (d / RADIUS) ** 2, RADIUS, STEEL) - (1 - nu**2) / (np.pi * E * d)
+        for d in table
+    ]
     assert cosine.min() > 0.9
     beyond = np.interp(np.log(distance), np.log(table), value).reshape(a.shape).mean(axis=2)
     return float(density @ beyond @ density)
@@ -90,15 +86,17 @@ def disc_average(radius, count=24):
 @pytest.mark.parametrize("share", [0.05, 0.1])
 def test_own_compliance_is_the_mean_over_the_contact(share):
     size = share * RADIUS
-    assert sphere_self_compliance((size, size), RADIUS, STEEL) == pytest.approx(disc_average(size), rel=0.02, abs=0.0)
-    first = sphere_self_compliance((1.2 * size, 0.8 * size), RADIUS, STEEL)
-    assert first == pytest.approx(sphere_self_compliance((size, size), RADIUS, STEEL), rel=1e-12, abs=0.0)
-    a, b = sphere_series_expansion(STEEL.poissons_ratio)
-    shift = sphere_self_compliance((size, size), RADIUS, STEEL) - sphere_self_compliance(
+    assert beyond_hertz.sphere_self_compliance((size, size), RADIUS, STEEL) == pytest.approx(
+        disc_average(size), rel=0.02, abs=0.0
+    )
+    first = beyond_hertz.sphere_self_compliance((1.2 * size, 0.8 * size), RADIUS, STEEL)
+    assert first == pytest.approx(beyond_hertz.sphere_self_compliance((size, size), RADIUS, STEEL), rel=1e-12, abs=0.0)
+    a, b = beyond_hertz.sphere_series_expansion(STEEL.poissons_ratio)
+    shift = beyond_hertz.sphere_self_compliance((size, size), RADIUS, STEEL) - beyond_hertz.sphere_self_compliance(
         (2 * size, 2 * size), RADIUS, STEEL
     )
     assert UNIT * shift == pytest.approx((a + 2 * b) * np.log(2.0), rel=1e-12, abs=0.0)
-    assert pytest.approx(11.0 / 12.0 - (2.0 + 2.0 / 3.0 - 2.0 * np.log(2.0))) == MEAN_LOG
+    assert pytest.approx(11.0 / 12.0 - (2.0 + 2.0 / 3.0 - 2.0 * np.log(2.0))) == beyond_hertz.MEAN_LOG
 
 
 @cache
@@ -109,13 +107,15 @@ def pressed_sphere(count, size):
     motion over the pressure. A hole of 3 % of the radius is left at the centre.
     """
     share = np.linspace(0.0, 1.0, count + 1)
-    t = add_mid_nodes(np.concatenate([0.5 * np.pi * share**2.5, np.pi - 0.5 * np.pi * share[-2::-1] ** 1.3]))
-    rho = add_mid_nodes(RADIUS * (1.0 - 0.97 * np.linspace(1.0, 0.0, count + 1) ** 2.5))
+    t = fourier.node_positions_with_mid_nodes(
+        np.concatenate([0.5 * np.pi * share**2.5, np.pi - 0.5 * np.pi * share[-2::-1] ** 1.3])
+    )
+    rho = fourier.node_positions_with_mid_nodes(RADIUS * (1.0 - 0.97 * np.linspace(1.0, 0.0, count + 1) ** 2.5))
     r, z = rho * np.sin(t)[::-1, None], rho * np.cos(t)[::-1, None]
     r[0] = r[-1] = 0.0
-    body = BodyOfRevolution(QuadrilateralGrid(r, z), STEEL.youngs_modulus, STEEL.poissons_ratio)
+    body = fourier.BodyOfRevolution(fourier.QuadrilateralGrid(r, z), STEEL.youngs_modulus, STEEL.poissons_ratio)
     node, weight = np.polynomial.legendre.leggauss(40)
-    N = quadratic_shape_functions(node)[0]
+    N = fourier.quadratic_shape_functions(node)[0]
     area, loaded, wave, first = np.zeros_like(t), np.zeros_like(t), np.zeros_like(t), 0.0
     for k in range(0, t.size - 2, 2):
         at, w = N @ t[k : k + 3], 0.5 * (t[k + 2] - t[k]) * weight
@@ -147,7 +147,9 @@ def test_finite_elements(degrees):
     t, u, _ = pressed_sphere(24, 0.06 * RADIUS)
     k = int(abs(t - np.radians(degrees)).argmin())
     assert np.degrees(t[k]) == pytest.approx(degrees, abs=1.0)
-    assert UNIT * u[k] == pytest.approx(UNIT * sphere_compliance(np.cos(t[k]), RADIUS, STEEL), rel=3e-3, abs=0.012)
+    assert UNIT * u[k] == pytest.approx(
+        UNIT * beyond_hertz.sphere_compliance(np.cos(t[k]), RADIUS, STEEL), rel=3e-3, abs=0.012
+    )
 
 
 @pytest.mark.parametrize("share", [0.06, 0.12])
@@ -157,4 +159,4 @@ def test_own_compliance_by_finite_elements(share):
     space = 0.6 * (1 - STEEL.poissons_ratio**2) / (STEEL.youngs_modulus * size)
     beyond = pressed_sphere(32, size)[2] - space
     assert beyond < -0.04 * space
-    assert beyond == pytest.approx(sphere_self_compliance((size, size), RADIUS, STEEL), abs=3e-3 * space)
+    assert beyond == pytest.approx(beyond_hertz.sphere_self_compliance((size, size), RADIUS, STEEL), abs=3e-3 * space)

@@ -9,34 +9,9 @@ import pytest
 
 from rollbench.compare import errors
 from rollbench.compare.reference import estimate
+from rollbench.compare.studies.crosscheck import results, study
 from rollbench.compare.studies.crosscheck import study as crosscheck_study
 from rollbench.compare.studies.crosscheck.deck import DeckOptions
-from rollbench.compare.studies.crosscheck.results import (
-    LENGTHS,
-    BodyMesh,
-    CalculixRun,
-    CalculixRunsOfScene,
-    agreement_sentence,
-    compare_contact_loads,
-    element_error,
-    extrapolate_loads,
-    load_calculix_results,
-    path_of_stored_results,
-    runs_with_common_contact_stiffness,
-    save_calculix_results,
-    shipped_results_folder,
-)
-from rollbench.compare.studies.crosscheck.study import (
-    STUDIES,
-    CalculixResult,
-    deck_digest,
-    deck_folder_name,
-    digest_of_shipped_scene,
-    read_forces_and_displacements,
-    read_iterations_and_correction,
-    scene_compared_with_calculix,
-    solve_decks_of_scene,
-)
 
 DAT = """
  displacements (vx,vy,vz) for set BALL1_WEAK and time  0.1000000E+01
@@ -71,23 +46,23 @@ CVG = """SUMMARY OF C0NVERGENCE INFORMATION
 """
 #: Limit, what elements add to it at e = 1 and the contact law at 2e17 Pa/m, order and length of the elements' error.
 LIMIT = np.array([[500.0, 0.0, 0.0, 480.0], [250.0, 40.0, 41.0, 260.0]])
-MESH, SOFT, ORDER, LENGTH = 0.05 * LIMIT + 1.0 * (LIMIT > 0.0), -0.004 * LIMIT, 3.0, LENGTHS[10]
+MESH, SOFT, ORDER, LENGTH = 0.05 * LIMIT + 1.0 * (LIMIT > 0.0), -0.004 * LIMIT, 3.0, results.LENGTHS[10]
 
 
-def a_run(b_over_h: float, growth: float, stiffness: float = 2e17, **changes) -> CalculixRun:
+def a_run(b_over_h: float, growth: float, stiffness: float = 2e17, **changes) -> results.CalculixRun:
     """A run of loads that obey the law of the fit, with contacts of one semi-axis."""
-    e = element_error(np.array(1.0 / (b_over_h * LENGTH)), np.array(growth), ORDER)
+    e = results.relative_element_error(np.array(1.0 / (b_over_h * LENGTH)), np.array(growth), ORDER)
     found = LIMIT + MESH * e + SOFT * (2e17 / stiffness)
     count = int(1000 * b_over_h / growth)
-    meshes = (BodyMesh("SCREW", count, 40, 0.2), BodyMesh("NUT", 200, 80, 0.1))
+    meshes = (results.BodyMesh("SCREW", count, 40, 0.2), results.BodyMesh("NUT", 200, 80, 0.1))
     choices, weak, unbalanced = (b_over_h, growth, stiffness, 1e3, False), 0.005, 1e-4
     effort = 12, 1e-3, 60.0, "2026-01-01", "CalculiX 2.20"
-    return replace(CalculixRun(*choices, 1e-4, "0" * 16, meshes, found, weak, unbalanced, *effort), **changes)
+    return replace(results.CalculixRun(*choices, 1e-4, "0" * 16, meshes, found, weak, unbalanced, *effort), **changes)
 
 
 RUNS = tuple(a_run(*mesh) for mesh in ((0.8, 0.6), (1.1, 0.6), (1.5, 0.6), (1.1, 0.8), (1.1, 0.4), (1.1, 0.6, 1e18)))
 RUNS += (a_run(1.5, 0.6, nlgeom=True, load=2.0 * LIMIT),)
-DATA = CalculixRunsOfScene("two-balls", "k", "0", "4", RUNS)
+DATA = results.CalculixRunsOfScene("two-balls", "k", "0", "4", RUNS)
 
 
 def ours(loads: list[np.ndarray]) -> estimate.Reference:
@@ -98,20 +73,27 @@ def ours(loads: list[np.ndarray]) -> estimate.Reference:
 
 
 def test_what_calculix_prints_is_read_and_a_deck_known_by_what_it_says():
-    forces, moved = read_forces_and_displacements(DAT)
+    forces, moved = study.read_forces_and_displacements(DAT)
     assert forces == {"BALL1_SL": (300.0, -2.01252e-5, 400.0)}
     assert moved == {"BALL1_WEAK": {15095: (1.828532e-3, 8.032547e-4, 2.913913e-3)}}
-    assert read_iterations_and_correction(CVG) == (2, 1.133e-3)
+    assert study.read_iterations_and_correction(CVG) == (2, 1.133e-3)
     plain, remark, controls = "*NODE\n1, 2\n", "** remark\n*NODE\n1, 2", "*CONTROLS, X\n4, 8\n*NODE\n1, 2\n"
-    assert deck_digest(plain) == deck_digest(remark) == deck_digest(controls) != deck_digest("*NODE\n1, 3\n")
+    assert (
+        study.deck_digest(plain)
+        == study.deck_digest(remark)
+        == study.deck_digest(controls)
+        != study.deck_digest("*NODE\n1, 3\n")
+    )
 
 
 def test_loads_that_obey_the_law_are_extrapolated_exactly():
     """Equal loads on all contacts, so that all have one semi-axis."""
-    found = extrapolate_loads([replace(r, load=np.where(r.load > 0.0, r.load[0, 0], 0.0)) for r in RUNS])
+    found = results.extrapolate_calculix_loads([replace(r, load=np.where(r.load > 0.0, r.load[0, 0], 0.0)) for r in RUNS])
     assert (found.error_order, found.field_length) == (ORDER, LENGTH)
     np.testing.assert_allclose(found.load, 500.0 * (LIMIT > 0.0), atol=1e-6)
-    finest = min(element_error(np.array(1.0 / (r.b_over_h * LENGTH)), np.array(r.growth), ORDER) for r in RUNS)
+    finest = min(
+        results.relative_element_error(np.array(1.0 / (r.b_over_h * LENGTH)), np.array(r.growth), ORDER) for r in RUNS
+    )
     np.testing.assert_allclose(found.uncertainty, 0.1 * 26.0 * finest * (LIMIT > 0.0), atol=1e-5)
     assert (found.element_size_effect[0, 0], found.contact_stiffness_effect[0, 0]) == pytest.approx((26.0 * finest, -2.0))
     assert found.unvaried_options == ()
@@ -124,13 +106,13 @@ def test_the_error_of_elements_is_that_of_its_derivation():
     energy = c / (c + d) ** 2
     assert np.trapezoid(energy, d) == pytest.approx(1.0, rel=1e-4)
     found = np.trapezoid(((h + g * d) / (c + d)) ** p * energy, d)
-    assert element_error(np.array(h / c), np.array(g), p) == pytest.approx(found, rel=1e-4)
+    assert results.relative_element_error(np.array(h / c), np.array(g), p) == pytest.approx(found, rel=1e-4)
 
 
 FAMILY = ((0.6, 0.8), (0.8, 0.6), (1.2, 0.4), (1.6, 0.3))
 
 
-def manufactured(noise: float) -> tuple[np.ndarray, list[CalculixRun]]:
+def manufactured(noise: float) -> tuple[np.ndarray, list[results.CalculixRun]]:
     """Limits of 64 contacts and runs of another law than the fit's: an error of order 3 at the contacts, one of order 4 of
     the growth and their product, in shares of every contact's own; meshes of one size differ by ``noise`` of their e."""
     rng = np.random.default_rng(7)
@@ -150,7 +132,7 @@ def test_the_uncertainty_covers_what_the_law_leaves_out_and_shows_scatter():
     extrapolated = []
     for noise, most in ((0.02, 2.5), (0.1, 5.0)):
         limit, runs = manufactured(noise)
-        found = extrapolate_loads(runs)
+        found = results.extrapolate_calculix_loads(runs)
         off, finest = np.abs(found.load - limit), np.abs(runs[-1].load - limit)
         assert np.mean(off <= found.uncertainty) >= 0.95
         assert off.mean() < 0.8 * finest.mean()
@@ -166,8 +148,8 @@ def test_the_uncertainty_covers_what_the_law_leaves_out_and_shows_scatter():
 def test_too_few_runs_are_refused_and_what_is_not_varied_is_named_and_two_meshes_give_a_range():
     for kept, why in ((RUNS[1:2] + RUNS[5:6], "one mesh only"), ((RUNS[0], RUNS[5]), "in the contact stiffness alone")):
         with pytest.raises(ValueError, match=why):
-            extrapolate_loads(kept)
-    found = extrapolate_loads(RUNS[:2])
+            results.extrapolate_calculix_loads(kept)
+    found = results.extrapolate_calculix_loads(RUNS[:2])
     assert found.unvaried_options == ("growth", "contact stiffness")
     assert not found.contact_stiffness_effect.any()
     two = [r.load for r in RUNS[:2]]
@@ -175,49 +157,51 @@ def test_too_few_runs_are_refused_and_what_is_not_varied_is_named_and_two_meshes
 
 
 def test_results_are_kept_with_all_that_identifies_them(tmp_path):
-    save_calculix_results(tmp_path, DATA)
-    again = load_calculix_results(tmp_path, "two-balls")
+    results.save_calculix_results(tmp_path, DATA)
+    again = results.load_calculix_results(tmp_path, "two-balls")
     for one, two in zip(again.runs, RUNS, strict=True):
         np.testing.assert_allclose(one.load, two.load, rtol=1e-6)
         assert replace(one, load=0) == replace(two, load=0)
     assert (again.key, again.gmsh, again.runs[0].nodes) == ("k", "4", 1533)
-    assert load_calculix_results(tmp_path, "other") is None
-    plain = json.loads(path_of_stored_results(tmp_path, "two-balls").read_text())
+    assert results.load_calculix_results(tmp_path, "other") is None
+    plain = json.loads(results.path_of_calculix_results(tmp_path, "two-balls").read_text())
     bad = {**plain["runs"][0], "load": [1.0]}
     for broken in ({**plain, "runs": [{}]}, {**plain, "more": 1}, [], {**plain, "runs": [bad]}):
-        path_of_stored_results(tmp_path, "two-balls").write_text(json.dumps(broken))
+        results.path_of_calculix_results(tmp_path, "two-balls").write_text(json.dumps(broken))
         with pytest.raises(errors.InputError, match="results that rollbench crosscheck wrote"):
-            load_calculix_results(tmp_path, "two-balls")
+            results.load_calculix_results(tmp_path, "two-balls")
 
 
 def test_rows_compare_limits_in_per_cent_of_the_mean_load():
-    assert [r.nodes for r in runs_with_common_contact_stiffness(DATA)] == sorted(r.nodes for r in RUNS[:5])
+    assert [r.nodes for r in results.runs_with_common_contact_stiffness(DATA)] == sorted(r.nodes for r in RUNS[:5])
     off = LIMIT.copy()
     off[1, 1] += 5.0
-    rows = compare_contact_loads(DATA, ours([off, off, off]))
+    rows = results.compare_contact_loads(DATA, ours([off, off, off]))
     assert len(rows) == 6
     mean = off[off > 0.0].mean()
     worst = next(r for r in rows if (r.ball, r.side) == (2, "SR"))
     assert worst.difference == pytest.approx(100.0 * 5.0 / mean, abs=0.1)
     assert worst.cells()["b/h 0.8, g 0.6"] == pytest.approx(RUNS[0].load[1, 1])
     assert worst.ours_percent == pytest.approx(100.0 * 2.0 / mean)
-    said = agreement_sentence("two-balls", rows)
+    said = results.agreement_sentence("two-balls", rows)
     assert "NOT within 0.5 %" in said
     assert "ball 2 SR" in said
     assert "1 of 6 contacts differ by more" in said  # by 5 N; 2 N are the reference's own uncertainty
-    assert "0 of 6 contacts differ by more" in agreement_sentence("two-balls", [replace(r, ours_percent=2.0) for r in rows])
+    assert "0 of 6 contacts differ by more" in results.agreement_sentence(
+        "two-balls", [replace(r, ours_percent=2.0) for r in rows]
+    )
 
 
-@pytest.mark.parametrize("name", STUDIES)
+@pytest.mark.parametrize("name", study.STUDIES)
 def test_stored_results_are_those_of_the_shipped_scenes(name):
-    data = load_calculix_results(shipped_results_folder(), name)
-    assert data.key == digest_of_shipped_scene(name)
-    assert [deck_folder_name(o) for o in STUDIES[name]] == [deck_folder_name(r) for r in data.runs]
+    data = results.load_calculix_results(results.shipped_calculix_results_folder(), name)
+    assert data.key == study.digest_of_shipped_scene(name)
+    assert [study.deck_folder_name(o) for o in study.STUDIES[name]] == [study.deck_folder_name(r) for r in data.runs]
     for run in data.runs:
         assert run.correction < 1.0  # of its last increment; the fine halves took a second, small one
         assert run.weak < 2e-4 * run.load.max()
         assert run.unbalanced < 1e-3 * run.load.max()
-    limit = extrapolate_loads(data.runs)
+    limit = results.extrapolate_calculix_loads(data.runs)
     assert np.all(limit.uncertainty >= 0.0)
     np.testing.assert_allclose(limit.load, data.runs[-1].load, atol=0.1 * limit.load.max())
 
@@ -227,15 +211,15 @@ def test_a_study_runs_every_deck(tmp_path, monkeypatch):
         names = [x.split("SLAVE=")[1].split(",")[0] for x in text.splitlines() if x.startswith("*CONTACT PRINT")]
         forces = {"SL": (3.0, 0.0, 4.0), "NR": (-3.0, 0.0, -4.0), "SR": (1.0, 0.0, 0.0), "NL": (-1.0, 0.0, 0.001)}
         moved = {f"BALL{i}_WEAK": {7: (0.0, 0.0, 0.001)} for i in (1, 2)}
-        return CalculixResult({n: forces[n.split("_")[1]] for n in names}, moved, 5, 0.01, 1.0, "2026-01-01", "2.20")
+        return study.CalculixResult({n: forces[n.split("_")[1]] for n in names}, moved, 5, 0.01, 1.0, "2026-01-01", "2.20")
 
     monkeypatch.setattr(crosscheck_study, "solve_deck_or_read_result", solved)
-    monkeypatch.setitem(STUDIES, "two-balls", [DeckOptions(0.7, 0.8)])
-    data = solve_decks_of_scene(scene_compared_with_calculix("two-balls"), tmp_path, print)
+    monkeypatch.setitem(study.STUDIES, "two-balls", [DeckOptions(0.7, 0.8)])
+    data = study.solve_decks_of_scene(study.scene_compared_with_calculix("two-balls"), tmp_path, print)
     np.testing.assert_allclose(data.runs[0].load, [[5.0, 1.0, 1.0, 5.0]] * 2, rtol=1e-6)
     assert (data.runs[0].weak, data.runs[0].unbalanced) == pytest.approx((0.001, 0.0), abs=1e-12)
     assert [m.name for m in data.runs[0].meshes] == ["SCREW", "NUT", "BALL1", "BALL2"]
-    monkeypatch.setitem(STUDIES, "two-balls", [DeckOptions(0.7, 0.8, half=True)])
-    (half,) = solve_decks_of_scene(scene_compared_with_calculix("two-balls"), tmp_path, print).runs
+    monkeypatch.setitem(study.STUDIES, "two-balls", [DeckOptions(0.7, 0.8, half=True)])
+    (half,) = study.solve_decks_of_scene(study.scene_compared_with_calculix("two-balls"), tmp_path, print).runs
     np.testing.assert_allclose(half.load, [[10.0, 2.0, 2.0, 10.0]] * 2, rtol=1e-6)  # both halves
     assert (half.half, half.weak) == (True, pytest.approx(0.002))

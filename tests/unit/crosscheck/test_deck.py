@@ -17,16 +17,7 @@ from rollbench.compare.studies.crosscheck import study
 from rollbench.compare.studies.crosscheck.deck import DeckOptions, build_deck
 from rollbench.compare.studies.crosscheck.study import compare_nut_compliance, load_nut_compliance, save_nut_compliance
 from rollbench.meshes import helix, parts
-from rollbench.meshes.exchange.deck import (
-    ContactPair,
-    DeckBody,
-    InputDeck,
-    RigidSection,
-    cells_and_numbers_of_faces,
-    deck_text,
-    number_text,
-    surface_faces,
-)
+from rollbench.meshes.exchange import deck as exchange_deck
 
 pytestmark = pytest.mark.xdist_group("deck")
 
@@ -58,34 +49,36 @@ def table(text: str, head: str) -> np.ndarray:
     return np.array(rows)
 
 
-def stack(stiffness: float = 1e16) -> InputDeck:
+def stack(stiffness: float = 1e16) -> exchange_deck.InputDeck:
     """Two unit cubes (1 mm) one on the other: the lower one held, the upper one pressed by 10 N."""
     points, cells = cube("P2", 1)
     soft = parts.Material(1e9, 0.0)
     bodies = []
     for name, z in (("LOW", 0.0), ("HIGH", 1e-3)):
         x = 1e-3 * points + [0.0, 0.0, z]
-        faces = surface_faces(cells)
+        faces = exchange_deck.outer_faces_of_tetrahedra(cells)
         top, bottom = (faces[np.all(np.abs(x[faces][:, :, 2] - h) < 1e-9, axis=1)] for h in (z + 1e-3, z))
         ends = {f"{name}_END": np.flatnonzero(np.abs(x[:, 2] - (0.0 if name == "LOW" else 2e-3)) < 1e-9)}
-        bodies.append(DeckBody(name, x, cells, soft, ends, {f"{name}_FACE": top if name == "LOW" else bottom}))
+        bodies.append(
+            exchange_deck.DeckBody(name, x, cells, soft, ends, {f"{name}_FACE": top if name == "LOW" else bottom})
+        )
     at, held, pressed = np.array([0.0, 0.0, 2e-3]), tuple((k, 0.0) for k in (0, 1, 3, 4, 5)), -10.0 * np.eye(6)[2]
-    section = RigidSection("PUSH", "HIGH", "HIGH_END", at, held, pressed, (2,))
-    contact = ContactPair("HIGH_FACE", "LOW_FACE")
-    return InputDeck(
+    section = exchange_deck.RigidSection("PUSH", "HIGH", "HIGH_END", at, held, pressed, (2,))
+    contact = exchange_deck.ContactPair("HIGH_FACE", "LOW_FACE")
+    return exchange_deck.InputDeck(
         tuple(bodies), (section,), ("LOW_END",), (contact,), stiffness, 1.0, ("a comment",), "two cubes of 1 mm³"
     )
 
 
 @given(st.floats(allow_nan=False, allow_infinity=False))
 def test_numbers_fit_calculix_and_keep_twelve_digits(value):
-    text = number_text(value)
+    text = exchange_deck.number_text(value)
     assert len(text) <= 20
     assert float(text) == pytest.approx(value, rel=1e-12, abs=0.0)
 
 
 def test_cells_and_faces_are_numbered_as_abaqus_does():
-    text = deck_text(stack())
+    text = exchange_deck.deck_text(stack())
     nodes, cells = table(text, "*NODE, NSET"), table(text, "*ELEMENT, TYPE=C3D10").astype(int)
     place = np.full((int(nodes[:, 0].max()) + 1, 3), np.nan)
     place[nodes[:, 0].astype(int)] = nodes[:, 1:]
@@ -99,12 +92,12 @@ def test_cells_and_faces_are_numbered_as_abaqus_does():
         (row,) = cells[cells[:, 0] == int(cell), 1:]
         np.testing.assert_allclose(place[row[np.array(FACES[int(face) - 1]) - 1]][:, 2], 1.0, atol=1e-12)
     with pytest.raises(ValueError, match="belongs to no cell"):
-        cells_and_numbers_of_faces(stack().bodies[0].cells, np.array([[0, 0, 0]]))
+        exchange_deck.cells_and_numbers_of_faces(stack().bodies[0].cells, np.array([[0, 0, 0]]))
 
 
 def test_equations_of_a_section_are_those_of_a_rigid_motion():
     deck = stack()
-    text = deck_text(deck, "m")
+    text = exchange_deck.deck_text(deck, "m")
     move, turn = np.array([1.0, -2.0, 3.0]), np.array([0.3, 0.5, -0.7])
     nodes = table(text, "*NODE, NSET")
     u = {int(n): move + np.cross(turn, x - deck.rigid_sections[0].reference_point) for n, *x in nodes}
@@ -120,31 +113,35 @@ def test_equations_of_a_section_are_those_of_a_rigid_motion():
 
 def test_units_and_names():
     deck = stack()
-    mm, m = deck_text(deck), deck_text(deck, "m")
+    mm, m = exchange_deck.deck_text(deck), exchange_deck.deck_text(deck, "m")
     np.testing.assert_allclose(table(mm, "*NODE, NSET=LOW")[:, 1:], 1e3 * table(m, "*NODE, NSET=LOW")[:, 1:])
     for head, row, factor in (("*ELASTIC", (0, 0), 1e-6), ("*SURFACE BEHAVIOR", ..., 1e-9), ("*SPRING", 1, 1e-3)):
         assert table(mm, head)[row] == pytest.approx(factor * table(m, head)[row])
     for bad in ("two words", "x" * 81, "HIGH_face", ""):
         body = replace(deck.bodies[0], node_sets={bad: np.array([0])})
         with pytest.raises(ValueError, match="set"):
-            deck_text(replace(deck, bodies=(body, deck.bodies[1])))
+            exchange_deck.deck_text(replace(deck, bodies=(body, deck.bodies[1])))
 
 
 @CCX
 @pytest.mark.parametrize("unit", ["mm", "m"])
 def test_calculix_finds_what_a_stack_of_cubes_must_and_tells_where_it_fails(unit, tmp_path):
     length = {"mm": 1e-3, "m": 1.0}[unit]
-    found = study.solve_deck_or_read_result(deck_text(stack(), unit), tmp_path)
+    found = study.solve_deck_or_read_result(exchange_deck.deck_text(stack(), unit), tmp_path)
     assert list(found.forces) == ["HIGH_FACE"]
     assert found.forces["HIGH_FACE"] == pytest.approx((0.0, 0.0, 10.0), abs=1e-4)
     ((_, _, sunk),) = found.node_displacements["PUSH_MOVE"].values()
     # two cubes in a row, a contact of 1e16 Pa/m on 1 mm2, beside a spring of 1 N/m
     assert sunk * length == pytest.approx(-10.0 * (2e-3 / (1e9 * 1e-6) + 1.0 / (1e16 * 1e-6)), rel=1e-3)
     assert re.fullmatch(r"\d+\.\d+", found.version)
-    again = study.solve_deck_or_read_result(deck_text(replace(stack(), heading=("another comment",)), unit), tmp_path)
+    again = study.solve_deck_or_read_result(
+        exchange_deck.deck_text(replace(stack(), heading=("another comment",)), unit), tmp_path
+    )
     assert again == found  # read, not run again
     with pytest.raises(ValueError, match="CalculiX failed"):
-        study.solve_deck_or_read_result(deck_text(replace(stack(), sections=(), contacts=(), fixed=("NOWHERE",))), tmp_path)
+        study.solve_deck_or_read_result(
+            exchange_deck.deck_text(replace(stack(), sections=(), contacts=(), fixed=("NOWHERE",))), tmp_path
+        )
 
 
 @CCX
@@ -169,7 +166,7 @@ def test_two_programs_find_one_compliance_of_the_nut_held_and_on_its_flange(tmp_
 def test_calculix_missing_is_told(monkeypatch):
     monkeypatch.setattr(shutil, "which", lambda _: None)
     with pytest.raises(InputError, match="apt-get install calculix-ccx"):
-        study.find_ccx()
+        study.find_calculix_program()
 
 
 @pytest.fixture(scope="module")
@@ -186,7 +183,7 @@ def test_whole_bodies_of_a_scene_as_fine_as_asked_at_the_contacts(meshed):
         r = np.linalg.norm(ball.points - centre, axis=1)
         assert r.max() == pytest.approx(4.005e-3, abs=1e-9)  # really 5 um larger
         assert set(ball.face_sets) == {f"{name}_{s}" for s in ("SL", "SR", "NL", "NR")}
-        outer = np.unique(surface_faces(ball.cells))
+        outer = np.unique(exchange_deck.outer_faces_of_tetrahedra(ball.cells))
         assert np.all(np.abs(r[outer] - 4.005e-3) < 1e-8)
     for side, sign in (("SL", (-1, -1)), ("NR", (1, 1))):
         name = f"{'SCREW' if side[0] == 'S' else 'NUT'}_{side}_1"
@@ -282,7 +279,7 @@ def test_a_half_is_held_in_its_plane(meshed):
     whole, half = meshed, build_deck(catalogue.scene("two-balls"), replace(COARSE, half=True))
     assert half.deck.symmetry_node_sets == ("SCREW_CUT", "NUT_CUT", "BALL1_CUT", "BALL2_CUT")
     assert not whole.deck.symmetry_node_sets
-    text = deck_text(half.deck)
+    text = exchange_deck.deck_text(half.deck)
     held = [line for key, data in blocks(text) if key == "*BOUNDARY" for line in data]
     assert [line for line in held if "_CUT" in line] == [f"{name}, 2, 2" for name in half.deck.symmetry_node_sets]
     for body in half.deck.bodies:

@@ -8,40 +8,28 @@ from scipy.optimize import linprog
 
 from rollbench.compare.cases.lin.evidence import source_cases
 from rollbench.lowfi.friction.contact.laws import contacts_from_values, friction_forces
-from rollbench.lowfi.friction.linear.bearing import (
-    contact_angle_deviations,
-    contact_directions,
-    contact_semi_axes,
-    loads_equal_on_diagonals,
-    loads_in_equilibrium,
-)
-from rollbench.lowfi.friction.linear.chain import (
-    pair_angles_and_loads,
-    pair_results_over_grid,
-    prepare_linear_chain,
-    solve_linear_chain,
-    solve_pair_of_linear_balls,
-)
+from rollbench.lowfi.friction.linear import bearing as linear_bearing
+from rollbench.lowfi.friction.linear import chain
 
 BEARING = source_cases.linear_ball_pair_scene().bearing
-ANGLES, LOADS = pair_angles_and_loads(BEARING, np.radians(2.0), -0.6, 100.0)
+ANGLES, LOADS = chain.pair_angles_and_loads(BEARING, np.radians(2.0), -0.6, 100.0)
 
 
 def random_chain(count, seed=0, spread=3.0):
     rng = np.random.default_rng(seed)
     angles = BEARING.contact_angle + np.radians(rng.uniform(-spread, spread, (count, 4)))
-    return angles, loads_in_equilibrium(angles, 100.0, rng.uniform(-0.8, 0.8, count))
+    return angles, linear_bearing.loads_in_equilibrium(angles, 100.0, rng.uniform(-0.8, 0.8, count))
 
 
 def out_of_balance(bearing, angles, loads, result):
     """Axial force (N,) and moments over R_B (N, 2) [N] on the balls, by vectors and the closed form of the contact."""
     count, radius = len(angles), bearing.ball_radius
     force, moment = np.zeros(count), np.zeros((count, 3))
-    a, b = contact_semi_axes(bearing, loads)
+    a, b = linear_bearing.contact_semi_axes(bearing, loads)
     for j, i in np.ndindex(count, 4):
         if loads[j, i] == 0.0:
             continue
-        n = np.array([*contact_directions(angles)[j, i], 0.0])
+        n = np.array([*linear_bearing.contact_directions(angles)[j, i], 0.0])
         omega = np.array([*result.rotation[j], 0.0])
         slide = result.velocity[j] + np.cross(omega, radius * n)[2] - (bearing.speed if i > 1 else 0.0)
         at = contacts_from_values(a[j, i], b[j, i], loads[j, i], bearing.mu)
@@ -63,7 +51,7 @@ def out_of_balance(bearing, angles, loads, result):
 def test_equilibrium_of_every_ball(count):
     """(3.25), (3.26)-(3.29), (3.31) by vectors in space: independent of the energy, its derivatives and its solver."""
     angles, loads = random_chain(count, 8)
-    result = solve_linear_chain(prepare_linear_chain(BEARING, angles, loads))
+    result = chain.solve_linear_chain(chain.prepare_linear_chain(BEARING, angles, loads))
     assert result.status == "converged"
     force, moment = out_of_balance(BEARING, angles, loads, result)
     assert count == 1 or result.ball_force.max() > 0.1
@@ -76,10 +64,10 @@ def test_equilibrium_with_much_friction_between_balls(count, mu):
     """The same where the path round folds decides, of balls all of whose contacts slide: those that stick bear less."""
     bearing = replace(BEARING, mu_balls=mu)
     angles, loads = random_chain(count, 2, 5.0)
-    result = solve_linear_chain(prepare_linear_chain(bearing, angles, loads))
+    result = chain.solve_linear_chain(chain.prepare_linear_chain(bearing, angles, loads))
     assert result.status == "converged"
     force, moment = out_of_balance(bearing, angles, loads, result)
-    spin = result.spin * contact_semi_axes(bearing, loads)[0]
+    spin = result.spin * linear_bearing.contact_semi_axes(bearing, loads)[0]
     slides = np.all(np.hypot(result.sliding, spin) > 1e-6 * bearing.speed, axis=1)
     rubs = np.linalg.norm(result.rotation[:-1] + result.rotation[1:], axis=1) * bearing.ball_radius
     rubs = (rubs > 1e-6 * bearing.speed) | (result.ball_force == 0.0)
@@ -97,7 +85,7 @@ def test_complementarity_and_energy(count):
     angles, loads = random_chain(count, count)
     rng = np.random.default_rng(count)
     touching = rng.random(count - 1) < 0.9
-    result = solve_linear_chain(prepare_linear_chain(BEARING, angles, loads, touching))
+    result = chain.solve_linear_chain(chain.prepare_linear_chain(BEARING, angles, loads, touching))
     assert result.status == "converged"
     closing = -np.diff(result.velocity)
     assert np.all(result.ball_force >= 0.0)
@@ -112,9 +100,9 @@ def test_complementarity_and_energy(count):
 
 def test_power_does_not_depend_on_the_frame():
     """Seen from the carriage the bottom groove moves: same loss, and the forces on both grooves are opposite."""
-    result = solve_linear_chain(prepare_linear_chain(BEARING, ANGLES, LOADS))
+    result = chain.solve_linear_chain(chain.prepare_linear_chain(BEARING, ANGLES, LOADS))
     assert result.ball_force[0] > 1.0
-    assert solve_linear_chain(prepare_linear_chain(BEARING, ANGLES[::-1], LOADS[::-1])).ball_force[0] == 0.0, (
+    assert chain.solve_linear_chain(chain.prepare_linear_chain(BEARING, ANGLES[::-1], LOADS[::-1])).ball_force[0] == 0.0, (
         "swapped balls part"
     )
     bottom, top = result.friction[:, :2].sum(), result.friction[:, 2:].sum()
@@ -125,9 +113,9 @@ def test_power_does_not_depend_on_the_frame():
 def test_energy_is_least():
     """Without ball-to-ball friction the motion minimises the dissipation under the order of the velocities."""
     bearing = replace(BEARING, mu_balls=0.0)
-    result = solve_linear_chain(prepare_linear_chain(bearing, ANGLES, LOADS))
-    a, b = contact_semi_axes(bearing, LOADS)
-    n, rng = contact_directions(ANGLES), np.random.default_rng(2)
+    result = chain.solve_linear_chain(chain.prepare_linear_chain(bearing, ANGLES, LOADS))
+    a, b = linear_bearing.contact_semi_axes(bearing, LOADS)
+    n, rng = linear_bearing.contact_directions(ANGLES), np.random.default_rng(2)
 
     def loss(velocity, rotation):
         around = rotation[:, None, 0] * n[..., 1] - rotation[:, None, 1] * n[..., 0]
@@ -146,13 +134,13 @@ def test_energy_is_least():
 def test_mirror():
     """Left and right exchanged: same forces and velocities, omega_y turned."""
     angles, loads = random_chain(4, 7)
-    one = solve_linear_chain(prepare_linear_chain(BEARING, angles, loads))
-    two = solve_linear_chain(prepare_linear_chain(BEARING, angles[:, [1, 0, 3, 2]], loads[:, [1, 0, 3, 2]]))
+    one = chain.solve_linear_chain(chain.prepare_linear_chain(BEARING, angles, loads))
+    two = chain.solve_linear_chain(chain.prepare_linear_chain(BEARING, angles[:, [1, 0, 3, 2]], loads[:, [1, 0, 3, 2]]))
     np.testing.assert_allclose(two.velocity, one.velocity, rtol=1e-9)
     np.testing.assert_allclose(two.ball_force, one.ball_force, atol=1e-9)
     np.testing.assert_allclose(two.rotation, one.rotation * [1.0, -1.0], atol=1e-7)
     # carriage backwards and balls in reverse order: the same contacts under the same forces
-    two = solve_linear_chain(prepare_linear_chain(replace(BEARING, speed=-0.01), angles[::-1], loads[::-1]))
+    two = chain.solve_linear_chain(chain.prepare_linear_chain(replace(BEARING, speed=-0.01), angles[::-1], loads[::-1]))
     np.testing.assert_allclose(two.velocity, -one.velocity[::-1], rtol=1e-9)
     np.testing.assert_allclose(two.ball_force, one.ball_force[::-1], atol=1e-9)
     assert two.carriage_drive_force == pytest.approx(-one.carriage_drive_force, rel=1e-9)
@@ -162,19 +150,19 @@ def test_mirror():
 @pytest.mark.parametrize("factor", [1e-3, 1e3])
 def test_forces_scale_with_friction_and_not_with_speed(factor):
     angles, loads = random_chain(3, 1)
-    one = solve_linear_chain(prepare_linear_chain(BEARING, angles, loads))
-    fast = solve_linear_chain(prepare_linear_chain(replace(BEARING, speed=0.01 * factor), angles, loads))
+    one = chain.solve_linear_chain(chain.prepare_linear_chain(BEARING, angles, loads))
+    fast = chain.solve_linear_chain(chain.prepare_linear_chain(replace(BEARING, speed=0.01 * factor), angles, loads))
     np.testing.assert_allclose(fast.ball_force, one.ball_force, rtol=1e-9)
     np.testing.assert_allclose(fast.velocity, factor * one.velocity, rtol=1e-9)
-    slippery = solve_linear_chain(prepare_linear_chain(replace(BEARING, mu=0.1 / abs(factor)), angles, loads))
+    slippery = chain.solve_linear_chain(chain.prepare_linear_chain(replace(BEARING, mu=0.1 / abs(factor)), angles, loads))
     np.testing.assert_allclose(slippery.ball_force * factor, one.ball_force, rtol=1e-8)
 
 
 def test_rigid_limit():
     """Point contacts cannot resist spin: the least sum of mu F |sliding| is a linear program."""
     angles, loads = random_chain(1, 4)
-    result = solve_linear_chain(prepare_linear_chain(replace(BEARING, young=2.1e23), angles, loads))
-    n = contact_directions(angles)[0]
+    result = chain.solve_linear_chain(chain.prepare_linear_chain(replace(BEARING, young=2.1e23), angles, loads))
+    n = linear_bearing.contact_directions(angles)[0]
     rows, right = np.column_stack([np.ones(4), n[:, 1], -n[:, 0]]), np.array([0.0, 0.0, 1.0, 1.0])
     program = linprog(
         np.concatenate([np.zeros(3), loads[0]]),
@@ -190,19 +178,19 @@ def test_rigid_limit():
 def test_two_point_contact_rolls_without_slip():
     """A diagonal through the centre carries all load: pure rolling at half speed, no loss."""
     loads = np.array([[100.0, 0.0, 100.0, 0.0]])
-    result = solve_linear_chain(prepare_linear_chain(BEARING, np.full((1, 4), 0.7), loads))
+    result = chain.solve_linear_chain(chain.prepare_linear_chain(BEARING, np.full((1, 4), 0.7), loads))
     assert result.velocity[0] == pytest.approx(0.5 * BEARING.speed, rel=1e-7)
     assert result.loss < 1e-8 * BEARING.mu * 200.0 * BEARING.speed
 
 
 def test_two_point_transition_is_continuous():
     """Velocities approach those of two-point contact as the other diagonal is relieved."""
-    angles = BEARING.contact_angle + contact_angle_deviations(np.radians([2.0]))
+    angles = BEARING.contact_angle + linear_bearing.contact_angle_deviations(np.radians([2.0]))
     side = -1.0 + np.array([0.3, 0.1, 1e-2, 1e-3, 1e-5, 0.0])
     found = [
-        solve_linear_chain(prepare_linear_chain(BEARING, angles, loads_equal_on_diagonals(100.0, np.array([s])))).velocity[
-            0
-        ]
+        chain.solve_linear_chain(
+            chain.prepare_linear_chain(BEARING, angles, linear_bearing.loads_equal_on_diagonals(100.0, np.array([s])))
+        ).velocity[0]
         for s in side
     ]
     steps = np.abs(np.diff(found)) / BEARING.speed
@@ -212,17 +200,17 @@ def test_two_point_transition_is_continuous():
 
 
 def test_zero_speed_and_no_load():
-    still = solve_linear_chain(prepare_linear_chain(replace(BEARING, speed=0.0), ANGLES, LOADS))
+    still = chain.solve_linear_chain(chain.prepare_linear_chain(replace(BEARING, speed=0.0), ANGLES, LOADS))
     assert still.status == "converged"
     assert still.loss == still.carriage_drive_force == still.power == 0.0
     assert not still.velocity.any()
-    empty = solve_linear_chain(prepare_linear_chain(BEARING, ANGLES, np.zeros((2, 4))))
+    empty = chain.solve_linear_chain(chain.prepare_linear_chain(BEARING, ANGLES, np.zeros((2, 4))))
     assert empty.loss == 0.0
     np.testing.assert_allclose(empty.velocity, 0.5 * BEARING.speed)
 
 
 def test_friction_increase_of_the_pair():
-    result = solve_pair_of_linear_balls(BEARING, np.radians(2.0), -0.6, 100.0)
+    result = chain.solve_pair_of_linear_balls(BEARING, np.radians(2.0), -0.6, 100.0)
     forces = result.touching.carriage_drive_force / result.apart.carriage_drive_force - 1.0
     assert result.friction_increase == pytest.approx(forces, rel=1e-8)
     assert result.friction_increase > 0.5
@@ -232,7 +220,7 @@ def test_friction_increase_of_the_pair():
 
 def test_maps_have_both_models_and_their_difference():
     theta, rho = np.radians([-2.0, 0.0, 2.0]), np.array([-0.6, 0.0, 0.6])
-    m = pair_results_over_grid(BEARING, theta, rho, 100.0, 1.4)
+    m = chain.pair_results_over_grid(BEARING, theta, rho, 100.0, 1.4)
     assert m.unconverged_state_count == 0
     np.testing.assert_allclose(m.velocity_deviation_difference.numerical[1], 0.0, atol=1e-9)
     np.testing.assert_allclose(m.velocity_deviation_difference.numerical[:, 1], 0.0, atol=1e-9)
@@ -245,6 +233,6 @@ def test_maps_have_both_models_and_their_difference():
 
 def test_bad_input_is_refused():
     with pytest.raises(ValueError, match="shape"):
-        prepare_linear_chain(BEARING, ANGLES, LOADS[:1])
+        chain.prepare_linear_chain(BEARING, ANGLES, LOADS[:1])
     with pytest.raises(ValueError, match="not negative"):
-        prepare_linear_chain(BEARING, ANGLES, -LOADS)
+        chain.prepare_linear_chain(BEARING, ANGLES, -LOADS)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from tests.helpers import small_screw
 
-from rollbench.lowfi.friction.whole.circuit import CircuitError, circuits_of_scene, nut_travel
+from rollbench.lowfi.friction.whole.circuit import CircuitError, circuits_of_scene, nut_positions_at_start_and_end
 from rollbench.meshes.parts import Circulation, Motion, Time
 
 
@@ -85,5 +85,5 @@ def test_what_cannot_be_names_its_key(change, key):
 def test_travel_is_the_lead_per_turn(turns, hand, sign):
     base = small_screw(12, 1.5, hand=hand)
     scene = replace(base, motion=Motion(3.0, turns), time=Time(angle=4.0 * np.pi))
-    assert nut_travel(scene)[1] == pytest.approx(sign * 2.0 * base.track.lead, rel=1e-12)
-    assert np.all(nut_travel(replace(base, motion=Motion(3.0, turns))) == 0.0)
+    assert nut_positions_at_start_and_end(scene)[1] == pytest.approx(sign * 2.0 * base.track.lead, rel=1e-12)
+    assert np.all(nut_positions_at_start_and_end(replace(base, motion=Motion(3.0, turns))) == 0.0)

@@ -8,18 +8,7 @@ from scipy.integrate import quad_vec
 from scipy.special import ellipe
 from tests.friction_oracles import pure_spin_moment
 
-from rollbench.lowfi.friction.contact.laws import (
-    CoulombLaw,
-    RegularisedCoulombLaw,
-    SigmoidLaw,
-    contacts_from_values,
-    cubic_friction_force_factor,
-    dissipated_power,
-    error_of_linear_friction_force,
-    friction_forces,
-    linear_friction_force_factor,
-    motion_of_rotation_about_point,
-)
+from rollbench.lowfi.friction.contact import laws
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(64)
 RATIOS = (1.0, 1.0 - 1e-9, 0.97, 0.6, 0.17, 1.0 / 30.0)
@@ -76,7 +65,9 @@ def smooth_reference(b, c, d, h=0.0, n=400):
 
 def ours(b, c, d, speed=0.0):
     """(psi, psi_c, psi_d, moment integral) from the friction of a unit contact turning with 1 rad/s."""
-    e = dissipated_power(contacts_from_values(1.0, b, 1.0, 1.0), motion_of_rotation_about_point(1.0, c, d), speed)
+    e = laws.dissipated_power(
+        laws.contacts_from_values(1.0, b, 1.0, 1.0), laws.motion_of_rotation_about_point(1.0, c, d), speed
+    )
     return np.array([e.power[0], e.gradient[0, 1], -e.gradient[0, 0], e.gradient[0, 2]])
 
 
@@ -102,7 +93,9 @@ def test_far_away_against_a_product_rule(b, c, d):
 @pytest.mark.parametrize(("c", "d"), [(0.0, 0.0), (0.5, 0.3), (1.0, 0.0), (1.4, -0.3), (6.0, 3.0)])
 def test_regularised_against_a_product_rule(b, c, d):
     h = 0.35
-    e = dissipated_power(contacts_from_values(1.0, b, 1.0, 1.0), motion_of_rotation_about_point(1.0, c, d), h)
+    e = laws.dissipated_power(
+        laws.contacts_from_values(1.0, b, 1.0, 1.0), laws.motion_of_rotation_about_point(1.0, c, d), h
+    )
     exact = smooth_reference(b, c, d, h)
     assert ours(b, c, d, h)[:3] == pytest.approx(exact[:3], rel=1e-11, abs=1e-12)
     assert ours(b, c, d, h)[3] == pytest.approx(exact[3], rel=1e-9)
@@ -112,13 +105,13 @@ def test_regularised_against_a_product_rule(b, c, d):
 @pytest.mark.parametrize("speed", [0.0, 0.02])
 @pytest.mark.parametrize("motion", [(0.1, 0.2, 1.0), (0.0, 0.5, -0.3), (-2.0, 1.0, 0.7), (0.3, 0.0, 1e-3)])
 def test_derivatives_against_finite_differences(motion, speed):
-    at = contacts_from_values(1.3, 0.4, 7.0, 0.2)
+    at = laws.contacts_from_values(1.3, 0.4, 7.0, 0.2)
     m = np.array([motion])
-    e = dissipated_power(at, m, speed)
+    e = laws.dissipated_power(at, m, speed)
     for j in range(3):
         step = np.zeros((1, 3))
         step[0, j] = 1e-5
-        up, down = dissipated_power(at, m + step, speed), dissipated_power(at, m - step, speed)
+        up, down = laws.dissipated_power(at, m + step, speed), laws.dissipated_power(at, m - step, speed)
         assert (up.power - down.power) / 2e-5 == pytest.approx(e.gradient[:, j], rel=1e-7, abs=1e-8)
         assert (up.gradient - down.gradient) / 2e-5 == pytest.approx(e.hessian[:, j], rel=1e-6, abs=1e-7)
 
@@ -126,52 +119,56 @@ def test_derivatives_against_finite_differences(motion, speed):
 def test_convex_and_of_degree_one():
     rng = np.random.default_rng(3)
     m = rng.normal(size=(300, 3)) * 10.0 ** rng.uniform(-3, 3, size=(300, 3))
-    at = contacts_from_values(1.0, rng.uniform(0.03, 1.0, 300), 1.0, 1.0)
-    e = dissipated_power(at, m)
+    at = laws.contacts_from_values(1.0, rng.uniform(0.03, 1.0, 300), 1.0, 1.0)
+    e = laws.dissipated_power(at, m)
     size = np.linalg.norm(e.hessian, axis=(1, 2))
     assert np.all(np.linalg.eigvalsh(e.hessian)[:, 0] >= -1e-12 * size)
     assert np.sum(e.gradient * m, axis=1) == pytest.approx(e.power, rel=1e-11)
-    assert dissipated_power(at, 5.0 * m).power == pytest.approx(5.0 * e.power, rel=1e-13)
-    between = dissipated_power(at, 0.5 * (m + m[::-1])).power
-    assert np.all(between <= 0.5 * (e.power + dissipated_power(at, m[::-1]).power) * (1.0 + 1e-13))
+    assert laws.dissipated_power(at, 5.0 * m).power == pytest.approx(5.0 * e.power, rel=1e-13)
+    between = laws.dissipated_power(at, 0.5 * (m + m[::-1])).power
+    assert np.all(between <= 0.5 * (e.power + laws.dissipated_power(at, m[::-1]).power) * (1.0 + 1e-13))
 
 
 def test_regularised_lies_at_most_the_speed_above():
     rng = np.random.default_rng(4)
     m = rng.normal(size=(200, 3))
-    at = contacts_from_values(1.0, rng.uniform(0.03, 1.0, 200), 5.0, 0.2)
-    exact = dissipated_power(at, m).power
+    at = laws.contacts_from_values(1.0, rng.uniform(0.03, 1.0, 200), 5.0, 0.2)
+    exact = laws.dissipated_power(at, m).power
     for speed in (1.0, 1e-2, 1e-5):
-        rise = dissipated_power(at, m, speed).power - exact
+        rise = laws.dissipated_power(at, m, speed).power - exact
         assert np.all(rise >= -1e-14)
         assert np.all(rise <= at.friction_bound * speed * (1.0 + 1e-12))
-    still = contacts_from_values(1.0, 0.5, 1.0, 0.1), np.zeros((1, 3))
-    assert not dissipated_power(*still).gradient.any()
-    assert dissipated_power(*still).power[0] == 0.0
-    assert dissipated_power(*still, 0.2).power[0] == pytest.approx(0.02, rel=1e-14)
+    still = laws.contacts_from_values(1.0, 0.5, 1.0, 0.1), np.zeros((1, 3))
+    assert not laws.dissipated_power(*still).gradient.any()
+    assert laws.dissipated_power(*still).power[0] == 0.0
+    assert laws.dissipated_power(*still, 0.2).power[0] == pytest.approx(0.02, rel=1e-14)
 
 
 def test_limits_of_pure_spin_and_pure_sliding():
     """Lin 3.32 and 3.33; M -> mu F b^2 / (5 c) for a centre far along x, the second moment of the pressure."""
-    at = contacts_from_values(2e-3, [2e-3, 1e-3, 1e-4], 100.0, 0.1)
-    spin = friction_forces(at, motion_of_rotation_about_point(np.full(3, -3.0), 0.0, 0.0))
+    at = laws.contacts_from_values(2e-3, [2e-3, 1e-3, 1e-4], 100.0, 0.1)
+    spin = laws.friction_forces(at, laws.motion_of_rotation_about_point(np.full(3, -3.0), 0.0, 0.0))
     assert spin.force == pytest.approx(0.0, abs=1e-15)
     assert spin.moment == pytest.approx(pure_spin_moment(at), rel=1e-13)
     assert pure_spin_moment(at)[1] == pytest.approx(0.375 * 10.0 * 2e-3 * ellipe(0.75), rel=1e-14)
     for c in (1e3, -1e9, np.inf):
-        motion = motion_of_rotation_about_point(np.ones(3), c, 0.0) if np.isfinite(c) else np.tile([0.0, 2.0, 0.0], (3, 1))
-        slide = friction_forces(at, motion)
+        motion = (
+            laws.motion_of_rotation_about_point(np.ones(3), c, 0.0) if np.isfinite(c) else np.tile([0.0, 2.0, 0.0], (3, 1))
+        )
+        slide = laws.friction_forces(at, motion)
         assert slide.force[:, 1] == pytest.approx(-np.sign(c) * at.friction_bound, rel=1e-11)
         assert np.all(np.abs(slide.moment) <= 10.0 * at.b**2 / 5.0 / min(abs(c), 1e37) * (1.0 + 1e-9))
     for c in (1e4, 1e8, 1e15, 1e30):  # the moment keeps its digits
-        far_away = friction_forces(contacts_from_values(1.0, 0.2, 1.0, 1.0), motion_of_rotation_about_point(1.0, c, 0.0))
+        far_away = laws.friction_forces(
+            laws.contacts_from_values(1.0, 0.2, 1.0, 1.0), laws.motion_of_rotation_about_point(1.0, c, 0.0)
+        )
         assert -far_away.moment[0] * c == pytest.approx(0.2**2 / 5.0, rel=2e-8)
 
 
 def test_mirror_and_reversed_motion():
-    at = contacts_from_values(1.0, 0.3, 2.0, 0.5)
+    at = laws.contacts_from_values(1.0, 0.3, 2.0, 0.5)
     m = np.array([[0.2, -0.4, 0.9]])
-    f, back, mirror = (friction_forces(at, m * sense) for sense in (1.0, -1.0, [-1.0, 1.0, -1.0]))  # mirror: x to -x
+    f, back, mirror = (laws.friction_forces(at, m * sense) for sense in (1.0, -1.0, [-1.0, 1.0, -1.0]))  # mirror: x to -x
     for other, sense in ((back, -1.0), (mirror, [-1.0, 1.0])):
         assert other.force == pytest.approx(f.force * sense, rel=1e-14)
         assert other.moment == pytest.approx(-f.moment, rel=1e-14)
@@ -183,9 +180,9 @@ def test_mirror_and_reversed_motion():
 def test_both_engines_agree():
     rng = np.random.default_rng(5)
     m = rng.normal(size=(40, 3)) * 10.0 ** rng.uniform(-2, 2, size=(40, 3))
-    at = contacts_from_values(1.0, rng.uniform(0.03, 1.0, 40), 1.0, 1.0)
+    at = laws.contacts_from_values(1.0, rng.uniform(0.03, 1.0, 40), 1.0, 1.0)
     for speed in (0.0, 0.1):
-        slow, quick = dissipated_power(at, m, speed), dissipated_power(at, m, speed, fast=True)
+        slow, quick = laws.dissipated_power(at, m, speed), laws.dissipated_power(at, m, speed, fast=True)
         assert quick.power == pytest.approx(slow.power, rel=1e-13)
         assert quick.hessian == pytest.approx(slow.hessian, rel=1e-9, abs=1e-12 * np.max(np.abs(slow.hessian)))
 
@@ -194,37 +191,40 @@ def test_both_engines_agree():
 def test_force_inside_is_a_cubic(b):
     """Source's linear law: exact slope, exact cubic term, and the error of any slope over any reach."""
     t = np.array([0.1, 0.4, 0.8, 1.0])
-    f = -friction_forces(
-        contacts_from_values(2.0, np.full(4, 2.0 * b), 1.0, 1.0), motion_of_rotation_about_point(np.ones(4), 2.0 * t, 0.0)
+    f = -laws.friction_forces(
+        laws.contacts_from_values(2.0, np.full(4, 2.0 * b), 1.0, 1.0),
+        laws.motion_of_rotation_about_point(np.ones(4), 2.0 * t, 0.0),
     ).force[:, 1]
-    assert f == pytest.approx(linear_friction_force_factor(b) * t - cubic_friction_force_factor(b) * t**3, rel=1e-12)
+    assert f == pytest.approx(
+        laws.linear_friction_force_factor(b) * t - laws.cubic_friction_force_factor(b) * t**3, rel=1e-12
+    )
     fine = np.linspace(1e-3, 0.5, 200)
-    g = linear_friction_force_factor(b) - cubic_friction_force_factor(b) * fine**2
-    assert error_of_linear_friction_force(b, 1.38) == pytest.approx(np.max(np.abs(1.38 / g - 1.0)), rel=1e-5)
+    g = laws.linear_friction_force_factor(b) - laws.cubic_friction_force_factor(b) * fine**2
+    assert laws.error_of_linear_friction_force(b, 1.38) == pytest.approx(np.max(np.abs(1.38 / g - 1.0)), rel=1e-5)
 
 
 def test_sigmoid_as_printed_and_its_faults():
-    at = contacts_from_values(1.0, 0.2, 1.0, 0.1)
+    at = laws.contacts_from_values(1.0, 0.2, 1.0, 0.1)
     m = np.array([[0.0, 0.3, 0.02]])
-    law, e = SigmoidLaw(100.0, 10.0), np.exp(100.0 * 0.02 / 10.0)
+    law, e = laws.SigmoidLaw(100.0, 10.0), np.exp(100.0 * 0.02 / 10.0)
     factor = 2.0 * e / (e + 1.0) - 1.0  # Lin 3.20
-    assert law.friction(at, m).force == pytest.approx(factor * CoulombLaw().friction(at, m).force, rel=1e-13)
+    assert law.friction(at, m).force == pytest.approx(factor * laws.CoulombLaw().friction(at, m).force, rel=1e-13)
     assert np.all(law.friction(at, m * [0.0, 1.0, 0.0]).force == 0.0), "sliding without spin is frictionless"
     assert law.friction(at, -m).force == pytest.approx(-law.friction(at, m).force, rel=1e-13)
-    literal = SigmoidLaw(100.0, 10.0, uses_spin_magnitude=False)
+    literal = laws.SigmoidLaw(100.0, 10.0, uses_spin_magnitude=False)
     assert literal.friction(at, -m).force == pytest.approx(literal.friction(at, m).force, rel=1e-13)
-    assert np.all(np.isfinite(SigmoidLaw(1e6, 1e-3).friction(at, m).force))
+    assert np.all(np.isfinite(laws.SigmoidLaw(1e6, 1e-3).friction(at, m).force))
 
 
 def test_interpolated_maps():
     """Linear between the multiples of the step, equal at them; exact again as the step falls."""
-    at = contacts_from_values(1.0, 0.2, 1.0, 0.1)
-    exact = CoulombLaw().friction
-    coarse = SigmoidLaw(1e9, 1.0, map_spacing=0.08)
-    on = motion_of_rotation_about_point(2.0, 0.16, 0.0)
+    at = laws.contacts_from_values(1.0, 0.2, 1.0, 0.1)
+    exact = laws.CoulombLaw().friction
+    coarse = laws.SigmoidLaw(1e9, 1.0, map_spacing=0.08)
+    on = laws.motion_of_rotation_about_point(2.0, 0.16, 0.0)
     assert coarse.friction(at, on).loss == pytest.approx(exact(at, on).loss, rel=1e-12)
-    off = motion_of_rotation_about_point(-2.0, 0.2, 0.0)
-    ends = [exact(at, motion_of_rotation_about_point(-2.0, c, 0.0)) for c in (0.16, 0.24)]
+    off = laws.motion_of_rotation_about_point(-2.0, 0.2, 0.0)
+    ends = [exact(at, laws.motion_of_rotation_about_point(-2.0, c, 0.0)) for c in (0.16, 0.24)]
     got = coarse.friction(at, off)
     for name in ("loss", "force", "moment"):
         assert getattr(got, name) == pytest.approx(0.5 * sum(getattr(end, name) for end in ends), rel=1e-12)
@@ -236,11 +236,11 @@ def test_interpolated_maps():
 
 
 def test_regularised_law_tends_to_coulomb():
-    at = contacts_from_values(1.0, 0.2, 1.0, 0.1)
+    at = laws.contacts_from_values(1.0, 0.2, 1.0, 0.1)
     m = np.array([[0.1, 0.3, 0.9]])
-    exact = CoulombLaw().friction(at, m)
+    exact = laws.CoulombLaw().friction(at, m)
     for speed, limit in ((1e-2, 1e-2), (1e-6, 1e-6)):
-        f = RegularisedCoulombLaw(speed).friction(at, m)
+        f = laws.RegularisedCoulombLaw(speed).friction(at, m)
         assert np.max(np.abs(f.force - exact.force)) < limit
         assert f.loss[0] < exact.loss[0]
         assert f.loss[0] == pytest.approx(-(f.force @ m[0, :2] + f.moment * m[0, 2])[0], rel=1e-10)
@@ -258,4 +258,4 @@ def test_regularised_law_tends_to_coulomb():
 )
 def test_refused(arguments, message):
     with pytest.raises(ValueError, match=message):
-        contacts_from_values(*arguments)
+        laws.contacts_from_values(*arguments)

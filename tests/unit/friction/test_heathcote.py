@@ -8,12 +8,7 @@ from scipy.optimize import minimize
 from tests.helpers import small_screw, solved
 
 from rollbench.lowfi.friction.screw.groove import ON_SCREW, contact_axes
-from rollbench.lowfi.friction.whole.losses import (
-    ball_kinematics,
-    heathcote_loss_increase,
-    hertz_pressure_quadrature,
-    least_dissipated_power,
-)
+from rollbench.lowfi.friction.whole import losses
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.meshes.helix import nominal_groove_radii
 from rollbench.meshes.parts import Friction, Motion
@@ -22,7 +17,7 @@ MU, TURN = Friction(0.1, 0.1, feedback=False), Motion(10.0)
 
 
 def test_pressure_sums_up_to_one_with_its_second_moment():
-    x, z, mass = hertz_pressure_quadrature()
+    x, z, mass = losses.hertz_pressure_quadrature()
     assert mass.sum() == pytest.approx(1.0, rel=1e-12)
     assert mass @ x**2 == pytest.approx(0.2, rel=1e-3)
     assert mass @ z**2 == pytest.approx(0.2, rel=1e-3)
@@ -30,7 +25,7 @@ def test_pressure_sums_up_to_one_with_its_second_moment():
 
 def rolling(slender, a=2e-3, curve=7.0):
     """One contact of a body that may slide along the path and must roll."""
-    x, z, _ = hertz_pressure_quadrature()
+    x, z, _ = losses.hertz_pressure_quadrature()
     rows, added = np.zeros((1, 4, x.size, 2, 4)), np.zeros((1, 4, x.size, 2))
     rows[..., 0, 0] = rows[..., 1, 1] = 1.0
     rows[..., 2] = np.stack([slender * a * z, -a * x], axis=-1)
@@ -45,15 +40,15 @@ def test_pure_rolling_has_two_lines_without_slip(slender):
     exact = 0.2 - t0**3 + 0.6 * t0**5
     strength = np.array([[3.0, 0.0, 0.0, 0.0]])
     rows, added = rolling(slender)
-    found = least_dissipated_power(rows, added, strength, np.zeros((1, 4)), 7.0 * 4e-6)[0]
+    found = losses.least_dissipated_power(rows, added, strength, np.zeros((1, 4)), 7.0 * 4e-6)[0]
     assert found == pytest.approx(3.0 * 7.0 * 4e-6 * exact, rel=0.02)
 
 
 def curved_power(scene, at, i):
     """Power lost by ball i with curved contacts, a function of its motion q, by quadrature."""
-    path, radii = ball_kinematics(scene, TURN, float(at.ball_radius[i])), nominal_groove_radii(scene)
+    path, radii = losses.ball_kinematics(scene, TURN, float(at.ball_radius[i])), nominal_groove_radii(scene)
     maps, drives = path.contact_kinematics(at.normals[i])
-    x, z, mass = hertz_pressure_quadrature(16, 24)
+    x, z, mass = losses.hertz_pressure_quadrature(16, 24)
     along = [contact_axes(normal)[0] for normal in at.normals[i]]
 
     def power(q):
@@ -79,7 +74,7 @@ def test_estimate_is_that_of_the_motion_solved_again(beta, conformity, oversize)
     scene = replace(scene, screw=replace(scene.screw, groove_radius=radius), nut=replace(scene.nut, groove_radius=radius))
     found = friction_state(scene, solved(scene), MU, TURN)
     at = found.contacts
-    estimate = heathcote_loss_increase(scene, at, found.ball_friction, MU, TURN)
+    estimate = losses.heathcote_loss_increase(scene, at, found.ball_friction, MU, TURN)
     exact = 0.0
     for i in range(2):
         q0 = np.array([found.ball_friction.orbital_speed[i], *found.ball_friction.rotation[i]])

@@ -10,25 +10,8 @@ from tests.friction_oracles import ball_velocity, deviation_from_shifts, mismatc
 
 from rollbench.compare.cases.lin.evidence import source_cases
 from rollbench.lowfi.friction.contact.laws import contacts_from_values, dissipated_power
-from rollbench.lowfi.friction.linear.bearing import (
-    ball_force_by_formula,
-    ball_to_ball_loss,
-    ball_to_ball_sliding_speed,
-    contact_angle_deviations,
-    contact_directions,
-    groove_spin_loss,
-    loads_equal_on_diagonals,
-    loads_in_equilibrium,
-    loads_of_elastic_contacts,
-    relative_velocity_deviation,
-    top_deviations_matching_bottom,
-)
-from rollbench.lowfi.friction.linear.chain import (
-    contact_friction_constants,
-    pair_results_by_formulas,
-    prepare_linear_chain,
-    solve_linear_chain,
-)
+from rollbench.lowfi.friction.linear import bearing as linear_bearing
+from rollbench.lowfi.friction.linear import chain
 from rollbench.lowfi.friction.linear.kernel import equations as kernel
 
 BEARING = source_cases.linear_ball_pair_scene().bearing
@@ -38,7 +21,7 @@ BEARING = source_cases.linear_ball_pair_scene().bearing
 @pytest.mark.parametrize("c", [0.0, 0.2, -0.7, 0.999, 1.0001, -3.0, 1e5])
 def test_contact_law_against_the_closed_form(c, conformity):
     """The cubic inside the ellipse against confocal coordinates and Carlson integrals; c: point of no slip over a."""
-    shape = contact_friction_constants(replace(BEARING, conformity=conformity))
+    shape = chain.contact_friction_constants(replace(BEARING, conformity=conformity))
     for w in (1.0, -2.0):
         d = dissipated_power(contacts_from_values(1.0, shape[0], 1.0, 1.0), np.array([[0.0, c * w, w]]))
         f, m, *bend = kernel.slide_and_spin_friction(c * w, w, shape)
@@ -48,7 +31,7 @@ def test_contact_law_against_the_closed_form(c, conformity):
 
 def no_slip_matrix(gamma):
     """Rows (v, R omega_x, R omega_y) of the sliding at points gamma on the ball, right sides for v = 1 on top."""
-    n = contact_directions(gamma)
+    n = linear_bearing.contact_directions(gamma)
     return np.column_stack([np.ones(4), n[:, 1], -n[:, 0]]), np.array([0.0, 0.0, 1.0, 1.0])
 
 
@@ -88,7 +71,7 @@ def linear_balance(bearing, angles, loads, x, force, k_f):
     total, turn = -force, np.zeros(3)
     omega = np.array([x[1], x[2], 0.0]) / radius
     for i in range(4):
-        n = np.array([*contact_directions(angles)[i], 0.0])
+        n = np.array([*linear_bearing.contact_directions(angles)[i], 0.0])
         slide = x[0] + np.cross(omega, radius * n)[2] - (1.0 if i > 1 else 0.0)
         spin = omega @ n
         f = -bearing.mu * loads[i] * k_f * slide / (abs(spin) * a[i])
@@ -109,10 +92,12 @@ def test_velocity_formula_against_brute_force(nominal):
     exact = 2.0 * x[0] - 1.0
     shift = shifts(bearing, turn, loads, k_f=1.4)
     assert deviation_from_shifts(bearing, turn, shift) == pytest.approx(exact, rel=2e-3)
-    assert relative_velocity_deviation(bearing.contact_angle, turn, 60.0, 20.0) == pytest.approx(exact, rel=2e-3)
+    assert linear_bearing.relative_velocity_deviation(bearing.contact_angle, turn, 60.0, 20.0) == pytest.approx(
+        exact, rel=2e-3
+    )
     assert mismatch(angles + shift) == pytest.approx(0.0, abs=1e-7)
     rows, right = no_slip_matrix(angles)
-    sliding, spin = rows @ x - right, contact_directions(angles) @ x[1:]
+    sliding, spin = rows @ x - right, linear_bearing.contact_directions(angles) @ x[1:]
     # Delta eta = s_i c_i / R (3.34); the source's spin is about the inward normal, so c_i = -sliding / spin
     np.testing.assert_allclose([1.0, -1.0, 1.0, -1.0] * sliding / spin, shift, rtol=1e-2, atol=1e-7)
 
@@ -143,11 +128,11 @@ def test_force_formula_against_brute_force(nominal):
 
     roll = 0.5 / np.cos(bearing.contact_angle)
     exact = fsolve(balance, np.array([0.5, roll, 1e-5, roll, 1e-5, 1e-3]), xtol=1e-13)[5]
-    epsilon = relative_velocity_deviation(bearing.contact_angle, turn, loads[:, 0], loads[:, 1])
+    epsilon = linear_bearing.relative_velocity_deviation(bearing.contact_angle, turn, loads[:, 0], loads[:, 1])
     assert exact > 0.0
-    force = ball_force_by_formula(bearing, loads[:, :2], epsilon[0] - epsilon[1], k_f=1.4)
+    force = linear_bearing.ball_force_by_formula(bearing, loads[:, :2], epsilon[0] - epsilon[1], k_f=1.4)
     assert force == pytest.approx(exact, rel=3e-3)
-    assert ball_force_by_formula(bearing, loads[:, :2], epsilon[1] - epsilon[0], k_f=1.4) == 0.0
+    assert linear_bearing.ball_force_by_formula(bearing, loads[:, :2], epsilon[1] - epsilon[0], k_f=1.4) == 0.0
 
 
 def test_rubbing_speed_and_loss():
@@ -156,35 +141,43 @@ def test_rubbing_speed_and_loss():
     omega = np.array([0.5 * bearing.speed / (bearing.ball_radius * np.cos(0.6)), 0.0, 0.0])
     z = np.array([0.0, 0.0, bearing.ball_radius])
     speed = np.linalg.norm(np.cross(omega, z) - np.cross(omega, -z))
-    assert ball_to_ball_sliding_speed(bearing) == pytest.approx(speed, rel=1e-12)
-    assert ball_to_ball_loss(bearing, 3.0) == pytest.approx(0.1 * 3.0 * speed, rel=1e-12)
+    assert linear_bearing.ball_to_ball_sliding_speed(bearing) == pytest.approx(speed, rel=1e-12)
+    assert linear_bearing.ball_to_ball_loss(bearing, 3.0) == pytest.approx(0.1 * 3.0 * speed, rel=1e-12)
 
 
 def test_spin_loss_is_that_of_the_numerical_model_without_deviations():
-    loads = loads_equal_on_diagonals(100.0, np.array([0.2]))
-    numerical = solve_linear_chain(prepare_linear_chain(BEARING, np.full((1, 4), BEARING.contact_angle), loads), fast=False)
-    assert groove_spin_loss(BEARING, loads).sum() == pytest.approx(numerical.loss, rel=2e-3)
+    loads = linear_bearing.loads_equal_on_diagonals(100.0, np.array([0.2]))
+    numerical = chain.solve_linear_chain(
+        chain.prepare_linear_chain(BEARING, np.full((1, 4), BEARING.contact_angle), loads), fast=False
+    )
+    assert linear_bearing.groove_spin_loss(BEARING, loads).sum() == pytest.approx(numerical.loss, rel=2e-3)
 
 
 def forces_on_ball(angles, loads):
-    return np.einsum("...i,...ij->...j", loads, contact_directions(angles))
+    return np.einsum("...i,...ij->...j", loads, linear_bearing.contact_directions(angles))
 
 
 def test_loads_are_in_equilibrium():
     rho = np.array([-0.6, 0.0, 0.3])
-    angles = BEARING.contact_angle + contact_angle_deviations(np.radians([2.0, -3.0, 5.0]))
+    angles = BEARING.contact_angle + linear_bearing.contact_angle_deviations(np.radians([2.0, -3.0, 5.0]))
     carriage = 100.0 * np.column_stack([rho, -np.ones(3)])
     for loads, turned in [
-        (loads_in_equilibrium(angles, 100.0, rho), angles),
-        loads_of_elastic_contacts(BEARING, angles, 100.0, rho),
+        (linear_bearing.loads_in_equilibrium(angles, 100.0, rho), angles),
+        linear_bearing.loads_of_elastic_contacts(BEARING, angles, 100.0, rho),
     ]:
         np.testing.assert_allclose(forces_on_ball(turned, loads), 0.0, atol=1e-9)
         on_top = forces_on_ball(turned, loads * [0.0, 0.0, 1.0, 1.0])
         np.testing.assert_allclose(on_top, -carriage, atol=1e-9)
     flat = np.full((3, 4), BEARING.contact_angle)
-    np.testing.assert_allclose(loads_equal_on_diagonals(100.0, rho), loads_in_equilibrium(flat, 100.0, rho), atol=1e-11)
-    loads, turned = loads_of_elastic_contacts(replace(BEARING, young=2.1e17), angles, 100.0, rho)
-    np.testing.assert_allclose(loads, loads_in_equilibrium(angles, 100.0, rho), rtol=1e-4, err_msg="a stiff bearing")
+    np.testing.assert_allclose(
+        linear_bearing.loads_equal_on_diagonals(100.0, rho),
+        linear_bearing.loads_in_equilibrium(flat, 100.0, rho),
+        atol=1e-11,
+    )
+    loads, turned = linear_bearing.loads_of_elastic_contacts(replace(BEARING, young=2.1e17), angles, 100.0, rho)
+    np.testing.assert_allclose(
+        loads, linear_bearing.loads_in_equilibrium(angles, 100.0, rho), rtol=1e-4, err_msg="a stiff bearing"
+    )
     np.testing.assert_allclose(turned, angles, atol=1e-5)
 
 
@@ -192,12 +185,14 @@ def test_mated_grooves_take_the_dependence_on_load_away():
     """Rule of 3.3.4.2 on the formula: any bottom groove, any loads."""
     rng = np.random.default_rng(3)
     bottom = rng.uniform(-0.05, 0.05, (20, 2))
-    turn = np.concatenate([bottom, top_deviations_matching_bottom(bottom)], axis=1)
+    turn = np.concatenate([bottom, linear_bearing.top_deviations_matching_bottom(bottom)], axis=1)
     up, down = rng.uniform(1.0, 100.0, (2, 20))
-    np.testing.assert_allclose(relative_velocity_deviation(0.7, turn, up, down), 0.0, atol=1e-17)
-    np.testing.assert_array_equal(contact_angle_deviations(np.array(0.02), mated=True), [-0.02, 0.02, -0.02, 0.02])
-    assert pair_results_by_formulas(BEARING, 0.03, -0.6, 100.0, 1.4, mated=True)[:2] == (0.0, 0.0)
-    assert pair_results_by_formulas(BEARING, 0.03, -0.6, 100.0, 1.4)[1] > 1.0
+    np.testing.assert_allclose(linear_bearing.relative_velocity_deviation(0.7, turn, up, down), 0.0, atol=1e-17)
+    np.testing.assert_array_equal(
+        linear_bearing.contact_angle_deviations(np.array(0.02), mated=True), [-0.02, 0.02, -0.02, 0.02]
+    )
+    assert chain.pair_results_by_formulas(BEARING, 0.03, -0.6, 100.0, 1.4, mated=True)[:2] == (0.0, 0.0)
+    assert chain.pair_results_by_formulas(BEARING, 0.03, -0.6, 100.0, 1.4)[1] > 1.0
 
 
 BAD = {"ball_radius": 0.0, "conformity": 0.5, "contact_angle": 1.6, "mu": -0.1, "mu_balls": -0.1, "young": -1.0}
@@ -211,6 +206,6 @@ def test_bad_bearings_are_refused(name, value):
 
 def test_bad_values_are_refused():
     with pytest.raises(ValueError, match="two opposite contacts would have to pull"):
-        loads_equal_on_diagonals(1.0, np.array(1.1))
+        linear_bearing.loads_equal_on_diagonals(1.0, np.array(1.1))
     with pytest.raises(ValueError, match="semi-axes must lie"):
-        contact_friction_constants(replace(BEARING, conformity=0.5 + 1e-7))
+        chain.contact_friction_constants(replace(BEARING, conformity=0.5 + 1e-7))

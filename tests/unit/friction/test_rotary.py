@@ -7,28 +7,13 @@ import pytest
 from scipy.optimize import minimize
 
 from rollbench.compare.cases.lin.evidence import source_cases
-from rollbench.lowfi.friction.bearing import (
-    AXIAL,
-    INNER,
-    RADIAL,
-    ball_contacts,
-    ball_motion_problem,
-    contact_kinematics,
-    contact_loads_of_ball,
-    inner_ring_torque,
-    solve_ball_of_bearing,
-)
-from rollbench.lowfi.friction.contact.equilibrium import (
-    BodyMotionProblem,
-    least_dissipation,
-    motion_by_root,
-    motion_by_sharpened_sigmoids,
-)
+from rollbench.lowfi.friction import bearing as friction_bearing
+from rollbench.lowfi.friction.contact import equilibrium
 from rollbench.lowfi.friction.contact.laws import contacts_from_values, dissipated_power
 from rollbench.lowfi.friction.screw.motion import lin_sigmoid_law
 
 BEARING = source_cases.rotary_ball_scene("I").bearing
-DIAGONAL = np.stack([AXIAL, RADIAL], axis=1) * np.sqrt(0.5)
+DIAGONAL = np.stack([friction_bearing.AXIAL, friction_bearing.RADIAL], axis=1) * np.sqrt(0.5)
 ANGLES = np.radians([43.0, 46.0, 47.5, 44.2])
 
 
@@ -36,8 +21,8 @@ def problem_of(forces, bearing=BEARING, angles=ANGLES, free_z=False):
     """Problem of motion with given contact forces (4,), axes of the right Hertz constants."""
     h, f = bearing.contact_hertz_constants, np.asarray(forces, dtype=float)
     cube = np.cbrt(np.maximum(f, 1e-6))
-    (maps, drives), n = contact_kinematics(bearing, angles), 4 if free_z else 3
-    return BodyMotionProblem(
+    (maps, drives), n = friction_bearing.contact_kinematics(bearing, angles), 4 if free_z else 3
+    return equilibrium.BodyMotionProblem(
         contacts_from_values(h.C_a * cube, h.C_b * cube, f, bearing.mu), maps[..., :n], drives, np.zeros(n)
     )
 
@@ -55,10 +40,10 @@ def rotation(angle):
 def test_maps_are_rigid_body_kinematics():
     """Lin 3.4-3.9 in the fixed frame at an azimuth, differentiated in time by finite differences of positions."""
     b, q, phi, eps = BEARING, np.array([27.4, -136.0, 108.0, 5.0]), 0.7, 1e-7
-    maps, drives = contact_kinematics(b, ANGLES)
+    maps, drives = friction_bearing.contact_kinematics(b, ANGLES)
     centre = np.array([0.0, b.pitch_radius, 0.0])
     for i in range(4):
-        n = np.array([AXIAL[i] * np.sin(ANGLES[i]), RADIAL[i] * np.cos(ANGLES[i]), 0.0])
+        n = np.array([friction_bearing.AXIAL[i] * np.sin(ANGLES[i]), friction_bearing.RADIAL[i] * np.cos(ANGLES[i]), 0.0])
         y = -n
         x = np.cross(y, [0.0, 0.0, 1.0])
         seen = drives[i] + maps[i] @ q
@@ -69,7 +54,7 @@ def test_maps_are_rigid_body_kinematics():
                 return rotation(phi + q[0] * t) @ (centre + local + np.cross(q[1:], local) * t)
 
             def on_ring(t, local=local, i=i):
-                return rotation(phi + b.screw_speed * t * INNER[i]) @ (centre + local)
+                return rotation(phi + b.screw_speed * t * friction_bearing.INNER[i]) @ (centre + local)
 
             rate = (on_ball(eps) - on_ball(-eps) - on_ring(eps) + on_ring(-eps)) / (2.0 * eps)
             back = rotation(-phi) @ rate
@@ -79,16 +64,16 @@ def test_maps_are_rigid_body_kinematics():
 
 def test_loads_balance_and_are_those_of_least_energy():
     """Against a search over ring and ball that knows only the energy, written for a ring of its own."""
-    load = contact_loads_of_ball(BEARING, 100.0, 6e-6)
+    load = friction_bearing.contact_loads_of_ball(BEARING, 100.0, 6e-6)
     assert load.converged
-    n = np.stack([AXIAL * np.sin(load.angle), RADIAL * np.cos(load.angle)], axis=1)
+    n = np.stack([friction_bearing.AXIAL * np.sin(load.angle), friction_bearing.RADIAL * np.cos(load.angle)], axis=1)
     assert load.force @ n == pytest.approx(0.0, abs=1e-9)
-    assert -(load.force @ (n[:, 0] * INNER)) == pytest.approx(100.0, rel=1e-10)
+    assert -(load.force @ (n[:, 0] * friction_bearing.INNER)) == pytest.approx(100.0, rel=1e-10)
     C, reach, scale = BEARING.contact_hertz_constants.C, BEARING.groove_radius - BEARING.ball_radius, 1e-6
 
     def energy(x):
         ring, ball = np.array([scale * x[0], 6e-6]), scale * x[1:]
-        gap = np.linalg.norm(reach * DIAGONAL + ball - np.where(INNER[:, None], ring, 0.0), axis=1) - reach
+        gap = np.linalg.norm(reach * DIAGONAL + ball - np.where(friction_bearing.INNER[:, None], ring, 0.0), axis=1) - reach
         return (np.sum(0.4 * C**-1.5 * np.maximum(gap, 0.0) ** 2.5) - 100.0 * ring[0]) / (100.0 * scale)
 
     best = minimize(energy, np.array([9.0, 4.0, 3.0]), method="BFGS", options={"gtol": 1e-9})
@@ -100,11 +85,11 @@ def test_loads_balance_and_are_those_of_least_energy():
 def test_clearance_opens_the_contacts():
     """Distance of the ball's centre from each groove centre, less r_G - r_B and the play, is the approach C F^(2/3)."""
     b = replace(BEARING, clearance=10e-6)
-    load = contact_loads_of_ball(b, 100.0, 40e-6)
+    load = friction_bearing.contact_loads_of_ball(b, 100.0, 40e-6)
     reach = b.groove_radius - b.ball_radius
     gap = (
         load.ball_displacements
-        - np.where(INNER[:, None], np.append(load.inner_body_displacements, 40e-6), 0.0)
+        - np.where(friction_bearing.INNER[:, None], np.append(load.inner_body_displacements, 40e-6), 0.0)
         + reach * DIAGONAL
     )
     approach = np.maximum(np.linalg.norm(gap, axis=1) - reach - 10e-6, 0.0)
@@ -116,7 +101,7 @@ def test_clearance_opens_the_contacts():
 def test_least_dissipation_is_least(forces):
     """No other motion dissipates less: random ones at every scale, and a simplex search from a distance."""
     p = problem_of(forces, free_z=True)
-    m = least_dissipation(p)
+    m = equilibrium.least_dissipation(p)
     assert m.status == "exact"
     loss = m.loss
 
@@ -142,8 +127,8 @@ def test_least_dissipation_is_least(forces):
 def test_unique_from_random_starts_in_any_frame_and_engine(forces):
     """Both rings turned along by the same speed: the orbit follows, the loss stays."""
     p = problem_of(forces)
-    m, quick = (least_dissipation(p, fast=f) for f in (False, True))
-    turned = least_dissipation(
+    m, quick = (equilibrium.least_dissipation(p, fast=f) for f in (False, True))
+    turned = equilibrium.least_dissipation(
         replace(p, imposed_contact_motions=p.imposed_contact_motions - 13.0 * p.contact_motion_maps[:, :, 0])
     )
     assert quick.unknown_velocities == pytest.approx(m.unknown_velocities, rel=1e-9)
@@ -155,7 +140,7 @@ def test_unique_from_random_starts_in_any_frame_and_engine(forces):
     rng = np.random.default_rng(7)
     for _ in range(25):
         start = rng.normal(size=3) * 10.0 ** rng.uniform(-2, 4)
-        other = least_dissipation(p, start, fast=True)
+        other = equilibrium.least_dissipation(p, start, fast=True)
         assert other.status == "exact"
         assert other.unknown_velocities == pytest.approx(m.unknown_velocities, rel=1e-7)
         assert other.loss == pytest.approx(m.loss, rel=1e-9)
@@ -175,24 +160,27 @@ def test_energy_balance_over_random_scenes():
             groove_radius=12.5e-3 * rng.uniform(0.505, 0.6),
         )
         load_on, u_y = 10.0 ** rng.uniform(-3, 5), rng.uniform(-5e-6, 1e-5)
-        load = contact_loads_of_ball(b, load_on, u_y)
-        (maps, drives), n = contact_kinematics(b, load.angle), 3 + k % 2
-        m = least_dissipation(BodyMotionProblem(ball_contacts(b, load), maps[..., :n], drives, np.zeros(n)), fast=True)
+        load = friction_bearing.contact_loads_of_ball(b, load_on, u_y)
+        (maps, drives), n = friction_bearing.contact_kinematics(b, load.angle), 3 + k % 2
+        m = equilibrium.least_dissipation(
+            equilibrium.BodyMotionProblem(friction_bearing.ball_contacts(b, load), maps[..., :n], drives, np.zeros(n)),
+            fast=True,
+        )
         assert load.converged
         assert load.largest_unbalanced_force <= 1e-9 * (np.sum(load.force) + abs(load_on))
         assert m.status == "exact"
-        assert inner_ring_torque(b, load, m) * b.screw_speed == pytest.approx(m.loss, rel=1e-8)
+        assert friction_bearing.inner_ring_torque(b, load, m) * b.screw_speed == pytest.approx(m.loss, rel=1e-8)
         assert np.all(m.friction.loss >= 0.0)
         rests.add(int(np.sum(m.sticking_contacts)))
     assert rests >= {0, 1}
 
 
 def test_reversed_and_mirrored_motion():
-    right = solve_ball_of_bearing(BEARING, 100.0, 5e-6)
-    back = solve_ball_of_bearing(replace(BEARING, screw_speed=-BEARING.screw_speed), 100.0, 5e-6)
+    right = friction_bearing.solve_ball_of_bearing(BEARING, 100.0, 5e-6)
+    back = friction_bearing.solve_ball_of_bearing(replace(BEARING, screw_speed=-BEARING.screw_speed), 100.0, 5e-6)
     assert back.motion.unknown_velocities == pytest.approx(-right.motion.unknown_velocities, rel=1e-9)
     assert back.inner_ring_torque == pytest.approx(-right.inner_ring_torque, rel=1e-10)
-    left = solve_ball_of_bearing(BEARING, -100.0, 5e-6)
+    left = friction_bearing.solve_ball_of_bearing(BEARING, -100.0, 5e-6)
     assert left.load.force == pytest.approx(right.load.force[[1, 0, 3, 2]], rel=1e-9)
     assert left.motion.unknown_velocities == pytest.approx(right.motion.unknown_velocities * [1.0, 1.0, -1.0], rel=1e-8)
     assert left.inner_ring_torque == pytest.approx(right.inner_ring_torque, rel=1e-9)
@@ -200,7 +188,7 @@ def test_reversed_and_mirrored_motion():
 
 def test_two_points_rest_at_the_larger_ellipse():
     """Contact forces along one line: only spin remains, all of it at the contact with the smaller moment."""
-    s = solve_ball_of_bearing(BEARING, 100.0, 0.0)
+    s = friction_bearing.solve_ball_of_bearing(BEARING, 100.0, 0.0)
     loaded, rest = s.load.force > 0.0, s.motion.sticking_contacts
     assert (np.sum(loaded), np.sum(rest)) == (2, 1)
     larger = np.argmax(s.contacts.a * loaded)
@@ -212,7 +200,8 @@ def test_two_points_rest_at_the_larger_ellipse():
 
 def test_no_motion_without_drive_and_no_loss_without_friction():
     still, smooth = (
-        solve_ball_of_bearing(replace(BEARING, **change), 100.0, 5e-6) for change in ({"screw_speed": 0.0}, {"mu": 0.0})
+        friction_bearing.solve_ball_of_bearing(replace(BEARING, **change), 100.0, 5e-6)
+        for change in ({"screw_speed": 0.0}, {"mu": 0.0})
     )
     assert (still.motion.status, still.motion.loss, still.inner_ring_torque) == ("at rest", 0.0, 0.0)
     assert smooth.motion.loss == 0.0
@@ -221,28 +210,28 @@ def test_no_motion_without_drive_and_no_loss_without_friction():
 def test_a_pushed_body_rests_below_the_limit_and_slides_above():
     """One contact pushed along z: mu F holds; beyond it no motion is quasi-static, and the result says so."""
     maps = np.eye(3)[None]
-    base = BodyMotionProblem(contacts_from_values(1e-3, 3e-4, 100.0, 0.1), maps, np.zeros((1, 3)), np.zeros(3))
-    held = least_dissipation(replace(base, other_forces=np.array([0.0, 6.0, 1e-3])))
+    base = equilibrium.BodyMotionProblem(contacts_from_values(1e-3, 3e-4, 100.0, 0.1), maps, np.zeros((1, 3)), np.zeros(3))
+    held = equilibrium.least_dissipation(replace(base, other_forces=np.array([0.0, 6.0, 1e-3])))
     assert held.status == "exact"
     assert held.sticking_contacts[0]
     assert held.friction.force[0, 1] == pytest.approx(-6.0, rel=1e-9)
     assert held.friction.moment[0] == pytest.approx(-1e-3, rel=1e-9)
-    assert least_dissipation(replace(base, other_forces=np.array([0.0, 12.0, 0.0]))).status == "failed"
+    assert equilibrium.least_dissipation(replace(base, other_forces=np.array([0.0, 12.0, 0.0]))).status == "failed"
 
 
 def test_root_finding_of_the_source():
     """It has the same total loss where it succeeds, and fails from plain starts near two-point contact."""
     printed = replace(BEARING, hertz="as printed")
-    load = contact_loads_of_ball(printed, 100.0, 5.2e-6)
-    p = ball_motion_problem(printed, load, ball_contacts(printed, load))
+    load = friction_bearing.contact_loads_of_ball(printed, 100.0, 5.2e-6)
+    p = friction_bearing.ball_motion_problem(printed, load, friction_bearing.ball_contacts(printed, load))
     law = lin_sigmoid_law(BEARING, 100.0)
-    m = least_dissipation(p, fast=True)
-    root = motion_by_sharpened_sigmoids(p, law, m.unknown_velocities, fast=True)
+    m = equilibrium.least_dissipation(p, fast=True)
+    root = equilibrium.motion_by_sharpened_sigmoids(p, law, m.unknown_velocities, fast=True)
     assert root.status == "exact"
     assert root.loss == pytest.approx(m.loss, rel=1e-6)
     rng = np.random.default_rng(9)
     starts = [m.unknown_velocities + rng.normal(size=3) * [0.1, 20.0, 20.0] for _ in range(20)]
-    found = [motion_by_root(p, law, s, fast=True).status for s in starts]
+    found = [equilibrium.motion_by_root(p, law, s, fast=True).status for s in starts]
     assert found.count("failed") > 10
 
 

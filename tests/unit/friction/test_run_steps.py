@@ -10,13 +10,13 @@ from rollbench.lowfi.friction.screw.travel import UNCLEAR, estimate_time_step_er
 
 @dataclass
 class Fake:
-    per_step: np.ndarray
-    good: bool = True
-    share: float = float("nan")
+    mean_torque_per_step: np.ndarray
+    fully_converged: bool = True
+    largest_ball_to_groove_ratio: float = float("nan")
 
     @property
-    def torques(self):
-        torque = self.per_step
+    def torque_statistics(self):
+        torque = self.mean_torque_per_step
         return {"mean": torque.mean(), "largest": torque.max(), "least": torque.min()}
 
 
@@ -67,9 +67,9 @@ def test_steps_are_doubled_until_the_errors_are_small():
 
     found, error = simulate_until_accurate(simulate, None, 8, 1e-3)
     assert tried == [8 * 2**k for k in range(len(tried))]
-    assert found.per_step.size == tried[-1]
-    assert error.is_within(1e-3)
-    assert not error_of([smooth(n, 10.0) for n in tried[-4:-1]]).is_within(1e-3)
+    assert found.mean_torque_per_step.size == tried[-1]
+    assert error.all_errors_within(1e-3)
+    assert not error_of([smooth(n, 10.0) for n in tried[-4:-1]]).all_errors_within(1e-3)
 
 
 @pytest.mark.parametrize("steps", [40, 42, 7, 4])
@@ -82,11 +82,11 @@ def test_given_steps_are_solved_with_half_and_a_quarter(steps):
 
     found, error = simulate_until_accurate(simulate, steps, 8, 1e-9)
     assert tried == [steps // 4, steps // 2, steps]
-    assert found.per_step.size == steps
+    assert found.mean_torque_per_step.size == steps
     assert error.step_counts == tuple(tried)
 
 
 def test_a_run_that_ends_early_has_no_error():
     found, error = simulate_until_accurate(lambda _: Fake(np.ones(3), False), None, 8, 0.01)
     assert error is None
-    assert not found.good
+    assert not found.fully_converged

@@ -9,28 +9,18 @@ from tests.friction_oracles import ball_cell, coupled_ball
 from tests.helpers import SCREW_STATES as STATES
 
 from rollbench.compare.cases.lin.evidence import source_cases
-from rollbench.compare.cases.lin.evidence.source_cases import (
-    groove_of_table_3_6,
-    screw_pair_as_printed,
-    screw_pair_with_inferred_oversize,
-)
+from rollbench.compare.cases.lin.evidence import source_cases as evidence_source_cases
 from rollbench.lowfi import jit
 from rollbench.lowfi.friction.bearing import solve_ball_of_bearing
 from rollbench.lowfi.friction.contact.equilibrium import zero_contact_state_arrays
 from rollbench.lowfi.friction.linear.bearing import LinearBearing
 from rollbench.lowfi.friction.linear.chain import pair_angles_and_loads
 from rollbench.lowfi.friction.linear.chain import solve_pair_of_linear_balls as solve_linear_pair
+from rollbench.lowfi.friction.screw import motion
 from rollbench.lowfi.friction.screw.chain import ScrewBallChain, solve_motion_of_chain
 from rollbench.lowfi.friction.screw.groove import ON_SCREW, ScrewGroove, section_axes
-from rollbench.lowfi.friction.screw.motion import (
-    kernel_load_arrays,
-    lin_sigmoid_law,
-    solve_ball_motion,
-    solve_ball_motion_by_root,
-    solve_screw_contact_loads,
-)
 
-SCREW = groove_of_table_3_6()
+SCREW = evidence_source_cases.groove_of_table_3_6()
 TWO = np.radians(2.0)
 FLIP = [1, 0, 3, 2]  # SL <-> SR, NL <-> NR
 
@@ -47,7 +37,7 @@ def rotation(vector):
 
 def helical(screw, point, angle):
     """A point of a body after its helical motion by ``angle``."""
-    return rotation(np.array([0.0, 0.0, angle])) @ point + np.array([0.0, 0.0, screw.ratio * angle])
+    return rotation(np.array([0.0, 0.0, angle])) @ point + np.array([0.0, 0.0, screw.advance_per_radian * angle])
 
 
 def material_velocity(screw, q, offset, azimuth, h=1e-6):
@@ -114,9 +104,9 @@ def test_contact_spacing_of_3_72_is_exact_for_zero_lead_only() -> None:
 
 def test_loads_are_the_least_energy(rng: np.random.Generator) -> None:
     """Against a search that knows the energy only, and its gradient against differences."""
-    pair = replace(screw_pair_with_inferred_oversize(TWO), free="rz", force=(3.0, 50.0))
-    cell = replace(pair.cell(), ball_friction_forces=np.array([[1.0, -2.0], [0.5, 3.0]]))
-    scale, arrays = 1e-6, kernel_load_arrays(cell)
+    pair = replace(evidence_source_cases.screw_pair_with_inferred_oversize(TWO), free="rz", force=(3.0, 50.0))
+    cell = replace(pair.balls_with_loads(), ball_friction_forces=np.array([[1.0, -2.0], [0.5, 3.0]]))
+    scale, arrays = 1e-6, motion.kernel_arrays_for_contact_loads(cell)
     state = zero_contact_state_arrays(arrays)
 
     def energy_at(p, u):
@@ -129,7 +119,7 @@ def test_loads_are_the_least_energy(rng: np.random.Generator) -> None:
     def energy(x):
         return energy_at(scale * x[:4].reshape(2, 2), scale * x[4:]) / (50.0 * scale)
 
-    found = solve_screw_contact_loads(cell)
+    found = motion.solve_screw_contact_loads(cell)
     assert found.converged
     best = minimize(energy, np.zeros(6), method="BFGS", options={"gtol": 1e-9})
     x = np.append(found.ball_displacements.ravel(), found.inner_body_displacements) / scale
@@ -147,18 +137,18 @@ def test_loads_are_the_least_energy(rng: np.random.Generator) -> None:
 @pytest.mark.parametrize("oversize", [-1e-5, 0.0, 1.7e-6])
 @pytest.mark.parametrize("force", [1e-3, 1.0, 1e3])
 def test_loads_from_random_starts(oversize: float, force: float, rng: np.random.Generator) -> None:
-    cell = replace(screw_pair_as_printed(TWO), oversize=oversize, force=(force,)).cell()
-    reference = solve_screw_contact_loads(cell)
+    cell = replace(evidence_source_cases.screw_pair_as_printed(TWO), oversize=oversize, force=(force,)).balls_with_loads()
+    reference = motion.solve_screw_contact_loads(cell)
     assert reference.converged
     for _ in range(5):
-        again = solve_screw_contact_loads(cell, (rng.normal(size=(2, 2)) * 1e-5, rng.normal(size=1) * 1e-5))
+        again = motion.solve_screw_contact_loads(cell, (rng.normal(size=(2, 2)) * 1e-5, rng.normal(size=1) * 1e-5))
         assert again.converged
         assert again.force == pytest.approx(reference.force, rel=1e-6, abs=1e-8 * force)
 
 
 def test_two_contacts_of_a_stiff_screw_follow_from_statics() -> None:
     stiff = replace(SCREW, young=1e18)
-    found = solve_screw_contact_loads(ball_cell(stiff, np.zeros(4), 0.0, "z", np.array([25.0])))
+    found = motion.solve_screw_contact_loads(ball_cell(stiff, np.zeros(4), 0.0, "z", np.array([25.0])))
     along = 25.0 / (np.sin(SCREW.contact_angle) * np.cos(SCREW.lead_angle))
     assert found.force[0] == pytest.approx([along, 0.0, 0.0, along], rel=1e-4)
     assert found.angle[0, [0, 3]] == pytest.approx([SCREW.contact_angle] * 2, rel=1e-4)
@@ -167,15 +157,15 @@ def test_two_contacts_of_a_stiff_screw_follow_from_statics() -> None:
 @pytest.mark.parametrize("name", STATES)
 def test_input_power_is_dissipation_in_any_frame_reversed_and_mirrored(name: str) -> None:
     force, angle = STATES[name]
-    one = solve_ball_motion(SCREW, force, angle)
+    one = motion.solve_ball_motion(SCREW, force, angle)
     assert one.motion.status == "exact"
     assert one.input_power == pytest.approx(one.motion.loss, rel=1e-10)
-    moved = solve_ball_motion(replace(SCREW, nut_speed=SCREW.nut_speed + 3.7, screw_speed=3.7), force, angle)
+    moved = motion.solve_ball_motion(replace(SCREW, nut_speed=SCREW.nut_speed + 3.7, screw_speed=3.7), force, angle)
     assert moved.motion.loss == pytest.approx(one.motion.loss, rel=1e-10)
     assert moved.input_power == pytest.approx(one.input_power, rel=1e-9)
     assert moved.motion.unknown_velocities[0] == pytest.approx(one.motion.unknown_velocities[0] + 3.7, rel=1e-9)
-    back = solve_ball_motion(replace(SCREW, nut_speed=-SCREW.nut_speed), force, angle).motion
-    mirror = solve_ball_motion(replace(SCREW, lead=-SCREW.lead), force[FLIP], angle[FLIP]).motion
+    back = motion.solve_ball_motion(replace(SCREW, nut_speed=-SCREW.nut_speed), force, angle).motion
+    mirror = motion.solve_ball_motion(replace(SCREW, lead=-SCREW.lead), force[FLIP], angle[FLIP]).motion
     for other, senses in ((back, -1.0), (mirror, [1.0, -1.0, -1.0, 1.0])):
         assert other.loss == pytest.approx(one.motion.loss, rel=1e-10)
         assert other.unknown_velocities == pytest.approx(one.motion.unknown_velocities * senses, rel=1e-7, abs=1e-7)
@@ -183,15 +173,21 @@ def test_input_power_is_dissipation_in_any_frame_reversed_and_mirrored(name: str
 
 def test_root_of_the_sources_law(rng: np.random.Generator) -> None:
     """In four-point contact it spends what the least dissipation does; near two-point contact many starts fail."""
-    one = solve_ball_motion(SCREW, *STATES["four"])
+    one = motion.solve_ball_motion(SCREW, *STATES["four"])
     for sharpness, off in ((100.0, 1e-3), (1e4, 1e-9)):
-        root = solve_ball_motion_by_root(one, lin_sigmoid_law(SCREW, sharpness), one.motion.unknown_velocities)
+        root = motion.solve_ball_motion_by_root(
+            one, motion.lin_sigmoid_law(SCREW, sharpness), one.motion.unknown_velocities
+        )
         assert root.status == "exact"
         assert root.loss == pytest.approx(one.motion.loss, rel=off)
-    assert lin_sigmoid_law(SCREW, 100.0).reference_spin == pytest.approx(2.0 * np.pi * 0.98193 * np.sqrt(0.5), rel=1e-4)
-    two = solve_ball_motion(SCREW, *STATES["two"])
+    assert motion.lin_sigmoid_law(SCREW, 100.0).reference_spin == pytest.approx(
+        2.0 * np.pi * 0.98193 * np.sqrt(0.5), rel=1e-4
+    )
+    two = motion.solve_ball_motion(SCREW, *STATES["two"])
     starts = [two.motion.unknown_velocities * (1.0 + 0.3 * rng.normal(size=4)) for _ in range(20)]
-    failed = sum(solve_ball_motion_by_root(two, lin_sigmoid_law(SCREW, 1e3), s).status == "failed" for s in starts)
+    failed = sum(
+        motion.solve_ball_motion_by_root(two, motion.lin_sigmoid_law(SCREW, 1e3), s).status == "failed" for s in starts
+    )
     assert failed > 4
 
 
@@ -202,7 +198,7 @@ def test_zero_lead_is_the_rotary_bearing(u_y: float) -> None:
     s = solve_ball_of_bearing(ring, 100.0, u_y, fast=True)
     screw = ScrewGroove(6.25e-3, 6.75e-3, 35e-3, 0.0, 0.25 * np.pi, 2.1e11, 0.28, 0.1, 0.0, 20.0 * np.pi)
     order = [0, 1, 3, 2]  # IL, IR, OL, OR
-    one = solve_ball_motion(screw, s.load.force[order], s.load.angle[order])
+    one = motion.solve_ball_motion(screw, s.load.force[order], s.load.angle[order])
     assert one.contacts.a[s.load.force[order] > 0.0] == pytest.approx(
         s.contacts.a[order][s.load.force[order] > 0.0], rel=1e-9
     )

@@ -6,19 +6,8 @@ import numpy as np
 import pytest
 from tests.friction_oracles import ball_cell, coupled_ball
 
-from rollbench.compare.cases.lin.evidence.source_cases import (
-    groove_of_table_3_6,
-    screw_pair_as_printed,
-    screw_pair_with_inferred_oversize,
-)
-from rollbench.lowfi.friction.screw.chain import (
-    PATIENCE,
-    CoupledChainSolution,
-    IterationStart,
-    solve_coupled_chain,
-    solve_loads_and_motion,
-)
-from rollbench.lowfi.friction.screw.motion import friction_on_balls_and_screw, solve_screw_contact_loads, with_fixed_screw
+from rollbench.compare.cases.lin.evidence import source_cases
+from rollbench.lowfi.friction.screw import chain, motion
 from rollbench.lowfi.friction.screw.run import BOTH, Pair, solve_pair_of_screw_balls
 
 #: One of the cases below: the way with the first regularising speed ends in a fold.
@@ -35,7 +24,7 @@ WEDGED = (
 )
 
 
-def out_of_balance(pair: Pair, state: CoupledChainSolution) -> float:
+def out_of_balance(pair: Pair, state: chain.CoupledChainSolution) -> float:
     """Largest force out of balance of a ball across its path, over the sum of contact forces: from forces alone."""
     n = pair.groove.normals(state.loads_with_friction.angle)
     force = state.motion.wrench[..., :3].sum(axis=1) + state.motion.neighbour_forces
@@ -46,10 +35,16 @@ def out_of_balance(pair: Pair, state: CoupledChainSolution) -> float:
 @pytest.mark.parametrize("case", WEDGED)
 def test_wedged_pairs_and_balls_converge_and_are_in_equilibrium(case) -> None:
     force, clearance, theta, mu = case
-    pair = Pair(groove_of_table_3_6(mu=mu), tuple(np.radians(theta)), oversize=-clearance, force=(force,), coupling="ball")
+    pair = Pair(
+        source_cases.groove_of_table_3_6(mu=mu),
+        tuple(np.radians(theta)),
+        oversize=-clearance,
+        force=(force,),
+        coupling="ball",
+    )
     r = solve_pair_of_screw_balls(pair)
     assert r.converged
-    assert r.apart.rounds > PATIENCE
+    assert r.apart.rounds > chain.PATIENCE
     assert r.apart.loads_with_friction.force.sum() > 5.0 * r.apart.loads_without_friction.force.sum()
     for state in (r.apart, r.touching):
         assert out_of_balance(pair, state) < 1e-8
@@ -59,23 +54,23 @@ def test_wedged_pairs_and_balls_converge_and_are_in_equilibrium(case) -> None:
 
 
 @pytest.mark.parametrize("coupling", ["ball", "ball and screw"])
-@pytest.mark.parametrize("make", [screw_pair_as_printed, screw_pair_with_inferred_oversize])
+@pytest.mark.parametrize("make", [source_cases.screw_pair_as_printed, source_cases.screw_pair_with_inferred_oversize])
 def test_one_system_gives_what_rounds_give(make, coupling: str) -> None:
     """Two ways that share the laws only: rounds and Newton's method on everything at once."""
     pair = replace(make(np.radians(2.0)), coupling=coupling)
     rounds = solve_pair_of_screw_balls(pair).touching
-    assert rounds.rounds < PATIENCE
-    cell = pair.cell()
-    bare = solve_screw_contact_loads(cell)
-    held = with_fixed_screw(cell, bare) if coupling == "ball" else cell
-    found = solve_loads_and_motion(
+    assert rounds.rounds < chain.PATIENCE
+    cell = pair.balls_with_loads()
+    bare = motion.solve_screw_contact_loads(cell)
+    held = motion.balls_with_fixed_screw(cell, bare) if coupling == "ball" else cell
+    found = chain.solve_loads_and_motion(
         held,
         np.array([0.0, np.inf]),
         (bare.ball_displacements, bare.inner_body_displacements[: held.external_screw_force.size]),
     )
     assert found.reached_full_friction
     friction, pushed = rounds.motion.wrench, rounds.motion.neighbour_forces[:, [0, 2]]
-    push, drag = friction_on_balls_and_screw(held, friction, pushed, coupling)  # type: ignore[arg-type]
+    push, drag = motion.friction_on_balls_and_screw(held, friction, pushed, coupling)  # type: ignore[arg-type]
     scale = float(rounds.loads_with_friction.force.sum())
     assert found.ball_friction_forces == pytest.approx(push, abs=1e-8 * scale)
     assert found.screw_friction_forces == pytest.approx(drag, abs=1e-8 * scale)
@@ -89,7 +84,7 @@ def test_random_pairs_converge(coupling: str, count: int) -> None:
     for _ in range(count):
         force, clearance = 10.0 ** rng.uniform(-3.0, 5.0), 10.0 ** rng.uniform(-7.0, -5.0) * rng.choice([1.0, 1.0, -0.3])
         theta, mu = tuple(np.radians(rng.uniform(-5.0, 5.0, 2))), np.exp(rng.uniform(np.log(1e-3), np.log(0.5)))
-        pair = Pair(groove_of_table_3_6(mu=mu), theta, oversize=-clearance, force=(force,))
+        pair = Pair(source_cases.groove_of_table_3_6(mu=mu), theta, oversize=-clearance, force=(force,))
         pair = replace(pair, coupling=coupling)  # type: ignore[arg-type]
         r = solve_pair_of_screw_balls(pair)
         assert r.converged
@@ -106,15 +101,15 @@ def test_a_floating_ball_may_wedge_itself() -> None:
     With 1 um of clearance under 0.01 N the second ball has play; pushed aside once, it stays wedged, at 18 times the
     load of the first. Both states are in balance.
     """
-    pair = replace(screw_pair_as_printed(np.radians(2.0)), oversize=-1e-6, force=(0.01,))
+    pair = replace(source_cases.screw_pair_as_printed(np.radians(2.0)), oversize=-1e-6, force=(0.01,))
     floats = solve_pair_of_screw_balls(pair).apart
     load = floats.loads_with_friction.force.sum(axis=1)
     assert load[1] < 1e-9 * load[0]
-    found, rng, cell = [], np.random.default_rng(1), pair.cell()
+    found, rng, cell = [], np.random.default_rng(1), pair.balls_with_loads()
     for _ in range(40):
         push = np.array([[0.0, 0.0], 0.01 * rng.normal(size=2)])
-        guess = IterationStart(push, np.zeros(1), floats.motion.q, np.zeros(2))
-        found.append(solve_coupled_chain(cell, np.full(2, np.inf), "ball", None, 100, guess))
+        guess = chain.IterationStart(push, np.zeros(1), floats.motion.q, np.zeros(2))
+        found.append(chain.solve_coupled_chain(cell, np.full(2, np.inf), "ball", None, 100, guess))
     wedged = [s for s in found if s.loads_with_friction.force[1].sum() > 0.1]
     assert wedged
     assert all(s.converged and out_of_balance(pair, s) < 1e-8 for s in found)
@@ -123,9 +118,9 @@ def test_a_floating_ball_may_wedge_itself() -> None:
 
 
 def test_a_contact_past_the_apex_keeps_its_sign():
-    groove = replace(groove_of_table_3_6(), contact_angle=0.02)
+    groove = replace(source_cases.groove_of_table_3_6(), contact_angle=0.02)
     cell = ball_cell(groove, np.zeros(4), 2e-6, "z", np.array([200.0]))
-    found = solve_screw_contact_loads(cell)
+    found = motion.solve_screw_contact_loads(cell)
     normal = groove.normals(found.angle)
     assert found.converged
     assert found.angle[0].min() < 0.0

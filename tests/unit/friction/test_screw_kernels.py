@@ -7,7 +7,7 @@ import pytest
 
 from rollbench.compare.cases.lin.evidence.source_cases import screw_pair_as_printed, screw_pair_with_inferred_oversize
 from rollbench.lowfi.friction.screw.chain import ScrewBallChain, solve_loads_and_motion, solve_motion_of_chain
-from rollbench.lowfi.friction.screw.motion import solve_screw_contact_loads, with_fixed_screw
+from rollbench.lowfi.friction.screw.motion import balls_with_fixed_screw, solve_screw_contact_loads
 
 TWO = np.radians(2.0)
 SLACK = np.array([0.0, np.inf])
@@ -18,7 +18,7 @@ SLACK = np.array([0.0, np.inf])
 def test_both_engines_settle_alike(free: str, oversize: float) -> None:
     pair = replace(screw_pair_with_inferred_oversize(TWO), oversize=oversize, free=free, force=(3.0, 50.0)[2 - len(free) :])
     push = np.zeros((2, 2)) if oversize < 0.0 else np.array([[1.0, -2.0], [0.5, 3.0]])
-    cell = replace(pair.cell(), ball_friction_forces=push)
+    cell = replace(pair.balls_with_loads(), ball_friction_forces=push)
     fast, slow = solve_screw_contact_loads(cell), solve_screw_contact_loads(cell, fast=False)
     assert fast.converged
     assert slow.converged
@@ -30,7 +30,7 @@ def test_both_engines_settle_alike(free: str, oversize: float) -> None:
 @pytest.mark.parametrize("make", [screw_pair_as_printed, screw_pair_with_inferred_oversize])
 def test_both_engines_move_alike(make) -> None:
     """Motion, ball-to-ball force and losses, from the same loads."""
-    cell = make(TWO).cell()
+    cell = make(TWO).balls_with_loads()
     load = solve_screw_contact_loads(cell)
     chain = ScrewBallChain(cell.groove, load.force, cell.groove.normals(load.angle), SLACK)
     fast, slow = solve_motion_of_chain(chain), solve_motion_of_chain(chain, fast=False)
@@ -45,9 +45,9 @@ def test_both_engines_move_alike(make) -> None:
 
 
 def test_both_engines_solve_the_joint_system_alike() -> None:
-    cell = screw_pair_as_printed(TWO).cell()
+    cell = screw_pair_as_printed(TWO).balls_with_loads()
     load = solve_screw_contact_loads(cell)
-    held = with_fixed_screw(cell, load)
+    held = balls_with_fixed_screw(cell, load)
     fast, slow = (
         solve_loads_and_motion(held, SLACK, (load.ball_displacements, np.zeros(0)), fast=f) for f in (True, False)
     )

@@ -7,24 +7,14 @@ import pytest
 from scipy.optimize import minimize
 from tests.helpers import SCREW_STATES as STATES
 
-from rollbench.compare.cases.lin.evidence.source_cases import (
-    groove_of_table_3_6,
-    screw_pair_as_printed,
-    screw_pair_with_inferred_oversize,
-)
+from rollbench.compare.cases.lin.evidence import source_cases
 from rollbench.lowfi.friction.contact.laws import dissipated_power
+from rollbench.lowfi.friction.screw import run
 from rollbench.lowfi.friction.screw.chain import BalanceSearch, ScrewBallChain, solve_motion_of_chain
 from rollbench.lowfi.friction.screw.groove import SIGN_X, SIGN_Z
 from rollbench.lowfi.friction.screw.motion import contact_ellipses_of_screw, solve_ball_motion, solve_screw_contact_loads
-from rollbench.lowfi.friction.screw.run import (
-    BOTH,
-    load_implied_by_ball_force,
-    pair_sliding_speed,
-    results_over_oversize_and_force,
-    solve_pair_of_screw_balls,
-)
 
-SCREW = groove_of_table_3_6()
+SCREW = source_cases.groove_of_table_3_6()
 TWO = np.radians(2.0)
 FLIP = [1, 0, 3, 2]  # SL <-> SR, NL <-> NR
 
@@ -34,12 +24,12 @@ def open_chain(screw, force, angle) -> ScrewBallChain:
     return ScrewBallChain(screw, force, screw.normals(angle), np.append(np.zeros(len(force) - 1), np.inf))
 
 
-@pytest.mark.parametrize("make", [screw_pair_as_printed, screw_pair_with_inferred_oversize])
+@pytest.mark.parametrize("make", [source_cases.screw_pair_as_printed, source_cases.screw_pair_with_inferred_oversize])
 @pytest.mark.parametrize("coupling", ["none", "ball", "ball and screw"])
 def test_pair_in_equilibrium(make, coupling: str) -> None:
     """All balls with ball-to-ball force and friction; energy; complementarity."""
     pair = replace(make(TWO), coupling=coupling)
-    r = solve_pair_of_screw_balls(pair)
+    r = run.solve_pair_of_screw_balls(pair)
     assert r.converged
     t = r.touching
     assert t.motion.input_power == pytest.approx(t.motion.loss, rel=1e-8)
@@ -73,14 +63,14 @@ def test_radial_part_of_the_ball_force_keeps_its_sign() -> None:
 @pytest.mark.compiles(18)
 def test_swapped_balls() -> None:
     """Half a turn about x3 swaps the balls, left and right, and reverses the motion and the axial force."""
-    one = solve_pair_of_screw_balls(screw_pair_with_inferred_oversize(TWO))
+    one = run.solve_pair_of_screw_balls(source_cases.screw_pair_with_inferred_oversize(TWO))
     turned = replace(
-        screw_pair_with_inferred_oversize(TWO),
+        source_cases.screw_pair_with_inferred_oversize(TWO),
         groove=replace(SCREW, nut_speed=-SCREW.nut_speed),
         theta=(TWO, 0.0),
         force=(-50.0,),
     )
-    two = solve_pair_of_screw_balls(turned)
+    two = run.solve_pair_of_screw_balls(turned)
     assert two.force == pytest.approx(one.force, rel=1e-9)
     assert two.friction_increase == pytest.approx(one.friction_increase, rel=1e-9)
     loss = two.touching.motion.groove_loss[::-1][:, FLIP]
@@ -88,17 +78,17 @@ def test_swapped_balls() -> None:
 
 
 def test_reversed_motion_parts_the_pair() -> None:
-    pair = replace(screw_pair_with_inferred_oversize(TWO), groove=replace(SCREW, nut_speed=-SCREW.nut_speed))
-    r = solve_pair_of_screw_balls(pair)
+    pair = replace(source_cases.screw_pair_with_inferred_oversize(TWO), groove=replace(SCREW, nut_speed=-SCREW.nut_speed))
+    r = run.solve_pair_of_screw_balls(pair)
     assert r.force == 0.0
     assert r.touching.motion.q[1, 0] > r.touching.motion.q[0, 0]
     assert r.touching.motion.loss == pytest.approx(r.apart.motion.loss, rel=1e-9)
-    same = solve_pair_of_screw_balls(replace(screw_pair_with_inferred_oversize(0.0), coupling="none"))
+    same = run.solve_pair_of_screw_balls(replace(source_cases.screw_pair_with_inferred_oversize(0.0), coupling="none"))
     assert same.force == pytest.approx(0.0, abs=1e-6)
 
 
 def test_pair_does_not_depend_on_the_start(rng: np.random.Generator) -> None:
-    cell = screw_pair_with_inferred_oversize(TWO).cell()
+    cell = source_cases.screw_pair_with_inferred_oversize(TWO).balls_with_loads()
     load = solve_screw_contact_loads(cell)
     chain = open_chain(SCREW, load.force, load.angle)
     one = solve_motion_of_chain(chain)
@@ -113,7 +103,7 @@ def test_frictionless_chain_is_a_constrained_least_dissipation() -> None:
     """Without ball-to-ball friction the chain solves a convex problem: against a general optimiser."""
     screw = replace(SCREW, mu_balls=0.0)
     force = np.tile(STATES["four"][0], (3, 1))
-    angle = STATES["four"][1] + np.array([0.0, 0.02, 0.03])[:, None] * np.array(BOTH)
+    angle = STATES["four"][1] + np.array([0.0, 0.02, 0.03])[:, None] * np.array(run.BOTH)
     chain = open_chain(screw, force, angle)
     r = solve_motion_of_chain(chain)
     assert np.all(r.ball_loss == 0.0)
@@ -144,7 +134,7 @@ def test_frictionless_chain_is_a_constrained_least_dissipation() -> None:
 def test_chains_converge(count: int, load: float) -> None:
     force = load * np.tile(STATES["four"][0], (count, 1))
     theta = np.radians(5.0) * np.sin(np.arange(count))
-    r = solve_motion_of_chain(open_chain(SCREW, force, STATES["four"][1] + theta[:, None] * np.array(BOTH)))
+    r = solve_motion_of_chain(open_chain(SCREW, force, STATES["four"][1] + theta[:, None] * np.array(run.BOTH)))
     assert r.converged
     assert r.largest_gap_violation < 1e-10 * SCREW.speed
     assert np.all(r.ball_force >= 0.0)
@@ -155,10 +145,13 @@ def test_chains_converge(count: int, load: float) -> None:
 
 @pytest.mark.parametrize("mu", [0.0, 0.001, 0.5])
 def test_friction_coefficients(mu: float) -> None:
-    r = solve_pair_of_screw_balls(replace(screw_pair_with_inferred_oversize(TWO), groove=replace(SCREW, mu=mu)))
+    r = run.solve_pair_of_screw_balls(
+        replace(source_cases.screw_pair_with_inferred_oversize(TWO), groove=replace(SCREW, mu=mu))
+    )
     assert r.converged
     assert r.apart.motion.loss == pytest.approx(
-        mu / 0.1 * solve_pair_of_screw_balls(screw_pair_with_inferred_oversize(TWO)).apart.motion.loss, rel=1e-8
+        mu / 0.1 * run.solve_pair_of_screw_balls(source_cases.screw_pair_with_inferred_oversize(TWO)).apart.motion.loss,
+        rel=1e-8,
     )
     assert np.isnan(r.friction_increase) == (mu == 0.0)
 
@@ -175,13 +168,15 @@ def test_two_point_chain_with_unloaded_balls_converges() -> None:
 
 
 def test_map_of_the_assumptions() -> None:
-    m = results_over_oversize_and_force(
-        screw_pair_with_inferred_oversize(TWO), np.array([1.0, 1.7, 2.5]) * 1e-6, np.array([0.0, 50.0])
+    m = run.results_over_oversize_and_force(
+        source_cases.screw_pair_with_inferred_oversize(TWO), np.array([1.0, 1.7, 2.5]) * 1e-6, np.array([0.0, 50.0])
     )
     assert m.converged.all()
     assert np.all(np.diff(m.force, axis=0) > 0.0)
     assert np.all(np.diff(m.friction_increase, axis=0)[:, 0] < 0.0)
-    assert m.force[1, 1] == pytest.approx(solve_pair_of_screw_balls(screw_pair_with_inferred_oversize(TWO)).force, rel=1e-9)
+    assert m.force[1, 1] == pytest.approx(
+        run.solve_pair_of_screw_balls(source_cases.screw_pair_with_inferred_oversize(TWO)).force, rel=1e-9
+    )
 
 
 @pytest.mark.parametrize(
@@ -199,8 +194,8 @@ def test_bad_input(change, match) -> None:
 
 
 def test_the_load_that_a_force_and_its_losses_imply_is_the_one_whose_losses_they_are() -> None:
-    pair = screw_pair_with_inferred_oversize(TWO)
+    pair = source_cases.screw_pair_with_inferred_oversize(TWO)
     force, load = 3.0, 120.0
     each = solve_ball_motion(pair.groove, np.full(4, load / 4.0), np.full(4, pair.groove.contact_angle)).motion.loss
-    increase = 0.5 * pair.groove.mu * force * pair_sliding_speed(pair) / each
-    assert load_implied_by_ball_force(pair, force, increase) == pytest.approx(load, rel=1e-8)
+    increase = 0.5 * pair.groove.mu * force * run.pair_sliding_speed(pair) / each
+    assert run.load_implied_by_ball_force(pair, force, increase) == pytest.approx(load, rel=1e-8)

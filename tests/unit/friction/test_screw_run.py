@@ -8,13 +8,8 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 from rollbench.compare.cases.lin.evidence.source_cases import simulation_inputs_of_section_3_4_4
+from rollbench.lowfi.friction.screw import run as screw_run
 from rollbench.lowfi.friction.screw.motion import solve_ball_motion
-from rollbench.lowfi.friction.screw.run import (
-    balls_at_instant,
-    contact_angle_deviation,
-    simulate_equal_steps,
-    summarise_screw_run,
-)
 from rollbench.lowfi.friction.screw.travel import TravelHistory
 
 pytestmark = pytest.mark.xdist_group("whole run of the source")
@@ -22,7 +17,7 @@ pytestmark = pytest.mark.xdist_group("whole run of the source")
 
 @cache
 def result(**changes) -> TravelHistory:
-    return simulate_equal_steps(simulation_inputs_of_section_3_4_4(**changes))
+    return screw_run.simulate_equal_steps(simulation_inputs_of_section_3_4_4(**changes))
 
 
 CASES = {
@@ -45,15 +40,15 @@ def test_balls_keep_their_order_never_overlap_and_push_only_where_they_touch(nam
     ahead = np.diff(np.column_stack([r.azimuth, r.azimuth[:, 0] + run.ring]), axis=1)
     assert ahead[1:] == pytest.approx(r.spacing[:-1], abs=1e-11)
     assert ahead.min() >= run.groove.pair.spacing - 1e-11
-    assert r.contact.any()
+    assert r.presses_on_next.any()
     assert r.ball_force.min() >= 0.0
-    assert np.max(r.gap[r.contact]) < 1e-10
+    assert np.max(r.gap[r.presses_on_next]) < 1e-10
     assert np.abs(r.imbalance).max() < 1e-8
 
 
 def test_without_deviation_nothing_touches() -> None:
     r = result(amplitude=0.0, steps=20, duration=0.2)
-    assert not r.contact.any()
+    assert not r.presses_on_next.any()
     assert np.ptp(r.omega) < 1e-6 * r.setting.groove.speed
     assert np.all(r.ball_torque == 0.0)
 
@@ -61,8 +56,8 @@ def test_without_deviation_nothing_touches() -> None:
 def test_free_balls_follow_their_speeds() -> None:
     """While nothing touches, each ball's azimuth is the integral of its own speed over theta: separate quadrature."""
     run = simulation_inputs_of_section_3_4_4(amplitude=np.radians(0.5), steps=400, duration=0.4)
-    r = simulate_equal_steps(run)
-    assert not r.contact.any()
+    r = screw_run.simulate_equal_steps(run)
+    assert not r.presses_on_next.any()
     turned, loads = np.radians(np.linspace(-0.5, 0.5, 9)), np.median(r.load.reshape(-1, 4), axis=0)
     angles = run.groove.contact_angle + turned[:, None] * np.array(run.pattern)
     speed = CubicSpline(
@@ -70,8 +65,8 @@ def test_free_balls_follow_their_speeds() -> None:
     )
     azimuth, h = r.azimuth[0].copy(), run.duration / run.steps
     for _ in range(run.steps - 1):
-        half = azimuth + 0.5 * h * speed(contact_angle_deviation(run, azimuth))
-        azimuth += h * speed(contact_angle_deviation(run, half))
+        half = azimuth + 0.5 * h * speed(screw_run.contact_angle_deviation(run, azimuth))
+        azimuth += h * speed(screw_run.contact_angle_deviation(run, half))
     assert np.diff(r.azimuth[-1]) == pytest.approx(np.diff(azimuth), abs=3e-5)
     assert np.abs(r.spacing[-1] - r.spacing[0]).max() > 1e-3  # what the tolerance has to tell apart
 
@@ -86,12 +81,12 @@ def test_finer_steps_converge() -> None:
 def test_recirculation_folds_balls_into_the_nut() -> None:
     run = simulation_inputs_of_section_3_4_4(tube=0.4)
     azimuth = np.array([-7.0, -6.0, 0.0, 6.0, 6.4, 6.9])
-    there, loaded = run.place(azimuth, 0.0)
+    there, loaded = run.fold_into_track(azimuth, 0.0)
     assert there == pytest.approx([-7.0 + run.ring, -6.0, 0.0, 6.0, 6.4, -6.9 + 2.0 * 6.9 - run.ring], abs=1e-12)
     assert list(loaded) == [True, True, True, True, False, True]
-    later, _ = run.place(azimuth + 1.0, 1.0)
+    later, _ = run.fold_into_track(azimuth + 1.0, 1.0)
     assert later == pytest.approx(there + 1.0)
-    cell = balls_at_instant(run, there, loaded, 0.0)
+    cell = screw_run.balls_at_instant(run, there, loaded, 0.0)
     assert cell.interference[4].max() < -1e-4
 
 
@@ -99,7 +94,7 @@ def test_balls_in_the_tube_bear_no_load() -> None:
     r = result(**CASES["tube"])
     idle = r.load.sum(axis=2) == 0.0
     assert 0 < idle.sum() < 0.1 * idle.size
-    _, loaded = zip(*(r.setting.place(a, n) for a, n in zip(r.azimuth, r.nut_angle, strict=True)), strict=True)
+    _, loaded = zip(*(r.setting.fold_into_track(a, n) for a, n in zip(r.azimuth, r.nut_angle, strict=True)), strict=True)
     assert np.array_equal(~np.array(loaded), idle)
 
 
@@ -114,11 +109,11 @@ def test_axial_force_is_carried() -> None:
 def test_reversed_motion_and_mirrored_pattern() -> None:
     """Half a turn about x swaps left and right, order and direction: the same torque."""
     run = simulation_inputs_of_section_3_4_4(steps=40, duration=0.4)
-    one = simulate_equal_steps(run)
+    one = screw_run.simulate_equal_steps(run)
     g = run.groove
     back = replace(run, groove=replace(g, nut_speed=-g.nut_speed), force=(-1500.0,), amplitude=-run.amplitude)
-    two = simulate_equal_steps(back)
-    assert one.contact.any()
+    two = screw_run.simulate_equal_steps(back)
+    assert one.presses_on_next.any()
     assert two.torque == pytest.approx(one.torque, rel=1e-6)
     assert two.ball_force[:, ::-1] == pytest.approx(np.roll(one.ball_force, 1, axis=1), abs=1e-5)
 
@@ -130,7 +125,7 @@ def test_bad_input(change: dict[str, int], match: str) -> None:
 
 
 def test_summary() -> None:
-    s = summarise_screw_run(result())
+    s = screw_run.summarise_screw_run(result())
     assert s.most_touching_groups == 4
     assert 0.0 < s.nut_angle_of_largest_ratio < s.nut_angle_without_contact
 
@@ -142,5 +137,5 @@ def test_rounds_agree_in_every_step(coupling: str) -> None:
     assert agreed.converged.all()
     assert np.all(agreed.change <= 1e-11 * agreed.load.sum(axis=(1, 2)))
     assert np.all(lagged.change > 1e-6 * lagged.load.sum(axis=(1, 2)))  # what the rounds are for
-    assert agreed.contact.any()
+    assert agreed.presses_on_next.any()
     assert np.abs(agreed.imbalance).max() < 1e-8

@@ -6,20 +6,9 @@ import numpy as np
 import pytest
 
 from rollbench.compare.cases.lin.evidence import source_cases
-from rollbench.lowfi.friction.as_source.chain import (
-    balls_of_linear_bearing,
-    linear_bearing_friction_law,
-    solve_linear_bearing_by_root,
-    solve_linear_pair_by_root,
-    solve_motions_of_balls_by_root,
-)
+from rollbench.lowfi.friction.as_source import chain
+from rollbench.lowfi.friction.linear import chain as linear_chain
 from rollbench.lowfi.friction.linear.bearing import contact_angle_deviations, loads_in_equilibrium
-from rollbench.lowfi.friction.linear.chain import (
-    pair_angles_and_loads,
-    prepare_linear_chain,
-    solve_linear_chain,
-    solve_pair_of_linear_balls,
-)
 
 BEARING = replace(source_cases.linear_ball_pair_scene().bearing, mu_balls=0.08)
 CASE = (np.radians(2.0), -0.6, 100.0)
@@ -33,8 +22,8 @@ def state(theta, rho):
 
 @pytest.mark.parametrize("sharpness", [None, 100.0])
 def test_pair_is_ours(sharpness):
-    ours = solve_pair_of_linear_balls(BEARING, *CASE)
-    found = solve_linear_pair_by_root(BEARING, *CASE, law=linear_bearing_friction_law(BEARING, sharpness))
+    ours = linear_chain.solve_pair_of_linear_balls(BEARING, *CASE)
+    found = chain.solve_linear_pair_by_root(BEARING, *CASE, law=chain.linear_bearing_friction_law(BEARING, sharpness))
     assert found.status == "exact"
     assert found.ball_force[0] == pytest.approx(ours.ball_to_ball_force, rel=1e-9)
     np.testing.assert_allclose(found.motions_without_ball_forces[:, 0], ours.apart.velocity, rtol=1e-10)
@@ -46,11 +35,12 @@ def test_pair_is_ours(sharpness):
 
 def test_answer_goes_to_ours_as_the_sigmoid_sharpens():
     """Friction lacks the part 1 - tanh(k_S / 2) about the reference spin: so does the force, within a small factor."""
-    ours = solve_pair_of_linear_balls(BEARING, *CASE).ball_to_ball_force
+    ours = linear_chain.solve_pair_of_linear_balls(BEARING, *CASE).ball_to_ball_force
     for k in (6.0, 9.0, 12.0, 15.0):
         lacking = 1.0 - np.tanh(0.5 * k)
         off = abs(
-            solve_linear_pair_by_root(BEARING, *CASE, law=linear_bearing_friction_law(BEARING, k)).ball_force[0] / ours
+            chain.solve_linear_pair_by_root(BEARING, *CASE, law=chain.linear_bearing_friction_law(BEARING, k)).ball_force[0]
+            / ours
             - 1.0
         )
         assert 0.2 * lacking < off < 3.0 * lacking
@@ -60,8 +50,8 @@ def test_chain_is_ours_where_the_rule_for_contact_holds():
     """Each ball faster than the next: all touch."""
     angles, loads = state([2.5, 2.0, 1.0, 1.5, 2.5], [-0.5, -0.3, 0.1, 0.3, 0.5])
     ours, found = (
-        solve_linear_chain(prepare_linear_chain(BEARING, angles, loads)),
-        solve_linear_bearing_by_root(BEARING, angles, loads),
+        linear_chain.solve_linear_chain(linear_chain.prepare_linear_chain(BEARING, angles, loads)),
+        chain.solve_linear_bearing_by_root(BEARING, angles, loads),
     )
     assert found.status == "exact"
     assert np.all(ours.ball_force > 0.0)
@@ -72,11 +62,11 @@ def test_chain_is_ours_where_the_rule_for_contact_holds():
 
 def test_balls_that_part_or_are_out_of_reach_stay_apart():
     angles, loads = state([2.0, 2.0], [0.6, -0.6])
-    parting = solve_linear_bearing_by_root(BEARING, angles, loads)
+    parting = chain.solve_linear_bearing_by_root(BEARING, angles, loads)
     assert parting.status == "exact"
     assert parting.ball_motions[1, 0] > parting.ball_motions[0, 0]
     assert parting.ball_force[0] == 0.0
-    far = solve_linear_bearing_by_root(BEARING, angles[::-1], loads[::-1], False)
+    far = chain.solve_linear_bearing_by_root(BEARING, angles[::-1], loads[::-1], False)
     assert far.ball_force[0] == 0.0
     np.testing.assert_array_equal(far.ball_motions, far.motions_without_ball_forces)
 
@@ -85,8 +75,8 @@ def test_rule_for_contact_lets_balls_overlap():
     """The first is slower than the second, but not than the second held up by the third: 3.31 does not see that."""
     angles, loads = state([2.0, 2.5, 2.0], [-0.1, -0.2, 0.6])
     ours, found = (
-        solve_linear_chain(prepare_linear_chain(BEARING, angles, loads)),
-        solve_linear_bearing_by_root(BEARING, angles, loads),
+        linear_chain.solve_linear_chain(linear_chain.prepare_linear_chain(BEARING, angles, loads)),
+        chain.solve_linear_bearing_by_root(BEARING, angles, loads),
     )
     assert found.motions_without_ball_forces[0, 0] < found.motions_without_ball_forces[1, 0]
     assert found.ball_motions[0, 0] > found.ball_motions[1, 0] * (1.0 + 1e-4)
@@ -98,20 +88,22 @@ def test_rule_for_contact_lets_balls_overlap():
 
 def test_failure_is_a_status():
     """All but two contacts unloaded, one rests under Coulomb's law: there is no root to find."""
-    state_2p = pair_angles_and_loads(BEARING, np.radians(2.0), -1.0 + 1e-6, 100.0, loads="elastic")
-    assert solve_linear_bearing_by_root(BEARING, *state_2p).status == "failed"
+    state_2p = linear_chain.pair_angles_and_loads(BEARING, np.radians(2.0), -1.0 + 1e-6, 100.0, loads="elastic")
+    assert chain.solve_linear_bearing_by_root(BEARING, *state_2p).status == "failed"
 
 
 def test_start_does_not_change_a_root():
-    balls, reach = balls_of_linear_bearing(BEARING, *state([2.0, 2.0], [-0.6, 0.6])), np.array([True])
-    first = solve_motions_of_balls_by_root(balls, linear_bearing_friction_law(BEARING), reach)
+    balls, reach = chain.balls_of_linear_bearing(BEARING, *state([2.0, 2.0], [-0.6, 0.6])), np.array([True])
+    first = chain.solve_motions_of_balls_by_root(balls, chain.linear_bearing_friction_law(BEARING), reach)
     close = first.ball_motions, first.ball_force
     for start, touching in (
         (first.motions_without_ball_forces, None),
         (None, close),
         (first.motions_without_ball_forces, close),
     ):
-        again = solve_motions_of_balls_by_root(balls, linear_bearing_friction_law(BEARING), reach, start, touching)
+        again = chain.solve_motions_of_balls_by_root(
+            balls, chain.linear_bearing_friction_law(BEARING), reach, start, touching
+        )
         assert again.status == "exact"
         assert again.calls < first.calls - 3
         np.testing.assert_allclose(again.ball_force, first.ball_force, rtol=1e-9)

@@ -5,20 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.compare.cases.lin.evidence.source_cases import (
-    groove_of_table_3_6,
-    screw_pair_as_printed,
-    screw_pair_with_inferred_oversize,
-    simulation_inputs_of_section_3_4_4,
-)
-from rollbench.lowfi.friction.as_source.screw import (
-    BallPositions,
-    lin_state_of_result,
-    simulate_by_root,
-    solve_contact_loads_by_root,
-    solve_screw_pair_by_root,
-    starting_positions,
-)
+from rollbench.compare.cases.lin.evidence import source_cases
+from rollbench.lowfi.friction.as_source import screw
 from rollbench.lowfi.friction.screw.motion import lin_sigmoid_law, solve_screw_contact_loads
 from rollbench.lowfi.friction.screw.run import Run, simulate_equal_steps, solve_pair_of_screw_balls
 
@@ -27,7 +15,7 @@ TWO = np.radians(2.0)
 
 def few_balls(count=6, steps=40) -> Run:
     """A screw with few balls that fill its turns as 3.4.4 does."""
-    base = simulation_inputs_of_section_3_4_4()
+    base = source_cases.simulation_inputs_of_section_3_4_4()
     turns = count * base.groove.pair.spacing / (2.0 * np.pi * 0.978)
     return replace(base, count=count, turns=turns, force=(1500.0 * count / 37,), steps=steps, duration=0.01 * steps)
 
@@ -35,14 +23,14 @@ def few_balls(count=6, steps=40) -> Run:
 @pytest.mark.parametrize(
     "pair",
     [
-        screw_pair_with_inferred_oversize(TWO),
-        screw_pair_as_printed(TWO),
-        replace(screw_pair_as_printed(TWO), free="zr", force=(30.0, 20.0)),
+        source_cases.screw_pair_with_inferred_oversize(TWO),
+        source_cases.screw_pair_as_printed(TWO),
+        replace(source_cases.screw_pair_as_printed(TWO), free="zr", force=(30.0, 20.0)),
     ],
 )
 def test_loads_are_ours(pair):
-    cell = pair.cell()
-    ours, found = solve_screw_contact_loads(cell), solve_contact_loads_by_root(cell)
+    cell = pair.balls_with_loads()
+    ours, found = solve_screw_contact_loads(cell), screw.solve_contact_loads_by_root(cell)
     assert found.converged
     np.testing.assert_allclose(found.force, ours.force, atol=1e-8 * ours.force.max())
     loaded = ours.force > 1e-3 * ours.force.max()
@@ -50,18 +38,18 @@ def test_loads_are_ours(pair):
 
 
 def test_loads_that_are_not_found_are_not_converged():
-    cell = screw_pair_as_printed(TWO).cell()
-    away = starting_positions(cell)
-    lost = BallPositions(
+    cell = source_cases.screw_pair_as_printed(TWO).balls_with_loads()
+    away = screw.starting_positions(cell)
+    lost = screw.BallPositions(
         away.ball_displacements, away.contact_angles, -away.screw_displacements
     )  # off the flanks: nothing has stiffness
-    assert not solve_contact_loads_by_root(cell, lost).converged
+    assert not screw.solve_contact_loads_by_root(cell, lost).converged
 
 
 @pytest.mark.parametrize("theta", [1.0, 3.0])
 def test_pair_at_given_loads_is_ours(theta):
-    pair = screw_pair_with_inferred_oversize(np.radians(theta))
-    ours, found = solve_pair_of_screw_balls(pair), solve_screw_pair_by_root(pair)
+    pair = source_cases.screw_pair_with_inferred_oversize(np.radians(theta))
+    ours, found = solve_pair_of_screw_balls(pair), screw.solve_screw_pair_by_root(pair)
     assert found.motion.status == "exact"
     assert found.motion.ball_force[0] == pytest.approx(ours.force, rel=1e-8)
     np.testing.assert_allclose(found.motion.motions_without_ball_forces, ours.apart.motion.q, atol=1e-8)
@@ -71,19 +59,28 @@ def test_pair_at_given_loads_is_ours(theta):
 
 def test_pair_goes_to_ours_as_the_sigmoid_sharpens():
     """Contacts spin with about four times the reference: friction lacks 1 - tanh(2 k_S), the force about as much."""
-    ours = solve_pair_of_screw_balls(screw_pair_with_inferred_oversize(TWO)).force
+    ours = solve_pair_of_screw_balls(source_cases.screw_pair_with_inferred_oversize(TWO)).force
     for k in (1.0, 1.5, 2.0, 3.0):
-        law, lacking = lin_sigmoid_law(groove_of_table_3_6(), k), 1.0 - np.tanh(2.0 * k)
-        off = abs(solve_screw_pair_by_root(screw_pair_with_inferred_oversize(TWO), law).motion.ball_force[0] / ours - 1.0)
+        law, lacking = lin_sigmoid_law(source_cases.groove_of_table_3_6(), k), 1.0 - np.tanh(2.0 * k)
+        off = abs(
+            screw.solve_screw_pair_by_root(source_cases.screw_pair_with_inferred_oversize(TWO), law).motion.ball_force[0]
+            / ours
+            - 1.0
+        )
         assert 0.5 * lacking < off < 1.5 * lacking
 
 
 @pytest.mark.parametrize("theta", [1.0, 2.0, 3.0])
 def test_coupled_pair_has_ours_as_a_root(theta):
     """Ten equations a ball and one of contact hold where loads and friction agree by our own way (3.71, 3.75-3.77)."""
-    pair = screw_pair_as_printed(np.radians(theta))
+    pair = source_cases.screw_pair_as_printed(np.radians(theta))
     ours = solve_pair_of_screw_balls(pair)
-    found = solve_screw_pair_by_root(pair, None, lin_state_of_result(ours, False), lin_state_of_result(ours, True))
+    found = screw.solve_screw_pair_by_root(
+        pair,
+        None,
+        screw.lin_start_from_rollbench_solution(ours, False),
+        screw.lin_start_from_rollbench_solution(ours, True),
+    )
     assert found.motion.status == "exact"
     assert found.motion.ball_force[0] == pytest.approx(ours.force, rel=1e-7)
     np.testing.assert_allclose(found.force, ours.touching.loads_with_friction.force, atol=1e-6)
@@ -95,16 +92,16 @@ def test_coupled_pair_has_ours_as_a_root(theta):
 def test_run_is_ours_until_balls_meet_and_near_it_after():
     """Ours meets at the end of a step, the source's after it has overlapped: places differ by part of a step."""
     run = few_balls(steps=24)
-    ours, found = simulate_equal_steps(run), simulate_by_root(run)
+    ours, found = simulate_equal_steps(run), screw.simulate_by_root(run)
     assert found.failed_step_count == 0
-    meets = int(np.argmax(ours.contact.any(axis=1)))
+    meets = int(np.argmax(ours.presses_on_next.any(axis=1)))
     assert 5 < meets < 22
     np.testing.assert_allclose(found.omega[:meets], ours.omega[:meets], rtol=1e-10)
     np.testing.assert_allclose(found.gap[:meets], ours.gap[:meets], atol=1e-12)
     np.testing.assert_allclose(found.groove_torque[:meets], ours.groove_torque[:meets], rtol=1e-9)
     first = np.flatnonzero(found.ball_force.any(axis=1))
     assert first[0] in (meets, meets + 1)
-    assert int(np.argmax(found.ball_force[first[0]])) in np.flatnonzero(ours.contact[first[0]])
+    assert int(np.argmax(found.ball_force[first[0]])) in np.flatnonzero(ours.presses_on_next[first[0]])
     late = first[first > meets + 2]
     same = late[np.array([found.status[k] == "exact" for k in late])]
     np.testing.assert_allclose(found.ball_force[same].max(axis=1), ours.ball_force[same].max(axis=1), rtol=5e-3)

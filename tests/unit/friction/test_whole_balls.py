@@ -71,7 +71,7 @@ def test_ball_of_a_helix_moves_as_in_the_screw_s_kernels(lead, force):
     assert np.allclose(
         [found.orbital_speed[0], *found.rotation[0]], expected.motion.unknown_velocities, rtol=1e-10, atol=1e-10
     )
-    assert np.allclose(found.wrench(at.normals)[0], expected.wrench, rtol=1e-9, atol=1e-12)
+    assert np.allclose(found.contact_wrenches(at.normals)[0], expected.wrench, rtol=1e-9, atol=1e-12)
 
 
 def integral(found, at, i, s, mu):

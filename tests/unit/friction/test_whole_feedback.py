@@ -24,7 +24,7 @@ def coupled(mu, load):
     at, scene = single(held.load.force[0], held.load.angle[0], groove), scene_of(groove)
     assert held.converged
     found = ball_friction(scene, at, Friction(mu, mu), Motion(5.0))
-    total = found.wrench(at.normals)
+    total = found.contact_wrenches(at.normals)
     total[..., :3] -= at.force[..., None] * at.normals
     axial, moment = axial_forces_and_moments(at, total)
     return found.total_power_lost, float(axial[0, :2].sum()), float(moment[0, :2].sum()), scene, at
@@ -132,10 +132,10 @@ def test_feedback_settles_where_a_flank_hardly_bears(degrees):
     """The pitch error leaves a flank of one ball with less than a hundredth of its load: its friction turns far at once."""
     scene = catalogue.scene("lin-pitch-4p1")
     s, time = setting(scene, COUPLED, TURN), np.radians(degrees) / TURN.speed
-    place = s.begin()
+    place = s.state_at_start()
     still = np.full(place.gap.size, np.inf)
-    first = s.instant(place.azimuth, 0.0, still, place.memory)
-    found = s.instant(place.azimuth + time * first.omega, time, place.gap / (2.0 * time), first.memory)
+    first = s.solve_at_instant(place.azimuth, 0.0, still, place.memory)
+    found = s.solve_at_instant(place.azimuth + time * first.omega, time, place.gap / (2.0 * time), first.memory)
     assert found.converged
     assert found.axial == pytest.approx(scene.loads[0].force[2], rel=1e-6)
     light = np.sort(found.load, axis=1)[:, 0] / found.load.sum(axis=1)

@@ -50,7 +50,7 @@ def run(name, friction=MU, motion=TURN, span=0.1, steps=10):
 def test_energy_load_and_order_at_every_instant(name, motion, friction):
     """Moments of all contact forces about the axis, normal ones included, against external load and losses."""
     h, scene = run(name, friction, motion), SCENES[name]()
-    assert h.good
+    assert h.fully_converged
     assert np.all(h.torque > 0.0)
     assert friction.feedback or np.abs(h.imbalance).max() < 1e-8
     assert h.axial == pytest.approx(np.full(h.time.size, scene.loads[0].force[2]), rel=1e-4 if friction.feedback else 1e-9)
@@ -75,7 +75,7 @@ def test_energy_load_and_order_at_every_instant(name, motion, friction):
 def test_balls_leave_and_enter_and_bear_load_on_the_loaded_arc_alone():
     scene = crowded(clearance=1e-3)
     h = simulate(setting(scene), 0.2, 20)
-    assert h.good
+    assert h.fully_converged
     assert np.all(h.load[~h.loaded] == 0.0)
     assert set(h.loaded[0]) == {True, False}
     assert np.any(h.loaded[0] != h.loaded[-1]), "within two radians of the screw balls have changed places"
@@ -126,7 +126,7 @@ def test_turning_nut_is_a_turning_screw_seen_from_it():
 def test_without_friction_nothing_is_lost_and_balls_move_as_with_little():
     free = run("balls that meet", Friction(0.0, 0.0, feedback=False))
     little = run("balls that meet", Friction(1e-7, 1e-7, feedback=False))
-    assert free.good
+    assert free.fully_converged
     assert np.all(free.torque == 0.0)
     assert np.all(free.ball_force == 0.0)
     assert free.omega == pytest.approx(little.omega, rel=1e-5)
@@ -187,7 +187,7 @@ def test_balls_of_unlike_sizes_touch_where_their_radii_meet():
     on_track = balls.tracks[0].balls
     for k in range(on_track.start, on_track.stop - 1):
         phi = balls.touching_spacing[k]
-        chord = np.hypot(2.0 * balls.grooves.pitch_radius * np.sin(0.5 * phi), balls.grooves.ratio * phi)
+        chord = np.hypot(2.0 * balls.grooves.pitch_radius * np.sin(0.5 * phi), balls.grooves.advance_per_radian * phi)
         assert chord == pytest.approx(radius[k] + radius[k + 1], abs=2e-9)
     assert np.ptp(balls.touching_spacing) * pair.closing_speed_factor > 1e-6
 
@@ -212,5 +212,5 @@ def test_what_is_refused():
 def test_a_run_ends_where_loads_are_not_found():
     scene = replace(small_screw(6, 0.6, force=(0.0, 0.0, 100.0), screw="rigid"), supports=())
     h = simulate(setting(scene), 0.01, 4)
-    assert not h.good
+    assert not h.fully_converged
     assert "contact loads" in h.status

@@ -7,58 +7,58 @@ from dataclasses import replace
 import pytest
 
 from rollbench.compare.errors import InputError
-from rollbench.compare.gate.publish import (
-    HEADINGS,
-    VerdictFileRow,
-    file_row_of_verdict,
-    verdict_changes_since_file,
-    verdicts_csv,
-)
+from rollbench.compare.gate import publish
 from rollbench.compare.gate.verdict import Verdict
 
 NEAR = ((3, 100.0, 101.0, 0.5), (4, 110.0, 102.0, 0.5))
 
 
-def row(word: str, error: float, quantity: str = "largest error", *, scene: str = "mine", near=NEAR) -> VerdictFileRow:
+def row(
+    word: str, error: float, quantity: str = "largest error", *, scene: str = "mine", near=NEAR
+) -> publish.VerdictFileRow:
     limit, unit = (1.0, "deg") if quantity == "contact angle" else (7.0, "%")
-    return VerdictFileRow(
+    return publish.VerdictFileRow(
         word == "pass", word, scene, "a.csv", quantity, error, 0.1, limit, unit, 4, "SL", neighbouring_loads=near
     )
 
 
 def test_what_changed_is_said(tmp_path) -> None:
     before = [row("pass", -5.1), row("pass", 1.234, scene="same"), row("pass", 0.2, "contact angle")]
-    (tmp_path / "old.csv").write_text(verdicts_csv([*before, row("pass", 2, "life")]), encoding="utf-8")
+    (tmp_path / "old.csv").write_text(publish.verdicts_csv([*before, row("pass", 2, "life")]), encoding="utf-8")
     after = [row("undecided", 6.8), row("pass", 1.2341, scene="same"), row("fail", 1.3, "contact angle")]
-    found = [c.line() for c in verdict_changes_since_file(tmp_path / "old.csv", [*after, row("pass", 3, "torque")])]
+    found = [c.line() for c in publish.verdict_changes_since_file(tmp_path / "old.csv", [*after, row("pass", 3, "torque")])]
     assert found == [
         "mine: largest error 5.10 -> 6.80 %, limit 7, pass -> undecided",
         "mine: contact angle 0.20 deg -> 1.30 deg, limit 1 deg, pass -> fail",
         "mine: life: removed, was pass",
         "mine: torque: new, pass",
     ]
-    assert verdict_changes_since_file(tmp_path / "old.csv", [*before, row("pass", 2, "life")]) == []
+    assert publish.verdict_changes_since_file(tmp_path / "old.csv", [*before, row("pass", 2, "life")]) == []
     tighter = replace(before[0], word="fail", good=False, limit=3.0)
-    (change,) = verdict_changes_since_file(tmp_path / "old.csv", [tighter, *before[1:], row("pass", 2, "life")])
+    (change,) = publish.verdict_changes_since_file(tmp_path / "old.csv", [tighter, *before[1:], row("pass", 2, "life")])
     assert change.as_json()["limit"] == "3"  # that of today
 
 
-@pytest.mark.parametrize("text", ["", "a,b\n1,2\n", "{}", '{"verdicts": 3}', ",".join(HEADINGS) + "\nx\n", "[" * 99])
+@pytest.mark.parametrize(
+    "text", ["", "a,b\n1,2\n", "{}", '{"verdicts": 3}', ",".join(publish.HEADINGS) + "\nx\n", "[" * 99]
+)
 def test_another_file_is_refused(tmp_path, text: str) -> None:
     (tmp_path / "a.csv").write_text(text, encoding="utf-8")
     with pytest.raises(InputError, match="written by rollbench check"):
-        verdict_changes_since_file(tmp_path / "a.csv", [row("pass", 1)])
+        publish.verdict_changes_since_file(tmp_path / "a.csv", [row("pass", 1)])
 
 
 @pytest.mark.parametrize("unit", ["%", "deg"])
 @pytest.mark.parametrize("of", [{}, {"set": "front"}, {"case": "idle"}, {"set": "front", "case": "idle"}])
 def test_both_forms_name_the_rows_alike(tmp_path, of: dict[str, str], unit: str) -> None:
     one = Verdict("mine", "a.csv", "largest error", "pass", -5.12345, 0.1, 7.0, 4, "SL", unit=unit, **of)
-    (tmp_path / "a.csv").write_text(verdicts_csv([file_row_of_verdict(one)]), encoding="utf-8")
+    (tmp_path / "a.csv").write_text(publish.verdicts_csv([publish.file_row_of_verdict(one)]), encoding="utf-8")
     (tmp_path / "a.json").write_text(json.dumps({"verdicts": [one.as_json()]}), encoding="utf-8")
     for form in ("csv", "json"):
-        assert verdict_changes_since_file(tmp_path / f"a.{form}", [file_row_of_verdict(one)]) == []
-        (change,) = verdict_changes_since_file(tmp_path / f"a.{form}", [file_row_of_verdict(replace(one, error=-6.0))])
+        assert publish.verdict_changes_since_file(tmp_path / f"a.{form}", [publish.file_row_of_verdict(one)]) == []
+        (change,) = publish.verdict_changes_since_file(
+            tmp_path / f"a.{form}", [publish.file_row_of_verdict(replace(one, error=-6.0))]
+        )
         assert change.line().endswith({"%": "5.12 -> 6.00 %, limit 7", "deg": "5.12 deg -> 6.00 deg, limit 7 deg"}[unit])
 
 

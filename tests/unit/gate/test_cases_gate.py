@@ -11,7 +11,7 @@ import rollbench
 from rollbench.compare.gate import user
 from rollbench.compare.models.registry import ModelOptions, run_model
 from rollbench.compare.reference.store import load_stored_run, save_run
-from rollbench.compare.reference.tasks import group_by_geometry, mesh_settings, mesh_settings_with_tuples
+from rollbench.compare.reference.tasks import group_scenes_by_geometry, mesh_settings, mesh_settings_with_tuples
 from rollbench.compare.scenes import scene_file
 from rollbench.lowfi.rating.life import basic_rating_life, damage_equivalent_contact_loads
 
@@ -41,7 +41,7 @@ def verdicts(found: dict) -> dict[str, str]:
 
 def test_the_gate_takes_the_worst_case_and_names_it(command, tmp_path) -> None:
     cases = [case.scene for case in scene_file.parse_scene(TEXT, "two.toml").cases]
-    assert [[scene.name for scene in group] for group in group_by_geometry(cases)] == [
+    assert [[scene.name for scene in group] for group in group_scenes_by_geometry(cases)] == [
         ["two-rest", "two-push", "two-loose"]
     ]
     keep(tmp_path / "store", TEXT, push=0.7)

@@ -130,4 +130,5 @@ def test_the_page_of_a_scene_shows_both(tmp_path) -> None:
     assert bench.error_bars[1][1] - bench.error_bars[0][1] == pytest.approx(
         0.6 * estimate.reference_of_scene(GIVEN).mean, rel=0.2
     )
-    assert {"bench.csv", "3D reference"} <= {column.label for column in table.columns}
+    labels = [column.label for column in table.columns]
+    assert all(any(name in label for label in labels) for name in ("bench.csv", "3D reference")), labels

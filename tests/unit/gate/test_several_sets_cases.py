@@ -8,7 +8,7 @@ import pytest
 from tests.load_cases import case
 
 import rollbench
-from rollbench.compare.reference.tasks import group_by_geometry
+from rollbench.compare.reference.tasks import group_scenes_by_geometry
 from rollbench.compare.scenes import scene_file
 from rollbench.compare.scenes.catalogue import shipped_scene_text
 from rollbench.lowfi.rating.life import basic_rating_life, damage_equivalent_contact_loads
@@ -71,7 +71,7 @@ def test_loads_on_housings_are_those_of_the_case_and_cases_share_their_bodies_bu
     assert forces == [3000.0, 500.0]
     text = PARTS + CASES + '[[cases.loads]]\nat = "100 mm"\nforce = ["0 N", "0 N", "9 N"]\n'
     cases = [one.scene for one in scene_file.parse_scene(text, "dn.toml").cases]
-    assert [[scene.name for scene in group] for group in group_by_geometry(cases)] == [
+    assert [[scene.name for scene in group] for group in group_scenes_by_geometry(cases)] == [
         ["dn-rapid", "dn-cutting"],
         ["dn-warm"],
     ]

@@ -10,14 +10,7 @@ from scipy import sparse
 from scipy.linalg import block_diag
 from scipy.optimize import nnls
 
-from rollbench.hifi.contact.balls import (
-    SolverState,
-    ball_block_from_dense_matrix,
-    contact_compliance_of_coupled_balls,
-    contact_compliance_of_single_ball,
-    solve_contacts_of_all_balls,
-    solve_contacts_of_one_ball,
-)
+from rollbench.hifi.contact import balls
 
 #: Compliance [m/N] and gaps [m] of a real contact's size.
 SOFT, GAP = 1e-8, 1e-6
@@ -53,7 +46,7 @@ def brute_force(matrix, gap, directions, load):
 def patches(rng, sizes=(7, 5, 9), ranks=(2, 3, 2)):
     """A random coupled compliance."""
     modes = [rng.normal(size=(n, r)) for n, r in zip(sizes, ranks, strict=True)]
-    return contact_compliance_of_coupled_balls([spd(rng, n) for n in sizes], modes, spd(rng, sum(ranks), 5.0) / 3.0)
+    return balls.contact_compliance_of_coupled_balls([spd(rng, n) for n in sizes], modes, spd(rng, sum(ranks), 5.0) / 3.0)
 
 
 def pressed(seed):
@@ -70,7 +63,7 @@ def dense(C):
 
 
 def solved(C, gap, directions, load):
-    return solve_contacts_of_all_balls(C, gap, sparse.csr_matrix(directions), np.asarray(load, dtype=float))[0]
+    return balls.solve_contacts_of_all_balls(C, gap, sparse.csr_matrix(directions), np.asarray(load, dtype=float))[0]
 
 
 @pytest.mark.parametrize("seed", range(25))
@@ -82,10 +75,10 @@ def test_one_ball_agrees_with_nonnegative_least_squares(seed, spread):
     matrix, gap = spd(rng, n, spread), GAP * rng.normal(size=n)
     factor = np.linalg.cholesky(matrix)
     expected, _ = nnls(factor.T, -np.linalg.solve(factor, gap), maxiter=100 * n)
-    found = solve_contacts_of_one_ball(ball_block_from_dense_matrix(matrix), gap, rng.random(n) < 0.5)
+    found = balls.solve_contacts_of_one_ball(balls.ball_block_from_dense_matrix(matrix), gap, rng.random(n) < 0.5)
     np.testing.assert_allclose(found.forces, expected, atol=1e-7 * max(expected.max(initial=0.0), 1.0))
     assert found.contact_energy == pytest.approx(-energy(matrix, gap, found.forces), rel=1e-9)
-    again = solve_contacts_of_one_ball(ball_block_from_dense_matrix(matrix), gap, found)
+    again = balls.solve_contacts_of_one_ball(balls.ball_block_from_dense_matrix(matrix), gap, found)
     np.testing.assert_allclose(again.forces, found.forces, rtol=1e-9, atol=1e-9 * max(expected.max(initial=0.0), 1.0))
 
 
@@ -97,7 +90,7 @@ def test_with_free_bodies_agrees_with_brute_force(seed):
     directions = rng.normal(size=(n, k))
     load = 100.0 * directions.T @ np.maximum(rng.normal(size=n), 0.05)  # can be held
     expected = brute_force(matrix, gap, directions, load)
-    found = solved(contact_compliance_of_single_ball(matrix), gap, directions, load)
+    found = solved(balls.contact_compliance_of_single_ball(matrix), gap, directions, load)
     assert found.converged, found.status
     np.testing.assert_allclose(found.forces, expected, atol=1e-6 * expected.max())
     assert found.unbalanced_force_ratio < 1e-10
@@ -112,7 +105,7 @@ def test_coupling_at_low_rank_equals_the_dense_matrix(seed):
     gap, directions = GAP * rng.normal(size=n), np.abs(rng.normal(size=(n, 3)))
     directions[:7, 2] = 0.0  # a motion that one patch does not feel
     load = 100.0 * directions.T @ rng.uniform(0.5, 1.0, n)
-    a, b = (solved(C, gap, directions, load) for C in (low, contact_compliance_of_single_ball(dense(low))))
+    a, b = (solved(C, gap, directions, load) for C in (low, balls.contact_compliance_of_single_ball(dense(low))))
     assert {a.status, b.status} == {"converged"}
     assert 0 < (a.forces > 0.0).sum() < n
     np.testing.assert_allclose(
@@ -125,7 +118,7 @@ def test_coupling_at_low_rank_equals_the_dense_matrix(seed):
 def test_body_out_of_touch_is_moved_until_its_load_is_carried():
     gap = GAP * np.array([1.0, 1.0, 2.0, 0.7])
     directions = np.array([[1.0], [1.0], [1.0], [-1.0]])  # a ball with play between two sides
-    found = solved(contact_compliance_of_single_ball(1e-2 * SOFT * np.eye(4)), gap, directions, np.array([200.0]))
+    found = solved(balls.contact_compliance_of_single_ball(1e-2 * SOFT * np.eye(4)), gap, directions, np.array([200.0]))
     assert found.converged
     np.testing.assert_allclose(found.forces, [100.0, 100.0, 0.0, 0.0], atol=1e-6)
     assert found.rigid_motions[0] == pytest.approx(1.01 * GAP, rel=1e-9)
@@ -133,15 +126,15 @@ def test_body_out_of_touch_is_moved_until_its_load_is_carried():
 
 def test_answer_does_not_depend_on_where_it_starts():
     _, low, gap, N, f = pressed(11)
-    cold, state = solve_contacts_of_all_balls(low, gap, N, f)
-    warm, _ = solve_contacts_of_all_balls(low, gap, N, f, start=state)
-    other, _ = solve_contacts_of_all_balls(
-        low, gap, N, f, start=SolverState(0.3 * state.modal_forces, 2.0 * state.rigid_motions)
+    cold, state = balls.solve_contacts_of_all_balls(low, gap, N, f)
+    warm, _ = balls.solve_contacts_of_all_balls(low, gap, N, f, start=state)
+    other, _ = balls.solve_contacts_of_all_balls(
+        low, gap, N, f, start=balls.SolverState(0.3 * state.modal_forces, 2.0 * state.rigid_motions)
     )
     assert cold.converged
     assert warm.iterations == 1
     touching = [np.ones(len(block), dtype=bool) for block in low.ball_compliances]
-    guessed, _ = solve_contacts_of_all_balls(low, gap, N, f, touching=touching)
+    guessed, _ = balls.solve_contacts_of_all_balls(low, gap, N, f, touching=touching)
     for found in (warm, other, guessed):
         np.testing.assert_allclose(found.forces, cold.forces, atol=1e-8 * cold.forces.max())
 
@@ -152,11 +145,11 @@ def test_answer_does_not_depend_on_where_it_starts():
     ids=["pulled away", "tipped over its edge"],
 )
 def test_scenes_that_cannot_be_held_do_not_converge(directions, load):
-    found = solved(contact_compliance_of_single_ball(SOFT * np.eye(3)), np.zeros(3), directions, load)
+    found = solved(balls.contact_compliance_of_single_ball(SOFT * np.eye(3)), np.zeros(3), directions, load)
     assert not found.converged
     assert found.status.startswith(("not converged", "stalled"))
 
 
 def test_bad_couplings_are_refused():
     with pytest.raises(ValueError, match="coupling is not symmetric"):
-        contact_compliance_of_coupled_balls([np.eye(2)], [np.ones((2, 2))], np.array([[1.0, 1.0], [0.0, 1.0]]))
+        balls.contact_compliance_of_coupled_balls([np.eye(2)], [np.ones((2, 2))], np.array([[1.0, 1.0], [0.0, 1.0]]))

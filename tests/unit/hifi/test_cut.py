@@ -8,17 +8,9 @@ import pytest
 from rollbench.compare.scenes import catalogue
 from rollbench.hifi.elements.rigid import rigid_motion_transfer_along_z
 from rollbench.hifi.shaft import section as cell
+from rollbench.hifi.shaft import section as shaft_section
 from rollbench.hifi.shaft.beam import ShaftSection, end_flexibility_of_cantilever, round_section, tube_section
 from rollbench.hifi.shaft.mounting import MeshedShaftPart, subtract_cut_end_flexibility, support_shaft_part
-from rollbench.hifi.shaft.section import (
-    HALF_TURN,
-    fit_flexibility_of_cut_end,
-    flexibility_of_lower_cut_end,
-    flexibility_of_upper_cut_end,
-    groove_azimuth,
-    rotate_flexibility,
-    stiffness_of_grooved_shaft,
-)
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import FREEDOMS, Load, Support
 
@@ -42,7 +34,7 @@ def swaying():
         c[i, j] = c[j, i] = value * np.sqrt(MEAN[i, i] * MEAN[j, j])
     c[0, 3] = c[3, 0] = 2e-6
     c[1, 4] = c[4, 1] = -2e-6
-    assert np.allclose(HALF_TURN @ c @ HALF_TURN, c)
+    assert np.allclose(shaft_section.HALF_TURN @ c @ shaft_section.HALF_TURN, c)
     return MEAN + c
 
 
@@ -62,15 +54,15 @@ def between(m, near, far, a, b):
         out += (
             weight
             * rigid_motion_transfer_along_z(a - z)
-            @ rotate_flexibility(swaying(), groove_azimuth(m, z))
+            @ shaft_section.rotate_flexibility(swaying(), shaft_section.groove_azimuth(m, z))
             @ rigid_motion_transfer_along_z(b - z).T
         )
     out += (
         rigid_motion_transfer_along_z(a - near)
-        @ flexibility_of_lower_cut_end(cut_end(), m, near)
+        @ shaft_section.flexibility_of_lower_cut_end(cut_end(), m, near)
         @ rigid_motion_transfer_along_z(b - near).T
     )
-    return out + flexibility_of_upper_cut_end(cut_end(), m, far) * (a == far and b == far)
+    return out + shaft_section.flexibility_of_upper_cut_end(cut_end(), m, far) * (a == far and b == far)
 
 
 def shaft(m, length):
@@ -81,7 +73,9 @@ def shaft(m, length):
 def known(m, leads=(2, 4, 2.25), beam=0.0 * MEAN):
     """E of the swaying shaft: found from so many lengths; beam: what is added to each metre."""
     lengths = [k * LEAD for k in leads]
-    return fit_flexibility_of_cut_end(m, [(x, shaft(m, x) + end_flexibility_of_cantilever(x, beam)) for x in lengths], MEAN)
+    return shaft_section.fit_flexibility_of_cut_end(
+        m, [(x, shaft(m, x) + end_flexibility_of_cantilever(x, beam)) for x in lengths], MEAN
+    )
 
 
 @pytest.mark.parametrize("hand", HANDS)
@@ -90,7 +84,9 @@ def test_shafts_of_any_length_are_a_beam_and_two_cuts(hand):
     E = known(m)
     for length in (1.8 * LEAD, 2.5 * LEAD, 5.1 * LEAD):
         T, half = rigid_motion_transfer_along_z(length), length / 2
-        ends = T @ flexibility_of_lower_cut_end(E, m, m.z0 - half) @ T.T + flexibility_of_upper_cut_end(E, m, m.z0 + half)
+        ends = T @ shaft_section.flexibility_of_lower_cut_end(
+            E, m, m.z0 - half
+        ) @ T.T + shaft_section.flexibility_of_upper_cut_end(E, m, m.z0 + half)
         wanted = shaft(m, length) - end_flexibility_of_cantilever(length, MEAN)
         np.testing.assert_allclose(ends / SIZE, wanted / SIZE, atol=1e-11)
         assert np.abs(wanted[3:, 2]).max() > 1e-10  # an axial force bends
@@ -130,7 +126,7 @@ def meshed():
             known[key] = cell.meshed_shaft_flexibility(m, 16e-3, bore, steel, 8e-3, length)
         return known[key]
 
-    section = stiffness_of_grooved_shaft(m, 16e-3, bore, steel)
+    section = shaft_section.stiffness_of_grooved_shaft(m, 16e-3, bore, steel)
     found = cell.compute_equivalent_beam(
         m, bore, steel, section, [once(length) for length in cell.choose_lengths_of_fitted_shafts(m)]
     )
@@ -180,8 +176,8 @@ def test_a_meshed_shaft_is_beam_and_cuts(meshed):
     left = (
         stake
         - (
-            T @ flexibility_of_lower_cut_end(found.cut_end_flexibility, m, m.z0 - length / 2) @ T.T
-            + flexibility_of_upper_cut_end(found.cut_end_flexibility, m, m.z0 + length / 2)
+            T @ shaft_section.flexibility_of_lower_cut_end(found.cut_end_flexibility, m, m.z0 - length / 2) @ T.T
+            + shaft_section.flexibility_of_upper_cut_end(found.cut_end_flexibility, m, m.z0 + length / 2)
         )
         / SIZE
     )

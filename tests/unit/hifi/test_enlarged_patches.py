@@ -10,7 +10,7 @@ from rollbench.compare.reference.computing import BEYOND, settings_with_larger_p
 from rollbench.compare.reference.tasks import mesh_settings
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.studies.survey import SEED, random_screw_scene_text
-from rollbench.hifi.meshing.part_meshes import choose_patch_cells, choose_socket_size, reach_of_ellipses_along_groove
+from rollbench.hifi.meshing import part_meshes
 from rollbench.hifi.meshing.settings import estimate_contacts_of_scene, hertz_contacts_under_unit_force
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout
@@ -34,12 +34,12 @@ def prepared(scene=CASE, **changes):
 def zone(settings, setup=None):
     """Half widths [m] of the contact zone across and along the groove."""
     setup = setup or prepared()
-    size = choose_socket_size(
+    size = part_meshes.choose_refinement_box_size(
         setup.scene, setup.groove_map, setup.ball_positions, setup.loaded_flanks, setup.solid_dimensions, settings
     )
     width = size.gamma * float(setup.groove_map.radius.mean())
     widths = (width, size.phi * setup.groove_map.R)
-    shares = choose_patch_cells(settings, widths, size.depth)[1]
+    shares = part_meshes.choose_patch_cells(settings, widths, size.depth)[1]
     return shares[0] * widths[0], shares[1] * widths[1]
 
 
@@ -83,7 +83,9 @@ def test_on_a_ring_nothing_is_askew(angle):
     ring = GrooveMap.from_scene(catalogue.scene("bearing-9"))
     beta, b = np.array([np.radians(angle)]), np.array([1e-5])
     r = float(ring.R - ring.ball * np.cos(ring.beta))
-    assert reach_of_ellipses_along_groove(ring, 0, beta, np.array([1e-4]), b) == pytest.approx(1e-5 * ring.R / r, rel=0.02)
+    assert part_meshes.reach_of_ellipses_along_groove(ring, 0, beta, np.array([1e-4]), b) == pytest.approx(
+        1e-5 * ring.R / r, rel=0.02
+    )
 
 
 def test_patches_that_fill_the_flank_are_not_built_again():

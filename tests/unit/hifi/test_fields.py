@@ -33,7 +33,7 @@ def case(_one_submodel, tmp_path_factory):
     scene = small_screw(2, 0.2, force=(0.0, 0.0, 330.0), load_at=0.0)
     scene = replace(scene, nut=replace(scene.nut, length=16e-3), solid=Solid(shaft=6e-3, shaft_diameter=30e-3))
     expected = estimate_contacts_of_scene(scene)
-    semi, reach = round_up_lengths(expected.semi()), round_up_lengths(expected.reach())
+    semi, reach = round_up_lengths(expected.typical_semi_axes()), round_up_lengths(expected.largest_reach())
     sizes = {"fine": 4e-3, "coarse": 10e-3, "ball_fine": 1e-3, "ball_coarse": 1.6e-3}
     own = {"own_cuts": (2, 2, 2), "own_sizes": (2.4e-3, 10e-3), "own_ball_sizes": (1.2e-3, 2e-3)}
     settings = Settings(b_over_h=2.1, semi=semi, reach=reach, modes=20, growth=2.0, **sizes, **own)

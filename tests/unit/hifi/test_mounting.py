@@ -8,14 +8,8 @@ import pytest
 
 from rollbench.compare.scenes import catalogue
 from rollbench.hifi.elements.rigid import rigid_motion_transfer_along_z
+from rollbench.hifi.shaft import mounting
 from rollbench.hifi.shaft.beam import ShaftSupports, beam_stiffness, round_section
-from rollbench.hifi.shaft.mounting import (
-    MeshedShaftPart,
-    correct_beam_stiffness,
-    find_unconstrained_rigid_motions,
-    replace_shaft_part_by_beam,
-    support_shaft_part,
-)
 from rollbench.hifi.shaft.section import flexibility_of_lower_cut_end, flexibility_of_upper_cut_end
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import FREEDOMS, Load, Support
@@ -29,8 +23,8 @@ LOW, HIGH = 0.35, 0.45
 
 def stretch(ports=(HIGH,), observers=(0.4,)):
     """A stretch that is itself a beam; every contact has the six motions of its section as modes."""
-    empty = MeshedShaftPart(np.zeros((0, 0)), np.zeros((0, 6)), LOW, ports, observers, (LOW, HIGH), 0)
-    return replace_shaft_part_by_beam(np.broadcast_to(np.eye(6), (4, 6, 6)), STATIONS, empty, SECTION)
+    empty = mounting.MeshedShaftPart(np.zeros((0, 0)), np.zeros((0, 6)), LOW, ports, observers, (LOW, HIGH), 0)
+    return mounting.replace_shaft_part_by_beam(np.broadcast_to(np.eye(6), (4, 6, 6)), STATIONS, empty, SECTION)
 
 
 def whole_beam(scene, stations):
@@ -73,7 +67,7 @@ SCENES = {
 def test_a_stretch_that_is_a_beam_answers_like_the_whole_beam(name):
     supports, loads = SCENES[name]
     scene = replace(CASE, supports=supports, loads=loads)
-    found = support_shaft_part(stretch(), scene, SECTION)
+    found = mounting.support_shaft_part(stretch(), scene, SECTION)
     G, U = whole_beam(scene, [float(z) for z in STATIONS])
     scale = np.tile(np.r_[np.ones(3), np.full(3, 0.016)], 4)
     close(found.G * np.outer(scale, scale), G * np.outer(scale, scale))
@@ -84,8 +78,8 @@ def test_a_stretch_that_is_a_beam_answers_like_the_whole_beam(name):
 def test_a_station_inside_the_stretch_has_a_port():
     scene = replace(CASE, supports=(Support(0.0, CLAMPED),), loads=(Load(0.4, (1e3, 0.0, 0.0)),))
     with pytest.raises(ValueError, match="400 mm lies inside"):
-        support_shaft_part(stretch(), scene, SECTION)
-    found = support_shaft_part(stretch(ports=(HIGH, 0.4)), scene, SECTION)
+        mounting.support_shaft_part(stretch(), scene, SECTION)
+    found = mounting.support_shaft_part(stretch(ports=(HIGH, 0.4)), scene, SECTION)
     _, U = whole_beam(scene, [float(z) for z in STATIONS])
     close(found.mode_displacements_by_loads, U, 1e-8)
 
@@ -93,7 +87,7 @@ def test_a_station_inside_the_stretch_has_a_port():
 def test_centreline_by_loads_and_by_contact_forces():
     supports, loads = SCENES["clamped left, guided right"]
     scene = replace(CASE, supports=supports, loads=loads)
-    found = support_shaft_part(stretch(), scene, SECTION)
+    found = mounting.support_shaft_part(stretch(), scene, SECTION)
     nodes = [*found.centreline_positions]
     _, U = whole_beam(scene, nodes)
     close(found.centreline_by_loads[:, :3].ravel(), U.reshape(-1, 6)[:, :3].ravel(), 1e-8)
@@ -105,22 +99,22 @@ def test_centreline_by_loads_and_by_contact_forces():
 
 def test_an_unheld_screw_moves_rigidly_and_its_loads_do_work():
     scene = replace(CASE, supports=(Support(0.0, (("rz", 0.0),)),), loads=(Load(0.8, (0.0, 4.0, 9.0)),))
-    found = support_shaft_part(stretch(), scene, SECTION)
+    found = mounting.support_shaft_part(stretch(), scene, SECTION)
     assert found.free_motions.shape == (6, 5)
     arm = 0.8 - found.origin_position
     wrench = np.array([0.0, 4.0, 9.0, -4.0 * arm, 0.0, 0.0])
     np.testing.assert_allclose(found.work_on_free_motions, found.free_motions.T @ wrench, atol=1e-12)
     held = [rigid_motion_transfer_along_z(0.0 - found.origin_position)[5]]
     np.testing.assert_allclose(held @ found.free_motions, 0.0, atol=1e-15)
-    assert np.linalg.matrix_rank(find_unconstrained_rigid_motions(ShaftSupports.from_scene(scene), 0.0)) == 5
+    assert np.linalg.matrix_rank(mounting.find_unconstrained_rigid_motions(ShaftSupports.from_scene(scene), 0.0)) == 5
 
 
 def test_a_ring_on_a_stiff_shaft_follows_its_bore():
     F = np.diag(np.full(6, 1e-9))
-    ring = MeshedShaftPart(F, np.eye(6), 0.4, (), (), (0.39, 0.41), 6, moves_with_base=True)
+    ring = mounting.MeshedShaftPart(F, np.eye(6), 0.4, (), (), (0.39, 0.41), 6, moves_with_base=True)
     fixed = tuple(zip(FREEDOMS, (1e-6, 0.0, 0.0, 0.0, 2e-3, 0.0), strict=True))
     scene = replace(CASE, supports=(Support(0.45, fixed),), loads=())
-    found = support_shaft_part(ring, scene, SECTION)
+    found = mounting.support_shaft_part(ring, scene, SECTION)
     np.testing.assert_allclose(found.G, F)
     np.testing.assert_allclose(
         found.mode_displacements_by_loads, [1e-6 - 0.05 * 2e-3, 0.0, 0.0, 0.0, 2e-3, 0.0], atol=1e-15
@@ -134,12 +128,12 @@ def test_a_mesh_that_is_too_stiff_is_made_as_stiff_as_its_section(ends):
     stiff = replace(SECTION, EA=1.02 * SECTION.EA, EI=1.013 * SECTION.EI, GJ=1.008 * SECTION.GJ)
 
     def with_cuts(section):
-        beam = replace_shaft_part_by_beam(rows, STATIONS, stretch(), section)
+        beam = mounting.replace_shaft_part_by_beam(rows, STATIONS, stretch(), section)
         F = beam.F + beam.B @ flexibility_of_lower_cut_end(cut, m, LOW) @ beam.B.T
         end = slice(beam.mode_count, beam.mode_count + 6)
         F[end, end] += flexibility_of_upper_cut_end(cut, m, HIGH)
         return replace(beam, F=F)
 
-    found, wanted = correct_beam_stiffness(with_cuts(stiff), rows, STATIONS, SECTION, cut, m), with_cuts(SECTION)
+    found, wanted = mounting.correct_beam_stiffness(with_cuts(stiff), rows, STATIONS, SECTION, cut, m), with_cuts(SECTION)
     assert np.abs(with_cuts(stiff).F - wanted.F).max() > 5e-3 * np.abs(wanted.F).max()
     close(found.F, wanted.F)

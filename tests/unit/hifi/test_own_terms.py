@@ -23,11 +23,11 @@ def test_the_law_of_a_side_is_found_again_whatever_the_force_and_scatter_is_a_sh
     found = bodies([e + h * np.cbrt(FORCES) for e, h in law])
     for side, expected in zip((0, 3), law, strict=True):
         assert found.fit_local_approach_over_load(side) == pytest.approx(expected, rel=1e-9)
-        assert found.scatter(side) < 1e-12
+        assert found.relative_deviation_of_fit(side) < 1e-12
     wave = 0.002 * np.where(np.arange(FORCES.size) % 2, 1.0, -1.0) * C * np.cbrt(1.0 / FORCES)
     found = bodies([-2e-9 + wave, -2e-9 + wave])
-    assert found.scatter(0) == pytest.approx(0.002, rel=0.05)
-    assert found.scatter(3) == pytest.approx(0.001, rel=0.05)  # its approach is twice as large
+    assert found.relative_deviation_of_fit(0) == pytest.approx(0.002, rel=0.05)
+    assert found.relative_deviation_of_fit(3) == pytest.approx(0.001, rel=0.05)  # its approach is twice as large
     e, h = found.fit_local_approach_over_load(0)
     law = e + h * np.cbrt(FORCES)
     assert np.abs(law + 2e-9).max() < 0.5 * np.abs(wave).max()

@@ -11,18 +11,8 @@ from tests.fe_meshes import boundary, stiffness, strain_stress
 from tests.helpers import relative
 from tests.patch_meshes import NU, E, condensed, flat, holed_cube, patch, places, socket, tets
 
-from rollbench.hifi.bodies.coarse import (
-    BodySocket,
-    assemble_body_stiffness,
-    convert_mesh_order,
-    degrees_of_freedom_of_nodes,
-)
-from rollbench.hifi.bodies.patch import (
-    condense_patch,
-    fit_tetrahedral_patch,
-    nodal_displacements_of_patch,
-    socket_interpolation_matrix,
-)
+from rollbench.hifi.bodies import coarse
+from rollbench.hifi.bodies import patch as bodies_patch
 from rollbench.hifi.elements.forms import normalise_weight_rows
 from rollbench.hifi.elements.rigid import nodal_displacements_of_rigid_motions
 from rollbench.meshes.fem import node_coordinates
@@ -36,12 +26,14 @@ KINDS = ["Q2", "P1"]
 def test_tie_reproduces_the_socket_s_functions_and_takes_no_point_off_it(linear):
     s = socket()
     with pytest.raises(ValueError, match="lies on no triangle"):
-        socket_interpolation_matrix(np.array([[0.5, 0.5, 0.5]]), s, linear=linear)
-    np.testing.assert_allclose(socket_interpolation_matrix(s.xi, s, linear=linear).toarray(), np.eye(len(s.xi)), atol=1e-12)
+        bodies_patch.refinement_box_interpolation_matrix(np.array([[0.5, 0.5, 0.5]]), s, linear=linear)
+    np.testing.assert_allclose(
+        bodies_patch.refinement_box_interpolation_matrix(s.xi, s, linear=linear).toarray(), np.eye(len(s.xi)), atol=1e-12
+    )
     rng = np.random.default_rng(0)
     weights = rng.dirichlet(np.ones(3), len(s.triangles))
     points = np.einsum("tk,tkd->td", weights, s.xi[s.triangles[:, :3]])
-    T = socket_interpolation_matrix(points, s, linear=linear)
+    T = bodies_patch.refinement_box_interpolation_matrix(points, s, linear=linear)
     np.testing.assert_allclose(T @ s.xi, points, atol=1e-13)
     np.testing.assert_allclose(T @ np.ones(len(s.xi)), 1.0, atol=1e-13)
     bent = s.xi[:, :1] * s.xi[:, 1:2] + s.xi**2
@@ -51,7 +43,9 @@ def test_tie_reproduces_the_socket_s_functions_and_takes_no_point_off_it(linear)
     middles = s.triangles[:, np.array(SUB_TRIANGLES)].reshape(-1, 3)
     expected = bent[middles].mean(axis=1)
     np.testing.assert_allclose(
-        socket_interpolation_matrix(s.xi[middles].mean(axis=1), s, linear=True) @ bent, expected, atol=1e-13
+        bodies_patch.refinement_box_interpolation_matrix(s.xi[middles].mean(axis=1), s, linear=True) @ bent,
+        expected,
+        atol=1e-13,
     )
 
 
@@ -77,7 +71,7 @@ def test_rigid_motions_strain_nothing(kind, where):
     at_contact = nodal_displacements_of_rigid_motions(mesh.points[mesh.contact_nodes], middle) / unit
     expected = np.einsum("ci,cim->cm", normals, at_contact.reshape(-1, 3, 6))
     np.testing.assert_allclose(c.H @ motions, normalise_weight_rows(mesh.pressure_weights) @ expected, atol=1e-11)
-    u = nodal_displacements_of_patch(mesh, normals, E, NU, np.zeros(len(normals)), motions[:, 4])
+    u = bodies_patch.nodal_displacements_of_patch(mesh, normals, E, NU, np.zeros(len(normals)), motions[:, 4])
     np.testing.assert_allclose(
         u.ravel(), nodal_displacements_of_rigid_motions(mesh.points, middle)[:, 4] / 1e-3, atol=1e-11
     )
@@ -112,7 +106,7 @@ def test_condensed_is_the_full_system_and_definite(kind):
     assert relative(c.A @ f + c.H @ q, mean @ (u[mesh.contact_nodes] * normals).sum(axis=1)) < 1e-10
     reaction = (K @ whole)[i:]
     assert relative(c.S @ q - c.H.T @ f, reaction) < 1e-10
-    assert relative(nodal_displacements_of_patch(mesh, normals, E, NU, f, q), u) < 1e-10
+    assert relative(bodies_patch.nodal_displacements_of_patch(mesh, normals, E, NU, f, q), u) < 1e-10
     assert f @ c.A @ f + q @ c.S @ q == pytest.approx(whole @ K @ whole, rel=1e-10)
 
 
@@ -124,8 +118,10 @@ SLOPE = 1e-3 * np.array([[1.0, 0.3, -0.2], [0.5, -0.7, 0.4], [0.2, -0.4, -NU / (
 def in_the_cube(*, conforming=True):
     """First-order patch in the block of the holed cube; the zone is loaded along z."""
     box = patch_as_in_thesis((0.25, 0.25), 0.5, (0.5, 0.4), 0.05, 0.2)
-    mesh = fit_tetrahedral_patch(mesh_patch_with_tetrahedra(box, socket() if conforming else None), flat, socket())
-    return mesh, condense_patch(mesh, np.tile([0.0, 0.0, 1.0], (len(mesh.contact_nodes), 1)), 1.0, NU)
+    mesh = bodies_patch.fit_tetrahedral_patch(
+        mesh_patch_with_tetrahedra(box, socket() if conforming else None), flat, socket()
+    )
+    return mesh, bodies_patch.condense_patch(mesh, np.tile([0.0, 0.0, 1.0], (len(mesh.contact_nodes), 1)), 1.0, NU)
 
 
 def test_constant_strain_through_a_first_order_patch():
@@ -133,17 +129,19 @@ def test_constant_strain_through_a_first_order_patch():
     body, nodes, target = holed_cube()
     points = node_coordinates(body)
     mesh, c = in_the_cube()
-    K = assemble_body_stiffness(convert_mesh_order(body, "P1"), [BodySocket(nodes, np.eye(3), 0)], {0: c}, 1.0, NU)
+    K = coarse.assemble_body_stiffness(
+        coarse.convert_mesh_order(body, "P1"), [coarse.BodySocket(nodes, np.eye(3), 0)], {0: c}, 1.0, NU
+    )
     exact = points @ SLOPE.T
-    held = degrees_of_freedom_of_nodes(np.setdiff1d(boundary(points), nodes))
+    held = coarse.degrees_of_freedom_of_nodes(np.setdiff1d(boundary(points), nodes))
     loose = np.setdiff1d(np.arange(K.shape[0]), held)
     u = exact.ravel().copy()
     u[loose] = sp.linalg.spsolve(K[loose][:, loose], -(K[loose][:, held] @ u[held]))
     assert relative(u.reshape(-1, 3), exact) < 1e-11
-    q = u[degrees_of_freedom_of_nodes(nodes)]
+    q = u[coarse.degrees_of_freedom_of_nodes(nodes)]
     moved = (mesh.points[mesh.contact_nodes] @ SLOPE.T)[:, 2]
     assert relative(c.H @ q, normalise_weight_rows(mesh.pressure_weights) @ moved) < 1e-11
-    whole = nodal_displacements_of_patch(mesh, c.normals, 1.0, NU, np.zeros(len(c.A)), q)
+    whole = bodies_patch.nodal_displacements_of_patch(mesh, c.normals, 1.0, NU, np.zeros(len(c.A)), q)
     assert relative(whole, mesh.points @ SLOPE.T) < 1e-11
     # each side's reaction is that of the constant stress on the socket's own first-order triangles
     strain, stress = strain_stress(mesh.points, mesh.cells, "P1", whole.ravel(), 1.0, NU)
@@ -164,4 +162,4 @@ def test_map_that_turns_cells_inside_out_is_refused():
         return np.column_stack([np.abs(xi[:, 0]), xi[:, 2], -xi[:, 1]])
 
     with pytest.raises(ValueError, match="inside out"):
-        fit_tetrahedral_patch(tets(0.16e-3), folded, socket())
+        bodies_patch.fit_tetrahedral_patch(tets(0.16e-3), folded, socket())

@@ -6,30 +6,17 @@ import numpy as np
 import pytest
 from scipy.special import j1
 
-from rollbench.hifi.contact.roller import (
-    LEVELS,
-    RollerError,
-    condense_roller,
-    press_roller_between_races,
-    race_compliance,
-    roller_compliance,
-)
+from rollbench.hifi.contact import roller as contact_roller
 from rollbench.hifi.elements.forms import cell_basis as space
 from rollbench.hifi.elements.forms import elasticity_form, nodal_areas, nodal_volume_form, pressure_function_integrals
+from rollbench.meshes import roller_body
 from rollbench.meshes.axis import RollerRow
 from rollbench.meshes.parts import Material
-from rollbench.meshes.roller_body import (
-    RollerContactZone,
-    build_extruded_roller_body,
-    mesh_section,
-    raceway_point_map,
-    roller_point_map,
-)
 
 E, NU = 207e9, 0.3
 #: Radius and half length of a roller, depth of a ring [m]; half-width of a contact.
 R, HALF, DEPTH, B = 4e-3, 15e-3, 5e-3, 0.06e-3
-ZONE = RollerContactZone(1.6 * B, 6, 0.9)
+ZONE = roller_body.RollerContactZone(1.6 * B, 6, 0.9)
 #: Nearly parallel cones.
 ANGLE = np.radians(0.2)
 MIDDLE = R / np.sin(ANGLE)
@@ -37,9 +24,9 @@ LINES = MIDDLE + HALF * np.array([-1.0, -0.5, -0.2, 0.2, 0.5, 1.0])
 
 
 def cylinder():
-    flat = mesh_section(ZONE, R, R, is_roller=True)
-    return build_extruded_roller_body(
-        flat, ZONE, LINES, (LINES[0], LINES[-1]), roller_point_map(R, ANGLE, np.zeros_like), is_roller=True
+    flat = roller_body.mesh_roller_or_raceway_section(ZONE, R, R, is_roller=True)
+    return roller_body.build_extruded_roller_body(
+        flat, ZONE, LINES, (LINES[0], LINES[-1]), roller_body.roller_point_map(R, ANGLE, np.zeros_like), is_roller=True
     )
 
 
@@ -47,9 +34,9 @@ def slab(count):
     """Return a race so far from the apex that it is nearly flat, and its half width."""
     angle = np.radians(30.0)
     width = MIDDLE * np.sin(angle) * np.sin(np.pi / count)
-    flat = mesh_section(ZONE, width, DEPTH, is_roller=False)
-    return build_extruded_roller_body(
-        flat, ZONE, LINES, (LINES[0], LINES[-1]), raceway_point_map(MIDDLE, angle, 1.0), mirrored=True
+    flat = roller_body.mesh_roller_or_raceway_section(ZONE, width, DEPTH, is_roller=False)
+    return roller_body.build_extruded_roller_body(
+        flat, ZONE, LINES, (LINES[0], LINES[-1]), roller_body.raceway_point_map(MIDDLE, angle, 1.0), mirrored=True
     ), width
 
 
@@ -78,7 +65,7 @@ def test_meshes_have_the_volumes_of_their_bodies():
 def test_half_a_roller_is_compressed_as_in_closed_form():
     """Johnson (1985), 5.57, and 2 nu^2 q/(pi E) for free ends: plane strain's axial force 2 nu q R is taken off."""
     body, q = cylinder(), 1e5
-    S = roller_compliance(body, elasticity_form(E, NU), symmetric_loads=True)
+    S = contact_roller.roller_compliance(body, elasticity_form(E, NU), symmetric_loads=True)
     exact = q * (1.0 - NU**2) / (np.pi * E) * (2.0 * np.log(4.0 * R / B) - 1.0) + 2.0 * NU**2 * q / (np.pi * E)
     assert middle_approach(body, S, q) == pytest.approx(exact, rel=0.01)
 
@@ -87,7 +74,7 @@ def test_race_sinks_as_a_layer_on_a_rigid_base():
     """Plane strain of a layer, bonded below, its sides planes of symmetry: a series of cosines in closed form."""
     q, count = 1e5, 2000
     body, width = slab(count)
-    C = race_compliance(body, elasticity_form(E, NU), np.pi / count)
+    C = contact_roller.race_compliance(body, elasticity_form(E, NU), np.pi / count)
     mean = q / (2.0 * width) * DEPTH * (1.0 + NU) * (1.0 - 2.0 * NU) / ((1.0 - NU) * E)
     k = np.pi * np.arange(1, 40_000) / width
     kd = np.minimum(k * DEPTH, 300.0)
@@ -103,8 +90,8 @@ LOAD = 1250.0
 
 @pytest.fixture(scope="module")
 def pressed():
-    bodies = condense_roller(ROW, LEVELS[1], LOAD)
-    return bodies, {share: press_roller_between_races(bodies, share * LOAD) for share in (1.0, 0.5, 0.25)}
+    bodies = contact_roller.condense_roller(ROW, contact_roller.LEVELS[1], LOAD)
+    return bodies, {share: contact_roller.press_roller_between_races(bodies, share * LOAD) for share in (1.0, 0.5, 0.25)}
 
 
 @pytest.mark.slow
@@ -133,7 +120,7 @@ def test_approach_over_line_load_has_the_slope_of_two_line_contacts(pressed):
 @pytest.mark.slow
 def test_stiffness_is_the_slope_of_load_over_approach(pressed):
     bodies, states = pressed
-    low, high = press_roller_between_races(bodies, 0.7 * LOAD), states[1.0]
+    low, high = contact_roller.press_roller_between_races(bodies, 0.7 * LOAD), states[1.0]
     secant = (high.race_force - low.race_force) / (high.approach - low.approach)
     assert low.stiffness < secant < high.stiffness
 
@@ -141,12 +128,15 @@ def test_stiffness_is_the_slope_of_load_over_approach(pressed):
 @pytest.mark.slow
 def test_coarser_meshes_agree(pressed):
     """Approach and stiffness of a mesh coarser than all that are used are within 1 % of the coarsest of these."""
-    coarse, fine = press_roller_between_races(condense_roller(ROW, 4, LOAD), LOAD), pressed[1][1.0]
+    coarse, fine = (
+        contact_roller.press_roller_between_races(contact_roller.condense_roller(ROW, 4, LOAD), LOAD),
+        pressed[1][1.0],
+    )
     assert coarse.approach == pytest.approx(fine.approach, rel=0.01)
     assert coarse.stiffness == pytest.approx(fine.stiffness, rel=0.01)
 
 
 def test_sharp_straight_rollers_are_refused():
-    with pytest.raises(RollerError, match="sharp") as told:
-        condense_roller(replace(ROW, edge_radius=None), 4, LOAD)
+    with pytest.raises(contact_roller.RollerError, match="sharp") as told:
+        contact_roller.condense_roller(replace(ROW, edge_radius=None), 4, LOAD)
     assert "edge_radius" in told.value.advice

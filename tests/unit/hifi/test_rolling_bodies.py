@@ -8,31 +8,12 @@ import pytest
 from tests.rolling_scenes import linear_pair
 
 from rollbench.hifi.contact.hertz import solve_hertz
-from rollbench.hifi.rolling import bodies, verification
-from rollbench.hifi.rolling.balls import (
-    NEARLY_RIGID,
-    RollingSettings,
-    cache_kernels_of_scenes,
-    compute_motion_from_rest,
-    finite_body_kernel_at_contact,
-    loaded_contacts,
-    solve_rolling,
-)
-from rollbench.hifi.rolling.bodies import (
-    BallPath,
-    compliance_of_free_body,
-    compliance_of_half_space_block,
-    nodal_forces_of_tractions,
-)
+from rollbench.hifi.rolling import balls, bodies, verification
+from rollbench.hifi.rolling import bodies as rolling_bodies
+from rollbench.hifi.rolling import verification as rolling_verification
 from rollbench.hifi.rolling.contact_bodies import ContactZone, Groove, mesh_grooved_bar, mesh_half_space, mesh_whole_ball
-from rollbench.hifi.rolling.patch import ComplianceKernel, create_cell_grid, displacement_by_rectangle, monomials
+from rollbench.hifi.rolling.patch import ComplianceKernel, create_cell_grid, displacement_by_rectangle, monomial_values
 from rollbench.hifi.rolling.scenes import relative_radius_along
-from rollbench.hifi.rolling.verification import (
-    compare_ball_friction_with_point,
-    compare_with_mindlin,
-    solve_normal_contact_by_patches,
-    solve_normal_contact_by_rolling_model,
-)
 from rollbench.meshes.fem import node_coordinates
 
 pytestmark = pytest.mark.xdist_group("helped by processes")
@@ -55,7 +36,9 @@ def coarse_pieces():
 
 def half_space_kernel(zone, size, degree):
     body = mesh_half_space(size, zone)
-    return compliance_of_half_space_block(body, nodal_forces_of_tractions(body, zone, degree, ROUND), E, NU)
+    return rolling_bodies.compliance_of_half_space_block(
+        body, rolling_bodies.nodal_forces_of_tractions(body, zone, degree, ROUND), E, NU
+    )
 
 
 def test_a_block_with_its_cut_moved_becomes_a_half_space():
@@ -68,7 +51,7 @@ def test_a_block_with_its_cut_moved_becomes_a_half_space():
     # what normal forces move along tangents, and the reverse, of one body alone: by point forces, none on their own cell
     across = (1.0 - 2.0 * NU) * (1.0 + NU) / (2.0 * np.pi * E) * off / np.maximum((off**2).sum(axis=2), 1e-30)[..., None]
     G[..., 2, :2], G[..., :2, 2] = across, -across
-    fit = np.linalg.pinv(monomials(at, half, 1))
+    fit = np.linalg.pinv(monomial_values(at, half, 1))
     exact = np.einsum("ka,abij,lb->ikjl", fit, G, fit).reshape(9, 9)
     scale = np.sqrt(np.outer(np.diag(exact), np.diag(exact)))
     found = [half_space_kernel(ContactZone(half, (c, c), 2.0), 4e-3, 1) for c in (2, 3, 4)]
@@ -83,9 +66,11 @@ def test_a_block_with_its_cut_moved_becomes_a_half_space():
 def test_loads_have_the_resultants_of_their_tractions_and_a_motion_of_the_whole_ball_does_no_work_on_its_answers():
     """The constant traction's forces sum to one along its own direction, the linear ones' to nothing."""
     body = mesh_whole_ball(R, ZONE)
-    sums = nodal_forces_of_tractions(body, ZONE, 1, ROUND).toarray().reshape(3, 3, -1, 3).sum(axis=2)
+    sums = rolling_bodies.nodal_forces_of_tractions(body, ZONE, 1, ROUND).toarray().reshape(3, 3, -1, 3).sum(axis=2)
     assert sums == pytest.approx(np.einsum("k,dx->dkx", [1.0, 0.0, 0.0], np.eye(3)), abs=1e-9)
-    M = compliance_of_free_body(body, nodal_forces_of_tractions(body, ZONE, 1, (100.0, 90.0)), E, NU)
+    M = rolling_bodies.compliance_of_free_body(
+        body, rolling_bodies.nodal_forces_of_tractions(body, ZONE, 1, (100.0, 90.0)), E, NU
+    )
     assert pytest.approx(M.T, rel=1e-9, abs=1e-14 * np.abs(M).max()) == M  # reciprocity
     assert np.linalg.eigvalsh(M).min() > -1e-9 * np.abs(M).max()
 
@@ -93,14 +78,14 @@ def test_loads_have_the_resultants_of_their_tractions_and_a_motion_of_the_whole_
 @pytest.mark.slow
 def test_bodies_made_by_two_processes_are_those_made_here(monkeypatch):
     scene = linear_pair()
-    touches = [t for _, _, t in loaded_contacts(scene)]
-    here = [finite_body_kernel_at_contact(scene, t, COARSE).M for t in touches]
+    touches = [t for _, _, t in balls.loaded_contacts(scene)]
+    here = [balls.finite_body_kernel_at_contact(scene, t, COARSE).M for t in touches]
     bodies.clear_kernel_cache()
-    spent = [cache_kernels_of_scenes((scene, scene), COARSE, k) for k in (1, 2, 2)]
+    spent = [balls.cache_kernels_of_scenes((scene, scene), COARSE, k) for k in (1, 2, 2)]
     assert spent[0] == spent[2] == 0.0 < spent[1]  # one process makes them later, where they are needed
     monkeypatch.setattr(bodies, "mesh_whole_ball", None)  # nothing is meshed any more
     monkeypatch.setattr(bodies, "mesh_grooved_bar", None)
-    there = np.array([finite_body_kernel_at_contact(scene, t, COARSE).M for t in touches])
+    there = np.array([balls.finite_body_kernel_at_contact(scene, t, COARSE).M for t in touches])
     assert there == pytest.approx(np.array(here), rel=0.0, abs=1e-12 * np.abs(here).max())
 
 
@@ -111,7 +96,9 @@ def ring():
     angle, curve = 0.8, (7.0 * R, 0.0)
     at = bodies.ContactGeometry(R, (relative_radius_along(R, curve[0], 0.0, np.cos(angle)), RADII[1]), angle, curve)
     zone, rest = at.contact_zone(128.0, E, NU, COARSE), (at.shared_surface_curvatures, E, NU, 1)
-    patches = bodies.compliance_kernels_of_patches(BallPath(*curve), (R, at.groove_radius), angle, zone, *rest, outer=True)
+    patches = bodies.compliance_kernels_of_patches(
+        rolling_bodies.BallPath(*curve), (R, at.groove_radius), angle, zone, *rest, outer=True
+    )
     grids = (
         bodies.compliance_kernel_of_bar(
             Groove(R, at.groove_radius, angle, 1.4, at.groove_curvature_along), 5.0 * R, zone, *rest
@@ -138,7 +125,8 @@ def test_patches_answer_for_every_flank_and_hand():
     angle, zone = 0.8, ContactZone((0.06e-3, 0.3e-3), (2, 2), 3.0)
     given = (R, 1.12 * R), angle, zone, (100.0, 90.0), E, NU, 1
     right, left = (
-        bodies.compliance_kernels_of_patches(BallPath(6.0 * R, h * 1.2 * R), *given, outer=False)[0].M for h in (1, -1)
+        bodies.compliance_kernels_of_patches(rolling_bodies.BallPath(6.0 * R, h * 1.2 * R), *given, outer=False)[0].M
+        for h in (1, -1)
     )
     odd = np.array([1.0, -1.0, 1.0])
     signs = np.concatenate([-odd, odd, odd])
@@ -149,8 +137,8 @@ def test_without_motion_rolling_presses_as_the_static_reference_does():
     """The static reference on four cells, which leaves it a tenth of the peak; finer ones are in the verification table."""
     at = ring()[0]
     here, there = (
-        solve_normal_contact_by_rolling_model(at, 100.0, E, NU, (16, 20), COARSE),
-        solve_normal_contact_by_patches(at, 100.0, E, NU, (4, 4)),
+        rolling_verification.solve_normal_contact_by_rolling_model(at, 100.0, E, NU, (16, 20), COARSE),
+        rolling_verification.solve_normal_contact_by_patches(at, 100.0, E, NU, (4, 4)),
     )
     assert here.approach == pytest.approx(there.approach, rel=5e-3)
     assert here.semi_axes == pytest.approx(there.semi_axes, rel=0.04)
@@ -158,26 +146,26 @@ def test_without_motion_rolling_presses_as_the_static_reference_does():
     bare = solve_hertz(100.0, *at.relative_radii, E, NU)
     assert abs(bare.approach / there.approach - 1.0) > 0.015  # half spaces
     with pytest.raises(ValueError, match="straight track"):
-        solve_normal_contact_by_patches(replace(at, path_radius_and_rise=None), 100.0, E, NU, (4, 4))
+        rolling_verification.solve_normal_contact_by_patches(replace(at, path_radius_and_rise=None), 100.0, E, NU, (4, 4))
 
 
 def test_finite_balls_pushed_sideways_shift_by_what_their_bodies_do_besides(monkeypatch):
     """Cattaneo and Mindlin on two finite balls: at the half spaces' shift and the bodies' own, the same force."""
-    found, exact = compare_with_mindlin(16, 0.5, finite_balls=COARSE)
+    found, exact = rolling_verification.compare_with_mindlin(16, 0.5, finite_balls=COARSE)
     assert found[0] == pytest.approx(exact[0], rel=5e-3)
     assert found[1] == pytest.approx(exact[1], rel=0.05)
-    half = compare_with_mindlin(16, 0.5)[0][0]
+    half = rolling_verification.compare_with_mindlin(16, 0.5)[0][0]
     monkeypatch.setattr(verification, "kernel_of_two_balls", lambda *_: ComplianceKernel(np.zeros((3, 3)), (1.0, 1.0), 0))
-    assert compare_with_mindlin(16, 0.5, finite_balls=COARSE)[0][0] == pytest.approx(half, rel=1e-9)
+    assert rolling_verification.compare_with_mindlin(16, 0.5, finite_balls=COARSE)[0][0] == pytest.approx(half, rel=1e-9)
     assert found[0] != pytest.approx(half, rel=1e-5)
 
 
 def test_the_contact_of_two_balls_is_a_point_to_them():
     """But not if they were soft and one spun on the other."""
     scene = linear_pair()
-    found = solve_rolling(scene, RollingSettings((8, 8)))
-    assert compare_ball_friction_with_point(scene, found, 0) == pytest.approx((1.0, 1.0), abs=1e-5)
-    force, loss = compare_ball_friction_with_point(
+    found = balls.solve_rolling(scene, balls.RollingSettings((8, 8)))
+    assert rolling_verification.compare_ball_friction_with_point(scene, found, 0) == pytest.approx((1.0, 1.0), abs=1e-5)
+    force, loss = rolling_verification.compare_ball_friction_with_point(
         scene, found, 0, 8, COARSE
     )  # over the balls' own patch, half an approach inside their surfaces
     assert force == pytest.approx(1.0, abs=1e-9)
@@ -188,7 +176,7 @@ def test_the_contact_of_two_balls_is_a_point_to_them():
     motions = found.friction_solution.motions.copy()
     motions[3] += 5.0 * np.abs(motions).max()
     spun = replace(found, friction_solution=replace(found.friction_solution, motions=motions))
-    force, loss = compare_ball_friction_with_point(replace(scene, young=1e-5 * scene.young), spun, 0)
+    force, loss = rolling_verification.compare_ball_friction_with_point(replace(scene, young=1e-5 * scene.young), spun, 0)
     assert force < 0.9 < 1.1 < loss
 
 
@@ -208,18 +196,23 @@ def test_a_bent_bar_is_a_ring_and_zones_and_bars_that_do_not_fit_are_refused():
 def test_rolling_on_finite_bodies_balances_and_loses_what_is_put_in():
     """Mated grooves have no force by symmetry; a groove whose bottom is unknown is refused."""
     scene = linear_pair()
-    half, finite = (solve_rolling(scene, RollingSettings((10, 12), finite_bodies=b)) for b in (None, COARSE))
+    half, finite = (balls.solve_rolling(scene, balls.RollingSettings((10, 12), finite_bodies=b)) for b in (None, COARSE))
     assert finite.converged
     assert finite.driving_power == pytest.approx(finite.friction_loss + finite.numerical_dissipation, rel=1e-9)
     assert finite.ball_to_ball_forces[0] == pytest.approx(half.ball_to_ball_forces[0], rel=0.03)
     assert finite.ball_to_ball_forces[0] != pytest.approx(half.ball_to_ball_forces[0], rel=1e-5)
-    rigid = [solve_rolling(scene, RollingSettings((10, 12), NEARLY_RIGID, finite_bodies=b)) for b in (None, COARSE)]
+    rigid = [
+        balls.solve_rolling(scene, balls.RollingSettings((10, 12), balls.NEARLY_RIGID, finite_bodies=b))
+        for b in (None, COARSE)
+    ]
     assert (
         abs(rigid[1].track_speeds[0] / rigid[0].track_speeds[0] - 1.0)
         < abs(finite.track_speeds[0] / half.track_speeds[0] - 1.0) + 1e-4
     )
     assert (
-        solve_rolling(linear_pair(mated=True), RollingSettings((10, 12), finite_bodies=COARSE)).ball_to_ball_forces[0]
+        balls.solve_rolling(
+            linear_pair(mated=True), balls.RollingSettings((10, 12), finite_bodies=COARSE)
+        ).ball_to_ball_forces[0]
         < 1e-9
     )
     bare = replace(
@@ -227,15 +220,17 @@ def test_rolling_on_finite_bodies_balances_and_loses_what_is_put_in():
         groove_contacts=tuple(replace(t, direction_to_groove_bottom=None) for t in scene.balls[0].groove_contacts),
     )
     with pytest.raises(ValueError, match="bottom"):
-        solve_rolling(replace(scene, balls=(bare, scene.balls[1])), RollingSettings((6, 6), finite_bodies=COARSE))
+        balls.solve_rolling(
+            replace(scene, balls=(bare, scene.balls[1])), balls.RollingSettings((6, 6), finite_bodies=COARSE)
+        )
 
 
 def test_steps_from_rest_stay_within_the_zone_of_finite_bodies():
     """Short steps give the force and losses of half spaces but for what bodies do; long ones are refused."""
-    scene, finite = linear_pair(), RollingSettings((6, 6), finite_bodies=COARSE)
-    short = [compute_motion_from_rest(scene, 2e-4, 2, 0.0, c) for c in (finite, RollingSettings((6, 6)))]
+    scene, finite = linear_pair(), balls.RollingSettings((6, 6), finite_bodies=COARSE)
+    short = [balls.compute_motion_from_rest(scene, 2e-4, 2, 0.0, c) for c in (finite, balls.RollingSettings((6, 6)))]
     assert short[0].converged
     assert short[0].losses == pytest.approx(short[1].losses, rel=0.03)
     assert short[0].losses != pytest.approx(short[1].losses, rel=1e-5)
     with pytest.raises(ValueError, match="outside the zone"):
-        compute_motion_from_rest(scene, 0.1, 10, 0.0, finite)
+        balls.compute_motion_from_rest(scene, 0.1, 10, 0.0, finite)

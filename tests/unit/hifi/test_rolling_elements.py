@@ -6,12 +6,7 @@ from scipy.integrate import dblquad
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
-from rollbench.hifi.rolling.patch import (
-    create_cell_grid,
-    displacement_by_rectangle,
-    solve_elastic_contact_on_grid,
-    solve_normal_contact,
-)
+from rollbench.hifi.rolling import patch as rolling_patch
 
 E, NU = 210e9, 0.28
 #: Johnson (1985): displacements (row) by unit point forces (column) at (x, y), shear modulus g, ratio n.
@@ -32,7 +27,7 @@ def test_against_quadrature(entry, at):
         return 2.0 * POINT[entry](at[0] - u, at[1] - v, 0.5 * E / (1.0 + NU), NU)
 
     exact = dblquad(integrand, -dx / 2, dx / 2, -dy / 2, dy / 2)[0]
-    assert displacement_by_rectangle(np.array(at[0]), np.array(at[1]), dx, dy, E, NU)[entry] == pytest.approx(
+    assert rolling_patch.displacement_by_rectangle(np.array(at[0]), np.array(at[1]), dx, dy, E, NU)[entry] == pytest.approx(
         exact, rel=1e-9
     )
 
@@ -57,7 +52,7 @@ def hertz(load, radii, modulus):
 @pytest.mark.parametrize("radii", [(2.778e-3, 2.778e-3), (5e-3, 4e-2), (4e-2, 5e-3)])
 def test_pressure_of_a_sphere_and_of_an_ellipse_is_hertz(radii):
     """Cells are longer along the ellipse's longer axis."""
-    patch = solve_elastic_contact_on_grid(225.0, radii, E, NU, (24, 24) if radii[0] == radii[1] else (28, 20))
+    patch = rolling_patch.solve_elastic_contact_on_grid(225.0, radii, E, NU, (24, 24) if radii[0] == radii[1] else (28, 20))
     assert patch.normal_load == pytest.approx(225.0, rel=1e-12)
     approach, pressure = hertz(225.0, radii, 0.5 * E / (1.0 - NU**2))
     assert patch.approach == pytest.approx(approach, rel=2e-3)
@@ -65,18 +60,18 @@ def test_pressure_of_a_sphere_and_of_an_ellipse_is_hertz(radii):
 
 
 def test_pressure_and_gap_are_complementary():
-    cells, at = create_cell_grid((14, 14), np.array([2e-5, 2e-5]))
+    cells, at = rolling_patch.create_cell_grid((14, 14), np.array([2e-5, 2e-5]))
     gap = 0.5 * (at**2).sum(axis=1) / 1e-3
-    forces, approach = solve_normal_contact(cells, np.array([2e-5, 2e-5]), gap, 5.0, (2e11, 0.3))
+    forces, approach = rolling_patch.solve_normal_contact(cells, np.array([2e-5, 2e-5]), gap, 5.0, (2e11, 0.3))
     assert np.all(forces >= 0.0)
     assert 0 < np.count_nonzero(forces) < forces.size
     assert approach > gap[forces > 0.0].max()
 
 
 def test_a_similar_contact_is_the_unit_one_scaled():
-    unit = solve_elastic_contact_on_grid(1.0, (5e-3, 4e-2), E, NU, (10, 10))
+    unit = rolling_patch.solve_elastic_contact_on_grid(1.0, (5e-3, 4e-2), E, NU, (10, 10))
     unit.elastic_slip_per_rolling_length  # noqa: B018 - computed once
-    direct = solve_elastic_contact_on_grid(64.0, (5e-3, 4e-2), E, NU, (10, 10))
+    direct = rolling_patch.solve_elastic_contact_on_grid(64.0, (5e-3, 4e-2), E, NU, (10, 10))
     scaled = unit.similar_contact(4.0, 64.0)
     assert scaled.normal_forces == pytest.approx(direct.normal_forces, rel=1e-9)
     assert scaled.approach == pytest.approx(direct.approach, rel=1e-9)

@@ -8,12 +8,7 @@ from tests.two_balls import SMALL
 
 from rollbench.compare.reference.tasks import ball_slices_by_set
 from rollbench.compare.scenes import catalogue
-from rollbench.hifi.meshing.settings import (
-    Settings,
-    estimate_contacts_of_each_set,
-    estimate_contacts_of_scene,
-    round_up_lengths,
-)
+from rollbench.hifi.meshing import settings
 from rollbench.hifi.reference import solve_reference
 from rollbench.hifi.setup import mesh_and_condense_geometry
 from rollbench.hifi.several_sets import meshed_geometry_of_each_set, solve_nuts_on_one_shaft
@@ -22,7 +17,7 @@ from rollbench.meshes.cache import Cache
 from rollbench.meshes.parts import FREEDOMS, Load, Support
 
 pytestmark = pytest.mark.xdist_group("several sets in 3D")
-USUAL = {"modes": Settings.modes, "ball_modes": Settings.ball_modes}
+USUAL = {"modes": settings.Settings.modes, "ball_modes": settings.Settings.ball_modes}
 COARSE = replace(SMALL, b_over_h=1.0, ball_fine=1.2e-3, ball_coarse=2.4e-3, **USUAL)
 LENGTH = 0.4
 BUT_UZ = tuple((name, 0.0) for name in FREEDOMS if name != "uz")
@@ -65,11 +60,15 @@ def prepared(_one_submodel, tmp_path_factory):
     def set_ups(assembly):
         setups = []
         for of_set, found in zip(
-            meshed_geometry_of_each_set(assembly), estimate_contacts_of_each_set(assembly), strict=True
+            meshed_geometry_of_each_set(assembly), settings.estimate_contacts_of_each_set(assembly), strict=True
         ):
             sides = tuple(sorted({s for side in found.nearly_touching_flanks() for s in (side, 3 - side)}))
             if (of_set.parts_without_errors, sides) not in kept:
-                sizes = replace(COARSE, semi=round_up_lengths(found.semi()), reach=round_up_lengths(found.reach()))
+                sizes = replace(
+                    COARSE,
+                    semi=settings.round_up_lengths(found.typical_semi_axes()),
+                    reach=settings.round_up_lengths(found.largest_reach()),
+                )
                 kept[of_set.parts_without_errors, sides] = mesh_and_condense_geometry(
                     of_set.parts_without_errors, sides, sizes, cache=cache
                 )
@@ -181,9 +180,9 @@ def test_equal_nuts_have_equal_bodies():
 
 def test_expected_contacts_of_one_set_are_those_of_its_scene():
     alone = replace(ALONE.sets[0].parts, supports=ALONE.supports, loads=ALONE.loads)
-    (found,), wanted = estimate_contacts_of_each_set(ALONE), estimate_contacts_of_scene(alone)
+    (found,), wanted = settings.estimate_contacts_of_each_set(ALONE), settings.estimate_contacts_of_scene(alone)
     np.testing.assert_array_equal(found.loads, wanted.loads)
-    pressed = estimate_contacts_of_each_set(replace(PAIR, loads=()))
+    pressed = settings.estimate_contacts_of_each_set(replace(PAIR, loads=()))
     assert [e.nearly_touching_flanks() for e in pressed] == [(0, 3), (1, 2)]
 
 

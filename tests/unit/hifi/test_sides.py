@@ -9,20 +9,10 @@ import scipy.sparse as sp
 from tests.helpers import relative
 from tests.two_balls import SMALL, two_balls
 
+from rollbench.hifi import condensation
+from rollbench.hifi.bodies import grid_wave
 from rollbench.hifi.bodies.coarse import contact_modes_of_patch
-from rollbench.hifi.bodies.grid_wave import (
-    approaches_at_grid_position,
-    approaches_over_grid_cell,
-    forces_resolved_by_grid,
-    tabulate_gap_corrections,
-)
 from rollbench.hifi.bodies.patch import condense_patch
-from rollbench.hifi.condensation import (
-    collect_flank_condensation_arguments,
-    condense_patches_of_flank,
-    is_left_flank_after_half_turn,
-    turn_patches_to_right_flank,
-)
 from rollbench.hifi.elements.forms import normalise_weight_rows
 from rollbench.hifi.meshing.part_meshes import contact_normals_of_patch, mesh_parts, mesh_patch
 from rollbench.meshes.groove_map import GrooveMap
@@ -51,7 +41,9 @@ def condensed(wanted, settings):
         m,
         meshes,
         {
-            s: condense_patches_of_flank(*collect_flank_condensation_arguments(scene, m, dims, meshes, s, settings))
+            s: condensation.condense_patches_of_flank(
+                *condensation.collect_flank_condensation_arguments(scene, m, dims, meshes, s, settings)
+            )
             for s in pick
         },
     )
@@ -62,9 +54,9 @@ def test_a_right_flank_is_the_left_one_turned(flanks, right):
     """Condensed by themselves both give the same matrices, points, normals and weights; own compliances as nearly as
     unstructured meshes of left and right submodels do."""
     m, meshes, found = flanks
-    assert is_left_flank_after_half_turn(m, right)
-    assert not is_left_flank_after_half_turn(m, right - 1)
-    mirrored, direct = turn_patches_to_right_flank(found[right - 1]), found[right]
+    assert condensation.is_left_flank_after_half_turn(m, right)
+    assert not condensation.is_left_flank_after_half_turn(m, right - 1)
+    mirrored, direct = condensation.turn_patches_to_right_flank(found[right - 1]), found[right]
     body = meshes.screw_mesh if right < 2 else meshes.nut_mesh
     np.testing.assert_array_equal(body.box_faces[right].xi, body.box_faces[right - 1].xi * AZIMUTH_TURNED)
     for part in ("groove_patch", "ball_patch"):
@@ -82,12 +74,12 @@ def test_a_right_flank_is_the_left_one_turned(flanks, right):
 
 def test_turning_twice_changes_nothing_and_other_radii_are_not_congruent(flanks):
     m, _, found = flanks
-    back = turn_patches_to_right_flank(turn_patches_to_right_flank(found[0]))
+    back = condensation.turn_patches_to_right_flank(condensation.turn_patches_to_right_flank(found[0]))
     np.testing.assert_array_equal(back.local_compliance, found[0].local_compliance)
     np.testing.assert_array_equal(back.groove_patch.H, found[0].groove_patch.H)
     np.testing.assert_array_equal(back.ball_patch.S, found[0].ball_patch.S)
     np.testing.assert_array_equal(back.ball_patch.socket_points, found[0].ball_patch.socket_points)
-    assert not is_left_flank_after_half_turn(replace(m, radius=m.radius * np.array([1.0, 1.01, 1.0, 1.0])), 1)
+    assert not condensation.is_left_flank_after_half_turn(replace(m, radius=m.radius * np.array([1.0, 1.01, 1.0, 1.0])), 1)
 
 
 @pytest.mark.parametrize("part", ["groove_patch", "ball_patch"])
@@ -134,18 +126,18 @@ def test_the_wave_of_a_grid_is_taken_out_across_and_along(flanks, side):
     )
     normals = contact_normals_of_patch(mesh, np.array([m.R, 0.0, 0.0]))
     groove = condense_patch(mesh, normals, 0.5 * steel.youngs_modulus, steel.poissons_ratio)
-    wave = tabulate_gap_corrections(m, side, groove, groove.A, steel)
-    loads = forces_resolved_by_grid(m, side, groove, steel, 5)[1:]
-    trend = approaches_over_grid_cell(m, side, groove, groove.A, loads, (2, 2))[1]
+    wave = grid_wave.tabulate_gap_corrections(m, side, groove, groove.A, steel)
+    loads = grid_wave.forces_resolved_by_grid(m, side, groove, steel, 5)[1:]
+    trend = grid_wave.approaches_over_grid_cell(m, side, groove, groove.A, loads, (2, 2))[1]
     places = np.random.default_rng(4).uniform(-0.5, 0.5, (20, 2))
     approach = np.array(
-        [approaches_at_grid_position(m, side, groove, groove.A, loads, tuple(x))[0] - x @ trend for x in places]
+        [grid_wave.approaches_at_grid_position(m, side, groove, groove.A, loads, tuple(x))[0] - x @ trend for x in places]
     )
     centres = wave.middle_node + (places * wave.cell_sizes) @ wave.grid_directions
     taken = np.array([wave.interpolate(np.full(len(places), load), centres) for load in loads]).T
     before, after = ((x / approach.mean(axis=0)).std(axis=0) for x in (approach, approach + taken))
     assert np.linalg.norm(after) < 0.35 * np.linalg.norm(before)
-    right = turn_patches_to_right_flank(replace(found[side], gap_correction=wave)).gap_correction
+    right = condensation.turn_patches_to_right_flank(replace(found[side], gap_correction=wave)).gap_correction
     assert right.interpolate(np.full(len(places), loads[0]), centres * [1.0, -1.0, -1.0]) == pytest.approx(
         taken[:, 0], rel=1e-9
     )

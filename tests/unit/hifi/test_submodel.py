@@ -9,21 +9,8 @@ from tests.helpers import relative
 from tests.patch_meshes import flat, holed_cube, socket
 
 from rollbench.hifi.bodies import coarse
-from rollbench.hifi.bodies.coarse import (
-    BodySocket,
-    ContactSubmodel,
-    assemble_body_stiffness,
-    contact_compliance_in_fine_submodel,
-    contact_modes_of_patch,
-    degrees_of_freedom_of_nodes,
-    mode_compliance_in_coarse_submodel,
-)
-from rollbench.hifi.bodies.patch import (
-    PatchCellBoundaries,
-    condense_patch,
-    mean_normal_displacement_matrix,
-    mesh_hexahedral_patch,
-)
+from rollbench.hifi.bodies import coarse as bodies_coarse
+from rollbench.hifi.bodies import patch as bodies_patch
 from rollbench.hifi.elements.rigid import nodal_displacements_of_rigid_motions
 from rollbench.meshes.fem import node_coordinates, with_node_coordinates
 
@@ -37,15 +24,15 @@ TURN = np.array([[0.0, 0.8, 0.6], [1.0, 0.0, 0.0], [0.0, 0.6, -0.8]])
 def holed(*held):
     """The unit cube without the block; held: boundaries of it."""
     mesh, nodes, _ = holed_cube()
-    return ContactSubmodel(mesh, nodes, np.eye(3), held)
+    return bodies_coarse.ContactSubmodel(mesh, nodes, np.eye(3), held)
 
 
 @cache
 def patch(cells=4, zone=0.5):
     """Patch of cells x cells / 2 x cells hexahedra, and directions of its forces, not quite upright."""
     line = np.linspace(-1.0, 1.0, cells + 1)
-    mesh = mesh_hexahedral_patch(
-        PatchCellBoundaries(line, np.linspace(0.0, 1.0, cells // 2 + 1), line), (zone, zone), flat, socket()
+    mesh = bodies_patch.mesh_hexahedral_patch(
+        bodies_patch.PatchCellBoundaries(line, np.linspace(0.0, 1.0, cells // 2 + 1), line), (zone, zone), flat, socket()
     )
     arms = mesh.points[mesh.contact_nodes] - [0.5, 0.4, 0.0]
     return mesh, arms / np.linalg.norm(arms, axis=1)[:, None]
@@ -53,7 +40,7 @@ def patch(cells=4, zone=0.5):
 
 @cache
 def condensed():
-    return condense_patch(*patch(), E, NU)
+    return bodies_patch.condense_patch(*patch(), E, NU)
 
 
 def turned(piece):
@@ -66,12 +53,14 @@ def test_of_a_held_piece_is_that_of_patch_and_body_condensed(rotated):
     """Same socket, no carrier: C_fine = A + H (K + S)^-1 H^T, dense algebra on the body's freedoms; also in a frame that is
     not the patch's."""
     piece, c = holed("floor"), condensed()
-    K = assemble_body_stiffness(piece.mesh, [BodySocket(piece.socket_nodes, np.eye(3), 0)], {0: c}, E, NU).toarray()
+    K = bodies_coarse.assemble_body_stiffness(
+        piece.mesh, [bodies_coarse.BodySocket(piece.socket_nodes, np.eye(3), 0)], {0: c}, E, NU
+    ).toarray()
     free = np.flatnonzero(np.repeat(node_coordinates(piece.mesh)[:, 2] > 1e-9, 3))
     H = np.zeros((len(c.A), len(K)))
-    H[:, degrees_of_freedom_of_nodes(piece.socket_nodes)] = c.H
+    H[:, bodies_coarse.degrees_of_freedom_of_nodes(piece.socket_nodes)] = c.H
     wanted = c.A + H[:, free] @ np.linalg.solve(K[np.ix_(free, free)], H[:, free].T)
-    found = contact_compliance_in_fine_submodel(turned(piece) if rotated else piece, *patch(), E, NU)
+    found = bodies_coarse.contact_compliance_in_fine_submodel(turned(piece) if rotated else piece, *patch(), E, NU)
     assert relative(found, wanted) < 1e-9
 
 
@@ -80,14 +69,16 @@ def test_modes_answer_as_the_whole_piece(rotated):
     """With all modes kept, A + V G V^T of the coarse piece is its C_fine; held or free."""
     for held in (("floor",), ()):
         piece = turned(holed(*held)) if rotated else holed(*held)
-        V, rows = contact_modes_of_patch(condensed(), 10**6)
-        G = mode_compliance_in_coarse_submodel(piece, condensed(), rows, E, NU)
-        fine = contact_compliance_in_fine_submodel(piece, *patch(), E, NU)
+        V, rows = bodies_coarse.contact_modes_of_patch(condensed(), 10**6)
+        G = bodies_coarse.mode_compliance_in_coarse_submodel(piece, condensed(), rows, E, NU)
+        fine = bodies_coarse.contact_compliance_in_fine_submodel(piece, *patch(), E, NU)
         inside = fine - V @ G @ V.T
         wanted = condensed().A
         if not held:  # the patch's own mass is not the coarse piece's; rigid motions of the patch tell which forces balance
             mesh, normals = patch()
-            rigid = mean_normal_displacement_matrix(mesh, normals) @ nodal_displacements_of_rigid_motions(mesh.points)
+            rigid = bodies_patch.mean_normal_displacement_matrix(mesh, normals) @ nodal_displacements_of_rigid_motions(
+                mesh.points
+            )
             null = np.linalg.svd(rigid.T)[2][6:]
             inside, wanted = null @ inside @ null.T, null @ wanted @ null.T
         assert relative(inside, wanted) < 1e-9
@@ -97,18 +88,18 @@ def test_a_free_piece_is_answered_by_inertia_relief(monkeypatch):
     """Any six freedoms may keep the matrix from being singular: the motions under any force, which a rigid field of body
     forces balances, stay the same up to a rigid motion, as nothing is left that the six would have to hold."""
     piece, (mesh, normals) = holed(), patch()
-    rows = contact_modes_of_patch(condensed(), 12)[1]
+    rows = bodies_coarse.contact_modes_of_patch(condensed(), 12)[1]
 
     def both():
         """Motions of hats and of modes without rigid ones, under all forces."""
         at_socket = nodal_displacements_of_rigid_motions(node_coordinates(piece.mesh)[piece.socket_nodes])
         rigid = (
-            mean_normal_displacement_matrix(mesh, normals) @ nodal_displacements_of_rigid_motions(mesh.points),
+            bodies_patch.mean_normal_displacement_matrix(mesh, normals) @ nodal_displacements_of_rigid_motions(mesh.points),
             rows @ at_socket,
         )
         answers = (
-            contact_compliance_in_fine_submodel(piece, mesh, normals, E, NU),
-            mode_compliance_in_coarse_submodel(piece, condensed(), rows, E, NU),
+            bodies_coarse.contact_compliance_in_fine_submodel(piece, mesh, normals, E, NU),
+            bodies_coarse.mode_compliance_in_coarse_submodel(piece, condensed(), rows, E, NU),
         )
         # orthogonal to the six rigid motions
         return [np.linalg.svd(R)[0][:, 6:].T @ F for F, R in zip(answers, rigid, strict=True)]
@@ -117,7 +108,7 @@ def test_a_free_piece_is_answered_by_inertia_relief(monkeypatch):
     corners = [
         int(np.abs(node_coordinates(piece.mesh) - x).sum(axis=1).argmin()) for x in ([0, 0, 0], [1, 0, 0], [0, 1, 0])
     ]
-    other = degrees_of_freedom_of_nodes(np.array(corners))[[0, 1, 2, 4, 5, 8]]
+    other = bodies_coarse.degrees_of_freedom_of_nodes(np.array(corners))[[0, 1, 2, 4, 5, 8]]
     monkeypatch.setattr(coarse, "select_isostatic_freedoms", lambda *_: other)
     for again, before in zip(both(), found, strict=True):
         assert relative(again, before) < 1e-8

@@ -10,26 +10,12 @@ import pytest
 import scipy.sparse as sp
 from tests.keyed_records import built, changed, default, example, keyed_records, names, other
 
-from rollbench.compare.reference.store import (
-    KEY,
-    UNSAID,
-    content_key_of_bodies,
-    content_key_of_run,
-    files_of_stored_runs,
-    shipped_store,
-)
+from rollbench.compare.reference import store as reference_store
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.statics.result import Status
+from rollbench.meshes import record_keys
 from rollbench.meshes import record_keys as module
 from rollbench.meshes.parts import Errors, Scene
-from rollbench.meshes.record_keys import (
-    FROZEN,
-    RecordFields,
-    canonical_text,
-    digest_of_values,
-    frozen_default,
-    register_frozen_defaults,
-)
 
 pytestmark = pytest.mark.every_run  # records of studies are among those of one solve
 RECORDS = keyed_records()
@@ -52,16 +38,16 @@ def test_a_field_with_a_default_that_is_not_frozen_fails_at_import() -> None:
         added: float = 0.25
 
     with pytest.raises(TypeError, match=r"Forgotten\.added: its default is not frozen: write frozen_default"):
-        register_frozen_defaults(Forgotten)
+        record_keys.register_frozen_defaults(Forgotten)
 
 
 def test_a_default_that_is_changed_later_changes_the_form_of_what_relies_on_it() -> None:
-    @register_frozen_defaults
+    @record_keys.register_frozen_defaults
     @dataclasses.dataclass(frozen=True)
     class Later:
-        sign: float = frozen_default(1.0, present_default=-1.0)
+        sign: float = record_keys.frozen_default(1.0, present_default=-1.0)
 
-    assert (canonical_text(Later()), canonical_text(Later(1.0))) == ("Later(sign=-1)", "Later()")
+    assert (record_keys.canonical_text(Later()), record_keys.canonical_text(Later(1.0))) == ("Later(sign=-1)", "Later()")
 
 
 @pytest.mark.parametrize("name", sorted(RECORDS))
@@ -69,7 +55,7 @@ def test_every_record_of_keys_is_keyed(name: str) -> None:
     """So that a default that is not frozen fails when the record is imported, before a key is made."""
     record = RECORDS[name]
     has_default = [field for field in names(record) if default(record, field) is not dataclasses.MISSING]
-    assert set(has_default) == set(FROZEN.get(name, {}))
+    assert set(has_default) == set(record_keys.FROZEN.get(name, {}))
 
 
 def with_field(record: type, field: str, value: object) -> type:
@@ -89,35 +75,43 @@ def as_class(value: object, record: type) -> object:
 @pytest.mark.parametrize("name", sorted(RECORDS))
 def test_a_new_field_changes_no_key_of_records_runs_and_bodies(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     scene, cell = catalogue.scene("lin-case3-offset"), {"cell": 1.0}
-    before = {key: canonical_text(example(record)) for key, record in RECORDS.items()}
-    keys = content_key_of_run(scene, "land", cell, (0, 3)), content_key_of_bodies(scene, cell, (0, 3))
+    before = {key: record_keys.canonical_text(example(record)) for key, record in RECORDS.items()}
+    keys = (
+        reference_store.content_key_of_run(scene, "land", cell, (0, 3)),
+        reference_store.content_key_of_condensed_bodies(scene, cell, (0, 3)),
+    )
     later = with_field(RECORDS[name], "added", 0.25)
-    monkeypatch.setitem(FROZEN, name, FROZEN.get(name, {}) | {"added": 0.25})
+    monkeypatch.setitem(record_keys.FROZEN, name, record_keys.FROZEN.get(name, {}) | {"added": 0.25})
     monkeypatch.setattr(module, "_frozen_default_texts", module._frozen_default_texts.__wrapped__)
     for key, record in RECORDS.items():
         changed_record = as_class(example(record), later)
-        assert canonical_text(changed_record) == before[key], key
+        assert record_keys.canonical_text(changed_record) == before[key], key
         if key == name:
-            assert canonical_text(changed(changed_record, added=0.5)) != before[key]
+            assert record_keys.canonical_text(changed(changed_record, added=0.5)) != before[key]
     after, settings = as_class(scene, later), cell | ({"added": 0.25} if name == "Settings" else {})
-    assert (content_key_of_run(after, "land", settings, (0, 3)), content_key_of_bodies(after, settings, (0, 3))) == keys
+    assert (
+        reference_store.content_key_of_run(after, "land", settings, (0, 3)),
+        reference_store.content_key_of_condensed_bodies(after, settings, (0, 3)),
+    ) == keys
 
 
 @pytest.mark.parametrize(("name", "field"), FIELDS)
 def test_another_value_of_any_field_changes_the_form(name: str, field: str) -> None:
     record, hints = example(RECORDS[name]), typing.get_type_hints(RECORDS[name])
-    assert canonical_text(changed(record, **{field: other(getattr(record, field), hints[field])})) != canonical_text(record)
+    assert record_keys.canonical_text(
+        changed(record, **{field: other(getattr(record, field), hints[field])})
+    ) != record_keys.canonical_text(record)
 
 
-@pytest.mark.parametrize(("name", "field"), [x for x in FIELDS if x[1] in FROZEN.get(x[0], {})])
+@pytest.mark.parametrize(("name", "field"), [x for x in FIELDS if x[1] in record_keys.FROZEN.get(x[0], {})])
 def test_another_default_of_any_field_changes_the_form_of_what_relies_on_it(name: str, field: str) -> None:
     record = RECORDS[name]
     later = with_field(record, field, other(default(record, field), typing.get_type_hints(record)[field]))
-    given = {key: getattr(example(record), key) for key in names(record) if key not in FROZEN.get(name, {})}
-    assert canonical_text(built(later, **given)) != canonical_text(built(record, **given))
+    given = {key: getattr(example(record), key) for key in names(record) if key not in record_keys.FROZEN.get(name, {})}
+    assert record_keys.canonical_text(built(later, **given)) != record_keys.canonical_text(built(record, **given))
 
 
-@pytest.mark.parametrize("field", [f for f in names(Scene) if f not in UNSAID])
+@pytest.mark.parametrize("field", [f for f in names(Scene) if f not in reference_store.UNSAID])
 def test_any_field_that_static_loads_depend_on_changes_the_key_of_a_run(
     field: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -126,40 +120,48 @@ def test_any_field_that_static_loads_depend_on_changes_the_key_of_a_run(
     )
     scene = catalogue.scene("lin-case3-offset")
     value = other(getattr(scene, field), typing.get_type_hints(Scene)[field])
-    assert content_key_of_run(dataclasses.replace(scene, **{field: value}), "", {}, (0, 3)) != content_key_of_run(
-        scene, "", {}, (0, 3)
-    )
+    assert reference_store.content_key_of_run(
+        dataclasses.replace(scene, **{field: value}), "", {}, (0, 3)
+    ) != reference_store.content_key_of_run(scene, "", {}, (0, 3))
 
 
 def test_every_shipped_run_is_found_by_todays_key() -> None:
     """None is renamed or lost, of any level."""
-    store, found = shipped_store(), 0
+    store, found = reference_store.shipped_store(), 0
     for name in catalogue.scene_names():
-        for path in store.glob(f"{name}-level[1-9]-{KEY}.json"):
+        for path in store.glob(f"{name}-level[1-9]-{reference_store.KEY}.json"):
             level = int(path.stem.removeprefix(f"{name}-level")[0])
-            assert path in files_of_stored_runs(store, catalogue.shipped_scene(name), level), path.name
+            assert path in reference_store.files_of_stored_runs(store, catalogue.shipped_scene(name), level), path.name
             found += 1
     assert found > 60
 
 
 def test_equal_numbers_have_one_text() -> None:
     for same in ((3, 3.0, np.float64(3.0), np.int32(3), np.float32(3.0)), (10**20, 1e20), (0.1, np.float64(0.1)), (0, 0.0)):
-        assert len(set(map(canonical_text, same))) == 1
+        assert len(set(map(record_keys.canonical_text, same))) == 1
     numbers = [0, -0.0, 1, True, False, 0.1, 0.1 + 1e-17 * 2, np.float32(0.1), 5e-324, 1e308, np.nan, np.inf, -np.inf]
     others = ["1", "nan", "None", None, (), [], {}, (1,), [1], (1, 1), np.array([1.0]), np.array([1]), np.array([[1.0]])]
     apart = [*numbers, *others]
-    assert len(set(map(canonical_text, apart))) == len(apart)
-    assert canonical_text(float("nan")) == canonical_text(-float("nan"))
+    assert len(set(map(record_keys.canonical_text, apart))) == len(apart)
+    assert record_keys.canonical_text(float("nan")) == record_keys.canonical_text(-float("nan"))
 
 
 def test_containers_and_arrays_count_by_content() -> None:
-    assert canonical_text({"a": 1, (1, 2): 3}) == canonical_text({(1, 2): 3.0, "a": 1})
+    assert record_keys.canonical_text({"a": 1, (1, 2): 3}) == record_keys.canonical_text({(1, 2): 3.0, "a": 1})
     square = np.arange(6.0).reshape(2, 3)
-    assert canonical_text(square) == canonical_text(np.asfortranarray(square)) != canonical_text(square.T)
+    assert (
+        record_keys.canonical_text(square)
+        == record_keys.canonical_text(np.asfortranarray(square))
+        != record_keys.canonical_text(square.T)
+    )
     rows, columns, more = sp.csr_matrix(square), sp.csc_matrix(square), sp.csr_matrix(square + 1.0)
-    assert canonical_text(rows) not in (canonical_text(columns), canonical_text(more))
-    assert canonical_text(RecordFields(Errors, {"seed": 0})) == canonical_text(Errors()) == "Errors()"
-    assert canonical_text(Errors(lead_offset=2e-6)) == "Errors(lead_offset=2e-06)"
+    assert record_keys.canonical_text(rows) not in (record_keys.canonical_text(columns), record_keys.canonical_text(more))
+    assert (
+        record_keys.canonical_text(record_keys.RecordFields(Errors, {"seed": 0}))
+        == record_keys.canonical_text(Errors())
+        == "Errors()"
+    )
+    assert record_keys.canonical_text(Errors(lead_offset=2e-6)) == "Errors(lead_offset=2e-06)"
 
 
 FORMLESS = [object(), Path("a"), {1}, len, np.array([None]), 1j, np.ma.array([1.0])]
@@ -169,15 +171,15 @@ FORMLESS = [object(), Path("a"), {1}, len, np.array([None]), 1j, np.ma.array([1.
 def test_what_has_no_form_is_refused(value: object) -> None:
     for inside in (value, (value,), {"a": value}):
         with pytest.raises(TypeError, match="no canonical text"):
-            canonical_text(inside)
+            record_keys.canonical_text(inside)
 
 
 def test_digests_hold_the_version_of_the_form(monkeypatch: pytest.MonkeyPatch) -> None:
-    before = digest_of_values(1, "a")
-    assert before != digest_of_values((1, "a"))
+    before = record_keys.digest_of_values(1, "a")
+    assert before != record_keys.digest_of_values((1, "a"))
     monkeypatch.setattr(module, "FORM", module.FORM + 1)
-    assert digest_of_values(1, "a") != before
+    assert record_keys.digest_of_values(1, "a") != before
 
 
 def test_a_status_is_written_as_its_sentence() -> None:
-    assert canonical_text(Status("not held", "why")) == canonical_text("not held: why")
+    assert record_keys.canonical_text(Status("not held", "why")) == record_keys.canonical_text("not held: why")

@@ -35,7 +35,7 @@ def test_a_contact_that_is_barely_touched_moves_no_percentage():
 def test_the_mean_is_over_the_contacts_that_the_screw_without_errors_loads(name, contacts, loaded):
     """One number for a scene and all its specimens: errors load further contacts, or leave some without load."""
     scene = catalogue.scene(name)
-    assert nominal.nominal_contacts(scene) == contacts
+    assert nominal.count_nominal_contacts(scene) == contacts
     load = static.solve_static(scene).load
     assert np.count_nonzero(load) == loaded
     assert mean_load(load, contacts) == pytest.approx(load.sum() / contacts, rel=1e-12)
@@ -48,9 +48,9 @@ def test_the_mean_is_over_the_contacts_that_the_screw_without_errors_loads(name,
 
 def test_preload_is_no_error_and_a_screw_that_only_errors_press_is_counted_by_its_loads():
     preloaded = catalogue.scene("lin-case3")
-    assert nominal.nominal_contacts(preloaded) == 128
+    assert nominal.count_nominal_contacts(preloaded) == 128
     bare = replace(preloaded, loads=(), errors=Errors(balls=BallErrors(sigma=2e-6)))
-    assert nominal.nominal_contacts(bare) == 0
+    assert nominal.count_nominal_contacts(bare) == 0
     assert mean_load(loads(0.2), 0) == mean_load(loads(0.2))
 
 

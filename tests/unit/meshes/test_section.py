@@ -7,13 +7,7 @@ import pytest
 from tests.helpers import STEEL, small_screw, with_ingredients
 
 from rollbench.compare.scenes import catalogue
-from rollbench.meshes.section import (
-    grooved_volume_ratio,
-    screw_groove_section,
-    screw_section,
-    section_angle_range_of_nut_groove,
-    tube_section,
-)
+from rollbench.meshes import section as meshes_section
 
 LIN = catalogue.scene("lin-case1")
 
@@ -33,7 +27,7 @@ def polygon_area(x, z):
 
 
 def test_groove_range_printed_in_2_4_2():
-    section = screw_groove_section(LIN)
+    section = meshes_section.screw_groove_section(LIN)
     assert round(section.apex_angle / np.pi, 3) == 0.033
     assert round(section.edge_angle / np.pi, 3) == 0.417
 
@@ -43,11 +37,11 @@ def test_groove_area_against_a_polygon(outer, beta):
     scene = replace(LIN, screw=replace(LIN.screw, outer_diameter=outer), track=replace(LIN.track, contact_angle=beta))
     x, z = outline(scene)
     assert x.max() == pytest.approx(outer / 2 - 16.5e-3, abs=1e-15)
-    assert screw_groove_section(scene).area == pytest.approx(polygon_area(x, z), rel=1e-6)
+    assert meshes_section.screw_groove_section(scene).area == pytest.approx(polygon_area(x, z), rel=1e-6)
 
 
 def test_nut_groove_range():
-    low, high = section_angle_range_of_nut_groove(replace(LIN, nut=replace(LIN.nut, groove_radius=3.4e-3)))
+    low, high = meshes_section.section_angle_range_of_nut_groove(replace(LIN, nut=replace(LIN.nut, groove_radius=3.4e-3)))
     assert 3.4e-3 * np.sin(low) == pytest.approx((3.4e-3 - 2.778e-3) * np.sin(np.pi / 4), rel=1e-14)
     assert high == np.pi / 2
 
@@ -58,25 +52,28 @@ def test_volume_ratio(starts):
     scene = replace(LIN, track=replace(LIN.track, starts=starts))
     path = np.hypot(2 * np.pi * 16.5e-3, 20e-3)
     expected = 1 - starts * polygon_area(*outline(scene)) * path / (np.pi * 16e-3**2 * 20e-3)
-    assert grooved_volume_ratio(scene) == pytest.approx(expected, rel=1e-6)
+    assert meshes_section.grooved_volume_ratio(scene) == pytest.approx(expected, rel=1e-6)
     assert 0.5 < expected < 1.0
-    assert grooved_volume_ratio(small_screw(lead=0.0)) == 1.0
+    assert meshes_section.grooved_volume_ratio(small_screw(lead=0.0)) == 1.0
 
 
 @pytest.mark.parametrize(("reading", "power"), [("full", 0.0), ("groove", 0.5), ("groove squared", 1.0)])
 def test_readings_of_c_8(reading, power):
     """k_r scales the diameter: stiffnesses as its square and fourth power."""
-    k = grooved_volume_ratio(LIN) ** power
-    found, full = screw_section(with_ingredients(LIN, section=reading)), tube_section(32e-3, 0.0, STEEL)
+    k = meshes_section.grooved_volume_ratio(LIN) ** power
+    found, full = (
+        meshes_section.screw_section(with_ingredients(LIN, section=reading)),
+        meshes_section.tube_section(32e-3, 0.0, STEEL),
+    )
     ratios = [getattr(found, name) / getattr(full, name) for name in ("EA", "EI", "GJ", "kGA")]
     assert ratios == pytest.approx([k**2, k**4, k**4, k**2], rel=1e-13)
 
 
 def test_screw_surface_that_misses_the_groove_and_groove_that_takes_all_are_refused():
     with pytest.raises(ValueError, match="does not cut"):
-        screw_groove_section(replace(LIN, screw=replace(LIN.screw, outer_diameter=25e-3)))
+        meshes_section.screw_groove_section(replace(LIN, screw=replace(LIN.screw, outer_diameter=25e-3)))
     with pytest.raises(ValueError, match="volume exceeds"):
-        screw_section(replace(LIN, track=replace(LIN.track, lead=1e-3)))
+        meshes_section.screw_section(replace(LIN, track=replace(LIN.track, lead=1e-3)))
 
 
 @pytest.mark.parametrize("nu", [0.0, 0.28, 0.5])
@@ -86,7 +83,7 @@ def test_cowper_limits(nu):
 
     def kappa(outer, bore):
         area = np.pi / 4 * (outer**2 - bore**2)
-        return tube_section(outer, bore, material).kGA / (material.shear_modulus * area)
+        return meshes_section.tube_section(outer, bore, material).kGA / (material.shear_modulus * area)
 
     half = 6 * (1 + nu) * 1.25**2 / ((7 + 6 * nu) * 1.25**2 + (20 + 12 * nu) * 0.25)
     assert kappa(0.03, 0.0) == pytest.approx(6 * (1 + nu) / (7 + 6 * nu), rel=1e-14)
@@ -95,7 +92,7 @@ def test_cowper_limits(nu):
 
 
 def test_tube_stiffnesses():
-    found, g = tube_section(0.03, 0.01, STEEL), 210e9 / 2.56
+    found, g = meshes_section.tube_section(0.03, 0.01, STEEL), 210e9 / 2.56
     assert pytest.approx(210e9 * np.pi * (0.015**2 - 0.005**2), rel=1e-14) == found.EA
     assert pytest.approx(210e9 * np.pi / 4 * (0.015**4 - 0.005**4), rel=1e-14) == found.EI
     assert pytest.approx(g * np.pi / 2 * (0.015**4 - 0.005**4), rel=1e-14) == found.GJ

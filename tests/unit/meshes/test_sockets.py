@@ -10,22 +10,12 @@ import pytest
 from tests.helpers import small_screw, sockets_of, solid_sizes
 
 from rollbench.compare.scenes.catalogue import scene
+from rollbench.meshes import sockets as meshes_sockets
 from rollbench.meshes import sockets as rules
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout
-from rollbench.meshes.sockets import (
-    RefinementBoxSize,
-    azimuth_gaps_between_balls,
-    check_refinement_boxes_fit,
-    largest_fitting_refinement_box,
-    local_coordinates_in_refinement_box,
-    mesh_refinement_box_faces,
-    points_in_box_at_azimuth_zero,
-    points_in_refinement_box,
-    rim_nodes_of_refinement_box,
-)
 
-SIZE = RefinementBoxSize(0.30, 1.2e-3, 0.075)
+SIZE = meshes_sockets.RefinementBoxSize(0.30, 1.2e-3, 0.075)
 ALL = (0, 1, 2, 3)
 LIN, FLAT = scene("lin-case1"), small_screw(4, beta=np.radians(20.0))
 
@@ -33,7 +23,7 @@ LIN, FLAT = scene("lin-case1"), small_screw(4, beta=np.radians(20.0))
 def fitted(case, sides=ALL, **changes):
     names = ("screw_land_radius", "screw_bore_radius", "nut_land_radius", "nut_outer_radius", "nut_end_positions")
     given = dict(zip(names, solid_sizes(case), strict=True)) | changes
-    return largest_fitting_refinement_box(GrooveMap.from_scene(case), ball_layout(case), sides, **given)
+    return meshes_sockets.largest_fitting_refinement_box(GrooveMap.from_scene(case), ball_layout(case), sides, **given)
 
 
 def shares(case, size):
@@ -54,7 +44,7 @@ def with_lead(lead):
 def gaps_of(case, pick=slice(None), turns=0.0):
     """Gaps between balls along the track and their pairs, balls counted from so many turns on."""
     layout = ball_layout(case)
-    return azimuth_gaps_between_balls(
+    return meshes_sockets.azimuth_gaps_between_balls(
         GrooveMap.from_scene(case), (layout.azimuth + 2.0 * np.pi * turns)[pick], layout.z[pick]
     )
 
@@ -65,7 +55,9 @@ def gaps_of(case, pick=slice(None), turns=0.0):
 @pytest.fixture(params=[(2, 2, 2), (1, 1, 1), (3, 2, 1)], ids=str)
 def faces(request):
     m = GrooveMap.from_scene(small_screw(6))
-    return m, *mesh_refinement_box_faces(partial(points_in_box_at_azimuth_zero, m, SIZE, 0), request.param)
+    return m, *meshes_sockets.mesh_refinement_box_faces(
+        partial(meshes_sockets.points_in_box_at_azimuth_zero, m, SIZE, 0), request.param
+    )
 
 
 def test_socket_mesh_is_of_second_order_and_closed_but_for_its_rim(faces):
@@ -77,7 +69,7 @@ def test_socket_mesh_is_of_second_order_and_closed_but_for_its_rim(faces):
             assert mesh.midside_node_of_edge[pair] == tri[3 + k]
             np.testing.assert_allclose(mesh.xi[tri[3 + k]], mesh.xi[list(pair)].mean(axis=0), atol=1e-15)
             count[pair] = count.get(pair, 0) + 1
-    loop = rim_nodes_of_refinement_box(mesh).tolist()
+    loop = meshes_sockets.rim_nodes_of_refinement_box(mesh).tolist()
     around = {tuple(sorted(p)) for p in zip(loop, [*loop[1:], loop[0]], strict=True)}
     assert {pair for pair, times in count.items() if times == 1} == around
     assert set(count.values()) == {1, 2}
@@ -91,8 +83,8 @@ def test_socket_coordinates_invert_socket_points(side):
     m = GrooveMap.from_scene(case)
     xi = np.stack(np.meshgrid(*[np.linspace(-1, 1, 5), np.linspace(0, 1, 4), np.linspace(-1, 1, 5)]), -1).reshape(-1, 3)
     for socket in sockets_of(case, (side,)):
-        x = points_in_refinement_box(m, SIZE, socket, xi)
-        found = local_coordinates_in_refinement_box(
+        x = meshes_sockets.points_in_refinement_box(m, SIZE, socket, xi)
+        found = meshes_sockets.local_coordinates_in_refinement_box(
             m, SIZE, socket, np.arctan2(x[:, 1], x[:, 0]), x[:, 2], np.hypot(x[:, 0], x[:, 1])
         )
         np.testing.assert_allclose(found, xi, atol=1e-11)
@@ -101,7 +93,7 @@ def test_socket_coordinates_invert_socket_points(side):
 @pytest.mark.parametrize("side", range(4))
 def test_middle_of_a_socket_is_the_nominal_contact_point(side):
     m = GrooveMap.from_scene(small_screw(6))
-    x = points_in_box_at_azimuth_zero(m, SIZE, side, np.zeros((1, 3)))[0] - [m.R, 0.0, 0.0]
+    x = meshes_sockets.points_in_box_at_azimuth_zero(m, SIZE, side, np.zeros((1, 3)))[0] - [m.R, 0.0, 0.0]
     assert np.linalg.norm(x) == pytest.approx(m.ball, abs=1e-15)
     assert x[0] == pytest.approx(m.signs[side, 0] * m.ball * np.cos(m.beta), abs=1e-15)
 
@@ -251,7 +243,9 @@ def test_no_room_is_refused_with_cause_and_remedy(case, sides, change, match):
 def test_misfits_are_refused(size, match):
     case = small_screw(6)
     with pytest.raises(ValueError, match=rf"refinement box.*{match}.*make the refinement boxes smaller"):
-        check_refinement_boxes_fit(GrooveMap.from_scene(case), size, sockets_of(case, (0,)), 16e-3, 12.6e-3, (0.0, 0.2))
+        meshes_sockets.check_refinement_boxes_fit(
+            GrooveMap.from_scene(case), size, sockets_of(case, (0,)), 16e-3, 12.6e-3, (0.0, 0.2)
+        )
 
 
 def test_sockets_at_an_end_or_on_no_groove_are_refused():
@@ -259,18 +253,18 @@ def test_sockets_at_an_end_or_on_no_groove_are_refused():
     m, sockets = GrooveMap.from_scene(case), sockets_of(case, (0,))
     phi, z, side = sockets[0]
     for good in (sockets, ((phi + 2.0 * np.pi, z, side),)):
-        check_refinement_boxes_fit(m, SIZE, good, 16e-3, 1.5e-3, (0.08, 0.12))
+        meshes_sockets.check_refinement_boxes_fit(m, SIZE, good, 16e-3, 1.5e-3, (0.08, 0.12))
     for bad, end, why in ((sockets, 0.107, "flat end"), (((phi + 0.1, z, side),), 0.12, "not lie on a groove")):
         with pytest.raises(ValueError, match=why):
-            check_refinement_boxes_fit(m, SIZE, bad, 16e-3, 1.5e-3, (0.08, end))
+            meshes_sockets.check_refinement_boxes_fit(m, SIZE, bad, 16e-3, 1.5e-3, (0.08, end))
 
 
 def test_sockets_of_neighbouring_turns_that_meet_are_refused():
     case = with_lead(4.4e-3)
     with pytest.raises(ValueError, match="next turn"):
-        check_refinement_boxes_fit(
+        meshes_sockets.check_refinement_boxes_fit(
             GrooveMap.from_scene(case),
-            RefinementBoxSize(0.3, 0.9e-3, 0.05),
+            meshes_sockets.RefinementBoxSize(0.3, 0.9e-3, 0.05),
             sockets_of(case, (2, 3)),
             15e-3,
             22e-3,

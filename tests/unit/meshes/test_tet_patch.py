@@ -9,24 +9,18 @@ import pytest
 from tests.fe_meshes import LOCAL, boundary_faces, cube, distorted, face_nodes, volume
 from tests.patch_meshes import socket
 
-from rollbench.meshes.tet_patch import (
-    SUB_TRIANGLES,
-    TetrahedralPatchSizes,
-    mesh_patch_with_tetrahedra,
-    signed_volumes,
-    split_into_linear_tetrahedra,
-)
+from rollbench.meshes import tet_patch
 
 pytestmark = pytest.mark.xdist_group("patches of tetrahedra")
 
-BOX = TetrahedralPatchSizes((1.0e-3, 1.2e-3), 0.9e-3, (0.5, 0.15), (0.6e-3, 0.35e-3, 0.15e-3), 0.08e-3, 0.5e-3)
+BOX = tet_patch.TetrahedralPatchSizes((1.0e-3, 1.2e-3), 0.9e-3, (0.5, 0.15), (0.6e-3, 0.35e-3, 0.15e-3), 0.08e-3, 0.5e-3)
 SCALE = np.array([1.0e-3, 0.9e-3, 1.2e-3])
 INFLUENCE = np.array([0.6e-3, 0.15e-3, 0.35e-3])  # across, depth, along, as SCALE
 
 
 @cache
 def mesh(kind="plain"):
-    return mesh_patch_with_tetrahedra(BOX, None if kind == "plain" else socket(turned=kind == "turned"))
+    return tet_patch.mesh_patch_with_tetrahedra(BOX, None if kind == "plain" else socket(turned=kind == "turned"))
 
 
 OWN = ["plain", "straight", "turned"]
@@ -47,7 +41,7 @@ def area(points, triangles):
 @pytest.mark.parametrize("kind", OWN)
 def test_box_is_filled(kind):
     m = mesh(kind)
-    volumes = signed_volumes(m.xi, m.tetrahedra)
+    volumes = tet_patch.signed_volumes(m.xi, m.tetrahedra)
     assert (volumes > 0.0).all() or (volumes < 0.0).all()
     assert abs(volumes.sum()) == pytest.approx(4.0, rel=1e-12)
     assert np.array_equal(np.unique(m.tetrahedra), np.arange(len(m.xi)))
@@ -71,7 +65,7 @@ def test_edges_grow_out_of_the_body_of_influence():
     assert (away == 0.0).sum() > 1500
     assert length[away == 0.0].mean() == pytest.approx(1.1 * 0.08e-3, rel=0.05)  # regular tetrahedra do not fill space
     deep = (np.abs(x[m.tetrahedra].mean(axis=1)) < INFLUENCE).all(axis=1)
-    mean = np.abs(signed_volumes(x, m.tetrahedra[deep])).mean()
+    mean = np.abs(tet_patch.signed_volumes(x, m.tetrahedra[deep])).mean()
     assert (6.0 * np.sqrt(2.0) * mean) ** (1 / 3) == pytest.approx(0.08e-3, rel=0.07)
     assert away.max() > 0.3e-3
     assert np.percentile(length / wanted, [1, 99]) == pytest.approx([0.6, 1.6], abs=0.2)
@@ -95,7 +89,7 @@ def test_faces_divide_the_socket_s_triangles(kind):
     m, s = mesh(kind), socket(turned=kind == "turned")
     faces = boundary_faces(m.tetrahedra, "P1")
     faces = faces[(m.xi[faces, 1] > 1e-12).any(axis=1)]
-    sub = s.xi[s.triangles[:, np.array(SUB_TRIANGLES)].reshape(-1, 3)]
+    sub = s.xi[s.triangles[:, np.array(tet_patch.SUB_TRIANGLES)].reshape(-1, 3)]
     found = np.zeros(len(faces))
     for corner in sub:
         basis = np.column_stack([corner[1] - corner[0], corner[2] - corner[0], np.cross(*(corner[1:] - corner[0]))])
@@ -111,28 +105,28 @@ def test_faces_divide_the_socket_s_triangles(kind):
 def test_boxes_that_cannot_be_meshed_are_refused():
     for zone in ((1.0, 0.2), (0.2, 0.0), (0.5, 1.2)):
         with pytest.raises(ValueError, match=r"half widths .* of the contact zone"):
-            mesh_patch_with_tetrahedra(replace(BOX, contact_zone_fractions=zone))
+            tet_patch.mesh_patch_with_tetrahedra(replace(BOX, contact_zone_fractions=zone))
     for k in range(len(socket().triangles)):
         torn = replace(socket(), triangles=np.delete(socket().triangles, k, axis=0))
         with pytest.raises(ValueError, match="one open rim"):
-            mesh_patch_with_tetrahedra(BOX, torn)
+            tet_patch.mesh_patch_with_tetrahedra(BOX, torn)
 
 
 def test_split_cells_fill_the_same_volume_and_conform():
     """Their faces on the surface are the four triangles of every second-order face; inside, each is shared by two."""
     points, cells = cube("P2", 2)
-    parts = split_into_linear_tetrahedra(points, cells)
+    parts = tet_patch.split_into_linear_tetrahedra(points, cells)
     assert parts.shape == (8 * len(cells), 4)
     assert np.array_equal(np.unique(parts), np.unique(cells))
-    outside = boundary_faces(cells, "P2")[:, np.array(SUB_TRIANGLES)].reshape(-1, 3)
+    outside = boundary_faces(cells, "P2")[:, np.array(tet_patch.SUB_TRIANGLES)].reshape(-1, 3)
     assert {frozenset(t) for t in boundary_faces(parts, "P1")} == {frozenset(t) for t in outside}
     _, count = np.unique(np.sort(parts[:, face_nodes("P1")].reshape(-1, 3), axis=1), axis=0, return_counts=True)
     assert set(count) == {1, 2}
-    volumes = signed_volumes(points, parts)
-    np.testing.assert_allclose(volumes, np.repeat(signed_volumes(points, cells[:, :4]) / 8.0, 8), rtol=1e-12)
+    volumes = tet_patch.signed_volumes(points, parts)
+    np.testing.assert_allclose(volumes, np.repeat(tet_patch.signed_volumes(points, cells[:, :4]) / 8.0, 8), rtol=1e-12)
     bent = distorted(points, 0.05)
-    parts = split_into_linear_tetrahedra(bent, cells)
-    volumes = signed_volumes(bent, parts)
+    parts = tet_patch.split_into_linear_tetrahedra(bent, cells)
+    volumes = tet_patch.signed_volumes(bent, parts)
     assert (volumes > 0.0).all()
     assert volumes.sum() == pytest.approx(volume(bent, cells, "P2"), rel=0.01)
     assert volumes.sum() == pytest.approx(volume(bent, parts, "P1"), rel=1e-12)
@@ -159,12 +153,12 @@ def test_curved_cells_are_split_the_way_that_works_or_refused():
         points = REGULAR.copy()
         points[4:] += rng.normal(0.0, 0.35, (6, 3))
         try:
-            parts = split_into_linear_tetrahedra(points, np.arange(10)[None])
+            parts = tet_patch.split_into_linear_tetrahedra(points, np.arange(10)[None])
         except ValueError as error:
             assert "1 of 1 second-order cells are too curved" in str(error)  # noqa: PT017
             refused += 1
             continue
-        assert (signed_volumes(points, parts) > 0.0).all()
+        assert (tet_patch.signed_volumes(points, parts) > 0.0).all()
         other += common(parts) != shortest(points)
     assert refused > 5
     assert other > 5

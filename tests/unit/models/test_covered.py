@@ -5,14 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.compare.models.model_form import (
-    FLANGE,
-    QUANTITIES,
-    estimate_model_error,
-    lateral_force_and_tilting_moment,
-    leave_one_out_errors,
-    model_errors_on_compared_scenes,
-)
+from rollbench.compare.models import model_form
 from rollbench.compare.models.registry import ModelOptions, run_model
 from rollbench.compare.scenes import catalogue
 from rollbench.meshes.parts import Load, Material, Support
@@ -31,7 +24,7 @@ def of(part: str, youngs_modulus: float, poissons_ratio: float = STEEL.poissons_
 def expected(scene, model: str = "lin", points=None):
     result = run_model(scene, model, ModelOptions(estimate_beam_mesh_error=False, engine="interpreted"))
     assert result.converged
-    return estimate_model_error(scene, result, points)
+    return model_form.estimate_model_error(scene, result, points)
 
 
 @pytest.mark.parametrize("model", ["lin", "refined"])
@@ -66,7 +59,7 @@ TILTS = [
 
 @pytest.mark.parametrize("loads", TILTS)
 def test_what_tilts_the_nut_counts_wherever_it_comes_from(loads) -> None:
-    level = [p for p in model_errors_on_compared_scenes() if p.features["moment"] < 0.1]
+    level = [p for p in model_form.model_errors_on_compared_scenes() if p.features["moment"] < 0.1]
     found = expected(replace(SCENE, loads=(*SCENE.loads, *loads)), points=level)
     assert found.percent is None
     assert "tilting moment" in found.words[-1]
@@ -78,7 +71,7 @@ def test_force_and_moment_on_the_contacts_balance_those_of_the_shaft() -> None:
     free = replace(SCENE, supports=(Support(0.0, (("rz", 0.0),)),), loads=(*SCENE.loads, Load(0.45, (300.0, 400.0, 0.0))))
     result = run_model(free, "lin", ModelOptions(estimate_beam_mesh_error=False, engine="interpreted"))
     assert result.converged
-    assert lateral_force_and_tilting_moment(free, result) == pytest.approx((500.0, 500.0 * 0.05), rel=1e-3)
+    assert model_form.lateral_force_and_tilting_moment(free, result) == pytest.approx((500.0, 500.0 * 0.05), rel=1e-3)
 
 
 def test_a_load_that_a_support_takes_is_none_of_the_contacts() -> None:
@@ -95,12 +88,12 @@ def test_nothing_is_expected_of_contacts_without_load() -> None:
 @pytest.mark.parametrize("model", ["lin", "refined"])
 def test_as_many_compared_screws_were_within_as_is_promised(model: str) -> None:
     """Counted by the whole bound made anew from the others, of all screws and of those held by a flange."""
-    found = leave_one_out_errors(model_errors_on_compared_scenes(), model)
+    found = model_form.leave_one_out_errors(model_form.model_errors_on_compared_scenes(), model)
     covered = [one for one in found if one.expected is not None]
     assert len(found) - len(covered) <= UNCOVERED
-    flanged = [one for one in covered if FLANGE in one.point.features]
+    flanged = [one for one in covered if model_form.FLANGE in one.point.features]
     assert len(flanged) > 30
-    for quantity in QUANTITIES:
+    for quantity in model_form.QUANTITIES:
         for group, share in ((covered, 0.9), (flanged, 0.8)):
             pairs = [(getattr(one.point, quantity), one.expected[quantity]) for one in group]
             held = [abs(measured) <= bound for measured, bound in pairs if measured is not None and bound is not None]

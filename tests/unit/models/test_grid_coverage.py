@@ -12,7 +12,7 @@ from rollbench.compare.reference import estimate, store
 from rollbench.compare.reference.levels import ADVISED, LEVELS
 from rollbench.compare.scenes import scene_file
 from rollbench.compare.sections import u_val
-from rollbench.compare.studies.crosscheck.results import extrapolate_loads, load_calculix_results, shipped_results_folder
+from rollbench.compare.studies.crosscheck import results
 from rollbench.compare.studies.mesh_study import mesh_study_table_of_scene
 from rollbench.compare.studies.survey import SEED, random_screw_scene_text
 
@@ -122,8 +122,11 @@ def test_the_shipped_records_are_those_of_the_shipped_runs() -> None:
 
 def test_what_all_contacts_share_is_seen_by_another_program() -> None:
     """CalculiX' limit of the sum of loads of the preloaded rings over the reference's; no refinement goes that way."""
-    ours, theirs = STUDY.stored_reference("two-balls"), load_calculix_results(shipped_results_folder(), "two-balls")
-    limit = 100.0 * (extrapolate_loads(theirs.runs).load.sum() / ours.load.sum() - 1.0)
+    ours, theirs = (
+        STUDY.stored_reference("two-balls"),
+        results.load_calculix_results(results.shipped_calculix_results_folder(), "two-balls"),
+    )
+    limit = 100.0 * (results.extrapolate_calculix_loads(theirs.runs).load.sum() / ours.load.sum() - 1.0)
     low, high = uncertainty.SHARED
     assert 0.0 < low < limit <= high + 0.005
     refined = [
@@ -136,7 +139,7 @@ def test_what_all_contacts_share_is_seen_by_another_program() -> None:
 def test_the_law_of_large_displacements_is_that_of_another_program() -> None:
     """dF / F over a / r of all eight contacts of two-balls, on the mesh that CalculiX solved both ways."""
     data, ours, scene = (
-        load_calculix_results(shipped_results_folder(), "two-balls"),
+        results.load_calculix_results(results.shipped_calculix_results_folder(), "two-balls"),
         STUDY.stored_reference("two-balls"),
         STUDY.built_in_scene("two-balls"),
     )

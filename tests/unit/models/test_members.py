@@ -17,21 +17,9 @@ from rollbench.compare.models.loading import with_scaled_loads
 from rollbench.compare.models.registry import ModelOptions, run_model
 from rollbench.compare.reference.jobs import ComputingSettings
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.studies.members import members
-from rollbench.compare.studies.members.ensemble import (
-    KEPT,
-    STEP,
-    contact_loads_of_all_balls,
-    output_names_of_draw,
-    raceway_life_measure,
-    with_error_seed,
-)
-from rollbench.compare.studies.members.members import (
-    _binomial_quantile,
-    output_statistics_with_intervals,
-    solve_random_draws_of_scene,
-)
-from rollbench.lowfi.statics.axis.system import ball_positions
+from rollbench.compare.studies.members import ensemble, members
+from rollbench.compare.studies.members import members as members_members
+from rollbench.lowfi.statics.axis.system import ball_positions_with_errors
 from rollbench.meshes.errors import scene_without_random_errors
 from rollbench.meshes.parts import BallErrors
 
@@ -47,7 +35,7 @@ def member_of(scene, member=0):
 
 
 def test_members_are_the_single_solves():
-    found = solve_random_draws_of_scene(RANDOM, "lin", 5)
+    found = members_members.solve_random_draws_of_scene(RANDOM, "lin", 5)
     loads = np.stack([member_of(RANDOM, m).load for m in range(5)])
     for name, of in (("mean_loads", np.mean), ("largest", np.max), ("smallest_loads", np.min)):
         np.testing.assert_allclose(getattr(found.load_distributions, name), of(loads, axis=0), rtol=1e-12, err_msg=name)
@@ -61,27 +49,29 @@ def test_members_are_the_single_solves():
 
 
 def test_stiffness_is_that_of_a_small_change_of_the_load():
-    found = solve_random_draws_of_scene(RANDOM, "lin", 2)
+    found = members_members.solve_random_draws_of_scene(RANDOM, "lin", 2)
     (load,) = RANDOM.loads
     shift = []
-    for factor in (1.0 - STEP, 1.0 + STEP):
+    for factor in (1.0 - ensemble.STEP, 1.0 + ensemble.STEP):
         scene = replace(RANDOM, loads=(replace(load, force=tuple(factor * f for f in load.force)),))
         shift.append(member_of(scene, 1).centreline[0, 2])
-    expected = 2.0 * STEP * load.force[2] / (shift[1] - shift[0]) * 1e-6
+    expected = 2.0 * ensemble.STEP * load.force[2] / (shift[1] - shift[0]) * 1e-6
     assert found.outputs[1, 2] == pytest.approx(expected, rel=1e-3)
 
 
 def test_the_same_numbers_whatever_block_is_done_first(monkeypatch):
     """Blocks done in any order, which travel as those of other processes do; another seed gives other members."""
-    alone = solve_random_draws_of_scene(RANDOM, "lin", 12)
-    assert not np.array_equal(alone.outputs, solve_random_draws_of_scene(with_errors(seed=1), "lin", 12).outputs)
+    alone = members_members.solve_random_draws_of_scene(RANDOM, "lin", 12)
+    assert not np.array_equal(
+        alone.outputs, members_members.solve_random_draws_of_scene(with_errors(seed=1), "lin", 12).outputs
+    )
 
     def backwards(jobs, *_):
         numbered = list(enumerate(jobs))
         return iter([(k, pickle.loads(pickle.dumps(function(*arguments)))) for k, (function, arguments) in numbered[::-1]])
 
     monkeypatch.setattr(members.parallel, "run_jobs", backwards)
-    shared = solve_random_draws_of_scene(RANDOM, "lin", 12, ComputingSettings(parallel_jobs=2))
+    shared = members_members.solve_random_draws_of_scene(RANDOM, "lin", 12, ComputingSettings(parallel_jobs=2))
     assert np.array_equal(alone.outputs, shared.outputs)
     for name in ("mean_loads", "standard_deviation", "smallest_loads", "largest", "counts"):
         assert np.array_equal(getattr(alone.load_distributions, name), getattr(shared.load_distributions, name)), name
@@ -95,7 +85,7 @@ def test_moments_of_balls_between_rigid_rings():
     drawn, hertz = BallErrors(oversize=1e-6, sigma=sigma), replace(base.ingredients, hertz="error-free")
     held = replace(base, supports=(replace(support, fixed=fixed),), ingredients=hertz)
     scene = replace(held, errors=replace(base.errors, balls=drawn))
-    found = solve_random_draws_of_scene(scene, "lin", count)
+    found = members_members.solve_random_draws_of_scene(scene, "lin", count)
     bare = member_of(scene_without_random_errors(scene))
     ball, side = np.unravel_index(bare.load.argmax(), bare.load.shape)
     both = bare.hertz_C[ball, side] + bare.hertz_C[ball, 3 - side]
@@ -118,16 +108,16 @@ def test_moments_of_balls_between_rigid_rings():
 def test_life_of_equal_loads_goes_with_their_cube():
     load = np.zeros((8, 4))
     load[:, 0] = load[:, 3] = 100.0
-    ratio = (raceway_life_measure(2.0 * load) / raceway_life_measure(load)) ** -0.9
+    ratio = (ensemble.raceway_life_measure(2.0 * load) / ensemble.raceway_life_measure(load)) ** -0.9
     assert ratio == pytest.approx(1.0 / 8.0)
-    assert raceway_life_measure(load * np.repeat([1.5, 0.5], 4)[:, None]) > raceway_life_measure(load)
+    assert ensemble.raceway_life_measure(load * np.repeat([1.5, 0.5], 4)[:, None]) > ensemble.raceway_life_measure(load)
 
 
 def test_intervals_of_quantiles_cover():
     rng = np.random.default_rng(3)
     hits = 0
     for _ in range(300):
-        quantile = output_statistics_with_intervals(rng.normal(size=200))["quantiles"][3]
+        quantile = members_members.output_statistics_with_intervals(rng.normal(size=200))["quantiles"][3]
         assert quantile["low"] <= quantile["value"] <= quantile["high"]
         hits += quantile["low"] <= norm.ppf(0.95) <= quantile["high"]
     assert hits >= binom.ppf(0.001, 300, 0.95)
@@ -139,7 +129,7 @@ def test_a_quantile_of_counts_is_the_least_that_has_the_probability(trials, chan
     """Also at the probabilities of the counts themselves, where round-off decides."""
     share = bdtr(np.arange(trials + 1), trials, chance)
     for p in (*share[share < 1.0 - 1e-12], 0.025, 0.3, 0.975):
-        assert _binomial_quantile(p, trials, chance) == np.flatnonzero(share >= p)[0]
+        assert members_members._binomial_quantile(p, trials, chance) == np.flatnonzero(share >= p)[0]
 
 
 FEW = ("lin-random", "--members", "4", "--model", "lin")
@@ -153,7 +143,7 @@ def test_command(tmp_path, command):
     assert largest["members"] == 4
     found = list(csv.DictReader(rows.read_text(encoding="utf-8").splitlines()))
     assert [row["member"] for row in found] == ["0", "1", "2", "3"]
-    assert list(KEPT) == list(found[0])[2:]
+    assert list(ensemble.KEPT) == list(found[0])[2:]
     assert max(float(row["largest_load_N"]) for row in found) == largest["largest"]
     assert max(ball["largest_N"] for ball in data["balls"]) == largest["largest"]
 
@@ -182,24 +172,27 @@ SIGMA_TEXT = '\n[sets.errors.balls]\nsigma = "0.5 um"\n\n'
 
 def drawn_sets(parts):
     sets = [replace(s, parts=replace(s.parts, errors=replace(s.parts.errors, balls=SIGMA_OF_SETS))) for s in parts.sets]
-    return with_error_seed(replace(parts, sets=tuple(sets)), 0)
+    return ensemble.with_error_seed(replace(parts, sets=tuple(sets)), 0)
 
 
 def test_members_of_several_sets_are_the_single_solves():
     parts = drawn_sets(fixed_axis((0.0, 0.0, 500.0)))
-    found = solve_random_draws_of_scene(parts, "lin", 3)
+    found = members_members.solve_random_draws_of_scene(parts, "lin", 3)
     results = [run_model(parts, "lin", ModelOptions(member=m)) for m in range(3)]
-    loads = np.stack([contact_loads_of_all_balls(r) for r in results])
+    loads = np.stack([ensemble.contact_loads_of_all_balls(r) for r in results])
     np.testing.assert_allclose(found.load_distributions.mean_loads, loads.mean(axis=0), rtol=1e-9, atol=1e-9)
     np.testing.assert_allclose(found.load_distributions.largest, loads.max(axis=0), rtol=1e-9, atol=1e-9)
-    names = output_names_of_draw(parts)
+    names = ensemble.output_names_of_draw(parts)
     member = dict(zip(names, found.outputs[2], strict=True))
     assert member["largest_load_N"] == pytest.approx(loads[2].max(), rel=1e-12)
     assert member["tangent_N_per_um"] == pytest.approx(1e-6 * results[2].stiffness[2, 2], rel=1e-12)
     for i, (s, place) in enumerate(zip(results[2].sets, found.ball_slices, strict=True)):
         assert member[f"set {i + 1} axial_force_N"] == pytest.approx(s.force[2], rel=1e-12)
         assert np.array_equal(loads[2][place], s.balls.load)
-        life = (raceway_life_measure(s.balls.load) / raceway_life_measure(found.load_distributions.nominal[place])) ** -0.9
+        life = (
+            ensemble.raceway_life_measure(s.balls.load)
+            / ensemble.raceway_life_measure(found.load_distributions.nominal[place])
+        ) ** -0.9
         assert member[f"set {i + 1} relative_life"] == pytest.approx(life, rel=1e-12)
     assert not found.status_of_failed_draws
 
@@ -209,7 +202,7 @@ def test_sets_draw_errors_of_their_own(tmp_path):
     for said, alike in (("", False), ("\n[sets.errors]\nseed = 0\n", True)):
         file = tmp_path / f"{alike}.toml"
         file.write_text(first + said + SIGMA_TEXT + second + third + said + SIGMA_TEXT)
-        one, other = ball_positions(catalogue.scene_of_any_kind(str(file)), member=3)
+        one, other = ball_positions_with_errors(catalogue.scene_of_any_kind(str(file)), member=3)
         assert np.array_equal(one[1].ball_radii, other[1].ball_radii) == alike
 
 
@@ -224,7 +217,7 @@ def test_what_cannot_be_is_refused():
         (drawn_sets(double_nut()), "lin", 1, "2 to"),
     ):
         with pytest.raises(InputError, match=words):
-            solve_random_draws_of_scene(parts, model, count)
+            members_members.solve_random_draws_of_scene(parts, model, count)
 
 
 def test_the_command_gives_statistics_of_each_set(tmp_path, command):

@@ -8,31 +8,24 @@ import pytest
 from rollbench.compare.cli import main
 from rollbench.compare.reference.store import measuring_conditions
 from rollbench.compare.studies import survey, survey_models
-from rollbench.compare.studies.survey_models import (
-    StoredTimedLevelRuns,
-    TimedLevelRun,
-    load_timed_level_runs,
-    numbers_of_screws_for_level_2,
-    save_timed_level_runs,
-    time_mesh_levels_on_screws,
-)
+from rollbench.compare.studies import survey_models as studies_survey_models
 
 
 def runs_of(number):
     """Level 1 with the survey's loads in 50 s, level 2 with loads that are 2 % larger in 90 s."""
     load = np.array(survey_models.stored_loads()[number]["load"])
-    coarse = TimedLevelRun(number, 1, "converged", 50.0, 0.5, load.tolist())
+    coarse = studies_survey_models.TimedLevelRun(number, 1, "converged", 50.0, 0.5, load.tolist())
     return [coarse, replace(coarse, level=2, seconds=90.0, further_seconds=0.8, load=(1.02 * load).tolist())]
 
 
 def test_the_screws_are_chosen_from_those_that_the_models_are_judged_on():
-    chosen = numbers_of_screws_for_level_2()
+    chosen = studies_survey_models.numbers_of_screws_for_level_2()
     assert len(set(chosen)) == len(chosen) == survey_models.COUNT
     assert set(chosen) <= {record["number"] for record in survey.records_for_error_estimates()}
 
 
 def test_level_1_and_the_models_are_judged_by_level_2():
-    runs = runs_of(numbers_of_screws_for_level_2()[0])
+    runs = runs_of(studies_survey_models.numbers_of_screws_for_level_2()[0])
     found = {
         (s.name, s.reference_level): s
         for s in survey_models.errors_and_times_of_models(runs, survey.records_for_error_estimates())
@@ -49,13 +42,20 @@ def test_level_1_and_the_models_are_judged_by_level_2():
 
 
 def test_runs_of_the_same_sources_are_not_repeated(tmp_path):
-    number = numbers_of_screws_for_level_2()[0]
-    save_timed_level_runs(tmp_path, StoredTimedLevelRuns(measuring_conditions(), "2026-01-01", runs_of(number)))
-    before = load_timed_level_runs((tmp_path,))
-    assert time_mesh_levels_on_screws(tmp_path, lambda text: pytest.fail(text), count=1).runs == before.runs
+    number = studies_survey_models.numbers_of_screws_for_level_2()[0]
+    studies_survey_models.save_timed_level_runs(
+        tmp_path, studies_survey_models.StoredTimedLevelRuns(measuring_conditions(), "2026-01-01", runs_of(number))
+    )
+    before = studies_survey_models.load_timed_level_runs((tmp_path,))
+    assert (
+        studies_survey_models.time_mesh_levels_on_screws(tmp_path, lambda text: pytest.fail(text), count=1).runs
+        == before.runs
+    )
     old = replace(measuring_conditions(), version="0.1.0")
-    save_timed_level_runs(tmp_path, StoredTimedLevelRuns(old, "2026-01-01", runs_of(number)))
-    assert not time_mesh_levels_on_screws(tmp_path, lambda text: pytest.fail(text), count=0).runs
+    studies_survey_models.save_timed_level_runs(
+        tmp_path, studies_survey_models.StoredTimedLevelRuns(old, "2026-01-01", runs_of(number))
+    )
+    assert not studies_survey_models.time_mesh_levels_on_screws(tmp_path, lambda text: pytest.fail(text), count=0).runs
 
 
 @pytest.mark.parametrize(("options", "named"), [([], "--store"), (["--long", "--store", "x"], "--drawn")])

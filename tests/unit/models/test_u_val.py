@@ -6,14 +6,7 @@ import numpy as np
 import pytest
 
 from rollbench.compare import files
-from rollbench.compare.models import uncertainty
-from rollbench.compare.models.applicability import (
-    DESCRIPTORS,
-    compared_scenes,
-    descriptors_of_built_in_scenes,
-    descriptors_outside_range,
-    descriptors_with_ranges,
-)
+from rollbench.compare.models import applicability, uncertainty
 from rollbench.compare.models.comparison import solution_from_run
 from rollbench.compare.models.model_form import estimate_model_error
 from rollbench.compare.models.registry import ModelOptions, run_model
@@ -88,17 +81,22 @@ def test_bias_and_scatter_of_known_ratios() -> None:
 
 def test_compared_scenes_are_inside() -> None:
     for ring in (False, True):
-        assert all(descriptors_outside_range(scene) == () for scene in compared_scenes(of_bearings=ring))
-    assert len(compared_scenes(of_bearings=False)) + len(compared_scenes(of_bearings=True)) == 15
+        assert all(
+            applicability.descriptors_outside_range(scene) == ()
+            for scene in applicability.compared_scenes(of_bearings=ring)
+        )
+    assert (
+        len(applicability.compared_scenes(of_bearings=False)) + len(applicability.compared_scenes(of_bearings=True)) == 15
+    )
 
 
 def test_kept_places_are_those_of_the_scenes() -> None:
     for ring in (False, True):
         found = [
-            {d.name: pytest.approx(d.value_of_scene(scene), rel=1e-12) for d in DESCRIPTORS}
-            for scene in compared_scenes(of_bearings=ring)
+            {d.name: pytest.approx(d.value_of_scene(scene), rel=1e-12) for d in applicability.DESCRIPTORS}
+            for scene in applicability.compared_scenes(of_bearings=ring)
         ]
-        assert list(descriptors_of_built_in_scenes(of_bearings=ring)) == found
+        assert list(applicability.descriptors_of_built_in_scenes(of_bearings=ring)) == found
 
 
 @pytest.mark.parametrize(
@@ -116,7 +114,7 @@ def test_solve_says_not_covered_where_a_scene_is_outside(change, name: str) -> N
     base = STUDY.built_in_scene(SCENE)
     result = run_model(base, "lin", ModelOptions(estimate_beam_mesh_error=False))
     changed = change(base)
-    beyond = descriptors_outside_range(changed)
+    beyond = applicability.descriptors_outside_range(changed)
     form = estimate_model_error(changed, result)
     if name:
         assert any(text.startswith(name) for text in beyond)
@@ -140,21 +138,21 @@ def test_nothing_is_covered_where_an_installation_lacks_what_was_compared(monkey
         return left
 
     text_of, scene = files.shipped_text, STUDY.built_in_scene(name)
-    assert descriptors_outside_range(scene) == ()
+    assert applicability.descriptors_outside_range(scene) == ()
     result = run_model(scene, "lin", ModelOptions(estimate_beam_mesh_error=False))
     monkeypatch.setattr(files, "shipped_text", text)
-    descriptors_of_built_in_scenes.cache_clear()
+    applicability.descriptors_of_built_in_scenes.cache_clear()
     try:
         assert estimate_model_error(scene, result).percent is None
-        assert "places.json is missing or damaged" in " ".join(descriptors_outside_range(scene))
+        assert "places.json is missing or damaged" in " ".join(applicability.descriptors_outside_range(scene))
     finally:
-        descriptors_of_built_in_scenes.cache_clear()
+        applicability.descriptors_of_built_in_scenes.cache_clear()
 
 
 def test_balls_at_the_face_of_the_nut_are_covered_as_far_as_drawn_screws_have_them() -> None:
     """Liu's screw has its last balls 1.5 radii from the face, drawn ones from 1; closer ones were never compared."""
     scene = STUDY.built_in_scene("liu-screw")
-    assert not descriptors_outside_range(scene)
+    assert not applicability.descriptors_outside_range(scene)
     shorter = replace(scene, nut=replace(scene.nut, length=scene.nut.length - 2.4 * scene.balls.radius))
-    beyond = [place.descriptor.name for place in descriptors_with_ranges(shorter) if place.outside]
+    beyond = [place.descriptor.name for place in applicability.descriptors_with_ranges(shorter) if place.outside]
     assert beyond == ["nut beyond the last balls over the ball's radius"]

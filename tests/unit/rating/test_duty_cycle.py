@@ -6,15 +6,7 @@ import numpy as np
 import pytest
 
 from rollbench.compare.scenes import catalogue
-from rollbench.lowfi.rating.life import (
-    PARTING,
-    basic_rating_life,
-    contact_capacity,
-    damage_equivalent_contact_loads,
-    dynamic_rating,
-    forces_on_halves,
-    life_by_equivalent_loads,
-)
+from rollbench.lowfi.rating import life
 from rollbench.meshes.parts import Errors, Load, Scene
 
 SCREW = replace(catalogue.scene("lin-case1"), friction=None)
@@ -29,24 +21,26 @@ def loads(*columns: int) -> np.ndarray:
 
 def test_one_case_is_the_life_of_its_loads_to_the_last_digit() -> None:
     load = loads(0, 3)
-    assert np.array_equal(damage_equivalent_contact_loads([load], [1.0]), load)
-    assert basic_rating_life(SCREW, damage_equivalent_contact_loads([load], [1.0])) == basic_rating_life(SCREW, load)
-    assert basic_rating_life(SCREW, damage_equivalent_contact_loads([load, 9.0 * load], [1.0, 0.0])) == basic_rating_life(
+    assert np.array_equal(life.damage_equivalent_contact_loads([load], [1.0]), load)
+    assert life.basic_rating_life(SCREW, life.damage_equivalent_contact_loads([load], [1.0])) == life.basic_rating_life(
         SCREW, load
-    ), "a static check wears nothing"
-    equal = basic_rating_life(SCREW, damage_equivalent_contact_loads([load, load], [0.3, 0.7]))
-    assert equal.revolutions == pytest.approx(basic_rating_life(SCREW, load).revolutions, rel=1e-12)
+    )
+    assert life.basic_rating_life(
+        SCREW, life.damage_equivalent_contact_loads([load, 9.0 * load], [1.0, 0.0])
+    ) == life.basic_rating_life(SCREW, load), "a static check wears nothing"
+    equal = life.basic_rating_life(SCREW, life.damage_equivalent_contact_loads([load, load], [0.3, 0.7]))
+    assert equal.revolutions == pytest.approx(life.basic_rating_life(SCREW, load).revolutions, rel=1e-12)
 
 
 def test_damage_adds_up_place_by_place() -> None:
     """Against Miner's rule and the product of survivals, place by place of the nut and all over the screw."""
     cases, shares = [loads(0, 3), loads(0, 1, 2, 3), loads(1, 2)], np.array([0.2, 0.5, 0.3])
-    capacity, wear = contact_capacity(SCREW), 0.0
+    capacity, wear = life.contact_capacity(SCREW), 0.0
     for s in range(4):
         damage = sum(n * (load[:, s] / capacity[s]) ** 3 for n, load in zip(shares, cases, strict=True))
         places = damage if s > 1 else np.full_like(damage, damage.mean())
         wear += float(np.mean(places ** (10.0 / 9.0)))
-    found = basic_rating_life(SCREW, damage_equivalent_contact_loads(cases, list(shares)))
+    found = life.basic_rating_life(SCREW, life.damage_equivalent_contact_loads(cases, list(shares)))
     assert found.revolutions == pytest.approx(wear**-0.9, rel=1e-12)
 
 
@@ -54,7 +48,8 @@ def test_a_nut_whose_places_take_turns_lives_longer_than_one_whose_places_do_not
     first, second = np.zeros((2, SCREW.ball_count, 4))
     first[:16, 3], second[16:, 3] = 300.0, 300.0
     apart, same = (
-        basic_rating_life(SCREW, damage_equivalent_contact_loads([first, other], [0.5, 0.5])) for other in (second, first)
+        life.basic_rating_life(SCREW, life.damage_equivalent_contact_loads([first, other], [0.5, 0.5]))
+        for other in (second, first)
     )
     assert apart.revolutions > 1.05 * same.revolutions
 
@@ -64,13 +59,13 @@ def axial(force: float, **fields: object) -> Scene:
 
 
 def standard(forces: list[float], shares: list[float], preload: float = 0.0, **fields: object):
-    return life_by_equivalent_loads(
+    return life.life_by_equivalent_loads(
         [axial(F, **fields) for F in forces], shares, [np.array([0.0, 0.0, F]) for F in forces], preload
     )
 
 
 def test_equivalent_load_of_a_nut_with_play() -> None:
-    C = dynamic_rating(SCREW)
+    C = life.dynamic_rating(SCREW)
     one = standard([2000.0], [1.0])
     assert one.revolutions == pytest.approx((C / 2000.0) ** 3, rel=1e-12)
     two = standard([2000.0, 4000.0], [0.75, 0.25])
@@ -82,20 +77,22 @@ def test_equivalent_load_of_a_nut_with_play() -> None:
 def test_equal_contacts_in_every_case_agree_with_the_equivalent_load() -> None:
     even = np.zeros((SCREW.ball_count, 4))
     even[:, [0, 3]] = 1.0
-    slope = dynamic_rating(SCREW) / basic_rating_life(SCREW, even).revolutions ** (1 / 3)  # axial force of contacts of 1 N
-    found = basic_rating_life(SCREW, damage_equivalent_contact_loads([100.0 * even, 250.0 * even], [0.6, 0.4]))
+    slope = life.dynamic_rating(SCREW) / life.basic_rating_life(SCREW, even).revolutions ** (
+        1 / 3
+    )  # axial force of contacts of 1 N
+    found = life.basic_rating_life(SCREW, life.damage_equivalent_contact_loads([100.0 * even, 250.0 * even], [0.6, 0.4]))
     by_standard = standard([100.0 * slope, 250.0 * slope], [0.6, 0.4])
     assert found.revolutions == pytest.approx(by_standard.revolutions, rel=1e-10)
 
 
 def test_halves_part_at_the_lift_off_load_and_have_the_rating_of_their_turns() -> None:
-    force = np.array([0.0, PARTING * 1000.0, -500.0, 5000.0])
-    along, against = forces_on_halves(force, 1000.0)
+    force = np.array([0.0, life.PARTING * 1000.0, -500.0, 5000.0])
+    along, against = life.forces_on_nut_halves(force, 1000.0)
     assert along - against == pytest.approx(force)
     assert (along[0], against[1], along[3], against[3]) == pytest.approx((1000.0, 0.0, 5000.0, 0.0))
     assert against[2] == pytest.approx(1000.0 * (1.0 + 500.0 / 2828.427125) ** 1.5)
     alone = standard([0.0], [1.0], preload=1000.0, errors=Errors(lead_offset=10e-6))
-    C = dynamic_rating(SCREW) * 0.5**0.86  # that of half the turns
+    C = life.dynamic_rating(SCREW) * 0.5**0.86  # that of half the turns
     assert alone.revolutions == pytest.approx(2.0**-0.9 * (C / 1000.0) ** 3, rel=1e-9)
 
 
@@ -109,14 +106,14 @@ UNKNOWN = [
 @pytest.mark.parametrize(("fields", "said"), UNKNOWN)
 def test_the_standard_says_what_it_does_not_know(fields: dict, said: str) -> None:
     with pytest.raises(ValueError, match=f"ISO 3408-5 does not cover.*{said}"):
-        life_by_equivalent_loads([replace(SCREW, **fields)], [1.0], [np.array([0.0, 0.0, 1e3])], 0.0)
+        life.life_by_equivalent_loads([replace(SCREW, **fields)], [1.0], [np.array([0.0, 0.0, 1e3])], 0.0)
 
 
 def of_ring(force: tuple[float, float, float], angle: float):
     ring = catalogue.scene("bearing-9")
     track = replace(ring.track, contact_angle=np.radians(angle))
     plain = replace(ring, track=track, loads=(), supports=(), errors=Errors())
-    return plain, life_by_equivalent_loads([plain], [1.0], [np.array(force)], 0.0)
+    return plain, life.life_by_equivalent_loads([plain], [1.0], [np.array(force)], 0.0)
 
 
 def test_rings_have_ISO_281_s_factors() -> None:
@@ -129,7 +126,7 @@ def test_rings_have_ISO_281_s_factors() -> None:
     ):
         ring, found = of_ring(force, angle)
         assert found.equivalent_loads[0] == pytest.approx(load)
-        assert found.revolutions == pytest.approx((dynamic_rating(ring) / load) ** 3, rel=1e-9)
+        assert found.revolutions == pytest.approx((life.dynamic_rating(ring) / load) ** 3, rel=1e-9)
     for angle, words in ((15.0, "at least 20 deg"), (60.0, "thrust")):
         with pytest.raises(ValueError, match=words):
             of_ring((1000.0, 0.0, 100.0), angle)

@@ -9,14 +9,8 @@ from tests.helpers import small_screw
 
 from rollbench.compare.models.answers import results_of_contact_loads
 from rollbench.compare.scenes import catalogue
-from rollbench.lowfi.rating import contacts
+from rollbench.lowfi.rating import contacts, rigidity
 from rollbench.lowfi.rating.life import basic_rating_life, contact_capacity, dynamic_rating, filled_turns
-from rollbench.lowfi.rating.rigidity import (
-    approach_per_displacement,
-    axial_compliance_of_bodies,
-    displacement_by_contacts_only,
-    three_axial_rigidities,
-)
 from rollbench.lowfi.statics import validity
 from rollbench.lowfi.statics.contacts import hertz_without_errors, nominal_curvatures
 from rollbench.lowfi.statics.problem import centre_vectors_and_interference
@@ -66,7 +60,7 @@ def test_equal_loads_give_the_cube_of_rating_over_load() -> None:
     screw = catalogue.scene("unseen-40x10")
     found, axial = (
         basic_rating_life(screw, loads(screw, 250.0)),
-        250.0 * screw.ball_count * approach_per_displacement(screw),
+        250.0 * screw.ball_count * rigidity.approach_per_displacement(screw),
     )
     assert (found.revolutions, found.equivalent) == pytest.approx(((dynamic_rating(screw) / axial) ** 3, axial), rel=1e-12)
     assert found.hours(2 * pi) == pytest.approx(1e6 * found.revolutions / 3600.0)
@@ -167,11 +161,11 @@ def test_an_ellipse_over_the_edge_of_the_land_is_cut_and_says_where() -> None:
 
 def test_contacts_alone_are_Hertz_and_stiffer_under_preload() -> None:
     scene = catalogue.scene("lin-case1")
-    h, s = hertz_without_errors(scene), approach_per_displacement(scene)
+    h, s = hertz_without_errors(scene), rigidity.approach_per_displacement(scene)
     each = 5000.0 / (32 * s)
     closed = (h.C[0] + h.C[3]) * each ** (2 / 3) / s
-    assert displacement_by_contacts_only(scene, 5000.0) == pytest.approx(closed, rel=1e-9)
-    tight, loose = (displacement_by_contacts_only(oversized(scene, x), 5000.0) for x in (7e-6, -5e-6))
+    assert rigidity.displacement_by_contacts_only(scene, 5000.0) == pytest.approx(closed, rel=1e-9)
+    tight, loose = (rigidity.displacement_by_contacts_only(oversized(scene, x), 5000.0) for x in (7e-6, -5e-6))
     assert tight < 0.6 * closed
     assert loose == pytest.approx(closed, rel=1e-6)
 
@@ -181,13 +175,13 @@ def test_bodies_add_the_displacement_of_thick_tubes_in_the_form_of_ISO_3408_4() 
     scene = catalogue.scene("lin-case1")
     D_c, D_1, E = 33e-3 + 5.556e-3 * cos(pi / 4), 48e-3, 210e9
     sum_ = (D_1**2 + D_c**2) / (D_1**2 - D_c**2) + 1.0
-    assert axial_compliance_of_bodies(scene) == pytest.approx(sum_ / (2 * pi * 2 * 20e-3 * E), rel=1e-9)
-    assert axial_compliance_of_bodies(ring(0.15)) is None
-    found = three_axial_rigidities(scene, -5000.0, -20e-6)
+    assert rigidity.axial_compliance_of_bodies(scene) == pytest.approx(sum_ / (2 * pi * 2 * 20e-3 * E), rel=1e-9)
+    assert rigidity.axial_compliance_of_bodies(ring(0.15)) is None
+    found = rigidity.three_axial_rigidities(scene, -5000.0, -20e-6)
     assert found.contacts_only > found.with_bodies
     assert found.makers_practice == pytest.approx(0.8 * found.with_bodies)  # what makers advise to take
     assert found.with_unequal_loads == pytest.approx(250e6)
-    assert three_axial_rigidities(scene, 0.0, None) is None
+    assert rigidity.three_axial_rigidities(scene, 0.0, None) is None
 
 
 @pytest.mark.parametrize(("angle", "printed"), [(45.1, 42.1), (60.0, 39.2), (75.0, 37.3)])
@@ -244,17 +238,19 @@ def test_the_dynamic_rating_is_that_of_a_maker_who_prints_balls_and_diameters() 
 def test_displacement_by_a_load_far_below_the_preload_is_not_lost_beside_it() -> None:
     """A load of 1e-12 of the preload, and the linear stiffness N s^2 3 sqrt(c) / C^(3/2) of both diagonals."""
     scene = oversized(catalogue.scene("unseen-40x10"), 5e-6)
-    C, s = hertz_without_errors(scene).C, approach_per_displacement(scene)
+    C, s = hertz_without_errors(scene).C, rigidity.approach_per_displacement(scene)
     closure = float(
         centre_vectors_and_interference(scene, errors.draw_geometry_with_errors(scene, helix.ball_layout(scene)))[1].mean()
     )
     stiff = 3.0 * scene.ball_count * s**2 * np.sqrt(closure) / (C[0] + C[3]) ** 1.5
     for force in (1.0, 1e-6):
-        assert displacement_by_contacts_only(scene, force) == pytest.approx(force / stiff, rel=1e-3)
+        assert rigidity.displacement_by_contacts_only(scene, force) == pytest.approx(force / stiff, rel=1e-3)
 
 
 def test_a_screw_pressed_more_by_one_diagonal_counts_from_where_it_rests() -> None:
     """A pitch error that shifts one flank along the track leaves the displacement by a load what it was."""
     even = oversized(catalogue.scene("unseen-40x10"), 5e-6)
     shifted = replace(even, errors=replace(even.errors, SL=SideErrors(pitch=(FourierTerm(0.0, cos=2e-6),))))
-    assert displacement_by_contacts_only(shifted, 1.0) == pytest.approx(displacement_by_contacts_only(even, 1.0), rel=0.2)
+    assert rigidity.displacement_by_contacts_only(shifted, 1.0) == pytest.approx(
+        rigidity.displacement_by_contacts_only(even, 1.0), rel=0.2
+    )

@@ -8,15 +8,9 @@ import pytest
 from tests.axes import ROLLERS
 
 import rollbench
+from rollbench.lowfi import rollers as lowfi_rollers
 from rollbench.lowfi.rating import iso_lives, roller_life
 from rollbench.lowfi.rating.life import basic_rating_life, dynamic_rating
-from rollbench.lowfi.rollers import (
-    circular_crown_profile,
-    slice_middles,
-    slice_roller,
-    sliced_roller_state_at_approach,
-    tapered_bearing_of_row,
-)
 
 ROW = replace(ROLLERS, cup_angle=np.radians(15.0), roller_angle=np.radians(2.0))
 
@@ -24,14 +18,14 @@ ROW = replace(ROLLERS, cup_angle=np.radians(15.0), roller_angle=np.radians(2.0))
 def uneven(slices: int) -> np.ndarray:
     """Line loads [N/m] of half the rollers, more at their large ends."""
     rollers = np.maximum(np.cos(2.0 * np.pi * np.arange(ROW.count) / ROW.count), 0.0)
-    return 1e5 * np.outer(rollers, 1.0 + 0.4 * slice_middles(2.0, slices))
+    return 1e5 * np.outer(rollers, 1.0 + 0.4 * lowfi_rollers.slice_middles(2.0, slices))
 
 
 def test_rollers_by_the_standards_formulas_written_out_lamina_by_lamina():
     """From C_r, with the standard's rounded 0.378, 0.364 and 1.038."""
     n, Z, q = 32, ROW.count, uneven(32) * ROW.length / 32
     C, alpha = roller_life.dynamic_rating_of_row(ROW), ROW.cup_angle
-    g = ROW.diameter * np.cos(alpha) / tapered_bearing_of_row(ROW).pitch_diameter
+    g = ROW.diameter * np.cos(alpha) / lowfi_rollers.tapered_bearing_of_row(ROW).pitch_diameter
     ratio = 1.038 * ((1 - g) / (1 + g)) ** (143 / 108)
     Q_ci = C / (0.83 * 0.378 * Z * np.cos(alpha)) * (1 + ratio ** (9 / 2)) ** (2 / 9)
     Q_ce = C / (0.83 * 0.364 * Z * np.cos(alpha)) * (1 + ratio ** (-9 / 2)) ** (2 / 9)
@@ -67,11 +61,11 @@ def test_without_the_edges_an_even_load_has_ISO_281s_load_times_the_reduction(mo
 def test_few_slices_are_divided_and_a_profile_that_unloads_the_edges_makes_their_number_indifferent():
     even = [iso_lives.roller_reference_life(ROW, np.full((ROW.count, n), 1e5)).revolutions for n in (15, 30)]
     assert even[0] == even[1]
-    bearing = tapered_bearing_of_row(ROW)
+    bearing = lowfi_rollers.tapered_bearing_of_row(ROW)
     lives = []
     for n in (40, 80, 160):
-        roller = slice_roller(bearing, n, circular_crown_profile(2.0))
-        q = sliced_roller_state_at_approach(roller, 8e-6).line_loads
+        roller = lowfi_rollers.slice_roller(bearing, n, lowfi_rollers.circular_crown_profile(2.0))
+        q = lowfi_rollers.sliced_roller_state_at_approach(roller, 8e-6).line_loads
         assert q[0] == q[-1] == 0.0
         lives.append(iso_lives.roller_reference_life(ROW, np.tile(q, (ROW.count, 1))).revolutions)
     assert np.ptp(lives) < 0.01 * lives[0]
@@ -80,7 +74,7 @@ def test_few_slices_are_divided_and_a_profile_that_unloads_the_edges_makes_their
 def test_tilted_rollers_live_shorter_than_straight_ones():
     level = iso_lives.roller_reference_life(ROW, np.full((ROW.count, 30), 1e5)).revolutions
     tilted = iso_lives.roller_reference_life(
-        ROW, np.full((ROW.count, 1), 1e5) * (1.0 + 0.4 * slice_middles(2.0, 30))
+        ROW, np.full((ROW.count, 1), 1e5) * (1.0 + 0.4 * lowfi_rollers.slice_middles(2.0, 30))
     ).revolutions
     assert tilted < 0.9 * level
 

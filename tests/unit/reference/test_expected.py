@@ -10,7 +10,7 @@ import pytest
 from rollbench.compare import errors, files, running
 from rollbench.compare.reference import computing, jobs, store
 from rollbench.compare.reference import jobs as module
-from rollbench.compare.reference.jobs import TaskProgress, check_memory, expected_cost
+from rollbench.compare.reference.jobs import TaskProgress, check_memory, expected_time_and_memory
 from rollbench.compare.reference.tasks import ReferenceTask
 from rollbench.compare.running import format_duration
 from rollbench.compare.scenes import catalogue
@@ -29,16 +29,18 @@ SCENES = ("unseen-hollow", "unseen-short-nut", "unseen-16x5", "unseen-40x10", "u
 def test_the_estimate_is_near_what_stored_runs_took(name: str, level: int) -> None:
     scene = catalogue.scene(name)
     run = store.load_stored_run(scene, level, stores=(store.shipped_store(),))
-    found = expected_cost(ReferenceTask((scene,), level))
+    found = expected_time_and_memory(ReferenceTask((scene,), level))
     assert 0.4 < found.seconds / (run.setup_seconds + run.solve_seconds) < 2.5
     assert 0.5 < 1e-3 * run.peak_MB / found.memory_GB < 1.6
 
 
 def test_a_second_process_takes_less_time_and_with_many_contacts_the_memory_of_patches() -> None:
-    alone, two = (expected_cost(ReferenceTask((CASE1,), 3, processes=n)) for n in (1, 2))
+    alone, two = (expected_time_and_memory(ReferenceTask((CASE1,), 3, processes=n)) for n in (1, 2))
     assert 0.5 * alone.seconds < two.seconds < 0.8 * alone.seconds
     assert alone.memory_GB < two.memory_GB < 2.0 * alone.memory_GB
-    few, many = (expected_cost(ReferenceTask((catalogue.scene("unseen-25x5"),), 1, processes=n)).memory_GB for n in (1, 2))
+    few, many = (
+        expected_time_and_memory(ReferenceTask((catalogue.scene("unseen-25x5"),), 1, processes=n)).memory_GB for n in (1, 2)
+    )
     assert many - few == pytest.approx(module.PATCHES_ALONE * module.BASE_GB[1])
     assert module.TOGETHER == TOGETHER
 
@@ -49,7 +51,7 @@ def test_memory_of_many_contacts_is_told_as_it_was_measured() -> None:
     large = [c for c in kept.mesh_level_times if (c.contacts or 0) > 200]
     assert {c.contacts for c in large} == {228, 264}
     for c in large:
-        memory = expected_cost(ReferenceTask((catalogue.scene(c.scene),), c.level, processes=2)).memory_GB
+        memory = expected_time_and_memory(ReferenceTask((catalogue.scene(c.scene),), c.level, processes=2)).memory_GB
         assert 1.0 <= memory / (1e-3 * c.memory) <= 1.1
         assert memory < 3.0
 
@@ -58,7 +60,7 @@ def test_a_machine_that_is_too_small_is_refused_before_anything_runs(tmp_path, m
     monkeypatch.setattr(module, "available_GB", lambda: 1.0)
     with pytest.raises(errors.InputError, match=r"memory: got 1.0 GB free; allowed: about .* GB for lin-case1: level 1"):
         jobs.ensure_runs_are_stored([TASK], tmp_path, jobs.ComputingSettings(), lambda _: None)
-    enough = expected_cost(TASK).memory_GB
+    enough = expected_time_and_memory(TASK).memory_GB
     monkeypatch.setattr(module, "available_GB", lambda: 1.5 * enough)
     assert check_memory([TASK, TASK], 1) == pytest.approx(enough)
     with pytest.raises(errors.InputError, match="`workers=1`"):
@@ -68,7 +70,11 @@ def test_a_machine_that_is_too_small_is_refused_before_anything_runs(tmp_path, m
 
 
 def test_progress_says_stage_share_and_time_left() -> None:
-    progress, whole, stages = TaskProgress(TASK), expected_cost(TASK).seconds, expected_cost(TASK).seconds_by_stage
+    progress, whole, stages = (
+        TaskProgress(TASK),
+        expected_time_and_memory(TASK).seconds,
+        expected_time_and_memory(TASK).seconds_by_stage,
+    )
     assert progress.present_stage_text == "lin-case1: level 1: meshes"
     first = progress.progress_line(StageMessage("meshes", f"{stages['meshes']:.1f} s"), stages["meshes"])
     assert first.startswith("lin-case1: level 1: meshes: ")

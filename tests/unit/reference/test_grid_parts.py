@@ -3,19 +3,10 @@
 import numpy as np
 import pytest
 
-from rollbench.compare.reference.estimate import (
-    COVER,
-    UncertaintyFromOtherScenes,
-    derive_uncertainty_of_other_scenes,
-    has_both_flanks_loaded,
-    is_loaded_on_any_level,
-    mesh_uncertainty,
-    read_uncertainty_of_other_scenes,
-    save_uncertainty_of_other_scenes,
-)
+from rollbench.compare.reference import estimate
 from rollbench.compare.reference.levels import LEVELS
 
-KNOWN = UncertaintyFromOtherScenes(0.02, 0.015, (0.11, 0.23), ("a", "b"))
+KNOWN = estimate.UncertaintyFromOtherScenes(0.02, 0.015, (0.11, 0.23), ("a", "b"))
 MANY = 4000
 
 
@@ -34,14 +25,14 @@ def drawn_loads(seed, levels, contact=0.0, bodies=0.0, sockets=0.0, *, shift=0.0
 
 @pytest.mark.parametrize(("contact", "bodies"), [(0.05, 0.0), (0.0, 0.04), (0.06, 0.05)])
 def test_parts_of_the_own_levels_are_found(contact: float, bodies: float) -> None:
-    found = mesh_uncertainty(drawn_loads(1, (1, 2, 3), contact, bodies, 0.02), KNOWN)
+    found = estimate.mesh_uncertainty(drawn_loads(1, (1, 2, 3), contact, bodies, 0.02), KNOWN)
     h = [LEVELS[3][key] / LEVELS[4][key] for key in ("b_over_h", "fine")]
     assert found.contact_cell_deviation == pytest.approx(contact * np.sqrt(1.0 + h[0] ** 4), abs=0.015)
     assert found.body_cell_deviation == pytest.approx(bodies * np.sqrt(1.0 + h[1] ** -4), abs=0.015)
     assert found.socket_mesh_deviation == pytest.approx(0.02 * np.sqrt(2.0))
     assert found.common_deviation == 0.0
     assert found.uncertainty == pytest.approx(
-        COVER
+        estimate.COVER
         * np.linalg.norm(
             [found.contact_cell_deviation, found.body_cell_deviation, found.socket_mesh_deviation, found.common_deviation]
         )
@@ -51,10 +42,10 @@ def test_parts_of_the_own_levels_are_found(contact: float, bodies: float) -> Non
 
 def test_the_bar_holds_95_per_cent_of_the_next_level() -> None:
     loads = drawn_loads(2, (1, 2, 3, 4), 0.06, 0.03, 0.02)
-    bar = mesh_uncertainty({k: loads[k] for k in (1, 2, 3)}, KNOWN).uncertainties_of_loads(loads)[
-        is_loaded_on_any_level(loads)
+    bar = estimate.mesh_uncertainty({k: loads[k] for k in (1, 2, 3)}, KNOWN).uncertainties_of_loads(loads)[
+        estimate.is_loaded_on_any_level(loads)
     ]
-    off = np.abs(loads[4] - loads[3])[is_loaded_on_any_level(loads)]
+    off = np.abs(loads[4] - loads[3])[estimate.is_loaded_on_any_level(loads)]
     assert np.mean(off <= bar) == pytest.approx(0.955, abs=0.012)
 
 
@@ -63,7 +54,7 @@ def test_displacements_become_loads_by_the_stiffness_of_a_contact() -> None:
     loads = drawn_loads(8, (1, 2, 3), 0.0, 0.05, 0.0, both=True)
     for load in loads.values():
         load[:, :2] *= 8.0
-    found = mesh_uncertainty(loads, UncertaintyFromOtherScenes(0.02, 0.0, (0.1, 0.2), ()))
+    found = estimate.mesh_uncertainty(loads, estimate.UncertaintyFromOtherScenes(0.02, 0.0, (0.1, 0.2), ()))
     bars = found.uncertainties_of_loads(loads)
     assert np.sqrt((bars**2).mean()) == pytest.approx(found.uncertainty)
     of_bodies = bars**2 - (2.0 * found.contact_cell_deviation) ** 2
@@ -72,27 +63,31 @@ def test_displacements_become_loads_by_the_stiffness_of_a_contact() -> None:
         load[0] = 0.0
     assert (found.uncertainties_of_loads(loads)[0] == 0.0).all()
     single = {1: loads[1]}
-    assert set(mesh_uncertainty(single, KNOWN).uncertainties_of_loads(single).ravel()) == {0.0, 0.23}
+    assert set(estimate.mesh_uncertainty(single, KNOWN).uncertainties_of_loads(single).ravel()) == {0.0, 0.23}
 
 
 def test_two_levels_count_all_as_what_falls_slower() -> None:
-    two, three = (mesh_uncertainty(drawn_loads(3, levels, 0.06, 0.0, 0.02), KNOWN) for levels in ((1, 2), (1, 2, 3)))
+    two, three = (
+        estimate.mesh_uncertainty(drawn_loads(3, levels, 0.06, 0.0, 0.02), KNOWN) for levels in ((1, 2), (1, 2, 3))
+    )
     assert two.contact_cell_deviation == 0.0
     assert two.uncertainty > three.uncertainty
 
 
 def test_a_part_that_all_contacts_share_counts_where_equilibrium_does_not_hold_the_sum() -> None:
-    one, both = (mesh_uncertainty(drawn_loads(4, (1, 2, 3), 0.05, 0.03, 0.02, both=b), KNOWN) for b in (False, True))
+    one, both = (
+        estimate.mesh_uncertainty(drawn_loads(4, (1, 2, 3), 0.05, 0.03, 0.02, both=b), KNOWN) for b in (False, True)
+    )
     assert (one.common_deviation, both.common_deviation) == (0.0, pytest.approx(0.015 * np.sqrt(2.0)))
     assert both.uncertainty > one.uncertainty
 
 
 def test_a_single_level_has_the_bar_of_experience_by_the_flanks_that_carry_load() -> None:
-    one, both = (mesh_uncertainty(drawn_loads(5, (1,), 0.0, 0.0, 0.0, both=b), KNOWN) for b in (False, True))
+    one, both = (estimate.mesh_uncertainty(drawn_loads(5, (1,), 0.0, 0.0, 0.0, both=b), KNOWN) for b in (False, True))
     assert (one.uncertainty, both.uncertainty) == KNOWN.single
     assert one.is_from_other_scenes
-    assert has_both_flanks_loaded(drawn_loads(5, (1,), 0.0, 0.0, 0.0, both=True)[1])
-    assert mesh_uncertainty({1: np.zeros((2, 4)), 2: np.zeros((2, 4))}, KNOWN).uncertainty == 0.0
+    assert estimate.has_both_flanks_loaded(drawn_loads(5, (1,), 0.0, 0.0, 0.0, both=True)[1])
+    assert estimate.mesh_uncertainty({1: np.zeros((2, 4)), 2: np.zeros((2, 4))}, KNOWN).uncertainty == 0.0
 
 
 def test_experience_is_measured_and_kept(tmp_path) -> None:
@@ -102,17 +97,17 @@ def test_experience_is_measured_and_kept(tmp_path) -> None:
     for loads in scenes.values():
         loads[2] += 1.0 * (loads[2] > 0.0)  # the common part is that of fine levels
     scenes |= {"one": drawn_loads(90, (1, 2, 3), 0.04, 0.0, 0.0, shift=5.0)}
-    found = derive_uncertainty_of_other_scenes(scenes, 0.02)
+    found = estimate.derive_uncertainty_of_other_scenes(scenes, 0.02)
     assert (found.common, found.sockets) == (pytest.approx(0.03, rel=0.25), 0.02)
     h = (LEVELS[3]["b_over_h"] / LEVELS[1]["b_over_h"]) ** 2
     spread = np.sqrt((0.05 * h) ** 2 + 0.05**2 * (LEVELS[3]["b_over_h"] / LEVELS[4]["b_over_h"]) ** 4 + 2.0 * 0.03**2)
     assert 1.96 * spread < found.single[1] < 3.0 * spread
     wide = scenes | {"wide": drawn_loads(91, (1, 2, 3), 0.4, 0.0, 0.0, both=True)}
-    assert derive_uncertainty_of_other_scenes(wide, 0.02).single[1] > 3.0 * found.single[1]
-    known = derive_uncertainty_of_other_scenes(wide, 0.02, {"wide": np.full(wide["wide"][1].shape, 5.0)})
+    assert estimate.derive_uncertainty_of_other_scenes(wide, 0.02).single[1] > 3.0 * found.single[1]
+    known = estimate.derive_uncertainty_of_other_scenes(wide, 0.02, {"wide": np.full(wide["wide"][1].shape, 5.0)})
     assert known.single[1] == pytest.approx(found.single[1], rel=0.05)
     assert found.scenes == tuple(scenes)
-    save_uncertainty_of_other_scenes(tmp_path, found)
-    assert read_uncertainty_of_other_scenes(tmp_path) == found
+    estimate.save_uncertainty_of_other_scenes(tmp_path, found)
+    assert estimate.read_uncertainty_of_other_scenes(tmp_path) == found
     with pytest.raises(ValueError, match="one loaded flank of the screw and one with both loaded"):
-        derive_uncertainty_of_other_scenes({"one": scenes["one"]}, 0.02)
+        estimate.derive_uncertainty_of_other_scenes({"one": scenes["one"]}, 0.02)

@@ -11,21 +11,15 @@ from tests.near_face import CASES, measured, scene_of
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.models.uncertainty import largest_uncertainty_near_face, uncertainty_of_loads
 from rollbench.compare.quantities import record_as_json
-from rollbench.compare.reference.estimate import (
-    AWAY,
-    LIP_FILE,
-    excess_load_near_faces,
-    load_error_near_faces,
-    read_lip_compliance,
-)
+from rollbench.compare.reference import estimate
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes import catalogue
 from rollbench.hifi.meshing.settings import hertz_contacts_under_unit_force
 from rollbench.meshes.helix import ball_layout
 
 pytestmark = pytest.mark.every_run  # only the screws that the survey drew are of a study
-ROWS = json.loads((shipped_store() / LIP_FILE).read_text(encoding="utf-8"))
-KNOWN = read_lip_compliance(shipped_store())
+ROWS = json.loads((shipped_store() / estimate.LIP_FILE).read_text(encoding="utf-8"))
+KNOWN = estimate.read_lip_compliance(shipped_store())
 
 
 def test_the_record_is_of_its_cases_and_can_be_repeated() -> None:
@@ -43,7 +37,7 @@ def test_finer_bodies_and_larger_distances_leave_less_out() -> None:
         assert (np.diff(missing) < scatter).all()
         assert (missing <= KNOWN.missing_compliance_by_level[1] + 1e-12).all(), level
     assert (KNOWN.missing_compliance_by_level[4] < 0.6 * KNOWN.missing_compliance_by_level[1])[:-1].all()
-    assert KNOWN.interpolate(np.array([AWAY, 5.0]), 1)[1] == pytest.approx([0.0, 0.0])
+    assert KNOWN.interpolate(np.array([estimate.AWAY, 5.0]), 1)[1] == pytest.approx([0.0, 0.0])
     assert KNOWN.interpolate(np.array([1.1]), 5)[1] == pytest.approx(KNOWN.missing_compliance_by_level[4][2])
     slope = np.diff(KNOWN.missing_compliance_by_level[1]) / np.diff(KNOWN.relative_distances)
     assert slope[0] == pytest.approx(slope[1])
@@ -72,31 +66,35 @@ def near(distance: float = 1.2, **solid):
 def test_it_concerns_the_flank_that_is_pressed_towards_a_free_face() -> None:
     load, scene = np.full((32, 4), 200.0), near()
     last, first = int(ball_layout(scene).z.argmax()), int(ball_layout(scene).z.argmin())
-    found = excess_load_near_faces(scene, load, 1)
+    found = estimate.load_overestimate_near_faces(scene, load, 1)
     assert found[last, [0, 3]] == pytest.approx(found.max())
     assert found[last, [1, 2]] == pytest.approx([0.0, 0.0])
     assert not found[first].any()  # held there
-    turned = excess_load_near_faces(near(nut_held="right face"), load, 1)
+    turned = estimate.load_overestimate_near_faces(near(nut_held="right face"), load, 1)
     assert turned[first, [1, 2]] == pytest.approx(found[last, [0, 3]], rel=1e-9)
     assert not turned[last].any()
-    assert excess_load_near_faces(near(nut_held="outer surface"), load, 1) == pytest.approx(np.maximum(found, turned))
+    assert estimate.load_overestimate_near_faces(near(nut_held="outer surface"), load, 1) == pytest.approx(
+        np.maximum(found, turned)
+    )
     for other in (near(nut_held="both faces"), near(nut="rigid"), catalogue.scene("two-balls")):
-        assert not excess_load_near_faces(other, np.full((other.ball_count, 4), 200.0), 1).any()
-    assert not excess_load_near_faces(scene, 0.0 * load, 1).any()
-    assert excess_load_near_faces(scene, load, 3).max() < 0.6 * found.max()
+        assert not estimate.load_overestimate_near_faces(other, np.full((other.ball_count, 4), 200.0), 1).any()
+    assert not estimate.load_overestimate_near_faces(scene, 0.0 * load, 1).any()
+    assert estimate.load_overestimate_near_faces(scene, load, 3).max() < 0.6 * found.max()
 
 
 def test_what_contacts_beside_a_face_have_too_much_the_others_have_too_little_where_the_sum_is_held() -> None:
     scene, load = near(), np.zeros((32, 4))
     load[:16, [0, 3]], load[16:, [0, 3]] = 20.0, 160.0
-    excess, found = excess_load_near_faces(scene, load, 1), load_error_near_faces(scene, load, 1)
+    excess, found = estimate.load_overestimate_near_faces(scene, load, 1), estimate.load_error_near_faces(scene, load, 1)
     shared = found - excess
     assert excess[:, 0].any()
     assert shared.sum(axis=0) == pytest.approx(excess.sum(axis=0))
     assert not shared[:, 1:3].any()
     assert shared[20, 0] == pytest.approx(2.0 * shared[3, 0])  # by their own stiffness: the cube root of the load
     load[:, 1:3] = 1.0
-    assert load_error_near_faces(scene, load, 1) == pytest.approx(excess_load_near_faces(scene, load, 1))
+    assert estimate.load_error_near_faces(scene, load, 1) == pytest.approx(
+        estimate.load_overestimate_near_faces(scene, load, 1)
+    )
 
 
 def test_the_load_that_a_missing_compliance_adds() -> None:
@@ -110,7 +108,7 @@ def test_the_load_that_a_missing_compliance_adds() -> None:
         return soft * f ** (2.0 / 3.0) + compliance * f
 
     true = brentq(lambda f: approach(f, lip) - approach(force, lip - missing), 0.5 * force, force)
-    found = excess_load_near_faces(scene, np.full((32, 4), force), 1).max()
+    found = estimate.load_overestimate_near_faces(scene, np.full((32, 4), force), 1).max()
     assert found == pytest.approx(force - true, rel=0.05)
     assert 0.01 * force < found < 0.05 * force
 

@@ -19,7 +19,7 @@ from rollbench.compare.reference.estimate import reference_from_runs
 from rollbench.compare.reference.store import Run, load_stored_run, path_of_bodies, path_of_run, save_run, shipped_store
 from rollbench.compare.reference.tasks import ReferenceTask
 from rollbench.compare.results.compared import reference_uncertainty_text
-from rollbench.compare.results.comparison import unconverged_error
+from rollbench.compare.results.comparison import error_for_unconverged_reference
 from rollbench.compare.scenes import catalogue
 from rollbench.meshes.condensed import CondensedBodies
 
@@ -29,13 +29,13 @@ def test_a_task_without_its_bodies_is_missing(tmp_path: Path) -> None:
     task, run = ReferenceTask((scene,), 1), run_of("lin-case1", 1, np.ones((32, 4)))
     save_run(tmp_path, scene, run)
     assert jobs.tasks_without_stored_runs([task], (tmp_path,)) == [task]
-    jobs.store_runs_and_bodies(tmp_path, task, [run], bodies_of(scene, 1))
+    jobs.store_runs_and_condensed_bodies(tmp_path, task, [run], bodies_of(scene, 1))
     assert jobs.tasks_without_stored_runs([task], (tmp_path,)) == []
 
 
 def test_plan_and_what_is_missing(tmp_path: Path) -> None:
     scenes = [catalogue.scene(n) for n in ("lin-case1", "lin-case2")]
-    tasks = jobs.plan_tasks(scenes, (1, 2), ("land",), leave_out_each_part=True)
+    tasks = jobs.plan_reference_tasks(scenes, (1, 2), ("land",), leave_out_each_part=True)
     planned = {(t.level, t.variant, t.leave_out_each_part, len(t.scenes)) for t in tasks}
     assert planned == {(1, "", True, 2), (2, "", False, 2), (1, "land", False, 1)}
     loads = np.ones((32, 4))
@@ -47,7 +47,7 @@ def test_plan_and_what_is_missing(tmp_path: Path) -> None:
 
 def test_the_coarsest_level_comes_first_and_is_told() -> None:
     scene = catalogue.scene("lin-case1")
-    assert [t.level for t in jobs.plan_tasks([scene], (1, 2, 3), with_source_mesh=True)] == [1, 3, 2, 0]
+    assert [t.level for t in jobs.plan_reference_tasks([scene], (1, 2, 3), with_source_mesh=True)] == [1, 3, 2, 0]
 
 
 @pytest.mark.parametrize("command", ["compare", "mesh-study"])
@@ -98,7 +98,7 @@ def test_a_run_that_did_not_converge_is_told_and_computed_again(tmp_path: Path, 
     assert all("\n" not in line for line in said)
     assert any("it needs 1.6 mm, has 1.5 mm" in line for line in said)
     assert len(jobs.tasks_without_stored_runs([ReferenceTask((scene,), 1)], (tmp_path,))) == 1
-    words = str(unconverged_error("lin-case1", found))
+    words = str(error_for_unconverged_reference("lin-case1", found))
     assert "level 1: a contact reaches the rim of its patch: it needs 1.6 mm, has 1.5 mm" in words
     assert "\n" not in words
 
@@ -134,7 +134,7 @@ def test_a_run_that_did_not_settle_is_kept_with_what_it_may_move_by(tmp_path: Pa
 def test_fresh_computes_what_is_stored(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     scene = catalogue.scene("lin-case1")
     task, old = ReferenceTask((scene,), 1), run_of("lin-case1", 1, np.ones((32, 4)))
-    jobs.store_runs_and_bodies(tmp_path, task, [old], bodies_of(scene, 1))
+    jobs.store_runs_and_condensed_bodies(tmp_path, task, [old], bodies_of(scene, 1))
     fresh = run_of("lin-case1", 1, np.full((32, 4), 2.0))
     monkeypatch.setattr(jobs, "compute_runs_and_bodies", lambda *_: ([fresh], bodies_of(scene, 1)))
     jobs.ensure_runs_are_stored([task], tmp_path, jobs.ComputingSettings(), lambda _: None)

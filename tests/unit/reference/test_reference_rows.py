@@ -85,7 +85,7 @@ def test_unnamed_exceedance_and_vanished_one_fail(monkeypatch: pytest.MonkeyPatc
     known = comparison.known_exceedances()
     monkeypatch.setattr(gate, "known_exceedances", list)
     failed = [r for r in gate.check_known_errors_of_lin_model(SceneResultCache(), limit) if not r.passed]
-    assert any(f"ball {worst.ball} {worst.side} is beyond the limit but not listed" in r.detail for r in failed)
+    assert any(f"ball {worst.ball} {worst.side} is above the limit but not listed" in r.detail for r in failed)
     gone = comparison.KnownExceedance("lin-case1", 5, "SL", "no cause")
     monkeypatch.setattr(gate, "known_exceedances", lambda: [*known, gone])
     assert any(

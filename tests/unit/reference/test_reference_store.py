@@ -6,16 +6,8 @@ import numpy as np
 import pytest
 from tests.reference_records import bodies_of, run_of
 
-from rollbench.compare.reference import jobs, levels, store
+from rollbench.compare.reference import jobs, levels, store, tasks
 from rollbench.compare.reference.store import content_key_of_run, load_stored_run, path_of_bodies, path_of_run, save_run
-from rollbench.compare.reference.tasks import (
-    ReferenceTask,
-    flanks_to_mesh,
-    group_by_geometry,
-    is_mesh_suitable,
-    mesh_settings,
-    values_that_determine_meshes,
-)
 from rollbench.compare.scenes import catalogue
 from rollbench.meshes import condensed, solid
 
@@ -58,7 +50,7 @@ def test_a_run_is_found_by_content_under_any_name(tmp_path) -> None:
 
 def test_key_follows_the_content_not_the_name(monkeypatch: pytest.MonkeyPatch) -> None:
     """Everything that a run's numbers depend on changes its key; names and remarks do not."""
-    mesh, sides = asdict(mesh_settings([CASE1], 1)), (0, 3)
+    mesh, sides = asdict(tasks.mesh_settings([CASE1], 1)), (0, 3)
     key = content_key_of_run(CASE1, "", mesh, sides)
     assert content_key_of_run(replace(CASE1, title="other", assumed=(), name="x"), "", mesh, sides) == key
     assert content_key_of_run(CASE1, "", mesh | {"cuts": list(mesh["cuts"]), "semi": list(mesh["semi"])}, [0, 3]) == key
@@ -67,7 +59,7 @@ def test_key_follows_the_content_not_the_name(monkeypatch: pytest.MonkeyPatch) -
         content_key_of_run(replace(CASE1, **x), "", mesh, sides) for x in ({"nut": longer}, {"solid": other}, {"loads": ()})
     ]
     found += [
-        content_key_of_run(CASE1, "", asdict(mesh_settings([CASE1], 2)), sides),
+        content_key_of_run(CASE1, "", asdict(tasks.mesh_settings([CASE1], 2)), sides),
         content_key_of_run(CASE1, "land", mesh, sides),
     ]
     found += [
@@ -90,7 +82,7 @@ def test_only_converged_runs_are_stored(tmp_path) -> None:
     failed = replace(run_of("lin-case1", 1, np.ones((32, 4))), status="not held: because")
     with pytest.raises(ValueError, match="cannot be a reference: not held: because"):
         save_run(tmp_path, CASE1, failed)
-    jobs.store_runs_and_bodies(tmp_path, ReferenceTask((CASE1,), 1), [failed], None)
+    jobs.store_runs_and_condensed_bodies(tmp_path, tasks.ReferenceTask((CASE1,), 1), [failed], None)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -103,23 +95,23 @@ def test_a_run_meshed_with_other_scenes_serves_if_its_mesh_does(tmp_path) -> Non
     assert load_stored_run(CASE1, 1, stores=(tmp_path,)) is not None
     for name, factor in (("semi", 1.5), ("reach", 0.5)):  # too coarse cells, too small patches
         other = wide.settings | {name: tuple(factor * x for x in wide.settings[name])}
-        assert not is_mesh_suitable(CASE1, 1, "", other, wide.sides)
-    assert not is_mesh_suitable(CASE1, 1, "", wide.settings, (0, 1, 2))
-    assert not is_mesh_suitable(CASE1, 1, "", wide.settings | {"modes": 24}, wide.sides)
-    assert not is_mesh_suitable(CASE1, 1, "", narrow.settings | {"reach": (1e-4, 1e-5)}, narrow.sides)
+        assert not tasks.is_mesh_suitable(CASE1, 1, "", other, wide.sides)
+    assert not tasks.is_mesh_suitable(CASE1, 1, "", wide.settings, (0, 1, 2))
+    assert not tasks.is_mesh_suitable(CASE1, 1, "", wide.settings | {"modes": 24}, wide.sides)
+    assert not tasks.is_mesh_suitable(CASE1, 1, "", narrow.settings | {"reach": (1e-4, 1e-5)}, narrow.sides)
 
 
 def test_sides_that_may_touch() -> None:
     two, four = ("lin-case1", "lin-case2", "unseen-63x20"), ("lin-case3", "lin-profile", "unseen-25x5")
-    found = {name: flanks_to_mesh(catalogue.scene(name)) for name in (*two, *four)}
+    found = {name: tasks.flanks_to_mesh(catalogue.scene(name)) for name in (*two, *four)}
     assert found == dict.fromkeys(two, (0, 3)) | dict.fromkeys(four, (0, 1, 2, 3))
 
 
 def test_scenes_of_the_same_parts_share_a_set_up() -> None:
     scenes = [catalogue.scene(n) for n in ("lin-case1", "bearing-9", "lin-case3-offset", "lin-profile")]
-    found = [[s.name for s in g] for g in group_by_geometry(scenes)]
+    found = [[s.name for s in g] for g in tasks.group_scenes_by_geometry(scenes)]
     assert found == [["lin-case1", "lin-case3-offset", "lin-profile"], ["bearing-9"]]
-    assert values_that_determine_meshes(scenes[0]) != values_that_determine_meshes(
+    assert tasks.values_that_determine_meshes(scenes[0]) != tasks.values_that_determine_meshes(
         replace(scenes[0], solid=replace(scenes[0].solid, nut="rigid"))
     )
 
@@ -141,7 +133,7 @@ def test_bodies_are_keyed_by_the_range_of_loads_that_they_were_made_for(tmp_path
     """A run under other loads has the same geometry, but its patches' own terms are sampled elsewhere."""
     run = run_of("lin-case1", 1, np.ones((32, 4)))
     heavy = replace(CASE1, loads=(replace(CASE1.loads[0], force=(0.0, 0.0, 60e3)),))
-    other = replace(run, settings=asdict(mesh_settings([heavy], 1)))
+    other = replace(run, settings=asdict(tasks.mesh_settings([heavy], 1)))
     assert path_of_bodies(tmp_path, CASE1, run) != path_of_bodies(tmp_path, heavy, other)
     assert path_of_bodies(tmp_path, CASE1, run) == path_of_bodies(tmp_path, replace(CASE1, name="x"), run)
     assert path_of_bodies(tmp_path, CASE1, run) != path_of_bodies(tmp_path, CASE1, replace(run, sides=(0, 1, 2, 3)))

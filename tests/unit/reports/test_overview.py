@@ -78,5 +78,5 @@ def test_every_screw_that_was_compared_is_in_the_first_figure() -> None:
         assert set(drawn) <= set(curve.x)
         assert len(curve.x) == len(drawn) + len(descriptors_of_built_in_scenes(of_bearings=False))
         assert (curve.y[-1], sorted(curve.x)) == (pytest.approx(100.0), list(curve.x))
-    assert "mean load" in panel.xlabel
+    assert "mean contact load" in panel.xlabel
     assert not [curve for curve in panel.series if 7.0 in curve.x and len(set(curve.x)) == 1], "no line on the mean load"

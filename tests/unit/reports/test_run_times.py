@@ -80,7 +80,7 @@ def test_a_stored_run_says_what_its_seconds_were_measured_with_and_keeps_its_key
 
 def test_the_report_refuses_a_mixture():
     study = study_of(KEPT, quick=True)
-    study.computed_values[(reference_time.ladder,)] = []
+    study.computed_values[(reference_time.solve_refinement_sequence_on_all_scenes,)] = []
     reference_time.errors_and_times_of_all_scenes(study, quiet)
     mixed = [replace(p, measured=OTHER) if p.name == "mei" else p for p in points_of(study)]
     with pytest.MonkeyPatch.context() as patch:

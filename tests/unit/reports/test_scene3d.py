@@ -28,12 +28,12 @@ class TestScene:
         )
         assert len(grooves.start_azimuths) == starts
         phi, z, land = np.arctan2(centres[:, 1], centres[:, 0]), centres[:, 2], scene.screw.outer_diameter / 2.0
-        gap = scene.track.pitch_radius - radius - grooves.surface(phi, z, land)
+        gap = scene.track.pitch_radius - radius - grooves.surface_radius(phi, z, land)
         assert np.all(gap > 0.0)
         assert np.all(gap < 0.15e-3)
-        assert np.all(grooves.surface(phi, z, 1.01 * scene.track.pitch_radius) > scene.track.pitch_radius + radius)
+        assert np.all(grooves.surface_radius(phi, z, 1.01 * scene.track.pitch_radius) > scene.track.pitch_radius + radius)
         aside = 0.5 * scene.track.lead / starts or 1.5 * radius
-        np.testing.assert_allclose(grooves.surface(phi, z + aside, land), land)
+        np.testing.assert_allclose(grooves.surface_radius(phi, z + aside, land), land)
 
     @pytest.mark.parametrize(("code", "stderr", "words"), ENDS)
     def test_says_why_a_picture_cannot_be_drawn(self, tmp_path, monkeypatch, code, stderr, words):

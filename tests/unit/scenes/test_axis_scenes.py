@@ -90,7 +90,7 @@ def test_models_and_commands_of_one_set_refuse_several_with_the_reason(monkeypat
     for name, words in (
         ("mei", "mei does not solve several nuts or bearing rows: its bars"),
         ("none", "choose one of these"),
-        ("new", "new does not solve several nuts or bearing rows: it solves one"),
+        ("new", "new does not solve several nuts or bearing rows: it solves scenes with a single nut"),
     ):
         with pytest.raises(InputError, match=words):
             run_model(catalogue.shipped_scene("double-nut"), name)

@@ -6,13 +6,7 @@ import numpy as np
 import pytest
 from tests.shipped_texts import changed
 
-from rollbench.compare.cases.lin.evidence.source_cases import (
-    double_row_bearing,
-    four_point_bearing,
-    screw_pair_as_printed,
-    screw_pair_with_inferred_oversize,
-    simulation_inputs_of_section_3_4_4,
-)
+from rollbench.compare.cases.lin.evidence import source_cases
 from rollbench.compare.commands.friction import solve_and_report_friction
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.studies.friction import whole
@@ -55,15 +49,18 @@ def test_oversize_is_the_opposite_of_a_clearance_and_rows_face_to_face_are_turne
     assert [r.contacts for r in rows] == [bearing.DIAGONAL, bearing.OTHER]
     preload = loaded("lin-bearing-pairs", ('"0 um"', '"2 um"'))
     assert (preload.four_point.clearance, preload.double_row.clearance) == (-2e-6, 0.0)
-    tight, free = (bearing.solve_bearing(case, 0.1).load.force.sum() for case in (preload.four_point, four_point_bearing()))
+    tight, free = (
+        bearing.solve_bearing(case, 0.1).load.force.sum()
+        for case in (preload.four_point, source_cases.four_point_bearing())
+    )
     assert tight > 1.01 * free
 
 
 @pytest.mark.parametrize("case", list(THETA))
-@pytest.mark.parametrize("reading", [screw_pair_as_printed, screw_pair_with_inferred_oversize])
+@pytest.mark.parametrize("reading", [source_cases.screw_pair_as_printed, source_cases.screw_pair_with_inferred_oversize])
 def test_pair_scenes_are_the_library_s(case, reading):
     scene = catalogue.scene_of_any_kind(
-        f"lin-screw-pair-{case}{'-inferred' if reading is screw_pair_with_inferred_oversize else ''}"
+        f"lin-screw-pair-{case}{'-inferred' if reading is source_cases.screw_pair_with_inferred_oversize else ''}"
     )
     theirs = reading(np.radians(THETA[case]))
     close(scene.pair, theirs)
@@ -91,7 +88,7 @@ def test_pair_takes_pattern_direction_hand_and_hertz():
     )
     hertz = "[load]", '[ingredients]\nhertz = "as printed"\n\n[load]'
     scene = loaded("lin-screw-pair-a", *loads, hertz, *rest)
-    groove = replace(screw_pair_as_printed(0.0).groove, lead=-20e-3, hertz="as printed")
+    groove = replace(source_cases.screw_pair_as_printed(0.0).groove, lead=-20e-3, hertz="as printed")
     theta = (0.0, np.radians(2.0))
     close(scene.pair, Pair(groove, theta, (SHIFTED, SHIFTED), -1e-6, "r", (100.0,), "ball and screw"))
 
@@ -105,19 +102,19 @@ def test_pair_of_a_still_screw_spends_nothing():
 
 
 def test_run_scene_is_the_library_s():
-    close(catalogue.scene_of_any_kind("lin-screw-run").run, simulation_inputs_of_section_3_4_4())
+    close(catalogue.scene_of_any_kind("lin-screw-run").run, source_cases.simulation_inputs_of_section_3_4_4())
     answer = solve_friction_of_single_parts(loaded("lin-screw-run", *SHORT))
-    r = simulate(simulation_inputs_of_section_3_4_4(), 0.3, 40)
+    r = simulate(source_cases.simulation_inputs_of_section_3_4_4(), 0.3, 40)
     s, found = summarise_screw_run(r), answer.data["summary"]
     assert answer.converged
     assert found["largest_ball_to_groove_percent"] == pytest.approx(100.0 * s.largest_ball_to_groove_ratio, rel=1e-7)
     assert found["largest_at_deg"] == pytest.approx(s.nut_angle_of_largest_ratio)
     assert found["contact_ends_deg"] is None, "still in contact at the end"
-    begins = np.degrees(r.nut_angle)[np.flatnonzero(r.contact.any(axis=1))[0]]
+    begins = np.degrees(r.nut_angle)[np.flatnonzero(r.presses_on_next.any(axis=1))[0]]
     assert found["contact_begins_deg"] == pytest.approx(begins)
     parts = found["mean_groove_torque_Nmm"], found["mean_ball_torque_Nmm"]
     assert sum(parts) == pytest.approx(found["mean_torque_Nmm"], rel=1e-12)
-    assert found["mean_torque_Nmm"] == pytest.approx(1e3 * r.torques["mean"], rel=1e-8)
+    assert found["mean_torque_Nmm"] == pytest.approx(1e3 * r.torque_statistics["mean"], rel=1e-8)
     assert (found["order_kept"], found["smallest_gap_um"] >= 0.0) == (True, True)
     assert abs(answer.data["energy"]["balance_percent"]) < 1e-8
     series = answer.data["series"]
@@ -125,7 +122,7 @@ def test_run_scene_is_the_library_s():
     assert answer.data["run"]["torque"]["mean_Nmm"] == found["mean_torque_Nmm"]
     assert answer.data["run"]["over_angle"]["groove_Nmm"] == series["groove_torque_Nmm"]
     assert series["groove_torque_Nmm"] == pytest.approx(1e3 * r.groove_torque, rel=1e-8)
-    assert series["contacts"] == r.contact.sum(axis=1).tolist()
+    assert series["contacts"] == r.presses_on_next.sum(axis=1).tolist()
 
 
 def test_a_run_takes_the_keys_of_a_whole_screw_in_time():
@@ -157,15 +154,15 @@ def test_run_without_contact_says_nothing_of_where_and_without_friction_there_ar
 
 @pytest.mark.parametrize("angle", [0.3, 0.9])
 def test_one_ball_holds_a_tilting_ring_only_against_a_force_through_its_centre(angle):
-    ball = four_point_bearing(count=1)
+    ball = source_cases.four_point_bearing(count=1)
     assert "ry" in bearing.describe_unresisted_motion(ball, angle)
     assert bearing.describe_unresisted_motion(replace(ball, tilt=False), angle) == ""
     through = -ball.groove.pitch_radius / np.tan(angle)
     assert bearing.describe_unresisted_motion(replace(ball, arm=through), angle) == ""
     assert "ry" in bearing.describe_unresisted_motion(replace(ball, arm=1.001 * through), angle)
     assert (
-        bearing.describe_unresisted_motion(four_point_bearing(), angle)
-        == bearing.describe_unresisted_motion(double_row_bearing(), angle)
+        bearing.describe_unresisted_motion(source_cases.four_point_bearing(), angle)
+        == bearing.describe_unresisted_motion(source_cases.double_row_bearing(), angle)
         == ""
     )
 
@@ -173,14 +170,15 @@ def test_one_ball_holds_a_tilting_ring_only_against_a_force_through_its_centre(a
 @pytest.mark.parametrize("tilt", [True, False])
 def test_bearing_scene_is_the_library_s(tilt):
     scene = loaded("lin-bearing-pairs", *FEW, ("tilt = true", f"tilt = {str(tilt).lower()}"))
-    close(scene.four_point, four_point_bearing(tilt=tilt))
-    close(scene.double_row, double_row_bearing(tilt=tilt))
+    close(scene.four_point, source_cases.four_point_bearing(tilt=tilt))
+    close(scene.double_row, source_cases.double_row_bearing(tilt=tilt))
     assert np.degrees(scene.angle) == pytest.approx([0.0, 2.0, 16.0, 18.0])
     answer = solve_friction_of_single_parts(scene)
     found = answer.data
     assert answer.converged
     curves = [
-        bearing.torque_over_force_angles(make(tilt=tilt), scene.angle) for make in (four_point_bearing, double_row_bearing)
+        bearing.bearing_torque_over_force_angles(make(tilt=tilt), scene.angle)
+        for make in (source_cases.four_point_bearing, source_cases.double_row_bearing)
     ]
     for name, curve in zip(("four_point", "double_row"), curves, strict=True):
         assert found[name]["friction_torque_Nmm"] == pytest.approx(1e3 * curve.torque, rel=1e-7)

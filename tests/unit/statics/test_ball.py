@@ -41,7 +41,7 @@ class Ball:
         kernels = jit.load_kernel_package(jit.STATICS, compiled=engine == "compiled")
         p, contact = np.zeros(2), np.zeros((4, 5))
         ball = self.geometry, self.closure, RIGID, self.radius, self.drawn.profile_coefficients
-        energy = kernels.settle_ball(p, shift, *ball, 1e-9, contact)
+        energy = kernels.find_ball_equilibrium(p, shift, *ball, 1e-9, contact)
         return energy, p, contact
 
     def gap(self, p, shift, side):
@@ -120,7 +120,7 @@ def test_forces_and_balance_of_both_engines(state, profile):
         assert contact[loaded] == pytest.approx(other[2][loaded], rel=1e-9)
         hessians = np.empty((2, 4, 4))
         for engine, rows, hessian in zip((False, True), (contact, other[2]), hessians, strict=True):
-            jit.load_kernel_package(jit.STATICS, compiled=engine).ball.flank_hessian(rows, hessian)
+            jit.load_kernel_package(jit.STATICS, compiled=engine).ball.write_stiffness_against_flank_motions(rows, hessian)
         assert hessians[0] == pytest.approx(hessians[1], rel=1e-9, abs=1e-9 * np.abs(hessians[1]).max())
         force, normal = contact[:, 0], contact[:, 1:3]
         delta = np.array([b.radius - b.gap(p, shift, s) for s in range(4)])
@@ -138,7 +138,7 @@ def two_flanks(b, shift):
     geometry = b.geometry.copy()
     geometry[[1, 2], 5] = 0.0
     p, contact = np.zeros(2), np.zeros((4, 5))
-    settle = jit.load_kernel_package(jit.STATICS, compiled=False).settle_ball
+    settle = jit.load_kernel_package(jit.STATICS, compiled=False).find_ball_equilibrium
     settle(p, shift, geometry, b.closure, RIGID, b.radius, b.drawn.profile_coefficients, 0.0, contact)
     return contact
 

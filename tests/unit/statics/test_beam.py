@@ -24,7 +24,7 @@ def assembled(nodes):
     """Lower band of the free beam on ``nodes``."""
     band = np.zeros((6 * len(nodes), 12))
     for e, length in enumerate(np.diff(nodes)):
-        beam.add_element(band, e, length, STIFFNESSES)
+        beam.add_element_stiffness(band, e, length, STIFFNESSES)
     return band
 
 

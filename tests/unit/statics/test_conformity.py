@@ -8,13 +8,7 @@ from scipy.signal import fftconvolve
 from tests.helpers import relative, small_screw, solved, with_ingredients
 
 from rollbench.lowfi.hertz import hertz_constants
-from rollbench.lowfi.statics.contacts import (
-    curvature_changes,
-    hertz_constants_by_scene_choice,
-    hertz_with_errors,
-    hertz_without_errors,
-    oblique_pressure_coefficient,
-)
+from rollbench.lowfi.statics import contacts
 from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import BallErrors, Errors, SideErrors
@@ -119,7 +113,7 @@ def test_oblique_pressure_softens_the_contact():
     assert load == pytest.approx(500.0, rel=1e-3)
     increase = one.same_load(load, gap, 1.008 * one.approach) / one.approach - 1.0
     constants = hertz_constants(np.array(1 / RADIUS - 1 / GROOVE), np.array(ALONG), MODULUS)
-    expected = float(oblique_pressure_coefficient(constants, RADIUS)) * 500.0 ** (4 / 3) / one.approach
+    expected = float(contacts.oblique_pressure_coefficient(constants, RADIUS)) * 500.0 ** (4 / 3) / one.approach
     assert increase == pytest.approx(expected, rel=0.02, abs=0.0)
 
 
@@ -128,7 +122,7 @@ def drawn_of(scene):
 
 
 def changes_of(scene):
-    return curvature_changes(scene, drawn_of(scene), drawn_of(scene).ball_radii)
+    return contacts.curvature_changes(scene, drawn_of(scene), drawn_of(scene).ball_radii)
 
 
 def test_every_contact_has_its_own_radii():
@@ -141,10 +135,10 @@ def test_every_contact_has_its_own_radii():
     across = 1 / (r + 3e-6) - 1 / r - (1 / (3.3e-3 - 4e-6) - 1 / 3.3e-3)
     assert changes[0, 3] == pytest.approx([across, 1 / (r + 3e-6) - 1 / r], rel=1e-12)
     others = np.stack([drawn.ball_radii, drawn.ball_radii + 1e-6])
-    both = hertz_constants_by_scene_choice(scene, drawn, others)
+    both = contacts.hertz_constants_by_scene_choice(scene, drawn, others)
     assert both.shape == (2, 6, 4)
-    assert both[0] == pytest.approx(hertz_constants_by_scene_choice(scene, drawn), rel=1e-14)
-    assert both[1] == pytest.approx(hertz_with_errors(scene, drawn, others[1]).C, rel=1e-14)
+    assert both[0] == pytest.approx(contacts.hertz_constants_by_scene_choice(scene, drawn), rel=1e-14)
+    assert both[1] == pytest.approx(contacts.hertz_with_errors(scene, drawn, others[1]).C, rel=1e-14)
     assert (both[1] > both[0]).sum() == 0  # a larger ball conforms more
 
 
@@ -164,7 +158,7 @@ def test_a_preload_is_worth_more_than_error_free_parts_say():
     scene = small_screw(oversize=5e-6, force=(0.0, 0.0, 100.0))
     old = with_ingredients(scene, hertz="error-free")
     ratio = solved(scene).load.mean() / solved(old).load.mean() - 1.0
-    constants, force = hertz_without_errors(scene), float(solved(old).load.mean())
+    constants, force = contacts.hertz_without_errors(scene), float(solved(old).load.mean())
     axes = (constants.C_a**2 + constants.C_b**2).mean() * force ** (2 / 3)
     assert ratio == pytest.approx(1.5 * axes / (6 * scene.balls.radius**2), rel=0.05)
     tight = small_screw(force=(0.0, 0.0, 1000.0))

@@ -13,17 +13,12 @@ from rollbench.lowfi import jit
 from rollbench.lowfi.as_source import screw_beam_stiffness_matrix
 from rollbench.lowfi.compliance.parts import LADDER, REFINED, grooved_section, reduce_to_compliance_geometry
 from rollbench.lowfi.statics import response as model
+from rollbench.lowfi.statics import shaft as statics_shaft
 from rollbench.lowfi.statics.elastic import ElasticInput, solve_elastic
 from rollbench.lowfi.statics.held import find_unresisted_motions
 from rollbench.lowfi.statics.kernel import contact as laws
 from rollbench.lowfi.statics.kernel_types import ForceState
 from rollbench.lowfi.statics.problem import build_problem
-from rollbench.lowfi.statics.shaft import (
-    build_shaft,
-    flank_compliance_and_free_motions,
-    flank_motions_by_loads,
-    node_motions,
-)
 from rollbench.lowfi.statics.static import pin_free_motions, solve_static
 from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout
@@ -267,7 +262,7 @@ def problem_of(case):
 def test_shaft_against_the_dense_beam(case):
     """Random forces on the flanks that balance the loads on what no support holds: nodal motions by the whole matrix."""
     problem = problem_of(case)
-    shaft = build_shaft(problem)
+    shaft = statics_shaft.build_shaft(problem)
     size = 6 * problem.nodes.size
     K, fixed = screw_beam_stiffness_matrix(problem), problem.fixed.ravel()
     rows = np.zeros((problem.B.shape[0], 2, 2, size))
@@ -276,7 +271,10 @@ def test_shaft_against_the_dense_beam(case):
             first = 6 * problem.first_nodes[i, s]
             rows[i, s, :, first : first + problem.B.shape[3]] = problem.B[i, s]
     rows = rows.transpose(1, 0, 2, 3).reshape(-1, size)
-    (G, R), v0 = flank_compliance_and_free_motions(shaft, [0, 1]), flank_motions_by_loads(shaft, [0, 1])
+    (G, R), v0 = (
+        statics_shaft.flank_compliance_and_free_motions(shaft, [0, 1]),
+        statics_shaft.flank_motions_by_loads(shaft, [0, 1]),
+    )
     assert G.shape == (rows.shape[0],) * 2
     assert relative(G, G.T) == 0.0
     rng = np.random.default_rng(4)
@@ -288,7 +286,7 @@ def test_shaft_against_the_dense_beam(case):
     load = problem.load.ravel() + rows.T @ forces
     loose = ~fixed
     right = (load - K @ q)[loose]
-    found = node_motions(shaft, rows.T @ forces, amplitudes).ravel()
+    found = statics_shaft.nodal_motions_under_loads(shaft, rows.T @ forces, amplitudes).ravel()
     # by the whole matrix: residual on the free freedoms, prescribed values on the others
     np.testing.assert_allclose(found[fixed], problem.prescribed.ravel()[fixed], rtol=0, atol=1e-18)
     arm = np.tile([1.0] * 3 + [problem.scene.track.pitch_radius] * 3, size // 6)
@@ -302,7 +300,7 @@ def test_shaft_against_the_dense_beam(case):
         flexible[np.ix_(loose, loose)] = np.linalg.inv(K[np.ix_(loose, loose)])
         assert relative(G, rows @ flexible @ rows.T) < 1e-7
     else:
-        still = node_motions(shaft, rows.T @ forces, 0.0 * amplitudes).ravel()
+        still = statics_shaft.nodal_motions_under_loads(shaft, rows.T @ forces, 0.0 * amplitudes).ravel()
         assert np.abs(K @ (found - still)).max() < 1e-6
 
 

@@ -10,11 +10,7 @@ from tests.helpers import ALL_BUT_AXIAL, relative, small_screw, solved
 
 from rollbench.compare.scenes import scene_file
 from rollbench.compare.scenes.template import ball_screw_text
-from rollbench.lowfi.rating.rigidity import (
-    approach_per_displacement,
-    displacement_by_contacts_only,
-    screw_displacement_at_nut,
-)
+from rollbench.lowfi.rating import rigidity
 from rollbench.lowfi.statics.axis.solve import solve_assembly
 from rollbench.lowfi.statics.contacts import hertz_without_errors
 from rollbench.lowfi.statics.elastic import solve_elastic
@@ -39,7 +35,7 @@ def test_rigid_bodies_share_the_offset_between_their_halves(hand):
     scene = halves(hand=hand, screw="rigid")
     found = solved(scene)
     C = hertz_without_errors(scene).C
-    expected = (0.5 * approach_per_displacement(scene) * OFFSET / (C[0] + C[3])) ** 1.5
+    expected = (0.5 * rigidity.approach_per_displacement(scene) * OFFSET / (C[0] + C[3])) ** 1.5
     first, second = found.load[:6], found.load[6:]
     loaded, idle = ([0, 3], [1, 2]) if first[0, 0] > 0.0 else ([1, 2], [0, 3])
     np.testing.assert_allclose(first[:, loaded], expected, rtol=0.02)
@@ -78,7 +74,7 @@ def test_a_ball_that_travels_meets_the_half_it_is_in():
     met = draw_errors(scene).geometry_at_balls(scene, np.zeros(2), np.zeros(2), z, np.full(2, scene.balls.radius))
     step = met.groove_centres[1] - met.groove_centres[0]
     np.testing.assert_allclose(step[:2], 0.0, atol=1e-15)
-    along = approach_per_displacement(scene) / np.sin(scene.track.contact_angle)
+    along = rigidity.approach_per_displacement(scene) / np.sin(scene.track.contact_angle)
     np.testing.assert_allclose(step[2:], [[0.0, OFFSET * along]] * 2, atol=1e-12)
 
 
@@ -86,9 +82,11 @@ def test_preload_stiffens_the_contacts_as_the_solution_says():
     """Rigid bodies: the displacement of (1) is that of the solved screw, half and half of both diagonals."""
     force = 60.0
     scene = halves(force=force, screw="rigid")
-    moved = [screw_displacement_at_nut(s, solved(s)) for s in (scene, halves(screw="rigid"))]
-    assert displacement_by_contacts_only(scene, force) == pytest.approx(moved[0] - moved[1], rel=0.02)
-    assert displacement_by_contacts_only(scene, force) < 0.5 * displacement_by_contacts_only(halves(0.0, force), force)
+    moved = [rigidity.screw_displacement_at_nut(s, solved(s)) for s in (scene, halves(screw="rigid"))]
+    assert rigidity.displacement_by_contacts_only(scene, force) == pytest.approx(moved[0] - moved[1], rel=0.02)
+    assert rigidity.displacement_by_contacts_only(scene, force) < 0.5 * rigidity.displacement_by_contacts_only(
+        halves(0.0, force), force
+    )
 
 
 def test_elastic_bodies_are_pressed_alike_by_forces_this_small():
@@ -113,4 +111,4 @@ def test_a_ball_at_the_nut_s_centre_has_the_step_beside_it(hand):
     pressed = found.load > 0.0
     assert pressed[before].any(axis=0).tolist() == pressed[middle].tolist()
     assert not (pressed[after].any(axis=0) & pressed[middle]).any()
-    assert displacement_by_contacts_only(scene, 100.0) > 0.0
+    assert rigidity.displacement_by_contacts_only(scene, 100.0) > 0.0

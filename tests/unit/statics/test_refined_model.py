@@ -174,7 +174,9 @@ def test_an_expected_error_holds_the_share_that_it_says() -> None:
     for _ in range(30):
         x, errors = drawn(120)
         new, found = drawn(20)
-        held += [e <= model_form.error_bound(x, errors, here, 0.01) for here, e in zip(new, found, strict=True)]
+        held += [
+            e <= model_form.upper_bound_of_model_error(x, errors, here, 0.01) for here, e in zip(new, found, strict=True)
+        ]
     assert np.mean(held) == pytest.approx(model_form.SHARE, abs=0.03)
 
 

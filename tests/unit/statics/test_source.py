@@ -7,14 +7,7 @@ import pytest
 from tests.helpers import FLANK_ERRORS, NO_PROFILES, relative, small_screw, solved, with_ingredients
 
 from rollbench.compare.scenes import catalogue
-from rollbench.lowfi.as_source import (
-    LinEquations,
-    equations_and_jacobian,
-    newton_start_values,
-    screw_beam_stiffness_matrix,
-    solve_by_lin_equations,
-    solve_lin_equations_as_static_result,
-)
+from rollbench.lowfi import as_source
 from rollbench.lowfi.statics.contacts import hertz_without_errors
 from rollbench.lowfi.statics.problem import build_problem
 from rollbench.meshes.errors import draw_geometry_with_errors
@@ -29,7 +22,7 @@ def system_of(scene, kinematics):
     problem = build_problem(scene, draw_geometry_with_errors(scene, layout), layout, np.ones(4, dtype=bool))
     free = np.concatenate([np.arange(6 * layout.z.size), 6 * layout.z.size + np.flatnonzero(~problem.fixed.ravel())])
     axes = np.stack([layout.radial, layout.binormal], axis=1)
-    return LinEquations(problem, kinematics, screw_beam_stiffness_matrix(problem), free, axes)
+    return as_source.LinEquations(problem, kinematics, as_source.screw_beam_stiffness_matrix(problem), free, axes)
 
 
 @pytest.mark.parametrize("errors", [None, FLANK_ERRORS], ids=["exact", "errors"])
@@ -46,14 +39,14 @@ def test_jacobian(kinematics, partition, errors):
     unit = np.concatenate(  # a micrometre, and the angle that shifts a contact or the pitch circle by as much
         [np.full(12, 1e-6), np.full(24, 1e-2), np.tile([1e-6] * 3 + [5e-5] * 3, system.problem.nodes.size)]
     )
-    x = newton_start_values(system, "nominal", 1.0) + unit * rng.normal(0.0, 0.3, size)
+    x = as_source.newton_start_values(system, "nominal", 1.0) + unit * rng.normal(0.0, 0.3, size)
     load = rng.normal(0.0, 10.0, size - 36)
-    _, jacobian, forces = equations_and_jacobian(system, x, load)
+    _, jacobian, forces = as_source.equations_and_jacobian(system, x, load)
     assert (forces > 0.0).sum() >= 3 * count
     for k in range(size):
         step = np.zeros(size)
         step[k] = 1e-4 * unit[k]
-        high, low = (equations_and_jacobian(system, x + sign * step, load, jacobian=False)[0] for sign in (1, -1))
+        high, low = (as_source.equations_and_jacobian(system, x + sign * step, load, jacobian=False)[0] for sign in (1, -1))
         found, expected = jacobian[:, k] * unit[k], (high - low) / 2e-4
         for rows in (slice(0, 12), slice(12, 36), slice(36, None)):  # balls, contact conditions, screw
             scale = np.abs(jacobian[rows] * unit).max()
@@ -66,9 +59,9 @@ def test_both_solvers_agree_on_the_same_equations(case, partition):
     """Lin 2.18-2.21 moves the station and arm with gamma; the energy's arcs turn rigidly: some 1e-4 of the load."""
     scene = with_ingredients(catalogue.scene(case), partition=partition)
     source, energy, moving = (
-        solve_by_lin_equations(scene, kinematics="arc"),
+        as_source.solve_by_lin_equations(scene, kinematics="arc"),
         solved(scene),
-        solve_by_lin_equations(scene, kinematics="source"),
+        as_source.solve_by_lin_equations(scene, kinematics="source"),
     )
     assert source.status == moving.status == "converged"
     assert relative(source.contact_loads, energy.load) < 1e-8
@@ -80,18 +73,19 @@ def test_both_solvers_agree_on_the_same_equations(case, partition):
 def test_both_solvers_agree_with_pitch_and_roundness_errors():
     scene = small_screw(count=12, turns=2.0, force=(0.0, 200.0, 2000.0))
     scene = replace(scene, errors=replace(FLANK_ERRORS, balls=BallErrors(oversize=4e-6), **NO_PROFILES))
-    source = solve_by_lin_equations(scene, kinematics="arc")
+    source = as_source.solve_by_lin_equations(scene, kinematics="arc")
     assert source.status == "converged"
     assert relative(source.contact_loads, solved(scene).load) < 1e-8
 
 
 def test_newton_from_the_nominal_state_and_other_starts():
     """Singular at once without preload, where no contact is closed; convergent with it, to the same loads from all."""
-    loose = solve_by_lin_equations(catalogue.scene("lin-case1"), start_values="nominal")
+    loose = as_source.solve_by_lin_equations(catalogue.scene("lin-case1"), start_values="nominal")
     assert loose.status.startswith("singular Jacobian at iteration 1")
     assert not loose.converged
     nominal, *others = (
-        solve_by_lin_equations(catalogue.scene("lin-case3"), start_values=s) for s in ("nominal", "guess", "load steps")
+        as_source.solve_by_lin_equations(catalogue.scene("lin-case3"), start_values=s)
+        for s in ("nominal", "guess", "load steps")
     )
     for other in others:
         assert nominal.status == other.status == "converged"
@@ -100,18 +94,21 @@ def test_newton_from_the_nominal_state_and_other_starts():
 
 def test_rigid_screw_is_refused():
     with pytest.raises(ValueError, match="beam"):
-        solve_by_lin_equations(small_screw(screw="rigid"))
+        as_source.solve_by_lin_equations(small_screw(screw="rigid"))
 
 
 def test_the_source_model_keeps_the_constants_of_error_free_parts():
     """Printed loads are those of error-free constants, whatever an oversize does to them; the equations take either."""
     scene = with_ingredients(catalogue.scene("lin-case3"), partition="source")
-    model, row = solve_lin_equations_as_static_result(scene), hertz_without_errors(scene).C
+    model, row = as_source.solve_lin_equations_as_static_result(scene), hertz_without_errors(scene).C
     assert model.converged
     assert model.hertz_C == pytest.approx(np.tile(row, (32, 1)), rel=1e-15)
     old = solved(with_ingredients(scene, hertz="error-free")).load
     assert (
-        relative(solve_by_lin_equations(with_ingredients(scene, hertz="error-free"), kinematics="arc").contact_loads, old)
+        relative(
+            as_source.solve_by_lin_equations(with_ingredients(scene, hertz="error-free"), kinematics="arc").contact_loads,
+            old,
+        )
         < 1e-8
     )
     assert relative(solved(scene).load, old) > 1e-3
@@ -121,10 +118,10 @@ def test_the_source_model_keeps_the_constants_of_error_free_parts():
 def test_reactions_are_those_of_the_source_s_own_equations(case):
     """Sums of loads, reactions and contact forces; with the arcs of the energy solver both models have one reaction."""
     scene = catalogue.scene(case)
-    result = solve_lin_equations_as_static_result(scene)
+    result = as_source.solve_lin_equations_as_static_result(scene)
     balance = result.equilibrium
     assert balance.force_residual < 1e-3
     assert balance.reaction_force == pytest.approx(solved(scene).equilibrium.reaction_force, abs=1.0)
-    arc = solve_by_lin_equations(scene, kinematics="arc")
+    arc = as_source.solve_by_lin_equations(scene, kinematics="arc")
     expected = solved(scene).equilibrium.reaction_force
     assert arc.support_reactions[:, :3].sum(axis=0) == pytest.approx(expected, abs=1e-6 * np.abs(result.load).max())

@@ -9,16 +9,9 @@ from tests.helpers import relative, small_screw
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.compliance.bodies import screw_response_to_end_wrench
 from rollbench.lowfi.compliance.parts import REFINED, grooved_section, reduce_to_compliance_geometry, smooth_body
+from rollbench.lowfi.statics import shaft as statics_shaft
 from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.lowfi.statics.problem import Problem, build_problem
-from rollbench.lowfi.statics.shaft import (
-    SectionForceCoupling,
-    ShaftBeam,
-    build_shaft,
-    build_shaft_stretch,
-    couple_section_forces,
-    is_loaded_above_node,
-)
 from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import FREEDOMS, Load, Scene, Support
@@ -44,10 +37,12 @@ def problem_of(scene: Scene) -> Problem:
 
 def squeeze_of(
     problem: Problem, used: tuple[int, ...] = (0, 1), strain: float = 0.0
-) -> tuple[ShaftBeam, SectionForceCoupling]:
-    shaft = build_shaft(problem)
-    stretch = build_shaft_stretch(problem, problem.scene, problem.layout, SMOOTH, used, slice(0, problem.layout.z.size))
-    return shaft, couple_section_forces(shaft, used, [stretch], strain)
+) -> tuple[statics_shaft.ShaftBeam, statics_shaft.SectionForceCoupling]:
+    shaft = statics_shaft.build_shaft(problem)
+    stretch = statics_shaft.build_shaft_stretch(
+        problem, problem.scene, problem.layout, SMOOTH, used, slice(0, problem.layout.z.size)
+    )
+    return shaft, statics_shaft.couple_section_forces(shaft, used, [stretch], strain)
 
 
 def pulled(force: tuple[float, float, float], moment: tuple[float, float, float]) -> Problem:
@@ -81,8 +76,8 @@ def test_an_end_that_nothing_holds_adds_nothing() -> None:
     free = problem_of(replace(CASE, supports=(HELD,), loads=()))
     held = problem_of(BETWEEN)
     cut = int(held.first_nodes.max())
-    assert not is_loaded_above_node(free, cut)
-    assert is_loaded_above_node(held, cut)
+    assert not statics_shaft.is_loaded_above_node(free, cut)
+    assert statics_shaft.is_loaded_above_node(held, cut)
     none, some = (squeeze_of(p)[1].added_compliance for p in (free, held))
     assert np.abs(some - some.T).max() == 0.0
     assert np.abs(none).max() == 0.0 < np.abs(some).max()

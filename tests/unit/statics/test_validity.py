@@ -11,7 +11,7 @@ from tests.helpers import small_screw
 
 from rollbench.lowfi.statics.contacts import hertz_without_errors
 from rollbench.lowfi.statics.static import solve_static
-from rollbench.lowfi.statics.validity import DENT_PRESSURE, LARGE, size_warnings
+from rollbench.lowfi.statics.validity import DENT_PRESSURE, LARGE, contact_size_warnings
 from rollbench.lowfi.warned import ResultWarning, join_brief_warnings
 from rollbench.meshes.parts import BallErrors, Balls, Errors, SideErrors, Support
 
@@ -40,8 +40,8 @@ def test_pressure_that_leaves_a_dent_is_told_from_there_on():
 
 def test_ellipses_too_large_for_a_half_space_are_told_from_there_on():
     radius = 3e-3
-    assert size_warnings(np.full((2, 4), 0.999 * LARGE * radius), radius) == []
-    assert size_warnings(np.full((2, 4), 1.001 * LARGE * radius), radius)[0].kind == "size"
+    assert contact_size_warnings(np.full((2, 4), 0.999 * LARGE * radius), radius) == []
+    assert contact_size_warnings(np.full((2, 4), 1.001 * LARGE * radius), radius)[0].kind == "size"
 
 
 def test_an_ellipse_beyond_the_land_is_told():

@@ -2,16 +2,11 @@ import pytest
 
 from rollbench.compare.errors import InputError
 from rollbench.compare.scenes import catalogue, scene_file, scene_tables, template
-from rollbench.compare.studies.sweep.keys import (
-    VariedKey,
-    read_varied_keys,
-    tables_with_varied_keys,
-    varied_and_replaced_keys,
-)
+from rollbench.compare.studies.sweep import keys as sweep_keys
 
 
 def test_forms():
-    one, two, three, four = read_varied_keys(
+    one, two, three, four = sweep_keys.read_varied_keys(
         ["errors.balls.oversize=0 um:7 um", "loads[0].force[2]=1:5 kN", "errors.seed=3:5", "track.hand=left,right"]
     )
     assert (one.key, one.low, one.high, one.unit, one.whole_numbers_only) == (
@@ -25,7 +20,7 @@ def test_forms():
     assert [three.value_at_relative_position(u) for u in (0.0, 0.34, 0.67, 1.0)] == [3, 4, 5, 5]
     assert [four.value_at_relative_position(u) for u in (0.0, 0.49, 0.5, 1.0)] == ["left", "left", "right", "right"]
     assert (one.value_at_relative_position(0.5), one.as_number("3.5 um"), four.as_number("right")) == ("3.5 um", 3.5, 2.0)
-    assert read_varied_keys(["nut.conformity=0.52,0.56"])[0].listed_values == (0.52, 0.56), "as TOML reads them"
+    assert sweep_keys.read_varied_keys(["nut.conformity=0.52,0.56"])[0].listed_values == (0.52, 0.56), "as TOML reads them"
     assert [three.as_number(4), one.as_number("1e-07 um"), one.as_number(" 2um ")] == [4.0, 1e-7, 2.0]
 
 
@@ -37,14 +32,14 @@ def test_forms():
 def test_other_forms_a_key_twice_and_no_key_are_refused(text):
     for texts, words in (([text], "vary: got"), (["a=1,2", "a=3,4"], "each key once"), ([], "0 keys")):
         with pytest.raises(InputError, match=words):
-            read_varied_keys(texts)
+            sweep_keys.read_varied_keys(texts)
 
 
 RAW = scene_file.parse_toml(catalogue.shipped_scene_text("lin-case3"), "lin-case3.toml")
 
 
 def put(key, value):
-    return tables_with_varied_keys(RAW, [VariedKey(key, key)], [value])
+    return sweep_keys.tables_with_varied_keys(RAW, [sweep_keys.VariedKey(key, key)], [value])
 
 
 def test_values_reach_the_scene():
@@ -74,10 +69,11 @@ DISPLACED = [
 @pytest.mark.parametrize(("vary", "gone"), DISPLACED)
 def test_a_varied_key_takes_the_place_of_one_that_says_the_same(vary, gone):
     raw = scene_file.parse_toml(template.ball_screw_text("40x10"), "my.toml")
-    keys = read_varied_keys([vary])
-    assert [other for _, other in varied_and_replaced_keys(raw, keys)] == gone
+    keys = sweep_keys.read_varied_keys([vary])
+    assert [other for _, other in sweep_keys.varied_and_replaced_keys(raw, keys)] == gone
     first, second = (
-        scene_tables.scene_from_tables(tables_with_varied_keys(raw, keys, [v]), "my.toml") for v in keys[0].trial_values
+        scene_tables.scene_from_tables(sweep_keys.tables_with_varied_keys(raw, keys, [v]), "my.toml")
+        for v in keys[0].trial_values
     )
     assert first != second
     assert raw == scene_file.parse_toml(template.ball_screw_text("40x10"), "my.toml"), "the scene itself stays"
@@ -85,7 +81,7 @@ def test_a_varied_key_takes_the_place_of_one_that_says_the_same(vary, gone):
 
 def test_the_same_in_a_set():
     raw = scene_file.parse_toml(template.double_nut_text("40x10"), "my.toml")
-    keys = read_varied_keys(["sets[1].nut.groove_radius=3.3 mm:3.4 mm"])
-    assert varied_and_replaced_keys(raw, keys) == [("sets[1].nut.groove_radius", "sets[1].nut.conformity")]
-    found = scene_tables.scene_from_tables(tables_with_varied_keys(raw, keys, ["3.4 mm"]), "my.toml")
+    keys = sweep_keys.read_varied_keys(["sets[1].nut.groove_radius=3.3 mm:3.4 mm"])
+    assert sweep_keys.varied_and_replaced_keys(raw, keys) == [("sets[1].nut.groove_radius", "sets[1].nut.conformity")]
+    found = scene_tables.scene_from_tables(sweep_keys.tables_with_varied_keys(raw, keys, ["3.4 mm"]), "my.toml")
     assert [s.parts.nut.groove_radius for s in found.sets] == [pytest.approx(0.525 * 6.35e-3), 3.4e-3]

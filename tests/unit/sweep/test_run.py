@@ -57,7 +57,7 @@ while killed < kills and before < 0.7 * {samples}:  # at a random number of stor
     os.kill(child, signal.SIGKILL)
     os.waitpid(child, 0)
     killed += 1
-    now = len(list(sample.stored_records(folder)))
+    now = len(list(sample.stored_sample_records(folder)))
     assert now >= before, (now, before)
     before = now
 assert before < {samples} and killed >= (kills + 1) // 2, (before, killed)  # however fast the machine
@@ -101,7 +101,7 @@ def undisturbed(tmp_path_factory):
 @pytest.mark.parametrize(("kills", "workers"), [(20, 1), (1, 2)], ids=["twenty kills", "workers that outlive the run"])
 def test_a_killed_sweep_loses_and_repeats_nothing(kills, workers, tmp_path, undisturbed):
     killed(tmp_path / "a", kills, workers, 200)
-    numbers = sorted(record["sample"] for record in sample.stored_records(tmp_path / "a"))
+    numbers = sorted(record["sample"] for record in sample.stored_sample_records(tmp_path / "a"))
     assert numbers == list(range(200))
     assert sample.stored_records_by_sample(tmp_path / "a") == undisturbed
 

@@ -445,7 +445,7 @@ CLEARANCES = (0.0, -1e-6, -2e-6, -3e-6, -4e-6, -5e-6)
 
 
 def relative_standard_deviation_of_loads(result: StaticResult) -> float:
-    """Return the standard deviation of the contact loads on flank SL, divided by their mean."""
+    """Return the standard deviation of the contact loads on flank SL (left flank of the screw), divided by their mean."""
     return float(result.load[:, 0].std() / result.load[:, 0].mean())
 
 

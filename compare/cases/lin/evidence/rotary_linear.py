@@ -15,20 +15,9 @@ from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.printed import load_printed_table, printed_entry, printed_value
 from rollbench.lowfi.friction import bearing
-from rollbench.lowfi.friction.contact.laws import (
-    cubic_friction_force_factor,
-    error_of_linear_friction_force,
-    linear_friction_force_factor,
-)
+from rollbench.lowfi.friction.contact import laws
+from rollbench.lowfi.friction.linear import chain
 from rollbench.lowfi.friction.linear.bearing import Loads, relative_velocity_deviation
-from rollbench.lowfi.friction.linear.chain import (
-    LinearPairResultsOverGrid,
-    LinearPairSolution,
-    pair_angles_and_loads,
-    pair_results_by_formulas,
-    pair_results_over_grid,
-    solve_pair_of_linear_balls,
-)
 from rollbench.lowfi.friction.screw.groove import Mode
 from rollbench.lowfi.friction.screw.motion import lin_sigmoid_law
 from rollbench.lowfi.hertz import contact_modulus, hertz_constants
@@ -50,16 +39,16 @@ THETA, WORST = (
 CASES = {name: source_cases.rotary_ball_scene(name).displacement for name in source_cases.ROTARY_SCENES}
 #: Slope that Lin prints: friction force over its largest value, per distance of the spin pole from the contact's centre
 #: over the major semi-axis.
-K_F = source_cases.printed_friction_slope()
+K_F = source_cases.printed_friction_slope_over_spin_pole_offset()
 #: Lin's sigmoid friction law, with the inferred parameters (sharpness, step of its maps).
 PRINTED_LAW = lin_sigmoid_law(
     ROTARY,
     source_cases.rotary_ball_scene("I", printed=True).sharpness,
     source_cases.rotary_ball_scene("I", printed=True).map_step,
 )
-#: Ways in which the contact loads are computed, see `solve_linear_pair`.
+#: Ways in which the contact loads of two balls are computed, see `solve_linear_pair`.
 LOADS: tuple[Loads, ...] = ("balanced", "diagonal", "elastic")
-#: Yield strength [MPa]; allowable pressure of appendix G divided by the yield strength.
+#: Yield strength [MPa] of appendix G; allowable contact pressure divided by the yield strength.
 YIELD, MULTIPLE = 370.0, 4.2
 
 
@@ -90,7 +79,7 @@ def solve_rotary_ball(case: str, hertz: Mode = "right") -> bearing.BearingBallSo
 @cache
 def solve_linear_ball_pair(
     theta: float = THETA, loads: Loads = "balanced", mated: bool = False, mu_balls: float = 0.1
-) -> LinearPairSolution:
+) -> chain.LinearPairSolution:
     """Solve the contact of two neighbouring balls in the linear bearing, at the side force of Lin's case study.
 
     ``theta``: deviation of the contact angle from nominal [rad]; ``loads``: how the contact loads are computed (equal on
@@ -98,17 +87,21 @@ def solve_linear_ball_pair(
     the top groove is made to match the bottom groove, Lin's case (b), instead of case (a); ``mu_balls``: friction
     coefficient between the balls.
     """
-    return solve_pair_of_linear_balls(replace(LINEAR, mu_balls=mu_balls), theta, SIDE, VERTICAL, mated=mated, loads=loads)
+    return chain.solve_pair_of_linear_balls(
+        replace(LINEAR, mu_balls=mu_balls), theta, SIDE, VERTICAL, mated=mated, loads=loads
+    )
 
 
 @cache
-def ball_force_and_loss_over_grid() -> LinearPairResultsOverGrid:
+def ball_force_and_loss_over_grid() -> chain.LinearPairResultsOverGrid:
     """Compute ball-to-ball force and friction losses of two touching balls in the linear bearing, over a grid of inputs.
 
     The inputs are the deviation theta of the contact angle, from -3 to 3 deg, and the side force over the vertical load,
     from -0.6 to 0.6.
     """
-    return pair_results_over_grid(LINEAR, np.radians(np.linspace(-3.0, 3.0, 7)), np.linspace(-0.6, 0.6, 7), VERTICAL, K_F)
+    return chain.pair_results_over_grid(
+        LINEAR, np.radians(np.linspace(-3.0, 3.0, 7)), np.linspace(-0.6, 0.6, 7), VERTICAL, K_F
+    )
 
 
 # --- computed values for printed numbers
@@ -240,7 +233,7 @@ def _record_largest_friction_loss_increase(findings: ComputedEntryValues) -> Non
     )
 
 
-def _check_claims_on_force_and_loss_grid(findings: ComputedEntryValues, maps: LinearPairResultsOverGrid) -> None:
+def _check_claims_on_force_and_loss_grid(findings: ComputedEntryValues, maps: chain.LinearPairResultsOverGrid) -> None:
     """Check Lin's claims on ball-to-ball force and losses of two balls over contact-angle deviation and side force.
 
     ``maps``: these quantities by the numerical model and by Lin's formulas. ``findings``: receives the results.
@@ -280,7 +273,7 @@ def velocity_deviations_by_formula(mated: bool) -> Array:
     The contact loads are those that Lin states in the text: equal at both contacts of each diagonal. ``mated``: whether
     the top groove is made to match the bottom one, case (b) instead of case (a).
     """
-    angles, loads = pair_angles_and_loads(LINEAR, THETA, SIDE, VERTICAL, mated=mated, loads="diagonal")
+    angles, loads = chain.pair_angles_and_loads(LINEAR, THETA, SIDE, VERTICAL, mated=mated, loads="diagonal")
     return relative_velocity_deviation(LINEAR.contact_angle, angles - LINEAR.contact_angle, loads[:, 0], loads[:, 1])
 
 
@@ -304,14 +297,15 @@ def table_3_4(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
 
 
 def ball_force_with_misprinted_exponents() -> float:
-    """Return the ball-to-ball force of case (a) by Lin's formula (3.51) with the exponents -2/3 that are misprinted.
+    """Return the ball-to-ball force in the linear bearing by Lin's formula (3.51) with its misprinted exponents -2/3.
 
+    The force is that of case (a), in which the top groove is not made to match the bottom one.
     With these exponents the result has no unit of force; the loads are inserted in N.
     """
-    loads = pair_angles_and_loads(LINEAR, THETA, SIDE, VERTICAL, loads="diagonal")[1][:, :2]
+    loads = chain.pair_angles_and_loads(LINEAR, THETA, SIDE, VERTICAL, loads="diagonal")[1][:, :2]
     right_way, as_is = (np.cbrt(loads) ** power for power in (2.0, -2.0))
     joined = [float(s[0].sum() * s[1].sum() / s.sum()) for s in (right_way, as_is)]
-    return pair_results_by_formulas(LINEAR, THETA, SIDE, VERTICAL, K_F)[1] * joined[1] / joined[0]
+    return chain.pair_results_by_formulas(LINEAR, THETA, SIDE, VERTICAL, K_F)[1] * joined[1] / joined[0]
 
 
 def formula_force(*, mated: bool) -> float:
@@ -319,7 +313,7 @@ def formula_force(*, mated: bool) -> float:
 
     ``mated``: whether the top groove is made to match the bottom one, case (b) instead of case (a).
     """
-    return pair_results_by_formulas(LINEAR, THETA, SIDE, VERTICAL, K_F, mated=mated)[1]
+    return chain.pair_results_by_formulas(LINEAR, THETA, SIDE, VERTICAL, K_F, mated=mated)[1]
 
 
 def table_3_5(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
@@ -344,7 +338,7 @@ def table_3_5(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     ansys = printed_value("lin-3.5", "a_force_ansys")
     for name, ours in (("numerical", solve_linear_ball_pair().ball_to_ball_force), ("analytic", formula["a"])):
         off = [f"{error_percent(ours, other):+.1f} %" for other in (ansys, solid["a"]) if other is not None]
-        words = f"ours is {off[0]} off the printed ANSYS force" + "".join(f", {x} off our 3D" for x in off[1:])
+        words = f"computed here: {off[0]} off the printed ANSYS force" + "".join(f", {x} off the 3D force" for x in off[1:])
         first = (
             printed_value("lin-3.5", "a_force_numerical") if name == "numerical" else ours
         )  # arithmetic on printed numbers
@@ -372,10 +366,10 @@ def appendix_g(findings: ComputedEntryValues, cache: SceneResultCache) -> None: 
     """
     pressure = MULTIPLE * YIELD
     ratio = contact_ellipse_ratios(LINEAR.conformity, 1e6 * pressure)[0]
-    slope, cubic = float(linear_friction_force_factor(ratio)), float(cubic_friction_force_factor(ratio))
+    slope, cubic = float(laws.linear_friction_force_factor(ratio)), float(laws.cubic_friction_force_factor(ratio))
     a_over_r = contact_ellipse_ratios(0.52, 1e6 * pressure)[1]
     reach, cut = printed_value("lin-G", "reach"), np.floor(1e3 * a_over_r) / 1e3
-    off = 100.0 * float(error_of_linear_friction_force(ratio, K_F))
+    off = 100.0 * float(laws.error_of_linear_friction_force(ratio, K_F))
     findings.add_number(
         "k_f",
         slope,
@@ -409,16 +403,16 @@ def power_balance_rows() -> list[Row]:
             power = torque * ROTARY.screw_speed
             rows.append(
                 {
-                    "case": case,
-                    "model": label,
-                    TableColumn("force", "sum of forces", "N", ".3f"): float(s.load.force.sum()),
-                    TableColumn("torque", "friction's moment on the ring", "N mm", ".4f"): 1e3 * torque,
-                    TableColumn("input", "power in", "W", ".6f"): power,
-                    TableColumn("loss", "dissipation", "W", ".6f"): s.motion.loss,
-                    TableColumn("balance", "power in against dissipation", "%", "g2"): float(
+                    TableColumn("case", "case of Lin's Table 3.2", "", "s"): case,
+                    TableColumn("model", "friction model", "", "s"): label,
+                    TableColumn("force", "sum of the contact forces", "N", ".3f"): float(s.load.force.sum()),
+                    TableColumn("torque", "friction torque on the inner ring", "N mm", ".4f"): 1e3 * torque,
+                    TableColumn("input", "power input", "W", ".6f"): power,
+                    TableColumn("loss", "friction losses", "W", ".6f"): s.motion.loss,
+                    TableColumn("balance", "error of the power input against the losses", "%", "g2"): float(
                         error_percent(power, s.motion.loss)
                     ),
-                    TableColumn("rest", "contacts at rest", "", "s"): int(s.motion.sticking_contacts.sum()),
+                    TableColumn("rest", "number of contacts at rest", "", "s"): int(s.motion.sticking_contacts.sum()),
                     "status": s.motion.status,
                 }
             )
@@ -433,20 +427,24 @@ def linear_pair_sensitivity_rows() -> list[Row]:
     """
     rows: list[Row] = []
     printed = printed_entry("lin-3.5", "a_force_numerical")
-    against = f"against the printed {printed.number_as_printed} N"
+    against = f"error of the force against the printed {printed.number_as_printed} N"
     for loads, mu in product(LOADS, (0.1, 0.0)):
         r, worst = solve_linear_ball_pair(loads=loads, mu_balls=mu), solve_linear_ball_pair(WORST, loads, mu_balls=mu)
         increase = float(error_percent(worst.touching.loss, worst.apart.loss))
         rows.append(
             {
-                "loads": loads,
-                TableColumn("mu", "friction between balls", "", "g2"): mu,
-                TableColumn("eps1", "ε₁, θ = 2°", "%", ".3f"): 100.0 * float(r.apart.velocity_deviation[0]),
-                TableColumn("eps2", "ε₂, θ = 2°", "%", ".3f"): 100.0 * float(r.apart.velocity_deviation[1]),
-                TableColumn("force", "force, θ = 2°", "N", ".3f"): r.ball_to_ball_force,
+                TableColumn("loads", "how contact loads are computed", "", "s"): loads,
+                TableColumn("mu", "friction coefficient between balls", "", "g2"): mu,
+                TableColumn("eps1", "velocity deviation ε₁, θ = 2°", "%", ".3f"): 100.0
+                * float(r.apart.velocity_deviation[0]),
+                TableColumn("eps2", "velocity deviation ε₂, θ = 2°", "%", ".3f"): 100.0
+                * float(r.apart.velocity_deviation[1]),
+                TableColumn("force", "ball-to-ball force, θ = 2°", "N", ".3f"): r.ball_to_ball_force,
                 TableColumn("error", against, "%", ".2f"): float(error_percent(r.ball_to_ball_force, printed.value or 0.0)),
-                TableColumn("ratio", "total over baseline, θ = 3°", "%", ".1f"): 100.0 * worst.groove_and_ball_loss_ratio,
-                TableColumn("increase", "increase of all losses, θ = 3°", "%", ".1f"): increase,
+                TableColumn(
+                    "ratio", "groove and ball losses over groove losses without ball contact, θ = 3°", "%", ".1f"
+                ): 100.0 * worst.groove_and_ball_loss_ratio,
+                TableColumn("increase", "increase of all losses by ball-to-ball contact, θ = 3°", "%", ".1f"): increase,
                 "status": r.touching.status,
             }
         )

@@ -17,15 +17,9 @@ from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.printed import printed_value
 from rollbench.compare.scenes.catalogue import shipped_scene_of_kind as case_of
 from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene
+from rollbench.lowfi.friction import bearing as friction_bearing
 from rollbench.lowfi.friction.as_source.screw import simulate_by_root
-from rollbench.lowfi.friction.bearing import (
-    DIAGONAL,
-    OTHER,
-    BallRow,
-    BearingCase,
-    BearingTorqueCurve,
-    torque_over_force_angles,
-)
+from rollbench.lowfi.friction.screw import travel
 from rollbench.lowfi.friction.screw.groove import Mode
 from rollbench.lowfi.friction.screw.motion import Coupling
 from rollbench.lowfi.friction.screw.run import (
@@ -40,12 +34,6 @@ from rollbench.lowfi.friction.screw.run import (
     simulate_equal_steps,
     solve_pair_of_screw_balls,
     summarise_screw_run,
-)
-from rollbench.lowfi.friction.screw.travel import (
-    TimeStepErrors,
-    TravelHistory,
-    count_touching_groups,
-    simulate_with_step_errors,
 )
 from rollbench.lowfi.friction.whole.circuit import ContactOnset, contact_onset
 from rollbench.meshes.arrays import Array
@@ -81,7 +69,7 @@ def solve_screw_ball_pair(case: str, interpretation: Literal["plain", "inferred"
 
 
 @cache
-def simulate_screw(amplitude: float) -> TravelHistory:
+def simulate_screw(amplitude: float) -> travel.TravelHistory:
     """Simulate the whole screw of Lin's section 3.4.4 over time, with a time-step error below 0.3 % of the mean torque.
 
     ``amplitude``: amplitude of theta, the deviation of the contact angles from nominal, 2 or 3 [deg]. Returns motions and
@@ -91,7 +79,7 @@ def simulate_screw(amplitude: float) -> TravelHistory:
 
 
 @cache
-def simulate_screw_with_step_errors(amplitude: float) -> tuple[TravelHistory, TimeStepErrors | None]:
+def simulate_screw_with_step_errors(amplitude: float) -> tuple[travel.TravelHistory, travel.TimeStepErrors | None]:
     """Simulate the whole screw of Lin's section 3.4.4, with a time-step error below 0.3 %, and estimate this error.
 
     The permitted error over the mean torque is `STEP_GOAL`. ``amplitude``: amplitude of theta, the deviation of the contact
@@ -99,11 +87,11 @@ def simulate_screw_with_step_errors(amplitude: float) -> tuple[TravelHistory, Ti
     mean torque, None if it is unknown.
     """
     run = source_cases.simulation_inputs_by_theta_amplitude(amplitude)
-    return simulate_with_step_errors(run, run.duration, None, STEP_GOAL)
+    return travel.simulate_with_step_errors(run, run.duration, None, STEP_GOAL)
 
 
 @cache
-def simulate_screw_in_200_steps(amplitude: float) -> TravelHistory:
+def simulate_screw_in_200_steps(amplitude: float) -> travel.TravelHistory:
     """Simulate the whole screw of section 3.4.4 of Lin's thesis in 200 equal time steps, as Lin does.
 
     Loads and motions are constant over a step, with their values at its start. ``amplitude``: amplitude of theta, the
@@ -113,7 +101,7 @@ def simulate_screw_in_200_steps(amplitude: float) -> TravelHistory:
 
 
 @cache
-def simulate_screw_without_oversize() -> TravelHistory:
+def simulate_screw_without_oversize() -> travel.TravelHistory:
     """Simulate the whole screw of section 3.4.4 of Lin's thesis over time, with balls that are not oversized.
 
     Friction moves balls and screw and so changes the contact loads. The deviation theta of the contact angles has an
@@ -125,13 +113,13 @@ def simulate_screw_without_oversize() -> TravelHistory:
 
 
 @cache
-def bearing_torque_over_load_angle(bearing: str, free_to_tilt: bool) -> BearingTorqueCurve:
+def bearing_torque_over_load_angle(bearing: str, free_to_tilt: bool) -> friction_bearing.BearingTorqueCurve:
     """Compute the friction torque of a bearing of Lin's Table 4.2 over the angle between the load and the bearing's axis.
 
     ``bearing``: "4P" for the four-point, "DR" for the double-row bearing; ``free_to_tilt``: whether the inner ring is free
     to tilt. The load angles are `ANGLES`.
     """
-    return torque_over_force_angles(
+    return friction_bearing.bearing_torque_over_force_angles(
         source_cases.four_point_bearing(tilt=free_to_tilt)
         if bearing == "4P"
         else source_cases.double_row_bearing(tilt=free_to_tilt),
@@ -139,7 +127,7 @@ def bearing_torque_over_load_angle(bearing: str, free_to_tilt: bool) -> BearingT
     )
 
 
-def largest_over_smallest_torque(found: BearingTorqueCurve, largest_angle: float) -> float:
+def largest_over_smallest_torque(found: friction_bearing.BearingTorqueCurve, largest_angle: float) -> float:
     """Return the largest over the smallest friction torque of a bearing, for load angles of 0 to ``largest_angle`` [deg].
 
     ``found``: friction torque of the bearing over the angle between its load and its axis.
@@ -204,6 +192,7 @@ def _record_youngs_modulus(findings: ComputedEntryValues, young: float) -> None:
 def table_3_7(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     """Compute ball-to-ball forces and loss increases of two balls of the screw: Table 3.7 of Lin's thesis.
 
+    A loss increase is the rise of the balls' friction loss by ball-to-ball contact.
     ``findings``: receives the computed value to compare with each number of the table; ``cache``: gives stored results of
     the 3D rolling model.
     """
@@ -225,6 +214,7 @@ def table_3_7(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
 def _compute_force_and_increase(findings: ComputedEntryValues, case: str, results_in_3d: Mapping[str, float]) -> None:
     """Compute ball-to-ball force and loss increase in a case of Lin's Table 3.7, and record them in ``findings``.
 
+    The loss increase is the rise of the balls' friction loss by ball-to-ball contact.
     ``case``: "a" or "b"; ``results_in_3d``: results of the 3D rolling model by name with unit, such as "force 1-2 N".
     """
     force, percent = (printed_value("lin-3.7", f"{what}_{case}") for what in ("force", "increase"))
@@ -269,7 +259,7 @@ def _plain_and_inferred_value_in_words(as_text: float, with_oversize: float) -> 
     return f"plain reading {as_text:.4g}, inferred reading {with_oversize:.4g}"
 
 
-def groove_torque_after_first_step(history: TravelHistory) -> Array:
+def groove_torque_after_first_step(history: travel.TravelHistory) -> Array:
     """Return the friction torque [N m] of the ball-to-groove contacts at each time step from the second on, (steps - 1,).
 
     ``history``: motions and torques of a simulation of the whole screw. The first step is left out because its contact
@@ -278,7 +268,7 @@ def groove_torque_after_first_step(history: TravelHistory) -> Array:
     return history.groove_torque[1:]
 
 
-def relative_groove_torque_variation(history: TravelHistory) -> float:
+def relative_groove_torque_variation(history: travel.TravelHistory) -> float:
     """Return (largest - smallest)/mean of the ball-to-groove friction torque during a simulation of the whole screw.
 
     The first time step is left out. ``history``: motions and torques at each time step.
@@ -287,12 +277,12 @@ def relative_groove_torque_variation(history: TravelHistory) -> float:
     return float(np.ptp(torque) / torque.mean())
 
 
-def ball_contact_ends_and_begins_again(history: TravelHistory) -> bool:
+def ball_contact_ends_and_begins_again(history: travel.TravelHistory) -> bool:
     """Return whether ball-to-ball contact begins, ends and begins again during a simulation of the whole screw.
 
     ``history``: motions, torques and touching balls at each time step.
     """
-    touch = np.asarray(np.any(history.contact, axis=1), dtype=bool).reshape(-1)
+    touch = np.asarray(np.any(history.presses_on_next, axis=1), dtype=bool).reshape(-1)
     changes = touch[np.flatnonzero(np.diff(touch.astype(int)))[:3] + 1]
     return not bool(touch[0]) and changes.tolist() == [True, False, True]
 
@@ -469,7 +459,7 @@ ENDS = (10.0, 18.0, 30.0)
 SHORT = {"steps": 50, "duration": 1.0}
 #: Velocities of unloaded balls over the nominal velocity.
 IDLE = (0.0, 0.5, 0.9, 1.0)
-#: Labels of rows that the introduction quotes.
+#: Labels of rows of the table of two balls, which the introduction of the report quotes.
 AS_TEXT, UNCOUPLED = "text as it stands, friction moves the balls", "loads not coupled to friction"
 AS_CASE, SOURCE_RULE = "as the case study", "the source's rule of contact"
 #: Oversizes [m] of the ball radius and axial loads [N] in the maps of two balls.
@@ -477,7 +467,10 @@ OVERSIZE, AXIAL = tuple(np.linspace(-1e-6, 3e-6, 17)), (25.0, 50.0, 100.0, 200.0
 
 
 def inferred_oversize_in_words() -> str:
-    """Return the inferred oversize of the ball radius with its unit as text, such as "1.7 µm"."""
+    """Return the inferred oversize of the ball radius with its unit as text, such as "1.7 µm".
+
+    It is inferred from ball-to-ball force and friction loss in Lin's Table 3.7.
+    """
     return f"{1e6 * source_cases.inferred_oversize():g} µm"
 
 
@@ -493,68 +486,68 @@ def contact_load_interpretations() -> list[tuple[str, str, Callable[[float], Pai
     deviation theta [rad] of the second ball's contact angle from nominal.
     """
 
-    def with_changes(make_pair: Callable[[float], Pair], **changes: object) -> Callable[[float], Pair]:
+    def pair_maker_with_changes(make_pair: Callable[[float], Pair], **changes: object) -> Callable[[float], Pair]:
         """Return a function of theta [rad] that makes a ball pair by ``make_pair``, with the pair's fields ``changes``."""
         return lambda theta: replace(make_pair(theta), **changes)  # type: ignore[arg-type]
 
-    radial = with_changes(source_cases.screw_pair_as_printed, free="r", force=(100.0,), coupling="none")
+    radial = pair_maker_with_changes(source_cases.screw_pair_as_printed, free="r", force=(100.0,), coupling="none")
     smaller, larger = 0.5 * source_cases.inferred_oversize(), 1.5 * source_cases.inferred_oversize()
     size = inferred_oversize_in_words()
     one, faulty = (1.0, 0.0, 0.0, 0.0), source_cases.groove_of_table_3_6(hertz="as printed")
     return [
         ("plain", AS_TEXT, source_cases.screw_pair_as_printed),
-        ("plain, varied", UNCOUPLED, with_changes(source_cases.screw_pair_as_printed, coupling="none")),
+        ("plain, varied", UNCOUPLED, pair_maker_with_changes(source_cases.screw_pair_as_printed, coupling="none")),
         (
             "plain, varied",
             "friction moves balls and screw",
-            with_changes(source_cases.screw_pair_as_printed, coupling="ball and screw"),
+            pair_maker_with_changes(source_cases.screw_pair_as_printed, coupling="ball and screw"),
         ),
         ("plain, varied", "50 N radially on each ball, not coupled", radial),
         ("inferred", label_of_inferred_oversize(), source_cases.screw_pair_with_inferred_oversize),
         (
             "inferred, varied",
             f"{size}, friction moves the balls",
-            with_changes(source_cases.screw_pair_with_inferred_oversize, coupling="ball"),
+            pair_maker_with_changes(source_cases.screw_pair_with_inferred_oversize, coupling="ball"),
         ),
         (
             "inferred, varied",
             f"{size}, friction moves balls and screw",
-            with_changes(source_cases.screw_pair_with_inferred_oversize, coupling="ball and screw"),
+            pair_maker_with_changes(source_cases.screw_pair_with_inferred_oversize, coupling="ball and screw"),
         ),
         (
             "inferred, varied",
             "half the oversize",
-            with_changes(source_cases.screw_pair_with_inferred_oversize, oversize=smaller),
+            pair_maker_with_changes(source_cases.screw_pair_with_inferred_oversize, oversize=smaller),
         ),
         (
             "inferred, varied",
             "one and a half times the oversize",
-            with_changes(source_cases.screw_pair_with_inferred_oversize, oversize=larger),
+            pair_maker_with_changes(source_cases.screw_pair_with_inferred_oversize, oversize=larger),
         ),
         (
             "inferred, varied",
             f"{size}, 25 N instead of 50 N",
-            with_changes(source_cases.screw_pair_with_inferred_oversize, force=(25.0,)),
+            pair_maker_with_changes(source_cases.screw_pair_with_inferred_oversize, force=(25.0,)),
         ),
         (
             "inferred, varied",
             f"{size}, 100 N instead of 50 N",
-            with_changes(source_cases.screw_pair_with_inferred_oversize, force=(100.0,)),
+            pair_maker_with_changes(source_cases.screw_pair_with_inferred_oversize, force=(100.0,)),
         ),
         (
             "inferred, varied",
             f"{size}, theta on one contact of the screw",
-            with_changes(source_cases.screw_pair_with_inferred_oversize, pattern=(one, one)),
+            pair_maker_with_changes(source_cases.screw_pair_with_inferred_oversize, pattern=(one, one)),
         ),
         (
             "inferred, varied",
             f"{size}, screw's groove shifted sideways",
-            with_changes(source_cases.screw_pair_with_inferred_oversize, pattern=(SHIFTED, SHIFTED)),
+            pair_maker_with_changes(source_cases.screw_pair_with_inferred_oversize, pattern=(SHIFTED, SHIFTED)),
         ),
         (
             "inferred, varied",
             f"{size}, Hertz constants of Table B.1",
-            with_changes(source_cases.screw_pair_with_inferred_oversize, groove=faulty),
+            pair_maker_with_changes(source_cases.screw_pair_with_inferred_oversize, groove=faulty),
         ),
     ]
 
@@ -567,16 +560,25 @@ def contact_load_interpretation_rows() -> list[Row]:
     """
     rows = list[Row]()
     for kind, label, make in contact_load_interpretations():
-        row: Row = {TableColumn("kind", "reading", "", "s"): kind, TableColumn("reading", "assumptions", "", "s"): label}
+        row: Row = {
+            TableColumn("kind", "interpretation of the text", "", "s"): kind,
+            TableColumn("reading", "assumptions on the contact loads", "", "s"): label,
+        }
         good = True
         for case, theta in THETA.items():
             r = solve_pair_of_screw_balls(make(radians(theta)))
             off = float(error_percent(r.force, printed_value("lin-3.7", f"force_{case}")))
             row |= {
-                TableColumn(f"force_{case}", f"force, θ = {theta:g}°", "N", ".3f"): r.force,
-                TableColumn(f"error_{case}", f"against printed, θ = {theta:g}°", "%", ".1f"): off,
-                TableColumn(f"increase_{case}", f"increase, θ = {theta:g}°", "%", ".1f"): loss_increase_percent(r),
-                TableColumn(f"load_{case}", f"contact load a ball, θ = {theta:g}°", "N", ".0f"): float(r.ball_loads.mean()),
+                TableColumn(f"force_{case}", f"ball-to-ball force, θ = {theta:g}°", "N", ".3f"): r.force,
+                TableColumn(
+                    f"error_{case}", f"error of this force against the printed one, θ = {theta:g}°", "%", ".1f"
+                ): off,
+                TableColumn(
+                    f"increase_{case}", f"increase of friction loss, θ = {theta:g}°", "%", ".1f"
+                ): loss_increase_percent(r),
+                TableColumn(f"load_{case}", f"contact load of a ball, θ = {theta:g}°", "N", ".0f"): float(
+                    r.ball_loads.mean()
+                ),
             }
             good = good and r.converged
         rows.append(row | {"status": "converged" if good else "not converged"})
@@ -595,6 +597,7 @@ def contact_load_implied_by_table_3_7() -> float:
 def pair_results_over_oversize_and_load(case: str, coupling: Coupling) -> ScrewPairResultGrid:
     """Compute ball-to-ball force and loss increase of two balls of the screw over the balls' oversize and the axial load.
 
+    The loss increase is the rise of the balls' friction loss by ball-to-ball contact.
     The oversizes are `OVERSIZE` [m], the axial loads `AXIAL` [N]. ``case``: case of Lin's Table 3.7, "a" or "b";
     ``coupling``: which parts the friction displaces, so that it changes the contact loads: "none", "ball" or "ball and
     screw".
@@ -695,7 +698,7 @@ def nearest_interpretation_in_words(key: str) -> str:
         f"{100.0 * s.largest_ball_to_groove_ratio:.1f} % at {s.nut_angle_of_largest_ratio:.0f}°, no contact from "
         f"{s.nut_angle_without_contact:.0f}°"
     )
-    return f"nearest of {len(TRIED)} readings: {text}: {numbers} (table friction-run-readings)"
+    return f"nearest of {len(TRIED)} interpretations: {text}: {numbers} (table friction-run-readings)"
 
 
 def simulation_interpretation_rows() -> list[Row]:
@@ -726,23 +729,30 @@ def simulation_interpretation_rows() -> list[Row]:
     return rows
 
 
-READING = ("rule of contact", "theta stays with", "amplitude / °", "oversize / µm", "contacts of the screw")
+#: Columns on the interpretation of Lin's text in a simulation of the whole screw.
+READING = (
+    TableColumn("rule of contact", "rule for ball-to-ball contact", "", "s"),
+    TableColumn("theta stays with", "part that theta moves with", "", "s"),
+    TableColumn("amplitude / °", "amplitude of theta", "°", "s"),
+    TableColumn("oversize / µm", "oversize of the ball radius", "µm", "s"),
+    TableColumn("contacts of the screw", "contacts of a ball with the screw on which theta acts", "", "s"),
+)
 
-#: Columns of a row on the whole-screw simulation.
+#: Columns of the results of one whole-screw simulation.
 RUN = (
-    TableColumn("assumption", "assumption", "", "s"),
-    TableColumn("value", "value", "", "s"),
-    TableColumn("largest", "largest ball-to-ball over groove torque", "%", ".1f"),
-    TableColumn("at", "nut angle of the largest", "°", ".0f"),
-    TableColumn("none_at", "nut angle where contact ends", "°", ".0f"),
-    TableColumn("groups", "groups of touching balls, at most", "", "s"),
-    TableColumn("variation", "variation of groove torque, from step 2", "%", ".1f"),
-    TableColumn("torque", "mean groove torque", "N mm", ".2f"),
-    TableColumn("steps", "time steps converged", "", "s"),
+    TableColumn("assumption", "varied assumption", "", "s"),
+    TableColumn("value", "assumed value", "", "s"),
+    TableColumn("largest", "largest ball-to-ball torque over ball-to-groove torque", "%", ".1f"),
+    TableColumn("at", "nut angle of the largest torque ratio", "°", ".0f"),
+    TableColumn("none_at", "nut angle where ball-to-ball contact ends", "°", ".0f"),
+    TableColumn("groups", "largest number of groups of touching balls", "", "s"),
+    TableColumn("variation", "variation of the ball-to-groove torque from step 2 on", "%", ".1f"),
+    TableColumn("torque", "mean ball-to-groove torque", "N mm", ".2f"),
+    TableColumn("steps", "number of time steps that converged", "", "s"),
 )
 
 
-def simulation_result_row(label: str, assumed_value: str, history: TravelHistory) -> Row:
+def simulation_result_row(label: str, assumed_value: str, history: travel.TravelHistory) -> Row:
     """Return the table row, with columns `RUN`, of the results of one simulation of the whole screw.
 
     ``label``: name of the assumption that is varied; ``assumed_value``: the assumption in words; ``history``: motions and
@@ -792,7 +802,7 @@ def simulation_row_by_lin_method(run: Run) -> Row:
         f"{len(r.status) - r.failed_step_count} of {len(r.status)}",
     )
     first = SOURCE_RULE, value, 100.0 * float(ratio[top]), float(angle[top]), none_at
-    values = *first, int(np.max(count_touching_groups(touching))), spread, 1e3 * float(torque.mean()), steps
+    values = *first, int(np.max(travel.count_touching_groups(touching))), spread, 1e3 * float(torque.mean()), steps
     return dict(zip(RUN, values, strict=True))
 
 
@@ -819,12 +829,15 @@ def simulation_sensitivity_rows() -> list[Row]:
     return rows
 
 
-def bearings_under_varied_assumptions() -> list[tuple[str, str, BearingCase]]:
+def bearings_under_varied_assumptions() -> list[tuple[str, str, friction_bearing.BearingCase]]:
     """Return the bearings of section 4.3.1 of Lin's thesis under varied assumptions.
 
     Each entry: kind of bearing ("four-point" or "double row"); assumption in words; inputs of the friction model.
     """
-    face = (BallRow(-6e-3, DIAGONAL), BallRow(6e-3, OTHER))
+    face = (
+        friction_bearing.BallRow(-6e-3, friction_bearing.DIAGONAL),
+        friction_bearing.BallRow(6e-3, friction_bearing.OTHER),
+    )
     four = source_cases.four_point_bearing(tilt=True)
     faulty: Mode = "as printed"
     out = [
@@ -854,18 +867,22 @@ def bearing_torque_rows() -> list[Row]:
     """
     rows = list[Row]()
     for bearing, label, case in bearings_under_varied_assumptions():
-        found = torque_over_force_angles(case, ANGLES)
-        torque = TableColumn("torque", "torque at 0°", "N mm", ".1f")
-        row: Row = {"bearing": bearing, "assumption": label, torque: 1e3 * float(found.torque[0])}
+        found = friction_bearing.bearing_torque_over_force_angles(case, ANGLES)
+        torque = TableColumn("torque", "friction torque at load angle 0°", "N mm", ".1f")
+        row: Row = {
+            "bearing": bearing,
+            TableColumn("assumption", "varied assumption", "", "s"): label,
+            torque: 1e3 * float(found.torque[0]),
+        }
         row |= {
-            TableColumn(f"to_{end:g}", f"largest/smallest torque, 0 to {end:g}°", "", ".3f"): largest_over_smallest_torque(
-                found, end
-            )
+            TableColumn(
+                f"to_{end:g}", f"largest over smallest torque, 0 to {end:g}° load angle", "", ".3f"
+            ): largest_over_smallest_torque(found, end)
             for end in ENDS
         }
         upto = found.angle <= radians(18.0) * (1.0 + 1e-12)
         status = "converged" if found.converged.all() else "not converged"
-        four = TableColumn("four", "balls beyond two contacts, to 18°", "", "s")
+        four = TableColumn("four", "largest number of balls with over two loaded contacts, to 18°", "", "s")
         rows.append(row | {four: int(found.balls_beyond_two_contacts[upto].max()), "status": status})
     return rows
 
@@ -886,11 +903,13 @@ def ball_contact_onset_rows(cache: SceneResultCache) -> list[Row]:
             )
             rows.append(
                 {
-                    "errors": errors,
-                    TableColumn("idle", "speed of unloaded balls over nominal", "", "g2"): idle,
-                    TableColumn("lost", "balls without load", "", "s"): int((o.contact_load_sums == 0.0).sum()),
-                    TableColumn("meet", "neighbours that close in", "", "s"): f"{meet} of {o.rotation_to_meeting.size}",
-                    TableColumn("first", "nut angle of the first contact", "°", "g4"): first,
+                    TableColumn("errors", "kind of geometric error", "", "s"): errors,
+                    TableColumn("idle", "speed of unloaded balls over nominal speed", "", "g2"): idle,
+                    TableColumn("lost", "number of balls without load", "", "s"): int((o.contact_load_sums == 0.0).sum()),
+                    TableColumn(
+                        "meet", "pairs of neighbours that approach each other", "", "s"
+                    ): f"{meet} of {o.rotation_to_meeting.size}",
+                    TableColumn("first", "nut angle of the first ball-to-ball contact", "°", "g4"): first,
                     "status": "converged" if o.converged else "not converged",
                 }
             )

@@ -42,7 +42,7 @@ def linear_ball_pair_scene(name: str = LINEAR_PAIR) -> LinearPairScene:
     return shipped_scene_of_kind(name, LinearPairScene)
 
 
-def printed_friction_slope() -> float:
+def printed_friction_slope_over_spin_pole_offset() -> float:
     """Return the slope of the friction force over c/a that Lin reads off his Figure 3.11.
 
     The friction force is divided by its largest value; c is the distance of the spin pole from the contact's centre, a
@@ -95,7 +95,7 @@ def second_ball_angle_deviation(name: str) -> float:
 
 
 def inferred_oversize() -> float:
-    """Return the oversize of the ball radius [m] that was inferred from the forces of Lin's Table 3.7."""
+    """Return the oversize of the ball radius [m] that was inferred from force and friction loss in Lin's Table 3.7."""
     return screw_pair_with_inferred_oversize().oversize
 
 

@@ -21,7 +21,8 @@ from rollbench.meshes.axis import Assembly
 from rollbench.meshes.helix import lead_per_radian
 from rollbench.meshes.parts import BallErrors, Errors, Scene, Support
 
-#: Loads of the axial lash test; the loads of the conical test are not printed and are assumed to be the same.
+#: Axial loads of the axial lash test: first, last and number of loads. The lateral loads of the conical test are not
+#: printed and are assumed to be the same.
 ENDS = "-200N:200N:2"
 #: Length of the loaded track of Table 4.1 [turns]; directions of the lateral force [rad], each also reversed.
 TURNS, DIRECTIONS = 3.75, np.radians([0.0, 45.0, 90.0, 135.0])
@@ -30,11 +31,11 @@ TURNING = ("rz",)
 PATTERNS = ("evenly distributed", "stacked on one end", "stacked on one side", "half-half")
 
 
-def ball_azimuths(scene: Scene, pattern: str) -> tuple[float, ...]:
+def ball_azimuths_of_pattern(scene: Scene, pattern: str) -> tuple[float, ...]:
     """Return the azimuths [rad] of the balls of the screw ``scene`` in a pattern of Lin's Figure 4.2.
 
-    ``pattern``: one of `PATTERNS`. Stacked balls touch one another. For "stacked on one side", the gap of every turn lies
-    opposite the x axis, at an azimuth of pi.
+    ``pattern``: one of `PATTERNS`. Stacked balls touch one another. For "stacked on one side", the part of every turn
+    without balls lies opposite the x axis, at an azimuth of pi.
     """
     n, track = scene.ball_count, scene.track
     full = 2.0 * np.pi * TURNS
@@ -57,7 +58,7 @@ def ball_azimuths(scene: Scene, pattern: str) -> tuple[float, ...]:
 
 def arrange_balls_in_pattern(scene: Scene, pattern: str) -> Scene:
     """Return a copy of the screw with its balls in a pattern of Lin's Figure 4.2; ``pattern``: one of `PATTERNS`."""
-    return replace(scene, balls=replace(scene.balls, azimuths=ball_azimuths(scene, pattern)))
+    return replace(scene, balls=replace(scene.balls, azimuths=ball_azimuths_of_pattern(scene, pattern)))
 
 
 def solve_axial_lash_test(scene: Scene, loads: str = ENDS, restrained: Sequence[str] = TURNING) -> LoadCurve:
@@ -137,7 +138,9 @@ class RelativeLashDifferences:
     conical_percent: tuple[float, ...]
 
 
-def lash_differences(scene: Scene, force_distance: float, restrained: Sequence[str] = TURNING) -> RelativeLashDifferences:
+def relative_lash_differences(
+    scene: Scene, force_distance: float, restrained: Sequence[str] = TURNING
+) -> RelativeLashDifferences:
     """Return the relative differences of a ball screw's lash between its ball patterns, by the axial and the conical test.
 
     ``scene``: the ball screw; ``force_distance``: distance of the lateral force from the nut's centre [m]; ``restrained``:
@@ -166,7 +169,7 @@ def lash_differences(scene: Scene, force_distance: float, restrained: Sequence[s
 #: lash test from the nut's centre [m].
 SCREW, RACK = "lin-nominal-4p1", "lin-steering-rack"
 RACK_FORCE, REACH = 14500.0, 0.3
-#: Tie-rod angles [deg].
+#: Angles between tie rods and rack [deg] at which the contact loads are computed.
 TIE_ROD = (0.0, 6.0, 12.0, 18.0)
 
 
@@ -178,7 +181,7 @@ def shipped_steering_gear() -> Assembly:
     return found
 
 
-def solve_at_tie_rod_angle(gear: Assembly, angle: float, *, side_forces_opposed: bool = False) -> AxisResult:
+def solve_gear_at_tie_rod_angle(gear: Assembly, angle: float, *, side_forces_opposed: bool = False) -> AxisResult:
     """Solve the steering gear under half of the rack force at each end of the rack, at one angle of both tie rods.
 
     ``angle``: angle between tie rod and rack [deg]; ``side_forces_opposed``: whether the lateral forces of both tie rods
@@ -207,8 +210,8 @@ def load_ratios_at_18_degrees(gear: Assembly, *, side_forces_opposed: bool = Fal
     ``side_forces_opposed``: whether the lateral forces of both tie rods have opposite directions.
     """
     low, high = (
-        largest_screw_and_bearing_loads(solve_at_tie_rod_angle(gear, 0.0)),
-        largest_screw_and_bearing_loads(solve_at_tie_rod_angle(gear, 18.0, side_forces_opposed=side_forces_opposed)),
+        largest_screw_and_bearing_loads(solve_gear_at_tie_rod_angle(gear, 0.0)),
+        largest_screw_and_bearing_loads(solve_gear_at_tie_rod_angle(gear, 18.0, side_forces_opposed=side_forces_opposed)),
     )
     return high[0] / low[0], high[1] / low[1]
 
@@ -244,7 +247,7 @@ def _compute_lash(findings: ComputedEntryValues, cache: SceneResultCache) -> Non
 
     ``cache``: gives the scenes included with rollbench; ``findings``: receives the results.
     """
-    found = lash_differences(cache.built_in_scene(SCREW), REACH)
+    found = relative_lash_differences(cache.built_in_scene(SCREW), REACH)
     by_direction = ", ".join(f"{x:.1f}" for x in found.conical_percent)
     words = f"lateral force at {1e3 * REACH:.0f} mm; by direction {by_direction} %"
     findings.add_number("axial", found.axial_percent, "screw kept from turning only")
@@ -260,7 +263,7 @@ def _compute_load_ratios(findings: ComputedEntryValues) -> None:
     ``findings``: receives the results.
     """
     gear = shipped_steering_gear()
-    results = [solve_at_tie_rod_angle(gear, angle) for angle in TIE_ROD]
+    results = [solve_gear_at_tie_rod_angle(gear, angle) for angle in TIE_ROD]
     loads = np.array([largest_screw_and_bearing_loads(r) for r in results])
     bands = load_ratio_ranges(gear)
     for k, key in enumerate(("screw", "bearing")):
@@ -286,10 +289,10 @@ def _compute_load_ratios(findings: ComputedEntryValues) -> None:
 
 def _load_ratio_range_in_words(band: tuple[float, float], printed: float) -> str:
     """Return in words the range of a load ratio, and whether it contains the printed value; ``band``: its two ends."""
-    return f"{band[0]:.2f} to {band[1]:.2f} ({'holds' if range_contains(band, printed) else 'without'} it)"
+    return f"{band[0]:.2f} to {band[1]:.2f} ({'holds' if rounded_value_lies_in_range(band, printed) else 'without'} it)"
 
 
-def range_contains(band: tuple[float, float], printed: float) -> bool:
+def rounded_value_lies_in_range(band: tuple[float, float], printed: float) -> bool:
     """Return whether a range contains a printed value that is rounded to two decimals; ``band``: both ends of the range."""
     return band[0] - 0.005 <= printed <= band[1] + 0.005
 
@@ -349,7 +352,7 @@ def lash_differences_by_changed_input(scene: Scene) -> Iterator[LashDifferencesW
     cases += [("restraint", (*usual[:3], name)) for name in RESTRAINTS if name != usual[3]]
     for changed, (diameter, position, reach, restraint) in cases:
         screw, nut = replace(scene.screw, outer_diameter=diameter), replace(scene.nut, position=position)
-        found = lash_differences(replace(scene, screw=screw, nut=nut), reach, RESTRAINTS[restraint])
+        found = relative_lash_differences(replace(scene, screw=screw, nut=nut), reach, RESTRAINTS[restraint])
         yield LashDifferencesWithChangedInput(changed, diameter, position, reach, restraint, found)
 
 
@@ -413,13 +416,13 @@ class LoadRatioRange:
     A load ratio is the largest contact load at a tie-rod angle of 18 deg over that at 0 deg.
     """
 
-    #: Name of the input.
+    #: Name of the varied input.
     changed_input: str
-    #: Stated range of the input.
+    #: Range over which the input is varied, in words.
     input_range: str
-    #: Smallest and largest ratio of the ball screw.
+    #: Smallest and largest load ratio of the ball screw.
     screw: tuple[float, float]
-    #: Smallest and largest ratio of the bearing.
+    #: Smallest and largest load ratio of the bearing.
     bearing: tuple[float, float]
 
 
@@ -441,7 +444,7 @@ def _change_screw_or_bearing(gear: Assembly, of_nut: bool, change: Callable[[Sce
 
 
 def _enlarge_balls(scene: Scene, excess: float) -> Scene:
-    """Return the scene with all ball radii enlarged by ``excess`` [m]."""
+    """Return a copy of the scene with all ball radii enlarged by ``excess`` [m]."""
     return replace(scene, errors=Errors(balls=BallErrors(oversize=excess)))
 
 
@@ -449,12 +452,12 @@ Parts = TypeVar("Parts", Scene, Assembly)
 
 
 def _set_outer_diameter(scene: Parts, diameter: float) -> Parts:
-    """Return the scene with another outer diameter of the screw [m]."""
+    """Return a copy of the scene with the outer diameter ``diameter`` [m] of the screw."""
     return replace(scene, screw=replace(scene.screw, outer_diameter=diameter))
 
 
-def _turn_balls(scene: Scene, angle: float) -> Scene:
-    """Return the scene with all balls turned about the axis by an angle [deg]."""
+def _rotate_balls_about_axis(scene: Scene, angle: float) -> Scene:
+    """Return a copy of the scene with all balls rotated about the screw's axis by ``angle`` [deg]."""
     azimuths = tuple(a + float(np.radians(angle)) for a in scene.balls.azimuths)
     return replace(scene, balls=replace(scene.balls, azimuths=azimuths))
 
@@ -466,15 +469,19 @@ def gears_with_unprinted_inputs_varied(gear: Assembly) -> Iterator[tuple[str, st
     rods have opposite directions.
     """
     (pinion,), (held, pinned) = gear.supports, PINION_HOLDS
-    yield "pinion's station", "350 to 750 mm", [(change_gear_layout(gear, z, held, 0.0), False) for z in PINIONS]
+    yield (
+        "axial position of the pinion",
+        "350 to 750 mm",
+        [(change_gear_layout(gear, z, held, 0.0), False) for z in PINIONS],
+    )
     across = change_gear_layout(gear, pinion.at, pinned, 0.0)
     yield (
-        "pinion's restraint, sense of the side forces",
+        "restraint by the pinion, directions of the lateral forces",
         f"{held}; {pinned}, alike or opposed",
         [*((gear, False), (across, False), (across, True))],
     )
     yield (
-        "bearing from the nut's centre",
+        "distance of the bearing from the nut's centre",
         "-20 to 20 mm",
         [(change_gear_layout(gear, pinion.at, held, x), False) for x in OFFSETS],
     )
@@ -487,22 +494,22 @@ def gears_with_unprinted_inputs_varied(gear: Assembly) -> Iterator[tuple[str, st
         ],
     )
     yield (
-        "excess radius of the bearing's balls",
+        "oversize of the bearing's ball radius",
         "-10 to 2 um",
         [(_change_screw_or_bearing(gear, False, partial(_enlarge_balls, excess=x)), False) for x in BEARING_FITS],
     )
     yield (
-        "excess radius of the screw's balls",
+        "oversize of the screw's ball radius",
         "-5 to 5 um",
         [(_change_screw_or_bearing(gear, True, partial(_enlarge_balls, excess=x)), False) for x in SCREW_FITS],
     )
     yield (
-        "first ball of the bearing",
-        "0 to 30 deg from the side force",
-        [(_change_screw_or_bearing(gear, False, partial(_turn_balls, angle=x)), False) for x in FIRST],
+        "azimuth of the bearing's first ball",
+        "0 to 30 deg from the lateral force",
+        [(_change_screw_or_bearing(gear, False, partial(_rotate_balls_about_axis, angle=x)), False) for x in FIRST],
     )
     yield (
-        "places of the screw's balls",
+        "pattern of the screw's balls",
         ", ".join(PATTERNS),
         [(_change_screw_or_bearing(gear, True, partial(arrange_balls_in_pattern, pattern=p)), False) for p in PATTERNS],
     )
@@ -527,10 +534,10 @@ def load_ratio_ranges(gear: Assembly) -> tuple[LoadRatioRange, ...]:
 def load_ratio_range_over_layouts(points: Sequence[GearLayoutLoadRatios]) -> LoadRatioRange:
     """Return the range of the steering gear's load ratios over all layouts together; ``points``: ratios by layout."""
     screw, bearing = [p.screw for p in points], [p.bearing for p in points]
-    words = "station, restraint, sense and bearing, each with each"
+    words = "pinion position and restraint, force directions, bearing position, all combined"
     return LoadRatioRange("layout as a whole", words, (min(screw), max(screw)), (min(bearing), max(bearing)))
 
 
 def largest_loads_over_tie_rod_angles(gear: Assembly) -> list[tuple[float, float]]:
-    """Return the largest contact load [N] of ball screw, then of bearing, at each tie-rod angle of `ANGLES`."""
-    return [largest_screw_and_bearing_loads(solve_at_tie_rod_angle(gear, angle)) for angle in ANGLES]
+    """Return the largest contact loads [N] of the steering gear at each tie-rod angle of `ANGLES`: ball screw, bearing."""
+    return [largest_screw_and_bearing_loads(solve_gear_at_tie_rod_angle(gear, angle)) for angle in ANGLES]

@@ -15,14 +15,7 @@ from typing import Literal
 import numpy as np
 
 from rollbench.compare.cases.lin.evidence import chapter_2
-from rollbench.compare.cases.lin.evidence.chapter_2 import (
-    SCREWS,
-    TABLE_CONFORMITY,
-    balls_without_load,
-    largest_over_smallest_load,
-    relative_standard_deviation_of_loads,
-    scenes_with_unprinted_inputs_varied,
-)
+from rollbench.compare.cases.lin.evidence import chapter_2 as evidence_chapter_2
 from rollbench.compare.measure import error_percent, load_error
 from rollbench.compare.models.load_cases import solve_scene_with_results
 from rollbench.compare.models.registry import DEFAULT, ModelOptions
@@ -62,19 +55,25 @@ def end_support_table(cache: SceneResultCache) -> Table:
         ):
             row: Row = {
                 "scene": name,
-                TableColumn("held", "support at the right end", "", "s"): reading.restraint_in_words,
-                TableColumn("text", "stated by Lin's text", "", "s"): "yes" if reading.is_stated_by_text else "no",
-                TableColumn("reference", "3D reference", "", "s"): reference_mesh_level_in_words(cache, name),
+                TableColumn("held", "freedoms restrained at the right end", "", "s"): reading.restraint_in_words,
+                TableColumn("text", "whether Lin's text states this support", "", "s"): "yes"
+                if reading.is_stated_by_text
+                else "no",
+                TableColumn("reference", "finest mesh of the 3D reference", "", "s"): reference_mesh_level_in_words(
+                    cache, name
+                ),
             }
             for model, words in (("lin", "Lin's model"), (DEFAULT, "refined model")):
                 result = cache.solve_once(name, model)
                 e = load_error(result.load, cache.solve_once(first, model).load)
                 where = f"{e.ball} {e.side}" if e.max_percent > 0.0 else "–"
                 row |= {
-                    TableColumn(f"{model}_max", f"max, {words}", "N", ".1f"): float(result.load.max()),
-                    TableColumn(f"{model}_min", f"min, {words}", "N", ".1f"): float(result.load.min()),
-                    TableColumn(f"{model}_change", f"largest change, {words}", "% of mean", ".2f"): e.max_percent,
-                    TableColumn(f"{model}_where", f"at ball, {words}", "", "s"): where,
+                    TableColumn(f"{model}_max", f"largest contact load, {words}", "N", ".1f"): float(result.load.max()),
+                    TableColumn(f"{model}_min", f"smallest contact load, {words}", "N", ".1f"): float(result.load.min()),
+                    TableColumn(
+                        f"{model}_change", f"largest change of a contact load, {words}", "% of mean load", ".2f"
+                    ): e.max_percent,
+                    TableColumn(f"{model}_where", f"ball and flank of the largest change, {words}", "", "s"): where,
                 }
             rows.append(row)
     note = (
@@ -100,17 +99,30 @@ def model_choice_rows(found: Sequence[chapter_2.Case1WithModelChoice]) -> list[R
     """
     return [
         {
-            "choice": c.choice_in_words,
-            TableColumn("max", "max", "N", ".2f"): float(c.solution.load.max()),
-            TableColumn("min", "min", "N", ".2f"): float(c.solution.load[:, 0].min()),
-            TableColumn("ratio", "max/min", "", ".4f"): chapter_2.largest_over_smallest_load(c.solution.load[:, 0]),
-            TableColumn("error", "largest change", "% of mean", ".3f"): c.load_change.max_percent,
-            TableColumn("rms", "RMS change", "% of mean", ".3f"): c.load_change.rms_percent,
+            TableColumn("choice", "modelling choice", "", "s"): c.choice_in_words,
+            TableColumn("max", "largest contact load", "N", ".2f"): float(c.solution.load.max()),
+            TableColumn("min", "smallest contact load", "N", ".2f"): float(c.solution.load[:, 0].min()),
+            TableColumn("ratio", "largest over smallest load", "", ".4f"): chapter_2.largest_over_smallest_load(
+                c.solution.load[:, 0]
+            ),
+            TableColumn("error", "largest change of a contact load", "% of mean load", ".3f"): c.load_change.max_percent,
+            TableColumn("rms", "RMS change of the contact loads", "% of mean load", ".3f"): c.load_change.rms_percent,
             TableColumn("uz", "axial displacement at the load", "µm", ".2f"): 1e6 * float(c.solution.centreline[0, 2]),
             "status": c.solution.status,
         }
         for c in found
     ]
+
+
+#: Words for the last parts of the names of case study 3's scenes, and for the flanks.
+END_WORDS = {"offset": "right end offset", "ux": "end held in ux only", "clamped": "end clamped"}
+SIDE_WORDS = dict(zip(SIDES, ("screw left", "screw right", "nut left", "nut right"), strict=True))
+
+
+def _scene_in_words(name: str) -> str:
+    """Return a scene of Lin's case studies in words, such as "case 3, right end offset" for "lin-case3-offset"."""
+    case, *rest = name.removeprefix("lin-").split("-")
+    return ", ".join([case.replace("case", "case "), *(END_WORDS[part] for part in rest)])
 
 
 def contact_loads_table(cache: SceneResultCache) -> Table:
@@ -125,14 +137,15 @@ def contact_loads_table(cache: SceneResultCache) -> Table:
         for s in range(4):
             if not (r.load[:, s] > 0.0).any():
                 continue
-            load = TableColumn(f"{short}-{SIDES[s]}", f"{short.replace('-', ' ')} {SIDES[s]}", "N", ".2f")
+            heading = f"{_scene_in_words(name)}: contact load, {SIDE_WORDS[SIDES[s]]} flank"
+            load = TableColumn(f"{short}-{SIDES[s]}", heading, "N", ".2f")
             for i, row in enumerate(rows):
                 row[load] = float(r.load[i, s])
     return Table.from_rows("cases-loads", "Lin's case studies: contact loads of every ball", rows)
 
 
 def largest_and_smallest_loads_table(cache: SceneResultCache) -> Table:
-    """Return the table of largest and smallest load on each flank, balance of forces and residual, for all case studies.
+    """Return the table of largest and smallest load on each flank, with sums of forces and moments, for all case studies.
 
     ``cache``: gives the solved scenes.
     """
@@ -146,20 +159,31 @@ def largest_and_smallest_loads_table(cache: SceneResultCache) -> Table:
                 rows.append(
                     {
                         TableColumn("case", "scene", "", "s"): name,
-                        "side": side,
-                        TableColumn("max", "max", "N", ".2f"): float(load.max()),
-                        TableColumn("min", "min", "N", ".2f"): float(load.min()),
-                        TableColumn("ratio", "max/min", "", ".4f"): chapter_2.largest_over_smallest_load(load),
-                        TableColumn("ball", "ball of max", "", "s"): int(load.argmax()) + 1,
-                        TableColumn("residual", "residual", "", "g2"): r.solver.residual,
-                        TableColumn("force", "force balance", "", "g2"): r.equilibrium.force_residual,
-                        TableColumn("moment", "moment balance", "", "g2"): r.equilibrium.moment_residual,
+                        TableColumn("side", "flank", "", "s"): side,
+                        TableColumn("max", "largest contact load", "N", ".2f"): float(load.max()),
+                        TableColumn("min", "smallest contact load", "N", ".2f"): float(load.min()),
+                        TableColumn("ratio", "largest over smallest load", "", ".4f"): chapter_2.largest_over_smallest_load(
+                            load
+                        ),
+                        TableColumn("ball", "ball with the largest load", "", "s"): int(load.argmax()) + 1,
+                        TableColumn(
+                            "residual", "residual of the solved equations, over the largest force", "", "g2"
+                        ): r.solver.residual,
+                        TableColumn(
+                            "force", "sum of all forces on the screw, over the largest force", "", "g2"
+                        ): r.equilibrium.force_residual,
+                        TableColumn(
+                            "moment", "sum of all moments on the screw, over the largest moment", "", "g2"
+                        ): r.equilibrium.moment_residual,
                         "status": r.status,
                     }
                 )
-    note = "Force and moment balance: sum of loads, reactions and contact forces on the screw, over the largest force."
+    note = "Sums of forces and moments: loads, reactions and contact forces on the screw; zero in exact equilibrium."
     return Table.from_rows(
-        "cases-summary", "Lin's case studies: smallest and largest contact loads, and balance of forces", rows, note
+        "cases-summary",
+        "Lin's case studies: smallest and largest contact loads on each flank, and balance of forces",
+        rows,
+        note,
     )
 
 
@@ -182,13 +206,13 @@ def case_study_figures(cache: SceneResultCache) -> tuple[Figure, ...]:
     coarse = cache.solve_once(cache.scene_with_options("lin-case1", partition="source", section="groove squared"))
     case2 = cache.solve_once("lin-case2")
     first = contact_load_panel(
-        "case 1, SL = NR",
+        "case 1, flanks SL = NR",
         contact_load_curve("low-order model", case1, 0, emphasis=True),
         contact_load_curve("Lin's beam elements, C.8 without root", coarse, 0),
         contact_load_curve("Mei, rigid nut", mei, 0),
         contact_load_curve("Mei, nut as a bar", nut, 0),
     )
-    title = f"case 2, SL = NR: {oversized_balls_in_words(cache.built_in_scene('lin-case2'))}"
+    title = f"case 2, flanks SL = NR: {oversized_balls_in_words(cache.built_in_scene('lin-case2'))}"
     second = contact_load_panel(
         title, contact_load_curve("case 2", case2, 0, emphasis=True), contact_load_curve("case 1", case1, 0)
     )
@@ -214,7 +238,11 @@ def case_study_figures(cache: SceneResultCache) -> tuple[Figure, ...]:
         (*lateral_displacement_curves(case1.centreline_z, case1.centreline), straight),
     )
     three = cache.solve_once("lin-case3-offset")
-    bend = Panel("case 3 with offset", *axes, lateral_displacement_curves(three.centreline_z, three.centreline))
+    bend = Panel(
+        "case 3 with offset: lateral displacement of the centreline",
+        *axes,
+        lateral_displacement_curves(three.centreline_z, three.centreline),
+    )
     return (
         Figure("cases-12", "Lin's case studies 1 and 2: contact load of each ball", (first, second)),
         Figure(
@@ -315,7 +343,7 @@ def errors_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sect
     random, combined = ensembles["lin-random"], ensembles["lin-combined"]
     one, all_three = cache.solve_once("lin-random"), cache.solve_once("lin-combined")
     left = contact_load_panel(
-        "one kind of error at a time, SL = NR",
+        "one kind of error at a time, flanks SL = NR",
         contact_load_curve("no errors (case 1)", base, 0, emphasis=True),
         contact_load_curve("profile errors", profile, 0),
         contact_load_curve("pitch errors", pitch, 0),
@@ -323,7 +351,7 @@ def errors_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sect
         load_percentile_band("random, 5 to 95 %", random, 0),
     )
     right = contact_load_panel(
-        "all three together",
+        "all three kinds of error together",
         contact_load_curve("SL, one draw", all_three, 0, emphasis=True),
         contact_load_curve("SR, one draw", all_three, 1),
         load_percentile_band("SL, 5 to 95 %", combined, 0),
@@ -335,18 +363,24 @@ def errors_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sect
             load = e.loads[:, :, s]
             largest = load.max(axis=1)
             low, mid, high = np.percentile(largest, [5, 50, 95])
-            ratios = [largest_over_smallest_load(one) for one in load]
+            ratios = [evidence_chapter_2.largest_over_smallest_load(one) for one in load]
             rows.append(
                 {
                     "scene": name,
-                    TableColumn("members", "drawn screws", "", "s"): len(e.loads),
-                    "side": SIDES[s],
-                    TableColumn("low", "largest load, 5 %", "N", ".1f"): float(low),
-                    TableColumn("mid", "median", "N", ".1f"): float(mid),
-                    TableColumn("high", "95 %", "N", ".1f"): float(high),
-                    TableColumn("ratio", "max/min, median", "", ".3f"): float(np.median(ratios)) if s == 0 else None,
-                    TableColumn("lost", "unloaded balls, mean", "", ".2f"): float((load == 0.0).sum(axis=1).mean()),
-                    TableColumn("bad", "screws not converged", "", "s"): sum(x != "converged" for x in e.statuses),
+                    TableColumn("members", "number of random screws", "", "s"): len(e.loads),
+                    TableColumn("side", "flank", "", "s"): SIDES[s],
+                    TableColumn("low", "5th percentile of the largest contact load", "N", ".1f"): float(low),
+                    TableColumn("mid", "median of the largest contact load", "N", ".1f"): float(mid),
+                    TableColumn("high", "95th percentile of the largest contact load", "N", ".1f"): float(high),
+                    TableColumn("ratio", "median of largest over smallest load", "", ".3f"): float(np.median(ratios))
+                    if s == 0
+                    else None,
+                    TableColumn("lost", "mean number of unloaded balls", "", ".2f"): float(
+                        (load == 0.0).sum(axis=1).mean()
+                    ),
+                    TableColumn("bad", "number of screws not converged", "", "s"): sum(
+                        x != "converged" for x in e.statuses
+                    ),
                 }
             )
     changes: list[Row] = []
@@ -356,12 +390,14 @@ def errors_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sect
         changes.append(
             {
                 "scene": name,
-                TableColumn("max", "largest load", "N", ".1f"): float(r.load.max()),
-                TableColumn("ratio", "max/min on SL", "", ".3f"): largest_over_smallest_load(r.load[:, 0]),
-                TableColumn("change", "largest change", "% of mean", ".2f"): e2.max_percent,
-                TableColumn("rms", "RMS change", "% of mean", ".2f"): e2.rms_percent,
-                TableColumn("ball", "at ball", "", "s"): f"{e2.ball} {e2.side}",
-                TableColumn("third", "balls loaded on SR", "", "s"): int((r.load[:, 1] > 0).sum()),
+                TableColumn("max", "largest contact load", "N", ".1f"): float(r.load.max()),
+                TableColumn(
+                    "ratio", "largest over smallest load on flank SL", "", ".3f"
+                ): evidence_chapter_2.largest_over_smallest_load(r.load[:, 0]),
+                TableColumn("change", "largest change of a contact load", "% of mean load", ".2f"): e2.max_percent,
+                TableColumn("rms", "RMS change of the contact loads", "% of mean load", ".2f"): e2.rms_percent,
+                TableColumn("ball", "ball and flank of the largest change", "", "s"): f"{e2.ball} {e2.side}",
+                TableColumn("third", "number of balls loaded on flank SR", "", "s"): int((r.load[:, 1] > 0).sum()),
             }
         )
     return Section(
@@ -398,7 +434,7 @@ def hertz_section(cache: SceneResultCache, step: Callable[[str], None]) -> Secti
     case = cache.built_in_scene("lin-case1")
     compared = [
         ("Table 2.1's groove, 3.254 mm", case),
-        ("Table B.1's groove, 0.56 x diameter", with_conformity(case, TABLE_CONFORMITY)),
+        ("Table B.1's groove, 0.56 x diameter", with_conformity(case, evidence_chapter_2.TABLE_CONFORMITY)),
     ]
     constants: list[Row] = []
     for label, scene in compared:
@@ -407,20 +443,25 @@ def hertz_section(cache: SceneResultCache, step: Callable[[str], None]) -> Secti
             C = float(right.C[side])
             constants.append(
                 {
-                    "groove": label,
-                    "side": name,
-                    TableColumn("right", "C, correct", "m/N^(2/3)", "g5"): C,
-                    TableColumn("faulty", "C, as printed", "m/N^(2/3)", "g5"): printed.C,
-                    TableColumn("error", "as printed against correct", "%", ".1f"): float(error_percent(printed.C, C)),
-                    TableColumn("approach", "approach", "µm", ".3f"): 1e6 * C * 225.0 ** (2 / 3),
-                    TableColumn("a", "semi-axis a", "mm", ".4f"): 1e3 * float(right.C_a[side]) * 225.0 ** (1 / 3),
-                    TableColumn("b", "semi-axis b", "mm", ".4f"): 1e3 * float(right.C_b[side]) * 225.0 ** (1 / 3),
-                    TableColumn("p0", "pole pressure", "MPa", ".1f"): 1e-6 * float(right.pressure(np.array(225.0))[side]),
+                    TableColumn("groove", "groove radius", "", "s"): label,
+                    TableColumn("side", "contact with", "", "s"): name,
+                    TableColumn("right", "Hertz constant C, correct", "m/N^(2/3)", "g5"): C,
+                    TableColumn("faulty", "Hertz constant C, as Lin computes it", "m/N^(2/3)", "g5"): printed.C,
+                    TableColumn("error", "error of C as Lin computes it", "%", ".1f"): float(error_percent(printed.C, C)),
+                    TableColumn("approach", "approach under 225 N", "µm", ".3f"): 1e6 * C * 225.0 ** (2 / 3),
+                    TableColumn("a", "semi-axis a under 225 N", "mm", ".4f"): 1e3
+                    * float(right.C_a[side])
+                    * 225.0 ** (1 / 3),
+                    TableColumn("b", "semi-axis b under 225 N", "mm", ".4f"): 1e3
+                    * float(right.C_b[side])
+                    * 225.0 ** (1 / 3),
+                    TableColumn("p0", "largest pressure under 225 N", "MPa", ".1f"): 1e-6
+                    * float(right.pressure(np.array(225.0))[side]),
                 }
             )
     return Section(
         "hertz",
-        "Lin, Table B.1: Hertz constants as printed and correct",
+        "Lin, Table B.1: Hertz constants, as printed and correct",
         (
             Text(
                 (
@@ -469,32 +510,46 @@ def manufacturing_section(cache: SceneResultCache, step: Callable[[str], None]) 
     """
     panels = [equivalent_errors_panel(cache.built_in_scene("lin-pitch-4p1"))]
     rows: list[Row] = []
-    for screw, label in SCREWS.items():
+    for screw, label in evidence_chapter_2.SCREWS.items():
         step(f"pitch and roundness errors on the screw of {label}")
         curves = []
         for kind in ("pitch", "roundness"):
             scene = cache.built_in_scene(f"lin-{kind}-{screw}")
             curves.append(contact_load_curve(f"{kind} error", cache.solve_once(scene), 0, emphasis=True))
-            for reading, variant in scenes_with_unprinted_inputs_varied(scene):
+            for reading, variant in evidence_chapter_2.scenes_with_unprinted_inputs_varied(scene):
                 r = cache.solve_once(variant)
                 third = r.load[:, [1, 2]]
                 rows.append(
                     {
-                        "screw": label,
-                        "error": kind,
-                        "reading": reading,
-                        TableColumn("max", "max SL", "N", ".1f"): float(r.load[:, 0].max()),
-                        TableColumn("min", "min SL", "N", ".1f"): float(r.load[:, 0].min()),
-                        TableColumn("spread", "st. dev. / mean", "", ".3f"): relative_standard_deviation_of_loads(r),
-                        TableColumn("lost", "balls without contact", "", "s"): int(balls_without_load(r).sum()),
-                        TableColumn("third", "balls with a third contact", "", "s"): int((third > 0.0).any(axis=1).sum()),
-                        TableColumn("third_max", "largest third contact", "N", ".1f"): float(third.max()),
+                        TableColumn("screw", "screw", "", "s"): label,
+                        TableColumn("error", "geometric error", "", "s"): kind,
+                        TableColumn("reading", "assumption on unprinted inputs", "", "s"): reading,
+                        TableColumn("max", "largest contact load on flank SL", "N", ".1f"): float(r.load[:, 0].max()),
+                        TableColumn("min", "smallest contact load on flank SL", "N", ".1f"): float(r.load[:, 0].min()),
+                        TableColumn(
+                            "spread", "standard deviation over mean of the loads on SL", "", ".3f"
+                        ): evidence_chapter_2.relative_standard_deviation_of_loads(r),
+                        TableColumn("lost", "number of balls without contact", "", "s"): int(
+                            evidence_chapter_2.balls_without_load(r).sum()
+                        ),
+                        TableColumn("third", "number of balls with a third loaded contact", "", "s"): int(
+                            (third > 0.0).any(axis=1).sum()
+                        ),
+                        TableColumn("third_max", "largest load of a third contact", "N", ".1f"): float(third.max()),
                         "status": r.status,
                     }
                 )
         bare = replace(cache.built_in_scene(f"lin-pitch-{screw}"), errors=Errors())
         curves.append(contact_load_curve("no errors", cache.solve_once(bare), 0))
-        panels.append(Panel(f"screw of {label}, 1000 N: SL", "ball", "contact load / N", tuple(curves), integer_x=True))
+        panels.append(
+            Panel(
+                f"screw of {label}, 1000 N: contact loads on flank SL",
+                "ball",
+                "contact load / N",
+                tuple(curves),
+                integer_x=True,
+            )
+        )
     return Section(
         "manufacturing",
         "Lin 4.3.2: contact loads with pitch errors and with roundness errors",
@@ -548,21 +603,29 @@ def solver_agreement_row(cache: SceneResultCache, name: str) -> Row:
     solver = by_energy.solver
     row: Row = {
         "scene": name,
-        TableColumn("iterations", "iterations, energy solver", "", "s"): solver.iterations,
-        TableColumn("residual", "residual", "", "g2"): solver.residual,
+        TableColumn("iterations", "iterations of the energy solver", "", "s"): solver.iterations,
+        TableColumn("residual", "residual of the energy solver, over the largest force", "", "g2"): solver.residual,
     }
     kinds: tuple[tuple[Literal["arc", "source"], str, str, str], ...] = (
-        ("arc", "difference, same equations", "g2", "iterations, Lin's Newton method"),
-        ("source", "difference, Lin's own kinematics", "g3", "iterations, Lin's own kinematics"),
+        ("arc", "largest load difference, same equations", "g2", "iterations of Lin's Newton method, same equations"),
+        (
+            "source",
+            "largest load difference, Lin's kinematics",
+            "g3",
+            "iterations of Lin's Newton method, Lin's kinematics",
+        ),
     )
     for kinematics, heading, form, counted in kinds:
         by_source = solve_lin_equations_with_fallback(scene, kinematics)
         off = load_error(by_energy.load, by_source.contact_loads).max_percent if by_source.converged else None
-        row[TableColumn(kinematics, heading, "% of mean", form)] = off
+        row[TableColumn(kinematics, heading, "% of mean load", form)] = off
         row[TableColumn(f"{kinematics}_iterations", counted, "", "s")] = by_source.iterations
-    for arm, heading in (("nominal", "lever arm at the nominal contact"), ("ball", "force at the ball's axial position")):
+    for arm, heading in (
+        ("nominal", "largest load change with the lever arm at the nominal contact"),
+        ("ball", "largest load change with forces at the balls' axial positions"),
+    ):
         frozen = cache.solve_once(cache.scene_with_options(name, arm=arm))
-        row[TableColumn(arm, heading, "% of mean", ".3f")] = load_error(frozen.load, by_energy.load).max_percent
+        row[TableColumn(arm, heading, "% of mean load", ".3f")] = load_error(frozen.load, by_energy.load).max_percent
     return row | {TableColumn("source_status", "status of Lin's Newton method", "", "s"): by_source.status}
 
 

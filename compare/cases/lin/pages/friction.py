@@ -12,29 +12,7 @@ from math import degrees
 
 import numpy as np
 
-from rollbench.compare.cases.lin.evidence import screw
-from rollbench.compare.cases.lin.evidence.rotary_linear import (
-    AXIAL,
-    CASES,
-    K_F,
-    LINEAR,
-    PRINTED_LAW,
-    ROTARY,
-    VERTICAL,
-    linear_pair_sensitivity_rows,
-    power_balance_rows,
-    solve_rotary_ball,
-    solve_rotary_ball_as_printed,
-)
-from rollbench.compare.cases.lin.evidence.source_cases import (
-    LINEAR_PAIR,
-    LINEAR_WORST,
-    ROTARY_SCENES,
-    four_point_bearing,
-    screw_pair_as_printed,
-    screw_pair_with_inferred_oversize,
-    simulation_inputs_of_section_3_4_4,
-)
+from rollbench.compare.cases.lin.evidence import rotary_linear, screw, source_cases
 from rollbench.compare.cases.lin.extremes import extreme_linear_pair_rows, root_finding_rows
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import SceneResultCache
@@ -59,8 +37,8 @@ def power_balance_table() -> Table:
     """
     table = Table.from_rows(
         "friction-balance",
-        "Rotary bearing (Lin 3.2): power input and friction losses, for each friction model",
-        power_balance_rows(),
+        "One ball of a rotary bearing (Lin 3.2): friction torque, power input and losses, for each friction model",
+        rotary_linear.power_balance_rows(),
     )
     worst = max(table.rows, key=lambda row: abs(float(row["balance"] or 0.0)))
     off = float(error_percent(float(worst["loss"] or 0.0), float(worst["input"] or 0.0)))
@@ -82,7 +60,7 @@ def linear_pair_sensitivity_table() -> Table:
     table = Table.from_rows(
         "friction-sensitivity",
         "Two balls of a linear bearing (Lin 3.3): ball-to-ball force and losses, for each assumption on the contact loads",
-        linear_pair_sensitivity_rows(),
+        rotary_linear.linear_pair_sensitivity_rows(),
     )
     target = printed.value or 0.0
     forces = [float(row["force"] or 0.0) for row in table.rows]
@@ -138,12 +116,12 @@ def rotary_bearing_torque_figure() -> Figure:
     """Draw Lin's Figure 3.7: forces, torque, losses and ball rotation over the ring's radial displacement."""
     u = 1e-6 * np.concatenate([np.linspace(0.0, 4.0, 9), np.linspace(4.05, 6.0, 40), np.linspace(6.2, 10.0, 20)])
     true, printed = (
-        solve_ball_over_displacements(ROTARY, AXIAL, u),
-        solve_ball_over_displacements(ROTARY, AXIAL, u, PRINTED_LAW),
+        solve_ball_over_displacements(rotary_linear.ROTARY, rotary_linear.AXIAL, u),
+        solve_ball_over_displacements(rotary_linear.ROTARY, rotary_linear.AXIAL, u, rotary_linear.PRINTED_LAW),
     )
     good = np.array([s.motion.status == "exact" for s in printed])
     x, label = scale_to_python_floats(u, 1e6), "u_y / µm"
-    marks = [1e6 * v for v in CASES.values()]
+    marks = [1e6 * v for v in rotary_linear.CASES.values()]
     laws = (("correct", true, np.ones(u.size, dtype=bool)), ("as printed", printed, good))
 
     def curves_of_quantity(
@@ -164,7 +142,7 @@ def rotary_bearing_torque_figure() -> Figure:
             )
             for name, found, ok in laws
         ]
-        dots = [printed_value("lin-3.2", f"{key}_{case}") for case in CASES]
+        dots = [printed_value("lin-3.2", f"{key}_{case}") for case in rotary_linear.CASES]
         return (*drawn, Series("Table 3.2, cases I to III", marks, dots, "markers"))
 
     losses = [Series(side, x, [float(s.motion.friction.loss[i]) for s in true], "line") for i, side in enumerate(SIDES)]
@@ -183,9 +161,9 @@ def rotary_bearing_torque_figure() -> Figure:
             curves_of_quantity(lambda s: s.inner_ring_torque, "torque", 1e3),
             include_zero=True,
         ),
-        Panel("correct friction loss of each contact", label, "loss / W", losses, include_zero=True),
+        Panel("friction loss of each contact, correct", label, "loss / W", losses, include_zero=True),
         Panel(
-            "rotation of the ball, ω_x",
+            "angular velocity ω_x of the ball",
             label,
             "ω_x / rad/s",
             curves_of_quantity(lambda s: s.motion.unknown_velocities[1], "omega_x"),
@@ -218,7 +196,7 @@ def sliding_velocity_panel(case: str, solution: BearingBallSolution, title: str)
         _, vz, spin = (float(v) for v in solution.motion.contact_motions[i])
         velocity = vz - spin * x * float(solution.contacts.a[i])
         curves.append(Series(SIDES[i], scale_to_python_floats(x), scale_to_python_floats(velocity, 1e3), "line"))
-    return Panel(f"case {case}, {title}", "x / a", "velocity / mm/s", curves)
+    return Panel(f"sliding velocity, case {case}, {title}", "x / a", "velocity / mm/s", curves)
 
 
 def sliding_velocity_figure() -> Figure:
@@ -226,8 +204,13 @@ def sliding_velocity_figure() -> Figure:
 
     Three panels have correct values, and three have values computed with Lin's faults.
     """
-    panels = [sliding_velocity_panel(case, solve_rotary_ball(case), "correct") for case in CASES]
-    panels += [sliding_velocity_panel(case, solve_rotary_ball_as_printed(case), "as printed") for case in CASES]
+    panels = [
+        sliding_velocity_panel(case, rotary_linear.solve_rotary_ball(case), "correct") for case in rotary_linear.CASES
+    ]
+    panels += [
+        sliding_velocity_panel(case, rotary_linear.solve_rotary_ball_as_printed(case), "as printed")
+        for case in rotary_linear.CASES
+    ]
     caption = (
         "Contacts: I inner, O outer ring; L left, R right. Slope of a curve: spin; offset: sliding. Case I: one contact "
         "rolls, the other spins about its centre. Case II: as printed, IR and OL slide and OR is nearly at rest; "
@@ -253,9 +236,9 @@ def panels_over_side_force_ratio(
     """
     x = scale_to_python_floats(grid_results.side_force_ratio)
     parts = (
-        ("numerical", by_model_and_formula.numerical),
-        ("formula", by_model_and_formula.formula),
-        ("formula less numerical", by_model_and_formula.error),
+        ("numerical model", by_model_and_formula.numerical),
+        ("Lin's formula", by_model_and_formula.formula),
+        ("difference, formula less numerical", by_model_and_formula.error),
     )
     panels = []
     for title, values in parts:
@@ -272,12 +255,18 @@ def figures_over_side_force_ratio() -> tuple[Figure, Figure]:
 
     First: difference of the balls' velocities; second: ball-to-ball force and ratio of friction losses.
     """
-    m = pair_results_over_grid(LINEAR, np.radians([-3.0, -1.0, 1.0, 2.0, 3.0]), np.linspace(-0.6, 0.6, 25), VERTICAL, K_F)
+    m = pair_results_over_grid(
+        rotary_linear.LINEAR,
+        np.radians([-3.0, -1.0, 1.0, 2.0, 3.0]),
+        np.linspace(-0.6, 0.6, 25),
+        rotary_linear.VERTICAL,
+        rotary_linear.K_F,
+    )
     short = np.abs(m.velocity_deviation_difference.error).max() / np.abs(m.velocity_deviation_difference.numerical).max()
     first = Figure(
         "friction-difference",
         "Linear bearing (Lin, Figure 3.14): velocity difference of two balls over side force/vertical load",
-        panels_over_side_force_ratio(m, m.velocity_deviation_difference, "ε₁ − ε₂"),
+        panels_over_side_force_ratio(m, m.velocity_deviation_difference, "velocity difference ε₁ − ε₂"),
         "θ: deviation of the contact angle; ε₁, ε₂: relative deviations of both balls' velocities from nominal. The balls "
         "approach each other where the curve is above zero. The values of Lin's formula are too small by up to "
         f"{short:.0%} of the largest value.",
@@ -287,7 +276,7 @@ def figures_over_side_force_ratio() -> tuple[Figure, Figure]:
         "friction-force",
         "Linear bearing (Lin, Figure 3.15): ball-to-ball force and loss ratio over side force/vertical load",
         [
-            *panels_over_side_force_ratio(m, m.force, "force / N"),
+            *panels_over_side_force_ratio(m, m.force, "ball-to-ball force / N"),
             *panels_over_side_force_ratio(m, m.groove_and_ball_loss_ratio, "loss ratio"),
         ],
         "Loss ratio: 1 + loss between the balls/losses without ball-to-ball contact. Where the balls approach each other, "
@@ -306,7 +295,7 @@ INTRODUCTION = (
     "Cases I to III of the rotary bearing come out to every printed digit, except one misprinted sum, when "
     "the thesis's faults are repeated: F = 1 with the second fundamental form alone in the Hertz constants, "
     "the sigmoid with k_S = 100 on the magnitude of the spin, and friction interpolated linearly between "
-    f"maps. Radial displacements of {', '.join(f'{1000000.0 * u:g}' for u in CASES.values())} µm and the "
+    f"maps. Radial displacements of {', '.join(f'{1000000.0 * u:g}' for u in rotary_linear.CASES.values())} µm and the "
     "maps' step of 0.08 are not printed; they are inferred, and every number of a case follows from one of "
     "them. The correct values use exact Hertz constants and Coulomb friction in closed form.",
     "For the linear bearing Lin, too, uses exact Hertz constants; misprints in his formulas (exponents "
@@ -321,7 +310,7 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     ``cache``: records which scenes the section uses; ``step``: function that receives a message before each step.
     """
     step("velocities of the rotary bearing")
-    cache.record_used_scenes((*ROTARY_SCENES.values(), LINEAR_PAIR, LINEAR_WORST))
+    cache.record_used_scenes((*source_cases.ROTARY_SCENES.values(), source_cases.LINEAR_PAIR, source_cases.LINEAR_WORST))
     drawn = [sliding_velocity_figure()]
     step("maps of the linear pair")
     drawn += figures_over_side_force_ratio()
@@ -372,7 +361,7 @@ def angle_deviation_panel(case: Run) -> Panel:
         scale_to_python_floats(np.degrees(contact_angle_deviation(case, phi))),
         "line",
     )
-    return Panel("deviation θ over the loaded turns", "azimuth / deg", "θ / deg", (curve,))
+    return Panel("deviation θ of the contact angles over the loaded turns", "azimuth / deg", "θ / deg", (curve,))
 
 
 def touching_balls_panels(history: TravelHistory) -> tuple[Panel, Panel]:
@@ -384,14 +373,21 @@ def touching_balls_panels(history: TravelHistory) -> tuple[Panel, Panel]:
     along = np.degrees(
         np.mod(history.azimuth - history.nut_angle[:, None] + np.pi * history.setting.turns, history.setting.ring)
     )
-    some = history.contact & (np.arange(history.nut_angle.size) % max(1, history.nut_angle.size // DOTS) == 0)[:, None]
+    some = (
+        history.presses_on_next & (np.arange(history.nut_angle.size) % max(1, history.nut_angle.size // DOTS) == 0)[:, None]
+    )
     step, ball = np.nonzero(some)
     time = history.nut_angle / history.setting.groove.speed
     dots = Series("touching", scale_to_python_floats(time[step]), scale_to_python_floats(along[step, ball]), "markers")
     pairs = Series(
-        "touching pairs", scale_to_python_floats(time), scale_to_python_floats(history.contact.sum(axis=1)), "line"
+        "touching pairs", scale_to_python_floats(time), scale_to_python_floats(history.presses_on_next.sum(axis=1)), "line"
     )
-    found = Series("groups", scale_to_python_floats(time), scale_to_python_floats(history.groups), "line")
+    found = Series(
+        "groups of touching balls",
+        scale_to_python_floats(time),
+        scale_to_python_floats(history.touching_group_counts),
+        "line",
+    )
     return (
         Panel(
             f"positions of touching balls, {theta_amplitude_in_words(history)}",
@@ -400,7 +396,7 @@ def touching_balls_panels(history: TravelHistory) -> tuple[Panel, Panel]:
             (dots,),
         ),
         Panel(
-            f"numbers of touching balls, {theta_amplitude_in_words(history)}",
+            f"numbers of touching pairs and groups, {theta_amplitude_in_words(history)}",
             "time / s",
             "number",
             (pairs, found),
@@ -419,11 +415,14 @@ def screw_simulation_figure() -> Figure:
     three, two, open_grooves = screw.simulate_screw(3.0), screw.simulate_screw(2.0), screw.simulate_screw_without_oversize()
     panels = (
         angle_deviation_panel(three.setting),
-        simulated_torque_panel(f"torque, {theta_amplitude_in_words(three)}, {1e6 * three.setting.oversize:g} µm", three),
-        simulated_torque_panel(f"torque, {theta_amplitude_in_words(two)}, {1e6 * two.setting.oversize:g} µm", two),
+        simulated_torque_panel(
+            f"torque, {theta_amplitude_in_words(three)}, oversize {1e6 * three.setting.oversize:g} µm", three
+        ),
+        simulated_torque_panel(f"torque, {theta_amplitude_in_words(two)}, oversize {1e6 * two.setting.oversize:g} µm", two),
         *touching_balls_panels(three),
         simulated_torque_panel(
-            f"torque, {theta_amplitude_in_words(open_grooves)}, {1e6 * open_grooves.setting.oversize:g} µm, coupled",
+            f"torque, {theta_amplitude_in_words(open_grooves)}, oversize {1e6 * open_grooves.setting.oversize:g} µm, "
+            "friction coupled",
             open_grooves,
         ),
     )
@@ -449,8 +448,9 @@ def screw_simulation_figure() -> Figure:
 
 
 def panels_over_ball_oversize(case: str, coupling: Coupling) -> list[Panel]:
-    """Draw ball-to-ball force and loss increase of two balls over their oversize, with one curve for each axial load.
+    """Draw ball-to-ball force and loss increase of two balls over the balls' oversize, a curve for each axial load.
 
+    The loss increase is the rise of the balls' friction loss by ball-to-ball contact.
     ``case``: case of Lin's Table 3.7, "a" or "b"; ``coupling``: which parts the friction displaces, so that it changes the
     contact loads: "none", "ball" or "ball and screw".
     """
@@ -509,7 +509,10 @@ def oversizes_at_crossings(values: Array, level: float) -> list[float]:
 
 
 def force_over_ball_oversize_figure() -> Figure:
-    """Draw ball-to-ball force and loss increase of two balls of a screw over their oversize, for several axial loads."""
+    """Draw ball-to-ball force and loss increase of two balls of a screw over the balls' oversize, for several axial loads.
+
+    The loss increase is the rise of the balls' friction loss by ball-to-ball contact.
+    """
     sets: tuple[tuple[str, Coupling], ...] = (("a", "none"), ("b", "none"), ("a", "ball"))
     panels = [p for case, coupling in sets for p in panels_over_ball_oversize(case, coupling)]
     caption = (
@@ -520,8 +523,8 @@ def force_over_ball_oversize_figure() -> Figure:
         f"{force_without_oversize_over_printed('a', 'ball'):.2f} of the printed force. The curves of {LOAD:g} N reach the "
         f"printed forces at {oversizes_at_printed_value_in_words('force')}, and the printed increases of friction at "
         f"{oversizes_at_printed_value_in_words('increase')}. Inferred from both, and used in other figures: "
-        f"{1000000.0 * screw_pair_with_inferred_oversize().oversize:g} µm, "
-        f"{screw_pair_with_inferred_oversize().force[0]:g} N."
+        f"{1000000.0 * source_cases.screw_pair_with_inferred_oversize().oversize:g} µm, "
+        f"{source_cases.screw_pair_with_inferred_oversize().force[0]:g} N."
     )
     return Figure(
         "friction-pair-maps",
@@ -563,13 +566,17 @@ def bearing_torque_figure() -> Figure:
         return Panel(title, label, unit, drawn, include_zero=True)
 
     ratio, printed = (
-        draw_panel("torque over that at 0°", "ratio", lambda c: c.torque / c.torque[0]),
+        draw_panel("friction torque over that at load angle 0°", "torque ratio", lambda c: c.torque / c.torque[0]),
         printed_value("lin-4.3", "ratio_4p"),
     )
     panels = (
         draw_panel("friction torque", "torque / N mm", lambda c: 1e3 * c.torque),
         replace(ratio, series=(*ratio.series, Series("printed: largest over smallest", [0.0, END], [printed] * 2, "line"))),
-        draw_panel("balls beyond two contacts", "balls", lambda c: c.balls_beyond_two_contacts.astype(float)),
+        draw_panel(
+            "balls with more than two loaded contacts",
+            "number of balls",
+            lambda c: c.balls_beyond_two_contacts.astype(float),
+        ),
     )
     free, held, last = curves[0][1], curves[1][1], float(np.degrees(screw.ANGLES[-1]))
     caption = (
@@ -600,7 +607,10 @@ def bearing_torque_figure() -> Figure:
 
 
 def pair_interpretations_table() -> Table:
-    """Return the table of ball-to-ball force and loss increase of two balls, for each interpretation of Lin's Table 3.7."""
+    """Return the table of ball-to-ball force and loss increase of two balls, for each interpretation of Lin's Table 3.7.
+
+    The loss increase is the rise of the balls' friction loss by ball-to-ball contact.
+    """
     printed = {
         case: [printed_entry("lin-3.7", f"{what}_{case}").number_as_printed for what in ("force", "increase")]
         for case in screw.THETA
@@ -630,7 +640,8 @@ def simulation_sensitivity_table() -> Table:
         f"Lin prints {largest} % at {at}°, no contact from {none_at}° on, and four groups. Third row: Lin's root finding, "
         "by which neighbouring balls touch if they are near and would approach without contact (3.77). Rows below: one "
         "assumption changed at a time from theta of 3° (deviation of the contact angles), "
-        f"{simulation_inputs_of_section_3_4_4().force[0]:g} N, {screw.inferred_oversize_in_words()} oversize and contact "
+        f"{source_cases.simulation_inputs_of_section_3_4_4().force[0]:g} N, "
+        f"{screw.inferred_oversize_in_words()} oversize and contact "
         "loads without friction, over one turn of the nut in steps of 7.2°. Empty: contact does not end within that turn."
     )
     return Table.from_rows(
@@ -673,7 +684,7 @@ def bearing_torque_table() -> Table:
     note = (
         f"Printed for the four-point bearing: {printed_entry('lin-4.3', 'ratio_4p').number_as_printed}. Friction "
         "coefficient "
-        f"{four_point_bearing().groove.mu:g} and the freedom to tilt are assumed; the "
+        f"{source_cases.four_point_bearing().groove.mu:g} and the freedom to tilt are assumed; the "
         "ratio does not depend on the friction coefficient. Range of load angles read off Lin's figure."
     )
     return Table.from_rows(
@@ -709,7 +720,7 @@ def screw_friction_introduction(pairs: Table, simulations: Table) -> Text:
 def _ball_pair_paragraph(pairs: Table) -> str:
     """Return the paragraph on the contact loads of two balls in Lin's Table 3.7.
 
-    ``pairs``: table of ball-to-ball force and loss increase, a row for each interpretation.
+    ``pairs``: table of ball-to-ball force and increase of the friction loss, a row for each interpretation of the text.
     """
     rows = {str(row["reading"]): row for row in pairs.rows}
     loose, coupled = rows[screw.UNCOUPLED], rows[screw.AS_TEXT]
@@ -719,7 +730,7 @@ def _ball_pair_paragraph(pairs: Table) -> str:
     )
     return (
         f"Lin does not print the load state of the two balls in 3.4.3. Read literally (no oversize, "
-        f"{screw_pair_as_printed().force[0]:g} "
+        f"{source_cases.screw_pair_as_printed().force[0]:g} "
         f"N along the axis), one diagonal carries nearly all: {uncoupled} of the printed forces (cases a and b), {moved} "
         "where friction moves the balls and loads a third contact. Printed force and increase together imply a contact "
         f"load of {screw.contact_load_implied_by_table_3_7():.0f} N per ball, against "

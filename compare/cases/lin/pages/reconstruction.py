@@ -8,19 +8,8 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 
 from rollbench.compare.cases.lin.evidence.chapter_2 import END_SUPPORTS
+from rollbench.compare.cases.lin.reconstruction import readings
 from rollbench.compare.cases.lin.reconstruction import readings as combined
-from rollbench.compare.cases.lin.reconstruction.readings import (
-    CASES,
-    FINER,
-    FRICTION,
-    MU,
-    PENALTY_LEVEL,
-    SOLID,
-    Combination,
-    combination_name,
-    largest_relative_rise_by_friction,
-    tilt_at_onset_of_sliding,
-)
 from rollbench.compare.measure import error_percent, mean_load
 from rollbench.compare.models.registry import DEFAULT
 from rollbench.compare.models.study import SceneResultCache
@@ -71,7 +60,12 @@ def _row_of_lin_statement(location: str, printed: str, computed: str, verdict: s
     ``location``: section, table or figure of the statement; ``printed``: the statement; ``computed``: what is computed for
     it; ``verdict``: conclusion.
     """
-    return {"place": location, "printed": printed, "computed here": computed, "verdict": verdict}
+    return {
+        TableColumn("place", "place in the thesis", "", "s"): location,
+        TableColumn("printed", "statement of the thesis", "", "s"): printed,
+        "computed here": computed,
+        TableColumn("verdict", "conclusion", "", "s"): verdict,
+    }
 
 
 def _run_time_row(cache: SceneResultCache) -> Row:
@@ -223,45 +217,49 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     )
 
 
-def combination_in_words(combination: Combination) -> str:
+def combination_in_words(combination: readings.Combination) -> str:
     """Return in words a combination of interpretations of Lin's text, such as "Hertz constants: as printed; ..."."""
     return "; ".join(f"{r.modelling_choice}: {r.description}" for r in combination) or "as by default"
 
 
 def _errors_in_words(values: Sequence[float]) -> str:
-    """Return in words four errors [%]: largest and RMS error of case 1, then of case 2."""
+    """Return in words four errors [%] of low-order against 3D loads: largest and RMS of Lin's case 1, then of case 2."""
     return f"{values[0]:.2f} / {values[1]:.2f} % (case 1) and {values[2]:.2f} / {values[3]:.2f} % (case 2)"
 
 
 def error_fall_and_rise_to_case_2(errors: Sequence[float]) -> tuple[float, float]:
     """Return the fall of the largest error, then the rise of the RMS error, from Lin's case 1 to his case 2.
 
-    Both are in percentage points. ``errors``: largest and RMS error of case 1, then of case 2 [%].
+    Both are in percentage points. ``errors``: errors [%] of the low-order model's contact loads against those in 3D:
+    largest and RMS error of case 1, then of case 2.
     """
     return errors[0] - errors[2], errors[3] - errors[1]
 
 
 def origin_of_error_conclusion(found: list[combined.CombinationResult]) -> str:
-    """Return the conclusion on the printed largest error of 5.38 %: its origin is not identified.
+    """Return the conclusion that the origin of the largest error that Lin prints, 5.38 %, is not identified.
 
-    The conclusion states the range of this error over all combinations of interpretations. ``found``: results of all
-    combinations, of which the first has all choices by default.
+    The error is that of his low-order contact loads against ANSYS in case 1. The conclusion states the range of the
+    computed error over all combinations of interpretations of the text. ``found``: results of all combinations, of which
+    the first has all choices by default.
     """
     errors = [c.errors_percent["own"][0] for c in found if not c.contradicts_text]
     missed = float(np.sqrt(np.mean(combined.combination_nearest_to_print(found).deviations_from_print ** 2)))
     return (
-        f"The origin of the printed largest error of {combined.printed_errors_percent()[0]:.2f} % is not identified. "
-        f"Computed on level {combined.LEVEL} of the 3D mesh, this error is {found[0].errors_percent['own'][0]:.2f} % by "
-        f"default, and {min(errors):.2f} to {max(errors):.2f} % by {len(errors)} combinations of interpretations of what "
-        f"the text leaves open; {len(found) - len(errors)} further combinations contradict the text (table "
+        f"The origin of the largest model error that Lin prints, {combined.printed_errors_percent()[0]:.2f} %, is not "
+        f"identified. Computed on level {combined.LEVEL} of the 3D mesh, this error is "
+        f"{found[0].errors_percent['own'][0]:.2f} % by default, and {min(errors):.2f} to {max(errors):.2f} % by "
+        f"{len(errors)} combinations of interpretations of what the text leaves open; "
+        f"{len(found) - len(errors)} further combinations contradict the text (table "
         "lin-sentences-compared: finest mesh). The nearest combination misses the two ratios and four errors "
         f"that are printed by {missed:.2f} % (root mean square)."
     )
 
 
 def origin_of_error_paragraph(found: list[combined.CombinationResult]) -> str:
-    """Return the paragraph on the origin of the printed errors, and on two explanations whose errors come near them.
+    """Return the paragraph on the origin of the printed errors, and on two explanations that nearly yield them.
 
+    The errors are those of Lin's low-order contact loads against ANSYS.
     ``found``: results of all combinations of interpretations, of which the first has all choices by default.
     """
     printed, shown = combined.printed_errors_percent(), combined.explanations_shown_in_report(found)
@@ -294,7 +292,11 @@ def origin_of_error_paragraph(found: list[combined.CombinationResult]) -> str:
 
 
 def _ratios_and_errors_in_words(result: combined.CombinationResult) -> str:
-    """Return in words load ratios and model errors; ``result``: results of a combination of interpretations."""
+    """Return in words load ratios and model errors of a combination of interpretations, ``result``.
+
+    The load ratios are largest over smallest load of case 1 by the low-order and by the 3D model; the errors are those of
+    the low-order loads against the 3D loads.
+    """
     return (
         f"ratios of {result.low_order_load_ratio:.3f} and {result.load_ratio_in_3d:.3f}, errors of "
         f"{_errors_in_words(result.errors_percent['own'])}, "
@@ -304,7 +306,10 @@ def _ratios_and_errors_in_words(result: combined.CombinationResult) -> str:
 
 
 def _error_fall_over_printed_percent(result: combined.CombinationResult) -> float:
-    """Return the fall of the largest error from case 1 to case 2, in per cent of the fall that Lin prints."""
+    """Return the fall of the largest error from case 1 to case 2, in per cent of the fall that Lin prints.
+
+    The error is that of low-order against 3D contact loads; ``result``: errors of a combination of interpretations.
+    """
     return (
         100.0
         * error_fall_and_rise_to_case_2(result.errors_percent["own"])[0]
@@ -313,7 +318,7 @@ def _error_fall_over_printed_percent(result: combined.CombinationResult) -> floa
 
 
 def _first_to_last_in_words(values: Sequence[float], digits: int = 2) -> str:
-    """Return in words the first and the last of some values; ``digits``: number of decimals."""
+    """Return in words the first and the last of ``values``, as in "1.21 to 1.34"; ``digits``: number of decimals."""
     return f"{values[0]:.{digits}f} to {values[-1]:.{digits}f}"
 
 
@@ -322,26 +327,27 @@ def contact_penalty_paragraph(cache: SceneResultCache) -> str:
 
     ``cache``: gives solved scenes and stored 3D results.
     """
-    soft = [(r, combined.penalty_over_hertz_approach(cache, (r,))) for r in SOLID if r.relative_penalty]
+    soft = [(r, combined.penalty_over_hertz_approach(cache, (r,))) for r in readings.SOLID if r.relative_penalty]
     sizes = ", ".join(f"{r.description}: {100.0 * x / (1.0 + x):.0f} %" for r, x in soft)
-    levels = PENALTY_LEVEL, PENALTY_LEVEL + 1
+    levels = readings.PENALTY_LEVEL, readings.PENALTY_LEVEL + 1
     coarse, fine = (
         np.array(
             combined.low_order_errors_percent(
-                combined.low_order_loads(cache, ()), combined.required_loads_in_3d(cache, FINER, level)
+                combined.low_order_loads(cache, ()), combined.required_loads_in_3d(cache, readings.FINER, level)
             )["own"]
         )
         for level in levels
     )
     ratios = [
-        combined.largest_over_smallest_load(combined.required_loads_in_3d(cache, FINER, level)[0]) for level in levels
+        combined.largest_over_smallest_load(combined.required_loads_in_3d(cache, readings.FINER, level)[0])
+        for level in levels
     ]
     return (
         "Of the contacts, the text only prints their formulation, an augmented Lagrangian, with all other settings by "
         "default. This formulation leaves a penetration below a tolerance, as a penalty does, so that contacts are softer. "
         "Size of the penalty and tolerance are not printed. In 3D, the penalty is computed as a compliance in series at "
         "every pair of nodes. Under the mean load, the stiffness of a contact is lower by the following fractions: "
-        f"{sizes}. The next mesh level changes the errors with {FINER[0].description} by "
+        f"{sizes}. The next mesh level changes the errors with {readings.FINER[0].description} by "
         f"{np.abs(fine - coarse).max():.2f} points at most and the ratio "
         f"from {ratios[0]:.3f} to {ratios[1]:.3f}."
     )
@@ -350,9 +356,9 @@ def contact_penalty_paragraph(cache: SceneResultCache) -> str:
 def mesh_scatter_paragraph(cache: SceneResultCache, found: list[combined.CombinationResult]) -> str:
     """Return the paragraph on the scatter of contact stiffness between meshes as a cause of the printed errors.
 
-    The paragraph states, for several sizes of the scatter, the probability that errors change from case 1 to case 2 by at
-    least half of the printed change. ``cache``: gives solved scenes and stored 3D results; ``found``: results of all
-    combinations of interpretations.
+    The paragraph states, for several sizes of the scatter, the probability that the errors of the low-order model change
+    from case 1 to case 2 by at least half of the printed change. ``cache``: gives solved scenes and stored 3D results;
+    ``found``: results of all combinations of interpretations.
     """
     falls, rises = error_fall_and_rise_to_case_2(combined.printed_errors_percent())
     best = combined.combination_nearest_to_print(combined.combinations_without_penalty(found), 2)
@@ -382,8 +388,12 @@ def friction_in_3d_paragraph(cache: SceneResultCache) -> str:
 
     ``cache``: gives solved scenes and stored 3D results.
     """
-    scene, base = cache.built_in_scene(CASES[0]), combined.required_loads_in_3d(cache, ())
-    changed = {r.short_name: combined.required_loads_in_3d(cache, (r,)) for r in SOLID if r.modelling_choice == FRICTION}
+    scene, base = cache.built_in_scene(readings.CASES[0]), combined.required_loads_in_3d(cache, ())
+    changed = {
+        r.short_name: combined.required_loads_in_3d(cache, (r,))
+        for r in readings.SOLID
+        if r.modelling_choice == readings.FRICTION
+    }
     moved = {
         key: float(
             error_percent(combined.largest_over_smallest_load(loads[0]), combined.largest_over_smallest_load(base[0]))
@@ -394,17 +404,19 @@ def friction_in_3d_paragraph(cache: SceneResultCache) -> str:
         float(np.abs(error_percent(a, b, mean_load(b))).max()) for a, b in zip(changed["off-line"], base, strict=True)
     )
     mean = {key: float(error_percent(mean_load(loads[0]), mean_load(base[0]))) for key, loads in changed.items()}
-    worst = 100.0 * largest_relative_rise_by_friction(
+    worst = 100.0 * readings.largest_relative_rise_by_friction(
         scene, lambda s: combined.largest_over_smallest_load(cache.solve_once(s, "lin").load)
     )
     slope = float(np.abs(cache.solve_once(scene, "lin").centreline[:, 3:5]).max())
     return (
-        f"Friction of {MU:g} is computed, too. Two contact forces act on a ball, along the line through its contacts. On a "
+        f"Friction of {readings.MU:g} is computed, too. Two contact forces act on a ball, along the line "
+        "through its contacts. On a "
         "rolling ball friction acts only if the ball lies beside the line through the arcs' centres; it shifts both forces "
-        f"and turns neither. If all balls lie as far beside as {MU:g} can hold them, they change "
+        f"and turns neither. If all balls lie as far beside as {readings.MU:g} can hold them, they change "
         f"no load by more than {most:.3f} % of the mean and the ratio by {moved['off-line']:+.3f} %; only those that raise "
         f"the ratio change it by {worst:+.1f} % (low order). "
-        f"For this, the grooves would have to tilt by {1e3 * tilt_at_onset_of_sliding(scene):.1f} mrad against each "
+        f"For this, the grooves would have to tilt by {1e3 * readings.tilt_at_onset_of_sliding(scene):.1f} mrad "
+        "against each "
         f"other, but the shaft's largest slope is {1e3 * slope:.2f} mrad: friction hardly acts on rolling balls. In a "
         f"model whose balls cannot turn, grooves slide on them. Friction then bears {-mean['sliding']:.2f} % of the load "
         f"where the screw is pushed on, and adds {mean['sliding-back']:.2f} % where it moves back; the ratio changes by "
@@ -416,6 +428,7 @@ def friction_in_3d_paragraph(cache: SceneResultCache) -> str:
 def ratios_and_errors_by_explanation_table(found: list[combined.CombinationResult]) -> Table:
     """Return the table of load ratio and model errors: printed by Lin, and by each possible explanation of these numbers.
 
+    Load ratio: largest over smallest load of case 1; model errors: of the low-order loads against the 3D loads.
     ``found``: results of all combinations of interpretations.
     """
     printed = combined.printed_load_ratio(), combined.printed_load_ratio(), *combined.printed_errors_percent()
@@ -424,7 +437,7 @@ def ratios_and_errors_by_explanation_table(found: list[combined.CombinationResul
         for name, c in combined.explanations_shown_in_report(found).items()
     }
     rows: list[Row] = [
-        {"explanation": name, **_ratio_and_error_cells(values, ".3f", ".2f")}
+        {TableColumn("explanation", "possible explanation", "", "s"): name, **_ratio_and_error_cells(values, ".3f", ".2f")}
         for name, values in [("printed", printed), *given.items()]
     ]
     return Table.from_rows(
@@ -437,6 +450,7 @@ def ratios_and_errors_by_explanation_table(found: list[combined.CombinationResul
 def deviations_from_print_table(found: list[combined.CombinationResult]) -> Table:
     """Return the table of deviations from the printed load ratio and model errors, a row for each possible explanation.
 
+    Load ratio: largest over smallest load of case 1; model errors: of the low-order loads against the 3D loads.
     ``found``: results of all combinations of interpretations.
     """
     printed = error_fall_and_rise_to_case_2(combined.printed_errors_percent())
@@ -446,21 +460,29 @@ def deviations_from_print_table(found: list[combined.CombinationResult]) -> Tabl
             float(a - b) for a, b in zip(error_fall_and_rise_to_case_2(c.errors_percent["own"]), printed, strict=True)
         )
         row: Row = {
-            "explanation": name,
-            "low order": combination_in_words(c.low_order_combination),
-            "3D": combination_in_words(c.combination_in_3d),
+            TableColumn("explanation", "possible explanation", "", "s"): name,
+            TableColumn("low order", "interpretations for the low-order model", "", "s"): combination_in_words(
+                c.low_order_combination
+            ),
+            TableColumn("3D", "interpretations for the 3D model", "", "s"): combination_in_words(c.combination_in_3d),
         }
         row |= _ratio_and_error_cells(tuple(c.deviations_from_print), "+.1f", "+.2f", "%")
-        row[TableColumn("fall_off", "fall of the largest error, case 1 to 2", "points", "+.2f")] = fall
-        row[TableColumn("rise_off", "rise of the RMS error", "points", "+.2f")] = rise
+        row[TableColumn("fall_off", "fall of the largest error from case 1 to 2", "percentage points", "+.2f")] = fall
+        row[TableColumn("rise_off", "rise of the RMS error from case 1 to 2", "percentage points", "+.2f")] = rise
         rows.append(row)
-    note = "Ratio: largest over smallest load, in per cent of the printed ratio. Errors: in percentage points."
+    note = "Load ratio: largest over smallest load, in per cent of the printed ratio. Errors: in percentage points."
     return Table.from_rows(
         "reconstruction-missed",
         "Largest over smallest load, and model errors: deviations from Lin 2.4.1 by each possible explanation",
         rows,
         note,
     )
+
+
+def _error_in_words(key: str) -> str:
+    """Return the model error of a key of `ERRORS` in words, such as "RMS error in case 1" for "case1_rms_error"."""
+    case, kind, _ = key.split("_")
+    return f"{'largest' if kind == 'max' else 'RMS'} error in {case.replace('case', 'case ')}"
 
 
 def _ratio_and_error_cells(values: Sequence[float], ratio: str, error: str, unit: str = "") -> Row:
@@ -470,25 +492,27 @@ def _ratio_and_error_cells(values: Sequence[float], ratio: str, error: str, unit
     ratios and errors; ``unit``: unit of the ratios, empty for the ratios themselves, "%" for differences.
     """
     row: Row = {
-        TableColumn("low_ratio", "ratio, low order", unit, ratio): float(values[0]),
-        TableColumn("solid_ratio", "ratio, 3D", unit, ratio): float(values[1]),
+        TableColumn("low_ratio", "largest over smallest load, low-order model", unit, ratio): float(values[0]),
+        TableColumn("solid_ratio", "largest over smallest load, 3D model", unit, ratio): float(values[1]),
     }
     for key, value in zip(combined.ERRORS, values[2:], strict=True):
-        label = key.removesuffix("_error").replace("case", "case ").replace("_", " ")
-        row[TableColumn(f"own_{key}", label, "points" if unit else f"% {WORDS['own']}", error)] = float(value)
+        heading = f"deviation from the printed {_error_in_words(key)}" if unit else _error_in_words(key)
+        row[TableColumn(f"own_{key}", heading, "percentage points" if unit else f"% {WORDS['own']}", error)] = float(value)
     return row
 
 
 def _ratio_cells_and_errors_by_definition(result: combined.CombinationResult) -> Row:
-    """Return table cells of a combination: largest over smallest load by both models; errors of each, of the mean load."""
+    """Return table cells of a combination of interpretations: largest over smallest load by both models, model errors.
+
+    The errors of the low-order loads against the 3D loads are in per cent of each load, then in per cent of the mean load.
+    """
     row: Row = {
-        TableColumn("low_ratio", "ratio, low order", "", ".3f"): result.low_order_load_ratio,
-        TableColumn("solid_ratio", "ratio, 3D", "", ".3f"): result.load_ratio_in_3d,
+        TableColumn("low_ratio", "largest over smallest load, low-order model", "", ".3f"): result.low_order_load_ratio,
+        TableColumn("solid_ratio", "largest over smallest load, 3D model", "", ".3f"): result.load_ratio_in_3d,
     }
     for definition in combined.DEFINITIONS:
         for key, value in zip(combined.ERRORS, result.errors_percent[definition], strict=True):
-            label = key.removesuffix("_error").replace("case", "case ").replace("_", " ")
-            row[TableColumn(f"{definition}_{key}", label, f"% {WORDS[definition]}", ".2f")] = value
+            row[TableColumn(f"{definition}_{key}", _error_in_words(key), f"% {WORDS[definition]}", ".2f")] = value
     return row
 
 
@@ -508,9 +532,15 @@ def single_interpretation_table(found: list[combined.CombinationResult]) -> Tabl
         )
         reading = (*c.low_order_combination, *c.combination_in_3d)
         row: Row = {
-            "model": "low order" if c.low_order_combination else "3D" if c.combination_in_3d else "both",
-            "reading": combination_in_words(reading),
-            "text": reading[0].contradiction_by_text if reading else "",
+            TableColumn("model", "model it is applied to", "", "s"): "low order"
+            if c.low_order_combination
+            else "3D"
+            if c.combination_in_3d
+            else "both",
+            TableColumn("reading", "interpretation", "", "s"): combination_in_words(reading),
+            TableColumn("text", "contradiction by Lin's text", "", "s"): reading[0].contradiction_by_text
+            if reading
+            else "",
             TableColumn("moves", "change of the load ratio", "%", "+.2f"): float(error_percent(ratio, before)),
         }
         rows.append(row | _ratio_cells_and_errors_by_definition(c))
@@ -528,9 +558,9 @@ def combination_table(found: list[combined.CombinationResult]) -> Table:
     """
     rows = [
         _combination_row(c)
-        | {"text": "against it" if c.contradicts_text else "silent"}
+        | {TableColumn("text", "Lin's text on the combination", "", "s"): "against it" if c.contradicts_text else "silent"}
         | {
-            TableColumn("missed", "RMS of the six deviations", "", ".2f"): float(
+            TableColumn("missed", "RMS of the six deviations from the printed numbers", "", ".2f"): float(
                 np.sqrt(np.mean(c.deviations_from_print**2))
             )
         }
@@ -549,8 +579,10 @@ def combination_table(found: list[combined.CombinationResult]) -> Table:
 def _combination_row(result: combined.CombinationResult) -> Row:
     """Return the table row of a combination of interpretations: short names, largest over smallest load, model errors."""
     row: Row = {
-        "low order": combination_name(result.low_order_combination),
-        "3D": combination_name(result.combination_in_3d),
+        TableColumn("low order", "interpretations for the low-order model", "", "s"): readings.combination_name(
+            result.low_order_combination
+        ),
+        TableColumn("3D", "interpretations for the 3D model", "", "s"): readings.combination_name(result.combination_in_3d),
     }
     return row | _ratio_cells_and_errors_by_definition(result)
 
@@ -578,8 +610,11 @@ def combinations_figure(found: list[combined.CombinationResult]) -> Figure:
             out.append(Series(label, [x for x, _ in points], [y for _, y in points], style="markers", pale=light))
         return (*out, Series("printed", [printed[0]], [printed[1]], style="markers", bold=True))
 
-    def case_errors(k: int) -> Callable[[combined.CombinationResult], tuple[float, float]]:
-        """Return a function that returns RMS, then largest error [%] of a combination in case ``k`` + 1 of Lin's thesis."""
+    def rms_and_largest_error_of_case(k: int) -> Callable[[combined.CombinationResult], tuple[float, float]]:
+        """Return a function that returns RMS, then largest error [%] of low-order against 3D loads in Lin's case ``k`` + 1.
+
+        The argument of the returned function is a combination of interpretations.
+        """
         return lambda c: (c.errors_percent["own"][2 * k + 1], c.errors_percent["own"][2 * k])
 
     panels = (
@@ -591,10 +626,10 @@ def combinations_figure(found: list[combined.CombinationResult]) -> Figure:
         ),
         *(
             Panel(
-                f"Errors of case {k + 1}, % of each load",
-                "RMS [%]",
-                "largest [%]",
-                scatter_series(case_errors(k), (printed_errors[2 * k + 1], printed_errors[2 * k])),
+                f"Errors of the low-order model in case {k + 1}, % of each load",
+                "RMS error [%]",
+                "largest error [%]",
+                scatter_series(rms_and_largest_error_of_case(k), (printed_errors[2 * k + 1], printed_errors[2 * k])),
             )
             for k in range(2)
         ),

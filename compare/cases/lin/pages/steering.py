@@ -56,9 +56,15 @@ def lash_figure(scene: Scene) -> Figure:
     panels = (
         Panel("axial test", "axial force / N", "displacement / µm", axial),
         Panel("conical test, force along x", f"lateral force {at} / N", "displacement / µm", conical),
-        Panel("conical test: lash", "direction of the force / deg", "peak to peak / µm", peaks, include_zero=True),
         Panel(
-            "difference of the ball patterns", "direction of the force / deg", "difference / %", shown, include_zero=True
+            "conical test: lash", "direction of the force / deg", "peak-to-peak displacement / µm", peaks, include_zero=True
+        ),
+        Panel(
+            "relative difference of the lash between ball patterns",
+            "direction of the force / deg",
+            "difference / %",
+            shown,
+            include_zero=True,
         ),
     )
     return Figure("lash", "Lash of a ball screw with its balls arranged in four patterns (Lin 4.2)", panels, ABOUT[0])
@@ -77,19 +83,21 @@ def lash_difference_rows(scene: Scene) -> list[Row]:
     """
     return [
         {
-            "changed": p.changed_input,
-            TableColumn("diameter", "outer diameter", "mm", ".0f"): 1e3 * p.screw_outer_diameter,
-            TableColumn("position", "nut's centre", "mm", ".0f"): 1e3 * p.nut_position,
-            TableColumn("reach", "distance of the force from the nut", "mm", ".0f"): 1e3 * p.force_distance,
-            TableColumn("restraint", "restraint of the left end", "", "s"): p.left_end_restraint,
-            TableColumn("axial", "axial lash", "%", ".2f"): p.differences.axial_percent,
-            TableColumn("least", "conical lash, smallest of all directions", "%", ".1f"): min(
+            TableColumn("changed", "changed input", "", "s"): p.changed_input,
+            TableColumn("diameter", "outer diameter of the screw", "mm", ".0f"): 1e3 * p.screw_outer_diameter,
+            TableColumn("position", "axial position of the nut's centre", "mm", ".0f"): 1e3 * p.nut_position,
+            TableColumn("reach", "distance of the lateral force from the nut", "mm", ".0f"): 1e3 * p.force_distance,
+            TableColumn("restraint", "restraint of the screw's left end", "", "s"): p.left_end_restraint,
+            TableColumn("axial", "difference of the lash in the axial test", "%", ".2f"): p.differences.axial_percent,
+            TableColumn("least", "smallest difference of the lash in the conical test", "%", ".1f"): min(
                 p.differences.conical_percent
             ),
-            TableColumn("most", "conical lash, largest", "%", ".1f"): max(p.differences.conical_percent),
-            TableColumn("ordered", "axial below conical", "", "s"): _directions_with_smaller_axial_difference(
-                p.differences
+            TableColumn("most", "largest difference of the lash in the conical test", "%", ".1f"): max(
+                p.differences.conical_percent
             ),
+            TableColumn(
+                "ordered", "directions in which the axial difference is smaller", "", "s"
+            ): _directions_with_smaller_axial_difference(p.differences),
         }
         for p in steering.lash_differences_by_changed_input(scene)
     ]
@@ -119,15 +127,23 @@ def steering_gear_figure(layout_ratios: list[steering.GearLayoutLoadRatios]) -> 
         for (hold, opposed), layout in _group_ratios_by_layout(layout_ratios).items():
             label = hold + (", side forces opposed" if opposed else "")
             series.append(Series(label, stations, [getattr(p, key) for p in layout], "line"))
-        panels.append(Panel(words, "pinion at / mm", "largest load, 18 deg over 0 deg", series, include_zero=True))
+        panels.append(
+            Panel(
+                f"load ratio of the {words}",
+                "position of the pinion / mm",
+                "load at 18 deg over that at 0 deg",
+                series,
+                include_zero=True,
+            )
+        )
     loads = steering.largest_loads_over_tie_rod_angles(gear)
     for k, words in enumerate(("ball screw", "four-point bearing")):
         values = [pair[k] for pair in loads]
         panels.append(
             Panel(
-                words,
+                f"largest contact load of the {words}",
                 "tie-rod angle / deg",
-                "largest load / N",
+                "contact load / N",
                 (Series("usual inputs", steering.ANGLES, values),),
                 include_zero=True,
             )
@@ -160,12 +176,14 @@ def load_ratio_rows(layout_ratios: list[steering.GearLayoutLoadRatios]) -> list[
     """
     return [
         {
-            TableColumn("hold", "pinion", "", "s"): p.pinion_restraint,
-            TableColumn("sense", "side forces", "", "s"): "opposed" if p.side_forces_opposed else "alike",
-            TableColumn("offset", "bearing from the nut's centre", "mm", ".0f"): 1e3 * p.bearing_offset,
-            TableColumn("pinion", "pinion at", "mm", ".0f"): 1e3 * p.pinion_position,
-            TableColumn("screw", "ball screw", "", ".2f"): p.screw,
-            TableColumn("bearing", "bearing", "", ".2f"): p.bearing,
+            TableColumn("hold", "restraint by the pinion", "", "s"): p.pinion_restraint,
+            TableColumn("sense", "directions of the two lateral forces", "", "s"): "opposed"
+            if p.side_forces_opposed
+            else "alike",
+            TableColumn("offset", "distance of the bearing from the nut's centre", "mm", ".0f"): 1e3 * p.bearing_offset,
+            TableColumn("pinion", "axial position of the pinion", "mm", ".0f"): 1e3 * p.pinion_position,
+            TableColumn("screw", "load ratio of the ball screw, 18° over 0°", "", ".2f"): p.screw,
+            TableColumn("bearing", "load ratio of the bearing, 18° over 0°", "", ".2f"): p.bearing,
         }
         for p in layout_ratios
     ]
@@ -179,14 +197,17 @@ def load_ratio_range_rows(layout_ratios: list[steering.GearLayoutLoadRatios]) ->
     """
     rows = []
     for b in (*steering.load_ratio_ranges(shipped_steering_gear()), steering.load_ratio_range_over_layouts(layout_ratios)):
-        row: Row = {"changed": b.changed_input, TableColumn("values", "stated range", "", "s"): b.input_range}
+        row: Row = {
+            TableColumn("changed", "varied input", "", "s"): b.changed_input,
+            TableColumn("values", "range of the input", "", "s"): b.input_range,
+        }
         for key, words in (("screw", "ball screw"), ("bearing", "bearing")):
             (low, high), printed = getattr(b, key), printed_value("lin-4.2.1", f"ratio_{key}")
             row |= {
-                TableColumn(f"{key}_low", f"{words}, least", "", ".2f"): low,
-                TableColumn(f"{key}_high", f"{words}, largest", "", ".2f"): high,
-                TableColumn(f"{key}_in", f"{printed:g} (printed) in it", "", "s"): "yes"
-                if steering.range_contains((low, high), printed)
+                TableColumn(f"{key}_low", f"smallest load ratio of the {words}, 18° over 0°", "", ".2f"): low,
+                TableColumn(f"{key}_high", f"largest load ratio of the {words}, 18° over 0°", "", ".2f"): high,
+                TableColumn(f"{key}_in", f"range contains the printed {printed:g} of the {words}", "", "s"): "yes"
+                if steering.rounded_value_lies_in_range((low, high), printed)
                 else "no",
             }
         rows.append(row)
@@ -220,12 +241,12 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
             figures[1],
             Table.from_rows(
                 "rack-bands",
-                "Steering gear (Lin 4.2): largest load at 18° over that at 0° of the tie rods, range by unprinted input",
+                "Steering gear (Lin 4.2): range of the load ratio (largest load at 18° over that at 0°) by unprinted input",
                 load_ratio_range_rows(points),
             ),
             Table.from_rows(
                 "rack-layouts",
-                "Steering gear (Lin 4.2): largest load at 18° over that at 0° of the tie rods, for each layout of the gear",
+                "Steering gear (Lin 4.2): load ratio (largest load at 18° over that at 0°) for each layout",
                 load_ratio_rows(points),
                 SENSE,
             ),

@@ -13,22 +13,14 @@ from rollbench.compare.cases.lin.times import LINEAR, SCREW, STATIC, ModelRunTim
 from rollbench.compare.evidence import PrintedEntryComparison, evidence
 from rollbench.compare.measure import error_percent, load_error
 from rollbench.compare.models.study import SceneResultCache, with_conformity
-from rollbench.compare.printed import printed_entry, printed_table_names, printed_value
+from rollbench.compare.printed import VERDICT_NAMES, printed_entry, printed_table_names, printed_value
 from rollbench.compare.reference.convergence import relative_cell_size
 from rollbench.compare.reference.levels import SOURCE_LEVEL
 from rollbench.compare.reference.store import load_stored_run, shipped_store
 from rollbench.compare.scenes.catalogue import shipped_scene_of_kind as case_of
 from rollbench.compare.scenes.friction_kinds.common import FrictionScene
+from rollbench.compare.sections import source_tables
 from rollbench.compare.sections.curves import contact_load_curve, contact_load_panel
-from rollbench.compare.sections.source_tables import (
-    PrintedLayout,
-    counts_of_reproduced_numbers_table,
-    printed_and_computed_table,
-    printed_and_computed_table_in_layout,
-    printed_input_table,
-    read_table_layouts,
-    tables_on_computation_of_numbers,
-)
 from rollbench.compare.sections.verdicts import printed_numbers_table
 from rollbench.compare.studies.rolling import runs as rolling
 from rollbench.compare.studies.run_times import run_times_for_report_page
@@ -40,17 +32,27 @@ LIN = next(case for case in CASES if case.name == "lin")
 MACHINE = "Intel Core i7-3770, 3.40 GHz, 16 GB; ANSYS Workbench 16.2, and Lin's own program"
 UNITS = {"s": 1.0, "h": 3600.0}
 
-LOW = TableColumn("cold", "ours, cold start", "s", "g3"), TableColumn("further", "ours, further load case", "s", "g3")
+LOW = (
+    TableColumn("cold", "run time computed here, cold start", "s", "g3"),
+    TableColumn("further", "run time computed here, further load case", "s", "g3"),
+)
 RATIO = {
-    "printed": TableColumn("r_printed", "faster than ANSYS, printed", "times", "g4"),
-    "cold": TableColumn("r_cold", "faster than our 3D, cold start", "times", "g3"),
-    "further": TableColumn("r_further", "faster than our 3D, further load case", "times", "g3"),
+    "printed": TableColumn("r_printed", "printed run time of ANSYS over that of Lin's model", "times", "g4"),
+    "cold": TableColumn("r_cold", "run time of this package's 3D over low-order model, cold start", "times", "g3"),
+    "further": TableColumn(
+        "r_further", "run time of this package's 3D over low-order model, further load case", "times", "g3"
+    ),
 }
-OLDER = TableColumn("older", "ours, earlier measurement", "", "s")
-ELEMENTS = TableColumn("n_printed", "elements, printed", "", "s"), TableColumn("n_ours", "elements, ours", "", "s")
-SOURCES_OWN = TableColumn("sources", "low-order against ANSYS, printed", "%", ".2f")
-DIAGONAL = TableColumn("diagonal", "low-order, equal loads on each diagonal", "", "g5")
-OTHER_GROOVE = TableColumn("groove", f"low-order, groove radius {chapter_2.TABLE_CONFORMITY:g} x ball diameter", "", "g5")
+OLDER = TableColumn("older", "run time here by an earlier measurement", "", "s")
+ELEMENTS = (
+    TableColumn("n_printed", "number of elements, printed", "", "s"),
+    TableColumn("n_ours", "size of this package's model", "", "s"),
+)
+SOURCES_OWN = TableColumn("sources", "printed difference of Lin's model from ANSYS", "%", ".2f")
+DIAGONAL = TableColumn("diagonal", "low-order value with equal loads on each diagonal", "", "g5")
+OTHER_GROOVE = TableColumn(
+    "groove", f"correct value with groove radius {chapter_2.TABLE_CONFORMITY:g} x ball diameter", "", "g5"
+)
 
 #: Scene and model, by name of the printed run time.
 TIMED = {f"lin-2.2:time_proposed_{k}": (name, "lin") for k, name in STATIC.items()}
@@ -71,7 +73,7 @@ def printed_run_time_seconds(name: str) -> float:
 
 
 def printed_element_count(table: str, key: str) -> str:
-    """Return a number of elements that Lin's thesis prints, as text.
+    """Return a number of finite or beam elements that Lin's thesis prints, as text.
 
     ``table``: name of the printed table, such as "lin-2.2"; ``key``: key of the number in it, such as "elements_ansys".
     """
@@ -128,7 +130,9 @@ def run_time_ratio(slow_seconds: float | None, fast_seconds: float | None) -> fl
     return None if not slow_seconds or not fast_seconds else slow_seconds / fast_seconds
 
 
-def run_times_table(cache: SceneResultCache, layout: PrintedLayout, found: Mapping[str, PrintedEntryComparison]) -> Table:
+def run_times_table(
+    cache: SceneResultCache, layout: source_tables.PrintedLayout, found: Mapping[str, PrintedEntryComparison]
+) -> Table:
     """Return the table of run times and model sizes for a table of Lin's thesis: printed and measured, with their ratios.
 
     ``cache``: gives stored run times; ``layout``: rows and columns of the table in the thesis; ``found``: printed values
@@ -145,10 +149,10 @@ def run_times_table(cache: SceneResultCache, layout: PrintedLayout, found: Mappi
         solid, slow = (ModelRunTimes(), None) if way == "3D" else (stored_run_times(cache, scene, "3D"), ansys[scene])
         rows.append(
             {
-                TableColumn("label", "number", "", "s"): label,
-                TableColumn("column", "column", "", "s"): head,
+                TableColumn("label", "row in the printed table", "", "s"): label,
+                TableColumn("column", "column in the printed table", "", "s"): head,
                 TableColumn(
-                    "printed", "printed", "", "s"
+                    "printed", "printed run time", "", "s"
                 ): f"{found[name].printed.number_as_printed} {found[name].printed.unit}",
                 RATIO["printed"]: run_time_ratio(slow, printed_run_time_seconds(name)),
                 LOW[0]: own.cold_start_seconds,
@@ -157,7 +161,7 @@ def run_times_table(cache: SceneResultCache, layout: PrintedLayout, found: Mappi
                 RATIO["cold"]: run_time_ratio(solid.cold_start_seconds, own.cold_start_seconds),
                 RATIO["further"]: run_time_ratio(solid.further_load_case_seconds, own.further_load_case_seconds),
                 **dict(zip(ELEMENTS, printed_and_own_model_size(cache, scene, way), strict=True)),
-                "verdict": found[name].verdict,
+                source_tables.REPRODUCED: VERDICT_NAMES[found[name].verdict],
                 "how": f"how-{found[name].printed.table}",
             }
         )
@@ -237,9 +241,12 @@ SPEED = {
 NOTES = {
     "3.2": "Case (I), losses P_f,IL and P_f,OR: the contact that sticks between rigid bodies creeps in 3D, as bodies are "
     "elastic, and both contacts share the ball's spin; sum and torque change little (table rolling-ring).",
-    "3.4": "Low-order, ours, and 3D: contact loads in equilibrium at the stated contact angles, as in Table 3.5.",
-    "3.5": "Low-order, ours, and 3D: contact loads in equilibrium at the stated contact angles, as in Table 3.4.",
-    "B.1": "Low-order, ours: groove radius of Table 2.1, 3.254 mm; the printed values belong to another groove radius.",
+    "3.4": "Low-order and 3D values computed here: contact loads in equilibrium at the stated contact angles, as in Table "
+    "3.5.",
+    "3.5": "Low-order and 3D values computed here: contact loads in equilibrium at the stated contact angles, as in Table "
+    "3.4.",
+    "B.1": "Low-order value computed here: groove radius of Table 2.1, 3.254 mm; the printed values belong to another "
+    "groove radius.",
 }
 #: Reason why a printed number has no 3D value, by the first characters of its name.
 WHY = {
@@ -247,7 +254,7 @@ WHY = {
     "lin-3.2:P_": "none: no contact",
     "lin-B1:": "none: closed form",
     "lin-2.4.1:case1_ratio": "",
-    "lin-2.4.1:case": "our value is an error against 3D",
+    "lin-2.4.1:case": "none: is an error against 3D",
     "lin-2.4.1:": "none: of run times",
     "lin-3.2:": "none: of the table",
     "lin-3.3:": "none: of the map",
@@ -271,12 +278,10 @@ def reason_for_missing_3d_value(name: str) -> str:
 def run_time_and_size_texts(cache: SceneResultCache) -> dict[str, str]:
     """Return texts on run times and model sizes, to be shown in Lin's tables instead of computed numbers.
 
-    The keys are names of printed numbers, such as "lin-2.2:time_ansys_1".
-
-    ``cache``: gives stored run times and 3D results.
+    The keys are names of printed numbers, such as "lin-2.2:time_ansys_1". ``cache``: gives stored run times and 3D results.
     """
 
-    def time_text(name: str, model: str) -> str:
+    def run_times_in_words(name: str, model: str) -> str:
         """Return in words the run times of the scene ``name`` by the model ``model``, as in `stored_run_times`."""
         found = stored_run_times(cache, name, model)
         return found.earlier_measurement or (
@@ -285,7 +290,7 @@ def run_time_and_size_texts(cache: SceneResultCache) -> dict[str, str]:
             else f"{found.cold_start_seconds:.3g} s cold, {found.further_load_case_seconds or 0.0:.2g} s further"
         )
 
-    out = {name: time_text(*of) for name, of in TIMED.items()}
+    out = {name: run_times_in_words(*of) for name, of in TIMED.items()}
     out |= {
         "lin-2.2:elements_proposed": beam_element_count_in_words(cache, STATIC[1]),
         "lin-2.2:elements_ansys": model_size_in_3d_in_words(cache, STATIC[1]),
@@ -310,7 +315,7 @@ def case_study_loads_figure(cache: SceneResultCache) -> Figure:
         series = [contact_load_curve("low-order (Lin's model)", low, 0, emphasis=True)]
         if found is not None:
             series.append(contact_load_curve(f"3D reference, level {found.best.level}", found, 0, "line"))
-        panels.append(contact_load_panel(f"case study {k}, SL", *series, *MARKS[k](cache)))
+        panels.append(contact_load_panel(f"case study {k}, flank SL", *series, *MARKS[k](cache)))
     plain, offset = cache.solve_once("lin-case3"), cache.solve_once("lin-case3-offset")
     last = Series("printed: SR and NL of the last few balls increase most", [32.0], [float(offset.load[31, 1])], "markers")
     curves = (
@@ -318,13 +323,13 @@ def case_study_loads_figure(cache: SceneResultCache) -> Figure:
         contact_load_curve("SR, no offset", plain, 1),
         last,
     )
-    panels.append(contact_load_panel("case study 3, SR", *curves))
+    panels.append(contact_load_panel("case study 3, flank SR", *curves))
     caption = (
         "Opposite contacts (SL and NR, SR and NL) have equal loads. Markers and straight lines: statements of Lin's text."
     )
     return Figure(
         "lin-loads",
-        "Lin's case studies: contact load of each ball, computed, and as the thesis states",
+        "Lin's case studies: contact load of each ball, computed, and as Lin's text describes it",
         tuple(panels),
         caption,
     )
@@ -395,10 +400,16 @@ def error_over_cell_size_figure(cache: SceneResultCache) -> Figure:
             cells = [1.0 / run.shape[1] * good[-1].shape[1] for run in good[:-1]]
             off = [abs(float(error_percent(run.values["force 1-2 N"], finest))) for run in good[:-1]]
             balls.append(Series(f"{name}, 3D", cells, off))
-    axes = "cell size over that of the finest grid", "largest error / % of each load"
+    axes = "cell size over that of the finest grid", "largest error / % of contact's load"
     panels = (
-        Panel("contact loads (Table 2.2)", *axes, tuple(static), log_axes="xy"),
-        Panel("ball-to-ball force (Tables 3.5, 3.7)", axes[0], "error of the force / %", tuple(balls), log_axes="xy"),
+        Panel("largest error of a contact load in 3D (Table 2.2)", *axes, tuple(static), log_axes="xy"),
+        Panel(
+            "error of the ball-to-ball force in 3D (Tables 3.5, 3.7)",
+            axes[0],
+            "error of the force / %",
+            tuple(balls),
+            log_axes="xy",
+        ),
     )
     caption = (
         "Errors against the finest mesh; pale lines: errors of the low-order model. The coarsest point has the element "
@@ -427,15 +438,21 @@ def case_study_load_and_error_rows(cache: SceneResultCache) -> Iterator[Row]:
                 TableColumn("case", "case study", "", "s"): str(k),
                 "scene": name,
                 TableColumn("model", "model", "", "s"): model,
-                TableColumn("max", "largest load", "N", ".2f"): float(loaded.max()),
-                TableColumn("min", "smallest load", "N", ".2f"): float(loaded.min()),
-                TableColumn("ratio", "largest : smallest on SL", "", ".4f"): chapter_2.largest_over_smallest_load(
-                    value[:, 0]
-                ),
-                TableColumn("own_max", "largest error", "% of own load", ".2f"): e.own_max_percent if apart else None,
-                TableColumn("own_rms", "RMS error", "% of own load", ".2f"): e.own_rms_percent if apart else None,
-                TableColumn("mean_max", "largest error", "% of mean", ".2f"): e.max_percent if apart else None,
-                TableColumn("printed", "printed: against ANSYS, maximum / RMS", "%", "s"): shown,
+                TableColumn("max", "largest contact load", "N", ".2f"): float(loaded.max()),
+                TableColumn("min", "smallest contact load", "N", ".2f"): float(loaded.min()),
+                TableColumn(
+                    "ratio", "largest over smallest contact load on flank SL", "", ".4f"
+                ): chapter_2.largest_over_smallest_load(value[:, 0]),
+                TableColumn("own_max", "largest error of a contact load", "% of contact's load", ".2f"): e.own_max_percent
+                if apart
+                else None,
+                TableColumn("own_rms", "RMS error of the contact loads", "% of contact's load", ".2f"): e.own_rms_percent
+                if apart
+                else None,
+                TableColumn("mean_max", "largest error of a contact load", "% of mean load", ".2f"): e.max_percent
+                if apart
+                else None,
+                TableColumn("printed", "printed error against ANSYS, largest / RMS", "%", "s"): shown,
             }
 
 
@@ -461,7 +478,7 @@ FIGURES: Mapping[str, tuple[Callable[[SceneResultCache], Table | Figure], ...]] 
 GUIDE = (
     "The tables of the thesis stand here in its order and layout, each with what is computed for its numbers; then the "
     "sentences with numbers, claims in words, and the other numbers. A table of results stands twice: in the layout of the "
-    "thesis with our value at each number, and with a row for each number. Low-order, ours: the text as printed with "
+    "thesis with the computed value at each number, and with a row for each number. Low-order: the text as printed with "
     "correct constants; with the thesis's faults: those named in the remark repeated; inferred: under an assumption that "
     "was inferred from printed results."
 )
@@ -475,23 +492,23 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> tuple[
     step("printed numbers of the thesis")
     names = [name for name in printed_table_names() if name.startswith("lin-")]
     found = {f.printed.name: f for f in evidence(cache, *names)}
-    every = read_table_layouts(LIN)
+    every = source_tables.read_table_layouts(LIN)
     placed = {name for layout in every for name in layout.names}
     claims = [f for f in found.values() if f.printed.claim and f.printed.name not in placed]
     others = [f for f in found.values() if not f.printed.claim and f.printed.name not in placed]
     first = Section(
         "lin",
-        "Lin's thesis: how many of its printed numbers are reproduced, for each table and section",
-        (Text((GUIDE,)), counts_of_reproduced_numbers_table(list(found.values()))),
+        "Lin's thesis: number of printed values that are reproduced, for each table and section",
+        (Text((GUIDE,)), source_tables.counts_of_reproduced_numbers_table(list(found.values()))),
         conclusion=printed_results_conclusion(found.values()),
     )
     last = (
         Section(
             "lin-claims",
-            "Claims that Lin's thesis makes in words, and whether they hold",
+            "Claims of Lin's thesis in words, and whether each claim holds",
             (
                 printed_numbers_table(
-                    "lin-claims", "Claims of Lin's thesis in words, and verdicts", claims, with_place=True
+                    "lin-claims", "Claims of Lin's thesis in words: whether each claim holds", claims, with_place=True
                 ),
             ),
         ),
@@ -507,7 +524,7 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> tuple[
         Section(
             "lin-how",
             "How each printed number of Lin's thesis is recomputed",
-            tuple(tables_on_computation_of_numbers(names)),
+            tuple(source_tables.tables_on_computation_of_numbers(names)),
         ),
     )
     return first, *(printed_table_section(cache, layout, found) for layout in every), *last
@@ -522,16 +539,16 @@ def printed_results_conclusion(found: Iterable[PrintedEntryComparison]) -> str:
     tally = Counter(f.verdict for f in numbers)
     results = len(numbers) - tally["input"] - tally["identity"]
     return (
-        f"Of {results} results that the thesis prints, {tally['reproduced']} come out, {tally['only as printed']} only "
-        f"with its faults repeated, and {tally['contradicted']} are contradicted. Another {tally['band']} lie within a "
-        f"band, and {tally['not identifiable']} are not determined by the text (measured, of another program, or resting "
-        f"on what is not printed). The other {len(numbers) - results} of its {len(numbers)} numbers are inputs and "
-        "identities."
+        f"Of {results} results that the thesis prints, {tally['reproduced']} are reproduced, "
+        f"{tally['only as printed']} only with the publication's error, and {tally['contradicted']} are contradicted. "
+        f"Another {tally['band']} lie within a band, and {tally['not identifiable']} are not determined by the text "
+        f"(measured, of another program, or resting on what is not printed). The other {len(numbers) - results} of its "
+        f"{len(numbers)} numbers are inputs and identities."
     )
 
 
 def printed_table_section(
-    cache: SceneResultCache, layout: PrintedLayout, found: Mapping[str, PrintedEntryComparison]
+    cache: SceneResultCache, layout: source_tables.PrintedLayout, found: Mapping[str, PrintedEntryComparison]
 ) -> Section:
     """Return the report's section on one table of Lin's thesis, or on the numbers in the thesis's sentences.
 
@@ -540,13 +557,17 @@ def printed_table_section(
     """
     items: list[Table | Figure] = []
     if layout.kind == "inputs":
-        items.append(printed_input_table(layout, found))
+        items.append(source_tables.printed_input_table(layout, found))
     else:
         if layout.kind == "results":
-            items.append(printed_and_computed_table_in_layout(layout, found, run_time_and_size_texts(cache)))
+            items.append(source_tables.printed_and_computed_table_in_layout(layout, found, run_time_and_size_texts(cache)))
         more = MORE[layout.number](cache) if layout.number in MORE else {}
         reasons = {name: reason_for_missing_3d_value(name) for name in layout.names}
-        items.append(printed_and_computed_table(layout, found, more, reasons, list(TIMED), NOTES.get(layout.number, "")))
+        items.append(
+            source_tables.printed_and_computed_table(
+                layout, found, more, reasons, list(TIMED), NOTES.get(layout.number, "")
+            )
+        )
         if any(name in TIMED for name in layout.names):
             items.append(run_times_table(cache, layout, found))
     items += [draw(cache) for draw in FIGURES.get(layout.number, ())]
@@ -557,9 +578,9 @@ def run_times_note(cache: SceneResultCache) -> str:
     """Return the note on how printed and measured run times were obtained; ``cache``: gives stored run times."""
     kept = cache.compute_once(run_times_for_report_page, "lin")
     return (
-        f"Printed: {MACHINE}. Ours, cold start: a new process with empty caches, imports included; further load case: the "
-        "next one in that process, with compiled kernels; ANSYS rows: our 3D model. A cold start of the friction model "
-        "of a screw is nearly all compiling. Empty: not measured. Earlier measurements have their own column, without a "
-        f"ratio. {'No run times are stored.' if kept is None else kept} To measure them again: `rollbench bench --source "
-        "lin`."
+        f"Printed: {MACHINE}. Computed here, cold start: a new process with empty caches, imports included; further load "
+        "case: the next one in that process, with compiled kernels; ANSYS rows: this package's 3D model. A cold start of "
+        "the friction model of a screw is nearly all compiling. Empty: not measured. Earlier measurements have their own "
+        f"column, without a ratio. {'No run times are stored.' if kept is None else kept} To measure them again: "
+        "`rollbench bench --source lin`."
     )

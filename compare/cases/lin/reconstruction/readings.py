@@ -71,7 +71,7 @@ def groove_radius_less_ball_radius(scene: Scene) -> float:
 
 
 def oversize_of_displaced_ball(scene: Scene, normal_rotation: float = MU) -> float:
-    """Return the oversize of the ball radius [m] that closes the gap to the grooves as much as a displaced ball does.
+    """Return the oversize of the ball radius [m] that reduces its clearance in the grooves as much as displacing it does.
 
     The ball is displaced across the groove, from the line through the arcs' centres of both groove sections. The oversize
     is h phi^2/2, with h the groove radius less the ball radius. ``normal_rotation``: angle phi [rad] by which the
@@ -308,7 +308,7 @@ def case_scenes_in_3d(combination: Combination) -> tuple[Scene, ...]:
     return tuple(replace(scene_for_3d_model(catalogue.scene(c), combination), name=f"{c}-{name}") for c in CASES)
 
 
-def stored_runs_or_none(combination: Combination, level: int | None = None) -> tuple[Run, ...] | None:
+def stored_3d_results_or_none(combination: Combination, level: int | None = None) -> tuple[Run, ...] | None:
     """Return the stored 3D results of Lin's cases 1 and 2 under a combination of interpretations.
 
     Returns None if a result is missing or did not converge. ``combination``: the combination; ``level``: mesh level; None:
@@ -326,7 +326,7 @@ def stored_loads(combination: Combination, level: int | None = None) -> tuple[Ar
     Each array is (n, 4) [N] for n balls and the flanks SL, SR, NL and NR (screw or nut, left or right). ``combination``:
     combination of interpretations; ``level``: mesh level; None: level of `mesh_level_of_combination`.
     """
-    runs = stored_runs_or_none(combination, level)
+    runs = stored_3d_results_or_none(combination, level)
     return None if runs is None else tuple(run.load for run in runs)
 
 
@@ -363,7 +363,7 @@ def compute_missing_3d_results(step: Callable[[str], None], cache: Path | None =
 #: Index of the oversize ball of case 2, and oversize of its radius [m].
 LARGE, OVERSIZE = 16, 1e-6
 
-#: Number of random pairs of meshes, one mesh for case 1 and one for case 2.
+#: Number of random pairs of meshes, one mesh for case 1 and one for case 2, over which errors scatter.
 DRAWN = 5000
 
 #: Hertz approach [m] of a contact of case 1; mean error [%] of the approach on meshes of about Lin's element size, and
@@ -388,15 +388,15 @@ def low_order_errors_on_random_meshes(
     """Return the errors [%] of the low-order model against 3D loads as they scatter over random meshes, (DRAWN, 4).
 
     Rows: pairs of random meshes, one mesh for each of Lin's cases 1 and 2. Columns: largest and RMS error of case 1,
-    largest and RMS error of case 2. Only flank SL counts, since both contacts of a ball carry the same load. Each case has
-    its own mesh, and so its own scatter.
+    largest and RMS error of case 2. Only flank SL (left flank of the screw) counts, since both contacts of a ball carry the
+    same load. Each case has its own mesh, and so its own scatter.
 
     Parameters
     ----------
     low_order
-        Contact loads of cases 1 and 2 by the low-order model, each (n, 4) [N].
+        Contact loads of cases 1 and 2 by the low-order model, each (n, 4) [N] for n balls and four groove flanks, SL first.
     in_3d
-        Contact loads of cases 1 and 2 in 3D, each (n, 4) [N].
+        The same loads by the 3D model.
     scatter_percent
         Standard deviation of every contact's Hertz approach between meshes [%].
     in_percent_of_each_load
@@ -466,7 +466,7 @@ class CombinationResult:
 
     @property
     def contradicts_text(self) -> bool:
-        """Whether the combination contradicts the text of Lin's thesis."""
+        """Whether one of the interpretations contradicts the text of Lin's thesis."""
         return any(r.contradiction_by_text for r in (*self.low_order_combination, *self.combination_in_3d))
 
 
@@ -476,7 +476,10 @@ def printed_load_ratio() -> float:
 
 
 def largest_over_smallest_load(load: Array) -> float:
-    """Return the largest over the smallest load on flank SL; ``load``: contact loads (n, 4) [N] of n balls."""
+    """Return the largest over the smallest ball load on flank SL, the left flank of the screw.
+
+    ``load``: contact loads (n, 4) [N] of n balls on the flanks SL, SR, NL and NR (screw or nut, left or right).
+    """
     return float(load[:, 0].max() / load[:, 0].min())
 
 
@@ -485,7 +488,7 @@ def low_order_errors_percent(low_order: tuple[Array, ...], in_3d: tuple[Array, .
 
     The keys are "own" (of each load) and "mean" (of the mean load); the values are largest and RMS error of Lin's case 1,
     then of his case 2. ``low_order``, ``in_3d``: contact loads of both cases by the low-order and by the 3D model, each (n,
-    4) [N] for n balls.
+    4) [N] for n balls and four groove flanks.
     """
     found = [load_error(a, b) for a, b in zip(low_order, in_3d, strict=True)]
     of_load = tuple(x for e in found for x in (e.own_max_percent, e.own_rms_percent))
@@ -505,16 +508,18 @@ def combinations_for_low_order_model() -> list[Combination]:
 def low_order_loads(cache: SceneResultCache, combination: Combination) -> tuple[Array, ...]:
     """Return the contact loads of Lin's cases 1 and 2 by the low-order model under a combination of interpretations.
 
-    Each array is (n, 4) [N] for n balls. ``cache``: gives the solved scenes; ``combination``: the combination.
+    Each array is (n, 4) [N] for n balls and four groove flanks. ``cache``: gives the solved scenes; ``combination``: the
+    combination.
     """
     return tuple(cache.solve_once(scene_for_low_order_model(catalogue.scene(c), combination), "lin").load for c in CASES)
 
 
 def required_loads_in_3d(cache: SceneResultCache, combination: Combination, level: int | None = None) -> tuple[Array, ...]:
-    """Return the contact loads of Lin's cases 1 and 2 by the 3D model under a combination of interpretations.
+    """Return the stored contact loads of Lin's cases 1 and 2 by the 3D model under a combination of interpretations.
 
-    Each array is (n, 4) [N] for n balls. ``cache``: caches the results; ``combination``: the combination; ``level``: mesh
-    level; None: level of `mesh_level_of_combination`. Raises LookupError if a result is not stored.
+    Each array is (n, 4) [N] for n balls and four groove flanks. ``cache``: caches the results; ``combination``: the
+    combination; ``level``: mesh level; None: level of `mesh_level_of_combination`. Raises LookupError if a result is not
+    stored.
     """
     return tuple(run.load for run in cache.compute_once(_required_runs_in_3d, combination, level))
 
@@ -524,7 +529,7 @@ def _required_runs_in_3d(cache: SceneResultCache, combination: Combination, leve
 
     ``cache``: not used here; ``level``: mesh level; None: level of `mesh_level_of_combination`.
     """
-    found = stored_runs_or_none(combination, level)
+    found = stored_3d_results_or_none(combination, level)
     if found is None:
         raise LookupError(
             f"no stored 3D loads of combination {combination_name(combination)!r}: run python -m {__package__}"

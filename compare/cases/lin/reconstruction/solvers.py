@@ -85,8 +85,9 @@ class SlidingLoadCase(LoadCase):
 
     ``mu``: coefficient of friction. Friction resists an axial motion of the screw in the direction of its load; with
     negative ``mu``, an axial motion against its load. The friction forces at both contacts of a ball balance each other. On
-    a body, a force across the contact's load is applied as a force through the arc's centre, by normal forces on the
-    contact's nodes. The moment of the friction about that centre (arc radius times mu times contact load) is neglected.
+    each body, friction is applied as a force perpendicular to the contact load, through the centre of the groove's arc, by
+    normal forces on the contact's nodes. The moment of the friction about that centre (arc radius times mu times contact
+    load) is neglected.
     """
 
     def __init__(self, setup: CondensedGeometry, scene: Scene, mu: float) -> None:

@@ -19,24 +19,8 @@ from rollbench.compare.models.registry import ModelOptions, run_model
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.printed import printed_value
 from rollbench.compare.scenes import catalogue
-from rollbench.lowfi.bearings import as_printed
+from rollbench.lowfi.bearings import as_printed, axis
 from rollbench.lowfi.bearings.angular_contact import BallBearingRow
-from rollbench.lowfi.bearings.axis import (
-    BearingRows,
-    BearingRowsState,
-    DriveTorqueParts,
-    acceleration_torque,
-    angular_speed,
-    carriage_to_frame_stiffness,
-    equal_rows_with_gap,
-    lift_off_force,
-    shaft_and_support_stiffness,
-    shaft_inertia,
-    shaft_tension,
-    solve_bearing_row_equilibrium,
-    support_loads,
-    warming_that_removes_tension,
-)
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.numerics import brentq
 from rollbench.meshes.units import parse_quantity
@@ -60,12 +44,12 @@ class SupportBearingLayout:
     left_row_directions: tuple[int, ...]
     right_row_directions: tuple[int, ...]
 
-    def bearing_rows_at(self, end: str) -> BearingRows:
+    def bearing_rows_at(self, end: str) -> axis.BearingRows:
         """Return the bearing rows of one end with their load-deflection laws; ``end``: "left" or "right"."""
         directions = self.left_row_directions if end == "left" else self.right_row_directions
         if directions == bearings.DIRECTIONS[self.bearing_kind][end]:
             return bearings.bearing_rows_at_end(self.bearing_kind, end)
-        return equal_rows_with_gap(BallBearingRow(bearings.smith_ball_bearing()), directions, 0.0)
+        return axis.equal_rows_with_gap(BallBearingRow(bearings.smith_ball_bearing()), directions, 0.0)
 
 
 TRIPLEX = SupportBearingLayout("smith-axis", "triplex, fixed-fixed", "ball", *bearings.DIRECTIONS["ball"].values())
@@ -111,7 +95,7 @@ def thrusts_and_stiffness_by_formulas(
     a, first = bearings.screw_as_bar_between_supports(), layout.bearing_rows_at("left")
     bars = np.array([nut_position, 1.0 - nut_position]) * a.length / (a.young * a.area)
     if not layout.right_row_directions:
-        k = solve_bearing_row_equilibrium(first, -load_on_nut).stiffness
+        k = axis.solve_bearing_row_equilibrium(first, -load_on_nut).stiffness
         return EndThrustsAndAxisStiffness(-load_on_nut, 0.0, 1.0 / (1.0 / k + float(bars[0])))
     second = layout.bearing_rows_at("right")
 
@@ -119,13 +103,16 @@ def thrusts_and_stiffness_by_formulas(
         """Return the elongation [m] of supports and screw under a thrust [N] on the left end, less the imposed stretch."""
         forces = left, left + load_on_nut
         moved = sum(
-            solve_bearing_row_equilibrium(rows, f).displacement for rows, f in zip((first, second), forces, strict=True)
+            axis.solve_bearing_row_equilibrium(rows, f).displacement
+            for rows, f in zip((first, second), forces, strict=True)
         )
         return moved + float(bars @ forces) - bearings.STRETCH
 
     low = 1e-3 if min(layout.left_row_directions) > 0 else -2e4  # tandem rows carry tension only
     left = float(brentq(stretch_error, low, 4e4, xtol=1e-6))
-    ends = [solve_bearing_row_equilibrium(rows, f).stiffness for rows, f in ((first, left), (second, left + load_on_nut))]
+    ends = [
+        axis.solve_bearing_row_equilibrium(rows, f).stiffness for rows, f in ((first, left), (second, left + load_on_nut))
+    ]
     return EndThrustsAndAxisStiffness(
         left, left + load_on_nut, sum(1.0 / (1.0 / k + float(b)) for k, b in zip(ends, bars, strict=True))
     )
@@ -177,8 +164,10 @@ def axis_stiffness_by_sum_in_series(layout: SupportBearingLayout) -> float:
     if not layout.right_row_directions:
         return float("nan")
     a, force = bearings.screw_as_bar_between_supports(), thrusts_and_stiffness_by_formulas(layout, 0.5, 0.0).left_thrust
-    ends = [solve_bearing_row_equilibrium(layout.bearing_rows_at(end), force).stiffness for end in ("left", "right")]
-    return as_printed.axis_stiffness_as_printed(ends, float(shaft_and_support_stiffness(a, 0.5 * a.length)), float("inf"))
+    ends = [axis.solve_bearing_row_equilibrium(layout.bearing_rows_at(end), force).stiffness for end in ("left", "right")]
+    return as_printed.axis_stiffness_as_printed(
+        ends, float(axis.shaft_and_support_stiffness(a, 0.5 * a.length)), float("inf")
+    )
 
 
 def thrusts_and_stiffness_in_words(cache: SceneResultCache, layout: SupportBearingLayout) -> str:
@@ -227,11 +216,11 @@ KINDS = ("ball", "taper")
 
 def tension_of_stretched_screw() -> float:
     """Return the tension [N] of the stretched screw between rigid supports."""
-    return shaft_tension(bearings.screw_as_bar_between_supports(), bearings.STRETCH)
+    return axis.shaft_tension(bearings.screw_as_bar_between_supports(), bearings.STRETCH)
 
 
 @cache
-def bearing_set_state_at_end(kind: str, end: str, state: str, preload: float = bearings.PRELOAD) -> BearingRowsState:
+def bearing_set_state_at_end(kind: str, end: str, state: str, preload: float = bearings.PRELOAD) -> axis.BearingRowsState:
     """Return the equilibrium of the bearing rows at one end of the screw axis, under preload, stretch or applied load.
 
     ``kind``: "ball" or "taper"; ``end``: "left" or "right"; ``state``: "preload": only the preload acts; "stretch": the
@@ -240,11 +229,11 @@ def bearing_set_state_at_end(kind: str, end: str, state: str, preload: float = b
     """
     rows = bearings.bearing_rows_at_end(kind, end, preload)
     if state == "preload":
-        return solve_bearing_row_equilibrium(rows)
+        return axis.solve_bearing_row_equilibrium(rows)
     force = (
         tension_of_stretched_screw() if state == "stretch" else _end_thrusts_under_load(tension_of_stretched_screw())[end]
     )
-    return solve_bearing_row_equilibrium(rows, force)
+    return axis.solve_bearing_row_equilibrium(rows, force)
 
 
 def _end_thrusts_under_load(tension: float) -> dict[str, float]:
@@ -252,7 +241,7 @@ def _end_thrusts_under_load(tension: float) -> dict[str, float]:
 
     The load acts on the nut at mid-length towards the left end; ``tension``: tension of the screw without it [N].
     """
-    left, right = support_loads(
+    left, right = axis.support_loads(
         bearings.screw_as_bar_between_supports(),
         0.5 * bearings.screw_as_bar_between_supports().length,
         -bearings.APPLIED,
@@ -261,7 +250,7 @@ def _end_thrusts_under_load(tension: float) -> dict[str, float]:
     return {"left": left, "right": right}
 
 
-def row_loads_by_smith_rule(kind: str, end: str, state: str, preload: tuple[float, ...]) -> list[float]:
+def row_loads_by_smith_rule_lbf(kind: str, end: str, state: str, preload: tuple[float, ...]) -> list[float]:
     """Return the loads [lbf] of the bearing rows at one end of the axis by Smith's rule, which violates equilibrium.
 
     By this rule, half of the screw's tension and half of the carriage's load act at each end. Both halves are added to the
@@ -294,12 +283,12 @@ def section_4_1(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
             "expansion": bearings.EXPANSION * bearings.DEG_F,
             "E": a.young / bearings.PSI,
             "eps": bearings.STRETCH / a.length,
-            "dT": warming_that_removes_tension(a, bearings.STRETCH, bearings.EXPANSION) / bearings.DEG_F,
+            "dT": axis.warming_that_removes_tension(a, bearings.STRETCH, bearings.EXPANSION) / bearings.DEG_F,
         }
     )
     stiff = {kind: bearing_set_state_at_end(kind, "left", "stretch").stiffness for kind in KINDS}
     elastic = [
-        shaft_tension(bearings.screw_as_bar_between_supports(k, k), bearings.STRETCH) / bearings.POUND
+        axis.shaft_tension(bearings.screw_as_bar_between_supports(k, k), bearings.STRETCH) / bearings.POUND
         for k in stiff.values()
     ]
     words = f"{elastic[0]:.0f} and {elastic[1]:.0f} lbf if the stretch is of the ends and the bearings give way"
@@ -321,7 +310,7 @@ def section_4_2(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
         for end in bearings.DIRECTIONS[kind]:
             _compute_bearing_row_loads(findings, kind, end)
     a = bearings.screw_as_bar_between_supports()
-    least = float(shaft_and_support_stiffness(a, 0.5 * a.length))
+    least = float(axis.shaft_and_support_stiffness(a, 0.5 * a.length))
     findings.numbers({"screw": least / bearings.POUND_PER_INCH, "nut": bearings.NUT / bearings.POUND_PER_INCH})
     findings.add_number("applied", bearings.APPLIED / bearings.POUND)
     findings.add_number(
@@ -334,8 +323,8 @@ def section_4_2(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     _compute_axis_stiffness(findings, "taper", thrusts_and_stiffness_in_words(cache, TAPERED))
     places = np.linspace(0.0, a.length, 53)[1:-1]
     both_ends, one = (
-        shaft_and_support_stiffness(a, places),
-        shaft_and_support_stiffness(bearings.screw_as_bar_between_supports(right=0.0), places),
+        axis.shaft_and_support_stiffness(a, places),
+        axis.shaft_and_support_stiffness(bearings.screw_as_bar_between_supports(right=0.0), places),
     )
     at = float(places[int(np.argmin(both_ends))] / a.length)
     findings.add_claim("middle", abs(at - 0.5) < 0.01, f"least at {at:.2f} L")
@@ -356,7 +345,7 @@ def _compute_bearing_row_loads(findings: ComputedEntryValues, kind: str, end: st
     preload = tuple(findings.printed(f"{kind}_{end}_preload_{i + 1}") for i in range(count))
     for state in ("preload", "stretch", "applied"):
         ours = bearing_set_state_at_end(kind, end, state)
-        printed = None if state == "preload" else row_loads_by_smith_rule(kind, end, state, preload)
+        printed = None if state == "preload" else row_loads_by_smith_rule_lbf(kind, end, state, preload)
         for i in range(count):
             key = f"{kind}_{end}_{state}_{i + 1}"
             findings.add_number(
@@ -376,7 +365,7 @@ def axis_stiffness_at_mid_length(support_stiffness: float) -> float:
     ``support_stiffness``: stiffness of each support [N/m].
     """
     a = bearings.screw_as_bar_between_supports(support_stiffness, support_stiffness)
-    return float(carriage_to_frame_stiffness(a, 0.5 * a.length, bearings.NUT))
+    return float(axis.carriage_to_frame_stiffness(a, 0.5 * a.length, bearings.NUT))
 
 
 def _compute_axis_stiffness(findings: ComputedEntryValues, kind: str, beam_model_remark: str) -> None:
@@ -392,7 +381,7 @@ def _compute_axis_stiffness(findings: ComputedEntryValues, kind: str, beam_model
         axis_stiffness_at_mid_length(bearing_set_state_at_end(kind, "left", "stretch").stiffness) / bearings.POUND_PER_INCH
     )
     off = float(error_percent(printed, right))
-    words = f"right topology, printed parts {1e-6 * right:.3f}e6, our bearings {1e-6 * ours:.3f}e6; "
+    words = f"right topology, printed parts {1e-6 * right:.3f}e6, computed bearings {1e-6 * ours:.3f}e6; "
     words += f"the sum in series {off:+.0f} %"
     findings.add_number(f"total_{kind}", right, f"{words}; {beam_model_remark}", as_printed=printed)
 
@@ -404,17 +393,17 @@ def section_4_3(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     """
     rows = {"ball": (3, printed_value("smith-2.3", "M")), "taper": (2, printed_value("smith-3", "M"))}
     findings.add_number("nut", 18.0)
-    shaft = shaft_inertia(
+    shaft = axis.shaft_inertia(
         STEEL,
         2.0 * float(np.sqrt(bearings.screw_as_bar_between_supports().area / np.pi)),
         bearings.screw_as_bar_between_supports().length,
     )
-    alone = acceleration_torque([shaft], angular_speed(TRAVERSE, LEAD), 1.0) / bearings.INCH_POUND
+    alone = axis.acceleration_torque([shaft], axis.screw_angular_speed(TRAVERSE, LEAD), 1.0) / bearings.INCH_POUND
     words = f"the screw's own inertia takes {alone:.2f} in-lb in 1 s; the rest is not printed"
     findings.add_number("acceleration", None, words)
     for kind, (count, torque) in rows.items():
         ends = (count * torque,) * 2
-        budget = DriveTorqueParts(
+        budget = axis.DriveTorqueParts(
             findings.printed("screw"), findings.printed("nut"), ends, findings.printed("acceleration")
         )
         findings.add_number(f"bearings_{kind}", ends[0])
@@ -431,7 +420,7 @@ def _record_axis_and_drive_data(findings: ComputedEntryValues) -> None:
     ``findings``: receives the results.
     """
     warming = (
-        warming_that_removes_tension(bearings.screw_as_bar_between_supports(), bearings.STRETCH, bearings.EXPANSION)
+        axis.warming_that_removes_tension(bearings.screw_as_bar_between_supports(), bearings.STRETCH, bearings.EXPANSION)
         / bearings.DEG_F
     )
     findings.numbers(
@@ -441,7 +430,7 @@ def _record_axis_and_drive_data(findings: ComputedEntryValues) -> None:
             "base": 35.0,
             "counts": COUNTS,
             "motor": MOTOR,
-            "rpm": angular_speed(TRAVERSE, LEAD) / bearings.RPM,
+            "rpm": axis.screw_angular_speed(TRAVERSE, LEAD) / bearings.RPM,
             "resolution": 1e6 * LEAD / COUNTS / bearings.INCH,
             "preload_750": REDUCED / bearings.POUND,
         }
@@ -513,10 +502,12 @@ def carriage_load_that_unloads_row(preload: float) -> float:
     ``preload``: preload of the bearing rows [N]. The screw is stretched. The row is unloaded when the part of the
     carriage's load that acts on this end equals the lift-off load of the end's bearing rows less the screw's tension.
     """
-    share = support_loads(
+    share = axis.support_loads(
         bearings.screw_as_bar_between_supports(), 0.5 * bearings.screw_as_bar_between_supports().length, 1.0
     )[0]
-    return (lift_off_force(bearings.bearing_rows_at_end("taper", "left", preload)) - tension_of_stretched_screw()) / share
+    return (
+        axis.lift_off_force(bearings.bearing_rows_at_end("taper", "left", preload)) - tension_of_stretched_screw()
+    ) / share
 
 
 def _compute_loads_at_reduced_preload(findings: ComputedEntryValues) -> None:
@@ -525,7 +516,7 @@ def _compute_loads_at_reduced_preload(findings: ComputedEntryValues) -> None:
     ``findings``: receives the results.
     """
     for end in ("left", "right"):
-        printed = row_loads_by_smith_rule("taper", end, "stretch", (REDUCED / bearings.POUND,) * 2)
+        printed = row_loads_by_smith_rule_lbf("taper", end, "stretch", (REDUCED / bearings.POUND,) * 2)
         ours = bearing_set_state_at_end("taper", end, "stretch", REDUCED)
         for i in range(2):
             findings.add_number(

@@ -16,51 +16,12 @@ from rollbench.compare.evidence import ComputedEntryValues
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.printed import load_printed_table
-from rollbench.lowfi.bearings import as_printed
-from rollbench.lowfi.bearings.angular_contact import (
-    BallBearing,
-    BallBearingRow,
-    BallBearingThrustState,
-    bearing_state_at_displacement,
-    dimensionless_hertz_parameters,
-    displacement_under_thrust,
-    relative_curvatures,
-)
-from rollbench.lowfi.bearings.axis import (
-    BearingRows,
-    ScrewShaftSprings,
-    equal_rows_with_gap,
-    equal_rows_with_preload,
-    solve_bearing_row_equilibrium,
-)
-from rollbench.lowfi.bearings.tapered_roller import (
-    ThrustAndRadialState,
-    load_zone_integrals,
-    load_zone_under_thrust_and_radial_load,
-    solve_thrust_and_radial_equilibrium,
-)
-from rollbench.lowfi.bearings.torque import (
-    KILOGRAM_FORCE,
-    LEAST_FILM,
-    ball_bearing_torque,
-    load_dependent_torque,
-    load_independent_torque,
-    palmgren_static_rating,
-    timken_factor_from_torque,
-    timken_running_torque,
-)
-from rollbench.lowfi.rollers import (
-    RollerContacts,
-    SlicedTaperedRow,
-    StraightTaperedRow,
-    TaperedBearing,
-    circular_crown_profile,
-    roller_line_contacts,
-)
+from rollbench.lowfi import rollers
+from rollbench.lowfi.bearings import angular_contact, as_printed, axis, tapered_roller, torque
 from rollbench.lowfi.statics.validity import DENT_PRESSURE
 from rollbench.meshes.units import parse_quantity
 
-#: Units of Smith's thesis, in SI.
+#: Units that Smith's thesis uses, in SI.
 INCH = parse_quantity("1 in", "length")
 
 POUND = parse_quantity("1 lbf", "force")
@@ -117,25 +78,25 @@ DIRECTIONS: dict[str, dict[str, tuple[int, ...]]] = {
 
 
 @cache
-def smith_ball_bearing() -> BallBearing:
+def smith_ball_bearing() -> angular_contact.BallBearing:
     """Return the angular-contact ball bearing MM35BS72 of Smith's Figure 2-10.
 
     The radius of the outer groove is 0.53 ball diameters, 0.182188 in.
     """
     d = 0.34375 * INCH
-    return BallBearing(18, d, 1.817159 * INCH, 2.520305 * INCH, 0.52 * d, 0.53 * d, YOUNG, POISSON)
+    return angular_contact.BallBearing(18, d, 1.817159 * INCH, 2.520305 * INCH, 0.52 * d, 0.53 * d, YOUNG, POISSON)
 
 
 @cache
-def smith_tapered_bearing() -> TaperedBearing:
+def smith_tapered_bearing() -> rollers.TaperedBearing:
     """Return the prototype tapered roller bearing of Smith's Figure 3-6."""
-    return TaperedBearing(
+    return rollers.TaperedBearing(
         16, 0.33 * INCH, 0.49 * INCH, float(np.radians(30.8)), float(np.radians(4.0)), YOUNG, POISSON, RING_DEPTH
     )
 
 
 @cache
-def bearing_rows_at_end(kind: str, end: str, preload: float = PRELOAD) -> BearingRows:
+def bearing_rows_at_end(kind: str, end: str, preload: float = PRELOAD) -> axis.BearingRows:
     """Return the preloaded bearing rows at one end of the screw.
 
     ``kind``: "ball" or "taper"; ``end``: "left" or "right"; ``preload``: for tapered bearings, preload of the rows [N];
@@ -143,17 +104,17 @@ def bearing_rows_at_end(kind: str, end: str, preload: float = PRELOAD) -> Bearin
     """
     directions = DIRECTIONS[kind][end]
     if kind == "ball":
-        row = BallBearingRow(smith_ball_bearing())
-        return equal_rows_with_gap(row, directions, row.deflection(preload))
-    return equal_rows_with_preload(StraightTaperedRow(smith_tapered_bearing()), directions, preload)
+        row = angular_contact.BallBearingRow(smith_ball_bearing())
+        return axis.equal_rows_with_gap(row, directions, row.deflection(preload))
+    return axis.equal_rows_with_preload(rollers.StraightTaperedRow(smith_tapered_bearing()), directions, preload)
 
 
-def screw_as_bar_between_supports(left: float = np.inf, right: float = np.inf) -> ScrewShaftSprings:
+def screw_as_bar_between_supports(left: float = np.inf, right: float = np.inf) -> axis.ScrewShaftSprings:
     """Return the screw of Smith's section 4.1 as a bar between supports.
 
     ``left``, ``right``: axial stiffness of the supports [N/m]; infinite: rigid; 0: free to slide.
     """
-    return ScrewShaftSprings(52.0 * INCH, 0.25 * np.pi * (1.378 * INCH) ** 2, YOUNG, left, right)
+    return axis.ScrewShaftSprings(52.0 * INCH, 0.25 * np.pi * (1.378 * INCH) ** 2, YOUNG, left, right)
 
 
 #: Curvature difference F(p)_o of the outer race printed in Figure 2-10; it does not follow from the dimensions.
@@ -165,14 +126,16 @@ SHEET_POUND = 4.448
 #: Curvature differences F(p) of Table 2-1, without the last row, which is a line contact.
 DIFFERENCES = tuple(row.value or 0.0 for row in load_printed_table("smith-table-2-1") if row.key.startswith("F_"))[:-1]
 
-#: Curvature differences that approach the line contact.
+#: Curvature differences F(p) close to 1, the value of a line contact.
 NEARLY_LINE = (1.0 - 1e-4, 1.0 - 1e-7, 1.0 - 1e-10)
 
 
 @cache
-def thrust_state_of_ball_bearing(load: float) -> BallBearingThrustState:
+def thrust_state_of_ball_bearing(load: float) -> angular_contact.BallBearingThrustState:
     """Return contact angle, ball load and stiffness of the ball bearing under a thrust [N], by exact elliptic integrals."""
-    return bearing_state_at_displacement(smith_ball_bearing(), displacement_under_thrust(smith_ball_bearing(), load))
+    return angular_contact.bearing_state_at_displacement(
+        smith_ball_bearing(), angular_contact.displacement_under_thrust(smith_ball_bearing(), load)
+    )
 
 
 @cache
@@ -216,10 +179,12 @@ def table_2_1(findings: ComputedEntryValues, cache: SceneResultCache) -> None:  
     """
     for i, difference in enumerate(DIFFERENCES):
         findings.add_number(f"F_{i}", difference)
-        for name, value in zip(("delta", "a", "b"), dimensionless_hertz_parameters(difference), strict=True):
+        for name, value in zip(
+            ("delta", "a", "b"), angular_contact.dimensionless_hertz_parameters(difference), strict=True
+        ):
             findings.add_number(f"{name}_{i}", value)
     findings.add_number(f"F_{len(DIFFERENCES)}", 1.0)
-    limit = np.array([dimensionless_hertz_parameters(f) for f in NEARLY_LINE])
+    limit = np.array([angular_contact.dimensionless_hertz_parameters(f) for f in NEARLY_LINE])
     for name, column, sign in (("delta", 0, -1.0), ("a", 1, 1.0), ("b", 2, -1.0)):
         steps = np.diff(np.log(limit[:, column])) * sign
         words = ", ".join(f"{v:.3g}" for v in limit[:, column])
@@ -261,14 +226,16 @@ def _compute_spreadsheet_cells_under_load(findings: ComputedEntryValues) -> None
     findings.add_number("F_N", SHEET_LOAD, as_printed=SHEET_POUND * SHEET_LOAD / POUND)
     findings.add_number("Q", q / POUND, as_printed=source.ball_load / SHEET_POUND)
     findings.add_number("Q_N", q, as_printed=source.ball_load)
-    pairs = relative_curvatures(smith_ball_bearing(), s.contact_angle)
+    pairs = angular_contact.relative_curvatures(smith_ball_bearing(), s.contact_angle)
     for i, (name, pair, h) in enumerate(zip("io", pairs, (s.inner_hertz, s.outer_hertz), strict=True)):
         across, along = (1e-3 * float(k) for k in pair)
         difference = (along - across) / (along + across)
         findings.add_number(f"sum_{name}", across + along, as_printed=source.curvature_sums[i])
         findings.add_number(f"F_{name}", difference, as_printed=source.curvature_differences[i] if name == "i" else None)
         findings.add_number(
-            f"delta_{name}", dimensionless_hertz_parameters(difference)[0], as_printed=source.dimensionless_approaches[i]
+            f"delta_{name}",
+            angular_contact.dimensionless_hertz_parameters(difference)[0],
+            as_printed=source.dimensionless_approaches[i],
         )
         findings.add_number(f"K_{name}", float(h.C) ** -1.5 * 1e-3**1.5, as_printed=source.race_load_constants[i])
     findings.add_number(
@@ -308,8 +275,8 @@ def _compute_triplex_preload(findings: ComputedEntryValues) -> None:
     )
     triplex = bearing_rows_at_end("ball", "left")
     ready, pulled = (
-        solve_bearing_row_equilibrium(triplex).row_thrusts / POUND,
-        solve_bearing_row_equilibrium(triplex, 2000.0 * POUND).row_thrusts / POUND,
+        axis.solve_bearing_row_equilibrium(triplex).row_thrusts / POUND,
+        axis.solve_bearing_row_equilibrium(triplex, 2000.0 * POUND).row_thrusts / POUND,
     )
     findings.numbers({"P_tandem": float(ready[0]), "P_third": float(ready[2]), "ratio": float(ready[2] * POUND / PRELOAD)})
     findings.add_number("stretch_end", 2000.0, as_printed=1000.0)
@@ -326,23 +293,23 @@ def range_of_good_approach_fit() -> tuple[float, float, float]:
     approach delta*.
     """
 
-    def fit_error(difference: float) -> float:
-        """Return the error [%] of the fit at a curvature difference F(p)."""
+    def approach_fit_error_percent(difference: float) -> float:
+        """Return the error [%] of Smith's fit of the approach delta* at a curvature difference F(p)."""
         return abs(
             float(
                 error_percent(
                     as_printed.hertz_parameter_by_smith_polynomial(difference, "approach"),
-                    dimensionless_hertz_parameters(difference)[0],
+                    angular_contact.dimensionless_hertz_parameters(difference)[0],
                 )
             )
         )
 
     low = high = 0.9
-    while fit_error(low - 1e-3) <= 2.0:
+    while approach_fit_error_percent(low - 1e-3) <= 2.0:
         low -= 1e-3
-    while fit_error(high + 1e-3) <= 2.0:
+    while approach_fit_error_percent(high + 1e-3) <= 2.0:
         high += 1e-3
-    return low, high, fit_error(0.5)
+    return low, high, approach_fit_error_percent(0.5)
 
 
 def section_2_1(findings: ComputedEntryValues, cache: SceneResultCache) -> None:  # noqa: ARG001 - every table takes the study
@@ -359,7 +326,10 @@ def section_2_1(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
         "fit_good", worst < 2.0, f"within 2 % for F(p) from {low:.3f} to {high:.3f}; {worst:.0f} % off at 0.5"
     )
     f = recompute_ball_spreadsheet(2040.0).curvature_differences[0]
-    minor, exact = as_printed.hertz_parameter_by_smith_polynomial(f, "minor"), dimensionless_hertz_parameters(f)[2]
+    minor, exact = (
+        as_printed.hertz_parameter_by_smith_polynomial(f, "minor"),
+        angular_contact.dimensionless_hertz_parameters(f)[2],
+    )
     percent = float(error_percent(minor, exact))
     findings.add_claim(
         "fit_minor", abs(percent) < 5.0, f"b* = {minor:.4f} for {exact:.4f}: {percent:+.0f} % at F(p) = {f:.3f}"
@@ -403,20 +373,24 @@ def section_2_3(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
         {"nu": 1e6 * VISCOSITY, "n": SPEED / RPM, "f_0": 2.0, "F": BALL_TORQUE_LOAD / POUND, "Y_0": 0.3, "X_0": 0.5}
     )
     findings.add_number("F_kg", BALL_TORQUE_LOAD / 9.80665, "1 kg taken as 2.2 lb", as_printed=1000.0 / 2.2)
-    viscous = load_independent_torque(2.0, b.pitch_diameter, VISCOSITY, SPEED) / INCH_POUND
+    viscous = torque.load_independent_torque(2.0, b.pitch_diameter, VISCOSITY, SPEED) / INCH_POUND
     findings.add_number("M_0", viscous)
     product = 1e6 * VISCOSITY * SPEED / RPM
     findings.add_claim("form", product >= 2000.0, f"v n = {product:.0f} cSt rpm")
     s = thrust_state_of_ball_bearing(BALL_TORQUE_LOAD)
-    (across, along), _ = relative_curvatures(b, s.contact_angle)
-    rating = palmgren_static_rating(1, b.balls, b.ball_diameter, float(s.contact_angle), float(across), float(along))
-    loaded = load_dependent_torque(BALL_TORQUE_LOAD, 0.0, b.pitch_diameter, rating).torque / INCH_POUND
-    whole = load_dependent_torque(BALL_TORQUE_LOAD, 0.0, b.pitch_diameter, rating, axial_factor=1.0).torque / INCH_POUND
-    three = load_dependent_torque(BALL_TORQUE_LOAD, 0.0, b.pitch_diameter, 3.0 * rating).torque / INCH_POUND
-    radial = 1.25e6 * KILOGRAM_FORCE * b.balls * b.ball_diameter**2 * float(np.cos(b.free_angle))
-    nearest = load_dependent_torque(BALL_TORQUE_LOAD, 0.0, b.pitch_diameter, radial, axial_factor=0.5).torque / INCH_POUND
+    (across, along), _ = angular_contact.relative_curvatures(b, s.contact_angle)
+    rating = torque.palmgren_static_rating(1, b.balls, b.ball_diameter, float(s.contact_angle), float(across), float(along))
+    loaded = torque.load_dependent_torque(BALL_TORQUE_LOAD, 0.0, b.pitch_diameter, rating).torque / INCH_POUND
+    whole = (
+        torque.load_dependent_torque(BALL_TORQUE_LOAD, 0.0, b.pitch_diameter, rating, axial_factor=1.0).torque / INCH_POUND
+    )
+    three = torque.load_dependent_torque(BALL_TORQUE_LOAD, 0.0, b.pitch_diameter, 3.0 * rating).torque / INCH_POUND
+    radial = 1.25e6 * torque.KILOGRAM_FORCE * b.balls * b.ball_diameter**2 * float(np.cos(b.free_angle))
+    nearest = (
+        torque.load_dependent_torque(BALL_TORQUE_LOAD, 0.0, b.pitch_diameter, radial, axial_factor=0.5).torque / INCH_POUND
+    )
     share = float((s.inner_hertz.pressure(s.ball_load) / DENT_PRESSURE) ** 3)
-    row = ball_bearing_torque(
+    row = torque.ball_bearing_torque(
         "angular contact", float(s.contact_angle), b.pitch_diameter, (BALL_TORQUE_LOAD, 0.0, share), None
     )
     low, high = (x / INCH_POUND for x in row.load)
@@ -428,10 +402,10 @@ def section_2_3(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     findings.add_number("M_1", loaded, words)
     words = f"computed: {viscous:.2f} + {loaded:.2f} = {viscous + loaded:.2f} in-lb"
     findings.add_number("M", findings.printed("M_0") + findings.printed("M_1"), words)
-    pound = 1e-3 * KILOGRAM_FORCE / INCH_POUND
+    pound = 1e-3 * torque.KILOGRAM_FORCE / INCH_POUND
     findings.add_number("unit", pound, "kg mm in in-lbf", as_printed=2.2 / 25.4)
-    film = 1e-6 * LEAST_FILM * RPM * DENSITY / ATMOSPHERE
-    findings.add_number("film", film, f"nu n = {LEAST_FILM:g} cSt rpm, oil of {DENSITY:g} kg/m3, one atmosphere")
+    film = 1e-6 * torque.LEAST_FILM * RPM * DENSITY / ATMOSPHERE
+    findings.add_number("film", film, f"nu n = {torque.LEAST_FILM:g} cSt rpm, oil of {DENSITY:g} kg/m3, one atmosphere")
     findings.add_number("f_1", 0.0013)
     findings.add_number("k_0", 2.8)
     test = findings.printed("M_test")
@@ -463,24 +437,24 @@ CROWN, SLICES = 2.0, 101
 
 
 @cache
-def state_under_thrust_and_radial_load() -> ThrustAndRadialState:
+def state_under_thrust_and_radial_load() -> tapered_roller.ThrustAndRadialState:
     """Return the equilibrium of Smith's tapered roller bearing under the thrust and the radial load of his Figure 3-6."""
-    return solve_thrust_and_radial_equilibrium(smith_tapered_bearing(), SHEET_LOAD, RADIAL)
+    return tapered_roller.solve_thrust_and_radial_equilibrium(smith_tapered_bearing(), SHEET_LOAD, RADIAL)
 
 
 @cache
-def roller_contacts_under_spreadsheet_thrust() -> RollerContacts:
+def roller_contacts_under_spreadsheet_thrust() -> rollers.RollerContacts:
     """Return half widths, pressures and areas of one tapered roller's contacts under the thrust of Smith's Figure 3-6."""
     b = smith_tapered_bearing()
-    return roller_line_contacts(b, SHEET_LOAD / (b.rollers * float(np.sin(b.cup_angle))))
+    return rollers.roller_line_contacts(b, SHEET_LOAD / (b.rollers * float(np.sin(b.cup_angle))))
 
 
 def tapered_bearing_stiffness(thrust_lbf: float, depth: float = RING_DEPTH) -> float:
     """Return the tapered roller bearing's axial stiffness [lbf/in] from the deformation of its line contacts.
 
-    ``thrust_lbf``: thrust [lbf]; ``depth``: depth [m] in the rings to which the contacts' deformation is counted.
+    ``thrust_lbf``: thrust [lbf]; ``depth``: depth [m] in the rings down to which the contact deformation is counted.
     """
-    row = StraightTaperedRow(replace(smith_tapered_bearing(), depth=depth))
+    row = rollers.StraightTaperedRow(replace(smith_tapered_bearing(), depth=depth))
     return row.stiffness(row.deflection(thrust_lbf * POUND)) / POUND_PER_INCH
 
 
@@ -489,7 +463,7 @@ def crowned_tapered_bearing_stiffness(thrust_lbf: float) -> float:
 
     ``thrust_lbf``: thrust [lbf]; the crown's radius is `CROWN`.
     """
-    row = SlicedTaperedRow(smith_tapered_bearing(), SLICES, circular_crown_profile(CROWN))
+    row = rollers.SlicedTaperedRow(smith_tapered_bearing(), SLICES, rollers.circular_crown_profile(CROWN))
     return row.stiffness(row.deflection(thrust_lbf * POUND)) / POUND_PER_INCH
 
 
@@ -553,8 +527,8 @@ def _compute_taper_spreadsheet(findings: ComputedEntryValues) -> None:
             "Z": float(np.tan(b.cup_angle)) * RADIAL / SHEET_LOAD,
         }
     )
-    zone = load_zone_under_thrust_and_radial_load(SHEET_LOAD, RADIAL, b.cup_angle, EXPONENT)
-    exact = load_zone_integrals(findings.printed("eps"), EXPONENT)
+    zone = tapered_roller.load_zone_under_thrust_and_radial_load(SHEET_LOAD, RADIAL, b.cup_angle, EXPONENT)
+    exact = tapered_roller.load_zone_integrals(findings.printed("eps"), EXPONENT)
     ratio = findings.printed("J_r") / findings.printed("J_a")
     words = f"printed J_r/J_a = {ratio:.6g}, Z = {findings.printed('Z'):.6g}; "
     words += f"exact at the printed eps: {exact.thrust_integral:.6f}, {exact.radial_integral:.6g}"
@@ -634,7 +608,7 @@ def _compute_taper_tests(findings: ComputedEntryValues) -> None:
     """
     load = TAPER_TORQUE_LOAD / POUND
     middle = tapered_bearing_stiffness(load)
-    drop = 1e6 * float(circular_crown_profile(CROWN)(np.array(0.5 * smith_tapered_bearing().length)))
+    drop = 1e6 * float(rollers.circular_crown_profile(CROWN)(np.array(0.5 * smith_tapered_bearing().length)))
     by_depth = [tapered_bearing_stiffness(load, depth) for depth in DEPTHS]
     model, test = tapered_bearing_spreadsheet_stiffness(load), findings.printed("S_test")
     findings.add_number(
@@ -651,8 +625,8 @@ def _compute_taper_tests(findings: ComputedEntryValues) -> None:
     )
     findings.add_number("F_torque", load)
     viscosity = VISCOSITY * DENSITY
-    implied = timken_factor_from_torque(findings.printed("M") * INCH_POUND, viscosity, SPEED, TAPER_TORQUE_LOAD)
-    unit = timken_running_torque(1.0, viscosity, SPEED, TAPER_TORQUE_LOAD) / INCH_POUND
+    implied = torque.timken_factor_from_torque(findings.printed("M") * INCH_POUND, viscosity, SPEED, TAPER_TORQUE_LOAD)
+    unit = torque.timken_running_torque(1.0, viscosity, SPEED, TAPER_TORQUE_LOAD) / INCH_POUND
     findings.add_number("M", None, f"{unit:.4f} in-lb times G_1: needs G_1 = {implied:.0f}")
     test = findings.printed("M_test")
     findings.add_number("M_test", None, f"needs G_1 = {test / unit:.0f}")

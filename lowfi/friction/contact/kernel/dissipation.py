@@ -263,8 +263,8 @@ def dissipation(a: float, b: float, vx: float, vz: float, spin: float, speed: fl
 def dissipation_of_contacts(a: Array, b: Array, motion: Array, speed: float, out: Array) -> None:
     """Write the dissipated power divided by mu F, and its derivatives, of n contacts to out (n, 11).
 
-    The eleven values of a row are the fields of `DissipationTerms`. a, b (n,): semi-axes [m]; motion (n, 3): sliding
-    vx, vz [m/s] and spin [rad/s]; speed: regularising speed [m/s].
+    The eleven values of a row are the fields of `DissipationTerms`; mu F is the friction bound. a, b (n,): semi-axes
+    [m]; motion (n, 3): sliding vx, vz along the semi-axes a, b [m/s] and spin [rad/s]; speed: regularising speed [m/s].
     """
     for i in range(a.shape[0]):
         out[i] = dissipation(a[i], b[i], motion[i, 0], motion[i, 1], motion[i, 2], speed)

@@ -25,13 +25,14 @@ from .dissipation import dissipation
 def evaluate_dissipation(
     shape: Array, maps: Array, drives: Array, push: Array, speed: float, q: Array, grad: Array, hess: Array
 ) -> tuple[float, float]:
-    """Return friction power less power of other forces [W] for a motion q, then the excess by regularisation [W].
+    """Return friction power less power of other forces [W] at a motion q, then the excess of friction power over loss [W].
 
-    The excess over the friction loss is sum_i strength_i speed dD_i/dspeed. q (n,): motion of the body; grad (n,), hess
-    (n, n): gradient by q and lower triangle of the Hessian, which are written. shape (m, 3): semi-axes a, b [m] and
-    friction bound mu F [N] of m contacts; maps (m, 3, n): motion vx, vz [m/s], spin [rad/s] of the contacts per unit of
-    each of n unknowns; drives (m, 3): motion of the contacts at q = 0, which the drive imposes; push (n,): generalised
-    forces other than friction; speed: regularising speed [m/s].
+    The excess, which is due to regularisation, is the sum over the contacts of mu F speed dD/dspeed, where D is the
+    dissipated power divided by the friction bound mu F (`dissipation`). q (n,): motion of the body; grad (n,), hess (n,
+    n): gradient by q and lower triangle of the Hessian, which are written. shape (m, 3): semi-axes a, b [m] and
+    friction bound mu F [N] of m contacts; maps (m, 3, n): motion of the contacts per unit of each of n unknowns,
+    sliding vx, vz along the semi-axes a, b [m/s] and spin [rad/s]; drives (m, 3): motion of the contacts at q = 0,
+    which the drive imposes; push (n,): generalised forces other than friction; speed: regularising speed [m/s].
     """
     n = q.shape[0]
     value, excess = 0.0, 0.0
@@ -97,9 +98,9 @@ def write_motion_newton_step(hess: Array, grad: Array, units: Array, step: Array
 def surface_speed_per_unknown(shape: Array, maps: Array) -> Array:
     """Return the surface speed of the loaded contacts per unit of each of n unknown velocities of a body ``(n,)``.
 
-    The surface speed is the root of the sum of squares of vx, vz and a times spin over the contacts, with the larger
-    semi-axis a; 1 for an unknown that moves no loaded contact. shape (m, 3): semi-axes a, b [m] and friction bound [N]
-    of m contacts; maps (m, 3, n): motion vx, vz, spin of the contacts per unit of each unknown.
+    The surface speed is the root of the sum of squares of vx, vz and a times spin over the contacts; 1 for an unknown
+    that moves no loaded contact. shape (m, 3): semi-axes a >= b [m] and friction bound [N] of m contacts; maps (m, 3,
+    n): motion of the contacts per unit of each unknown, sliding vx, vz along the semi-axes a, b, and spin.
     """
     n = maps.shape[2]
     units = np.empty(n)
@@ -117,8 +118,8 @@ def surface_speed_per_unknown(shape: Array, maps: Array) -> Array:
 def largest_imbalance(grad: Array, units: Array) -> float:
     """Return the largest unbalanced force on a body [N], from the gradient ``grad`` of its dissipation.
 
-    grad (n,): gradient of the dissipation by the n unknown velocities, of which each entry is divided by that of units
-    (n,): surface speed per unit of each unknown (`surface_speed_per_unknown`).
+    grad (n,): gradient of the dissipation by the n unknown velocities; units (n,): surface speed per unit of each
+    unknown (`surface_speed_per_unknown`), by which the entries of grad are divided.
     """
     worst = 0.0
     for j in range(grad.shape[0]):
@@ -188,8 +189,9 @@ def motion_nearest_to_rolling(shape: Array, maps: Array, drives: Array) -> Array
 
     The sum of squared surface speeds of the contacts, weighted by their friction bounds, is least. This motion is the
     solution of a linear system, and unique except for motions without surface speed. shape (m, 3): semi-axes a, b [m]
-    and friction bound mu F [N] of m contacts; maps (m, 3, n): motion vx, vz [m/s], spin [rad/s] of the contacts per
-    unit of each of n unknowns; drives (m, 3): motion of the contacts at q = 0, which the drive imposes.
+    and friction bound mu F [N] of m contacts; maps (m, 3, n): motion of the contacts per unit of each of n unknowns,
+    sliding vx, vz along the semi-axes a, b [m/s] and spin [rad/s]; drives (m, 3): motion of the contacts at q = 0,
+    which the drive imposes.
     """
     n = maps.shape[2]
     grad, hess, q = np.zeros(n), np.zeros((n, n)), np.empty(n)
@@ -208,8 +210,8 @@ def motion_nearest_to_rolling(shape: Array, maps: Array, drives: Array) -> Array
 def largest_imposed_speed(shape: Array, drives: Array) -> float:
     """Return the largest surface speed [m/s] that the drive imposes on a loaded contact of a body at rest.
 
-    shape (m, 3): semi-axes a, b [m] and friction bound [N] of m contacts; drives (m, 3): motion vx, vz [m/s], spin
-    [rad/s] that the drive imposes on them.
+    shape (m, 3): semi-axes a, b [m] and friction bound [N] of m contacts; drives (m, 3): motion that the drive imposes
+    on them, sliding vx, vz along the semi-axes a, b [m/s] and spin [rad/s].
     """
     top = 0.0
     for i in range(shape.shape[0]):
@@ -221,11 +223,12 @@ def largest_imposed_speed(shape: Array, drives: Array) -> float:
 
 @kernel
 def contact_speeds(shape: Array, maps: Array, drives: Array, q: Array) -> tuple[Array, Array]:
-    """Return vx, vz and spin of m contacts (m, 3) at the body's motion q (n,), then their surface speeds (m,) [m/s].
+    """Return sliding and spin of m contacts (m, 3) at the body's motion q (n,), then their surface speeds (m,) [m/s].
 
-    A surface speed is the root of vx^2 + vz^2 + (a spin)^2. shape (m, 3): semi-axes a, b [m] and friction bound mu F
-    [N] of m contacts; maps (m, 3, n): motion vx, vz [m/s], spin [rad/s] of the contacts per unit of each of n unknowns;
-    drives (m, 3): motion of the contacts at q = 0, which the drive imposes.
+    Sliding vx, vz [m/s] is along the semi-axes a, b; spin is in rad/s; a surface speed is the root of vx^2 + vz^2 + (a
+    spin)^2. shape (m, 3): semi-axes a, b [m] and friction bound mu F [N] of m contacts; maps (m, 3, n): sliding and
+    spin of the contacts per unit of each of n unknowns; drives (m, 3): motion of the contacts at q = 0, which the drive
+    imposes.
     """
     m, n = shape.shape[0], q.shape[0]
     motion, size = drives.copy(), np.empty(m)
@@ -238,8 +241,8 @@ def contact_speeds(shape: Array, maps: Array, drives: Array, q: Array) -> tuple[
     return motion, size
 
 
-#: Status of a solution: contacts rest or slip exactly; friction is regularised, because a contact is on the verge of slip;
-#: everything rests, because there is neither drive nor force.
+#: Status of a solution: each contact rests or slips exactly; friction is regularised, because a contact is on the verge of
+#: slip; every contact rests, because there is neither drive nor force.
 EXACT, REGULARISED, AT_REST = 0, 1, 2
 
 #: Where a search starts: the motion nearest to pure rolling, the caller's motion, or the caller's motion if it is near the
@@ -251,8 +254,9 @@ ROLLING, GIVEN, NEAR = 0, 1, 2
 def write_friction_gradients(shape: Array, motion: Array, speed: float, forces: Array) -> None:
     """Write the negative friction force and moment of each of m contacts to forces (m, 3): the gradient of the dissipation.
 
-    shape (m, 3): semi-axes a, b [m] and friction bound [N]; motion (m, 3): vx, vz [m/s] and spin [rad/s] of the
-    contacts; speed: regularising speed [m/s]; forces: components along x, z [N] and moment about the normal y [N m].
+    shape (m, 3): semi-axes a, b [m] and friction bound [N]; motion (m, 3): sliding vx, vz along the semi-axes a, b
+    [m/s] and spin [rad/s] of the contacts; speed: regularising speed [m/s]; forces: components along the semi-axes [N]
+    and moment about the normal [N m].
     """
     for i in range(shape.shape[0]):
         f = shape[i, 2]
@@ -264,9 +268,10 @@ def write_friction_gradients(shape: Array, motion: Array, speed: float, forces: 
 def contact_can_stick(shape: Array, force: Array) -> bool:
     """Return whether friction in one contact can transmit a given force and moment without sliding.
 
-    shape (1, 3): semi-axes [m] and friction bound [N]; force (3,): components along x, z [N] and moment about the
-    normal [N m]. The contact can stick if the dissipation D(v) less force . v, regularised with a speed of 1 m/s, has a
-    minimum: the force is then a gradient of D and lies inside the limit surface of friction.
+    shape (1, 3): semi-axes [m] and friction bound [N]; force (3,): components along the semi-axes [N] and moment about
+    the normal [N m]. The contact can stick if the dissipated power D(v), regularised with a speed of 1 m/s, less the
+    power force . v has a minimum over the sliding and spin v: the force is then a gradient of D and lies inside the
+    limit surface of friction.
     """
     maps, q = np.eye(3).reshape(1, 3, 3), np.zeros(3)
     _, _, left, _ = minimise_dissipation(shape, maps, np.zeros((1, 3)), force, 1.0, q, 1e-9, int(np.int64(100)), 1e9)
@@ -305,7 +310,7 @@ def write_sticking_reactions(
     q: Array,
     forces: Array,
 ) -> float:
-    """Write the reactions of sticking contacts that balance the body, and the friction of the others, to forces (m, 3).
+    """Write the reactions of sticking contacts that balance the body, and the friction of slipping ones, to forces (m, 3).
 
     All entries have the opposite sign of the friction on the body [N, N m]. slipping (m, 3): semi-axes and friction
     bounds of the contacts, the bounds of sticking ones being zero; maps, drives, push, q: as in `evaluate_dissipation`;
@@ -350,12 +355,12 @@ def kinematic_inverse_and_null_space(rows: Array, units: Array) -> tuple[Array, 
 def set_slow_contacts_to_rest(
     shape: Array, maps: Array, drives: Array, push: Array, q: Array, forces: Array, rest: Array, still: float
 ) -> tuple[bool, float, int]:
-    """Let contacts slower than ``still`` [m/s] stick, and minimise the dissipation of the others.
+    """Let contacts slower than ``still`` [m/s] stick, and minimise the dissipation of the other contacts.
 
     shape, maps, drives, push: as in `evaluate_dissipation`. Overwrites the motion q (n,), the negative friction and
-    reactions forces (m, 3) [N, N m], and rest (m,), which becomes 1 for sticking contacts and 0 for others. Returns
-    whether the result is the least dissipation (sticking is kinematically possible, and every reaction lies inside its
-    limit surface), the largest unbalanced force [N], and the number of steps.
+    reactions forces (m, 3) [N, N m], and rest (m,), which becomes 1 for sticking contacts and 0 for slipping ones.
+    Returns whether the result is the least dissipation (sticking is kinematically possible, and every reaction lies
+    inside its limit surface), the largest unbalanced force [N], and the number of steps.
     """
     n, units, count = maps.shape[2], surface_speed_per_unknown(shape, maps), 0
     (motion, size), slipping = contact_speeds(shape, maps, drives, q), shape.copy()
@@ -388,13 +393,13 @@ def least_dissipation(
     """Compute the motion of least dissipation of one body on m contacts with given normal loads.
 
     Written are the motion q (n,), the negative friction and reactions forces (m, 3) [N, N m], rest (m,), which is 1 for
-    sticking contacts and 0 for others, and bounds (2,): lower and upper bound [W] of the least dissipation less the
-    power of ``push``, by joint convexity in motion and speed. shape, maps, drives, push: contacts, kinematics and other
-    forces, see `evaluate_dissipation`. The regularising speed decreases from 0.1 to 1e-6 times the drive's speed (to
-    1e-10 if a contact is on the verge of slip); each minimum is the start of the next. Then contacts that stand still
-    are set to rest. start: ``ROLLING``, ``GIVEN`` (start from q), or ``NEAR`` (start from q with the speed 1e-6 at
-    once, and from ``ROLLING`` if this fails). Returns the status (``EXACT``, ``REGULARISED``, ``AT_REST``), the largest
-    unbalanced force [N], and the number of steps.
+    sticking contacts and 0 for slipping ones, and bounds (2,): lower and upper bound [W] of the least dissipation less
+    the power of ``push``, by joint convexity in motion and speed. shape, maps, drives, push: contacts, kinematics and
+    other forces, see `evaluate_dissipation`. The regularising speed decreases from 0.1 to 1e-6 times the drive's speed
+    (to 1e-10 if a contact is on the verge of slip); each minimum is the start of the next. Then contacts that stand
+    still are set to rest. start: ``ROLLING``, ``GIVEN`` (start from q), or ``NEAR`` (start from q with the speed 1e-6
+    at once, and from ``ROLLING`` if this fails). Returns the status (``EXACT``, ``REGULARISED``, ``AT_REST``), the
+    largest unbalanced force [N], and the number of steps.
     """
     top = largest_imposed_speed(shape, drives)
     if top == 0.0 and np.sum(np.abs(push)) == 0.0:

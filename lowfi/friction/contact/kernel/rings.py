@@ -81,9 +81,9 @@ def write_position_newton_step(
 ) -> None:
     """Write Newton's step of the ball positions to dp (N, 2) and of the inner body to du (m,) [m].
 
-    The balls are eliminated first. cell: geometry of balls and inner body; state: gradient and stiffness that
-    `contact_energy` has written; floor: stiffness that is added on the diagonal [N/m], so that balls without contact
-    have a finite step.
+    The equations of the balls are eliminated first. cell: geometry of balls and inner body; state: gradient and
+    stiffness that `contact_energy` has written; floor: stiffness that is added on the diagonal [N/m], so that balls
+    without contact have a finite step.
     """
     section, ball, inner, stiff = (
         cell.inner_displacement_maps,
@@ -132,8 +132,8 @@ def write_position_newton_step(
 
 
 @kernel
-def copy_state(source: BallContactState, to: BallContactState) -> None:
-    """Copy all arrays of contact forces and derivatives from the state ``source`` to the state ``to``."""
+def copy_contact_state(source: BallContactState, to: BallContactState) -> None:
+    """Copy contact forces, normals, stiffness and unbalanced forces from the state ``source`` to the state ``to``."""
     to.ball_unbalanced_forces[:], to.inner_unbalanced_forces[:], to.stiffness[:] = (
         source.ball_unbalanced_forces,
         source.inner_unbalanced_forces,
@@ -193,7 +193,7 @@ def minimise_energy(
         p += length * dp
         u += length * du
         energy, worst = new, off
-        copy_state(trial, state)
+        copy_contact_state(trial, state)
     return steps
 
 

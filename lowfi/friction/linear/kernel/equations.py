@@ -27,14 +27,14 @@ _OTHER = load_kernel_package(CONTACT, compiled=is_compiled_module(__name__))
 
 dissipation, solve_with_pivots = _OTHER.dissipation, _OTHER.solve_with_pivots
 
-#: Half bandwidth: number of elements of the banded matrix on either side of its diagonal.
+#: Half bandwidth of the Jacobian: number of elements of the banded matrix on either side of its diagonal.
 HALF = 5
 
-#: Columns of the banded matrix: half a band, the diagonal, half a band.
+#: Columns in which the banded Jacobian is stored: half a band, the diagonal, half a band.
 WIDTH = 11
 
-#: Number of columns of the band while rows are exchanged, because the part right of the diagonal may then grow to twice the
-#: half bandwidth.
+#: Number of columns of the banded Jacobian while rows are exchanged, because the part right of the diagonal may then grow
+#: to twice the half bandwidth.
 FILLED = 16
 
 
@@ -199,10 +199,11 @@ def write_chain_equations(chain: ChainArrays, point: ChainSearchState, law: Equa
 
 @kernel
 def _add_contact_slips(contacts: Array, point: ChainSearchState, x: Array) -> None:
-    """Add the sliding at all contacts that motions x of the balls cause to the slips of the point.
+    """Add the sliding and spin that motions x of the balls cause to the values at all contacts in ``point``.
 
-    The slips are ``groove_contact_slips`` and ``ball_to_ball_slips``. contacts: field of `ChainArrays`; x (N, 3): the
-    motions, velocity and ball radius times two spins, divided by the carriage's speed.
+    These values are the fields ``groove_contact_slips`` and ``ball_to_ball_slips`` of the search state ``point``.
+    contacts: field of `ChainArrays`; x (N, 3): velocity, and ball radius times two spins, of each ball, divided by the
+    carriage's speed.
     """
     slip, pair, _, _ = point
     p, q, nx, ny = x[:, 1:2], x[:, 2:3], contacts[:, :, 0], contacts[:, :, 1]
@@ -214,10 +215,10 @@ def _add_contact_slips(contacts: Array, point: ChainSearchState, x: Array) -> No
 
 @kernel
 def write_contact_slips(chain: ChainArrays, point: ChainSearchState) -> None:
-    """Compute the sliding at all contacts from the motions of the balls; write it to the slips of the point.
+    """Compute sliding and spin at all contacts from the motions of the balls, and write them to ``point``.
 
-    chain: contacts and nominal motion of the N balls; point: its ``motion_less_nominal`` gives the motions; its
-    ``groove_contact_slips`` and ``ball_to_ball_slips`` are written.
+    chain: contacts and nominal motion of the N balls; point: search state, whose field ``motion_less_nominal`` gives
+    the motions, and whose fields ``groove_contact_slips`` and ``ball_to_ball_slips`` are written.
     """
     point.groove_contact_slips[:, :, 0], point.groove_contact_slips[:, :, 1], point.ball_to_ball_slips[:] = (
         -chain.contacts[:, :, 2],
@@ -229,9 +230,10 @@ def write_contact_slips(chain: ChainArrays, point: ChainSearchState) -> None:
 
 @kernel
 def apply_newton_step(chain: ChainArrays, point: ChainSearchState, step: Array, t: float) -> None:
-    """Add t times a Newton step of all unknowns to the point, and update the sliding at the contacts.
+    """Add t times a Newton step to all unknowns in ``point``, and update the sliding at the contacts.
 
-    chain: contacts of the N balls; step (4 N,): three motions and the unknown z of each ball; t: factor of the step.
+    chain: contacts of the N balls; point: motions of the balls and forces between them, which are changed; step (4 N,):
+    three motions and the unknown z of each ball; t: factor of the step.
     """
     n = point.motion_less_nominal.shape[0]
     change = t * step[: 4 * n].reshape(n, 4)
@@ -277,8 +279,8 @@ def restore_chain_state(point: ChainSearchState, kept: ChainSearchState) -> None
     ) = kept
 
 
-#: Largest Newton step of a velocity, over the carriage's speed: longer steps, which the line search takes back, would cost
-#: accuracy.
+#: Largest change of a velocity in one Newton step, divided by the carriage's speed: longer steps, which the line search
+#: takes back, would cost accuracy.
 LONGEST = 2.0
 
 #: Least stiffness that is added to the Jacobian's diagonal to damp velocities.
@@ -296,7 +298,7 @@ def largest_entry(x: Array) -> float:
 
 
 @kernel
-def _step_limit(step: Array) -> float:
+def _largest_step_fraction(step: Array) -> float:
     """Return the largest fraction, up to 1, of a Newton step (4 N,) that changes no velocity by more than ``LONGEST``."""
     return float(LONGEST / max(LONGEST, np.max(np.abs(step.reshape(-1, 4)[:, :3]))))
 
@@ -316,8 +318,8 @@ def solve_by_semismooth_newton(
     Where the residual does not fall, velocities are damped by a stiffness of up to ``firmest``, because in motions
     without resistance Newton's steps are only noise. ``point`` is the start and is overwritten by the solution; law:
     smoothing of the equations. The search ends when the largest residual is at most ``tolerance``, or after ``limit``
-    steps. Returns the number of steps and the largest residual; afterwards ``work`` contains the equations at the
-    point.
+    steps. Returns the number of steps and the largest residual; afterwards ``work`` contains the equations at the final
+    unknowns.
     """
     K, factors, g, step, other = work
     write_chain_equations(chain, point, law, K, g)
@@ -330,7 +332,7 @@ def solve_by_semismooth_newton(
                 K[i, HALF] += damping
         step[:] = -g
         solve_two_banded_systems(K, factors, step, other)
-        t, at, trial = _step_limit(step), 0.0, size
+        t, at, trial = _largest_step_fraction(step), 0.0, size
         for _ in range(12):
             apply_newton_step(chain, point, step, t - at)
             at = t
@@ -362,8 +364,8 @@ def solve_by_undamped_newton(
 
     Damping by the residual would fail at kinks, where the residual rises before it falls. ``point`` is the start and is
     overwritten; law: smoothing of the equations; ``work``: work arrays. The search ends when the largest residual is at
-    most ``tolerance``, or after ``limit`` steps; if the residual is then not below that at the start, the point is
-    moved back there. Returns the number of steps and the largest residual.
+    most ``tolerance``, or after ``limit`` steps; if the residual is then not below that at the start, ``point`` is set
+    back to the start. Returns the number of steps and the largest residual.
     """
     K, factors, g, step, other = work
     write_chain_equations(chain, point, law, K, g)
@@ -371,7 +373,7 @@ def solve_by_undamped_newton(
     for iteration in range(limit):
         step[:] = -g
         solve_two_banded_systems(K, factors, step, other)
-        apply_newton_step(chain, point, step, _step_limit(step))
+        apply_newton_step(chain, point, step, _largest_step_fraction(step))
         write_chain_equations(chain, point, law, K, g)
         if largest_entry(g) <= tolerance:
             return iteration + 1, largest_entry(g)

@@ -36,21 +36,22 @@ from .equations import (
     write_contact_slips,
 )
 
-#: Regularising speed of friction at the beginning of the path, divided by the carriage's speed.
+#: Regularising speed of friction at the beginning of the solution path, divided by the carriage's speed.
 FIRST = 0.1
 
-#: Largest residual of a point that counts as on the path, and largest number of Newton steps from a predicted point back to
-#: the path.
+#: Largest residual of the equations at a point that counts as on the solution path, and largest number of Newton steps from
+#: a predicted point back to the path.
 ON_PATH, STEPS = 1e-9, 7
 
-#: Step of the path parameter s in the finite difference for derivatives by s.
+#: Step of the path parameter s in the finite difference for derivatives of the residual by s.
 DIFFERENCE = 1e-6
 
-#: Distance by which a point may always be corrected, also for short steps along the path: at folds, a point with the
-#: accepted residual may lie as far as this from the path.
+#: Distance by which a point may always be corrected towards the solution path, also for short steps along the path: at
+#: folds, a point with the accepted residual may lie as far as this from the path.
 NEAR = 1e-4
 
-#: Length of the first step along the path; shortest length; length below which the path may turn at a kink.
+#: Length of the first step along the solution path; shortest length of a step; length below which the path may turn at a
+#: kink.
 LENGTH, SHORTEST, KINK = 0.05, 1e-9, 1e-5
 
 
@@ -158,10 +159,11 @@ def follow_solution_path(
 ) -> tuple[int, bool]:
     """Follow the path of solutions from a point near its beginning, while friction between balls rises to its full value.
 
-    Returns the number of Newton steps, and whether the end of the path was reached. The sign of the Jacobian's
-    determinant tells in which direction the path goes on, as it changes where s turns. ``point`` is overwritten; eps:
-    regularising speed of friction at the end of the path, divided by the carriage's speed; limit: number of Newton
-    steps after which no further step along the path is taken.
+    Returns the number of Newton steps, and whether the end of the path was reached. The parameter s of the path does
+    not always rise along it: where s turns, the Jacobian's determinant changes sign, and this sign therefore tells in
+    which direction the path goes on. ``point`` is overwritten; eps: regularising speed of friction at the end of the
+    path, divided by the carriage's speed; limit: number of Newton steps after which no further step along the path is
+    taken.
     """
     n: int = work.residual.shape[0]
     change, tau, ahead = np.zeros(n), np.zeros(n + 1), np.zeros(n + 1)
@@ -201,28 +203,28 @@ def follow_solution_path(
     return total, False
 
 
-#: Stiffness towards nominal rolling over the regularising speed, which holds motions without resistance before the last
-#: solution.
+#: Stiffness of springs towards nominal rolling, divided by the regularising speed; they hold motions without resistance in
+#: all solutions before the last one.
 SPRING = 1e-3
 
 #: Product of ball-to-ball force and opening rate of the gap in the first, smoothed solution, which shows which balls press
 #: on each other.
 ROUND = 1e-3
 
-#: Friction between balls (coefficient times root of the number of contacts between them): value up to which Newton's method
-#: may be tried without following the path, and value up to which it may take more than ``FEW`` steps at one speed eps.
-#: Above these values the solution it found was at times another one. Forces of N - 1 contacts that push at random add up
-#: like the root of their number.
+#: Friction between balls (coefficient times root of the number of contacts between balls): value up to which Newton's
+#: method may be tried without following the solution path, and value up to which it may take more than ``FEW`` steps at one
+#: regularising speed. Above these values Newton's method at times found another solution. Forces of N - 1 contacts that
+#: push at random add up like the root of their number.
 LARGE, SLIGHT = 0.8, 0.3
 
-#: Number of loaded contacts below which a ball has a motion without resistance.
+#: Number of loaded contacts of a ball below which it has a motion without resistance.
 SUPPORTS = 3
 
 #: Largest stiffness that damps velocities in the last solution, and largest number of undamped Newton steps there.
 FIRMEST, LEAPS = 1.0, 20
 
-#: Residual that counts as converged while the regularising speed falls, and largest number of Newton steps at each such
-#: speed, where friction between balls is large and where it is not.
+#: Largest residual that counts as converged while the regularising speed falls, and largest number of Newton steps at each
+#: such speed: where friction between balls is large, and where it is not.
 COARSE, FEW, MANY = 1e-6, 8, 60
 
 #: Number of starts of the search for other solutions, and force that presses pairs of balls together in one of them, over
@@ -248,7 +250,7 @@ def _solve_without_ball_friction(chain: ChainArrays, point: ChainSearchState, wo
 
 @kernel
 def _all_balls_supported(contacts: Array) -> bool:
-    """Return whether every ball has at least ``SUPPORTS`` loaded contacts with the grooves."""
+    """Return whether every ball has at least ``SUPPORTS`` contacts with the grooves that carry load."""
     return bool(np.min((contacts[:, :, 3] > 0.0).sum(axis=1)) >= SUPPORTS)
 
 
@@ -259,8 +261,9 @@ def _solve_at_falling_regularising_speed(
     """Solve for the motion of a row of balls while the regularising speed of friction falls from ``FIRST`` to ``eps_end``.
 
     Each solution is the start of the next. share: fraction of the friction between balls that acts, 0 to 1; limit: most
-    Newton steps at one regularising speed. Returns the number of Newton steps, and whether all of them converged to a
-    state whose determinant has the sign of the convex problem; another sign indicates another branch.
+    Newton steps at one regularising speed. Returns the number of Newton steps, and whether the search converged at
+    every regularising speed and the sign of the Jacobian's determinant at the end is that of the convex problem without
+    friction between balls; another sign indicates another branch of solutions.
     """
     total, eps = 0, FIRST
     while True:
@@ -287,11 +290,11 @@ def solve_motion_of_ball_row(
 
     ``point``: its ``motion_less_nominal`` gives the motions from which the search begins; ``point`` is overwritten by
     the solution. eps: regularising speed of friction in the result; tolerance: largest residual aimed at; limit:
-    largest number of Newton steps on the path. The first step has no friction between balls, so that only a convex
-    problem decides where the solution starts from. If friction between balls may cause several solutions, or if
-    Newton's method does not converge from there while the regularising speed falls, the path is followed by
-    `follow_solution_path`, unless all balls separate without that friction. Returns the number of Newton steps and the
-    largest residual.
+    largest number of Newton steps in `follow_solution_path`. The first search is for the motion without friction
+    between balls, a convex problem with one solution, from which all other searches start. Newton's method then finds
+    the motion with this friction while the regularising speed falls. If friction between balls may cause several
+    solutions, or if Newton's method does not converge, `follow_solution_path` is used instead, unless all balls
+    separate without that friction. Returns the number of Newton steps and the largest residual.
     """
     total = _solve_without_ball_friction(chain, point, work)
     first = copy_chain_state(point)
@@ -321,8 +324,9 @@ def solve_motion_from_other_start(
     """Solve for motions and forces of a row of balls as `solve_motion_of_ball_row`, from one of ``STARTS`` other starts.
 
     eps: regularising speed of friction in the result; tolerance: largest residual aimed at; limit: largest number of
-    Newton steps on the path; start: 0 for the end of the path, 1 for the balls as they move without friction between
-    them, 2 for all pairs pressed together. Returns the number of Newton steps and the largest residual.
+    Newton steps in `follow_solution_path`; start: 0 for the end of the path that this function follows, 1 for the balls
+    as they move without friction between them, 2 for all pairs pressed together. Returns the number of Newton steps and
+    the largest residual.
     """
     total = _solve_without_ball_friction(chain, point, work)
     if start == 0:

@@ -26,7 +26,7 @@ hertz_contact, solve_with_pivots, ROLLING = _OTHER.hertz_contact, _OTHER.solve_w
 
 
 @kernel
-def semi_axes(force: Array, C_a: Array, C_b: Array, a: Array, b: Array) -> None:
+def write_semi_axes(force: Array, C_a: Array, C_b: Array, a: Array, b: Array) -> None:
     """Write the semi-axes of the Hertz contact ellipses of N balls to a and b (N, 4) [m].
 
     force (N, 4): contact forces [N]; C_a, C_b (4,): Hertz constants of the semi-axes [m/N^(1/3)]. A contact without
@@ -43,9 +43,9 @@ def semi_axes(force: Array, C_a: Array, C_b: Array, a: Array, b: Array) -> None:
 def write_contact_map(groove: GrooveArrays, n_x: float, n_z: float, out: Array) -> None:
     """Write to out (3, 4) the matrix that converts a ball's motion to sliding and spin at one contact.
 
-    Rows: sliding vx, vz [m/s] and spin [rad/s]. Columns: motion of the ball (orbit and three spins) as surface speeds
-    divided by the nut's speed along the path. groove: geometry of the grooves; n_x, n_z: contact normal along x3
-    (radial) and z3 (binormal).
+    Rows: sliding vx across the groove and vz along the path [m/s], and spin [rad/s]. Columns: motion of the ball (orbit
+    and three spins) as surface speeds divided by the nut's speed along the path. groove: geometry of the grooves; n_x,
+    n_z: contact normal along x3 (radial) and z3 (binormal).
     """
     affine = groove.contact_map_coefficients
     for r in range(3):
@@ -57,8 +57,9 @@ def write_contact_map(groove: GrooveArrays, n_x: float, n_z: float, out: Array) 
 def relative_contact_motion(groove: GrooveArrays, i: int, rows: Array, x: Array) -> tuple[float, float, float]:
     """Return sliding vx, vz [m/s] and spin [rad/s] of a ball relative to the groove at its contact i.
 
-    groove: geometry of the grooves; i: number of the contact; rows (3, 4): map of the contact (`write_contact_map`); x
-    (4,): motion of the ball, surface speeds divided by the nut's speed along the path.
+    vx is across the groove, vz along the path. groove: geometry of the grooves; i: number of the contact; rows (3, 4):
+    map of the contact (`write_contact_map`); x (4,): motion of the ball, surface speeds divided by the nut's speed
+    along the path.
     """
     orbit = x[0] - groove.body_rotation[i]
     return (
@@ -69,7 +70,7 @@ def relative_contact_motion(groove: GrooveArrays, i: int, rows: Array, x: Array)
 
 
 @kernel
-def contact_friction(balls: BallArrays, x: Array, eps: float, motion: Array, pull: Array, loss: Array) -> None:
+def write_contact_friction(balls: BallArrays, x: Array, eps: float, motion: Array, pull: Array, loss: Array) -> None:
     """Write relative motion, friction and loss at every contact of N balls with the grooves, for given ball motions.
 
     x (N, 4): motions of the balls (orbit and three spins), surface speeds divided by the nut's speed along the path;
@@ -111,7 +112,7 @@ def ball_on_ball_sliding(groove: GrooveArrays, this: Array, other: Array, eps: f
 
 
 @kernel
-def neighbour_forces(
+def write_neighbour_forces(
     groove: GrooveArrays,
     balls: BallArrays,
     x: Array,
@@ -142,7 +143,7 @@ def neighbour_forces(
 
 
 @kernel
-def move_without_neighbours(balls: BallArrays, x: Array) -> None:
+def write_motions_without_neighbours(balls: BallArrays, x: Array) -> None:
     """Overwrite the motions x (N, 4) of loaded balls by those of least dissipation without forces of neighbours.
 
     x: orbit and three spins as surface speeds divided by the nut's speed along the path. The motions of unloaded balls

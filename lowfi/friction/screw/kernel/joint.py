@@ -50,9 +50,10 @@ def _write_dissipation_derivatives(
 ) -> None:
     """Write derivatives of D, the power dissipated in contact i divided by its friction bound mu F, to g (3,), h (4, 3).
 
-    Written are the gradient g by vx, vz and spin, the Hessian in h[:3], and in h[3] the derivative of the product F g
-    by F. The latter is needed because the semi-axes grow with F^(1/3); it follows from D(s a, s b, vx, vz, spin) = D(a,
-    b, vx, vz, s spin). groove: geometry and Hertz constants; f: contact force F [N]; rows (3, 4): map of the contact
+    Written are the gradient g of D by the sliding vx across the groove and vz along the path and by the spin, the
+    Hessian in h[:3], and in h[3] the derivative of the product F g by F. The latter is needed because the semi-axes
+    grow with F^(1/3); it follows from D(s a, s b, vx, vz, spin) = D(a, b, vx, vz, s spin) for any factor s of the
+    semi-axes a and b. groove: geometry and Hertz constants; f: contact force F [N]; rows (3, 4): map of the contact
     (`write_contact_map`); x (4,): motion of the ball, surface speeds divided by the nut's speed; eps: regularising
     speed divided by the nut's speed.
     """

@@ -13,12 +13,7 @@ from rollbench.compare.gate.gate import check_external_tolerance_bands, gate_che
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.schema import FrictionKeys
 from rollbench.compare.studies.friction.whole import friction_coefficients
-from rollbench.lowfi.bearings.angular_contact import (
-    BallBearing,
-    BallBearingRow,
-    bearing_of_contact_angle,
-    displacement_under_thrust,
-)
+from rollbench.lowfi.bearings import angular_contact
 from rollbench.lowfi.bearings.axis import equal_rows_with_preload, lift_off_force, solve_bearing_row_equilibrium
 from rollbench.lowfi.rating.life import dynamic_rating
 from rollbench.meshes.parts import Friction
@@ -69,9 +64,9 @@ def test_ratings_of_nuts_of_more_circuits_grow_as_the_catalogue_prints(size: str
 
 def test_masta_axial_load_by_the_formulas_of_a_bearing() -> None:
     """From a contact angle of zero, as the scene of sets on a shaft has it."""
-    b = BallBearing(7, 11.5e-3, 32e-3, 55e-3, 5.98e-3, 6.095e-3, 210e9, 0.3)
+    b = angular_contact.BallBearing(7, 11.5e-3, 32e-3, 55e-3, 5.98e-3, 6.095e-3, 210e9, 0.3)
     assert b.free_angle == 0.0
-    assert displacement_under_thrust(b, 1000.0) * 1e6 == pytest.approx(133.5381, rel=2e-4)
+    assert angular_contact.displacement_under_thrust(b, 1000.0) * 1e6 == pytest.approx(133.5381, rel=2e-4)
 
 
 def test_gmn_series_by_one_inferred_number() -> None:
@@ -84,8 +79,8 @@ def test_gmn_series_by_one_inferred_number() -> None:
 
 def test_snfa_catalogue_has_frozen_its_angles() -> None:
     """Balls as good as rigid keep the angle: then rigidity grows as 6^(1/3), and a row opens at 2^1.5 times the preload."""
-    rigid = bearing_of_contact_angle(12, 2.38e-3, 14.5e-3, (0.53, 0.53), np.radians(15.0), 208e15, 0.3)
-    light, heavy = (equal_rows_with_preload(BallBearingRow(rigid), (1, -1), p) for p in (10.0, 60.0))
+    rigid = angular_contact.bearing_with_contact_angle(12, 2.38e-3, 14.5e-3, (0.53, 0.53), np.radians(15.0), 208e15, 0.3)
+    light, heavy = (equal_rows_with_preload(angular_contact.BallBearingRow(rigid), (1, -1), p) for p in (10.0, 60.0))
     assert solve_bearing_row_equilibrium(heavy).stiffness / solve_bearing_row_equilibrium(light).stiffness == pytest.approx(
         6.0 ** (1 / 3), rel=1e-3
     )

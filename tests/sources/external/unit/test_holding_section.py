@@ -56,7 +56,7 @@ def stored_ways() -> list[dict[str, Any]]:
 def fixation_rows(monkeypatch: pytest.MonkeyPatch, stored: list[dict[str, Any]]) -> list[dict[str, Any]]:
     """Rows of a size by the cheap model and by these stored runs."""
     monkeypatch.setattr(holding, "DEFAULT", "lin")
-    monkeypatch.setattr(holding, "stored_results", lambda _: stored)
+    monkeypatch.setattr(holding, "stored_results_by_nut_fixation", lambda _: stored)
     return holding.fixation_table_rows(SceneResultCache(), "bnf-4010-5")
 
 
@@ -105,7 +105,7 @@ def test_a_level_without_the_left_face_has_no_rows(monkeypatch: pytest.MonkeyPat
     assert holding.mesh_uncertainty_sentence(rows) == "Nothing was solved in 3D."
 
 
-SOLVED = sorted({(row["scene"], row["level"]) for row in holding.stored_results(shipped_store())})
+SOLVED = sorted({(row["scene"], row["level"]) for row in holding.stored_results_by_nut_fixation(shipped_store())})
 
 
 @pytest.mark.parametrize(("name", "level"), SOLVED)
@@ -113,7 +113,9 @@ def test_the_record_has_annulus_and_left_face_of_a_size(name: str, level: int) -
     """Bolts hold less than the annulus; the loads of either way carry the scene's axial load."""
     scene = catalogue.shipped_scene(name)
     kept = {
-        row["held"]: row for row in holding.stored_results(shipped_store()) if (row["scene"], row["level"]) == (name, level)
+        row["held"]: row
+        for row in holding.stored_results_by_nut_fixation(shipped_store())
+        if (row["scene"], row["level"]) == (name, level)
     }
     assert {"left face", holding.WHOLE} <= set(kept) <= set(holding.scenes_by_nut_fixation(scene))
     if holding.BOLTED in kept:
@@ -125,7 +127,7 @@ def test_the_record_has_annulus_and_left_face_of_a_size(name: str, level: int) -
         assert load.max(axis=1).sum() * approach_per_displacement(scene) == pytest.approx(scene.loads[0].force[2], rel=0.05)
 
 
-STORED = holding.stored_results(shipped_store())
+STORED = holding.stored_results_by_nut_fixation(shipped_store())
 ON_FLANGES = [row for row in STORED if row["held"].startswith("flange") and row["held"] != holding.BOLTED]
 
 

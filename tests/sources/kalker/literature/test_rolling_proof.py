@@ -7,7 +7,7 @@ from tests.evidence_study import GROUP
 
 from rollbench.compare.cases.external.evidence import EXAMPLE_CELLS, solve_rolling_example
 from rollbench.compare.cases.kalker import evidence as rolling_proof
-from rollbench.compare.cases.kalker.evidence import FINER, Verification, verifications
+from rollbench.compare.cases.kalker.evidence import FINER, Verification, verifications_of_rolling_model
 from rollbench.hifi.rolling.bodies import Sizes
 
 pytestmark = pytest.mark.xdist_group(GROUP)
@@ -17,7 +17,7 @@ pytestmark = pytest.mark.xdist_group(GROUP)
 def test_known_answers_are_reached(monkeypatch):
     """On finite bodies of a quarter of the report's cells, which the answers do not tell from those."""
     monkeypatch.setattr(rolling_proof, "Sizes", partial(Sizes, cells=(2, 2)))
-    found = verifications.__wrapped__(meshing=False)
+    found = verifications_of_rolling_model.__wrapped__(meshing=False)
     assert [
         (p.contact_problem, p.quantity, p.error_of_judged_value_percent) for p in found if not p.within_permitted_error
     ] == []
@@ -26,7 +26,7 @@ def test_known_answers_are_reached(monkeypatch):
         for p in found
         if p.contact_problem.startswith(("Carter", "Cattaneo", "full slip")) and "alone" not in p.contact_problem
     ]
-    strict = [p.permitted_error_percent for p in strict if "no order" not in p.quantity]
+    strict = [p.permitted_error_percent for p in strict if f"{rolling_proof.NARROW:g}" not in p.contact_problem]
     assert max(strict) == 0.5
     assert sum(reach == 0.1 for reach in strict) == 10
 
@@ -50,7 +50,7 @@ def test_a_narrow_strip_of_stick_has_no_order_and_says_so():
     """Its width changes with where cells lie: errors of -1.9, 0.3 and 0.8 % on ever finer grids."""
     narrow = [p for p in rolling_proof._verify_carter() if "0.95" in p.contact_problem]
     assert [p.convergence_order for p in narrow] == [None, None]
-    assert all("no order" in p.quantity and p.within_permitted_error for p in narrow)
+    assert all(p.grid_refinement is None and p.within_permitted_error for p in narrow)
     width = narrow[1]
     errors = [100.0 * (v / width.exact_value - 1.0) for v in width.values_by_grid]
     assert errors == pytest.approx([-1.916, 0.304, 0.807], abs=0.02)

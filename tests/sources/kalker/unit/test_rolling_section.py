@@ -15,25 +15,13 @@ from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.friction_kinds.common import FrictionScene
 from rollbench.compare.studies.rolling import rows as rolling_changes
 from rollbench.compare.studies.rolling import rows as rolling_rows
+from rollbench.compare.studies.rolling import runs
 from rollbench.compare.studies.rolling.rows import (
     KNOWN,
     ChoiceEffect,
     RunFromRest,
     force_changes_by_numerical_choices,
     runs_from_rest,
-)
-from rollbench.compare.studies.rolling.runs import (
-    FILE,
-    FINITE,
-    HALF_SPACE,
-    LEVELS,
-    NAMES,
-    SCENES,
-    BodyChoiceResult,
-    StoredBodyChoiceResults,
-    load_rolling_run,
-    rolling_run_path,
-    scenes_and_sizes_of_body_variants,
 )
 from rollbench.reports.content import PressureMap, Text
 from rollbench.reports.figures import draw_pressure_map
@@ -66,17 +54,17 @@ def test_section_shows_both_tables_beside_low_order_and_3d(monkeypatch):
         ),
     )
     series = (RunFromRest(10, (0.01, 0.02), (0.0, 4.0), ((0.005, 0.004), (0.005, 0.005)), 4.0, 1.0, "converged"),)
-    monkeypatch.setattr(rolling, "verifications", lambda **_: proof)
+    monkeypatch.setattr(rolling, "verifications_of_rolling_model", lambda **_: proof)
     monkeypatch.setattr(rolling, "runs_from_rest", lambda: series)
-    values = dict.fromkeys(NAMES, 1.0)
+    values = dict.fromkeys(runs.NAMES, 1.0)
     monkeypatch.setattr(
         rolling,
         "find_body_variants",
-        lambda _, **__: StoredBodyChoiceResults((BodyChoiceResult("as shipped", values),), "Kept."),
+        lambda _, **__: runs.StoredBodyChoiceResults((runs.BodyChoiceResult("as shipped", values),), "Kept."),
     )
     at = np.array([[0.0, 0.0], [1e-5, 0.0], [0.0, 1e-5], [1e-5, 1e-5]])
     field = SlipAndTractionField("one", at, 1e-2 * at, 1e12 * at, np.array([True, False, False, False]), (1e-5, 1e-5))
-    monkeypatch.setattr(rolling, "patch_fields", lambda: (field,))
+    monkeypatch.setattr(rolling, "slip_and_traction_of_drawn_contacts", lambda: (field,))
     beyond = ChoiceEffect("lin-pair-a", "grid", "finer", 0.5, 0.4)
     monkeypatch.setattr(rolling, "force_changes_by_numerical_choices", lambda *_: (beyond, replace(beyond, change=0.3)))
     section = rolling.make_section(SceneResultCache(), lambda _: None)
@@ -108,31 +96,31 @@ def test_section_shows_both_tables_beside_low_order_and_3d(monkeypatch):
 
 @pytest.mark.usefixtures("_low")
 def test_gate_fails_where_the_low_order_model_is_off_and_for_a_known_exceedance_that_is_none(monkeypatch):
-    rows = rolling_rows.gate_rows_of_rolling_balls(SceneResultCache(), 7.0)
+    rows = rolling_rows.checks_of_rolling_balls(SceneResultCache(), 7.0)
     assert ([row.name for row in rows if not row.passed], len(rows)) == ([], len(LOW))
     monkeypatch.setitem(LOW, "lin-screw-pair-a", 1.05)
-    assert sum(not row.passed for row in rolling_rows.gate_rows_of_rolling_balls(SceneResultCache(), 7.0)) == 1
+    assert sum(not row.passed for row in rolling_rows.checks_of_rolling_balls(SceneResultCache(), 7.0)) == 1
     monkeypatch.setitem(KNOWN, ("lin-rotary-2", "torque"), "made up")
     assert any(
-        "made up" in row.name and not row.passed for row in rolling_rows.gate_rows_of_rolling_balls(SceneResultCache(), 7.0)
+        "made up" in row.name and not row.passed for row in rolling_rows.checks_of_rolling_balls(SceneResultCache(), 7.0)
     )
 
 
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize("name", runs.SCENES)
 def test_no_choice_behind_finite_bodies_moves_an_answer_by_more_than_its_uncertainty(name):
-    kept = json.loads((shipped_store() / FILE).read_text(encoding="utf-8"))["variants"]
+    kept = json.loads((shipped_store() / runs.FILE).read_text(encoding="utf-8"))["variants"]
     tried = [
         v["values"]
         for v in kept
-        if scenes_and_sizes_of_body_variants()[v["choice"]][0] == name and "half spaces" not in v["choice"]
+        if runs.scenes_and_sizes_of_body_variants()[v["choice"]][0] == name and "half spaces" not in v["choice"]
     ]
     rows = {
         f"{row.quantity} {row.unit}": row
-        for row in rolling_rows.compare_scene_with_stored_runs(name, (shipped_store(),), FINITE)
+        for row in rolling_rows.compare_scene_with_stored_runs(name, (shipped_store(),), runs.FINITE)
     }
     first, others = tried[0], tried[1:]
     assert len(others) >= 2
-    for quantity in NAMES[:3]:
+    for quantity in runs.NAMES[:3]:
         share = rows[quantity].uncertainty / abs(rows[quantity].reference)
         assert all(abs(values[quantity] / first[quantity] - 1.0) <= share for values in others)
 
@@ -140,7 +128,11 @@ def test_no_choice_behind_finite_bodies_moves_an_answer_by_more_than_its_uncerta
 def test_texts_of_a_scene_leave_its_stored_runs_valid():
     scene = catalogue.shipped_scene_of_kind("lin-pair-a", FrictionScene)
     other = replace(scene, name="copy", title="Another title", source="", assumed=("Another assumption.",))
-    assert load_rolling_run(other, 1, (shipped_store(),)) == load_rolling_run(scene, 1, (shipped_store(),)) is not None
+    assert (
+        runs.load_rolling_run(other, 1, (shipped_store(),))
+        == runs.load_rolling_run(scene, 1, (shipped_store(),))
+        is not None
+    )
 
 
 @pytest.mark.slow
@@ -149,13 +141,13 @@ def test_no_grid_step_or_path_moves_an_answer_by_more_than_its_uncertainty(monke
     """A grid less fine than the report's, but finer than all of a run; the two longest of its steps from rest."""
     monkeypatch.setattr(rolling_changes, "BEYOND", BEYOND)
     monkeypatch.setattr(rolling_changes, "STEPS", rolling_changes.STEPS[:2])
-    assert all(cells > most for cells, most in zip(BEYOND, LEVELS[max(LEVELS)], strict=True))
-    kept = json.loads((shipped_store() / FILE).read_text(encoding="utf-8"))["variants"]
+    assert all(cells > most for cells, most in zip(BEYOND, runs.LEVELS[max(runs.LEVELS)], strict=True))
+    kept = json.loads((shipped_store() / runs.FILE).read_text(encoding="utf-8"))["variants"]
     series = runs_from_rest.__wrapped__()
-    found = force_changes_by_numerical_choices((shipped_store(),), series, [BodyChoiceResult(**row) for row in kept])
+    found = force_changes_by_numerical_choices((shipped_store(),), series, [runs.BodyChoiceResult(**row) for row in kept])
     assert [(c.scene, c.choice) for c in found] == [
-        *((SCENES[0], choice) for choice in ("grid", "finite bodies", "time step", "path of regularisation")),
-        *((SCENES[1], choice) for choice in ("grid", "finite bodies", "path of regularisation")),
+        *((runs.SCENES[0], choice) for choice in ("grid", "finite bodies", "time step", "path of regularisation")),
+        *((runs.SCENES[1], choice) for choice in ("grid", "finite bodies", "path of regularisation")),
     ]
     assert [c for c in found if not c.is_within_uncertainty] == []
     assert all(c.change < 1e-8 for c in found if c.choice.startswith("path"))
@@ -169,4 +161,6 @@ def test_every_shipped_run_has_the_key_of_its_scene():
     for file in files:
         run = json.loads(file.read_text(encoding="utf-8"))
         scene = catalogue.scene_of_any_kind(run["scene"])
-        assert file == rolling_run_path(shipped_store(), scene, run["level"], run.get("bodies", HALF_SPACE)), file.name
+        assert file == runs.rolling_run_path(shipped_store(), scene, run["level"], run.get("bodies", runs.HALF_SPACE)), (
+            file.name
+        )

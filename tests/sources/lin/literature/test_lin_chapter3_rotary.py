@@ -7,11 +7,7 @@ from tests.sources.entries import check, found, keys, rows
 
 from rollbench.compare.cases.lin.evidence import rotary_linear, source_cases
 from rollbench.lowfi.friction.bearing import SIDES, inner_ring_torque, solve_ball_by_lin_method
-from rollbench.lowfi.friction.contact.laws import (
-    cubic_friction_force_factor,
-    error_of_linear_friction_force,
-    linear_friction_force_factor,
-)
+from rollbench.lowfi.friction.contact import laws
 from rollbench.lowfi.friction.screw.motion import lin_sigmoid_law
 
 pytestmark = pytest.mark.xdist_group(GROUP)
@@ -116,13 +112,13 @@ def test_linear_slope_of_the_source() -> None:
     row, pressure = rows("lin-G")["k_f"], 1e6 * rows("lin-G")["pressure"].value
     ratios = np.array([rotary_linear.contact_ellipse_ratios(c, pressure)[0] for c in (0.515, 0.52, 0.54, 0.56, 0.58, 0.60)])
     start, end = (
-        linear_friction_force_factor(ratios),
-        linear_friction_force_factor(ratios) - 0.25 * cubic_friction_force_factor(ratios),
+        laws.linear_friction_force_factor(ratios),
+        laws.linear_friction_force_factor(ratios) - 0.25 * laws.cubic_friction_force_factor(ratios),
     )
     assert row.low == pytest.approx(np.min(end), abs=1e-2)
     assert row.high == pytest.approx(np.max(start), abs=1e-2)
     assert np.min(end) < row.value < np.max(start)
-    error = error_of_linear_friction_force(ratios, row.value)
+    error = laws.error_of_linear_friction_force(ratios, row.value)
     assert (np.min(error), np.max(error)) == pytest.approx((0.0429, 0.0691), abs=1e-4)
 
 

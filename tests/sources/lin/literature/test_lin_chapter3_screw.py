@@ -11,17 +11,7 @@ from tests.sources.entries import check, keys, rows
 
 from rollbench.compare.cases.lin.evidence import source_cases
 from rollbench.compare.cases.lin.evidence.screw import AMPLITUDES, simulate_screw_in_200_steps, solve_screw_ball_pair
-from rollbench.lowfi.friction.screw.run import (
-    BOTH,
-    SHIFTED,
-    ScrewPairSolution,
-    ScrewRunSummary,
-    load_implied_by_ball_force,
-    pair_sliding_speed,
-    simulate_equal_steps,
-    solve_pair_of_screw_balls,
-    summarise_screw_run,
-)
+from rollbench.lowfi.friction.screw import run as screw_run
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 
@@ -34,10 +24,10 @@ def test_entry(key: str) -> None:
 
 
 @cache
-def reading(name: str, case: str) -> ScrewPairSolution:
+def reading(name: str, case: str) -> screw_run.ScrewPairSolution:
     theta = THETA[case]
     if name == "radial":
-        return solve_pair_of_screw_balls(
+        return screw_run.solve_pair_of_screw_balls(
             replace(source_cases.screw_pair_as_printed(theta), free="r", force=(100.0,), coupling="none")
         )
     return solve_screw_ball_pair(case, "plain" if name == "plain" else "inferred")
@@ -64,7 +54,9 @@ def test_plain_reading(case: str, force: float, increase: float) -> None:
     assert r.friction_increase == pytest.approx(increase, rel=1e-4)
     printed = rows("lin-3.7")[f"force_{case}"].value
     assert 0.44 < r.force / printed < 0.52
-    decoupled = solve_pair_of_screw_balls(replace(source_cases.screw_pair_as_printed(THETA[case]), coupling="none"))
+    decoupled = screw_run.solve_pair_of_screw_balls(
+        replace(source_cases.screw_pair_as_printed(THETA[case]), coupling="none")
+    )
     assert decoupled.force < 0.4 * printed
 
 
@@ -73,7 +65,7 @@ def test_inferred_reading(case: str) -> None:
     """With 1.7 um of oversize forces come out within 2.5 %, increases within half a per cent point."""
     table = rows("lin-3.7")
     for coupling in ("none", "ball"):
-        r = solve_pair_of_screw_balls(
+        r = screw_run.solve_pair_of_screw_balls(
             replace(source_cases.screw_pair_with_inferred_oversize(THETA[case]), coupling=coupling)
         )
         assert r.force == pytest.approx(table[f"force_{case}"].value, rel=0.025)
@@ -86,19 +78,19 @@ def test_ratio_of_the_printed_forces_tells_the_pattern() -> None:
     table = rows("lin-3.7")
     printed = table["force_b"].value / table["force_a"].value
     off = {}
-    for pattern in (BOTH, (1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), SHIFTED):
+    for pattern in (screw_run.BOTH, (1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), screw_run.SHIFTED):
         two = [
-            solve_pair_of_screw_balls(
+            screw_run.solve_pair_of_screw_balls(
                 replace(source_cases.screw_pair_with_inferred_oversize(t), pattern=(pattern, pattern))
             ).force
             for t in THETA.values()
         ]
         off[pattern] = abs(two[1] / two[0] - printed)
-    assert min(off, key=lambda p: off[p]) == BOTH
-    assert off[BOTH] < 0.005
+    assert min(off, key=lambda p: off[p]) == screw_run.BOTH
+    assert off[screw_run.BOTH] < 0.005
     for pattern in ((-1.0, 1.0, 0.0, 0.0), (-1.0, -1.0, 0.0, 0.0)):
         assert (
-            solve_pair_of_screw_balls(
+            screw_run.solve_pair_of_screw_balls(
                 replace(source_cases.screw_pair_with_inferred_oversize(THETA["a"]), pattern=(pattern, pattern))
             ).approach_speed_when_apart
             < 0.0
@@ -113,12 +105,14 @@ def test_printed_numbers_imply_four_loaded_contacts() -> None:
     table = rows("lin-3.7")
     for case in THETA:
         force, increase = table[f"force_{case}"].value, 1e-2 * table[f"increase_{case}"].value
-        implied = load_implied_by_ball_force(source_cases.screw_pair_with_inferred_oversize(THETA[case]), force, increase)
+        implied = screw_run.load_implied_by_ball_force(
+            source_cases.screw_pair_with_inferred_oversize(THETA[case]), force, increase
+        )
         assert implied == pytest.approx(141.0, abs=2.0)
         assert reading("inferred", case).ball_loads.mean() == pytest.approx(implied, rel=0.03)
         assert implied > 1.7 * reading("plain", case).ball_loads.mean()
     with_oversize, without = (
-        pair_sliding_speed(of(THETA["a"]))
+        screw_run.pair_sliding_speed(of(THETA["a"]))
         for of in (source_cases.screw_pair_with_inferred_oversize, source_cases.screw_pair_as_printed)
     )
     assert with_oversize == pytest.approx(without, rel=0.02)
@@ -130,26 +124,28 @@ def test_oversize_is_what_matters() -> None:
     printed = rows("lin-3.7")["force_a"].value
     for factor in (0.5, 1.5):
         other = replace(base, oversize=factor * source_cases.inferred_oversize())
-        assert abs(solve_pair_of_screw_balls(other).force / printed - 1.0) > 0.2
+        assert abs(screw_run.solve_pair_of_screw_balls(other).force / printed - 1.0) > 0.2
     for force in (25.0, 100.0):
-        assert solve_pair_of_screw_balls(replace(base, force=(force,))).force == pytest.approx(printed, rel=0.03)
+        assert screw_run.solve_pair_of_screw_balls(replace(base, force=(force,))).force == pytest.approx(printed, rel=0.03)
 
 
 def test_hertz_constants_of_the_source_change_little() -> None:
     exact = source_cases.screw_pair_with_inferred_oversize(THETA["a"])
     printed = replace(exact, groove=source_cases.groove_of_table_3_6(hertz="as printed"))
-    assert solve_pair_of_screw_balls(printed).force == pytest.approx(solve_pair_of_screw_balls(exact).force, rel=0.13)
+    assert screw_run.solve_pair_of_screw_balls(printed).force == pytest.approx(
+        screw_run.solve_pair_of_screw_balls(exact).force, rel=0.13
+    )
     b1, h = rows("lin-B1"), printed.groove.contact_hertz_constants
     for key, value in (("C_S", h.C[0]), ("C_N", h.C[2]), ("C_aS", h.C_a[0]), ("C_bN", h.C_b[2])):
         assert value == pytest.approx(b1[key].value, rel=1e-3)
 
 
 @cache
-def run_summary(amplitude: float, phase: float = 0.0) -> ScrewRunSummary:
+def run_summary(amplitude: float, phase: float = 0.0) -> screw_run.ScrewRunSummary:
     if phase == 0.0:
-        return summarise_screw_run(simulate_screw_in_200_steps(amplitude))
+        return screw_run.summarise_screw_run(simulate_screw_in_200_steps(amplitude))
     run = source_cases.simulation_inputs_of_section_3_4_4(amplitude=np.radians(amplitude), phase=phase)
-    return summarise_screw_run(simulate_equal_steps(run))
+    return screw_run.summarise_screw_run(screw_run.simulate_equal_steps(run))
 
 
 def test_largest_torque_of_3_4_4_is_not_identifiable() -> None:
@@ -182,7 +178,11 @@ def test_times_of_3_4_4_are_open_because_nothing_tried_gives_them(key: str, name
 def test_without_oversize_only_coupled_friction_makes_contact() -> None:
     """Two contacts leave the balls' speeds nearly alike; the third contact that friction brings makes them differ."""
     short = {"oversize": 0.0, "steps": 70, "duration": 0.7}
-    assert not simulate_equal_steps(source_cases.simulation_inputs_of_section_3_4_4(**short)).contact.any()
-    coupled = simulate_equal_steps(source_cases.simulation_inputs_of_section_3_4_4(coupling="ball and screw", **short))
-    assert coupled.contact.any()
-    assert summarise_screw_run(coupled).groove_variation > 0.1
+    assert not screw_run.simulate_equal_steps(
+        source_cases.simulation_inputs_of_section_3_4_4(**short)
+    ).presses_on_next.any()
+    coupled = screw_run.simulate_equal_steps(
+        source_cases.simulation_inputs_of_section_3_4_4(coupling="ball and screw", **short)
+    )
+    assert coupled.presses_on_next.any()
+    assert screw_run.summarise_screw_run(coupled).groove_variation > 0.1

@@ -7,12 +7,7 @@ import pytest
 from tests.evidence_study import GROUP, STUDY
 from tests.sources.entries import check, keys
 
-from rollbench.compare.cases.lin.evidence.steering import (
-    PATTERNS,
-    ball_azimuths,
-    load_ratios_at_18_degrees,
-    shipped_steering_gear,
-)
+from rollbench.compare.cases.lin.evidence import steering
 from rollbench.compare.cases.smith.evidence import axis
 from rollbench.compare.cases.smith.evidence.bearings import APPLIED
 from rollbench.compare.scenes import catalogue
@@ -25,10 +20,10 @@ def test_entry(key: str) -> None:
     check(key)
 
 
-@pytest.mark.parametrize("pattern", PATTERNS)
+@pytest.mark.parametrize("pattern", steering.PATTERNS)
 def test_patterns_keep_the_balls_apart_and_on_the_track(pattern: str) -> None:
     scene = catalogue.scene("lin-nominal-4p1")
-    at = np.array(ball_azimuths(scene, pattern))
+    at = np.array(steering.ball_azimuths_of_pattern(scene, pattern))
     assert at.size == scene.ball_count
     path = np.hypot(scene.track.pitch_radius, scene.track.lead / (2.0 * np.pi)) * at
     assert np.diff(path).min() >= 2.0 * scene.balls.radius
@@ -36,7 +31,7 @@ def test_patterns_keep_the_balls_apart_and_on_the_track(pattern: str) -> None:
 
 
 def test_stacked_on_one_side_leaves_the_other_side_free_in_every_turn() -> None:
-    at = np.array(ball_azimuths(catalogue.scene("lin-nominal-4p1"), "stacked on one side"))
+    at = np.array(steering.ball_azimuths_of_pattern(catalogue.scene("lin-nominal-4p1"), "stacked on one side"))
     wide = np.diff(at) > 2.0 * np.diff(at).min()
     assert wide.sum() == 4
     middles = 0.5 * (at[1:] + at[:-1])[wide]
@@ -45,10 +40,13 @@ def test_stacked_on_one_side_leaves_the_other_side_free_in_every_turn() -> None:
 
 def test_ratios_of_the_steering_gear_depend_on_what_is_not_printed() -> None:
     """So that 1.47 and 3.32 identify nothing: the pinion's restraint alone changes them by a third."""
-    gear = shipped_steering_gear()
+    gear = steering.shipped_steering_gear()
     (pinion,) = gear.supports
     free = replace(pinion, fixed=(("ux", 0.0), ("uy", 0.0), ("rz", 0.0)))
-    clamped, pinned = load_ratios_at_18_degrees(gear), load_ratios_at_18_degrees(replace(gear, supports=(free,)))
+    clamped, pinned = (
+        steering.load_ratios_at_18_degrees(gear),
+        steering.load_ratios_at_18_degrees(replace(gear, supports=(free,))),
+    )
     assert min(pinned[0] / clamped[0], pinned[1] / clamped[1]) > 1.2
 
 

@@ -11,15 +11,7 @@ from tests.sources.entries import check, keys, rows
 
 from rollbench.compare.cases.lin.evidence.source_cases import double_row_bearing, four_point_bearing
 from rollbench.compare.scenes.catalogue import scene
-from rollbench.lowfi.friction.bearing import (
-    ALL,
-    DIAGONAL,
-    OTHER,
-    BallRow,
-    BearingTorqueCurve,
-    solve_bearing,
-    torque_over_force_angles,
-)
+from rollbench.lowfi.friction import bearing
 from rollbench.lowfi.friction.screw.groove import azimuth_between_touching_balls
 from rollbench.lowfi.friction.whole.circuit import NUT, ContactOnset, contact_onset
 from rollbench.lowfi.friction.whole.losses import ball_kinematics
@@ -36,9 +28,9 @@ def test_entry(key: str) -> None:
 
 
 @cache
-def curve(name: str, tilt: bool, **changes) -> BearingTorqueCurve:
+def curve(name: str, tilt: bool, **changes) -> bearing.BearingTorqueCurve:
     make = four_point_bearing if name == "4P" else double_row_bearing
-    return torque_over_force_angles(make(tilt=tilt, **changes), ANGLES)
+    return bearing.bearing_torque_over_force_angles(make(tilt=tilt, **changes), ANGLES)
 
 
 @cache
@@ -46,7 +38,7 @@ def assumptions() -> list[float]:
     ratios = []
     for phase, clearance, hertz in product((0.0, 0.25, 0.5), (0.0, 5e-6, -1e-6), ("right", "as printed")):
         case = four_point_bearing(tilt=True, phase=phase, clearance=clearance)
-        found = torque_over_force_angles(replace(case, groove=replace(case.groove, hertz=hertz)), ANGLES)
+        found = bearing.bearing_torque_over_force_angles(replace(case, groove=replace(case.groove, hertz=hertz)), ANGLES)
         assert found.converged.all()
         ratios.append(found.largest_over_smallest_torque)
     return ratios
@@ -65,7 +57,7 @@ def test_ratio_of_the_four_point_bearing() -> None:
 def test_an_inner_ring_that_cannot_tilt_shows_no_transition() -> None:
     assert curve("4P", False).largest_over_smallest_torque < 1.03
     assert np.all(curve("4P", False).balls_beyond_two_contacts == 0)
-    later = torque_over_force_angles(four_point_bearing(tilt=False), np.radians([0.0, 30.0, 45.0]))
+    later = bearing.bearing_torque_over_force_angles(four_point_bearing(tilt=False), np.radians([0.0, 30.0, 45.0]))
     assert later.largest_over_smallest_torque > 3.0
     assert later.balls_beyond_two_contacts[-1] > 0
 
@@ -78,8 +70,11 @@ def test_double_row_varies_less() -> None:
             False,
             True,
         )
-    face = torque_over_force_angles(
-        double_row_bearing(rows=(BallRow(-6e-3, DIAGONAL), BallRow(6e-3, OTHER)), tilt=True), ANGLES
+    face = bearing.bearing_torque_over_force_angles(
+        double_row_bearing(
+            rows=(bearing.BallRow(-6e-3, bearing.DIAGONAL), bearing.BallRow(6e-3, bearing.OTHER)), tilt=True
+        ),
+        ANGLES,
     )
     assert face.largest_over_smallest_torque < 1.28
     assert min(assumptions()) > 3.0 * face.largest_over_smallest_torque
@@ -90,7 +85,7 @@ def test_double_row_varies_less() -> None:
 def test_bearing_in_equilibrium(name: str, tilt: bool) -> None:
     """Force and moment on the inner ring, from the contact forces alone; power in is dissipation."""
     case, angle = (four_point_bearing if name == "4P" else double_row_bearing)(tilt=tilt, arm=2e-3), np.radians(12.0)
-    s = solve_bearing(case, angle)
+    s = bearing.solve_bearing(case, angle)
     assert s.converged
     assert s.input_power == pytest.approx(s.loss.sum(), rel=1e-9)
     assert s.torque * case.groove.speed == pytest.approx(-s.loss.sum(), rel=1e-9)
@@ -114,17 +109,17 @@ def test_mirrored_load() -> None:
     """The force at minus the angle, seen from the other side: the same torque; rows swap."""
     for make in (four_point_bearing, double_row_bearing):
         case = make(tilt=True)
-        one, two = (solve_bearing(case, np.radians(a)) for a in (15.0, -15.0))
+        one, two = (bearing.solve_bearing(case, np.radians(a)) for a in (15.0, -15.0))
         if case.count % 2:  # half a ball distance turns the pattern of an odd number by half a turn
-            two = solve_bearing(replace(case, phase=0.5), np.radians(-15.0))
-        reverse = solve_bearing(case, np.radians(180.0 - 15.0))
+            two = bearing.solve_bearing(replace(case, phase=0.5), np.radians(-15.0))
+        reverse = bearing.solve_bearing(case, np.radians(180.0 - 15.0))
         assert [two.torque, reverse.torque] == pytest.approx(2 * [one.torque], rel=1e-8)
 
 
 def test_torque_goes_with_friction_and_not_with_speed() -> None:
     def torque(**changes: float) -> float:
         case = four_point_bearing(tilt=True)
-        return solve_bearing(replace(case, groove=replace(case.groove, **changes)), 0.2).torque
+        return bearing.solve_bearing(replace(case, groove=replace(case.groove, **changes)), 0.2).torque
 
     assert torque(mu=0.2) == pytest.approx(2.0 * torque(), rel=1e-9)
     assert torque(screw_speed=200.0) == pytest.approx(torque(), rel=1e-9)
@@ -167,4 +162,4 @@ def test_onset_is_gap_over_closing_speed_and_lost_balls_that_roll_along_do_not_m
 def test_scenes_and_bearings_that_friction_cannot_take() -> None:
     with pytest.raises(ValueError, match="zero lead"):
         four_point_bearing(tilt=False, groove=replace(four_point_bearing(tilt=False).groove, lead=1e-3))
-    assert four_point_bearing(tilt=False).rows[0].contacts == ALL
+    assert four_point_bearing(tilt=False).rows[0].contacts == bearing.ALL

@@ -84,7 +84,7 @@ def test_no_error_against_ansys_comes_out(study):
 def test_a_little_penalty_adds_what_hertz_pressure_makes_it(study):
     """It adds half of pressure squared over the penalty to the complementary energy, integrated over the ellipse: that goes
     as F^(4/3), and its slope, by which the approach grows, is 3/4 of the mean pressure over the penalty."""
-    (run, _) = readings.stored_runs_or_none(tuple(r for r in readings.SOLID if r.short_name == "penalty"))
+    (run, _) = readings.stored_3d_results_or_none(tuple(r for r in readings.SOLID if r.short_name == "penalty"))
     exact, force = JOBS["B"].hertz_solution, float(run.load[:, 0].mean())
     size = np.cbrt(force / exact.normal_force) ** 2  # of the ellipse's area
     mean = force / (np.pi * exact.semi_x * exact.semi_y * size)

@@ -3,13 +3,8 @@
 import numpy as np
 import pytest
 
+from rollbench.compare.cases.lin.evidence import steering as evidence_steering
 from rollbench.compare.cases.lin.evidence import steering as gear
-from rollbench.compare.cases.lin.evidence.steering import (
-    REACH,
-    load_ratios_at_18_degrees,
-    shipped_steering_gear,
-    solve_at_tie_rod_angle,
-)
 from rollbench.compare.cases.lin.pages import steering
 from rollbench.compare.scenes import catalogue
 from rollbench.reports.content import Table
@@ -20,7 +15,7 @@ SCENE = catalogue.scene("lin-nominal-4p1")
 
 @pytest.fixture(scope="module")
 def points():
-    return list(gear.load_ratios_of_all_layouts(shipped_steering_gear()))
+    return list(gear.load_ratios_of_all_layouts(evidence_steering.shipped_steering_gear()))
 
 
 def test_ratios_span_the_printed_ones_so_that_they_identify_no_layout(points):
@@ -37,25 +32,30 @@ def test_ratios_span_the_printed_ones_so_that_they_identify_no_layout(points):
 
 
 def test_layouts_are_what_they_say():
-    shipped = shipped_steering_gear()
+    shipped = evidence_steering.shipped_steering_gear()
     (pinion,) = shipped.supports
     same = gear.change_gear_layout(shipped, pinion.at, "held but along the rack", 0.0)
-    assert load_ratios_at_18_degrees(same) == pytest.approx(load_ratios_at_18_degrees(shipped), rel=1e-12)
+    assert evidence_steering.load_ratios_at_18_degrees(same) == pytest.approx(
+        evidence_steering.load_ratios_at_18_degrees(shipped), rel=1e-12
+    )
     moved = gear.change_gear_layout(shipped, 0.5, "pinned across", 0.02)
     assert moved.sets[0] == shipped.sets[0]
     assert moved.sets[1].position == pytest.approx(shipped.sets[1].position + 0.02)
     assert moved.sets[1].parts.nut.position == moved.sets[1].position
-    assert solve_at_tie_rod_angle(shipped, 0.0, side_forces_opposed=True).sets[0].force == pytest.approx(
-        solve_at_tie_rod_angle(shipped, 0.0).sets[0].force
-    )
+    assert evidence_steering.solve_gear_at_tie_rod_angle(shipped, 0.0, side_forces_opposed=True).sets[
+        0
+    ].force == pytest.approx(evidence_steering.solve_gear_at_tie_rod_angle(shipped, 0.0).sets[0].force)
     held = gear.change_gear_layout(shipped, 0.55, "held but along the rack", 0.0)
-    assert load_ratios_at_18_degrees(held, side_forces_opposed=True) == pytest.approx(
-        load_ratios_at_18_degrees(held), rel=1e-9
+    assert evidence_steering.load_ratios_at_18_degrees(held, side_forces_opposed=True) == pytest.approx(
+        evidence_steering.load_ratios_at_18_degrees(held), rel=1e-9
     )
 
 
 def test_bands_of_the_ratios_hold_the_shipped_ones_and_say_what_lies_in_them(points):
-    shipped, bands = load_ratios_at_18_degrees(shipped_steering_gear()), gear.load_ratio_ranges(shipped_steering_gear())
+    shipped, bands = (
+        evidence_steering.load_ratios_at_18_degrees(evidence_steering.shipped_steering_gear()),
+        gear.load_ratio_ranges(evidence_steering.shipped_steering_gear()),
+    )
     assert len(bands) >= 8
     for b in bands:
         for (low, high), value in zip((b.screw, b.bearing), shipped, strict=True):
@@ -77,7 +77,8 @@ def test_lash_tests_are_load_curves_of_the_screw():
     assert (test.lash, gear.peak_to_peak_displacement(test)) == (0.0, moved[2] - moved[0])
     assert moved == sorted(moved)
     there, back = (
-        gear.peak_to_peak_displacement(gear.solve_conical_lash_test(screw, angle, REACH)) for angle in (0.3, 0.3 + np.pi)
+        gear.peak_to_peak_displacement(gear.solve_conical_lash_test(screw, angle, evidence_steering.REACH))
+        for angle in (0.3, 0.3 + np.pi)
     )
     assert back == pytest.approx(there, rel=1e-6)
 

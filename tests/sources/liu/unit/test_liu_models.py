@@ -19,7 +19,7 @@ def test_grooves_and_materials_of_screw_and_nut_are_alike_as_the_chain_takes_the
 
 
 def test_an_error_is_the_diameter_of_a_ball():
-    found = page.with_ball_errors_and_axial_load(SCENE, evidence.errors_of_ball_33(2e-6), 1000.0)
+    found = page.with_ball_errors_and_axial_load(SCENE, evidence.ball_errors_with_faulty_ball_33(2e-6), 1000.0)
     assert found.errors.balls.listed == ((33, 1e-6),)
     assert found.loads[0].force == (0.0, 0.0, 1000.0)
 

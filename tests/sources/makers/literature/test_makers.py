@@ -6,24 +6,12 @@ import numpy as np
 import pytest
 from tests.evidence_study import GROUP, STUDY
 
-from rollbench.compare.cases.makers import bearings, nuts, page
-from rollbench.compare.cases.makers.outside import (
-    BIAS,
-    MEASURED,
-    NUMBER,
-    ComputedBand,
-    MakerTable,
-    PublishedValue,
-    bias_and_scatter_table,
-    error_statistics,
-    half_step_of_last_digit,
-    read_maker_table,
-)
+from rollbench.compare.cases.makers import bearings, nuts, outside, page
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 
 
-def one(value: float, computed: ComputedBand, **said: object) -> PublishedValue:
+def one(value: float, computed: outside.ComputedBand, **said: object) -> outside.PublishedValue:
     shared = {
         "quantity": "rigidity",
         "law": "law",
@@ -32,7 +20,7 @@ def one(value: float, computed: ComputedBand, **said: object) -> PublishedValue:
         "kind_of_source": "class",
         "origin": "",
     }
-    return PublishedValue(**shared, unit="N/um", value=value, rounding=0.5, computed=computed, **said)
+    return outside.PublishedValue(**shared, unit="N/um", value=value, rounding=0.5, computed=computed, **said)
 
 
 def test_sets_of_equal_gaps_at_a_constant_angle() -> None:
@@ -50,7 +38,7 @@ def test_sets_of_equal_gaps_at_a_constant_angle() -> None:
 @pytest.mark.parametrize(("quantity", "number", "bias", "scatter"), [("preload", 80, 0.5, 1.0), ("rigidity", 77, 1.0, 2.0)])
 def test_nsk_sets_follow_from_their_pairs(quantity: str, number: int, bias: float, scatter: float) -> None:
     values = [x for x in bearings.compare_nsk_bearing_sets() if x.quantity == quantity and not x.part.endswith(" DB")]
-    found = error_statistics(values)
+    found = outside.error_statistics(values)
     assert (found.count, abs(found.mean_error_percent) < bias, found.standard_deviation_percent < scatter) == (
         number,
         True,
@@ -65,7 +53,7 @@ def test_nsk_clearances_and_rigidities_without_a_free_parameter() -> None:
     clear = np.array([x.computed.value - x.value for x in found if x.quantity == "displacement"])
     assert (clear.size, np.sqrt((clear**2).mean()) < 0.6, (np.abs(clear) <= 1.0).mean() > 0.94) == (728, True, True)
     for quantity, number, bias, scatter in (("rigidity", 546, 0.6, 2.0), ("rating", 91, 0.1, 1.0)):
-        of = error_statistics([x for x in found if x.quantity == quantity])
+        of = outside.error_statistics([x for x in found if x.quantity == quantity])
         assert (of.count, abs(of.mean_error_percent) < bias, of.standard_deviation_percent < scatter) == (
             number,
             True,
@@ -83,7 +71,7 @@ def test_balls_come_back_from_their_ratings() -> None:
 def test_two_ratings_of_a_nut_count_the_same_balls() -> None:
     """C and C_0 are two formulas; HIWIN's nuts of deflectors are rated with two thirds of a turn, the others with all."""
     shares: dict[str, list[float]] = {}
-    source = read_maker_table("nuts-hiwin")
+    source = outside.read_maker_table("nuts-hiwin")
     for row in source.rows:
         if not source.is_listed_as_misprint(row["nut"]):
             nut = nuts.nut_of_catalogue_row(source, row)
@@ -109,7 +97,7 @@ def test_ratings_of_fewer_balls_and_more_turns() -> None:
 
 def test_formulas_in_disguise_are_computed_and_not_judged() -> None:
     found = list(bearings.compare_snfa_pair_rigidities())
-    assert (len(found), error_statistics(found)) == (1020, None)
+    assert (len(found), outside.error_statistics(found)) == (1020, None)
     ratio = np.median([x.computed.value / x.value for x in found])
     assert ratio == pytest.approx(1.0, abs=0.25)
 
@@ -118,7 +106,7 @@ def test_four_fifths_of_the_computed_rigidity_is_what_makers_print() -> None:
     judged = [x for x in nuts.compare_nut_rigidity() if not x.left]
     errors = np.array([(x.practice or 0.0) / x.value - 1.0 for x in judged])
     assert (len(judged), abs(np.median(errors)) < 0.1, (np.abs(errors) < 0.2).mean() > 0.85) == (472, True, True)
-    growth = error_statistics([x for x in nuts.compare_preloaded_nuts() if x.law == "growth with preload"])
+    growth = outside.error_statistics([x for x in nuts.compare_preloaded_nuts() if x.law == "growth with preload"])
     assert (growth.count, abs(growth.mean_error_percent) < 2.0, growth.standard_deviation_percent < 2.0) == (
         126,
         True,
@@ -138,11 +126,11 @@ def test_drag_torque_of_the_measured_screws() -> None:
     """New screws lie in the band of what is not printed; over the lead sliding grows less than all formulas but one."""
     new = [x for x in nuts.compare_measured_drag_torques() if x.part.endswith("new")]
     assert [x.verdict for x in new] == ["in the band"] * 2
-    assert {x.kind_of_source for x in new} == {MEASURED}
+    assert {x.kind_of_source for x in new} == {outside.MEASURED}
     rows = nuts.drag_torque_ratios_over_lead()
     grows = nuts.fit_power_exponent([r.single for r in rows], [r.lead for r in rows])
     assert 0.1 < grows < 0.2
-    assert nuts.drag_torque_thk(3000.0, 41.75e-3, 10e-3) == pytest.approx(0.865, rel=2e-3)  # THK's example
+    assert nuts.drag_torque_by_thk_formula(3000.0, 41.75e-3, 10e-3) == pytest.approx(0.865, rel=2e-3)  # THK's example
 
 
 def test_all_values_and_their_table() -> None:
@@ -151,12 +139,12 @@ def test_all_values_and_their_table() -> None:
     assert len(judged) >= 1500
     assert {"contact load", "displacement", "pressure", "torque", "rigidity", "rating"} <= {x.quantity for x in judged}
     assert all(x.computed.low <= x.computed.value <= x.computed.high and x.origin for x in found)
-    assert len(bias_and_scatter_table(found).rows) <= 31
+    assert len(outside.bias_and_scatter_table(found).rows) <= 31
     from rollbench.compare.cases.makers.page import first_page
 
     columns = first_page(STUDY)
-    assert sum(row[NUMBER] for row in columns.values()) == len(judged)
-    assert abs(columns["preload"][BIAS]) < 0.5
+    assert sum(row[outside.NUMBER] for row in columns.values()) == len(judged)
+    assert abs(columns["preload"][outside.BIAS]) < 0.5
 
 
 def test_section_says_its_conclusion_first() -> None:
@@ -168,17 +156,17 @@ def test_section_says_its_conclusion_first() -> None:
 
 def test_half_of_the_last_step() -> None:
     steps = {"2 150": 5.0, "0.14": 0.005, "7": 0.5, "1,5": 0.05, "-12": 0.5, "300": 50.0}
-    assert {text: half_step_of_last_digit(text) for text in steps} == pytest.approx(steps)
+    assert {text: outside.half_step_of_last_digit(text) for text in steps} == pytest.approx(steps)
 
 
 def test_verdicts_and_what_does_not_count() -> None:
-    band = ComputedBand.from_relative_half_width(100.0, 0.02)
+    band = outside.ComputedBand.from_relative_half_width(100.0, 0.02)
     verdicts = [one(x, band).verdict for x in (97.4, 97.6, 102.4, 102.6)]
     assert verdicts == ["below the band", *2 * ["in the band"], "above the band"]
     formula = replace(one(97.0, band), left="a formula in disguise")
     assert formula.verdict == "a formula in disguise"
-    assert error_statistics([formula]) is None
-    both = error_statistics([one(80.0, band), one(125.0, band), formula])
+    assert outside.error_statistics([formula]) is None
+    both = outside.error_statistics([one(80.0, band), one(125.0, band), formula])
     assert (both.count, both.mean_error_percent, both.standard_deviation_percent) == (
         2,
         pytest.approx(2.5),
@@ -187,6 +175,6 @@ def test_verdicts_and_what_does_not_count() -> None:
 
 
 def test_numbers_as_tables_write_them() -> None:
-    assert MakerTable("x", {"decimal": ","}, ()).parse_number("1 250,5") == 1250.5
-    assert MakerTable("x", {"thousands": ","}, ()).parse_number("12,500") == 12500.0
-    assert MakerTable("x", {}, ()).parse_number("\u00a02 150") == 2150.0
+    assert outside.MakerTable("x", {"decimal": ","}, ()).parse_number("1 250,5") == 1250.5
+    assert outside.MakerTable("x", {"thousands": ","}, ()).parse_number("12,500") == 12500.0
+    assert outside.MakerTable("x", {}, ()).parse_number("\u00a02 150") == 2150.0

@@ -97,7 +97,7 @@ def test_source_s_sharing_balances_too_much() -> None:
             preload = (1020.0, 1020.0, 2040.0) if end == "left" else (2040.0, 1020.0, 1020.0)
             pre = preload if kind == "ball" else (1500.0, 1500.0)
             after, loaded = (
-                s @ np.array(axis.row_loads_by_smith_rule(kind, end, state, pre)) for state in ("stretch", "applied")
+                s @ np.array(axis.row_loads_by_smith_rule_lbf(kind, end, state, pre)) for state in ("stretch", "applied")
             )
             assert after == pytest.approx(1290.0)
             sign = -1.0 if end == "left" else 1.0  # a load towards the left relieves the left end of tension
