@@ -200,7 +200,7 @@ class SceneError(InputError):
         self.others = others
 
     def lines(self) -> list[str]:
-        """Return the message of every fault of the file as one line.
+        """Return the messages of the file's faults, one line each, at most 30.
 
         Returns
         -------

@@ -606,7 +606,7 @@ def points_clamped_by_bolts(x: Array, y: Array, seat: tuple[float, float], count
 def nut_freedoms_from_free_ones(mesh: CoarseGroovedBodyMesh, dims: Dimensions) -> sp.csc_array:
     """Return the matrix that gives all degrees of freedom of the nut's mesh from its free degrees of freedom.
 
-    ``dims``: dimensions of the solid parts, which name the fixed surface of the nut (`Dimensions.nut_held`).
+    ``dims``: data of the solid parts; its field `Dimensions.nut_held` says which surface of the nut is fixed.
     """
     surface, _, bolts = dims.nut_held.partition(", ")
     fit = surface.endswith(FIT) or (surface == "outer surface" and "centring" in (mesh.mesh.boundaries or {}))

@@ -208,7 +208,10 @@ def descriptors_of_built_in_scenes(*, of_bearings: bool) -> tuple[dict[str, floa
 
 
 def descriptor_values_of_compared_scenes(descriptor: Descriptor, *, of_bearings: bool) -> list[float]:
-    """Return a descriptor's values for all bearings (if ``of_bearings``) or screws compared with the 3D reference."""
+    """Return a descriptor's values for all bearings (if ``of_bearings``) or screws compared with the 3D reference.
+
+    A descriptor is a number that characterises a scene, such as its contact angle.
+    """
     return [
         place[descriptor.name]
         for place in (

@@ -223,10 +223,12 @@ def centreline_displacement_table(cache: SceneResultCache, references: Reference
             cells: Row = {"scene": name, TableColumn("z", "axial position on the screw", "mm", ".1f"): 1e3 * float(row[0])}
             for k, axis in enumerate("xyz"):
                 beam = float(np.interp(row[0], low.stations, low.line[:, k]))
-                cells[TableColumn(f"r{axis}", f"displacement in {axis}, 3D reference", "µm", ".2f")] = 1e6 * float(
-                    row[1 + k]
+                cells[TableColumn(f"r{axis}", f"displacement of the screw in {axis}, 3D reference", "µm", ".2f")] = (
+                    1e6 * float(row[1 + k])
                 )
-                cells[TableColumn(f"l{axis}", f"displacement in {axis}, refined model", "µm", ".2f")] = 1e6 * beam
+                cells[TableColumn(f"l{axis}", f"displacement of the screw in {axis}, refined model", "µm", ".2f")] = (
+                    1e6 * beam
+                )
             rows.append(cells)
     note = (
         "3D reference: mean displacement of the surface of the axial hole where the screw is meshed, near the nut; "

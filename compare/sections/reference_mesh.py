@@ -71,7 +71,7 @@ def mesh_level_table(cache: SceneResultCache, references: References) -> Table:
                     TableColumn("across", "elements across the short contact axis 2b", "", ".1f"): run.quality[
                         "elements across 2b"
                     ],
-                    TableColumn("sides", "number of flanks meshed", "", "s"): len(run.sides),
+                    TableColumn("sides", "number of groove flanks with fine meshes", "", "s"): len(run.sides),
                     TableColumn(
                         "unknowns", "number of unknowns of one equally fine mesh of all bodies", "", "s"
                     ): run.unknowns,

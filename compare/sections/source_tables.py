@@ -450,7 +450,7 @@ def _reproduced_counts_row(place: str, entries: Sequence[PrintedEntryComparison]
         TableColumn("place", "publication, table or section", "", "s"): place,
         TableColumn("printed", "number of printed values", "", "s"): len(numbers),
         TableColumn("inputs", "of these: inputs", "", "s"): tally["input"],
-        TableColumn("identities", "identities, zeros by symmetry", "", "s"): tally["identity"],
+        TableColumn("identities", "values that hold by definition or symmetry", "", "s"): tally["identity"],
         TableColumn("results", "results of a computation or test", "", "s"): len(numbers)
         - tally["input"]
         - tally["identity"],

@@ -434,7 +434,7 @@ def _low_order_against_3d_row(row: RollingComparisonRow) -> Row:
         TableColumn("share", "uncertainty of the 3D value", "%", ".2f"): row.uncertainty_percent,
         TableColumn("printed", "low-order value that Lin prints", "", "g4"): row.printed,
         TableColumn("ansys", "ANSYS value that Lin prints", "", "g4"): row.printed_ansys,
-        TableColumn("flat", "3D value with flat contacts", "", "g5"): row.flat,
+        TableColumn("flat", "value by the 3D model with plane contact areas", "", "g5"): row.flat,
         TableColumn("rigid", "3D value with rigid bodies", "", "g5"): row.rigid,
         TableColumn("verdict", "error of the low-order model, judged", "", "s"): f"within {LIMIT:g} %"
         if low_order_error_is_within_limit(row)

@@ -210,7 +210,9 @@ def motion_problem_of_rotary_ball(
 
 
 def motion_problem_of_screw_ball(pair: Pair, force: Array | None = None, sharpness: float = SHARPNESS) -> BallMotionProblem:
-    """Return the motion problem of the second of two balls of a ball screw that do not touch each other.
+    """Return the problem of finding how one ball of a ball screw slides and spins, given the loads of its contacts.
+
+    The ball is the second of a pair whose balls do not touch each other.
 
     ``pair``: both balls with their grooves; ``force``: loads (4,) [N] of the ball's contacts SL, SR, NL and NR (screw or
     nut, left or right) at the nominal contact angle; None: loads and contact angles of the solved pair. ``sharpness``: k_S

@@ -431,7 +431,7 @@ def force_changes_by_numerical_choices(
 def _force_changes_in_scene(
     name: str, stores: Sequence[Path], series: Sequence[RunFromRest], sizes: Sequence[rolling_runs.BodyChoiceResult]
 ) -> Iterator[ChoiceEffect]:
-    """Yield the change of a scene's ball-to-ball force by grid, finite bodies, time step and regularisation of friction.
+    """Yield how a scene's ball-to-ball force changes with finer grids and time steps, other bodies and smoother friction.
 
     ``name``: name of the scene; the other arguments are those of `force_changes_by_numerical_choices`.
     """

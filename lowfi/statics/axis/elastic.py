@@ -279,14 +279,14 @@ def problem_with_flanks_moved_by_shaft(ball_set: BallSet) -> Problem:
 
 
 def grooved_shaft_section(assembly: Assembly, backend: ComplianceModel) -> BeamSection | None:
-    """Return the cross-section of the threaded shaft with its groove; None: the one from the assembly's dimensions.
+    """Return the stiffness of the threaded shaft's section with its groove; None: it follows from the shaft's dimensions.
 
     Parameters
     ----------
     assembly
         Shaft with bearings and ball nuts.
     backend
-        Method of computing compliance: with ``section`` "cell" the stiffness of the grooved section is computed.
+        Method of computing compliance. Only with ``section`` "cell" the section with its groove is computed.
     """
     thread = first_ball_nut(assembly) if backend.section == "cell" else None
     return None if thread is None else grooved_section(reduce_to_compliance_geometry(thread), True)

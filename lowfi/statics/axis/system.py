@@ -434,8 +434,8 @@ def _build_roller_set(rolling: RollingSet, row: RollerRow, structure: Structure,
     ``rolling``: the bearing with its position and housing; ``row``: dimensions of its rollers and raceways;
     ``first_slice``: index of its first slice among the slices of all bearings. The slices lie along the raceway of the
     cup (outer ring). Cone (inner ring) and cup approach each other along the normal of the cup's raceway. The forces of
-    cone raceway and rib on a roller add up to a force on the same line of action (`lowfi.rollers`). ``structure``:
-    shaft and housings, whose motions move cone and cup.
+    cone raceway and rib on a roller add up to a force on the line of action of the cup's force (`lowfi.rollers`).
+    ``structure``: shaft and housings, whose motions move cone and cup.
     """
     n, bearing = structure.nodes.size, tapered_bearing_of_row(row)
     inner = int(np.abs(structure.nodes - rolling.position).argmin())

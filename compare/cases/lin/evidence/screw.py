@@ -86,7 +86,7 @@ def simulate_screw_with_step_errors(amplitude: float) -> tuple[travel.TravelHist
     angles from nominal, 2 or 3 [deg]. Returns the history of motions and torques, then the error by the time step over the
     mean torque, None if it is unknown.
     """
-    run = source_cases.simulation_inputs_by_theta_amplitude(amplitude)
+    run = source_cases.simulation_with_angle_deviation(amplitude)
     return travel.simulate_with_step_errors(run, run.duration, None, STEP_GOAL)
 
 
@@ -97,7 +97,7 @@ def simulate_screw_in_200_steps(amplitude: float) -> travel.TravelHistory:
     Loads and motions are constant over a step, with their values at its start. ``amplitude``: amplitude of theta, the
     deviation of the contact angles from nominal, 2 or 3 [deg]. Returns motions and torques at each time step.
     """
-    return simulate_equal_steps(source_cases.simulation_inputs_by_theta_amplitude(amplitude))
+    return simulate_equal_steps(source_cases.simulation_with_angle_deviation(amplitude))
 
 
 @cache
@@ -108,7 +108,7 @@ def simulate_screw_without_oversize() -> travel.TravelHistory:
     amplitude of 3 deg. Returns motions and torques at each time step.
     """
     return simulate_equal_steps(
-        replace(source_cases.simulation_inputs_by_theta_amplitude(3.0), oversize=0.0, coupling="ball and screw")
+        replace(source_cases.simulation_with_angle_deviation(3.0), oversize=0.0, coupling="ball and screw")
     )
 
 
@@ -119,12 +119,8 @@ def bearing_torque_over_load_angle(bearing: str, free_to_tilt: bool) -> friction
     ``bearing``: "4P" for the four-point, "DR" for the double-row bearing; ``free_to_tilt``: whether the inner ring is free
     to tilt. The load angles are `ANGLES`.
     """
-    return friction_bearing.bearing_torque_over_force_angles(
-        source_cases.four_point_bearing(tilt=free_to_tilt)
-        if bearing == "4P"
-        else source_cases.double_row_bearing(tilt=free_to_tilt),
-        ANGLES,
-    )
+    make = source_cases.four_point_bearing if bearing == "4P" else source_cases.double_row_bearing
+    return friction_bearing.bearing_torque_over_force_angles(make(tilt=free_to_tilt), ANGLES)
 
 
 def largest_over_smallest_torque(found: friction_bearing.BearingTorqueCurve, largest_angle: float) -> float:
@@ -569,14 +565,17 @@ def contact_load_interpretation_rows() -> list[Row]:
             r = solve_pair_of_screw_balls(make(radians(theta)))
             off = float(error_percent(r.force, printed_value("lin-3.7", f"force_{case}")))
             row |= {
-                TableColumn(f"force_{case}", f"ball-to-ball force, θ = {theta:g}°", "N", ".3f"): r.force,
+                TableColumn(f"force_{case}", f"ball-to-ball force, angle deviation θ = {theta:g}°", "N", ".3f"): r.force,
                 TableColumn(
-                    f"error_{case}", f"error of this force against the printed one, θ = {theta:g}°", "%", ".1f"
+                    f"error_{case}",
+                    f"error of this force against the printed one, angle deviation θ = {theta:g}°",
+                    "%",
+                    ".1f",
                 ): off,
                 TableColumn(
-                    f"increase_{case}", f"increase of friction loss, θ = {theta:g}°", "%", ".1f"
+                    f"increase_{case}", f"increase of friction loss, angle deviation θ = {theta:g}°", "%", ".1f"
                 ): loss_increase_percent(r),
-                TableColumn(f"load_{case}", f"contact load of a ball, θ = {theta:g}°", "N", ".0f"): float(
+                TableColumn(f"load_{case}", f"contact load of a ball, angle deviation θ = {theta:g}°", "N", ".0f"): float(
                     r.ball_loads.mean()
                 ),
             }

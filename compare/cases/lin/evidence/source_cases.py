@@ -112,10 +112,10 @@ def simulation_inputs_of_section_3_4_4(**changes: object) -> Run:
 
     Theta is the deviation of the contact angles from nominal. ``changes``: new values of fields of `Run`, by name.
     """
-    return replace(simulation_inputs_by_theta_amplitude(3.0), **changes)  # type: ignore[arg-type]
+    return replace(simulation_with_angle_deviation(3.0), **changes)  # type: ignore[arg-type]
 
 
-def simulation_inputs_by_theta_amplitude(theta_amplitude: float) -> Run:
+def simulation_with_angle_deviation(theta_amplitude: float) -> Run:
     """Return the inputs of the whole-screw simulation of section 3.4.4 of Lin's thesis.
 
     ``theta_amplitude``: amplitude of theta, the deviation of the contact angles from nominal, 2 or 3 [deg].

@@ -356,7 +356,7 @@ def _case_2_statement_curves(cache: SceneResultCache) -> list[Series]:
 
 
 def _case_3_statement_curves(cache: SceneResultCache) -> list[Series]:
-    """Return the curve of case 3's contact loads without lateral offset of the right end.
+    """Return, as a list of one, the curve of contact loads that Lin's statement on case 3 without lateral offset describes.
 
     ``cache``: gives the solved scenes.
     """
