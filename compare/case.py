@@ -74,8 +74,9 @@ def cases_of_other_packages() -> tuple[Case, ...]:
 
     found: dict[str, Case] = {}
     for point in sorted(entry_points(group=GROUP), key=lambda point: point.name):
-        place, allowed = f"entry point {point.name}", "a rollbench.compare.case.Case of a package that can be imported"
-        advice = "correct the package that adds the case, or uninstall it"
+        place = f"entry point {point.name}"
+        allowed = "an object of the class rollbench.compare.case.Case, in a package that can be imported"
+        advice = "correct the package that adds this entry point, or uninstall it"
         try:
             one = point.load()
             folder = one.folder if isinstance(one, Case) else None
@@ -84,7 +85,7 @@ def cases_of_other_packages() -> tuple[Case, ...]:
         if folder is None:
             raise InputError(place, point.value, repr(one), allowed, advice)
         if one.name in found or one.name in (case.name for case in CASES):
-            raise InputError(place, "name", f'"{one.name}"', "a name that no other case has", advice)
+            raise InputError(place, "name", f'"{one.name}"', "a name that the case of no other publication has", advice)
         found[one.name] = one
     return tuple(found.values())
 

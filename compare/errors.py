@@ -66,7 +66,7 @@ class InputError(Exception):
     ...     rollbench.check("lin-case1", max_error=700)
     ... except rollbench.InputError as error:
     ...     print(error)
-    max_error: got 700; allowed: above 0 to 100 per cent; advice: leave `max_error` out for the default of 7 per cent
+    max_error: got 700; allowed: above 0 to 100 per cent of a contact load; advice: leave `max_error` out for 7 per cent
     """
 
     #: Exit code of a command that ends with this error.

@@ -150,7 +150,7 @@ class ComputedEntryValues:
     def _set_fields(self, key: str, **fields: float | bool | str | None) -> None:
         """Set fields of the record `PrintedEntryComparison` of the number or claim ``key``; KeyError for an unknown key."""
         if key not in self._entries:
-            raise KeyError(f"printed table {self.table}: no printed entry {key!r}")
+            raise KeyError(f"table {self.table} of a publication: no printed number or claim has the key {key!r}")
         self._entries[key] = replace(self._entries[key], **fields)  # type: ignore[arg-type]
 
     def add_number(
@@ -307,9 +307,13 @@ def all_computations() -> dict[str, PrintedTableComputation]:
             raise InputError(str(path), "file", str(error), "a file in TOML format", "correct its syntax") from None
         printed = case.files("printed")
         for table in sorted(described.keys() ^ printed.keys()):
-            value = "no computation for this table" if table in printed else "a table that does not exist"
-            advice = "state the function that computes it, or why nothing is computed" if table in printed else "remove it"
-            raise InputError(str(path), table, value, f"one table [NAME] for each of {', '.join(printed)}", advice)
+            if table in printed:
+                value = "no computation for this table of the publication"
+                advice = f"add a section [{table}] with the function that computes the table, or why nothing is computed"
+            else:
+                value, advice = "a section for a table that the publication does not have", "remove the section"
+            allowed = f"one section [NAME] for each table of the publication: {', '.join(printed)}"
+            raise InputError(str(path), table, value, allowed, advice)
         for table, keys in described.items():
             behind = tuple((pattern, x if isinstance(x, str) else tuple(x)) for pattern, x in keys["behind"].items())
             out[table] = PrintedTableComputation(case, table, keys.get("function", ""), keys.get("test", ""), behind)
@@ -469,6 +473,6 @@ def reproduction_sentence(counts_of_publication: Mapping[str, Any]) -> str:
     return (
         f"Of {n} numbers and claims by which a model can be judged ({counts_of_publication['source']}), "
         f"{share['reproduced']} are reproduced, {share['band']} lie within a tolerance band, {share['only as printed']} "
-        f"are reproduced only with the publication's error, {share['contradicted']} are contradicted, and "
-        f"{share['not identifiable']} are not determined by what the publication states."
+        f"are reproduced only with its mistake repeated, {share['contradicted']} are contradicted, and "
+        f"{share['not identifiable']} are not determined by the data in the publication."
     )

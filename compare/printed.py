@@ -56,10 +56,10 @@ VERDICTS: dict[Verdict, str] = {
 #: Names of the verdicts in tables and sentences of the report.
 VERDICT_NAMES: dict[Verdict, str] = {
     "reproduced": "reproduced",
-    "only as printed": "only with the publication's error",
+    "only as printed": "only with the publication's mistake repeated",
     "band": "within a tolerance band",
     "contradicted": "contradicted",
-    "not identifiable": "not determined by the publication",
+    "not identifiable": "not determined by the data in the publication",
     "input": "input",
     "identity": "identity",
 }
@@ -137,7 +137,7 @@ def load_printed_table(name: str) -> tuple[PrintedEntry, ...]:
     path = find_case_file("printed", name)
     if path is None:
         advice = "list the tables with: rollbench list"
-        raise InputError("printed tables", "name of a table", f'"{name}"', ", ".join(printed_table_names()), advice)
+        raise InputError("tables of publications", "name", f'"{name}"', ", ".join(printed_table_names()), advice)
     return parse_printed_table(path.read_text(encoding="utf-8"), name)
 
 
@@ -149,7 +149,7 @@ def printed_entry(table: str, key: str) -> PrintedEntry:
     for row in load_printed_table(table):
         if row.key == key:
             return row
-    raise KeyError(f"printed table {table}: no printed entry {key!r}")
+    raise KeyError(f"table {table} of a publication: no printed number or claim has the key {key!r}")
 
 
 def printed_value(table: str, key: str) -> float:
@@ -159,7 +159,7 @@ def printed_value(table: str, key: str) -> float:
     """
     value = printed_entry(table, key).value
     if value is None:
-        raise KeyError(f"printed table {table}: {key!r} is a claim in words, not a number")
+        raise KeyError(f"table {table} of a publication: {key!r} is a claim in words, not a number")
     return value
 
 
@@ -218,13 +218,17 @@ def _parse_row(table: str, data: Mapping[str, Any], raw: Mapping[str, Any], inde
     _check_value_types(raw, refuse)
     cls, claim, printed = raw.get("class"), raw.get("claim", ""), raw.get("printed", "")
     if cls not in CLASSES:
-        raise refuse("class", ", ".join(CLASSES), "state the class of the number or claim")
+        advice = (
+            "state the class of this printed number or claim, which determines how the computed value is compared with it"
+        )
+        raise refuse("class", ", ".join(CLASSES), advice)
     for key in ("key", "label"):
         if not raw.get(key):
             raise refuse(key, "a text that is not empty", "give every row a key and a label")
     if bool(claim) == bool(printed):
         shown = "both `printed` and `claim`" if claim else "neither `printed` nor `claim`"
-        raise refuse("printed", "either the key printed (a number) or the key claim (words)", "state one of the two", shown)
+        allowed = "either the key `printed` with a number, or the key `claim` with words"
+        raise refuse("printed", allowed, "state one of the two", shown)
     low, high = raw.get("low"), raw.get("high")
     if cls == "band":
         if not raw.get("origin"):
@@ -234,11 +238,12 @@ def _parse_row(table: str, data: Mapping[str, Any], raw: Mapping[str, Any], inde
                 allowed = "both low and high, with low <= high"
                 raise refuse("low", allowed, "state both limits of the tolerance band", f"low {low} and high {high}")
             if 0.5 * (high - low) > WIDEST * abs(0.5 * (high + low)):
-                allowed = f"low and high with half their difference at most {WIDEST:g} times their mean"
+                allowed = f"half the width of the band, (high - low)/2, up to {WIDEST:g} times its middle, (low + high)/2"
                 raise refuse(
                     "low",
                     allowed,
-                    'change the class to "open" and state the range in the remark, because a wider band tests nothing',
+                    'change the class to "open" (the number is shown, but not compared) and state the range in the remark, '
+                    "because nearly any value lies in a wider band",
                     f"low {low} and high {high}",
                 )
     elif "low" in raw or "high" in raw:
@@ -256,7 +261,8 @@ def _parse_row(table: str, data: Mapping[str, Any], raw: Mapping[str, Any], inde
         raise refuse(
             "contradicted",
             'only in a row of class "open"',
-            "remove the key, because entries of other classes are judged by the computed value",
+            "remove the key: in rows of other classes, the comparison with the computed value shows whether it contradicts "
+            "the publication",
         )
     try:
         tolerance = raw.get("tolerance", half_unit_of_last_digit(printed) if printed else 0.0)
@@ -270,7 +276,11 @@ def _parse_row(table: str, data: Mapping[str, Any], raw: Mapping[str, Any], inde
     source, place = str(data.get("source", "")), str(raw.get("place", data.get("place", "")))
     kind = raw.get("kind", "input" if cls == "input" else "claim" if claim else "number")
     if "kind" in raw and (kind not in NAMED or claim or cls == "input"):
-        raise refuse("kind", ", ".join(NAMED), "leave the key out for a claim or an input")
+        advice = (
+            "leave the key out, unless the row has a number that tests no model: arithmetic on printed numbers, or zero by "
+            "symmetry"
+        )
+        raise refuse("kind", ", ".join(NAMED), advice)
     return PrintedEntry(
         table=table,
         key=raw["key"],

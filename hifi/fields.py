@@ -179,7 +179,7 @@ def nodal_displacements_of_screw(
 
 
 def refuse_supports_beyond_low_end(scene: Scene, dims: Dimensions) -> None:
-    """Raise ValueError if a support or load lies above the low end of the screw's part that is meshed in 3D.
+    """Raise ValueError if a support or load lies at larger z than the beginning of the screw's part that is meshed in 3D.
 
     Parameters
     ----------
@@ -192,8 +192,9 @@ def refuse_supports_beyond_low_end(scene: Scene, dims: Dimensions) -> None:
     beyond = sorted(z for z in scene.stations if z > low)
     if dims.screw_held != "bore" and beyond:
         raise ValueError(
-            f"{scene.name}: the screw is supported or loaded at {1e3 * beyond[0]:.4g} mm, above the low end of "
-            f"its 3D mesh at {1e3 * low:.4g} mm; allowed for its stress field: supports and loads below that end"
+            f"{scene.name}: the stress field of the screw cannot be computed, because the screw is supported or loaded at "
+            f"z = {1e3 * beyond[0]:.4g} mm; allowed: supports and loads only at z up to {1e3 * low:.4g} mm, where its 3D "
+            "mesh begins"
         )
 
 

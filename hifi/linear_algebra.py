@@ -577,8 +577,8 @@ def _check_response_to_random_load(solve: Solve, diagonal: Array) -> None:
         ratio = float(np.linalg.norm(response) / np.linalg.norm(load))
     if not ratio < SINGULAR:
         raise FactorError(
-            f"the stiffness matrix is singular to working precision (response {ratio:.1e} to a unit load): check that "
-            "every body is fixed"
+            "the stiffness matrix is singular to working precision (scaled to a unit diagonal, it gives displacements of "
+            f"{ratio:.1e} under unit forces; allowed: below {SINGULAR:.0e}): check that every body is fixed"
         )
 
 

@@ -137,7 +137,8 @@ class LineContactLaw:
         argument = -np.where(inside, delta, self.s) / self.s * np.exp(-self.g / self.s)
         if np.any(inside & (argument < -np.exp(-1.0))):
             raise ValueError(
-                "the approach of the raceways is too large for a line contact: its half-width would exceed roller and rings"
+                "the approach of the raceways is too large for the law of a line contact: the half-width of the contact "
+                "would exceed the dimensions of roller and rings"
             )
         return np.where(inside, delta / (-self.s * lambertw(argument, k=-1).real), 0.0)
 
@@ -235,7 +236,8 @@ class TaperedBearing:
         """Check that the values describe a tapered roller bearing; raise ValueError otherwise."""
         if self.rollers < 1 or min(self.diameter, self.length, self.depth, self.young) <= 0.0:
             raise ValueError(
-                "tapered bearing: number, diameter and length of the rollers, depth and Young's modulus must be positive"
+                "tapered roller bearing: number, diameter and length of the rollers, depth below the raceways down to "
+                "which deformation is counted, and Young's modulus must be positive"
             )
         if not 0.0 < 2.0 * self.roller_angle < self.cup_angle < 0.5 * np.pi or not 0.0 <= self.poisson < 0.5:
             raise ValueError(

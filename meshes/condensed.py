@@ -192,7 +192,7 @@ def read_condensed_bodies(path: Path) -> CondensedBodies:
         The file does not exist, or cannot be read.
     """
     if path.exists() and not path.is_file():
-        raise ValueError("a path that is not a regular file")
+        raise ValueError("the path is not that of a regular file")
     values = _read_arrays(path)
     bodies = CondensedBodies(
         str(values["geometry"]),
@@ -212,21 +212,21 @@ def _read_arrays(path: Path) -> dict[str, Array]:
     """
     names = [f.name for f in fields(CondensedBodies)]
     if path.stat().st_size > LARGEST_FILE:
-        raise ValueError(f"a file of more than {LARGEST_FILE:.3g} bytes, too large for compliance matrices")
+        raise ValueError(f"the file has more than {LARGEST_FILE:.3g} bytes, too many for compliance matrices")
     members = _read_archive_members(path.read_bytes())
     values = {name: _parse_array(name, members[name]) for name in ("format", "checksum", *names) if name in members}
     number, said = values.pop("format", np.array(FORMAT)), values.pop("checksum", None)
     if number.shape != () or number.dtype.kind not in "iu" or int(number) != FORMAT:
-        raise ValueError(f"compliance matrices in format {str(number)[:40]}, where this version reads only format {FORMAT}")
+        raise ValueError(f"the file has format {str(number)[:40]}, but this version reads only format {FORMAT}")
     missing = [name for name in names if name not in values]
     if missing:
-        raise ValueError(f"a file of compliance matrices without the arrays {', '.join(missing)}")
+        raise ValueError(f"the file lacks the arrays {', '.join(missing)}")
     kinds = {"geometry": "U", "level": "iu"}
     for name, value in values.items():
         if value.dtype.kind not in kinds.get(name, "fiu") or (name in ("geometry", "level", "base") and value.shape != ()):
-            raise ValueError(f"a file of compliance matrices in which the array {name} has an unexpected type or shape")
+            raise ValueError(f"the array {name} has an unexpected type or shape")
     if said is None or str(said) != checksum_of_arrays(values):
-        raise ValueError("a file of compliance matrices whose checksum does not match: it was damaged or changed")
+        raise ValueError("the checksum of the file does not match its arrays: the file was damaged or changed")
     return values
 
 
@@ -240,11 +240,11 @@ def _read_archive_members(content: bytes) -> dict[str, bytes]:
             read = plain and declared <= LARGEST_FILE
             members = {info.filename.removesuffix(".npy"): archive.read(info) for info in entries if read}
     except DAMAGE as e:
-        raise ValueError("a damaged file, or one of another kind") from e
+        raise ValueError("the file is damaged, or not an archive of arrays (.npz)") from e
     if not plain:
-        raise ValueError("a file whose archive is encrypted, or has an unknown compression")
+        raise ValueError("the archive is encrypted, or has an unknown compression")
     if declared > LARGEST_FILE:
-        raise ValueError(f"a file that declares {declared:.3g} bytes, where at most {LARGEST_FILE:.3g} are read")
+        raise ValueError(f"the archive states {declared:.3g} bytes of content; at most {LARGEST_FILE:.3g} are read")
     return members
 
 
@@ -257,16 +257,14 @@ def _parse_array(name: str, content: bytes) -> Array:
     length = BEGINNING.get(content[:8])
     first = 8 + (struct.calcsize(length) if length else 0)
     if length is None or len(content) < first:
-        raise ValueError(f"a file of compliance matrices in which the array {name} is damaged")
+        raise ValueError(f"the array {name} is damaged")
     end = first + int(struct.unpack_from(length, content, 8)[0])
     head = HEAD.fullmatch(content[first:end])
     if head is None:
-        raise ValueError(f"a file of compliance matrices in which the array {name} is damaged, or of another type")
+        raise ValueError(f"the array {name} is damaged, or of another type")
     kind, shape = np.dtype(head[1].decode()), tuple(int(n) for n in head[3].replace(b",", b" ").split())
     if math.prod(shape) * kind.itemsize != len(content) - end:
-        raise ValueError(
-            f"a file of compliance matrices in which the header of {name} declares a size other than that of the array"
-        )
+        raise ValueError(f"the header of the array {name} states a size other than that of the array")
     return np.ndarray(shape, kind, content, end, order="F" if head[2] == b"True" else "C").copy("K")
 
 
@@ -295,36 +293,30 @@ def _check_condensed_bodies(bodies: CondensedBodies) -> None:
     k = bodies.sides.size
     sides = bodies.sides.tolist()
     if bodies.sides.ndim != 1 or not k or any(s not in (0.0, 1.0, 2.0, 3.0) for s in sides) or sides != sorted(set(sides)):
-        raise ValueError(
-            "a file of compliance matrices whose flanks (sides) are not numbers from 0 to 3 in ascending order"
-        )
+        raise ValueError("the numbers of the flanks (sides) are not among 0 to 3 in ascending order")
     if {3.0 - s for s in sides} != set(sides):
-        raise ValueError("a file of compliance matrices in which a flank (sides) occurs without the opposite flank")
+        raise ValueError("a flank (in sides) occurs without the opposite flank")
     square = all(x.ndim == 2 and x.shape[0] == x.shape[1] for x in (bodies.screw, bodies.nut, bodies.ball))
     fits = bodies.ball.shape[0] == k == len(bodies.local) and bodies.hertz.shape == (k,) and bodies.local.ndim == 2
     if not square or not fits or bodies.local.shape != bodies.force.shape:
-        raise ValueError("a file of compliance matrices with arrays whose shapes do not match each other")
+        raise ValueError("the shapes of the arrays do not match each other")
     for name in ("base", "screw", "nut", "ball", "local", "force", "hertz"):
         if not np.isfinite(getattr(bodies, name)).all():
-            raise ValueError(f"a file of compliance matrices in which not all numbers of {name} are finite")
+            raise ValueError(f"the array {name} contains a number that is not finite")
     if not (bodies.hertz > 0.0).all() or not (bodies.force > 0.0).all():
-        raise ValueError("a file of compliance matrices in which not all Hertz constants and forces are positive")
+        raise ValueError("a Hertz constant (hertz) or a force is not positive")
     for name, most in LARGEST.items():
         if float(np.abs(getattr(bodies, name)).max(initial=0.0)) > most:
-            raise ValueError(
-                f"a file of compliance matrices in which {name} exceeds {most:g}, more than is possible for steel parts"
-            )
+            raise ValueError(f"a value of {name} exceeds {most:g}, more than is possible for steel parts")
     order = np.argsort(bodies.force, axis=1)
     force, local = (np.take_along_axis(x, order, axis=1) for x in (bodies.force, bodies.local))
     approach = bodies.hertz[:, None] * np.cbrt(force) ** 2 + local * force
     if not (np.diff(approach, axis=1, prepend=0.0) > 0.0).all():
-        raise ValueError(
-            "a file of compliance matrices in which the approach of a contact (local) does not increase with its force"
-        )
+        raise ValueError("the approach of a contact (local) does not increase with its force")
     for name in ("screw", "nut", "ball"):
         matrix = getattr(bodies, name)
         size = float(np.abs(matrix).max(initial=0.0))
         if float(np.abs(matrix - matrix.T).max(initial=0.0)) > ASYMMETRY * size:
-            raise ValueError(f"a file in which the compliance matrix of the {name} is not symmetric")
+            raise ValueError(f"the compliance matrix of the {name} is not symmetric")
         if size and float(np.linalg.eigvalsh(0.5 * (matrix + matrix.T))[0]) < -NEGATIVE * size:
-            raise ValueError(f"a file in which the compliance matrix of the {name} is not positive semidefinite")
+            raise ValueError(f"the compliance matrix of the {name} is not positive semidefinite")

@@ -211,7 +211,11 @@ def free_contact_angle(centre_distance: float, radial_clearance: float | None, a
     """
     share = (radial_clearance if axial_clearance is None else axial_clearance or 0.0) or 0.0
     if not share < 2.0 * centre_distance:
-        raise ValueError(f"the clearance must be below {2e3 * centre_distance:.4g} mm, where the contact angle is 90 deg")
+        direction = "radial" if axial_clearance is None else "axial"
+        raise ValueError(
+            f"the {direction} clearance must be below {2e3 * centre_distance:.4g} mm, at which the contact angle reaches "
+            "90 deg"
+        )
     return max(
         acos(1.0 - share / (2.0 * centre_distance)) if axial_clearance is None else asin(share / (2.0 * centre_distance)),
         LEAST,

@@ -198,7 +198,8 @@ class ForceOrRatingShareRange(QuantityRange):
         percent = float(match[1])
         if not 0.0 < percent <= self.largest_percentage:
             advice = "give a value that manufacturers use: 3 to 8 % of C, seldom more than 10 %"
-            raise self._refused_value_error(f"above 0, up to {self.largest_percentage:g} % of C", advice)
+            allowed = f"above 0, up to {self.largest_percentage:g} % of C, the dynamic load rating"
+            raise self._refused_value_error(allowed, advice)
         return ShareOfLoadRating(percent / 100.0)
 
     @property

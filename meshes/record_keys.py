@@ -99,7 +99,10 @@ def register_frozen_defaults(record: type[T]) -> type[T]:
         if "usual" in each.metadata:
             frozen[each.name] = each.metadata["usual"]
         elif each.default is not MISSING or each.default_factory is not MISSING:
-            advice = "write frozen_default(DEFAULT), or the new field changes the keys of stored runs"
+            advice = (
+                "write frozen_default(DEFAULT), which keeps the keys of runs stored before this field existed; otherwise "
+                "these runs are no longer found"
+            )
             raise TypeError(f"{record.__name__}.{each.name}: its default is not frozen: {advice}")
     FROZEN[record.__name__] = frozen
     record.__pydantic_config__ = {"extra": "forbid"}  # type: ignore[attr-defined]
@@ -186,7 +189,10 @@ def canonical_text(value: object) -> str:
     kind = getattr(value, "format", "")
     if type(value).__module__.startswith("scipy.sparse") and kind in ("csr", "csc"):  # a matrix or an array
         return f"{kind}_matrix{canonical_text([getattr(value, x) for x in ('shape', 'data', 'indices', 'indptr')])}"
-    raise TypeError(f"{type(value).__module__}.{type(value).__qualname__}: values of this type have no canonical text")
+    raise TypeError(
+        f"{type(value).__module__}.{type(value).__qualname__}: values of this type have no canonical text, from which the "
+        "key of a stored run is computed"
+    )
 
 
 def _record_text(record: type, values: Mapping[str, object]) -> str:
@@ -216,7 +222,10 @@ def _float_text(value: float) -> str:
 def _array_text(value: np.ndarray[Any, Any]) -> str:
     """Return the canonical text of an array: its type, its shape and the digest of its values."""
     if value.dtype.kind not in "biufc":
-        raise TypeError(f"an array of {value.dtype} has no canonical text: its entries are not numbers")
+        raise TypeError(
+            f"an array of {value.dtype} has no canonical text, from which the key of a stored run is computed: its entries "
+            "are not numbers"
+        )
     return f"array({value.dtype.str}, {value.shape}, {hashlib.sha256(np.ascontiguousarray(value).data).hexdigest()})"
 
 

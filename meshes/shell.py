@@ -80,7 +80,7 @@ def _import_gmsh() -> Any:
         import gmsh
     except (ImportError, OSError) as error:
         raise ImportError(
-            f"gmsh cannot be loaded ({error}); install rollbench[reference] and the system libraries libGLU and libX11"
+            f"gmsh cannot be loaded ({error}); install rollbench[reference]; rollbench doctor names the system libraries"
         ) from error
     return gmsh
 

@@ -768,10 +768,11 @@ def _allowed_half_width(
             usable = ZONE * room / (1.0 + CLOSE)
             if need / radius > usable:
                 raise ValueError(
-                    f"no room for the contact ellipse on flank {SIDES[side]}: the ellipse reaches {1e3 * need:.3g} mm "
-                    f"({np.degrees(need / radius):.3g} deg) from its nominal centre, and the mesh has room for "
-                    f"{1e3 * usable * radius:.3g} mm ({np.degrees(usable):.3g} deg), because {reason}; {remedy}, lower the "
-                    "load, or open the groove (a larger groove radius makes the ellipse shorter)"
+                    f"no room for the contact ellipse on flank {SIDES[side]}: it extends {1e3 * need:.3g} mm "
+                    f"({np.degrees(need / radius):.3g} deg of the groove arc) from the nominal contact point, and the mesh "
+                    f"has room for {1e3 * usable * radius:.3g} mm ({np.degrees(usable):.3g} deg), because {reason}. "
+                    f"Remedies: {remedy}; lower the load; or open the groove (a larger groove radius makes the ellipse "
+                    "shorter)"
                 )
             bare = need / (radius * ZONE)
             width = max(room / (1.0 + BESIDE), min(SPARE * bare, 0.5 * (bare + room / (1.0 + CLOSE))))

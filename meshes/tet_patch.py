@@ -27,6 +27,9 @@ OPTIONS = {
     "Mesh.MeshSizeFromPoints": 0,
     "Mesh.MeshSizeFromCurvature": 0,
 }
+#: Message for a refinement box whose faces do not bound a box that is open at the top.
+NOT_OPEN_AT_TOP = "the faces of a refinement box must be closed except for one open rim at the top of the box; they are not"
+
 #: The four first-order triangles on the nodes of a second-order triangle: three at its corners, one in its middle.
 SUB_TRIANGLES = ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5))
 
@@ -122,8 +125,8 @@ def mesh_patch_with_tetrahedra(
     """
     if not (0.0 < max(sizes.contact_zone_fractions) < 1.0 and min(sizes.contact_zone_fractions) > 0.0):
         raise ValueError(
-            f"the half widths {sizes.contact_zone_fractions} of the contact zone, as fractions of those of the patch, "
-            "must lie between 0 and 1"
+            f"the half widths {sizes.contact_zone_fractions} of the contact zone, as ratios to the half widths of the box "
+            "of fine cells around the contact, must lie between 0 and 1"
         )
     begin = perf_counter()
     with gmsh_session(OPTIONS) as gmsh:
@@ -183,13 +186,13 @@ def _corners_around_rim(corners: Array, polygons: list[list[int]]) -> list[int]:
             near.setdefault(i, []).append(j)
             near.setdefault(j, []).append(i)
     if not near or any(len(ends) != 2 or abs(corners[i, 1]) > 1e-9 for i, ends in near.items()):
-        raise ValueError("the faces of a refinement box do not leave one open rim at its top")
+        raise ValueError(NOT_OPEN_AT_TOP)
     loop = [min(near)]
     loop.append(near[loop[0]][0])
     while (following := next(i for i in near[loop[-1]] if i != loop[-2])) != loop[0]:
         loop.append(following)
     if len(loop) != len(near):
-        raise ValueError("the faces of a refinement box do not leave one open rim at its top")
+        raise ValueError(NOT_OPEN_AT_TOP)
     return loop
 
 

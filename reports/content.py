@@ -363,7 +363,7 @@ class PressureMap:
     #: Label of the colour scale, with unit.
     colour_label: str
     #: Label of the ellipses in the legend.
-    ellipse_label: str = "Hertz"
+    ellipse_label: str = "contact ellipse by Hertz theory"
     #: Label of marked nodes in the legend.
     marked_label: str = ""
     #: Caption below the figure.

@@ -34,13 +34,14 @@ def write_manifest(folder: Path, origin: Mapping[str, Any]) -> None:
 def read_report_file(path: Path) -> str:
     """Return the text of one file in a report's folder; files above `LARGEST` bytes are refused.
 
-    Raises OSError if the file is missing, and ValueError if it is no regular file or is too large; the message of the
-    ValueError describes the file, such as "a pipe, a device or a folder".
+    Raises OSError if the file is missing, and ValueError if it is no regular file or is too large.
     """
     if path.exists() and not path.is_file():
-        raise ValueError("a pipe, a device or a folder, from which no report file can be read")
+        raise ValueError("a report file must be a regular file, not a pipe, a device or a folder")
     if (size := path.stat().st_size) > LARGEST:
-        raise ValueError(f"a file of {size:.3g} bytes; the largest permitted size of a report file is {LARGEST:.3g} bytes")
+        raise ValueError(
+            f"the file has {size:.3g} bytes; the largest permitted size of a report file is {LARGEST:.3g} bytes"
+        )
     return path.read_text(encoding="utf-8")
 
 
@@ -49,7 +50,7 @@ def parse_json(text: str) -> Any:
     try:
         return json.loads(text)
     except RecursionError:
-        raise ValueError("a JSON text with brackets that are nested too deeply") from None
+        raise ValueError("the brackets of the JSON text are nested too deeply") from None
 
 
 def is_mapping_of_texts(found: object) -> bool:
@@ -64,5 +65,5 @@ def read_manifest(folder: Path) -> dict[str, Any]:
     """
     found = parse_json(read_report_file(folder / FILE))
     if not isinstance(found, dict) or not all(is_mapping_of_texts(found.get(key)) for key in ("inputs", "files")):
-        raise ValueError(f"a report manifest {FILE} whose entries 'inputs' or 'files' are missing or damaged")
+        raise ValueError(f"the entry 'inputs' or 'files' of {FILE} is missing or damaged")
     return found

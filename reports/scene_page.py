@@ -155,15 +155,15 @@ def read_page_data(html: str) -> dict[str, Any]:
     for name in BLOCKS:
         found = re.search(rf'<script type="application/json" id="{name}">(.*?)</script>', html, re.DOTALL)
         if found is None:
-            raise ValueError(f"a page without the script element {name!r}, which contains its data")
+            raise ValueError(f"the page lacks the script element {name!r}, which contains its data")
         try:
             out[name] = parse_json(found[1])
         except ValueError as error:
-            raise ValueError(f"a page whose script element {name!r} contains damaged data ({error})") from None
+            raise ValueError(f"the script element {name!r} of the page contains damaged data ({error})") from None
     manifest, texts = out["manifest"], isinstance(out["scene"], str)
     whole = isinstance(manifest, dict) and all(
         is_mapping_of_texts(manifest.get(key, {})) for key in ("files", "provenance")
     )
     if not (whole and texts and isinstance(out["results"], dict)):
-        raise ValueError("a page whose manifest, scene text or results are damaged")
+        raise ValueError("the manifest, the scene text or the results in the page are damaged")
     return out

@@ -3,14 +3,14 @@
 Points, cells and faces are arrays in gmsh's order; matrices and vectors are numbered like the points.
 """
 
-from itertools import combinations, permutations
+from itertools import permutations
 
 import numpy as np
 from skfem import Basis, ElementVector, Functional, LinearForm
-from skfem.helpers import dot, eye, sym_grad, trace
+from skfem.helpers import dot
 
 from rollbench.hifi.elements import forms
-from rollbench.hifi.elements.forms import CachedIsoparametricMap, elasticity_form, nodal_volume_form, stiffness_quadrature
+from rollbench.hifi.elements.forms import CachedIsoparametricMap, elasticity_form, stiffness_quadrature
 from rollbench.meshes.fem import _SKFEM, MESHES, build_mesh, scaled_jacobians
 
 KINDS = ["P1", "P2", "Q1", "Q2"]
@@ -32,10 +32,6 @@ def force(density):
     return LinearForm(work)
 
 
-def order_of(kind):
-    return int(kind[1])
-
-
 def face_nodes(kind):
     """Local nodes of every face, corners first, then the middles of edges, then its own middle; normals outward."""
     local, rows = LOCAL[kind], []
@@ -50,7 +46,7 @@ def face_nodes(kind):
 
 def cube(kind, m):
     """Points and cells of an m x m x m cube; tetrahedra by Kuhn's division of every cell into six."""
-    order = order_of(kind)
+    order = int(kind[1])
     n = order * m + 1
     points = np.stack(np.meshgrid(*3 * [np.linspace(0.0, 1.0, n)], indexing="ij"), axis=-1).reshape(-1, 3)
     origin = order * np.stack(np.meshgrid(*3 * [np.arange(m)], indexing="ij"), axis=-1).reshape(-1, 3)
@@ -80,22 +76,23 @@ def boundary(points):
     return np.flatnonzero(np.any((points < 1e-12) | (points > 1.0 - 1e-12), axis=1))
 
 
-def boundary_faces(cells, kind):
-    """Outward faces that belong to one cell only, shape (k, nodes of a face)."""
+def outer_faces(cells, kind="P2"):
+    """Outward faces that belong to one cell only, shape (k, nodes of a face), and how often any face occurs."""
     faces = cells[:, face_nodes(kind)]
     faces = faces.reshape(-1, faces.shape[2])
     _, first, count = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
-    return faces[first[count == 1]]
+    return faces[first[count == 1]], count
+
+
+def boundary_faces(cells, kind):
+    """The same faces alone."""
+    return outer_faces(cells, kind)[0]
 
 
 def space(mesh, **options):
     """Vector space on the mesh's own element, by default at the points of the fast assembly. options: of `skfem.Basis`."""
-    return Basis(
-        mesh,
-        ElementVector(mesh.elem()),
-        CachedIsoparametricMap(mesh),
-        **{"quadrature": stiffness_quadrature(mesh), **options},
-    )
+    options = {"quadrature": stiffness_quadrature(mesh), **options}
+    return Basis(mesh, ElementVector(mesh.elem()), CachedIsoparametricMap(mesh), **options)
 
 
 def freedoms(nodes):
@@ -116,30 +113,8 @@ def stiffness(points, cells, kind, young, poisson):
     return forms.assemble_constant_form(elasticity_form(young, poisson), mesh)[order][:, order].tocsc()
 
 
-def strain_stress(points, cells, kind, u, young, poisson, at=None):
-    """Strain and stress (cells, q, 6) in the order xx, yy, zz, yz, xz, xy, engineering shears, at quadrature points or at
-    reference points (q, 3)."""
-    mesh, number = build_mesh(points, cells, kind)
-    values = np.zeros((mesh.doflocs.shape[1], 3))
-    values[number[number >= 0]] = np.reshape(u, (-1, 3))[number >= 0]
-    basis = space(mesh) if at is None else space(mesh, quadrature=(np.asarray(at).T, np.ones(len(at))))
-    eps = sym_grad(basis.interpolate(values.ravel()))
-    lam, mu = young * poisson / (1.0 + poisson) / (1.0 - 2.0 * poisson), young / 2.0 / (1.0 + poisson)
-    sigma = lam * eye(trace(eps), 3) + 2.0 * mu * eps
-    pick = ([0, 1, 2, 1, 0, 0], [0, 1, 2, 2, 2, 1])
-    return np.moveaxis(eps[pick], 0, -1) * [1, 1, 1, 2, 2, 2], np.moveaxis(sigma[pick], 0, -1)
-
-
-def nodal_volumes(points, cells, kind, intorder=None):
-    """Integrals of the shape functions (n,)."""
-    mesh, number = build_mesh(points, cells, kind)
-    options = {} if intorder is None else {"quadrature": None, "intorder": intorder}
-    basis = Basis(mesh, mesh.elem(), **{"quadrature": stiffness_quadrature(mesh), **options})
-    return renumbered(number, nodal_volume_form().assemble(basis))
-
-
 def volume(points, cells, kind):
-    return float(nodal_volumes(points, cells, kind).sum())
+    return one(space(build_mesh(points, cells, kind)[0]))
 
 
 def nodal_areas(points, cells, kind, faces):
@@ -165,14 +140,5 @@ def volume_of(body):
 def area_of(points, faces):
     """Area of second-order triangles (f, 6), each as four flat ones."""
     a = [points[faces[:, k]] for k in range(6)]
-    pieces = ((a[0], a[3], a[4]), (a[3], a[1], a[5]), (a[4], a[5], a[2]), (a[3], a[5], a[4]))
+    pieces = ((a[0], a[3], a[5]), (a[3], a[1], a[4]), (a[5], a[4], a[2]), (a[3], a[4], a[5]))
     return sum(0.5 * np.linalg.norm(np.cross(q - p, s - p), axis=1).sum() for p, q, s in pieces)
-
-
-def outer_faces(cells):
-    """Corner triples and midside nodes of faces ``(f, 6)`` that only one cell has, and how often any face occurs."""
-    mid = {(0, 1): 4, (1, 2): 5, (0, 2): 6, (0, 3): 7, (2, 3): 8, (1, 3): 9}
-    rows = [cells[:, [*tri, *(mid[pair] for pair in combinations(tri, 2))]] for tri in combinations(range(4), 3)]
-    faces = np.concatenate(rows)
-    _, first, count = np.unique(np.sort(faces[:, :3], axis=1), axis=0, return_index=True, return_counts=True)
-    return faces[first[count == 1]], count

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 from tests.helpers import small_screw
+from tests.whole_screws import MU, TURN
 
 from rollbench.lowfi.friction.screw.groove import azimuth_between_touching_balls, touching_balls_geometry
 from rollbench.lowfi.friction.whole.circuit import balls_in_circuits
@@ -11,9 +12,8 @@ from rollbench.lowfi.friction.whole.losses import ball_kinematics
 from rollbench.lowfi.friction.whole.run import SceneInMotion
 from rollbench.lowfi.statics.nominal import contact_loads_by_beam_model
 from rollbench.meshes.errors import draw_errors
-from rollbench.meshes.parts import BallErrors, Circulation, Errors, FourierTerm, Friction, Motion, SideErrors
+from rollbench.meshes.parts import BallErrors, Circulation, Errors, FourierTerm, SideErrors
 
-MU, TURN = Friction(0.1, 0.1, feedback=False), Motion(10.0)
 SIZES = BallErrors(oversize=4e-6, listed=((2, 2e-6), (4, -2e-6), (5, 1.5e-6)))
 WAVES = Errors(
     balls=SIZES, SL=SideErrors(pitch=(FourierTerm(2.0, 2e-6),)), NR=SideErrors(roundness=(FourierTerm(1.0, 1e-6, 2e-6),))

@@ -89,18 +89,16 @@ def relative(found, expected):
 
 def mirrored(scene):
     """Mirror image in the plane y = 0: other hand, opposite azimuths; forces as vectors, moments as pseudovectors."""
-
-    def series(terms):
-        return tuple(replace(t, sin=-t.sin) for t in terms)
+    sign = {name: -1.0 if name in ("uy", "rx", "rz") else 1.0 for name in parts.FREEDOMS}
+    force_sign, moment_sign = np.split(np.array(list(sign.values())), 2)
 
     def side(e):
-        return replace(e, pitch=series(e.pitch), roundness=series(e.roundness))
+        pitch, roundness = (tuple(replace(t, sin=-t.sin) for t in terms) for terms in (e.pitch, e.roundness))
+        return replace(e, pitch=pitch, roundness=roundness)
 
-    def value(name, value):
-        return (name, -value if name in ("uy", "rx", "rz") else value)
-
-    def load(at, force, moment):
-        return parts.Load(at, (force[0], -force[1], force[2]), (-moment[0], moment[1], -moment[2]))
+    def load(x):
+        force, moment = force_sign * x.force, moment_sign * x.moment
+        return parts.Load(x.at, tuple(force.tolist()), tuple(moment.tolist()))
 
     return replace(
         scene,
@@ -108,8 +106,8 @@ def mirrored(scene):
         nut=replace(scene.nut, azimuth=-scene.nut.azimuth),
         balls=replace(scene.balls, azimuths=tuple(-a for a in scene.balls.azimuths)),
         errors=replace(scene.errors, **{n: side(scene.errors.side(n)) for n in parts.SIDES}),
-        supports=tuple(parts.Support(s.at, tuple(value(*f) for f in s.fixed)) for s in scene.supports),
-        loads=tuple(load(x.at, x.force, x.moment) for x in scene.loads),
+        supports=tuple(replace(s, fixed=tuple((f, sign[f] * v) for f, v in s.fixed)) for s in scene.supports),
+        loads=tuple(map(load, scene.loads)),
     )
 
 

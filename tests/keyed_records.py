@@ -17,20 +17,8 @@ from rollbench.meshes.parts import Scene
 from rollbench.meshes.solid import Dimensions
 
 #: Records that hold all others.
-ROOTS = (
-    *(
-        Scene,
-        Assembly,
-        Dimensions,
-        Settings,
-        Sizes,
-        bearings.BearingBallScene,
-        bearings.BearingPairScene,
-        bearings.LinearChainScene,
-        bearings.LinearPairScene,
-    ),
-    *(ScrewPairScene, ScrewRunScene, GrooveMap),
-)
+ROOTS = (Scene, Assembly, Dimensions, Settings, Sizes, GrooveMap, ScrewPairScene, ScrewRunScene, bearings.BearingBallScene)
+ROOTS += (bearings.BearingPairScene, bearings.LinearChainScene, bearings.LinearPairScene)
 
 
 def keyed_records() -> dict[str, type]:
@@ -114,8 +102,7 @@ def other(value: object, hint: object) -> object:
         return f"{value} "
     if isinstance(value, np.ndarray):
         return value + 1e-15
-    if dataclasses.is_dataclass(value):
-        name, hints = names(type(value))[-1], typing.get_type_hints(type(value))
-        return changed(value, **{name: other(getattr(value, name), hints[name])})
-    assert isinstance(value, tuple)
-    return (*value[:-1], other(value[-1], type(value[-1])))
+    if isinstance(value, tuple):
+        return (*value[:-1], other(value[-1], type(value[-1])))
+    name, hints = names(type(value))[-1], typing.get_type_hints(type(value))
+    return changed(value, **{name: other(getattr(value, name), hints[name])})

@@ -10,7 +10,6 @@ from functools import partial
 import numpy as np
 
 from rollbench.compare.reference.estimate import LIP_FILE
-from rollbench.compare.reference.levels import LEVELS
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.reference.tasks import flanks_to_mesh, mesh_settings
 from rollbench.compare.scenes import catalogue, scene_file
@@ -35,6 +34,8 @@ FINE, COARSE, CUTS, MODES = 0.198, 1.08, (5, 4, 5), 28
 HALF = 5.0
 #: Flank of the nut that is pressed towards its high, free face.
 PRESSED = 3
+#: What meshes a patch, and what a coarser one that carries it.
+PATCHES = (part_meshes.mesh_patch, part_meshes.mesh_coarser_patch)
 
 
 def scene_of(number: int | None) -> Scene:
@@ -79,10 +80,7 @@ def lip(scene: Scene, distance: float, choices: Settings) -> float:
     for side in sides:
         place, socket = partial(points_in_box_at_azimuth_zero, m, size, side), body.box_faces[side]
         fits = part_meshes.FlankSockets(socket, socket, size, zone, widths)
-        mesh, carrier = (
-            part_meshes.mesh_patch(fits, socket, place, choices),
-            part_meshes.mesh_coarser_patch(fits, socket, place, choices),
-        )
+        mesh, carrier = (mesh_of(fits, socket, place, choices) for mesh_of in PATCHES)
         normals = part_meshes.contact_normals_of_patch(mesh, np.array([m.R, 0.0, 0.0]))
         patches[side] = condense_patch(mesh, normals, e.youngs_modulus, e.poissons_ratio, carrier)
     found, patch = condense_nut(e, body, layout, sides, patches, choices, dims), patches[PRESSED]
@@ -109,14 +107,11 @@ def measured(number: int | None, distance: float, level: int | None) -> float:
 def main() -> None:
     """Measure all cases and write them."""
     rows = []
-    for number, distances, levels in CASES:
-        for distance in distances:
-            fine = measured(number, distance, None)
-            missing = {str(k): round(fine - measured(number, distance, k), 4) for k in levels}
-            name = scene_of(number).name
-            rows.append({"scene": name, "radii": distance, "lip": round(fine, 4), "missing": missing})
-            print(json.dumps(rows[-1]), flush=True)
-    assert set(CASES[0][2]) <= set(LEVELS)
+    for number, distance, levels in ((number, x, levels) for number, distances, levels in CASES for x in distances):
+        fine = measured(number, distance, None)
+        missing = {str(k): round(fine - measured(number, distance, k), 4) for k in levels}
+        rows.append({"scene": scene_of(number).name, "radii": distance, "lip": round(fine, 4), "missing": missing})
+        print(json.dumps(rows[-1]), flush=True)
     text = ",\n ".join(json.dumps(row) for row in rows)
     (shipped_store() / LIP_FILE).write_text(f"[\n {text}\n]\n", encoding="utf-8")
 

@@ -27,23 +27,17 @@ from rollbench.meshes.parts import SIDES, Load, Scene
 CASES = (("bnf-3205-2p5", 1, 1.0), ("bnf-4010-5", 1, 2.0), ("hiwin-63-10k5", 1, 2.0), ("bnf-3205-2p5", 2, 1.0))
 
 
-def with_section(scene: Scene) -> Scene:
-    """The scene with a load of nothing at the nut's centre, so that the motion of the screw's section there is found."""
-    return replace(scene, loads=(*scene.loads, Load(scene.nut.position)))
-
-
 def solved(scene: Scene, first: Scene, level: int, cells: float, cache: Path) -> dict[str, object]:
     """Contact loads [N] by loaded side and rigidity [N/m] of a scene in 3D, on the meshes' settings of ``first``."""
-    scene, sides, settings = with_section(scene), flanks_to_mesh(first), mesh_settings([first], level)
+    centre = scene.nut.position
+    scene = replace(scene, loads=(*scene.loads, Load(centre)))  # of nothing, so that the section there is found
+    sides, settings = flanks_to_mesh(first), mesh_settings([first], level)
     settings = replace(settings, cell=cells * settings.cell)
     found = solve_reference(mesh_and_condense_geometry(scene, sides, settings, print, cache=Cache(cache)), scene)
-    moved = float(np.interp(scene.nut.position, found.centreline_positions, found.centreline_motion[:, 2]))
-    return {
-        "level": level,
-        "status": found.status,
-        "rigidity": round(axial_contact_force(scene, found.contact_loads, found.contact_angles) / moved),
-        "load": {SIDES[s]: found.contact_loads[:, s].round(3).tolist() for s in sides},
-    }
+    moved = float(np.interp(centre, found.centreline_positions, found.centreline_motion[:, 2]))
+    rigidity = round(axial_contact_force(scene, found.contact_loads, found.contact_angles) / moved)
+    load = {SIDES[s]: found.contact_loads[:, s].round(3).tolist() for s in sides}
+    return {"level": level, "status": found.status, "rigidity": rigidity, "load": load}
 
 
 def main() -> None:

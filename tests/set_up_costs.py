@@ -6,37 +6,30 @@
 
 import json
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from time import process_time
-from typing import Any
 
 import numpy as np
 import pytest
+from tests import near_face
 
 from rollbench.compare import __version__
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.reference.tasks import flanks_to_mesh, mesh_settings
 from rollbench.compare.running import machine_description
-from rollbench.compare.scenes import catalogue, scene_file
+from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies.run_times import SET_UP_COSTS, utc_date_today
-from rollbench.compare.studies.survey import SEED, random_screw_scene_text
 from rollbench.hifi import condensation, linear_algebra, setup
-from rollbench.hifi import condensation as hifi_condensation
 from rollbench.hifi.bodies import patch
 from rollbench.hifi.elements import forms
 from rollbench.hifi.meshing.part_meshes import mesh_parts
-from rollbench.hifi.meshing.settings import Settings
 from rollbench.hifi.reference import solve_reference
-from rollbench.hifi.shaft import section as cell
-from rollbench.hifi.shaft.section import stiffness_of_grooved_shaft
+from rollbench.hifi.shaft import section
 from rollbench.meshes import ball_body, grooved_body
-from rollbench.meshes.arrays import Array
 from rollbench.meshes.cache import Cache
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout
-from rollbench.meshes.parts import Scene
 from rollbench.meshes.processes import limit_to_one_thread
 from rollbench.meshes.solid import dimensions_of_3d_parts
 
@@ -44,7 +37,7 @@ from rollbench.meshes.solid import dimensions_of_3d_parts
 #: elimination.
 WORK = {
     "meshing": ("best_of", (ball_body, grooved_body)),
-    "assembly": ("assemble", (forms, cell, patch)),
+    "assembly": ("assemble", (forms, section, patch)),
     "elimination": ("compliance_of_load_columns", (linear_algebra,)),
     "dense": ("_eliminate_front", (linear_algebra,)),
 }
@@ -58,10 +51,10 @@ CELLS = (1.3, 1.6, 0.86, 0.74)
 BETWEEN = (0.95, 1.05)
 
 
-def scene_of(name: str) -> Scene:
+def scene_of(name):
     """The new screw is case 1 with another nut."""
     if name == "flanged":
-        return scene_file.scene_from_text(random_screw_scene_text(SEED, FLANGED), f"survey-{SEED}-{FLANGED}.toml")
+        return near_face.scene_of(FLANGED)
     if name != "new screw":
         return catalogue.scene(name)
     scene = catalogue.scene("lin-case1")
@@ -69,11 +62,11 @@ def scene_of(name: str) -> Scene:
 
 
 @contextmanager
-def timed(spent: dict[str, float]) -> Iterator[None]:
+def timed(spent):
     """Add up the processor time of each kind of work."""
 
-    def watched(kind: str, work: Callable[..., Any]) -> Callable[..., Any]:
-        def run(*given: Any, **named: Any) -> Any:
+    def watched(kind, work):
+        def run(*given, **named):
             begin = process_time()
             try:
                 return work(*given, **named)
@@ -89,125 +82,112 @@ def timed(spent: dict[str, float]) -> Iterator[None]:
         yield
 
 
-def stages_of(name: str, level: int) -> dict[str, Any]:
+def stages_of(name, level):
     """Processor time [s] of every stage of a cold set-up and its loads in one process of one thread, by kind of work."""
-    scene, spent, stages = scene_of(name), defaultdict[str, float](float), {}
-    wanted = flanks_to_mesh(scene)
+    scene, spent, stages = scene_of(name), defaultdict(float), {}
     before = {"all": process_time()}
 
-    def heard(text: str) -> None:
+    def heard(text):
         total = {"all": process_time(), **spent}
         spent_here = {kind: round(value - before.get(kind, 0.0), 2) for kind, value in total.items()}
         stages[text.split(":")[0]] = {kind: value for kind, value in spent_here.items() if value}
         before.update(total)
 
     with timed(spent):
-        whole = setup.mesh_and_condense_geometry(scene, wanted, mesh_settings([scene], level), heard, cache=Cache(None))
+        settings = mesh_settings([scene], level)
+        whole = setup.mesh_and_condense_geometry(scene, flanks_to_mesh(scene), settings, heard, cache=Cache(None))
         found = solve_reference(whole, scene)
     heard("contact loads:")
     return {"scene": name, "level": level, "contacts": int((found.contact_loads > 0.0).sum()), "stages": stages}
 
 
-def ways_of(name: str) -> list[dict[str, Any]]:
+def ways_of(name):
     """Cheaper shafts and patches of a scene on level 1: processor time that they save [s], largest change of a load [% of
     the mean load]."""
     scene = scene_of(name)
-    choices, wanted, raw, A_s, spent = mesh_settings([scene], 1), flanks_to_mesh(scene), [], [], []
-    kept, finished = condensation.local_contact_compliance, setup._correct_screw_stiffness
+    choices, wanted, shafts, compliances, spent, begun = mesh_settings([scene], 1), flanks_to_mesh(scene), [], [], [], []
+    begin, local = condensation.contact_compliance_in_fine_submodel, condensation.local_contact_compliance
+    finish = setup._correct_screw_stiffness
 
-    def watched(*given: Any) -> Array:
-        A_s.append(kept(*given))
+    def started(*given):
+        begun.append(process_time())
+        return begin(*given)
+
+    def watched(*given):
+        compliances.append(local(*given))
         spent.append(process_time() - begun[-1])
-        return A_s[-1]
+        return compliances[-1]
 
-    begun: list[float] = []
-    fine = condensation.contact_compliance_in_fine_submodel
     with pytest.MonkeyPatch.context() as put:
-        put.setattr(
-            condensation, "contact_compliance_in_fine_submodel", lambda *given: begun.append(process_time()) or fine(*given)
-        )
+        put.setattr(condensation, "contact_compliance_in_fine_submodel", started)
         put.setattr(condensation, "local_contact_compliance", watched)  # of groove and ball of one side after the other
-        put.setattr(setup, "_correct_screw_stiffness", lambda *given: raw.append(given) or finished(*given))
+        put.setattr(setup, "_correct_screw_stiffness", lambda *given: shafts.append(given) or finish(*given))
         base = setup.mesh_and_condense_geometry(scene, wanted, choices, cache=Cache(None))
     load = solve_reference(base, scene).contact_loads
 
-    def row(way: str, changed: setup.CondensedGeometry, saved: float) -> dict[str, Any]:
+    def row(way, changed, saved):
         moved = np.abs(solve_reference(changed, scene).contact_loads - load).max() / load[load > 0.0].mean()
         print(name, way, f"saves {saved:.2f} s, moves a load by {100.0 * moved:.4f} %", flush=True)
         return {"scene": name, "way": way, "saved": round(saved, 2), "moved": round(100.0 * float(moved), 4)}
 
-    def with_own(side: int, value: Array) -> setup.CondensedGeometry:
-        patches = {**base.patches_by_flank, side: replace(base.patches_by_flank[side], local_compliance=value)}
+    def of_right_flank(patches, compliance):
+        return condensation.turn_patches_to_right_flank(replace(patches, local_compliance=compliance))
+
+    def with_own(side, compliance):
+        own = base.patches_by_flank[side]
+        patches = {**base.patches_by_flank, side: replace(own, local_compliance=compliance)}
         if len(wanted) == 4:
-            patches[side + 1] = hifi_condensation.turn_patches_to_right_flank(patches[side])
+            patches[side + 1] = of_right_flank(own, compliance)
         return replace(base, patches_by_flank=patches)
 
     one, other = (s for s in wanted if len(wanted) == 2 or s % 2 == 0)
-    like = (
-        A_s[1]
-        if one % 2 == other % 2
-        else hifi_condensation.turn_patches_to_right_flank(
-            replace(base.patches_by_flank[one], local_compliance=A_s[1])
-        ).local_compliance
-    )
-    out = [
-        row(
-            "one ball's patch for screw and nut",
-            with_own(other, base.patches_by_flank[other].local_compliance - A_s[3] + like),
-            spent[3],
-        )
-    ]
+    ball, nut = compliances[1], base.patches_by_flank[other].local_compliance
+    if one % 2 != other % 2:
+        ball = of_right_flank(base.patches_by_flank[one], ball).local_compliance
     between = np.mean([_own_of(scene, share, choices, wanted) for share in BETWEEN], axis=0)
-    out.append(row("screw's patch from a library", with_own(one, between), spent[0] + spent[1]))
-    return out + _shafts(scene, base, raw[0], choices, row)
+    return [
+        row("one ball's patch for screw and nut", with_own(other, nut - compliances[3] + ball), spent[3]),
+        row("screw's patch from a library", with_own(one, between), spent[0] + spent[1]),
+        *_shafts(scene, base, shafts[0], choices, row),
+    ]
 
 
-def _own_of(scene: Scene, share: float, choices: Settings, wanted: tuple[int, ...]) -> Array:
+def _own_of(scene, share, choices, wanted):
     """Own compliance of the first flank of a screw whose pitch radius is a share of the scene's."""
     away = 2.0 * (share - 1.0) * scene.track.pitch_radius
     track = replace(scene.track, pitch_radius=share * scene.track.pitch_radius)
     screw, nut = (replace(x, outer_diameter=x.outer_diameter + away) for x in (scene.screw, scene.nut))
     near = replace(scene, track=track, screw=screw, nut=nut)
-    m, layout, dims = GrooveMap.from_scene(near), ball_layout(near), dimensions_of_3d_parts(near)
-    meshes = mesh_parts(near, m, layout, dims, wanted, choices)
-    return hifi_condensation.condense_patches_of_flank(
-        *hifi_condensation.collect_flank_condensation_arguments(near, m, dims, meshes, wanted[0], choices)
-    ).local_compliance
+    m, dims = GrooveMap.from_scene(near), dimensions_of_3d_parts(near)
+    meshes = mesh_parts(near, m, ball_layout(near), dims, wanted, choices)
+    given = condensation.collect_flank_condensation_arguments(near, m, dims, meshes, wanted[0], choices)
+    return condensation.condense_patches_of_flank(*given).local_compliance
 
 
-def _shafts(
-    scene: Scene, base: setup.CondensedGeometry, raw: Any, choices: Settings, row: Callable[..., Any]
-) -> list[dict[str, Any]]:
+def _shafts(scene, base, given, choices, row):
     """What other meshes, and another length, of the shafts do that say what a cut does."""
-    screw, _, *rest = raw
-    m, e, bore = base.groove_map, scene.screw.material, scene.screw.bore / 2.0
-    section = stiffness_of_grooved_shaft(m, scene.screw.outer_diameter / 2.0, bore, e)
+    screw, _, *rest = given
+    m, e, outer, bore = base.groove_map, scene.screw.material, scene.screw.outer_diameter / 2.0, scene.screw.bore / 2.0
+    grooved = section.stiffness_of_grooved_shaft(m, outer, bore, e)
 
-    def shafts(cells: float, lengths: Sequence[float]) -> tuple[setup.CondensedGeometry, float]:
-        begin, radii = process_time(), (scene.screw.outer_diameter / 2.0, base.solid_dimensions.hole)
-        meshed = [cell.meshed_shaft_flexibility(m, *radii, e, cells * choices.cell, length) for length in lengths]
-        spent, found = process_time() - begin, cell.compute_equivalent_beam(m, bore, e, section, meshed)
+    def shafts(size, lengths):
+        begin, hole, cells = process_time(), base.solid_dimensions.hole, size * choices.cell
+        meshed = [section.meshed_shaft_flexibility(m, outer, hole, e, cells, length) for length in lengths]
+        spent, found = process_time() - begin, section.compute_equivalent_beam(m, bore, e, grooved, meshed)
         return replace(base, condensed_screw=setup._correct_screw_stiffness(screw, found, *rest)), spent
 
-    whole = cell.choose_lengths_of_fitted_shafts(m)
-    lead = 2.0 * np.pi * abs(m.rg)
+    whole = section.choose_lengths_of_fitted_shafts(m)
+    longer = (whole[0], whole[0] + 2.0 * np.pi * abs(m.rg), whole[2])
+    ways = {f"cut's cells {size:g} times as long": (size, whole) for size in CELLS}
+    ways["long shaft one lead longer than the short one"] = (1.0, longer)
     usual = shafts(1.0, whole)[1]
-    ways = [(f"cut's cells {size:g} times as long", size, whole) for size in CELLS]
-    ways.append(("long shaft one lead longer than the short one", 1.0, (whole[0], whole[0] + lead, whole[2])))
-    out = []
-    for way, size, lengths in ways:
-        changed, spent = shafts(size, lengths)
-        out.append(row(way, changed, usual - spent))
-    return out
+    made = ((way, *shafts(*of)) for way, of in ways.items())
+    return [row(way, changed, usual - spent) for way, changed, spent in made]
 
 
 if __name__ == "__main__":
     limit_to_one_thread()
-    found = {
-        "version": __version__,
-        "machine": machine_description(),
-        "date": utc_date_today(),
-        "jobs": [stages_of(*job) for job in JOBS],
-    }
+    found = {"version": __version__, "machine": machine_description(), "date": utc_date_today()}
+    found["jobs"] = [stages_of(*job) for job in JOBS]
     found["ways"] = [row for name in ("new screw", "flanged") for row in ways_of(name)]
     (shipped_store() / SET_UP_COSTS).write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")

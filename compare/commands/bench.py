@@ -55,16 +55,20 @@ def bench(
     """
     if drawn:
         if names or long or source is not None:
-            allowed = "no names of scenes, `long` or `source` with this option"
+            allowed = (
+                "only without names of scenes, without `long` and without `source`, because this option times screws that "
+                "are drawn at random"
+            )
             raise ArgumentError(
                 "drawn",
-                "this option with scenes, --long or --source",
+                "this option with names of scenes, --long or --source",
                 allowed,
                 "leave out all options but `drawn` and `store`",
             )
         if store is None:
             advice = "add `store` with a folder in which the timed runs are stored"
-            raise ArgumentError("drawn", "this option without a folder for the runs", "only together with `store`", advice)
+            given = "this option, which times screws drawn at random, without a folder for the runs"
+            raise ArgumentError("drawn", given, "only together with `store`", advice)
         return print_command_output(measure_drawn_screws(store), as_json)
     if source is not None and (names or long):
         raise ArgumentError(

@@ -47,13 +47,13 @@ def parse_levels(text: str) -> tuple[int, ...]:
     """
     from rollbench.compare.reference.levels import LEVELS, SOURCE_LEVEL
 
-    allowed = f"a number from 1 to {len(LEVELS)}, or some of source, {', '.join(map(str, LEVELS))} with commas"
+    allowed = f"a number from 1 to {len(LEVELS)}, or a list such as 1,3 of these numbers and source, Lin's mesh"
     if text in [str(k) for k in LEVELS]:
         return tuple(range(1, int(text) + 1))
     names = {"source": SOURCE_LEVEL} | {str(k): k for k in LEVELS}
     words = [word.strip() for word in text.split(",")]
     if any(word not in names for word in words):
-        raise ArgumentError("levels", f'"{text}"', allowed, "write 3 for levels 1, 2 and 3, or a list of levels")
+        raise ArgumentError("levels", f'"{text}"', allowed, "write 3 for the levels 1, 2 and 3, or 1,3 for these two")
     return tuple(sorted({names[word] for word in words}))
 
 
@@ -255,8 +255,8 @@ def compare(
         Compare with this file instead of the 3D reference, which is listed too if it is stored. The format is that of
         rollbench check --reference.
     bodies
-        Bodies of the 3D model for scenes of friction: half-space, or finite (contact patches of the static 3D
-        reference; on straight tracks a ball and grooved bars).
+        Bodies of the 3D model for scenes of single rolling balls: half-space, or finite (contact patches of the static
+        3D reference; on straight tracks a ball and grooved bars).
     """
     wanted = None if levels is None else parse_levels(levels)
     command = terminal.model_or_program_name(program)
@@ -295,15 +295,21 @@ def compare_rolling_and_report(
     return printing.CommandOutput({"rows": [row_with_none_for_infinity(row.as_json()) for row in rows]}, tables)
 
 
+#: Scenes for which only friction is computed and which have a 3D reference, as words of a message.
+SINGLE_BALLS = (
+    "scenes of single balls that roll with friction (kinds linear pair, linear chain, screw pair and bearing ball)"
+)
+
+
 def scenes_of_friction_or_none(
     names: Sequence[str], bodies: str, unused_arguments: Mapping[str, bool]
 ) -> list[FrictionScene]:
-    """Return the named scenes if they are scenes of friction; an empty list if all are whole screws and bearings.
+    """Return the named scenes if all have only single rolling balls; an empty list if all are whole screws and bearings.
 
     ``names``: names or files of the scenes. ``bodies``: bodies of the 3D model, "half-space" or "finite".
-    ``unused_arguments``: for each argument that has no effect on scenes of friction, whether the user gave it. Raises
-    InputError if only some scenes are scenes of friction, for an unknown value of ``bodies``, for finite bodies with
-    whole screws, and for an argument without effect.
+    ``unused_arguments``: for each argument that has no effect on scenes of single rolling balls, whether the user gave it.
+    Raises InputError if only some scenes have only single rolling balls, for an unknown value of ``bodies``, for finite
+    bodies with whole screws, and for an argument without effect.
     """
     from rollbench.compare.reference.levels import FINITE, HALF_SPACE
     from rollbench.compare.scenes import catalogue
@@ -312,7 +318,7 @@ def scenes_of_friction_or_none(
     scenes = [catalogue.scene_of_any_kind(name) for name in names]
     rolling = [scene for scene in scenes if isinstance(scene, FrictionScene)]
     if rolling and len(rolling) < len(scenes):
-        allowed = "either whole screws and bearings, or scenes of friction"
+        allowed = f"either scenes of whole screws and bearings, or {SINGLE_BALLS}"
         raise ArgumentError("scenes", " ".join(names), allowed, "compare them in separate runs")
     if bodies not in (HALF_SPACE, FINITE):
         advice = f"choose one of them; {HALF_SPACE} is faster"
@@ -320,12 +326,13 @@ def scenes_of_friction_or_none(
     if not rolling:
         if bodies != HALF_SPACE:
             advice = "leave it out: the 3D reference of screws and bearings always has finite bodies"
-            raise ArgumentError("bodies", bodies, "only for scenes of friction", advice)
+            raise ArgumentError("bodies", bodies, f"only for {SINGLE_BALLS}", advice)
         return []
     check_packages("scikit-fem")
     for argument in (name for name, given in unused_arguments.items() if given):
         advice = "leave it out: it would change nothing"
-        raise ArgumentError(argument, "this option for scenes of friction", "only for whole screws and bearings", advice)
+        given = "this option for scenes of single balls that roll with friction"
+        raise ArgumentError(argument, given, "only for scenes of whole screws and bearings", advice)
     return rolling
 
 

@@ -100,12 +100,14 @@ def export(
     if model and rexs is None:
         raise ArgumentError("model", model, "only with `rexs`", "leave `model` out")
     if rexs is not None and (ross is not None or modelica is not None):
-        allowed = "either `rexs`, for a scene, or `ross` and `modelica`, for a table"
-        raise ArgumentError("rexs", f"{rexs} with a file for a table", allowed, "run the command once for each file")
+        allowed = (
+            "either `rexs`, which writes a scene, or `ross` and `modelica`, which convert a table made by rollbench table"
+        )
+        raise ArgumentError("rexs", f"{rexs} with --ross or --modelica", allowed, "run the command once for each file")
     if ross is not None or modelica is not None or rexs is not None:
         if part or format or out is not None or level != 1 or ball is not None or deck:
             given = "one of these options with an option for meshes"
-            allowed = "no part, `format`, `out`, `level`, `ball` or `deck`"
+            allowed = "only without the name of a part, and without `format`, `out`, `level`, `ball` and `deck`"
             raise ArgumentError("ross, modelica, rexs", given, allowed, "leave the options for meshes out")
         if rexs is not None:
             return print_command_output(write_axis_as_rexs(scene, rexs, model))
@@ -114,9 +116,8 @@ def export(
     if deck:
         if part or format or level != 1 or ball is not None:
             given = f"{deck} with an option for meshes"
-            raise ArgumentError(
-                "deck", given, "no part, `format`, `level` or `ball` with a deck", "leave out the options for meshes"
-            )
+            allowed = "only without the name of a part, and without `format`, `level` and `ball`"
+            raise ArgumentError("deck", given, allowed, "leave out the options for meshes")
         running.check_packages("scikit-fem")
         from rollbench.compare.studies.export import write_calculix_deck
 
@@ -132,12 +133,12 @@ def export(
         raise ArgumentError("unit, balls, b_over_h, growth, stiffness", given, "only with --deck", "add --deck ccx")
     if format == "json" or (not format and out is not None and out.suffix == ".json"):
         if part or level != 1 or ball is not None:
-            allowed = "no part, `level` or `ball` with this format"
+            allowed = "only without the name of a part, and without `level` and `ball`"
             raise ArgumentError("format", "json with an option for meshes", allowed, "leave these options out")
         return print_command_output(write_scene_json(catalogue.scene(scene), out))
     if format == "step" or (not format and out is not None and out.suffix == ".step"):
         if part or level != 1 or ball is not None:
-            allowed = "no part, `level` or `ball` with this format, which writes all parts"
+            allowed = "only without the name of a part, and without `level` and `ball`: this format writes all parts"
             raise ArgumentError("format", "step with an option for meshes", allowed, "leave these options out")
         return print_command_output(
             write_step_bodies(scene_file.scene_or_shaft_or_raise(catalogue.scene_of_any_kind(scene), scene), out)
@@ -215,8 +216,10 @@ def write_part_mesh(
     except ImportError as error:
         raise ArgumentError("format", form, "a format whose packages are installed", str(error)) from None
     if ball is not None and not (1 <= ball <= scene.ball_count and part != BLOCK and form != "inp"):
-        allowed = f"1 to {scene.ball_count}, for a part of the scene, in the formats vtu, msh and med"
-        raise ArgumentError("ball", str(ball), allowed, "leave it out to write only the mesh")
+        allowed = f"1 to {scene.ball_count}, with a part of the scene and the format vtu, msh or med"
+        raise ArgumentError(
+            "ball", str(ball), allowed, "leave `ball` out to write the mesh without displacement and stress"
+        )
     lines = []
     if ball is not None and part in BODIES:
         lines.append(f"wrote {part}{SOCKETS} instead, because the {part} is solved with a socket at every contact")
@@ -270,7 +273,11 @@ def write_axis_as_rexs(typed: str, out: Path, model: str = "") -> CommandOutput:
     for scene in each:
         if not isinstance(scene, Assembly):
             kind = getattr(scene, "kind", "a scene with a single nut or bearing")
-            raise InputError(typed, "kind", kind, 'kind = "axis"', "write the bearings as [[sets]] of an axis")
+            allowed, advice = (
+                'kind = "axis" (a shaft with its bearings and nuts)',
+                "write a scene of this kind, with a table [[sets]] for each bearing or nut",
+            )
+            raise InputError(typed, "kind", kind, allowed, advice)
         solved.append(solve_shaft_with_results(scene, model or default_model_name(scene), ModelOptions()))
         if not solved[-1].result.converged:
             advice = "correct the scene; rollbench solve shows the reason"

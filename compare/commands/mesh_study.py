@@ -43,8 +43,8 @@ def mesh_study(
         Names of shipped scenes, or scene files; scenes with the same parts share their meshes.
     levels
         Number of the finest mesh level; all levels from 1 to this one are solved. Default: levels 1 and 3, of which 3 is
-        clearly more accurate (for scenes of friction or rollers: 1, 2 and 3). Each run is stored when it is complete, so an
-        interrupted study resumes.
+        clearly more accurate (for scenes of single rolling balls, or of rollers: 1, 2 and 3). Each run is stored when it is
+        complete, so an interrupted study resumes.
     store
         Folder to which runs, the table (CSV) and the figure (SVG) are written.
     spread
@@ -54,8 +54,9 @@ def mesh_study(
     fresh
         Compute runs even if they are stored.
     bodies
-        Bodies of the 3D model of rolling contact, for scenes of friction: half-space, or finite (bodies of finite size:
-        pieces of screw, ring, nut and ball as in the static 3D reference; for a linear bearing, a ball and grooved bars).
+        Bodies of the 3D model of rolling contact, for scenes of single rolling balls: half-space, or finite (bodies of
+        finite size: pieces of screw, ring, nut and ball as in the static 3D reference; for a linear bearing, a ball and
+        grooved bars).
     """
     from rollbench.compare.commands.compare import scenes_of_friction_or_none
 

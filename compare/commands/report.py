@@ -141,7 +141,7 @@ def view(
     scene
         Name of a shipped scene, or a scene file.
     out
-        File to write; an earlier page is replaced.
+        File to write; a page that this command wrote earlier is replaced.
     model
         Low-order model (rollbench list shows all). Default: refined.
     member
@@ -160,7 +160,8 @@ def view(
     from rollbench.reports.view import MARKER
 
     if out.is_file() and MARKER not in out.read_text(encoding="utf-8", errors="replace"):
-        raise ArgumentError("out", f"the existing file {out}", "a new file or an earlier page", "choose another name")
+        allowed = "a new file, or a page that rollbench report wrote earlier"
+        raise ArgumentError("out", f"the existing file {out}", allowed, "choose another name")
     check_writable(out)
     found = solve_scene_record(
         catalogue.scene_of_any_kind(scene), model, ModelOptions(member=member), name_for_messages=scene

@@ -190,10 +190,11 @@ def _check_options(solve_options: SolveOptions) -> tuple[str, float]:
     model = solve_options.model or ("" if solve_options.condensed is None else "condensed")
     if solve_options.condensed is not None and model != "condensed":
         given = f"{solve_options.condensed} with the model {model}"
-        advice = "leave `model` out: the file selects the model condensed"
-        raise ArgumentError("condensed", given, "such a file only with the model condensed", advice)
+        advice = 'leave `model` out: the file selects the model "condensed"'
+        raise ArgumentError("condensed", given, 'a file of condensed bodies only with the model "condensed"', advice)
     if not 0 <= solve_options.member < 10**9:
-        raise ArgumentError("member", str(solve_options.member), "0 to 999999999", "state the number of the specimen")
+        advice = "state the number of a specimen (one random draw of the geometric errors)"
+        raise ArgumentError("member", str(solve_options.member), "0 to 999999999", advice)
     if solve_options.matrix is not None:
         if not solve_options.stiffness_at:
             advice = "add `stiffness_at` with an axial position"
@@ -333,7 +334,8 @@ def solve(
     model = model_or_program_name(program, model)
     if program is not None and time_limit is not None:
         advice = "use `model_seconds`, which limits each run of the program"
-        raise ArgumentError("time_limit", f"{time_limit:g} with a program", "only without a program", advice)
+        given = f"{time_limit:g} with a model that runs as a program of its own (--model-command)"
+        raise ArgumentError("time_limit", given, "only without `model_command`", advice)
     if len(scenes) > 1:
         alone: dict[str, object] = {"matrix": matrix, "loads_csv": loads_csv, "csv": csv, "condensed": condensed}
         alone |= {"members": members}
@@ -350,7 +352,7 @@ def solve(
 
         if stiffness_at or strict or curve or any(file is not None for file in (matrix, loads_csv)):
             named = "stiffness_at, matrix, curve, loads_csv, strict"
-            advice = "leave them out, or solve one specimen by `member=K`"
+            advice = "leave them out, or solve a single specimen (random draw of the geometric errors) by `member=K`"
             raise ArgumentError(named, "one of these options with --members", "only without --members", advice)
         how = ComputingSettings(parallel_jobs=workers)
         return print_command_output(
@@ -358,7 +360,8 @@ def solve(
         )
     if seed is not None or workers is not None or (csv is not None and not curve):
         given = "one of these options without --members"
-        raise ArgumentError("csv, seed, workers", given, "only with --members", "add --members N")
+        advice = "add --members N, the number of random draws of the geometric errors"
+        raise ArgumentError("csv, seed, workers", given, "only with --members", advice)
     choices = SolveOptions(
         model, everything, member, condensed, balls, stiffness_at, matrix, loads_csv, time_limit, strict, verbose
     )

@@ -202,7 +202,8 @@ def solve_drawn_screws(count: int, folder: Path, workers: int, keep: Path | None
     from rollbench.compare.studies.survey import SCENES, SEED
 
     if not 1 <= count <= SCENES:
-        raise ArgumentError("survey", str(count), f"1 to {SCENES}", "choose a number in that range")
+        allowed = f"1 to {SCENES} randomly drawn screws"
+        raise ArgumentError("survey", str(count), allowed, "choose a number in that range")
     if keep is not None:
         check_writable(keep)
     records = survey.solve_screws_of_survey(SEED, count, folder, workers, show_progress_message, keep)
@@ -255,5 +256,6 @@ def stability(
         )
     if (out, workers, keep) != (None, None, None):
         given = "one of these options without --survey"
-        raise ArgumentError("out, workers, keep", given, "only with --survey", "add --survey COUNT")
+        advice = "add --survey COUNT, the number of randomly drawn screws to solve"
+        raise ArgumentError("out, workers, keep", given, "only with --survey", advice)
     return print_command_output(solve_extreme_scenes(), as_json)

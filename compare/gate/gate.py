@@ -219,7 +219,7 @@ class GateCheck:
         """Verdict of the check as text: ``ok``, ``FAIL``, ``undecided`` or ``reported``.
 
         It is ``undecided`` if the error exceeds the limit by less than the uncertainty, and ``reported`` for a passed check
-        that is only reported (see `gated`).
+        that does not count for acceptance (see `gated`).
         """
         if not self.passed:
             return "FAIL"

@@ -73,7 +73,10 @@ def read_reference_file(
     left = [side for side in SIDES if side not in given.flanks_with_rows]
     if left:
         advice = "add the missing rows, with the load 0 for contacts that carry none"
-        allowed = "a load of every ball on the flanks SL, SR, NL and NR"
+        allowed = (
+            "a load of every ball on each of its four flanks: left and right flank of the screw (SL, SR) and of the nut "
+            "(NL, NR)"
+        )
         raise InputError(str(path), "rows", f"no rows for {', '.join(left)}", allowed, advice)
     if not given.load.any():
         advice = "check that the file holds the reference loads of this scene"
@@ -122,8 +125,9 @@ def _load_uncertainty_in_file(path: Path, given: ContactLoadsFromFile, mean: flo
     stated = [name for name in ("uncertainty", "uncertain share") if name in given.further_quantities]
     note = given.notes.get(UNCERTAINTY)
     if len(stated) + (note is not None) > 1:
-        allowed = "one column or one note"
-        raise InputError(str(path), "uncertainty", "several columns or notes", allowed, "keep one and delete the others")
+        allowed = f"one column or one note (a line such as # {UNCERTAINTY}: 0.5 %)"
+        value = "several columns or notes that state it"
+        raise InputError(str(path), "uncertainty", value, allowed, "keep one and delete the others")
     if stated:
         values = given.further_quantities[stated[0]] * (given.load if stated[0] == "uncertain share" else 1.0)
         gaps = np.argwhere(np.isnan(values) & on)
@@ -140,9 +144,9 @@ def _load_uncertainty_in_file(path: Path, given: ContactLoadsFromFile, mean: flo
     except ValueError:  # a UnitError too
         size = float("nan")
     if not 0.0 <= size < float("inf"):
-        allowed = "per cent of the mean load, such as 0.5 %, or a force such as 2 N"
+        allowed = "per cent of the mean contact load, such as 0.5 %, or a force such as 2 N"
         advice = decimal_comma_advice("or write a column uncertainty_N", note)
-        raise InputError(str(path), f"note {UNCERTAINTY}", note or "nothing", allowed, advice)
+        raise InputError(str(path), f"line # {UNCERTAINTY}", note or "nothing", allowed, advice)
     return np.full(given.load.shape, size), f"uncertain by {note}{' of the mean load' if share else ''}"
 
 
@@ -190,7 +194,10 @@ SHARE = 0.2
 NONE_STORED = "no run of its 3D reference is stored, and none is to be computed"
 
 #: Known columns of a file of contact loads, as text for messages.
-KNOWN = "ball, flank, newton, azimuth_deg, z_mm, contact_angle_deg, approach_um, pressure_MPa, uncertainty_N in any unit"
+KNOWN = (
+    "ball, flank, newton, azimuth_deg, z_mm, contact_angle_deg, approach_um, pressure_MPa, uncertainty_N, also with "
+    "another unit at the end of the name"
+)
 
 #: Default for error limits of other quantities: none are stated.
 NO_OTHERS: Mapping[str, float] = {}
@@ -263,8 +270,9 @@ def gate_request(
         If arguments exclude each other or are out of range.
     """
     if max_error is not None and not 0.0 < max_error <= 100.0:
-        advice = "leave `max_error` out for the default of 7 per cent"
-        raise ArgumentError("max_error", str(max_error), "above 0 to 100 per cent", advice)
+        advice = "leave `max_error` out for 7 per cent"
+        allowed = "above 0 to 100 per cent of a contact load"
+        raise ArgumentError("max_error", str(max_error), allowed, advice)
     if levels is not None and not 1 <= levels <= len(LEVELS):
         advice = "compute at least 2 mesh levels to estimate the mesh uncertainty"
         raise ArgumentError("levels", str(levels), f"1 to {len(LEVELS)}", advice)
@@ -651,8 +659,11 @@ def _scene_at_value_load(scene: Solvable, value: gate_judged.UserValue, path: Pa
     """
     assert value.axial_load is not None
     if isinstance(scene, Assembly):
-        advice = "leave the cell empty: several nuts or bearings are judged only at the loads of the scene"
-        raise InputError(str(path), "where", value.load_or_position_text, "no entry", advice)
+        advice = (
+            "leave the cell empty: in a scene with several nuts or bearings, values are compared only at the loads that "
+            "the scene states"
+        )
+        raise InputError(str(path), "where", value.load_or_position_text, "an empty cell", advice)
     axial = abs(sum(load.force[2] for load in scene.loads))
     if axial == 0.0:
         advice = "leave the cell empty: the scene has no axial load that could be scaled to this value"

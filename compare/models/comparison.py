@@ -561,7 +561,7 @@ class NutOrBearingOnShaft:
         """Nut or bearing row as a separate scene, named after assembly and nut or row; ValueError for a row of rollers."""
         parts = self.assembly.sets[self.index].parts
         if not isinstance(parts, Scene):
-            raise ValueError(f"{self.name} has rollers instead of balls")
+            raise ValueError(f"{self.name} has rollers: only a nut or bearing row with balls can be a scene of its own")
         return replace(parts, name=re.sub(r"[^\w.-]+", "-", f"{self.assembly.name}-{self.name}"))
 
     @property

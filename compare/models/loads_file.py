@@ -331,7 +331,8 @@ def read_loads(path: Path, ball_count: int, scene: Scene | None = None, row_filt
         cells = _ContactLoadRow(path, f"line {number}", named, decimal_comma=table.decimal_comma)
         if any(cells.text_in_column(name) not in words for name, words in row_filter.items()):
             if empty := [name for name in row_filter if name in named and not cells.text_in_column(name)]:
-                raise cells.cell_error(empty[0], "", f"the {empty[0]} of the row", "fill in the cell, or delete the row")
+                advice = "fill in the empty cell, or delete the row"
+                raise cells.cell_error(empty[0], "", f"in each row, a name in the column {empty[0]}", advice)
             continue
         cases.add(cells.text_in_column("case"))
         if len(cases) > 1:
@@ -422,8 +423,11 @@ class _ContactLoadRow:
         """Return the index (from 0) of the ball whose number (from 1) is in the row; ``balls``: number of balls."""
         ball = self.text_in_column("ball")
         if not (ball.isascii() and ball.isdecimal() and len(ball) < 10 and 1 <= int(ball) <= balls):
-            shift = "add 1 to all numbers: " if ball == "0" else "check the number: "
-            advice = f"{shift}balls are numbered from 1, all balls of the first thread start first"
+            shift = "add 1 to all numbers" if ball == "0" else "check the number"
+            advice = (
+                f"{shift}: balls are numbered from 1; in a screw with several thread starts, the balls of the first start "
+                "have the lowest numbers"
+            )
             raise self.cell_error("ball", ball, f"a ball number from 1 to {balls}", advice)
         return int(ball) - 1
 
@@ -561,7 +565,9 @@ def _check_loads_are_complete(path: Path, load: Array) -> ContactLoadsFromFile:
     gaps = np.argwhere(~given & named)
     if gaps.size:
         ball, side = (int(k) for k in gaps[0])
-        value = f"no load of ball {ball + 1} {SIDES[side]}" + (f" and {len(gaps) - 1} more" if len(gaps) > 1 else "")
+        value = f"no load of ball {ball + 1} {SIDES[side]}" + (
+            f" and {len(gaps) - 1} more contacts" if len(gaps) > 1 else ""
+        )
         advice = "write 0 for a contact that carries nothing, or delete all rows of the flank"
         raise InputError(str(path), "rows", value, "a row for every ball on each flank of the file", advice)
     flanks = tuple(SIDES[k] for k in np.flatnonzero(named))

@@ -138,7 +138,8 @@ def parse_command(name: str) -> ExternalProgram:
     command = LIMIT.sub("", name).strip()
     for file in (SCENE, LOADS):
         if command.count(file) != 1:
-            raise ArgumentError("model_command", command or "nothing", f"a command that contains {file} once", advice)
+            allowed = f"a command that contains the placeholder {file} once"
+            raise ArgumentError("model_command", command or "nothing", allowed, advice)
     try:
         words = tuple(shlex.split(command, posix=os.name != "nt"))
     except ValueError as error:
@@ -265,9 +266,8 @@ class ExternalProgram:
         given.load[given.load < LEAST] = 0.0
         lacking = [side for side in SIDES if side not in given.flanks_with_rows]
         if lacking:
-            raise InputError(
-                LOADS, "rows", f"no rows for {', '.join(lacking)}", "loads of every ball on SL, SR, NL and NR", ""
-            )
+            allowed = "loads of every ball on the left and right flanks of screw (SL, SR) and nut (NL, NR)"
+            raise InputError(LOADS, "rows", f"no rows for {', '.join(lacking)}", allowed, "")
         note = given.notes.get(DISPLACEMENT)
         if note is None:
             return given, None
@@ -276,7 +276,8 @@ class ExternalProgram:
         except ValueError:
             moved = np.zeros(0)
         if moved.shape != (6,) or not np.isfinite(moved).all():
-            raise InputError(LOADS, f"# {DISPLACEMENT}", note, "six numbers ux uy uz [m] rx ry rz [rad]", "")
+            allowed = "six numbers ux uy uz [m] rx ry rz [rad]: displacement and rotation of the screw at the nut's centre"
+            raise InputError(LOADS, f"line # {DISPLACEMENT}", note, allowed, "")
         return given, moved
 
 

@@ -87,7 +87,7 @@ def read_condensed_bodies(scene: Scene, options: ModelOptions) -> CondensedCompl
         words = error.strerror or str(error), "a file of condensed bodies", near or "check the path"
     except ValueError as error:
         allowed = "a file that rollbench condense wrote for the parts of this scene"
-        words = str(error), allowed, "write the file again with rollbench condense"
+        words = f"an unusable file: {error}", allowed, "write the file again with rollbench condense"
     raise InputError(str(options.condensed_bodies_file), "file", *words)
 
 
@@ -266,7 +266,7 @@ _ALL = (
     Model(
         "lin-printed-hertz",
         "lin with the Hertz constants as Lin's thesis prints them (Table B.1, which has errors)",
-        "Lin's model, Hertz constants as printed",
+        "Lin's model, the thesis's Hertz constants",
         C_8,
         _solve_lin,
         'use the model lin, with hertz = "as printed" under [ingredients]',
@@ -285,7 +285,7 @@ _ALL = (
     Model(
         "lin-nut",
         "lin-cell with the nut as a beam, too",
-        "Lin's model, nut as a beam, too",
+        "Lin's model, nut also a beam",
         f"screw and nut beams with their grooved cross-sections, {HALF_SPACES}",
         partial(_solve_with_elastic_bodies, name="lin-nut"),
         partial(_solve_assembly_elastically, name="lin-nut"),
@@ -314,7 +314,7 @@ _ALL = (
     Model(
         "mei",
         "axial bars and springs of fixed direction, rigid nut (Mei et al. 2003)",
-        "Mei: axial bars, rigid nut",
+        "Mei's model: axial bar, rigid nut",
         f"{BARS}, nut rigid",
         partial(_solve_mei, elastic_nut=False),
         MEI_AXIS,
@@ -324,7 +324,7 @@ _ALL = (
     Model(
         "mei-nut",
         "mei with the nut as an elastic bar fixed at its left face",
-        "Mei: axial bars, nut as a bar",
+        "Mei's model: screw and nut as bars",
         f"{BARS}, nut a bar",
         partial(_solve_mei, elastic_nut=True),
         MEI_AXIS,
@@ -334,7 +334,7 @@ _ALL = (
     Model(
         "liu",
         "chain of balls along the axis that lose and gain contact, contact angles that turn, elastic nut (Liu et al. 2025)",
-        "Liu: axial bars, turning contact angles",
+        "Liu's model: bars, angles vary with load",
         "axial bars, and contact springs whose direction turns; screw and nut each loaded at one end",
         _solve_liu,
         "it describes one row of balls between a screw and a nut, each loaded at one end",
@@ -462,7 +462,7 @@ def run_model(scene: Scene | Assembly, name: str = "", options: ModelOptions | N
     name, options = name or default_model_name(scene), options or ModelOptions()
     run = _function_that_solves(scene, name)
     if options.member and not has_random_errors(scene):
-        allowed = "0, because the scene has no random geometric errors"
+        allowed = "0, because the scene has no random geometric errors and therefore only one specimen"
         raise ArgumentError("member", str(options.member), allowed, "leave `member` out", scene.name)
     try:
         with np.errstate(all="ignore"):

@@ -139,7 +139,9 @@ def load_user_model(name: str) -> UserModel:
 
     point = entry_points_of_installed_models()[name]
     if others := [other.value for other in entry_points(group=GROUP, name=name) if other.value != point.value]:
-        raise _unusable_model_error(point, f"{', '.join(others)} also has this name")
+        raise _unusable_model_error(
+            point, f"another installed model also has this name: {', '.join(others)}", "a name that only one model has"
+        )
     try:
         function = point.load()
     except Exception as error:  # whatever the user's package raises when it is imported
@@ -157,13 +159,15 @@ def _run_program_as_model(program: programs.ExternalProgram, scene: Scene) -> Mo
     return ModelAnswer(given.load, moved, None if pressure is None else np.nan_to_num(pressure))
 
 
-def _unusable_model_error(entry_point: EntryPoint, reason: str) -> ArgumentError:
+def _unusable_model_error(
+    entry_point: EntryPoint, reason: str, allowed: str = "a function that solves a scene"
+) -> ArgumentError:
     """Return the ArgumentError for a model of an installed package that cannot be used.
 
-    ``entry_point``: entry point of the model in the package; ``reason``: why it cannot be used.
+    ``entry_point``: entry point of the model in the package; ``reason``: why it cannot be used; ``allowed``: what can.
     """
     advice = "correct the package that provides the model, or uninstall it"
-    return ArgumentError("model", f"{entry_point.name} ({entry_point.value}): {reason}", "a function of a scene", advice)
+    return ArgumentError("model", f"{entry_point.name} ({entry_point.value}): {reason}", allowed, advice)
 
 
 def solve_by_user_model(name: str, scene: Scene, member: int = 0) -> StaticResult:

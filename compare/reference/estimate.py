@@ -244,9 +244,9 @@ def _fit_variances(columns: Array, observed: Array, known_variance: float) -> Ar
     """Fit the error variances due to contact cells and to body cells (2,) to the observed changes between mesh levels.
 
     ``columns``: `_variance_factors` of each of k pairs of levels, (k, 2); ``observed``: observed variances, (k,) [%^2],
-    from which ``known_variance``, the known variance of other parts, is already subtracted. The fit minimises relative
-    squared deviations with results of at least zero. With two levels the whole variance is attributed to the bodies, whose
-    part falls more slowly.
+    from which ``known_variance``, the variance by all other causes, is already subtracted. The fit minimises the squares of
+    the deviations divided by the observed variances; no fitted variance is negative. With two levels the whole variance is
+    attributed to the body cells, whose error decreases more slowly with refinement.
     """
     from scipy.optimize import nnls
 
@@ -295,8 +295,8 @@ def derive_uncertainty_of_other_scenes(
             errors[both].append(np.maximum(np.abs(_load_change(loads, levels[0], finest, finest)) - held, 0.0))
     if not shifts or not all(errors):
         raise ValueError(
-            "the mesh uncertainty of a scene on a single level follows from other scenes: it needs one with one loaded "
-            "flank of the screw and one with both loaded, solved on several mesh levels"
+            "a scene solved on a single mesh level takes its mesh uncertainty from other scenes, solved on several levels; "
+            "two such scenes are needed: one in which a single flank of the screw is loaded, and one in which both are"
         )
     common = float(np.sqrt(np.mean(np.square(shifts)) / 2.0))
     return UncertaintyFromOtherScenes(

@@ -159,7 +159,8 @@ def fix_half_of_face(half: Literal["inner", "outer"]) -> Change:
             return replace(scene, nut=replace(scene.nut, flange=replace(flange, seat=seat)))
         if face not in ("left face", "right face"):
             raise ValueError(
-                f"fixing half of the nut's face needs a nut that is fixed at one face; got one fixed at its {face}"
+                "half of the nut's end face can be fixed only if the nut is fixed at one end face; "
+                f"this nut is fixed at: {face}"
             )
         return change_solid_model(nut_held=f"{face}, {half} half")(scene)
 

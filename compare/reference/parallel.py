@@ -139,7 +139,8 @@ def _run_job(number: int, version: str, function: Callable[..., Any], arguments:
     with _ALONE:
         try:
             if version != __version__:
-                raise _version_mismatch_error(f"a worker of rollbench {__version__}, which joined later", version)
+                late = f"a worker with rollbench {__version__}, which joined the cluster during the computation"
+                raise _version_mismatch_error(late, version)
             return number, True, cloudpickle.dumps(function(*arguments))
         except Exception as error:
             note = f"In a worker: {traceback.format_exc()}"
@@ -215,7 +216,7 @@ def _run_on_cluster(
                 raise _lost_cluster_error(f"{scheduler}: the scheduler no longer answers") from error
             raise _dead_worker_error(error) from error
         except ImportError as error:
-            place = f"a worker without rollbench, which joined later ({error})"
+            place = f"a worker without rollbench, which joined the cluster during the computation ({error})"
             raise ArgumentError("scheduler", place, "workers with rollbench", INSTALL) from error
 
 

@@ -80,7 +80,7 @@ def _parse_json_file(path: Path) -> dict[str, Any]:
     with open(path, "rb") as file:
         content = file.read(LARGEST + 1)
     if len(content) > LARGEST:
-        raise ValueError(f"the file of a stored 3D run has more than {LARGEST} bytes")
+        raise ValueError(f"the file of a stored 3D run is larger than {LARGEST} bytes, the largest size that is read")
     text, depth = content.decode("utf-8"), 0
     for mark in (c for c in text if c in "[]{}"):
         depth += 1 if mark in "[{" else -1

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -45,7 +46,8 @@ def result_page_of_shaft(scene_name: str, solved_shaft: ShaftSolution, stores: S
     """
     scene, result = solved_shaft.scene, solved_shaft.result
     if solved_shaft.derived_results is None:
-        raise SceneNotCoveredError(scene_name, "scene", result.status, "see the status of the solution: rollbench solve")
+        advice = f"solve the scene to see the reason: rollbench solve {shlex.quote(scene_name)}"
+        raise SceneNotCoveredError(scene_name, "scene", f"no usable solution: {result.status}", advice)
     text, data = report_parts.scene_file_text(scene_name), solved_case_json(solved_shaft)
     parts = [
         Section("sets", "Forces and stiffness of nuts and bearings", _force_and_stiffness_tables(solved_shaft)),

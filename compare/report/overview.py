@@ -27,8 +27,8 @@ from rollbench.reports.content import Figure, Panel, Row, Section, Series, Summa
 
 QUESTION = "How accurate are low-order models of ball screws, and how much run time does a more accurate model take?"
 TITLE = (
-    "Contact-load errors of the models on all compared screws, and contact-load error of each model and 3D mesh over its "
-    "run time"
+    "Contact-load errors of the models on all compared screws, and contact-load error of each model and 3D mesh level, "
+    "plotted against its run time"
 )
 #: Families of models, which share a colour, with the names of their models.
 FAMILIES = (
@@ -44,8 +44,8 @@ FAMILIES = (
 SOLID = "3D reference"
 #: Columns of the table of the models' errors in every quantity: mean error, scatter and largest error.
 BIAS = TableColumn("bias", "mean error (bias) of the model", "%", "+.2f")
-SCATTER = TableColumn("scatter", "scatter of the error", "%", ".2f")
-LARGEST = TableColumn("largest", "largest error on a scene", "%", ".1f")
+SCATTER = TableColumn("scatter", "standard deviation (scatter) of the error", "%", ".2f")
+LARGEST = TableColumn("largest", "largest error on a screw or bearing", "%", ".1f")
 #: Models that represent their family in figures and tables.
 KINDS = {DEFAULT: "refined", "lin": "lin"}
 #: Names of these models in a sentence.
@@ -221,10 +221,10 @@ def error_distribution_and_time_figure(
 
 #: Caption of a panel of errors over run time.
 TIMED = (
-    f"Largest contact-load error on each scene, {RULE}; horizontal line: {LIMIT:g} %, the default limit of rollbench "
-    "check. Light points: single scenes. Dark markers: medians; bars: range due to the mesh uncertainty of the 3D "
-    "reference. The finest mesh is the reference, drawn at its own uncertainty. The time of the condensed model excludes "
-    "its 3D run."
+    f"Error: largest contact-load error on a screw or bearing, {RULE}. Horizontal line: {LIMIT:g} %, the default limit of "
+    "the command rollbench check. Light points: one screw or bearing each; dark markers: their medians; bars: range due to "
+    "the mesh uncertainty of the 3D reference. The finest mesh level is the reference itself, drawn at its own "
+    "uncertainty. Condensed model: stiffness of screw and nut from a 3D computation, whose run time is not included."
 )
 
 
@@ -392,7 +392,7 @@ def model_accuracy_sentences(
     for model, errors in largest_errors.items():
         if errors.size:
             median, most = np.percentile(errors, [50, 95])
-            largest.append(f"{median:.1f} and {most:.1f} % by {NAMES[model]}")
+            largest.append(f"{median:.1f} and {most:.1f} % with {NAMES[model]}")
     whole = (
         ""
         if total_uncertainty is None
@@ -417,9 +417,11 @@ def screws_within_limit_text(gate_errors: Mapping[str, Array]) -> str:
         for a nearly unloaded contact, of the mean load]; if empty, the clause is empty.
     """
     found = {NAMES[model]: of_model for model, of_model in gate_errors.items() if of_model.size}
-    counts = [f"{name} on {(e <= LIMIT).sum()} of {e.size}" for name, e in found.items()]
+    counts = [f"{(e <= LIMIT).sum()} of {e.size} with {name}" for name, e in found.items()]
     return (
-        f"Every contact load is within {LIMIT:g} % of the 3D reference: by {', by '.join(counts)} screws" if counts else ""
+        f"Screws on which every contact load is within {LIMIT:g} % of the 3D reference: {', '.join(counts)}"
+        if counts
+        else ""
     )
 
 
@@ -519,10 +521,13 @@ def largest_error_bar_chart(accuracies: Sequence[ModelAccuracy]) -> Figure:
         ordinate_names=[f"{s.name}: {s.median_error_percent:.2g} %" for s in accuracies],
     )
     medians = {s.name: s.median_error_percent for s in accuracies}
-    title = ", ".join(f"{medians[model]:.2g} % by {NAMES[model]}" for model in KINDS if model in medians)
-    caption = "Errors against the finest mesh level of the 3D reference. Bars: medians; markers: maxima."
+    title = ", ".join(f"{medians[model]:.2g} % with {NAMES[model]}" for model in KINDS if model in medians)
+    caption = (
+        "Errors on the example screws and bearings of rollbench, against the finest mesh level of the 3D reference. Bars: "
+        "medians; markers: maxima."
+    )
     size = (7.6, 1.2 + 0.26 * len(accuracies))
-    title = f"Median over the shipped scenes of the largest contact-load error, relative to the mean load: {title}"
+    title = f"Largest contact-load error on a screw or bearing, in per cent of the mean load: median {title}"
     return Figure("overview-bars", title, (panel,), caption, columns=1, size=size)
 
 
@@ -535,14 +540,14 @@ def model_accuracy_table(accuracies: Sequence[ModelAccuracy]) -> Table:
         {
             TableColumn("name", "model or mesh level", "", "s"): s.name,
             TableColumn("label", "long name of the model or mesh level", "", "s"): s.label,
-            TableColumn("scenes", "number of scenes", "", "s"): s.scene_count,
+            TableColumn("scenes", "number of screws and bearings", "", "s"): s.scene_count,
             TableColumn(
                 "median", "largest contact-load error, median over the scenes", "% of mean load", ".2f"
             ): s.median_error_percent,
             TableColumn(
                 "worst", "largest contact-load error, maximum over the scenes", "% of mean load", ".2f"
             ): s.largest_error_percent,
-            TableColumn("at", "scene with this maximum", "", "s"): s.scene_of_largest_error,
+            TableColumn("at", "screw or bearing with the largest contact-load error", "", "s"): s.scene_of_largest_error,
             TableColumn(
                 "rms", "RMS error of the contact loads, median over the scenes", "% of mean load", ".2f"
             ): s.median_rms_error_percent,
@@ -550,21 +555,26 @@ def model_accuracy_table(accuracies: Sequence[ModelAccuracy]) -> Table:
                 "worst_rms", "RMS error of the contact loads, maximum over the scenes", "% of mean load", ".2f"
             ): s.largest_rms_error_percent,
             TableColumn(
-                "gate", "largest contact-load error as rollbench check judges it, median", "%", ".2f"
+                "gate", "largest contact-load error by the rule of rollbench check, median", "%", ".2f"
             ): s.median_gate_error.error,
-            TableColumn("passed", f"scenes with every contact load within {LIMIT:g} %", "", "s"): s.passed_scene_count,
+            TableColumn(
+                "passed", f"number of screws and bearings with all contact-load errors within {LIMIT:g} %", "", "s"
+            ): s.passed_scene_count,
             TableColumn("cold", "run time of a cold start, median", "s", "g3"): s.cold_start_seconds,
         }
         for s in accuracies
     ]
     note = (
-        "Errors against the finest mesh level of the 3D reference of each shipped scene; the table of error over run time "
-        f"has the values of each scene. rollbench check judges errors {RULE}; every contact load of a scene is within the "
-        "limit if error plus uncertainty is. The finest mesh level is the reference: its mesh uncertainty is "
+        "Errors against the finest mesh level of the 3D reference, on the example screws and bearings of rollbench; the "
+        f"table reference-time has the values of each. Rule of rollbench check: errors {RULE}; a contact load is within "
+        "the limit if its error plus uncertainty is. The finest mesh level is the reference: its mesh uncertainty is "
         "shown as its error, and its RMS error is zero by definition."
     )
     table = Table.from_rows(
-        "overview-models", "Errors and run times of each model and 3D mesh level on the shipped scenes", rows, note
+        "overview-models",
+        "Errors and run times of each model and 3D mesh level on the example screws and bearings",
+        rows,
+        note,
     )
     return replace(table, csv_only=("label", "rms", "worst_rms"))
 
@@ -576,7 +586,7 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     """
     step("error against run time, every model and mesh on every scene")
     points = cache.compute_once(reference_time.errors_and_times_of_all_scenes, step)
-    title = "Contact-load errors and run times of each model and 3D mesh level on the shipped scenes"
+    title = "Contact-load errors and run times of each model and 3D mesh level on the example screws and bearings"
     if not points:
         return Section("overview", title, (Text(("No run of the 3D reference is stored.",)),))
     found = cache.stored_references(tuple(points))
@@ -649,16 +659,16 @@ def error_table_of_all_quantities(cache: SceneResultCache) -> Table:
         passed = words.count("pass")
         cells.append(
             {
-                "quantity": "largest contact-load error as rollbench check judges it",
+                "quantity": "largest contact-load error by the rule of rollbench check",
                 "model": model,
                 BIAS: None,
                 SCATTER: None,
                 LARGEST: max(r.load_error.gate_percent for r in of_model),
-                TableColumn("scenes", "number of scenes", "", "s"): len(of_model),
+                TableColumn("scenes", "number of screws and bearings", "", "s"): len(of_model),
                 TableColumn(
-                    "passed", f"scenes with every load within {LIMIT:g} %", "", "s"
+                    "passed", f"number of screws and bearings with all contact-load errors within {LIMIT:g} %", "", "s"
                 ): f"{passed} of {len(of_model)}",
-                TableColumn("verdict", f"all scenes within {LIMIT:g} %", "", "s"): "yes"
+                TableColumn("verdict", f"whether all contact-load errors are within {LIMIT:g} %", "", "s"): "yes"
                 if passed == len(of_model)
                 else "no",
             }
@@ -675,7 +685,7 @@ def error_table_of_all_quantities(cache: SceneResultCache) -> Table:
                 BIAS: s.bias,
                 SCATTER: s.scatter,
                 LARGEST: max(worst),
-                TableColumn("scenes", "number of scenes", "", "s"): s.scenes,
+                TableColumn("scenes", "number of screws and bearings", "", "s"): s.scenes,
             }
         )
     columns = {q.key: q for q in (BIAS, SCATTER)}
@@ -686,12 +696,15 @@ def error_table_of_all_quantities(cache: SceneResultCache) -> Table:
         }
         cells.append({"quantity": quantity, "model": "several, against published or measured values", **known})
     note = (
-        f"First rows: errors as rollbench check judges them, {RULE}. Then: errors against the finest mesh level of the 3D "
-        "reference of each scene. Last rows: errors against values that makers, measurements and other programs state, "
-        "each computed by the model or formula that the table of these values names (section outside)."
+        f"First rows: errors by the rule of rollbench check, {RULE}. Then: errors against the finest mesh level of the 3D "
+        "reference of each screw or bearing. Last rows: errors against values that makers, measurements and other programs "
+        "state, each computed by the model or formula that the table of these values names (section outside)."
     )
     return Table.from_rows(
-        "quantities", "Mean error, scatter and largest error of each model in each computed quantity", cells, note
+        "quantities",
+        "Mean error, standard deviation (scatter) and largest error of each model in each computed quantity",
+        cells,
+        note,
     )
 
 
@@ -731,8 +744,8 @@ def computed_over_reference_load_figure(cache: SceneResultCache, references: Map
     series.append(Series(f"limit of ±{LIMIT:g} %", [*truths, end, *truths], lines.tolist(), "line"))
     panel = Panel("", "load by the 3D reference / mean load", "load by the model / mean load", tuple(series))
     caption = (
-        f"{len(series[0].x)} contacts of {len(references)} scenes. Outer lines: a load error of {LIMIT:g} %, the limit of "
-        "rollbench check."
+        f"{len(series[0].x)} contacts of {len(references)} screws and bearings. Outer lines: a load error of {LIMIT:g} %, "
+        "the default limit of the command rollbench check."
     )
     return Figure(
         "contacts",

@@ -37,10 +37,10 @@ PAGES = {
     "cases": "Each compared screw and bearing",
     "accuracy": "Contact-load errors of the low-order models",
     "reference": "Uncertainty of the contact loads of the 3D reference",
-    "robustness": "Numerical stability of the solvers on stiff and extreme scenes",
+    "robustness": "Numerical stability of the solvers on stiff and extreme cases",
     "tolerances": "Effect of manufacturing tolerances on the largest contact load",
     "trust": "Quantities for which each model is accurate enough",
-    "entries": "All numbers printed in publications, and whether they are reproduced",
+    "entries": "All numbers printed in the publications that rollbench recomputes, and whether they are reproduced",
 }
 
 #: Names of the parts that summarise results of all other parts, and are therefore made last.
@@ -55,10 +55,10 @@ APART = {"input": "inputs", "identity": "identities"}
 #: Predicates for the other verdicts on printed numbers, in a sentence, by the names of the verdicts in tables.
 WORDS = {
     VERDICT_NAMES["reproduced"]: "are reproduced",
-    VERDICT_NAMES["only as printed"]: "are reproduced only with the publication's error",
+    VERDICT_NAMES["only as printed"]: "are reproduced only with the publication's mistake repeated",
     VERDICT_NAMES["band"]: "lie in their tolerance band",
     VERDICT_NAMES["contradicted"]: "are contradicted",
-    VERDICT_NAMES["not identifiable"]: "are not determined by the publication",
+    VERDICT_NAMES["not identifiable"]: "are not determined by the data in the publication",
 }
 
 

@@ -6,6 +6,7 @@ the losses, and the effect of the friction coefficient and of the play.
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -186,7 +187,8 @@ def _page_of_load_case(
     one = load_cases.solve_scene_with_results(scene, DEFAULT, options)
     result, answers, worth = one.result, one.derived_results, one.expected_errors
     if answers is None or worth is None:
-        raise SceneNotCoveredError(scene_name, "scene", result.status, "see the status of the solution: rollbench solve")
+        advice = f"solve the scene to see the reason: rollbench solve {shlex.quote(scene_name)}"
+        raise SceneNotCoveredError(scene_name, "scene", f"no usable solution: {result.status}", advice)
     tangent = tangent_stiffness_at(scene, scene.nut.position, DEFAULT, options)
     stored = study.stored_reference(scene.name)
     judged = [
@@ -312,7 +314,7 @@ def _loads_section(scene: Scene, result: StaticResult, references: Sequence[Refe
         series = [contact_load_curve(r.label, r, s, "markers", uncertainty=r.uncertainty) for r in references]
         panels.append(
             contact_load_panel(
-                f"screw flank {side}", contact_load_curve(DEFAULT, result, s, emphasis=True), *series, zero=True
+                f"screw flank {side}", contact_load_curve(DEFAULT, result, s, emphasis=True), *series, axis_from_zero=True
             )
         )
     rows: list[Row] = []

@@ -15,7 +15,7 @@ from rollbench.compare.models.comparison import RULE
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.printed import printed_value
 from rollbench.compare.reference.store import shipped_store
-from rollbench.compare.report.overview import screws_within_limit_text
+from rollbench.compare.report.overview import NAMES, screws_within_limit_text
 from rollbench.compare.sections.fit import WORDS
 from rollbench.compare.studies import extremes
 from rollbench.compare.studies import survey as survey
@@ -103,16 +103,16 @@ def survey_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sect
             "Contact-load errors of the refined model and Lin's model on each randomly drawn screw",
             (
                 TableColumn("scene", "number of the screw", "", "s"),
-                TableColumn("screw", "size and kind of preload", "", "s"),
+                TableColumn("screw", "screw: outer diameter [mm] x lead [mm], kind of preload", "", "s"),
                 TableColumn("contacts", "number of contacts", "", "s"),
-                TableColumn("status", "status of the 3D reference", "", "s"),
+                TableColumn("status", "solver status of the 3D reference", "", "s"),
                 *(TableColumn(name, name, "% of mean load", ".2f") for name in errors),
             ),
             rows,
             csv_only=[f"{model}: expected largest error" for model in MODELS],
         ),
     )
-    return Section("survey", title, items, conclusion=f"Randomly drawn screws: {passed[:1].lower()}{passed[1:]}.")
+    return Section("survey", title, items, conclusion=f"Randomly drawn {passed[:1].lower()}{passed[1:]}.")
 
 
 def error_and_run_time_items(
@@ -149,10 +149,10 @@ def error_and_run_time_items(
             TableColumn("screws", "number of screws", "", "s"): s.first_case_seconds.size,
             TableColumn("against", "solution against which errors are computed", "", "s"): s.reference_level or "not known",
             TableColumn(
-                "median", "largest contact-load error as rollbench check judges it, median", "%", ".2f"
+                "median", "largest contact-load error by the rule of rollbench check, median", "%", ".2f"
             ): _percentile_or_none(s.gate_errors, 50),
             TableColumn(
-                "p95", "largest contact-load error as rollbench check judges it, 95th percentile", "%", ".2f"
+                "p95", "largest contact-load error by the rule of rollbench check, 95th percentile", "%", ".2f"
             ): _percentile_or_none(s.gate_errors, 95),
             TableColumn("mean_median", "largest contact-load error, median", "% of mean load", ".2f"): _percentile_or_none(
                 s.errors_of_mean_load, 50
@@ -179,20 +179,21 @@ def error_and_run_time_items(
     panels = tuple(_error_over_time_panel(timed, name, lin) for name in ("new screw", "further load case"))
     coarse = next((s for s in timed if s.name.startswith("3D")), None)
     title = (
-        "Contact-load errors of models and 3D mesh levels over processor time, on randomly drawn screws"
+        "Contact-load errors of models and 3D mesh levels on randomly drawn screws, plotted against processor time"
         if coarse is None
-        else "Largest difference of a contact load between mesh levels 1 and 2 of the 3D reference: "
-        f"{_percentile_or_none(coarse.gate_errors, 50):.2f} % in the median of the drawn screws; level 1 takes "
+        else "Largest difference of a contact load between 3D mesh levels 1 and 2 on a randomly drawn screw: median "
+        f"{_percentile_or_none(coarse.gate_errors, 50):.2f} %; level 1 takes "
         f"{_percentile_or_none(coarse.first_case_seconds, 50):.0f} s per screw"
     )
     counts = {s.reference_level: s.first_case_seconds.size for s in timed}
     markers = " ".join(
-        f"{shape}: {count} screws, compared with {by} of the 3D reference."
+        f"{shape}: {count} screws, errors against {by} of the 3D reference."
         for shape, (by, count) in zip(("Circles", "Squares"), counts.items(), strict=False)
     )
     caption = (
-        f"Markers: medians of the largest error, {RULE}; bars: up to the 95th percentile. {markers} Horizontal line: "
-        f"{LIMIT:g} %, the limit of rollbench check. Pale points: errors against ANSYS and run times in Lin's thesis."
+        f"Markers: median of the largest error on a screw, {RULE}; bars: up to the 95th percentile. {markers} Horizontal "
+        f"line: {LIMIT:g} %, the default limit of the command rollbench check. Pale points: errors against ANSYS, and run "
+        "times, that Lin's thesis prints."
     )
     return (
         Figure("survey-levels", title, panels, caption, columns=2),
@@ -201,6 +202,7 @@ def error_and_run_time_items(
             "stability-levels",
             "Contact-load errors and run times of models and 3D mesh levels on randomly drawn screws",
             rows,
+            f"Rule of rollbench check: errors {RULE}.",
         ),
     )
 
@@ -342,16 +344,16 @@ def random_screw_error_figure(screw_records: Sequence[Mapping[str, Any]]) -> Fig
             log_axes="y",
         ),
     )
-    near = "; ".join(f"{name}: {_median_errors_near_faces_text(errors)}" for name, errors in found.items())
-    title = (
-        f"Median largest contact-load error of screws with a ball closer than {NEAR:g} ball radii to a nut face, and of "
-        f"the other screws: {near}"
+    near = "; ".join(
+        f"{_median_errors_near_faces_text(errors)} with {NAMES.get(name, name)}" for name, errors in found.items()
     )
+    title = f"Median of the largest contact-load error on a screw, in per cent of the mean load: {near}"
     return Figure(
         "survey",
         title,
         panels,
-        f"{len(screw_records)} randomly drawn screws. First panel: histogram of the errors on a logarithmic abscissa.",
+        f"{len(screw_records)} randomly drawn screws. First of two medians: screws with a ball closer than {NEAR:g} ball "
+        "radii to a nut face; second: other screws. First panel: histogram of the errors on a logarithmic abscissa.",
     )
 
 
@@ -379,26 +381,31 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     summary: list[Row] = [
         {
             TableColumn("formulation", "formulation of the equations", "", "s"): name,
-            TableColumn("solved", "number of scenes solved", "", "s"): solved,
-            TableColumn("tried", "number of scenes to which it applies", "", "s"): tried,
-            TableColumn("cases", "number of all scenes", "", "s"): total,
+            TableColumn("solved", "number of cases solved", "", "s"): solved,
+            TableColumn("tried", "number of cases to which the formulation applies", "", "s"): tried,
+            TableColumn("cases", "number of all cases", "", "s"): total,
         }
         for name, (solved, tried, total) in counts.items()
     ]
     columns = (
-        TableColumn("case", "stiff or extreme scene", "", "s"),
+        TableColumn("case", "stiff or extreme case", "", "s"),
         TableColumn(extremes.ENERGY, "status of the energy solver", "", "s"),
         TableColumn("iterations", "iterations of the energy solver", "", "s"),
         TableColumn("residual", "largest unbalanced force / largest force", "", "g2"),
-        TableColumn("bound", "smallest value of this ratio by round-off", "", "g2"),
-        TableColumn("difference", "load difference between energy and force formulation", "% of largest load", "g2"),
+        TableColumn("bound", "round-off limit of this ratio, in double precision", "", "g2"),
+        TableColumn(
+            "difference",
+            "largest difference of a contact load between energy and force formulation",
+            "% of largest load",
+            "g2",
+        ),
         *(TableColumn(name, f"status: {name}", "", "s") for name in extremes.FORMULATIONS[1:]),
     )
     solved, _, total = counts[extremes.ENERGY]
     newton, applicable, _ = max(counts[name] for name in extremes.SOURCE)
     return Section(
         "stability",
-        "Numerical stability of the solvers on stiff and extreme scenes",
+        "Numerical stability of the solvers on stiff and extreme cases",
         (
             Text(
                 (
@@ -411,10 +418,10 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
                     "smallest residual that double precision allows.",
                 )
             ),
-            Table.from_rows("stability-summary", "Number of stiff and extreme scenes solved by each formulation", summary),
+            Table.from_rows("stability-summary", "Number of stiff and extreme cases solved by each formulation", summary),
             Table(
                 "stability-cases",
-                "Solver status of each formulation of the equations on each stiff or extreme scene",
+                "Solver status of each formulation of the equations on each stiff or extreme case",
                 columns,
                 extremes.stability_table_rows(rows),
             ),
@@ -434,6 +441,7 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
                 extremes.campaign_table_rows(extremes.built_in_campaign_records()),
             ),
         ),
-        conclusion=f"Energy minimisation solves {solved} of {total} stiff and extreme scenes from a cold start; "
-        f"Newton's method as in Lin's thesis solves at most {newton} of the {applicable} to which it applies.",
+        conclusion=f"Energy minimisation solves {solved} of {total} stiff and extreme cases from a cold start; "
+        f"Newton's method as in Lin's thesis, from the best of three start vectors, solves {newton} of the {applicable} to "
+        "which it applies.",
     )

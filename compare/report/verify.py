@@ -170,7 +170,8 @@ def check_report_hashes(report: Path, stores: Sequence[Path]) -> Iterator[HashCh
     try:
         manifest = read_manifest(folder)
     except (OSError, ValueError) as error:
-        raise InputError(str(folder / FILE), "file", str(error), "a report's manifest", "write the report again") from None
+        value = f"an unusable file: {error}"
+        raise InputError(str(folder / FILE), "file", value, "a report's manifest", "write the report again") from None
     names = [name.removeprefix(SCENE) for name in manifest["inputs"] if name.startswith(SCENE)]
     texts = {name: catalogue.shipped_scene_text(name) for name in names if name in catalogue.scene_names()}
     files = hashes_of_report_files(folder)
@@ -191,7 +192,7 @@ def read_scene_page(report: Path) -> tuple[str, dict[str, Any]]:
         return html, read_page_data(html)
     except (OSError, ValueError) as error:
         advice = "write a page with a manifest: rollbench report SCENE"
-        raise InputError(str(path), "file", str(error), "a page with a manifest", advice) from None
+        raise InputError(str(path), "file", f"an unusable file: {error}", "a page with a manifest", advice) from None
 
 
 def check_page_hashes(html: str, page_data: dict[str, Any], stores: Sequence[Path]) -> Iterator[HashCheck]:

@@ -616,7 +616,7 @@ def read_user_references(
 
 
 def scene_and_set_keys(referenced: SceneWithReference) -> dict[str, str]:
-    """Return the JSON keys "scene" and "set", with names, that identify one of several nuts or bearings in a comparison.
+    """Return the JSON keys "scene" and "set" (nut or bearing), with names, which identify one of several in a comparison.
 
     Parameters
     ----------

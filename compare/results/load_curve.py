@@ -28,7 +28,10 @@ POINTS, MOST = 21, 1001
 #: Relative change of the load for the tangent stiffness; fraction of the largest load that counts as a vanishing load.
 STEP, VANISHING = 1e-3, 1e-6
 #: Form of the text that states a range of loads, for error messages.
-FORM = "LOW:HIGH, then :POINTS, :x, :y, :z or an angle across the axis such as :45deg, :STATION or :HOUSING, as needed"
+FORM = (
+    "LOW:HIGH, if needed followed by the number of loads such as :41, by the direction of the force :x, :y, :z or an angle "
+    "from x to y such as :45deg, and by its point of application, an axial position such as :300mm or the name of a housing"
+)
 #: Unit vectors of the axes, by name.
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 #: Components of a vector along x, y and z.
@@ -102,11 +105,15 @@ def read_load_range(text: str) -> LoadRange:
         else:
             at = _axial_position(word) if kind else word
     if not (low < high and 2 <= points <= MOST):
-        allowed = f"LOW below HIGH, and 2 to {MOST} points"
+        allowed = f"LOW below HIGH, and 2 to {MOST} points (loads)"
         raise ArgumentError("curve", units.toml_text(text), allowed, f"write {FORM}")
     if factors and (direction != AXES["z"] or at is not None):
-        allowed = "a direction or position only for forces with a unit, because factors change neither"
-        raise ArgumentError("curve", units.toml_text(text), allowed, "leave out direction and position, or write forces")
+        allowed = (
+            "a direction or position only with forces, because multiples of the scene's loads keep their directions and "
+            "positions"
+        )
+        advice = "leave out direction and position, or write forces with a unit"
+        raise ArgumentError("curve", units.toml_text(text), allowed, advice)
     return LoadRange(tuple(np.linspace(low, high, points).tolist()), factors, direction, at)
 
 
@@ -365,8 +372,9 @@ def _load_function_and_direction(
         force = (given or [x.force for x in scene.loads] or [(0.0, 0.0, 0.0)])[0]
         size = float(np.linalg.norm(force))
         if not size:
-            allowed = "factors only for a scene whose first load is a force"
-            raise ArgumentError("curve", "factors", allowed, "write forces, such as -3000N:3000N", scene.name)
+            stated = "multiples of the scene's loads"
+            allowed = "multiples of the loads only for a scene whose first load is a force"
+            raise ArgumentError("curve", stated, allowed, "write forces, such as -3000N:3000N", scene.name)
         x, y, z = (f / size for f in force)
         return lambda value: with_scaled_loads(scene, value), (x, y, z), at, size
     at = at if course.at is None else course.at

@@ -649,7 +649,10 @@ def with_groove_radii_from_rigidity(
     try:
         implied = conformity_for_rigidity(bearing, set_keys.pair_preload, set_keys.pair_rigidity)
     except ValueError as error:
-        allowed = "a rigidity that some conformity of the grooves gives"
+        allowed = (
+            "a rigidity that the pair can have with a possible conformity (groove radius over ball diameter), which is "
+            "computed from it"
+        )
         raise InputError(
             file_name, f"{set_path}.pair_rigidity", given, allowed, f"correct balls, preload or rigidity: {error}"
         ) from None

@@ -86,10 +86,9 @@ def single_nut_scene_or_raise(scene: Described, file_name: str) -> Scene:
         advice = "delete the cases, or use solve, compare, check, friction, sweep or report, which accept them"
         raise SceneError(file_name, "cases", count_with_noun(len(scene.cases), "case"), "a scene without [[cases]]", advice)
     if isinstance(scene, Assembly):
-        advice = "describe one nut or ring with its balls, or use solve, view, compare, check, friction or sweep"
-        raise SceneError(
-            file_name, "sets", count_with_noun(len(scene.sets), "set"), "one set whose outer part is fixed", advice
-        )
+        allowed = "one set (a nut or a bearing with its balls), whose nut or outer ring is fixed"
+        advice = "describe a single nut or bearing, or use solve, view, compare, check, friction or sweep"
+        raise SceneError(file_name, "sets", count_with_noun(len(scene.sets), "set"), allowed, advice)
     advice = f"use the command that solves this kind: rollbench friction {shlex.quote(file_name)}"
     raise SceneError(file_name, "kind", f'"{scene.kind}"', ", ".join(f'"{kind}"' for kind in WHOLE), advice)
 
@@ -185,8 +184,9 @@ def parse_toml(text: str, file_name: str) -> dict[str, Any]:
     """Return the tables and keys of a TOML text; SceneError if it is not valid (``file_name``: name of the file)."""
     if long := _DOTTED.search(text):
         row = text.count("\n", 0, long.start()) + 1
-        advice = "use the keys that rollbench schema lists, which have up to four parts"
-        raise SceneError(file_name, f"line {row}", f"{long[0][:40]}...", f"a key of up to {MAX_PARTS} parts", advice)
+        advice = "use the keys that rollbench schema lists, which have up to four names"
+        allowed = f"a key of up to {MAX_PARTS} names joined by dots"
+        raise SceneError(file_name, f"line {row}", f"{long[0][:40]}...", allowed, advice)
     try:
         return tomllib.loads(text)
     except RecursionError:

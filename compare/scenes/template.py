@@ -93,7 +93,8 @@ def commented_template(kind: str = "ball screw") -> str:
         return "\n".join(f'title = "My {name}"' if x.startswith("title = ") else x for x in kept) + "\n"
     if name not in (*WHOLE, *BEARINGS, *KINDS):
         allowed = ", ".join(k.replace(" ", "-") for k in (*WHOLE, *AXES, *BEARINGS, *KINDS))
-        raise ArgumentError("kind", kind, allowed, "choose one of these; a complete screw is a ball-screw")
+        advice = "choose one of these kinds; write ball-screw for a complete ball screw"
+        raise ArgumentError("kind", kind, allowed, advice)
     if name == "ball screw" or name in BEARINGS:
         file = "template.toml" if name == "ball screw" else f"template-{name.replace(' ', '-')}.toml"
         return files.shipped_text(file)

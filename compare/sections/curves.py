@@ -51,12 +51,12 @@ def lateral_displacement_curves(
     return x, y
 
 
-def contact_load_panel(title: str, *series: Series, zero: bool = False) -> Panel:
+def contact_load_panel(title: str, *series: Series, axis_from_zero: bool = False) -> Panel:
     """Return a panel titled ``title`` with curves of contact loads [N] over the ball number.
 
-    ``series``: the curves. ``zero``: whether the ordinate begins at zero.
+    ``series``: the curves. ``axis_from_zero``: whether the ordinate begins at zero.
     """
-    return Panel(title, "ball", "contact load / N", series, include_zero=zero, integer_x=True)
+    return Panel(title, "ball", "contact load / N", series, include_zero=axis_from_zero, integer_x=True)
 
 
 def contact_load_curve(

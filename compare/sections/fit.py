@@ -34,7 +34,7 @@ NAMES = {
 
 #: Descriptions of the errors of these quantities, for tables.
 WORDS = NAMES | {
-    "gate_percent": "largest error of a contact load as rollbench check judges it",
+    "gate_percent": "largest contact-load error by the rule of rollbench check",
     "percent": "largest error of a contact load, in per cent of the mean load",
     "rms_percent": "RMS error of the contact loads, in per cent of the mean load",
 }
@@ -87,13 +87,21 @@ class ModelErrors:
         return {
             "quantity": WORDS[self.quantity_key],
             "model": self.model,
-            TableColumn("scenes", "number of scenes", "", "s"): int(self.absolute_errors.size),
-            TableColumn("median", "median error over the scenes", "%", ".2f"): float(np.median(self.absolute_errors)),
+            TableColumn("scenes", "number of screws and bearings", "", "s"): int(self.absolute_errors.size),
+            TableColumn("median", "median error over the compared screws and bearings", "%", ".2f"): float(
+                np.median(self.absolute_errors)
+            ),
             TableColumn("p95", "95th percentile of the error", "%", ".2f"): float(np.percentile(self.absolute_errors, 95)),
-            TableColumn("largest", "largest error on a scene", "%", ".1f"): float(self.absolute_errors.max()),
-            TableColumn("limit", "error limit of rollbench check", "%", ".3g"): LIMITS.get(self.quantity_key),
-            TableColumn("within", "share of scenes within the limit", "%", ".0f"): None if share is None else 100.0 * share,
-            TableColumn("verdict", "accurate enough", "", "s"): None if good is None else "yes" if good else "no",
+            TableColumn("largest", "largest error on a screw or bearing", "%", ".1f"): float(self.absolute_errors.max()),
+            TableColumn("limit", "error limit of the command rollbench check", "%", ".3g"): LIMITS.get(self.quantity_key),
+            TableColumn("within", "share of screws and bearings with an error within the limit", "%", ".0f"): None
+            if share is None
+            else 100.0 * share,
+            TableColumn("verdict", "whether accurate enough: at least 95 % within the limit", "", "s"): None
+            if good is None
+            else "yes"
+            if good
+            else "no",
         }
 
 
@@ -119,10 +127,12 @@ def sentences_on_accurate_quantities(model_errors: Sequence[ModelErrors]) -> str
     """
     good = [NAMES[x.quantity_key] for x in model_errors if x.model == DEFAULT and x.is_accurate_enough]
     bad = [NAMES[x.quantity_key] for x in model_errors if x.model == "lin" and x.is_accurate_enough is False]
-    held = " Accurate enough: error within the limit of rollbench check on at least 95 % of the compared scenes."
+    held = (
+        " Accurate enough: error within the limit of rollbench check on at least 95 % of the compared screws and bearings."
+    )
     fit = f"is accurate enough for the {_join_with_and(good)}." if good else "is not shown to be accurate enough."
     unfit = f" The model lin is not accurate enough for the {_join_with_and(bad)}." if bad else ""
-    return f"On the compared screws, the model {DEFAULT} {fit}{unfit}{held}"
+    return f"On the compared screws, the {DEFAULT} model {fit}{unfit}{held}"
 
 
 def _join_with_and(names: Sequence[str]) -> str:
@@ -138,14 +148,14 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     step("all compared scenes")
     found = absolute_errors_by_model_and_quantity(model_errors_on_compared_scenes())
     note = (
-        "Errors against the 3D reference on all shipped and all randomly drawn scenes. Accurate enough: at least 95 % of "
-        f"the scenes are within the error limit of rollbench check. This is {LIMIT:g} % for contact loads {RULE}; "
+        "Errors against the 3D reference on all example and all randomly drawn screws and bearings. Accurate enough: at "
+        f"least 95 % of them are within the error limit of rollbench check. This is {LIMIT:g} % for contact loads {RULE}; "
         "for other quantities it is the error that follows from load errors of this size. Errors in per cent of the mean "
-        "load have no limit. The error as rollbench check judges it is not stored for all scenes."
+        "load have no limit. The error by the rule of rollbench check is not stored for all of them."
     )
     table = Table.from_rows(
         "fit-for",
-        "Errors of each model against the 3D reference over all compared scenes, by quantity",
+        "Errors of each model against the 3D reference over all compared screws and bearings, by quantity",
         [x.table_row for x in found],
         note,
     )
@@ -168,10 +178,10 @@ def validated_range_table(scene: Scene | None = None) -> Table:
     for d in applicability.DESCRIPTORS:
         values = applicability.descriptor_values_of_compared_scenes(d, of_bearings=ring)
         row: Row = {
-            TableColumn("name", "size, angle or load of a scene", "", "s"): d.name,
+            TableColumn("name", "size, angle or load of the screw or bearing", "", "s"): d.name,
             "unit": d.unit or "–",
-            TableColumn("low", "smallest value of all compared scenes", "", "g4"): min(values),
-            TableColumn("high", "largest value of all compared scenes", "", "g4"): max(values),
+            TableColumn("low", "smallest value of all compared screws and bearings", "", "g4"): min(values),
+            TableColumn("high", "largest value of all compared screws and bearings", "", "g4"): max(values),
         }
         if scene is not None and d.name in placed:
             place = placed[d.name]

@@ -33,21 +33,21 @@ TERMS = (
         "in per cent of the mean load have no limit."
     ),
     (
-        "Mesh uncertainty of the 3D reference: 95 %, by its mesh (cells of contacts, cells of bodies, and cut-outs for "
-        "fine patches, combined as independent errors). Modelling choices and input tolerances are separate terms; the "
+        "Mesh uncertainty of the 3D reference: 95 %, by its mesh (cells of contacts, cells of bodies, and boxes around the "
+        "contacts, combined as independent errors). Modelling choices and input tolerances are separate terms; the "
         "total uncertainty combines all three."
     ),
     (
         "Class of a printed number. hard: the text of the publication determines the number, so all printed digits must be "
-        "reproduced. as-printed: the number is reproduced only with the publication's error; the correct value "
+        "reproduced. as-printed: the number is reproduced only with the publication's mistake repeated; the correct value "
         "is shown too. band: the number is under-specified or random, and compared with a range of stated origin, which "
         "extends by at most a quarter of its middle to either side. open: the text does not determine the number; it is "
         "shown, but never fails a check. input: the number is an input, or was used to infer one; it is never counted as "
         "reproduced."
     ),
     (
-        "Whether a printed number is reproduced: reproduced; only with the publication's error (the computation must "
-        "repeat it); within a tolerance band; contradicted; not determined by the publication; or input or identity, "
+        "Whether a printed number is reproduced: reproduced; only with the publication's mistake repeated; "
+        "within a tolerance band; contradicted; not determined by the data in the publication; or input or identity, "
         "which do not test a model. Section verdicts lists all numbers."
     ),
     (
@@ -131,7 +131,9 @@ def rows_not_reproduced(entries: Sequence[PrintedEntryComparison]) -> list[Row]:
             TableColumn("entry", "printed number or claim", "", "s"): p.claim
             or f"{p.label}: {p.number_as_printed} {p.unit}",
             TableColumn("place", "place in the publication", "", "s"): p.place,
-            TableColumn("class", "class of the printed number", "", "s"): p.entry_class,
+            TableColumn(
+                "class", "class of the printed number (hard, as-printed, band, open or input)", "", "s"
+            ): p.entry_class,
             TableColumn("verdict", "whether reproduced", "", "s"): VERDICT_NAMES[verdict],
             TableColumn("why", "best explanation of the difference, and its evidence", "", "s"): _verdict_explanation(f),
         }
@@ -153,7 +155,7 @@ def assumptions_section(cache: SceneResultCache, step: Callable[[str], None]) ->
         (
             Table.from_rows(
                 "not-reproduced",
-                "Numbers and claims that are contradicted, or that the publication does not determine",
+                "Numbers and claims that are contradicted, or not determined by the data in the publication",
                 rows_not_reproduced(evidence(cache)),
             ),
             Table(
@@ -161,7 +163,7 @@ def assumptions_section(cache: SceneResultCache, step: Callable[[str], None]) ->
                 "Values assumed for inputs that a publication does not print",
                 (
                     TableColumn("assumed", "assumed value", "", "s"),
-                    TableColumn("scenes", "scenes that assume the value", "", "s"),
+                    TableColumn("scenes", "screws and bearings for which it is assumed", "", "s"),
                 ),
                 rows_of_assumed_inputs(cache),
             ),

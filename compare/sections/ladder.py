@@ -104,7 +104,7 @@ def model_error_table(model_solutions: Sequence[RefinementStepResult]) -> Table:
     )
     return Table.from_rows(
         "ladder",
-        "Contact-load errors of each low-order model on each scene, from the simplest to the refined model",
+        "Contact-load errors of each low-order model on each screw and bearing, from the simplest to the refined model",
         rows,
         note,
     )
@@ -124,14 +124,14 @@ def model_error_figure(model_solutions: Sequence[RefinementStepResult]) -> Figur
         curves = [(name, [x for x in steps if (name, x) in found]) for name in scenes]
         series = [Series(name, x, [found[name, v] for v in x], "line", pale=True) for name, x in curves]
         middle = [float(np.median([y for (_, x), y in found.items() if x == step])) for step in steps]
-        series.append(Series("median of the scenes", steps, middle, "line+markers", bold=True))
+        series.append(Series("median", steps, middle, "line+markers", bold=True))
         return Panel(title, "", "error / % of the mean load", tuple(series), log_axes="y", abscissa_names=order)
 
     panels = (
         panel("largest contact-load error", lambda r: float(r.load_error.max_percent)),
         panel("RMS error of the contact loads", lambda r: float(r.load_error.rms_percent)),
     )
-    caption = f"Each pale line: one of the {len(scenes)} shipped scenes; bold line: their median."
+    caption = f"Each pale line: one of the {len(scenes)} example screws and bearings; bold line: their median."
     return Figure(
         "ladder-rungs",
         "Contact-load error of each low-order model against the 3D reference, from the simplest to the refined model",
@@ -240,41 +240,56 @@ def expected_and_measured_error_items(
             {
                 "model": model,
                 TableColumn("scenes", "number of screws", "", "s"): str(len(of_model)),
-                TableColumn("covered", "screws within the range of the other screws", "", "s"): str(len(covered)),
-                TableColumn("held", "screws with measured error up to the expected error", "", "s"): held,
-                TableColumn("ratio", "expected over measured error, median", "", ".2f"): float(np.median(ratio)),
-                TableColumn("expected", "expected largest load error, median", "% of mean load", ".2f"): float(
-                    np.median(expected)
-                ),
-                TableColumn("largest", "expected largest load error, maximum", "% of mean load", ".2f"): float(
-                    expected.max()
-                ),
+                TableColumn(
+                    "covered", "number of screws whose features are within the range of the other screws", "", "s"
+                ): str(len(covered)),
+                TableColumn(
+                    "held", "number of screws whose actual error does not exceed the predicted error", "", "s"
+                ): held,
+                TableColumn(
+                    "ratio", "ratio of the predicted to the actual error, median over the screws", "", ".2f"
+                ): float(np.median(ratio)),
+                TableColumn(
+                    "expected",
+                    "predicted largest contact-load error on a screw, median over the screws",
+                    "% of mean load",
+                    ".2f",
+                ): float(np.median(expected)),
+                TableColumn(
+                    "largest",
+                    "predicted largest contact-load error on a screw, maximum over the screws",
+                    "% of mean load",
+                    ".2f",
+                ): float(expected.max()),
             }
         )
         if len(covered) >= MANY:
             ends = [float(min(measured.min(), expected.min())), float(max(measured.max(), expected.max()))]
             series = (
                 Series("screws", measured.tolist(), expected.tolist(), "markers", bold=True),
-                Series("expected = measured", ends, ends, "line"),
+                Series("predicted = actual", ends, ends, "line"),
             )
-            x, y = "measured largest error / % of the mean load", "expected largest error / % of the mean load"
+            x, y = "actual largest error / % of the mean load", "predicted largest error / % of the mean load"
             panels.append(Panel(model, x, y, series, log_axes="xy"))
     note = (
-        "For every screw, shipped or randomly drawn, the largest load error is estimated from all other screws: by a "
-        "linear fit of the logarithm of the error over features of the scenes, times the factor with which "
-        f"{SHARE:.0%} of the other scenes are covered."
+        "For every screw, example or randomly drawn, the largest load error is predicted from all other screws: by a "
+        "linear fit of the logarithm of the error over features of the screws, times the factor with which "
+        f"{SHARE:.0%} of the other screws are covered. Actual error: against the 3D reference."
     )
     out: list[Table | Figure] = [
         Table.from_rows(
-            "ladder-estimate", "Expected contact-load error of each model compared with the measured error", lines, note
+            "ladder-estimate", "Predicted contact-load error of each model, compared with the actual error", lines, note
         )
     ]
     if panels:
-        caption = "One point for each screw. On or above the line: the measured error does not exceed the expected one."
+        caption = (
+            "Error: the largest of a screw, predicted from all other screws, and actual against the 3D reference. One "
+            "point for each screw. On or above the line the actual error does not exceed the predicted one."
+        )
         out.append(
             Figure(
                 "ladder-estimate-figure",
-                "Expected contact-load error of each model, plotted against the measured error",
+                "Predicted contact-load error of each model, plotted against the actual error",
                 tuple(panels),
                 caption,
             )
@@ -336,7 +351,7 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
         name: float(np.median([r.load_error.max_percent for r in rungs if r.model == name])) for name in ("lin", "refined")
     }
     conclusion = (
-        f"Median over the scenes of the largest contact-load error: {median['lin']:.1f} % of the mean load by Lin's model, "
-        f"{median['refined']:.1f} % by the refined model."
+        f"Median over screws and bearings of the largest contact-load error: {median['lin']:.1f} % of the mean load with "
+        f"Lin's model, {median['refined']:.1f} % with the refined model."
     )
     return Section("ladder", title, (*items, *expected_and_measured_error_items(cache, rungs)), conclusion=conclusion)

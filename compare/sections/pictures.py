@@ -332,11 +332,10 @@ def screw_and_nut_mesh_picture(solution: PicturedSolution) -> content.FieldPictu
         height=2.35 * scene.nut.outer_diameter / 2.0,
         scale_bar=10e-3,
         caption=(
-            f"{SCENE}, level {LEVEL}: {len(meshes.screw_mesh.cells)} and {len(nut.cells)} second-order tetrahedra in "
-            "screw and "
-            f"nut; orange: a patch of {len(mesh_groove_patch(setup, meshes, 0).cells)} second-order hexahedra at every "
-            f"contact. As one mesh: {setup.degree_of_freedom_count / 1e6:.2f} million unknowns. Balls are not drawn; the "
-            "round hollows "
+            f"{SCENE}, level {LEVEL}: {len(meshes.screw_mesh.cells)} second-order tetrahedra in the screw and "
+            f"{len(nut.cells)} in the nut; orange: a patch of {len(mesh_groove_patch(setup, meshes, 0).cells)} "
+            "second-order hexahedra at every contact. A single mesh of all bodies, equally fine at the contacts, would "
+            f"have {setup.degree_of_freedom_count / 1e6:.2f} million unknowns. Balls are not drawn; the round hollows "
             "along the cut are cross-sections of the nut's groove."
         ),
     )
@@ -572,8 +571,8 @@ def make_section(cache: SceneResultCache, step: Step) -> content.Section:
     )
     pressure = (
         f"Mesh level {FINE_LEVEL}; dots: nodes. Pressure: nodal force over tributary area. Ellipse: Hertz theory for the "
-        "same load. The ball is pressed with its contact loads in the 3D reference between groove patches that are held "
-        "where they join screw and nut."
+        "same load. The pressures are from a separate computation of this ball: its contact loads in the 3D reference "
+        "press it between patches of both grooves, which are held where they join screw and nut."
     )
     stress = (
         "Linear elastic; logarithmic colour scale. Screw and nut carry the contact loads of all balls; the screw is fixed "

@@ -154,12 +154,19 @@ def _load_error_row(
         TableColumn("rms", "RMS error of the contact loads", "% of mean load", ".2f"): errors[1],
         TableColumn("own_max", "largest contact-load error", "% of contact's load", ".2f"): errors[2],
         TableColumn("own_rms", "RMS error of the contact loads", "% of contact's load", ".2f"): errors[3],
-        TableColumn("printed", "errors printed by Lin, largest / RMS", "% of contact's load", "s"): printed_errors,
+        TableColumn(
+            "printed",
+            "contact-load errors against ANSYS that Lin prints: the largest, and the RMS",
+            "% of contact's load",
+            "s",
+        ): printed_errors,
         TableColumn("bar", "mesh uncertainty of the 3D reference", "% of mean load", ".2f"): uncertainties[0],
         TableColumn(
             "modelling", "uncertainty of the 3D reference by modelling choices", "% of mean load", ".2f"
         ): uncertainties[1],
-        TableColumn("load_ratio", "ratio of the largest to the smallest load on flank SL", "", ".3f"): load_ratio_of_flank,
+        TableColumn(
+            "load_ratio", "ratio of largest to smallest load on the left flank of the screw (SL)", "", ".3f"
+        ): load_ratio_of_flank,
     }
 
 
@@ -210,6 +217,10 @@ def _finite_number_or_none(value: Any) -> float | None:
     return float(value) if np.isfinite(value) else None
 
 
+#: Names of the displacements along the axes of the scene; the screw lies along z.
+DIRECTIONS = {"x": "lateral (x)", "y": "lateral (y)", "z": "axial (z)"}
+
+
 def centreline_displacement_table(cache: SceneResultCache, references: References) -> Table:
     """Return the table of displacements of the screw's centreline along its length, by refined model and 3D reference.
 
@@ -223,12 +234,12 @@ def centreline_displacement_table(cache: SceneResultCache, references: Reference
             cells: Row = {"scene": name, TableColumn("z", "axial position on the screw", "mm", ".1f"): 1e3 * float(row[0])}
             for k, axis in enumerate("xyz"):
                 beam = float(np.interp(row[0], low.stations, low.line[:, k]))
-                cells[TableColumn(f"r{axis}", f"displacement of the screw in {axis}, 3D reference", "µm", ".2f")] = (
-                    1e6 * float(row[1 + k])
-                )
-                cells[TableColumn(f"l{axis}", f"displacement of the screw in {axis}, refined model", "µm", ".2f")] = (
-                    1e6 * beam
-                )
+                cells[
+                    TableColumn(f"r{axis}", f"{DIRECTIONS[axis]} displacement of the screw, 3D reference", "µm", ".2f")
+                ] = 1e6 * float(row[1 + k])
+                cells[
+                    TableColumn(f"l{axis}", f"{DIRECTIONS[axis]} displacement of the screw, refined model", "µm", ".2f")
+                ] = 1e6 * beam
             rows.append(cells)
     note = (
         "3D reference: mean displacement of the surface of the axial hole where the screw is meshed, near the nut; "
@@ -270,7 +281,8 @@ def contact_load_figures(cache: SceneResultCache, references: References) -> lis
         out.append(
             Figure(
                 f"reference-loads-{name}",
-                f"Contact load of every ball of {name} by the low-order models and the 3D reference",
+                f"Contact load of every ball of {name} ({scene.title.partition(':')[0]}), by the low-order models and the "
+                "3D reference",
                 tuple(panels),
             )
         )
@@ -363,7 +375,7 @@ def contacts_beyond_check_limit_table(references: References, cache: SceneResult
                         ),
                     }
                 )
-    note = f"Errors are as rollbench check judges them: {RULE}."
+    note = f"Errors by the rule of rollbench check: {RULE}."
     title = f"Contacts whose load by Lin's model differs from the 3D reference by more than {LIMIT:g} %"
     return Table.from_rows("reference-exceedances", title, rows, note)
 

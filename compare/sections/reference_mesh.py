@@ -91,10 +91,15 @@ def mesh_level_table(cache: SceneResultCache, references: References) -> Table:
                     TableColumn(
                         "frozen", "largest load change by updating contact normals", "% of mean load", ".2f"
                     ): frozen.max_percent,
-                    TableColumn("balance", "unbalanced force of balls or screw / largest load", "", "g2"): max(
-                        run.balance, run.screw_balance
-                    ),
-                    TableColumn("along", "force along the groove / largest load", "", "g2"): run.along_groove,
+                    TableColumn(
+                        "balance",
+                        "largest unbalanced force on a ball or on the screw, over the largest contact load",
+                        "",
+                        "g2",
+                    ): max(run.balance, run.screw_balance),
+                    TableColumn(
+                        "along", "largest net force on a ball along the groove, over the largest contact load", "", "g2"
+                    ): run.along_groove,
                     TableColumn("jacobian", "smallest scaled Jacobian of the elements", "", ".2f"): jacobian,
                     TableColumn("deviation", "deviation of coarse meshes from the groove surface", "um", "g2"): 1e6
                     * run.quality["deviation"],
@@ -126,16 +131,16 @@ def mesh_uncertainty_table(references: References) -> Table:
                 "scene": name,
                 TableColumn("levels", "number of mesh levels", "", "s"): len(ref.runs),
                 TableColumn(
-                    "contact", "standard deviation by cells of the contacts", "% of mean load", ".3f"
+                    "contact", "standard deviation due to the size of cells at the contacts", "% of mean load", ".3f"
                 ): p.contact_cell_deviation,
                 TableColumn(
-                    "bodies", "standard deviation by cells of the bodies", "% of mean load", ".3f"
+                    "bodies", "standard deviation due to the size of cells in the bodies", "% of mean load", ".3f"
                 ): p.body_cell_deviation,
                 TableColumn(
-                    "sockets", "standard deviation by cut-outs for the fine patches", "% of mean load", ".3f"
+                    "sockets", "standard deviation due to the refinement boxes", "% of mean load", ".3f"
                 ): p.socket_mesh_deviation,
                 TableColumn(
-                    "common", "standard deviation common to all contacts", "% of mean load", ".3f"
+                    "common", "standard deviation of the error common to all contact loads", "% of mean load", ".3f"
                 ): p.common_deviation,
                 TableColumn(
                     "bar", "mesh uncertainty (95 %), RMS over the contacts", "% of mean load", ".3f"
@@ -146,23 +151,23 @@ def mesh_uncertainty_table(references: References) -> Table:
                 TableColumn(
                     "largest", "largest mesh uncertainty of a contact load", "% of mean load", ".3f"
                 ): largest_uncertainty_percent(ref),
-                TableColumn("from", "uncertainty estimated from", "", "s"): "other scenes"
+                TableColumn("from", "whether estimated from mesh levels of this screw or bearing", "", "s"): "no"
                 if p.is_from_other_scenes
-                else "mesh levels of the scene and other scenes",
+                else "yes",
             }
         )
     note = (
-        "The contributions are standard deviations of the difference between the finest mesh level and the next finer one, "
-        "RMS over the contacts; the uncertainty is twice the root of the sum of their squares. Fine patches are set into "
-        "cut-outs (sockets) of the coarse meshes. The contributions of bodies and cut-outs are distributed over the "
-        "contacts in proportion to the contact stiffness, the cube root of the load. From level to "
-        "level, contact cells are refined by 4/3 and body cells by 1.15; the size of the cut-outs does not change. No two "
+        "The contributions are standard deviations of the difference between the finest mesh level and the next finer "
+        "one, RMS over the contacts; the uncertainty is twice the root of the sum of their squares. Fine patches fill "
+        "boxes that are cut out of the coarse meshes (refinement boxes). The contributions of bodies and boxes are "
+        "distributed over the contacts in proportion to the contact stiffness, the cube root of the load. From level to "
+        "level, contact cells are refined by 4/3 and body cells by 1.15; the size of the boxes does not change. No two "
         "levels share a cell, so loads scatter between levels and show no order of convergence. The first two "
         "contributions follow from load changes between the levels of the scene and decrease with the square of the cell "
-        "size. The contribution of the cut-outs is half the variance caused by another size of the cut-out. The common "
-        "contribution follows from the mean load changes of all scenes in which equilibrium does not determine the sum of "
-        "loads. Next to a free nut face, the compliance of the thin lip that the cells do not resolve is added where it "
-        "exceeds all other contributions; it was measured on nuts alone with increasingly fine meshes."
+        "size. The contribution of the boxes is half the variance caused by another number of cells on their edges. The "
+        "common contribution follows from the mean load changes of all scenes in which equilibrium does not determine the"
+        " sum of loads. Next to a free nut face, the compliance of the thin lip that the cells do not resolve is added "
+        "where it exceeds all other contributions; it was measured on nuts alone with increasingly fine meshes."
     )
     title = "Mesh uncertainty of the contact loads of the 3D reference, by contribution"
     return Table.from_rows("reference-convergence", title, rows, note)
@@ -187,8 +192,8 @@ def mesh_uncertainty_test_table(cache: SceneResultCache) -> Table | None:
     columns = [TableColumn("scene", "scene", "", "s"), TableColumn("contacts", "number of contacts", "", "s")]
     columns.append(TableColumn("judge", "finer mesh level for the test", "", "s"))
     for k in levels:
-        words = f"level {k} and other scenes" if k == min(LEVELS) else f"levels up to {k}"
-        columns.append(TableColumn(f"bar {k}", f"mesh uncertainty from {words}", "% of mean load", ".3f"))
+        words = f"level {k} and other screws" if k == min(LEVELS) else f"levels {min(LEVELS)} to {k}"
+        columns.append(TableColumn(f"bar {k}", f"mesh uncertainty of level {k}, from {words}", "% of mean load", ".3f"))
         columns.append(TableColumn(f"held {k}", f"loads within the mesh uncertainty of level {k}", "%", ".1f"))
     worst = min((h for h in several if h.contact_count >= u_val.MANY), key=lambda h: h.covered_share)
     note = (
@@ -255,6 +260,17 @@ def _measured_times_sentence(conditions: MeasuringConditions | None) -> str:
     return f"Times were measured with {conditions}; times from other measurements are left out."
 
 
+#: Names of the stages of a 3D computation in column headings, by their names in stored runs.
+STAGES = {
+    "meshes": "coarse meshes of all parts",
+    "patches": "compliance of the fine patches at the contacts",
+    "shaft section": "beam stiffness of the shaft outside the 3D mesh",
+    "screw": "compliance of the screw at the contacts",
+    "nut": "compliance of the nut at the contacts",
+    "ball": "compliance of a ball at its contacts",
+}
+
+
 def stage_time_table(references: References) -> Table:
     """Return the table of the run time of each stage of the 3D reference on its finest mesh level, scene by scene.
 
@@ -268,8 +284,11 @@ def stage_time_table(references: References) -> Table:
         cells: dict[str, Cell] = {"scene": name, "contact": ref.best.solve_seconds}
         rows.append(cells | dict(ref.best.stages))
     names = list(dict.fromkeys(k for row in rows for k in row if k not in ("scene", "contact")))
-    columns = [TableColumn("scene", "scene", "", "s"), *(TableColumn(k, f"run time: {k}", "s", ".1f") for k in names)]
-    columns.append(TableColumn("contact", "run time: load case", "s", ".1f"))
+    columns = [
+        TableColumn("scene", "scene", "", "s"),
+        *(TableColumn(k, f"run time: {STAGES.get(k, k)}", "s", ".1f") for k in names),
+    ]
+    columns.append(TableColumn("contact", "run time: one load case", "s", ".1f"))
     note = f"Scenes with the same geometry share all stages except the load case. {_measured_times_sentence(common)}"
     title = "Run time of each stage of the 3D computation on its finest mesh level"
     return Table("reference-stages", title, columns, rows, note)
@@ -301,7 +320,9 @@ def mesh_study_tables_and_figures(cache: SceneResultCache, references: Reference
         if any(row.get("modelling_spread") is not None for row in rows):
             columns.append(TableColumn("modelling_spread", "uncertainty of the value by modelling choices", "", "g2"))
             columns.append(
-                TableColumn("scene_choices", "largest change by one modelling choice, computed on this scene", "", "g2")
+                TableColumn(
+                    "scene_choices", "largest change due to a single modelling choice, computed on this screw", "", "g2"
+                )
             )
         out.append(
             Table(
@@ -319,7 +340,7 @@ def mesh_study_tables_and_figures(cache: SceneResultCache, references: Reference
 
 
 #: Names in tables of the kinds of choices that are varied in the 3D reference: modelling, numerical, of the scene.
-KINDS = {"modelling": "modelling", "numerical": "numerical", "scene": "of the scene"}
+KINDS = {"modelling": "modelling choice", "numerical": "numerical setting", "scene": "unprinted input"}
 
 
 def modelling_choice_table(cache: SceneResultCache) -> Table | None:
@@ -342,26 +363,37 @@ def modelling_choice_table(cache: SceneResultCache) -> Table | None:
             rows.append(
                 {
                     "scene": name,
-                    TableColumn("choice", "changed choice", "", "s"): e.choice,
-                    TableColumn("variant", "choice in the changed run", "", "s"): e.label,
-                    TableColumn("kind", "kind of the choice", "", "s"): KINDS[e.kind],
+                    TableColumn("choice", "modelling choice or unprinted input that is changed", "", "s"): e.choice,
+                    TableColumn("variant", "what it is changed to", "", "s"): e.label,
+                    TableColumn("kind", "kind of the change", "", "s"): KINDS[e.kind],
                     **_load_change_cells(e.error),
-                    TableColumn("ratio", "change of the ratio of largest to smallest load on flank SL", "%", "+.2f"): ratio,
                     TableColumn(
-                        "model", "largest load error of Lin's model against the changed run", "% of mean load", ".2f"
+                        "ratio",
+                        "change of the ratio of largest to smallest load on the screw's left flank (SL)",
+                        "%",
+                        "+.2f",
+                    ): ratio,
+                    TableColumn(
+                        "model",
+                        "largest load error of Lin's model against the 3D reference with this change",
+                        "% of mean load",
+                        ".2f",
                     ): largest,
                     TableColumn(
-                        "model_rms", "RMS load error of Lin's model against the changed run", "% of mean load", ".2f"
+                        "model_rms",
+                        "RMS load error of Lin's model against the 3D reference with this change",
+                        "% of mean load",
+                        ".2f",
                     ): rms,
                 }
             )
     note = (
         "One choice is changed at a time on mesh level 1; changes are relative to the unchanged scene on the same level. "
-        "Only choices of the kind modelling are part of the modelling uncertainty. Where the nut is fixed and where the "
-        "groove of the screw ends are choices of the scene. The coupling of axial force and twist that beam models "
-        "neglect is estimated here; the refined model includes it."
+        "Only modelling choices are part of the modelling uncertainty. Where the nut is fixed and where the "
+        "groove of the screw ends are inputs that the publication does not print. The coupling of axial force and twist "
+        "that beam models neglect is estimated here; the refined model includes it."
     )
-    title = "Change of the 3D reference's contact loads (mesh level 1) by one modelling choice or unprinted dimension"
+    title = "Change of the 3D reference's contact loads (mesh level 1) by one modelling choice or unprinted input"
     return Table.from_rows("reference-spread", title, rows, note) if rows else None
 
 
@@ -382,14 +414,11 @@ def refined_mesh_setting_table(cache: SceneResultCache) -> Table | None:
         rows.append(
             {
                 "scene": REFINED,
-                TableColumn("choice", "refined numerical setting", "", "s"): e.choice,
-                TableColumn("variant", "refinement", "", "s"): e.label,
+                TableColumn("choice", "numerical setting that is refined", "", "s"): e.choice,
+                TableColumn("variant", "value after the refinement", "", "s"): e.label,
                 **_load_change_cells(e.error, ".3f"),
                 TableColumn(
-                    "grid",
-                    "mesh uncertainty of the contact load that this refinement changes most",
-                    "% of mean load",
-                    ".3f",
+                    "grid", "mesh uncertainty of the contact load with the largest change", "% of mean load", ".3f"
                 ): float(grid[at]),
                 TableColumn("largest", "largest mesh uncertainty of a contact load", "% of mean load", ".3f"): float(
                     grid.max()
@@ -546,7 +575,7 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     found, everything = references_of_case_studies(cache), cache.stored_references((*REFERENCED, *UNSEEN))
     text = [
         (
-            "From level to level all cells are refined, those of the contacts by a third; the cut-outs for the fine "
+            "From level to level all cells are refined, those of the contacts by a third; the boxes for the fine "
             "patches keep their size. The mesh of Lin's thesis has first-order tetrahedra of "
             f"{1000.0 * SOURCE_MESH['tet']:g} mm around every contact and {1000.0 * SOURCE_MESH['cell']:g} mm elsewhere; "
             "it is condensed by the same method."

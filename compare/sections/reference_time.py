@@ -55,8 +55,8 @@ WORK = {
     "all": "CPU time of the stage",
     "meshing": "CPU time of meshing",
     "assembly": "CPU time of assembly",
-    "elimination": "CPU time of elimination",
-    "dense": "CPU time of dense algebra in the elimination",
+    "elimination": "CPU time of the elimination of unknowns inside the bodies",
+    "dense": "CPU time of the dense matrix algebra in this elimination",
 }
 #: Models that are timed on the scene `FIRST` with interpreted and with compiled kernels.
 SAMPLE = ("lin", "refined")
@@ -357,8 +357,12 @@ def error_and_time_table(points_by_scene: Mapping[str, Sequence[ErrorAndRunTime]
             "scene": scene,
             TableColumn("model", "model or mesh level", "", "s"): p.label,
             TableColumn("error", "largest contact-load error", "% of mean load", ".2f"): p.error,
-            TableColumn("low", "largest contact-load error, at least", "% of mean load", ".2f"): p.low,
-            TableColumn("high", "largest contact-load error, at most", "% of mean load", ".2f"): p.high,
+            TableColumn(
+                "low", "lower limit of the largest contact-load error, by mesh uncertainty", "% of mean load", ".2f"
+            ): p.low,
+            TableColumn(
+                "high", "upper limit of the largest contact-load error, by mesh uncertainty", "% of mean load", ".2f"
+            ): p.high,
             TableColumn("rms", "RMS error of the contact loads", "% of mean load", ".2f"): p.rms,
             TableColumn("cold", "run time of a cold start", "s", "g3"): p.cold,
             TableColumn("warm", "run time of a further solution", "s", "g3"): p.warm,
@@ -421,14 +425,16 @@ def command_time_table(run_times: StoredRunTimes) -> Table:
     rows: list[Row] = [
         {
             TableColumn("command", "command", "", "s"): c.command,
-            TableColumn("reach", "target of the run time", "", "s"): COMMANDS.get(c.command, ""),
+            TableColumn("reach", "largest run time wanted, with an empty home directory", "", "s"): COMMANDS.get(
+                c.command, ""
+            ),
             TableColumn("seconds", "run time with an empty home directory", "s", "g3"): c.seconds,
             TableColumn("first_line", "time until the first line of output", "s", "g3"): c.first_line,
             TableColumn("cpu", "CPU time with an empty home directory", "s", "g3"): c.cpu,
             TableColumn("again", "run time of a second run", "s", "g3"): c.again,
             TableColumn("again_cpu", "CPU time of a second run", "s", "g3"): c.again_cpu,
-            TableColumn("beside", "run time next to a busy process", "s", "g3"): c.beside,
-            TableColumn("beside_cpu", "CPU time next to a busy process", "s", "g3"): c.beside_cpu,
+            TableColumn("beside", "run time while another process keeps a core busy", "s", "g3"): c.beside,
+            TableColumn("beside_cpu", "CPU time while another process keeps a core busy", "s", "g3"): c.beside_cpu,
             TableColumn("note", "note on the measurement", "", "s"): c.note,
         }
         for c in run_times.command_times

@@ -15,6 +15,7 @@ from rollbench.compare.models.modelling import UNSEEN
 from rollbench.compare.models.registry import DEFAULT
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.reference.estimate import Reference
+from rollbench.compare.sections.u_val import SPOKEN
 from rollbench.meshes.parts import Scene
 from rollbench.reports.content import Figure, Row, Section, Sketch, Table, TableColumn, Text
 
@@ -33,10 +34,10 @@ def scene_inputs_sentence(scene: Scene) -> str:
     lead = f"lead {1e3 * track.lead:.4g} mm" + (f", {track.starts} starts" if track.starts > 1 else "")
     words = [
         f"{scene.ball_count} balls of {2e3 * balls.radius:.5g} mm diameter",
-        lead if track.lead else "ball bearing",
+        *([lead] if track.lead else []),
         f"pitch diameter {2e3 * track.pitch_radius:.5g} mm",
         f"contact angle {degrees(track.contact_angle):.4g} deg",
-        f"groove radius over ball diameter {_conformity_text(scene)}",
+        f"groove radius/ball diameter {_conformity_text(scene)}",
     ]
     if errors.oversize:
         words.append(f"ball radii {errors.oversize * 1e6:+.3g} um from nominal")
@@ -46,9 +47,13 @@ def scene_inputs_sentence(scene: Scene) -> str:
 
 
 def _conformity_text(scene: Scene) -> str:
-    """Return the conformities (groove radius over ball diameter) of screw and nut as text; one number if both are equal."""
-    found = [f"{body.groove_radius / (2.0 * scene.balls.radius):.3g}" for body in (scene.screw, scene.nut)]
-    return " and ".join(dict.fromkeys(found))
+    """Return the conformities (groove radius over ball diameter) of screw and nut, or of both rings, as text.
+
+    They are one number if both are equal.
+    """
+    screw, nut = (f"{body.groove_radius / (2.0 * scene.balls.radius):.3g}" for body in (scene.screw, scene.nut))
+    names = ("in the screw", "in the nut") if scene.track.lead else ("in the inner ring", "in the outer ring")
+    return screw if screw == nut else f"{screw} {names[0]} and {nut} {names[1]}"
 
 
 #: Names of the models on a data sheet; the uncertainty u_val is stated for the first.
@@ -56,7 +61,7 @@ MODELS = (DEFAULT, "lin")
 
 LEGEND = (
     "Sketches are to scale near the nut. Hatched: surface that is fixed in the 3D reference; light: balls behind the "
-    f"axis. Errors as rollbench check judges them are {RULE}, for the stated inputs, which model and reference share. "
+    f"axis. Errors by the rule of rollbench check are {RULE}, for the stated inputs, which model and reference share. "
     "u_val: uncertainty (95 %) of the error against a real screw, by mesh, modelling choices and input tolerances "
     "(section u-val)."
 )
@@ -119,7 +124,7 @@ def largest_errors_sentence(errors_by_scene: Mapping[str, Judged]) -> str:
             worst = [_largest_error_text(of_kind, model) for model in MODELS]
             words.append(f"{' and '.join(worst)} on the {len(of_kind)} {kind}")
     return (
-        f"Largest contact-load error over {len(errors_by_scene)} screws and bearings, in per cent of the mean load: "
+        f"Largest contact-load error on {len(errors_by_scene)} screws and bearings, in per cent of the mean load: "
         f"{' and '.join(whole)}. In detail: {'; '.join(words)}."
     )
 
@@ -131,7 +136,7 @@ def _largest_error_text(errors_by_scene: Mapping[str, Judged], model: str) -> st
     """
     errors = {name: abs(v[model, uncertainty.CONTACTS].error) for name, v in errors_by_scene.items()}
     name = max(errors, key=errors.__getitem__)
-    return f"{errors[name]:.1f} % by the model {model} ({name})"
+    return f"{errors[name]:.1f} % with {SPOKEN.get(model, f'the {model} model')} ({name})"
 
 
 def data_sheet_items(
@@ -147,7 +152,11 @@ def data_sheet_items(
     words = (check_verdict_sentence(gate), uncertainty_sentence(reference, validated_errors[DEFAULT, uncertainty.CONTACTS]))
     return (
         Text(words, heading=f"{name}: {scene.title}"),
-        sketch_scene(scene, f"sketch-{name}", f"Side view of {name} with supports and loads"),
+        sketch_scene(
+            scene,
+            f"sketch-{name}",
+            f"Side view of the {'screw' if scene.track.lead else 'bearing'} {name}, with supports and loads",
+        ),
         data_sheet_table(cache, scene, reference, validated_errors, gate),
     )
 
@@ -227,14 +236,14 @@ def data_sheet_table(
                 TableColumn(f"error-{model}", f"error of the model {model}", "%", "+.2f"): error
                 for model, error in errors.items()
             },
-            TableColumn("u_val", f"uncertainty u_val of the error of {DEFAULT}", "%", ".2f"): u_val
+            TableColumn("u_val", f"validation uncertainty u_val of the error of the {DEFAULT} model", "%", ".2f"): u_val
             if np.isfinite(u_val)
             else None,
         }
 
     rows = [
         quantity_row(
-            "largest contact-load error as rollbench check judges it",
+            "largest contact-load error by the rule of rollbench check",
             {m: v.error for m, v in gate_verdicts_of_models.items()},
             np.nan,
             {},

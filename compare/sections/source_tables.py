@@ -99,7 +99,8 @@ def _layout_from_record(case: str, path: str, record: Mapping[str, Any]) -> Prin
                 printed_entry(*name.split(":"))
             except KeyError as error:
                 advice = "correct this key in the file of table layouts"
-                raise InputError(path, record["number"], name, "the key of an existing printed number", advice) from error
+                allowed = "the key of a number that is stored from a table of the publication"
+                raise InputError(path, record["number"], name, allowed, advice) from error
         rows.append((label, names))
     texts = {key: record[key] for key in ("number", "short", "title", "printed", "kind")}
     return PrintedLayout(case, **texts, columns=tuple(record["columns"]), rows=tuple(rows))
@@ -124,7 +125,12 @@ def format_like_printed_number(value: float | None, printed: str) -> str:
 
 
 #: Ends of the column headings of `printed_and_computed_table_in_layout`.
-IN_LAYOUT = {"printed": "printed", "ours": "computed here", "right": "computed here without the publication's mistake"}
+IN_LAYOUT = {
+    "printed": "printed",
+    "ours": "computed here",
+    "repeated": "computed here, mistake repeated",
+    "right": "computed here, mistake corrected",
+}
 
 
 def printed_and_computed_table_in_layout(
@@ -155,7 +161,11 @@ def printed_and_computed_table_in_layout(
         for names in zip(*layout.across, strict=True)
     ]
     for (label, names), several in zip(layout.rows, across, strict=True):
-        row: Row = {TableColumn("label", "printed row", "", "s"): label} if any(label for label, _ in layout.rows) else {}
+        row: Row = (
+            {TableColumn("label", "row of the printed table", "", "s"): label}
+            if any(label for label, _ in layout.rows)
+            else {}
+        )
         if of_row and any("".join(units) for units in across):
             row[TableColumn("unit", "printed unit", "", "s")] = next(iter(several))
         for k, (head, name) in enumerate(zip(layout.columns, names, strict=True)):
@@ -180,14 +190,15 @@ def printed_and_computed_table_in_layout(
                 )
             for key, text in texts.items():
                 if key != "right" or faulty[k]:
-                    row[TableColumn(f"{key}-{k}", f"{head}, {IN_LAYOUT[key]}", heading, "s")] = text
+                    ending = IN_LAYOUT["repeated" if key == "ours" and faulty[k] else key]
+                    row[TableColumn(f"{key}-{k}", f"{head}, {ending}", heading, "s")] = text
         rows.append(row)
     note = (
-        "Computed here: by the low-order model, with the publication's error where an error of the publication changes the "
-        "number; the value computed without this mistake is then shown as well."
+        "Computed here: by the low-order model. Where a mistake of the publication changes numbers of a column, two "
+        "columns show the value with this mistake repeated, and the correct value."
     )
     if any(f.reference is not None for f in map(evidence_by_name.__getitem__, layout.names)):
-        note += " Numbers by ANSYS are compared with the 3D reference."
+        note += " Beside numbers by ANSYS, the value computed here is that of the 3D reference."
     return Table.from_rows(layout.stem(), layout.title, rows, note, unfolded=True)
 
 
@@ -203,8 +214,8 @@ def computed_value_text(evidence: PrintedEntryComparison) -> str:
     """Return the computed value of a printed number as text, with as many decimals as the printed one.
 
     ``evidence``: the printed number with its computed values. The text shows the value computed with the publication's
-    error repeated; if there is none, the correct value; if there is none either, the value by the 3D reference. For a claim
-    in words the text states whether the claim holds.
+    mistake repeated; if there is none, the correct value; if there is none either, the value by the 3D reference. For a
+    claim in words the text states whether the claim holds.
     """
     if evidence.printed.claim:
         return "–" if evidence.claim_is_true is None else "holds" if evidence.claim_is_true else "does not hold"
@@ -215,12 +226,16 @@ def computed_value_text(evidence: PrintedEntryComparison) -> str:
 #: Columns of the table of printed and computed values: values, their errors against the printed number, and scenes.
 PRINTED, SOLID = TableColumn("printed", "printed value", "", "s"), TableColumn("solid", "value by the 3D model", "", "s")
 OFF = {
-    "right": TableColumn("off", "error of the low-order against the printed value", "%", "+.2f"),
-    "faulty": TableColumn("off_faulty", "error against the printed value, with the publication's error", "%", "+.2f"),
-    "reading": TableColumn("off_reading", "error against the printed value, with the inferred assumption", "%", "+.2f"),
-    "solid": TableColumn("off_solid", "error of the 3D against the printed value", "%", "+.2f"),
+    "right": TableColumn("off", "error of the low-order value against the printed value", "%", "+.2f"),
+    "faulty": TableColumn(
+        "off_faulty", "error of the value with the mistake repeated, against the printed value", "%", "+.2f"
+    ),
+    "reading": TableColumn(
+        "off_reading", "error of the value with the inferred input, against the printed value", "%", "+.2f"
+    ),
+    "solid": TableColumn("off_solid", "error of the 3D value against the printed value", "%", "+.2f"),
 }
-AGAINST = TableColumn("against", "error of the low-order against the 3D value", "%", "+.2f")
+AGAINST = TableColumn("against", "error of the low-order value against the 3D value", "%", "+.2f")
 #: Column that states whether the printed number is reproduced; its key makes a page colour the cells.
 REPRODUCED = TableColumn("verdict", "whether reproduced", "", "s")
 SCENES = TableColumn("scenes", "scenes solved, or why there are none", "", "s")
@@ -264,8 +279,10 @@ def printed_and_computed_table(
                 row = base | {q: None for q in further if q not in base} | further_cells.get(name, {})
                 reason = join_remarks(f.reason, _tolerance_band_text(f.printed))
                 remark = remarks.setdefault(reason, len(remarks) + 1) if reason else None
-                first: Row = {TableColumn("label", "printed number", "", "s"): label or f.printed.label}
-                first[TableColumn("column", "printed column", "", "s")] = "" if head == "Value" or not label else head
+                first: Row = {TableColumn("label", "quantity whose value is printed", "", "s"): label or f.printed.label}
+                first[TableColumn("column", "column of the printed table", "", "s")] = (
+                    "" if head == "Value" or not label else head
+                )
                 last: Row = {REPRODUCED: VERDICT_NAMES[f.verdict], "how": f"how-{f.printed.table}"}
                 rows.append(first | row | last | {TableColumn("remark", "remark", "", "s"): remark})
     notes = [note, *(f"{number}: {text}" for text, number in remarks.items())]
@@ -292,8 +309,12 @@ def _printed_and_computed_row(layout: PrintedLayout, evidence: PrintedEntryCompa
     return {
         PRINTED: f"{p.number_as_printed or p.claim} {p.unit}".rstrip(),
         TableColumn("right", "value by the low-order model", "", form): _zero_if_round_off(evidence.value),
-        TableColumn("faulty", "value with the publication's error", "", form): _zero_if_round_off(evidence.as_printed),
-        TableColumn("reading", "value with an inferred assumption", "", form): evidence.value_by_inferred_assumption,
+        TableColumn("faulty", "value computed with the publication's mistake repeated", "", form): _zero_if_round_off(
+            evidence.as_printed
+        ),
+        TableColumn(
+            "reading", "value computed with an input inferred from printed results", "", form
+        ): evidence.value_by_inferred_assumption,
         SOLID: f"{_zero_if_round_off(evidence.reference) or 0.0:.{layout.significant_digits}g}"
         if evidence.reference is not None
         else reason_without_3d_value,
@@ -348,10 +369,10 @@ def printed_input_table(layout: PrintedLayout, evidence_by_name: Mapping[str, Pr
             TableColumn("label", "parameter (symbol)", "", "s"): label,
             TableColumn("printed", "printed value", "", "s"): f.printed.number_as_printed,
             TableColumn("unit", "unit", "", "s"): f.printed.unit,
-            TableColumn("scene", "value in the scene", "", "s"): format_like_printed_number(
+            TableColumn("scene", "value used in the computation", "", "s"): format_like_printed_number(
                 f.value, f.printed.number_as_printed
             ),
-            TableColumn("name", "scenes with the parameter", "", "s"): ", ".join(
+            TableColumn("name", "screws and bearings with this parameter", "", "s"): ", ".join(
                 all_computations()[f.printed.table].scenes_or_reason(f.printed)[0]
             ),
             REPRODUCED: VERDICT_NAMES[f.verdict],
@@ -449,17 +470,23 @@ def _reproduced_counts_row(place: str, entries: Sequence[PrintedEntryComparison]
     return {
         TableColumn("place", "publication, table or section", "", "s"): place,
         TableColumn("printed", "number of printed values", "", "s"): len(numbers),
-        TableColumn("inputs", "of these: inputs", "", "s"): tally["input"],
-        TableColumn("identities", "values that hold by definition or symmetry", "", "s"): tally["identity"],
-        TableColumn("results", "results of a computation or test", "", "s"): len(numbers)
+        TableColumn("inputs", "number of printed values that are inputs of the computation", "", "s"): tally["input"],
+        TableColumn("identities", "number of printed values that hold by definition or symmetry", "", "s"): tally[
+            "identity"
+        ],
+        TableColumn("results", "number of printed values that are results of a computation or test", "", "s"): len(numbers)
         - tally["input"]
         - tally["identity"],
-        TableColumn("reproduced", "results reproduced", "", "s"): tally["reproduced"],
-        TableColumn("faulty", "only with the publication's error", "", "s"): tally["only as printed"],
-        TableColumn("band", "within a tolerance band", "", "s"): tally["band"],
-        TableColumn("contradicted", "results that a computation contradicts", "", "s"): tally["contradicted"],
-        TableColumn("open", VERDICT_NAMES["not identifiable"], "", "s"): tally["not identifiable"],
-        TableColumn("claims", "claims in words confirmed", "", "s"): f"{borne} of {len(claims)}" if claims else "",
+        TableColumn("reproduced", "number of results reproduced", "", "s"): tally["reproduced"],
+        TableColumn("faulty", "number of results reproduced only with the publication's mistake repeated", "", "s"): tally[
+            "only as printed"
+        ],
+        TableColumn("band", "number of results within a tolerance band", "", "s"): tally["band"],
+        TableColumn("contradicted", "number of results that a computation contradicts", "", "s"): tally["contradicted"],
+        TableColumn("open", f"number of results {VERDICT_NAMES['not identifiable']}", "", "s"): tally["not identifiable"],
+        TableColumn("claims", "number of claims in words confirmed", "", "s"): f"{borne} of {len(claims)}"
+        if claims
+        else "",
     }
 
 

@@ -107,21 +107,22 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     text = (
         (
             "The ranges of the tolerances are assumed, each from zero to a usual value; Lin's thesis states no tolerances. "
-            "The Sobol indices are shares of the variance over these ranges: the first index for the tolerance alone, the "
-            f"total index including its interaction with others. Their {100 * found['indices']['confidence']:g} % "
-            "intervals follow from resampling the design."
+            "The Sobol indices are shares of the variance over these ranges: the first-order index for the tolerance "
+            "alone, the total index including its interaction with others. Their "
+            f"{100 * found['indices']['confidence']:g} % intervals follow from resampling the design."
         ),
         f"Computed by: {sweep_command(found)}.",
     )
+    interval = f"{100 * found['indices']['confidence']:g} % confidence interval"
     columns = (
         TableColumn("key", "tolerance", "", "s"),
         TableColumn("range", "range over which the tolerance is varied", "", "s"),
-        TableColumn("low", "mean largest contact load, minimum over the range", "N", "g4"),
-        TableColumn("high", "mean largest contact load, maximum over the range", "N", "g4"),
-        TableColumn("first", "first Sobol index of the largest contact load", "", ".2f"),
-        TableColumn("first_band", "confidence interval of the first index", "", "s"),
+        TableColumn("low", "mean of the largest contact load, lowest over the range of the tolerance", "N", "g4"),
+        TableColumn("high", "mean of the largest contact load, highest over the range of the tolerance", "N", "g4"),
+        TableColumn("first", "first-order Sobol index of the largest contact load", "", ".2f"),
+        TableColumn("first_band", f"{interval} of the first-order index", "", "s"),
         TableColumn("total", "total Sobol index of the largest contact load", "", ".2f"),
-        TableColumn("total_band", "confidence interval of the total index", "", "s"),
+        TableColumn("total_band", f"{interval} of the total index", "", "s"),
     )
     table = Table("tolerances", "Effect of each tolerance on the largest contact load", columns, rows)
     figures = figures_from_sweep_summary("tolerances", keys, found, short_tolerance_name)

@@ -49,7 +49,7 @@ JUDGES = "judging_levels.json"
 #: Key, in a record of the file `JUDGES`, of the TOML text of a randomly drawn scene.
 SCENE = "scene"
 
-#: Name of the variant of the 3D reference whose coarse meshes have finer cut-outs (sockets) for the fine contact patches.
+#: Name of the variant of the 3D reference whose boxes around the contacts (refinement boxes) have edges with more cells.
 SOCKETS = "finer-sockets"
 
 #: Scenes that were also solved by another program.
@@ -128,7 +128,7 @@ def loads_by_scene_and_level(cache: SceneResultCache) -> dict[str, dict[int, Arr
     return out | extra
 
 
-def load_scatter_by_patch_cutouts(cache: SceneResultCache) -> float | None:
+def load_scatter_by_refinement_boxes(cache: SceneResultCache) -> float | None:
     """Return the standard deviation of contact loads due to the mesh of the refinement boxes [% of the mean load].
 
     A refinement box is a box around a contact that is filled with a fine mesh patch. Two 3D runs whose boxes have edges
@@ -153,7 +153,7 @@ def mesh_uncertainty_parameters(cache: SceneResultCache) -> estimate.Uncertainty
     They follow from the mesh levels of all compared scenes together, because the mesh levels of a single scene do not show
     them; an example is an error that all contact loads of a scene share. Returns None if 3D runs are missing.
     """
-    loads, sockets = loads_by_scene_and_level(cache), load_scatter_by_patch_cutouts(cache)
+    loads, sockets = loads_by_scene_and_level(cache), load_scatter_by_refinement_boxes(cache)
     return (
         None
         if sockets is None or len(loads) < len(UNSEEN)
@@ -214,7 +214,7 @@ def _test_uncertainty_of_scenes(
     ``choose_level_groups``: function of a scene's contact loads by mesh level; it returns groups of levels, and
     one uncertainty is estimated from each group and tested. Returns an empty list if 3D runs are missing.
     """
-    scenes, sockets = loads_by_scene_and_level(cache), load_scatter_by_patch_cutouts(cache)
+    scenes, sockets = loads_by_scene_and_level(cache), load_scatter_by_refinement_boxes(cache)
     if sockets is None or len(scenes) < len(UNSEEN):
         return []
     beside = cache.compute_once(_load_errors_near_nut_faces)
@@ -229,7 +229,7 @@ def _test_uncertainty_of_scene(
     scene: Scene,
     levels: tuple[int, ...],
     loads_by_scene: Mapping[str, estimate.Levelled],
-    cutout_scatter: float,
+    box_scatter: float,
     errors_by_scene_near_faces: Mapping[str, Array],
 ) -> MeshUncertaintyTest:
     """Test the mesh uncertainty of one scene by the loads on its finest level.
@@ -244,7 +244,7 @@ def _test_uncertainty_of_scene(
         Mesh levels from which the tested uncertainty is estimated.
     loads_by_scene
         Contact loads (n, 4) [N] of all scenes, by name of the scene and mesh level.
-    cutout_scatter
+    box_scatter
         Standard deviation of contact loads due to the mesh of refinement boxes around the contacts [% of the mean load].
     errors_by_scene_near_faces
         Errors of contact loads near free nut faces on level 1, (n, 4) [% of the mean load], by name of the scene.
@@ -252,7 +252,7 @@ def _test_uncertainty_of_scene(
     name, level = scene.name, max(levels)
     family = SPOKEN_FOR.get(name, name)
     others = {other: by_level for other, by_level in loads_by_scene.items() if SPOKEN_FOR.get(other, other) != family}
-    known = estimate.derive_uncertainty_of_other_scenes(others, cutout_scatter, errors_by_scene_near_faces)
+    known = estimate.derive_uncertainty_of_other_scenes(others, box_scatter, errors_by_scene_near_faces)
     loads, judge = loads_by_scene[name], max(loads_by_scene[name])
     on, mean = estimate.is_loaded_on_any_level(loads), mean_load(loads[judge])
     coarser = {k: loads[k] for k in levels}
@@ -274,6 +274,9 @@ def share_of_contacts_within_uncertainty(tests: Sequence[MeshUncertaintyTest]) -
 
 #: Models whose errors are shown for each scene; bias and scatter are shown for all models of the section "ladder".
 SHOWN = (DEFAULT, "lin")
+
+#: Names of models in a sentence, other than "the refined model" and so on.
+SPOKEN = {"lin": "Lin's model"}
 
 
 def validated_errors_of_models(
@@ -306,25 +309,30 @@ def errors_with_u_val_table(validated_errors: Sequence[uncertainty.ErrorWithUnce
                 "scene": row.scene,
                 "quantity": row.quantity,
                 "model": row.model,
-                TableColumn("error", "error E of the model", "%", "+.2f"): row.error,
-                TableColumn("grid", "uncertainty of E by mesh", "%", ".2f"): row.grid,
-                TableColumn("choices", "uncertainty of E by modelling choices", "%", ".2f"): row.choices,
-                TableColumn("inputs", "uncertainty of E by input tolerances", "%", ".2f"): row.inputs,
-                TableColumn("u_val", "validation uncertainty u_val of E", "%", ".2f"): row.combined,
-                TableColumn("says", "conclusion on E", "", "s"): "error of the model, E ± u_val"
+                TableColumn("error", "model error", "%", "+.2f"): row.error,
+                TableColumn("grid", "uncertainty of the model error due to the mesh", "%", ".2f"): row.grid,
+                TableColumn("choices", "uncertainty of the model error due to modelling choices", "%", ".2f"): row.choices,
+                TableColumn("inputs", "uncertainty of the model error due to input tolerances", "%", ".2f"): row.inputs,
+                TableColumn("u_val", "validation uncertainty u_val of the model error", "%", ".2f"): row.combined,
+                TableColumn(
+                    "says", "conclusion on the model error", "", "s"
+                ): "the model is in error, by model error ± u_val"
                 if beyond
-                else "E within u_val",
-                TableColumn("within", "share of values with an error within u_val", "%", ".0f"): 100.0 * row.within,
-                TableColumn("varied", "scene on which choices were varied", "", "s"): row.scene_with_varied_choices or "–",
+                else "model error within u_val: not distinguishable from zero",
+                TableColumn("within", "share of values with a model error within u_val", "%", ".0f"): 100.0 * row.within,
+                TableColumn(
+                    "varied", "screw or bearing on which modelling choices were varied", "", "s"
+                ): row.scene_with_varied_choices or "–",
             }
         )
     note = (
-        f"For {uncertainty.CONTACTS}: the contact with the largest error, in per cent of the mean load; for "
-        "other quantities "
+        f"Model error: against the 3D reference. u_val: validation uncertainty, by mesh, modelling choices and input "
+        f"tolerances together. For {uncertainty.CONTACTS}: the contact with the largest error, in per cent of the mean "
+        "load; for other quantities "
         "in per cent of the value by the 3D reference. Input tolerances are assumed: "
         f"{'; '.join(x.name for x in uncertainty.INPUTS)}; each is varied alone, with the model lin. Modelling "
         "choices were varied on "
-        "two scenes; if the last column names another scene, the largest effect there is used. As in ASME V&V 20, the "
+        "two screws; if the last column names another one, the largest effect there is used. As in ASME V&V 20, the "
         "uncertainties are combined by the root of the sum of squares; they are not subtracted from an error."
     )
     return Table.from_rows(
@@ -341,20 +349,24 @@ def bias_and_scatter_table(scatters: Sequence[uncertainty.BiasAndScatter]) -> Ta
         {
             "model": s.model,
             "quantity": s.quantity,
-            TableColumn("scenes", "number of scenes", "", "g4"): s.scenes,
+            TableColumn("scenes", "number of screws and bearings", "", "g4"): s.scenes,
             TableColumn("values", "number of compared values", "", "g4"): s.values,
             TableColumn("bias", "mean error (bias) of the model", "%", "+.2f"): s.bias,
-            TableColumn("scatter", "scatter of the error", "%", ".2f"): s.scatter,
-            TableColumn("within", "share of values with an error within u_val", "%", ".0f"): 100.0 * s.within,
+            TableColumn("scatter", "standard deviation (scatter) of the error", "%", ".2f"): s.scatter,
+            TableColumn("within", "share of values with a model error within u_val", "%", ".0f"): 100.0 * s.within,
             TableColumn(
-                "within_own", "share of values with an error within the uncertainty by mesh and choices", "%", ".0f"
+                "within_own",
+                "share of values with an error within the uncertainty by mesh and modelling choices",
+                "%",
+                ".0f",
             ): 100.0 * s.within_own,
         }
         for s in scatters
     ]
     note = (
         "Bias: geometric mean of the relative deviation of the model from the 3D reference. Scatter: relative standard "
-        "deviation of the model, after subtraction of the variance by the mesh of the reference. All scenes with a 3D "
+        "deviation of the model, after subtraction of the variance by the mesh of the reference. u_val: validation "
+        "uncertainty, by mesh, modelling choices and input tolerances together. All screws and bearings with a 3D "
         "reference; contacts above a tenth of the mean load."
     )
     return Table.from_rows(
@@ -453,9 +465,9 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
         *validated_range_table_and_figure(cache),
     )
     stated = [
-        f"{s.bias:+.1f} % with a scatter of {s.scatter:.1f} % by the model {name}"
+        f"{s.bias:+.1f} % (standard deviation {s.scatter:.1f} %) with {SPOKEN.get(name, f'the {name} model')}"
         for name, s in of_loads.items()
         if name in SHOWN
     ]
-    conclusion = f"Mean error of contact loads against the 3D reference: {', '.join(stated)}." if stated else ""
+    conclusion = f"Mean error of the contact loads against the 3D reference: {', '.join(stated)}." if stated else ""
     return Section("u-val", title, items, conclusion=conclusion)

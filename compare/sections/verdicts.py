@@ -19,13 +19,25 @@ from rollbench.reports.content import Cell, Row, Section, Table, TableColumn, Te
 #: Number of table rows above which a common remark is stated once, in the note below the table, and replaced by its number.
 SHARED = 2
 
+#: Headings of the columns with the number of printed numbers and claims with each verdict.
+COUNT_HEADINGS: dict[str, str] = {
+    "reproduced": "number reproduced",
+    "only as printed": "number reproduced only with the publication's mistake repeated",
+    "band": "number with a computed value within a tolerance band",
+    "contradicted": "number that a computation, or the publication itself, contradicts",
+    "not identifiable": "number not determined by the data in the publication",
+    "input": "number that are inputs of the computation",
+    "identity": "number that hold by definition or symmetry",
+}
+
+#: Note on the tolerance bands.
+BANDS = "Tolerance bands: the table of all printed numbers states the origin of each in its column of remarks."
+
 #: Error [%] of a computed value below which it is round-off and shown as zero.
 ROUND_OFF = 1e-9
 
-#: Note on the column of values that are computed with the errors of the publication.
-FAULTS = (
-    "Computed with the publication's error: the computation repeats the error; empty where no error changes the number."
-)
+#: Note on the column of values that are computed with the mistakes of the publication.
+FAULTS = "Computed with the publication's mistake repeated: empty where no mistake of the publication changes the number."
 
 
 def printed_numbers_table(
@@ -89,17 +101,17 @@ def _columns_of_printed_table(
         (True, TableColumn("label", "quantity or claim", "", "s")),
         (with_place, TableColumn("place", "place in the publication", "", "s")),
         (True, TableColumn("verdict", "whether reproduced", "", "s")),
-        (True, TableColumn("class", "class of the printed number", "", "s")),
+        (
+            True,
+            TableColumn("class", "class of the printed number or claim (hard, as-printed, band, open or input)", "", "s"),
+        ),
         (True, TableColumn("unit", "unit", "", "s")),
         (True, TableColumn("printed", "printed value", "", "s")),
-        (faulty, TableColumn("as_printed", "value computed with the publication's error", "", form)),
-        (True, TableColumn("right", "value computed without the publication's mistake", "", form)),
+        (faulty, TableColumn("as_printed", "value computed with the publication's mistake repeated", "", form)),
+        (True, TableColumn("right", "value computed correctly, without the publication's mistake", "", form)),
         (True, TableColumn("error", "error of the computed against the printed value", "%", "g3")),
-        (inferred, TableColumn("reading", "value computed with an inferred assumption", "", form)),
-        (
-            inferred,
-            TableColumn("reading_error", "error against the printed value with the inferred assumption", "%", ".2f"),
-        ),
+        (inferred, TableColumn("reading", "value computed with an input inferred from printed results", "", form)),
+        (inferred, TableColumn("reading_error", "error against the printed value, with the inferred input", "%", ".2f")),
         (True, TableColumn("remark", "remark", "", "s")),
     )
     return tuple(column for shown, column in wanted if shown)
@@ -190,8 +202,10 @@ def printed_entry_counts_by_kind_table(entries: Sequence[compare_evidence.Printe
     cells: list[Row] = [
         {
             TableColumn("kind", "kind of the printed number or claim", "", "s"): words,
-            **{TableColumn(v, VERDICT_NAMES[v], "", "s"): tally[kind, v] for v in VERDICTS},
-            TableColumn("all", "number of all", "", "s"): sum(tally[kind, v] for v in VERDICTS),
+            **{TableColumn(v, COUNT_HEADINGS[v], "", "s"): tally[kind, v] for v in VERDICTS},
+            TableColumn("all", "number of all printed numbers and claims of this kind", "", "s"): sum(
+                tally[kind, v] for v in VERDICTS
+            ),
         }
         for kind, words in KINDS.items()
     ]
@@ -199,6 +213,7 @@ def printed_entry_counts_by_kind_table(entries: Sequence[compare_evidence.Printe
         "kinds",
         "Count of the numbers and claims printed in publications, by kind and by whether they are reproduced",
         cells,
+        BANDS,
     )
 
 
@@ -212,7 +227,9 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     tally = Counter((r.printed.entry_class, r.verdict) for r in audited)
     rows: list[Row] = [
         {
-            TableColumn("class", "class of the printed number", "", "s"): c,
+            TableColumn(
+                "class", "class of the printed number or claim (hard, as-printed, band, open or input)", "", "s"
+            ): c,
             TableColumn("verdict", "whether reproduced", "", "s"): VERDICT_NAMES[v],
             TableColumn("count", "number of printed numbers and claims", "", "s"): n,
         }
@@ -257,13 +274,14 @@ def printed_entry_counts_by_publication_table(entries: Sequence[compare_evidence
 
     ``entries``: printed numbers and claims with their verdicts.
     """
-    headings = [
-        (v, f"{VERDICT_NAMES[v]}, tests no model" if v in compare_evidence.APART else VERDICT_NAMES[v]) for v in VERDICTS
-    ]
+    headings = [(v, COUNT_HEADINGS[v] + ("; they test no model" if v in compare_evidence.APART else "")) for v in VERDICTS]
     columns = text_columns_of_table(
-        ("source", "publication"), *headings, ("judged", "number of all that test a model"), ("all", "number of all")
+        ("source", "publication"),
+        *headings,
+        ("judged", "number of printed numbers and claims that test a model"),
+        ("all", "number of printed numbers and claims"),
     )
-    note = "Inputs, and identities (arithmetic on printed numbers, or zero by symmetry), test no model."
+    note = f"Inputs, and identities (arithmetic on printed numbers, or zero by symmetry), test no model. {BANDS}"
     title = "Count of the numbers and claims printed in each publication, by whether they are reproduced"
     return Table("audit-counts", title, columns, compare_evidence.count_entries_by_verdict(entries), note)
 
@@ -303,8 +321,8 @@ def misprints_section(cache: SceneResultCache, step: Callable[[str], None]) -> S
     missing = text_columns_of_table(
         ("source", "publication"),
         ("place", "place in the publication"),
-        ("what", "quantities printed there"),
-        ("count", "approximate number of values"),
+        ("what", "quantities that are not compared"),
+        ("count", "approximate number of printed values that are not compared"),
         ("reason", "reason why they are not compared"),
     )
     items = (

@@ -39,6 +39,12 @@ SOURCE = "4-node tetrahedra, size of Lin"
 #: Quantities whose errors against Hertz theory are shown in the table.
 ERRORS = ("approach", "semi-axis a", "semi-axis b", "pole pressure", "fitted pole pressure")
 
+#: Names of these quantities in column headings, where they differ.
+ERROR_NAMES = {
+    "pole pressure": "pressure at the centre of the contact",
+    "fitted pole pressure": "pressure at the centre, by a fit to all nodal pressures",
+}
+
 WHAT = {"A": "ball on a flat", "B": "ball in a groove"}
 
 
@@ -186,7 +192,10 @@ def hertz_error_row(computation: HertzComputation) -> Row:
     return (
         mesh_cells_of_row(computation)
         | counts
-        | {TableColumn(name, f"error of the {name}", "%", ".2f"): computation.error_percents[name] for name in ERRORS}
+        | {
+            TableColumn(name, f"error of the {ERROR_NAMES.get(name, name)}", "%", ".2f"): computation.error_percents[name]
+            for name in ERRORS
+        }
     )
 
 
@@ -208,14 +217,16 @@ def rows_of_computed_and_hertz_values(computations: Sequence[HertzComputation]) 
             most, error = TARGETS.get(name, TARGETS["semi-axes"]), one.error_percents[name]
             rows.append(
                 {
-                    TableColumn("job", "contact", "", "s"): f"{run.contact_name}, {WHAT[run.contact_name]}",
+                    TableColumn("job", "contact problem", "", "s"): f"{run.contact_name}, {WHAT[run.contact_name]}",
                     "quantity": name,
                     "unit": unit,
                     TableColumn("value", "value by 3D finite elements", "", "g6"): scale * getattr(run, key),
                     TableColumn("reference", "value by Hertz theory", "", "g6"): scale * getattr(run.hertz_solution, key),
                     TableColumn("error", "error against Hertz theory", "%", ".3f"): error,
                     TableColumn("target", "largest error allowed", "%", ".1f"): most,
-                    TableColumn("met", "error within the allowed one", "", "s"): "yes" if abs(error) <= most else "NO",
+                    TableColumn("met", "whether the error is within the largest allowed", "", "s"): "yes"
+                    if abs(error) <= most
+                    else "NO",
                 }
             )
     return rows
@@ -362,9 +373,13 @@ def calculix_run_table(calculix_runs: results.CalculixRunsOfScene) -> Table:
         change = load_error(run.load, twin.load).max_percent if run.nlgeom and twin else None
         rows.append(
             {
-                TableColumn("across", "cells across the semi-axis at mean load, b/h", "", ".1f"): run.b_over_h,
+                TableColumn(
+                    "across", "b/h: elements across the minor semi-axis b of the contact at mean load", "", ".1f"
+                ): run.b_over_h,
                 TableColumn("fine", "element size h at the contacts", "mm", ".3f"): 1e3 * run.fine,
-                TableColumn("growth", "growth g of the elements", "", ".2f"): run.growth,
+                TableColumn(
+                    "growth", "growth g of the element size with the distance from the contact", "", ".2f"
+                ): run.growth,
                 TableColumn("stiffness", "contact stiffness", "N/mm3", "g2"): 1e-9 * run.stiffness,
                 TableColumn("large", "large or small displacements", "", "s"): "large" if run.nlgeom else "small",
                 TableColumn("bodies", "bodies meshed half or whole", "", "s"): "half"
@@ -423,7 +438,11 @@ def calculix_contact_tables(
         f"{abs(extrapolation.element_size_effect).max():.2f} N and the finite contact stiffness by up to "
         f"{abs(extrapolation.contact_stiffness_effect).max():.2f} N.{fixed}"
     )
-    meshes = "For CalculiX, runs with contact stiffnesses as equal as possible are shown."
+    meshes = (
+        "For CalculiX, runs with contact stiffnesses as equal as possible are shown. b/h: elements across the minor "
+        "semi-axis b of the contact ellipse; g: growth of the element size with the distance from the contact; half: one "
+        "half of each body is meshed; equal balls: one mesh for all balls."
+    )
     first = f"Contact loads of {calculix_runs.scene} by the 3D reference and by CalculiX, extrapolated to cell size zero"
     second = f"Contact loads of {calculix_runs.scene} by the 3D reference and by CalculiX on every mesh"
     return [

@@ -52,14 +52,14 @@ ENERGY = "energy solver"
 
 #: Starts of Newton's method as in Lin's thesis, by the name of the formulation.
 SOURCE: dict[str, Start] = {
-    "Lin's Newton method, nominal start": "nominal",
-    "Lin's Newton method, good guess": "guess",
-    "Lin's Newton method, load steps": "load steps",
+    "Lin's Newton method, started from the nominal geometry": "nominal",
+    "Lin's Newton method, started from a good guess": "guess",
+    "Lin's Newton method, load applied in steps": "load steps",
 }
 
 #: Name of the formulation in contact loads (`lowfi.statics.elastic`) of the same equations: beam, rigid nut, Hertz
 #: contacts.
-FORCES = "same equations, solved for contact loads"
+FORCES = "equations of the energy solver, solved for the contact loads"
 
 #: Models of elastic bodies by the name of their formulation; all must solve the hard-to-solve scenes.
 BACKENDS = {FORCES: "lin"} | {m.label: m.name for m in MODELS.values() if m.solves_hard_scenes}
@@ -184,9 +184,15 @@ def _outcome_by_contact_load_formulation(
     begin, backend = perf_counter(), BACKENDS[formulation]
     try:
         if hard_scene.scene.ball_count > ELASTIC_LIMIT:
-            raise ValueError(f"{hard_scene.scene.ball_count} balls, more than {ELASTIC_LIMIT}")
+            raise ValueError(
+                f"the scene has {hard_scene.scene.ball_count} balls: formulations whose unknowns are the contact loads are "
+                f"applied to at most {ELASTIC_LIMIT}, to save time"
+            )
         if not hard_scene.scene.ball_count:
-            raise ValueError("a shaft with roller bearings only has no elastic body but its beam")
+            raise ValueError(
+                "a shaft with only roller bearings: models with elastic bodies need at least one nut or ball bearing, as "
+                "otherwise only the shaft's beam is elastic"
+            )
         solve: Any = solve_assembly_with_elastic_bodies if isinstance(hard_scene.scene, Assembly) else solve_elastic
         result = solve(hard_scene.scene, backend=LADDER[backend], engine="compiled")
     except ValueError as error:
@@ -504,11 +510,11 @@ GOOD, BAD = (RIGHT, REFUSED, PROVEN, NOT_UNIQUE), (WRONG, UNPROVEN, SILENT, CRAS
 
 #: Headings of the report's columns with the numbers of scenes with each bad outcome.
 BAD_HEADINGS = {
-    WRONG: "scenes with a wrong result",
-    UNPROVEN: "scenes refused, reason unproven",
-    SILENT: "scenes refused without a reason",
-    CRASHED: "scenes that end in a Python traceback",
-    MISSTATED: "scenes whose printed result is not the computed one",
+    WRONG: "cases with a wrong result",
+    UNPROVEN: "cases refused for a reason that is not proven independently",
+    SILENT: "cases refused without a reason",
+    CRASHED: "cases that end in a Python traceback",
+    MISSTATED: "cases whose printed result is not the computed one",
 }
 
 
@@ -545,11 +551,13 @@ def campaign_table_rows(records: Sequence[Record]) -> list[Row]:
         ended: Row = {
             "command": r["command"],
             "rollbench version": r.get("version", ""),
-            "scenes solved correctly": r["scenes"][RIGHT],
-            "scenes refused, reason proven": sum(r["scenes"][verdict] for verdict in GOOD[1:]),
-            "scenes with a wrong or unproven outcome": sum(r["scenes"].get(verdict, 0) for verdict in BAD),
-            "damaged files read": sum(sum(row.values()) for row in files),
-            "damaged files read wrongly": sum(row["bad"] for row in files),
+            "cases solved correctly": r["scenes"][RIGHT],
+            "cases refused for a reason that is proven independently": sum(r["scenes"][verdict] for verdict in GOOD[1:]),
+            "cases with a wrong result, or an outcome that is not proven right": sum(
+                r["scenes"].get(verdict, 0) for verdict in BAD
+            ),
+            "number of damaged input files given to the program": sum(sum(row.values()) for row in files),
+            "damaged files that were read with a wrong content": sum(row["bad"] for row in files),
             "processes killed while writing": sum(r["files"].get("kill", {}).values()),
             "killed processes that left an incomplete file": r["files"].get("kill", {}).get("bad", 0),
         }

@@ -374,7 +374,8 @@ def compute_references_on_levels(
     several = next((s.name for s in scenes if isinstance(s, Assembly)), None) if spread else None
     if several is not None:
         given = f"{several}, which has several nuts and bearings"
-        raise ArgumentError("spread", given, "scenes with a single nut or bearing", "leave `spread` out")
+        allowed = "the varied modelling choices of this option only for scenes with a single nut or bearing"
+        raise ArgumentError("spread", given, allowed, "leave `spread` out")
     if spread:
         tasks += [t for s in scenes for t in jobs.plan_reference_tasks([s], (), jobs.modelling_variant_names())]
 

@@ -211,9 +211,11 @@ def compare_models_on_random_screws(
         If a model or number is not valid, or a model fails on each of the screws that are tried first.
     """
     if not 1 <= count <= survey.SCENES:
-        raise ArgumentError("count", str(count), f"1 to {survey.SCENES}", "choose a number in that range")
+        allowed = f"1 to {survey.SCENES} randomly drawn screws"
+        raise ArgumentError("count", str(count), allowed, "choose a number in that range")
     if not 0.0 < limit < float("inf"):
-        raise ArgumentError("max_error", f"{limit:g}", "above 0 %", "give a limit in per cent, such as 7")
+        advice = "give the largest allowed error of a contact load in per cent of the mean load, such as 7"
+        raise ArgumentError("max_error", f"{limit:g}", "above 0 %", advice)
     for name in models:
         model_by_name(name, excluded_names=("condensed",))
     numbers = [number for number in range(count) if number in stored_loads()]
@@ -365,12 +367,12 @@ def write_scene_and_reference_files(number: int, folder: Path) -> tuple[Path, Pa
     the reference file, which ``rollbench compare`` also reads. Raises InputError for a screw without stored loads, and if a
     file cannot be written.
     """
-    allowed = f"0 to {survey.SCENES - 1}, with a stored reference"
+    allowed = f"the number, 0 to {survey.SCENES - 1}, of a randomly drawn screw whose 3D reference is stored"
     if (
         not 0 <= number < survey.SCENES
         or (found := reference_from_stored_loads(scene := random_screw_scene(number), number)) is None
     ):
-        raise ArgumentError("screw", str(number), allowed, "choose the number of another screw")
+        raise ArgumentError("screw", str(number), allowed, "choose another number")
     text, loads = folder / f"{screw_name(number)}.toml", folder / f"{screw_name(number)}-reference.csv"
     layout = ball_layout(scene)
     rows = load_rows_for_csv(found.load, layout.azimuth, layout.z)

@@ -123,7 +123,12 @@ def check_table_request(
         for value in vary.listed_values:
             scene_tables.validated_keys(sweep_keys.tables_with_varied_keys(raw, [vary], [value]), origin)
     if math.prod(len(x.listed_values) for x in keys) > MOST:
-        raise ArgumentError("over", f"more than {MOST} combinations", f"up to {MOST} combinations", "give fewer values")
+        raise ArgumentError(
+            "over",
+            f"more than {MOST} combinations of values of the keys",
+            f"up to {MOST} combinations",
+            "give fewer values",
+        )
     columns = tuple(_column_of_varied_key(x) for x in typed)
     return SceneTableRequest(
         text,

@@ -211,7 +211,7 @@ def modelica_table_text(table: Table) -> tuple[str, list[str]]:
     """
     axes = [x.numbers for x in table.over]
     if not 1 <= len(axes) <= 2 or any(x is None or len(x) < 2 for x in axes):
-        allowed = "a table over one or two keys, each of two numbers or more"
+        allowed = "a table in which one or two keys of the scene vary, each with at least two numeric values"
         raise InputError(
             table.scene, "over", count_with_noun(len(axes), "key"), allowed, "make a table over one or two numeric keys"
         )

@@ -235,7 +235,9 @@ def solve_unilateral_contact(
                 break
             active = after
         else:
-            raise ValueError(f"the set of nodes in contact under {load:.4g} N does not converge in 200 changes")
+            raise ValueError(
+                f"contact on a mesh under {load:.4g} N: the set of nodes in contact still changes after 200 iterations"
+            )
         closed[k] = active
     return out, closed
 

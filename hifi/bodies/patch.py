@@ -259,8 +259,8 @@ def fit_tetrahedral_patch(
     volumes = signed_volumes(points, local.tetrahedra)
     if not (np.all(volumes > 0.0) or np.all(volumes < 0.0)):
         raise ValueError(
-            "tetrahedra of the fine mesh around a contact are turned inside out by the map into space: make the edges of "
-            "the tetrahedra at its rim shorter"
+            "tetrahedra of the fine mesh around a contact are turned inside out when the mesh is mapped from its plane box "
+            "onto the curved body: make the edges of the tetrahedra at the rim of the fine mesh shorter"
         )
     cells = (
         local.tetrahedra if volumes[0] > 0.0 else local.tetrahedra[:, [0, 2, 1, 3]]
@@ -442,8 +442,8 @@ def refinement_box_interpolation_matrix(xi: Array, socket: RefinementBoxFaces, *
         done[points[found]] = True
     if not done.all():
         raise ValueError(
-            "a boundary node of the fine mesh around a contact lies on no triangle of the refinement box that it fills: "
-            "mesh and box must have the same size"
+            "a boundary node of the fine mesh around a contact lies on no triangle of the refinement box, the cavity in "
+            "the coarse mesh that the fine mesh fills: fine mesh and cavity must have the same size"
         )
     matrix = sp.coo_array(
         (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), (len(xi), len(socket.xi))

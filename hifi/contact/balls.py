@@ -172,7 +172,8 @@ def cholesky_in_place(matrix: Array) -> Array:
     L, fault = dpotrf(matrix, lower=1, clean=0, overwrite_a=1)
     if fault:
         raise np.linalg.LinAlgError(
-            f"leading minor {fault} of a compliance matrix is not positive: its factor needs a positive definite matrix"
+            f"leading minor {fault} of a compliance matrix is not positive: its Cholesky factor exists only for a positive "
+            "definite matrix"
         )
     return np.asarray(L)
 

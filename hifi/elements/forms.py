@@ -235,8 +235,8 @@ class CachedIsoparametricMap(MappingIsoparametric):  # type: ignore[misc]
         known, find, X = self._cached.get("faces", (None, None, None))
         if known is not x or not np.array_equal(tind, self.mesh.f2t[0, find]):
             raise ValueError(
-                "the reference coordinates of points are known only on faces, in the first cell of each face: "
-                "compute the points by `CachedIsoparametricMap.G` first"
+                "the reference coordinates of these points are not known: they are kept only for the points on faces that "
+                "`CachedIsoparametricMap.G` returned last, in the first cell of each face; compute the points by it first"
             )
         return self._reference_points(X, find)
 

@@ -214,7 +214,7 @@ def mesh_grooved_bar(groove: Groove, size: float, zone: ContactZone) -> ContactB
     Raises
     ------
     ValueError
-        The groove's opening leaves no room for the contact zone, or the bar is thicker than its ring.
+        The groove's opening leaves no room for the contact zone, or the bent bar would reach the ring's axis.
     """
     R = groove.ball_radius
     low, high = groove.contact_angle - groove.half_opening_angle, groove.contact_angle + groove.half_opening_angle
@@ -249,7 +249,8 @@ def _bend_bar_along_track(groove: Groove, x: Array, y: Array, z: Array) -> Array
     radius = pitch + outward * depth
     if radius.min() <= 0.0:
         raise ValueError(
-            "the grooved bar around a contact is thicker than its ring, into which it is bent: decrease the size of the bar"
+            "the body around a contact is meshed as a straight grooved bar and then bent to the ring; the bar is so thick "
+            "that it would reach the ring's axis: decrease its size"
         )
     middle = pitch + outward * groove.ball_radius * np.cos(groove.contact_angle)
     turn = x / middle

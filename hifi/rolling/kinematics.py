@@ -200,9 +200,9 @@ def contact_axes(touch: GrooveContact, scene: RollingBalls) -> Array:
     speed = float(np.linalg.norm(flow))
     if speed <= 1e-12 * track.centre_speed * max(abs(touch.groove_speed), abs(scene.nominal_track_speed), 1e-300):
         raise ValueError(
-            f"a ball and its groove both move along the track at a speed of {touch.groove_speed:.4g}, so that the ball "
-            "does not "
-            "roll on the groove; allowed: different speeds of ball and groove"
+            "ball and groove move along the track at the same speed of "
+            f"{track.centre_speed * touch.groove_speed:.4g} m/s, so that the ball does not roll on the groove; allowed: "
+            "different speeds"
         )
     x = -flow / speed
     return np.stack([x, np.cross(touch.contact_normal, x), touch.contact_normal])

@@ -333,7 +333,9 @@ def solve_normal_contact(
         if np.array_equal(closed, active):
             return forces, approach
         active = closed
-    raise ValueError(f"normal contact on a grid of cells: the set of cells in contact did not converge in {MOST} changes")
+    raise ValueError(
+        f"normal contact on a grid of cells: the set of cells in contact still changes after {MOST} iterations"
+    )
 
 
 # --- a contact
@@ -404,7 +406,7 @@ class GridContact:
     def depth_of_contact_centre(self) -> float:
         """Depth of the contact's centre inside the undeformed ball [m]: half of the approach.
 
-        The depth is 0 for half-spaces, so that the ball rolls with its own radius.
+        If the bodies are half-spaces, the depth is 0, so that the ball rolls with its own radius.
         """
         return 0.0 if self.finite_body_kernel is None else 0.5 * self.approach
 

@@ -473,7 +473,7 @@ def compare_with_mindlin(cells: int, share: float, finite_balls: bodies.Sizes | 
 def kernel_of_two_balls(
     radius: float, semi: float, young: float, poisson: float, sizes: bodies.Sizes
 ) -> rolling_patch.ComplianceKernel:
-    """Compute the contact compliance of two equal touching balls less that of half-spaces (their kernel).
+    """Compute by how much the contact compliance of two equal touching balls exceeds that of two half-spaces.
 
     ``radius``: radius of the balls [m]; ``semi``: radius of the circular contact [m]; ``sizes``: mesh settings of the
     balls.

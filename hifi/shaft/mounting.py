@@ -276,8 +276,9 @@ def join_and_support_shaft_parts(
     for z in sorted(acted):
         if not rigid and any(s.is_at_unloadable_section(z) for s in stretches):
             raise ValueError(
-                f"the support or load at {1e3 * z:.4g} mm lies inside the part of the shaft that is meshed in 3D, "
-                "which was condensed without it: prepare the geometry with all scenes that will be solved"
+                f"the support or load at z = {1e3 * z:.4g} mm lies inside the part of the shaft that is meshed in 3D, at a "
+                "section whose motion was not kept in the condensation: condense the shaft with the supports and loads of "
+                "all scenes that will be solved"
             )
     n = 6 * len(nodes)
     K = np.zeros((n + 6 * len(frame.housings),) * 2)
@@ -540,8 +541,8 @@ def _motions_by_section_motions(rows: Array, stations: Array, stretch: MeshedSha
     arms = np.concatenate([stations, stretch.ports, stretch.observers]) - stretch.base_position
     if arms.min() < 0.0:
         raise ValueError(
-            f"a contact, support or load lies {-1e3 * arms.min():.4g} mm below the fixed lower end of the shaft's 3D part; "
-            "allowed: above it"
+            "the shaft's 3D part is fixed at its end of smallest z, and a contact, support or load lies "
+            f"{-1e3 * arms.min():.4g} mm beyond this end; allowed: only at larger z than this end"
         )
     turn = np.zeros((c * k + 6 * (arms.size - c), 6 * arms.size))
     for i in range(c):

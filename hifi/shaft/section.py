@@ -139,14 +139,15 @@ def fit_flexibility_of_cut_end(m: GrooveMap, flexibilities: Sequence[tuple[float
 
     The middle of every shaft lies at ``m.z0``. A flexibility per unit length that couples shear force and bending moment
     about the same axis, equal for x and y, is fitted together with E, but not returned. The shear flexibility is
-    prescribed: another one would only be another definition of the beam's rotation, for which E compensates.
+    prescribed: with another one only the rotation of the beam would be defined differently, and E would change to match.
 
     Parameters
     ----------
     m : GrooveMap
         Geometry of the track.
     flexibilities : Sequence[tuple[float, Array]]
-        For every shaft its length [m], and the flexibility F of its upper end ``(6, 6)`` [m/N, 1/N, 1/(N m)].
+        For every shaft its length [m], and the flexibility F of its upper end with the
+        lower end fixed ``(6, 6)`` [m/N, 1/N, 1/(N m)].
     per_length : (6, 6) Array
         Flexibility of the uniform beam per unit length.
 

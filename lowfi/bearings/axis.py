@@ -428,10 +428,12 @@ class BearingRows:
         """Check that the fields have the same length and directions are +1 or -1; raise ValueError otherwise."""
         if not self.row_laws or not len(self.row_laws) == len(self.directions) == len(self.preload_deflections):
             counts = (
-                f"{len(self.row_laws)} rows, {len(self.directions)} directions and {len(self.preload_deflections)} gaps"
+                f"{len(self.row_laws)} rows, {len(self.directions)} directions and {len(self.preload_deflections)} "
+                "preload deflections"
             )
             raise ValueError(
-                f"bearing rows: got {counts}; allowed: one direction and one closed gap for each row, at least one row"
+                f"bearing rows: got {counts}; allowed: at least one row, and for each row one direction and one preload "
+                "deflection (the gap between its rings that the locknut closes)"
             )
         if any(s not in (1, -1) for s in self.directions):
             raise ValueError(f"directions of bearing rows: got {list(self.directions)}; allowed: +1 and -1")

@@ -145,8 +145,8 @@ def load_zone_under_thrust_and_radial_load(axial: float, radial: float, angle: f
     ratio = radial * np.tan(angle) / axial if axial > 0.0 else np.inf
     if not 0.0 <= ratio < 1.0:
         raise ValueError(
-            "the load zone cannot be computed: the thrust must be larger than F_r tan(alpha), or the rings separate, "
-            "and the radial load F_r must not be negative"
+            "the load zone cannot be computed: the radial load F_r must not be negative, and the thrust must exceed "
+            "F_r tan(alpha) (alpha: contact angle), below which the rings separate"
         )
     if ratio == 0.0:
         return load_zone_integrals(np.inf, exponent)
@@ -353,12 +353,14 @@ def rib_contact_geometry(bearing: TaperedBearing, end_radius: float, height: flo
     g = bearing.apex_distance + 0.5 * bearing.length
     edge = g * float(np.sin(gamma))
     if not edge < end_radius < g:
-        limits = f"above {1e3 * edge:.4g} mm, the radius of the roller's large end, and below {1e3 * g:.4g} mm"
-        raise ValueError(f"{limits}, the distance of that end from the apex of the bearing's cones")
+        raise ValueError(
+            f"a radius of the roller's spherical end above {1e3 * edge:.4g} mm (radius of the roller's large end) and "
+            f"below {1e3 * g:.4g} mm (distance of that end from the common apex of the bearing's conical races)"
+        )
     s = g * float(np.cos(gamma)) - float(np.sqrt(end_radius**2 - edge**2))
     tilt = gamma - float(np.arcsin((height - s * np.sin(gamma)) / end_radius))
     if not tilt < beta:
-        raise ValueError("a larger radius, so that the roller's spherical end can touch the conical rib")
+        raise ValueError("a larger radius of the roller's spherical end, with which this end can touch the conical rib")
     radius = end_radius + s * float(np.sin(beta) / np.sin(beta - tilt))
     return RibContactGeometry(tilt, (1.0 / end_radius - 1.0 / radius, 1.0 / end_radius), radius)
 

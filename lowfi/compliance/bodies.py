@@ -158,9 +158,9 @@ def refuse_small_contact_angle(scene: Scene, screw: bool, backend: ComplianceMod
     if not one_patch and backend.flank and radius * np.sin(angle) < NEAR * scene.balls.radius:
         least = np.degrees(np.arcsin(NEAR * scene.balls.radius / radius))
         raise ValueError(
-            f"contact angle {np.degrees(angle):.3g} deg, but elastic flanks of this groove need at least {least:.2g} deg: "
-            "nearer to the apex, both flanks share one contact; use the models lin, lin-cell and lin-nut, which warn where "
-            "they count one contact twice"
+            f"got a contact angle of {np.degrees(angle):.3g} deg; models with elastic groove flanks need at least "
+            f"{least:.2g} deg for this groove, because nearer to its bottom the contacts of both flanks merge into one; "
+            "use the models lin, lin-cell or lin-nut, which warn where they count such a contact twice"
         )
 
 

@@ -201,7 +201,7 @@ def _check_groove_reaches_contact(flank: HalfGroove) -> None:
     body, key = ("screw", "screw.outer_diameter") if flank.is_screw else ("nut", "solid.nut_inner_diameter")
     angle, verb = np.degrees(flank.groove_map.beta), "raise" if flank.is_screw else "lower"
     raise UnfitKey(
-        key, f"the {body}'s groove ends at the land before the contact at {angle:.4g} deg, near an end face: {verb} {key}"
+        key, f"the flank of the {body}'s groove meets the land before the contact angle of {angle:.4g} deg: {verb} {key}"
     )
 
 

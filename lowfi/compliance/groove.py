@@ -229,10 +229,10 @@ def patch_self_motion(
 def symmetric_and_antisymmetric_loads(
     flank: HalfGroove, grid: fourier.QuadrilateralGrid, width: float
 ) -> tuple[Array, Array]:
-    """Return nodal forces of a unit load patch along a flank's normals, for two load cases.
+    """Return nodal forces of a load patch of 1 N along a flank's normals, symmetric, then antisymmetric to mid groove.
 
-    The load cases of `patch_self_motion_harmonics`, symmetric and antisymmetric to mid groove, are the same on the computed
-    half of the groove. ``width``: standard deviation of the patch [m].
+    Only one half of the groove is computed. On it the nodal forces of both cases are the same; the cases differ in what is
+    held at mid groove (see `patch_self_motion_harmonics`). ``width``: standard deviation of the patch [m].
     """
     force = np.zeros((*grid.shape, 3))
     force[:, grid.shape[1] - 1 if flank.is_screw else 0, ::2] = nodal_forces_along_flank_normals(

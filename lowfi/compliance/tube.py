@@ -140,7 +140,7 @@ def grooved_beam_section(
     """
     if groove_map.rg == 0.0:
         raise ValueError(
-            "the beam section of a groove is computed on half a lead, got a lead of 0; allowed: any other lead"
+            "lead of a grooved shaft: got 0; allowed: any other value, as its section is computed on half a lead"
         )
     grid = half_lead_cell_grid(groove_map, land_radius, plain_radius, screw)
     young, poisson = material.youngs_modulus, material.poissons_ratio
@@ -574,7 +574,7 @@ def move_contacts_to_surface(tube: SmoothBody, contact_points: Array) -> Array:
 
 
 def contact_motions_by_rigid_motions(contact_points: Array, axes: Array, origin: float | None = None) -> Array:
-    """Return the motions ``(2 c, 6)`` of c contacts along two axes each by six unit rigid motions of a cross-section.
+    """Return the motions ``(2 c, 6)`` that six unit rigid motions of a section cause at c contacts, along two axes each.
 
     ``contact_points`` ``(c, 3)``: contact points [m]; ``axes`` ``(c, 2, 3)``: directions of their motions; ``origin``:
     axial position of the section's centre [m], None for the axial position of each contact. The rigid motions are three

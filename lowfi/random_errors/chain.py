@@ -185,8 +185,8 @@ def checked_ball_errors(chain: BallScrewChain, errors: Array) -> Array:
         )
     if e.size and np.abs(e).max() >= 0.5 * chain.groove_distance:
         raise ValueError(
-            f"errors of balls must be below half the distance of the groove centres, {0.5 * chain.groove_distance:g} m, "
-            f"got up to {np.abs(e).max():g} m"
+            "the error of a ball (interference with both grooves together, along the contact normal) must be below half "
+            f"the distance of the groove centres, {0.5 * chain.groove_distance:g} m, got up to {np.abs(e).max():g} m"
         )
     return e
 

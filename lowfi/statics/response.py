@@ -74,9 +74,9 @@ def without_negative_eigenvalues(G: Array, normals: Array, tangent_compliance: f
     """Return the compliance of a body without negative eigenvalues, which would make the energy non-convex.
 
     The matrix holds the compliance in addition to the one that Hertz's law contains; near a fixed face this addition is
-    negative. The missing compliance is added to the body along the contact's normal and must be subtracted from the
-    contact's law, so that the sum is exact. At most the share `LENT` of a contact's tangent compliance is moved from its
-    law to the body; eigenvalues that stay negative are set to zero.
+    negative. The compliance that is missing is taken from the contacts: it is added to the matrix along the contact's
+    normal, and the caller subtracts it from the contact's law, so that the sum is exact. At most the fraction `LENT` of the
+    derivative of a contact's approach by its load is moved in this way; eigenvalues that stay negative are set to zero.
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ def without_negative_eigenvalues(G: Array, normals: Array, tangent_compliance: f
     normals
         Unit normals of the contacts ``(n, 2)``.
     tangent_compliance
-        Tangent compliance of a contact [m/N].
+        Derivative of a contact's approach by its load [m/N].
 
     Returns
     -------

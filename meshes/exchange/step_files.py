@@ -159,8 +159,9 @@ def _add_grooved_ring(gmsh: Any, scene: Scene, ends: tuple[float, float], *, scr
     )
     R = scene.track.pitch_radius
 
-    def add_point_in_section(r: float, at: float) -> int:
-        return int(occ.addPoint(MM * r, 0.0, MM * at))
+    def add_point_in_section(radius: float, z: float) -> int:
+        """Add a point in the plane y = 0 at a radius and an axial position [m], and return its number in gmsh."""
+        return int(occ.addPoint(MM * radius, 0.0, MM * z))
 
     corners = [
         add_point_in_section(wall, ends[0]),

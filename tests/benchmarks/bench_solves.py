@@ -34,83 +34,63 @@ from rollbench.meshes.axis import Housing, RollingSet, diagonal_stiffness
 from rollbench.meshes.cache import without_geometry_cache
 from rollbench.meshes.parts import Friction
 
-CASE = catalogue.scene("lin-case1")
+CASE, PAIR = catalogue.scene("lin-case1"), catalogue.shipped_scene("double-nut")
+SCREW_PAIR, RANDOM = screw_pair_with_inferred_oversize(), catalogue.scene("lin-random")
 COMPILED = ModelOptions(engine="compiled", estimate_beam_mesh_error=False)
+SOLVES = {
+    "lin": lambda: solve_static(CASE, engine="compiled"),
+    "lin, interpreted": lambda: solve_static(CASE, engine="interpreted"),
+    "the source's Newton": lambda: solve_by_lin_equations(CASE, tolerance=1e-10),
+    "refined, bodies kept": lambda: run_model(CASE, "refined", COMPILED),
+    "double nut": lambda: solve_assembly(PAIR, engine="compiled"),
+    "pair of balls of a screw": lambda: solve_pair_of_screw_balls(SCREW_PAIR),
+    "thousand members": lambda: solve_random_draws(RANDOM, 1000),
+    "thousand members with tolerances": lambda: solve_random_draws(catalogue.scene("lin-case3-tolerances"), 1000),
+    "hundred members, refined": lambda: solve_random_draws_of_scene(RANDOM, "refined", 100),
+}
+
+
+def timed(benchmark, work, setup=None):
+    """Time a work that was done once, so that kernels are compiled; setup: what is done before each round."""
+    work()
+    return benchmark.pedantic(work, setup=setup, rounds=5)
+
+
+@pytest.mark.parametrize("name", SOLVES)
+def test_solve(benchmark, name):
+    benchmark(SOLVES[name])
 
 
 def test_solve_by_lin_geometry_unknown(benchmark):
-    benchmark.pedantic(
-        lambda: solve_static(CASE, engine="compiled"), setup=clear_nominal_caches, rounds=30, warmup_rounds=1
-    )
-
-
-def test_solve_by_lin(benchmark):
-    benchmark(lambda: solve_static(CASE, engine="compiled"))
-
-
-def test_solve_by_lin_interpreted(benchmark):
-    benchmark(lambda: solve_static(CASE, engine="interpreted"))
-
-
-def test_solve_by_the_source_s_newton(benchmark):
-    benchmark(lambda: solve_by_lin_equations(CASE, tolerance=1e-10))
-
-
-def test_solve_refined_bodies_kept(benchmark):
-    benchmark(lambda: run_model(CASE, "refined", COMPILED))
+    timed(benchmark, SOLVES["lin"], clear_nominal_caches)
 
 
 def test_solve_refined_bodies_new(benchmark):
-    run_model(CASE, "refined", COMPILED)
     with without_geometry_cache():
-        benchmark.pedantic(lambda: run_model(CASE, "refined", COMPILED), setup=clear_compliance_caches, rounds=3)
+        timed(benchmark, SOLVES["refined, bodies kept"], clear_compliance_caches)
 
 
 @pytest.mark.parametrize(("model", "balls"), [("lin", 32), ("lin", 125), ("lin", 500), ("refined", 32), ("refined", 125)])
 def test_growth_with_balls(benchmark, model, balls):
     scene = with_ball_count(CASE, balls)
-    run_model(scene, model, COMPILED)
-    benchmark.pedantic(lambda: run_model(scene, model, COMPILED), rounds=5)
-
-
-@pytest.mark.parametrize("name", ["lin-random", "lin-case3-tolerances"])
-def test_thousand_members_by_lin(benchmark, name):
-    scene = catalogue.scene(name)
-    solve_random_draws(scene, 10)
-    benchmark.pedantic(lambda: solve_random_draws(scene, 1000), rounds=3)
-
-
-def test_hundred_members_refined(benchmark):
-    scene = catalogue.scene("lin-random")
-    solve_random_draws_of_scene(scene, "refined", 10)
-    benchmark.pedantic(lambda: solve_random_draws_of_scene(scene, "refined", 100), rounds=3)
+    timed(benchmark, lambda: run_model(scene, model, COMPILED))
 
 
 def row_of_nuts(number):
     """Nuts of the shipped double nut, each in a housing on springs, along one shaft."""
-    base = catalogue.shipped_scene("double-nut")
-    first, pitch = base.sets[0], 0.06
-    screw = replace(base.screw, length=pitch * (number + 1))
-    sets, housings = [], []
-    for i in range(number):
-        z, name = pitch * (i + 1), f"housing {i}"
-        own = replace(first.parts.screw, length=screw.length)
-        parts = replace(first.parts, screw=own, nut=replace(first.parts.nut, position=z))
-        sets.append(RollingSet(f"nut {i}", "ball nut", parts, z, name))
-        housings.append(Housing(name, z, (), diagonal_stiffness((1e9, 1e9, 1e9, 1e6, 1e6, 1e6))))
-    return replace(base, screw=screw, sets=tuple(sets), housings=tuple(housings))
-
-
-def test_double_nut(benchmark):
-    pair = catalogue.shipped_scene("double-nut")
-    benchmark(lambda: solve_assembly(pair, engine="compiled"))
+    first, places = PAIR.sets[0].parts, [0.06 * (i + 1) for i in range(number)]
+    screw, springs = replace(PAIR.screw, length=0.06 * (number + 1)), diagonal_stiffness((1e9, 1e9, 1e9, 1e6, 1e6, 1e6))
+    own = replace(first.screw, length=screw.length)
+    parts = [replace(first, screw=own, nut=replace(first.nut, position=z)) for z in places]
+    sets = [RollingSet(f"nut {z:g}", "ball nut", one, z, f"housing {z:g}") for z, one in zip(places, parts, strict=True)]
+    housings = [Housing(f"housing {z:g}", z, (), springs) for z in places]
+    return replace(PAIR, screw=screw, sets=tuple(sets), housings=tuple(housings))
 
 
 @pytest.mark.parametrize("number", [4, 16])
 def test_nuts_on_one_shaft(benchmark, number):
     row = row_of_nuts(number)
-    solve_assembly(row, engine="compiled")
-    benchmark.pedantic(lambda: solve_assembly(row, engine="compiled"), rounds=3)
+    timed(benchmark, lambda: solve_assembly(row, engine="compiled"))
 
 
 @pytest.mark.parametrize("varied", ["errors.balls.oversize=0 um:7 um", "nut.outer_diameter=46 mm:60 mm"])
@@ -118,44 +98,24 @@ def test_sample_of_a_sweep(benchmark, varied):
     text, (vary,), numbers = catalogue.shipped_scene_text("lin-pitch"), read_varied_keys([varied]), count(1)
 
     def sample():
-        solve_sample(
-            text,
-            "lin-pitch.toml",
-            [vary],
-            [vary.value_at_relative_position((0.618 * next(numbers)) % 1.0)],
-            "refined",
-            "compiled",
-        )
+        value = vary.value_at_relative_position((0.618 * next(numbers)) % 1.0)
+        solve_sample(text, "lin-pitch.toml", [vary], [value], "refined", "compiled")
 
-    sample()
-    benchmark.pedantic(sample, rounds=10)
+    timed(benchmark, sample)
 
 
 def test_friction_of_a_whole_screw(benchmark):
     result = run_model(CASE, "refined", COMPILED)
-    friction = Friction(0.1, 0.1)
-    friction_state(CASE, result, friction, ONE_TURN, 0)
-    benchmark(lambda: friction_state(CASE, result, friction, ONE_TURN, 0))
-
-
-def test_pair_of_balls_of_a_screw(benchmark):
-    pair = screw_pair_with_inferred_oversize()
-    benchmark(lambda: solve_pair_of_screw_balls(pair))
+    timed(benchmark, lambda: friction_state(CASE, result, Friction(0.1, 0.1), ONE_TURN, 0))
 
 
 @pytest.mark.parametrize("name", ["lin-pair-a", "lin-screw-pair-a-inferred"])
 def test_rolling_contact_in_3d(benchmark, name):
-    whole = prepare_rolling_case(catalogue.shipped_scene_of_kind(name, FrictionScene), RollingSettings(LEVELS[1])).touching
-    solve_rolling(whole, RollingSettings(LEVELS[1]))
-    benchmark.pedantic(
-        lambda: solve_rolling(whole, RollingSettings(LEVELS[1])),
-        setup=solve_half_space_contact_under_1_N.cache_clear,
-        rounds=3,
-    )
+    settings = RollingSettings(LEVELS[1])
+    whole = prepare_rolling_case(catalogue.shipped_scene_of_kind(name, FrictionScene), settings).touching
+    timed(benchmark, lambda: solve_rolling(whole, settings), solve_half_space_contact_under_1_N.cache_clear)
 
 
 def test_screws_with_random_errors(benchmark):
     chain = liu.calibrated_axial_model("constant")
-    solve_ensemble(chain, 2e-6, [1000.0], 10)
-    found = benchmark.pedantic(lambda: solve_ensemble(chain, 2e-6, [1000.0], 2000), rounds=3)
-    assert not found.failed
+    assert not timed(benchmark, lambda: solve_ensemble(chain, 2e-6, [1000.0], 2000)).failed

@@ -10,7 +10,7 @@ from dataclasses import replace
 from time import process_time
 
 import numpy as np
-from tests.axes import TURNING, assembly, bearing, nut
+from tests.axes import TURNING, assembly, fixed_axis, nut
 
 from rollbench.compare.scenes.catalogue import names_of_single_nut_scenes, shipped_scene
 from rollbench.compare.studies.members.ensemble import solve_random_draws
@@ -21,7 +21,6 @@ from rollbench.lowfi.statics.axis.solve import solve_assembly
 from rollbench.lowfi.statics.elastic import SpecimensWithSharedEquations, solve_elastic
 from rollbench.lowfi.statics.response import clear_compliance_caches
 from rollbench.lowfi.statics.static import solve_static
-from rollbench.meshes.axis import Housing
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.processes import limit_to_one_thread
 
@@ -33,26 +32,21 @@ MEMBERS, RUNS = 1000, 9
 
 def six_sets():
     """Shaft between two preloaded pairs of bearings, with two preloaded nuts in a carriage that slides along it."""
-    places = (("left +", 0.02), ("left -", 0.035), ("right +", 0.265), ("right -", 0.28))
-    pairs = (bearing(name, z, f"{name[-1]}z", offset=4e-6 if name[-1] == "-" else -4e-6) for name, z in places)
+    bearings, (housing,) = fixed_axis().sets[:4], fixed_axis().housings
     nuts = (nut(f"nut {z}", z, housing="carriage", offset=x) for z, x in ((0.13, -3e-6), (0.17, 3e-6)))
-    fixed = tuple((k, 0.0) for k in ("ux", "uy", "rx", "ry", "rz"))
-    carriage = Housing("carriage", 0.15, fixed, None, (0.0, 0.0, 600.0))
-    return assembly(*pairs, *nuts, housings=(carriage,), supports=(TURNING,))
+    return assembly(*bearings, *nuts, housings=(replace(housing, at=0.15),), supports=(TURNING,))
 
 
 def by_rows(scene):
     """Loads (N, 4) [N] by the solvers on motions."""
-    if isinstance(scene, Scene):
-        return solve_static(scene, engine="compiled").load
-    return loads_of(solve_assembly(scene, engine="compiled"))
+    solve = solve_static if isinstance(scene, Scene) else solve_assembly
+    return loads_of(solve(scene, engine="compiled"))
 
 
 def by_forces(scene):
     """Loads (N, 4) [N] by the force formulation."""
-    if isinstance(scene, Scene):
-        return solve_elastic(scene, backend=BEAM, engine="compiled").load
-    return loads_of(solve_assembly_with_elastic_bodies(scene, backend=BEAM, engine="compiled"))
+    solve = solve_elastic if isinstance(scene, Scene) else solve_assembly_with_elastic_bodies
+    return loads_of(solve(scene, backend=BEAM, engine="compiled"))
 
 
 def loads_of(result):
@@ -89,11 +83,8 @@ def apart(a, b):
 
 def line(name, functions, scene, runs=RUNS):
     """Print one case."""
-    times, found = least(functions, scene, runs)
-    print(
-        f"{name:34} {1e3 * times[0]:10.2f} {1e3 * times[1]:10.2f} {times[1] / times[0]:7.2f} {apart(*found):10.1e}",
-        flush=True,
-    )
+    (rows, forces), found = least(functions, scene, runs)
+    print(f"{name:34} {1e3 * rows:10.2f} {1e3 * forces:10.2f} {forces / rows:7.2f} {apart(*found):10.1e}", flush=True)
 
 
 def main():

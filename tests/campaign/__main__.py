@@ -8,48 +8,73 @@ the report reads, and an interrupted campaign goes on from the lines it left nex
 changed.
 """
 
-from __future__ import annotations
-
 import argparse
 import io
+import json
 import sys
-from collections.abc import Callable
 from contextlib import redirect_stdout
-from functools import partial
 from pathlib import Path
-from typing import Any
 
-from tests.campaign import record
+from tests.campaign import files, scenes
 from tests.campaign.scenes import Campaign, Part
 
+from rollbench.compare import __version__
 from rollbench.compare.cli import app_with_commands
-from rollbench.compare.errors import InputError
+from rollbench.compare.errors import InputError, one_line
 from rollbench.compare.files import replace_file
 from rollbench.compare.models.registry import AXIS_MODELS, MODELS
+from rollbench.compare.studies.extremes import BAD, Record, read_campaign_records
+from rollbench.compare.studies.run_times import utc_date_today
 from rollbench.meshes.processes import limit_to_one_thread
 
+SOLVE = app_with_commands("solve")
 
-def captured(run: Callable[[list[str]], Any], tokens: list[str]) -> tuple[int, str]:
-    """Exit code of a command and what it prints on standard output; 2 and its line where it refuses its input."""
+
+def run_solve(tokens: list[str]) -> tuple[int, str]:
+    """Exit code of ``rollbench solve`` in this process and what it prints; 2 and its line where it refuses its input."""
     out = io.StringIO()
     try:
         with redirect_stdout(out):
-            code = int(run(tokens))
+            code = int(SOLVE(tokens, exit_on_error=False, print_error=False, result_action="return_value"))
     except InputError as error:
         return 2, str(error)
     return code, out.getvalue()
 
 
-def command_line() -> Callable[[list[str]], tuple[int, str]]:
-    """What runs ``rollbench solve`` in this process, and gives its exit code and text."""
-    run = partial(app_with_commands("solve"), exit_on_error=False, print_error=False, result_action="return_value")
-    return partial(captured, run)
+def run_campaign(what: Campaign, kept: Part | None) -> Record:
+    """A campaign, JSON-ready: command, day, counts by verdict, all bad outcomes, seconds of the scenes (median, largest).
+
+    kept: the outcomes of one that was cut short, and where this one writes its own. A terminal shows its progress.
+    """
+    outcomes = []
+    for outcome in scenes.judge_scenes(what, kept):
+        outcomes.append(outcome)
+        if sys.stderr.isatty():
+            sys.stderr.write(f"\r\033[K[{len(outcomes)}/{what.count}] scene {outcome.number}: {outcome.verdict}")
+    broken = [*files.scenes(what.seed, what.files), *files.stored(what.seed, what.files // 2)]
+    broken += files.kills(what.seed, what.kills)
+    seconds = sorted(o.seconds for o in outcomes)
+    option = f"{'--axes' if what.axes else '--random'} {what.count} --seed {what.seed} --model {what.model}"
+    extra = f" --files {what.files}" * bool(what.files) + f" --kills {what.kills}" * bool(what.kills)
+    faults = [("scene", o.number, o.verdict, o.words) for o in outcomes if o.verdict in BAD]
+    faults += [("file", o.kind, o.verdict, o.words) for o in broken if not o.good]
+    return {
+        "command": f"python -m tests.campaign {option}{extra}",
+        "version": __version__,
+        "date": utc_date_today(),
+        "seed": what.seed,
+        "model": what.model,
+        "scenes": scenes.tally(outcomes),
+        "files": files.tally(broken),
+        "seconds": {"median": seconds[len(seconds) // 2], "largest": seconds[-1]},
+        "bad": [{of: which, "verdict": verdict, "words": one_line(words, 400)} for of, which, verdict, words in faults],
+    }
 
 
-def progress(done: int, total: int, text: str) -> None:
-    """One line on a terminal, which the next one takes the place of."""
-    if sys.stderr.isatty():
-        sys.stderr.write(f"\r\033[K[{done}/{total}] {text}")
+def keep(found: Record, path: Path) -> None:
+    """Add a record to a file of records, one for each command."""
+    others = [r for r in read_campaign_records(path) if r["command"] != found["command"]]
+    replace_file(path, json.dumps([*others, found], indent=1, ensure_ascii=False) + "\n")
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -70,14 +95,20 @@ def main(arguments: list[str] | None = None) -> int:
         parser.error("counts are 1 or more; seed, --files and --kills 0 or more")
     if axes and asked.model not in AXIS_MODELS:
         parser.error(f"--model of axes: {', '.join(AXIS_MODELS)}")
-    campaign = Campaign(asked.seed, count, asked.model, asked.files, asked.kills, axes, command_line())
-    part = asked.keep and asked.keep.with_name(f"{asked.keep.name}{campaign.option}.{asked.model}-{asked.seed}.part")
-    kept = part and Part(part, asked.seed, asked.model)
-    found = record.run_campaign(campaign, progress, kept)
+    campaign = Campaign(asked.seed, count, asked.model, asked.files, asked.kills, axes, run_solve)
+    kept = None
     if asked.keep:
-        replace_file(asked.keep, record.text(found, asked.keep))
-        part.unlink(missing_ok=True)
-    print("\n".join(record.lines(found)))
+        part = f"{asked.keep.name}{'--axes' if axes else '--random'}.{asked.model}-{asked.seed}.part"
+        kept = Part(asked.keep.with_name(part), asked.seed, asked.model)
+    found = run_campaign(campaign, kept)
+    if kept:
+        keep(found, asked.keep)
+        kept.path.unlink(missing_ok=True)
+    print(found["command"])
+    for kind, row in ({"scenes": found["scenes"]} | found["files"]).items():
+        print("\n".join(f"{kind} {verdict}: {number}" for verdict, number in row.items()))
+    for bad in found["bad"]:
+        print(f"BAD: {bad}")
     return 1 if found["bad"] else 0
 
 

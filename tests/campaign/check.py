@@ -1,13 +1,11 @@
 """An independent judge of static results: only from the printed numbers of a result and the scene.
 
 It shares no code with the solvers: forces on every ball and on the screw are summed again from loads, contact angles and
-azimuths; a refusal is checked by a linear program of its own; the loads of a rigid screw by plain minimisation.
+azimuths; a refusal is checked by a linear program (`check_axes.proven`); loads of a rigid screw by plain minimisation.
 """
 
-from __future__ import annotations
-
 import numpy as np
-from scipy.optimize import linprog, minimize
+from scipy.optimize import minimize
 
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
@@ -33,6 +31,32 @@ STRAINED = 1e-13
 PIN = 0.05
 
 
+def along(station: float) -> Array:
+    """A place on the axis."""
+    return np.array([0.0, 0.0, station])
+
+
+def wrench(at: Array, force: Array, moment: Array | float = 0.0) -> Array:
+    """Forces ``(..., 3)`` with their moments about a point from which they act at ``at``, ``(..., 6)``."""
+    return np.concatenate([force, np.cross(at, force) + moment], axis=-1)
+
+
+def carried(at: Array, motion: Array) -> Array:
+    """Motion ``(..., 3)`` of points at ``at`` (..., 3) from a rigid body's place, by its motion (..., 6)."""
+    return np.asarray(motion[..., :3] + np.cross(motion[..., 3:], at))
+
+
+def motion_in_freedom(name: str, reach: float) -> Array:
+    """Row ``(6,)`` that takes from a rigid body's motion that of its section so far along the axis in a freedom."""
+    axis = np.eye(3)[FREEDOM[name] % 3]
+    return wrench(along(reach), axis) if name[0] == "u" else wrench(np.zeros(3), np.zeros(3), axis)
+
+
+def largest(values: Array) -> float:
+    """Largest size of some values; 0 of none."""
+    return float(np.abs(values).max(initial=0.0))
+
+
 def frames(scene: Scene) -> tuple[Array, Array]:
     """Centres ``(N, 3)`` [m] and section axes ``(N, 2, 3)`` of all balls, from the helix's equation."""
     track, layout = scene.track, ball_layout(scene)
@@ -54,30 +78,29 @@ def forces(scene: Scene, result: StaticResult) -> Array:
     return np.asarray(result.load[..., None] * np.einsum("nsa,nak->nsk", way, axes))
 
 
+def middle_of_nut(scene: Scene) -> Array:
+    """The nut's centre."""
+    return along(scene.nut.position)
+
+
+def arms(scene: Scene) -> Array:
+    """What wrenches about the nut's centre are divided by ``(6,)``: moments by the pitch radius."""
+    return np.repeat([1.0, scene.track.pitch_radius], 3)
+
+
 def free_of(scene: Scene) -> Array:
     """Motions ``(6, k)`` of a rigid screw about the nut's centre that no support holds (rotations times pitch radius)."""
-    rows = [row for support in scene.supports for row in _held(scene, support.at, [name for name, _ in support.fixed])]
-    if not rows:
+    held = [(name, s.at - scene.nut.position) for s in scene.supports for name, _ in s.fixed]
+    if not held:
         return np.eye(6)
-    _, size, vt = np.linalg.svd(np.array(rows))
+    _, size, vt = np.linalg.svd(np.array([motion_in_freedom(*one) / arms(scene) for one in held]))
     return np.asarray(vt[int((size > 1e-9 * size[0]).sum()) :].T)
-
-
-def _held(scene: Scene, at: float, names: list[str]) -> list[Array]:
-    arm, reach = scene.track.pitch_radius, at - scene.nut.position
-    rigid = np.eye(6)
-    rigid[0, 4], rigid[1, 3] = reach, -reach
-    rigid[:, 3:] /= arm
-    return [rigid[FREEDOM[name]] for name in names]
 
 
 def wrench_of_loads(scene: Scene) -> Array:
     """Loads about the nut's centre (moments over the pitch radius) ``(6,)`` [N]."""
-    total, middle = np.zeros(6), np.array([0.0, 0.0, scene.nut.position])
-    for load in scene.loads:
-        total[:3] += load.force
-        total[3:] += (np.array(load.moment) + np.cross([0.0, 0.0, load.at] - middle, load.force)) / scene.track.pitch_radius
-    return total
+    wrenches = [wrench(along(x.at) - middle_of_nut(scene), np.array(x.force), np.array(x.moment)) for x in scene.loads]
+    return np.sum([np.zeros(6), *wrenches], axis=0) / arms(scene)
 
 
 def nothing(result: StaticResult) -> float:
@@ -101,8 +124,8 @@ def round_off(scene: Scene, result: StaticResult) -> tuple[float, float]:
 
     An approach is the difference of the lengths of groove and ball from one centre where flanks are no arcs."""
     stiff = 1.5 * np.cbrt(result.load) / result.hertz_C
-    lengths = float(np.abs(result.centreline[:, :3]).max()) + max(scene.screw.groove_radius, scene.nut.groove_radius)
-    if not any(scene.errors.side(name).profile for name in ("SL", "SR", "NL", "NR")):
+    lengths = largest(result.centreline[:, :3]) + max(scene.screw.groove_radius, scene.nut.groove_radius)
+    if not any(scene.errors.side(name).profile for name in SIDES):
         lengths -= scene.balls.radius
     return DIGITS * lengths * float(stiff.sum(axis=1).max()), DIGITS * lengths * float(stiff.sum())
 
@@ -113,39 +136,50 @@ def unbalanced(scene: Scene, result: StaticResult) -> str:
     if not np.isfinite(load).all() or (load < 0.0).any():
         return "loads are not finite, or negative"
     force, (centre, _) = forces(scene, result), frames(scene)
-    applied = wrench_of_loads(scene)
-    size = max(float(load.max()), float(np.abs(applied).max()))
+    total, middle = wrench_of_loads(scene), middle_of_nut(scene)
+    size = max(largest(load), largest(total))
     if size == 0.0:
         return ""
-    felt = nothing(result) if float(load.max()) <= nothing(result) else 0.0
+    felt = nothing(result) if largest(load) <= nothing(result) else 0.0
     of_ball, of_all = round_off(scene, result)
-    if float(np.linalg.norm(force.sum(axis=1), axis=1).max()) > max(EXACT * size, of_ball, felt):
-        return f"ball {int(np.linalg.norm(force.sum(axis=1), axis=1).argmax()) + 1} is not in balance"
-    middle = np.array([0.0, 0.0, scene.nut.position])
-    total = applied.copy()
-    for s in (0, 1):
-        total[:3] += force[:, s].sum(axis=0)
-        total[3:] += np.cross(result.contact_point[:, s] - middle, force[:, s]).sum(axis=0) / scene.track.pitch_radius
+    of_balls = np.linalg.norm(force.sum(axis=1), axis=1)
+    if largest(of_balls) > max(EXACT * size, of_ball, felt):
+        return f"ball {int(of_balls.argmax()) + 1} is not in balance"
+    total = total + wrench(result.contact_point[:, :2] - middle, force[:, :2]).sum(axis=(0, 1)) / arms(scene)
     # what no support can carry must vanish; a free motion along the helix is held by a pin, which the result states
     free = free_of(scene)
-    largest = max(size, float(np.abs(force[:, :2].sum(axis=(0, 1))).max()), float(load.sum()) * 1e-3)
+    met = max(size, largest(force[:, :2].sum(axis=(0, 1))), float(load.sum()) * 1e-3)
     none = max(of_all, strained(scene), felt)
-    arm = max(1.0, float(np.abs(centre[:, 2] - scene.nut.position).max()) / scene.track.pitch_radius)
-    if neutral(scene, free).size:
-        taken = wrench_of_pin(scene, result)
-        if float(np.abs(taken).max()) > max(PIN * largest, none) * arm:
-            return f"the pin of a free motion takes {float(np.abs(taken).max()):.3g} N"
+    arm = max(1.0, largest(centre[:, 2] - middle[2]) / scene.track.pitch_radius)
+    if neutral(scene, free).size and (balance := result.equilibrium) is not None:
+        taken = wrench(-middle, balance.pin_force, balance.pin_moment) / arms(scene)
+        if largest(taken) > max(PIN * met, none) * arm:
+            return f"the pin of a free motion takes {largest(taken):.3g} N"
         total += taken
-    left = free.T @ total
-    if float(np.abs(left).max(initial=0.0)) > max(EXACT * largest, none) * arm:
-        return f"the screw is out of balance by {float(np.abs(left).max()):.3g} N"
-    return ""
+    left = largest(free.T @ total)
+    return f"the screw is out of balance by {left:.3g} N" if left > max(EXACT * met, none) * arm else ""
 
 
-def by_law(drawn: GeometryWithErrors, hertz_C: Array, away: Array) -> Array:
-    """Loads ``(n, 4)`` [N] by Hertz' law of balls that stand ``away`` (n, 4, 2) [m] from their flanks' centres."""
+def by_law(scene: Scene, result: StaticResult, drawn: GeometryWithErrors, moved: Array) -> Array:
+    """Loads ``(n, 4)`` [N] by Hertz' law of the balls' motions, and motions ``moved`` (n, 4, 3) [m] of their flanks."""
+    across = np.einsum("nak,nsk->nsa", frames(scene)[1], moved)
+    away = result.centre_shift[:, None, :] - drawn.groove_centres - across
     approach = drawn.ball_radii[:, None] - drawn.groove_radii + np.hypot(away[..., 0], away[..., 1])
-    return np.asarray((np.maximum(approach, 0.0) / hertz_C) ** 1.5)
+    return np.asarray((np.maximum(approach, 0.0) / result.hertz_C) ** 1.5)
+
+
+def stiffness_by_law(law: Array, result: StaticResult) -> Array:
+    """Stiffness ``(n, 4)`` [N/m] of the contacts at the larger of two loads: by the law, and of a result."""
+    return np.asarray(1.5 * np.cbrt(np.maximum(law, result.load)) / result.hertz_C)
+
+
+def farthest_off(law: Array, load: Array, allowed: Array, of: str = "") -> str:
+    """Which contact differs most from its load by Hertz' law, in words; empty where none does by more than is allowed."""
+    off = np.abs(law - load) / allowed
+    ball, side = np.unravel_index(int(off.argmax()), off.shape)
+    if off[ball, side] <= 1.0:
+        return ""
+    return f"Hertz' law gives {law[ball, side]:.9g} N, not {load[ball, side]:.9g} N, on ball {ball + 1} {SIDES[side]}{of}"
 
 
 def off_the_law(scene: Scene, result: StaticResult) -> str:
@@ -155,13 +189,12 @@ def off_the_law(scene: Scene, result: StaticResult) -> str:
     if choices.arm == "nominal" or (choices.screw != "rigid" and choices.partition != "nodal"):
         return ""
     drawn, (centre, axes) = draw_geometry_with_errors(scene, ball_layout(scene)), frames(scene)
-    if drawn.profile_coefficients.shape[1] or float(result.load.max()) <= nothing(result):
+    if drawn.profile_coefficients.shape[1] or largest(result.load) <= nothing(result):
         return ""
-    z, u = result.centreline_z, result.centreline
+    z, u, furthest = result.centreline_z, result.centreline, 0.0
     slope, beta = np.arctan2(scene.track.lead, 2.0 * np.pi * scene.track.pitch_radius), scene.track.contact_angle
-    law, furthest = np.full(result.load.shape, np.inf), 0.0
+    law, moved = np.full(result.load.shape, np.inf), np.zeros((*result.load.shape, 3))
     for nearest in (0, 1):  # the station next to the contact, or the second one, where nodes so close are one
-        w = result.centre_shift[:, None, :] - drawn.groove_centres
         for s in (0, 1):
             rise = 0.0 if choices.arm == "ball" else scene.balls.radius * np.sin(beta) * np.cos(slope) * WAYS[s, 1]
             apart = np.abs(z[None, :] - centre[:, 2:] - rise)
@@ -169,31 +202,16 @@ def off_the_law(scene: Scene, result: StaticResult) -> str:
             station = np.where(np.take_along_axis(apart, station[:, None], axis=1)[:, 0] > ONE_NODE, first, station)
             from_axis = centre + np.einsum("na,nak->nk", drawn.groove_centres[:, s], axes)
             from_axis[:, 2] -= z[station]
-            moved = u[station, :3] + np.cross(u[station, 3:], from_axis)
-            furthest = max(furthest, float(np.abs(moved).max()))
-            w[:, s] -= np.einsum("nak,nk->na", axes, moved)
-        here = by_law(drawn, result.hertz_C, w)
+            moved[:, s] = carried(from_axis, u[station])
+        furthest = max(furthest, largest(moved))
+        here = by_law(scene, result, drawn, moved)
         law = np.where(np.abs(here - result.load) < np.abs(law - result.load), here, law)
     if sides := flanks_of_single_arc_contacts(scene):  # one contact of a ball with either groove
         law[:, [s for s in range(4) if s not in sides]] = 0.0
-    stiff = 1.5 * np.cbrt(np.maximum(law, result.load)) / result.hertz_C
-    allowed = np.maximum(EXACT * float(result.load.max()), DIGITS * (furthest + drawn.groove_radii) * stiff)
+    digits = DIGITS * (furthest + drawn.groove_radii) * stiffness_by_law(law, result)
+    allowed = np.maximum(EXACT * largest(result.load), digits)
     allowed[result.load == 0.0] = np.maximum(allowed[result.load == 0.0], nothing(result))
-    off = np.abs(law - result.load) / allowed
-    ball, side = (int(k) for k in np.unravel_index(int(off.argmax()), off.shape))
-    if off[ball, side] <= 1.0:
-        return ""
-    at = f"ball {ball + 1} {SIDES[side]}"
-    return f"Hertz' law gives {law[ball, side]:.9g} N, not {result.load[ball, side]:.9g} N, on {at}"
-
-
-def wrench_of_pin(scene: Scene, result: StaticResult) -> Array:
-    """Wrench that the pin takes in the result, about the nut's centre (moments over the pitch radius) ``(6,)`` [N]."""
-    balance = result.equilibrium
-    if balance is None:
-        return np.zeros(6)
-    moment = balance.pin_moment - np.cross([0.0, 0.0, scene.nut.position], balance.pin_force)
-    return np.concatenate([balance.pin_force, moment / scene.track.pitch_radius])
+    return farthest_off(law, result.load, allowed)
 
 
 def neutral(scene: Scene, free: Array) -> Array:
@@ -201,35 +219,9 @@ def neutral(scene: Scene, free: Array) -> Array:
     centre, axes = frames(scene)
     if not free.shape[1]:
         return np.zeros((0, 0))
-    x = centre - np.array([0.0, 0.0, scene.nut.position])
-    rows = np.concatenate([axes, np.cross(x[:, None, :], axes) / scene.track.pitch_radius], axis=2).reshape(-1, 6)
+    rows = wrench((centre - middle_of_nut(scene))[:, None, :], axes).reshape(-1, 6) / arms(scene)
     _, size, vt = np.linalg.svd(rows @ free)
     return np.asarray(vt[int((size > 1e-9 * max(1.0, size.max(initial=0.0))).sum()) :].T)
-
-
-def proven(scene: Scene) -> bool:
-    """Whether a motion that no support holds and no contact resists lets the load do work: by rank, or a linear program."""
-    free, applied = free_of(scene), wrench_of_loads(scene)
-    size = float(np.abs(applied).max())
-    if size == 0.0 or not free.shape[1]:
-        return False
-    still = free @ neutral(scene, free)
-    if still.shape[1] and float(np.abs(still.T @ applied).max()) > 1e-8 * size:
-        return True
-    centre, axes = frames(scene)
-    x, N, k = centre - np.array([0.0, 0.0, scene.nut.position]), len(centre), free.shape[1]
-    beta = scene.track.contact_angle
-    rows = np.zeros((4 * N, k + 2 * N))
-    for s, way in enumerate(WAYS * np.array([np.cos(beta), np.sin(beta)])):
-        for i in range(N):
-            rows[4 * i + s, k + 2 * i : k + 2 * i + 2] = way
-            if s < 2:
-                normal = way @ axes[i]
-                rows[4 * i + s, :k] = -np.concatenate([normal, np.cross(x[i], normal) / scene.track.pitch_radius]) @ free
-    cost = np.concatenate([-(free.T @ applied) / size, np.zeros(2 * N)])
-    bounds = [(-1.0, 1.0)] * k + [(None, None)] * (2 * N)
-    found = linprog(cost, A_ub=rows, b_ub=np.zeros(4 * N), bounds=bounds)
-    return found.status == 0 and bool(found.fun < -1e-7)
 
 
 def brute_force(scene: Scene, result: StaticResult) -> float | None:
@@ -237,55 +229,39 @@ def brute_force(scene: Scene, result: StaticResult) -> float | None:
     apply: a rigid screw with loads and without a free motion (which the model pins), all supports at zero, no uneven
     flanks, up to 40 balls."""
     moved = any(value != 0.0 for s in scene.supports for _, value in s.fixed)
-    drawn = draw_geometry_with_errors(scene, ball_layout(scene))
-    few = len(drawn.ball_radii) <= 40
+    drawn, free = draw_geometry_with_errors(scene, ball_layout(scene)), free_of(scene)
     if (
         scene.ingredients.screw != "rigid"
+        or scene.ingredients.arm == "nominal"
         or moved
         or drawn.profile_coefficients.shape[1]
-        or not few
-        or scene.ingredients.arm == "nominal"
-        or float(result.load.max()) <= nothing(result)
+        or len(drawn.ball_radii) > 40
+        or largest(result.load) <= nothing(result)
+        or neutral(scene, free).size
     ):
         return None
-    free, applied = free_of(scene), wrench_of_loads(scene)
-    if neutral(scene, free).size:
-        return None
-    _, axes = frames(scene)
-    centre, arm = ball_layout(scene).centre - np.array([0.0, 0.0, scene.nut.position]), scene.track.pitch_radius
-    N, k, unit = len(centre), free.shape[1], 1e-6
-    C, groove = result.hertz_C, drawn.groove_centres
-    point = centre[:, None, :] + np.einsum("nsa,nak->nsk", groove, axes)
-    rows = np.zeros((N, 4, 2, k))
-    for s in (0, 1):
-        arms = np.cross(point[:, s, None, :], axes) / arm
-        rows[:, s] = np.concatenate([axes, arms], axis=2) @ free
+    applied, (_, axes), groove = wrench_of_loads(scene), frames(scene), drawn.groove_centres
+    N, k, unit = len(axes), free.shape[1], 1e-6
+    point = (ball_layout(scene).centre - middle_of_nut(scene))[:, None, :] + np.einsum("nsa,nak->nsk", groove, axes)
+    rows = wrench(point[:, :, None, :], np.repeat(axes[:, None], 4, axis=1)) / arms(scene) @ free
+    rows[:, 2:] = 0.0  # the nut is fixed
 
     def energy(x: Array) -> tuple[float, Array]:
         a, p = unit * x[:k], unit * x[k:].reshape(N, 2)
         w = -groove + p[:, None, :] - rows @ a
         size = np.maximum(np.hypot(w[..., 0], w[..., 1]), 1e-15)
         delta = np.maximum(drawn.ball_radii[:, None] - (drawn.groove_radii - size), 0.0)
-        force = (delta / C) ** 1.5
+        force = (delta / result.hertz_C) ** 1.5
         push = force[..., None] * w / size[..., None]
         slope = np.concatenate([-np.einsum("nsa,nsak->k", push, rows) - free.T @ applied, push.sum(axis=1).ravel()])
-        return float((0.4 * force * delta).sum() - (free.T @ applied) @ a), unit * slope
+        return float((0.4 * force * delta).sum() - (free.T @ applied) @ a) / stored, unit * slope / stored
 
-    stored = float((0.4 * result.load ** (5.0 / 3.0) * C).sum())
+    stored = float((0.4 * result.load ** (5.0 / 3.0) * result.hertz_C).sum())
     start = np.zeros(k + 2 * N)
     best, _ = energy(start)
     with np.errstate(all="ignore"):  # trial steps of the minimisation may go anywhere
         for _ in range(3):
-            found = minimize(
-                lambda x: tuple(v / stored for v in energy(x)), start, jac=True, method="BFGS", options={"gtol": 1e-9}
-            )
-            start, best = found.x, min(best, float(found.fun) * stored)
-    return (stored - _work(scene, result, applied) - best) / stored
-
-
-def _work(scene: Scene, result: StaticResult, applied: Array) -> float:
-    """Work of the loads on the screw's motion at the nut's centre [J]."""
-    z, u = result.centreline_z, result.centreline
-    at = np.array([np.interp(scene.nut.position, z, u[:, k]) for k in range(6)])
-    at[3:] *= scene.track.pitch_radius
-    return float(applied @ at)
+            found = minimize(energy, start, jac=True, method="BFGS", options={"gtol": 1e-9})
+            start, best = found.x, min(best, float(found.fun))
+    motion = np.array([np.interp(scene.nut.position, result.centreline_z, one) for one in result.centreline.T])
+    return 1.0 - float(applied @ (motion * arms(scene))) / stored - best

@@ -1,7 +1,6 @@
 """Random extreme screws and bearings as scene files: within what a file may say, far beyond what anyone builds."""
 
-from __future__ import annotations
-
+from collections.abc import Iterable
 from math import cos, pi, sin
 
 import numpy as np
@@ -20,10 +19,9 @@ def scene_text(seed: int, number: int) -> str:
     count = round(log_uniform(rng, 3, MOST))
     angle = np.radians(rng.uniform(0.5, 60.0))
     pitch, lead, starts, turns, room = _path(rng, ring, ball, count)
-    count -= count % starts
-    count = max(starts, count)
+    count = max(starts, count - count % starts)
     tight = rng.choice([0.0, 1.0, -1.0]) * log_uniform(rng, 1e-8, 30e-6)
-    grooves = [ball * (1.0 + log_uniform(rng, 5e-3, 0.2)) for _ in range(2)]
+    screw, outside = (max(ball * (1.0 + log_uniform(rng, 5e-3, 0.2)), ball + 2.0 * abs(tight)) for _ in range(2))
     nut = max(1.15 * room + 2.5 * ball, 4.0 * ball)
     length = nut * rng.uniform(1.0, 8.0)
     position = rng.uniform(nut / 2.0, length - nut / 2.0)
@@ -35,19 +33,31 @@ def scene_text(seed: int, number: int) -> str:
     return (
         f'title = "campaign {seed}, scene {number}"\n'
         f'[material]\nyoungs_modulus = "{stiff:g} GPa"\npoissons_ratio = {ratio:g}\n'
-        f'[track]\npitch_radius = "{1e3 * pitch:.9g} mm"\nlead = "{1e3 * lead:.9g} mm"\n'
-        f'contact_angle = "{np.degrees(angle):.6g} deg"\nhand = "{rng.choice(["right", "left"])}"\nstarts = {starts}\n'
-        f'phase = "{rng.uniform(-360, 360):.4g} deg"\n'
-        f'[screw]\nlength = "{1e3 * length:.9g} mm"\nouter_diameter = "{1e3 * outer:.9g} mm"\n'
-        f'bore = "{1e3 * bore:.9g} mm"\n'
-        f'groove_radius = "{1e3 * max(grooves[0], ball + 2.0 * abs(tight)):.12g} mm"\n'
-        f'[nut]\nposition = "{1e3 * position:.9g} mm"\nlength = "{1e3 * nut:.9g} mm"\n'
-        f'outer_diameter = "{2e3 * (pitch + ball) * rng.uniform(1.05, 1.6):.9g} mm"\n'
-        f'groove_radius = "{1e3 * max(grooves[1], ball + 2.0 * abs(tight)):.12g} mm"\n'
-        f'[balls]\nradius = "{1e3 * ball:.9g} mm"\ncount = {count}\n{turning}'
+        f'[track]\npitch_radius = {mm(pitch)}\nlead = {mm(lead)}\ncontact_angle = "{np.degrees(angle):.6g} deg"\n'
+        f'hand = "{rng.choice(["right", "left"])}"\nstarts = {starts}\nphase = "{rng.uniform(-360, 360):.4g} deg"\n'
+        f"[screw]\nlength = {mm(length)}\nouter_diameter = {mm(outer)}\nbore = {mm(bore)}\n"
+        f"groove_radius = {mm(screw, 12)}\n[nut]\nposition = {mm(position)}\nlength = {mm(nut)}\n"
+        f'outer_diameter = "{2e3 * (pitch + ball) * rng.uniform(1.05, 1.6):.9g} mm"\ngroove_radius = {mm(outside, 12)}\n'
+        f"[balls]\nradius = {mm(ball)}\ncount = {count}\n{turning}"
         f'[errors]\nseed = {int(rng.integers(2**31))}\n[errors.balls]\noversize = "{1e6 * tight:.6g} um"\n'
         f"{_errors(rng)}{_supports(rng, length)}{_loads(rng, length, pitch)}[ingredients]\n{_choices(rng)}"
     )
+
+
+def mm(length: float, digits: int = 9) -> str:
+    """A length [m] as a file has it."""
+    return f'"{1e3 * length:.{digits}g} mm"'
+
+
+def listed(texts: Iterable[str]) -> str:
+    """A list of words or quantities as a file has it."""
+    return "[" + ", ".join(f'"{text}"' for text in texts) + "]"
+
+
+def force_and_moment(force: np.ndarray, moment: np.ndarray, digits: int) -> tuple[str, str]:
+    """A force [N] and a moment [N m] as a file has them."""
+    newton, metre = ([f"{x:.{digits}g} {unit}" for x in v] for v, unit in ((force, "N"), (moment, "N m")))
+    return f"force = {listed(newton)}\n", f"moment = {listed(metre)}\n"
 
 
 def log_uniform(rng: np.random.Generator, low: float, high: float) -> float:
@@ -94,10 +104,9 @@ def _supports(rng: np.random.Generator, length: float) -> str:
             name = held.pop()
             moved[name] = f"{rng.normal(0, 100):.3g} um" if name[0] == "u" else f"{rng.normal():.3g} mrad"
         if held or moved:
-            fix = ", ".join(f'"{name}"' for name in held)
-            text += f'[[supports]]\nat = "{1e3 * length * rng.random():.9g} mm"\nfix = [{fix}]\n'
-            if moved:
-                text += "displace = { " + ", ".join(f'{k} = "{v}"' for k, v in moved.items()) + " }\n"
+            text += f"[[supports]]\nat = {mm(length * rng.random())}\nfix = {listed(held)}\n"
+        for name, value in moved.items():
+            text += f'displace = {{ {name} = "{value}" }}\n'
     return text
 
 
@@ -114,9 +123,7 @@ def _loads(rng: np.random.Generator, length: float, pitch: float) -> str:
         force[:2] = size * rng.random() * np.array([cos(turn), sin(turn)])
     if kind in ("moment", "all"):
         moment[:2] = size * pitch * rng.random() * np.array([sin(turn), cos(turn)])
-    newton = ", ".join(f'"{x:.6g} N"' for x in force)
-    metre = ", ".join(f'"{x:.6g} N m"' for x in moment)
-    return f'[[loads]]\nat = "{1e3 * length * rng.random():.9g} mm"\nforce = [{newton}]\nmoment = [{metre}]\n'
+    return f"[[loads]]\nat = {mm(length * rng.random())}\n" + "".join(force_and_moment(force, moment, 6))
 
 
 def _choices(rng: np.random.Generator) -> str:

@@ -1,9 +1,7 @@
 """Random axes as scene files: one to five sets of balls or rollers on one shaft, far beyond what anyone builds."""
 
-from __future__ import annotations
-
 import numpy as np
-from tests.campaign.draw import log_uniform
+from tests.campaign.draw import force_and_moment, listed, log_uniform, mm
 
 from rollbench.meshes.parts import FREEDOMS
 
@@ -35,7 +33,8 @@ def axis_text(seed: int, number: int) -> str:
     for _ in range(int(rng.choice([0, 1, 1, 2]))):
         force = rng.normal(size=3) * log_uniform(rng, 1.0, 2e4) * (rng.random(3) < 0.7)
         moment = rng.normal(size=3) * pitch * log_uniform(rng, 1.0, 2e3) * np.array([1.0, 1.0, 0.0]) * (rng.random() < 0.3)
-        text += f'[[loads]]\nat = "{1e3 * length * rng.random():.6g} mm"\n{_vectors(force, moment)}'
+        newton, metre = force_and_moment(force, moment, 5)
+        text += f"[[loads]]\nat = {mm(length * rng.random(), 6)}\n{newton}" + metre * bool(np.any(moment))
     if rng.random() < 0.2:
         text += f'[heat]\nwarming = "{rng.uniform(-20, 40):.3g} K"\nexpansion = 11.5e-6\n'
     return text + f'[ingredients]\nhertz = "{rng.choice(["nominal", "nominal", "error-free", "actual", "as printed"])}"\n'
@@ -87,28 +86,16 @@ def _springs(rng: np.random.Generator) -> str:
 
 def _housing(rng: np.random.Generator, name: str, length: float) -> str:
     """A body on springs, or free to move in some freedoms."""
-    text = f'[[housings]]\nname = "{name}"\nat = "{1e3 * length * rng.uniform(0.2, 0.8):.6g} mm"\n'
+    text = f'[[housings]]\nname = "{name}"\nat = {mm(length * rng.uniform(0.2, 0.8), 6)}\n'
     if rng.random() < 0.5:
         text += _springs(rng)
-    held = [f for f in FREEDOMS[: 5 + int(rng.integers(2))] if rng.random() < 0.6]
-    text += f"fix = [{', '.join(map(_quoted, held))}]\n"
+    text += f"fix = {listed([f for f in FREEDOMS[: 5 + int(rng.integers(2))] if rng.random() < 0.6])}\n"
     if rng.random() < 0.5:
-        text += _vectors(rng.normal(size=3) * log_uniform(rng, 1.0, 1e4), np.zeros(3))
+        text += force_and_moment(rng.normal(size=3) * log_uniform(rng, 1.0, 1e4), np.zeros(3), 5)[0]
     return text
 
 
 def _held(rng: np.random.Generator, length: float) -> str:
     """Supports of the shaft: mostly only against turning."""
     held = ["rz"] if rng.random() < 0.6 else [f for f in FREEDOMS if rng.random() < 0.5]
-    if not held:
-        return ""
-    return f'[[supports]]\nat = "{1e3 * length * rng.choice([0.0, 1.0]):.6g} mm"\nfix = [{", ".join(map(_quoted, held))}]\n'
-
-
-def _quoted(word: str) -> str:
-    return f'"{word}"'
-
-
-def _vectors(force: np.ndarray, moment: np.ndarray) -> str:
-    newton, metre = (", ".join(f'"{x:.5g} {unit}"' for x in v) for v, unit in ((force, "N"), (moment, "N m")))
-    return f"force = [{newton}]\n" + f"moment = [{metre}]\n" * bool(np.any(moment))
+    return f"[[supports]]\nat = {mm(length * rng.choice([0.0, 1.0]), 6)}\nfix = {listed(held)}\n" if held else ""

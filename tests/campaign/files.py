@@ -1,16 +1,12 @@
 """Mutated scene files and stored files, and kills while a file is written: refused in words, never half-written."""
 
-from __future__ import annotations
-
-import contextlib
 import os
-import signal
 import subprocess
 import sys
 import tempfile
+from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from time import sleep
 
@@ -27,21 +23,8 @@ from rollbench.meshes.files import temporary_path
 #: What a mutated file may become.
 READ, REFUSED, CRASHED, CHANGED = "read as before", "refused", "traceback", "other numbers read"
 #: Texts that are put in the place of a value.
-VALUES = (
-    '"1e308 mm"',
-    '"-1 mm"',
-    "nan",
-    "-inf",
-    "[]",
-    '""',
-    "true",
-    "1e400",
-    '"9 GPa"',
-    "{}",
-    '"\\u0000"',
-    "10**9",
-    '"0 mm"',
-)
+VALUES = ('"1e308 mm"', '"-1 mm"', "nan", "-inf", "[]", '""', "true", "1e400", '"9 GPa"', "{}", '"\\u0000"')
+VALUES += ("10**9", '"0 mm"')
 #: A process that writes one file after another until it is killed.
 WRITER = """
 import sys
@@ -117,12 +100,9 @@ def scenes(seed: int, count: int) -> Iterator[FileOutcome]:
             rng = np.random.default_rng([seed, 1, number])
             drawn = scene_text(seed, number) if number % 2 else catalogue.shipped_scene_text(str(rng.choice(names)))
             path.write_bytes(mutated(drawn.encode(), rng))
-            yield _outcome("scene", partial(_read_scene, path), SceneError, told)
-
-
-def _read_scene(path: Path) -> bool:
-    scene_file.parse_scene(scene_file.read_scene_text(path), str(path))
-    return True
+            yield _outcome(
+                "scene", lambda: bool(scene_file.parse_scene(scene_file.read_scene_text(path), str(path))), SceneError, told
+            )
 
 
 def stored(seed: int, count: int) -> Iterator[FileOutcome]:
@@ -132,14 +112,14 @@ def stored(seed: int, count: int) -> Iterator[FileOutcome]:
     square, line = np.eye(4) * 1e-10, np.full((4, 3), 1e-11)
     bodies = CondensedBodies("0" * 16, 1, np.arange(4.0), 0.1, one, one, square, line, line * 1e12, np.full(4, 1e-7))
     with tempfile.TemporaryDirectory() as folder:
-        json_file, npz = Path(folder) / "run.json", Path(folder) / "bodies.npz"
-        bodies.save(npz)
+        path = Path(folder) / "bodies.npz"
+        bodies.save(path)
         kinds = (
-            ("stored run", json_file, run_text_with_checksum(run).encode(), lambda: read_checked_data(json_file) == run),
-            ("stored bodies", npz, npz.read_bytes(), lambda: _same(read_condensed_bodies(npz), bodies)),
+            ("stored run", run_text_with_checksum(run).encode(), lambda: read_checked_data(path) == run),
+            ("stored bodies", path.read_bytes(), lambda: _same(read_condensed_bodies(path), bodies)),
         )
         for number in range(count):
-            kind, path, good, read = kinds[number % 2]
+            kind, good, read = kinds[number % 2]
             path.write_bytes(mutated(good, np.random.default_rng([seed, 2, number])))
             yield _outcome(kind, read, ValueError)
 
@@ -151,19 +131,15 @@ def _same(a: CondensedBodies, b: CondensedBodies) -> bool:
 def kills(seed: int, count: int) -> Iterator[FileOutcome]:
     """A process that writes a file again and again is killed: the file is whole, and the next writer clears up."""
     rng = np.random.default_rng([seed, 3])
-    root = os.pathsep.join(sys.path[1:])
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path[1:])}
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "written.txt"
+        words = [sys.executable, "-P", "-c", WRITER, str(path)]
         for _ in range(count):
-            environment = {**os.environ, "PYTHONPATH": root}
-            words = [sys.executable, "-P", "-c", WRITER, str(path)]
             with subprocess.Popen(words, env=environment, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL) as child:
-                if child.stdout is not None:
-                    child.stdout.readline()
+                child.stdout.readline()
                 sleep(float(rng.uniform(0.0, 0.05)))
-                with contextlib.suppress(ProcessLookupError):
-                    os.kill(child.pid, signal.SIGKILL)
-                child.wait()
+                child.kill()
             text = path.read_text(encoding="utf-8") if path.exists() else ""
             whole = text == "" or (len(text) == 400_000 and len(set(text)) == 1)
             temporary_path(path)  # what the next writer does first
@@ -173,9 +149,7 @@ def kills(seed: int, count: int) -> Iterator[FileOutcome]:
 
 def tally(outcomes: list[FileOutcome]) -> dict[str, dict[str, int]]:
     """How many outcomes of each verdict by kind, and how many are bad."""
-    out: dict[str, dict[str, int]] = {}
+    out: dict[str, dict[str, int]] = defaultdict(Counter)
     for o in outcomes:
-        row = out.setdefault(o.kind, {})
-        row[o.verdict] = row.get(o.verdict, 0) + 1
-        row["bad"] = row.get("bad", 0) + (not o.good)
+        out[o.kind].update({o.verdict: 1, "bad": int(not o.good)})
     return out

@@ -1,18 +1,17 @@
 """Random extreme scenes solved by a model, each outcome judged: right, refused with proof, or a fault of this project."""
 
-from __future__ import annotations
-
 import json
 import re
 import tempfile
 import traceback
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from time import perf_counter
 from typing import Any
 
 import numpy as np
+from tests.axes import one_set
 from tests.campaign import check, check_axes
 from tests.campaign.draw import scene_text
 from tests.campaign.draw_axes import axis_text
@@ -22,28 +21,12 @@ from rollbench.compare.errors import InputError, SceneError
 from rollbench.compare.models.registry import MODELS, ModelOptions, run_model
 from rollbench.compare.provenance import sources_hash
 from rollbench.compare.scenes import scene_file
-from rollbench.compare.studies.extremes import (
-    BAD,
-    CRASHED,
-    GOOD,
-    MISSTATED,
-    NOT_UNIQUE,
-    PROVEN,
-    REFUSED,
-    RIGHT,
-    SILENT,
-    UNPROVEN,
-    WRONG,
-)
+from rollbench.compare.studies import extremes
 from rollbench.compare.studies.sweep.sample import record_as_checked_line, record_from_checked_line
 from rollbench.lowfi.statics.result import AxisResult, StaticResult, StaticSolution
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import SIDES, Scene
 
-#: Hears the number of scenes done, their total, and words on the last.
-Progress = Callable[[int, int, str], None]
-#: What draws a scene file from seed and number.
-Draw = Callable[[int, int], str]
 #: Packages whose sources an outcome depends on.
 PACKAGES = ("meshes", "lowfi", "compare")
 COMPILED = ModelOptions(engine="compiled", estimate_beam_mesh_error=False)
@@ -63,21 +46,18 @@ def misstated(text: str, model: str, found: StaticSolution | InputError, command
         path = Path(folder) / "campaign.toml"
         path.write_text(text, encoding="utf-8")
         tokens = ["solve", str(path), "--model", model, "--balls"]
-        (printed, words), (code, data) = command(tokens), command([*tokens, "--json"])
+        (printed, words), (code, answer) = command(tokens), command([*tokens, "--json"])
     expected = 2 if isinstance(found, InputError) else 1 - found.converged
     if (printed, code) != (expected, expected):
-        return f"exit codes {printed} (text) and {code} (JSON) instead of {expected}: {data if code == 2 else words}"
+        return f"exit codes {printed} (text) and {code} (JSON) instead of {expected}: {answer if code == 2 else words}"
     if isinstance(found, InputError):
         return ""
     if found.status not in " ".join(words.split()):
         return "the text does not say the status"
-    number = re.search(r"(?<![\w.])[+-]?(nan|inf)\b", words)
-    return f"the text says {number[0]}" if number else _in_json(data, found)
-
-
-def _in_json(text: str, found: StaticSolution) -> str:
+    if number := re.search(r"(?<![\w.])[+-]?(nan|inf)\b", words):
+        return f"the text says {number[0]}"
     try:
-        data = json.loads(text, parse_constant=_refuse)
+        data = json.loads(answer, parse_constant=_refuse)
     except ValueError as error:
         return f"no strict JSON: {error}"
     if data["status"] != found.status:
@@ -85,9 +65,8 @@ def _in_json(text: str, found: StaticSolution) -> str:
     rows = [[row["load_N"][side] for side in SIDES] for row in data["balls"]]
     load = np.array(rows, dtype=float).reshape(-1, 4)  # null becomes nan
     known = np.concatenate([np.zeros((0, 4)), *(b.load for b in found.ball_results())])
-    if not np.allclose(load, known, rtol=0.0, atol=SAME * float(np.nanmax(known, initial=0.0)), equal_nan=True):
-        return "the JSON's loads are others"
-    return ""
+    same = np.allclose(load, known, rtol=0.0, atol=SAME * float(np.nanmax(known, initial=0.0)), equal_nan=True)
+    return "" if same else "the JSON's loads are others"
 
 
 def _refuse(word: str) -> Any:
@@ -119,11 +98,6 @@ class Campaign:
     axes: bool = False
     command: Command | None = None
 
-    @property
-    def option(self) -> str:
-        """The option of ``rollbench stability`` that asks for its scenes."""
-        return "--axes" if self.axes else "--random"
-
 
 class Part:
     """A file beside that of the counts; it is begun again where seed, model, version or sources are others."""
@@ -132,15 +106,12 @@ class Part:
         """Read the outcomes that the file has of this campaign. Raises OSError where it cannot be written."""
         self.path = path
         head = {"seed": seed, "model": model, "version": __version__, "sources": sources_hash(PACKAGES)[:16]}
-        lines = (
-            [record_from_checked_line(line) for line in path.read_bytes().splitlines(keepends=True)]
-            if path.exists()
-            else []
-        )
-        known = [line for line in lines[1:] if line is not None] if lines[:1] == [head] else None
-        if known is None:
+        kept = path.read_bytes().splitlines(keepends=True) if path.exists() else []
+        first, *others = [record_from_checked_line(line) for line in kept] or [None]
+        if first != head:
+            others = []
             path.write_bytes(record_as_checked_line(head))
-        self.outcomes = {line["number"]: Outcome(**line) for line in known or ()}
+        self.outcomes = {line["number"]: Outcome(**line) for line in others if line is not None}
 
     def add(self, outcome: Outcome) -> None:
         """Append an outcome."""
@@ -155,14 +126,16 @@ def placed(error: Exception) -> str:
     return f"{type(error).__name__}: {error} ({place.name}, line {place.lineno})"
 
 
-def judge(seed: int, number: int, model: str, command: Command | None = None, draw: Draw = scene_text) -> Outcome:
+def judge(
+    seed: int, number: int, model: str, command: Command | None = None, draw: Callable[[int, int], str] = scene_text
+) -> Outcome:
     """Draw a scene, solve it and judge the outcome, what ``command`` (if given) prints of it too; whatever happens is an
     outcome, never an exception."""
     begin = perf_counter()
     try:
         verdict, words, brute = _judged(draw(seed, number), number, model, command)
     except Exception as error:  # a traceback is what the campaign looks for
-        verdict, words, brute = CRASHED, placed(error), False
+        verdict, words, brute = extremes.CRASHED, placed(error), False
     return Outcome(number, verdict, words, perf_counter() - begin, brute)
 
 
@@ -170,86 +143,72 @@ def _judged(text: str, number: int, model: str, command: Command | None) -> tupl
     found: StaticResult | AxisResult | InputError
     try:
         scene = scene_file.parse_scene(text, "campaign.toml")
-        if isinstance(scene, Assembly):
-            several = found = run_model(scene, model, COMPILED)
-            (verdict, words), brute = _of_axis(scene, several, model), False
-        else:
-            one = scene_file.single_nut_scene_or_raise(scene, "campaign.toml")
-            alone = found = run_model(one, model, COMPILED)
-            verdict, words, brute = _verdict(one, alone, number, model)
+        found = run_model(scene, model, COMPILED)
+        of_kind = _of_axis if isinstance(scene, Assembly) else _of_scene
+        verdict, words, brute = of_kind(scene, found, number, model)
     except InputError as error:
         named = isinstance(error, SceneError) or bool(error.key and error.value)
-        found, verdict, words, brute = error, REFUSED if named else SILENT, str(error), False
-    if command is not None and verdict in GOOD:
-        fault = misstated(text, model, found, command)
-        return (MISSTATED, fault, brute) if fault else (verdict, words, brute)
+        found, verdict, words, brute = error, extremes.REFUSED if named else extremes.SILENT, str(error), False
+    if command is not None and verdict in extremes.GOOD and (fault := misstated(text, model, found, command)):
+        return extremes.MISSTATED, fault, brute
     return verdict, words, brute
 
 
-def _of_axis(assembly: Assembly, result: AxisResult, model: str) -> tuple[str, str]:
+def _of_axis(assembly: Assembly, result: AxisResult, _: int, model: str) -> tuple[str, str, bool]:
     """Verdict on several sets on one shaft."""
+    cause = result.status.cause
     if result.converged:
         fault = check_axes.faults(assembly, result) if model == "lin" else ""
-        return (WRONG, fault) if fault else (RIGHT, "")
+        return extremes.WRONG if fault else extremes.RIGHT, fault, False
     if result.status.kind != "not held":
-        return SILENT, result.status
-    cause = result.status.cause
+        return extremes.SILENT, result.status, False
     posed = check_axes.as_mounted(assembly) if cause == "mounting" else assembly
-    if cause != "crossed row" and check_axes.proven(assembly, cause == "mounting"):
-        return PROVEN, result.status
-    return (PROVEN if cause and _crosses(posed, model) else UNPROVEN), result.status
+    moves = cause != "crossed row" and check_axes.proven(assembly, cause == "mounting")
+    return extremes.PROVEN if moves or (cause and _crosses(posed, model)) else extremes.UNPROVEN, result.status, False
 
 
 def _crosses(assembly: Assembly, model: str) -> bool:
     """Whether the state with arcs that go on across the bottom is right, the only one then, and has a loaded ball there."""
-    runner = MODELS[model].solve_assembly_or_reason
-    if not callable(runner):
-        return False
-    state = runner(assembly, COMPILED)
-    if state.status.cause != "crossed row" or check_axes.faults(assembly, state):
-        return False
-    return check_axes.crossed(assembly, state)
+    state = MODELS[model].solve_assembly_or_reason(assembly, COMPILED)
+    right = state.status.cause == "crossed row" and not check_axes.faults(assembly, state)
+    return right and check_axes.crossed(assembly, state)
 
 
-def _verdict(scene: Scene, result: StaticResult, number: int, model: str) -> tuple[str, str, bool]:
+def _of_scene(scene: Scene, result: StaticResult, number: int, model: str) -> tuple[str, str, bool]:
+    """Verdict on one set."""
     if result.status.kind == "not held":
-        return (PROVEN if check.proven(scene) else UNPROVEN), result.status, False
+        proven = check_axes.proven(one_set(scene), False)
+        return extremes.PROVEN if proven else extremes.UNPROVEN, result.status, False
     if not result.converged:
-        return (NOT_UNIQUE if result.status.cause == "not unique" else SILENT), result.status, False
+        return extremes.NOT_UNIQUE if result.status.cause == "not unique" else extremes.SILENT, result.status, False
     fault = check.unbalanced(scene, result) or (check.off_the_law(scene, result) if model == "lin" else "")
     if not fault and number % OTHER_ENGINE == 0 and scene.ball_count <= FEW:
         other = run_model(scene, model, ModelOptions(engine="interpreted", estimate_beam_mesh_error=False))
-        apart = 0.0 if other.status != result.status else float(abs(other.load - result.load).max())
+        apart = check.largest(other.load - result.load)
         if other.status != result.status:
             fault = f"the other engine says: {other.status}"
         elif apart > max(SAME * float(result.load.max()), check.nothing(result)):
             fault = f"loads of the two engines differ by {apart:.3g} N"
-    if fault:
-        return WRONG, fault, False
-    lower = check.brute_force(scene, result) if model == "lin" else None
+    lower = None if fault or model != "lin" else check.brute_force(scene, result)
     if lower is not None and lower > LOWER:
-        return WRONG, f"plain minimisation finds {lower:.2g} of the stored energy less", True
-    return RIGHT, "", lower is not None
+        fault = f"plain minimisation finds {lower:.2g} of the stored energy less"
+    return extremes.WRONG if fault else extremes.RIGHT, fault, lower is not None
 
 
-def judge_scenes(
-    what: Campaign, progress: Callable[[int, int, str], None] = lambda *_: None, kept: Part | None = None
-) -> list[Outcome]:
+def judge_scenes(what: Campaign, kept: Part | None = None) -> Iterator[Outcome]:
     """The scenes of a campaign one after another. kept: outcomes that are taken as they are, and where every new one is
     put."""
-    found, known = [], {} if kept is None else kept.outcomes
+    known = {} if kept is None else kept.outcomes
     for number in range(what.count):
         outcome = known.get(number)
         if outcome is None:
             outcome = judge(what.seed, number, what.model, what.command, axis_text if what.axes else scene_text)
             if kept is not None:
                 kept.add(outcome)
-        found.append(outcome)
-        progress(number + 1, what.count, f"scene {number}: {outcome.verdict}")
-    return found
+        yield outcome
 
 
 def tally(outcomes: Sequence[Outcome]) -> dict[str, int]:
     """How many outcomes of each kind, and how many were compared by brute force."""
-    counts = {verdict: sum(o.verdict == verdict for o in outcomes) for verdict in (*GOOD, *BAD)}
+    counts = {verdict: sum(o.verdict == verdict for o in outcomes) for verdict in (*extremes.GOOD, *extremes.BAD)}
     return counts | {"compared with plain minimisation": sum(o.brute for o in outcomes)}

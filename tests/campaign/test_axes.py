@@ -1,12 +1,9 @@
 """Random axes, judged from their numbers alone; the long one is ``python -m tests.campaign --axes 300 --keep FILE``."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest
-from tests.axes import fixed_axis, solved
-from tests.axes import one_set as as_assembly
+from tests.axes import fixed_axis, one_set, solved
 from tests.campaign import check_axes, scenes
 from tests.campaign.draw_axes import axis_text
 
@@ -19,18 +16,18 @@ from rollbench.meshes.parts import Scene
 
 #: Axes that were wrong or without an answer, by seed and number: what they are now, by what they needed.
 ONCE_BAD = {
-    (1, 0): scenes.RIGHT,  # a preload by force that other sets exceed without any shift
-    (1, 68): scenes.PROVEN,  # a preload by force that nothing holds
-    (1, 53): scenes.PROVEN,  # at mounting the shaft screws through its nut, by 30 mm
-    (1, 128): scenes.PROVEN,  # a housing that goes 31 m and does not settle
-    (1, 136): scenes.RIGHT,  # held at contact angles that are not the nominal ones
-    (1, 248): scenes.PROVEN,  # the shaft turns by 0.27 rad
-    (9201, 0): scenes.RIGHT,  # nothing presses the contacts, 1e-44 N of round-off in which were to be balanced
-    (9201, 182): scenes.PROVEN,  # at mounting a preload draws the balls of another row across its groove's bottom
-    (9501, 225): scenes.PROVEN,  # a ball on the bottom itself, at an angle of round-off: nothing holds its row together
-    (9802, 254): scenes.RIGHT,  # rollers that nothing presses, with loads of 1e-27 N
-    (9501, 293): scenes.RIGHT,  # an outer part tied stiffly to a housing that turns by 4 mrad at mounting
-    (9301, 160): scenes.PROVEN,  # the same by a preload on a housing that moves
+    (1, 0): extremes.RIGHT,  # a preload by force that other sets exceed without any shift
+    (1, 68): extremes.PROVEN,  # a preload by force that nothing holds
+    (1, 53): extremes.PROVEN,  # at mounting the shaft screws through its nut, by 30 mm
+    (1, 128): extremes.PROVEN,  # a housing that goes 31 m and does not settle
+    (1, 136): extremes.RIGHT,  # held at contact angles that are not the nominal ones
+    (1, 248): extremes.PROVEN,  # the shaft turns by 0.27 rad
+    (9201, 0): extremes.RIGHT,  # nothing presses the contacts, 1e-44 N of round-off in which were to be balanced
+    (9201, 182): extremes.PROVEN,  # at mounting a preload draws the balls of another row across its groove's bottom
+    (9501, 225): extremes.PROVEN,  # a ball on the bottom itself, at an angle of round-off: nothing holds its row together
+    (9802, 254): extremes.RIGHT,  # rollers that nothing presses, with loads of 1e-27 N
+    (9501, 293): extremes.RIGHT,  # an outer part tied stiffly to a housing that turns by 4 mrad at mounting
+    (9301, 160): extremes.PROVEN,  # the same by a preload on a housing that moves
 }
 
 
@@ -42,9 +39,9 @@ def test_axes_that_were_wrong_once(seed, number):
 
 
 def test_random_axes_are_right_or_refused_with_proof():
-    found = scenes.judge_scenes(scenes.Campaign(5, 12, axes=True))
-    assert not [o for o in found if o.verdict in scenes.BAD]
-    assert sum(o.verdict == scenes.RIGHT for o in found) >= 6
+    found = list(scenes.judge_scenes(scenes.Campaign(5, 12, axes=True)))
+    assert not [o for o in found if o.verdict in extremes.BAD]
+    assert sum(o.verdict == extremes.RIGHT for o in found) >= 6
 
 
 def test_the_judge_sees_what_is_off():
@@ -88,7 +85,7 @@ def test_a_scene_is_an_assembly_of_one_set():
         scene = case.scene
         if not isinstance(scene, Scene) or scene.ingredients.partition != "nodal" or scene.ingredients.screw != "beam":
             continue
-        alone, found = solve_static(scene, engine="compiled"), solve_assembly(as_assembly(scene), engine="compiled")
+        alone, found = solve_static(scene, engine="compiled"), solve_assembly(one_set(scene), engine="compiled")
         if not (alone.converged and found.converged and alone.load.max() > 0.0):
             continue
         apart = abs(found.sets[0].balls.load - alone.load).max() / alone.load.max()

@@ -27,15 +27,11 @@ def test_the_estimates_hold_where_balls_meet_enter_and_leave(meeting):
     assert all(h.fully_converged for h in meeting)
     assert meeting[-1].presses_on_next.any()
     assert len({tuple(row) for row in meeting[-1].loaded}) > 1
-    found, fine, mean = travel.estimate_time_step_errors(meeting[:3]), meeting[3], meeting[3].torque_statistics["mean"]
-    off = {
-        name: abs(fine.torque_statistics[name] - meeting[2].torque_statistics[name]) / mean
-        for name in fine.torque_statistics
-    }
-    off |= {
-        "torque": travel.mean_torque_difference(meeting[2].mean_torque_per_step, fine.mean_torque_per_step) / mean,
-        "share": abs(fine.largest_ball_to_groove_ratio - meeting[2].largest_ball_to_groove_ratio),
-    }
+    found, used, fine = travel.estimate_time_step_errors(meeting[:3]), meeting[2], meeting[3]
+    off = {name: abs(value - used.torque_statistics[name]) for name, value in fine.torque_statistics.items()}
+    off["torque"] = travel.mean_torque_difference(used.mean_torque_per_step, fine.mean_torque_per_step)
+    off = {name: error / fine.torque_statistics["mean"] for name, error in off.items()}
+    off["share"] = abs(fine.largest_ball_to_groove_ratio - used.largest_ball_to_groove_ratio)
     assert set(off) == set(found.errors_by_quantity)
     for name, error in off.items():
         assert error <= found.errors_by_quantity[name].error
@@ -58,7 +54,5 @@ def test_steps_that_are_not_given_reach_the_goal():
     assert error.all_errors_within(1e-3)
     assert found.steps == error.step_counts[-1]
     finer = travel.simulate(setting(sparse()), 0.2, 8 * found.steps)
-    assert (
-        travel.mean_torque_difference(found.mean_torque_per_step, finer.mean_torque_per_step)
-        < 1e-3 * found.torque_statistics["mean"]
-    )
+    difference = travel.mean_torque_difference(found.mean_torque_per_step, finer.mean_torque_per_step)
+    assert difference < 1e-3 * found.torque_statistics["mean"]

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
 import pytest
 from tests.hertz_studies import GROUP, study
@@ -40,20 +38,19 @@ def test_errors_on_other_elements_fall_too(element, coarse, fine, most):
 
 
 def test_second_order_elements_beat_first_order_ones_at_equal_unknowns():
-    q2, q1 = study(JOBS["A"], "Q2", 4.0), study(JOBS["A"], "Q1", 8.0)
-    assert 0.8 < q2.free_degree_of_freedom_count / q1.free_degree_of_freedom_count < 1.3
-    assert errors(q2)[0] < errors(q1)[0] / 2.0
-    p2, p1 = study(JOBS["A"], "P2", 4.0), study(JOBS["A"], "P1", 8.0)
-    assert p2.free_degree_of_freedom_count < 1.5 * p1.free_degree_of_freedom_count
-    assert errors(p2)[0] < errors(p1)[0] / 2.0
+    for shape, least, most in (("Q", 0.8, 1.3), ("P", 0.0, 1.5)):
+        second, first = study(JOBS["A"], f"{shape}2", 4.0), study(JOBS["A"], f"{shape}1", 8.0)
+        assert least < second.free_degree_of_freedom_count / first.free_degree_of_freedom_count < most
+        assert errors(second)[0] < errors(first)[0] / 2.0
 
 
 @pytest.mark.parametrize(("name", "b_over_h"), [("A", 4.0), ("B", 3.0)])
 def test_size_of_the_block_does_not_matter_once_its_cut_moves_as_the_half_space(name, b_over_h):
-    solve = partial(study, JOBS[name], "Q2", b_over_h)
-    found = np.array([solve(relative_block_size=size).approach for size in (2.0, SIZE, 5.0)])
+    def approaches(*sizes, **held):
+        return np.array([study(JOBS[name], "Q2", b_over_h, relative_block_size=size, **held).approach for size in sizes])
+
+    found, held = approaches(2.0, SIZE, 5.0), approaches(SIZE, 5.0, far_field=False)
     assert np.ptp(found) < 1e-3 * found.mean()
-    held = np.array([solve(relative_block_size=size, far_field=False).approach for size in (SIZE, 5.0)])
     assert (held < 0.99 * found[1:]).all()
     assert held[0] < held[1]
 
@@ -69,9 +66,9 @@ def test_compliance_is_symmetric_and_boussinesqs_at_a_distance():
     mesh = block.mesh_block_with_hexahedra(2, (a / 8, a / 8, a / 8), (a, a, 0.0), 3 * a, 1.5)
     found = surface_compliance(mesh, (a, a), young, nu)
     assert found.asymmetry < 1e-5
-    first = int(np.argmin(np.abs(found.surface_points - [0.875 * a, 0.0]).sum(axis=1)))
-    second = int(np.argmin(np.abs(found.surface_points - [0.0, 0.875 * a]).sum(axis=1)))
-    away = np.linalg.norm(found.surface_points[first] - found.surface_points[second])
+    points, places = found.surface_points, ([0.875 * a, 0.0], [0.0, 0.875 * a])
+    first, second = (int(np.argmin(np.abs(points - place).sum(axis=1))) for place in places)
+    away = np.linalg.norm(points[first] - points[second])
     assert found.half_space_compliance[first, second] == pytest.approx(4.0 * (1 - nu**2) / (np.pi * young * away), rel=3e-3)
     assert found.fixed_block_compliance[first, second] < 0.9 * found.half_space_compliance[first, second]
 
@@ -83,22 +80,21 @@ def test_mesh_fills_the_block_and_its_contact_plane(element):
         mesh = block.mesh_block_with_hexahedra(order, (a / 4, a / 4, a / 4), (a, a, 0.0), 3 * a, 1.5)
     else:
         mesh = block.mesh_block_with_tetrahedra(order, block.EllipsoidElementSizes(a / 4, (a, a, a / 2), 0.5, 3 * a), 3 * a)
+    areas = nodal_contact_areas(mesh)
     assert mesh.element == element
-    assert nodal_contact_areas(mesh).sum() == pytest.approx((3 * a) ** 2, rel=1e-12)
+    assert areas.sum() == pytest.approx((3 * a) ** 2, rel=1e-12)
     assert np.abs(mesh.points[nodes_on_boundaries(mesh.mesh, "contact"), 2]).max() < 1e-12 * a
     assert mesh.points.min() > -1e-12 * a
     assert mesh.points.max() == pytest.approx(3 * a)
-    touching = nodal_contact_areas(mesh) > 0.0
     corners = np.unique(mesh.mesh.facets[:, mesh.mesh.boundaries["contact"]])
-    assert touching[corners].all() != (element == "P2")
+    assert (areas[corners] > 0.0).all() != (element == "P2")
     np.testing.assert_allclose(mesh.points[nodes_on_boundaries(mesh.mesh, "cut")].max(axis=1), 3 * a)
 
 
 def test_grading_keeps_to_its_ratio_and_refuses_nonsense():
     x = block.graded_coordinates(0.1, 1.0, 7.0, 1.4)
     steps = np.diff(x)
-    assert x[0] == 0.0
-    assert x[-1] == 7.0
+    assert (x[0], x[-1]) == (0.0, 7.0)
     np.testing.assert_allclose(steps[:10], 0.1)
     assert (steps[1:] / steps[:-1]).max() < 1.4 + 1e-9
     with pytest.raises(ValueError, match="choose 0 < cell_length"):

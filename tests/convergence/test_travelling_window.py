@@ -19,9 +19,8 @@ def loads_at(by, **how):
     start, track = ball_layout(SCENE), SCENE.track
     azimuth, station = start.azimuth + by, start.z + lead_per_radian(track) * by
     layout, radius = ball_layout_at_positions(track, azimuth, station), np.full(start.z.size, SCENE.balls.radius)
-    found = contact_loads_with_elastic_bodies(
-        SCENE, draw_errors(SCENE).geometry_at_balls(SCENE, azimuth, azimuth, station, radius), layout, **how
-    )
+    geometry = draw_errors(SCENE).geometry_at_balls(SCENE, azimuth, azimuth, station, radius)
+    found = contact_loads_with_elastic_bodies(SCENE, geometry, layout, **how)
     assert found.converged
     return found.load
 

@@ -26,18 +26,15 @@ Z = 1e-3 * np.array([14.0, 30.0, 22.0, 40.0, 27.0, 33.0, 18.0])
 def hexahedra(counts):
     """Mesh of the tube, its "bore" and its held "low end" named; elements around, along and across the wall."""
     around, along, across = counts
-    t = np.linspace(0.0, 2.0 * np.pi, around + 1)
-    wall = np.linspace(0.0, 1.0, 2 * across + 1)
-    unrolled = mesh_rectangular_grid(wall[::2], t, np.linspace(0.0, LENGTH, along + 1), "Q2")
+    lines = (np.linspace(0.0, end, count + 1) for end, count in ((1.0, across), (2.0 * np.pi, around), (LENGTH, along)))
+    unrolled = mesh_rectangular_grid(*lines, "Q2")
     share, turn, height = unrolled.doflocs
     r = BORE + (OUTER - BORE) * share**1.3
     points = np.stack([r * np.cos(turn), r * np.sin(turn), height], axis=-1)
     _, first, number = np.unique(np.round(points, 9), axis=0, return_index=True, return_inverse=True)  # closed
     cells = number[nodes_of_cells(unrolled)]
     mesh, _ = build_mesh(points[first], cells, "Q2")
-    bore = mesh.facets_satisfying(lambda x: np.hypot(x[0], x[1]) < BORE + 1e-9, boundaries_only=True)
-    low = mesh.facets_satisfying(lambda x: x[2] < 1e-9, boundaries_only=True)
-    return mesh.with_boundaries({"bore": bore, "low end": low})
+    return mesh.with_boundaries({"bore": lambda x: np.hypot(x[0], x[1]) < BORE + 1e-9, "low end": lambda x: x[2] < 1e-9})
 
 
 def patch_rows(mesh):
@@ -72,8 +69,7 @@ def kernel(harmonics=2.6, size=1.0):
     count, mesh = int(np.ceil(harmonics * BORE / WIDTH)), (1.25 * WIDTH * size, 0.6 * WIDTH * size)
     tube = SmoothBody(BORE, OUTER, (0.0, LENGTH), "low", BORE, WIDTH, count, mesh, STEEL)
     found = tube_compliance(tube, (0.0, LENGTH))
-    unit = np.eye(3)
-    axes = np.concatenate([np.tile(unit[[0, 1]], (Z.size, 1, 1)), np.tile(unit[[2, 0]], (Z.size, 1, 1))])
+    axes = np.concatenate([np.tile(np.eye(3)[pair], (Z.size, 1, 1)) for pair in ([0, 1], [2, 0])])
     G = contact_compliance(found, ContactPoints(np.tile(AZIMUTH, 2), np.tile(Z, 2), axes), resultant=False)
     k = 2 * np.arange(Z.size)
     pick = np.stack([k, k + 1, k + 2 * Z.size], axis=1).ravel()

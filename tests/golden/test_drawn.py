@@ -2,16 +2,12 @@
 
 Of each scene a row is kept: how it ended in words, and of each name in its results a weighted mean. A number is kept only
 where a modulus that differs by `SHIFT` hardly moves it, so that no round-off is. Whoever changes them on purpose writes
-them again with ``python -m tests.golden.test_drawn [MAKER ...]`` and says why in the commit.
+them again with ``python -m tests.golden.test_drawn [KIND ...]`` and says why in the commit.
 """
 
-import contextlib
-import io
 import json
 import re
 import sys
-import tempfile
-from collections import defaultdict
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -21,9 +17,8 @@ import pytest
 from tests.campaign import draw as extreme
 from tests.campaign.check_axes import HELD
 from tests.campaign.draw_axes import axis_text
-from tests.golden.means import leaves
+from tests.golden.means import answered, numbers_by_name
 
-from rollbench.compare.cli import main
 from rollbench.compare.errors import InputError, SceneNotCoveredError
 from rollbench.compare.models.answers import compute_scene_results, compute_shaft_results
 from rollbench.compare.models.registry import ModelOptions, run_model
@@ -50,13 +45,10 @@ Found = tuple[str, dict[str, list[float]]]
 
 def weighted(value: Any) -> dict[str, list[float]]:
     """Of each name below a value: a mean weighted by the places of its finite numbers, and mean size; the count of all."""
-    numbers: dict[str, list[Any]] = defaultdict(list)
-    for name, found in leaves(value, LEFT_OUT.search, properties=True):
-        numbers[name].append(np.asarray(found, dtype=float).ravel())
-    out = {"count": [float(sum(x.size for values in numbers.values() for x in values))] * 2}
-    for name, values in numbers.items():
-        x = np.concatenate(values)
-        x = x[np.isfinite(x)]
+    numbers = numbers_by_name(value, LEFT_OUT.search, properties=True)
+    out = {"count": [float(sum(x.size for x in numbers.values()))] * 2}
+    for name, every in numbers.items():
+        x = every[np.isfinite(every)]
         if x.size:
             out[name] = [float((x * (1.5 + np.cos(np.arange(x.size)))).mean()), float(np.abs(x).mean())]
     return out
@@ -67,24 +59,21 @@ def shifted(text: str, shift: float) -> str:
     return MODULUS.sub(lambda m: f"{m[1]}{float(m[2]) * (1.0 + shift):.16g}", text)
 
 
-def screw(number: int, shift: float, most: int = 40) -> str:
+def screw(number: int, most: int) -> str:
     """Extreme screw or bearing of few balls: the first of some that are drawn for its number."""
-    for k in range(100):
-        text = extreme.scene_text(SEED, 100 * number + k)
-        if int(re.search(r"count = (\d+)", text)[1]) <= most:
-            return shifted(text, shift)
-    raise AssertionError
+    texts = (extreme.scene_text(SEED, 100 * number + k) for k in range(100))
+    return next(text for text in texts if int(re.search(r"count = (\d+)", text)[1]) <= most)
 
 
-def usual(number: int, shift: float) -> str:
+def usual(number: int) -> str:
     """Screw as catalogues have it; each sixth with a flange."""
     text = survey.random_screw_scene_text(SEED, number + (survey.TUBES if number % 6 == 5 else 0))
-    return shifted(text.replace('name = "bearing steel"', 'youngs_modulus = "208 GPa"\npoissons_ratio = 0.3'), shift)
+    return text.replace('name = "bearing steel"', 'youngs_modulus = "208 GPa"\npoissons_ratio = 0.3')
 
 
-def axis(number: int, shift: float) -> str:
+def axis(number: int) -> str:
     """Several sets on one shaft."""
-    return shifted(axis_text(SEED, number), shift)
+    return axis_text(SEED, number)
 
 
 def rubbing(text: str, number: int) -> str:
@@ -100,18 +89,18 @@ def rubbing(text: str, number: int) -> str:
     return text
 
 
-def in_time(number: int, shift: float) -> str:
+def in_time(number: int) -> str:
     """A usual screw that rubs, its balls run in time."""
     rng = np.random.default_rng([SEED, 6, number])
-    text = rubbing(usual(300 + number, shift), number)
+    text = rubbing(usual(300 + number), number)
     text += f"[circulation]\nreturning = {rng.integers(4)}\nfilling = {rng.uniform(0.6, 0.8):.2f}\n"
     text += f'[time]\nangle = "{rng.choice([3, 20])} deg"\nsteps = {rng.integers(4, 7)}\n'
     return text + 'output = "balls"\n' * (number % 2)
 
 
 def cases(number: int) -> str:
-    """Two load cases of a screw, and a third one of no share."""
-    rng, text = np.random.default_rng([SEED, 5, number]), ""
+    """A usual screw with two load cases, and a third one of no share."""
+    rng, text = np.random.default_rng([SEED, 5, number]), usual(100 + number)
     for name, share in zip("abc", (0.3, 0.7, 0.0), strict=True):
         force = ", ".join(f'"{x:.4g} N"' for x in rng.normal(size=3) * (100.0, 100.0, 2000.0) * (rng.random(3) < 0.6))
         text += f'\n[[cases]]\nname = "{name}"\nshare = {share}\n'
@@ -125,27 +114,17 @@ def outcome_of(words: str) -> str:
     return ": ".join(parts[: {"converged": 1, "not converged": 1, "not held": 2}.get(parts[0], 3)])
 
 
-def answered(text: str, *words: str) -> Found:
+def answer(text: str, command: str) -> Found:
     """What a command answers as JSON for a scene file, or the beginning of its refusal."""
-    said, unsaid = io.StringIO(), io.StringIO()
-    with (
-        tempfile.TemporaryDirectory() as folder,
-        contextlib.chdir(folder),
-        contextlib.redirect_stdout(said),
-        contextlib.redirect_stderr(unsaid),
-    ):
-        Path("drawn.toml").write_text(text, encoding="utf-8")
-        with pytest.raises(SystemExit) as stop:
-            main([words[0], "drawn.toml", *words[1:], "--json"])
-    out = json.loads(said.getvalue()) if said.getvalue().startswith("{") else {}
-    words = out.get("status", "" if "members" in "".join(words) else unsaid.getvalue())
-    return f"{stop.value.code} {outcome_of(words)}", weighted(out)
+    name, *options = command.split()
+    code, out, unsaid = answered([name, "drawn.toml", *options], text)
+    return f"{code} {outcome_of(out.get('status', '' if '--members' in options else unsaid))}", weighted(out)
 
 
-def tried(work: Callable[[], Any]) -> Found:
-    """How some work ended, and the numbers of its result."""
+def tried(text: str, model: str) -> Found:
+    """How a model ends with a scene file, and the numbers of its result."""
     try:
-        value = work()
+        value = solved(text, model)
     except (InputError, SceneNotCoveredError, ValueError) as error:
         return outcome_of(f"{type(error).__name__}: {error}"), {}
     return outcome_of(str(getattr(value[0] if isinstance(value, tuple) else value, "status", "done"))), weighted(value)
@@ -165,16 +144,14 @@ def solved(text: str, model: str) -> Any:
     return (result, compute_scene_results(scene, result, model, COMPILED)) if result.converged else result
 
 
-def of_kind(number: int, shift: float) -> str:
+def of_kind(number: int) -> str:
     """A shipped scene of a kind that only friction solves, its sizes changed by some per cent each."""
     rng, names = np.random.default_rng([SEED, 15, number]), sorted(n for n in catalogue.scene_names() if of_a_kind(n))
-    name = names[number % len(names)]
-    text = re.sub(
+    return re.sub(
         r'"(-?[\d.]+) (mm|um|N|kN|deg|mm/s|rpm)"',
         lambda m: f'"{float(m[1]) * (1.0 + rng.uniform(-0.06, 0.06)):.9g} {m[2]}"',
-        catalogue.shipped_scene_text(name),
+        catalogue.shipped_scene_text(names[number % len(names)]),
     )
-    return shifted(text, shift)
 
 
 def of_a_kind(name: str) -> bool:
@@ -182,29 +159,35 @@ def of_a_kind(name: str) -> bool:
     return catalogue.top_level_keys(name).get("kind") in KINDS and not name.startswith("lin-screw-run")
 
 
-Item = Callable[[int, float], Found]
-#: Of each kind what makes an item of its number and the shift of the moduli, and how many items there are.
-MAKERS: dict[str, tuple[Item, int]] = {
-    "extreme": (lambda n, e: tried(lambda: solved(screw(n, e, 60), "lin")), 120),
-    "extreme, other models": (lambda n, e: tried(lambda: solved(screw(1000 + n, e, 16), OTHERS[n % len(OTHERS)])), 63),
-    "axes": (lambda n, e: tried(lambda: solved(axis(n, e), "lin")), 90),
-    "axes, refined": (lambda n, e: tried(lambda: solved(axis(1000 + n, e), ELASTIC[n % len(ELASTIC)])), 18),
-    "axes, commands": (lambda n, e: answered(axis(2000 + n, e), "solve", "--model", "lin"), 16),
-    "usual": (lambda n, e: tried(lambda: solved(usual(n, e), PLAIN[n % len(PLAIN)])), 48),
-    "usual, refined": (lambda n, e: answered(usual(24 + n, e), "solve"), 6),
-    "cases": (lambda n, e: answered(usual(100 + n, e) + cases(n), "solve", "--model", "lin", "--balls"), 4),
-    "members": (lambda n, e: answered(usual(40 + n, e), "solve", "--members", "5", "--model", "lin"), 5),
-    "friction of extremes": (lambda n, e: answered(rubbing(screw(2000 + n, e, 12), n), "friction", "--model", "lin"), 50),
-    "friction": (lambda n, e: answered(rubbing(usual(60 + n, e), n), "friction", "--model", "lin"), 16),
-    "friction of axes": (lambda n, e: answered(axis(3000 + n, e), "friction", "--model", "lin", "--mu", "0.1"), 12),
-    "friction in time": (lambda n, e: answered(in_time(n, e), "friction", "--model", "lin"), 6),
-    "friction of kinds": (lambda n, e: answered(of_kind(n, e), "friction"), 32),
+#: Of each kind: what draws the scene of a number, models that solve it in turns or a command, and how many there are.
+ITEMS: dict[str, tuple[Callable[[int], str], tuple[str, ...] | str, int]] = {
+    "extreme": (lambda n: screw(n, 60), ("lin",), 120),
+    "extreme, other models": (lambda n: screw(1000 + n, 16), OTHERS, 63),
+    "axes": (axis, ("lin",), 90),
+    "axes, refined": (lambda n: axis(1000 + n), ELASTIC, 18),
+    "axes, commands": (lambda n: axis(2000 + n), "solve --model lin", 16),
+    "usual": (usual, PLAIN, 48),
+    "usual, refined": (lambda n: usual(24 + n), "solve", 6),
+    "cases": (cases, "solve --model lin --balls", 4),
+    "members": (lambda n: usual(40 + n), "solve --members 5 --model lin", 5),
+    "friction of extremes": (lambda n: rubbing(screw(2000 + n, 12), n), "friction --model lin", 50),
+    "friction": (lambda n: rubbing(usual(60 + n), n), "friction --model lin", 16),
+    "friction of axes": (lambda n: axis(3000 + n), "friction --model lin --mu 0.1", 12),
+    "friction in time": (in_time, "friction --model lin", 6),
+    "friction of kinds": (of_kind, "friction", 32),
 }
+
+
+def made(name: str, number: int, shift: float = 0.0) -> Found:
+    """How an item of a kind ended, and its numbers, with other moduli."""
+    draw, how, _ = ITEMS[name]
+    text = shifted(draw(number), shift)
+    return answer(text, how) if isinstance(how, str) else tried(text, how[number % len(how)])
 
 
 def row(name: str, number: int) -> tuple[str, dict[str, float | None]]:
     """How an item ended, and its numbers that round-off does not move."""
-    (words, first), (again, second) = (MAKERS[name][0](number, shift) for shift in (0.0, SHIFT))
+    (words, first), (again, second) = (made(name, number, shift) for shift in (0.0, SHIFT))
     if words != again or first.keys() != second.keys():
         return "", {}
     steady = {key: abs(value - second[key][0]) <= STEADY * size for key, (value, size) in first.items()}
@@ -213,19 +196,19 @@ def row(name: str, number: int) -> tuple[str, dict[str, float | None]]:
 
 def written(name: str) -> dict[str, Any]:
     """The record of a kind: names of numbers, and a row of each item: its words, then its numbers by these names."""
-    rows = [row(name, number) for number in range(MAKERS[name][1])]
+    rows = [row(name, number) for number in range(ITEMS[name][2])]
     names = list(dict.fromkeys(key for _, numbers in rows for key in numbers))
     return {"names": names, "rows": [[words, *(numbers.get(key) for key in names)] for words, numbers in rows]}
 
 
 @pytest.mark.slow
 @pytest.mark.compiles(30)
-@pytest.mark.parametrize("name", MAKERS)
+@pytest.mark.parametrize("name", ITEMS)
 def test_no_number_of_a_drawn_scene_moves(name):
     record = json.loads(RECORD.read_text(encoding="utf-8"))[name]
-    assert len(record["rows"]) == MAKERS[name][1]
+    assert len(record["rows"]) == ITEMS[name][2]
     for number, (words, *kept) in enumerate(record["rows"]):
-        said, found = MAKERS[name][0](number, 0.0)
+        said, found = made(name, number)
         assert not words or said == words, number
         for key, value in zip(record["names"], kept, strict=True):
             if value is not None:
@@ -234,7 +217,7 @@ def test_no_number_of_a_drawn_scene_moves(name):
 
 if __name__ == "__main__":
     old = json.loads(RECORD.read_text(encoding="utf-8")) if sys.argv[1:] else {}
-    found = {name: written(name) if name in (sys.argv[1:] or MAKERS) else old[name] for name in MAKERS}
+    found = {name: written(name) if name in (sys.argv[1:] or ITEMS) else old[name] for name in ITEMS}
     lines = []
     for name, own in found.items():
         rows = ",\n".join(json.dumps(one, separators=(",", ":")) for one in own["rows"])

@@ -21,6 +21,7 @@ from rollbench.hifi.reference import solve_reference
 from rollbench.meshes.cache import Cache
 
 RECORD = Path(__file__).parent / "reference.json"
+RECORDED = json.loads(RECORD.read_text(encoding="utf-8"))
 ROLLING = ("lin-pair-a", "lin-screw-pair-a", "lin-rotary-2")
 #: Scenes that the model of rolling takes, and one of them whose ball is free in its radial direction only.
 TAKEN = (*ROLLING, "lin-pair-b", "lin-pair-worst", "lin-rotary-1", "lin-rotary-3", "lin-screw-pair-b-inferred")
@@ -63,27 +64,25 @@ def taken():
     scenes = [catalogue.scene_of_any_kind(name) for name in TAKEN]
     screw = catalogue.scene_of_any_kind("lin-screw-pair-a")
     scenes.append(replace(screw, pair=replace(screw.pair, free="r", force=(100.0,), coupling="none")))
-    return means(
-        [cases.prepare_rolling_case(scene, cases.RollingSettings()) for scene in scenes], LEFT_OUT.search, properties=True
-    )
+    prepared = [cases.prepare_rolling_case(scene, cases.RollingSettings()) for scene in scenes]
+    return means(prepared, LEFT_OUT.search, properties=True)
 
 
 def test_no_number_of_a_set_up_and_its_loads_moves():
-    expected = json.loads(RECORD.read_text(encoding="utf-8"))
-    if expected["gmsh"] != version("gmsh"):
+    if RECORDED["gmsh"] != version("gmsh"):
         pytest.skip("the record's meshes are another gmsh's")
-    found, kept = set_up(), {key: row for key, row in expected["two balls"].items() if key not in ARBITRARY}
+    found, kept = set_up(), {key: row for key, row in RECORDED["two balls"].items() if key not in ARBITRARY}
     same(found, {key: row for key, row in kept.items() if not key.startswith("solved.")}, round_off=0.0)
     same(found, {key: row for key, row in kept.items() if key.startswith("solved.")}, 0.0, BY_PROCESSOR)
 
 
 @pytest.mark.parametrize("name", ROLLING)
 def test_no_number_of_rolling_balls_moves(name):
-    same(rolling(name), json.loads(RECORD.read_text(encoding="utf-8"))[name])
+    same(rolling(name), RECORDED[name])
 
 
 def test_no_number_of_what_rolls_moves():
-    same(taken(), json.loads(RECORD.read_text(encoding="utf-8"))["taken"])
+    same(taken(), RECORDED["taken"])
 
 
 if __name__ == "__main__":

@@ -4,8 +4,6 @@ Numbers of jobs A and B: ball of radius 2.778 mm, E = 210 GPa, nu = 0.28, 225 N,
 3.254 mm, convex along it with 20.56 mm; elliptic-integral Hertz, six digits.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -13,12 +11,11 @@ import pytest
 from scipy.special import ellipe, ellipk
 from tests.hertz_studies import GROUP, study
 from tests.rows import cells_by_key
+from tests.section_items import drawn, figures, tables
 
 from rollbench.compare.sections import verification
 from rollbench.hifi.contact.block import JOBS, boussinesq_displacements
 from rollbench.hifi.contact.hertz import THINNEST, solve_hertz
-from rollbench.reports.content import Figure, Table
-from rollbench.reports.figures import draw_figure
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 
@@ -80,31 +77,22 @@ def test_order_of_the_radii_does_not_matter_and_wrong_input_is_refused():
 
 def test_boussinesqs_field_carries_one_newton_through_every_hemisphere():
     """Traction by numerical differentiation, integrated over a hemisphere: the load, and no side force."""
-    young, nu = 1.0, 0.28
+    young, nu, step = 1.0, 0.28, 1e-5
     lam, mu = young * nu / ((1 + nu) * (1 - 2 * nu)), young / (2 * (1 + nu))
-    c, w = np.polynomial.legendre.leggauss(24)
-    c, w = 0.5 * (c + 1.0), 0.5 * w
-    phi = 2.0 * np.pi * np.arange(16) / 16
-    s = np.sqrt(1.0 - c**2)
-    normal = np.stack([np.outer(s, np.cos(phi)), np.outer(s, np.sin(phi)), np.outer(c, np.ones(16))], -1).reshape(-1, 3)
-    weight = np.repeat(w, 16) * 2.0 * np.pi / 16
-    source, step = np.zeros((1, 2)), 1e-5
-    slope = np.stack(
-        [
-            (
-                boussinesq_displacements(normal + d, source, young, nu)
-                - boussinesq_displacements(normal - d, source, young, nu)
-            )[..., 0]
-            / (2 * step)
-            for d in step * np.eye(3)
-        ],
-        axis=2,
-    )  # u_i,j
+    nodes, weights = np.polynomial.legendre.leggauss(24)
+    phi, c = (x.ravel() for x in np.meshgrid(2.0 * np.pi * np.arange(16) / 16, 0.5 * (nodes + 1.0)))
+    s, weight = np.sqrt(1.0 - c**2), np.repeat(0.5 * weights, 16) * 2.0 * np.pi / 16
+    normal = np.column_stack([s * np.cos(phi), s * np.sin(phi), c])
+
+    def moved(places):
+        return boussinesq_displacements(places, np.zeros((1, 2)), young, nu)[..., 0]
+
+    slope = np.stack([(moved(normal + d) - moved(normal - d)) / (2 * step) for d in step * np.eye(3)], axis=2)  # u_i,j
     strain = 0.5 * (slope + slope.transpose(0, 2, 1))
     stress = 2 * mu * strain + lam * np.trace(strain, axis1=1, axis2=2)[:, None, None] * np.eye(3)
     force = np.einsum("n,nij,nj->i", weight, stress, normal)
     np.testing.assert_allclose(force, [0.0, 0.0, -1.0], atol=1e-7)
-    surface = boussinesq_displacements(np.array([[3.0, 4.0, 0.0]]), source, young, nu)[0, :, 0]
+    (surface,) = moved(np.array([[3.0, 4.0, 0.0]]))
     assert surface[2] == pytest.approx((1 - nu**2) / (np.pi * young * 5.0))
     assert surface[0] < 0.0  # the surface is drawn towards the load
 
@@ -113,38 +101,28 @@ def test_boussinesqs_field_carries_one_newton_through_every_hemisphere():
 @pytest.mark.parametrize("name", JOBS)
 def test_production_mesh_meets_its_targets_wherever_the_contacts_edge_falls(name, aim):
     run = study(JOBS[name], "Q2", 4.0, mesh_scale=aim)
-    assert run.approach == pytest.approx(run.hertz_solution.approach, rel=3e-3)
-    assert run.semi_x == pytest.approx(run.hertz_solution.semi_x, rel=5e-3)
-    assert run.semi_y == pytest.approx(run.hertz_solution.semi_y, rel=5e-3)
-    assert run.pole_pressure == pytest.approx(run.hertz_solution.pole_pressure, rel=1e-2)
-    assert run.fitted_pole_pressure == pytest.approx(run.hertz_solution.pole_pressure, rel=1e-2)
+    exact = run.hertz_solution
+    assert run.approach == pytest.approx(exact.approach, rel=3e-3)
+    assert (run.semi_x, run.semi_y) == pytest.approx((exact.semi_x, exact.semi_y), rel=5e-3)
+    assert (run.pole_pressure, run.fitted_pole_pressure) == pytest.approx(2 * (exact.pole_pressure,), rel=1e-2)
 
 
 def test_section_says_from_the_data_whether_the_targets_are_met(monkeypatch):
     monkeypatch.setattr(verification, "solve_block", study)
     section = verification.hertz_section(verification.compute_hertz_contacts(lambda _: None, {"Q1": (2,), "Q2": (4,)}))
-    assert section.name == "verification"
     verdicts = section.items[1].paragraphs
     assert sum("All targets are met" in line for line in verdicts) == 2
     assert sum("size of Lin" in line for line in verdicts) == 2
-    rows = [
-        row for item in section.items if isinstance(item, Table) and item.name == "verification-errors" for row in item.rows
-    ]
+    rows = tables(section)["verification-errors"].rows
     assert [(row["job"], row["b_over_h"]) for row in rows[:2]] == [("A", 2.0), ("A", 4.0)]
-    run = JOBS["A"]
-    by_hand = 100.0 * (study(run, "Q2", 4.0).approach / run.hertz_solution.approach - 1.0)
+    by_hand = 100.0 * (study(JOBS["A"], "Q2", 4.0).approach / JOBS["A"].hertz_solution.approach - 1.0)
     assert rows[1]["approach"] == pytest.approx(by_hand, rel=1e-6)
-    for item in section.items:
-        if isinstance(item, Figure):
-            assert "<svg" in draw_figure(item)
+    drawn(figures(section))
 
 
 def test_section_admits_a_target_that_is_missed():
     coarse = replace(study(JOBS["A"], "Q2", 2.0), b_over_h=4.0)
-    words = verification.error_target_sentences([verification.hertz_computation_with_errors("27-node hexahedra", coarse)])
-    assert "NOT MET: approach, semi-axes, pole pressure" in words[0]
-    rows = verification.rows_of_computed_and_hertz_values(
-        [verification.hertz_computation_with_errors("27-node hexahedra", coarse)]
-    )
-    met = [cells_by_key(row)["met"] for row in rows]
-    assert met == ["NO"] * 4
+    missed = [verification.hertz_computation_with_errors("27-node hexahedra", coarse)]
+    assert "NOT MET: approach, semi-axes, pole pressure" in verification.error_target_sentences(missed)[0]
+    rows = verification.rows_of_computed_and_hertz_values(missed)
+    assert [cells_by_key(row)["met"] for row in rows] == ["NO"] * 4

@@ -10,14 +10,15 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from tests.copies import ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
+import rollbench
+
 README, CONTRIBUTING = ROOT / "README.md", ROOT / "CONTRIBUTING.md"
-SOLVES_3D = "solves 3D models, minutes on two cores: tests/unit/reference and tests/unit/hifi run small ones"
 #: Command lines that are not run, as patterns.
 HEAVY = {
     "rollbench report": "the whole report, minutes: tests/unit/reports makes its pages, the continuous integration all",
-    "rollbench compare my.toml --levels 1": SOLVES_3D,
+    "rollbench compare my.toml --levels 1": "minutes on two cores: tests/unit/reference and tests/unit/hifi run small ones",
     "python3 -m venv .venv": "an environment from a registry: the continuous integration begins with it",
     r"\.venv/bin/pip install .*": "an environment from a registry: the continuous integration begins with it",
     r"\.venv/bin/(pytest|ruff check \.|mypy|lint-imports)": "the continuous integration runs it",
@@ -32,25 +33,15 @@ def blocks(path: Path) -> list[str]:
     return ["\n".join(line[4:] for line in block.splitlines()).strip("\n") for block in found]
 
 
-def kind(block: str) -> str:
-    """What a block is written in."""
-    first = block.split()[0]
-    return "python" if first in ("import", "def", "from") else "shell"
+def is_python(block: str) -> bool:
+    return block.split()[0] in ("import", "def", "from")
 
 
 def commands(block: str) -> Iterator[str]:
-    """Command lines of a block, continued lines joined, without comments and the environment's folder."""
-    for line in block.replace("\\\n", " ").splitlines():
+    """Command lines of a block, continued lines joined, without comments and the environment's folder; none of Python."""
+    for line in [] if is_python(block) else block.replace("\\\n", " ").splitlines():
         for command in shlex.join(shlex.split(line, comments=True)).split(" '&&' "):
             yield command.removesuffix(" '&'").replace(".venv/bin/rollbench", "rollbench")
-
-
-def run(line: str, command) -> None:
-    words = shlex.split(line)
-    assert words[0] == "rollbench", line
-    uncovered = UNCOVERED.fullmatch(line)
-    code, out, err = command(*words[1:], *(["--no-compute"] if uncovered else []))
-    assert code == (4 if uncovered else 0), (line, err[-500:], out[-500:])
 
 
 def heavy(line: str) -> bool:
@@ -63,13 +54,9 @@ def test_blocks_of_the_readme_run_as_printed(tmp_path: Path, monkeypatch: pytest
     monkeypatch.chdir(tmp_path)
     ran = []
     for block in blocks(README):
-        if kind(block) == "python":
+        if is_python(block):
             _python(block)
-        else:
-            for line in commands(block):
-                if not heavy(line):
-                    run(line, command)
-                    ran.append(line)
+        ran += [_run(line, command) for line in commands(block) if not heavy(line)]
     for begins in (
         "sweep my.toml --vary errors.balls.oversize",
         "solve lin-random --members 1000",
@@ -78,22 +65,27 @@ def test_blocks_of_the_readme_run_as_printed(tmp_path: Path, monkeypatch: pytest
         assert any(line.replace("'", "").startswith(f"rollbench {begins}") for line in ran), begins
 
 
+def _run(line: str, command) -> str:
+    program, *words = shlex.split(line)
+    assert program == "rollbench", line
+    uncovered = UNCOVERED.fullmatch(line)
+    code, out, err = command(*words, *(["--no-compute"] if uncovered else []))
+    assert code == (4 if uncovered else 0), (line, err[-500:], out[-500:])
+    return line
+
+
 def _python(block: str) -> None:
     """Run a block of Python but for its lines on the gate, which wants the 3D reference; functions are tests of pytest."""
-    import rollbench
-
-    tree, names_there = ast.parse(block), {"rollbench": rollbench}
-    for node in tree.body:
+    names_there = {"rollbench": rollbench}
+    for node in ast.parse(block).body:
         text = ast.unparse(node)
         if isinstance(node, ast.FunctionDef) or text.startswith("rollbench.check("):
-            names = re.findall(r"rollbench\.(\w+)\(", text)
-            assert all(hasattr(rollbench, name) for name in names), text
+            assert all(hasattr(rollbench, name) for name in re.findall(r"rollbench\.(\w+)\(", text)), text
         else:
             exec(text, names_there)
 
 
 def test_every_command_is_run_or_named_with_its_reason_and_every_name_is_needed() -> None:
-    shells = [block for path in (README, CONTRIBUTING) for block in blocks(path) if kind(block) == "shell"]
-    lines = [line for block in shells for line in commands(block)]
+    lines = [line for path in (README, CONTRIBUTING) for block in blocks(path) for line in commands(block)]
     assert [line for line in lines if not (line.startswith("rollbench ") or heavy(line))] == []
     assert [pattern for pattern in HEAVY if not any(re.fullmatch(pattern, line) for line in lines)] == []

@@ -31,12 +31,8 @@ def even(count: int, turns: float) -> tuple[float, ...]:
 
 def with_track(scene: Scene, lead: float, count: int, turns: float, length: float, **track: int) -> Scene:
     """The scene with another lead [m], balls of one start, and length of nut [m]."""
-    return replace(
-        scene,
-        track=replace(scene.track, lead=lead, **track),
-        nut=replace(scene.nut, length=length),
-        balls=replace(scene.balls, azimuths=even(count, turns)),
-    )
+    balls, nut = replace(scene.balls, azimuths=even(count, turns)), replace(scene.nut, length=length)
+    return replace(scene, track=replace(scene.track, lead=lead, **track), nut=nut, balls=balls)
 
 
 def conformities() -> Iterator[tuple[str, Scene]]:
@@ -57,9 +53,8 @@ def survey() -> Iterator[tuple[str, Scene]]:
     yield "3 balls", axial(replace(CASE, balls=replace(CASE.balls, azimuths=even(3, 0.8))), 500.0)
     yield "120 balls", axial(with_track(CASE, 10e-3, 120, 7.5, 92e-3), 20e3)
     yield "lead 5", catalogue.scene("unseen-16x5")
-    yield "lead 6.2", with_track(CASE, 6.2e-3, 32, 2.0, 30e-3)
-    yield "lead 10", with_track(CASE, 10e-3, 32, 2.0, 36e-3)
-    yield "lead 40", with_track(CASE, 40e-3, 24, 1.5, 76e-3)
+    for lead, *nut in ((6.2, 32, 2.0, 30e-3), (10, 32, 2.0, 36e-3), (40, 24, 1.5, 76e-3)):
+        yield f"lead {lead}", with_track(CASE, 1e-3 * lead, *nut)
     yield "two starts", with_track(CASE, 20e-3, 16, 1.0, 36e-3, starts=2)
     unseen = (f"unseen-{name}" for name in ("25x5", "32x10", "40x10", "63x20", "four-point"))
     for name in ("bearing-9", "bearing-9-preload", *unseen):
@@ -75,8 +70,8 @@ def shortened(scene: Scene) -> Scene:
     """The same sockets with two neighbouring balls in a nut as short as it may be: quick to mesh."""
     track, r = scene.track, scene.balls.radius
     azimuths = sorted(scene.balls.azimuths, key=lambda a: abs(a - track.phase))[:2]
+    scene = replace(scene, balls=replace(scene.balls, azimuths=tuple(azimuths)))
     if track.lead == 0.0:
-        return replace(scene, balls=replace(scene.balls, azimuths=tuple(azimuths)))
+        return scene
     spread = track.lead * max(abs(a - track.phase) for a in azimuths) / (2.0 * np.pi)
-    nut, solid = replace(scene.nut, length=2.0 * spread + 7.0 * r), replace(scene.solid, shaft=2.0 * r)
-    return replace(scene, balls=replace(scene.balls, azimuths=tuple(azimuths)), nut=nut, solid=solid)
+    return replace(scene, nut=replace(scene.nut, length=2.0 * spread + 7.0 * r), solid=replace(scene.solid, shaft=2.0 * r))

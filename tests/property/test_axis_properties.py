@@ -5,34 +5,57 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from tests.axes import assembly, bearing, double_nut, fixed_axis, mirrored, nut, one_set, solved
-from tests.helpers import ALL_BUT_AXIAL, FLANK_ERRORS, NO_PROFILES, dense, relative, small_screw
+from tests.helpers import ALL_BUT_AXIAL, FLANK_ERRORS, NO_PROFILES, dense, relative, small_screw, with_ingredients
 
+from rollbench.compare.models.registry import MODELS as REGISTRY
+from rollbench.lowfi.statics.axis import elastic, solve
 from rollbench.lowfi.statics.axis.system import build_assembly_arrays
+from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.lowfi.statics.kernel.beam import add_element_stiffness
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.axis import Housing, Segment, diagonal_stiffness
-from rollbench.meshes.parts import Load, Support
+from rollbench.meshes.parts import Errors, Load, SideErrors, Support
 
-CASES = {
-    "axial": {"count": 12, "turns": 2.0, "lead": 12e-3, "force": (0.0, 0.0, 900.0)},
-    "preloaded": {"count": 12, "force": (0.0, 0.0, 900.0), "oversize": 7e-6},
-    "sideways": {"count": 12, "force": (300.0, 0.0, 0.0), "moment": (0.0, 1.0, 0.0), "oversize": 7e-6, "hand": "left"},
-    "bearing": {"count": 9, "lead": 0.0, "turns": 1.0, "force": (200.0, 0.0, -900.0)},
+AXIAL = small_screw(12, 2.0, lead=12e-3, force=(0.0, 0.0, 900.0))
+SIDEWAYS = small_screw(8, 1.5, lead=12e-3, force=(60.0, 0.0, 900.0), oversize=4e-6, load_at=0.18)
+PRELOADED = small_screw(12, force=(0.0, 0.0, 900.0), oversize=7e-6)
+PROFILE = SideErrors(profile=(0.0, 0.0, 4e-6, -3e-6))
+ACROSS = small_screw(oversize=3e-6, force=(200.0, 0.0, 900.0))
+#: With a support and a load on either side the section forces squeeze the contacts.
+ONE_SET = {
+    "axial": AXIAL,
+    "preloaded": replace(PRELOADED, errors=replace(FLANK_ERRORS, balls=PRELOADED.errors.balls, **NO_PROFILES)),
+    "source partition": REGISTRY["lin-source-partition"].scene_with_settings(PRELOADED),
+    "bearing": small_screw(9, lead=0.0, force=(200.0, 0.0, -900.0)),
+    "left hand": small_screw(12, force=(300.0, 0.0, 0.0), moment=(0.0, 1.0, 0.0), oversize=7e-6, hand="left"),
+    "uneven flank, lever arms kept": with_ingredients(replace(AXIAL, errors=Errors(SL=PROFILE)), arm="nominal"),
+    "uneven flanks": replace(ACROSS, errors=replace(ACROSS.errors, SL=PROFILE, NR=PROFILE)),
+    "Hertz at the actual geometry": with_ingredients(ACROSS, hertz="actual"),
+    "free end": SIDEWAYS,
+    "held end": replace(SIDEWAYS, supports=(*SIDEWAYS.supports, Support(0.2, (("ux", 0.0), ("uz", 20e-6))))),
 }
+#: Solvers of one set and of several, and how near their loads are.
+MODELS = {
+    "lin": (solve_static, solve.solve_assembly, 1e-11),
+    "refined": (solve_elastic, elastic.solve_assembly_with_elastic_bodies, 1e-10),
+}
+PAIRS = [(name, model) for name in ONE_SET for model in MODELS if (name, model) != ("bearing", "refined")]
 
 
-@pytest.mark.parametrize("case", CASES)
-def test_one_set_is_the_model_of_one_set(case):
-    scene = small_screw(**CASES[case])
-    if case == "preloaded":
-        scene = replace(scene, errors=replace(FLANK_ERRORS, balls=scene.errors.balls, **NO_PROFILES))
-    alone, found = solve_static(scene, engine="compiled"), solved(one_set(scene))
-    assert alone.converged
+@pytest.mark.parametrize(("case", "model"), PAIRS)
+def test_one_set_is_the_model_of_one_set(case, model):
+    scene, (solve_one, solve_several, near) = ONE_SET[case], MODELS[model]
+    alone = solve_one(scene, engine="compiled", everything=True)
+    found = solve_several(one_set(scene), engine="compiled")
+    assert alone.status == found.status == "converged"
     of_set = found.sets[0].balls
-    assert relative(of_set.load, alone.load) < 1e-11
+    assert relative(of_set.load, alone.load) < near
     loaded = alone.load > 1e-6 * alone.load.max()
     assert np.abs(of_set.contact_angle - alone.contact_angle)[loaded].max() < 1e-10
+    assert relative(of_set.contact_point[loaded], alone.contact_point[loaded]) < 1e-9
+    assert np.abs(of_set.hertz_C / alone.hertz_C - 1.0).max() < 1e-9
     assert relative(found.sets[0].force, alone.equilibrium.contact_force) < 1e-10
+    assert found.equilibrium.force_residual < 1e-11
 
 
 def test_an_outer_part_that_stands_and_one_whose_housing_is_fixed_are_the_same():
@@ -56,21 +79,21 @@ def test_forces_balance_on_shaft_and_housing():
             assert np.abs(s.force + s.reaction[:3]).max() < 1e-11 * np.abs(s.balls.load).max()
 
 
+def pulled(*sets, force=700.0, segments=()):
+    """These sets on a shaft that is pulled at its left end, which is held but for its axis."""
+    supports, loads = (Support(0.0, ALL_BUT_AXIAL),), (Load(0.0, (0.0, 0.0, force)),)
+    return solved(assembly(*sets, segments=segments, supports=supports, loads=loads))
+
+
 def test_nuts_on_a_rigid_shaft_share_a_load_by_their_balls():
-    sets = nut("a", 0.12, count=8), nut("b", 0.2, count=20)
-    thick = (Segment(0.0, 0.3, 30.0),)
-    supports, loads = (Support(0.0, ALL_BUT_AXIAL),), (Load(0.0, (0.0, 0.0, 700.0)),)
-    found = solved(assembly(*sets, segments=thick, supports=supports, loads=loads))
+    found = pulled(nut("a", 0.12, count=8), nut("b", 0.2, count=20), segments=(Segment(0.0, 0.3, 30.0),))
     assert [s.force[2] for s in found.sets] == pytest.approx([-200.0, -500.0], rel=1e-5)
 
 
 def test_nuts_on_an_elastic_shaft_share_a_load_as_their_stiffness_says():
     sets = nut("a", 0.1, count=8), nut("b", 0.2, count=16)
-    supports = (Support(0.0, ALL_BUT_AXIAL),)
     thick = Segment(0.0, 0.14, 3.0), Segment(0.14, 0.16, 5e-3), Segment(0.16, 0.3, 3.0)  # elastic between the nuts only
-    base = assembly(*sets, segments=thick, supports=supports, loads=(Load(0.0, (0.0, 0.0, 700.0)),))
-    raised = replace(base, loads=(Load(0.0, (0.0, 0.0, 700.7)),))
-    a, b = solved(base), solved(raised)
+    a, b = (pulled(*sets, force=force, segments=thick) for force in (700.0, 700.7))
     rise = [y.force[2] - x.force[2] for x, y in zip(a.sets, b.sets, strict=True)]
     bent = (b.centreline - a.centreline).T
     moved = [np.array([np.interp(s.of.position, b.centreline_z, column) for column in bent]) for s in a.sets]
@@ -106,14 +129,13 @@ def test_shaft_on_bearings_is_the_shaft_on_springs_to_first_order():
     parts = replace(fixed_axis(), sets=fixed_axis().sets[:4], housings=())
     direction = np.array([60.0, -30.0, 200.0])
 
-    def state(size):
-        loads = (Load(0.15, tuple(size * direction), (0.0, size * 0.4, 0.0)),)
-        return solved(replace(parts, loads=loads))
+    def loaded(size):
+        return replace(parts, loads=(Load(0.15, tuple(size * direction), (0.0, size * 0.4, 0.0)),))
 
-    rest = state(0.0)
-    probe = replace(parts, loads=(Load(0.15, tuple(direction), (0.0, 0.4, 0.0)),))
-    linear = on_springs(probe, rest, build_assembly_arrays(probe).structure.load)
-    errors = [relative((state(t).centreline - rest.centreline) / t, linear) for t in (1.0, 0.5, 0.25, 0.125)]
+    rest = solved(loaded(0.0))
+    linear = on_springs(loaded(1.0), rest, build_assembly_arrays(loaded(1.0)).structure.load)
+    sizes = (1.0, 0.5, 0.25, 0.125)
+    errors = [relative((solved(loaded(size)).centreline - rest.centreline) / size, linear) for size in sizes]
     orders = np.log2(np.array(errors[:-1]) / errors[1:])
     assert errors[-1] < 0.01
     assert np.all(orders > 0.85)
@@ -121,13 +143,10 @@ def test_shaft_on_bearings_is_the_shaft_on_springs_to_first_order():
 
 
 def test_tangent_stiffness_is_the_slope_of_the_motion():
-    parts = fixed_axis((0.0, 0.0, 500.0))
-    low, high = (
-        solved(replace(parts, housings=(replace(parts.housings[0], force=(0.0, 0.0, 500.0 + d)),))) for d in (-0.5, 0.5)
-    )
+    low, found, high = (solved(fixed_axis((0.0, 0.0, force))) for force in (499.5, 500.0, 500.5))
     slope = 1.0 / (high.housings[0].motion[2] - low.housings[0].motion[2])
-    assert solved(parts).stiffness[2, 2] == pytest.approx(slope, rel=1e-6)
-    assert np.isnan(solved(parts).stiffness[0, 0])  # the carriage cannot move sideways
+    assert found.stiffness[2, 2] == pytest.approx(slope, rel=1e-6)
+    assert np.isnan(found.stiffness[0, 0])  # the carriage cannot move sideways
 
 
 @pytest.mark.parametrize("parts", [double_nut(), fixed_axis((150.0, 80.0, 600.0))], ids=["double nut", "axis"])
@@ -139,19 +158,17 @@ def test_mirror_image_carries_the_mirrored_loads(parts):
 
 
 def test_envelope_grows_in_proportion_to_the_number_of_sets():
-    def size(count):
-        places = 0.02 + 0.26 * (np.arange(count) + 0.5) / count
-        sets = [replace(bearing(f"b{i}", z, "+z"), housing=f"h{i}") for i, z in enumerate(places)]
-        housings = tuple(Housing(f"h{i}", z, (), diagonal_stiffness((1e8,) * 6)) for i, z in enumerate(places))
+    springs = diagonal_stiffness((1e8,) * 6)
+
+    def size(*sets, housings=()):
         return int(build_assembly_arrays(assembly(*sets, housings=housings)).structure_arrays.row_offsets[-1])
 
-    assert size(32) / size(16) == pytest.approx(2.0, rel=0.03)
-    joined = [nut(f"n{i}", z) for i, z in enumerate((0.05, 0.1, 0.15, 0.2))]
-    held = (Housing("h", 0.1, (), diagonal_stiffness((1e8,) * 6)),)
-    apart = int(build_assembly_arrays(assembly(*joined)).structure_arrays.row_offsets[-1])
-    together = int(
-        build_assembly_arrays(
-            assembly(*(replace(s, housing="h") for s in joined), housings=held)
-        ).structure_arrays.row_offsets[-1]
-    )
-    assert together < 1.7 * apart
+    def each_in_its_own(count):
+        places = 0.02 + 0.26 * (np.arange(count) + 0.5) / count
+        sets = (bearing(f"b{i}", z, "+z", housing=f"h{i}") for i, z in enumerate(places))
+        return size(*sets, housings=tuple(Housing(f"h{i}", z, (), springs) for i, z in enumerate(places)))
+
+    assert each_in_its_own(32) / each_in_its_own(16) == pytest.approx(2.0, rel=0.03)
+    nuts = [nut(f"n{i}", z) for i, z in enumerate((0.05, 0.1, 0.15, 0.2))]
+    together = size(*(replace(s, housing="h") for s in nuts), housings=(Housing("h", 0.1, (), springs),))
+    assert together < 1.7 * size(*nuts)

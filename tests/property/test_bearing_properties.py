@@ -15,15 +15,9 @@ SEEDS = range(12)
 
 def ball(rng: np.random.Generator, scale: float = 1.0) -> BallBearing:
     d = scale * rng.uniform(2e-3, 30e-3)
-    return bearing_with_contact_angle(
-        int(rng.integers(6, 40)),
-        d,
-        d * rng.uniform(4.0, 12.0),
-        (rng.uniform(0.505, 0.57), rng.uniform(0.505, 0.57)),
-        np.radians(rng.uniform(5.0, 75.0)),
-        207e9,
-        0.3,
-    )
+    count, pitch = int(rng.integers(6, 40)), d * rng.uniform(4.0, 12.0)
+    conformities, angle = (rng.uniform(0.505, 0.57), rng.uniform(0.505, 0.57)), np.radians(rng.uniform(5.0, 75.0))
+    return bearing_with_contact_angle(count, d, pitch, conformities, angle, 207e9, 0.3)
 
 
 def taper(rng: np.random.Generator, scale: float = 1.0) -> TaperedBearing:
@@ -51,9 +45,8 @@ def test_balance_monotony_mirror_image_and_similarity(seed: int) -> None:
     before = -np.inf
     for force in load * np.array([-20.0, -1.0, -0.1, 0.0, 0.1, 1.0, 20.0]):
         s = solve_bearing_row_equilibrium(rows, float(force))
-        assert np.array(rows.directions) @ s.row_thrusts == pytest.approx(
-            force, abs=1e-11 * max(abs(force), s.row_thrusts.max())
-        )
+        near = 1e-11 * max(abs(force), s.row_thrusts.max())
+        assert np.array(rows.directions) @ s.row_thrusts == pytest.approx(force, abs=near)
         assert np.all(s.row_thrusts >= 0.0)
         assert s.displacement > before
         assert s.stiffness > 0.0

@@ -7,26 +7,13 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from tests.helpers import FLANK_ERRORS, prepared, relative, small_screw, with_ingredients
+from tests.helpers import FLANK_ERRORS, prepared, relative, small_screw
+from tests.static_problems import SCENES
 
-from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.statics.kernel_types import EnergyDerivatives
 from rollbench.lowfi.statics.static import solve_static
-from rollbench.meshes.parts import BallErrors
 
 pytestmark = pytest.mark.xdist_group("convexity")
-
-SCENES = {
-    "lin-case1": lambda: catalogue.scene("lin-case1"),
-    "lin-case3-offset": lambda: catalogue.scene("lin-case3-offset"),
-    "lin-combined": lambda: catalogue.scene("lin-combined"),
-    "source partition": lambda: with_ingredients(catalogue.scene("lin-case2"), partition="source"),
-    "uneven flanks": lambda: replace(
-        small_screw(count=9, force=(200.0, -100.0, 1500.0)), errors=replace(FLANK_ERRORS, balls=BallErrors(oversize=2e-6))
-    ),
-    "clearance": lambda: small_screw(count=9, oversize=-5e-6, force=(100.0, 0.0, 1500.0)),
-    "rigid": lambda: catalogue.scene("bearing-9-preload"),
-}
 
 HELD = (("ux", 0.0), ("uz", 0.0), ("rx", 0.0))
 
@@ -34,13 +21,14 @@ HELD = (("ux", 0.0), ("uz", 0.0), ("rx", 0.0))
 @cache
 def solution(case):
     """Kernels' arguments, and the state and forces from the usual start."""
-    ready = prepared(SCENES[case](), "compiled")
+    ready = prepared(SCENES[case], "compiled")
     assert ready.solve_by_newton().residual <= 1e-10
     return ready, [x.copy() for x in ready.state], ready.contact_forces.copy()
 
 
 def moved(ready, state, seed, size):
-    """Put the arrays at a random state: rigid motion up to ``size`` [m], elements strained by a thousandth of it."""
+    """Put the arrays at a random state: rigid motion up to ``size`` [m], elements strained by a thousandth of it. Returns
+    copies of motions and deformations."""
     rng = np.random.default_rng(seed)
     q, d = ready.state.q, ready.state.d
     q[:], d[:] = state[0], state[1]
@@ -55,6 +43,7 @@ def moved(ready, state, seed, size):
         rigid[:, 0] += lengths * q[:-1, 4]
         rigid[:, 1] -= lengths * q[:-1, 3]
         d[:] = q[1:] - rigid
+    return q.copy(), d.copy()
 
 
 def energy(ready, q, d):
@@ -81,11 +70,7 @@ def test_random_starts_reach_the_same_forces(case, seed, exponent):
 def test_chords_lie_above_the_energy(case, seeds, exponent):
     """Midpoint convexity, and the tangent below: E(y) >= E(x) + g(x).(y - x)."""
     ready, state, _ = solution(case)
-    ends = []
-    for seed in seeds:
-        moved(ready, state, seed, 10.0**exponent)
-        ends.append((ready.state.q.copy(), ready.state.d.copy()))
-    (q0, d0), (q1, d1) = ends
+    (q0, d0), (q1, d1) = (moved(ready, state, seed, 10.0**exponent) for seed in seeds)
     (low, slope), (high, _) = energy(ready, q0, d0), energy(ready, q1, d1)
     middle, _ = energy(ready, (q0 + q1) / 2, (d0 + d1) / 2)
     rounding = 1e-12 * (abs(low) + abs(high)) + 1e-20

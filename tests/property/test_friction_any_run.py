@@ -7,7 +7,7 @@ import pytest
 from tests.friction_runs import WAVES, crowded, setting, sparse
 
 from rollbench.lowfi.friction.screw.travel import simulate
-from rollbench.meshes.parts import BallErrors, Circulation, Friction, Motion
+from rollbench.meshes.parts import BallErrors, Friction, Motion
 
 
 def random_scene(rng):
@@ -15,16 +15,15 @@ def random_scene(rng):
     count = int(rng.integers(3, 8))
     sizes = BallErrors(oversize=4e-6, sigma=1e-6, distribution="uniform")
     if rng.integers(3) == 0:
-        scene = replace(sparse(count), errors=replace(WAVES, balls=sizes, seed=int(rng.integers(1000))))
+        scene = sparse(count)
     else:
         hand = ("right", "left")[rng.integers(2)]
         scene = crowded(clearance=float(rng.choice([1e-4, 1e-3])), count=count, hand=hand)
-        turns = scene.circulation.turns
-        circulation = Circulation(turns=turns, returning=int(rng.integers(4)), filling=float(rng.uniform(0.5, 0.9)))
-        scene = replace(scene, circulation=circulation, errors=replace(WAVES, balls=sizes, seed=int(rng.integers(1000))))
-    friction = Friction(
-        *(float(v) for v in rng.choice([0.01, 0.1, 0.3], 2)), balls=float(rng.choice([0.0, 0.1, 0.2])), feedback=False
-    )
+        way = {"returning": int(rng.integers(4)), "filling": float(rng.uniform(0.5, 0.9))}
+        scene = replace(scene, circulation=replace(scene.circulation, **way))
+    scene = replace(scene, errors=replace(WAVES, balls=sizes, seed=int(rng.integers(1000))))
+    screw, nut = (float(v) for v in rng.choice([0.01, 0.1, 0.3], 2))
+    friction = Friction(screw, nut, balls=float(rng.choice([0.0, 0.1, 0.2])), feedback=False)
     motion = Motion(float(rng.choice([-20.0, 1.0, 300.0])), ("screw", "nut")[rng.integers(2)])
     return scene, friction, motion
 
@@ -36,16 +35,16 @@ def test_energy_order_and_forces(seed):
     h = simulate(setting(scene, friction, motion), 0.8 / abs(motion.speed), 8)
     assert h.fully_converged, h.status
     # a groove that is rougher than the other one holds its contacts at rest, found to 1e-9 of mu F at a small loss
-    assert np.abs(h.imbalance).max() < (1e-8 if friction.screw == friction.nut else 1e-7)
+    near = 1e-8 if friction.screw == friction.nut else 1e-7
     losses = h.torque * abs(h.turning_and_axial_speed[0])
-    assert np.abs(h.power_balance_on_screw / losses).max() < (1e-8 if friction.screw == friction.nut else 1e-7)
+    assert np.abs(h.imbalance).max() < near
+    assert np.abs(h.power_balance_on_screw / losses).max() < near
     assert h.axial == pytest.approx(np.full(h.time.size, scene.loads[0].force[2]), rel=1e-8)
-    for track, on_track in ((track, track.balls) for track in h.setting.tracks):
-        gap, force = h.gap[:, on_track], h.ball_force[:, on_track]
+    for track in h.setting.tracks:
+        gap, force = h.gap[:, track.balls], h.ball_force[:, track.balls]
+        free = track.ring - h.setting.balls.touching_spacing[track.balls].sum()
         assert gap.min() >= 0.0
-        assert gap.sum(axis=1) == pytest.approx(
-            np.full(h.time.size, track.ring - h.setting.balls.touching_spacing[on_track].sum()), abs=1e-9
-        )
+        assert gap.sum(axis=1) == pytest.approx(np.full(h.time.size, free), abs=1e-9)
         assert force.min() >= 0.0
         assert np.max(gap[force > 0.0], initial=0.0) < 1e-9
     assert np.all(h.load[~h.loaded] == 0.0)

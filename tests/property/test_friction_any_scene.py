@@ -56,9 +56,7 @@ def test_energy_and_reversal(scene, screw, nut, motion):
     t = found.friction_sums
     assert found.ball_friction.converged, found.ball_friction.status
     assert t.input_power == pytest.approx(t.power, rel=1e-8)
-    assert t.driving_torque_on_screw * t.speed + t.axial_load * t.advance_per_radian * t.speed == pytest.approx(
-        t.power, rel=1e-8
-    )
+    assert (t.driving_torque_on_screw + t.axial_load * t.advance_per_radian) * t.speed == pytest.approx(t.power, rel=1e-8)
     assert found.ball_friction.loss.min() >= -1e-9 * t.power
     full = found.contacts.force * np.array([screw, screw, nut, nut])
     assert np.all(np.hypot(*np.moveaxis(found.ball_friction.force, -1, 0)) <= full * (1.0 + 1e-6)), "no more than mu F"
@@ -75,10 +73,9 @@ def test_feedback_settles_and_keeps_the_axial_load(scene, screw, nut, motion):
     found = friction_state(scene, result, Friction(screw, nut, feedback=True), motion)
     assert not found.unsettled_balls
     assert found.change < 1e-6
-    assert found.friction_sums.axial_load == pytest.approx(
-        found.sums_without_feedback.axial_load, abs=1e-6 * found.friction_sums.contact_load_sum
-    )
-    assert found.friction_sums.input_power == pytest.approx(found.friction_sums.power, rel=1e-8)
+    t = found.friction_sums
+    assert t.axial_load == pytest.approx(found.sums_without_feedback.axial_load, abs=1e-6 * t.contact_load_sum)
+    assert t.input_power == pytest.approx(t.power, rel=1e-8)
 
 
 @settings(max_examples=10, derandomize=True, deadline=None)
@@ -86,10 +83,8 @@ def test_feedback_settles_and_keeps_the_axial_load(scene, screw, nut, motion):
 def test_mirror(scene, mu, motion):
     result, other = solve_static(scene), mirrored(scene)
     assume(result.converged)
-    friction = Friction(mu, mu, feedback=False)
-    one = friction_state(scene, result, friction, motion)
-    two = friction_state(other, solve_static(other), friction, replace(motion, speed=-motion.speed))
-    assert two.friction_sums.friction_torque == pytest.approx(one.friction_sums.friction_torque, rel=1e-6)
-    assert two.friction_sums.axial_load == pytest.approx(
-        one.friction_sums.axial_load, rel=1e-6, abs=1e-9 * one.friction_sums.contact_load_sum
-    )
+    friction, back = Friction(mu, mu, feedback=False), replace(motion, speed=-motion.speed)
+    one = friction_state(scene, result, friction, motion).friction_sums
+    two = friction_state(other, solve_static(other), friction, back).friction_sums
+    assert two.friction_torque == pytest.approx(one.friction_torque, rel=1e-6)
+    assert two.axial_load == pytest.approx(one.axial_load, rel=1e-6, abs=1e-9 * one.contact_load_sum)

@@ -14,13 +14,12 @@ BEARING = source_cases.linear_ball_pair_scene().bearing
 MU = (0.001, 0.1, 0.5)
 
 
-def check(
-    bearing: linear_bearing.LinearBearing,
-    angles: np.ndarray,
-    loads: np.ndarray,
-    rng: np.random.Generator,
-    motion: float = 1e-6,
-) -> LinearChainSolution:
+def tilted(theta: float) -> np.ndarray:
+    """Contact angles of two balls that theta [deg] turns."""
+    return BEARING.contact_angle + linear_bearing.contact_angle_deviations(np.radians([theta, theta]))
+
+
+def check(bearing, angles, loads, rng, motion: float = 1e-6) -> LinearChainSolution:
     """Converged, balanced in energy, and the same from a random start; forces relative to the friction bound.
 
     motion: agreement asked of the velocities over the carriage's.
@@ -41,16 +40,14 @@ def check(
 def test_pairs(mu: float, theta: float) -> None:
     """rho to +-0.999, loads 1e-3 to 1e5 N."""
     bearing, rng = replace(BEARING, mu=mu, mu_balls=mu), np.random.default_rng(0)
-    turn = linear_bearing.contact_angle_deviations(np.radians([theta, theta]))
     for rho, vertical in product((-0.999, -0.9, -0.6, -1e-3, 0.0, 0.3, 0.999), (1e-3, 1.0, 100.0, 1e5)):
         loads = linear_bearing.loads_equal_on_diagonals(vertical, np.array([rho, -rho]))
-        check(bearing, bearing.contact_angle + turn, loads, rng)
+        check(bearing, tilted(theta), loads, rng)
 
 
 @pytest.mark.parametrize("theta", [-5.0, 0.5, 5.0])
 def test_pairs_under_balanced_and_elastic_loads(theta: float) -> None:
-    rng = np.random.default_rng(1)
-    angles = BEARING.contact_angle + linear_bearing.contact_angle_deviations(np.radians([theta, theta]))
+    rng, angles = np.random.default_rng(1), tilted(theta)
     for rho, vertical in product((-0.999, -0.6, 0.4, 0.999), (1e-3, 100.0, 1e5)):
         side = np.array([rho, -rho])
         check(BEARING, angles, linear_bearing.loads_in_equilibrium(angles, vertical, side), rng)
@@ -67,9 +64,8 @@ def test_two_point_transition(mu: float) -> None:
     """
     bearing, rng = replace(BEARING, mu=mu, mu_balls=mu), np.random.default_rng(2)
     for theta, rest in product((0.0, 0.5, 3.0), (1e-1, 1e-3, 1e-6, 1e-9, 1e-12)):
-        angles = bearing.contact_angle + linear_bearing.contact_angle_deviations(np.radians([theta, theta]))
         loads = linear_bearing.loads_equal_on_diagonals(100.0, np.array([-1.0 + rest, 1.0 - rest]))
-        check(bearing, angles, loads, rng, motion=1e-6 if rest > 1e-4 else 1e-3)
+        check(bearing, tilted(theta), loads, rng, motion=1e-6 if rest > 1e-4 else 1e-3)
 
 
 @pytest.mark.parametrize(("count", "mu"), [(3, 0.02), (10, 0.1), (50, 0.02), (50, 0.1), (10, 0.3), (5, 0.5)])
@@ -78,9 +74,8 @@ def test_chains(count: int, mu: float) -> None:
     bearing, rng = replace(BEARING, mu=mu, mu_balls=mu), np.random.default_rng(count)
     for _ in range(4):
         angles = bearing.contact_angle + np.radians(rng.uniform(-3.0, 3.0, (count, 4)))
-        result = check(
-            bearing, angles, linear_bearing.loads_in_equilibrium(angles, 100.0, rng.uniform(-0.9, 0.9, count)), rng
-        )
+        loads = linear_bearing.loads_in_equilibrium(angles, 100.0, rng.uniform(-0.9, 0.9, count))
+        result = check(bearing, angles, loads, rng)
         assert result.ball_force.max() > 0.0
 
 
@@ -97,9 +92,8 @@ def test_chains_with_much_friction_between_balls(count: int, mu: float, tries: i
     bearing, rng = replace(BEARING, mu_balls=mu), np.random.default_rng([count, int(1000 * mu), int(4 * bare)])
     for _ in range(tries):
         angles = bearing.contact_angle + np.radians(rng.uniform(-5.0, 5.0, (count, 4)))
-        loads = linear_bearing.loads_in_equilibrium(angles, 100.0, rng.uniform(-0.9, 0.9, count)) * rng.uniform(
-            0.2, 1.8, (count, 1)
-        )
+        loads = linear_bearing.loads_in_equilibrium(angles, 100.0, rng.uniform(-0.9, 0.9, count))
+        loads *= rng.uniform(0.2, 1.8, (count, 1))
         loads = np.where(rng.uniform(size=(count, 4)) < bare, 0.0, loads)
         check(bearing, angles, loads, rng, motion=1e-6 if bare == 0.0 else 2.0)
 
@@ -109,8 +103,7 @@ SPEEDS, CONFORMITIES = (0.0, 1e-12, -1e-12, 1e3), (0.505, 0.52, 0.6, 0.9)
 
 @pytest.mark.parametrize("change", [{"speed": v} for v in SPEEDS] + [{"conformity": c} for c in CONFORMITIES], ids=str)
 def test_any_speed_and_conformity(change: dict[str, float]) -> None:
-    angles = BEARING.contact_angle + linear_bearing.contact_angle_deviations(np.radians([2.0, 2.0]))
     loads, bearing = linear_bearing.loads_equal_on_diagonals(100.0, np.array([-0.6, 0.6])), replace(BEARING, **change)
-    result = check(bearing, angles, loads, np.random.default_rng(4))
+    result = check(bearing, tilted(2.0), loads, np.random.default_rng(4))
     assert np.isfinite(result.velocity).all()
     assert (result.ball_force[0] > 1.0) == (bearing.speed > 0.0)

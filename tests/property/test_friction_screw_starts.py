@@ -37,11 +37,9 @@ def random_guess(pair: Pair, found: ScrewPairSolution, rng: np.random.Generator)
 def test_random_starts_give_the_same_coupled_state(mu: float, coupling: str) -> None:
     """All contact forces and the ball-to-ball force within 1e-6 of the friction bound of a ball."""
     rng = np.random.default_rng(int(1000 * mu))
+    printed = replace(screw_pair_as_printed(np.radians(2.0)), groove=groove_of_table_3_6(mu=mu), coupling=coupling)
     for force, oversize in STATES:
-        pair = replace(
-            screw_pair_as_printed(np.radians(2.0)), groove=groove_of_table_3_6(mu=mu), oversize=oversize, force=(force,)
-        )
-        pair = replace(pair, coupling=coupling)  # type: ignore[arg-type]
+        pair = replace(printed, oversize=oversize, force=(force,))
         found = solve_pair_of_screw_balls(pair)
         assert found.converged
         near = 1e-6 * mu * float(found.ball_loads.max())

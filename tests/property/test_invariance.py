@@ -14,15 +14,8 @@ COMBINED = replace(
     small_screw(count=12, turns=2.0, force=(150.0, -80.0, 2500.0), moment=(2.0, 3.0, 0.0)),
     errors=replace(FLANK_ERRORS, balls=BallErrors(oversize=2e-6, listed=((3, 1e-6), (7, -2e-6)))),
 )
-SCENES = {
-    "lin-case1": catalogue.scene("lin-case1"),
-    "lin-case2": catalogue.scene("lin-case2"),
-    "lin-case3-offset": catalogue.scene("lin-case3-offset"),
-    "bearing-9": catalogue.scene("bearing-9"),
-    "combined": COMBINED,
-}
-
-
+SCENES = {name: catalogue.scene(name) for name in ("lin-case1", "lin-case2", "lin-case3-offset", "bearing-9")}
+SCENES["combined"] = COMBINED
 LATERAL = small_screw(12, 2.0, phase=0.3, oversize=2e-6, force=(150.0, -80.0, 2500.0), moment=(2.0, 3.0, 0.0))
 
 
@@ -43,32 +36,30 @@ def scaled(scene, length, modulus):
         profile = tuple(c * length for c in e.profile)
         return replace(e, profile=profile, pitch=terms(e.pitch), roundness=terms(e.roundness))
 
-    balls = scene.errors.balls
-    listed = tuple((i, e * length) for i, e in balls.listed)
+    def support(s):
+        return Support(s.at * length, tuple((n, v * length if n[0] == "u" else v) for n, v in s.fixed))
+
+    def load(x):
+        return Load(x.at * length, tuple(f * force for f in x.force), tuple(m * force * length for m in x.moment))
+
+    listed = tuple((i, e * length) for i, e in scene.errors.balls.listed)
+    sides = {name: side(scene.errors.side(name)) for name in SIDES}
     return replace(
         scene,
         track=part(scene.track, "pitch_radius", "lead"),
         screw=part(scene.screw, "length", "outer_diameter", "groove_radius", "bore"),
         nut=part(scene.nut, "position", "length", "outer_diameter", "groove_radius"),
         balls=part(scene.balls, "radius"),
-        errors=replace(
-            scene.errors,
-            balls=replace(part(balls, "oversize"), listed=listed),
-            **{name: side(scene.errors.side(name)) for name in SIDES},
-        ),
-        supports=tuple(
-            Support(s.at * length, tuple((n, v * length if n[0] == "u" else v) for n, v in s.fixed)) for s in scene.supports
-        ),
-        loads=tuple(
-            Load(x.at * length, tuple(f * force for f in x.force), tuple(m * force * length for m in x.moment))
-            for x in scene.loads
-        ),
+        errors=replace(scene.errors, balls=replace(part(scene.errors.balls, "oversize"), listed=listed), **sides),
+        supports=tuple(map(support, scene.supports)),
+        loads=tuple(map(load, scene.loads)),
     )
 
 
-@pytest.mark.parametrize(
-    ("length", "modulus"), [(1 / 0.0254, 1.450377e-4), (1.0, 1e3), (20.0, 0.1)], ids=["inch", "stiff", "large"]
-)
+UNITS = {"inch": (1 / 0.0254, 1.450377e-4), "stiff": (1.0, 1e3), "large": (20.0, 0.1)}
+
+
+@pytest.mark.parametrize(("length", "modulus"), UNITS.values(), ids=UNITS)
 @pytest.mark.parametrize("name", SCENES)
 def test_units(name, length, modulus):
     """Inches and pounds, a stiffer metal, a larger screw: loads scale as E l2, angles stay."""
@@ -115,12 +106,15 @@ def end_for_end(scene):
     def turn(v):
         return (v[0], -v[1], -v[2])
 
+    def support(s):
+        return Support(length - s.at, tuple((n, signs[n] * v) for n, v in s.fixed))
+
     return replace(
         scene,
         track=replace(scene.track, phase=-scene.track.phase),
         nut=replace(scene.nut, position=length - scene.nut.position),
         balls=replace(scene.balls, azimuths=tuple(-a for a in reversed(scene.balls.azimuths))),
-        supports=tuple(Support(length - s.at, tuple((n, signs[n] * v) for n, v in s.fixed)) for s in scene.supports),
+        supports=tuple(map(support, scene.supports)),
         loads=tuple(Load(length - x.at, turn(x.force), turn(x.moment)) for x in scene.loads),
     )
 
@@ -153,17 +147,14 @@ def test_bearing_turned_by_ball_pitches(name, pitches):
     assert relative(one.load, other.load) > 1e-2
 
 
-def tilting():
-    """An axial load with a lateral one at the far end: it tilts the shaft, so idle flanks come into touch."""
-    scene = catalogue.scene("lin-case1")
-    return replace(scene, loads=(*scene.loads, Load(0.8, (200.0, 0.0, 0.0))))
+#: An axial load with a lateral one at the far end: it tilts the shaft, so idle flanks come into touch.
+TILTING = replace(SCENES["lin-case1"], loads=(*SCENES["lin-case1"].loads, Load(0.8, (200.0, 0.0, 0.0))))
+LEFT_OUT = [*SCENES, "lin-case3", "lin-pitch", "lin-profile", "lin-roundness-2p1", "lin-nominal-4p1", "tilting"]
 
 
-@pytest.mark.parametrize(
-    "name", [*SCENES, "lin-case3", "lin-pitch", "lin-profile", "lin-roundness-2p1", "lin-nominal-4p1", "tilting"]
-)
+@pytest.mark.parametrize("name", LEFT_OUT)
 def test_leaving_out_changes_nothing_and_sides_that_touch_after_all_are_taken_back(name):
-    scene = tilting() if name == "tilting" else SCENES.get(name) or catalogue.scene(name)
+    scene = TILTING if name == "tilting" else SCENES.get(name) or catalogue.scene(name)
     short, long = solved(scene), solved(scene, everything=True)
     assert relative(short.load, long.load) < 1e-9
     assert short.solver.unknowns <= long.solver.unknowns
@@ -210,19 +201,17 @@ def test_rigid_screw_is_the_limit_of_a_stiff_one():
 def test_members_of_an_ensemble_are_single_solutions():
     """The kernel that runs through many specimens of one screw, against each specimen by itself."""
     base = small_screw(9, 2.0, force=(0.0, 100.0, 1500.0))
-    scenes = [
-        replace(base, errors=replace(FLANK_ERRORS, balls=BallErrors(oversize=x), **NO_PROFILES)) for x in (4e-6, -1e-6, 0.0)
-    ]
+    errors = (replace(FLANK_ERRORS, balls=BallErrors(oversize=x), **NO_PROFILES) for x in (4e-6, -1e-6, 0.0))
+    scenes = [replace(base, errors=e) for e in errors]
     ready = [prepared(s, "compiled") for s in scenes]
-    geometry, closure, B = (
-        np.stack([getattr(r.problem, name) for r in ready]) for name in ("geometry", "interference", "B")
+    B, geometry, closure = (
+        np.stack([getattr(r.problem, name) for r in ready]) for name in ("B", "geometry", "interference")
     )
     members = SpecimenArrays(B, geometry, closure, np.stack([r.kernel_arrays.contacts.r_ball for r in ready]))
     forces, statuses, residuals = np.empty((3, 9, 4)), np.empty(3, dtype=np.int64), np.empty(3)
     first = ready[0]
-    found = SpecimenSolutions(
-        forces, statuses, residuals, *(np.empty((3, *x.shape)) for x in (first.state.q, first.state.p))
-    )
+    motions = (np.empty((3, *x.shape)) for x in (first.state.q, first.state.p))
+    found = SpecimenSolutions(forces, statuses, residuals, *motions)
     first.engine.solve_specimens(first.kernel_arrays, first.state, first.options, members, found)
     assert not statuses.any()
     assert residuals.max() <= 1e-10

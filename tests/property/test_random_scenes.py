@@ -47,12 +47,8 @@ def all_moduli(scene, factor):
 @st.composite
 def random_scenes(draw):
     scene = replace(BASE, loads=draw(loads()), supports=draw(SUPPORTS))
-    track = replace(
-        scene.track,
-        contact_angle=math.radians(draw(st.floats(5, 85))),
-        lead=draw(st.sampled_from((7e-3, 20e-3, 40e-3))),
-        hand=draw(st.sampled_from(("right", "left"))),
-    )
+    angle, lead = math.radians(draw(st.floats(5, 85))), draw(st.sampled_from((7e-3, 20e-3, 40e-3)))
+    track = replace(scene.track, contact_angle=angle, lead=lead, hand=draw(st.sampled_from(("right", "left"))))
     scene = replace(scene, track=track, nut=replace(scene.nut, length=0.1))
     extreme = draw(st.sampled_from(("conformity", "shaft", "moduli")))
     if extreme == "conformity":

@@ -30,48 +30,41 @@ from rollbench.meshes.sockets import points_in_box_at_azimuth_zero
 from rollbench.meshes.solid import dimensions_of_3d_parts
 
 
-def screw(R, lead, ball, groove, outer, nut, azimuths, force=300.0, **changes):
+def screw(R, lead, ball, groove, outer, nut, azimuths, force=300.0, **track):
     """A short screw held close to its nut; ``nut``: length and outer diameter."""
-    s = catalogue.scene("lin-case1")
-    middle = nut[0] / 2.0 + 5e-3
-    scene = Scene(
+    middle, steel = nut[0] / 2.0 + 5e-3, CASE.screw.material
+    return Scene(
         "any",
         "any",
-        Track(R, lead, np.pi / 4),
-        Screw(2.0 * middle, outer, groove, s.screw.material),
-        Nut(middle, nut[0], nut[1], groove, s.nut.material),
-        Balls(ball, s.balls.material, azimuths),
+        Track(R, lead, np.pi / 4, **track),
+        Screw(2.0 * middle, outer, groove, steel),
+        Nut(middle, nut[0], nut[1], groove, steel),
+        Balls(ball, steel, azimuths),
         supports=(Support(0.0, ALL_BUT_AXIAL), Support(2.0 * middle, (("ux", 0.0), ("uy", 0.0)))),
         loads=(Load(0.0, (0.0, 0.0, force)),),
         solid=Solid(shaft=4e-3, shaft_diameter=outer),
     )
-    return replace(scene, **changes)
 
 
-def scenes():
-    table41 = even(71, 3.75)[25:47:3]  # of 19 balls a turn every third: those of the next turn lie between
-    yield "turns that do not line up", screw(14.5e-3, 7e-3, 2e-3, 2.16e-3, 28e-3, (20e-3, 44e-3), table41)
-    azimuths = even(45, 2.5)[20:24]
-    other = screw(20e-3, 18e-3, 3e-3, 3.18e-3, 38.6e-3, (20e-3, 64e-3), azimuths)
-    yield "another lead and section, two starts", replace(other, track=replace(other.track, starts=2))
+def left_handed(**solid):
+    """Left hand, load the other way, uneven pattern, lead offset."""
     uneven = (-2.9, -2.4, -0.6, 0.4, 0.85, 2.6)
-    left = screw(16.5e-3, 20e-3, 2.778e-3, 3.254e-3, 32e-3, (36e-3, 48e-3), uneven)
-    left = replace(
-        left,
-        track=replace(left.track, hand="left"),
-        loads=(Load(0.0, (0.0, 0.0, -300.0)),),
-        errors=replace(left.errors, lead_offset=1.5e-6),
-        solid=replace(left.solid, nut_held="outer surface"),
-    )
-    yield "left hand, load the other way, uneven pattern, lead offset", left
-    yield "bearing of 9 balls, preload", catalogue.scene("bearing-9-preload")
-    rigid = replace(left, solid=replace(left.solid, nut="rigid"))
-    yield "rigid nut", rigid
+    left = screw(16.5e-3, 20e-3, 2.778e-3, 3.254e-3, 32e-3, (36e-3, 48e-3), uneven, force=-300.0, hand="left")
+    held = replace(left.solid, nut_held="outer surface", **solid)
+    return replace(left, errors=replace(left.errors, lead_offset=1.5e-6), solid=held)
 
 
-ALL = dict(scenes())
+TURNS = even(71, 3.75)[25:47:3]  # of 19 balls a turn every third: those of the next turn lie between
+FEW = even(45, 2.5)[20:24]
+ALL = {
+    "turns that do not line up": screw(14.5e-3, 7e-3, 2e-3, 2.16e-3, 28e-3, (20e-3, 44e-3), TURNS),
+    "another lead and section, two starts": screw(20e-3, 18e-3, 3e-3, 3.18e-3, 38.6e-3, (20e-3, 64e-3), FEW, starts=2),
+    "left hand": left_handed(),
+    "bearing of 9 balls, preload": catalogue.scene("bearing-9-preload"),
+    "rigid nut": left_handed(nut="rigid"),
+}
 #: Those of one geometry but for the nut's elasticity go to one worker.
-ONE_GEOMETRY = ("left hand, load the other way, uneven pattern, lead offset", "rigid nut")
+ONE_GEOMETRY = ("left hand", "rigid nut")
 NAMES = [pytest.param(name, marks=pytest.mark.xdist_group("left hand")) if name in ONE_GEOMETRY else name for name in ALL]
 
 
@@ -90,17 +83,10 @@ def test_any_scene_converges_in_balance_and_near_the_low_order_model(name, cache
     ratio = scene.balls.radius / BALL
     contacts = estimate_contacts_of_scene(scene)
     few = {"b_over_h": 0.8, "cuts": (2, 2, 2), "own_cuts": (2, 2, 2), "modes": 6, "ball_modes": 8, "growth": 2.5}
-    sizes = {"fine": 3e-3, "coarse": 12e-3, "ball_fine": 1e-3, "ball_coarse": 2e-3}
-    settings = Settings(
-        semi=round_up_lengths(contacts.typical_semi_axes()),
-        reach=round_up_lengths(contacts.largest_reach()),
-        own_sizes=(3e-3 * ratio, 8e-3 * ratio),
-        own_ball_sizes=(1.2e-3 * ratio, 2.4e-3 * ratio),
-        **{name: size * ratio for name, size in sizes.items()},
-        **few,
-    )
-    sides = flanks_to_mesh(scene)
-    set_up = mesh_and_condense_geometry(scene, sides, settings, cache=cache)
+    sizes = {"fine": 3e-3 * ratio, "coarse": 12e-3 * ratio, "ball_fine": 1e-3 * ratio, "ball_coarse": 2e-3 * ratio}
+    sizes |= {"own_sizes": (3e-3 * ratio, 8e-3 * ratio), "own_ball_sizes": (1.2e-3 * ratio, 2.4e-3 * ratio)}
+    sizes |= {"semi": round_up_lengths(contacts.typical_semi_axes()), "reach": round_up_lengths(contacts.largest_reach())}
+    set_up = mesh_and_condense_geometry(scene, flanks_to_mesh(scene), Settings(**few, **sizes), cache=cache)
     result = solve_reference(set_up, scene)
     assert result.status == "converged"
     assert max(result.unbalanced_ball_force, result.unbalanced_shaft_force) < 1e-8
@@ -121,39 +107,15 @@ TIGHT += ("unseen-63x20", "unseen-four-point")
 
 def sockets_of(scene, cuts):
     """Meshes of a scene shortened to two balls, with the sockets of the whole scene; its map and settings."""
-    settings, small = replace(mesh_settings([scene], 1), cuts=cuts), shortened(scene)
-    m, layout, sides = GrooveMap.from_scene(small), ball_layout(small), flanks_to_mesh(scene)
-    meshes = part_meshes.mesh_parts(small, m, layout, dimensions_of_3d_parts(small), sides, settings)
-    whole = part_meshes.choose_refinement_box_size(
-        scene, GrooveMap.from_scene(scene), ball_layout(scene), sides, dimensions_of_3d_parts(scene), settings
+    settings, sides = replace(mesh_settings([scene], 1), cuts=cuts), flanks_to_mesh(scene)
+    (m, layout, dimensions), (m_whole, layout_whole, dimensions_whole) = (
+        (GrooveMap.from_scene(s), ball_layout(s), dimensions_of_3d_parts(s)) for s in (shortened(scene), scene)
     )
+    meshes = part_meshes.mesh_parts(shortened(scene), m, layout, dimensions, sides, settings)
+    of_whole = scene, m_whole, layout_whole, sides, dimensions_whole, settings
+    whole = part_meshes.choose_refinement_box_size(*of_whole)
     assert (meshes.socket_size.gamma, meshes.socket_size.edge_divisions) == (pytest.approx(whole.gamma, rel=0.15), cuts)
     return m, meshes, settings, sides
-
-
-def check_patches(scene, cuts):
-    m, meshes, settings, sides = sockets_of(scene, cuts)
-    assert min(body.quality.smallest_jacobian for body in (meshes.screw_mesh, meshes.nut_mesh, meshes.ball_mesh)) > 0.0
-    zone = part_meshes.choose_patch_cells(settings, meshes.half_widths, meshes.socket_size.depth)[1]
-    assert zone[0] * meshes.half_widths[0] >= settings.reach[0]
-    assert zone[1] * meshes.half_widths[1] >= settings.reach[1]
-    for side in sides:
-        body = meshes.screw_mesh if side < 2 else meshes.nut_mesh
-        groove = part_meshes.mesh_patch(
-            meshes, body.box_faces[side], partial(points_in_box_at_azimuth_zero, m, meshes.socket_size, side), settings
-        )
-        ball = part_meshes.mesh_patch(
-            meshes,
-            meshes.ball_mesh.box_faces[side],
-            part_meshes.ball_refinement_box_and_map(m, meshes.socket_size, side, meshes.relative_zone_size)[1],
-            settings,
-        )
-        assert min(mesh_quality(x.mesh).smallest_jacobian for x in (groove, ball)) > 0.1
-        found, wanted = (
-            part_meshes.contact_normals_of_patch(ball, np.zeros(3)),
-            part_meshes.contact_normals_of_patch(groove, np.array([m.R, 0.0, 0.0])),
-        )
-        np.testing.assert_allclose(found, wanted, atol=1e-9)
 
 
 CUT = [(name, cuts) for name in ("lead 5", "conformity 0.515") for cuts in ((3, 3, 3), (4, 3, 4), (4, 4, 4), (6, 4, 6))]
@@ -161,7 +123,21 @@ CUT = [(name, cuts) for name in ("lead 5", "conformity 0.515") for cuts in ((3, 
 
 @pytest.mark.parametrize(("name", "cuts"), [*((name, (2, 2, 2)) for name in TIGHT), *CUT], ids=str)
 def test_patches_and_sockets_of_tight_scenes_are_meshed_however_they_are_cut(name, cuts):
-    check_patches(SURVEY[name], cuts)
+    m, meshes, settings, sides = sockets_of(SURVEY[name], cuts)
+    assert min(body.quality.smallest_jacobian for body in (meshes.screw_mesh, meshes.nut_mesh, meshes.ball_mesh)) > 0.0
+    zone = part_meshes.choose_patch_cells(settings, meshes.half_widths, meshes.socket_size.depth)[1]
+    assert zone[0] * meshes.half_widths[0] >= settings.reach[0]
+    assert zone[1] * meshes.half_widths[1] >= settings.reach[1]
+    for side in sides:
+        size, body = meshes.socket_size, meshes.screw_mesh if side < 2 else meshes.nut_mesh
+        in_groove = partial(points_in_box_at_azimuth_zero, m, size, side)
+        in_ball = part_meshes.ball_refinement_box_and_map(m, size, side, meshes.relative_zone_size)[1]
+        groove = part_meshes.mesh_patch(meshes, body.box_faces[side], in_groove, settings)
+        ball = part_meshes.mesh_patch(meshes, meshes.ball_mesh.box_faces[side], in_ball, settings)
+        assert min(mesh_quality(x.mesh).smallest_jacobian for x in (groove, ball)) > 0.1
+        found = part_meshes.contact_normals_of_patch(ball, np.zeros(3))
+        wanted = part_meshes.contact_normals_of_patch(groove, np.array([m.R, 0.0, 0.0]))
+        np.testing.assert_allclose(found, wanted, atol=1e-9)
 
 
 def test_displaced_supports_widen_the_patches():

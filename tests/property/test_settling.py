@@ -25,17 +25,16 @@ CASES += [(name, 1) for name in ("16x5-preloaded", "25x5-preloaded", "25x10-misa
 SMALL = CASES[0]
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("name", "level"), [pytest.param(*case, marks=[] if case == SMALL else [pytest.mark.survey]) for case in CASES]
-)
-def test_loads_settle_in_few_rounds_and_the_refined_model_is_near(
-    name: str, level: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    solve, updates = reference.solve_reference, list[int]()
+MARKED = [pytest.param(*case, marks=[] if case == SMALL else [pytest.mark.survey]) for case in CASES]
 
-    def counted(*given: object, **named: object) -> reference.ReferenceResult:
-        found = solve(*given, **named)  # type: ignore[arg-type]
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "level"), MARKED)
+def test_loads_settle_in_few_rounds_and_the_refined_model_is_near(name, level, monkeypatch):
+    solve, updates = reference.solve_reference, []
+
+    def counted(*given, **named):
+        found = solve(*given, **named)
         updates.append(found.normal_update_count)
         return found
 

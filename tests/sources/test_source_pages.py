@@ -3,12 +3,12 @@
 from collections import Counter
 from functools import cache
 
+import numpy as np
 import pytest
 from tests.evidence_study import GROUP, STUDY
 from tests.section_items import drawn, figures, tables
 from tests.sources.entries import of_source
 
-from rollbench.compare.case import CASES
 from rollbench.compare.cases.lin.pages import tables as lin
 from rollbench.compare.cases.liu import page as liu
 from rollbench.compare.cases.smith import page as smith
@@ -58,5 +58,19 @@ def test_figures_can_be_drawn(source):
     drawn(found, finite=0.8)
 
 
-def test_a_case_has_the_page():
-    assert {case.name for case in CASES if case.page} >= set(PAGES)
+def curves(source):
+    """All series of the figures of a source's page."""
+    found = [figure for section in sections(source) for figure in figures(section)]
+    return [series for figure in found for panel in figure.panels for series in panel.series]
+
+
+def test_liu_s_printed_counts_stand_on_the_figure():
+    printed = [s for s in curves("liu") if s.label == "printed"]
+    # loaded at 1000 N: 78 less the printed 16, 17 and 35
+    assert {43.0, 61.0, 62.0} <= {y for s in printed for x, y in zip(s.x, s.y, strict=True) if x == 1000.0}
+
+
+def test_stiffness_of_smith_s_symmetric_axis_is_symmetric():
+    lines = {s.label: s.y for s in curves("smith")}
+    assert lines["ball, fixed-fixed"] == pytest.approx(lines["ball, fixed-fixed"][::-1])
+    assert np.all(np.diff(lines["taper, fixed-supported"]) < 0.0)

@@ -220,12 +220,12 @@ def nut_rigidities_table(
         TableColumn("load", "axial load", "kN", "g3"),
         TableColumn("contacts", "rigidity of the contacts alone", "N/um", "g4"),
         TableColumn("bodies", "rigidity of contacts and bodies", "N/um", "g4"),
-        TableColumn("unequal", "rigidity with unequal contact loads", "N/um", "g4"),
+        TableColumn("unequal", "rigidity of contacts and bodies with unequal contact loads", "N/um", "g4"),
         TableColumn("reference", "rigidity by the 3D reference", "N/um", "g4"),
         TableColumn("printed", "rigidity in the catalogue", "N/um", "g4"),
-        TableColumn("share_contacts", "catalogue rigidity over that of the contacts alone", "", ".3f"),
-        TableColumn("share_bodies", "catalogue rigidity over that of contacts and bodies", "", ".3f"),
-        TableColumn("share_unequal", "catalogue rigidity over that with unequal contact loads", "", ".3f"),
+        TableColumn("share_contacts", "catalogue rigidity divided by that of the contacts alone", "", ".3f"),
+        TableColumn("share_bodies", "catalogue rigidity divided by that of contacts and bodies", "", ".3f"),
+        TableColumn("share_unequal", "catalogue rigidity divided by that with unequal contact loads", "", ".3f"),
     )
     note = (
         "Axial load over axial displacement. Contacts alone: equally loaded balls between rigid bodies; contacts and "
@@ -296,15 +296,15 @@ FIXATION_COLUMNS = (
     TableColumn("by", "model or 3D mesh level", "", "s"),
     TableColumn("held", "surface at which the nut is fixed", "", "s"),
     TableColumn("largest", "largest contact load", "N", "g4"),
-    TableColumn("load_change", "change of the largest contact load from fixing at the left face", "%", "+.2f"),
+    TableColumn("load_change", "change of the largest contact load against the nut fixed at its left face", "%", "+.2f"),
     TableColumn("expected", "expected error of the contact loads", "% of mean load", ".2f"),
     TableColumn("off", f"largest contact-load error against {THREE}", "% of mean load", ".2f"),
     TableColumn("mesh", f"uncertainty of the contact loads in {THREE} by the mesh", "% of mean load", ".2f"),
     TableColumn("life", "rating life L10", "10^6 rev", "g4"),
-    TableColumn("life_change", "change of the life from fixing at the left face", "%", "+.2f"),
+    TableColumn("life_change", "change of the life against the nut fixed at its left face", "%", "+.2f"),
     TableColumn("rigidity", "axial rigidity", "N/um", "g4"),
-    TableColumn("rigidity_change", "change of the rigidity from fixing at the left face", "%", "+.2f"),
-    TableColumn("share", "catalogue rigidity over computed rigidity", "", ".3f"),
+    TableColumn("rigidity_change", "change of the rigidity against the nut fixed at its left face", "%", "+.2f"),
+    TableColumn("share", "catalogue rigidity divided by computed rigidity", "", ".3f"),
 )
 
 
@@ -549,10 +549,10 @@ def fixation_section(cache: SceneResultCache, step: Callable[[str], None]) -> Se
     }
     bent = [float(x["share"] or 0.0) for x in rows if x["by"] == DEFAULT and str(x["held"]).startswith("flange, outer")]
     conclusion = (
-        "Fixing the nut at another surface than its left face changes its largest load by "
+        "Fixing the nut at another surface than its left face changes the largest contact load by "
         f"{model_column_range_in_words(rows, 'load_change')} %, "
-        "its life by "
-        f"{model_column_range_in_words(rows, 'life_change')} % and its axial rigidity by "
+        "the rating life by "
+        f"{model_column_range_in_words(rows, 'life_change')} % and the axial rigidity by "
         f"{model_column_range_in_words(rows, 'rigidity_change')} %."
     )
     text = (

@@ -264,9 +264,9 @@ def _finite_body_row(row: RollingComparisonRow) -> Row:
         "scene": row.scene,
         "quantity": row.quantity,
         "unit": row.unit,
-        TableColumn("rigid", "value for rigid bodies", "", "g5"): row.rigid,
-        TableColumn("half", "value for elastic half spaces", "", "g5"): row.half_space,
-        TableColumn("finite", "value for bodies of finite size", "", "g5"): row.reference,
+        TableColumn("rigid", "value by the 3D model with rigid bodies", "", "g5"): row.rigid,
+        TableColumn("half", "value by the 3D model with elastic half spaces", "", "g5"): row.half_space,
+        TableColumn("finite", "value by the 3D model with bodies of finite size", "", "g5"): row.reference,
         TableColumn("uncertainty", "uncertainty of the value for bodies of finite size", "", "g2"): row.uncertainty
         if finite
         else None,
@@ -340,9 +340,10 @@ def _ball_force_conclusion(found: dict[str, list[RollingComparisonRow]]) -> str:
     row = next((r for r in found["lin-pair-a"] if r.quantity == "force 1-2"), None)
     if row is None or row.error_percent is None:
         return ""
+    sense = "larger" if row.error_percent > 0.0 else "smaller"
     return (
-        "The force between two touching balls by the low-order model differs by "
-        f"{row.error_percent:+.2f} % from that by the 3D model."
+        f"The low-order model's force between two touching balls of Lin's linear bearing, case (a), is "
+        f"{abs(row.error_percent):.2f} % {sense} than that of the 3D model."
     )
 
 
@@ -413,7 +414,7 @@ def _verification_row(verification: Verification) -> Row:
         ): verification.error_of_judged_value_percent,
         TableColumn("order", "order of convergence over the grids", "", ".1f"): verification.convergence_order,
         TableColumn("reach", "permitted error", "%", "g3"): verification.permitted_error_percent,
-        TableColumn("verdict", "exact value within the permitted error", "", "s"): "reached"
+        TableColumn("verdict", "whether the exact value is reached within the permitted error", "", "s"): "reached"
         if verification.within_permitted_error
         else "not reached",
     }
@@ -436,7 +437,7 @@ def _low_order_against_3d_row(row: RollingComparisonRow) -> Row:
         TableColumn("ansys", "ANSYS value that Lin prints", "", "g4"): row.printed_ansys,
         TableColumn("flat", "value by the 3D model with plane contact areas", "", "g5"): row.flat,
         TableColumn("rigid", "3D value with rigid bodies", "", "g5"): row.rigid,
-        TableColumn("verdict", "error of the low-order model, judged", "", "s"): f"within {LIMIT:g} %"
+        TableColumn("verdict", f"whether the low-order model's error is within {LIMIT:g} %", "", "s"): f"within {LIMIT:g} %"
         if low_order_error_is_within_limit(row)
         else f"beyond {LIMIT:g} %",
     }
@@ -475,9 +476,12 @@ def _grid_dependence_rows(stores: Sequence[Path]) -> list[Row]:
                 TableColumn("cells", "cells along and across the contact", "", "s"): f"{run.shape[0]} x {run.shape[1]}",
                 TableColumn("value", "force or torque, corrected for the grid", "", "g5"): run.values[key],
                 TableColumn("alone", "force or torque without grid correction", "", "g5"): run.elastic[key],
-                TableColumn("elasticity", "change of force or torque by elasticity", "", "g3"): run.elastic[key]
-                - run.near_rigid[key],
-                TableColumn("lost", "share of the input power lost by finite differences", "%", ".3f"): 100.0 * run.upwind,
+                TableColumn(
+                    "elasticity", "change of force or torque from nearly rigid to elastic bodies", "", "g3"
+                ): run.elastic[key] - run.near_rigid[key],
+                TableColumn(
+                    "lost", "share of the input power lost by the error of the finite differences", "%", ".3f"
+                ): 100.0 * run.upwind,
                 TableColumn("stick", "number of cells that stick", "", "d"): run.sticking,
                 TableColumn("seconds", "processor time", "s", "g3"): run.seconds if run.measured == common else None,
             }
@@ -508,7 +512,7 @@ def _numerical_choice_row(effect: ChoiceEffect) -> Row:
         TableColumn("tried", "variants tried", "", "s"): effect.tried_variants,
         TableColumn("change", "largest change of the ball-to-ball force", "%", "g2"): effect.change,
         TableColumn("uncertainty", "stated uncertainty of this force", "%", "g2"): effect.uncertainty,
-        TableColumn("verdict", "change against the stated uncertainty", "", "s"): "within"
+        TableColumn("verdict", "whether the change is within the stated uncertainty", "", "s"): "within"
         if effect.is_within_uncertainty
         else "beyond",
     }
@@ -554,7 +558,9 @@ def _error_over_time_figure(stores: Sequence[Path]) -> Figure | None:
     panel = Panel("ball-to-ball force", "processor time [s]", "difference from the finest grid [%]", curves, log_axes="xy")
     return Figure(
         "rolling-times",
-        "3D model of rolling contact: error of the ball-to-ball force over processor time",
+        "3D model of rolling contact: error of the ball-to-ball force, plotted against processor time",
         [panel],
-        f"Measured with {common}.",
+        f"Processor times were measured with rollbench {common}."
+        if common is not None and common.version
+        else "The version of rollbench with which the processor times were measured is not known.",
     )

@@ -726,12 +726,16 @@ def extreme_linear_pair_rows() -> list[Row]:
             {
                 TableColumn("group", "varied inputs", "", "s"): group,
                 TableColumn("cases", "number of cases", "", "s"): len(chains),
-                TableColumn("solved", "solutions found from three starts", "", "s"): f"{solved} of {3 * len(chains)}",
+                TableColumn(
+                    "solved", "solutions found from three starting points of each case", "", "s"
+                ): f"{solved} of {3 * len(chains)}",
                 TableColumn("residual", "largest residual of the friction solver", "", "g2"): residual,
                 TableColumn(
-                    "energy", "largest energy error: power input less dissipation, over dissipation", "", "g2"
+                    "energy", "largest energy error: power input minus dissipation, divided by dissipation", "", "g2"
                 ): energy,
-                TableColumn("spread", "largest difference of the ball-to-ball force between starts", "", "g2"): spread,
+                TableColumn(
+                    "spread", "largest difference of the ball-to-ball force between starting points", "", "g2"
+                ): spread,
             }
         )
     return rows
@@ -749,16 +753,18 @@ def root_finding_rows() -> list[Row]:
         s, law = first[case], lin_sigmoid_law(ROTARY, sharpness)
         row: Row = {
             TableColumn("case", "case of the rotary bearing", "", "s"): case,
-            TableColumn("sharpness", "sharpness k_S of the friction law", "", "g3"): sharpness,
+            TableColumn("sharpness", "sharpness k_S of Lin's friction law", "", "g3"): sharpness,
         }
-        for key, words, off in (("near", "1 % of it", 0.01), ("far", "50 % of it", 0.5)):
+        for key, words, off in (("near", "1 %", 0.01), ("far", "50 %", 0.5)):
             begin = [s.motion.unknown_velocities * rng.uniform(1.0 - off, 1.0 + off, 3) for _ in range(ROOT_STARTS)]
             by_root = sum(motion_by_root(s.problem, law, q, fast=True).status == "exact" for q in begin)
-            heading = f"motion found by root finding from starts within {words}"
+            heading = f"random starts within {words} of the solution from which root finding finds it"
             row[TableColumn(key, heading, "", "s")] = f"{by_root} of {ROOT_STARTS}"
         least = [least_dissipation(s.problem, q, fast=True) for q in begin]
         good = sum(m.status == "exact" and abs(m.loss / s.motion.loss - 1.0) < 1e-8 for m in least)
-        ours = TableColumn("ours", "motion found by least dissipation from starts within 50 % of it", "", "s")
+        ours = TableColumn(
+            "ours", "random starts within 50 % of the solution from which least dissipation finds it", "", "s"
+        )
         rows.append(row | {ours: f"{good} of {ROOT_STARTS}"})
     return rows
 
@@ -773,8 +779,8 @@ COLUMNS = (
     TableColumn("model", "friction model", "", "s"),
     TableColumn("cases", "number of cases", "", "s"),
     TableColumn("ours", "solutions found by this package, of all starting points", "", "s"),
-    TableColumn("energy", "largest energy error: power input less dissipation, over dissipation", "", "g2"),
-    TableColumn("spread", "largest difference of results between starts", "", "g2"),
+    TableColumn("energy", "largest energy error: power input minus dissipation, divided by dissipation", "", "g2"),
+    TableColumn("spread", "largest difference of results between starting points", "", "g2"),
     TableColumn("source", "solutions found by Lin's root finding, of all starting points", "", "s"),
     TableColumn("note", "remark", "", "s"),
 )

@@ -133,8 +133,8 @@ def ball_deformation_figure() -> Figure:
             )
         )
     caption = (
-        "Liu prints: no unloaded ball at 2000 N, one at 1500 N (in the caption 1000 N), 25 at 500 N; this section's table "
-        f"gives their percentiles among {liu.MEMBERS} random screws. {DRAWN}"
+        "Liu's text prints no unloaded ball at 2000 N, one at 1500 N (his caption: 1000 N) and 25 at 500 N. The table of "
+        f"this section states at which percentile of {liu.MEMBERS} random screws each number lies. {DRAWN}"
     )
     title = "Liu (2025), Figure 11: normal deformation of the balls with random diameter errors of ±2 µm"
     return Figure("liu-figure-11", title, panels, caption, columns=3, same_y=True)
@@ -189,8 +189,8 @@ def displacement_test_table() -> Table:
                 TableColumn("load", "axial load", "N", "s"): f"{force:g}",
                 TableColumn("printed", "printed displacement", "", "s"): "in a figure only",
                 TableColumn("middle", "median displacement with ball errors of ±3 µm", "µm", ".2f"): middle,
-                TableColumn("low", "0.5th percentile of this displacement", "µm", ".2f"): low,
-                TableColumn("high", "99.5th percentile of this displacement", "µm", ".2f"): high,
+                TableColumn("low", "0.5th percentile of the displacement with these ball errors", "µm", ".2f"): low,
+                TableColumn("high", "99.5th percentile of the displacement with these ball errors", "µm", ".2f"): high,
                 TableColumn(
                     "none", "displacement without ball errors", "µm", ".2f"
                 ): _error_free_displacement_and_stiffness(force)[0],
@@ -257,9 +257,9 @@ def loads_with_one_faulty_ball_figure() -> Figure:
             )
         )
     caption = (
-        "Markers: printed load Q33 of ball 33, and printed ratio Q78/Q1 times the computed load Q1 of ball 1. The lighter "
-        "load of panel a is not printed; 1000 N is assumed, as in b. 124.55 N at 5000 N in b is 142.55 N with two digits "
-        "exchanged."
+        "Markers: load Q33 of ball 33 that Liu prints, and load of ball 78, from the printed ratio Q78/Q1 of the loads of "
+        "balls 78 and 1 and the computed load Q1. The lighter axial load of panel a is not printed; 1000 N is assumed, as "
+        "in panel b. In panel b, at 5000 N, Liu prints Q33 = 124.55 N, a misprint of 142.55 N (two digits exchanged)."
     )
     return Figure(
         "liu-figure-15", "Liu (2025), Figure 15: contact loads with one ball too small or too large", panels, caption
@@ -335,8 +335,11 @@ def loaded_balls_figure(found: dict[str, float], caption_end: str) -> Figure:
         panels.append(
             Panel(f"ball errors of ±{h} µm", "axial load / N", "number of loaded balls", series, include_zero=True)
         )
-    caption = f"Markers: loaded balls by Liu's text, which prints some as unloaded balls of 78; {caption_end} {SPREAD}"
-    title = "Liu (2025), Figure 18: number of loaded balls over the axial load"
+    caption = (
+        "Markers: number of loaded balls by Liu's text, which for some loads prints the number of unloaded balls, out of "
+        f"78. {caption_end} {SPREAD}"
+    )
+    title = "Liu (2025), Figure 18: number of loaded balls, plotted against the axial load"
     return Figure("liu-figure-18", title, panels, caption, columns=3, same_y=True)
 
 
@@ -353,7 +356,7 @@ def displacement_figure() -> Figure:
         )
         for h in liu.RANGES
     ]
-    title = "Liu (2025), Figure 19: displacement of the nut over the axial load"
+    title = "Liu (2025), Figure 19: displacement of the nut, plotted against the axial load"
     return Figure("liu-figure-19", title, panels, f"{NO_VALUES} {SPREAD}", columns=3)
 
 
@@ -386,7 +389,7 @@ def stiffness_figure(found: dict[str, float], caption_end: str) -> Figure:
         "Computed: tangent stiffness. Liu's equation (22) is a secant, which lies above the tangent; its load step is not "
         f"printed. {caption_end} {SPREAD}"
     )
-    title = "Liu (2025), Figure 20: axial stiffness over the axial load"
+    title = "Liu (2025), Figure 20: axial stiffness, plotted against the axial load"
     return Figure("liu-figure-20", title, panels, caption, columns=3, same_y=True)
 
 
@@ -416,7 +419,7 @@ def stiffness_of_three_screws_figure(found: dict[str, float]) -> Figure:
             "three random screws, ball errors of ±2 µm", "axial load / N", "stiffness / 10⁸ N/m", curves, include_zero=True
         ),
         Panel(
-            "largest less smallest stiffness of three screws",
+            "largest minus smallest stiffness of three screws",
             "axial load / N",
             "stiffness / 10⁸ N/m",
             differ,

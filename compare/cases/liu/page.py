@@ -69,10 +69,10 @@ def loaded_ball_counts_in_words(found: dict[str, float]) -> str:
         )
         total += 1
         if not low <= count <= high:
-            out.append(f"±{half_range} µm at {load:g} N {'below' if count < low else 'above'}")
-    span = f"the range of {100.0 * (1.0 - 2.0 * liu.UNLIKELY):g} % of the random screws"
-    beyond = f"; beyond it: {', '.join(dict.fromkeys(out))}" if out else ""
-    return f"{total - len(out)} of {total} printed counts lie within {span}{beyond}"
+            out.append(f"±{half_range} µm at {load:g} N {'below' if count < low else 'above'} it")
+    span = f"the central {100.0 * (1.0 - 2.0 * liu.UNLIKELY):g} % of the random screws"
+    beyond = f"; the others: {', '.join(dict.fromkeys(out))}" if out else ""
+    return f"Of {total} printed numbers, {total - len(out)} lie within {span}{beyond}"
 
 
 def stiffness_deviation_in_words(found: dict[str, float]) -> str:
@@ -125,7 +125,7 @@ class LoadsByThreeModels:
     loads_by_refined_model: Array
 
     def differences_of_axial_model(self, model: Array) -> tuple[float, float, int]:
-        """Return the differences of the axial model's contact loads from those of another model.
+        """Return the differences of another model's contact loads from those of the axial model: other minus axial.
 
         First: RMS difference [% of the mean load]; second: largest difference, with its sign [% of the mean load]; third:
         number of the ball with the largest difference, from 1. ``model``: contact loads (78,) [N] by that other model.
@@ -259,7 +259,7 @@ def model_loads_table(cache: SceneResultCache) -> Table:
     rows: list[Row] = []
     for c in cache.compute_once(compare_models):
         row: Row = {
-            TableColumn("errors", "ball errors", "", "s"): c.ball_errors_in_words,
+            TableColumn("errors", "errors of the ball diameters", "", "s"): c.ball_errors_in_words,
             TableColumn("load", "axial load", "N", ".0f"): c.axial_load,
         }
         for name, words, model in (
@@ -276,7 +276,7 @@ def model_loads_table(cache: SceneResultCache) -> Table:
                 row[
                     TableColumn(
                         f"{name}_rms",
-                        f"RMS difference of the contact loads, axial-only less {words}",
+                        f"RMS difference of the contact loads, {words} from axial-only model",
                         "% of mean load",
                         ".2f",
                     )
@@ -285,7 +285,7 @@ def model_loads_table(cache: SceneResultCache) -> Table:
                 row[
                     TableColumn(
                         f"{name}_most",
-                        f"largest difference of a contact load, axial-only less {words}",
+                        f"largest difference of a contact load, {words} minus axial-only model",
                         "% of mean load",
                         "s",
                     )
@@ -325,8 +325,7 @@ def errors_against_3d_table(cache: SceneResultCache) -> Table:
     contacts = 2 * cache.built_in_scene(SCENE).ball_count
     note = (
         f"3D reference on the mesh levels {levels}, with {contacts} contacts. The nut is rigid in the axial-only and the "
-        "beam model. "
-        "Random ball errors are the same for all models."
+        "beam model. Random ball errors are the same for all models."
     )
     return Table.from_rows(
         "liu-solid",

@@ -271,7 +271,7 @@ def bias_and_scatter_table(found: Sequence[PublishedValue]) -> Table:
             {
                 "quantity": quantity,
                 TableColumn("against", "published by", "", "s"): group,
-                TableColumn("computed by", "model of the computed value", "", "s"): law,
+                TableColumn("computed by", "model with which the value is computed", "", "s"): law,
                 NUMBER: s.count,
                 BIAS: s.mean_error_percent,
                 SCATTER: s.standard_deviation_percent,
@@ -279,19 +279,19 @@ def bias_and_scatter_table(found: Sequence[PublishedValue]) -> Table:
                     "inside", "number of published values in the range of computed values", "", ".0f"
                 ): s.count_in_range,
                 TableColumn(
-                    "width", "median width of the range of computed values", "%", ".1f"
+                    "width", "median width of the range of computed values", "% of computed value", ".1f"
                 ): s.median_range_width_percent,
                 TableColumn(
-                    "practice", "mean error of 80 % of the computed value", "%", "+.1f"
+                    "practice", "mean error if the computed value is multiplied by 0.8", "%", "+.1f"
                 ): s.reduced_mean_error_percent,
                 TableColumn("not judged", "published values left out, and why", "", "s"): words,
             }
         )
     note = (
-        "Error: computed less published value. Computed range (band): range of a computed value "
+        "Error: computed minus published value. Computed range (band): range of a computed value "
         "over the rounding of printed inputs and the usual range of unprinted ones. Errors of clearances are in per cent "
-        "of the displacement under the measuring load, those of contact loads by CalculiX of the mean load. 80 %: fraction "
-        f"of a computed nut rigidity that makers advise to use. Not judged: {'; '.join(without)}."
+        "of the displacement under the measuring load, those of contact loads by CalculiX of the mean load. 0.8: factor by "
+        f"which makers advise to reduce a computed nut rigidity. Not judged: {'; '.join(without)}."
     )
     return Table.from_rows(
         "outside-summary",
@@ -311,7 +311,7 @@ def published_values_table(found: Sequence[PublishedValue]) -> Table:
             "quantity": x.quantity,
             TableColumn("maker", "published by", "", "s"): x.maker,
             TableColumn("class", "kind of source", "", "s"): x.kind_of_source,
-            TableColumn("item", "part", "", "s"): x.part,
+            TableColumn("item", "screw, nut or bearing to which the value belongs", "", "s"): x.part,
             TableColumn("value", "published value", "", "g6"): x.value,
             "unit": x.unit,
             TableColumn("computed", "computed value", "", "g6"): x.computed.value,
@@ -319,7 +319,7 @@ def published_values_table(found: Sequence[PublishedValue]) -> Table:
             TableColumn("high", "upper end of the range of computed values", "", "g6"): x.computed.high,
             TableColumn("error", "error of the computed value", "%", ".2f"): x.error_percent,
             TableColumn("verdict", "published value in the range of computed values", "", "s"): x.verdict,
-            TableColumn("law", "model of the computed value", "", "s"): x.law,
+            TableColumn("law", "model with which the value is computed", "", "s"): x.law,
             TableColumn("origin", "file and line of the published value", "", "s"): x.origin,
         }
         for x in found

@@ -93,7 +93,8 @@ def band_and_errors_conclusion(found: Sequence[outside.PublishedValue]) -> str:
     within = sum(x.verdict == "in the band" for x in judged)
     return (
         (
-            f"Of {len(judged)} published values, {within} lie within the range (band) computed for them. "
+            f"Of {len(judged)} values published by makers, from measurements and by other programs, {within} lie within "
+            "their computed ranges, which cover rounded and unprinted inputs. "
             "Where no input is unknown, both agree: bias and scatter of preload, rigidity and starting "
             "torque of NSK's sets are "
         )
@@ -221,18 +222,24 @@ def drag_torque_table() -> Table:
             TableColumn("lead", "lead of the screw", "mm", "g3"): 1e3 * one.lead,
             TableColumn("single", "torque ratio of a single nut, computed", "1e-3", ".1f"): 1e3 * one.single,
             TableColumn("double", "torque ratio of a double nut, computed", "1e-3", ".1f"): 1e3 * one.double,
-            TableColumn("least", f"torque ratio of a single nut, friction coefficient {nuts.LEAST:g}", "1e-3", ".2f"): 1e3
-            * one.at_smallest_friction[0],
             TableColumn(
-                "least_double", f"torque ratio of a double nut, friction coefficient {nuts.LEAST:g}", "1e-3", ".3f"
+                "least", f"torque ratio of a single nut, computed with friction coefficient {nuts.LEAST:g}", "1e-3", ".2f"
+            ): 1e3 * one.at_smallest_friction[0],
+            TableColumn(
+                "least_double",
+                f"torque ratio of a double nut, computed with friction coefficient {nuts.LEAST:g}",
+                "1e-3",
+                ".3f",
             ): 1e3 * one.at_smallest_friction[1],
         }
         for (name, _), value in zip(nuts.FORMULAS, one.by_makers_formulas, strict=True):
-            row[TableColumn(name, f"torque ratio by the formula of {name}", "1e-3", ".1f")] = 1e3 * value
+            maker, formula = name.replace("P/2 pi", "P/(2 pi)").split(": ")
+            heading = f"torque ratio by {maker}'s formula, T = {formula}"
+            row[TableColumn(name, heading, "1e-3", ".1f")] = 1e3 * value
         rows.append(row)
     at = f"Nominal diameter {nuts.SWEPT[0]:g} mm, balls of {nuts.BALL:g} mm, {nuts.SHARE:g} N each"
-    note = f"Torque ratio: drag torque over preload and nominal diameter. {at}; "
-    note += f"friction coefficient {nuts.DEFAULT:g}, or as named."
+    note = "Torque ratio: drag torque T divided by preload F and nominal diameter d0. P: lead; beta: lead angle. "
+    note += f"{at}; friction coefficient {nuts.DEFAULT:g}, or as named."
     return Table.from_rows(
         "outside-drag",
         "Drag torque divided by preload and nominal diameter, for several leads: computed, and by makers' formulas",

@@ -31,10 +31,10 @@ CHAPTERS = {
     ),
     "smith-taper": ("Smith (1994), Chapter 3: tapered roller bearing", ("smith-3",)),
     "smith-axis": (
-        "Smith (1994), Chapter 4: bearing loads and stiffness of the axis",
+        "Smith (1994), Chapter 4: bearing loads and stiffness of the ball-screw axis",
         ("smith-4.1", "smith-4.2", "smith-4.3"),
     ),
-    "smith-tests": ("Smith (1994), Chapter 5: tests of the axis", ("smith-5",)),
+    "smith-tests": ("Smith (1994), Chapter 5: tests of the ball-screw axis", ("smith-5",)),
 }
 PRINTED = tuple(name for _, names in CHAPTERS.values() for name in names)
 ABOUT = (
@@ -89,12 +89,14 @@ def hertz_parameters_figure() -> Figure:
         Panel("error of table and fits against exact integrals", "F(p)", "error / %", off),
     )
     caption = (
-        "The last b* of Table 2-1 is printed with a digit too many, 3.5 % off. Smith's fit of b* as printed, with the "
-        "coefficient 2.26, is about 40 % off and not shown."
+        "δ*: dimensionless approach; a*, b*: dimensionless semi-axes of the contact ellipse. The last b* of Table 2-1 is "
+        "printed with a digit too many and is 3.5 % wrong. Smith's fitted formula for b*, with its coefficient 2.26 as "
+        "printed, is about 40 % wrong and not shown."
     )
     return Figure(
         "smith-figure-2-8",
-        "Smith (1994), Figure 2-8: Hertz contact parameters over the curvature difference F(p), printed and exact",
+        "Smith (1994), Figure 2-8: dimensionless Hertz parameters, plotted against the curvature difference F(p): "
+        "printed, and exact",
         panels,
         caption,
     )
@@ -158,7 +160,7 @@ def axis_stiffness_panel(found: Sequence[PrintedEntryComparison]) -> Panel:
         series.append(Series(f"{kind}, Smith's sum in series", [0.5], [1e-6 * (total.as_printed or 0.0)], "markers"))
     return Panel(
         "axial stiffness of the screw axis",
-        "nut position over length between supports",
+        "distance of the nut from the left support/distance of the supports",
         "stiffness / 10⁶ lbf/in",
         series,
         include_zero=True,
@@ -222,10 +224,10 @@ def bearing_row_loads_figure(found: Sequence[PrintedEntryComparison]) -> Figure:
 
 LAYOUT_NOTE = (
     "Load on the nut: 1000 lbf towards the left end. Stiffness: of screw and supports, without the nut. Beam model: beam "
-    "and contacts, each bearing row at its own position. Formulas: bar and load-deflection laws of the rows, all rows of "
+    "and contacts, each bearing row at its own position. Closed formulas (of this package): bar and load-deflection laws "
+    "of the rows, all rows of "
     "an end at one position. Sum in series: Smith's equation (4.6), which adds the compliances of both ends and of the "
-    "screw. "
-    "Beam model and formulas differ more near an end, where the distance between its rows counts."
+    "screw. Beam model and formulas differ more near an end, where the distance between its rows counts."
 )
 
 
@@ -244,19 +246,24 @@ def end_thrusts_and_stiffness_table(cache: SceneResultCache) -> Table:
         rows.append(
             {
                 TableColumn("layout", "support bearings", "", "s"): layout.description,
-                TableColumn("place", "nut position over length between supports", "", ".1f"): place,
+                TableColumn(
+                    "place", "distance of the nut from the left support/distance of the supports", "", ".1f"
+                ): place,
                 TableColumn("left_scene", "thrust on the left end, beam model", "lbf", ".0f"): scene.left_thrust
                 / bearings.POUND,
-                TableColumn("left_formula", "thrust on the left end, formulas", "lbf", ".0f"): closed.left_thrust
+                TableColumn("left_formula", "thrust on the left end, closed formulas", "lbf", ".0f"): closed.left_thrust
                 / bearings.POUND,
                 TableColumn("right_scene", "thrust on the right end, beam model", "lbf", ".0f"): scene.right_thrust
                 / bearings.POUND,
-                TableColumn("right_formula", "thrust on the right end, formulas", "lbf", ".0f"): closed.right_thrust
+                TableColumn("right_formula", "thrust on the right end, closed formulas", "lbf", ".0f"): closed.right_thrust
                 / bearings.POUND,
                 TableColumn("scene", "axial stiffness, beam model", "10⁶ lbf/in", ".3f"): scene.axis_stiffness / unit,
-                TableColumn("formula", "axial stiffness, formulas", "10⁶ lbf/in", ".3f"): closed.axis_stiffness / unit,
-                TableColumn("difference", "stiffness difference, beam model against formulas", "%", ".2f"): difference,
-                TableColumn("series", "axial stiffness, Smith's sum in series", "10⁶ lbf/in", ".3f"): series
+                TableColumn("formula", "axial stiffness, closed formulas", "10⁶ lbf/in", ".3f"): closed.axis_stiffness
+                / unit,
+                TableColumn(
+                    "difference", "stiffness difference, beam model against closed formulas", "%", ".2f"
+                ): difference,
+                TableColumn("series", "axial stiffness, Smith's sum of compliances in series", "10⁶ lbf/in", ".3f"): series
                 if np.isfinite(series)
                 else None,
             }
@@ -271,7 +278,7 @@ def end_thrusts_and_stiffness_table(cache: SceneResultCache) -> Table:
 
 ROLLER_NOTE = (
     "3D: one roller between its races (`rollbench mesh-study smith-axis-taper`), its ends rounded with a radius of 1 mm, "
-    "which is assumed. Slices: load-deflection law of roller rows in this package; spring: law of ISO/TS 16281. Line "
+    "which is assumed. Slices: load-deflection law of roller rows in this package. Line "
     "contact: Hertz pressure under the load per length that 3D has at mid-length. Uncertainty: by the mesh, from all "
     "levels."
 )
@@ -299,7 +306,11 @@ def tapered_roller_table_and_figure(cache: SceneResultCache) -> tuple[Table | Fi
             for run in runs
         }
         row |= {TableColumn("uncertainty", "uncertainty of the 3D value by the mesh", "", ".2g"): one["uncertainty"]}
-        for key, words in (("low_order", "slices of the roller"), ("norm", "spring"), ("line_contact", "line contact")):
+        for key, words in (
+            ("low_order", "slices of the roller"),
+            ("norm", "the spring law of ISO/TS 16281"),
+            ("line_contact", "Hertz line contact"),
+        ):
             row[TableColumn(key, f"value by {words}", "", ".4g")] = one[key]
             row[TableColumn(f"{key}_error", f"error of the value by {words} against 3D", "%", ".2f")] = one[
                 f"{key}_error_percent"

@@ -183,8 +183,9 @@ def _outer_faces_with_corners(mesh: ExportedBodyMesh, nodes: Index) -> Index:
     within = faces[np.isin(faces, nodes).all(axis=1) & ~np.isin(faces, mesh.nodes_of_boundaries.get("cut", [])).all(axis=1)]
     if not len(within):
         raise ValueError(
-            "no face of the mesh lies within an expected contact, because the elements are too large: raise `b_over_h`, "
-            "or lower `growth`"
+            "no face of the mesh lies within an expected contact, because the elements are too large: raise `b_over_h` "
+            "(elements along the minor semi-axis of the contact ellipse), or lower `growth` (increase of the element size "
+            "per unit of distance from the contacts)"
         )
     return within
 

@@ -420,11 +420,11 @@ PLACE = (TableColumn("ball", "ball", "", "s"), TableColumn("side", "flank", "", 
 
 #: Columns that compare a contact's load: finest level of the 3D reference, and extrapolated load of CalculiX.
 COMPARED = (
-    TableColumn("ours", "load, 3D reference", "N", ".2f"),
-    TableColumn("ours_percent", "load uncertainty, 3D reference", "% of mean load", ".2f"),
-    TableColumn("theirs", "load, CalculiX", "N", ".2f"),
-    TableColumn("theirs_percent", "load uncertainty, CalculiX", "% of mean load", ".2f"),
-    TableColumn("difference", "load difference, 3D reference less CalculiX", "% of mean load", "+.2f"),
+    TableColumn("ours", "load by the 3D reference", "N", ".2f"),
+    TableColumn("ours_percent", "uncertainty of the load by the 3D reference", "% of mean load", ".2f"),
+    TableColumn("theirs", "load by CalculiX", "N", ".2f"),
+    TableColumn("theirs_percent", "uncertainty of the load by CalculiX", "% of mean load", ".2f"),
+    TableColumn("difference", "load by the 3D reference minus load by CalculiX", "% of mean load", "+.2f"),
 )
 
 COLUMNS = (*PLACE, *COMPARED)
@@ -514,9 +514,12 @@ def columns_of_contact_load_table(data: CalculixRunsOfScene, reference: Referenc
     """
     return [
         *PLACE,
-        *(TableColumn(f"level {r.level}", f"load, 3D reference, mesh level {r.level}", "N", ".2f") for r in reference.runs),
         *(
-            TableColumn(deck_label(r), f"load, CalculiX, {deck_label(r)}", "N", ".2f")
+            TableColumn(f"level {r.level}", f"load by the 3D reference, mesh level {r.level}", "N", ".2f")
+            for r in reference.runs
+        ),
+        *(
+            TableColumn(deck_label(r), f"load by CalculiX, {deck_label(r)}", "N", ".2f")
             for r in runs_with_common_contact_stiffness(data)
         ),
     ]

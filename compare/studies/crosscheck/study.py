@@ -448,7 +448,11 @@ def compare_nut_compliance(
             found = solve_deck_or_read_result(deck_text(deck, "mm"), deck_folder / f"{scene.name}-nut-{k + 1}")
         except ValueError as error:
             raise InputError(
-                scene.name, "nut", str(error), "a deck that CalculiX solves", f"see the files in {deck_folder}"
+                scene.name,
+                "deck of the nut",
+                str(error),
+                "a deck that CalculiX solves",
+                f"see the output files in {deck_folder}",
             ) from None
         date, version = found.date, found.version
         for i, s in enumerate(deck.rigid_sections):

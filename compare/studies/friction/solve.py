@@ -97,7 +97,10 @@ def solve_friction_of_scene(
     if isinstance(scene, Assembly):
         return solve_friction_of_shaft(scene, choices)
     if choices != friction_whole.FrictionChoices():
-        advice = "leave these arguments out: a scene of single parts states its loads and coefficients of friction"
+        advice = (
+            "leave these arguments out: a scene of single balls, two bearings or a screw over time states its loads and "
+            "coefficients of friction"
+        )
         given = "model, mu, member, condensed"
         raise ArgumentError(given, origin, "the scene of a whole screw or bearing", advice)
     from rollbench.compare.studies.friction.kinds import solve_friction_of_single_parts

@@ -407,11 +407,12 @@ def solve_friction_of_screw_or_bearing(
     """
     pairs = friction_coefficients(scene, choices.mu)
     if not 0 <= choices.member < 10**9:
-        raise ArgumentError("member", str(choices.member), "0 to 999999999", "give the number of a draw of random errors")
+        advice = "state the number of a specimen (one random draw of the geometric errors)"
+        raise ArgumentError("member", str(choices.member), "0 to 999999999", advice)
     model = choices.model or (DEFAULT if choices.condensed is None else "condensed")
     if choices.condensed is not None and model != "condensed":
-        allowed = "such a file only with the model condensed"
-        advice = "leave `model` out: the file selects the model condensed"
+        allowed = 'a file of condensed bodies only with the model "condensed"'
+        advice = 'leave `model` out: the file selects the model "condensed"'
         raise ArgumentError("condensed", f"{choices.condensed} with the model {model}", allowed, advice)
     options = ModelOptions(member=choices.member, condensed_bodies_file=choices.condensed, estimate_beam_mesh_error=False)
     begin = monotonic()

@@ -199,10 +199,15 @@ def solve_random_draws_of_scene(
     bare = run_model(without_random_errors(scene), model, ModelOptions(engine=kernels, estimate_beam_mesh_error=False))
     nominal = contact_loads_of_all_balls(bare)
     if not bare.converged or not nominal.max(initial=0.0) > 0.0:
-        reason = bare.status if not bare.converged else "no contact carries load without random errors"
+        reason = (
+            f"{bare.status} (solved without its random errors)"
+            if not bare.converged
+            else "no contact carries load without the random errors"
+        )
         what = "screw" if isinstance(scene, Scene) else "nuts or bearings"
         advice = f"load or preload the {what}"
-        raise InputError(scene.name, "scene", reason, "loaded contacts without random errors", advice)
+        allowed = "a scene that converges with loaded contacts when it is solved without its random errors"
+        raise InputError(scene.name, "scene", reason, allowed, advice)
     bands, rows, failed = LoadDistributions(nominal, END * float(nominal.max()) / BINS), list[Array](), dict[int, str]()
     done = 0
     for first, block in _solve_blocks_of_random_draws(
@@ -231,8 +236,8 @@ def _check_ensemble_request(scene: Scene | Assembly, model: str, count: int) -> 
         raise ArgumentError(
             "members",
             str(count),
-            f"2 to {MOST}",
-            "take a thousand, which give quantiles of the loads to within some per cent",
+            f"2 to {MOST} random draws of the geometric errors",
+            "take a thousand: they give the quantiles of the contact loads to within some per cent",
         )
     if not has_random_errors(scene):
         where, table = ("errors", "[errors.balls]") if single else ("sets[].errors", "[sets.errors.balls]")

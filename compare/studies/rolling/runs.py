@@ -496,5 +496,6 @@ def check_rolling_levels(levels: Sequence[int]) -> list[int]:
     if other:
         got = ", ".join("source" if k == SOURCE_LEVEL else str(k) for k in other)
         advice = "choose other levels; mesh-study with `source_mesh=True` shows the element size of Lin's thesis"
-        raise ArgumentError("levels", got, f"1 to {len(LEVELS)} for scenes of friction", advice)
+        allowed = f"1 to {len(LEVELS)} for scenes in which single balls roll with friction"
+        raise ArgumentError("levels", got, allowed, advice)
     return list(levels)

@@ -126,7 +126,9 @@ def read_varied_keys_of_table(texts: Sequence[str], argument: str = "over") -> t
         for one in keys:
             if not one.listed_values:
                 raise _error_for_vary_text(
-                    one.stated_text, "a number of values, KEY=A:B:N, or a list", f"write for example {one.key}=1:5:9"
+                    one.stated_text,
+                    "a range with the number of its values, KEY=A:B:N, or a list of values, KEY=v1,v2",
+                    f"write for example {one.key}=1:5:9",
                 )
     except ArgumentError as error:
         raise ArgumentError(argument, *error.args[1:]) if error.key == "vary" else error from None
@@ -374,7 +376,8 @@ def sample_coordinates(method: Method, keys: Sequence[VariedKey], samples: int, 
         For an unknown design or a number of samples out of range.
     """
     if method not in METHODS:
-        raise ArgumentError("method", str(method), ", ".join(METHODS), "choose one of these; only sobol gives indices")
+        advice = "choose one of these; only sobol gives sensitivity indices (Sobol indices)"
+        raise ArgumentError("method", str(method), ", ".join(METHODS), advice)
     if not 2 <= samples <= MOST:
         raise ArgumentError("samples", str(samples), f"2 to {MOST}", "start with a hundred")
     d = len(keys)

@@ -161,9 +161,10 @@ def _check_first_samples_are_accepted(sweep: SweepDefinition, coordinates: Array
     if isinstance(refused[-1], ProgramError):
         raise refused[-1]
     few = (
-        f"each of the first {min(FIRST, len(coordinates))} samples is refused for the same reason, the last one as follows"
+        f"all of the first {min(FIRST, len(coordinates))} samples (combinations of values) were refused for the same reason"
     )
-    raise SceneNotCoveredError(sweep.origin, "vary", f"{few}: {refused[-1]}", "vary other keys, or other ranges")
+    all_refused = f"{few}; message for the last of them: {refused[-1]}"
+    raise SceneNotCoveredError(sweep.origin, "vary", all_refused, "vary other keys, or other ranges")
 
 
 def _solve_samples_in_batches(
@@ -483,12 +484,12 @@ def _main_effects_figure(
             Panel(short, label, sweep_sample.OUTPUTS[sweep_sample.MAIN], (series,), integer_x=bool(vary.listed_values))
         )
     caption = (
-        "Largest contact load, averaged over samples in each part of an input's range; bars: standard error of this mean."
+        "Each mean is taken over the samples in one part of the range of the input; bars: standard error of this mean."
         + left_out_sentence
     )
     return Figure(
         f"{figure_name}-effects",
-        f"{figure_name}: largest contact load of a sample, averaged, over the value of each varied input",
+        "Mean of the largest contact load of a sample, plotted against the value of each varied input",
         tuple(panels),
         caption,
         same_y=True,
@@ -520,7 +521,7 @@ def _sample_scatter_figure(
     )
     return Figure(
         f"{name}-scatter",
-        f"{name}: largest contact load of each sample over the value of each varied input",
+        "Largest contact load of each sample, plotted against the value of each varied input",
         panels,
         f"Shown are {len(some)} of {len(rows)} samples.{left_out_sentence}",
     )
@@ -547,7 +548,7 @@ def _worst_samples_figure(
         Series(f"{row[sweep_sample.MAIN]:.4g} N at {row['at']}", number, list(at))
         for row, at in zip(worst[:5], place[:5], strict=True)
     )
-    caption = "Value of each varied input as position in its range (0: lower end, 1: upper end), in these samples."
+    caption = f"Value of each varied input as position in its range (0: lower end, 1: upper end), in {len(series)} samples."
     panel = Panel(
         "samples with the largest loads",
         "",
@@ -556,10 +557,7 @@ def _worst_samples_figure(
         abscissa_names=[short_name(v) for v in keys],
     )
     return Figure(
-        f"{name}-worst",
-        f"{name}: values of the varied inputs in the samples with the largest contact loads",
-        (panel,),
-        caption,
+        f"{name}-worst", "Values of the varied inputs in the samples with the largest contact loads", (panel,), caption
     )
 
 
@@ -583,11 +581,19 @@ def _sobol_indices_figure(
     for kind, shift in (("first", -0.06), ("total", 0.06)):
         value, low, high = ([main[v.key][f"{kind}{end}"] for v in keys] for end in ("", "_low", "_high"))
         bars = ([min(a, b) for a, b in zip(low, value, strict=True)], [max(a, b) for a, b in zip(high, value, strict=True)])
-        series.append(Series(kind, [n + shift for n in number], value, "markers", error_bars=bars))
+        series.append(
+            Series(
+                {"first": "first-order", "total": "total"}[kind],
+                [n + shift for n in number],
+                value,
+                "markers",
+                error_bars=bars,
+            )
+        )
     caption = (
-        f"Sobol indices of the {sweep_sample.OUTPUTS[sweep_sample.MAIN].removesuffix(' / N')} from "
-        f"{indices['base_points']} base points, with "
-        f"{100 * indices['confidence']:g} % intervals; first: effect of the input alone; total: with its interactions."
+        f"Sobol indices of the {sweep_sample.OUTPUTS[sweep_sample.MAIN].removesuffix(' / N')}, estimated from "
+        f"{indices['base_points']} base points of the design, with {100 * indices['confidence']:g} % confidence intervals. "
+        "First-order index: effect of the input alone; total index: including its interactions."
     )
     panel = Panel(
         "Sobol indices",
@@ -599,7 +605,7 @@ def _sobol_indices_figure(
     )
     return Figure(
         f"{name}-indices",
-        f"{name}: share of the variance of the largest contact load due to each varied input",
+        "Share of the variance of the largest contact load that each varied input causes",
         (panel,),
         caption,
     )

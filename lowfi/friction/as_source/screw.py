@@ -432,8 +432,8 @@ def solve_screw_pair_by_root(
     """
     if pair.coupling == "ball and screw":
         raise ValueError(
-            'coupling must be "none" or "ball" in Lin\'s method for two balls, got "ball and screw": the method holds the '
-            "screw in the position that it has without friction"
+            'Lin\'s method for two balls: coupling (effect of friction) must be "none" or "ball" (the contact loads), '
+            'got "ball and screw": the method keeps the screw in its position without friction'
         )
     cell, law = (
         pair.balls_with_loads(),

@@ -177,7 +177,7 @@ class BodyMotionProblem:
         return np.asarray(self.imposed_contact_motions + self.contact_motion_maps @ q)
 
     def surface_speed_per_unknown(self) -> Array:
-        """Return the surface speed of the loaded contacts per unit of each unknown velocity ``(n,)``.
+        """Return the root of the sum of squares of the loaded contacts' sliding speeds per unit of each unknown ``(n,)``.
 
         The value is 1 for an unknown velocity that moves no loaded contact. Solvers scale the unknowns by these values.
         """

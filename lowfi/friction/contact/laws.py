@@ -159,7 +159,7 @@ def friction_forces(
 
     References
     ----------
-    Lin (2019), 3.16 to 3.18, here for any coordinate d of the centre of rotation along z. Lin's moment M_iO is about
+    Lin (2019), equations 3.16 to 3.18; the centre of rotation may lie anywhere on the z axis. Lin's moment M_iO is about
     -y, so that its sign is opposite to that of the moment here.
 
     Examples

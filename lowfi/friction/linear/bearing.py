@@ -196,8 +196,9 @@ def loads_equal_on_diagonals(vertical: float, side_ratio: Array, contact_angle: 
     up, down = vertical * (upright - across), vertical * (upright + across)
     if np.any(np.minimum(up, down) < -1e-12 * vertical):
         raise ValueError(
-            f"the side force ratio N_x/N_y must lie within +-tan(contact angle) = +-{np.tan(contact_angle):.6g}, got up to "
-            f"{float(np.max(np.abs(rho))):.6g}: beyond these limits, two opposite contacts would have to pull"
+            "the ratio of side force to vertical force on the carriage must lie within +-tan(contact angle) = "
+            f"+-{np.tan(contact_angle):.6g}, got up to {float(np.max(np.abs(rho))):.6g}: beyond these limits, two opposite "
+            "contacts would have to pull"
         )
     up, down = np.maximum(up, 0.0), np.maximum(down, 0.0)
     return np.stack([up, down, up, down], axis=-1)

@@ -166,7 +166,8 @@ def prepare_linear_chain(
     count = angles.shape[0]
     if angles.shape != (count, 4) or loads.shape != (count, 4):
         raise ValueError(
-            f"contact angles and contact loads must both have shape (N, 4), got {angles.shape} and {loads.shape}"
+            "contact angles and contact loads must both have the shape (number of balls, 4 contacts of each ball), "
+            f"got {angles.shape} and {loads.shape}"
         )
     if not (np.all(np.isfinite(angles)) and np.all(np.isfinite(loads)) and np.all(loads >= 0.0)):
         raise ValueError("contact angles must be finite, and contact loads finite and not negative")

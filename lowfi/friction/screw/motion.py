@@ -148,7 +148,10 @@ def screw_displacement_maps(groove: screw_groove.ScrewGroove, azimuth: Array, fr
     each ball had a screw of its own). Raises ValueError for other letters.
     """
     if any(letter not in "xyzr" for letter in free):
-        raise ValueError(f'the translations in which the screw is free must be letters of "xyzr", got "{free}"')
+        raise ValueError(
+            '`free`, the directions in which the screw is free to move, must be letters of "xyzr" (x, y: across the axis; '
+            f'z: along it; r: radial at every ball), got "{free}"'
+        )
     turn = screw_groove.section_axes(groove, azimuth)
     out = np.zeros((*turn.shape[:2], len(free)))
     for j, letter in enumerate(free):

@@ -276,8 +276,8 @@ class Run:
         """Raise ValueError for numbers, times or lengths out of range, or if the balls do not fit into the closed track."""
         if self.count < 2 or self.steps < 1 or self.duration <= 0.0 or self.tube < 0.0:
             raise ValueError(
-                "a simulation needs at least 2 balls and 1 time step, a positive duration and a tube of length >= 0, "
-                f"got count {self.count}, steps {self.steps}, duration {self.duration} s, tube {self.tube} rad"
+                "a simulation needs at least 2 balls and 1 time step, a duration > 0 and a return tube of length >= 0, "
+                f"got count {self.count}, steps {self.steps}, duration {self.duration} s, tube {self.tube} rad (angle)"
             )
         if self.count * self.groove.pair.spacing >= self.ring:
             raise ValueError(

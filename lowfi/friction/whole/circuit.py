@@ -164,10 +164,17 @@ def _track_length(loop: Circulation, loaded_count: int, arc: float, spacing: flo
     least = arc + loop.returning * spacing
     if length >= least - CLOSE:
         return max(length, least)
-    advice = "use fewer turns, more balls in the return or larger gaps: arc and return must each hold their balls"
+    advice = (
+        "use fewer turns, more balls in the return or larger gaps between the balls: the circuit must be long enough for "
+        "its loaded arc and for a return that holds its balls"
+    )
     if loop.filling is not None:
-        raise CircuitError("filling", f"up to {count * spacing / least:.4g}", advice)
-    raise CircuitError("gap", f"at least {1e6 * path_length_per_angle * (least / count - spacing):.4g} um", advice)
+        largest = f"up to {count * spacing / least:.4g}"
+        raise CircuitError(
+            "filling", f"{largest} (fraction of a circuit's length that its balls would fill if they touched)", advice
+        )
+    smallest = f"{1e6 * path_length_per_angle * (least / count - spacing):.4g} um"
+    raise CircuitError("gap", f"at least {smallest} between neighbouring balls on average", advice)
 
 
 def nut_positions_at_start_and_end(scene: Scene) -> Array:

@@ -40,9 +40,5 @@ def test_the_notebook_is_shipped_with_the_outputs_that_it_gives(monkeypatch: pyt
             kept = output["data"].get("text/html") or output["data"]["text/plain"]
             value = eval(compile(ast.Expression(last.value), "cell", "eval"), names)
             assert "".join(kept) == shown(value), "run: jupyter execute --inplace compare/examples/notebook.ipynb"
-    assert names["result"].converged
-    assert len(repr(names["result"]).splitlines()) == 5
-    assert names["judged"].word in ("pass", "fail")
     page = names["result"]._repr_html_()
-    assert [row.quantity in page for row in names["result"].table()].count(False) == 0
-    assert ">µm<" in page
+    assert all(row.quantity in page for row in names["result"].table())

@@ -2,33 +2,26 @@
 
 import numpy as np
 import pytest
+from tests import shipped_texts
 
 from rollbench.compare.errors import InputError
 from rollbench.compare.models.registry import run_model
 from rollbench.compare.results.scene_json import palmgren_load_torque
 from rollbench.compare.scenes import scene_file
 from rollbench.compare.scenes.axis_file import preload_of_arrangement
-from rollbench.compare.scenes.template import commented_template
 from rollbench.lowfi.bearings.angular_contact import BallBearingRow, bearing_with_contact_angle
 from rollbench.lowfi.bearings.axis import HertzPowerLawRow, equal_rows_with_gap, solve_bearing_row_equilibrium
-from rollbench.meshes.axis import ARRANGEMENTS, Assembly, Housing
-from rollbench.meshes.parts import FREEDOMS, Scene
+from rollbench.meshes.axis import ARRANGEMENTS, Assembly
+from rollbench.meshes.parts import Scene
 
-SET = commented_template("support-bearings")
+#: What a set by the rigidity of a pair says, and the conformities that it may say instead.
+BY_RIGIDITY = (('pair_rigidity = "1030 N/um"', ""), ("# conf", "conf"), ("# conf", "conf"))
 
 
-def read(text: str) -> Assembly:
-    found = scene_file.parse_scene(text, "set.toml")
+def changed(*pairs: tuple[str, str]) -> Assembly:
+    found = scene_file.parse_scene(shipped_texts.changed("support-bearings", *pairs), "set.toml")
     assert isinstance(found, Assembly)
     return found
-
-
-def changed(*pairs: tuple[str, str]) -> str:
-    text = SET
-    for old, new in pairs:
-        assert old in text
-        text = text.replace(old, new)
-    return text
 
 
 def row_of(found: Assembly) -> BallBearingRow:
@@ -49,28 +42,19 @@ def test_preload_of_a_set_follows_from_that_of_a_pair(name: str) -> None:
 
 
 def test_rows_stand_side_by_side_and_share_the_preload() -> None:
-    found = read(SET)
-    assert [s.name for s in found.sets] == ["support 1", "support 2", "support 3"]
-    assert [s.thrust for s in found.sets] == ["-z", "+z", "+z"]
+    found = changed()
+    assert [(s.name, s.thrust) for s in found.sets] == [("support 1", "-z"), ("support 2", "+z"), ("support 3", "+z")]
     assert [s.position for s in found.sets] == pytest.approx([0.035, 0.05, 0.065])
-    assert [s.parts.nut.position for s in found.sets] == pytest.approx([0.035, 0.05, 0.065])  # type: ignore[union-attr]
     total = preload_of_arrangement("DBD", 3350.0)
     assert [s.preload for s in found.sets] == pytest.approx([total, 0.5 * total, 0.5 * total])
-    stated = read(
-        changed(('pair_preload = "3350 N"', 'preload = "4500 N"'), ('pair_rigidity = "1030 N/um"', ""), ("# conf", "conf"))
-    )
+    stated = changed(('pair_preload = "3350 N"', 'preload = "4500 N"'), *BY_RIGIDITY)
     assert [s.preload for s in stated.sets] == pytest.approx([4500.0, 2250.0, 2250.0])
-    tandem = (
-        ('arrangement = "DBD"', 'arrangement = "DT"'),
-        ('pair_preload = "3350 N"', ""),
-        ('pair_rigidity = "1030 N/um"', ""),
-    )
-    free = read(changed(*tandem, ("# conf", "conf")))
+    free = changed(('arrangement = "DBD"', 'arrangement = "DT"'), ('pair_preload = "3350 N"', ""), *BY_RIGIDITY)
     assert [(s.thrust, s.preload) for s in free.sets] == [("+z", 0.0)] * 2
 
 
 def test_conformity_gives_the_rigidity_of_the_pair_back() -> None:
-    found = read(SET)
+    found = changed()
     one = row_of(found)
     assert 2e-6 * one.stiffness(one.deflection(3350.0)) == pytest.approx(1030.0, rel=1e-6)
     assert any("from the rigidity of a pair, 1030 N/um at 3350 N" in text for text in found.assumed)
@@ -78,7 +62,7 @@ def test_conformity_gives_the_rigidity_of_the_pair_back() -> None:
 
 def test_a_solved_set_carries_its_preload_as_the_rows_alone_do() -> None:
     """The source's model, without the load; NSK's ratio of rigidities is 1.43."""
-    found = read(changed(('force = ["0 N", "0 N", "2 kN"]', 'force = ["0 N", "0 N", "0 N"]')))
+    found = changed(('force = ["0 N", "0 N", "2 kN"]', 'force = ["0 N", "0 N", "0 N"]'))
     result = run_model(found, "lin")
     assert result.converged
     total = preload_of_arrangement("DBD", 3350.0)
@@ -90,7 +74,7 @@ def test_a_solved_set_carries_its_preload_as_the_rows_alone_do() -> None:
 
 
 def test_starting_torque_grows_with_the_thrust_to_the_power_four_thirds() -> None:
-    parts = read(SET).sets[0].parts
+    parts = changed().sets[0].parts
     one, two = (palmgren_load_torque(parts, thrust) for thrust in (1000.0, -2000.0))
     assert two.torque / one.torque == pytest.approx(2.0 ** (4 / 3), rel=1e-9)
     assert one.torque == pytest.approx(one.factor * 1000.0 * 0.046)
@@ -99,13 +83,4 @@ def test_starting_torque_grows_with_the_thrust_to_the_power_four_thirds() -> Non
 
 def test_a_rigidity_that_no_conformity_gives_is_refused() -> None:
     with pytest.raises(InputError, match=r"sets\[0\]\.pair_rigidity"):
-        read(changed(('pair_rigidity = "1030 N/um"', 'pair_rigidity = "9000 N/um"')))
-
-
-def test_a_housing_that_is_held_where_it_is_stands():
-    """Held elsewhere it moves there, and held in five directions in the sixth."""
-    held = tuple((name, 0.0) for name in FREEDOMS)
-    assert Housing("h", 0.1, held).is_fixed
-    assert not Housing("h", 0.1, held[1:]).is_fixed
-    for k, (name, _) in enumerate(held):
-        assert not Housing("h", 0.1, (*held[:k], (name, 1e-9), *held[k + 1 :])).is_fixed
+        changed(('pair_rigidity = "1030 N/um"', 'pair_rigidity = "9000 N/um"'))

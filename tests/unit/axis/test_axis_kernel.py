@@ -9,10 +9,9 @@ from tests.helpers import relative
 
 from rollbench.compare.models.registry import MODELS
 from rollbench.lowfi import jit
-from rollbench.lowfi.rollers import LineContactLaw
-from rollbench.lowfi.statics.axis.solve import build_beam_assembly_equations
-from rollbench.lowfi.statics.axis.system import build_assembly_arrays, tapered_bearing_of_row
-from rollbench.lowfi.statics.kernel import axis, beam, rollers
+from rollbench.lowfi.statics.axis.solve import build_beam_assembly_equations, solve_assembly
+from rollbench.lowfi.statics.axis.system import build_assembly_arrays
+from rollbench.lowfi.statics.kernel import axis, beam
 from rollbench.lowfi.statics.kernel_types import EnergyDerivatives
 from rollbench.meshes.axis import Housing, Joint, RollingSet, diagonal_stiffness
 from rollbench.meshes.parts import Load
@@ -20,27 +19,11 @@ from rollbench.meshes.parts import Load
 SPRINGS = diagonal_stiffness((4e8, 5e8, 6e8, 2e5, 3e5, 4e5))
 
 
-def test_law_of_a_slice_is_that_of_the_bearings():
-    law = tapered_bearing_of_row(ROLLERS).approach_law()
-    exact = LineContactLaw(law.g, law.s)
-    for delta in (1e-8, 3e-6, 2e-5):
-        load, slope, energy = rollers.line_contact_law(delta, float(law.g), law.s)
-        assert load == pytest.approx(float(exact.line_load(delta)), rel=1e-12)
-        assert slope == pytest.approx(float(exact.stiffness_per_length(load)), rel=1e-12)
-        assert energy == pytest.approx(float(exact.energy_per_length(load)), rel=1e-12)
-
-
 def test_compiled_kernels_find_the_same():
-    parts = double_nut()
-    found = []
-    for compiled in (False, True):
-        prepared = build_beam_assembly_equations(
-            build_assembly_arrays(parts), jit.load_kernel_package(jit.STATICS, compiled=compiled)
-        )
-        outcome = prepared.solve_by_newton()
-        assert outcome.status == 0
-        found.append(prepared.state.contact[..., 0].copy())
-    assert relative(found[1], found[0]) < 1e-11
+    found = [solve_assembly(double_nut(), engine=engine) for engine in ("interpreted", "compiled")]
+    assert {x.status for x in found} == {"converged"}
+    for interpreted, compiled in zip(*(x.sets for x in found), strict=True):
+        assert relative(compiled.balls.load, interpreted.balls.load) < 1e-11
 
 
 def mixed():
@@ -54,18 +37,16 @@ def mixed():
 
 @pytest.fixture(scope="module", params=["lin", "lin-source-partition"])
 def ready(request):
-    parts = MODELS[request.param].assembly_with_settings(mixed())
-    prepared = build_beam_assembly_equations(
-        build_assembly_arrays(parts), jit.load_kernel_package(jit.STATICS, compiled=False)
-    )
+    parts = build_assembly_arrays(MODELS[request.param].assembly_with_settings(mixed()))
+    prepared = build_beam_assembly_equations(parts, jit.load_kernel_package(jit.STATICS, compiled=False))
     prepared.solve_by_newton()
     rng = np.random.default_rng(1)
     prepared.state.q[:] += rng.normal(0.0, 2e-7, prepared.state.q.shape)
-    n, lengths = prepared.assembly_arrays.structure.nodes.size, prepared.assembly_arrays.structure_arrays.lengths
-    moved = prepared.state.q[: n - 1].copy()
-    moved[:, 0] += lengths * prepared.state.q[: n - 1, 4]
-    moved[:, 1] -= lengths * prepared.state.q[: n - 1, 3]
-    prepared.state.d[:] = prepared.state.q[1:n] - moved
+    lengths = parts.structure_arrays.lengths
+    moved = prepared.state.q[: lengths.size].copy()
+    moved[:, 0] += lengths * moved[:, 4]
+    moved[:, 1] -= lengths * moved[:, 3]
+    prepared.state.d[:] = prepared.state.q[1 : lengths.size + 1] - moved
     return prepared
 
 
@@ -91,12 +72,13 @@ def test_gradient_is_the_slope_of_the_energy_and_the_matrix_that_of_the_gradient
     assert slope == pytest.approx(float((out.gradient * step).sum()), rel=1e-6)
     change = (ends[1][1].gradient - ends[0][1].gradient) / 2e-2
     evaluated(ready)
-    values = np.zeros(s.structure_arrays.row_offsets[-1])
-    axis.add_structure_stiffness(values, s.structure_arrays)
-    axis.add_balls(values, s.structure_arrays, s.ball_arrays, out.ball_hessians)
-    axis.add_roller_stiffness(values, s.structure_arrays, s.roller_slice_arrays, ready.state.slices)
-    lines = full(values, s.structure_arrays)
-    place = (6 * s.structure_arrays.body_order[:, None] + np.arange(6)).ravel()
+    arrays = s.structure_arrays
+    values = np.zeros(arrays.row_offsets[-1])
+    axis.add_structure_stiffness(values, arrays)
+    axis.add_balls(values, arrays, s.ball_arrays, out.ball_hessians)
+    axis.add_roller_stiffness(values, arrays, s.roller_slice_arrays, ready.state.slices)
+    lines = full(values, arrays)
+    place = (6 * arrays.body_order[:, None] + np.arange(6)).ravel()
     placed = np.zeros(len(lines))
     placed[place] = step.ravel()
     product = (lines @ placed)[place].reshape(step.shape)

@@ -44,12 +44,15 @@ def test_the_torque_is_the_sum_of_nuts_bearings_seals_and_all_else():
 
 def test_acceleration_puts_in_the_energy_of_all_that_moves():
     time, mass, motor = 0.2, 150.0, 2e-3
-    drive = solve_friction_of_shaft(driven(mass=mass, motor_inertia=motor, time=time, efficiency=1.0), LIN).data["drive"]
+    moved = driven(mass=mass, motor_inertia=motor, time=time)
+    drive, unknown = (
+        solve_friction_of_shaft(replace(moved, drive=replace(moved.drive, efficiency=e)), LIN).data["drive"]
+        for e in (1.0, None)
+    )
     turning = 0.5 * (1e-6 * drive["shaft_inertia_kg_mm2"] + motor) * FAST.speed**2
     moving = 0.5 * mass * (10e-3 / (2.0 * np.pi) * FAST.speed) ** 2
     extra = 1e-3 * (np.array(drive["accelerating_torque_Nmm"]) - drive["running_torque_Nmm"])
     assert extra * FAST.speed * time / 2.0 == pytest.approx(turning + moving, rel=1e-12)
-    unknown = solve_friction_of_shaft(driven(mass=mass, motor_inertia=motor, time=time), LIN).data["drive"]
     low, high = 1e-3 * (np.array(unknown["accelerating_torque_Nmm"]) - unknown["running_torque_Nmm"]) - extra
     share = mass * (10e-3 / (2.0 * np.pi)) ** 2 * FAST.speed / time
     assert (low, high) == pytest.approx((share * (1 / 0.95 - 1), share * (1 / 0.9 - 1)), rel=1e-9)
@@ -83,9 +86,9 @@ def test_a_shaft_in_rollers_alone_answers_without_a_coefficient():
 
 def test_several_coefficients_make_a_table():
     found = solve_friction_of_shaft(replace(driven(), friction=None), FrictionChoices(model="lin", mu=(0.05, 0.1)))
-    torques = [row["friction_torque_Nmm"] for row in found.data["over_friction"]]
-    assert torques[0] < torques[1] == pytest.approx(found.data["torque"]["friction_torque_Nmm"] * torques[1] / torques[0])
-    assert any(title == "over the coefficient of friction" for title, *_ in found.tables)
+    low, high = (row["friction_torque_Nmm"] for row in found.data["over_friction"])
+    assert low < high
+    assert found.data["torque"]["friction_torque_Nmm"] == pytest.approx(low)
 
 
 @pytest.mark.parametrize("force", [1.0, 4.0])
@@ -103,44 +106,38 @@ def test_load_s_part_grows_as_the_friction_of_the_balls_in_their_contacts_does(f
     assert 0.25 < ratio(force) < 2.0
 
 
-def test_life_of_all_sets_is_shorter_than_that_of_each():
+def test_life_of_all_sets_is_that_of_parts_in_series():
     one = solve(driven(), "lin", ModelOptions())
-    lives = [x.load_results.life.revolutions for x in one.derived_results.set_results]
-    assert one.combined_life.revolutions < min(lives)
-    assert one.combined_life.revolutions == pytest.approx((np.array(lives) ** (-10 / 9)).sum() ** -0.9, rel=1e-9)
-    assert one.combined_life.distance == pytest.approx(1e6 * one.combined_life.revolutions * 10e-3)
-    assert one.combined_life.hours == pytest.approx(1e6 * one.combined_life.revolutions * 2.0 * np.pi / 120.0 / 3600.0)
+    lives = np.array([x.load_results.life.revolutions for x in one.derived_results.set_results])
+    life = one.combined_life
+    assert life.revolutions == pytest.approx((lives ** (-10 / 9)).sum() ** -0.9, rel=1e-9)
+    assert life.distance == pytest.approx(1e6 * life.revolutions * 10e-3)
+    assert life.hours == pytest.approx(1e6 * life.revolutions * 2.0 * np.pi / 120.0 / 3600.0)
 
 
-@pytest.mark.parametrize(
-    ("tables", "key", "advice"),
-    [
-        ('[lubricant]\nviscosity = "27"', "lubricant.viscosity", "mm2/s"),
-        ('[lubricant]\nviscosity = "27 mm2/s"\nsupply = "spray"', "lubricant.supply", "grease"),
-        ('[lubricant]\nviscosity = "27 mm2/s"\nfactor = 0', "lubricant.factor", "above 0"),
-        ('[drive]\nmass = "-3 kg"', "drive.mass", "0 kg"),
-        ('[drive]\nmotor_inertia = "3 kg"', "drive.motor_inertia", "kg cm2"),
-        ('[drive]\ntime = "0.1 s"', "drive.time", "motion"),
-        ("[drive]\nefficiency = 0.9", "drive.efficiency", "mass and time"),
-        ('[drive]\ntorque = "-1 N m"', "drive.torque", "0 N m"),
-        ('[motion]\nspeed = "0 rpm"', "motion.speed", "any angular speed but zero"),
-    ],
-)
-def test_keys_of_an_axis_are_refused_with_what_to_do(tables, key, advice):
-    text = catalogue.shipped_scene_text("axis-fixed-fixed").replace('[motion]\nspeed = "1200 rpm"\n', "")
+OILED = '[lubricant]\nviscosity = "27 mm2/s"'
+REFUSED = [
+    ("axis-fixed-fixed", '[lubricant]\nviscosity = "27"', "lubricant.viscosity", "mm2/s"),
+    ("axis-fixed-fixed", f'{OILED}\nsupply = "spray"', "lubricant.supply", "grease"),
+    ("axis-fixed-fixed", f"{OILED}\nfactor = 0", "lubricant.factor", "above 0"),
+    ("axis-fixed-fixed", '[drive]\nmass = "-3 kg"', "drive.mass", "0 kg"),
+    ("axis-fixed-fixed", '[drive]\nmotor_inertia = "3 kg"', "drive.motor_inertia", "kg cm2"),
+    ("axis-fixed-fixed", '[drive]\ntime = "0.1 s"', "drive.time", "motion"),
+    ("axis-fixed-fixed", "[drive]\nefficiency = 0.9", "drive.efficiency", "mass and time"),
+    ("axis-fixed-fixed", '[drive]\ntorque = "-1 N m"', "drive.torque", "0 N m"),
+    ("axis-fixed-fixed", '[motion]\nspeed = "0 rpm"', "motion.speed", "any angular speed but zero"),
+    ("double-nut", OILED, "lubricant: got ", "bearing"),
+    ("smith-axis", '[drive]\nmass = "100 kg"', "drive.mass", "nuts of equal lead"),
+]
+
+
+@pytest.mark.parametrize(("name", "tables", "key", "advice"), REFUSED)
+def test_keys_of_an_axis_are_refused_with_what_to_do(name, tables, key, advice):
+    text = catalogue.shipped_scene_text(name).replace('[motion]\nspeed = "1200 rpm"\n', "")
     with pytest.raises(InputError) as refused:
         scene_file.parse_scene(f"{text}\n{tables}\n", "mine.toml")
     assert key in str(refused.value)
     assert advice in str(refused.value)
-
-
-def test_a_mass_needs_a_nut_and_a_lubricant_a_bearing():
-    text = catalogue.shipped_scene_text("double-nut")
-    with pytest.raises(InputError, match=r"lubricant: got .*bearing"):
-        scene_file.parse_scene(f'{text}\n[lubricant]\nviscosity = "27 mm2/s"\n', "mine.toml")
-    support = catalogue.shipped_scene_text("smith-axis")
-    with pytest.raises(InputError, match="nuts of equal lead"):
-        scene_file.parse_scene(f'{support}\n[drive]\nmass = "100 kg"\n', "mine.toml")
 
 
 def test_what_drives_an_axis_is_written_as_it_is_read():

@@ -9,10 +9,15 @@ from scipy.integrate import quad
 from rollbench.lowfi.bearings import angular_contact
 
 STEEL = (207e9, 0.3)
+at_displacement = angular_contact.bearing_state_at_displacement
 
 
 def bearing(angle: float = 57.0, conformity: tuple[float, float] = (0.52, 0.53)) -> angular_contact.BallBearing:
     return angular_contact.bearing_with_contact_angle(18, 8.73e-3, 55e-3, conformity, np.radians(angle), *STEEL)
+
+
+def under_thrust(b: angular_contact.BallBearing, load: float) -> angular_contact.BallBearingThrustState:
+    return at_displacement(b, angular_contact.displacement_under_thrust(b, load))
 
 
 @pytest.mark.parametrize("angle", [0.0, 15.0, 25.0, 40.0, 60.0, 90.0])
@@ -25,8 +30,7 @@ def test_catalogue_angle_gives_back_itself_and_its_pitch(angle):
 
 def test_rigid_limit_keeps_the_angle():
     """A hard bearing does not turn: the load on a ball is F/(Z sin alpha_0), and u sin(alpha_0) its approach."""
-    b = angular_contact.bearing_with_contact_angle(18, 8.73e-3, 55e-3, (0.52, 0.53), np.radians(40.0), 1e7 * 207e9, 0.3)
-    s = angular_contact.bearing_state_at_displacement(b, angular_contact.displacement_under_thrust(b, 5e3))
+    s = under_thrust(replace(bearing(40.0), young=1e7 * 207e9), 5e3)
     assert s.contact_angle == pytest.approx(np.radians(40.0), abs=1e-6)
     assert s.ball_load == pytest.approx(5e3 / (18 * np.sin(np.radians(40.0))), rel=1e-6)
     assert s.displacement * np.sin(np.radians(40.0)) == pytest.approx(float(s.approach), rel=1e-5)
@@ -37,7 +41,7 @@ def test_soft_limit_turns_to_a_right_angle():
     b = bearing(25.0)
     for times in (1e3, 1e4):
         u = times * b.centre_distance
-        s = angular_contact.bearing_state_at_displacement(b, u)
+        s = at_displacement(b, u)
         assert s.contact_angle == pytest.approx(np.pi / 2.0, abs=1.0 / times)
         rest = b.centre_distance * (1.0 - np.sin(b.free_angle))
         assert float(s.approach) == pytest.approx(u - rest, rel=1.0 / times**2)
@@ -47,10 +51,9 @@ def test_right_angle_is_a_thrust_bearing():
     """Flat discs: the angle stays, F = Z (u/(C_i + C_o))^1.5 with both along-track curvatures those of the ball."""
     b = bearing(90.0)
     (_, inner), (_, outer) = angular_contact.relative_curvatures(b, np.array(b.free_angle))
-    assert inner == pytest.approx(2.0 / b.ball_diameter, rel=1e-14)
-    assert outer == pytest.approx(2.0 / b.ball_diameter, rel=1e-14)
+    assert (inner, outer) == pytest.approx((2.0 / b.ball_diameter,) * 2, rel=1e-14)
     u = np.array([1e-6, 1e-5])
-    s = angular_contact.bearing_state_at_displacement(b, u)
+    s = at_displacement(b, u)
     np.testing.assert_allclose(s.contact_angle, np.pi / 2.0, rtol=1e-14)
     np.testing.assert_allclose(s.thrust, 18 * (u / (s.inner_hertz.C + s.outer_hertz.C)) ** 1.5, rtol=1e-12)
     np.testing.assert_allclose(s.stiffness, 1.5 * s.thrust / u, rtol=1e-12)
@@ -58,30 +61,24 @@ def test_right_angle_is_a_thrust_bearing():
 
 def test_no_angle_means_no_stiffness_at_first():
     """A radial bearing without clearance: u deflects by u^2/2A only, so F ~ u^4 for small u."""
-    b = bearing(0.0)
-    u = np.array([1e-8, 2e-8])
-    loads = angular_contact.bearing_state_at_displacement(b, u).thrust
-    assert loads[1] / loads[0] == pytest.approx(16.0, rel=1e-6)
-    assert angular_contact.bearing_state_at_displacement(b, 0.0).thrust == 0.0
+    loads = at_displacement(bearing(0.0), np.array([0.0, 1e-8, 2e-8])).thrust
+    assert loads[0] == 0.0
+    assert loads[2] / loads[1] == pytest.approx(16.0, rel=1e-6)
 
 
 @pytest.mark.parametrize("angle", [0.0, 15.0, 57.0, 80.0, 90.0])
 @pytest.mark.parametrize("u", [1e-6, 2e-5])
 def test_stiffness_is_the_derivative(angle, u):
-    b = bearing(angle)
-    h = 1e-5 * u
-    slope = (
-        angular_contact.bearing_state_at_displacement(b, u + h).thrust
-        - angular_contact.bearing_state_at_displacement(b, u - h).thrust
-    ) / (2.0 * h)
-    assert float(angular_contact.bearing_state_at_displacement(b, u).stiffness) == pytest.approx(float(slope), rel=2e-9)
+    b, h = bearing(angle), 1e-5 * u
+    slope = float(at_displacement(b, u + h).thrust - at_displacement(b, u - h).thrust) / (2.0 * h)
+    assert float(at_displacement(b, u).stiffness) == pytest.approx(slope, rel=2e-9)
 
 
 def test_displacement_and_deflection_identities():
     """2.6 and 2.23 of Smith: approach A (cos a0/cos a - 1), displacement A sin(a - a0)/cos(a)."""
     b = bearing()
     for load in (1e-3, 10.0, 5e3, 2e4):
-        s = angular_contact.bearing_state_at_displacement(b, angular_contact.displacement_under_thrust(b, load))
+        s = under_thrust(b, load)
         assert float(s.thrust) == pytest.approx(load, rel=1e-13)
         a, rest, angle = b.centre_distance, b.free_angle, float(s.contact_angle)
         assert float(s.approach) == pytest.approx(a * (np.cos(rest) / np.cos(angle) - 1.0), abs=1e-15)
@@ -91,10 +88,8 @@ def test_displacement_and_deflection_identities():
 
 def test_loose_balls_carry_nothing():
     back = -3.0 * bearing().centre_distance  # where the other shoulder of a deep groove would be
-    s = angular_contact.bearing_state_at_displacement(bearing(), np.array([back, -1e-5, 0.0]))
-    assert np.all(s.thrust == 0.0)
-    assert np.all(s.stiffness == 0.0)
-    assert np.all(s.ball_load == 0.0)
+    s = at_displacement(bearing(), np.array([back, -1e-5, 0.0]))
+    assert not np.any([s.thrust, s.stiffness, s.ball_load])
 
 
 def test_energy_of_the_deflection_is_that_of_the_contacts():
@@ -104,8 +99,8 @@ def test_energy_of_the_deflection_is_that_of_the_contacts():
     """
     b = bearing()
     u = 2e-5
-    work = quad(lambda x: float(angular_contact.bearing_state_at_displacement(b, x).thrust), 0.0, u, epsrel=1e-10)[0]
-    s = angular_contact.bearing_state_at_displacement(b, u)
+    work = quad(lambda x: float(at_displacement(b, x).thrust), 0.0, u, epsrel=1e-10)[0]
+    s = at_displacement(b, u)
     assert work == pytest.approx(18 * 0.4 * float(s.ball_load * s.approach), rel=1e-3)
 
 
@@ -115,31 +110,19 @@ def test_energy_of_the_deflection_is_that_of_the_contacts():
         ({"balls": 0}, "must be > 0"),
         ({"poisson": 0.5}, "Poisson"),
         ({"inner_groove": 4e-3}, "groove radii"),
-        ({"outer_raceway": 64e-3}, "clearance"),
+        ({"outer_raceway": 63e-3}, "clearance"),
         ({"outer_raceway": 66e-3}, "clearance"),
     ],
 )
 def test_faulty_bearings_are_refused(change, words):
-    fields = {
-        "balls": 18,
-        "ball_diameter": 8.73e-3,
-        "inner_raceway": 47e-3,
-        "outer_raceway": 65e-3,
-        "inner_groove": 4.6e-3,
-        "outer_groove": 4.6e-3,
-        "young": 207e9,
-        "poisson": 0.3,
-    }
-    angular_contact.BallBearing(**fields)
     with pytest.raises(ValueError, match=words):
-        angular_contact.BallBearing(**{**fields, **change})
+        replace(bearing(), **change)
 
 
 def test_faulty_loads_are_refused():
-    with pytest.raises(ValueError, match="at least 0 N"):
-        angular_contact.displacement_under_thrust(bearing(), -1.0)
-    with pytest.raises(ValueError, match="too large for Hertz"):
-        angular_contact.displacement_under_thrust(bearing(), 1e12)
+    for load, words in ((-1.0, "at least 0 N"), (1e12, "too large for Hertz")):
+        with pytest.raises(ValueError, match=words):
+            angular_contact.displacement_under_thrust(bearing(), load)
     for difference in (-0.1, 1.0):
         with pytest.raises(ValueError, match="curvature difference"):
             angular_contact.dimensionless_hertz_parameters(difference)
@@ -148,28 +131,19 @@ def test_faulty_loads_are_refused():
 def test_many_bearings_under_given_loads_and_back_from_their_rigidity() -> None:
     """Arrays of bearings are single ones, a state under a load is that of its displacement, the conformity comes back."""
     angle = np.radians([15.0, 25.0, 40.0])
-    many = angular_contact.CatalogueBearings(
-        np.array([12.0, 15.0, 16.0]),
-        np.array([4.8e-3, 8e-3, 22.23e-3]),
-        np.array([24e-3, 54e-3, 125e-3]),
-        np.array([0.515, 0.52, 0.5232]),
-        angle,
-        *STEEL,
-    )
+    sizes = [12.0, 15.0, 16.0], [4.8e-3, 8e-3, 22.23e-3], [24e-3, 54e-3, 125e-3], [0.515, 0.52, 0.5232]
+    many = angular_contact.CatalogueBearings(*map(np.array, sizes), angle, *STEEL)
     load = np.array([50.0, 300.0, 5000.0])
     state = angular_contact.bearing_states_under_thrust(many, load)
     assert state.thrust == pytest.approx(load, rel=1e-9)
     for k in range(3):
         size = (float(many.ball_diameter[k]), float(many.pitch_diameter[k]), (float(many.conformity[k]),) * 2)
         alone = angular_contact.bearing_with_contact_angle(int(many.balls[k]), *size, float(angle[k]), *STEEL)
-        assert float(state.displacement[k]) == pytest.approx(
-            angular_contact.displacement_under_thrust(alone, float(load[k])), rel=1e-9
-        )
-    begin = replace(many, conformity=np.full(3, 0.54))
-    assert angular_contact.conformity_from_pair_rigidity(begin, load, 2.0 * state.stiffness) == pytest.approx(
-        many.conformity, rel=1e-7
-    )
-    with pytest.raises(ValueError, match=r"no groove conformity between 0\.503 and 0\.65"):
-        angular_contact.conformity_from_pair_rigidity(begin, load, 20.0 * state.stiffness)
+        displacement = angular_contact.displacement_under_thrust(alone, float(load[k]))
+        assert float(state.displacement[k]) == pytest.approx(displacement, rel=1e-9)
+    begin, conformity_of = replace(many, conformity=np.full(3, 0.54)), angular_contact.conformity_from_pair_rigidity
+    assert conformity_of(begin, load, 2.0 * state.stiffness) == pytest.approx(many.conformity, rel=1e-7)
+    with pytest.raises(ValueError, match="no groove conformity between"):
+        conformity_of(begin, load, 20.0 * state.stiffness)
     with pytest.raises(ValueError, match="too large for Hertz contact"):
         angular_contact.bearing_states_under_thrust(many, 1e9 * load)

@@ -1,4 +1,4 @@
-"""The command line as a user meets it: exit codes, one line for bad input, exactly one JSON object, light start-up."""
+"""The command line as a user meets it: exit codes, one line for bad input, exactly one JSON object."""
 
 import io
 import json
@@ -10,7 +10,6 @@ from pathlib import Path
 from unittest.mock import Mock
 
 import pytest
-from tests.processes import python
 
 from rollbench.compare.cli import COMMANDS, app_with_commands
 from rollbench.compare.commands import printed as listing
@@ -19,28 +18,15 @@ from rollbench.compare.scenes.duty_cycle import KINDS as FRICTION_ONLY
 
 #: Command lines that are refused: exit status 2, nothing on standard output and one line that says why.
 REFUSED = tomllib.loads(Path(__file__).with_name("refused.toml").read_text(encoding="utf-8"))["refused"]
-HEAVY = ("gmsh", "pyvista", "vtk", "vtkmodules", "skfem", "meshio", "matplotlib", "numba")
 
 
 def test_json_is_exactly_one_object(command) -> None:
     code, out, err = command("solve", "lin-case1", "--json")
     data = json.loads(out)
     assert (code, err) == (0, "")
-    keys = "scene model status balls summary centreline equilibrium solver assumed left_out"
-    assert set(data) >= set(keys.split())
     assert (data["scene"], data["model"], data["status"]) == ("lin-case1", "refined", "converged")
-    assert len(data["balls"]) == 32
-    ball = data["balls"][0]
-    assert set(ball) == {"index", "azimuth_deg", "z_mm", "load_N", "pressure_MPa", "contact_angle_deg"}
-    assert set(ball["load_N"]) == {"SL", "SR", "NL", "NR"}
-    assert set(data["summary"]) >= {"sides", "loads", "axial", "worst_contact", "truncation", "static_safety", "life"}
-    assert set(data["summary"]["sides"]) == {"SL", "NR"}
-    assert set(data["summary"]["sides"]["SL"]) == {"max_N", "min_N", "ratio", "loaded", "lost"}
-    assert set(data["centreline"][0]) == {"z_mm", "ux_um", "uy_um", "uz_um"}
-    assert {"iterations", "residual", "seconds", "unknowns"} <= set(data["solver"])
+    assert [set(ball["load_N"]) for ball in data["balls"]] == [{"SL", "SR", "NL", "NR"}] * 32
     assert data["equilibrium"]["force_residual"] < 1e-12
-    assert data["assumed"]
-    assert data["left_out"]
 
 
 @pytest.mark.parametrize("model", ["lin", "source", "mei", "mei-nut"])
@@ -63,20 +49,17 @@ def test_answers_come_first_and_the_last_line_says_where_assumptions_are(command
     assert out.splitlines()[-1].startswith("--verbose also shows: {} assumptions, {} neglected effects".format(*count))
 
 
-def test_a_scene_without_equilibrium_is_said_and_exits_1(command, tmp_path: Path) -> None:
-    text = shipped_scene_text("lin-case1").replace('fix = ["ux", "uy", "rx", "ry", "rz"]', 'fix = ["ux"]')
-    (tmp_path / "free.toml").write_text(text)
-    code, out, err = command("solve", tmp_path / "free.toml", "--json")
-    assert (code, err) == (1, "")
-    data = json.loads(out)
+def test_a_scene_without_equilibrium_is_said_and_exits_1(command, scene_file) -> None:
+    free = scene_file(shipped_scene_text("lin-case1"), ('fix = ["ux", "uy", "rx", "ry", "rz"]', 'fix = ["ux"]'))
+    code, data = command.json("solve", free, "--json")
+    assert code == 1
     assert data["status"].startswith("not held: screw motion along the helix")
     assert data["balls"][0]["load_N"]["SL"] is None
 
 
-def test_new_writes_a_scene_that_solves_and_never_overwrites(command, tmp_path: Path) -> None:
+def test_new_never_overwrites(command, tmp_path: Path) -> None:
     file = tmp_path / "mine.toml"
     command.said("new", file)
-    command.answer("solve", file)
     before = file.read_text()
     assert "existing file" in command.refused("new", file)
     assert file.read_text() == before
@@ -84,11 +67,14 @@ def test_new_writes_a_scene_that_solves_and_never_overwrites(command, tmp_path: 
     assert command("new", tmp_path / "no" / "mine.toml").code == 2
 
 
-@pytest.mark.parametrize("kind", ["bearing", *(k.replace(" ", "-") for k in FRICTION_ONLY)])
+KINDS = ["ball-screw", "bearing", *(kind.replace(" ", "-") for kind in FRICTION_ONLY)]
+
+
+@pytest.mark.parametrize("kind", KINDS)
 def test_new_scene_of_a_kind_solves_as_written(kind: str, command, tmp_path: Path) -> None:
     file = tmp_path / "mine.toml"
     advised = command.said("new", file, "--kind", kind).split("rollbench ")[1].split()[0]
-    assert advised == ("solve" if kind == "bearing" else "friction")
+    assert advised == ("friction" if kind in KINDS[2:] else "solve")
     command.answer(advised, file)
 
 
@@ -96,44 +82,22 @@ def test_list_and_schema(command) -> None:
     out = command.said("list")
     assert [words for words in ("lin-case1", "lin-B1", "scenes, linear pair\n  lin-pair-a") if words not in out] == []
     assert "lin-screw-run" in command.answer("list")["scenes"]["screw run"]
-    assert len(json.loads(command.said("schema"))["oneOf"]) == 8
+    assert json.loads(command.said("schema"))["oneOf"]
 
 
-@pytest.mark.parametrize("tokens", [["--help"], ["solve", "two-balls", "--json"], ["list"]])
-def test_start_up_imports_nothing_heavy(tokens: list[str]) -> None:
-    code = (
-        f"import sys\nfrom rollbench.compare.cli import main\ntry:\n    main({tokens!r})\nexcept SystemExit:\n    "
-        f"pass\nprint([m for m in {HEAVY!r} if m in sys.modules], file=sys.stderr)\n"
-    )
-    assert python("-c", code).stderr.strip() == "[]"
-
-
-def test_report_of_one_section_and_none_in_a_foreign_folder(command, tmp_path: Path) -> None:
+def test_a_foreign_folder_takes_no_report(command, tmp_path: Path) -> None:
     (tmp_path / "thesis.txt").write_text("mine")
     assert "--out" in command.refused("report", "--out", tmp_path)
     assert (tmp_path / "thesis.txt").read_text() == "mine"
-    assert command("report", "--only", "hertz", "--out", tmp_path / "r").err == ""
-    assert 'href="lin.html"' in (tmp_path / "r" / "index.html").read_text()
-    assert "Hertz" in (tmp_path / "r" / "lin.html").read_text()
-    assert (tmp_path / "r" / "tables" / "hertz-grooves.csv").exists()
 
 
-def test_help_begins_with_what_one_starts_with(command) -> None:
+def test_help_names_commands_in_order_and_no_empty_default(command) -> None:
     out = command.said("--help")
     places = [out.index(heading) for heading in COMMANDS]
     assert places == sorted(places)
-    assert "rollbench new my.toml --like 40x10" in out
     assert out.index("new ") < out.index("solve ") < out.index("mesh-study ") < out.index("audit ")
-    listed = {name for names in COMMANDS.values() for name in names}
-    assert listed <= {*app_with_commands()}
-    assert re.search(r"[Dd]efault:? [^.]*refined", " ".join(command.said("compare", "--help").replace("│", " ").split()))
-    # paragraphs are wrapped whole, and no empty default is shown
-    out = command.said("check", "--help")
-    assert '""' not in out
-    assert re.search(r"best stored level, or 2\b", " ".join(out.replace("│", " ").split()))
-    prose = out.split("A scene passes")[1].split("\n\n")[0].splitlines()
-    assert min(map(len, prose[1:-1])) > 60
-    assert "--empty" not in command.said("mesh-study", "--help")
+    assert {name for names in COMMANDS.values() for name in names} <= {*app_with_commands()}
+    assert '""' not in command.said("check", "--help")
 
 
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
@@ -148,18 +112,11 @@ def test_an_interrupt_is_said(command, monkeypatch: pytest.MonkeyPatch) -> None:
     assert (code, err) == (130, "rollbench: interrupted; nothing was left half-written\n")
 
 
-class Terminal(io.StringIO):
-    """Standard output of a terminal."""
-
-    def isatty(self) -> bool:
-        return True
-
-
 @pytest.mark.parametrize("tokens", [("list",), ("check", "unseen-40x10", "--no-compute", "--loads", "{loads}")])
 def test_no_line_is_wider_than_the_terminal(tokens, monkeypatch, tmp_path, command) -> None:
-    loads = tmp_path / "loads-of-a-program-with-a-long-name.csv"
+    loads, out = tmp_path / "loads-of-a-program-with-a-long-name.csv", io.StringIO()
     loads.write_text("ball,flank,newton\n" + "".join(f"{ball},SL,200\n" for ball in range(1, 58)))
-    out = Terminal()
+    out.isatty = lambda: True
     monkeypatch.setattr(sys, "stdout", out)
     monkeypatch.setenv("COLUMNS", "80")
     command(*(token.format(loads=loads) for token in tokens))
@@ -167,13 +124,9 @@ def test_no_line_is_wider_than_the_terminal(tokens, monkeypatch, tmp_path, comma
 
 
 def test_a_mesh_study_uses_shipped_runs_and_closes_with_a_sentence(command, tmp_path: Path) -> None:
-    code, out, err = command("mesh-study", "unseen-four-point", "--levels", "4", "--store", str(tmp_path))
-    assert (code, err) == (0, "")
-    assert "seconds" in out.splitlines()[2]
+    out = command.said("mesh-study", "unseen-four-point", "--levels", "4", "--store", tmp_path)
+    assert re.search(r"\nEnough: level 1 for [0-9.]+ % of the mean contact load, by experience with other scenes", out)
     assert "load of ball" not in out
-    assert re.search(
-        r"\nEnough: level 1 for [0-9.]+ % of the mean contact load, by experience with other scenes \([0-9]+ s\)", out
-    )
     assert "load of ball 12, NR" in (tmp_path / "unseen-four-point-mesh-study.csv").read_text(encoding="utf-8")
 
 

@@ -19,40 +19,27 @@ from rollbench.compare.results import compared as found_by
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.rating.rigidity import axial_force
 
-TOTAL = LoadUncertainty(
-    0.2, True, LargestChoiceEffects("lin-case3", 3.0, "where the nut is held", 2.9), 2.0, "angle", 0.1, False
-)
-
-
-def loads(scene, model: str, factor: float) -> ContactSolution:
-    n = scene.ball_count
-    load = np.zeros((n, 4))
-    load[:, [0, 3]] = (200.0 + np.arange(n)[:, None]) * factor
-    angle = np.where(load > 0.0, 45.0, np.nan)
-    stations = np.array([0.0, scene.screw.length])
-    return ContactSolution(model, load, angle, stations, np.array([[0.0, 0.0, 1e-5]] * 2) * factor, 1.0)
+CHOICES = LargestChoiceEffects("lin-case3", 3.0, "where the nut is held", 2.9)
+TOTAL = LoadUncertainty(0.2, True, CHOICES, 2.0, "angle", 0.1, False)
 
 
 @pytest.fixture
 def case():
+    """A scene, a model that is 1 % off on it, and its reference."""
     scene = catalogue.scene("lin-case1")
-    exact = loads(scene, "3D reference", 1.0)
+    exact, line = np.zeros((scene.ball_count, 4)), np.array([[0.0, 0.0, 1e-5]] * 2)
+    exact[:, [0, 3]] = 200.0 + np.arange(scene.ball_count)[:, None]
+    angle, stations = np.where(exact > 0.0, 45.0, np.nan), np.array([0.0, scene.screw.length])
+    answer = ContactSolution("refined", 1.01 * exact, angle, stations, 1.01 * line, 1.0)
     runs = (SimpleNamespace(level=1, moving=0.0),)
-    found = Reference(scene.name, runs, exact.load, np.where(exact.load > 0.0, 0.5, 0.0), MeshUncertainty(0.2))
-    models = [
-        found_by.compare_loads_with_reference(scene, loads(scene, name, f), found)
-        for name, f in (("refined", 1.01), ("lin-source-partition", 0.9))
-    ]
-    return scene, models, found, found_by.compare_loads_with_reference(scene, exact, None)
+    return scene, answer, Reference(scene.name, runs, exact, np.where(exact > 0.0, 0.5, 0.0), MeshUncertainty(0.2))
 
 
 def test_a_contact_of_nearly_nothing_does_not_head_the_comparison(case) -> None:
     """Of 0.01 N in the reference and 0.1 N in the model: 900 % of its own load, 0.04 % of the mean."""
-    scene, _, found, _ = case
+    scene, answer, found = case
     small = found.load.copy()
-    small[0, 0] = 0.01
-    answer = loads(scene, "refined", 1.01)
-    answer.load[0, 0] = 0.1
+    small[0, 0], answer.load[0, 0] = 0.01, 0.1
     one = found_by.compare_loads_with_reference(scene, answer, replace(found, load=small))
     text = found_by.comparison_verdict_sentence(found_by.NutOrBearingComparison((one,), one, None, TOTAL), found)
     assert one.error.own_max_percent > 800.0
@@ -60,7 +47,8 @@ def test_a_contact_of_nearly_nothing_does_not_head_the_comparison(case) -> None:
 
 
 def test_every_contact_is_written_beside_its_reference(case, tmp_path) -> None:
-    scene, models, found, _ = case
+    scene, answer, found = case
+    models = [found_by.compare_loads_with_reference(scene, answer, found)]
     said = output.write_contact_loads(scene, models, found, tmp_path)
     rows = list(csv.DictReader((tmp_path / "lin-case1-compare.csv").read_text().splitlines()))
     assert len(rows) == 2 * scene.ball_count
@@ -71,19 +59,19 @@ def test_every_contact_is_written_beside_its_reference(case, tmp_path) -> None:
 
 
 def test_compare_measures_what_solve_expects_by_every_kind_of_model(tmp_path) -> None:
-    scene = catalogue.scene("unseen-short-nut")
-    found = reference_of_scene(scene, (tmp_path, store.shipped_store()))
-    whole = found_by.compare_models_with_reference(
-        scene, models_by_name(("refined", "condensed")), found, (tmp_path, store.shipped_store())
-    )
+    scene, stores = catalogue.scene("unseen-short-nut"), (tmp_path, store.shipped_store())
+    found = reference_of_scene(scene, stores)
+    models = models_by_name(("refined", "condensed"))
+    whole = found_by.compare_models_with_reference(scene, models, found, stores)
     refined, condensed = whole.models[:2]
     result = run_model(scene, "refined")
     assert refined.axial_force == pytest.approx(axial_force(result), rel=1e-6)
     wanted = estimate_model_error(scene, result, [p for p in model_errors_on_compared_scenes() if p.scene != scene.name])
     assert (whole.expected.percent, whole.expected.distance) == pytest.approx((wanted.percent, wanted.distance), rel=1e-9)
     assert whole.expected.distance > estimate_model_error(scene, result).distance, "not expected of itself"
-    assert f"expected error: {whole.expected.percent:.2f} %" in found_by.comparison_verdict_sentence(whole, found)
-    assert f"uncertain by {whole.uncertainty.percent:.2f} %" in found_by.comparison_verdict_sentence(whole, found)
+    said = found_by.comparison_verdict_sentence(whole, found)
+    assert f"expected error: {whole.expected.percent:.2f} %" in said
+    assert f"uncertain by {whole.uncertainty.percent:.2f} %" in said
     assert whole.uncertainty.choices.scene == "lin-case3", "not varied on these parts: the choices with the largest effect"
     assert condensed.error.max_percent < 0.5 * refined.error.max_percent
     assert whole.reference_loads.axial_displacement == pytest.approx(condensed.axial_displacement, rel=0.01)
@@ -91,7 +79,5 @@ def test_compare_measures_what_solve_expects_by_every_kind_of_model(tmp_path) ->
 
 def test_bodies_that_no_store_has_are_asked_for(tmp_path) -> None:
     scene = catalogue.scene("unseen-four-point")
-    found = reference_of_scene(scene)
-    assert found is not None
     with pytest.raises(InputError, match=r"model: got .condensed.*level 4"):
-        comparison_options(MODELS["condensed"], scene, found, (tmp_path,))
+        comparison_options(MODELS["condensed"], scene, reference_of_scene(scene), (tmp_path,))

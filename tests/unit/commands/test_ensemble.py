@@ -75,14 +75,11 @@ def test_numbers_do_not_depend_on_threads():
 
 def test_fast_path_serves_exact_arcs_only():
     term = (FourierTerm(2.0, sigma=1e-6),)
-    arcs = ({}, {"profile": (1e-6,)}, {"pitch": term}, {"roundness": term})
-    others = ({"profile": (1e-6, 1e-6)}, {"profile_sigma": (1e-6,)})
-    fast = [
-        ensemble.can_share_one_system_of_equations(with_errors(1e-6, NR=SideErrors(**change)))
-        for change in (*arcs, *others)
-    ]
-    assert fast == [True] * 4 + [False] * 2
-    scene = with_errors(1e-6, SL=SideErrors(profile_sigma=(1e-6,)))
+    arcs = SideErrors(), SideErrors(profile=(1e-6,)), SideErrors(pitch=term), SideErrors(roundness=term)
+    others = SideErrors(profile=(1e-6, 1e-6)), SideErrors(profile_sigma=(1e-6,))
+    for errors in (*arcs, *others):
+        assert ensemble.can_share_one_system_of_equations(with_errors(1e-6, NR=errors)) is (errors in arcs)
+    scene = with_errors(1e-6, SL=others[1])
     result = ensemble.solve_random_draws(scene, 3)
     assert (result.all_flanks_count, result.singly_solved_count) == (0, 3)
     assert_same_loads(scene, result, 3)

@@ -14,7 +14,8 @@ import skfem
 from scipy.sparse.linalg import spsolve
 from skfem.quadrature import get_quadrature
 from tests import two_balls
-from tests.fe_meshes import boundary_faces, jacobians, nodal_areas
+from tests.fe_meshes import boundary_faces, freedoms, jacobians, nodal_areas, one, space, stiffness
+from tests.report_samples import contents
 
 from rollbench.compare.commands.export import write_part_mesh
 from rollbench.compare.errors import InputError
@@ -22,12 +23,11 @@ from rollbench.compare.reference.levels import LEVELS
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies import export as export_command
 from rollbench.compare.studies.crosscheck.study import solve_deck_or_read_result
-from rollbench.compare.studies.export import names_of_exportable_parts
 from rollbench.hifi.bodies import coarse as submodel
 from rollbench.hifi.elements import forms
 from rollbench.meshes import parts, solid
 from rollbench.meshes.exchange.mesh_files import VTK
-from rollbench.meshes.fem import build_mesh, node_coordinates, nodes_of_boundary_faces, nodes_of_cells, nodes_on_boundaries
+from rollbench.meshes.fem import node_coordinates, nodes_of_boundary_faces, nodes_of_cells, nodes_on_boundaries
 
 pytestmark = pytest.mark.xdist_group("exported meshes")
 
@@ -158,24 +158,18 @@ def test_other_programs_read_the_groups_of_a_whole_body(part, form, solids, tmp_
 
 def test_whole_bodies_have_no_holes_and_their_volumes(solids):
     """Their faces are closed and named; volumes of a ball, of a tube less its groove, of one whose groove ends within."""
-    for part, mesh in solids.items():
+    for mesh in solids.values():
         faces = np.concatenate(list(mesh.boundaries.values()))
         np.testing.assert_array_equal(np.sort(faces), mesh.boundary_facets())
-        volume = float(forms.nodal_volume_form().assemble(forms.cell_basis(mesh)).sum())
-        if part == "ball":
-            assert volume == pytest.approx(4.0 / 3.0 * np.pi * TWO.balls.radius**3, rel=1e-2)
-        if part == "nut":
-            land = solid.dimensions_of_3d_parts(TWO).land
-            tube = np.pi * (TWO.nut.outer_diameter**2 / 4.0 - land**2) * TWO.nut.length
-            groove = 0.5 * np.pi * (TWO.nut.groove_radius) ** 2 * TWO.nut.length / TWO.track.lead
-            groove *= np.hypot(2.0 * np.pi * TWO.track.pitch_radius, TWO.track.lead)
-            assert tube - groove < volume < tube - 0.3 * groove
-    # where the scene says so, the groove of the nut ends
+    assert one(space(solids["ball"])) == pytest.approx(4.0 / 3.0 * np.pi * TWO.balls.radius**3, rel=1e-2)
+    land, turns = solid.dimensions_of_3d_parts(TWO).land, TWO.nut.length / TWO.track.lead
+    tube = np.pi * (TWO.nut.outer_diameter**2 / 4.0 - land**2) * TWO.nut.length
+    helix = turns * np.hypot(2.0 * np.pi * TWO.track.pitch_radius, TWO.track.lead)
+    groove = 0.5 * np.pi * TWO.nut.groove_radius**2 * helix
+    through = one(space(solids["nut"]))
+    assert tube - groove < through < tube - 0.3 * groove
     filled = coarse_mesh(replace(TWO, solid=replace(TWO.solid, nut_groove="loaded")), "nut")
-    through, ended = (
-        float(forms.nodal_volume_form().assemble(forms.cell_basis(mesh)).sum()) for mesh in (solids["nut"], filled)
-    )
-    assert ended > 1.02 * through
+    assert one(space(filled)) > 1.02 * through
 
 
 @pytest.mark.parametrize("part", ["patch-SL", "ball-patch-SL", "patch-NR"])
@@ -198,32 +192,35 @@ def test_names_and_formats_of_files(tmp_path: Path, cache: Path, monkeypatch):
     said = []
     for form, out in (("", None), ("inp", None), ("", Path("deep/a.msh")), ("msh", Path("b.dat")), ("inp", Path("c"))):
         said += write_part_mesh(SCENE, "patch-SL", form, out, 1, cache=cache).texts_and_tables
-    found = sorted(str(p.relative_to(tmp_path)) for p in tmp_path.rglob("*") if p.is_file())
-    assert found == ["b.dat", "c.inp", "deep/a.msh", "lin-case1-patch-SL.inp", "lin-case1-patch-SL.vtu"]
+    names = {"b.dat", "c.inp", "deep/a.msh", "lin-case1-patch-SL.inp", "lin-case1-patch-SL.vtu"}
+    assert contents(tmp_path).keys() == names
     assert Path("b.dat").read_bytes()[:11] == b"$MeshFormat"
     assert sum("20-node hexahedra were written" in line for line in said) == 2
 
 
-def test_what_cannot_be_exported_is_refused_before_meshing(tmp_path: Path, monkeypatch):
+NAMES = "screw, nut, ball, .*-with-sockets, patch-SL, patch-NR, ball-patch-SL, ball-patch-NR, block-source"
+#: Part, format, file and ball that are refused, with the words of the error.
+REFUSED = [
+    ("patch-SR", "", "a.vtu", None, f"part: got patch-SR; allowed: {NAMES}"),
+    ("screw", "step", "a", None, r"format: got step; allowed: vtu, msh, med, inp"),
+    ("screw", "", "a.stl", None, r"out: got .*a\.stl; allowed: a name .*\.vtu, \.msh, \.med, \.inp"),
+    ("screw", "", "a.med", None, r"format: got med; .*pip install 'rollbench\[reference\]'"),
+    *((part, form, "a", ball, "ball: ") for part, form, ball in (("nut", "", 0), ("nut", "", 5), ("block-source", "", 1))),
+    ("nut", "inp", "a", 1, "ball: "),
+    ("screw", "", "a.vtu", 1, "supported or loaded"),
+]
+
+
+@pytest.mark.parametrize(("part", "form", "out", "ball", "words"), REFUSED)
+def test_what_cannot_be_exported_is_refused_before_meshing(part, form, out, ball, words, tmp_path: Path, monkeypatch):
     monkeypatch.setattr(export_command, "part_mesh", Mock(side_effect=AssertionError("meshed")))
-    bodies, patches = ("screw", "nut", "ball"), ("patch-SL", "patch-NR")
-    sockets, of_balls = (f"{body}-with-sockets" for body in bodies), (f"ball-{patch}" for patch in patches)
-    assert names_of_exportable_parts(SCENE) == (*bodies, *sockets, *patches, *of_balls, "block-source")
     monkeypatch.setitem(sys.modules, "h5py", None)
-    for part, form, out, words in (
-        ("patch-SR", "", "a.vtu", r"part: got patch-SR; allowed: screw, nut, ball, .*, patch-SL, patch-NR"),
-        ("screw", "step", "a", r"format: got step; allowed: vtu, msh, med, inp"),
-        ("screw", "", "a.stl", r"out: got .*a\.stl; allowed: a name .*\.vtu, \.msh, \.med, \.inp"),
-        ("screw", "", "a.med", r"format: got med; .*pip install 'rollbench\[reference\]'"),
-    ):
-        with pytest.raises(InputError, match=words):
-            write_part_mesh(SCENE, part, form, tmp_path / out, 1)
+    with pytest.raises(InputError, match=words):
+        write_part_mesh(SCENE, part, form, tmp_path / out, 1, ball=ball)
     assert os.listdir(tmp_path) == []
 
 
 def test_meshes_and_files_that_fail_are_reported(tmp_path: Path, cache: Path, monkeypatch):
-    with pytest.raises(InputError, match="levels: got 9"):
-        write_part_mesh(SCENE, "screw", "", tmp_path / "a.vtu", 9)
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match=r"a\.vtu: file: got "):
         write_part_mesh(SCENE, "patch-SL", "", tmp_path / "file" / "a.vtu", 1, cache=cache)
@@ -238,13 +235,8 @@ STEEL = (210e9, 0.28)
 
 def moved_here(points: np.ndarray, cells: np.ndarray, held: np.ndarray, forces: np.ndarray) -> np.ndarray:
     """Displacements ``(n, 3)`` [m] of our own elements under nodal forces ``(n, 3)`` [N], ``held`` nodes fixed."""
-    mesh, number = build_mesh(points, cells, "P2")
-    assert np.array_equal(number, np.arange(len(points)))
-    free = np.setdiff1d(np.arange(forces.size), (3 * held[:, None] + np.arange(3)).ravel())
-    u = np.zeros(forces.size)
-    u[free] = spsolve(
-        forms.assemble_constant_form(forms.elasticity_form(*STEEL), mesh)[free][:, free], forces.ravel()[free]
-    )
+    free, u = np.setdiff1d(np.arange(forces.size), freedoms(held)), np.zeros(forces.size)
+    u[free] = spsolve(stiffness(points, cells, "P2", *STEEL)[free][:, free], forces.ravel()[free])
     return u.reshape(-1, 3)
 
 
@@ -280,12 +272,8 @@ def test_calculix_solves_an_exported_whole_nut(hold: str, solids, tmp_path: Path
     write_part_mesh(TWO, "nut", "", tmp_path / "nut.inp", 1)
     there = f"{hold.replace(' ', '_')}, 1, 3\n"
     nodes, theirs = moved_there(tmp_path / "nut.inp", there, "*DLOAD\nhigh_end, P, 1e6\n", "high_end")
-    points, cells, end, held = (
-        node_coordinates(mesh),
-        nodes_of_cells(mesh),
-        nodes_of_boundary_faces(mesh, "high end"),
-        nodes_on_boundaries(mesh, hold),
-    )
+    points, cells = node_coordinates(mesh), nodes_of_cells(mesh)
+    end, held = nodes_of_boundary_faces(mesh, "high end"), nodes_on_boundaries(mesh, hold)
     forces = np.zeros_like(points)
     forces[:, 2] = -1e6 * nodal_areas(points, cells, "P2", end)
     assert set(nodes) == set(np.unique(end))
@@ -298,37 +286,24 @@ def test_calculix_solves_an_exported_whole_nut(hold: str, solids, tmp_path: Path
 
 
 @pytest.mark.slow
-class TestResults:
-    """Result fields of ``TWO``, solved on cells that are as coarse as they may be: what is read back asks for no more."""
-
-    @pytest.fixture(autouse=True)
-    def coarse(self, monkeypatch):
-        monkeypatch.setattr(submodel, "REALISATIONS", 1)
-        monkeypatch.setitem(LEVELS, 1, LEVELS[1] | COARSE)
-
-    def test_nut_and_ball_carry_displacement_and_stress(self, tmp_path, cache):
-        for part in ("nut", "ball", "patch-NR"):
-            out = tmp_path / f"{part}.vtu"
-            write_part_mesh(TWO, part, "", out, 1, cache=cache, ball=2)
-            read = meshio.read(out)
-            u, stress = read.point_data["displacement"], read.point_data["von_mises"]
-            assert u.shape == (len(read.points), 3)
-            assert 1e-8 < np.abs(u).max() < 1e-4
-            assert (stress >= 0.0).all()
-            if part == "nut":
-                held = np.abs(read.points[:, 2] - 10e-3) < 1e-9
-                assert held.any()
-                assert (u[held] == 0.0).all()
-            if part == "patch-NR":
-                assert stress.max() > 5e8  # below a contact of some 100 N
-
-    def test_what_cannot_be_had_is_refused(self, tmp_path):
-        for part, ball, form in (("nut", 0, ""), ("nut", 5, ""), ("block-source", 1, ""), ("nut", 1, "inp")):
-            with pytest.raises(InputError, match="ball: "):
-                write_part_mesh(SCENE, part, form, tmp_path / "a", 1, ball=ball)
-        with pytest.raises(InputError, match="low end"):
-            write_part_mesh(SCENE, "screw", "", tmp_path / "a.vtu", 1, cache=cache, ball=1)
-        assert not (tmp_path / "a.vtu").exists()
+def test_nut_ball_and_patch_carry_displacement_and_stress(tmp_path, cache, monkeypatch):
+    """Of ``TWO``, solved on cells that are as coarse as they may be: what is read back asks for no more."""
+    monkeypatch.setattr(submodel, "REALISATIONS", 1)
+    monkeypatch.setitem(LEVELS, 1, LEVELS[1] | COARSE)
+    for part in ("nut", "ball", "patch-NR"):
+        out = tmp_path / f"{part}.vtu"
+        write_part_mesh(TWO, part, "", out, 1, cache=cache, ball=2)
+        read = meshio.read(out)
+        u, stress = read.point_data["displacement"], read.point_data["von_mises"]
+        assert u.shape == (len(read.points), 3)
+        assert 1e-8 < np.abs(u).max() < 1e-4
+        assert (stress >= 0.0).all()
+        if part == "nut":
+            held = np.abs(read.points[:, 2] - 10e-3) < 1e-9
+            assert held.any()
+            assert (u[held] == 0.0).all()
+        if part == "patch-NR":
+            assert stress.max() > 5e8  # below a contact of some 100 N
 
 
 def test_every_surface_of_an_exported_nut_can_be_integrated_over_as_the_tutorial_does(tmp_path, monkeypatch, capsys):

@@ -1,26 +1,15 @@
 """Loads on held freedoms: what supports take of them is told, and little that reaches the contacts is warned of."""
 
 import re
-from pathlib import Path
 
 import pytest
+from tests.shipped_texts import own_text
 
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.scenes import template as like
-from rollbench.compare.scenes.template import commented_template
+from rollbench.compare.scenes.template import ball_screw_text, commented_template
 
+SCREW, AXIS = ball_screw_text("25x5"), catalogue.shipped_scene_text("axis-fixed-fixed")
 FIX = 'fix = ["ux", "uy", "rx", "ry", "rz"]'
-
-
-def screw(tmp_path: Path, *changes: tuple[str, str]) -> Path:
-    text = like.ball_screw_text("25x5")
-    for old, new in changes:
-        assert old in text
-        text = text.replace(old, new, 1)
-    (tmp_path / "my.toml").write_text(text, encoding="utf-8")
-    return tmp_path / "my.toml"
-
-
 HELD = {
     "fixed": 'fix = ["ux", "uy", "uz", "rx", "ry", "rz"]',
     "held at zero": f'{FIX}\ndisplace = {{ uz = "0 um" }}',
@@ -30,9 +19,9 @@ HELD = {
 
 @pytest.mark.parametrize("held", HELD)
 @pytest.mark.parametrize("model", ["lin", "refined"])
-def test_an_axial_load_that_a_support_takes_is_warned_of(command, tmp_path: Path, held: str, model: str) -> None:
+def test_an_axial_load_that_a_support_takes_is_warned_of(command, scene_file, held: str, model: str) -> None:
     """Displacement and preload load the contacts all the same: what counts is what the load changes."""
-    file = screw(tmp_path, (FIX, HELD[held]))
+    file = scene_file(SCREW, (FIX, HELD[held]))
     code, found = command.json("solve", file, "--model", model, "--strict", "--json")
     path = found["summary"]["load_path"]
     force = path["applied"]["force_N"][2]
@@ -44,37 +33,18 @@ def test_an_axial_load_that_a_support_takes_is_warned_of(command, tmp_path: Path
     assert command("solve", file, "--model", model).code == 0
 
 
-def test_the_usual_screw_is_not_warned_of(command, tmp_path: Path) -> None:
-    code, found = command.json("solve", screw(tmp_path), "--model", "lin", "--strict", "--json")
-    path = found["summary"]["load_path"]
-    assert (code, found["warning"]) == (0, None)
-    assert path["contacts"]["force_N"][2] == pytest.approx(path["applied"]["force_N"][2], rel=1e-6)
+PLACES = {"0 mm": '["ux"]', "200 mm": '["ux"]', "100 mm": '["uy", "rx", "rz"]'}
+TWO_SUPPORTS = "".join(f'[[supports]]\nat = "{at}"\nfix = {fix}\n\n' for at, fix in PLACES.items())
 
 
-def test_supports_of_a_rigid_screw_share_what_statics_divides(command, tmp_path: Path) -> None:
-    text = (Path(__file__).parents[2] / "scenes" / "public" / "s4-tilted-nut.toml").read_text(encoding="utf-8")
-    two = (
-        '[[supports]]\nat = "0 mm"\nfix = ["ux"]\n\n[[supports]]\nat = "200 mm"\nfix = ["ux"]\n\n'
-        '[[supports]]\nat = "100 mm"\nfix = ["uy", "rx", "rz"]\n\n'
-    )
-    text = re.sub(r"(?s)\[\[supports\]\].*?(?=\[\[loads\]\])", two, text)
-    (tmp_path / "two.toml").write_text(
-        text.replace('["0 N", "0 N", "3000 N"]', '["400 N", "0 N", "3000 N"]'), encoding="utf-8"
-    )
-    found = command.json("solve", tmp_path / "two.toml", "--model", "lin", "--json")[1]
+def test_supports_of_a_rigid_screw_share_what_statics_divides(command, scene_file) -> None:
+    text = re.sub(r"(?s)\[\[supports\]\].*?(?=\[\[loads\]\])", TWO_SUPPORTS, own_text("public/s4-tilted-nut"))
+    file = scene_file(text, ('["0 N", "0 N", "3000 N"]', '["400 N", "0 N", "3000 N"]'))
+    found = command.answer("solve", file, "--model", "lin")
     path = found["summary"]["load_path"]
     parts = [x["force_N"][0] for x in path["supports"]]
     assert sum(parts) + path["contacts"]["force_N"][0] == pytest.approx(400.0, rel=1e-6)
     assert found["warning"] is None
-
-
-def axis(tmp_path: Path, *changes: tuple[str, str]) -> Path:
-    text = catalogue.shipped_scene_text("axis-fixed-fixed")
-    for old, new in changes:
-        assert old in text
-        text = text.replace(old, new, 1)
-    (tmp_path / "axis.toml").write_text(text, encoding="utf-8")
-    return tmp_path / "axis.toml"
 
 
 HOLDS = {
@@ -84,38 +54,41 @@ HOLDS = {
 
 
 @pytest.mark.parametrize("held", HOLDS)
-def test_a_load_that_a_frame_takes_does_not_hide_behind_one_on_the_shaft(command, tmp_path: Path, held: str) -> None:
-    push = '[[loads]]\nat = "0 mm"\nforce = ["0 N", "0 N", "2 kN"]\n\n[[housings]]'
+def test_a_load_that_a_frame_takes_does_not_hide_behind_one_on_the_shaft(command, scene_file, held: str) -> None:
+    push = "[[housings]]", '[[loads]]\nat = "0 mm"\nforce = ["0 N", "0 N", "2 kN"]\n\n[[housings]]'
     for hold in ((), (HOLDS[held],)):
-        file = axis(tmp_path, *hold, ("[[housings]]", push))
-        code, found = command.json("solve", file, "--model", "lin", "--strict", "--json")
+        code, found = command.json("solve", scene_file(AXIS, *hold, push), "--model", "lin", "--strict", "--json")
         warned = [w for w in found["warnings"] if "reaches the contacts" in w]
         assert code == len(warned) == len(hold)
         assert all("3000 N on carriage" in w for w in warned)
 
 
-def test_soft_springs_and_bearings_that_take_a_load_are_not_warned_of(command, tmp_path: Path) -> None:
-    soft = ("# displace = { uz", 'springs = { uz = "50 N/um" }\n# displace = { uz')
-    for changes in ((), (soft,)):
-        code, found = command.json("solve", axis(tmp_path, *changes), "--model", "lin", "--strict", "--json")
-        assert (code, found["warning"]) == (0, None)
+SOFT = "# displace = { uz", 'springs = { uz = "50 N/um" }\n# displace = { uz'
 
 
-def test_a_preload_of_a_nut_that_carries_thrust_both_ways_is_refused_by_its_thrust(command, tmp_path: Path) -> None:
-    code, _, error = command("solve", axis(tmp_path, ('name = "nut"\n', 'name = "nut"\npreload = "2 kN"\n')))
-    assert code == 2
+@pytest.mark.parametrize("scene", [(SCREW,), (AXIS,), (AXIS, SOFT)], ids=["screw", "axis", "axis on soft springs"])
+def test_usual_supports_soft_springs_and_bearings_are_not_warned_of(command, scene_file, scene) -> None:
+    code, found = command.json("solve", scene_file(*scene), "--model", "lin", "--strict", "--json")
+    assert (code, found["warning"]) == (0, None)
+    if scene == (SCREW,):
+        path = found["summary"]["load_path"]
+        assert path["contacts"]["force_N"][2] == pytest.approx(path["applied"]["force_N"][2], rel=1e-6)
+
+
+def test_a_preload_of_a_nut_that_carries_thrust_both_ways_is_refused_by_its_thrust(command, scene_file) -> None:
+    error = command.refused("solve", scene_file(AXIS, ('name = "nut"\n', 'name = "nut"\npreload = "2 kN"\n')))
     assert "sets[0].preload" in error
     assert "sets[0].thrust" in error
 
 
-@pytest.mark.parametrize("name", ["smith-axis", "smith-axis-supported", "smith-axis-tandem", "axis-fixed-fixed"])
-def test_shoulders_that_a_shipped_axis_assumes_carry_its_ellipses(command, name: str) -> None:
-    found = command.json("solve", name, "--model", "lin", "--json")[1]
-    assert [s["summary"]["truncation"]["contacts_cut"] for s in found["sets"]] == [0] * len(found["sets"])
+SHOULDERS = {
+    name: catalogue.shipped_scene_text(name) for name in ("smith-axis", "smith-axis-supported", "smith-axis-tandem")
+}
+SHOULDERS |= {kind: commented_template(kind) for kind in ("support-bearings", "angular-contact-bearing")}
 
 
-@pytest.mark.parametrize("kind", ["support-bearings", "angular-contact-bearing"])
-def test_shoulders_of_templates_carry_their_ellipses(command, tmp_path: Path, kind: str) -> None:
-    (tmp_path / "my.toml").write_text(commented_template(kind), encoding="utf-8")
-    found = command.json("solve", tmp_path / "my.toml", "--model", "lin", "--json")[1]
+@pytest.mark.parametrize("name", [*SHOULDERS, "axis-fixed-fixed"])
+def test_shoulders_that_are_assumed_carry_the_ellipses(command, scene_file, name: str) -> None:
+    found = command.answer("solve", scene_file(SHOULDERS.get(name, AXIS)), "--model", "lin")
+    assert {s["summary"]["truncation"]["contacts_cut"] for s in found["sets"]} == {0}
     assert not any("beyond the groove's arc" in words for words in found["warnings"])

@@ -1,8 +1,58 @@
-"""Commands return answers; one printer prints them."""
+"""Commands return answers, which one printer prints: JSON, texts and tables for terminals of any width."""
+
+import io
+from itertools import product
 
 import pytest
+from rich.box import HEAVY_HEAD
+from rich.console import Console
+from rich.table import Table
 
-from rollbench.compare.text.printing import CommandOutput, format_cell, print_command_output
+from rollbench.compare.text.printing import CommandOutput, print_command_output, split_to_width, wrap_lines
+
+
+def balls(*, ruled: bool) -> Table:
+    table = Table(title="loads", box=HEAVY_HEAD if ruled else None)
+    for k, name in enumerate(("ball", "side", *(f"quantity {n} / N" for n in range(9)))):
+        table.add_column(name, justify="right", no_wrap=k > 9)
+    for ball, side in product(range(1, 4), ("SL", "NR")):
+        table.add_row(str(ball), side, *(f"{1234.5 + ball + n:.2f}" for n in range(9)))
+    return table
+
+
+def shown(table: Table, width: int) -> str:
+    stream = io.StringIO()
+    Console(file=stream, width=width).print(table)
+    return stream.getvalue()
+
+
+@pytest.mark.parametrize("ruled", [True, False])
+@pytest.mark.parametrize("width", [48, 60, 80])
+def test_no_number_is_cut_and_every_part_names_its_rows(width: int, *, ruled: bool) -> None:
+    parts = split_to_width(balls(ruled=ruled), width)
+    texts = [shown(part, width) for part in parts]
+    assert len(parts) > 1
+    assert "…" not in "".join(texts)
+    assert max(len(line.rstrip()) for text in texts for line in text.splitlines()) <= width
+    assert sum(text.count("1236.5") for text in texts) == 4, "ball 1 at 1, ball 2 at 0, on both sides"
+    assert all("ball" in text and text.count("SL") == 3 for text in texts)
+    assert [("loads" in text) for text in texts] == [True] + [False] * (len(texts) - 1)
+
+
+def test_a_table_that_fits_stays_as_it_is_and_what_follows_stands_below_the_text() -> None:
+    table = balls(ruled=False)
+    assert split_to_width(table, 300) == [table]
+    text = "  scene      a screw of a catalogue with a long title\n  other      short"
+    first, rest = "  scene      a screw of a catalogue with", "             a long title"
+    assert wrap_lines(text, 40).splitlines() == [first, rest, "  other      short"]
+
+
+def test_paths_and_commands_stay_whole() -> None:
+    command = f"apt-get install {' '.join(f'lib{n}' for n in range(20))}"
+    lines = wrap_lines(f"missing   meshing: a library is not there; {command}", 50).splitlines()
+    assert lines == ["missing   meshing: a library is not there;", " " * 10 + command]
+    path = f"/{'x' * 60}.csv"
+    assert path in wrap_lines(f"every contact: {path} and .svg written", 50).splitlines()[1]
 
 
 def test_json_is_one_value_without_its_text_and_parts_are_printed_as_they_come(capsys):
@@ -16,11 +66,3 @@ def test_json_is_one_value_without_its_text_and_parts_are_printed_as_they_come(c
 
     print_command_output(CommandOutput(texts_and_tables=parts()))
     assert capsys.readouterr().out == "second\n"
-
-
-@pytest.mark.parametrize(
-    ("value", "form", "text"),
-    [(-0.001, ".2f", "0.00"), (-0.0, ".4g", "0"), (-0.004, "+.2f", "+0.00"), (-0.006, ".2f", "-0.01"), (-3, "d", "-3")],
-)
-def test_a_number_that_is_rounded_to_zero_has_no_minus(value: float, form: str, text: str) -> None:
-    assert format_cell(value, form) == text

@@ -40,15 +40,12 @@ def test_what_moved_but_measured_seconds_is_listed_by_the_texts_of_its_row(tmp_p
     with pytest.raises(InputError, match="one cell for each column heading"):
         verify.read_report_tables(tmp_path / "c")
     assert list(verify.report_differences({"a": []}, {"b": []})) == ["a: table removed", "b: new table"]
-    many = [{"m": f"model {k}", "x": 1.0} for k in range(20)]
-    assert len(list(verify.report_differences(first, {"errors": many}))) == verify.MOST + 1
 
 
 def test_a_report_is_verified_by_its_manifest_and_what_is_none_is_refused(tmp_path):
     (tmp_path / "store").mkdir()
     (tmp_path / "store" / "run.json").write_text("{}", encoding="utf-8")
     folder = report(tmp_path, "a")
-    pages.check_report_folder(folder)
     stated = json.loads((folder / manifest.FILE).read_text(encoding="utf-8"))
     assert {"index.html", "s.html", "search.js", "tables/errors.csv"} == set(stated["files"])
     assert f"{SCENE}two-balls" in stated["inputs"]
@@ -58,15 +55,12 @@ def test_a_report_is_verified_by_its_manifest_and_what_is_none_is_refused(tmp_pa
     (folder / "s.html").unlink()
     (folder / "more.txt").write_text("added", encoding="utf-8")
     (tmp_path / "store" / "run.json").write_text("[]", encoding="utf-8")
-    wrong = {
-        row.name: row.comparison_result
-        for row in verify.check_report_hashes(folder, (tmp_path / "store",))
-        if row.comparison_result != "ok"
-    }
+    found = {row.name: row.comparison_result for row in verify.check_report_hashes(folder, (tmp_path / "store",))}
     changed = dict.fromkeys(("tables/errors.csv", "reference run.json"), "changed")
+    wrong = {name: result for name, result in found.items() if result != "ok"}
     assert wrong == {**changed, "s.html": "missing", "more.txt": "added"}
-    found = verify.verify_report_hashes(folder, tmp_path / "store")
-    assert (found.exit_code, len(list(found.texts_and_tables))) == (1, 5)
+    said = verify.verify_report_hashes(folder, tmp_path / "store")
+    assert (said.exit_code, len(list(said.texts_and_tables))) == (1, 5)
 
     (folder / manifest.FILE).write_text("{}", encoding="utf-8")
     with pytest.raises(InputError, match="damaged"):

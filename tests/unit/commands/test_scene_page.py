@@ -1,12 +1,18 @@
-"""The page of one scene: what stands in it, that it needs nothing from outside, and that its hashes tell what changed."""
+"""The page of one scene: what stands in it, that it needs nothing from outside, and that its hashes tell what changed;
+several sets on a shaft and load cases on it."""
 
 import json
 import re
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
+from tests.axes import CASES, ON_A_SHAFT
 from tests.load_cases import written
+from tests.report_samples import contents
 
+import rollbench
+from rollbench.compare.errors import ArgumentError
 from rollbench.compare.report import scene_page, several, verify
 from rollbench.meshes.parts import SIDES
 from rollbench.reports.cells import with_typographic_signs
@@ -34,11 +40,8 @@ def html(page) -> str:
 def test_the_page_answers_first_and_needs_nothing_from_outside(page, html: str) -> None:
     assert page.verdict.startswith("The contact with the highest pressure (ball ")
     assert html.index(with_typographic_signs(page.verdict)) < html.index("<table")
-    assert [row["quantity"] for row in page.table.rows][:2] == ["largest contact load", "mean contact load"]
     assert not re.search(r'(src|href)="(?!data:|#)', html)
     assert {part.name for part in page.parts} == {"scene", "loads", "stiffness", "error", "assumptions"}
-    for name in ("table-contacts", "table-rigidity", "table-applicability", "figure-sketch", "figure-loads"):
-        assert f'id="{name}"' in html
     shown = re.sub(r"<script.*?</script>|<pre>.*?</pre>", "", html, flags=re.DOTALL)
     assert "µm" in shown
     assert not re.search(r"\bum\b", shown)
@@ -49,29 +52,26 @@ def test_the_page_answers_first_and_needs_nothing_from_outside(page, html: str) 
     assert [row["load"] for row in table.rows] == pytest.approx(loads)
 
 
+def results_of_check(html: str, stores=STORES, **manifest: object) -> dict[str, str]:
+    """What each hash of a page shows; `manifest`: changes of what it states."""
+    data = read_page_data(html)
+    data["manifest"] |= manifest
+    return {row.name: row.comparison_result for row in verify.check_page_hashes(html, data, stores)}
+
+
 def test_manifest_holds_until_something_is_changed(html: str) -> None:
     blocks = read_page_data(html)
     assert blocks["manifest"]["page"] == sha256(html_without_manifest(html))
     assert all(len(x) == 64 for x in blocks["manifest"]["files"].values())
-    assert {row.comparison_result for row in verify.check_page_hashes(html, blocks, STORES)} == {"ok"}
+    as_it_is = results_of_check(html)
+    assert set(as_it_is.values()) == {"ok"}
     shown = html.replace("The contact with the highest", "The contact with the lowest")
-    assert [
-        row.name
-        for row in verify.check_page_hashes(shown, read_page_data(shown), STORES)
-        if row.comparison_result == "changed"
-    ] == ["page"]
+    assert results_of_check(shown) == as_it_is | {"page": "changed"}
     lead = json.dumps(blocks["scene"])[1:40]
     assert lead in html
     other = html.replace(lead, lead[:-2] + "  ", 1)
-    wrong = {
-        row.name
-        for row in verify.check_page_hashes(other, read_page_data(other), STORES)
-        if row.comparison_result == "changed"
-    }
-    assert wrong == {"page", "scene"}
-    without = {**blocks, "manifest": {**blocks["manifest"], "files": {"x.json": "0"}}}
-    gone = list(verify.check_page_hashes(html, without, ()))
-    assert gone[-1].comparison_result == "missing"
+    assert results_of_check(other) == as_it_is | {"page": "changed", "scene": "changed"}
+    assert [*results_of_check(html, (), files={"x.json": "0"}).values()][-1] == "missing"
 
 
 def test_a_scene_text_cannot_end_its_block(page) -> None:
@@ -81,41 +81,22 @@ def test_a_scene_text_cannot_end_its_block(page) -> None:
     assert read_page_data(html)["scene"] == evil.scene_text
 
 
-def test_verify_by_the_command_line(html: str, tmp_path, command) -> None:
-    (tmp_path / "index.html").write_text(html, encoding="utf-8")
-    assert "hashes hold: the same inputs and code" in command.said("verify", tmp_path)
-    (tmp_path / "index.html").write_text(html.replace("carries", "bears", 1), encoding="utf-8")
-    code, out, _ = command("verify", tmp_path / "index.html")
-    assert (code, "changed  page" in out) == (1, True)
-
-
-def test_what_moved() -> None:
-    old = {"a": 1.0, "b": [1.0, 2.0], "c": {"d": "x", "e": None}, "f": True}
-    assert list(verify.result_differences(old, old)) == []
-    new = {"a": 1.0 + 1e-12, "b": [1.0, 2.2], "c": {"d": "y", "e": 1.0}, "f": False}
-    assert list(verify.result_differences(old, new)) == [
-        "b[2]: 2 became 2.2 (+10 %)",
-        "c.d: x became y",
-        "c.e: nothing became 1.0",
-        "f: True became False",
-    ]
+def test_what_moved_beyond_round_off() -> None:
+    old = {"a": 1.0, "b": [1.0, 2.0], "c": {"d": "x", "e": None}}
+    new = {"a": 1.0 + 1e-12, "b": [1.0, 2.2], "c": {"d": "y", "e": 1.0}}
+    said = ["b[2]: 2 became 2.2 (+10 %)", "c.d: x became y", "c.e: nothing became 1.0"]
+    assert list(verify.result_differences(old, new)) == said
 
 
 def test_the_same_page_made_again_has_not_moved(html: str, tmp_path, monkeypatch) -> None:
-    old, new = tmp_path / "old", tmp_path / "new"
-    for folder in (old, new):
-        folder.mkdir()
-    (old / "index.html").write_text(html, encoding="utf-8")
-
-    def written_later(scenes, out, *_: object):
-        again = scene_page.solve_and_make_page(*scenes, STORES)
-        later = replace(again, picture=None, provenance={**again.provenance, "date": "later"})
-        (out / "index.html").write_text(scene_page_html(later), encoding="utf-8")
-        return [later]
-
-    monkeypatch.setattr(verify, "write_scene_pages", written_later)
-    found = verify.write_and_compare_pages([SCENE], new, tmp_path, old)
-    assert (found.exit_code, found.texts_and_tables[-1]) == (0, "nothing changed")
+    old, new = tmp_path / "old.html", tmp_path / "new"
+    old.write_text(html, encoding="utf-8")
+    new.mkdir()
+    again = scene_page.solve_and_make_page(SCENE, STORES)
+    later = replace(again, picture=None, provenance={**again.provenance, "date": "later"})
+    (new / "index.html").write_text(scene_page_html(later), encoding="utf-8")
+    monkeypatch.setattr(verify, "write_scene_pages", lambda *_: [later])
+    assert verify.write_and_compare_pages([SCENE], new, tmp_path, old).texts_and_tables[-1] == "nothing changed"
 
 
 def test_the_page_can_be_turned_and_says_what_its_results_say(html: str) -> None:
@@ -149,8 +130,8 @@ def test_scenes_stand_side_by_side_with_the_numbers_of_their_pages(both) -> None
     head, *lines = re.findall(r"<tr>(.*?)</tr>", index, flags=re.DOTALL)
     assert re.findall(r"<th[^>]*>([^<]*)", head)[2:] == ["two-balls", "two, balls", "two, push", "two, loose"]
     cells = {row[0]: row[2:] for row in (re.findall(r"<td[^>]*>([^<]*)", line) for line in lines)}
-    files = (folder / "out" / name for name in ("two-balls.html", "two.html"))
-    one, cases = (read_page_data(path.read_text(encoding="utf-8"))["results"] for path in files)
+    pages = ((folder / "out" / name).read_text(encoding="utf-8") for name in ("two-balls.html", "two.html"))
+    one, cases = (read_page_data(page)["results"] for page in pages)
     summaries = [one["summary"], *(case["summary"] for case in cases["cases"])]
     for words, group, key in (
         ("loads: max", "loads", "max_N"),
@@ -162,35 +143,33 @@ def test_scenes_stand_side_by_side_with_the_numbers_of_their_pages(both) -> None
     assert (life[0], float(life[1])) == ("–", pytest.approx(cases["summary"]["life"]["L10_million_revolutions"], rel=6e-4))
 
 
-def test_the_first_page_says_when_another_one_was_changed(both, command) -> None:
-    folder, _ = both
-    assert "hashes hold: the same inputs and code" in command.said("verify", folder / "out")
-    page = folder / "out" / "two.html"
-    text = page.read_text(encoding="utf-8")
-    page.write_text(text.replace("carries", "bears", 1), encoding="utf-8")
-    code, out, _ = command("verify", folder / "out")
-    page.write_text(text, encoding="utf-8")
-    assert (code, "changed  two.html" in out) == (1, True)
+def test_verify_names_the_page_that_was_changed(html: str, both, tmp_path, command) -> None:
+    """A page alone by its folder or file, and one of several by the first page."""
+    (tmp_path / "index.html").write_text(html, encoding="utf-8")
+    out = both[0] / "out"
+    for report, page, name in ((tmp_path, tmp_path / "index.html", "page"), (out, out / "two.html", "two.html")):
+        assert "hashes hold: the same inputs and code" in command.said("verify", report)
+        text = page.read_text(encoding="utf-8")
+        page.write_text(text.replace("carries", "bears", 1), encoding="utf-8")
+        code, said, _ = command("verify", report / "index.html")
+        page.write_text(text, encoding="utf-8")
+        assert (code, f"changed  {name}" in said) == (1, True)
 
 
 def test_a_bad_file_among_several_is_one_line_and_leaves_what_was_there(both, command, monkeypatch) -> None:
     folder, _ = both
-    before = {path.name: path.read_bytes() for path in (folder / "out").iterdir()}
+    before = contents(folder / "out")
     monkeypatch.setattr(several, "solve_and_make_page", lambda *_: pytest.fail("work was done"))
-    assert "missing.toml" in command.refused("report", SCENE, folder / "missing.toml", "--out", folder / "out")
-    assert "missing.toml" in command.refused("report", SCENE, folder / "missing.toml", "--out", folder / "none")
+    for out in ("out", "none"):
+        assert "missing.toml" in command.refused("report", SCENE, folder / "missing.toml", "--out", folder / out)
     assert "--against" in command.refused("report", SCENE, SCENE, "--against", folder / "out", "--out", folder / "none")
-    assert {path.name: path.read_bytes() for path in (folder / "out").iterdir()} == before
+    assert contents(folder / "out") == before
     assert not (folder / "none").exists()
 
 
 def test_files_of_equal_names_have_pages_of_their_own() -> None:
-    assert several._page_file_names(["a/x.toml", "b/X.toml", "index.toml", "x y.toml"]) == [
-        "x.html",
-        "X-2.html",
-        "index-2.html",
-        "x-y.html",
-    ]
+    names = several._page_file_names(["a/x.toml", "b/X.toml", "index.toml", "x y.toml"])
+    assert names == ["x.html", "X-2.html", "index-2.html", "x-y.html"]
 
 
 def test_view_writes_a_file_and_shows_it(tmp_path, command, monkeypatch) -> None:
@@ -211,3 +190,38 @@ def test_view_writes_a_file_and_shows_it(tmp_path, command, monkeypatch) -> None
     assert "notes.html" in command.refused("view", SCENE, "--out", other)
     assert other.read_text(encoding="utf-8") == "mine"
     assert "rollbench friction" in command.refused("view", "lin-pair-a", "--out", out)
+
+
+def test_the_page_of_an_axis_has_the_numbers_of_its_results():
+    page = scene_page.solve_and_make_page("smith-axis-taper", STORES)
+    html, solved = scene_page_html(page), rollbench.solve("smith-axis-taper")
+    assert page.verdict.startswith("The contact with the highest pressure, in right 1, carries")
+    tables = {item.name: item.rows for part in page.parts for item in part.items if hasattr(item, "rows")}
+    loads = [load for s in solved.sets.values() for load in s.roller_loads]
+    assert [row["load"] for row in tables["rollers"]] == pytest.approx(loads)
+    shown = [float(row["axial force N"]) for row in tables["sets"]]
+    assert shown == pytest.approx([s.force[2] for s in solved.sets.values()], rel=1e-3)
+    view = json.loads(re.search(r'id="view-data">(.*?)</script>', html, flags=re.DOTALL)[1])
+    assert [one["name"] for one in view["cases"][0]["sets"]] == [*solved.sets]
+    assert {row.comparison_result for row in verify.check_page_hashes(html, read_page_data(html), STORES)} == {"ok"}
+
+
+def test_load_cases_of_an_axis_are_on_its_page_and_side_by_side(tmp_path):
+    (tmp_path / "cases.toml").write_text(ON_A_SHAFT.read_text() + CASES)
+    out = tmp_path / "out"
+    said = verify.write_and_compare_pages([str(tmp_path / "cases.toml"), "smith-axis-taper"], out, tmp_path)
+    assert said.exit_code == 0
+    cases = read_page_data((out / "cases.html").read_text(encoding="utf-8"))["results"]["cases"]
+    lines = re.findall(r"<tr>(.*?)</tr>", (out / "index.html").read_text(encoding="utf-8"), flags=re.DOTALL)
+    for words, group, key in (
+        ("worst contact: pressure", "worst_contact", "pressure_MPa"),
+        ("axis life: L10", "axis_life", "L10_million_revolutions"),
+    ):
+        line = next(x for x in lines if words in x)
+        shown = [float(x) for x in re.findall(r"<td[^>]*>([^<]*)", line)[2:4]]
+        assert shown == pytest.approx([case["summary"][group][key] for case in cases], rel=6e-4)
+
+
+def test_a_reference_of_several_sets_is_refused(tmp_path):
+    with pytest.raises(ArgumentError, match="a single nut or bearing"):
+        scene_page.solve_and_make_page(str(ON_A_SHAFT), STORES, Path(tmp_path / "any.csv"))

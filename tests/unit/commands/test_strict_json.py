@@ -1,6 +1,7 @@
 """Every command that has --json, on every kind of shipped scene, prints one strict JSON value: no nan, no infinity."""
 
 import inspect
+from pathlib import Path
 
 import pytest
 
@@ -21,15 +22,9 @@ OTHERS = {
     "table": (("table", "lin-case3", "--model", "lin", "--over", "load=1:2:2 kN", "--quantities", "load"),),
     "mesh_study": (("mesh-study", "two-balls", "--levels", "2"),),
 }
-#: Why others are not run here.
-ELSEWHERE = {
-    "solve": "below",
-    "friction": "below",
-    "sweep": "tests/unit/sweep/test_run.py reads its JSON",
-    "crosscheck": "tests/unit/crosscheck reads its JSON",
-    "stability": "it solves for a minute; the report runs its table",
-    "bench": "it times for a minute; tests/unit/commands/test_bench.py",
-}
+#: Others are not run here: the first two below, sweep and crosscheck where their own tests read the JSON; the last two take
+#: a minute, the report runs the table of the one, and ``test_bench.py`` the other.
+ELSEWHERE = {"solve", "friction", "sweep", "crosscheck", "stability", "bench"}
 
 
 def strict(command, *tokens):
@@ -42,7 +37,7 @@ def strict(command, *tokens):
 def test_no_command_is_forgotten():
     functions = (complete()[name].default_command for name in complete() if not name.startswith("-"))
     commands = {f.__name__ for f in functions if "as_json" in inspect.signature(f).parameters}
-    assert commands == OTHERS.keys() | ELSEWHERE.keys()
+    assert commands == OTHERS.keys() | ELSEWHERE
 
 
 def test_no_kind_of_shipped_scene_is_forgotten():
@@ -59,16 +54,11 @@ def test_solve(command, name):
 
 @pytest.mark.further
 @pytest.mark.parametrize("name", [*WHOLE, *FRICTION_ONLY])
-def test_friction(command, tmp_path, name):
-    scene = name
-    if name == "lin-screw-run":  # as shipped but for its 200 steps, which take seconds
-        short = catalogue.shipped_scene_text(name).replace("steps = 200", "steps = 4")
-        assert short != catalogue.shipped_scene_text(name)
-        path = tmp_path / f"{name}.toml"
-        path.write_text(short, encoding="utf-8")
-        scene = str(path)
+def test_friction(command, scene_file, name):
     mu = ("--mu", "0.1") if name in WHOLE and catalogue.scene_of_any_kind(name).friction is None else ()
-    assert strict(command, "friction", scene, *mu)["scene"] == name
+    if name == "lin-screw-run":  # as shipped but for its 200 steps, which take seconds
+        name = scene_file(catalogue.shipped_scene_text(name), ("steps = 200", "steps = 4"))
+    assert strict(command, "friction", name, *mu)["scene"] == Path(name).stem
 
 
 @pytest.mark.parametrize("tokens", [tokens for several in OTHERS.values() for tokens in several], ids=" ".join)

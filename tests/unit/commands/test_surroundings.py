@@ -7,40 +7,25 @@ import sys
 from pathlib import Path
 
 import pytest
+from tests.copies import ROOT
 from tests.processes import COMMAND, python, ran
 
 from rollbench.compare import cli, errors, files
 from rollbench.compare.report import several, verify
 from rollbench.compare.scenes import catalogue, scene_file
-from rollbench.lowfi import jit
 from rollbench.meshes.files import temporary_path
 from rollbench.reports.cells import escape_formula
-
-
-def dead_process():
-    """Number of a process that has ended."""
-    child = subprocess.Popen([sys.executable, "-c", ""])
-    child.wait()
-    return child.pid
-
 
 FULL = pytest.mark.skipif(not os.path.exists("/dev/full"), reason="needs the device /dev/full")
 SAID = "rollbench: standard output: No space left on device\n"
 
 
-@FULL
-@pytest.mark.parametrize("words", [["list"], ["list", "--json"], ["schema"]])
-def test_a_full_output_ends_in_one_line(words, monkeypatch, capsys):
-    with open("/dev/full", "w") as full:
-        monkeypatch.setattr(sys, "stdout", full)
-        with pytest.raises(SystemExit, match="74"):
-            cli.main(words)
-    assert capsys.readouterr().err == SAID
+FILLED = [pytest.param(words, "/dev/full", (74, SAID), marks=FULL) for words in ("list", "list --json", "schema")]
 
 
-@pytest.mark.parametrize(("to", "ended"), [pytest.param("/dev/full", (74, SAID), marks=FULL), ("&-", (0, ""))])
-def test_a_process_whose_output_is_full_or_closed_says_nothing_more_at_its_end(to, ended):
-    done = ran("/bin/sh", "-c", f'"$@" >{to}', "sh", *COMMAND, "list")
+@pytest.mark.parametrize(("words", "to", "ended"), [*FILLED, ("list", "&-", (0, ""))])
+def test_a_full_output_ends_in_one_line_and_a_closed_one_in_none(words, to, ended):
+    done = ran("/bin/sh", "-c", f'"$@" >{to}', "sh", *COMMAND, *words.split())
     assert (done.returncode, done.stderr) == ended
 
 
@@ -60,22 +45,13 @@ def test_bad_input_ends_with_2_whoever_reads_of_it(end, words):
     assert (done.returncode, done.stdout) == (2, "")
 
 
-def test_kernels_are_not_kept_where_the_cache_cannot_be_written(tmp_path, monkeypatch, capsys):
-    (tmp_path / "file").write_text("")
-    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
-    monkeypatch.setenv("ROLLBENCH_CACHE", str(tmp_path / "file" / "cache"))
-    assert jit.machine_code_folder.__wrapped__() is None
-    assert "are not stored" in capsys.readouterr().err
-
-
 def test_what_a_killed_process_left_is_removed(tmp_path):
-    path = tmp_path / "a.json"
-    mine = temporary_path(path)
-    left = Path(str(mine).replace(f"-{os.getpid()}-", f"-{dead_process()}-"))
-    folder = Path(str(temporary_path(path, "new")).replace(f"-{os.getpid()}-", f"-{dead_process()}-"))
+    path, child = tmp_path / "a.json", subprocess.Popen([sys.executable, "-c", ""])
+    child.wait()
+    mine, alive, dead = temporary_path(path), f"-{os.getpid()}-", f"-{child.pid}-"
+    left, folder = (Path(str(name).replace(alive, dead)) for name in (mine, temporary_path(path, "new")))
     folder.mkdir()
-    (folder / "x").write_text("half")
-    for other in (mine, left, tmp_path / ".a.json.notes.tmp"):
+    for other in (mine, left, tmp_path / ".a.json.notes.tmp", folder / "x"):
         other.write_text("half")
     files.replace_file(path, "whole")
     temporary_path(path, "new")
@@ -85,14 +61,16 @@ def test_what_a_killed_process_left_is_removed(tmp_path):
 def test_no_code_comes_from_the_working_folder(tmp_path):
     """A numpy.py beside a scene was executed by children of pictures and bench."""
     (tmp_path / "numpy.py").write_text("raise SystemExit('code of the working folder ran')")
-    code = (
-        "import sys, runpy; from rollbench.reports import offscreen\ntry: "
-        "offscreen.draw_in_child_process('rollbench.reports.nowhere', None, 'x.png')\nexcept RuntimeError as error: "
-        "print(error)\nfrom rollbench.compare.studies.run_times import run_timed_python_process as launch\n"
-        "print(launch(['-c', 'import numpy; print(numpy.__file__)']).output)\n"
-    )
-    root = str(Path(__file__).parents[3] / "src")
-    done = python("-P", "-c", code, cwd=tmp_path, environ={"PYTHONPATH": root})
+    code = """
+from rollbench.compare.studies.run_times import run_timed_python_process
+from rollbench.reports import offscreen
+try:
+    offscreen.draw_in_child_process("rollbench.reports.nowhere", None, "x.png")
+except RuntimeError as error:
+    print(error)
+print(run_timed_python_process(["-c", "import numpy; print(numpy.__file__)"]).output)
+"""
+    done = python("-P", "-c", code, cwd=tmp_path, environ={"PYTHONPATH": str(ROOT / "src")})
     assert "working folder ran" not in done.stdout + done.stderr
     assert "rollbench.reports.nowhere" in done.stdout
     assert str(tmp_path) not in done.stdout
@@ -106,10 +84,10 @@ def test_control_characters_of_a_scene_and_of_a_report_s_files_are_escaped():
     assert scene.name == "bad\\x1bname"
 
 
-@pytest.mark.parametrize("text", ["=1+1", "+cmd", "-2+3", "@SUM(A1)", "\t=1", "-3.5", "+1e-9", "plain", "", "–", "-5 um"])
-def test_formulas_in_tables_are_neutralised_and_numbers_and_words_stay(text):
-    runs = text in ("=1+1", "+cmd", "-2+3", "@SUM(A1)", "\t=1")
-    assert escape_formula(text) == ("'" if runs else "") + text
+def test_formulas_in_tables_are_neutralised_and_numbers_and_words_stay():
+    formulas, others = ("=1+1", "+cmd", "-2+3", "@SUM(A1)", "\t=1"), ("-3.5", "+1e-9", "plain", "", "–", "-5 um")
+    assert [escape_formula(text) for text in formulas] == [f"'{text}" for text in formulas]
+    assert [escape_formula(text) for text in others] == [*others]
 
 
 def test_an_output_that_cannot_be_made_is_refused_before_any_work(tmp_path, monkeypatch, command):

@@ -2,6 +2,7 @@
 
 import json
 import os
+import shlex
 
 import pytest
 from tests.processes import python
@@ -19,7 +20,6 @@ atexit.register(count)
 """
 COMMAND = f"{COUNT}\nfrom rollbench.compare.cli import main\nmain()\n"
 LIN = ("solve", "lin-case1", "--model", "lin")
-SWEEP = ("sweep", "lin-case1-cut", "--vary", "errors.balls.oversize=1 um:3 um", "--samples", "8", "--model", "lin")
 
 
 def threads(code, *words, cwd, **variables):
@@ -29,27 +29,27 @@ def threads(code, *words, cwd, **variables):
     return json.loads(done.stderr.splitlines()[-1])
 
 
-@pytest.mark.skipif(os.cpu_count() == 1, reason="with one core every library has one thread")
-@pytest.mark.parametrize(
-    "words",
-    [
-        ("solve", "lin-case1"),
-        LIN,
-        ("compare", "lin-case1"),
-        ("export", "lin-case1-cut", "nut", "--ball", "2", "--out", "nut.vtu"),
-        SWEEP,
-        pytest.param(("friction", "lin-case1"), marks=[pytest.mark.slow, pytest.mark.compiles(20)]),
-        pytest.param(("compare", "lin-case1-cut", "--levels", "1", "--fresh"), marks=pytest.mark.slow),
-    ],
-    ids=lambda words: " ".join(words[:3]),
-)
+SEVERAL_CORES = pytest.mark.skipif(os.cpu_count() == 1, reason="with one core every library has one thread")
+
+
+KINDS = [
+    "solve lin-case1",
+    shlex.join(LIN),
+    "compare lin-case1",
+    "export lin-case1-cut nut --ball 2 --out nut.vtu",
+    "sweep lin-case1-cut --vary 'errors.balls.oversize=1 um:3 um' --samples 8 --model lin",
+    pytest.param("friction lin-case1", marks=[pytest.mark.slow, pytest.mark.compiles(20)]),
+    pytest.param("compare lin-case1-cut --levels 1 --fresh", marks=pytest.mark.slow),
+]
+
+
+@SEVERAL_CORES
+@pytest.mark.parametrize("words", KINDS)
 def test_each_kind_of_command_ends_with_one_thread(words, tmp_path):
-    found = threads(COMMAND, *words, cwd=tmp_path)
-    assert found
-    assert set(found) == {1}
+    assert set(threads(COMMAND, *shlex.split(words), cwd=tmp_path)) == {1}
 
 
-@pytest.mark.skipif(os.cpu_count() == 1, reason="with one core every library has one thread")
+@SEVERAL_CORES
 def test_workers_have_one_thread_each_and_share_the_work(tmp_path):
     code = (
         f"{COUNT}\nimport numpy\nfrom threadpoolctl import threadpool_info\n"
@@ -62,8 +62,8 @@ def test_workers_have_one_thread_each_and_share_the_work(tmp_path):
 
 
 def test_a_users_own_variable_wins(tmp_path):
-    assert set(threads(COMMAND, *LIN, cwd=tmp_path, OMP_NUM_THREADS="2")) == {2}
-    assert set(threads(COMMAND, *LIN, cwd=tmp_path, OPENBLAS_NUM_THREADS="2")) == {2}
+    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
+        assert set(threads(COMMAND, *LIN, cwd=tmp_path, **{name: "2"})) == {2}
 
 
 def test_a_call_of_the_library_has_one_thread_and_leaves_the_rest_to_its_user(tmp_path):

@@ -53,20 +53,15 @@ def test_own_slope_of_a_ball():
     assert other - one == pytest.approx(beyond_hertz.sphere_self_compliance_slope(3e-3, material) * np.log(2.0), rel=1e-9)
 
 
-def nominal_of(flank):
-    """The nominal direction of its contacts."""
-    m = flank.groove_map
-    return m.signs[flank.flank_number] * np.array([np.cos(m.beta), np.sin(m.beta)])
-
-
 def test_loads_along_the_normals_move_a_concave_flank_less(flank):
     """By (1 - 2 nu)/(8 pi G rho) and terms of the patch's width: mean of (1 - 2 nu) cos^2/(4 pi G rho) over a round one."""
-    width = 0.12 * flank.groove_map.ball
+    m, width = flank.groove_map, 0.12 * flank.groove_map.ball
+    nominal = m.signs[flank.flank_number] * np.array([np.cos(m.beta), np.sin(m.beta)])
     grid = flank.finite_element_grid()
     line = grid.shape[1] - 1
     load = groove.nodal_forces_along_flank_normals(flank, grid, width, flank.contact_position()[1])
     fixed = np.zeros((*grid.shape, 3))
-    fixed[:, line, ::2] = np.linalg.norm(load, axis=1)[:, None] * nominal_of(flank)
+    fixed[:, line, ::2] = np.linalg.norm(load, axis=1)[:, None] * nominal
     change = groove.patch_self_motion(flank, grid, groove.symmetric_and_antisymmetric_loads(flank, grid, width), width)
     change -= groove.patch_self_motion(flank, grid, (fixed, fixed), width)
     expected = -(1 - 2 * NU) / (8 * np.pi * flank.material.shear_modulus * 3.254e-3)

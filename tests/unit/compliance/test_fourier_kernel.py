@@ -22,13 +22,14 @@ from rollbench.meshes.section import tube_section
 E, NU = 210e9, 0.28
 G = E / (2.0 * (1.0 + NU))
 STEEL = Material(E, NU)
+SCENE = catalogue.scene("lin-case1")
+GEOMETRY = reduce_to_compliance_geometry(SCENE)
 BORE, OUTER = 17.4e-3, 24e-3
 
 
 def tube(elements, rows, length, bore=BORE, outer=OUTER):
-    return fourier.BodyOfRevolution(
-        fourier.tube_grid(np.linspace(bore, outer, elements + 1), np.linspace(0.0, length, rows + 1)), E, NU
-    )
+    grid = fourier.tube_grid(np.linspace(bore, outer, elements + 1), np.linspace(0.0, length, rows + 1))
+    return fourier.BodyOfRevolution(grid, E, NU)
 
 
 def nothing(body, kind=float):
@@ -107,15 +108,14 @@ def test_lame_tube_under_internal_pressure():
 
 def test_torsion_is_exact():
     body = tube(2, 3, 30e-3)
-    r, z = body.grid.r, body.grid.z
     polar = 0.5 * np.pi * (OUTER**4 - BORE**4)
     held, force = nothing(body, bool), nothing(body)
     held[0] = True
     held[..., (0, 2)] = True
-    force[-1, :, 1] = fourier.low_end_mean_motion_matrix(body, 0)[1].reshape(-1, 3)[
-        :, 1
-    ]  # shares in the mean of u_t r over the polar moment
-    np.testing.assert_allclose(solve(body, 0, held, force)[..., 1], r * z / (G * polar), rtol=1e-9, atol=1e-22)
+    twist = fourier.low_end_mean_motion_matrix(body, 0)[1].reshape(-1, 3)
+    force[-1, :, 1] = twist[:, 1]  # shares in the mean of u_t r over the polar moment
+    exact = body.grid.r * body.grid.z / (G * polar)
+    np.testing.assert_allclose(solve(body, 0, held, force)[..., 1], exact, rtol=1e-9, atol=1e-22)
 
 
 @pytest.mark.parametrize("column", [0, -1], ids=["bore", "outside"])
@@ -202,7 +202,7 @@ def harmonic_rows(n, points, weights):
 def test_angles_between_contacts_stand_for_both_sets_of_a_harmonic(resultant):
     """Against the sum over both sets of every harmonic, of matrices made again for motions and loads node by node."""
     rng = np.random.default_rng(11)
-    body = replace(smooth_body(reduce_to_compliance_geometry(catalogue.scene("lin-case1")), True, REFINED), harmonics=4)
+    body = replace(smooth_body(GEOMETRY, True, REFINED), harmonics=4)
     low, high = body.ends
     zone = (0.5 * (low + high) - 10e-3, 0.5 * (low + high) + 10e-3)
     found = compliance_tube.tube_compliance(body, zone)
@@ -222,14 +222,24 @@ BIG = 50e-3
 
 
 @cache
-def own_compliance(width, harmonics=2.6, size=1.0):
+def own_compliance(width):
     """Own compliance of a radial Gaussian patch on the middle of a big shaft."""
-    count, mesh = int(np.ceil(harmonics * BIG / width)), (1.25 * width * size, 0.6 * width * size)
+    count, mesh = int(np.ceil(2.6 * BIG / width)), (1.25 * width, 0.6 * width)
     shaft = compliance_tube.SmoothBody(10e-3, BIG, (-40e-3, 40e-3), "both", BIG, width, count, mesh, STEEL)
     points = compliance_tube.ContactPoints(np.array([0.4]), np.zeros(1), np.array([[[1.0, 0, 0], [0, 0, 1.0]]]))
-    return compliance_tube.contact_compliance(compliance_tube.tube_compliance(shaft, (-5.0 * width, 5.0 * width)), points)[
-        0, 0
-    ]
+    found = compliance_tube.tube_compliance(shaft, (-5.0 * width, 5.0 * width))
+    return compliance_tube.contact_compliance(found, points)[0, 0]
+
+
+def test_turning_all_contacts_changes_nothing():
+    body = replace(smooth_body(GEOMETRY, False, REFINED), harmonics=5)
+    found = compliance_tube.tube_compliance(body, (body.ends[0], body.ends[1]))
+    points = scattered(np.random.default_rng(5), body.ends[0] + 5e-3, body.ends[1] - 5e-3, 4)
+    turned, here = (
+        compliance_tube.contact_compliance(found, compliance_tube.ContactPoints(points.azimuth + by, points.z, points.axes))
+        for by in (1.234, 0.0)
+    )
+    assert relative(turned, here) < 1e-12
 
 
 def test_half_space_limit():
@@ -243,21 +253,12 @@ def test_half_space_limit():
     # harmonic 1 keeps the patch's whole resultant: (width / radius)^2 of its own share
     assert found == pytest.approx(space - curved, rel=1e-3, abs=0.0)
     assert own_compliance(widths[1]) == pytest.approx(half_space_compliance(widths[1], STEEL), rel=0.15, abs=0.0)
-    assert half_space_compliance(1e-3, STEEL) == pytest.approx(
-        (1 - NU**2) / (2 * np.sqrt(np.pi) * E * 1e-3), rel=1e-12, abs=0.0
-    )
-
-
-def test_patch_converges_with_mesh_and_harmonics():
-    width = 3e-3
-    base = own_compliance(width)
-    assert own_compliance(width, size=0.5) == pytest.approx(base, rel=2e-3, abs=0.0)
-    assert own_compliance(width, harmonics=4.0) == pytest.approx(base, rel=1e-4, abs=0.0)
+    closed_form = (1 - NU**2) / (2 * np.sqrt(np.pi) * E * 1e-3)
+    assert half_space_compliance(1e-3, STEEL) == pytest.approx(closed_form, rel=1e-12, abs=0.0)
 
 
 def test_held_faces_mirror():
-    body = smooth_body(reduce_to_compliance_geometry(catalogue.scene("lin-case1")), False, REFINED)
-    low = replace(body, ends=(0.0, 54e-3), held="low", harmonics=6)
+    low = replace(smooth_body(GEOMETRY, False, REFINED), ends=(0.0, 54e-3), held="low", harmonics=6)
     points = scattered(np.random.default_rng(0), 8e-3, 46e-3, 6)
     turned = compliance_tube.ContactPoints(points.azimuth, 54e-3 - points.z, points.axes * np.array([1.0, 1.0, -1.0]))
     one, other, both = (
@@ -270,15 +271,12 @@ def test_held_faces_mirror():
 
 @pytest.mark.parametrize("screw", [False, True], ids=["nut", "screw"])
 def test_compliance_of_a_scene_s_contacts_is_symmetric_and_positive_and_converges(screw):
-    scene = catalogue.scene("lin-case1")
-    geometry = reduce_to_compliance_geometry(scene)
-    x, axes = contact_points_and_axes(scene, ball_layout(scene), screw)
+    x, axes = contact_points_and_axes(SCENE, ball_layout(SCENE), screw)
+    points = compliance_tube.convert_contacts_to_cylindrical(x, axes)
 
     def compliance(**changes):
-        return compliance_tube.contact_compliance(
-            compliance_of_smooth_body(geometry, screw, replace(REFINED, **changes)),
-            compliance_tube.convert_contacts_to_cylindrical(x, axes),
-        )
+        body = compliance_of_smooth_body(GEOMETRY, screw, replace(REFINED, **changes))
+        return compliance_tube.contact_compliance(body, points)
 
     base = compliance()
     assert np.array_equal(base, base.T)
@@ -288,17 +286,6 @@ def test_compliance_of_a_scene_s_contacts_is_symmetric_and_positive_and_converge
     errors = [relative(compliance(mesh=mesh), compliance(mesh=2.0)) for mesh in (1.0, 1.5)]
     assert errors[0] < 2e-3
     assert errors[1] < 0.4 * errors[0]
-
-
-def test_turning_all_contacts_changes_nothing():
-    body = replace(smooth_body(reduce_to_compliance_geometry(catalogue.scene("lin-case1")), False, REFINED), harmonics=5)
-    found = compliance_tube.tube_compliance(body, (body.ends[0], body.ends[1]))
-    points = scattered(np.random.default_rng(5), body.ends[0] + 5e-3, body.ends[1] - 5e-3, 4)
-    turned, here = (
-        compliance_tube.contact_compliance(found, compliance_tube.ContactPoints(points.azimuth + by, points.z, points.axes))
-        for by in (1.234, 0.0)
-    )
-    assert relative(turned, here) < 1e-12
 
 
 def test_line_compliance_is_that_of_the_whole_body():
@@ -322,9 +309,7 @@ def test_line_compliance_is_that_of_the_whole_body():
             dense[np.ix_(free, free)] = np.linalg.inv(K[np.ix_(free, free)])
             rows = np.eye(3 * count)[watched]
             if own_springs:
-                high = np.zeros((2, 3 * count))
-                high[:, -3 * columns :] = fourier.low_end_mean_motion_matrix(body, n)
-                rows = np.concatenate([rows, high])
+                rows = np.concatenate([rows, np.roll(ends, -3 * columns, axis=1)])  # of the high end
             size = np.sqrt(np.diag(S))
             np.testing.assert_allclose(S / size / size[:, None], rows @ dense @ rows.T / size / size[:, None], atol=1e-8)
 
@@ -336,16 +321,10 @@ def far_apart(width, held):
     t = np.array([0.3, 0.3 + np.pi, -1.0])
     x = np.column_stack([15e-3 * np.cos(t), 15e-3 * np.sin(t), z])
     axes = axes_of(np.random.default_rng(8), 3)
-    found = compliance_tube.contact_compliance(
-        compliance_tube.tube_compliance(shaft, (0.14, 0.26)), compliance_tube.convert_contacts_to_cylindrical(x, axes)
-    )
-    beam = compliance_tube.clamped_beam_compliance(
-        compliance_tube.contact_motions_by_rigid_motions(x, axes),
-        np.repeat(z, 2),
-        shaft.ends,
-        "low",
-        tube_section(30e-3, 0.0, STEEL),
-    )
+    points = compliance_tube.convert_contacts_to_cylindrical(x, axes)
+    found = compliance_tube.contact_compliance(compliance_tube.tube_compliance(shaft, (0.14, 0.26)), points)
+    rigid, section = compliance_tube.contact_motions_by_rigid_motions(x, axes), tube_section(30e-3, 0.0, STEEL)
+    beam = compliance_tube.clamped_beam_compliance(rigid, np.repeat(z, 2), shaft.ends, "low", section)
     if held == "section":
         beam = beam + compliance_tube.low_end_spring_compliance(shaft, x, axes)
     return found[:4, 4:], beam[:4, 4:]

@@ -8,25 +8,25 @@ import pytest
 from rollbench.compare.scenes import catalogue
 from rollbench.hifi.shaft.section import stiffness_of_grooved_shaft
 from rollbench.lowfi.compliance import parts, tube
-from rollbench.lowfi.compliance import tube as compliance_tube
 from rollbench.lowfi.compliance.fourier import BodyOfRevolution, tube_grid
 from rollbench.lowfi.compliance.groove import equivalent_cylinder_radius
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.section import screw_section, tube_section
 
 SCENE = catalogue.scene("lin-case1")
+GEOMETRY = parts.reduce_to_compliance_geometry(SCENE)
 MAP, STEEL = GrooveMap.from_scene(SCENE), SCENE.screw.material
-LAND, ROOT = 16e-3, float(compliance_tube.flank_profile_points(GrooveMap.from_scene(SCENE), 16e-3, True, 17)[0][0])
+LAND, ROOT = 16e-3, float(tube.flank_profile_points(MAP, 16e-3, True, 17)[0][0])
 KINDS = {"axial": "EA", "torsion": "GJ", "bending": "EI"}
 
 
 def constants(grid):
     body = BodyOfRevolution(grid, STEEL.youngs_modulus, STEEL.poissons_ratio)
-    return np.array([compliance_tube.half_lead_stiffness(body, kind) * float(grid.z[-1, 0]) for kind in KINDS])
+    return np.array([tube.half_lead_stiffness(body, kind) * float(grid.z[-1, 0]) for kind in KINDS])
 
 
 def of_screw(m=MAP, land=LAND, bore=0.0):
-    return compliance_tube.grooved_beam_section(m, land, bore, True, STEEL)
+    return tube.grooved_beam_section(m, land, bore, True, STEEL)
 
 
 def changed(**track):
@@ -46,17 +46,15 @@ def test_plain_cell_is_exact(bore):
 
 @pytest.mark.parametrize("screw", [True, False], ids=["screw", "nut"])
 def test_refinement(screw):
-    flank = parts.half_groove_of_body(parts.reduce_to_compliance_geometry(SCENE), screw)
+    flank = parts.half_groove_of_body(GEOMETRY, screw)
     meshes = [(4, 3, 4), tube.MESH, (16, 10, 16)]
-    found = [
-        constants(compliance_tube.half_lead_cell_grid(flank.groove_map, flank.land_radius, flank.plain_radius, screw, mesh))
-        for mesh in meshes
-    ]
+    body = flank.groove_map, flank.land_radius, flank.plain_radius, screw
+    found = [constants(tube.half_lead_cell_grid(*body, mesh)) for mesh in meshes]
     np.testing.assert_allclose(found[0], found[2], rtol=5e-3)
     np.testing.assert_allclose(found[1], found[2], rtol=4e-4)
     assert np.all(found[0] >= found[1])
     assert np.all(found[1] >= found[2])
-    section = parts.grooved_section(parts.reduce_to_compliance_geometry(SCENE), screw)
+    section = parts.grooved_section(GEOMETRY, screw)
     np.testing.assert_allclose(of_section(section), found[1], rtol=1e-12)
 
 
@@ -71,15 +69,15 @@ def test_screw_and_nut_between_root_and_land():
     section = of_screw()
     between(section, (2 * ROOT, 0.0), (2 * LAND, 0.0))
     assert ROOT < section.equivalent_radii[0] < LAND
-    volume = equivalent_cylinder_radius(parts.half_groove_of_body(parts.reduce_to_compliance_geometry(SCENE), True), 2)
+    volume = equivalent_cylinder_radius(parts.half_groove_of_body(GEOMETRY, True), 2)
     assert all(ROOT < r < volume for r in section.equivalent_radii)
     assert of_section(section.section)[0] < screw_section(SCENE).EA
     for name, radius in zip(("EA", "EI", "GJ"), section.equivalent_radii, strict=True):
         plain = getattr(tube_section(2 * radius, 0.0, STEEL), name)
         assert plain == pytest.approx(getattr(section.section, name), rel=1e-12)
-    flank = parts.half_groove_of_body(parts.reduce_to_compliance_geometry(SCENE), False)
-    section = compliance_tube.grooved_beam_section(flank.groove_map, flank.land_radius, flank.plain_radius, False, STEEL)
-    root = float(compliance_tube.flank_profile_points(flank.groove_map, flank.land_radius, False, 17)[0][0])
+    flank = parts.half_groove_of_body(GEOMETRY, False)
+    section = tube.grooved_beam_section(flank.groove_map, flank.land_radius, flank.plain_radius, False, STEEL)
+    root = float(tube.flank_profile_points(flank.groove_map, flank.land_radius, False, 17)[0][0])
     between(section, (2 * flank.plain_radius, 2 * root), (2 * flank.plain_radius, 2 * flank.land_radius))
     assert all(flank.land_radius < r < root for r in section.equivalent_radii)
 

@@ -10,37 +10,19 @@ import pytest
 from rollbench.compare import errors
 from rollbench.compare.reference import estimate
 from rollbench.compare.studies.crosscheck import results, study
-from rollbench.compare.studies.crosscheck import study as crosscheck_study
 from rollbench.compare.studies.crosscheck.deck import DeckOptions
 
 DAT = """
  displacements (vx,vy,vz) for set BALL1_WEAK and time  0.1000000E+01
 
      15095  1.828532E-03  8.032547E-04  2.913913E-03
-
-
  statistics for slave set BALL1_SL, master set SCREW_SL_1 and time  0.1000000E+01
-
    total surface force (fx,fy,fz) and moment about the origin (mx,my,mz)
-
     3.000000E+02 -2.012520E-05  4.000000E+02  2.824355E-01 -4.765494E+03 -2.947064E-01
-
-   center of gravity and mean normal
-
-    1.717765E+01 -3.013952E-03  4.186073E+00 -7.079249E-01  1.332013E-04 -7.026675E-01
-
-   moment about the center of gravity(mx,my,mz)
-
-    1.157950E+00 -4.264197E+00 -1.175283E+00
-
    area,  normal force (+ = tension) and shear force (size)
-
     2.115257E-01 -5.167413E+02  2.813703E+00
 """
-CVG = """SUMMARY OF C0NVERGENCE INFORMATION
-  STEP   INC  ATT   ITER     CONT.   RESID.        CORR.      RESID.      CORR.
-                              EL.    FORCE         DISP       FLUX        TEMP.
-                              (#)     (%)           (%)        (%)         (%)
+CVG = """  STEP   INC  ATT   ITER     CONT.   RESID.        CORR.      RESID.      CORR.
      1     1     1     1    70768  0.2964E+06  0.1000E+03  0.0000E+00  0.0000E+00
      1     1     1     2    20299  0.0000E+00  0.1133E-02  0.0000E+00  0.0000E+00
 """
@@ -49,15 +31,18 @@ LIMIT = np.array([[500.0, 0.0, 0.0, 480.0], [250.0, 40.0, 41.0, 260.0]])
 MESH, SOFT, ORDER, LENGTH = 0.05 * LIMIT + 1.0 * (LIMIT > 0.0), -0.004 * LIMIT, 3.0, results.LENGTHS[10]
 
 
+def element_error(b_over_h: float, growth: float):
+    """Relative error of the elements at contacts of one semi-axis."""
+    return results.relative_element_error(np.array(1.0 / (b_over_h * LENGTH)), np.array(growth), ORDER)
+
+
 def a_run(b_over_h: float, growth: float, stiffness: float = 2e17, **changes) -> results.CalculixRun:
     """A run of loads that obey the law of the fit, with contacts of one semi-axis."""
-    e = results.relative_element_error(np.array(1.0 / (b_over_h * LENGTH)), np.array(growth), ORDER)
-    found = LIMIT + MESH * e + SOFT * (2e17 / stiffness)
-    count = int(1000 * b_over_h / growth)
-    meshes = (results.BodyMesh("SCREW", count, 40, 0.2), results.BodyMesh("NUT", 200, 80, 0.1))
-    choices, weak, unbalanced = (b_over_h, growth, stiffness, 1e3, False), 0.005, 1e-4
-    effort = 12, 1e-3, 60.0, "2026-01-01", "CalculiX 2.20"
-    return replace(results.CalculixRun(*choices, 1e-4, "0" * 16, meshes, found, weak, unbalanced, *effort), **changes)
+    found = LIMIT + MESH * element_error(b_over_h, growth) + SOFT * (2e17 / stiffness)
+    nodes = int(1000 * b_over_h / growth)
+    meshes = (results.BodyMesh("SCREW", nodes, 40, 0.2), results.BodyMesh("NUT", 200, 80, 0.1))
+    choices, effort = (b_over_h, growth, stiffness, 1e3, False), (12, 1e-3, 60.0, "2026-01-01", "CalculiX 2.20")
+    return replace(results.CalculixRun(*choices, 1e-4, "0" * 16, meshes, found, 0.005, 1e-4, *effort), **changes)
 
 
 RUNS = tuple(a_run(*mesh) for mesh in ((0.8, 0.6), (1.1, 0.6), (1.5, 0.6), (1.1, 0.8), (1.1, 0.4), (1.1, 0.6, 1e18)))
@@ -65,25 +50,14 @@ RUNS += (a_run(1.5, 0.6, nlgeom=True, load=2.0 * LIMIT),)
 DATA = results.CalculixRunsOfScene("two-balls", "k", "0", "4", RUNS)
 
 
-def ours(loads: list[np.ndarray]) -> estimate.Reference:
-    """A reference of runs with these loads."""
-
-    runs = tuple(SimpleNamespace(level=k, load=x) for k, x in enumerate(loads, start=1))
-    return estimate.Reference("two-balls", runs, loads[-1], np.full((2, 4), 2.0), estimate.MeshUncertainty(1.0))
-
-
 def test_what_calculix_prints_is_read_and_a_deck_known_by_what_it_says():
     forces, moved = study.read_forces_and_displacements(DAT)
     assert forces == {"BALL1_SL": (300.0, -2.01252e-5, 400.0)}
     assert moved == {"BALL1_WEAK": {15095: (1.828532e-3, 8.032547e-4, 2.913913e-3)}}
     assert study.read_iterations_and_correction(CVG) == (2, 1.133e-3)
-    plain, remark, controls = "*NODE\n1, 2\n", "** remark\n*NODE\n1, 2", "*CONTROLS, X\n4, 8\n*NODE\n1, 2\n"
-    assert (
-        study.deck_digest(plain)
-        == study.deck_digest(remark)
-        == study.deck_digest(controls)
-        != study.deck_digest("*NODE\n1, 3\n")
-    )
+    alike = "*NODE\n1, 2\n", "** remark\n*NODE\n1, 2", "*CONTROLS, X\n4, 8\n*NODE\n1, 2\n"
+    assert len({study.deck_digest(text) for text in alike}) == 1
+    assert study.deck_digest(alike[0]) != study.deck_digest("*NODE\n1, 3\n")
 
 
 def test_loads_that_obey_the_law_are_extrapolated_exactly():
@@ -91,9 +65,7 @@ def test_loads_that_obey_the_law_are_extrapolated_exactly():
     found = results.extrapolate_calculix_loads([replace(r, load=np.where(r.load > 0.0, r.load[0, 0], 0.0)) for r in RUNS])
     assert (found.error_order, found.field_length) == (ORDER, LENGTH)
     np.testing.assert_allclose(found.load, 500.0 * (LIMIT > 0.0), atol=1e-6)
-    finest = min(
-        results.relative_element_error(np.array(1.0 / (r.b_over_h * LENGTH)), np.array(r.growth), ORDER) for r in RUNS
-    )
+    finest = min(element_error(r.b_over_h, r.growth) for r in RUNS)
     np.testing.assert_allclose(found.uncertainty, 0.1 * 26.0 * finest * (LIMIT > 0.0), atol=1e-5)
     assert (found.element_size_effect[0, 0], found.contact_stiffness_effect[0, 0]) == pytest.approx((26.0 * finest, -2.0))
     assert found.unvaried_options == ()
@@ -164,10 +136,10 @@ def test_results_are_kept_with_all_that_identifies_them(tmp_path):
         assert replace(one, load=0) == replace(two, load=0)
     assert (again.key, again.gmsh, again.runs[0].nodes) == ("k", "4", 1533)
     assert results.load_calculix_results(tmp_path, "other") is None
-    plain = json.loads(results.path_of_calculix_results(tmp_path, "two-balls").read_text())
-    bad = {**plain["runs"][0], "load": [1.0]}
-    for broken in ({**plain, "runs": [{}]}, {**plain, "more": 1}, [], {**plain, "runs": [bad]}):
-        results.path_of_calculix_results(tmp_path, "two-balls").write_text(json.dumps(broken))
+    file = results.path_of_calculix_results(tmp_path, "two-balls")
+    plain = json.loads(file.read_text())
+    for broken in ({**plain, "more": 1}, [], {**plain, "runs": [{**plain["runs"][0], "load": [1.0]}]}):
+        file.write_text(json.dumps(broken))
         with pytest.raises(errors.InputError, match="results that rollbench crosscheck wrote"):
             results.load_calculix_results(tmp_path, "two-balls")
 
@@ -176,20 +148,21 @@ def test_rows_compare_limits_in_per_cent_of_the_mean_load():
     assert [r.nodes for r in results.runs_with_common_contact_stiffness(DATA)] == sorted(r.nodes for r in RUNS[:5])
     off = LIMIT.copy()
     off[1, 1] += 5.0
-    rows = results.compare_contact_loads(DATA, ours([off, off, off]))
+    levels = tuple(SimpleNamespace(level=level, load=off) for level in (1, 2, 3))
+    ours = estimate.Reference("two-balls", levels, off, np.full((2, 4), 2.0), estimate.MeshUncertainty(1.0))
+    rows = results.compare_contact_loads(DATA, ours)
     assert len(rows) == 6
     mean = off[off > 0.0].mean()
     worst = next(r for r in rows if (r.ball, r.side) == (2, "SR"))
     assert worst.difference == pytest.approx(100.0 * 5.0 / mean, abs=0.1)
     assert worst.cells()["b/h 0.8, g 0.6"] == pytest.approx(RUNS[0].load[1, 1])
     assert worst.ours_percent == pytest.approx(100.0 * 2.0 / mean)
-    said = results.agreement_sentence("two-balls", rows)
-    assert "NOT within 0.5 %" in said
-    assert "ball 2 SR" in said
-    assert "1 of 6 contacts differ by more" in said  # by 5 N; 2 N are the reference's own uncertainty
-    assert "0 of 6 contacts differ by more" in results.agreement_sentence(
-        "two-balls", [replace(r, ours_percent=2.0) for r in rows]
+    certain, unsure = (
+        results.agreement_sentence("two-balls", x) for x in (rows, [replace(r, ours_percent=2.0) for r in rows])
     )
+    for words in ("NOT within 0.5 %", "ball 2 SR", "1 of 6 contacts"):  # by 5 N; 2 N are the reference's own uncertainty
+        assert words in certain
+    assert "0 of 6 contacts" in unsure
 
 
 @pytest.mark.parametrize("name", study.STUDIES)
@@ -213,13 +186,12 @@ def test_a_study_runs_every_deck(tmp_path, monkeypatch):
         moved = {f"BALL{i}_WEAK": {7: (0.0, 0.0, 0.001)} for i in (1, 2)}
         return study.CalculixResult({n: forces[n.split("_")[1]] for n in names}, moved, 5, 0.01, 1.0, "2026-01-01", "2.20")
 
-    monkeypatch.setattr(crosscheck_study, "solve_deck_or_read_result", solved)
-    monkeypatch.setitem(study.STUDIES, "two-balls", [DeckOptions(0.7, 0.8)])
-    data = study.solve_decks_of_scene(study.scene_compared_with_calculix("two-balls"), tmp_path, print)
-    np.testing.assert_allclose(data.runs[0].load, [[5.0, 1.0, 1.0, 5.0]] * 2, rtol=1e-6)
-    assert (data.runs[0].weak, data.runs[0].unbalanced) == pytest.approx((0.001, 0.0), abs=1e-12)
-    assert [m.name for m in data.runs[0].meshes] == ["SCREW", "NUT", "BALL1", "BALL2"]
-    monkeypatch.setitem(study.STUDIES, "two-balls", [DeckOptions(0.7, 0.8, half=True)])
-    (half,) = study.solve_decks_of_scene(study.scene_compared_with_calculix("two-balls"), tmp_path, print).runs
-    np.testing.assert_allclose(half.load, [[10.0, 2.0, 2.0, 10.0]] * 2, rtol=1e-6)  # both halves
-    assert (half.half, half.weak) == (True, pytest.approx(0.002))
+    monkeypatch.setattr(study, "solve_deck_or_read_result", solved)
+    decks = [DeckOptions(0.7, 0.8, half=half) for half in (False, True)]
+    monkeypatch.setitem(study.STUDIES, "two-balls", decks)
+    runs = study.solve_decks_of_scene(study.scene_compared_with_calculix("two-balls"), tmp_path, print).runs
+    for run, deck, times in zip(runs, decks, (1.0, 2.0), strict=True):  # a half and its mirror image
+        np.testing.assert_allclose(run.load, [[5.0 * times, times, times, 5.0 * times]] * 2, rtol=1e-6)
+        assert (run.half, run.weak) == (deck.half, pytest.approx(0.001 * times))
+        assert [m.name for m in run.meshes] == ["SCREW", "NUT", "BALL1", "BALL2"]
+    assert runs[0].unbalanced == pytest.approx(0.0, abs=1e-12)

@@ -37,11 +37,8 @@ def closing(bearing, angles, loads, force):
     pair, v, size = balls.ball_to_ball_contact, bearing.speed, 1e-5
     maps = np.zeros((8, 3, 6))
     maps[:4, :, :3], maps[4:, :, 3:] = balls.contact_motion_maps / pair.surface_speed_per_unit
-    slide, drives = (
-        np.hstack([pair.first_ball_surface_speeds, -pair.second_ball_surface_speeds])
-        / np.tile(pair.surface_speed_per_unit, 2),
-        balls.imposed_contact_motions.reshape(8, 3) / v,
-    )
+    slide = np.hstack([pair.first_ball_surface_speeds, -pair.second_ball_surface_speeds])
+    slide, drives = slide / np.tile(pair.surface_speed_per_unit, 2), balls.imposed_contact_motions.reshape(8, 3) / v
     push, rub = force * np.array([1.0, 0.0, 0.0, -1.0, 0.0, 0.0]), pair.mu * force
 
     def total(q):
@@ -102,14 +99,7 @@ friction = {{ coefficient = 0.1, balls = {mu_balls} }}
     return str(file)
 
 
-@pytest.mark.parametrize(
-    ("mu_balls", "said"),
-    [
-        (0.1, "a second, jammed state: up to 8.13 N between balls"),
-        (0.02, "no second, jammed state was found"),
-        (0.0, "one only"),
-    ],
-)
+@pytest.mark.parametrize(("mu_balls", "said"), [(0.1, "up to 8.13 N"), (0.02, "no second"), (0.0, "one only")])
 def test_a_typed_chain_says_what_is_known_of_a_jammed_state(mu_balls, said, tmp_path):
     found = solve_friction_of_named_scene(chain_file(tmp_path, mu_balls), FrictionChoices())
     assert found.converged

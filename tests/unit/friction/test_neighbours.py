@@ -68,9 +68,8 @@ def test_balls_apart_move_as_without_neighbours(feedback, apart):
     assert found.neighbour_friction.touching_pair_count == 0
     assert found.neighbour_friction.smallest_gap == pytest.approx(3e-6, rel=0.1)
     assert np.all(found.neighbour_friction.force_on_next_ball == 0.0)
-    assert found.friction_sums.power == pytest.approx(alone.friction_sums.power, rel=apart)
-    assert found.friction_sums.reverse_power == pytest.approx(alone.friction_sums.reverse_power, rel=apart)
-    assert found.friction_sums.axial_load == pytest.approx(alone.friction_sums.axial_load, rel=1e-6)
+    for name, near in (("power", apart), ("reverse_power", apart), ("axial_load", 1e-6)):
+        assert getattr(found.friction_sums, name) == pytest.approx(getattr(alone.friction_sums, name), rel=near)
 
 
 def test_flat_grooves_have_their_long_axis_along_the_path_for_chains_too():
@@ -79,9 +78,8 @@ def test_flat_grooves_have_their_long_axis_along_the_path_for_chains_too():
     scene = replace(scene, screw=replace(scene.screw, groove_radius=flat), nut=replace(scene.nut, groove_radius=flat))
     alone, found = (state(scene, f, TURN) for f in (replace(PUSH, neighbours=False), PUSH))
     assert not alone.contacts.across.all()
-    assert found.ball_friction.force == pytest.approx(
-        alone.ball_friction.force, abs=1e-5 * np.abs(alone.ball_friction.force).max()
-    )
+    force = alone.ball_friction.force
+    assert found.ball_friction.force == pytest.approx(force, abs=1e-5 * np.abs(force).max())
     assert found.ball_friction.orbital_speed == pytest.approx(alone.ball_friction.orbital_speed, rel=1e-6)
 
 

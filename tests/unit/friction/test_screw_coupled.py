@@ -35,13 +35,8 @@ def out_of_balance(pair: Pair, state: chain.CoupledChainSolution) -> float:
 @pytest.mark.parametrize("case", WEDGED)
 def test_wedged_pairs_and_balls_converge_and_are_in_equilibrium(case) -> None:
     force, clearance, theta, mu = case
-    pair = Pair(
-        source_cases.groove_of_table_3_6(mu=mu),
-        tuple(np.radians(theta)),
-        oversize=-clearance,
-        force=(force,),
-        coupling="ball",
-    )
+    groove, deviations = source_cases.groove_of_table_3_6(mu=mu), tuple(np.radians(theta))
+    pair = Pair(groove, deviations, oversize=-clearance, force=(force,), coupling="ball")
     r = solve_pair_of_screw_balls(pair)
     assert r.converged
     assert r.apart.rounds > chain.PATIENCE
@@ -49,7 +44,7 @@ def test_wedged_pairs_and_balls_converge_and_are_in_equilibrium(case) -> None:
     for state in (r.apart, r.touching):
         assert out_of_balance(pair, state) < 1e-8
         assert state.motion.input_power == pytest.approx(state.motion.loss, rel=1e-8)
-    one = ball_cell(pair.groove, np.radians(theta[0]) * np.array(BOTH), -clearance, "z", np.array([force]))
+    one = ball_cell(groove, deviations[0] * np.array(BOTH), -clearance, "z", np.array([force]))
     assert coupled_ball(one, "ball").converged
 
 
@@ -63,11 +58,8 @@ def test_one_system_gives_what_rounds_give(make, coupling: str) -> None:
     cell = pair.balls_with_loads()
     bare = motion.solve_screw_contact_loads(cell)
     held = motion.balls_with_fixed_screw(cell, bare) if coupling == "ball" else cell
-    found = chain.solve_loads_and_motion(
-        held,
-        np.array([0.0, np.inf]),
-        (bare.ball_displacements, bare.inner_body_displacements[: held.external_screw_force.size]),
-    )
+    start = bare.ball_displacements, bare.inner_body_displacements[: held.external_screw_force.size]
+    found = chain.solve_loads_and_motion(held, np.array([0.0, np.inf]), start)
     assert found.reached_full_friction
     friction, pushed = rounds.motion.wrench, rounds.motion.neighbour_forces[:, [0, 2]]
     push, drag = motion.friction_on_balls_and_screw(held, friction, pushed, coupling)  # type: ignore[arg-type]
@@ -84,8 +76,8 @@ def test_random_pairs_converge(coupling: str, count: int) -> None:
     for _ in range(count):
         force, clearance = 10.0 ** rng.uniform(-3.0, 5.0), 10.0 ** rng.uniform(-7.0, -5.0) * rng.choice([1.0, 1.0, -0.3])
         theta, mu = tuple(np.radians(rng.uniform(-5.0, 5.0, 2))), np.exp(rng.uniform(np.log(1e-3), np.log(0.5)))
-        pair = Pair(source_cases.groove_of_table_3_6(mu=mu), theta, oversize=-clearance, force=(force,))
-        pair = replace(pair, coupling=coupling)  # type: ignore[arg-type]
+        groove = source_cases.groove_of_table_3_6(mu=mu)
+        pair = Pair(groove, theta, oversize=-clearance, force=(force,), coupling=coupling)  # type: ignore[arg-type]
         r = solve_pair_of_screw_balls(pair)
         assert r.converged
         assert coupling == "none" or max(out_of_balance(pair, s) for s in (r.apart, r.touching)) < 1e-8
@@ -113,8 +105,8 @@ def test_a_floating_ball_may_wedge_itself() -> None:
     wedged = [s for s in found if s.loads_with_friction.force[1].sum() > 0.1]
     assert wedged
     assert all(s.converged and out_of_balance(pair, s) < 1e-8 for s in found)
-    for s in wedged:
-        assert s.loads_with_friction.force[1].sum() == pytest.approx(wedged[0].loads_with_friction.force[1].sum(), rel=1e-6)
+    loads = [s.loads_with_friction.force[1].sum() for s in wedged]
+    assert loads == pytest.approx([loads[0]] * len(loads), rel=1e-6)
 
 
 def test_a_contact_past_the_apex_keeps_its_sign():

@@ -11,11 +11,12 @@ from rollbench.compare.cases.lin.evidence import source_cases
 from rollbench.lowfi.friction.contact.laws import dissipated_power
 from rollbench.lowfi.friction.screw import run
 from rollbench.lowfi.friction.screw.chain import BalanceSearch, ScrewBallChain, solve_motion_of_chain
-from rollbench.lowfi.friction.screw.groove import SIGN_X, SIGN_Z
-from rollbench.lowfi.friction.screw.motion import contact_ellipses_of_screw, solve_ball_motion, solve_screw_contact_loads
+from rollbench.lowfi.friction.screw.motion import contact_ellipses_of_screw, solve_ball_motion
 
 SCREW = source_cases.groove_of_table_3_6()
 TWO = np.radians(2.0)
+PAIR = source_cases.screw_pair_with_inferred_oversize(TWO)
+BACK = replace(SCREW, nut_speed=-SCREW.nut_speed)
 FLIP = [1, 0, 3, 2]  # SL <-> SR, NL <-> NR
 
 
@@ -51,26 +52,11 @@ def test_pair_in_equilibrium(make, coupling: str) -> None:
         assert np.abs(seen).max() < 1e-7 * t.loads_with_friction.force.sum()
 
 
-def test_radial_part_of_the_ball_force_keeps_its_sign() -> None:
-    """Lin 3.75 calls the force on ball 2 opposite; its radial part is not."""
-    push = SCREW.pair.force_directions
-    assert push[0, 0] == pytest.approx(push[1, 0], rel=1e-13)
-    assert push[0, 0] > 0.1
-    assert push[0, 1:] == pytest.approx(-push[1, 1:], rel=1e-13)
-    assert np.array_equal(SIGN_X * SIGN_Z, [1.0, -1.0, -1.0, 1.0])
-
-
 @pytest.mark.compiles(18)
 def test_swapped_balls() -> None:
     """Half a turn about x3 swaps the balls, left and right, and reverses the motion and the axial force."""
-    one = run.solve_pair_of_screw_balls(source_cases.screw_pair_with_inferred_oversize(TWO))
-    turned = replace(
-        source_cases.screw_pair_with_inferred_oversize(TWO),
-        groove=replace(SCREW, nut_speed=-SCREW.nut_speed),
-        theta=(TWO, 0.0),
-        force=(-50.0,),
-    )
-    two = run.solve_pair_of_screw_balls(turned)
+    one = run.solve_pair_of_screw_balls(PAIR)
+    two = run.solve_pair_of_screw_balls(replace(PAIR, groove=BACK, theta=(TWO, 0.0), force=(-50.0,)))
     assert two.force == pytest.approx(one.force, rel=1e-9)
     assert two.friction_increase == pytest.approx(one.friction_increase, rel=1e-9)
     loss = two.touching.motion.groove_loss[::-1][:, FLIP]
@@ -78,25 +64,12 @@ def test_swapped_balls() -> None:
 
 
 def test_reversed_motion_parts_the_pair() -> None:
-    pair = replace(source_cases.screw_pair_with_inferred_oversize(TWO), groove=replace(SCREW, nut_speed=-SCREW.nut_speed))
-    r = run.solve_pair_of_screw_balls(pair)
+    r = run.solve_pair_of_screw_balls(replace(PAIR, groove=BACK))
     assert r.force == 0.0
     assert r.touching.motion.q[1, 0] > r.touching.motion.q[0, 0]
     assert r.touching.motion.loss == pytest.approx(r.apart.motion.loss, rel=1e-9)
     same = run.solve_pair_of_screw_balls(replace(source_cases.screw_pair_with_inferred_oversize(0.0), coupling="none"))
     assert same.force == pytest.approx(0.0, abs=1e-6)
-
-
-def test_pair_does_not_depend_on_the_start(rng: np.random.Generator) -> None:
-    cell = source_cases.screw_pair_with_inferred_oversize(TWO).balls_with_loads()
-    load = solve_screw_contact_loads(cell)
-    chain = open_chain(SCREW, load.force, load.angle)
-    one = solve_motion_of_chain(chain)
-    for _ in range(5):
-        start = one.q * (1.0 + 0.5 * rng.normal(size=one.q.shape)), rng.uniform(0.0, 5.0, size=2)
-        again = solve_motion_of_chain(chain, start)
-        assert again.converged
-        assert again.ball_force == pytest.approx(one.ball_force, rel=1e-8)
 
 
 def test_frictionless_chain_is_a_constrained_least_dissipation() -> None:
@@ -122,61 +95,43 @@ def test_frictionless_chain_is_a_constrained_least_dissipation() -> None:
         return (np.einsum("kir,kirj->kj", d, maps) * s.speed / s.units).ravel() / r.loss
 
     order = [{"type": "ineq", "fun": lambda x, k=k: x[4 * k + 4] - x[4 * k]} for k in range(2)]
-    best = minimize(
-        loss, s.motions_without_neighbours().ravel(), jac=slope, method="SLSQP", constraints=order, options={"ftol": 1e-14}
-    )
+    start = s.motions_without_neighbours().ravel()
+    best = minimize(loss, start, jac=slope, method="SLSQP", constraints=order, options={"ftol": 1e-14})
     assert best.fun == pytest.approx(1.0, rel=1e-7)
     assert best.x[::4] == pytest.approx(r.q[:, 0] * s.units[0] / s.speed, rel=1e-5)
 
 
-@pytest.mark.parametrize("count", [2, 10, 60, 200])
+def many(name: str, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Contact forces and angles of balls whose angles, or loads too, vary along the chain; some without load."""
+    force, at = np.tile(STATES[name][0], (count, 1)), np.arange(count)[:, None]
+    if name == "four":
+        return force, STATES["four"][1] + np.radians(5.0) * np.sin(at) * np.array(run.BOTH)
+    force *= 1.0 + 0.5 * np.sin(at)
+    force[[10, 11, 12, 20, 21]] = 0.0
+    return force, np.full((count, 4), np.pi / 4) + 0.01 * np.cos(at)
+
+
 @pytest.mark.parametrize("load", [2e-5, 1.0, 2e3])
-def test_chains_converge(count: int, load: float) -> None:
-    force = load * np.tile(STATES["four"][0], (count, 1))
-    theta = np.radians(5.0) * np.sin(np.arange(count))
-    r = solve_motion_of_chain(open_chain(SCREW, force, STATES["four"][1] + theta[:, None] * np.array(run.BOTH)))
+@pytest.mark.parametrize(("name", "count"), [("four", 2), ("four", 10), ("four", 60), ("four", 200), ("two", 30)])
+def test_chains_converge(name: str, count: int, load: float) -> None:
+    """Four contacts; and two with balls without load, as roundness errors make them: some contacts stick there."""
+    force, angle = many(name, count)
+    r = solve_motion_of_chain(open_chain(SCREW, load * force, angle))
     assert r.converged
     assert r.largest_gap_violation < 1e-10 * SCREW.speed
     assert np.all(r.ball_force >= 0.0)
-    rate = np.diff(r.q[:, 0])
-    assert np.max(r.ball_force[:-1] * rate) < 1e-9 * SCREW.speed * load * 100.0
+    assert np.max(r.ball_force[:-1] * np.diff(r.q[:, 0])) < 1e-9 * SCREW.speed * load * 100.0
     assert r.input_power == pytest.approx(r.loss, rel=1e-8)
 
 
-@pytest.mark.parametrize("mu", [0.0, 0.001, 0.5])
-def test_friction_coefficients(mu: float) -> None:
-    r = run.solve_pair_of_screw_balls(
-        replace(source_cases.screw_pair_with_inferred_oversize(TWO), groove=replace(SCREW, mu=mu))
-    )
-    assert r.converged
-    assert r.apart.motion.loss == pytest.approx(
-        mu / 0.1 * run.solve_pair_of_screw_balls(source_cases.screw_pair_with_inferred_oversize(TWO)).apart.motion.loss,
-        rel=1e-8,
-    )
-    assert np.isnan(r.friction_increase) == (mu == 0.0)
-
-
-def test_two_point_chain_with_unloaded_balls_converges() -> None:
-    """Sticking contacts and balls without loads, as roundness errors make them: the stages of the search."""
-    count = 30
-    force = np.tile(STATES["two"][0], (count, 1)) * (1.0 + 0.5 * np.sin(np.arange(count)))[:, None]
-    force[[10, 11, 12, 20, 21]] = 0.0
-    angle = np.full((count, 4), np.pi / 4) + 0.01 * np.cos(np.arange(count))[:, None]
-    r = solve_motion_of_chain(open_chain(SCREW, force, angle))
-    assert r.converged
-    assert r.input_power == pytest.approx(r.loss, rel=1e-8)
-
-
-def test_map_of_the_assumptions() -> None:
-    m = run.results_over_oversize_and_force(
-        source_cases.screw_pair_with_inferred_oversize(TWO), np.array([1.0, 1.7, 2.5]) * 1e-6, np.array([0.0, 50.0])
-    )
+def test_maps_over_the_assumptions_hold_the_pair_whose_losses_grow_with_the_coefficient() -> None:
+    m = run.results_over_oversize_and_force(PAIR, np.array([1.0, 1.7, 2.5]) * 1e-6, np.array([0.0, 50.0]))
     assert m.converged.all()
     assert np.all(np.diff(m.force, axis=0) > 0.0)
     assert np.all(np.diff(m.friction_increase, axis=0)[:, 0] < 0.0)
-    assert m.force[1, 1] == pytest.approx(
-        run.solve_pair_of_screw_balls(source_cases.screw_pair_with_inferred_oversize(TWO)).force, rel=1e-9
-    )
+    one, slippery = (run.solve_pair_of_screw_balls(replace(PAIR, groove=replace(SCREW, mu=mu))) for mu in (0.1, 0.001))
+    assert m.force[1, 1] == pytest.approx(one.force, rel=1e-9)
+    assert slippery.apart.motion.loss == pytest.approx(0.01 * one.apart.motion.loss, rel=1e-8)
 
 
 @pytest.mark.parametrize(
@@ -194,8 +149,15 @@ def test_bad_input(change, match) -> None:
 
 
 def test_the_load_that_a_force_and_its_losses_imply_is_the_one_whose_losses_they_are() -> None:
-    pair = source_cases.screw_pair_with_inferred_oversize(TWO)
     force, load = 3.0, 120.0
-    each = solve_ball_motion(pair.groove, np.full(4, load / 4.0), np.full(4, pair.groove.contact_angle)).motion.loss
-    increase = 0.5 * pair.groove.mu * force * run.pair_sliding_speed(pair) / each
-    assert run.load_implied_by_ball_force(pair, force, increase) == pytest.approx(load, rel=1e-8)
+    each = solve_ball_motion(SCREW, np.full(4, load / 4.0), np.full(4, SCREW.contact_angle)).motion.loss
+    increase = 0.5 * SCREW.mu * force * run.pair_sliding_speed(PAIR) / each
+    assert run.load_implied_by_ball_force(PAIR, force, increase) == pytest.approx(load, rel=1e-8)
+
+
+def test_radial_part_of_the_ball_force_keeps_its_sign() -> None:
+    """Lin 3.75 calls the force on ball 2 opposite; its radial part is not."""
+    push = SCREW.pair.force_directions
+    assert push[0, 0] == pytest.approx(push[1, 0], rel=1e-13)
+    assert push[0, 0] > 0.1
+    assert push[0, 1:] == pytest.approx(-push[1, 1:], rel=1e-13)

@@ -44,6 +44,9 @@ def test_balls_keep_their_order_never_overlap_and_push_only_where_they_touch(nam
     assert r.ball_force.min() >= 0.0
     assert np.max(r.gap[r.presses_on_next]) < 1e-10
     assert np.abs(r.imbalance).max() < 1e-8
+    loaded = np.array([run.fold_into_track(a, n)[1] for a, n in zip(r.azimuth, r.nut_angle, strict=True)])
+    assert np.array_equal(r.load.sum(axis=2) > 0.0, loaded), "balls in the tube bear no load"
+    assert (0.0 < np.mean(~loaded) < 0.1) == (name == "tube")
 
 
 def test_without_deviation_nothing_touches() -> None:
@@ -55,14 +58,13 @@ def test_without_deviation_nothing_touches() -> None:
 
 def test_free_balls_follow_their_speeds() -> None:
     """While nothing touches, each ball's azimuth is the integral of its own speed over theta: separate quadrature."""
-    run = simulation_inputs_of_section_3_4_4(amplitude=np.radians(0.5), steps=400, duration=0.4)
-    r = screw_run.simulate_equal_steps(run)
+    r = result(amplitude=np.radians(0.5), steps=400, duration=0.4)
+    run = r.setting
     assert not r.presses_on_next.any()
     turned, loads = np.radians(np.linspace(-0.5, 0.5, 9)), np.median(r.load.reshape(-1, 4), axis=0)
     angles = run.groove.contact_angle + turned[:, None] * np.array(run.pattern)
-    speed = CubicSpline(
-        turned, [solve_ball_motion(run.groove, loads, angle).motion.unknown_velocities[0] for angle in angles]
-    )
+    orbits = [solve_ball_motion(run.groove, loads, angle).motion.unknown_velocities[0] for angle in angles]
+    speed = CubicSpline(turned, orbits)
     azimuth, h = r.azimuth[0].copy(), run.duration / run.steps
     for _ in range(run.steps - 1):
         half = azimuth + 0.5 * h * speed(screw_run.contact_angle_deviation(run, azimuth))
@@ -90,14 +92,6 @@ def test_recirculation_folds_balls_into_the_nut() -> None:
     assert cell.interference[4].max() < -1e-4
 
 
-def test_balls_in_the_tube_bear_no_load() -> None:
-    r = result(**CASES["tube"])
-    idle = r.load.sum(axis=2) == 0.0
-    assert 0 < idle.sum() < 0.1 * idle.size
-    _, loaded = zip(*(r.setting.fold_into_track(a, n) for a, n in zip(r.azimuth, r.nut_angle, strict=True)), strict=True)
-    assert np.array_equal(~np.array(loaded), idle)
-
-
 def test_axial_force_is_carried() -> None:
     r = result()
     g = r.setting.groove
@@ -108,9 +102,8 @@ def test_axial_force_is_carried() -> None:
 
 def test_reversed_motion_and_mirrored_pattern() -> None:
     """Half a turn about x swaps left and right, order and direction: the same torque."""
-    run = simulation_inputs_of_section_3_4_4(steps=40, duration=0.4)
-    one = screw_run.simulate_equal_steps(run)
-    g = run.groove
+    one = result(steps=40, duration=0.4)
+    run, g = one.setting, one.setting.groove
     back = replace(run, groove=replace(g, nut_speed=-g.nut_speed), force=(-1500.0,), amplitude=-run.amplitude)
     two = screw_run.simulate_equal_steps(back)
     assert one.presses_on_next.any()

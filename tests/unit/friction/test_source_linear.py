@@ -1,6 +1,7 @@
 """The source's root finding for balls of a linear bearing: our answers where it succeeds, and its faults."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -14,6 +15,24 @@ BEARING = replace(source_cases.linear_ball_pair_scene().bearing, mu_balls=0.08)
 CASE = (np.radians(2.0), -0.6, 100.0)
 
 
+@cache
+def ours():
+    """The case by our method."""
+    return linear_chain.solve_pair_of_linear_balls(BEARING, *CASE)
+
+
+def by_root(sharpness):
+    """The case by the source's method, with Coulomb's law or a sigmoid."""
+    law = chain.linear_bearing_friction_law(BEARING, sharpness)
+    return chain.solve_linear_pair_by_root(BEARING, *CASE, law=law)
+
+
+def both(angles, loads):
+    """A chain by our method and by the source's."""
+    prepared = linear_chain.prepare_linear_chain(BEARING, angles, loads)
+    return linear_chain.solve_linear_chain(prepared), chain.solve_linear_bearing_by_root(BEARING, angles, loads)
+
+
 def state(theta, rho):
     """Contact angles and loads of balls with the given deviations [deg] and side force ratios."""
     angles = BEARING.contact_angle + contact_angle_deviations(np.radians(theta))
@@ -22,41 +41,31 @@ def state(theta, rho):
 
 @pytest.mark.parametrize("sharpness", [None, 100.0])
 def test_pair_is_ours(sharpness):
-    ours = linear_chain.solve_pair_of_linear_balls(BEARING, *CASE)
-    found = chain.solve_linear_pair_by_root(BEARING, *CASE, law=chain.linear_bearing_friction_law(BEARING, sharpness))
+    found, touching = by_root(sharpness), ours().touching
     assert found.status == "exact"
-    assert found.ball_force[0] == pytest.approx(ours.ball_to_ball_force, rel=1e-9)
-    np.testing.assert_allclose(found.motions_without_ball_forces[:, 0], ours.apart.velocity, rtol=1e-10)
-    np.testing.assert_allclose(found.ball_motions[:, 0], ours.touching.velocity, rtol=1e-10)
-    np.testing.assert_allclose(found.ball_motions[:, 1:], ours.touching.rotation, atol=1e-8)
-    assert found.loss == pytest.approx(ours.touching.loss, rel=1e-9)
-    np.testing.assert_allclose(found.groove_loss, ours.touching.groove_loss, rtol=1e-8)
+    assert found.ball_force[0] == pytest.approx(ours().ball_to_ball_force, rel=1e-9)
+    np.testing.assert_allclose(found.motions_without_ball_forces[:, 0], ours().apart.velocity, rtol=1e-10)
+    np.testing.assert_allclose(found.ball_motions[:, 0], touching.velocity, rtol=1e-10)
+    np.testing.assert_allclose(found.ball_motions[:, 1:], touching.rotation, atol=1e-8)
+    assert found.loss == pytest.approx(touching.loss, rel=1e-9)
+    np.testing.assert_allclose(found.groove_loss, touching.groove_loss, rtol=1e-8)
 
 
 def test_answer_goes_to_ours_as_the_sigmoid_sharpens():
     """Friction lacks the part 1 - tanh(k_S / 2) about the reference spin: so does the force, within a small factor."""
-    ours = linear_chain.solve_pair_of_linear_balls(BEARING, *CASE).ball_to_ball_force
     for k in (6.0, 9.0, 12.0, 15.0):
         lacking = 1.0 - np.tanh(0.5 * k)
-        off = abs(
-            chain.solve_linear_pair_by_root(BEARING, *CASE, law=chain.linear_bearing_friction_law(BEARING, k)).ball_force[0]
-            / ours
-            - 1.0
-        )
+        off = abs(by_root(k).ball_force[0] / ours().ball_to_ball_force - 1.0)
         assert 0.2 * lacking < off < 3.0 * lacking
 
 
 def test_chain_is_ours_where_the_rule_for_contact_holds():
     """Each ball faster than the next: all touch."""
-    angles, loads = state([2.5, 2.0, 1.0, 1.5, 2.5], [-0.5, -0.3, 0.1, 0.3, 0.5])
-    ours, found = (
-        linear_chain.solve_linear_chain(linear_chain.prepare_linear_chain(BEARING, angles, loads)),
-        chain.solve_linear_bearing_by_root(BEARING, angles, loads),
-    )
+    right, found = both(*state([2.5, 2.0, 1.0, 1.5, 2.5], [-0.5, -0.3, 0.1, 0.3, 0.5]))
     assert found.status == "exact"
-    assert np.all(ours.ball_force > 0.0)
-    np.testing.assert_allclose(found.ball_force, ours.ball_force, rtol=1e-8)
-    np.testing.assert_allclose(found.ball_loss, ours.ball_loss, rtol=1e-8)
+    assert np.all(right.ball_force > 0.0)
+    np.testing.assert_allclose(found.ball_force, right.ball_force, rtol=1e-8)
+    np.testing.assert_allclose(found.ball_loss, right.ball_loss, rtol=1e-8)
     assert found.largest_residual < 1e-10
 
 
@@ -73,37 +82,16 @@ def test_balls_that_part_or_are_out_of_reach_stay_apart():
 
 def test_rule_for_contact_lets_balls_overlap():
     """The first is slower than the second, but not than the second held up by the third: 3.31 does not see that."""
-    angles, loads = state([2.0, 2.5, 2.0], [-0.1, -0.2, 0.6])
-    ours, found = (
-        linear_chain.solve_linear_chain(linear_chain.prepare_linear_chain(BEARING, angles, loads)),
-        chain.solve_linear_bearing_by_root(BEARING, angles, loads),
-    )
+    right, found = both(*state([2.0, 2.5, 2.0], [-0.1, -0.2, 0.6]))
     assert found.motions_without_ball_forces[0, 0] < found.motions_without_ball_forces[1, 0]
     assert found.ball_motions[0, 0] > found.ball_motions[1, 0] * (1.0 + 1e-4)
     assert found.status == "overlapping"
     assert found.ball_force[0] == 0.0
-    assert ours.ball_force[0] > 0.1
-    assert np.all(np.diff(ours.velocity) > -1e-9 * BEARING.speed)
+    assert right.ball_force[0] > 0.1
+    assert np.all(np.diff(right.velocity) > -1e-9 * BEARING.speed)
 
 
 def test_failure_is_a_status():
     """All but two contacts unloaded, one rests under Coulomb's law: there is no root to find."""
     state_2p = linear_chain.pair_angles_and_loads(BEARING, np.radians(2.0), -1.0 + 1e-6, 100.0, loads="elastic")
     assert chain.solve_linear_bearing_by_root(BEARING, *state_2p).status == "failed"
-
-
-def test_start_does_not_change_a_root():
-    balls, reach = chain.balls_of_linear_bearing(BEARING, *state([2.0, 2.0], [-0.6, 0.6])), np.array([True])
-    first = chain.solve_motions_of_balls_by_root(balls, chain.linear_bearing_friction_law(BEARING), reach)
-    close = first.ball_motions, first.ball_force
-    for start, touching in (
-        (first.motions_without_ball_forces, None),
-        (None, close),
-        (first.motions_without_ball_forces, close),
-    ):
-        again = chain.solve_motions_of_balls_by_root(
-            balls, chain.linear_bearing_friction_law(BEARING), reach, start, touching
-        )
-        assert again.status == "exact"
-        assert again.calls < first.calls - 3
-        np.testing.assert_allclose(again.ball_force, first.ball_force, rtol=1e-9)

@@ -11,6 +11,7 @@ from rollbench.lowfi.friction.screw.motion import lin_sigmoid_law, solve_screw_c
 from rollbench.lowfi.friction.screw.run import Run, simulate_equal_steps, solve_pair_of_screw_balls
 
 TWO = np.radians(2.0)
+PAIR, PRINTED = source_cases.screw_pair_with_inferred_oversize(TWO), source_cases.screw_pair_as_printed(TWO)
 
 
 def few_balls(count=6, steps=40) -> Run:
@@ -20,14 +21,7 @@ def few_balls(count=6, steps=40) -> Run:
     return replace(base, count=count, turns=turns, force=(1500.0 * count / 37,), steps=steps, duration=0.01 * steps)
 
 
-@pytest.mark.parametrize(
-    "pair",
-    [
-        source_cases.screw_pair_with_inferred_oversize(TWO),
-        source_cases.screw_pair_as_printed(TWO),
-        replace(source_cases.screw_pair_as_printed(TWO), free="zr", force=(30.0, 20.0)),
-    ],
-)
+@pytest.mark.parametrize("pair", [PAIR, PRINTED, replace(PRINTED, free="zr", force=(30.0, 20.0))])
 def test_loads_are_ours(pair):
     cell = pair.balls_with_loads()
     ours, found = solve_screw_contact_loads(cell), screw.solve_contact_loads_by_root(cell)
@@ -38,11 +32,9 @@ def test_loads_are_ours(pair):
 
 
 def test_loads_that_are_not_found_are_not_converged():
-    cell = source_cases.screw_pair_as_printed(TWO).balls_with_loads()
+    cell = PRINTED.balls_with_loads()
     away = screw.starting_positions(cell)
-    lost = screw.BallPositions(
-        away.ball_displacements, away.contact_angles, -away.screw_displacements
-    )  # off the flanks: nothing has stiffness
+    lost = replace(away, screw_displacements=-away.screw_displacements)  # off the flanks: nothing has stiffness
     assert not screw.solve_contact_loads_by_root(cell, lost).converged
 
 
@@ -59,14 +51,10 @@ def test_pair_at_given_loads_is_ours(theta):
 
 def test_pair_goes_to_ours_as_the_sigmoid_sharpens():
     """Contacts spin with about four times the reference: friction lacks 1 - tanh(2 k_S), the force about as much."""
-    ours = solve_pair_of_screw_balls(source_cases.screw_pair_with_inferred_oversize(TWO)).force
+    ours = solve_pair_of_screw_balls(PAIR).force
     for k in (1.0, 1.5, 2.0, 3.0):
-        law, lacking = lin_sigmoid_law(source_cases.groove_of_table_3_6(), k), 1.0 - np.tanh(2.0 * k)
-        off = abs(
-            screw.solve_screw_pair_by_root(source_cases.screw_pair_with_inferred_oversize(TWO), law).motion.ball_force[0]
-            / ours
-            - 1.0
-        )
+        law, lacking = lin_sigmoid_law(PAIR.groove, k), 1.0 - np.tanh(2.0 * k)
+        off = abs(screw.solve_screw_pair_by_root(PAIR, law).motion.ball_force[0] / ours - 1.0)
         assert 0.5 * lacking < off < 1.5 * lacking
 
 
@@ -75,12 +63,8 @@ def test_coupled_pair_has_ours_as_a_root(theta):
     """Ten equations a ball and one of contact hold where loads and friction agree by our own way (3.71, 3.75-3.77)."""
     pair = source_cases.screw_pair_as_printed(np.radians(theta))
     ours = solve_pair_of_screw_balls(pair)
-    found = screw.solve_screw_pair_by_root(
-        pair,
-        None,
-        screw.lin_start_from_rollbench_solution(ours, False),
-        screw.lin_start_from_rollbench_solution(ours, True),
-    )
+    starts = (screw.lin_start_from_rollbench_solution(ours, touching) for touching in (False, True))
+    found = screw.solve_screw_pair_by_root(pair, None, *starts)
     assert found.motion.status == "exact"
     assert found.motion.ball_force[0] == pytest.approx(ours.force, rel=1e-7)
     np.testing.assert_allclose(found.force, ours.touching.loads_with_friction.force, atol=1e-6)

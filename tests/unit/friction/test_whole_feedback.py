@@ -17,9 +17,19 @@ from rollbench.lowfi.friction.whole.torque import axial_forces_and_moments, sum_
 from rollbench.meshes.parts import Friction, Motion
 
 
+def groove_with(mu):
+    return replace(groove_of_table_3_6(), mu=mu, nut_speed=0.0, screw_speed=5.0)
+
+
+def without_friction(groove, oversize, load):
+    """Contacts of one ball at its loads without friction."""
+    bare = coupled_ball(ball_cell(replace(groove, mu=0.0), np.zeros(4), oversize, "z", np.array([load])), "none")
+    return single(bare.load.force[0], bare.load.angle[0], groove)
+
+
 def coupled(mu, load):
     """A ball whose loads know of its friction: contacts, power lost, torque that drives the screw by sums in space."""
-    groove = replace(groove_of_table_3_6(), mu=mu, nut_speed=0.0, screw_speed=5.0)
+    groove = groove_with(mu)
     held = coupled_ball(ball_cell(groove, np.zeros(4), 2e-6, "z", np.array([load])), "ball and screw", fast=False)
     at, scene = single(held.load.force[0], held.load.angle[0], groove), scene_of(groove)
     assert held.converged
@@ -27,19 +37,16 @@ def coupled(mu, load):
     total = found.contact_wrenches(at.normals)
     total[..., :3] -= at.force[..., None] * at.normals
     axial, moment = axial_forces_and_moments(at, total)
-    return found.total_power_lost, float(axial[0, :2].sum()), float(moment[0, :2].sum()), scene, at
+    return found.total_power_lost, float(axial[0, :2].sum()), float(moment[0, :2].sum()), scene
 
 
 def test_torque_by_virtual_work_is_exact_with_feedback_and_of_first_order_without():
     load, ratio, left = 50.0, 20e-3 / (2.0 * np.pi), []
     for mu in (0.01, 0.005, 0.0025):
-        power, axial, moment, scene, _ = coupled(mu, load)
+        power, axial, moment, scene = coupled(mu, load)
         assert axial == pytest.approx(load, rel=1e-8), "on the balls: what the load presses with, friction included"
         assert moment == pytest.approx(power / 5.0 - ratio * load, rel=1e-8), "T Omega + F r Omega = P"
-        bare = coupled_ball(
-            ball_cell(replace(groove_of_table_3_6(), mu=0.0), np.zeros(4), 2e-6, "z", np.array([load])), "none"
-        )
-        at = single(bare.load.force[0], bare.load.angle[0], groove_of_table_3_6())
+        at = without_friction(groove_of_table_3_6(), 2e-6, load)
         first = sum_friction_over_contacts(scene, at, ball_friction(scene, at, Friction(mu, mu), Motion(5.0)), Motion(5.0))
         assert first.axial_load == pytest.approx(load, rel=1e-8)
         left.append(abs(first.driving_torque_on_screw - moment))
@@ -50,16 +57,10 @@ def test_torque_by_virtual_work_is_exact_with_feedback_and_of_first_order_withou
 
 def fed(groove, load, oversize, mu, drive):
     """Feedback on one ball, begun at its loads without friction."""
-    bare = coupled_ball(ball_cell(replace(groove, mu=0.0), np.zeros(4), oversize, "z", np.array([load])), "none")
-    at, scene = single(bare.load.force[0], bare.load.angle[0], groove), scene_of(groove)
+    at, scene, distance = without_friction(groove, oversize, load), scene_of(groove), groove.groove_ball_centre_distance
     turned = replace(at, angle=np.full((1, 4), groove.contact_angle))
-    centre = -groove.groove_ball_centre_distance * turned.normals[..., [0, 2]]
-    place = positions_in_grooves(
-        at,
-        groove.contact_hertz_constants.C[None, :],
-        np.full((1, 4), groove.groove_ball_centre_distance - oversize),
-        centre,
-    )
+    centre, reach = -distance * turned.normals[..., [0, 2]], np.full((1, 4), distance - oversize)
+    place = positions_in_grooves(at, groove.contact_hertz_constants.C[None, :], reach, centre)
     return scene, solve_friction_equilibrium(scene, at, place, Friction(mu, mu), drive)
 
 
@@ -67,7 +68,7 @@ def fed(groove, load, oversize, mu, drive):
 @pytest.mark.parametrize(("oversize", "load"), [(6e-6, 50.0), (2e-6, 50.0), (0.0, 200.0), (-3e-6, 200.0)])
 def test_feedback_on_a_ball_is_that_of_the_coupled_solver(mu, oversize, load):
     """Four flanks, two of them, and a third one that friction makes the ball touch."""
-    groove = replace(groove_of_table_3_6(), mu=mu, nut_speed=0.0, screw_speed=5.0)
+    groove = groove_with(mu)
     expected = coupled_ball(ball_cell(groove, np.zeros(4), oversize, "z", np.array([load])), "ball and screw")
     assert expected.converged
     scene, found = fed(groove, load, oversize, mu, Motion(5.0))
@@ -86,30 +87,21 @@ COUPLED = Friction(0.1, 0.1, (), True)
 @pytest.mark.parametrize("name", [n for n in SCENES if n != "ring"])
 def test_feedback_keeps_loads_balances_and_matters_most_in_two_point_contact(name):
     scene = SCENES[name]()
-    found, t = state(scene, COUPLED), state(scene, COUPLED).friction_sums
+    found = state(scene, COUPLED)
+    t, bare = found.friction_sums, found.sums_without_feedback.friction_torque
     assert found.friction_changes_loads
     assert not found.unsettled_balls
     assert t.axial_load == pytest.approx(scene.loads[0].force[2], rel=1e-5)
     assert t.input_power == pytest.approx(t.power, rel=1e-8)
-    assert found.sums_without_feedback.friction_torque == pytest.approx(
-        state(scene).friction_sums.friction_torque, rel=1e-9
-    )
-    four = name in ("four-point", "left hand", "two starts")
-    assert (
-        0.95 < t.friction_torque / found.sums_without_feedback.friction_torque < 1.2
-        if four
-        else t.friction_torque > 1.3 * found.sums_without_feedback.friction_torque
-    )
+    assert bare == pytest.approx(state(scene).friction_sums.friction_torque, rel=1e-9)
+    least, most = (0.95, 1.2) if name in ("four-point", "left hand", "two starts") else (1.3, np.inf)
+    assert least < t.friction_torque / bare < most
     assert t.forward_torque != t.backward_torque
 
 
-def past_the_apex():
-    """A screw of hardly any contact angle under an axial load: balls climb one side of the groove."""
-    return small_screw(5, 0.9, beta=np.radians(0.001), force=(0.0, 0.0, 300.0))
-
-
 def test_feedback_keeps_the_load_of_contacts_past_the_apex():
-    found = state(past_the_apex(), COUPLED)
+    """A screw of hardly any contact angle under an axial load: balls climb one side of the groove."""
+    found = state(small_screw(5, 0.9, beta=np.radians(0.001), force=(0.0, 0.0, 300.0)), COUPLED)
     assert np.any((found.contacts.angle < -0.05) & (found.contacts.force > 0.0))
     assert not found.unsettled_balls
     assert found.friction_sums.axial_load == pytest.approx(300.0, rel=1e-5)

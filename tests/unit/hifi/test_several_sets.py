@@ -39,15 +39,13 @@ def ball_nut(name, position, offset):
     return RollingSet(name, "ball nut", parts, position, offset=offset)
 
 
+def pulled(at, force=300.0):
+    """Supports and loads of a shaft that is held but for its axis and pulled along it, both at one place."""
+    return {"supports": (Support(at, BUT_UZ),), "loads": (Load(at, (0.0, 0.0, force)),)}
+
+
 #: Two nuts of three balls, 16 mm apart, shifted away from each other; the shaft is loaded and held but for its axis.
-PAIR = Assembly(
-    "pair",
-    "",
-    PARTS.screw,
-    (ball_nut("first", 0.2, -4e-6), ball_nut("second", 0.248, 4e-6)),
-    supports=(Support(0.16, BUT_UZ),),
-    loads=(Load(0.16, (0.0, 0.0, 300.0)),),
-)
+PAIR = Assembly("pair", "", PARTS.screw, (ball_nut("first", 0.2, -4e-6), ball_nut("second", 0.248, 4e-6)), **pulled(0.16))
 ALONE = replace(PAIR, sets=(ball_nut("alone", 0.2, 0.0),))
 ROLLERS = RollerRow(9, 8e-3, 1e-2, 0.3, 0.03, 1e-2, PARTS.nut.material)
 
@@ -57,25 +55,26 @@ def prepared(_one_submodel, tmp_path_factory):
     """Set-ups of an assembly on a coarse mesh; parts that were made are kept."""
     kept, cache = {}, Cache(tmp_path_factory.mktemp("several"))
 
+    def set_up(of_set, expected):
+        parts = of_set.parts_without_errors
+        sides = tuple(sorted({s for side in expected.nearly_touching_flanks() for s in (side, 3 - side)}))
+        if (parts, sides) not in kept:
+            semi, reach = map(settings.round_up_lengths, (expected.typical_semi_axes(), expected.largest_reach()))
+            kept[parts, sides] = mesh_and_condense_geometry(
+                parts, sides, replace(COARSE, semi=semi, reach=reach), cache=cache
+            )
+        return kept[parts, sides]
+
     def set_ups(assembly):
-        setups = []
-        for of_set, found in zip(
-            meshed_geometry_of_each_set(assembly), settings.estimate_contacts_of_each_set(assembly), strict=True
-        ):
-            sides = tuple(sorted({s for side in found.nearly_touching_flanks() for s in (side, 3 - side)}))
-            if (of_set.parts_without_errors, sides) not in kept:
-                sizes = replace(
-                    COARSE,
-                    semi=settings.round_up_lengths(found.typical_semi_axes()),
-                    reach=settings.round_up_lengths(found.largest_reach()),
-                )
-                kept[of_set.parts_without_errors, sides] = mesh_and_condense_geometry(
-                    of_set.parts_without_errors, sides, sizes, cache=cache
-                )
-            setups.append(kept[of_set.parts_without_errors, sides])
-        return setups
+        expected = settings.estimate_contacts_of_each_set(assembly)
+        return list(map(set_up, meshed_geometry_of_each_set(assembly), expected))
 
     return set_ups
+
+
+def assert_loads(found, wanted, close):
+    """Contact forces within a share of the largest."""
+    np.testing.assert_allclose(found, wanted, rtol=0.0, atol=close * wanted.max())
 
 
 @pytest.mark.slow
@@ -83,34 +82,24 @@ def test_each_set_carries_what_it_carries_alone(prepared):
     """Held between the nuts, the shaft is two shafts: each nut has the loads of a scene of one set under its own force."""
     first, _ = meshed_geometry_of_each_set(PAIR)
     middle = first.origin_on_shaft + first.parts_without_errors.screw.length
-    held = replace(PAIR, supports=(Support(middle, BUT_UZ),), loads=(Load(middle, (0.0, 0.0, 300.0)),))
-    setups = prepared(PAIR)
+    held, setups = replace(PAIR, **pulled(middle)), prepared(PAIR)
     found = solve_nuts_on_one_shaft(held, setups)
     assert found.status == "converged"
     assert max(found.unbalanced_ball_force, found.unbalanced_force_along_groove, found.unbalanced_shaft_force) < 1e-9
-    assert found.degree_of_freedom_count == sum(setup.degree_of_freedom_count for setup in setups)
     assert sum(wrench[2] for wrench in found.forces_on_shaft) == pytest.approx(-300.0, rel=1e-9)
     for of_set, setup, balls, wrench in zip(
         meshed_geometry_of_each_set(held), setups, ball_slices_by_set(held), found.forces_on_shaft, strict=True
     ):
-        at = middle - of_set.origin_on_shaft
-        pull = (Load(at, (0.0, 0.0, -wrench[2])),)
-        one = solve_reference(setup, replace(of_set.parts_with_errors, supports=(Support(at, BUT_UZ),), loads=pull))
-        np.testing.assert_allclose(
-            found.contact_loads[balls], one.contact_loads, rtol=0.0, atol=2e-5 * one.contact_loads.max()
-        )
+        alone = replace(of_set.parts_with_errors, **pulled(middle - of_set.origin_on_shaft, -wrench[2]))
+        assert_loads(found.contact_loads[balls], solve_reference(setup, alone).contact_loads, 2e-5)
 
 
 @pytest.mark.slow
 def test_an_assembly_of_one_set_is_the_scene_of_it(prepared):
     (setup,), (of_set,) = prepared(ALONE), meshed_geometry_of_each_set(ALONE)
-    supports, loads = (
-        (Support(0.16 - of_set.origin_on_shaft, BUT_UZ),),
-        (Load(0.16 - of_set.origin_on_shaft, (0.0, 0.0, 300.0)),),
-    )
-    wanted = solve_reference(setup, replace(of_set.parts_with_errors, supports=supports, loads=loads))
-    found = solve_nuts_on_one_shaft(ALONE, [setup])
-    np.testing.assert_allclose(found.contact_loads, wanted.contact_loads, rtol=0.0, atol=1e-12 * wanted.contact_loads.max())
+    scene = replace(of_set.parts_with_errors, **pulled(0.16 - of_set.origin_on_shaft))
+    found, wanted = solve_nuts_on_one_shaft(ALONE, [setup]), solve_reference(setup, scene)
+    assert_loads(found.contact_loads, wanted.contact_loads, 1e-12)
     np.testing.assert_allclose(found.centreline_motion, wanted.centreline_motion, rtol=0.0, atol=1e-15)
 
 
@@ -123,13 +112,11 @@ def test_nuts_on_housings(prepared):
     springs = diagonal_stiffness((1e14,) * 3 + (1e12,) * 3)
     stiff = replace(on, housings=(Housing("carriage", 0.21, stiffness=springs),))
     slides = Housing("carriage", 0.21, fixed=BUT_UZ, force=(0.0, 0.0, -300.0))
-    pulled = replace(on, housings=(slides,), supports=(Support(0.16, (*BUT_UZ, ("uz", 0.0))),), loads=())
-    for case, close in ((stiff, 1e-6), (pulled, 1e-9)):
+    slid = replace(on, housings=(slides,), supports=(Support(0.16, (*BUT_UZ, ("uz", 0.0))),), loads=())
+    for case, close in ((stiff, 1e-6), (slid, 1e-9)):
         found = solve_nuts_on_one_shaft(case, setups)
         assert found.unbalanced_shaft_force < 1e-9
-        np.testing.assert_allclose(
-            found.contact_loads, wanted.contact_loads, rtol=0.0, atol=close * wanted.contact_loads.max()
-        )
+        assert_loads(found.contact_loads, wanted.contact_loads, close)
     assert found.housing_motions[0, 2] == pytest.approx(-wanted.centreline_motion[0, 2], rel=1e-9)
 
 
@@ -156,16 +143,9 @@ def test_half_a_turn_about_a_diameter_changes_nothing_but_names(prepared):
         )
         return replace(s, parts=parts, position=LENGTH - s.position, offset=-s.offset)
 
-    other = replace(
-        PAIR,
-        sets=tuple(map(turned, PAIR.sets)),
-        supports=(Support(LENGTH - 0.16, BUT_UZ),),
-        loads=(Load(LENGTH - 0.16, (0.0, 0.0, -300.0)),),
-    )
-    found, same = (solve_nuts_on_one_shaft(x, prepared(x)) for x in (PAIR, other))
-    np.testing.assert_allclose(
-        found.contact_loads, same.contact_loads[:, [1, 0, 3, 2]], rtol=0.0, atol=2e-3 * found.contact_loads.max()
-    )
+    other = replace(PAIR, sets=tuple(map(turned, PAIR.sets)), **pulled(LENGTH - 0.16, -300.0))
+    found, same = (solve_nuts_on_one_shaft(x, prepared(x)).contact_loads for x in (PAIR, other))
+    assert_loads(same[:, [1, 0, 3, 2]], found, 2e-3)
 
 
 def test_equal_nuts_have_equal_bodies():
@@ -173,9 +153,8 @@ def test_equal_nuts_have_equal_bodies():
     first, second = meshed_geometry_of_each_set(replace(PAIR, supports=(*PAIR.supports, beyond)))
     assert first.parts_without_errors == second.parts_without_errors
     assert second.origin_on_shaft - first.origin_on_shaft == pytest.approx(0.048)
-    assert first.parts_without_errors.screw.length == pytest.approx(
-        0.032 + 2 * 0.008
-    )  # half the way to one another, on both sides
+    length = 0.032 + 2 * 0.008  # half the way to one another, on both sides
+    assert first.parts_without_errors.screw.length == pytest.approx(length)
 
 
 def test_expected_contacts_of_one_set_are_those_of_its_scene():
@@ -186,15 +165,12 @@ def test_expected_contacts_of_one_set_are_those_of_its_scene():
     assert [e.nearly_touching_flanks() for e in pressed] == [(0, 3), (1, 2)]
 
 
-@pytest.mark.parametrize(
-    ("change", "why"),
-    [
+def test_what_has_no_3d_body_is_refused():
+    for change, why in (
         ({"thermal_strain": 1e-5}, "thermal expansion"),
         ({"sets": (ball_nut("a", 0.2, 0.0), ball_nut("b", 0.23, 0.0))}, "a and b overlap by 2 mm"),
         ({"sets": (replace(PAIR.sets[0], carrier="hub"),)}, "first: .* inner ring"),
         ({"sets": (replace(PAIR.sets[0], parts=ROLLERS),)}, "roller bearing"),
-    ],
-)
-def test_what_has_no_3d_body_is_refused(change, why):
-    with pytest.raises(ValueError, match=why):
-        meshed_geometry_of_each_set(replace(PAIR, **change))
+    ):
+        with pytest.raises(ValueError, match=why):
+            meshed_geometry_of_each_set(replace(PAIR, **change))

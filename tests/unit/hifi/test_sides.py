@@ -1,4 +1,6 @@
-"""Patches of one side: right flanks turned from left ones, their own compliance."""
+"""Patches of one side: right flanks turned from left ones, their own compliance, the grid's wave; what condensed bodies
+know of each contact's own approach: contacts by active sets, the fitted law, and the law of the force that takes the place
+of an approach that waves."""
 
 from dataclasses import replace
 from functools import partial
@@ -12,9 +14,11 @@ from tests.two_balls import SMALL, two_balls
 from rollbench.hifi import condensation
 from rollbench.hifi.bodies import grid_wave
 from rollbench.hifi.bodies.coarse import contact_modes_of_patch
+from rollbench.hifi.bodies.grid_wave import POWERS, GapCorrectionTable, fit_smooth_force_law, solve_unilateral_contact
 from rollbench.hifi.bodies.patch import condense_patch
 from rollbench.hifi.elements.forms import normalise_weight_rows
 from rollbench.hifi.meshing.part_meshes import contact_normals_of_patch, mesh_parts, mesh_patch
+from rollbench.meshes.condensed import CondensedBodies
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.sockets import AZIMUTH_TURNED, points_in_box_at_azimuth_zero
@@ -27,26 +31,12 @@ SETTINGS = replace(SMALL, modes=8, ball_modes=12)
 
 @pytest.fixture(scope="module")
 def flanks(_one_submodel):
-    """Left and right flank of screw and nut, each condensed by itself."""
-    return condensed((0, 1, 2, 3), SETTINGS)
-
-
-def condensed(wanted, settings):
-    """Map and meshes of the two balls, and the condensed sides: all four, or the first of those that are wanted."""
+    """Map and meshes of the two balls; left and right flank of screw and nut, each condensed by itself."""
     scene = two_balls()
     m, layout, dims = GrooveMap.from_scene(scene), ball_layout(scene), dimensions_of_3d_parts(scene)
-    meshes = mesh_parts(scene, m, layout, dims, wanted, settings)
-    pick = wanted if len(wanted) == 4 else wanted[:1]
-    return (
-        m,
-        meshes,
-        {
-            s: condensation.condense_patches_of_flank(
-                *condensation.collect_flank_condensation_arguments(scene, m, dims, meshes, s, settings)
-            )
-            for s in pick
-        },
-    )
+    meshes = mesh_parts(scene, m, layout, dims, (0, 1, 2, 3), SETTINGS)
+    given = [condensation.collect_flank_condensation_arguments(scene, m, dims, meshes, s, SETTINGS) for s in range(4)]
+    return m, meshes, [condensation.condense_patches_of_flank(*arguments) for arguments in given]
 
 
 @pytest.mark.parametrize("right", [1, 3])
@@ -56,6 +46,8 @@ def test_a_right_flank_is_the_left_one_turned(flanks, right):
     m, meshes, found = flanks
     assert condensation.is_left_flank_after_half_turn(m, right)
     assert not condensation.is_left_flank_after_half_turn(m, right - 1)
+    wider = replace(m, radius=np.where(np.arange(4) == right, 1.01, 1.0) * m.radius)
+    assert not condensation.is_left_flank_after_half_turn(wider, right)
     mirrored, direct = condensation.turn_patches_to_right_flank(found[right - 1]), found[right]
     body = meshes.screw_mesh if right < 2 else meshes.nut_mesh
     np.testing.assert_array_equal(body.box_faces[right].xi, body.box_faces[right - 1].xi * AZIMUTH_TURNED)
@@ -72,29 +64,18 @@ def test_a_right_flank_is_the_left_one_turned(flanks, right):
     assert relative(found[right - 1].local_compliance, direct.local_compliance) > 1e-2  # not turned, nodes stand for others
 
 
-def test_turning_twice_changes_nothing_and_other_radii_are_not_congruent(flanks):
-    m, _, found = flanks
-    back = condensation.turn_patches_to_right_flank(condensation.turn_patches_to_right_flank(found[0]))
-    np.testing.assert_array_equal(back.local_compliance, found[0].local_compliance)
-    np.testing.assert_array_equal(back.groove_patch.H, found[0].groove_patch.H)
-    np.testing.assert_array_equal(back.ball_patch.S, found[0].ball_patch.S)
-    np.testing.assert_array_equal(back.ball_patch.socket_points, found[0].ball_patch.socket_points)
-    assert not condensation.is_left_flank_after_half_turn(replace(m, radius=m.radius * np.array([1.0, 1.01, 1.0, 1.0])), 1)
-
-
 @pytest.mark.parametrize("part", ["groove_patch", "ball_patch"])
 @pytest.mark.parametrize("count", [3, 8])
 def test_few_modes_keep_the_resultants_of_all_contact_forces(flanks, part, count):
     """Whatever single hats carry: what reaches the socket's nodes through the modes is in equilibrium with it, to
     round-off. Contact forces point at the ball's centre: three modes are enough."""
-    m, _, found = flanks
-    patch = getattr(found[2], part)
+    m, patch = flanks[0], getattr(flanks[2][2], part)
     V, rows = contact_modes_of_patch(patch, count)
     assert V.shape[1] == count
     centre = np.array([m.R, 0.0, 0.0]) if part == "groove_patch" else np.zeros(3)
-    hats = normalise_weight_rows(patch.pressure_weights)
     reached = (V @ rows).reshape(len(V), -1, 3)
-    assert np.abs(reached.sum(axis=1) - hats @ patch.normals).max() < 1e-12
+    forces = normalise_weight_rows(patch.pressure_weights) @ patch.normals
+    assert np.abs(reached.sum(axis=1) - forces).max() < 1e-12
     moments = np.cross(patch.socket_points - centre, reached).sum(axis=1)
     assert np.abs(moments).max() < 1e-12 * m.ball
 
@@ -103,8 +84,7 @@ def test_few_modes_keep_the_resultants_of_all_contact_forces(flanks, part, count
 def test_own_compliance_is_that_of_the_patches_and_what_the_modes_do_not_carry(flanks, side):
     """Symmetric, positive definite. Under one force on all hats it is softer than both condensed patches with their sockets
     held, as modes left out and cells of the submodels add yielding, but far from the whole contact's."""
-    _, _, found = flanks
-    pair = found[side]
+    pair = flanks[2][side]
     np.testing.assert_array_equal(pair.local_compliance, pair.local_compliance.T)
     assert np.linalg.eigvalsh(pair.local_compliance).min() > 0.0
     held = pair.groove_patch.A + pair.ball_patch.A
@@ -118,26 +98,96 @@ def test_the_wave_of_a_grid_is_taken_out_across_and_along(flanks, side):
     changes evenly from cell to cell, is a third. The right flank's wave is the left one's, turned."""
     m, meshes, found = flanks
     body, steel = meshes.screw_mesh if side < 2 else meshes.nut_mesh, two_balls().balls.material
-    mesh = mesh_patch(
-        meshes,
-        body.box_faces[side],
-        partial(points_in_box_at_azimuth_zero, m, meshes.socket_size, side),
-        replace(SETTINGS, b_over_h=1.8),
-    )
+    place = partial(points_in_box_at_azimuth_zero, m, meshes.socket_size, side)
+    mesh = mesh_patch(meshes, body.box_faces[side], place, replace(SETTINGS, b_over_h=1.8))
     normals = contact_normals_of_patch(mesh, np.array([m.R, 0.0, 0.0]))
     groove = condense_patch(mesh, normals, 0.5 * steel.youngs_modulus, steel.poissons_ratio)
     wave = grid_wave.tabulate_gap_corrections(m, side, groove, groove.A, steel)
     loads = grid_wave.forces_resolved_by_grid(m, side, groove, steel, 5)[1:]
     trend = grid_wave.approaches_over_grid_cell(m, side, groove, groove.A, loads, (2, 2))[1]
     places = np.random.default_rng(4).uniform(-0.5, 0.5, (20, 2))
-    approach = np.array(
-        [grid_wave.approaches_at_grid_position(m, side, groove, groove.A, loads, tuple(x))[0] - x @ trend for x in places]
-    )
+    given = m, side, groove, groove.A, loads
+    approach = np.array([grid_wave.approaches_at_grid_position(*given, tuple(x))[0] - x @ trend for x in places])
     centres = wave.middle_node + (places * wave.cell_sizes) @ wave.grid_directions
     taken = np.array([wave.interpolate(np.full(len(places), load), centres) for load in loads]).T
     before, after = ((x / approach.mean(axis=0)).std(axis=0) for x in (approach, approach + taken))
     assert np.linalg.norm(after) < 0.35 * np.linalg.norm(before)
     right = condensation.turn_patches_to_right_flank(replace(found[side], gap_correction=wave)).gap_correction
-    assert right.interpolate(np.full(len(places), loads[0]), centres * [1.0, -1.0, -1.0]) == pytest.approx(
-        taken[:, 0], rel=1e-9
-    )
+    turned = right.interpolate(np.full(len(places), loads[0]), centres * [1.0, -1.0, -1.0])
+    assert turned == pytest.approx(taken[:, 0], rel=1e-9)
+
+
+FORCES = np.geomspace(40.0, 600.0, 16)
+C = 1.4e-7
+LOADS = np.geomspace(20.0, 600.0, 64)
+
+
+def bodies(local):
+    """Two sides of a ring whose own approaches are given."""
+    given = np.array(local), np.tile(FORCES, (len(local), 1)), np.array([C, 2.0 * C])
+    return CondensedBodies("none", 1, np.array([0.0, 3.0]), 0.0, np.eye(2), np.eye(2), np.eye(len(local)), *given)
+
+
+def test_the_law_of_a_side_is_found_again_whatever_the_force_and_scatter_is_a_share_of_the_approach():
+    law = [(-2e-9, 9e-12), (1e-10, -3e-11)]
+    found = bodies([e + h * np.cbrt(FORCES) for e, h in law])
+    for side, expected in zip((0, 3), law, strict=True):
+        assert found.fit_local_approach_over_load(side) == pytest.approx(expected, rel=1e-9)
+        assert found.relative_deviation_of_fit(side) < 1e-12
+    wave = 0.002 * np.where(np.arange(FORCES.size) % 2, 1.0, -1.0) * C * np.cbrt(1.0 / FORCES)
+    found = bodies([-2e-9 + wave, -2e-9 + wave])
+    deviations = [found.relative_deviation_of_fit(side) for side in (0, 3)]
+    assert deviations == pytest.approx([0.002, 0.001], rel=0.05)  # the second side's approach is twice as large
+    e, h = found.fit_local_approach_over_load(0)
+    assert np.abs(e + h * np.cbrt(FORCES) + 2e-9).max() < 0.5 * np.abs(wave).max()
+
+
+def test_contacts_on_springs():
+    """Springs of their own: each carries what the approach closes beyond its gap."""
+    rng = np.random.default_rng(3)
+    springs, gap, close = (rng.uniform(*ends, 40) for ends in ((1e-9, 2e-9), (0.0, 2e-6), (0.9, 1.0)))
+    loads = np.geomspace(1.0, 1e4, 5)
+    found, closed = solve_unilateral_contact(np.diag(springs), gap, close, loads)
+    for load, approach, pairs in zip(loads, found, closed, strict=True):
+        carried = np.maximum(approach * close - gap, 0.0) / springs @ close
+        assert carried == pytest.approx(load, rel=1e-10)
+        np.testing.assert_array_equal(pairs, approach * close > gap)
+    again, same = solve_unilateral_contact(np.diag(springs), gap, close, loads, closed[::-1])
+    assert again == pytest.approx(found, rel=1e-12)
+    np.testing.assert_array_equal(same, closed)
+
+
+def test_the_wave_is_periodic_in_the_place_and_follows_hertz_beyond_its_forces():
+    x, y = np.meshgrid(np.arange(8) / 8, np.arange(12) / 12, indexing="ij")
+    loads = np.geomspace(10.0, 1000.0, 48)
+    table = 1e-9 * (np.cos(2.0 * np.pi * x) + 0.3 * np.sin(2.0 * np.pi * y))[..., None] * np.log(loads / 5.0)
+    directions, cell = np.array([[0.0, 0.6, 0.8], [0.0, -0.8, 0.6]]), np.array([40e-6, 15e-6])
+    wave = GapCorrectionTable(loads, table, cell, np.array([1.0, 2.0, 3.0]), directions)
+    force = np.array([40.0, 40.0, 40.0, 90.0, 0.0])
+    places = np.array([[0.3, 0.1], [7.3, -0.9], [-0.7, 4.1], [0.3, 0.6], [0.3, 0.1]])
+    centres = wave.middle_node + (places * cell) @ directions
+    found = wave.interpolate(force, centres)
+    for k, sign, grown in ((slice(3), 1.0, np.log(8.0)), (slice(3, 4), -1.0, np.log(18.0))):
+        expected = 1e-9 * (np.cos(0.6 * np.pi) + sign * 0.3 * np.sin(0.2 * np.pi)) * grown
+        assert found[k] == pytest.approx(np.full(len(found[k]), expected), abs=4e-3 * 1e-9 * grown)
+    assert found[4] == 0.0
+    off = centres + 3e-3 * np.array([1.0, 0.0, 0.0])  # along the normal: the same place
+    assert wave.interpolate(force, off) == pytest.approx(found, rel=1e-9)
+    far = wave.interpolate(np.array([1.25, 8000.0]), np.tile(wave.middle_node, (2, 1)))
+    assert far == pytest.approx(1e-9 * np.array([np.log(2.0) / 4.0, 4.0 * np.log(200.0)]), rel=1e-9)
+
+
+def law(loads):
+    """Hertz's approach, with some of every power that `fit_smooth_force_law` knows."""
+    parts = zip((0.3, 1.0, 0.02, -0.004), POWERS, strict=True)
+    return 1e-8 * sum(factor * loads ** (2.0 / 3.0 + power) for factor, power in parts)
+
+
+def test_waves_go_and_the_law_stays():
+    """Nodes that the ellipse's edge passes come at equal steps of F^(1/3): of a wave of 0.1 % a twentieth is left."""
+    assert fit_smooth_force_law(LOADS, law(LOADS)) == pytest.approx(law(LOADS), rel=1e-12)
+    wave = 1e-3 * np.sin(2.0 * np.pi * 2.5 * np.cbrt(LOADS))
+    found = fit_smooth_force_law(LOADS, law(LOADS) * (1.0 + wave)) / law(LOADS) - 1.0
+    inner = slice(6, -6)
+    assert np.abs(found[inner]).max() < 5e-5
+    assert np.abs(np.diff(found)[inner]).max() < 0.02 * np.abs(np.diff(wave)).max()

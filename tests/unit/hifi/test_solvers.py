@@ -1,4 +1,7 @@
-"""Solvers against dense algebra, multifrontal elimination against solutions with a stored factor, and refusals."""
+"""Sparse matrices: order and supernodes against the pattern of a dense elimination, solvers against dense algebra,
+multifrontal elimination against solutions with a stored factor, and refusals."""
+
+import signal
 
 import numpy as np
 import pytest
@@ -6,79 +9,12 @@ import scipy.sparse as sp
 from tests.fe_meshes import cube, distorted, freedoms, stiffness
 
 from rollbench.hifi import linear_algebra
-from rollbench.hifi.linear_algebra import (
-    FactorError,
-    compliance_of_load_columns,
-    factorise_positive_definite,
-    symmetric_compliance_of_loads,
-)
+from rollbench.hifi.linear_algebra import FactorError, compliance_of_load_columns, factorise_positive_definite
 
 pytestmark = pytest.mark.xdist_group("solvers")
 
 
-@pytest.fixture(params=["fronts", "splu"])
-def _method(request, monkeypatch):
-    """How matrices of any size are solved."""
-    monkeypatch.setattr(linear_algebra, "SMALL", 0 if request.param == "fronts" else 10**6)
-
-
-@pytest.fixture(scope="module")
-def held():
-    """Stiffness of a cube held on one face."""
-    points, cells = cube("Q2", 3)
-    loose = freedoms(np.flatnonzero(points[:, 2] > 0.0))
-    return stiffness(distorted(points), cells, "Q2", 210e9, 0.3).tocsr()[loose][:, loose].tocsc()
-
-
-def shifted(K):
-    """A matrix with negative eigenvalues."""
-    return K - 0.01 * K.diagonal().max() * sp.identity(K.shape[0])
-
-
-@pytest.mark.usefixtures("_method")
-def test_solution_is_the_dense_one_and_matrices_that_are_not_positive_definite_are_refused(held):
-    K = held
-    rhs = np.random.default_rng(0).standard_normal((K.shape[0], 3))
-    solve = factorise_positive_definite(K)
-    x = solve(rhs)
-    assert np.linalg.norm(K @ x - rhs) < 1e-13 * np.linalg.norm(rhs)
-    np.testing.assert_allclose(x, np.linalg.solve(K.toarray(), rhs), atol=1e-8 * abs(x).max())
-    np.testing.assert_allclose(solve(rhs[:, 1]), x[:, 1], atol=1e-8 * abs(x).max())
-    for bad, why in (
-        (shifted(K), "not positive definite"),
-        (stiffness(*cube("P1", 3), "P1", 210e9, 0.3), r"singular|not positive definite"),
-        (sp.block_diag([K, sp.csc_matrix((3, 3))]), f"diagonal entry {K.shape[0]} is 0"),
-    ):
-        with pytest.raises(FactorError, match=why):
-            factorise_positive_definite(bad)
-
-
-@pytest.mark.parametrize("small", [0, 3_000])
-@pytest.mark.parametrize("columns", [1, 40])
-def test_gram_is_dense_algebra(held, small, columns, monkeypatch):
-    monkeypatch.setattr(linear_algebra, "SMALL", small)
-    B = sp.random(held.shape[0], columns, 0.05, random_state=1, format="csc")
-    exact = B.T @ np.linalg.solve(held.toarray(), B.toarray())
-    with monkeypatch.context() as patch:
-        if small == 0:
-            patch.setattr(linear_algebra, "factorise_positive_definite", None)  # front by front no factor is held
-        np.testing.assert_allclose(compliance_of_load_columns(held, B), exact, atol=1e-12 * abs(exact).max())
-    with pytest.raises(FactorError, match="not positive definite"):
-        compliance_of_load_columns(shifted(held), B)
-
-
-@pytest.mark.parametrize("count", [3, 12])
-def test_compliance_is_dense_algebra_and_needs_a_held_body(held, count):
-    rows = sp.random(count, held.shape[0], 0.05, random_state=2, format="csr")
-    exact = rows @ np.linalg.solve(held.toarray(), rows.toarray().T)
-    np.testing.assert_allclose(symmetric_compliance_of_loads(held, rows), exact, atol=1e-12 * abs(exact).max())
-    assert symmetric_compliance_of_loads(held, rows[:0]).shape == (0, 0)
-    free = stiffness(*cube("P1", 3), "P1", 210e9, 0.3)
-    with pytest.raises(FactorError, match=r"singular|not positive definite"):
-        symmetric_compliance_of_loads(free, sp.random(count, free.shape[0], 0.05, random_state=2, format="csr"))
-
-
-def body(count, held=0.1):
+def springs(count: int, held: float = 0.1) -> sp.csc_matrix:
     """Stiffness of a grid of count^3 nodes with three freedoms each, coupled, on soft ground."""
     links = sp.diags([-np.ones(count - 1), np.ones(count - 1)], [0, 1], shape=(count - 1, count))
     chain = links.T @ links
@@ -87,8 +23,38 @@ def body(count, held=0.1):
     return sp.csc_matrix(sp.kron(grid, coupled) + held * sp.identity(3 * count**3))
 
 
-def loads(size, columns):
-    return sp.random(size, columns, 0.01, random_state=3, format="csc")
+def loads(size: int, columns: int, density: float = 0.05) -> sp.csc_matrix:
+    return sp.random(size, columns, density, random_state=1, format="csc")
+
+
+def body(kind: str) -> sp.csc_matrix:
+    """Stiffness of a cube with curved sides, held on one face."""
+    points, cells = cube(kind, 3)
+    loose = freedoms(np.flatnonzero(points[:, 2] > 0.0))
+    return stiffness(distorted(points), cells, kind, 210e9, 0.3).tocsr()[loose][:, loose].tocsc()
+
+
+@pytest.fixture(scope="module")
+def held():
+    return body("Q2")
+
+
+@pytest.fixture(scope="module")
+def refused(held):
+    """Matrices that are not positive definite, and why: negative eigenvalues, a free body, nodes without a cell."""
+    below = held - 0.01 * held.diagonal().max() * sp.identity(held.shape[0])
+    return (
+        (below, "not positive definite"),
+        (stiffness(*cube("P1", 3), "P1", 210e9, 0.3), r"singular|not positive definite"),
+        (sp.block_diag([held, sp.csc_matrix((3, 3))]), f"diagonal entry {held.shape[0]} is 0"),
+        (springs(5, 0.0), r"singular|not positive definite"),
+    )
+
+
+@pytest.fixture(params=["fronts", "splu"])
+def _method(request, monkeypatch):
+    """How matrices of any size are solved."""
+    monkeypatch.setattr(linear_algebra, "SMALL", 0 if request.param == "fronts" else 10**6)
 
 
 @pytest.fixture
@@ -96,11 +62,86 @@ def _streamed(monkeypatch):
     monkeypatch.setattr(linear_algebra, "SMALL", 0)
 
 
+def filled(K: sp.csc_matrix, order: np.ndarray) -> np.ndarray:
+    """Which entries of the Cholesky factor of a matrix in that order are not zero, by eliminating one after the other."""
+    pattern = K[order][:, order].toarray() != 0.0
+    for k in range(len(pattern)):
+        below = k + 1 + np.flatnonzero(pattern[k + 1 :, k])
+        pattern[np.ix_(below, below)] = True
+    return np.tril(pattern)
+
+
+APART = sp.csc_matrix(sp.block_diag([springs(3), springs(4), sp.identity(3)]))
+
+
+@pytest.mark.usefixtures("_streamed")
+@pytest.mark.parametrize("leaf", [1, 6, 32])
+@pytest.mark.parametrize("matrix", [springs(5), body("P2"), APART], ids=["grid", "body", "two bodies and a node"])
+def test_supernodes_of_any_size_solve_and_hold_little_more_than_the_factor(matrix, leaf, monkeypatch):
+    """The factor's size is that of the dense elimination in this order, and somewhat more by blocks; it solves."""
+    monkeypatch.setattr(linear_algebra, "LEAF", leaf)
+    nodes = linear_algebra.find_elimination_order(matrix)
+    rows, columns = np.diff(nodes.row_starts), np.diff(nodes.first_columns)
+    held = (columns * (rows - columns) + columns * (columns + 1) // 2).sum()
+    least = filled(matrix, nodes.elimination_order).sum()
+    assert least <= held <= {1: 1.05, 6: 1.8, 32: 3.0}[leaf] * least
+    rhs = np.random.default_rng(0).standard_normal(matrix.shape[0])
+    assert np.linalg.norm(matrix @ factorise_positive_definite(matrix)(rhs) - rhs) < 1e-12 * np.linalg.norm(rhs)
+
+
+@pytest.mark.skipif(not hasattr(signal, "pthread_sigmask"), reason="signals of POSIX")
+def test_term_during_the_ordering_ends_as_elsewhere(monkeypatch) -> None:
+    """METIS turns SIGTERM into an error of its own and leaves it blocked."""
+
+    def blocked():
+        signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGTERM})
+        raise RuntimeError("Caught an unknown exception!")
+
+    answers = iter([blocked, lambda: (np.arange(125), np.arange(125))])
+    monkeypatch.setattr("pymetis.nested_dissection", lambda *_, **__: next(answers)())
+    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            linear_algebra.find_elimination_order(springs(5))
+    finally:
+        signal.signal(signal.SIGTERM, before)
+        assert signal.SIGTERM not in signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGTERM})
+
+
+@pytest.mark.usefixtures("_method")
+def test_solution_is_the_dense_one_and_matrices_that_are_not_positive_definite_are_refused(held, refused):
+    rhs = np.random.default_rng(0).standard_normal((held.shape[0], 3))
+    solve = factorise_positive_definite(held)
+    x = solve(rhs)
+    assert np.linalg.norm(held @ x - rhs) < 1e-13 * np.linalg.norm(rhs)
+    np.testing.assert_allclose(x, np.linalg.solve(held.toarray(), rhs), atol=1e-8 * abs(x).max())
+    np.testing.assert_allclose(solve(rhs[:, 1]), x[:, 1], atol=1e-8 * abs(x).max())
+    for bad, why in refused:
+        with pytest.raises(FactorError, match=why):
+            factorise_positive_definite(bad)
+
+
+@pytest.mark.usefixtures("_method")
+@pytest.mark.parametrize("columns", [1, 12, 40])
+def test_compliance_of_loads_is_dense_algebra_and_needs_a_held_body(held, refused, columns, monkeypatch):
+    B = loads(held.shape[0], columns)
+    exact = B.T @ np.linalg.solve(held.toarray(), B.toarray())
+    with monkeypatch.context() as patch:
+        if linear_algebra.SMALL == 0:
+            patch.setattr(linear_algebra, "factorise_positive_definite", None)  # front by front no factor is held
+        found = compliance_of_load_columns(held, B), linear_algebra.symmetric_compliance_of_loads(held, B.T)
+    np.testing.assert_allclose(found, [exact, exact], atol=1e-12 * abs(exact).max())
+    assert linear_algebra.symmetric_compliance_of_loads(held, B.T[:0]).shape == (0, 0)
+    for bad, why in refused:
+        with pytest.raises(FactorError, match=why):
+            compliance_of_load_columns(bad, loads(bad.shape[0], columns))
+
+
 @pytest.mark.usefixtures("_streamed")
 @pytest.mark.parametrize("seed", [5, 9])
 def test_round_off_on_one_side_of_the_diagonal_goes_nowhere_else(seed):
     """Entries of products C^T K C cancel to zero on one side and to round-off on the other, where they have no row."""
-    K, B = body(6), loads(648, 40)
+    K, B = springs(6), loads(648, 40, 0.01)
     expected = compliance_of_load_columns(K, B)
     row, column = np.random.default_rng(seed).integers(648, size=(2, 4))
     one_sided = sp.csc_matrix((np.full(4, 1e-17), (row, column)), shape=K.shape)
@@ -108,15 +149,8 @@ def test_round_off_on_one_side_of_the_diagonal_goes_nowhere_else(seed):
 
 
 @pytest.mark.usefixtures("_streamed")
-@pytest.mark.parametrize("held", [0.0, -0.5])
-def test_a_body_that_is_not_held_is_refused(held):
-    with pytest.raises(FactorError):
-        compliance_of_load_columns(body(5, held), loads(375, 10))
-
-
-@pytest.mark.usefixtures("_streamed")
 def test_a_known_answer_that_is_missed_is_said_and_a_factor_serves(monkeypatch):
-    K, B = body(5), loads(375, 12)
+    K, B = springs(5), loads(375, 12, 0.01)
     expected = compliance_of_load_columns(K, B)
     real = linear_algebra.compliance_by_elimination
     monkeypatch.setattr(linear_algebra, "compliance_by_elimination", lambda *a: 1.001 * real(*a))

@@ -30,16 +30,13 @@ def ball_sockets(sides, gamma=0.3, phi=0.075, depth=0.9e-3):
 def test_rays_of_a_ball_pass_through_the_groove(side):
     m = groove_map.GrooveMap.from_scene(small_screw(2, hand="left"))
     (socket,) = ball_sockets((side,))
-    xi = np.random.default_rng(0).uniform(
-        [-1, 0, -socket.exact_length_fraction], [1, 1, socket.exact_length_fraction], (50, 3)
-    )
+    corner = np.array([1.0, 1.0, socket.exact_length_fraction])
+    xi = np.random.default_rng(0).uniform(corner * [-1.0, 0.0, -1.0], corner, (50, 3))
     x = points_in_ball_refinement_box(m, socket, xi)
     groove = points_in_box_at_azimuth_zero(m, socket.groove_box_size, side, xi * [1.0, 0.0, 1.0]) - [m.R, 0.0, 0.0]
     assert np.abs(np.cross(x, groove)).max() < 1e-12 * m.ball**2
-    np.testing.assert_allclose(
-        np.linalg.norm(points_in_ball_refinement_box(m, socket, xi * [1.0, 0.0, 1.0]), axis=1), m.ball, rtol=1e-12
-    )
-    bottom = points_in_ball_refinement_box(m, socket, xi * [1.0, 0.0, 1.0] + [0.0, 1.0, 0.0])
+    surface, bottom = (points_in_ball_refinement_box(m, socket, xi * [1.0, 0.0, 1.0] + [0.0, u, 0.0]) for u in (0.0, 1.0))
+    np.testing.assert_allclose(np.linalg.norm(surface, axis=1), m.ball, rtol=1e-12)
     np.testing.assert_allclose(bottom @ contact_frame_vectors(m, side)[0], m.ball - socket.depth, rtol=1e-12)
     top = points_in_ball_refinement_box(m, socket, np.zeros((1, 3)))[0]
     np.testing.assert_allclose(top, m.ball * contact_frame_vectors(m, side)[0], atol=1e-17)
@@ -105,7 +102,6 @@ UNFIT = [
 
 @pytest.mark.parametrize(("sockets", "match"), UNFIT)
 def test_ball_sockets_that_do_not_fit_are_refused(sockets, match):
+    m = groove_map.GrooveMap.from_scene(small_screw(2, beta=np.radians(44.9)))
     with pytest.raises(ValueError, match=match):
-        mesh_ball_with_refinement_boxes(
-            groove_map.GrooveMap.from_scene(small_screw(2, beta=np.radians(44.9))), sockets, 0.5e-3, 1e-3
-        )
+        mesh_ball_with_refinement_boxes(m, sockets, 0.5e-3, 1e-3)

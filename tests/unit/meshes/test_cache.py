@@ -17,7 +17,7 @@ import scipy.sparse as sp
 from skfem import MeshTet, MeshTet2
 
 from rollbench.meshes import cache as module
-from rollbench.meshes.cache import Cache, key_of_result
+from rollbench.meshes.cache import Cache, cached_on_disk, key_of_result
 from rollbench.meshes.files import create_private_folder
 
 
@@ -41,12 +41,6 @@ class Recipe:
 
 RECIPE = Recipe(np.linspace(0.0, 1.0, 3000), Inner("a", np.eye(3)), {"b": 1, "a": 2})
 SPARSE = sp.random(30, 20, 0.2, random_state=1, format="csr")
-
-
-@pytest.fixture
-def _named_sources(monkeypatch):
-    """Sources of a package are told by its name."""
-    monkeypatch.setattr(module, "digest_of_sources", lambda name: f"code of {name}")
 
 
 def never(build):
@@ -105,25 +99,20 @@ def test_a_mesh_comes_back_with_its_names_and_another_class_is_refused(tmp_path:
         Cache(tmp_path).get(float, (1,), Record)
 
 
-@pytest.mark.usefixtures("_named_sources")
-def test_key_covers_builder_class_versions_and_sources(monkeypatch):
-    steel = Inner("steel", np.eye(3))
-    equal = Inner("steel", np.eye(3))
-    assert key_of_result(record, (steel, steel), Record) == key_of_result(record, (steel, equal), Record), (
-        "one part or two like ones"
-    )
-    key = key_of_result(record, (RECIPE,), Record)
-    assert key_of_result(record, (RECIPE,), Record) == key
-    assert key_of_result(numbers, (RECIPE,), Record) != key, "two builders with the same arguments"
-    assert key_of_result(record, (RECIPE, None), Record) != key
-    assert key_of_result(record, (RECIPE,), Inner) != key
-    assert key_of_result(record, ({"a": 1, "b": 3.0},), Record) == key_of_result(record, ({"b": 3, "a": 1},), Record)
+def test_key_covers_builder_arguments_class_versions_and_sources(monkeypatch):
+    steel, equal = (Inner("steel", np.eye(3)) for _ in range(2))
+    same = (((steel, steel), (steel, equal)), (({"a": 1, "b": 3.0},), ({"b": 3, "a": 1},)))
+    for one, other in same:
+        assert key_of_result(record, one, Record) == key_of_result(record, other, Record)
+    given = ((record, (RECIPE,), Record), (numbers, (RECIPE,), Record), (record, (RECIPE, None), Record))
+    keys = {key_of_result(*one) for one in (*given, (record, (RECIPE,), Inner))}
+    assert len(keys) == 4
     told = {"_installed_version": ("gmsh", "scikit-fem", "rollbench"), "digest_of_sources": ("rollbench.meshes", "tests")}
-    real = {of: getattr(module, of) for of in told}
     for of, package in [(of, package) for of, packages in told.items() for package in packages]:
+        real = getattr(module, of)
         with monkeypatch.context() as patch:
-            patch.setattr(module, of, lambda name, p=package, real=real[of]: "0.0" if name == p else real(name))
-            assert key_of_result(record, (RECIPE,), Record) != key
+            patch.setattr(module, of, lambda name, p=package, real=real: "0.0" if name == p else real(name))
+            assert key_of_result(record, (RECIPE,), Record) not in keys
 
 
 def test_a_builder_without_a_name_of_its_own_is_refused(tmp_path: Path):
@@ -142,12 +131,10 @@ def test_sources_of_a_package_are_digested(monkeypatch, tmp_path: Path):
         module.digest_of_sources.cache_clear()
         return module.digest_of_sources("grown")
 
-    first = digest("__init__.py", "x = 1")
-    assert digest("__init__.py", "x = 1", 2.0) == first
-    assert len({first, digest("__init__.py", "x = 2"), digest("more.py", "x = 2"), digest("more.py", "")}) == 4
+    files = ("__init__.py", "x = 1"), ("__init__.py", "x = 2"), ("more.py", "x = 2"), ("more.py", "")
+    assert len({digest(*file) for file in (*files, files[-1])}) == 4
     later = module._BEGAN + 1.0  # changed while running: shared with nobody
     assert digest("more.py", "", later) != digest("more.py", "", later)
-    assert module.digest_of_sources("builtins") == ""
     module.digest_of_sources.cache_clear()
 
 
@@ -160,29 +147,23 @@ def test_a_killed_writer_leaves_nothing_that_is_read(tmp_path: Path, monkeypatch
     built_anew(tmp_path)
 
 
-def compete(folder: str, number: int, queue) -> None:
-    """Write and read the same records as other processes do, again and again."""
-    for turn in range(20):
-        size = 1000 + turn
+def compete(folder: str, number: int) -> None:
+    """Write and read the same records as other processes do, again and again; the first one removes them."""
+    for size in range(1000, 1020):
         found = Cache(Path(folder)).get(numbers, (size,), Record)
-        if not np.array_equal(found.value, np.arange(size)):
-            queue.put(f"{number}: wrong at {turn}")
-        if number == 0:
-            for file in Path(folder).rglob("*.npz"):
-                file.unlink(missing_ok=True)
-    queue.put("done")
+        assert np.array_equal(found.value, np.arange(size))
+        for file in Path(folder).rglob("*.npz") if number == 0 else ():
+            file.unlink(missing_ok=True)
 
 
 def test_writers_at_the_same_time_do_not_disturb_each_other(tmp_path: Path):
     context = multiprocessing.get_context("spawn")
-    queue = context.Queue()
-    workers = [context.Process(target=compete, args=(str(tmp_path), k, queue)) for k in range(2)]
+    workers = [context.Process(target=compete, args=(str(tmp_path), k)) for k in range(2)]
     for worker in workers:
         worker.start()
-    answers = [queue.get(timeout=120) for _ in workers]
     for worker in workers:
-        worker.join(60)
-    assert answers == ["done"] * 2
+        worker.join(120)
+    assert [worker.exitcode for worker in workers] == [0, 0]
 
 
 def test_a_folder_that_cannot_be_written_is_reported_once(tmp_path: Path, capsys):
@@ -289,3 +270,28 @@ def test_those_used_longest_ago_go_first(tmp_path: Path):
         again.get(never(numbers), (1202,), Record)
     store.get(numbers, (5000,), Record)  # more than the cache holds: not kept
     again.get(never(numbers), (1200,), Record)
+
+
+calls: list[int] = []
+
+
+@cached_on_disk(Record)
+def kept(size: int) -> Record:
+    calls.append(size)
+    return Record(size)
+
+
+def test_geometries_are_kept_between_commands_only_when_switched_on_and_but_for_what_is_timed(tmp_path, monkeypatch):
+    monkeypatch.setenv("ROLLBENCH_CACHE", str(tmp_path))
+    assert kept(5) == Record(5)
+    assert not list(tmp_path.iterdir())
+    module.switch_on_geometry_cache()
+    try:
+        assert kept(4) == kept(4) == Record(4)
+        assert calls == [5, 4]
+        with module.without_geometry_cache():
+            kept(4)
+        kept(4)
+        assert calls == [5, 4, 4]
+    finally:
+        module.switch_off_geometry_cache()

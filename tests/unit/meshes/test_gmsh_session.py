@@ -1,9 +1,9 @@
 """A session of gmsh changes nothing of what the process does on signals, and ends whatever happens."""
 
-import os
 import signal
 import subprocess
 import sys
+from contextlib import suppress
 
 import gmsh
 import pytest
@@ -24,37 +24,23 @@ for number in numbers:
     os.kill(os.getpid(), number)
 assert came == 2 * numbers, came
 """
-UNIX = pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="signals of Unix")
 
 
-@UNIX
+@pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="signals of Unix")
 def test_signals_are_handled_as_before_in_a_session_and_after_it():
     """gmsh gives TERM back to the system: a command ended by it neither tidied up nor said so."""
-    assert {"SIGTERM", "SIGHUP"} <= set(RESET)
+    assert {"SIGTERM", "SIGHUP", "SIGPIPE"} <= set(RESET)
     done = subprocess.run([sys.executable, "-P", "-c", PROGRAM], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
 
 
-@UNIX
-def test_a_pipe_that_nobody_reads_is_an_error_in_a_session_too():
-    reads, writes = os.pipe()
-    os.close(reads)
-    with gmsh_session(), pytest.raises(BrokenPipeError):
-        os.write(writes, b"word")
-    os.close(writes)
-
-
 def test_a_session_ends_with_an_error_and_leaves_one_that_runs():
-    def stopped():
-        with gmsh_session({"Mesh.Optimize": 0}):
-            assert gmsh.option.getNumber("Mesh.Optimize") == 0
-            with gmsh_session():
-                pass
-            assert gmsh.isInitialized()
-            raise ValueError("stop")
-
-    with pytest.raises(ValueError, match="stop"):
-        stopped()
+    with suppress(KeyError), gmsh_session({"Mesh.Optimize": 0}):
+        assert gmsh.option.getNumber("Mesh.Optimize") == 0
+        with gmsh_session():
+            pass
+        assert gmsh.isInitialized()
+        raise KeyError
     assert not gmsh.isInitialized()
 
 

@@ -1,4 +1,5 @@
-"""Coarse meshes of screws, nuts and rings: volumes, exact closed surfaces, congruent sockets, any scene."""
+"""Coarse meshes of screws, nuts and rings: volumes, exact closed surfaces, congruent sockets, any scene; a nut's groove
+that ends beyond its loaded balls."""
 
 from dataclasses import replace
 
@@ -8,13 +9,15 @@ from tests.fe_meshes import area_of, outer_faces, volume_of
 from tests.helpers import STEEL, body_specs, small_screw, sockets_of
 
 from rollbench.compare.scenes.catalogue import scene
+from rollbench.meshes import sockets
 from rollbench.meshes.fem import nodes_on_boundaries, scaled_jacobians
-from rollbench.meshes.groove import GroovedBodySpec
+from rollbench.meshes.groove import GrooveCrossSection, GroovedBodySpec, GrooveRunOut
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.grooved_body import mesh_grooved_body
 from rollbench.meshes.helix import ball_layout
-from rollbench.meshes.parts import Balls, Nut, Screw, Track
+from rollbench.meshes.parts import SIDES, Balls, Nut, Screw, Track
 from rollbench.meshes.sockets import RefinementBoxSize, points_in_box_at_azimuth_zero, points_in_refinement_box
+from rollbench.meshes.solid import RUN_OUT, WHOLE, dimensions_of_3d_parts
 
 pytestmark = pytest.mark.xdist_group("grooved bodies")
 
@@ -103,27 +106,30 @@ def test_unrolled_points_are_the_section_frames_points_and_roll_brings_them_back
 
 def channel_section(m, r_low, r_high, sides):
     """Integral of r dr dzeta over the part of the gothic arch between two radii: the overlap of both flanks' discs."""
-    r = np.linspace(r_low, r_high, 801)
-    r = 0.5 * (r[1:] + r[:-1])
-    zeta = np.linspace(-4e-3, 4e-3, 801)
-    zeta = 0.5 * (zeta[1:] + zeta[:-1])
+    middle = (np.arange(800) + 0.5) / 800.0
+    r, zeta = r_low + (r_high - r_low) * middle, 8e-3 * middle - 4e-3
     rr, zz = np.meshgrid(r, zeta, indexing="ij")
     x3, z3 = m.unrolled_to_section(rr, zz)
     inside = np.all([np.hypot(x3 - m.centre[s, 0], z3 - m.centre[s, 1]) < m.radius[s] for s in sides], axis=0)
     return float((rr * inside).sum()) * (r[1] - r[0]) * (zeta[1] - zeta[0])
 
 
+def volumes_without_sockets(m, spec):
+    """Volume of the groove's channel, and of the body without it, between ends that are a whole number of pitches apart:
+    over a whole pitch every azimuth meets the channel once, V = pi (r_out^2 - r_in^2) L - 2 pi int r dr dzeta."""
+    length, sides = spec.z_high - spec.z_low, (0, 1) if spec.groove_outside else (2, 3)
+    pitches = round(length / (2.0 * np.pi * m.rg))
+    channel = 2.0 * np.pi * abs(pitches) * channel_section(m, spec.inner_radius, spec.outer_radius, sides)
+    return channel, np.pi * (spec.outer_radius**2 - spec.inner_radius**2) * length - channel
+
+
 @pytest.mark.parametrize("outer", [True, False])
 def test_volume_without_sockets(outer):
-    """Over a whole pitch every azimuth meets the channel once: V = pi (r_out^2 - r_in^2) L - 2 pi int r dr dzeta."""
     case = small_screw(2, phase=0.3)
     m = GrooveMap.from_scene(case)
     spec = replace(spec_of(case, (), outer, half=10e-3), cell_size_far_away=2.2e-3)
-    sides = (0, 1) if outer else (2, 3)
-    channel = 2.0 * np.pi * channel_section(m, spec.inner_radius, spec.outer_radius, sides)
-    expected = np.pi * (spec.outer_radius**2 - spec.inner_radius**2) * 20e-3 - channel
-    found = volume_of(mesh_grooved_body(m, spec))
-    assert abs(found - expected) < 0.004 * channel
+    channel, expected = volumes_without_sockets(m, spec)
+    assert abs(volume_of(mesh_grooved_body(m, spec)) - expected) < 0.004 * channel
 
 
 def test_bodies_are_sound_and_their_surfaces_flat_round_and_complete(body):
@@ -138,8 +144,7 @@ def test_bodies_are_sound_and_their_surfaces_flat_round_and_complete(body):
 
     assert area(smooth) == pytest.approx(2.0 * np.pi * r * (spec.z_high - spec.z_low), rel=0.03)
     whole = np.pi * (spec.outer_radius**2 - spec.inner_radius**2)
-    for end, z in (("low end", spec.z_low), ("high end", spec.z_high)):
-        assert np.abs(mesh.points[nodes_on_boundaries(mesh.mesh, end), 2] - z).max() < 1e-9
+    for end in ("low end", "high end"):
         assert 0.9 * whole < area(end) < 1.001 * whole
 
 
@@ -180,15 +185,9 @@ def ring_of(*azimuths):
     return replace(case, balls=replace(case.balls, azimuths=azimuths))
 
 
-def stacked():
-    """Balls close together over half of every turn, none elsewhere."""
-    return np.concatenate([np.linspace(-1.5, 1.5, 10) + 2.0 * np.pi * k for k in (-1, 0, 1)])
-
-
-def subset():
-    return np.sort(np.random.default_rng(1).choice(even(45, 2.5), 17, replace=False))
-
-
+#: Balls close together over half of every turn, none elsewhere.
+STACKED = np.concatenate([np.linspace(-1.5, 1.5, 10) + 2.0 * np.pi * k for k in (-1, 0, 1)])
+SUBSET = np.sort(np.random.default_rng(1).choice(even(45, 2.5), 17, replace=False))
 TWO, FOUR = (0, 3), (0, 1, 2, 3)
 #: Label: scene, sides, part.
 KINDS = {
@@ -196,9 +195,9 @@ KINDS = {
     "Table 4.1, nut, four sides": (lambda: scene("lin-nominal-4p1"), FOUR, "nut"),
     "45 balls in 2.5 turns": (lambda: screw_of(even(45, 2.5)), FOUR, "screw"),
     "45 balls, nut, left hand": (lambda: screw_of(even(45, 2.5), hand="left"), TWO, "nut"),
-    "stacked on one side": (lambda: screw_of(stacked()), TWO, "screw"),
-    "stacked on one side, nut": (lambda: screw_of(stacked()), FOUR, "nut"),
-    "random subset": (lambda: screw_of(subset()), FOUR, "nut"),
+    "stacked on one side": (lambda: screw_of(STACKED), TWO, "screw"),
+    "stacked on one side, nut": (lambda: screw_of(STACKED), FOUR, "nut"),
+    "random subset": (lambda: screw_of(SUBSET), FOUR, "nut"),
     "gaps, hollow screw": (lambda: screw_of([-6.0, -5.6, -2.2, 0.3, 0.7, 5.0], bore=10e-3), TWO, "screw"),
     "two starts": (lambda: screw_of(even(9, 0.8), lead=22e-3, starts=2), FOUR, "screw"),
     "three starts, left, nut": (lambda: screw_of(even(5, 0.5), lead=40e-3, starts=3, hand="left"), (1, 2), "nut"),
@@ -209,6 +208,7 @@ KINDS = {
     "bearing of three balls": (lambda: ring_of(0.0, 1.0, -2.0), TWO, "screw"),
     "Lin's case 1": (lambda: scene("lin-case1"), FOUR, "screw"),
     "Lin's case 3": (lambda: scene("lin-case3"), FOUR, "nut"),
+    "screw without a hole": (lambda: small_screw(2), (0,), "screw"),
 }
 
 
@@ -216,17 +216,12 @@ KINDS = {
 def test_any_scene(kind):
     make, sides, name = KINDS[kind]
     case = make()
-    m, spec = GrooveMap.from_scene(case), body_specs(case, sides, fine=4e-3, beyond=6e-3)[name]
+    hole = 0.0 if "without a hole" in kind else None
+    m, spec = GrooveMap.from_scene(case), body_specs(case, sides, fine=4e-3, beyond=6e-3, hole=hole)[name]
     assert len(spec.contact_positions) == case.ball_count * sum((s < 2) == spec.groove_outside for s in sides)
-    check_body(m, spec, mesh_grooved_body(m, spec))
-
-
-def test_screw_without_a_hole():
-    case = small_screw(2)
-    spec = body_specs(case, (0,), fine=2.2e-3, beyond=0.0, hole=0.0)["screw"]
-    mesh = mesh_grooved_body(GrooveMap.from_scene(case), spec)
-    check_body(GrooveMap.from_scene(case), spec, mesh)
-    assert np.hypot(*mesh.points[:, :2].T).min() < 2e-3
+    mesh = mesh_grooved_body(m, spec)
+    check_body(m, spec, mesh)
+    assert hole is None or np.hypot(*mesh.points[:, :2].T).min() < 2e-3
 
 
 @pytest.mark.parametrize("body", ["screw"], indirect=True)
@@ -238,21 +233,17 @@ def test_meshes_are_the_same_every_time(body):
     np.testing.assert_array_equal(*(nodes_on_boundaries(one.mesh, "low end") for one in (first, second)))
 
 
-def test_finer_sizes_give_more_cells_and_shorter_edges():
-    case = small_screw(3)
-    counts = []
+def test_finer_sizes_give_shorter_edges_at_the_sockets():
+    case, lengths = small_screw(3), []
     for fine, coarse in ((3.2e-3, 12e-3), (1.6e-3, 6e-3)):
-        spec = body_specs(case, (3,), fine=fine, coarse=coarse)["nut"]
-        mesh = mesh_grooved_body(GrooveMap.from_scene(case), spec)
-        near = np.isin(mesh.cells, mesh.nodes_on_box_faces).any(axis=1)
-        a, b = mesh.points[mesh.cells[near, 0]], mesh.points[mesh.cells[near, 1]]
-        counts.append((len(mesh.cells), float(np.linalg.norm(a - b, axis=1).mean())))
-    assert counts[1][0] > 1.3 * counts[0][0]
-    assert counts[1][1] < 0.9 * counts[0][1]
+        mesh = mesh_grooved_body(GrooveMap.from_scene(case), body_specs(case, (3,), fine=fine, coarse=coarse)["nut"])
+        near = mesh.cells[np.isin(mesh.cells, mesh.nodes_on_box_faces).any(axis=1)]
+        lengths.append(np.linalg.norm(mesh.points[near[:, 0]] - mesh.points[near[:, 1]], axis=1).mean())
+    assert lengths[1] < 0.9 * lengths[0]
 
 
 def test_volume_with_sockets(body):
-    """Each socket's box is missing from the coarse mesh; the ends are a whole number of pitches apart."""
+    """Each socket's box is missing from the coarse mesh."""
     m, spec, mesh = body
     x, weight = np.polynomial.legendre.leggauss(8)
     a, b, c = np.meshgrid(x, 0.5 * x + 0.5, x, indexing="ij")
@@ -260,12 +251,84 @@ def test_volume_with_sockets(body):
     xi = np.stack([a.ravel(), b.ravel(), c.ravel()], 1)
     lost = 0.0
     for _, _, side in spec.contact_positions:
-        rows = [
-            points_in_box_at_azimuth_zero(m, SIZE, side, xi + d) - points_in_box_at_azimuth_zero(m, SIZE, side, xi - d)
-            for d in 1e-5 * np.eye(3)
-        ]
-        lost += float(w @ np.abs(np.linalg.det(np.stack(rows, -1) / 2e-5)))
-    sides = (0, 1) if spec.groove_outside else (2, 3)
-    channels = 2.0 * 2.0 * np.pi * channel_section(m, spec.inner_radius, spec.outer_radius, sides)
-    whole = np.pi * (spec.outer_radius**2 - spec.inner_radius**2) * 40e-3 - channels
+        steps = 1e-5 * np.array([np.eye(3), -np.eye(3)])
+        x = np.array([[points_in_box_at_azimuth_zero(m, SIZE, side, xi + d) for d in along] for along in steps])
+        lost += float(w @ np.abs(np.linalg.det(np.moveaxis(x[0] - x[1], 0, -1) / 2e-5)))
+    channels, whole = volumes_without_sockets(m, spec)
     assert abs(volume_of(mesh) - (whole - lost)) < min(0.3 * lost, 0.03 * channels)
+
+
+# --- a groove that ends ---------------------------------------------------------------------------------------------
+
+
+def map_and_spec(case, sides):
+    """Map and spec of a nut of 50 mm whose groove ends."""
+    size = 17e-3, 24e-3, case.nut.position - 25e-3, case.nut.position + 25e-3
+    spec = GroovedBodySpec(*size, False, sockets_of(case, sides), SIZE, 2e-3, 7e-3, groove_ends_inside=True)
+    return GrooveMap.from_scene(case), spec
+
+
+@pytest.mark.parametrize("hand", ["right", "left"])
+@pytest.mark.parametrize("starts", [1, 2])
+def test_the_groove_is_whole_at_every_ball_and_ends_beyond_the_outermost(hand, starts):
+    case = small_screw(6, hand=hand, phase=0.3)
+    case = replace(case, track=replace(case.track, starts=starts))
+    m, spec = map_and_spec(case, (2, 3))
+    ends = GrooveRunOut.from_ball_positions(m, spec.contact_positions, SIZE)
+    ball = 2.0 * m.ball / np.hypot(m.R, m.rg)
+    reached = 0
+    for line in sockets.helix_constants_of_starts(m):
+        phi, z, _ = np.array(spec.contact_positions).T
+        turns = (z - line) / m.rg  # total azimuth of a ball on this line
+        on = turns[np.abs(np.sin((turns - phi) / 2)) < 1e-9]
+        reached += on.size
+        np.testing.assert_array_equal(ends.relative_depth(line, on), 1.0)
+        for sign, last in ((-1.0, on.min()), (1.0, on.max())):
+            beyond = last + sign * ball * np.array([0.0, WHOLE, WHOLE + 0.5 * RUN_OUT, WHOLE + RUN_OUT, 9.0])
+            np.testing.assert_allclose(ends.relative_depth(line, beyond), [1.0, 1.0, 0.5, 0.0, 0.0], atol=1e-9)
+            phi = last + sign * ball * np.array([-0.5, 0.9 * WHOLE, 1.1 * WHOLE])
+            points = np.stack([m.R * np.cos(phi), m.R * np.sin(phi), line + m.rg * phi + 1e-3], axis=1)
+            np.testing.assert_array_equal(ends.has_full_depth(points), [True, True, False])
+    assert reached == len(spec.contact_positions)
+
+
+@pytest.mark.parametrize("hand", ["right", "left"])
+def test_a_nut_whose_groove_ends_is_sound(hand):
+    """Sockets where they are without ends, flanks exact where the groove is whole and on the land's cylinder where it is
+    filled; the volume is that of the tube without the channel of varying depth."""
+    m, spec = map_and_spec(small_screw(5, hand=hand, phase=0.3), (2,))
+    body, through = mesh_grooved_body(m, spec), mesh_grooved_body(m, replace(spec, groove_ends_inside=False))
+    assert body.quality.smallest_jacobian > 0.01
+    assert body.flank_deviation < 1e-12
+    for nodes, socket in zip(body.nodes_on_box_faces, spec.contact_positions, strict=True):
+        found = points_in_refinement_box(m, SIZE, socket, body.box_faces[socket[2]].xi)
+        assert np.abs(body.points[nodes] - found).max() < 1e-12 * m.R
+    groove = GrooveCrossSection.from_body(m, spec)
+    (line,) = sockets.helix_constants_of_starts(m)
+    filled = 0.0
+    phi = np.linspace(-30.0, 30.0, 6001) + (m.z0 - line) / m.rg
+    inside = np.abs(line + m.rg * phi - m.z0) < 25e-3
+    for side in groove.sides:
+        points = body.points[nodes_on_boundaries(body.mesh, f"flank {SIDES[side]}")]
+        r = np.hypot(*points[:, :2].T)
+        assert (np.abs(r - groove.land_radius) < 1e-12).mean() > 0.1
+        assert r.max() - groove.land_radius > 1e-3
+        gamma = np.linspace(groove.apex_angle, groove.edge_angle, 201)
+        r, zeta = groove.profile_points(side, gamma)
+
+        def channel(depth, r=r, zeta=zeta):
+            square = (groove.land_radius + depth * (r - groove.land_radius)) ** 2 - groove.land_radius**2
+            return abs(np.trapezoid(0.5 * square, zeta))
+
+        depth = groove.run_out.relative_depth(line, phi[inside])
+        filled += np.trapezoid([channel(1.0) - channel(d) for d in depth], phi[inside])
+    assert filled > 2e-8
+    assert volume_of(body) - volume_of(through) == pytest.approx(filled, rel=0.02)
+
+
+def test_the_groove_of_a_ring_does_not_end():
+    ring = small_screw(5, lead=0.0)
+    with pytest.raises(ValueError, match="nut_groove"):
+        dimensions_of_3d_parts(replace(ring, solid=replace(ring.solid, nut_groove="loaded")))
+    with pytest.raises(ValueError, match="ring"):
+        GrooveRunOut.from_ball_positions(GrooveMap.from_scene(ring), (), SIZE)

@@ -10,25 +10,19 @@ import pytest
 from tests.helpers import small_screw, sockets_of, solid_sizes
 
 from rollbench.compare.scenes.catalogue import scene
-from rollbench.meshes import sockets as meshes_sockets
 from rollbench.meshes import sockets as rules
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout
 
-SIZE = meshes_sockets.RefinementBoxSize(0.30, 1.2e-3, 0.075)
+SIZE = rules.RefinementBoxSize(0.30, 1.2e-3, 0.075)
 ALL = (0, 1, 2, 3)
-LIN, FLAT = scene("lin-case1"), small_screw(4, beta=np.radians(20.0))
+LIN, RING, SIX, FLAT = scene("lin-case1"), scene("bearing-9"), small_screw(6), small_screw(4, beta=np.radians(20.0))
 
 
 def fitted(case, sides=ALL, **changes):
     names = ("screw_land_radius", "screw_bore_radius", "nut_land_radius", "nut_outer_radius", "nut_end_positions")
     given = dict(zip(names, solid_sizes(case), strict=True)) | changes
-    return meshes_sockets.largest_fitting_refinement_box(GrooveMap.from_scene(case), ball_layout(case), sides, **given)
-
-
-def shares(case, size):
-    m = GrooveMap.from_scene(case)
-    return size.gamma / rules.GAMMA, size.depth / (rules.DEPTH * m.ball), size.phi * m.R / (rules.ALONG * m.ball)
+    return rules.largest_fitting_refinement_box(GrooveMap.from_scene(case), ball_layout(case), sides, **given)
 
 
 def with_balls(case, azimuths):
@@ -44,24 +38,17 @@ def with_lead(lead):
 def gaps_of(case, pick=slice(None), turns=0.0):
     """Gaps between balls along the track and their pairs, balls counted from so many turns on."""
     layout = ball_layout(case)
-    return meshes_sockets.azimuth_gaps_between_balls(
-        GrooveMap.from_scene(case), (layout.azimuth + 2.0 * np.pi * turns)[pick], layout.z[pick]
-    )
+    places = (layout.azimuth + 2.0 * np.pi * turns)[pick], layout.z[pick]
+    return rules.azimuth_gaps_between_balls(GrooveMap.from_scene(case), *places)
 
 
 # --- shape -----------------------------------------------------------------------------------------------------------
 
 
-@pytest.fixture(params=[(2, 2, 2), (1, 1, 1), (3, 2, 1)], ids=str)
-def faces(request):
-    m = GrooveMap.from_scene(small_screw(6))
-    return m, *meshes_sockets.mesh_refinement_box_faces(
-        partial(meshes_sockets.points_in_box_at_azimuth_zero, m, SIZE, 0), request.param
-    )
-
-
-def test_socket_mesh_is_of_second_order_and_closed_but_for_its_rim(faces):
-    _, mesh, _ = faces
+@pytest.mark.parametrize("divisions", [(2, 2, 2), (1, 1, 1), (3, 2, 1)], ids=str)
+def test_socket_mesh_is_of_second_order_and_closed_but_for_its_rim(divisions):
+    place = partial(rules.points_in_box_at_azimuth_zero, GrooveMap.from_scene(SIX), SIZE, 0)
+    mesh, _ = rules.mesh_refinement_box_faces(place, divisions)
     count = {}
     for tri in mesh.triangles:
         for k, (i, j) in enumerate(((0, 1), (1, 2), (2, 0))):
@@ -69,7 +56,7 @@ def test_socket_mesh_is_of_second_order_and_closed_but_for_its_rim(faces):
             assert mesh.midside_node_of_edge[pair] == tri[3 + k]
             np.testing.assert_allclose(mesh.xi[tri[3 + k]], mesh.xi[list(pair)].mean(axis=0), atol=1e-15)
             count[pair] = count.get(pair, 0) + 1
-    loop = meshes_sockets.rim_nodes_of_refinement_box(mesh).tolist()
+    loop = rules.rim_nodes_of_refinement_box(mesh).tolist()
     around = {tuple(sorted(p)) for p in zip(loop, [*loop[1:], loop[0]], strict=True)}
     assert {pair for pair, times in count.items() if times == 1} == around
     assert set(count.values()) == {1, 2}
@@ -83,17 +70,16 @@ def test_socket_coordinates_invert_socket_points(side):
     m = GrooveMap.from_scene(case)
     xi = np.stack(np.meshgrid(*[np.linspace(-1, 1, 5), np.linspace(0, 1, 4), np.linspace(-1, 1, 5)]), -1).reshape(-1, 3)
     for socket in sockets_of(case, (side,)):
-        x = meshes_sockets.points_in_refinement_box(m, SIZE, socket, xi)
-        found = meshes_sockets.local_coordinates_in_refinement_box(
-            m, SIZE, socket, np.arctan2(x[:, 1], x[:, 0]), x[:, 2], np.hypot(x[:, 0], x[:, 1])
-        )
+        x = rules.points_in_refinement_box(m, SIZE, socket, xi)
+        place = np.arctan2(x[:, 1], x[:, 0]), x[:, 2], np.hypot(x[:, 0], x[:, 1])
+        found = rules.local_coordinates_in_refinement_box(m, SIZE, socket, *place)
         np.testing.assert_allclose(found, xi, atol=1e-11)
 
 
 @pytest.mark.parametrize("side", range(4))
 def test_middle_of_a_socket_is_the_nominal_contact_point(side):
     m = GrooveMap.from_scene(small_screw(6))
-    x = meshes_sockets.points_in_box_at_azimuth_zero(m, SIZE, side, np.zeros((1, 3)))[0] - [m.R, 0.0, 0.0]
+    x = rules.points_in_box_at_azimuth_zero(m, SIZE, side, np.zeros((1, 3)))[0] - [m.R, 0.0, 0.0]
     assert np.linalg.norm(x) == pytest.approx(m.ball, abs=1e-15)
     assert x[0] == pytest.approx(m.signs[side, 0] * m.ball * np.cos(m.beta), abs=1e-15)
 
@@ -116,47 +102,19 @@ def test_gaps_do_not_depend_on_how_turns_are_counted(hand):
 
 
 def test_gaps_of_a_ring_close_around():
-    case = with_balls(scene("bearing-9"), [0.0, 2.0, -2.5])
+    case = with_balls(RING, [0.0, 2.0, -2.5])
     np.testing.assert_allclose(sorted(gaps_of(case)[0]), sorted([2.0, 2.5, 2 * np.pi - 4.5]), atol=1e-9)
     gaps, pairs = gaps_of(case, slice(1))
     np.testing.assert_allclose(gaps, [2.0 * np.pi])
     assert pairs.tolist() == [[0, 0]]
 
 
-# --- fitting ---------------------------------------------------------------------------------------------------------
-
-
 # --- room for the contacts -------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    ("case", "half", "changes", "match"),
-    [
-        (
-            LIN,
-            1.6e-3,
-            {},
-            r"flank SL: the ellipse reaches 1\.6 mm \(28\.2 deg\).*room for 1\.57 mm.*edge.*deepen the groove",
-        ),
-        (
-            LIN,
-            1.6e-3,
-            {"screw_land_radius": 15.6e-3},
-            r"\(28\.2 deg\).*room for 1\.18 mm \(20\.8 deg\).*15\.6 mm, is 22\.5 deg.*lower",
-        ),
-        (FLAT, 1e-3, {}, r"reaches 1 mm .*because the apex between the two arcs is .* deg.*groove radius"),
-    ],
-)
-def test_contacts_beyond_edge_or_apex_are_refused_with_both_numbers(case, half, changes, match):
-    with pytest.raises(ValueError, match=match):
-        fitted(case, contact_half_lengths=(half, 0.1e-3), **changes)
-
-
 def test_long_contacts_get_long_sockets_or_are_refused():
-    case = scene("lin-case1")
-    assert fitted(case, contact_half_lengths=(0.2e-3, 0.9e-3)).phi == pytest.approx(
-        0.9e-3 / rules.FILLED / GrooveMap.from_scene(case).R
-    )
+    expected = 0.9e-3 / rules.FILLED / GrooveMap.from_scene(LIN).R
+    assert fitted(LIN, contact_half_lengths=(0.2e-3, 0.9e-3)).phi == pytest.approx(expected)
     close = with_balls(small_screw(4), [0.0, 1.0, 1.12])
     assert fitted(close, contact_half_lengths=(0.2e-3, 0.5e-3)).phi == pytest.approx(0.12 / 2.6)
     with pytest.raises(ValueError, match=r"too short.*balls 2 and 3"):
@@ -188,42 +146,29 @@ def test_sockets_of_a_ball_stay_apart(beta, conformity):
         assert angle.max() < 90.0 - 0.1 * (90.0 - beta)
 
 
-@pytest.mark.parametrize(
-    ("case", "sides", "change", "match"),
-    [
-        (
-            scene("lin-case1"),
-            (0,),
-            {"screw_land_radius": 14.9e-3},
-            r"narrow.*edge of the groove.*14\.9 mm.*deepen the groove",
-        ),
-        (scene("lin-case1"), (0,), {"screw_land_radius": 14.3e-3}, "SL flank ends before its contact.*move the land"),
-        (small_screw(4, beta=np.radians(8.0)), (0,), {}, "narrow.*apex.*bring the groove radius closer"),
-        (small_screw(4, beta=np.radians(9.0)), (0, 1), {}, "narrow.*deg.*contact|narrow.*apex"),
-        (scene("lin-case1"), (0,), {"screw_bore_radius": 13.5e-3}, "shallow.*wall.*screw's bore.*thicken"),
-        (scene("lin-case1"), (3,), {"nut_outer_radius": 19.5e-3}, "shallow.*wall.*nut's outside.*thicken"),
-        (
-            with_balls(small_screw(4), [0.0, 1.0, 1.06]),
-            ALL,
-            {},
-            "short.*balls 2 and 3 are only 0.99 mm apart.*further apart",
-        ),
-        (with_balls(small_screw(4), [0.0, 1.0, 1.0]), ALL, {}, "only 0 %.*balls 2 and 3 are only 0 mm apart"),
-        (
-            scene("bearing-9"),
-            ALL,
-            {"nut_end_positions": (2.5e-3, 13.5e-3)},
-            "outermost balls are only 5.5 mm and 5.5 mm.*lengthen the nut",
-        ),
-        (
-            scene("lin-case1"),
-            ALL,
-            {"nut_end_positions": (0.3, 0.41)},
-            "from the flat ends; lengthen the nut or move the balls",
-        ),
-        (with_lead(4.0e-3), ALL, {}, "next turn of the groove is only 4 mm away; raise the lead"),
-    ],
-)
+CLOSE, TOUCHING = (with_balls(small_screw(4), [0.0, 1.0, last]) for last in (1.06, 1.0))
+EDGE = r"flank SL: .*1\.6 mm \(28\.2 deg.*room for 1\.57 mm.*edge.*deepen the groove"
+LOW_EDGE = r"28\.2 deg.*room for 1\.18 mm \(20\.8 deg\).*15\.6 mm, is 22\.5 deg.*lower"
+APEX = r"1 mm .*because the apex between the two arcs is .* deg.*groove radius"
+LONG = {"contact_half_lengths": (1.6e-3, 0.1e-3)}
+NO_ROOM = [
+    (LIN, ALL, LONG, EDGE),
+    (LIN, ALL, LONG | {"screw_land_radius": 15.6e-3}, LOW_EDGE),
+    (FLAT, ALL, {"contact_half_lengths": (1e-3, 0.1e-3)}, APEX),
+    (LIN, (0,), {"screw_land_radius": 14.9e-3}, r"narrow.*edge of the groove.*14\.9 mm.*deepen the groove"),
+    (LIN, (0,), {"screw_land_radius": 14.3e-3}, "SL flank ends before its contact.*move the land"),
+    (small_screw(4, beta=np.radians(8.0)), (0,), {}, "narrow.*apex.*bring the groove radius closer"),
+    (LIN, (0,), {"screw_bore_radius": 13.5e-3}, "shallow.*wall.*screw's bore.*thicken"),
+    (LIN, (3,), {"nut_outer_radius": 19.5e-3}, "shallow.*wall.*nut's outside.*thicken"),
+    (CLOSE, ALL, {}, "short.*balls 2 and 3 are only 0.99 mm apart.*further apart"),
+    (TOUCHING, ALL, {}, "only 0 %.*balls 2 and 3 are only 0 mm apart"),
+    (RING, ALL, {"nut_end_positions": (2.5e-3, 13.5e-3)}, "outermost balls are only 5.5 mm and 5.5 mm.*lengthen the nut"),
+    (LIN, ALL, {"nut_end_positions": (0.3, 0.41)}, "from the flat ends; lengthen the nut or move the balls"),
+    (with_lead(4.0e-3), ALL, {}, "next turn of the groove is only 4 mm away; raise the lead"),
+]
+
+
+@pytest.mark.parametrize(("case", "sides", "change", "match"), NO_ROOM)
 def test_no_room_is_refused_with_cause_and_remedy(case, sides, change, match):
     with pytest.raises(ValueError, match=match):
         fitted(case, sides, **change)
@@ -232,41 +177,26 @@ def test_no_room_is_refused_with_cause_and_remedy(case, sides, change, match):
 # --- sockets that do not fit -----------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    ("size", "match"),
-    [
-        (replace(SIZE, gamma=0.55), "beyond the flank"),
-        (replace(SIZE, depth=1.8e-3), "through the wall"),
-        (replace(SIZE, phi=0.6), "balls 1 and 2 overlap"),
-    ],
-)
-def test_misfits_are_refused(size, match):
-    case = small_screw(6)
-    with pytest.raises(ValueError, match=rf"refinement box.*{match}.*make the refinement boxes smaller"):
-        meshes_sockets.check_refinement_boxes_fit(
-            GrooveMap.from_scene(case), size, sockets_of(case, (0,)), 16e-3, 12.6e-3, (0.0, 0.2)
-        )
+def check(case=SIX, size=SIZE, sides=(0,), turned=0.0, radii=(16e-3, 1.5e-3), ends=(0.08, 0.12)):
+    """Check the sockets of a scene, all turned by an angle about the axis."""
+    moved = tuple((phi + turned, z, side) for phi, z, side in sockets_of(case, sides))
+    rules.check_refinement_boxes_fit(GrooveMap.from_scene(case), size, moved, *radii, ends)
 
 
-def test_sockets_at_an_end_or_on_no_groove_are_refused():
-    case = small_screw(6)
-    m, sockets = GrooveMap.from_scene(case), sockets_of(case, (0,))
-    phi, z, side = sockets[0]
-    for good in (sockets, ((phi + 2.0 * np.pi, z, side),)):
-        meshes_sockets.check_refinement_boxes_fit(m, SIZE, good, 16e-3, 1.5e-3, (0.08, 0.12))
-    for bad, end, why in ((sockets, 0.107, "flat end"), (((phi + 0.1, z, side),), 0.12, "not lie on a groove")):
-        with pytest.raises(ValueError, match=why):
-            meshes_sockets.check_refinement_boxes_fit(m, SIZE, bad, 16e-3, 1.5e-3, (0.08, end))
+NEAR_TURNS = {"sides": (2, 3), "radii": (15e-3, 22e-3), "ends": (0.1, 0.2)}
+MISFITS = [
+    ({"size": replace(SIZE, gamma=0.55)}, "beyond the flank.*make the refinement boxes smaller"),
+    ({"size": replace(SIZE, depth=1.8e-3), "radii": (16e-3, 12.6e-3)}, "through the wall"),
+    ({"size": replace(SIZE, phi=0.6)}, "balls 1 and 2 overlap"),
+    ({"ends": (0.08, 0.107)}, "flat end"),
+    ({"turned": 0.1}, "not lie on a groove"),
+    ({"case": with_lead(4.4e-3), "size": rules.RefinementBoxSize(0.3, 0.9e-3, 0.05)} | NEAR_TURNS, "next turn"),
+]
 
 
-def test_sockets_of_neighbouring_turns_that_meet_are_refused():
-    case = with_lead(4.4e-3)
-    with pytest.raises(ValueError, match="next turn"):
-        meshes_sockets.check_refinement_boxes_fit(
-            GrooveMap.from_scene(case),
-            meshes_sockets.RefinementBoxSize(0.3, 0.9e-3, 0.05),
-            sockets_of(case, (2, 3)),
-            15e-3,
-            22e-3,
-            (0.1, 0.2),
-        )
+@pytest.mark.parametrize(("given", "match"), MISFITS)
+def test_misfits_are_refused(given, match):
+    for turned in (0.0, 2.0 * np.pi):
+        check(turned=turned)
+    with pytest.raises(ValueError, match=f"refinement box.*{match}"):
+        check(**given)

@@ -17,13 +17,11 @@ def test_what_a_scene_does_not_give_is_assumed_and_said():
     assert (d.land, d.hole, d.shaft) == pytest.approx((17e-3, 1.5e-3, 24.75e-3))
     assert (d.nut_held, d.screw_held, d.shaft_radius) == ("left face", "ends", None)
     assert d.ends_of_meshed_screw(scene) == pytest.approx((0.34825, 0.45175))
-    text = " ".join(d.assumed)
-    assert all(word in text for word in ("34 mm", "3 mm diameter", "left face", "24.8 mm"))
+    assert all(word in " ".join(d.assumed) for word in ("34 mm", "3 mm diameter", "left face", "24.8 mm"))
     given = replace(scene, solid=Solid(33.6e-3, 4e-3, 10e-3, 30e-3, "both faces", "ends"))
     d = dimensions_of_3d_parts(given)
     assert (d.land, d.hole, d.shaft, d.shaft_radius) == pytest.approx((16.8e-3, 2e-3, 10e-3, 15e-3))
-    assert d.nut_held == "both faces"
-    assert len(d.assumed) == 1  # flat faces and a groove that runs through: nothing else
+    assert (d.nut_held, len(d.assumed)) == ("both faces", 1)  # flat faces and a groove that runs through: nothing else
 
 
 def test_a_bearing_on_a_stiff_shaft_and_a_stretch_that_ends_where_the_screw_does():
@@ -71,13 +69,12 @@ def test_a_pair_in_nearly_flat_grooves_has_a_3d_reference_of_hertz_pressure(comm
     (tmp_path / "wide.toml").write_text(text, encoding="utf-8")
     found = command.answer("compare", "wide.toml", "--levels", "1")["scenes"][0]["answers"]["3D reference"]
     assert found["loads"]["loaded_contacts"] == 8
-    force = found["worst_contact"]["force_N"]
+    worst = found["worst_contact"]
+    force = worst["force_N"]
     across, along = 1.0 / 4e-3 - 1.0 / 20e-3, 1.0 / 4e-3 + np.cos(np.pi / 4) / (20e-3 - 4e-3 * np.cos(np.pi / 4))
     hertz = hertz_constants(np.array([across]), np.array([along]), 210e9 / (2.0 * (1.0 - 0.28**2)))
-    assert found["worst_contact"]["pressure_MPa"] == pytest.approx(
-        1e-6 * float(hertz.pressure(np.array([force]))[0]), rel=5e-3
-    )
-    assert found["worst_contact"]["approach_um"] == pytest.approx(1e6 * float(hertz.C[0]) * force ** (2 / 3), rel=5e-3)
+    expected = 1e-6 * float(hertz.pressure(np.array([force]))[0]), 1e6 * float(hertz.C[0]) * force ** (2 / 3)
+    assert (worst["pressure_MPa"], worst["approach_um"]) == pytest.approx(expected, rel=5e-3)
 
 
 def test_a_station_at_an_end_is_the_end():

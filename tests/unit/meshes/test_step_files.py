@@ -39,10 +39,8 @@ def test_helical_flanks_are_surfaces_in_a_second_file(tmp_path):
 
 
 def test_both_nuts_of_a_double_nut_are_in_place():
-    (one, two), scene = (
-        nuts_and_bearings_on_shaft(catalogue.scene_of_any_kind("double-nut")),
-        catalogue.scene_of_any_kind("double-nut"),
-    )
+    scene = catalogue.scene_of_any_kind("double-nut")
+    one, two = nuts_and_bearings_on_shaft(scene)
     assert one.shaft_segment_ends[1] == pytest.approx(two.shaft_segment_ends[0])
     assert (one.nut_displacement, two.nut_displacement) == pytest.approx([s.offset for s in scene.sets])
 

@@ -7,7 +7,7 @@ import pytest
 from tests.helpers import FLANK_ERRORS, small_screw
 
 from rollbench.meshes.errors import draw_geometry_with_errors
-from rollbench.meshes.helix import ball_layout, lead_angle, lead_per_radian
+from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import SIDES, Errors
 from rollbench.meshes.surface import principal_curvatures, surface_derivatives
 
@@ -110,9 +110,8 @@ def test_torus_limit(beta):
 def test_signs_of_the_curvatures(lead):
     """Concave across both grooves; along the track the screw is convex and the nut concave."""
     scene, _, drawn, _ = setup(lead=lead)
-    gamma = np.full(6, np.pi / 4)
     for side in range(4):
-        low, high = principal_curvatures(scene, drawn, side, gamma)[0]
+        low, high = principal_curvatures(scene, drawn, side, np.full(6, np.pi / 4))[0]
         assert low == pytest.approx(-1 / (3.254e-3 if side < 2 else 3.3e-3), rel=0.1)
         assert (high > 0.0) == (side < 2)
         assert abs(high) < 0.35 * abs(low)
@@ -137,9 +136,3 @@ def test_constant_offset_of_all_flanks_is_a_change_of_radius():
     drawn = setup(Errors(SL=side))[2]
     assert drawn.groove_radii == pytest.approx([3.253e-3, 3.254e-3, 3.3e-3, 3.3e-3], rel=1e-14)
     assert drawn.profile_coefficients.shape == (4, 0)
-
-
-def test_lead_and_its_angle():
-    right, left = small_screw().track, small_screw(hand="left").track
-    assert lead_per_radian(right) == -lead_per_radian(left) == 20e-3 / (2 * np.pi)
-    assert lead_angle(right) == -lead_angle(left) == pytest.approx(np.arctan(20 / (33 * np.pi)), rel=1e-15)

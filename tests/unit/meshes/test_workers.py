@@ -1,4 +1,4 @@
-"""Worker processes end with the process that started them, whatever they are at."""
+"""Worker processes end with the process that started them, whatever they are at; peak memory of one piece of work."""
 
 import os
 import signal
@@ -6,8 +6,13 @@ import subprocess
 import sys
 import time
 from functools import partial
+from pathlib import Path
+from unittest.mock import Mock
 
+import numpy as np
 import pytest
+
+from rollbench.meshes import processes
 
 PARENT = """
 import os, sys, time
@@ -87,3 +92,21 @@ def test_no_worker_outlives_the_process_that_started_it_and_nobody_waits_for_its
     assert parent.returncode == code
     if code > 0:
         assert error == "rollbench: interrupted; nothing was left half-written\n"
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="the record can be started again on Linux only")
+def test_every_piece_of_work_has_its_own_peak(monkeypatch: pytest.MonkeyPatch) -> None:
+    """And none is quoted where the record could not be started anew."""
+    assert processes.reset_peak_memory()
+    before = processes.peak_memory_MB()
+    np.ones(40_000_000).sum()
+    large = processes.peak_memory_MB()
+    assert processes.reset_peak_memory()
+    np.ones(5_000_000).sum()
+    small = processes.peak_memory_MB()
+    assert large - before > 250.0
+    assert small < large - 200.0
+    with monkeypatch.context() as patch:
+        patch.setattr(Path, "write_text", Mock(side_effect=PermissionError))
+        assert (processes.reset_peak_memory(), processes.peak_memory_MB()) == (False, None)
+    assert processes.reset_peak_memory()

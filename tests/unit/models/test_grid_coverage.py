@@ -1,5 +1,6 @@
 """Bars of 95 % hold what finer levels find, scene by scene; what they rest on and do not hold is kept as measured."""
 
+from functools import partial
 from itertools import combinations
 
 import numpy as np
@@ -60,11 +61,8 @@ def test_each_advised_level_is_clearly_more_accurate() -> None:
     finer = alone((1, 2, 3, 4))
     assert (finer[1] / finer[3], finer[0] / finer[2]) == (pytest.approx(1.45, abs=0.1), pytest.approx(2.03, abs=0.1))
     held = u_val.check_uncertainty_of_mesh_levels(STUDY, ADVISED)
-    first = {
-        h.scene: h.uncertainty_percent
-        for h in u_val.check_uncertainty_of_all_mesh_levels(STUDY)
-        if h.tested_level == min(ADVISED)
-    }
+    every = u_val.check_uncertainty_of_all_mesh_levels(STUDY)
+    first = {h.scene: h.uncertainty_percent for h in every if h.tested_level == min(ADVISED)}
     assert np.median([first[h.scene] / h.uncertainty_percent for h in held]) > 1.5
     assert len(held) >= 17
     assert holds(held)
@@ -75,10 +73,8 @@ def test_displacements_of_the_advised_levels_are_held_too() -> None:
     held = []
     for name, loads in u_val.loads_by_scene_and_level(STUDY).items():
         if {*ADVISED, 4} <= set(loads):
-            advised, finer = (
-                mesh_study_table_of_scene(STUDY.built_in_scene(name), STUDY.reference_folders, levels)
-                for levels in (ADVISED, (4,))
-            )
+            table_of = partial(mesh_study_table_of_scene, STUDY.built_in_scene(name), STUDY.reference_folders)
+            advised, finer = table_of(ADVISED), table_of((4,))
             limits = {row["quantity"]: row["level 4"] for row in finer}
             lines = [row for row in advised if row["quantity"].startswith("centreline") and row["quantity"] in limits]
             held += [abs(row["level 3"] - limits[row["quantity"]]) <= row["uncertainty"] for row in lines]
@@ -107,44 +103,38 @@ def test_a_single_level_s_bar_is_what_experience_says() -> None:
 
 def test_the_shipped_records_are_those_of_the_shipped_runs() -> None:
     kept, found = estimate.read_uncertainty_of_other_scenes(store.shipped_store()), u_val.mesh_uncertainty_parameters(STUDY)
-    assert (found.sockets, found.common, *found.single) == pytest.approx(
-        (kept.sockets, kept.common, *kept.single), rel=1e-6
-    )
+    first, second = ((one.sockets, one.common, *one.single) for one in (found, kept))
+    assert first == pytest.approx(second, rel=1e-6)
     assert found.scenes == kept.scenes
     choices = uncertainty.read_choice_effects(store.shipped_store())
     for name in modelling.VARIED:
-        total = modelling.combined_modelling_uncertainty(
-            STUDY.built_in_scene(name), modelling.effects_of_changed_choices(STUDY.built_in_scene(name))
-        )
+        scene = STUDY.built_in_scene(name)
+        total = modelling.combined_modelling_uncertainty(scene, modelling.effects_of_changed_choices(scene))
         assert choices[name].percent == pytest.approx(total.largest, rel=1e-6)
         assert choices[name].choice == max(total.choices, key=lambda k: total.choices[k]) == "width of the nut's held face"
 
 
+def calculix():
+    """CalculiX' runs of the preloaded rings."""
+    return results.load_calculix_results(results.shipped_calculix_results_folder(), "two-balls").runs
+
+
 def test_what_all_contacts_share_is_seen_by_another_program() -> None:
     """CalculiX' limit of the sum of loads of the preloaded rings over the reference's; no refinement goes that way."""
-    ours, theirs = (
-        STUDY.stored_reference("two-balls"),
-        results.load_calculix_results(results.shipped_calculix_results_folder(), "two-balls"),
-    )
-    limit = 100.0 * (results.extrapolate_calculix_loads(theirs.runs).load.sum() / ours.load.sum() - 1.0)
+    theirs, ours = results.extrapolate_calculix_loads(calculix()).load, STUDY.stored_reference("two-balls").load
     low, high = uncertainty.SHARED
-    assert 0.0 < low < limit <= high + 0.005
-    refined = [
-        e for e in modelling.effects_of_changed_choices(STUDY.built_in_scene("lin-case3")) if e.variant.startswith("finer")
-    ]
+    assert 0.0 < low < 100.0 * (theirs.sum() / ours.sum() - 1.0) <= high + 0.005
+    effects = modelling.effects_of_changed_choices(STUDY.built_in_scene("lin-case3"))
+    refined = [float(e.change[e.change != 0.0].mean()) for e in effects if e.variant.startswith("finer")]
     assert len(refined) == 7
-    assert max(float(e.change[e.change != 0.0].mean()) for e in refined) < 0.1 * low
+    assert max(refined) < 0.1 * low
 
 
 def test_the_law_of_large_displacements_is_that_of_another_program() -> None:
     """dF / F over a / r of all eight contacts of two-balls, on the mesh that CalculiX solved both ways."""
-    data, ours, scene = (
-        results.load_calculix_results(results.shipped_calculix_results_folder(), "two-balls"),
-        STUDY.stored_reference("two-balls"),
-        STUDY.built_in_scene("two-balls"),
-    )
-    large = next(r for r in data.runs if r.nlgeom)
-    small = next(r for r in data.runs if not r.nlgeom and (r.b_over_h, r.growth) == (large.b_over_h, large.growth))
+    ours, scene = STUDY.stored_reference("two-balls"), STUDY.built_in_scene("two-balls")
+    large = next(r for r in calculix() if r.nlgeom)
+    small = next(r for r in calculix() if not r.nlgeom and (r.b_over_h, r.growth) == (large.b_over_h, large.growth))
     worst = answers.results_of_contact_loads(scene, small.load, np.radians(ours.best.angle)).worst_contact
     on = small.load > 0.0
     a = worst.a * (small.load[on] / worst.force) ** (1.0 / 3.0)

@@ -8,17 +8,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy import integrate
-from scipy.special import bdtr
 from scipy.stats import binom, norm
 from tests.axes import double_nut, fixed_axis
+from tests.helpers import with_ingredients
 
 from rollbench.compare.errors import InputError
 from rollbench.compare.models.loading import with_scaled_loads
 from rollbench.compare.models.registry import ModelOptions, run_model
 from rollbench.compare.reference.jobs import ComputingSettings
 from rollbench.compare.scenes import catalogue
+from rollbench.compare.scenes.catalogue import shipped_scene_text
 from rollbench.compare.studies.members import ensemble, members
-from rollbench.compare.studies.members import members as members_members
 from rollbench.lowfi.statics.axis.system import ball_positions_with_errors
 from rollbench.meshes.errors import scene_without_random_errors
 from rollbench.meshes.parts import BallErrors
@@ -26,52 +26,45 @@ from rollbench.meshes.parts import BallErrors
 RANDOM = catalogue.scene("lin-random")
 
 
-def with_errors(**errors):
-    return replace(RANDOM, errors=replace(RANDOM.errors, **errors))
-
-
 def member_of(scene, member=0):
     return run_model(scene, "lin", ModelOptions(member=member, estimate_beam_mesh_error=False))
 
 
+def solved(parts, count):
+    return members.solve_random_draws_of_scene(parts, "lin", count)
+
+
 def test_members_are_the_single_solves():
-    found = members_members.solve_random_draws_of_scene(RANDOM, "lin", 5)
-    loads = np.stack([member_of(RANDOM, m).load for m in range(5)])
+    found = solved(RANDOM, 5)
+    loads, spread = np.stack([member_of(RANDOM, m).load for m in range(5)]), found.load_distributions
     for name, of in (("mean_loads", np.mean), ("largest", np.max), ("smallest_loads", np.min)):
-        np.testing.assert_allclose(getattr(found.load_distributions, name), of(loads, axis=0), rtol=1e-12, err_msg=name)
-    np.testing.assert_allclose(found.load_distributions.standard_deviation, loads.std(axis=0, ddof=1), rtol=1e-8, atol=1e-9)
+        np.testing.assert_allclose(getattr(spread, name), of(loads, axis=0), rtol=1e-12, err_msg=name)
+    np.testing.assert_allclose(spread.standard_deviation, loads.std(axis=0, ddof=1), rtol=1e-8, atol=1e-9)
     np.testing.assert_allclose(found.outputs[:, 0], loads.max(axis=(1, 2)), rtol=1e-12)
-    assert np.all(
-        np.abs(found.load_distributions.load_quantiles(0.5) - np.median(loads, axis=0))[loads[0] > 0.0]
-        <= found.load_distributions.width
-    )
+    off = np.abs(spread.load_quantiles(0.5) - np.median(loads, axis=0))
+    assert (off[loads[0] > 0.0] <= spread.width).all()
     assert not found.status_of_failed_draws
 
 
 def test_stiffness_is_that_of_a_small_change_of_the_load():
-    found = members_members.solve_random_draws_of_scene(RANDOM, "lin", 2)
-    (load,) = RANDOM.loads
-    shift = []
-    for factor in (1.0 - ensemble.STEP, 1.0 + ensemble.STEP):
-        scene = replace(RANDOM, loads=(replace(load, force=tuple(factor * f for f in load.force)),))
-        shift.append(member_of(scene, 1).centreline[0, 2])
-    expected = 2.0 * ensemble.STEP * load.force[2] / (shift[1] - shift[0]) * 1e-6
+    found = solved(RANDOM, 2)
+    low, high = (member_of(with_scaled_loads(RANDOM, 1.0 + s), 1).centreline[0, 2] for s in (-ensemble.STEP, ensemble.STEP))
+    expected = 2.0 * ensemble.STEP * RANDOM.loads[0].force[2] / (high - low) * 1e-6
     assert found.outputs[1, 2] == pytest.approx(expected, rel=1e-3)
 
 
 def test_the_same_numbers_whatever_block_is_done_first(monkeypatch):
     """Blocks done in any order, which travel as those of other processes do; another seed gives other members."""
-    alone = members_members.solve_random_draws_of_scene(RANDOM, "lin", 12)
-    assert not np.array_equal(
-        alone.outputs, members_members.solve_random_draws_of_scene(with_errors(seed=1), "lin", 12).outputs
-    )
+    alone = solved(RANDOM, 12)
+    other = replace(RANDOM, errors=replace(RANDOM.errors, seed=1))
+    assert not np.array_equal(alone.outputs, solved(other, 12).outputs)
 
     def backwards(jobs, *_):
-        numbered = list(enumerate(jobs))
-        return iter([(k, pickle.loads(pickle.dumps(function(*arguments)))) for k, (function, arguments) in numbered[::-1]])
+        for k, (function, arguments) in reversed(list(enumerate(jobs))):
+            yield k, pickle.loads(pickle.dumps(function(*arguments)))
 
     monkeypatch.setattr(members.parallel, "run_jobs", backwards)
-    shared = members_members.solve_random_draws_of_scene(RANDOM, "lin", 12, ComputingSettings(parallel_jobs=2))
+    shared = members.solve_random_draws_of_scene(RANDOM, "lin", 12, ComputingSettings(parallel_jobs=2))
     assert np.array_equal(alone.outputs, shared.outputs)
     for name in ("mean_loads", "standard_deviation", "smallest_loads", "largest", "counts"):
         assert np.array_equal(getattr(alone.load_distributions, name), getattr(shared.load_distributions, name)), name
@@ -81,11 +74,10 @@ def test_moments_of_balls_between_rigid_rings():
     # rings that stand: the load of each ball depends on its own radius alone, F = ((t + 2 e) / (C_a + C_b))^1.5
     base = catalogue.scene("two-balls")
     ((support,), sigma, count) = base.supports, 1e-6, 150
-    fixed = tuple((name, 0.0 if name == "ux" else value) for name, value in support.fixed)
-    drawn, hertz = BallErrors(oversize=1e-6, sigma=sigma), replace(base.ingredients, hertz="error-free")
-    held = replace(base, supports=(replace(support, fixed=fixed),), ingredients=hertz)
-    scene = replace(held, errors=replace(base.errors, balls=drawn))
-    found = members_members.solve_random_draws_of_scene(scene, "lin", count)
+    held = replace(support, fixed=tuple((name, 0.0 if name == "ux" else value) for name, value in support.fixed))
+    errors = replace(base.errors, balls=BallErrors(oversize=1e-6, sigma=sigma))
+    scene = with_ingredients(replace(base, supports=(held,), errors=errors), hertz="error-free")
+    spread = solved(scene, count).load_distributions
     bare = member_of(scene_without_random_errors(scene))
     ball, side = np.unravel_index(bare.load.argmax(), bare.load.shape)
     both = bare.hertz_C[ball, side] + bare.hertz_C[ball, 3 - side]
@@ -98,76 +90,50 @@ def test_moments_of_balls_between_rigid_rings():
         return integrate.quad(weighted, -8.0 * sigma, 8.0 * sigma, limit=200)[0]
 
     mean, deviation = moment(1), np.sqrt(moment(2) - moment(1) ** 2)
-    assert abs(found.load_distributions.mean_loads[ball, side] - mean) < 4.0 * deviation / np.sqrt(count)
-    assert found.load_distributions.standard_deviation[ball, side] == pytest.approx(
-        deviation, rel=4.0 / np.sqrt(2.0 * count)
-    )
+    assert abs(spread.mean_loads[ball, side] - mean) < 4.0 * deviation / np.sqrt(count)
+    assert spread.standard_deviation[ball, side] == pytest.approx(deviation, rel=4.0 / np.sqrt(2.0 * count))
     assert mean != pytest.approx(bare.load[ball, side], rel=1e-3)
 
 
 def test_life_of_equal_loads_goes_with_their_cube():
-    load = np.zeros((8, 4))
+    load, life = np.zeros((8, 4)), ensemble.raceway_life_measure
     load[:, 0] = load[:, 3] = 100.0
-    ratio = (ensemble.raceway_life_measure(2.0 * load) / ensemble.raceway_life_measure(load)) ** -0.9
-    assert ratio == pytest.approx(1.0 / 8.0)
-    assert ensemble.raceway_life_measure(load * np.repeat([1.5, 0.5], 4)[:, None]) > ensemble.raceway_life_measure(load)
+    assert (life(2.0 * load) / life(load)) ** -0.9 == pytest.approx(1.0 / 8.0)
+    assert life(load * np.repeat([1.5, 0.5], 4)[:, None]) > life(load)
 
 
 def test_intervals_of_quantiles_cover():
     rng = np.random.default_rng(3)
     hits = 0
     for _ in range(300):
-        quantile = members_members.output_statistics_with_intervals(rng.normal(size=200))["quantiles"][3]
+        quantile = members.output_statistics_with_intervals(rng.normal(size=200))["quantiles"][3]
         assert quantile["low"] <= quantile["value"] <= quantile["high"]
         hits += quantile["low"] <= norm.ppf(0.95) <= quantile["high"]
     assert hits >= binom.ppf(0.001, 300, 0.95)
 
 
-@pytest.mark.parametrize("trials", [1, 7, 40])
-@pytest.mark.parametrize("chance", [0.025, 0.5, 0.9])
-def test_a_quantile_of_counts_is_the_least_that_has_the_probability(trials, chance):
-    """Also at the probabilities of the counts themselves, where round-off decides."""
-    share = bdtr(np.arange(trials + 1), trials, chance)
-    for p in (*share[share < 1.0 - 1e-12], 0.025, 0.3, 0.975):
-        assert members_members._binomial_quantile(p, trials, chance) == np.flatnonzero(share >= p)[0]
-
-
-FEW = ("lin-random", "--members", "4", "--model", "lin")
-
-
-def test_command(tmp_path, command):
-    rows = tmp_path / "members.csv"
-    data = command.answer("solve", *FEW, "--seed", "7", "--csv", rows)
-    assert (data["members"], data["converged"], data["seed"]) == (4, 4, 7)
-    largest = data["statistics"]["largest_load_N"]
-    assert largest["members"] == 4
-    found = list(csv.DictReader(rows.read_text(encoding="utf-8").splitlines()))
-    assert [row["member"] for row in found] == ["0", "1", "2", "3"]
-    assert list(ensemble.KEPT) == list(found[0])[2:]
-    assert max(float(row["largest_load_N"]) for row in found) == largest["largest"]
-    assert max(ball["largest_N"] for ball in data["balls"]) == largest["largest"]
-
-
 def test_the_stiffness_of_members_has_another_name_than_the_rigidity_of_solve(command):
     """Where the loads act, the shaft gives way too; at the nut's centre it does not."""
-    data = command.answer("solve", *FEW)
+    data = command.answer("solve", "lin-random", "--members", "4", "--model", "lin")
     (name,) = (key for key in data["statistics"] if key.endswith("N_per_um"))
-    alone = command.answer("solve", "lin-random", "--model", "lin")
-    assert name not in alone["summary"]["axial"]
-    scene = catalogue.scene("lin-random")
-    (load,) = scene.loads
-    ends = [
-        run_model(with_scaled_loads(scene, factor), "lin", ModelOptions(estimate_beam_mesh_error=False))
-        for factor in (1.0, 1.001)
-    ]
+    alone = command.answer("solve", "lin-random", "--model", "lin")["summary"]["axial"]
+    assert name not in alone
+    (load,) = RANDOM.loads
+    ends = [member_of(with_scaled_loads(RANDOM, factor)) for factor in (1.0, 1.001)]
     first, more = (np.interp(load.at, one.centreline_z, one.centreline[:, 2]) for one in ends)
     secant = 1e-3 * load.force[2] / (more - first)
     assert data["statistics"][name]["mean"] == pytest.approx(1e-6 * secant, rel=0.01)
-    assert data["statistics"][name]["mean"] < 0.7 * alone["summary"]["axial"]["tangent_N_per_um"]
+    assert data["statistics"][name]["mean"] < 0.7 * alone["tangent_N_per_um"]
 
 
 SIGMA_OF_SETS = BallErrors(sigma=0.5e-6)
-SIGMA_TEXT = '\n[sets.errors.balls]\nsigma = "0.5 um"\n\n'
+
+
+def text_of_sets(said=""):
+    """The double nut with random radii of balls on each nut, and what else is said of their errors."""
+    first, second, third = shipped_scene_text("double-nut").partition('[[sets]]\nname = "nut 2"')
+    random = f'\n{said}\n[sets.errors.balls]\nsigma = "0.5 um"\n\n'
+    return first + random + second + third + random
 
 
 def drawn_sets(parts):
@@ -177,37 +143,32 @@ def drawn_sets(parts):
 
 def test_members_of_several_sets_are_the_single_solves():
     parts = drawn_sets(fixed_axis((0.0, 0.0, 500.0)))
-    found = members_members.solve_random_draws_of_scene(parts, "lin", 3)
-    results = [run_model(parts, "lin", ModelOptions(member=m)) for m in range(3)]
+    found = solved(parts, 3)
+    results, spread = [run_model(parts, "lin", ModelOptions(member=m)) for m in range(3)], found.load_distributions
     loads = np.stack([ensemble.contact_loads_of_all_balls(r) for r in results])
-    np.testing.assert_allclose(found.load_distributions.mean_loads, loads.mean(axis=0), rtol=1e-9, atol=1e-9)
-    np.testing.assert_allclose(found.load_distributions.largest, loads.max(axis=0), rtol=1e-9, atol=1e-9)
-    names = ensemble.output_names_of_draw(parts)
-    member = dict(zip(names, found.outputs[2], strict=True))
-    assert member["largest_load_N"] == pytest.approx(loads[2].max(), rel=1e-12)
-    assert member["tangent_N_per_um"] == pytest.approx(1e-6 * results[2].stiffness[2, 2], rel=1e-12)
+    np.testing.assert_allclose(spread.mean_loads, loads.mean(axis=0), rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(spread.largest, loads.max(axis=0), rtol=1e-9, atol=1e-9)
+    member = dict(zip(ensemble.output_names_of_draw(parts), found.outputs[2], strict=True))
+    expected = {"largest_load_N": loads[2].max(), "tangent_N_per_um": 1e-6 * results[2].stiffness[2, 2]}
     for i, (s, place) in enumerate(zip(results[2].sets, found.ball_slices, strict=True)):
-        assert member[f"set {i + 1} axial_force_N"] == pytest.approx(s.force[2], rel=1e-12)
         assert np.array_equal(loads[2][place], s.balls.load)
-        life = (
-            ensemble.raceway_life_measure(s.balls.load)
-            / ensemble.raceway_life_measure(found.load_distributions.nominal[place])
-        ) ** -0.9
-        assert member[f"set {i + 1} relative_life"] == pytest.approx(life, rel=1e-12)
+        lives = [ensemble.raceway_life_measure(load) for load in (s.balls.load, spread.nominal[place])]
+        expected |= {f"set {i + 1} axial_force_N": s.force[2], f"set {i + 1} relative_life": (lives[0] / lives[1]) ** -0.9}
+    assert {name: member[name] for name in expected} == pytest.approx(expected, rel=1e-12)
     assert not found.status_of_failed_draws
 
 
 def test_sets_draw_errors_of_their_own(tmp_path):
-    first, second, third = catalogue.shipped_scene_text("double-nut").partition('[[sets]]\nname = "nut 2"')
-    for said, alike in (("", False), ("\n[sets.errors]\nseed = 0\n", True)):
+    for said, alike in (("", False), ("[sets.errors]\nseed = 0\n", True)):
         file = tmp_path / f"{alike}.toml"
-        file.write_text(first + said + SIGMA_TEXT + second + third + said + SIGMA_TEXT)
+        file.write_text(text_of_sets(said))
         one, other = ball_positions_with_errors(catalogue.scene_of_any_kind(str(file)), member=3)
         assert np.array_equal(one[1].ball_radii, other[1].ball_radii) == alike
 
 
-def test_what_cannot_be_is_refused():
-    for parts, model, count, words in (
+@pytest.mark.parametrize(
+    ("parts", "model", "count", "words"),
+    [
         (catalogue.scene("lin-case1"), "lin", 5, "random"),
         (RANDOM, "x", 5, "x"),
         (RANDOM, "lin", 1, "2 to"),
@@ -215,21 +176,19 @@ def test_what_cannot_be_is_refused():
         (double_nut(), "lin", 3, "no random error"),
         (drawn_sets(double_nut()), "mei", 3, "model: got .mei"),
         (drawn_sets(double_nut()), "lin", 1, "2 to"),
-    ):
-        with pytest.raises(InputError, match=words):
-            members_members.solve_random_draws_of_scene(parts, model, count)
+    ],
+)
+def test_what_cannot_be_is_refused(parts, model, count, words):
+    with pytest.raises(InputError, match=words):
+        members.solve_random_draws_of_scene(parts, model, count)
 
 
 def test_the_command_gives_statistics_of_each_set(tmp_path, command):
-    text = (
-        catalogue.shipped_scene_text("double-nut").replace("count = 68", "count = 8").replace("turns = 4.3", "turns = 1.5")
-    )
-    first, second, third = text.partition('[[sets]]\nname = "nut 2"')
     file, rows = tmp_path / "small.toml", tmp_path / "rows.csv"
-    file.write_text(first + SIGMA_TEXT + second + third + SIGMA_TEXT)
+    file.write_text(text_of_sets().replace("count = 68", "count = 8").replace("turns = 4.3", "turns = 1.5"))
     words = "solve", file, "--members", "3", "--model", "lin"
-    code, data = command.json(*words, "--json", "--csv", rows)
-    assert (code, data["seed"], [s["name"] for s in data["sets"]]) == (0, [0, 1], ["nut 1", "nut 2"])
+    data = command.answer(*words, "--csv", rows)
+    assert (data["seed"], [s["name"] for s in data["sets"]]) == ([0, 1], ["nut 1", "nut 2"])
     assert {(row["set"], row["index"]) for row in data["balls"]} == {(k, i) for k in (1, 2) for i in range(1, 9)}
     table = list(csv.DictReader(rows.read_text(encoding="utf-8").splitlines()))
     values = [float(r["set 2 mean_load_N"]) for r in table]

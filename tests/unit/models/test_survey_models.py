@@ -1,10 +1,11 @@
-"""Models judged on the randomly drawn screws whose reference is stored, and the files of one of them."""
+"""Models and mesh levels judged on the randomly drawn screws whose reference is stored, and the files of one of them."""
 
 import csv
 import json
 import re
 import shutil
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from tests.copies import ROOT
 
 import rollbench
 from rollbench.compare.errors import InputError
+from rollbench.compare.reference.store import measuring_conditions
 from rollbench.compare.studies import survey, survey_models
 
 SHARE = f"awk -f {ROOT / 'docs/examples/programs/share.awk'} {{scene.json}} {{loads.csv}}"
@@ -27,9 +29,8 @@ def test_stored_loads_are_those_that_the_record_judged_our_models_by():
     for number in numbers:
         row = survey_models.judge_model_on_random_screw("lin", number)
         assert row["status"] == "converged"
-        assert row["largest_percent"] == pytest.approx(record[number]["largest_percent"], abs=0.1)
-        assert row["rms_percent"] == pytest.approx(record[number]["rms_percent"], abs=0.1)
-        assert row["pressure_percent"] == pytest.approx(record[number]["pressure_percent"], abs=0.1)
+        for key in ("largest_percent", "rms_percent", "pressure_percent"):
+            assert row[key] == pytest.approx(record[number][key], abs=0.1), (number, key)
 
 
 def test_loads_of_another_screw_judge_nothing(monkeypatch):
@@ -43,19 +44,18 @@ def test_loads_of_another_screw_judge_nothing(monkeypatch):
 @needs_awk
 def test_a_program_is_judged_beside_ours(command, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    code, out, _ = command("survey", "--count", "12", "--model-command", SHARE)
-    assert code == 0
-    rows = [*csv.DictReader((tmp_path / "survey-awk-f-share.awk.csv").read_text(encoding="utf-8").splitlines())]
-    count = sum(number < 12 for number in survey_models.stored_loads())
-    assert [sum(r["model"] == name for r in rows) for name in ("awk -f share.awk", "refined", "lin")] == 3 * [count]
-    mine = [float(r["largest_percent"]) for r in rows if r["model"] == "awk -f share.awk"]
-    ours = [float(r["largest_percent"]) for r in rows if r["model"] == "refined"]
-    assert re.search(rf"awk -f share.awk worst load +{count} +{np.median(mine):.2f}", out)
-    assert np.median(mine) > 10.0 * np.median(ours)
+    out, name = command.said("survey", "--count", "12", "--model-command", SHARE), "awk -f share.awk"
+    errors = {name: [], "refined": [], "lin": []}
+    for row in csv.DictReader((tmp_path / "survey-awk-f-share.awk.csv").read_text(encoding="utf-8").splitlines()):
+        errors[row["model"]].append(float(row["largest_percent"]))
+    count, mine = sum(number < 12 for number in survey_models.stored_loads()), np.median(errors[name])
+    assert [len(each) for each in errors.values()] == 3 * [count]
+    assert re.search(rf"{name} worst load +{count} +{mine:.2f}", out)
+    assert mine > 10.0 * np.median(errors["refined"])
     drawing = (tmp_path / "survey-awk-f-share.awk.svg").read_text(encoding="utf-8")
-    assert all(f">{name}<" in drawing for name in ("awk -f share.awk", "refined", "lin"))
+    assert all(f">{model}<" in drawing for model in errors)
     found = rollbench.survey(SHARE, count=12)
-    assert found.median[SHARE] == pytest.approx(np.median(mine))
+    assert found.median[SHARE] == pytest.approx(mine)
     assert found.largest["lin"] == max(r["largest_percent"] for r in found.rows["lin"])
     assert all(row["seconds"] > 0.0 and row["uncertainty_percent"] > 0.0 for row in found.rows[SHARE])
 
@@ -76,16 +76,14 @@ def test_a_screw_without_answer_is_a_row_with_its_reason_and_the_exit_code_is_1(
     assert reasons.keys() == left & {r["screw"] for r in data["models"][mine]} != set()
     assert all("exit code 1; its last line: right hand only" in reason for reason in reasons.values())
     assert (code, data["without_answer"][mine]) == (1, len(reasons))
-    describe = survey_models.judge_model_on_random_screw("mei", next(iter(left)))
-    assert describe["status"] == "the model does not describe it"
+    assert survey_models.judge_model_on_random_screw("mei", next(iter(left)))["status"] == "the model does not describe it"
 
 
 @needs_awk
 def test_a_drawn_screw_and_its_reference_are_files_that_check_takes(command, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    number = 36
-    assert command("survey", "--screw", number).code == 0
-    name = f"survey-20360-{number}"
+    name, number = "survey-20360-36", 36
+    command.said("survey", "--screw", number)
     words = ("check", f"{name}.toml", "--reference", f"{name}-reference.csv", "--no-compute", "--json")
     verdict = json.loads(command(*words, "--model-command", SHARE).out)["verdicts"][0]
     row = survey_models.judge_model_on_random_screw(SHARE, number)
@@ -94,16 +92,12 @@ def test_a_drawn_screw_and_its_reference_are_files_that_check_takes(command, tmp
     assert verdict["word"] == row["verdict"] == "fail"
 
 
-def test_numbers_and_models_that_cannot_be_are_refused(command):
-    for words in (
-        ("--count", "0", "--model", "lin"),
-        ("--screw", "300"),
-        (),
-        ("--model", "lni"),
-        ("--screw", "0", "--model", "lin"),
-    ):
-        code, out, err = command("survey", *words)
-        assert (code, out, err.count("\n")) == (2, "", 1), err
+@pytest.mark.parametrize("words", ["--count 0 --model lin", "--screw 300", "", "--model lni", "--screw 0 --model lin"])
+def test_numbers_and_models_that_cannot_be_are_refused(words, command):
+    command.refused("survey", *words.split())
+
+
+def test_a_limit_of_nothing_is_refused():
     with pytest.raises(InputError, match="max_error"):
         rollbench.survey("lin", max_error=0.0)
 
@@ -120,3 +114,39 @@ def test_loads_of_runs_are_kept_beside_those_that_a_file_has(tmp_path, monkeypat
     assert found[number] == row
     np.testing.assert_allclose(found[1]["load"], run.load, rtol=1e-5)
     assert found[1]["moving"] == 0.5
+
+
+def runs_of(number):
+    """Level 1 with the survey's loads in 50 s, level 2 with loads that are 2 % larger in 90 s."""
+    load = np.array(survey_models.stored_loads()[number]["load"])
+    coarse = survey_models.TimedLevelRun(number, 1, "converged", 50.0, 0.5, load.tolist())
+    return [coarse, replace(coarse, level=2, seconds=90.0, further_seconds=0.8, load=(1.02 * load).tolist())]
+
+
+def test_level_1_and_the_models_are_judged_by_level_2():
+    runs, records = runs_of(survey_models.numbers_of_screws_for_level_2()[0]), survey.records_for_error_estimates()
+    found = {(s.name, s.reference_level): s for s in survey_models.errors_and_times_of_models(runs, records)}
+    coarse = found["3D level 1", "level 2"]
+    assert coarse.gate_errors == pytest.approx([100.0 * 0.02 / 1.02])
+    assert (coarse.first_case_seconds, coarse.further_case_seconds) == (50.0, 0.5)
+    assert found["3D level 2", ""].gate_errors.size == 0, "the finest level has no error from these runs"
+    assert found["refined", "level 1"].gate_errors.size == len(records)
+    (by_level_1,) = (r["models"]["lin"]["largest_percent"] for r in records if r["number"] == runs[0].number)
+    by_level_2 = found["lin", "level 2"].errors_of_mean_load[0]
+    assert by_level_2 == pytest.approx(by_level_1, abs=100.0 * 0.02 * 3.0)
+    assert by_level_2 != pytest.approx(by_level_1, abs=0.05)
+
+
+def test_runs_of_the_same_sources_are_not_repeated(tmp_path):
+    runs, mine = runs_of(survey_models.numbers_of_screws_for_level_2()[0]), measuring_conditions()
+    for conditions, count, expected in ((mine, 1, runs), (replace(mine, version="0.1.0"), 0, [])):
+        stored = survey_models.StoredTimedLevelRuns(conditions, "2026-01-01", runs)
+        survey_models.save_timed_level_runs(tmp_path, stored)
+        assert survey_models.load_timed_level_runs((tmp_path,)).runs == runs
+        again = survey_models.time_mesh_levels_on_screws(tmp_path, lambda text: pytest.fail(text), count=count)
+        assert list(again.runs) == expected
+
+
+@pytest.mark.parametrize(("options", "named"), [([], "--store"), (["--long", "--store", "x"], "--drawn")])
+def test_bench_of_drawn_screws_takes_a_store_and_nothing_else(options, named, command):
+    assert named in command.refused("bench", "--drawn", *options)

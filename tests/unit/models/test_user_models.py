@@ -1,8 +1,13 @@
-"""Models of other packages: judged as ours are, loaded when they are named, and what they answer is checked."""
+"""Models of other packages, and programs of any language: judged as ours are, what they read and may write, what is said
+where they fail."""
 
 import json
 import re
+import shutil
+import subprocess
 import sys
+import tempfile
+import time
 import tomllib
 from dataclasses import replace
 
@@ -11,8 +16,8 @@ import pytest
 from tests.copies import ROOT
 
 import rollbench
-from rollbench.compare.errors import InputError
-from rollbench.compare.models import user_models
+from rollbench.compare.errors import InputError, ProgramError
+from rollbench.compare.models import programs, user_models
 from rollbench.compare.models.registry import ModelOptions, run_model
 from rollbench.compare.scenes import catalogue
 from rollbench.meshes.errors import draw_geometry_with_errors, scene_with_drawn_errors
@@ -20,6 +25,9 @@ from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import FourierTerm, SideErrors
 
 EXAMPLE = ROOT / "docs/examples/mei_model"
+PROGRAMS = ROOT / "docs/examples/programs"
+SHARE = f"awk -f {PROGRAMS / 'share.awk'} {{scene.json}} {{loads.csv}}"
+needs_awk = pytest.mark.skipif(shutil.which("awk") is None, reason="no awk here")
 
 
 @pytest.fixture
@@ -41,10 +49,6 @@ def installed(tmp_path, monkeypatch):
     yield install
     monkeypatch.undo()
     forget()
-
-
-#: A model that nothing carries.
-ZEROS = "import numpy as np\n\n\ndef model(scene):\n    return np.zeros((scene.ball_count, 4))\n"
 
 
 def forget():
@@ -87,46 +91,38 @@ def test_it_is_compared_and_judged_as_ours_are(example, command):
     assert (mine.ball, mine.side, mine.seconds > 0.0) == (ours.ball, ours.side, True)
     assert found.expected_error.loads is None
     assert "your model has not been compared with the 3D reference" in found.expected_error.words
-    code, out, _ = command("compare", "lin-case1", "--model", example, "mei", "--json")
-    answers = json.loads(out)["scenes"][0]["answers"]
-    assert (code, answers[example]["loads"]["max_N"]) == (0, pytest.approx(answers["mei"]["loads"]["max_N"], abs=1e-9))
-    rows = [row for row in json.loads(out)["rows"] if row["model"] == example]
+    data = command.answer("compare", "lin-case1", "--model", example, "mei")
+    answers, rows = data["scenes"][0]["answers"], [row for row in data["rows"] if row["model"] == example]
+    assert answers[example]["loads"]["max_N"] == pytest.approx(answers["mei"]["loads"]["max_N"], abs=1e-9)
     assert not [row for row in rows if row["quantity"].startswith("centreline")], "it is known at the nut's centre only"
-    verdicts = [command("check", "lin-case1", "--no-compute", "--model", name)[:2] for name in (example, "mei")]
-    assert verdicts[0][0] == verdicts[1][0] == 1
-    assert verdicts[0][1] == verdicts[1][1].replace("mei", example)
+    verdicts = [command("check", "lin-case1", "--no-compute", "--model", name) for name in (example, "mei")]
+    assert verdicts[0].code == verdicts[1].code == 1
+    assert verdicts[0].out == verdicts[1].out.replace("mei", example)
 
 
 def test_specimens_and_samples_are_solved_by_it(example, command, tmp_path):
-    scene = catalogue.scene("lin-random")
+    scene, tables = catalogue.scene("lin-random"), []
     for member in (0, 3):
-        mine, ours = (
-            run_model(scene, name, ModelOptions(member=member, engine="interpreted")) for name in (example, "mei")
-        )
-        np.testing.assert_allclose(mine.load, ours.load, rtol=0.0, atol=1e-8)
-    code, out, _ = command("solve", "lin-random", "--members", "3", "--model", example, "--json")
-    assert (code, json.loads(out)["model"]) == (0, example)
-    words = ("sweep", "lin-case1", "--vary", "loads[0].force[2]=1 kN:5 kN", "--samples", "3", "--method", "grid")
+        options = ModelOptions(member=member, engine="interpreted")
+        mine, ours = (run_model(scene, name, options).load for name in (example, "mei"))
+        np.testing.assert_allclose(mine, ours, rtol=0.0, atol=1e-8)
+    assert command.answer("solve", "lin-random", "--members", "3", "--model", example)["model"] == example
     for name in (example, "mei"):
-        assert command(*words, "--model", name, "--out", name)[0] == 0
-    tables = [np.genfromtxt(tmp_path / name / "samples.csv", delimiter=",", names=True) for name in (example, "mei")]
-    np.testing.assert_allclose(tables[0]["largest_load_N"], tables[1]["largest_load_N"], rtol=1e-10)
+        vary, out = ["loads[0].force[2]=1 kN:5 kN"], tmp_path / name
+        rollbench.sweep("lin-case1", vary, samples=3, method="grid", model=name, out=out)
+        tables.append(np.genfromtxt(out / "samples.csv", delimiter=",", names=True)["largest_load_N"])
+    np.testing.assert_allclose(*tables, rtol=1e-10)
 
 
 def test_a_specimen_is_written_into_its_scene():
-    scene = catalogue.scene("lin-random")
-    groove = SideErrors(
-        profile=(1e-6, 2e-6), profile_sigma=(1e-7,) * 3, pitch=(FourierTerm(1.0, 3e-6, 0.0, 1e-6),), pitch_along="axis"
-    )
-    scene = replace(scene, errors=replace(scene.errors, SR=groove, NL=replace(groove, roundness=groove.pitch)))
-    layout = ball_layout(scene)
-    drawn, written = (
-        draw_geometry_with_errors(scene, layout, 2),
-        draw_geometry_with_errors(scene_with_drawn_errors(scene, 2), layout),
-    )
+    scene, waves = catalogue.scene("lin-random"), (FourierTerm(1.0, 3e-6, 0.0, 1e-6),)
+    groove = SideErrors(profile=(1e-6, 2e-6), profile_sigma=(1e-7,) * 3, pitch=waves, pitch_along="axis")
+    scene = replace(scene, errors=replace(scene.errors, SR=groove, NL=replace(groove, roundness=waves)))
+    specimen, layout = scene_with_drawn_errors(scene, 2), ball_layout(scene)
+    drawn, written = draw_geometry_with_errors(scene, layout, 2), draw_geometry_with_errors(specimen, layout)
     for what in ("ball_radii", "groove_centres", "groove_centre_derivatives", "groove_radii", "profile_coefficients"):
         np.testing.assert_allclose(getattr(written, what), getattr(drawn, what), rtol=1e-14, atol=0.0)
-    assert not scene_with_drawn_errors(scene, 2).errors.random
+    assert not specimen.errors.random
 
 
 def test_pressure_that_it_gives_is_shown_and_judged(installed, command):
@@ -139,12 +135,11 @@ def test_pressure_that_it_gives_is_shown_and_judged(installed, command):
     assert rollbench.solve("lin-case1", "mine").pressure.max() == 3e9
     compared = rollbench.compare_models("lin-case1", ["mine"]).models["mine"]
     assert (compared.pressure, np.isnan(compared.displacement)) == (3e9, True)
-    code, out, _ = command("solve", "lin-case1", "--model", "mine", "--json")
-    summary = json.loads(out)["summary"]
-    assert (code, summary["worst_contact"]["pressure_MPa"]) == (0, 3000.0)
+    summary = command.answer("solve", "lin-case1", "--model", "mine")["summary"]
+    assert summary["worst_contact"]["pressure_MPa"] == 3000.0
     assert summary["axial"]["displacement_um"] is summary["rigidities_N_per_um"]["with_unequal_loads"] is None
     words = ("check", "lin-case1", "--no-compute", "--max-error", "90", "--limit", "pressure=10", "--model", "mine")
-    assert "against 2" in command(*words)[1]
+    assert "against 2" in command(*words).out
 
 
 LOADS = "import numpy as np\ndef model(scene):\n    loads = np.zeros((scene.ball_count, 4))\n"
@@ -170,30 +165,21 @@ def test_a_faulty_model_is_one_error(installed, command, fault):
     text, expected = FAULTY[fault]
     installed(text)
     for words in (("solve", "lin-case1"), ("compare", "lin-case1"), ("check", "lin-case1", "--no-compute")):
-        code, out, err = command(*words, "--model", "mine")
-        assert (code, out, err.count("\n")) == (2, "", 1), err
-        assert expected in err
+        assert expected in command.refused(*words, "--model", "mine")
 
 
-def test_it_is_named_by_list_and_not_loaded(installed, command):
+def test_it_is_named_by_list_and_not_loaded_and_a_name_of_ours_stays_ours(installed, command):
     installed("raise RuntimeError('loaded')")
-    code, out, _ = command("list", "--json")
-    assert (code, json.loads(out)["models of other packages"]) == (0, {"mine": "mine_module:model, mine_module 1.0"})
-    assert "mine_module:model" in command("list")[1]
-    code, _, err = command("solve", "lin-case1", "--model", "mein")
-    assert (code, "mine; advice: did you mean" in err) == (2, True), err
-    assert command("solve", "lin-case1", "--model", "mei")[0] == 0
-
-
-def test_a_name_of_ours_stays_ours(installed, command):
-    installed("raise RuntimeError('loaded')", name="mei")
-    assert "models of other packages" not in json.loads(command("list", "--json")[1])
-    assert command("solve", "lin-case1", "--model", "mei")[0] == 0
+    installed("raise RuntimeError('loaded')", "other_module:model", "mei")
+    assert command.answer("list")["models of other packages"] == {"mine": "mine_module:model, mine_module 1.0"}
+    assert "mine_module:model" in command.said("list")
+    assert "mine; advice: did you mean" in command.refused("solve", "lin-case1", "--model", "mein")
+    command.said("solve", "lin-case1", "--model", "mei")
 
 
 def test_a_name_of_two_packages_is_refused(installed):
-    installed(ZEROS, "first_module:model")
-    installed(ZEROS, "second_module:model")
+    installed(LOADS + "    return loads", "first_module:model")
+    installed(LOADS + "    return loads", "second_module:model")
     with pytest.raises(InputError, match="also has this name"):
         rollbench.solve("lin-case1", "mine")
 
@@ -201,15 +187,189 @@ def test_a_name_of_two_packages_is_refused(installed):
 def test_several_sets_on_one_shaft_are_refused_in_one_line(installed, command):
     installed(LOADS + "    return loads")
     for words in (("solve", "double-nut"), ("check", "double-nut", "--no-compute")):
-        code, out, err = command(*words, "--model", "mine")
-        assert (code, out, err.count("\n"), "mine does not solve several" in err) == (2, "", 1, True), err
-    code, _, err = command("sweep", "double-nut", "--vary", "errors.seed=1:2", "--model", "mine")
-    assert code == 2
-    assert "mine" in err
+        assert "mine does not solve several" in command.refused(*words, "--model", "mine")
+    assert "mine" in command.refused("sweep", "double-nut", "--vary", "errors.seed=1:2", "--model", "mine")
 
 
 def test_loads_that_do_not_balance_are_warned_of(installed, command):
     installed("import rollbench\ndef model(scene):\n    return rollbench.solve(scene, 'mei').loads / 1000.0\n")
-    code, out, _ = command("solve", "lin-case1", "--model", "mine")
-    assert code == 0
-    assert "loads of mine out of balance by" in out
+    assert "loads of mine out of balance by" in command.said("solve", "lin-case1", "--model", "mine")
+
+
+@pytest.fixture
+def program(tmp_path, monkeypatch):
+    """The command of a Python program with this text, in which `scene` and `loads` name its files; temporary files of its
+    runs go to a folder that must be empty in the end."""
+    runs = tmp_path / "runs"
+    runs.mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(runs))
+    monkeypatch.chdir(tmp_path)
+
+    def write(text):
+        head = "import json, sys, time\nscene, loads = sys.argv[1:]\n"
+        (tmp_path / "mine.py").write_text(f"{head}{text}\n", encoding="utf-8")
+        return f"{sys.executable} mine.py {{scene.json}} {{loads.csv}}"
+
+    yield write
+    assert [*runs.iterdir()] == []
+
+
+@needs_awk
+def test_a_program_shares_an_axial_load_as_rigid_parts_do():
+    """All balls alike: the share by equilibrium; with preload what closes one pair of flanks opens the other."""
+    track = catalogue.scene("lin-case1").track
+    slope = np.sin(track.contact_angle) * np.cos(np.arctan2(track.lead / (2.0 * np.pi), track.pitch_radius))
+    found = rollbench.solve("lin-case1", SHARE)
+    np.testing.assert_allclose(found.loads[:, [0, 3]], 5000.0 / (32 * slope), rtol=1e-12)
+    assert found.loads[:, [1, 2]].max() == 0.0
+    assert found.to_dict()["equilibrium"]["force_residual"] < 1e-12
+    scene = catalogue.scene("lin-case3")
+    closed, opened = rollbench.solve(scene, SHARE).loads[:, :2].T
+    contact = json.loads(programs.scene_json(scene))["contacts"][0]
+    pressed = 2.0 * scene.errors.balls.oversize / (contact["C_SL"] + contact["C_NR"])
+    np.testing.assert_allclose(closed ** (2 / 3) + opened ** (2 / 3), 2.0 * pressed, rtol=1e-6)
+    np.testing.assert_allclose((closed - opened).sum() * slope, 5000.0, rtol=1e-9)
+
+
+@needs_awk
+def test_every_ball_of_a_specimen_stands_at_one_displacement():
+    """Loads of balls of drawn radii: one motion of the screw closes every loaded pair as far as Hertz says."""
+    scene = scene_with_drawn_errors(catalogue.scene("lin-random"), 3)
+    loads = run_model(scene, SHARE, ModelOptions(estimate_beam_mesh_error=False)).load
+    read = json.loads(programs.scene_json(scene))
+    angle, lead = read["track"]["contact_angle"], read["given"]["lead_angle"]
+    larger = dict(read["errors"]["balls"]["listed"])
+    pair = np.array([x["C_SL"] + x["C_NR"] for x in read["contacts"]])
+    own = np.array([2.0 * larger[x["ball"]] for x in read["contacts"]])  # a ball larger by e closes its pair by 2 e
+    moved = (pair * loads[:, 0] ** (2 / 3) - own) / (np.sin(angle) * np.cos(lead))
+    assert loads[:, 0].min() > 0.0
+    assert np.ptp(loads[:, 0]) > 0.1 * loads.max()
+    np.testing.assert_allclose(moved, moved.mean(), rtol=1e-9)
+
+
+def test_the_scene_of_a_program_has_hertz_constants_and_places_of_its_balls():
+    read, solved = json.loads(programs.scene_json(catalogue.scene("lin-case1"))), rollbench.solve("lin-case1", "mei")
+    worst, contacts = solved.worst, read["contacts"]
+    constant = contacts[worst.element - 1][f"C_{worst.side}"]
+    assert constant * solved.loads.max() ** (2 / 3) == pytest.approx(worst.approach, rel=1e-9)
+    assert [x["ball"] for x in contacts] == [*range(1, 33)]
+    rise = np.diff([x["z"] for x in contacts]) / np.diff([x["azimuth"] for x in contacts])
+    np.testing.assert_allclose(rise, read["track"]["lead"] / (2.0 * np.pi), rtol=1e-9)
+    assert read["given"]["axial_force"] == read["loads"][0]["force"][2] == 5000.0
+
+
+@pytest.mark.skipif(shutil.which("cc") is None, reason="no compiler here")
+def test_a_program_in_c_is_a_model(tmp_path):
+    made = tmp_path / "equal"
+    subprocess.run(["cc", "-o", made, PROGRAMS / "equal.c", "-lm"], check=True)
+    found = rollbench.solve("lin-case1", f"{made} {{scene.json}} {{loads.csv}}").loads
+    np.testing.assert_allclose(found[:, [0, 3]], rollbench.solve("lin-case1", "mei").loads[:, 0].mean(), rtol=1e-9)
+
+
+#: A program that answers, every ball alike, and how it ends.
+ANSWER = """
+rows = ["ball,flank,newton"] + [f"{k + 1},{flank},{100.0 + k}" for k in range(32) for flank in ("SL", "SR", "NL", "NR")]
+open(loads, "w").write("\\n".join(rows) + "\\n")
+"""
+#: Programs that do not answer, and what is said. (Contents of files of loads: `tests/unit/gate/test_spreadsheets.py`.)
+SILENT = {
+    "exit code": ("print('reading'); print('no licence\\n\\n'); sys.exit(3)", "exit code 3; its last line: no licence"),
+    "exception": ("raise ValueError('no root')", "exit code 1; its last line: ValueError: no root"),
+    "signal": ("import os, signal; os.kill(os.getpid(), signal.SIGTERM)", "ended by signal 15; it printed nothing"),
+    "nothing": ("print('done')", "wrote no {loads.csv}; its last line: done"),
+    "nonsense": ("open(loads, 'wb').write(bytes(range(256)))", "cannot be used, file: a binary file"),
+    "negative": (ANSWER.replace("{100.0 + k}", "{-1.0}"), "newton: -1.0; allowed: a number, at least 0"),
+    "too few balls": (ANSWER.replace("range(32)", "range(31)"), "no load of ball 32 SL and 3 more"),
+    "too few flanks": (ANSWER.replace('"SL", "SR", ', ""), "no rows for SL, SR"),
+    "displacement": (ANSWER.replace('["ball', '["# displacement: 1 2 x"] + ["ball'), "1 2 x; allowed: six numbers"),
+    "late": ("print('at work', flush=True); time.sleep(60)", "time limit of 0.5 s; its last line: at work"),
+}
+
+
+@pytest.mark.parametrize("fault", SILENT)
+def test_a_program_without_answer_is_one_error_with_its_last_line(program, command, tmp_path, fault):
+    text, expected = SILENT[fault]
+    words = program(text), *(("--model-seconds", 0.5) if fault == "late" else ())
+    before = {*tmp_path.iterdir()}
+    code, out, err = command("check", "lin-case1", "--no-compute", "--junit", "junit.xml", "--model-command", *words)
+    assert (code, out, err.count("\n")) == (1, "", 1), err
+    assert expected in err
+    assert {*tmp_path.iterdir()} == before
+
+
+def test_the_answer_of_a_program_is_taken(program):
+    moved = 'at = json.load(open(scene))["given"]["axial_force"] / 5000.0'
+    answer = ANSWER.replace('["ball', '[f"# displacement: 0 0 {3e-6 * at} 0 0 {1e-5 * at}"] + ["ball')
+    found = rollbench.solve("lin-case1", program(moved + answer))
+    np.testing.assert_array_equal(found.loads, np.repeat(100.0 + np.arange(32.0), 4).reshape(32, 4))
+    np.testing.assert_array_equal(found.displacement, [0.0, 0.0, 3e-6, 0.0, 0.0, 1e-5])
+
+
+SWEEP = "sweep lin-case1 --vary loads[0].force[2]=1kN:5kN --samples 3 --method grid --out s"
+
+
+@pytest.mark.parametrize("words", ["solve lin-case1", "compare lin-case1", SWEEP, "survey --count 2"])
+def test_every_command_says_so(program, command, words):
+    code, out, err = command(*words.split(), "--model-command", program("print('no licence'); sys.exit(3)"))
+    assert (code, out) == (1, "")
+    assert "no licence" in err.splitlines()[-1]
+    assert "Traceback" not in err
+
+
+def test_what_a_late_program_started_ends_with_it(program, tmp_path):
+    child = (
+        "from subprocess import Popen\nPopen([sys.executable, '-c', 'import time; time.sleep(3); open(\"late\", \"w\")'])"
+    )
+    command = rollbench.model_command(program(f"{child}\ntime.sleep(60)"), seconds=1.0)
+    start = time.monotonic()
+    with pytest.raises(ProgramError, match="time limit of 1 s"):
+        rollbench.solve("lin-case1", command)
+    time.sleep(max(0.0, start + 5.0 - time.monotonic()))
+    assert not (tmp_path / "late").exists()
+
+
+@pytest.mark.parametrize(
+    ("command_of", "expected"),
+    [
+        ("mine {scene.json}", "{loads.csv} once"),
+        ("mine {loads.csv} {loads.csv} {scene.json}", "{loads.csv} once"),
+        ("mine '{scene.json} {loads.csv}", "No closing quotation"),
+        ("{scene.json} {loads.csv}", "a command that begins with a program"),
+        ("mine {scene.json} {loads.csv} {seconds=0}", "above 0 and up to 1e\\+06"),
+        ("mine {scene.json} {loads.csv} {seconds=x}", "above 0 and up to 1e\\+06"),
+    ],
+)
+def test_a_command_that_is_none_is_bad_input(command_of, expected):
+    with pytest.raises(InputError, match=expected) as refused:
+        rollbench.model_command(command_of)
+    assert refused.value.code == 2
+
+
+def test_a_program_that_is_not_there_is_told(command):
+    check, absent = ("check", "lin-case1", "--no-compute"), "./absent {scene.json} {loads.csv}"
+    code, out, err = command(*check, "--model-command", absent)
+    assert (code, out, err.count("\n")) == (1, "", 1)
+    assert "absent: lin-case1: cannot be started: No such file" in err
+    assert "--model-command" in command.refused(*check, "--model", "lin", "--model-command", absent)
+    assert "with --model-command" in command.refused(*check, "--model-seconds", "5")
+
+
+@needs_awk
+def test_a_program_is_compared_judged_and_swept_as_ours_are(command, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    found = rollbench.compare_models("lin-case1", [SHARE, "mei"]).models
+    reference = rollbench.check("lin-case1", model=SHARE, compute=False)
+    assert np.abs(found[SHARE].errors).max() == pytest.approx(reference.judged[0].of_mean.max_percent)
+    assert found[SHARE].seconds > 0.0
+    assert np.abs(found["mei"].errors).max() < np.abs(found[SHARE].errors).max()
+    code, out, _ = command("check", "lin-case1", "--no-compute", "--model-command", SHARE)
+    assert (code, "worst contact 20.76 % of the mean load off" in out) == (1, True)
+    command.said(*SWEEP.split(), "--workers", "2", "--model-command", SHARE)
+    table = np.genfromtxt(tmp_path / "s/samples.csv", delimiter=",", names=True)
+    uniform = rollbench.solve("lin-case1", "mei").loads[:, 0].mean()
+    np.testing.assert_allclose(table["largest_load_N"], uniform * np.array([0.2, 0.6, 1.0]), rtol=1e-9)
+    changed = (PROGRAMS / "share.awk").read_text(encoding="utf-8") + "# changed\n"
+    (tmp_path / "share.awk").write_text(changed, encoding="utf-8")
+    other = "awk -f share.awk {scene.json} {loads.csv}"
+    assert "another sweep" in command.refused(*SWEEP.split(), "--model-command", other)
+    assert command.answer("solve", "lin-random", "--members", "3", "--model-command", SHARE)["converged"] == 3

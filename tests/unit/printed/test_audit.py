@@ -1,4 +1,4 @@
-"""Verdicts by rule and as they are expected, misprints with a test each."""
+"""Verdicts by rule and as they are expected, misprints with a test each; ``rollbench check --printed``."""
 
 import re
 from collections import Counter
@@ -32,7 +32,6 @@ RULES = [
     ({"kind": "arithmetic"}, {"value": 1.0}, "identity"),
     ({"kind": "zero"}, {"value": 1.0}, "identity"),
     ({"entry_class": "open"}, {"value": 1.0}, "not identifiable"),
-    ({"entry_class": "open", "value": None, "claim": "so"}, {"claim_is_true": False}, "not identifiable"),
     ({"entry_class": "open", "value": None, "claim": "so"}, {"claim_is_true": True}, "not identifiable"),
     ({"value": None, "claim": "so"}, {"claim_is_true": True}, "reproduced"),
     ({"value": None, "claim": "so"}, {"claim_is_true": False}, "contradicted"),
@@ -47,23 +46,8 @@ def test_verdict_by_rule(change, found, verdict):
 
 def test_every_entry_has_an_expected_verdict_and_what_contradicts_an_open_one_a_reason():
     assert [row.name for row in ENTRIES if row.expected_verdict is None] == []
-    assert all(
-        (row.expected_verdict == "contradicted") == bool(row.contradicting_statement)
-        for row in ENTRIES
-        if row.entry_class == "open"
-    )
-
-
-def test_a_verdict_other_than_the_expected_is_named():
-    right, wrong = (
-        PrintedEntryComparison(replace(PLAIN, expected_verdict="reproduced"), value=value) for value in (1.0, 2.0)
-    )
-    said = "lin-x:a: the expected verdict is reproduced, the actual verdict is contradicted"
-    assert (right.verdict_change, wrong.verdict_change) == ("", said)
-    assert (
-        PrintedEntryComparison(PLAIN, value=1.0).verdict_change
-        == "lin-x:a: no expected verdict is stored, the actual verdict is reproduced"
-    )
+    opened = [row for row in ENTRIES if row.entry_class == "open"]
+    assert all((row.expected_verdict == "contradicted") == bool(row.contradicting_statement) for row in opened)
 
 
 def test_counts_by_source_add_up():
@@ -85,3 +69,29 @@ def test_every_misprint_has_a_command_and_a_test(row):
         assert row["command"].split()[-1] in printed_table_names()
     else:
         assert row["command"] == f"pytest {row['test']}"
+
+
+HERE = ("check", "--printed")
+
+
+def test_sources_tables_and_entries_can_be_chosen(command):
+    whole = command.answer(*HERE, "--only", "lin-B1")
+    assert {row["entry"] for row in whole["entries"]} == {row.name for row in load_printed_table("lin-B1")}
+    assert command.answer("audit", "--only", "lin-B1") == whole
+    (one,) = command.answer(*HERE, "--only", "lin-B1:e_S")["entries"]
+    assert one in whole["entries"]
+    kalker = command.answer(*HERE, "--source", "kalker", "--only", "kalker-E3")
+    assert {row["source"] for row in kalker["entries"]} == {"Kalker (1990)"}
+
+
+def test_a_verdict_that_differs_from_the_expected_is_shown_and_fails(command, monkeypatch):
+    rows = load_printed_table("lin-B1")
+    other = tuple(replace(row, expected_verdict="identity") if row.key == "e_S" else row for row in rows)
+    monkeypatch.setattr("rollbench.compare.evidence.load_printed_table", lambda _: other)
+    code, data = command.json(*HERE, "--only", "lin-B1:e_S", "--json")
+    assert code == 1
+    said = "lin-B1:e_S: the expected verdict is identity, the actual verdict is only as printed"
+    assert data["changed_verdicts"] == [said]
+    code, out, _ = command(*HERE, "--only", "lin-B1")
+    assert (code, "changed: lin-B1:e_S" in out) == (1, True)
+    assert command(*HERE, "--only", "lin-B1:rho_eq_S").code == 0

@@ -6,7 +6,6 @@ import pytest
 
 from rollbench.compare import printed as printed_data
 from rollbench.compare.errors import InputError
-from rollbench.compare.evidence import PrintedEntryComparison
 from rollbench.compare.scenes import catalogue
 
 TABLES = printed_data.printed_table_names()
@@ -16,11 +15,6 @@ ROW = '[[row]]\nkey = "a"\nlabel = "b"\nprinted = "1.20"\nunit = "mm"\nclass = "
 def row(table, key):
     (found,) = (r for r in printed_data.load_printed_table(table) if r.key == key)
     return found
-
-
-def test_a_table_that_is_not_there_is_refused_with_those_that_are():
-    with pytest.raises(InputError, match="external-contact"):
-        printed_data.load_printed_table("lin-B2")
 
 
 @pytest.mark.parametrize("name", TABLES)
@@ -50,11 +44,10 @@ def test_b1_agrees_with_itself():
 
 def test_speed_ratio_follows_from_table_2_2():
     ansys, proposed = ([row("lin-2.2", f"time_{of}_{i}").value for i in (1, 2, 3)] for of in ("ansys", "proposed"))
-    ratios = [3600.0 * one / other for one, other in zip(ansys, proposed, strict=True)]
+    least = min(3600.0 * one / other for one, other in zip(ansys, proposed, strict=True))
     printed = row("lin-2.4.1", "speed_ratio")
     assert printed.entry_class == "hard"
-    assert min(ratios) > printed.value
-    assert min(ratios) == pytest.approx(printed.value, abs=printed.tolerance)
+    assert 0.0 < least - printed.value < printed.tolerance
 
 
 def test_given_errors_and_force_of_4_3_2_are_in_the_scenes():
@@ -68,27 +61,25 @@ def test_given_errors_and_force_of_4_3_2_are_in_the_scenes():
         assert pitch.loads[0].force[2] == roundness.loads[0].force[2] == row("lin-4.3.2", "force").value
 
 
-@pytest.mark.parametrize(
-    ("printed", "half"),
-    [("0.978", 5e-4), ("1.812e-7", 5e-11), ("10.040", 5e-4), ("27", 0.5), ("-3.137", 5e-4), ("5.38", 5e-3), ("1E3", 500)],
-)
-def test_tolerance_is_half_a_unit_of_the_last_digit(printed, half):
-    assert printed_data.half_unit_of_last_digit(printed) == pytest.approx(half, rel=1e-12)
+HALVES = {"0.978": 5e-4, "1.812e-7": 5e-11, "10.040": 5e-4, "27": 0.5, "-3.137": 5e-4, "5.38": 5e-3, "1E3": 500.0}
 
 
-def test_good_row():
-    (r,) = printed_data.parse_printed_table('source = "S"\nplace = "T"\n' + ROW, "t")
-    assert (r.value, r.tolerance, r.number_as_printed, r.place, r.entry_class) == (1.2, 0.005, "1.20", "S, T", "hard")
-    (r,) = printed_data.parse_printed_table(ROW + "tolerance = 0.1\n", "t")
-    assert r.tolerance == 0.1
+@pytest.mark.parametrize("printed", HALVES)
+def test_tolerance_is_half_a_unit_of_the_last_digit(printed):
+    assert printed_data.half_unit_of_last_digit(printed) == pytest.approx(HALVES[printed], rel=1e-12)
 
 
 BAND = ROW.replace('"hard"', '"band"')
 
 
-def test_a_band_may_reach_a_quarter_of_its_middle_to_either_side():
-    (r,) = printed_data.parse_printed_table(BAND + 'origin = "x"\nlow = 0.75\nhigh = 1.25\n', "t")
-    assert (r.low, r.high) == (0.75, 1.25)
+def test_good_rows():
+    """A band may reach a quarter of its middle to either side."""
+    place, ends = 'source = "S"\nplace = "T"\n', 'origin = "x"\nlow = 0.75\nhigh = 1.25\n'
+    texts = place + ROW, ROW + "tolerance = 0.1\n", BAND + ends
+    plain, loose, band = (printed_data.parse_printed_table(text, "t")[0] for text in texts)
+    found = plain.value, plain.tolerance, plain.number_as_printed, plain.place, plain.entry_class
+    assert found == (1.2, 0.005, "1.20", "S, T", "hard")
+    assert (loose.tolerance, band.low, band.high) == (0.1, 0.75, 1.25)
 
 
 #: Faulty texts by the key at fault.
@@ -122,24 +113,3 @@ def test_faulty_rows_are_refused(text, key):
     with pytest.raises(InputError) as caught:
         printed_data.parse_printed_table(text, "t")
     assert (caught.value.key, caught.value.file, "\n" in str(caught.value)) == (key, "t.toml", False)
-
-
-def test_a_band_is_not_called_reproduced():
-    entry = row("lin-2.4.1", "case1_ratio")
-    judged = [PrintedEntryComparison(entry, value).verdict for value in (entry.low, entry.high + 1.0, None)]
-    assert judged == ["band", "contradicted", "not identifiable"]
-
-
-def all_rows():
-    return [row for name in TABLES for row in printed_data.load_printed_table(name)]
-
-
-def test_inputs_are_a_class_of_their_own_and_never_reproduced():
-    given = {r.key for r in all_rows() if r.entry_class == "input"}
-    assert {"R_B", "conformity", "mu", "force", "beta", "e_p", "gamma_high"} <= given
-    for r in all_rows():
-        assert (r.kind == "input") == (r.entry_class == "input")
-        assert not (r.entry_class == "hard" and r.remark.startswith("Given")), (r.table, r.key)
-        if r.entry_class == "input":
-            judged = [PrintedEntryComparison(r, value=value).verdict for value in (r.value, r.value + abs(r.value) + 1.0)]
-            assert judged == ["input", "contradicted"]

@@ -79,16 +79,19 @@ def test_source_s_implicit_angle(load):
     assert -np.diff(s.motion) == pytest.approx(chain.compliance * tail[1:], rel=1e-9)
 
 
+def axial_force(chain, motion, error, compiled=False):
+    """Force of one ball along the axis, by the kernel."""
+    kernels = load_kernel_package(RANDOM_ERRORS, compiled=compiled)
+    return kernels.ball_force(motion, error, chains.LAWS.index(chain.law), chain.kernel_parameters)[1]
+
+
 @pytest.mark.parametrize("law", chains.LAWS)
 @pytest.mark.parametrize("load", [30.0, 300.0, 3000.0])
 def test_conditions_of_the_minimum(law, load):
     """Equilibrium, compatibility, no tension, no gap at a loaded ball."""
     chain, e = replace(LONG, law=law), long_errors()
     s = chains.solve_ball_screw(chain, e, load)
-    k = load_kernel_package(RANDOM_ERRORS, compiled=False)
-    force = np.array(
-        [k.ball_force(u, x, chains.LAWS.index(law), chain.kernel_parameters)[1] for u, x in zip(s.motion, e, strict=True)]
-    )
+    force = np.array([axial_force(chain, u, x) for u, x in zip(s.motion, e, strict=True)])
     tail = np.cumsum(force[::-1])[::-1]
     assert tail[0] == pytest.approx(load, rel=1e-9)
     assert -np.diff(s.motion) == pytest.approx(chain.compliance * tail[1:], rel=1e-8, abs=1e-18)
@@ -96,19 +99,6 @@ def test_conditions_of_the_minimum(law, load):
     assert np.array_equal(s.load > 0.0, s.motion > free)
     assert s.load.min() >= 0.0
     assert 0 < s.loaded_balls <= 78
-
-
-def test_two_balls_by_hand():
-    """Constant angle, no error: k d2^1.5 carried by ball 2 stretches the one segment."""
-    chain = chains.BallScrewChain(2, 7e9, 1e-9, A, ANGLE, LEAD, "constant")
-    slope, load = chain.approach_per_motion, 200.0
-
-    def excess(q2):
-        q1 = load / slope - q2
-        return ((q1 / 7e9) ** (2 / 3) - (q2 / 7e9) ** (2 / 3)) / slope - 1e-9 * slope * q2
-
-    q2 = brentq(excess, 0.0, load / slope / 2, xtol=1e-14)
-    assert chains.solve_ball_screw(chain, np.zeros(2), load).load == pytest.approx([load / slope - q2, q2], rel=1e-9)
 
 
 def test_rigid_bodies_share_equally_and_load_as_hertz():
@@ -144,20 +134,18 @@ def test_motion_grows_and_falls_back_on_energy(law):
     chain, e = replace(LONG, law=law), long_errors(4)
     loads = np.linspace(20.0, 4000.0, 41)
     states = [chains.solve_ball_screw(chain, e, f) for f in loads]
-    for name in ("motion", "load"):
-        assert np.all(np.diff([getattr(s, name) for s in states], axis=0) >= 0.0)
-    assert np.all(np.diff([s.loaded_balls for s in states]) >= 0)
+    for name in ("motion", "load", "loaded_balls"):
+        assert np.all(np.diff([getattr(s, name) for s in states], axis=0) >= 0)
     if law == "constant":
         assert np.all(np.diff([s.stiffness for s in states]) > 0.0)
     fine = np.linspace(1e-3, 4000.0, 801)
     work = np.trapezoid([chains.solve_ball_screw(chain, e, f, compiled=True).motion[0] for f in fine], fine)
     last = states[-1]
     bars = np.diff(last.motion) ** 2 / (2.0 * chain.compliance)
-    k = load_kernel_package(RANDOM_ERRORS, compiled=True)
 
     def stored(u, x):
         at = np.linspace(min(chains.axial_motion_at_touch(chain, x), u), u, 101)
-        return np.trapezoid([k.ball_force(a, x, chains.LAWS.index(law), chain.kernel_parameters)[1] for a in at], at)
+        return np.trapezoid([axial_force(chain, a, x, compiled=True) for a in at], at)
 
     held = sum(stored(u, x) for u, x in zip(last.motion, e, strict=True)) + bars.sum()
     # complementary energy: the area beside the curve
@@ -171,21 +159,18 @@ def test_displacement_starts_at_the_first_touch(law):
     e[20] = 4e-6
     s = chains.solve_ball_screw(chain, e, 1e-3)
     assert s.loaded_balls == 1
-    alone = chains.BallScrewChain(
-        1, chain.stiffness, 0.0, A - (e.max() if law != "constant" else 0.0), ANGLE, LEAD, "constant"
-    )
-    before = 20 * chain.compliance * 1e-3
-    assert s.displacement - before == pytest.approx(
-        chains.solve_ball_screw(alone, np.zeros(1), 1e-3).displacement, rel=0.05
-    )
+    distance = A - (e.max() if law != "constant" else 0.0)
+    alone = replace(LONG, balls=1, compliance=0.0, groove_distance=distance, law="constant")
+    expected = chains.solve_ball_screw(alone, np.zeros(1), 1e-3).displacement
+    assert s.displacement - 20 * chain.compliance * 1e-3 == pytest.approx(expected, rel=0.05)
 
 
 def test_ball_joins_at_its_load():
     e = np.zeros(78)
     e[32] = -2e-6
     load = chains.load_at_which_ball_is_loaded(LONG, e, 32, 5000.0)
-    assert chains.solve_ball_screw(LONG, e, 0.999 * load).load[32] == 0.0
-    assert chains.solve_ball_screw(LONG, e, 1.001 * load).load[32] > 0.0
+    below, above = (chains.solve_ball_screw(LONG, e, share * load).load[32] for share in (0.999, 1.001))
+    assert below == 0.0 < above
     assert chains.load_at_which_ball_is_loaded(LONG, -e, 32, 5000.0) == 0.0
     with pytest.raises(ValueError, match="not loaded"):
         chains.load_at_which_ball_is_loaded(LONG, e, 32, 0.9 * load)
@@ -201,9 +186,8 @@ def test_same_as_mei_with_a_rigid_nut():
     other, layout, constants = solve_mei(s), ball_layout(s), hertz_without_errors(s).C
     spacing = float(np.diff(np.sort(layout.z))[0])
     stiffness = float((constants[0] + constants[3]) ** -1.5)
-    chain = chains.BallScrewChain(
-        32, stiffness, spacing / screw_section(s).EA, A, s.track.contact_angle, lead_angle(s.track), "constant"
-    )
+    bar, angles = spacing / screw_section(s).EA, (s.track.contact_angle, lead_angle(s.track))
+    chain = chains.BallScrewChain(32, stiffness, bar, A, *angles, "constant")
     ours = chains.solve_ball_screw(chain, np.zeros(32), 5000.0).load
     assert ours == pytest.approx(np.sort(other.load[:, 0])[::-1], rel=1e-8)
 
@@ -213,10 +197,8 @@ def test_uneven_spacing_is_a_chain_with_a_ball_left_out():
     e = long_errors(5)
     e[40] = -20e-6
     whole = chains.solve_ball_screw(LONG, e, 3000.0)
-    kept = np.delete(np.arange(78), 40)
-    mean = 77.0 / 76.0
-    gaps = np.diff(kept) / mean
-    other = replace(LONG, balls=77, compliance=LONG.compliance * mean, spacing=tuple(gaps))
+    kept, mean = np.delete(np.arange(78), 40), 77.0 / 76.0
+    other = replace(LONG, balls=77, compliance=LONG.compliance * mean, spacing=tuple(np.diff(kept) / mean))
     found = chains.solve_ball_screw(other, e[kept], 3000.0)
     assert found.load == pytest.approx(whole.load[kept], rel=1e-9, abs=1e-9)
     assert found.stiffness == pytest.approx(whole.stiffness, rel=1e-9)
@@ -238,9 +220,8 @@ def test_no_chain_and_bad_input_are_refused():
     for name, value in (wrong | {"law": "x", "lead_angle": -0.1}).items():
         with pytest.raises(ValueError, match="must"):
             replace(LONG, **{name: value})
-    for load in (0.0, -1.0, np.inf, np.nan):
-        with pytest.raises(ValueError, match="positive"):
-            chains.solve_ball_screw(LONG, np.zeros(78), load)
-    for errors in (np.zeros(77), np.full(78, np.nan), np.full(78, A)):
-        with pytest.raises(ValueError, match="errors"):
-            chains.solve_ball_screw(LONG, errors, 100.0)
+    given = [("positive", np.zeros(78), load) for load in (0.0, -1.0, np.inf, np.nan)]
+    given += [("error", errors, 100.0) for errors in (np.zeros(77), np.full(78, np.nan), np.full(78, A))]
+    for word, errors, load in given:
+        with pytest.raises(ValueError, match=word):
+            chains.solve_ball_screw(LONG, errors, load)

@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.unit.random_errors.test_chain import LONG as CHAIN
 
-from rollbench.lowfi.random_errors.chain import LAWS, BallScrewChain, solve_ball_screw
+from rollbench.lowfi.random_errors.chain import LAWS, solve_ball_screw
 from rollbench.lowfi.random_errors.elimination import solve_by_elimination
-
-CHAIN = BallScrewChain(78, 7.1e9, 3.9e-12, 0.191e-3, np.radians(45.0), np.radians(3.64))
 
 
 @settings(max_examples=40, deadline=None)

@@ -1,4 +1,5 @@
-"""Life over several load cases: damage by place, and the equivalent loads of the standards."""
+"""Life over several load cases: damage by place, and the equivalent loads of the standards; several sets
+together."""
 
 from dataclasses import replace
 
@@ -7,7 +8,8 @@ import pytest
 
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.rating import life
-from rollbench.meshes.parts import Errors, Load, Scene
+from rollbench.lowfi.rating.life import SLOPE, life_of_parts_in_series
+from rollbench.meshes.parts import Errors, Load
 
 SCREW = replace(catalogue.scene("lin-case1"), friction=None)
 RNG = np.random.default_rng(41)
@@ -19,17 +21,18 @@ def loads(*columns: int) -> np.ndarray:
     return out
 
 
+def life_of(cases: list[np.ndarray], shares: list[float]) -> life.BasicRatingLife:
+    """The screw's life under contact loads of several cases."""
+    return life.basic_rating_life(SCREW, life.damage_equivalent_contact_loads(cases, shares))
+
+
 def test_one_case_is_the_life_of_its_loads_to_the_last_digit() -> None:
     load = loads(0, 3)
-    assert np.array_equal(life.damage_equivalent_contact_loads([load], [1.0]), load)
-    assert life.basic_rating_life(SCREW, life.damage_equivalent_contact_loads([load], [1.0])) == life.basic_rating_life(
-        SCREW, load
-    )
-    assert life.basic_rating_life(
-        SCREW, life.damage_equivalent_contact_loads([load, 9.0 * load], [1.0, 0.0])
-    ) == life.basic_rating_life(SCREW, load), "a static check wears nothing"
-    equal = life.basic_rating_life(SCREW, life.damage_equivalent_contact_loads([load, load], [0.3, 0.7]))
-    assert equal.revolutions == pytest.approx(life.basic_rating_life(SCREW, load).revolutions, rel=1e-12)
+    alone = life.basic_rating_life(SCREW, load)
+    assert life_of([load], [1.0]) == alone
+    assert life_of([0.0 * load], [1.0]) is None
+    assert life_of([load, 9.0 * load], [1.0, 0.0]) == alone, "a static check wears nothing"
+    assert life_of([load, load], [0.3, 0.7]).revolutions == pytest.approx(alone.revolutions, rel=1e-12)
 
 
 def test_damage_adds_up_place_by_place() -> None:
@@ -40,28 +43,21 @@ def test_damage_adds_up_place_by_place() -> None:
         damage = sum(n * (load[:, s] / capacity[s]) ** 3 for n, load in zip(shares, cases, strict=True))
         places = damage if s > 1 else np.full_like(damage, damage.mean())
         wear += float(np.mean(places ** (10.0 / 9.0)))
-    found = life.basic_rating_life(SCREW, life.damage_equivalent_contact_loads(cases, list(shares)))
-    assert found.revolutions == pytest.approx(wear**-0.9, rel=1e-12)
+    assert life_of(cases, list(shares)).revolutions == pytest.approx(wear**-0.9, rel=1e-12)
 
 
 def test_a_nut_whose_places_take_turns_lives_longer_than_one_whose_places_do_not() -> None:
     first, second = np.zeros((2, SCREW.ball_count, 4))
     first[:16, 3], second[16:, 3] = 300.0, 300.0
-    apart, same = (
-        life.basic_rating_life(SCREW, life.damage_equivalent_contact_loads([first, other], [0.5, 0.5]))
-        for other in (second, first)
-    )
+    apart, same = (life_of([first, other], [0.5, 0.5]) for other in (second, first))
     assert apart.revolutions > 1.05 * same.revolutions
 
 
-def axial(force: float, **fields: object) -> Scene:
-    return replace(SCREW, loads=(Load(0.0, (0.0, 0.0, force)),), **fields)
-
-
 def standard(forces: list[float], shares: list[float], preload: float = 0.0, **fields: object):
-    return life.life_by_equivalent_loads(
-        [axial(F, **fields) for F in forces], shares, [np.array([0.0, 0.0, F]) for F in forces], preload
-    )
+    """Life under axial forces by the equivalent loads of ISO 3408-5."""
+    axial = [(0.0, 0.0, force) for force in forces]
+    scenes = [replace(SCREW, loads=(Load(0.0, force),), **fields) for force in axial]
+    return life.life_by_equivalent_loads(scenes, shares, list(map(np.array, axial)), preload)
 
 
 def test_equivalent_load_of_a_nut_with_play() -> None:
@@ -77,11 +73,9 @@ def test_equivalent_load_of_a_nut_with_play() -> None:
 def test_equal_contacts_in_every_case_agree_with_the_equivalent_load() -> None:
     even = np.zeros((SCREW.ball_count, 4))
     even[:, [0, 3]] = 1.0
-    slope = life.dynamic_rating(SCREW) / life.basic_rating_life(SCREW, even).revolutions ** (
-        1 / 3
-    )  # axial force of contacts of 1 N
-    found = life.basic_rating_life(SCREW, life.damage_equivalent_contact_loads([100.0 * even, 250.0 * even], [0.6, 0.4]))
-    by_standard = standard([100.0 * slope, 250.0 * slope], [0.6, 0.4])
+    force = life.basic_rating_life(SCREW, even).equivalent  # along the axis, of contacts of 1 N
+    found = life_of([100.0 * even, 250.0 * even], [0.6, 0.4])
+    by_standard = standard([100.0 * force, 250.0 * force], [0.6, 0.4])
     assert found.revolutions == pytest.approx(by_standard.revolutions, rel=1e-10)
 
 
@@ -130,3 +124,23 @@ def test_rings_have_ISO_281_s_factors() -> None:
     for angle, words in ((15.0, "at least 20 deg"), (60.0, "thrust")):
         with pytest.raises(ValueError, match=words):
             of_ring((1000.0, 0.0, 100.0), angle)
+
+
+def test_equal_slopes_have_a_closed_form():
+    assert life_of_parts_in_series([(80.0, SLOPE)] * 5) == pytest.approx(80.0 * 5.0 ** (-1.0 / SLOPE), rel=1e-10)
+    lives = np.array([80.0, 120.0, 1e5])
+    both = (lives**-SLOPE).sum() ** (-1.0 / SLOPE)
+    assert life_of_parts_in_series([(x, SLOPE) for x in lives]) == pytest.approx(both, rel=1e-10)
+    assert life_of_parts_in_series([(80.0, SLOPE)]) == 80.0
+
+
+def test_nine_of_ten_reach_it_and_it_is_below_the_shortest():
+    parts = [(100.0, 10 / 9), (150.0, 9 / 8), (160.0, 9 / 8), (1e4, 10 / 9)]
+    found = life_of_parts_in_series(parts)
+    assert found < 100.0
+    assert np.prod([0.9 ** ((found / x) ** slope) for x, slope in parts]) == pytest.approx(0.9, rel=1e-10)
+    rng, first = np.random.default_rng(4), np.full(400_000, np.inf)
+    for x, slope in parts:
+        scale = x / (-np.log(0.9)) ** (1.0 / slope)
+        first = np.minimum(first, scale * rng.weibull(slope, first.size))
+    assert np.quantile(first, 0.1) == pytest.approx(found, rel=0.01)

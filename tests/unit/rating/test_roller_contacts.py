@@ -6,13 +6,12 @@ import numpy as np
 import pytest
 from tests.axes import ROLLERS, assembly, fixed_axis, solved
 from tests.helpers import ALL_BUT_AXIAL
-from tests.shipped_texts import own_text
+from tests.shipped_texts import changed
 
 from rollbench.compare.models.load_cases import solve_shaft_with_results
 from rollbench.compare.models.registry import ModelOptions
 from rollbench.compare.results.rows import bearing_and_nut_rows, solution_rows
 from rollbench.compare.results.scene_json import axis_summary_json
-from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.hertz import hertz_constants
 from rollbench.lowfi.rating.contacts import roller_contact_of_highest_pressure, roller_static_safety
 from rollbench.lowfi.rollers import half_widths_and_pressures_of_slices
@@ -25,20 +24,19 @@ INCH, POUND = 25.4e-3, 4.4482216152605
 MODULUS = 30e6 * POUND / INCH**2 / (2.0 * (1.0 - 0.3**2))
 REACH = 0.5 * 0.33 * INCH / np.sin(np.radians(4.0))
 AT_CONE = 1.0 / (1.0 / (REACH * np.tan(np.radians(4.0))) + 1.0 / (REACH * np.tan(np.radians(22.8))))
-THICK = (Segment(0.0, 0.3, 30.0),)
 
 
-def by_hand(load: float, length: float = 0.49 * INCH) -> float:
+def by_hand(load: float) -> float:
     """Pressure sqrt(q E*/(pi R)) at a roller's middle [MPa]."""
-    return 1e-6 * float(np.sqrt(load / length * MODULUS / (np.pi * AT_CONE)))
+    return 1e-6 * float(np.sqrt(load / (0.49 * INCH) * MODULUS / (np.pi * AT_CONE)))
 
 
-def row(thrust: float, tilt: float = 0.0, **options):
-    """A row of rollers on a thick shaft under a thrust [N]; tilt: of the shaft [rad]."""
-    fixed = tuple((name, tilt if name == "ry" else 0.0) for name, _ in ALL_BUT_AXIAL)
-    held, loads = Support(0.15, fixed), (Load(0.15, (0.0, 0.0, thrust)),)
-    one = RollingSet("row", "tapered roller bearing", replace(ROLLERS, **options), 0.15, thrust="+z")
-    return assembly(one, segments=THICK, supports=(held,), loads=loads)
+def row(thrust: float, **turned: float):
+    """A row of rollers on a thick shaft under a thrust [N]; turned: rotations of the shaft [rad]."""
+    held = Support(0.15, tuple((name, turned.get(name, 0.0)) for name, _ in ALL_BUT_AXIAL))
+    one = RollingSet("row", "tapered roller bearing", ROLLERS, 0.15, thrust="+z")
+    loads = (Load(0.15, (0.0, 0.0, thrust)),)
+    return assembly(one, segments=(Segment(0.0, 0.3, 30.0),), supports=(held,), loads=loads)
 
 
 def limit(pressure: float) -> float:
@@ -75,9 +73,8 @@ def test_even_load_presses_hardest_at_the_small_end_of_the_cone():
     assert worst.force == pytest.approx(3e5 * ROLLERS.length)
     assert worst.position_along_roller == pytest.approx(-0.5 * ROLLERS.length * 14.0 / 15.0)
     reach = tapered_bearing_of_row(ROLLERS).apex_distance
-    assert worst.pressure / worst.uniform_load_pressure == pytest.approx(
-        np.sqrt(reach / (reach + worst.position_along_roller)), rel=1e-12
-    )
+    shorter = reach / (reach + worst.position_along_roller)
+    assert worst.pressure / worst.uniform_load_pressure == pytest.approx(np.sqrt(shorter), rel=1e-12)
     assert worst.other_race_pressure < worst.pressure
     assert roller_static_safety(worst).factor == pytest.approx((4e9 / worst.pressure) ** 2)
     assert roller_contact_of_highest_pressure(ROLLERS, np.zeros((3, 7))) is None
@@ -88,27 +85,18 @@ def test_pressure_that_leaves_a_dent_is_told_from_4000_MPa_on(share, told):
     found = solved(row(share * limit(4e9)))
     assert found.converged
     assert [w.kind for w in found.warnings] == (["pressure"] if told else [])
-    assert not told or "4 GPa" in found.warnings[0].brief
 
 
 def test_a_tilt_and_a_rotation_of_the_shaft_are_told_without_balls():
-    kinds = {w.kind for w in solved(row(3000.0, tilt=8e-3)).warnings}
-    assert "tilt" in kinds
-    turned = replace(
-        row(3000.0), supports=(Support(0.15, tuple((k, 0.06 if k == "rz" else 0.0) for k, _ in ALL_BUT_AXIAL)),)
-    )
-    assert [w.kind for w in solved(turned).warnings] == ["rotation"]
-
-
-def rows(data):
-    """Loads of the rollers of each set."""
-    return [np.array([r["load_N"] for r in data["rollers"] if r["set"] == k]) for k in (1, 2, 3, 4)]
+    assert "tilt" in {w.kind for w in solved(row(3000.0, ry=8e-3)).warnings}
+    assert [w.kind for w in solved(row(3000.0, rz=0.06)).warnings] == ["rotation"]
 
 
 def test_preloaded_rows_answer_load_pressure_safety_and_preload(command):
     data = command.answer("solve", "smith-axis-taper", "--strict")
     sin = np.sin(np.radians(30.8))
-    for one, loads in zip(data["sets"], rows(data), strict=True):
+    for number, one in enumerate(data["sets"], 1):
+        loads = np.array([roller["load_N"] for roller in data["rollers"] if roller["set"] == number])
         found, preload = one["summary"], one["summary"]["preload"]
         assert found["loads"]["max_N"] == loads.max() == one["largest_load_N"]
         assert (found["loads"]["loaded_contacts"], found["loads"]["rollers_without_load"]) == (16, 0)
@@ -123,36 +111,21 @@ def test_preloaded_rows_answer_load_pressure_safety_and_preload(command):
     assert whole["life"]["L10_million_revolutions"] == pytest.approx(standard, rel=0.3), "ISO 281's own factors"
     assert whole["worst_contact"]["middle_pressure_MPa"] == pytest.approx(1007.5, abs=0.1)
     assert whole["axial"]["force_N"] == pytest.approx(-1000.0 * POUND)
-    (row,) = [
-        line.split() for line in command.said("solve", "smith-axis-taper").splitlines() if line.startswith("3 right 1")
-    ]
-    assert row[9] == "9083", "its preload"
 
 
 def test_preload_without_the_stretch_is_what_the_rows_are_closed_to(command, tmp_path):
     """Either row is closed to its deflection under 1500 lbf; the 20 mm of shaft between the two give way and take some."""
-    text = catalogue.shipped_scene_text("smith-axis-taper").replace(
-        'displace = { uz = "0.0015 in" }', 'displace = { uz = "0 in" }'
-    )
+    text = changed("smith-axis-taper", ('displace = { uz = "0.0015 in" }', 'displace = { uz = "0 in" }'))
     (tmp_path / "closed.toml").write_text(text, encoding="utf-8")
-    data = command.answer("solve", str(tmp_path / "closed.toml"))
-    for one in data["sets"]:
+    for one in command.answer("solve", tmp_path / "closed.toml")["sets"]:
         assert 0.93 < abs(one["summary"]["preload"]["axial_N"]) / (1500.0 * POUND) < 1.0
 
 
-@pytest.fixture(scope="module")
-def lateral(tmp_path_factory):
+def test_27700_N_on_one_roller_is_no_success_and_all_rollers_are_listed(command, tmp_path):
     """Smith's axis with 3000 lbf across its middle."""
-    axial = 'force = ["0 lbf", "0 lbf", "-1000 lbf"]'
-    text = catalogue.shipped_scene_text("smith-axis-taper")
-    assert axial in text
-    path = tmp_path_factory.mktemp("rollers") / "lateral.toml"
-    path.write_text(text.replace(axial, 'force = ["3000 lbf", "0 lbf", "0 lbf"]'), encoding="utf-8")
-    return path
-
-
-def test_27700_N_on_one_roller_is_no_success(command, lateral):
-    code, data = command.json("solve", lateral, "--strict", "--json")
+    across = ('force = ["0 lbf", "0 lbf", "-1000 lbf"]', 'force = ["3000 lbf", "0 lbf", "0 lbf"]')
+    (tmp_path / "lateral.toml").write_text(changed("smith-axis-taper", across), encoding="utf-8")
+    code, data = command.json("solve", tmp_path / "lateral.toml", "--strict", "--json")
     assert (code, data["status"]) == (1, "converged")
     found = data["summary"]
     assert found["loads"]["max_N"] == pytest.approx(27711.5, rel=1e-5)
@@ -160,24 +133,18 @@ def test_27700_N_on_one_roller_is_no_success(command, lateral):
     assert by_hand(27711.5) == pytest.approx(4729.0, abs=0.5)
     assert found["worst_contact"]["pressure_MPa"] > 4729.0  # the shaft tilts the rollers
     assert found["static_safety"]["factor"] < (4000.0 / 4729.0) ** 2 < 1.0
-    assert "contact pressure" in data["warning"]
     assert "static safety" in data["warning"]
     assert found["axial"]["rigidity_N_per_um"] is None  # no axial load
-
-
-def test_pressures_of_all_rollers_are_listed(command, lateral):
-    data = command.answer("solve", lateral)
-    worst = data["summary"]["worst_contact"]
+    worst = found["worst_contact"]
     listed = [r for r in data["rollers"] if r["set"] == data["summary"]["worst_set"]]
     assert max(r["pressure_MPa"]["inner"] for r in listed) == worst["pressure_MPa"]
     assert max(r["pressure_MPa"]["outer"] for r in listed) == worst["other_race_pressure_MPa"]
     assert all(r["pressure_MPa"] == {"inner": 0.0, "outer": 0.0} for r in listed if r["load_N"] == 0.0)
-    assert "inner MPa" in command.said("solve", lateral, "--balls")
+    assert "inner MPa" in command.said("solve", tmp_path / "lateral.toml", "--balls")
 
 
 def test_load_cases_of_rollers_have_a_worst_pressure(command, tmp_path):
-    path = tmp_path / "thrust.toml"
-    text = own_text("rollers").replace('warming = "10 K"', 'warming = "0 K"')
+    path, text = tmp_path / "thrust.toml", changed("rollers", ('warming = "10 K"', 'warming = "0 K"'))
     path.write_text(f'{text}\n[[cases]]\nname = "one"\nshare = 1\n', encoding="utf-8")
     together = command.answer("solve", path)["summary"]
     assert together["largest_pressure_MPa"] > 0.0
@@ -196,6 +163,4 @@ def test_the_table_is_of_the_worst_set_and_that_of_sets_has_all():
     answers, sets = {row.quantity: row.value for row in solution_rows(one)}, bearing_and_nut_rows(one)
     assert answers["nut or bearing, worst contact"] == one.scene.sets[first].name
     assert answers["peak pressure"] == sets[first]["peak pressure MPa"]
-    assert [row["set"].partition(" ")[2] for row in sets] == [x.name for x in one.scene.sets]
-    safety = [x.safety.factor for x in found]
-    assert [float(row["static safety"]) for row in sets] == pytest.approx(safety, rel=1e-3)
+    assert [float(row["static safety"]) for row in sets] == pytest.approx([x.safety.factor for x in found], rel=1e-3)

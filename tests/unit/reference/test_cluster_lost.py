@@ -82,7 +82,7 @@ def lose(address, process, begun, words):
     killer = threading.Thread(target=watch, daemon=True)
     killer.start()
     with pytest.raises(InputError, match=words):
-        run([(sleepy, (60.0, begun)), (sleepy, (60.0, begun))], "dask", address)
+        run([(sleepy, (60.0, begun))] * 2, "dask", address)
     killer.join()
 
 
@@ -109,20 +109,12 @@ def certificates(tmp_path):
     return cert, key
 
 
-@pytest.fixture
-def own_configuration():
-    """Dask's configuration as it was before the test: encryption must not be asked of clusters of later ones."""
-    before = copy.deepcopy(dask.config.config)
-    yield
-    dask.config.config.clear()
-    dask.config.config.update(before)
-
-
-@pytest.mark.usefixtures("own_configuration")
-def test_jobs_run_over_tls(certificates):
+def test_jobs_run_over_tls(certificates, monkeypatch):
+    for name, value in [*dask.config.config.items()]:  # encryption must not be asked of clusters of later tests
+        monkeypatch.setitem(dask.config.config, name, copy.deepcopy(value))
     (cert, key), files = certificates, dict(zip(("cert", "key"), certificates, strict=True))
-    each = ((f"tls_{who}_{what}", file) for who in ("scheduler", "worker", "client") for what, file in files.items())
-    security = distributed.Security(tls_ca_file=cert, require_encryption=True, **dict(each))
+    each = {f"tls_{who}_{what}": file for who in ("scheduler", "worker", "client") for what, file in files.items()}
+    security = distributed.Security(tls_ca_file=cert, require_encryption=True, **each)
     options = {"n_workers": 1, "threads_per_worker": 1, "processes": False, "dashboard_address": "127.0.0.1:0"}
     with distributed.LocalCluster(**options, protocol="tls://", host="127.0.0.1", security=security) as local:
         assert local.scheduler_address.startswith("tls://")

@@ -31,22 +31,16 @@ def test_parts_of_the_own_levels_are_found(contact: float, bodies: float) -> Non
     assert found.body_cell_deviation == pytest.approx(bodies * np.sqrt(1.0 + h[1] ** -4), abs=0.015)
     assert found.socket_mesh_deviation == pytest.approx(0.02 * np.sqrt(2.0))
     assert found.common_deviation == 0.0
-    assert found.uncertainty == pytest.approx(
-        estimate.COVER
-        * np.linalg.norm(
-            [found.contact_cell_deviation, found.body_cell_deviation, found.socket_mesh_deviation, found.common_deviation]
-        )
-    )
+    parts = found.contact_cell_deviation, found.body_cell_deviation, found.socket_mesh_deviation
+    assert found.uncertainty == pytest.approx(estimate.COVER * np.linalg.norm(parts))
     assert not found.is_from_other_scenes
 
 
 def test_the_bar_holds_95_per_cent_of_the_next_level() -> None:
     loads = drawn_loads(2, (1, 2, 3, 4), 0.06, 0.03, 0.02)
-    bar = estimate.mesh_uncertainty({k: loads[k] for k in (1, 2, 3)}, KNOWN).uncertainties_of_loads(loads)[
-        estimate.is_loaded_on_any_level(loads)
-    ]
-    off = np.abs(loads[4] - loads[3])[estimate.is_loaded_on_any_level(loads)]
-    assert np.mean(off <= bar) == pytest.approx(0.955, abs=0.012)
+    bars = estimate.mesh_uncertainty({k: loads[k] for k in (1, 2, 3)}, KNOWN).uncertainties_of_loads(loads)
+    held = np.abs(loads[4] - loads[3]) <= bars
+    assert np.mean(held[estimate.is_loaded_on_any_level(loads)]) == pytest.approx(0.955, abs=0.012)
 
 
 def test_displacements_become_loads_by_the_stiffness_of_a_contact() -> None:
@@ -64,14 +58,6 @@ def test_displacements_become_loads_by_the_stiffness_of_a_contact() -> None:
     assert (found.uncertainties_of_loads(loads)[0] == 0.0).all()
     single = {1: loads[1]}
     assert set(estimate.mesh_uncertainty(single, KNOWN).uncertainties_of_loads(single).ravel()) == {0.0, 0.23}
-
-
-def test_two_levels_count_all_as_what_falls_slower() -> None:
-    two, three = (
-        estimate.mesh_uncertainty(drawn_loads(3, levels, 0.06, 0.0, 0.02), KNOWN) for levels in ((1, 2), (1, 2, 3))
-    )
-    assert two.contact_cell_deviation == 0.0
-    assert two.uncertainty > three.uncertainty
 
 
 def test_a_part_that_all_contacts_share_counts_where_equilibrium_does_not_hold_the_sum() -> None:
@@ -109,5 +95,5 @@ def test_experience_is_measured_and_kept(tmp_path) -> None:
     assert found.scenes == tuple(scenes)
     estimate.save_uncertainty_of_other_scenes(tmp_path, found)
     assert estimate.read_uncertainty_of_other_scenes(tmp_path) == found
-    with pytest.raises(ValueError, match="one loaded flank of the screw and one with both loaded"):
+    with pytest.raises(ValueError, match="a single flank of the screw is loaded, and one in which both are"):
         estimate.derive_uncertainty_of_other_scenes({"one": scenes["one"]}, 0.02)

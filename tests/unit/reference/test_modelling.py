@@ -34,10 +34,8 @@ def test_a_ring_is_held_by_the_nodes_in_it() -> None:
 
     def held(where: str) -> list[int]:
         """Places of the nodes held, counted from the inside, on one side of the thin strip; z [mm] comes first."""
-        T = nut_freedoms_from_free_ones(
-            body, solid.dimensions_of_3d_parts(replace(CASE1, solid=parts.Solid(nut_held=where)))
-        )
-        fixed = np.setdiff1d(np.arange(3 * len(body.points)), T.indices)
+        dims = solid.dimensions_of_3d_parts(replace(CASE1, solid=parts.Solid(nut_held=where)))
+        fixed = np.setdiff1d(np.arange(3 * len(body.points)), nut_freedoms_from_free_ones(body, dims).indices)
         x, y, z = body.points[np.unique(fixed // 3)].T
         assert fixed.size == 3 * x.size  # in all three directions
         assert np.unique(z).size == 1
@@ -67,21 +65,19 @@ def test_the_dropped_twist_turns_supports_and_moves_no_load() -> None:
 
 
 def test_choices_add_by_the_root_of_squares_contact_by_contact() -> None:
-    changed = (
-        ("land", levels.LANDS, "modelling", 103.0, 100.0),
-        ("land-wide", levels.LANDS, "modelling", 98.0, 101.0),
-        ("hole", levels.HOLE, "modelling", 96.0, 100.0),
-        ("nut-right", "nut", "scene", 150.0),
-        ("modes", "modes", "numerical", 150.0),
-    )
     effects = [
         modelling.effect_of_changed_choice("lin-case1", name, name, choice, kind, loads(*to), loads())
-        for name, choice, kind, *to in changed
+        for name, choice, kind, *to in (
+            ("land", levels.LANDS, "modelling", 103.0, 100.0),
+            ("land-wide", levels.LANDS, "modelling", 98.0, 101.0),
+            ("hole", levels.HOLE, "modelling", 96.0, 100.0),
+            ("nut-right", "nut", "scene", 150.0),
+            ("modes", "modes", "numerical", 150.0),
+        )
     ]
     found = modelling.combined_modelling_uncertainty(CASE1, effects)
     assert found.contacts[:2, 0] == pytest.approx([np.hypot(3.0, 4.0), 1.0])
-    assert found.largest == pytest.approx(5.0)
-    assert found.rms == pytest.approx(np.sqrt((25.0 + 1.0) / 2.0))
+    assert (found.largest, found.rms) == pytest.approx((5.0, np.sqrt((25.0 + 1.0) / 2.0)))
     assert found.ratio == pytest.approx(np.hypot(3.0612, 4.1667), rel=1e-3)  # 101/98 and 100/96
     assert list(found.choices) == [levels.HOLE, levels.LANDS]
     assert modelling.combined_modelling_uncertainty(catalogue.scene("lin-case3"), effects) is None

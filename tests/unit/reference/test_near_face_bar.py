@@ -10,8 +10,8 @@ from tests.near_face import CASES, measured, scene_of
 
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.models.uncertainty import largest_uncertainty_near_face, uncertainty_of_loads
-from rollbench.compare.quantities import record_as_json
 from rollbench.compare.reference import estimate
+from rollbench.compare.reference.estimate import load_error_near_faces, load_overestimate_near_faces
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes import catalogue
 from rollbench.hifi.meshing.settings import hertz_contacts_under_unit_force
@@ -31,21 +31,18 @@ def test_the_record_is_of_its_cases_and_can_be_repeated() -> None:
 
 def test_finer_bodies_and_larger_distances_leave_less_out() -> None:
     """Levels 1, 3 and 4 at every distance but for the scatter of meshes; in every scene less than a fifth of the lip."""
-    scatter = 0.02
-    assert all(0.0 < row["missing"]["1"] < 0.2 * row["lip"] for row in ROWS)
-    for level, missing in KNOWN.missing_compliance_by_level.items():
-        assert (np.diff(missing) < scatter).all()
-        assert (missing <= KNOWN.missing_compliance_by_level[1] + 1e-12).all(), level
-    assert (KNOWN.missing_compliance_by_level[4] < 0.6 * KNOWN.missing_compliance_by_level[1])[:-1].all()
+    missing, distances, scatter = KNOWN.missing_compliance_by_level, KNOWN.relative_distances, 0.02
+    for level, of_level in missing.items():
+        assert (np.diff(of_level) < scatter).all()
+        assert (of_level <= missing[1] + 1e-12).all(), level
+    assert (missing[4] < 0.6 * missing[1])[:-1].all()
     assert KNOWN.interpolate(np.array([estimate.AWAY, 5.0]), 1)[1] == pytest.approx([0.0, 0.0])
-    assert KNOWN.interpolate(np.array([1.1]), 5)[1] == pytest.approx(KNOWN.missing_compliance_by_level[4][2])
-    slope = np.diff(KNOWN.missing_compliance_by_level[1]) / np.diff(KNOWN.relative_distances)
+    assert KNOWN.interpolate(np.array([1.1]), 5)[1] == pytest.approx(missing[4][2])
+    slope = np.diff(missing[1]) / np.diff(distances)
     assert slope[0] == pytest.approx(slope[1])
     for row in ROWS:  # of other leads and balls too
-        assert (
-            np.interp(row["radii"], KNOWN.relative_distances, KNOWN.missing_compliance_by_level[1])
-            >= row["missing"]["1"] - 1e-12
-        )
+        assert 0.0 < row["missing"]["1"] < 0.2 * row["lip"]
+        assert np.interp(row["radii"], distances, missing[1]) >= row["missing"]["1"] - 1e-12
 
 
 def test_a_face_three_ball_radii_away_is_not_near() -> None:
@@ -66,35 +63,31 @@ def near(distance: float = 1.2, **solid):
 def test_it_concerns_the_flank_that_is_pressed_towards_a_free_face() -> None:
     load, scene = np.full((32, 4), 200.0), near()
     last, first = int(ball_layout(scene).z.argmax()), int(ball_layout(scene).z.argmin())
-    found = estimate.load_overestimate_near_faces(scene, load, 1)
+    found = load_overestimate_near_faces(scene, load, 1)
     assert found[last, [0, 3]] == pytest.approx(found.max())
     assert found[last, [1, 2]] == pytest.approx([0.0, 0.0])
     assert not found[first].any()  # held there
-    turned = estimate.load_overestimate_near_faces(near(nut_held="right face"), load, 1)
+    turned = load_overestimate_near_faces(near(nut_held="right face"), load, 1)
     assert turned[first, [1, 2]] == pytest.approx(found[last, [0, 3]], rel=1e-9)
     assert not turned[last].any()
-    assert estimate.load_overestimate_near_faces(near(nut_held="outer surface"), load, 1) == pytest.approx(
-        np.maximum(found, turned)
-    )
+    assert load_overestimate_near_faces(near(nut_held="outer surface"), load, 1) == pytest.approx(np.maximum(found, turned))
     for other in (near(nut_held="both faces"), near(nut="rigid"), catalogue.scene("two-balls")):
-        assert not estimate.load_overestimate_near_faces(other, np.full((other.ball_count, 4), 200.0), 1).any()
-    assert not estimate.load_overestimate_near_faces(scene, 0.0 * load, 1).any()
-    assert estimate.load_overestimate_near_faces(scene, load, 3).max() < 0.6 * found.max()
+        assert not load_overestimate_near_faces(other, np.full((other.ball_count, 4), 200.0), 1).any()
+    assert not load_overestimate_near_faces(scene, 0.0 * load, 1).any()
+    assert load_overestimate_near_faces(scene, load, 3).max() < 0.6 * found.max()
 
 
 def test_what_contacts_beside_a_face_have_too_much_the_others_have_too_little_where_the_sum_is_held() -> None:
     scene, load = near(), np.zeros((32, 4))
     load[:16, [0, 3]], load[16:, [0, 3]] = 20.0, 160.0
-    excess, found = estimate.load_overestimate_near_faces(scene, load, 1), estimate.load_error_near_faces(scene, load, 1)
+    excess, found = load_overestimate_near_faces(scene, load, 1), load_error_near_faces(scene, load, 1)
     shared = found - excess
     assert excess[:, 0].any()
     assert shared.sum(axis=0) == pytest.approx(excess.sum(axis=0))
     assert not shared[:, 1:3].any()
     assert shared[20, 0] == pytest.approx(2.0 * shared[3, 0])  # by their own stiffness: the cube root of the load
     load[:, 1:3] = 1.0
-    assert estimate.load_error_near_faces(scene, load, 1) == pytest.approx(
-        estimate.load_overestimate_near_faces(scene, load, 1)
-    )
+    assert load_error_near_faces(scene, load, 1) == pytest.approx(load_overestimate_near_faces(scene, load, 1))
 
 
 def test_the_load_that_a_missing_compliance_adds() -> None:
@@ -103,12 +96,9 @@ def test_the_load_that_a_missing_compliance_adds() -> None:
     unit = 1.0 / (scene.nut.material.youngs_modulus * scene.balls.radius)
     lip, missing = (unit * float(x[0]) for x in KNOWN.interpolate(np.array([1.1]), 1))
     soft = sum(hertz_contacts_under_unit_force(scene)[s].approach for s in (0, 3))
-
-    def approach(f: float, compliance: float) -> float:
-        return soft * f ** (2.0 / 3.0) + compliance * f
-
-    true = brentq(lambda f: approach(f, lip) - approach(force, lip - missing), 0.5 * force, force)
-    found = estimate.load_overestimate_near_faces(scene, np.full((32, 4), force), 1).max()
+    given = soft * force ** (2.0 / 3.0) + (lip - missing) * force
+    true = brentq(lambda f: soft * f ** (2.0 / 3.0) + lip * f - given, 0.5 * force, force)
+    found = load_overestimate_near_faces(scene, np.full((32, 4), force), 1).max()
     assert found == pytest.approx(force - true, rel=0.05)
     assert 0.01 * force < found < 0.05 * force
 
@@ -120,9 +110,5 @@ def test_it_is_said_by_name() -> None:
     last = int(ball_layout(scene).z.argmax())
     assert place == f"ball {last + 1} SL"
     assert found.uncertainty[last, 0] > found.beside_face[last, 0] > 0.0
-    words = uncertainty_of_loads(scene, found, inputs=False)
-    assert f"{largest:.2f} % at {place}" in words.uncertainty_text
-    assert record_as_json(words)["beside_free_face_at"] == place
-    far = study.stored_reference("unseen-25x5")
-    assert largest_uncertainty_near_face(far) == (0.0, "")
-    assert "free face" not in uncertainty_of_loads(study.built_in_scene("unseen-25x5"), far, inputs=False).uncertainty_text
+    assert f"{largest:.2f} % at {place}" in uncertainty_of_loads(scene, found, inputs=False).uncertainty_text
+    assert largest_uncertainty_near_face(study.stored_reference("unseen-25x5")) == (0.0, "")

@@ -1,36 +1,54 @@
-"""Jobs of the 3D reference: plan, what is missing, what is kept and told, levels of the command line."""
+"""Jobs of the 3D reference: plan, what is missing, what is kept and told, levels of the command line; what a run is
+expected to take, and what an interrupt leaves."""
 
+import os
+import stat
 import sys
 from dataclasses import replace
 from pathlib import Path
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
 from tests.reference_records import bodies_of, run_of
 
+from rollbench.compare import files, running
 from rollbench.compare.commands import compare as study
 from rollbench.compare.commands.compare import exit_code_of_references, parse_levels
 from rollbench.compare.commands.mesh_study import study_mesh_levels
 from rollbench.compare.errors import InputError
 from rollbench.compare.gate.verdict import ErrorLimits, judge_contact_loads
 from rollbench.compare.models.uncertainty import uncertainty_of_loads
-from rollbench.compare.reference import jobs
+from rollbench.compare.reference import computing, jobs
 from rollbench.compare.reference.estimate import reference_from_runs
+from rollbench.compare.reference.jobs import TaskProgress, check_memory, expected_time_and_memory
 from rollbench.compare.reference.store import Run, load_stored_run, path_of_bodies, path_of_run, save_run, shipped_store
 from rollbench.compare.reference.tasks import ReferenceTask
 from rollbench.compare.results.compared import reference_uncertainty_text
 from rollbench.compare.results.comparison import error_for_unconverged_reference
+from rollbench.compare.running import format_duration
 from rollbench.compare.scenes import catalogue
+from rollbench.meshes.cache import StageMessage
 from rollbench.meshes.condensed import CondensedBodies
+from rollbench.meshes.files import make_readable_for_group
+
+CASE1 = catalogue.scene("lin-case1")
+TASK = ReferenceTask((CASE1,), 1)
+ONES = np.ones((32, 4))
+
+
+def stored(folder: Path, tasks: list[ReferenceTask], **options: object) -> tuple[list[Run], list[str]]:
+    """Runs that are stored or computed, and what is said."""
+    said: list[str] = []
+    return jobs.ensure_runs_are_stored(tasks, folder, jobs.ComputingSettings(), said.append, **options), said
 
 
 def test_a_task_without_its_bodies_is_missing(tmp_path: Path) -> None:
-    scene = catalogue.scene("lin-case1")
-    task, run = ReferenceTask((scene,), 1), run_of("lin-case1", 1, np.ones((32, 4)))
-    save_run(tmp_path, scene, run)
-    assert jobs.tasks_without_stored_runs([task], (tmp_path,)) == [task]
-    jobs.store_runs_and_condensed_bodies(tmp_path, task, [run], bodies_of(scene, 1))
-    assert jobs.tasks_without_stored_runs([task], (tmp_path,)) == []
+    run = run_of("lin-case1", 1, ONES)
+    save_run(tmp_path, CASE1, run)
+    assert jobs.tasks_without_stored_runs([TASK], (tmp_path,)) == [TASK]
+    jobs.store_runs_and_condensed_bodies(tmp_path, TASK, [run], bodies_of(CASE1, 1))
+    assert jobs.tasks_without_stored_runs([TASK], (tmp_path,)) == []
 
 
 def test_plan_and_what_is_missing(tmp_path: Path) -> None:
@@ -38,21 +56,17 @@ def test_plan_and_what_is_missing(tmp_path: Path) -> None:
     tasks = jobs.plan_reference_tasks(scenes, (1, 2), ("land",), leave_out_each_part=True)
     planned = {(t.level, t.variant, t.leave_out_each_part, len(t.scenes)) for t in tasks}
     assert planned == {(1, "", True, 2), (2, "", False, 2), (1, "land", False, 1)}
-    loads = np.ones((32, 4))
-    save_run(tmp_path, scenes[0], run_of("lin-case1", 2, loads))
-    save_run(tmp_path, scenes[1], replace(run_of("lin-case2", 1, loads), without={}))
+    save_run(tmp_path, scenes[0], run_of("lin-case1", 2, ONES))
+    save_run(tmp_path, scenes[1], replace(run_of("lin-case2", 1, ONES), without={}))
     left = {(t.level, t.variant): [s.name for s in t.scenes] for t in jobs.tasks_without_stored_runs(tasks, (tmp_path,))}
     assert left == {(1, ""): ["lin-case1", "lin-case2"], (2, ""): ["lin-case2"], (1, "land"): ["lin-case1"]}
-
-
-def test_the_coarsest_level_comes_first_and_is_told() -> None:
-    scene = catalogue.scene("lin-case1")
-    assert [t.level for t in jobs.plan_reference_tasks([scene], (1, 2, 3), with_source_mesh=True)] == [1, 3, 2, 0]
+    coarsest_first = jobs.plan_reference_tasks([CASE1], (1, 2, 3), with_source_mesh=True)
+    assert [t.level for t in coarsest_first] == [1, 3, 2, 0]
 
 
 @pytest.mark.parametrize("command", ["compare", "mesh-study"])
 def test_commands_print_the_coarsest_level_first(command: str, tmp_path: Path, monkeypatch, capsys) -> None:
-    known = {k: load_stored_run(catalogue.scene("lin-case1"), k, stores=(shipped_store(),)) for k in (1, 2)}
+    known = {k: load_stored_run(CASE1, k, stores=(shipped_store(),)) for k in (1, 2)}
     monkeypatch.setattr(jobs, "compute_runs_and_bodies", lambda task, _: ([known[task.level]], None))
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
     engine = jobs.ComputingSettings()
@@ -61,86 +75,73 @@ def test_commands_print_the_coarsest_level_first(command: str, tmp_path: Path, m
     else:
         study_mesh_levels(("lin-case1",), 2, tmp_path, engine, fresh=True, spread=False, source=False)
     said = capsys.readouterr().err
-    assert "[############............] [1/2]" in said, "half of the bar"
     words = {"compare": "error of refined: ", "mesh-study": "largest load, SL"}[command]
     assert said.index("[1/2] lin-case1: level 1") < said.index(words) < said.index("[2/2]")
 
 
 def test_each_job_is_stored_when_it_is_done(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    scenes = [catalogue.scene("lin-case1")]
-    said: list[str] = []
+    run = run_of("lin-case1", 1, ONES)
 
     def fake(task: ReferenceTask, _: object) -> tuple[list[Run], CondensedBodies]:
         if task.level == 2:
             raise KeyboardInterrupt
-        return [run_of("lin-case1", task.level, np.ones((32, 4)))], bodies_of(scenes[0], task.level)
+        return [run], bodies_of(CASE1, 1)
 
     monkeypatch.setattr(jobs, "compute_runs_and_bodies", fake)
-    tasks = [ReferenceTask((scenes[0],), level) for level in (1, 2)]
+    tasks = [TASK, ReferenceTask((CASE1,), 2)]
     with pytest.raises(KeyboardInterrupt):
-        jobs.ensure_runs_are_stored(tasks, tmp_path, jobs.ComputingSettings(), said.append)
-    run = run_of("lin-case1", 1, np.ones((32, 4)))
-    kept = {path_of_run(tmp_path, scenes[0], run).name, path_of_bodies(tmp_path, scenes[0], run).name}
-    assert {p.name for p in tmp_path.iterdir()} == kept
+        stored(tmp_path, tasks)
+    assert {*tmp_path.iterdir()} == {path_of_run(tmp_path, CASE1, run), path_of_bodies(tmp_path, CASE1, run)}
     assert jobs.tasks_without_stored_runs(tasks, (tmp_path,)) == [tasks[1]]
-    assert any("[1/2]" in line and "s left" in line for line in said)
 
 
 def test_a_run_that_did_not_converge_is_told_and_computed_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    scene = catalogue.scene("lin-case1")
-    said: list[str] = []
     reason = "a contact reaches the rim of its patch: it needs 1.6 mm,\nhas 1.5 mm"
-    failed = replace(run_of("lin-case1", 1, np.ones((32, 4))), status=reason)
+    failed, tasks = replace(run_of("lin-case1", 1, ONES), status=reason), [TASK]
     monkeypatch.setattr(jobs, "compute_runs_and_bodies", lambda *_: ([failed], None))
-    found = jobs.ensure_runs_are_stored([ReferenceTask((scene,), 1)], tmp_path, jobs.ComputingSettings(), said.append)
+    found, said = stored(tmp_path, tasks)
     assert [run.status for run in found] == [reason]
     assert list(tmp_path.iterdir()) == []
-    assert all("\n" not in line for line in said)
+    assert jobs.tasks_without_stored_runs(tasks, (tmp_path,)) == tasks
+    refusal = str(error_for_unconverged_reference("lin-case1", found))
+    assert all("\n" not in line for line in (*said, refusal))
     assert any("it needs 1.6 mm, has 1.5 mm" in line for line in said)
-    assert len(jobs.tasks_without_stored_runs([ReferenceTask((scene,), 1)], (tmp_path,))) == 1
-    words = str(error_for_unconverged_reference("lin-case1", found))
-    assert "level 1: a contact reaches the rim of its patch: it needs 1.6 mm, has 1.5 mm" in words
-    assert "\n" not in words
+    assert "level 1: a contact reaches the rim of its patch: it needs 1.6 mm, has 1.5 mm" in refusal
 
 
 def test_a_run_that_did_not_settle_is_kept_with_what_it_may_move_by(tmp_path: Path, monkeypatch) -> None:
-    scene, said = catalogue.scene("lin-case1"), list[str]()
     status = "not settled: loads may still move by 0.5 N after 30 updates of directions and gaps"
     first, good = run_of("lin-case1", 1, np.full((32, 4), 99.0)), run_of("lin-case1", 2, np.full((32, 4), 100.0))
     monkeypatch.setattr(jobs, "compute_runs_and_bodies", lambda *_: ([replace(first, status=status, moving=0.5)], None))
-    assert jobs.ensure_runs_are_stored([ReferenceTask((scene,), 1)], tmp_path, jobs.ComputingSettings(), said.append) == []
+    found, said = stored(tmp_path, [TASK])
+    assert found == []
     assert any(status in line and "not stored" not in line for line in said)
-    kept = load_stored_run(scene, 1, stores=(tmp_path,))
+    kept = load_stored_run(CASE1, 1, stores=(tmp_path,))
     assert (kept.status, kept.moving) == (status, 0.5)
-    alone = reference_from_runs("lin-case1", catalogue.scene("lin-case1"), (kept,))
+    alone, before = (reference_from_runs("lin-case1", CASE1, (run,)) for run in (kept, first))
     assert alone.unsettled == f"level 1 {status}"
-    assert (alone.uncertainty >= 0.5).all()
-    settled = reference_from_runs("lin-case1", catalogue.scene("lin-case1"), (first, good))
-    found = reference_from_runs(
-        "lin-case1", catalogue.scene("lin-case1"), (first, replace(good, status=status, moving=0.5))
+    np.testing.assert_allclose(alone.uncertainty, before.uncertainty + 0.5)
+    settled, found = (
+        reference_from_runs("lin-case1", CASE1, (first, finest))
+        for finest in (good, replace(good, status=status, moving=0.5))
     )
     assert settled.unsettled == ""
     np.testing.assert_allclose(found.uncertainty, settled.uncertainty + 0.5)
     assert (exit_code_of_references([settled]), exit_code_of_references([settled, found])) == (0, 5)
-    assert status in reference_uncertainty_text(found, uncertainty_of_loads(scene, found))
-    limit = 1.0 + 100.0 * float(settled.uncertainty.max()) / 100.0 + 0.2
-    before, after = (
-        judge_contact_loads("mine", np.full((32, 4), 101.0), r, ErrorLimits(limit))[0] for r in (settled, found)
-    )
+    assert status in reference_uncertainty_text(found, uncertainty_of_loads(CASE1, found))
+    limits = ErrorLimits(1.0 + float(settled.uncertainty.max()) + 0.2)
+    before, after = (judge_contact_loads("mine", np.full((32, 4), 101.0), r, limits)[0] for r in (settled, found))
     assert (before.word, after.word) == ("pass", "undecided")
     assert status in after.detail
 
 
 def test_fresh_computes_what_is_stored(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    scene = catalogue.scene("lin-case1")
-    task, old = ReferenceTask((scene,), 1), run_of("lin-case1", 1, np.ones((32, 4)))
-    jobs.store_runs_and_condensed_bodies(tmp_path, task, [old], bodies_of(scene, 1))
-    fresh = run_of("lin-case1", 1, np.full((32, 4), 2.0))
-    monkeypatch.setattr(jobs, "compute_runs_and_bodies", lambda *_: ([fresh], bodies_of(scene, 1)))
-    jobs.ensure_runs_are_stored([task], tmp_path, jobs.ComputingSettings(), lambda _: None)
-    assert load_stored_run(scene, 1, stores=(tmp_path,)).load.max() == 1.0
-    jobs.ensure_runs_are_stored([task], tmp_path, jobs.ComputingSettings(), lambda _: None, compute_again=True)
-    assert load_stored_run(scene, 1, stores=(tmp_path,)).load.max() == 2.0
+    jobs.store_runs_and_condensed_bodies(tmp_path, TASK, [run_of("lin-case1", 1, ONES)], bodies_of(CASE1, 1))
+    fresh = run_of("lin-case1", 1, 2.0 * ONES)
+    monkeypatch.setattr(jobs, "compute_runs_and_bodies", lambda *_: ([fresh], bodies_of(CASE1, 1)))
+    for again, load in ((False, 1.0), (True, 2.0)):
+        stored(tmp_path, [TASK], compute_again=again)
+        assert load_stored_run(CASE1, 1, stores=(tmp_path,)).load.max() == load
 
 
 def test_levels_of_the_command_line() -> None:
@@ -149,3 +150,81 @@ def test_levels_of_the_command_line() -> None:
     for text in ("6", "0", "", "fine", "1;2"):
         with pytest.raises(InputError, match="levels: "):
             parse_levels(text)
+
+
+@pytest.mark.parametrize("name", ["unseen-hollow", "unseen-short-nut", "unseen-16x5", "unseen-40x10", "unseen-25x5"])
+@pytest.mark.parametrize("level", [1, 2, 3])
+def test_the_estimate_is_near_what_stored_runs_took(name: str, level: int) -> None:
+    scene = catalogue.scene(name)
+    run = load_stored_run(scene, level, stores=(shipped_store(),))
+    found = expected_time_and_memory(ReferenceTask((scene,), level))
+    assert 0.4 < found.seconds / (run.setup_seconds + run.solve_seconds) < 2.5
+    assert 0.5 < 1e-3 * run.peak_MB / found.memory_GB < 1.6
+
+
+def test_a_second_process_takes_less_time_and_more_memory() -> None:
+    alone, two = (expected_time_and_memory(ReferenceTask((CASE1,), 3, processes=n)) for n in (1, 2))
+    assert 0.5 * alone.seconds < two.seconds < 0.8 * alone.seconds
+    assert alone.memory_GB < two.memory_GB < 2.0 * alone.memory_GB
+
+
+def test_a_machine_that_is_too_small_is_refused_before_anything_runs(tmp_path, monkeypatch) -> None:
+    enough = expected_time_and_memory(TASK).memory_GB
+    monkeypatch.setattr(jobs, "available_GB", lambda: 1.0)
+    with pytest.raises(InputError, match=r"memory: got 1.0 GB free; allowed: about .* GB for lin-case1: level 1"):
+        stored(tmp_path, [TASK])
+    monkeypatch.setattr(jobs, "available_GB", lambda: 1.5 * enough)
+    assert check_memory([TASK, TASK], 1) == pytest.approx(enough)
+    with pytest.raises(InputError, match="`workers=1`"):
+        check_memory([TASK, TASK], 2)
+    monkeypatch.setattr(jobs, "available_GB", lambda: None)
+    assert check_memory([TASK, TASK], 2) == pytest.approx(2.0 * enough)
+
+
+def test_progress_says_the_stage_and_the_time_left_at_the_speed_so_far() -> None:
+    progress, expected = TaskProgress(TASK), expected_time_and_memory(TASK)
+    done = expected.seconds_by_stage["meshes"]
+    line = progress.progress_line(StageMessage("meshes", "1 s"), 2.0 * done)
+    assert f"about {format_duration(2.0 * (expected.seconds - done))} left" in line
+    assert progress.present_stage_text == "lin-case1: level 1: patches"
+    assert progress.progress_line("contact of side SL", 1.0) == "lin-case1: level 1: contact of side SL"
+
+
+def test_an_interrupt_says_what_is_kept(tmp_path, monkeypatch: pytest.MonkeyPatch) -> None:
+    said = []
+    monkeypatch.setattr(jobs, "compute_runs_and_bodies", Mock(side_effect=KeyboardInterrupt))
+    monkeypatch.setattr(jobs, "output_closed", lambda: False)
+    with pytest.raises(KeyboardInterrupt):
+        jobs.ensure_runs_are_stored([TASK], tmp_path, jobs.ComputingSettings(cache_folder=tmp_path / "cache"), said.append)
+    assert said[-1].startswith(f"WARNING: interrupted: 0 of 1 set-ups are stored in {tmp_path}, and finished stages")
+    monkeypatch.setattr(jobs, "output_closed", lambda: True)
+    with pytest.raises(BrokenPipeError):
+        jobs.ensure_runs_are_stored([TASK], tmp_path, jobs.ComputingSettings(), said.append)
+
+
+def test_a_reader_that_goes_away_is_seen() -> None:
+    read, write = os.pipe()
+    assert not running.output_closed((write,))
+    os.close(read)
+    assert running.output_closed((write,))
+    os.close(write)
+
+
+def test_stored_files_are_readable_by_the_group(tmp_path) -> None:
+    before = os.umask(0o077)
+    try:
+        files.replace_file(tmp_path / "team" / "run.json", "{}")
+        (tmp_path / "own").write_text("")
+    finally:
+        os.umask(before)
+    make_readable_for_group(tmp_path / "own")
+    modes = {"team": 0o750, "team/run.json": 0o640, "own": 0o640}
+    assert {name: stat.S_IMODE((tmp_path / name).stat().st_mode) for name in modes} == modes
+
+
+def test_memory_that_runs_out_is_said_in_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("gmsh")
+    ended = Mock(side_effect=MemoryError("a process of the set-up was ended from outside"))
+    monkeypatch.setattr("rollbench.hifi.setup.mesh_and_condense_geometry", ended)
+    with pytest.raises(InputError, match=r"memory.*ended from outside.*fewer workers"):
+        computing.compute_reference_runs(TASK)

@@ -5,7 +5,6 @@ from math import sin
 
 import pytest
 
-from rollbench.compare.cli import main
 from rollbench.compare.errors import SceneNotCoveredError
 from rollbench.compare.reference.store import run_text_with_checksum, shipped_store
 from rollbench.compare.scenes import catalogue
@@ -35,22 +34,17 @@ def test_equal_rollers_are_pressed_once_with_the_largest_load(kind):
 
 def test_low_order_laws_are_those_of_the_statics(kind):
     """One roller is a row of rollers under thrust over their number, at the cup's angle."""
-    bearing = tapered_bearing_of_row(kind.roller_row)
-    row, low = StraightTaperedRow(bearing), roller.approach_and_stiffness_by_laws(kind.roller_row, kind.largest_load)
-    thrust = kind.largest_load * bearing.rollers * sin(bearing.cup_angle)
-    assert low.approach == pytest.approx(row.deflection(thrust) * sin(bearing.cup_angle), rel=1e-9)
-    step = 1e-3
-    up, down = (
-        roller.approach_and_stiffness_by_laws(kind.roller_row, kind.largest_load * (1.0 + s)) for s in (step, -step)
-    )
+    bearing, load = tapered_bearing_of_row(kind.roller_row), kind.largest_load
+    tilt = sin(bearing.cup_angle)
+    thrust = load * bearing.rollers * tilt
+    low, up, down = (roller.approach_and_stiffness_by_laws(kind.roller_row, load * s) for s in (1.0, 1.001, 0.999))
+    assert low.approach == pytest.approx(StraightTaperedRow(bearing).deflection(thrust) * tilt, rel=1e-9)
     for approach, stiffness in (("approach", "stiffness"), ("norm_approach", "norm_stiffness")):
-        slope = 2.0 * step * kind.largest_load / (getattr(up, approach) - getattr(down, approach))
+        slope = 0.002 * load / (getattr(up, approach) - getattr(down, approach))
         assert getattr(low, stiffness) == pytest.approx(slope, rel=1e-5)
     crowned = replace(kind.roller_row, crown=2.0)
-    sliced = SlicedTaperedRow(bearing, crowned.slices, circular_crown_profile(2.0))
-    assert roller.approach_and_stiffness_by_laws(crowned, kind.largest_load).approach == pytest.approx(
-        sliced.deflection(thrust) * sin(bearing.cup_angle), rel=1e-9
-    )
+    sliced = SlicedTaperedRow(bearing, crowned.slices, circular_crown_profile(2.0)).deflection(thrust) * tilt
+    assert roller.approach_and_stiffness_by_laws(crowned, load).approach == pytest.approx(sliced, rel=1e-9)
 
 
 def test_shipped_runs_meet_line_contact_and_settle(kind, shipped):
@@ -83,19 +77,14 @@ def test_sharp_straight_rollers_are_refused(kind, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "word"),
-    [([TAPER, "two-balls"], "separate runs"), ([TAPER, "--spread"], "spread"), ([TAPER, "--levels", "4"], "1 to 3")],
+    ("arguments", "word"), [(["two-balls"], "separate runs"), (["--spread"], "spread"), (["--levels", "4"], "1 to 3")]
 )
-def test_what_rollers_do_not_know_is_refused(arguments, word, capsys):
-    with pytest.raises(SystemExit, match="2"):
-        main(["mesh-study", *arguments])
-    assert word in capsys.readouterr().err
+def test_what_rollers_do_not_know_is_refused(arguments, word, command):
+    assert word in command.refused("mesh-study", TAPER, *arguments)
 
 
 @pytest.mark.parametrize("value", ["3 mm", "10 um"])
-def test_edge_radius_has_a_range(value, tmp_path, capsys):
-    text = catalogue.shipped_scene(TAPER).to_toml().replace('edge_radius = "1 mm"', f'edge_radius = "{value}"')
+def test_edge_radius_has_a_range(value, tmp_path, command):
+    text = catalogue.shipped_scene(TAPER).to_toml().replace('edge_radius = "1 mm"', f'edge_radius = "{value}"', 1)
     (tmp_path / "taper.toml").write_text(text)
-    with pytest.raises(SystemExit, match="2"):
-        main(["solve", str(tmp_path / "taper.toml")])
-    assert "edge_radius: got" in capsys.readouterr().err
+    assert "edge_radius: got" in command.refused("solve", tmp_path / "taper.toml")

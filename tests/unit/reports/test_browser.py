@@ -23,10 +23,7 @@ WORK = (Path(__file__).parent / "work.html").read_text(encoding="utf-8")
 
 
 def small_report() -> Report:
-    curves = (
-        Series("refined", [1.0, 2.0, 3.0], [210.0, 220.5, 230.0]),
-        Series("lin", [1.0, 2.0], [200.0, 260.0], "markers"),
-    )
+    curves = (Series("refined", [1.0, 2.0, 3.0], [210.0, 220.5, 230.0]), Series("lin", [1.0, 2.0], [200.0, 260.0]))
     panels = (Panel("SL", "ball", "load / N", curves), Panel("NR", "ball", "load / N", curves))
     heads = [TableColumn(f"c{k}", f"a long heading {k}") for k in range(24)]
     wide = Table("wide", "All of it", heads, [{c.key: 1e3 for c in heads}])

@@ -2,14 +2,18 @@
 
 import math
 import re
+from dataclasses import replace
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 from tests.report_samples import figure
 
+from rollbench.compare.scenes import catalogue
+from rollbench.compare.sections.sheets import sketch_scene
 from rollbench.reports import figures, pages
-from rollbench.reports.content import Panel, Series
+from rollbench.reports.content import Panel, Series, Sketch
+from rollbench.reports.sketch import FORCE, INK, WIDTH, draw_sketch
 
 pytestmark = pytest.mark.xdist_group("a figure")
 
@@ -23,6 +27,11 @@ def svg():
 
 def words_of(svg):
     return {"".join(element.itertext()) for element in ElementTree.fromstring(svg).iter(f"{SVG}text")}
+
+
+def ids_and_references(text):
+    """Identifiers of a text, and those that it refers to."""
+    return set(re.findall(r'\bid="([^"]+)"', text)), set(re.findall(r'(?:href="#|url\(#)([^")]+)', text))
 
 
 REFUSED = [
@@ -46,15 +55,11 @@ class TestFigures:
         assert {"oversize / µm", "rigidity / (N/µm)"} <= words
         assert not any(re.search(r"\bum\b", word) for word in words)
 
-    def test_identifiers_of_two_figures_do_not_meet_and_references_resolve(self):
-        both = [figures.draw_figure(figure(name)) for name in ("one", "two")]
-        ids = [set(re.findall(r'\bid="([^"]+)"', svg)) for svg in both]
-        assert ids[0]
-        assert not ids[0] & ids[1]
-        for svg, known in zip(both, ids, strict=True):
-            used = set(re.findall(r'(?:href="#|url\(#)([^")]+)', svg))
-            assert used
-            assert used <= known
+    def test_identifiers_of_two_figures_do_not_meet_and_references_resolve(self, svg):
+        ids, used = ids_and_references(svg)
+        assert not ids & ids_and_references(figures.draw_figure(figure("other")))[0]
+        assert used
+        assert used <= ids
 
     @pytest.mark.parametrize("log", ["", "x", "y", "xy"])
     @pytest.mark.parametrize("values", [[], [math.nan, math.nan], [0.0, 0.0], [-1.0, -2.0], [3.0, 3.0]])
@@ -75,8 +80,8 @@ class TestInAPage:
         colours = {"var(--ink, #222222)", "var(--paper, #ffffff)", "var(--c0, #0072b2)"}
         assert colours <= set(re.findall(r"var\([^)]*\)", text))
         assert "var(" not in svg
-        used = set(re.findall(r'(?:href="#|url\(#)([^")]+)', text))
-        assert used <= set(re.findall(r'\bid="([^"]+)"', text))
+        ids, used = ids_and_references(text)
+        assert used <= ids
 
     def test_texts_stand_beside_their_points_and_apart(self):
         x, y = [1.0, 1.1, 1.2, 90.0], [5.0, 5.01, 5.02, 0.1]
@@ -98,3 +103,39 @@ def _place(text):
     if text.get("x"):
         return float(text.get("x")), float(text.get("y"))
     return tuple(float(v) for v in re.search(r"translate\(([-\d.]+)[ ,]+([-\d.]+)", text.get("transform"))[1:])
+
+
+SVG = "{http://www.w3.org/2000/svg}"
+
+
+def drawn(name: str) -> tuple[Sketch, ElementTree.Element]:
+    sketch = sketch_scene(catalogue.scene(name), "s", "S")
+    return sketch, ElementTree.fromstring(draw_sketch(sketch))
+
+
+def test_a_screw_shows_nut_balls_support_and_load_with_their_words() -> None:
+    sketch, root = drawn("lin-case3-offset")
+    assert len(list(root.iter(f"{SVG}circle"))) == 32
+    words = {"nut 54 mm, Ø 48", "screw 800 mm, Ø 32", "fixes ux uy rx ry rz", "fixes uy", "ux = 300 µm", "Fz 5 kN"}
+    assert words < {str(t.text) for t in root.iter(f"{SVG}text")}
+    assert re.search(r"lead 20 mm.*ball radii \+7 um", sketch.caption)
+
+
+def test_arrows_point_where_loads_push() -> None:
+    scene = catalogue.scene("lin-case1")
+    heads = []
+    for force in ((0.0, 0.0, 1.0), (0.0, 0.0, -1.0), (1.0, 0.0, 0.0), (-1.0, 0.0, 0.0)):
+        other = replace(scene, loads=(replace(scene.loads[0], force=force),))
+        root = ElementTree.fromstring(draw_sketch(sketch_scene(other, "s", "S")))
+        (head,) = (p.get("points", "") for p in root.iter(f"{SVG}polygon") if p.get("fill") == FORCE)
+        (x, y), (x1, y1), (x2, y2) = (tuple(map(float, point.split(","))) for point in head.split())
+        heads.append((x - (x1 + x2) / 2, y - (y1 + y2) / 2))
+    assert heads == [pytest.approx(v, abs=0.11) for v in ((9.0, 0.0), (-9.0, 0.0), (0.0, -9.0), (0.0, 9.0))]
+
+
+def test_nothing_leaves_the_drawing_and_inks_follow_the_page() -> None:
+    for name in ("lin-case3-offset", "unseen-four-point", "unseen-63x20"):
+        _, root = drawn(name)
+        for text in root.iter(f"{SVG}text"):
+            assert 0.0 < float(text.get("x", "")) < WIDTH
+            assert text.get("fill") in (INK, FORCE)

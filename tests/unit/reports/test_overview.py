@@ -20,12 +20,11 @@ def point(label: str, error: float, cold: float, kind: str = "model", **changes:
 
 
 def scene(factor: float) -> list[ErrorAndRunTime]:
-    label = {name: MODELS[name].label for name in MODELS}
     return [
-        point(label["refined"], 1.0 * factor, 2.0),
-        point(label["lin"], 6.0 * factor, 1.0),
-        point(label["source"], 6.0 * factor, 1.5),
-        point(label["mei"], 20.0 * factor, 1.2, status="no convergence" if factor > 2.0 else "converged"),
+        point(MODELS["refined"].label, 1.0 * factor, 2.0),
+        point(MODELS["lin"].label, 6.0 * factor, 1.0),
+        point(MODELS["source"].label, 6.0 * factor, 1.5),
+        point(MODELS["mei"].label, 20.0 * factor, 1.2, status="no convergence" if factor > 2.0 else "converged"),
         point("3D reference, level 1", 0.2 * factor, 40.0, "level"),
         point("3D reference, level 3", 0.0, 130.0, "level"),
     ]
@@ -37,35 +36,18 @@ POINTS = {"a": scene(1.0), "b": scene(2.0), "c": scene(3.0)}
 def test_standings_are_medians_and_worst_cases_of_what_converged() -> None:
     found = {s.name: s for s in overview.summarise_accuracy_by_model(POINTS)}
     refined = found["refined"]
-    assert (
-        refined.scene_count,
-        refined.largest_error_percent,
-        refined.scene_of_largest_error,
-        refined.median_error_percent,
-    ) == (3, 3.0, "c", 2.0)
-    assert (
-        refined.median_gate_error.error,
-        refined.median_gate_error.low,
-        refined.median_gate_error.high,
-    ) == pytest.approx((2.4, 1.2 * 1.8, 1.2 * 2.3))
-    assert (
-        refined.median_rms_error_percent,
-        refined.largest_rms_error_percent,
-        refined.cold_start_seconds,
-        refined.passed_scene_count,
-    ) == (1.0, 1.5, 2.0, 3)
+    assert (refined.scene_count, refined.passed_scene_count, refined.scene_of_largest_error) == (3, 3, "c")
+    assert (refined.median_error_percent, refined.largest_error_percent) == (2.0, 3.0)
+    assert (refined.median_rms_error_percent, refined.largest_rms_error_percent) == (1.0, 1.5)
+    gate = refined.median_gate_error
+    assert (gate.error, gate.low, gate.high) == pytest.approx((2.4, 1.2 * 1.8, 1.2 * 2.3))
     # 6 % of the mean load, 7.2 % by the gate's rule: within no line of 7 %
     assert (found["mei"].scene_count, found["mei"].largest_error_percent, found["lin"].passed_scene_count) == (2, 40.0, 0)
     assert found["3D level 3"].median_error_percent == pytest.approx(0.1)  # its uncertainty: it is the best estimate itself
-    assert overview.largest_error_or_mesh_uncertainty(POINTS["a"][-1]) == pytest.approx(0.1)
-    assert overview.model_accuracy_table(overview.summarise_accuracy_by_model(POINTS)).rows[0]["name"] == "mei"
+
     # the front holds what nothing beats in both
-    assert [s.name for s in overview.pareto_optimal_models(overview.summarise_accuracy_by_model(POINTS))] == [
-        "lin",
-        "refined",
-        "3D level 1",
-        "3D level 3",
-    ]
+    front = [s.name for s in overview.pareto_optimal_models(list(found.values()))]
+    assert front == ["lin", "refined", "3D level 1", "3D level 3"]
 
 
 def test_every_screw_that_was_compared_is_in_the_first_figure() -> None:
@@ -78,5 +60,5 @@ def test_every_screw_that_was_compared_is_in_the_first_figure() -> None:
         assert set(drawn) <= set(curve.x)
         assert len(curve.x) == len(drawn) + len(descriptors_of_built_in_scenes(of_bearings=False))
         assert (curve.y[-1], sorted(curve.x)) == (pytest.approx(100.0), list(curve.x))
-    assert "mean contact load" in panel.xlabel
+
     assert not [curve for curve in panel.series if 7.0 in curve.x and len(set(curve.x)) == 1], "no line on the mean load"

@@ -1,16 +1,19 @@
-"""Pictures of meshes and fields: their grids, files, and their section's helpers."""
+"""Pictures of meshes, fields and the loaded screw: grids, grooves, files, and the helpers of their section."""
 
+import subprocess
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from tests.fe_meshes import cube
-from tests.report_samples import image
+from tests.report_samples import image, screw
 
+from rollbench.compare.scenes import catalogue
 from rollbench.compare.sections import pictures
 from rollbench.hifi.contact.hertz import solve_hertz
 from rollbench.hifi.fields import ContactPressure
-from rollbench.reports import content, field3d
+from rollbench.meshes.helix import ball_layout
+from rollbench.reports import content, field3d, scene3d
 
 
 def picture(kind="Q2", **changes):
@@ -54,10 +57,6 @@ def contact():
 
 
 class TestPressureMap:
-    def map_of(self, count=2):
-        panels = tuple(pictures.contact_pressure_panel(f"ball {k} <1>", contact()) for k in range(count))
-        return content.PressureMap("map", "Pressures", panels, "across / mm", "along / mm", "pressure / MPa")
-
     def test_profiles_lie_on_hertz_and_the_table_quotes_both_pressures(self):
         panels = pictures.pressure_profiles_figure({"ball 1, SL": contact()}).panels
         assert len(panels) == 2
@@ -68,3 +67,41 @@ class TestPressureMap:
         assert row["ratio"] == pytest.approx(1.0)
         assert row["hertz"] == pytest.approx(row["ours"])
         assert row["cells"] == pytest.approx(2.0 * contact().hertz_solution.semi_y / (4e-4 / 12.0))
+
+
+ENDS = [
+    (-11, b"", "no off-screen OpenGL.*libegl1 libgl1 libxrender1"),
+    (1, b"ImportError: libGL.so.1: cannot open", "libGL.so.1.*libgl1"),
+    (1, b"Traceback\nTypeError: odd", "TypeError: odd"),
+]
+
+
+class TestScene:
+    @pytest.mark.parametrize(("name", "starts"), [("lin-case1", 1), ("unseen-63x20", 2), ("unseen-four-point", 1)])
+    def test_grooves_hold_the_balls_and_leave_the_lands(self, name, starts):
+        scene = catalogue.scene(name)
+        grooves, radius = scene3d._drawn_grooves(scene), scene3d.drawn_ball_radius(scene)
+        centres = ball_layout(scene).centre
+        assert len(grooves.start_azimuths) == starts
+        phi, z, land = np.arctan2(centres[:, 1], centres[:, 0]), centres[:, 2], scene.screw.outer_diameter / 2.0
+        gap = scene.track.pitch_radius - radius - grooves.surface_radius(phi, z, land)
+        assert np.all(gap > 0.0)
+        assert np.all(gap < 0.15e-3)
+        assert np.all(grooves.surface_radius(phi, z, 1.01 * scene.track.pitch_radius) > scene.track.pitch_radius + radius)
+        aside = 0.5 * scene.track.lead / starts or 1.5 * radius
+        np.testing.assert_allclose(grooves.surface_radius(phi, z + aside, land), land)
+
+    @pytest.mark.parametrize(("code", "stderr", "words"), ENDS)
+    def test_says_why_a_picture_cannot_be_drawn(self, tmp_path, monkeypatch, code, stderr, words):
+        ended = subprocess.CompletedProcess((), code, b"", stderr)
+        monkeypatch.setattr(subprocess, "run", lambda *_, **__: ended)
+        with pytest.raises(RuntimeError, match=words):
+            scene3d.draw_loaded_screw(screw(), tmp_path / "s.png")
+
+    @pytest.mark.slow
+    def test_picture_without_a_display(self, tmp_path, monkeypatch):
+        """Of a screw; the surfaces of a ring are drawn in test_view3d."""
+        monkeypatch.delenv("DISPLAY", raising=False)
+        data = image(scene3d.draw_loaded_screw, screw(), tmp_path / "s.png")
+        assert (int.from_bytes(data[16:20], "big"), int.from_bytes(data[20:24], "big")) == scene3d.SIZE
+        assert len(data) > 50_000

@@ -1,6 +1,5 @@
 """Run times that are kept: of one measuring run, written and read, taken in place of new processes, and never mixed."""
 
-import json
 from dataclasses import replace
 
 import pytest
@@ -41,41 +40,31 @@ def test_what_is_saved_is_read_with_what_it_was_measured_with(tmp_path):
     assert kept_times.load_run_times([tmp_path]) is None
     kept_times.save_run_times(tmp_path, KEPT)
     assert kept_times.load_run_times([tmp_path / "none", tmp_path]) == KEPT
-    assert json.loads((tmp_path / kept_times.RUN_TIMES).read_text())["version"] == "0.7.0"
+
     (tmp_path / kept_times.RUN_TIMES).write_text('{"times": 3}')
     assert kept_times.load_run_times([tmp_path]) is None
-    assert "measured with 0.7.0 on a machine, 2026-01-02, not with the" in str(KEPT)
     now = measuring_conditions()
-    assert str(replace(KEPT, measuring_conditions=now)).endswith("2026-01-02.")
-    assert "not on the machine" in str(replace(KEPT, measuring_conditions=replace(now, machine="another")))
-    other = replace(now, sources="another")
-    assert "before the last changes to the solvers" in str(replace(KEPT, measuring_conditions=other))
+    others = (now, OLD, replace(now, machine="another"), replace(now, sources="another"))
+    said = [str(replace(KEPT, measuring_conditions=of)).partition(KEPT.date)[2] for of in others]
+    assert said[0] == "."
+    assert len(set(said)) == len(said), "each says what differs"
 
 
 def test_a_ratio_compares_the_same_work():
     (row,) = reference_time.run_time_ratio_table({"lin-case1": points_of(study_of(KEPT))}).rows
-    assert (row["cold"], row["warm"]) == (pytest.approx(60.0 / 0.4), pytest.approx(0.9 / 1e-3))
-    assert set(row) == {"scene", "low", "low_warm", "ref", "ref_warm", "cold", "warm"}
-
-
-def run_of(level=4):
-    study = SceneResultCache()
-    return study.built_in_scene("lin-case1"), next(r for r in study.stored_reference("lin-case1").runs if r.level == level)
-
-
-def measured_here(run):
-    stamp = measuring_conditions()
-    versions = run.versions | {"rollbench": stamp.version}
-    return replace(run, versions=versions, sources=stamp.sources, machine=stamp.machine)
+    assert (row["cold"], row["warm"]) == pytest.approx((60.0 / 0.4, 0.9 / 1e-3))
 
 
 def test_a_stored_run_says_what_its_seconds_were_measured_with_and_keeps_its_key(tmp_path):
-    scene, run = run_of()
+    study, now = SceneResultCache(), measuring_conditions()
+    scene = study.built_in_scene("lin-case1")
+    run = next(r for r in study.stored_reference("lin-case1").runs if r.level == 4)
     assert run.measured == MeasuringConditions("0.3.0")
-    new = measured_here(run)
+    versions = run.versions | {"rollbench": now.version}
+    new = replace(run, versions=versions, sources=now.sources, machine=now.machine)
     path = store.save_run(tmp_path, scene, new)
     assert path.name == store.path_of_run(shipped_store(), scene, run).name
-    assert store.read_run_file(path, scene, run.level, "").measured == measuring_conditions()
+    assert store.read_run_file(path, scene, run.level, "").measured == now
 
 
 def test_the_report_refuses_a_mixture():

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.shipped_texts import changed
 
-from rollbench.compare.errors import InputError, SceneError
+from rollbench.compare.errors import SceneError
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.scenes.template import commented_template
 
@@ -43,7 +43,7 @@ def check_line(error: SceneError, file: str) -> str:
     return line
 
 
-BASES = {"template": GOOD, "bearing": broken(BEARING)}
+BASES = {"template": GOOD, "bearing": broken(BEARING), "empty": ""}
 CASES = tomllib.loads(Path(__file__).with_name("broken.toml").read_text(encoding="utf-8"))
 #: Changes to the template that no file of cases should hold, key, value as found, a part of range or advice.
 HUGE = {
@@ -55,7 +55,6 @@ HUGE = {
     ),
     "TOML nested too deeply": ({"turns = 2": "turns = " + "[" * 5000}, "file", "text that is not TOML", "nested"),
     "TOML huge integer": ({"count = 32": "count = " + "9" * 5000}, "file", "text that is not TOML", "digits"),
-    "empty file": (None, "title", "nothing", "add title"),
 }
 
 
@@ -71,7 +70,7 @@ def test_broken_scene(name, tmp_path):
 @pytest.mark.parametrize("name", HUGE)
 def test_file_that_is_too_much(name, tmp_path):
     changes, *expected = HUGE[name]
-    refused(tmp_path, broken(changes) if changes else "", *expected)
+    refused(tmp_path, broken(changes), *expected)
 
 
 def refused(tmp_path, text: str, key: str, value: str, advice: str) -> SceneError:
@@ -81,34 +80,9 @@ def refused(tmp_path, text: str, key: str, value: str, advice: str) -> SceneErro
     return error
 
 
-def test_missing_table_is_named(tmp_path):
-    error = refused(tmp_path, re.sub(r"(?s)\[nut\].*?\[balls\]", "[balls]", GOOD), "nut", "nothing", "")
-    assert (error.value, "[nut]" in error.advice) == ("nothing", True)
-
-
-SEVERAL = [
-    ({'lead = "20 mm"': 'lead = "20"', "count = 32": "count = 0", "turns = 2": "turns = -1"}, "track.lead", 2),
-    ({'outer_diameter = "48 mm"': 'outer_diameter = "38 mm"', "count = 32": "count = 40"}, "nut.outer_diameter", 1),
-]
-
-
-@pytest.mark.parametrize(("changes", "key", "more"), SEVERAL)
-def test_further_faults_and_bodies_that_cannot_be_built_are_counted(tmp_path, changes, key, more):
-    error = refusal(tmp_path, broken(changes))
-    assert (error.key, error.more) == (key, more)
-    assert str(error).endswith(f"(and {more} more fault{'s' * (more > 1)})")
-
-
 def test_binary_file(tmp_path):
     for content in (b"\x89PNG\r\n\x1a\n\x00\x00", b"title = \x00", bytes(range(128, 256))):
         assert refused(tmp_path, content, "file", "a binary file", "").value.startswith("a binary file (line 1, ")
-
-
-def test_names_that_do_not_exist_and_an_empty_file(tmp_path):
-    with pytest.raises(InputError, match="did you mean lin-rotary-1"):
-        catalogue.scene_of_any_kind("lin-rotary1")
-    with pytest.raises(SceneError, match="no such file"):
-        catalogue.scene_of_any_kind(str(tmp_path / "none.toml"))
 
 
 UNREADABLE = [("", "a directory"), ("none.toml", "no such file"), ("a\0b.toml", "null byte"), ("x" * 5000, "too long")]

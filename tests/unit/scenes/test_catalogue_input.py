@@ -1,22 +1,19 @@
 """What catalogues give: diameters, materials by name, circuits with gaps, filling, preload, nominal sizes."""
 
 import math
-import re
 from dataclasses import replace
-from typing import get_args
 
 import numpy as np
 import pytest
 
-from rollbench.compare.errors import InputError, SceneError
+from rollbench.compare.errors import InputError
 from rollbench.compare.models import registry
-from rollbench.compare.scenes import catalogue, from_keys, keys, scene_file
-from rollbench.compare.scenes.friction_kinds import table
+from rollbench.compare.scenes import catalogue, from_keys, scene_file
 from rollbench.compare.scenes.template import ball_screw_text, commented_template, double_nut_text
 from rollbench.lowfi.friction.whole.circuit import circuits_of_scene
 from rollbench.lowfi.rating.life import dynamic_rating
 from rollbench.lowfi.statics.static import solve_static
-from rollbench.meshes import axis, helix, parts
+from rollbench.meshes import helix, parts
 
 GOOD = commented_template()
 
@@ -30,12 +27,6 @@ def changed(*changes: tuple[str, str], text: str = GOOD) -> str:
 
 def read(*changes: tuple[str, str]) -> parts.Scene:
     return scene_file.scene_from_text(changed(*changes), "my.toml")
-
-
-def refused(*changes: tuple[str, str]) -> SceneError:
-    with pytest.raises(SceneError) as caught:
-        read(*changes)
-    return caught.value
 
 
 PITCH = ('pitch_radius = "16.5 mm"', 'pitch_diameter = "33 mm"')
@@ -52,29 +43,18 @@ def test_diameters_are_the_radii_to_the_last_digit_and_an_oversize_is_one_by_pre
 
 
 def test_materials_by_name() -> None:
-    steel = ('youngs_modulus = "210 GPa"\npoissons_ratio = 0.28', 'name = "bearing steel"')
+    both = 'youngs_modulus = "210 GPa"\npoissons_ratio = 0.28'
+    steel = (both, 'name = "bearing steel"')
     assert read(steel).screw.material == replace(read().screw.material, poissons_ratio=0.3)
     for grade in ("100Cr6", "AISI 52100"):
         assert read((steel[0], f'name = "{grade}"')).screw.material == read(steel).screw.material
-    assert set(get_args(keys.MaterialName)) == set(keys.MATERIALS), "every grade is a name of the schema"
     ceramic = read(("turns = 2", 'turns = 2\nmaterial = { name = "silicon nitride" }'))
     assert (ceramic.balls.material.youngs_modulus, ceramic.balls.material.poissons_ratio) == (310e9, 0.26)
     assert ceramic.screw == read().screw
     changed = read(("turns = 2", 'turns = 2\nmaterial = { name = "zirconia", youngs_modulus = "205 GPa" }'))
     assert changed.balls.material.youngs_modulus == 205e9
-    error = refused(("turns = 2", 'turns = 2\nmaterial = { name = "silicon nitrid" }'))
-    assert (error.key, error.advice) == ("balls.material.name", 'did you mean "silicon nitride"?')
-
-
-def test_a_material_may_have_any_name_with_both_of_its_values() -> None:
-    both = 'youngs_modulus = "210 GPa"\npoissons_ratio = 0.28'
-    for name in ("X30CrMoN15-1", "steel of our supplier", "silicon nitrid"):
+    for name in ("X30CrMoN15-1", "steel of our supplier", "silicon nitrid"):  # any name with both of its values
         assert read((both, f'name = "{name}"\n{both}')) == read()
-    one = 'youngs_modulus = "210 GPa"'
-    assert "any other name with youngs_modulus and poissons_ratio" in refused((both, f'name = "my steel"\n{one}')).allowed
-    assert refused((both, f'name = ["my steel"]\n{both}')).key == "material.name"
-    schema = table.scene_json_schema()["$defs"]["MaterialKeys"]["properties"]["name"]
-    assert {"type": "string"} in schema["anyOf"], "editors take it too"
 
 
 def test_circuits_lie_about_the_nut_with_their_gaps() -> None:
@@ -88,18 +68,11 @@ def test_arcs_with_a_gap_are_circuits_of_their_own_in_a_run() -> None:
     """Balls would run on across the gap as if it were a loaded arc."""
     few, arcs = ("count = 32", "count = 20"), ("turns = 2", ARCS)
     run = '[motion]\nspeed = "60 rpm"\n[time]\nangle = "90 deg"\n[friction]\ncoefficient = 0.1\n[[supports]]'
-    timed = ("[[supports]]", run)
-    assert refused(few, arcs, timed).key == "time"
-    assert "write circuits = 2 under [circulation]" in refused(few, arcs, timed).advice
-    assert refused(few, arcs, ("[[supports]]", "[circulation]\nreturning = 2\n[[supports]]")).key == "circulation"
-    read(few, arcs)
     rounds = ("[[supports]]", f"[circulation]\ncircuits = 2\n{run}")
     first, second = circuits_of_scene(read(few, arcs, rounds))
     assert first.track.loaded_arc_start + first.track.arc == pytest.approx(math.radians(-60.0))
     assert second.track.loaded_arc_start == pytest.approx(math.radians(60.0))
-    unequal = (arcs[0], arcs[1].replace("300 deg", "500 deg", 1))
-    assert refused(few, unequal, rounds).key == "balls.arcs"
-    read(few, unequal)
+    read(few, (arcs[0], arcs[1].replace("300 deg", "500 deg", 1)))  # unlike arcs, but none runs
 
 
 def test_filling_gives_the_count() -> None:
@@ -137,21 +110,13 @@ def test_a_lead_offset_shifts_the_nut_s_halves_and_presses_both_ways() -> None:
 def test_a_scene_of_every_nominal_size_reads(size: str) -> None:
     text = ball_screw_text(size)
     scene = scene_file.scene_from_text(text, "my.toml")
-    assert max(map(len, text.splitlines())) <= 140
     assert 10 <= scene.ball_count <= 200
     wall = scene.nut.outer_diameter / 2.0 - scene.track.pitch_radius - scene.balls.radius
     assert 1.0 < wall / scene.balls.radius < 5.0
     assert (scene.errors.balls.oversize > 0.0, scene.loads[0].force[2] > 0.0) == (True, True)
-    flange = scene.nut.flange
-    assert flange.diameter / scene.nut.outer_diameter == pytest.approx(1.55, abs=0.06)
-    assert flange.thickness < 0.45 * scene.nut.length
 
 
-def test_40x10_is_near_the_shipped_one_and_a_size_beyond_the_rules_is_refused() -> None:
-    ours, shipped = scene_file.scene_from_text(ball_screw_text("40x10"), "my.toml"), catalogue.scene("unseen-40x10")
-    one, other = ((x.track.pitch_radius, x.balls.radius, x.nut.outer_diameter) for x in (ours, shipped))
-    assert one == other
-    assert abs(ours.ball_count - shipped.ball_count) <= 3
+def test_a_size_beyond_the_rules_is_refused() -> None:
     for size in ("40", "x10", "40x", "40x100", "4x1", "300x10", "-40x10", "40x10x2", "nan"):
         with pytest.raises(InputError, match="40x10"):
             ball_screw_text(size)
@@ -168,13 +133,10 @@ def test_new_like_from_the_command_line(tmp_path, command) -> None:
 @pytest.mark.parametrize("size", ["6x1", "40x10", "63x20", "20x20"])
 def test_a_double_nut_of_a_nominal_size_is_preloaded_by_a_part_of_its_rating(size: str) -> None:
     found = scene_file.parse_scene(double_nut_text(size), "d.toml")
-    assert isinstance(found, axis.Assembly)
     assert [s.thrust for s in found.sets] == ["-z", "+z"]
     for one in found.sets:
-        assert isinstance(one.parts, parts.Scene)
         assert one.preload == pytest.approx(0.05 * dynamic_rating(one.parts), rel=1e-12)
-        assert sum(line.startswith(f"{one.name}: preload of") for line in found.assumed) == 1
-    left, right = (s.parts.nut for s in found.sets if isinstance(s.parts, parts.Scene))
+    left, right = (s.parts.nut for s in found.sets)
     assert right.position - left.position > left.length, "a spacer stands between them"
 
 
@@ -186,22 +148,11 @@ def test_a_preload_may_be_a_part_of_the_rating(text: str) -> None:
     assert f"({100.0 * share:.3g} % of the dynamic load rating" in scene.assumed[-1]
 
 
-def test_rollers_have_no_computed_rating_to_preload_by() -> None:
-    text = re.sub(r"(?m)^(offset|preload) = .*\n", "", catalogue.shipped_scene_text("smith-axis-taper"))
-    changed = text.replace("[[sets]]", '[[sets]]\npreload = "5 % of C"\nthrust = "+z"', 1)
-    changed = re.sub(r'(thrust = "\+z"\n(?:(?!\[\[sets).)*?\n)thrust = .*?\n', r"\1", changed, count=1, flags=re.DOTALL)
-    with pytest.raises(SceneError, match=r"sets\[0\]\.preload: got .5 % of C.; allowed: a force"):
-        scene_file.parse_scene(changed, "rollers.toml")
-
-
 def test_lands_that_nobody_wrote_are_not_blamed() -> None:
     wider = ('outer_diameter = "32 mm"', 'outer_diameter = "34 mm"')
-    smaller = ('pitch_radius = "16.5 mm"', 'pitch_radius = "15.5 mm"')
-    for change, outer, pitch in ((wider, 34, 33), (smaller, 32, 31)):
-        words = f"screw.outer_diameter of {outer} mm with a pitch diameter of {pitch}"
-        with pytest.raises(InputError, match=re.escape(words)) as caught:
-            registry.run_model(read(change), "refined")
-        assert caught.value.key == "screw.outer_diameter"
+    with pytest.raises(InputError, match=r"screw\.outer_diameter of 34 mm with a pitch diameter of 33") as caught:
+        registry.run_model(read(wider), "refined")
+    assert caught.value.key == "screw.outer_diameter"
     given = replace(read(), solid=parts.Solid(nut_inner_diameter=32e-3))
-    with pytest.raises(InputError, match=re.escape("solid.nut_inner_diameter of 32 mm leaves no groove")):
+    with pytest.raises(InputError, match=r"solid\.nut_inner_diameter of 32 mm leaves no groove"):
         registry.run_model(given, "refined")

@@ -1,43 +1,54 @@
-"""Friction scenes: shipped ones give the library's numbers, limits, tables, JSON and exit code."""
+"""Friction scenes: shipped ones give the library's numbers, limits, what nothing moves or presses, exit code."""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from tests.shipped_texts import axis_names, changed
 
+from rollbench.compare.cases.lin.evidence import source_cases
 from rollbench.compare.scenes import catalogue, scene_file
-from rollbench.compare.studies.friction.answer import neglected_effects_of_kind
 from rollbench.compare.studies.friction.kinds import solve_friction_of_single_parts
+from rollbench.lowfi.friction import bearing
 from rollbench.lowfi.friction.bearing import SIDES, Bearing, solve_ball_by_lin_method, solve_ball_of_bearing
 from rollbench.lowfi.friction.linear.bearing import LinearBearing
 from rollbench.lowfi.friction.linear.chain import prepare_linear_chain, solve_linear_chain, solve_pair_of_linear_balls
 from rollbench.lowfi.friction.screw.motion import lin_sigmoid_law
+from rollbench.lowfi.friction.screw.run import SHIFTED, solve_pair_of_screw_balls, summarise_screw_run
+from rollbench.lowfi.friction.screw.travel import simulate
 
 ROTARY = Bearing(6.25e-3, 6.75e-3, 35e-3, 0.0, 0.25 * np.pi, 2.1e11, 0.28, 0.1, 0.0, 20.0 * np.pi)
 LINEAR = LinearBearing(5e-3, 0.56, 0.25 * np.pi, 0.01, 0.1, 0.1, 2.1e11, 0.28)
 WAYS = "friction_torque_Nmm", "driving_torque_on_screw_Nmm"
 U_Y = {"1": 0.0, "2": 5.2e-6, "3": 8.0e-6}
+#: Few steps of the run, up to the first contacts.
+SHORT = (("steps = 200", "steps = 40"), ('duration = "2 s"', 'duration = "300 ms"'))
+FEW = (
+    (', "4 deg", "6 deg", "8 deg", "10 deg", "12 deg", "14 deg",\n', ",\n"),
+    ('"18 deg", "20 deg", "22 deg", "24 deg", "26 deg", "28 deg", "30 deg"', '"18 deg"'),
+)
+
+
+def loaded(name, *changes):
+    return scene_file.parse_scene(changed(name, *changes), f"{name}.toml")
 
 
 def solved(name, *changes):
-    return solve_friction_of_single_parts(scene_file.parse_scene(changed(name, *changes), "my.toml"))
+    """Answer to a shipped scene with some changes."""
+    return solve_friction_of_single_parts(loaded(name, *changes))
 
 
 def test_every_shipped_scene_converges_and_balances_power():
-    names = sorted(set(catalogue.scene_names()) - set(catalogue.names_of_single_nut_scenes()) - set(axis_names()))
-    for name in names:
-        scene = catalogue.scene_of_any_kind(name)
-        answer = solve_friction_of_single_parts(scene)
+    for name in sorted(set(catalogue.scene_names()) - set(catalogue.names_of_single_nut_scenes()) - set(axis_names())):
+        answer = solved(name)
         assert answer.converged, name
-        assert len(scene.assumed) >= (5 if "screw" in name or "bearing" in name else 1), name
-        assert answer.data["assumed"] == list(scene.assumed)
-        assert answer.data["left_out"] == neglected_effects_of_kind(scene.kind, answer.data.get("coupling"))
         assert abs(answer.data["energy"]["balance_percent"]) < (0.2 if name.endswith("printed") else 1e-8), name
 
 
 @pytest.mark.parametrize("case", list(U_Y))
 @pytest.mark.parametrize("printed", [False, True])
 def test_rotary_scenes_are_the_library_s(case, printed):
-    found = solve_friction_of_single_parts(catalogue.scene_of_any_kind(f"lin-rotary-{case}{'-printed' * printed}")).data
+    found = solved(f"lin-rotary-{case}{'-printed' * printed}").data
     case = ROTARY, 100.0, U_Y[case]
     one = solve_ball_by_lin_method(*case, lin_sigmoid_law(ROTARY, 100.0, 0.08)) if printed else solve_ball_of_bearing(*case)
     assert found["load_sum_N"] == pytest.approx(one.load.force.sum(), rel=1e-9)
@@ -66,36 +77,27 @@ def test_chain_scene_is_the_library_s_and_a_gap_cuts_it():
 def test_units_signs_and_either_way_to_give_the_groove():
     base = catalogue.scene_of_any_kind("lin-rotary-2")
     units = (('"10 rps"', '"600 rpm"'), ('"5.2 um"', '"0.0052 mm"'), ('"100 N"', '"0.1 kN"'))
-    text = changed("lin-rotary-2", ("conformity = 0.54", 'groove_radius = "6.75 mm"'), *units)
-    again = scene_file.parse_scene(text, "lin-rotary-2.toml")
+    again = loaded("lin-rotary-2", ("conformity = 0.54", 'groove_radius = "6.75 mm"'), *units)
     one, other = ((x.bearing.screw_speed, x.bearing.groove_radius, x.force, x.displacement) for x in (base, again))
     assert other == pytest.approx(one, rel=1e-15)
-    forward, back = (
-        solve_friction_of_single_parts(base).data["torque"],
-        solved("lin-rotary-2", ('"10 rps"', '"-10 rps"')).data["torque"],
-    )
+    forward, back = (solved("lin-rotary-2", x).data["torque"] for x in (units[0], ('"10 rps"', '"-10 rps"')))
     assert [back[k] for k in WAYS] == pytest.approx([forward[WAYS[0]], -forward[WAYS[1]]], rel=1e-9)
     backwards = solved("lin-pair-a", ('"10 mm/s"', '"-0.01 m/s"'), ("-0.6", "0.6")).data
     assert backwards["pairs"][0]["force_N"] == pytest.approx(4.065, abs=5e-4)
 
 
 def test_oversize_is_the_opposite_of_a_clearance_and_adds_load_and_large_contacts_are_warned_of():
-    base = catalogue.scene_of_any_kind("lin-rotary-3")
-    plain = solve_friction_of_single_parts(base).data
+    plain = solved("lin-rotary-3").data
     assert not plain["warnings"]
     assert "Hertz" in solved("lin-rotary-3", ('"100 N"', '"100 kN"')).data["warnings"][0]
-    text = changed("lin-rotary-3", ("[load]", '[errors.balls]\noversize = "1 um"\n\n[load]'))
-    tight = scene_file.parse_scene(text, "lin-rotary-3.toml")
-    assert (base.bearing.clearance, tight.bearing.clearance) == (0.0, -1e-6)
+    tight = loaded("lin-rotary-3", ("[load]", '[errors.balls]\noversize = "1 um"\n\n[load]'))
+    assert tight.bearing.clearance == -1e-6
     assert solve_friction_of_single_parts(tight).data["load_sum_N"] > 1.05 * plain["load_sum_N"]
 
 
 def test_laws_approach_coulomb():
-    exact = solve_friction_of_single_parts(catalogue.scene_of_any_kind("lin-rotary-2")).data["torque"][
-        "friction_torque_Nmm"
-    ]
-    coulomb = 'law = "coulomb"'
-    off = []
+    exact = solved("lin-rotary-2").data["torque"]["friction_torque_Nmm"]
+    coulomb, off = 'law = "coulomb"', []
     for creep in ("1 mm/s", "0.1 mm/s"):
         answer = solved("lin-rotary-2", (coulomb, f'law = "regularised"\ncreep = "{creep}"'))
         assert answer.converged
@@ -148,3 +150,126 @@ def test_without_friction_nothing_is_lost_and_motion_is_that_of_a_vanishing_coef
     assert all(pair["force_N"] == pair["loss_mW"] == 0.0 for pair in smooth.data.get("pairs", ()))
     ratios = ("friction_increase_percent", "ball_to_ball_percent")
     assert [smooth.data.get(k) for k in ratios] == [None, None], "no ratio of round-off"
+
+
+@pytest.mark.parametrize("name", ["lin-screw-pair-a", "lin-screw-pair-b-inferred"])
+def test_answers_of_screw_pairs_are_the_library_s(name):
+    found, r = solved(name).data, solve_pair_of_screw_balls(catalogue.scene_of_any_kind(name).pair)
+    percent = found["friction_increase_percent"], found["ball_to_ball_percent"]
+    assert percent == pytest.approx((100.0 * r.friction_increase, 100.0 * r.ball_loss_over_groove_loss), rel=1e-8)
+    numbers = found["pairs"][0]["force_N"], found["energy"]["loss_W"]
+    assert numbers == pytest.approx((r.force, r.touching.motion.loss), rel=1e-8)
+    loads = [list(b["load_N"].values()) for b in found["balls"]]
+    expected = np.concatenate([s.loads_with_friction.force for s in (r.apart, r.touching)])
+    np.testing.assert_allclose(loads, expected, rtol=1e-7, atol=1e-9)
+
+
+def test_an_oversize_loads_a_four_point_bearing_and_rows_face_to_face_are_turned_round():
+    rows = loaded("lin-bearing-pairs", ('back to back"\n', 'face to face"\n')).double_row.rows
+    assert [r.contacts for r in rows] == [bearing.DIAGONAL, bearing.OTHER]
+    preload = loaded("lin-bearing-pairs", ('"0 um"', '"2 um"'))
+    assert (preload.four_point.clearance, preload.double_row.clearance) == (-2e-6, 0.0)
+    cases = preload.four_point, source_cases.four_point_bearing()
+    tight, free = (bearing.solve_bearing(case, 0.1).load.force.sum() for case in cases)
+    assert tight > 1.01 * free
+
+
+def test_pair_takes_pattern_direction_hand_and_hertz():
+    loads = (("[1, 1, 0, 0]", "[1, -1, 0, 0.0]"), ('"axial"', '"radial"'), ('"50 N"', '"0.1 kN"'), ('"1 rps"', '"60 rpm"'))
+    rest = (('hand = "right"', 'hand = "left"'), ('"ball"', '"ball and screw"'), ('"0 um"', '"-1 um"'))
+    hertz = "[load]", '[ingredients]\nhertz = "as printed"\n\n[load]'
+    pair = loaded("lin-screw-pair-a", *loads, hertz, *rest).pair
+    words = pair.pattern, pair.free, pair.coupling, pair.groove.hertz
+    assert words == ((SHIFTED, SHIFTED), "r", "ball and screw", "as printed")
+    numbers = (*pair.theta, pair.oversize, *pair.force, pair.groove.lead, pair.groove.nut_speed)
+    assert numbers == pytest.approx((0.0, np.radians(2.0), -1e-6, 100.0, -20e-3, 2.0 * np.pi), rel=1e-14)
+
+
+def test_pair_of_a_still_screw_spends_nothing():
+    answer = solved("lin-screw-pair-a-inferred", ('"1 rps"', '"0 rps"'))
+    assert answer.converged
+    nothing = pytest.approx(0.0, abs=1e-15)
+    assert answer.data["energy"] == {"input_power_W": 0.0, "loss_W": nothing, "balance_W": nothing, "balance_percent": None}
+    assert answer.data["friction_increase_percent"] is None
+
+
+def test_run_scene_is_the_library_s():
+    answer = solved("lin-screw-run", *SHORT)
+    r = simulate(source_cases.simulation_inputs_of_section_3_4_4(), 0.3, 40)
+    s, found, series = summarise_screw_run(r), answer.data["summary"], answer.data["series"]
+    assert answer.converged
+    assert found["largest_ball_to_groove_percent"] == pytest.approx(100.0 * s.largest_ball_to_groove_ratio, rel=1e-7)
+    assert found["largest_at_deg"] == pytest.approx(s.nut_angle_of_largest_ratio)
+    begins = np.degrees(r.nut_angle)[np.flatnonzero(r.presses_on_next.any(axis=1))[0]]
+    assert found["contact_begins_deg"] == pytest.approx(begins)
+    assert found["contact_ends_deg"] is None, "still in contact at the end"
+    assert found["mean_torque_Nmm"] == pytest.approx(1e3 * r.torque_statistics["mean"], rel=1e-8)
+    assert series["groove_torque_Nmm"] == pytest.approx(1e3 * r.groove_torque, rel=1e-8)
+    assert series["contacts"] == r.presses_on_next.sum(axis=1).tolist()
+
+
+def test_a_run_takes_the_keys_of_a_whole_screw_in_time():
+    """An angle in place of a duration, and steps chosen by a goal; four steps have not converged."""
+    chosen = ('duration = "2 s"\nsteps = 200', 'angle = "60 deg"\ngoal = 0.02')
+    assert loaded("lin-screw-run", chosen).run.duration == pytest.approx(1.0 / 6.0)
+    found = solved("lin-screw-run", chosen)
+    error = found.data["run"]["step_error"]
+    assert (found.converged, error["small"], error["goal_percent"]) == (True, True, 2.0)
+    assert found.data["steps"] == error["steps"][-1]
+    found = solved("lin-screw-run", ("steps = 200", "steps = 4"))
+    assert not found.converged
+    assert found.data["status"].startswith("not converged in the time step: the error of 4 steps is some ")
+
+
+def test_run_without_contact_says_nothing_of_where_and_without_friction_there_are_no_ratios():
+    found = solved("lin-screw-run", *SHORT, ('"3 deg"', '"0 deg"')).data["summary"]
+    assert found["largest_ball_to_groove_percent"] == 0.0
+    assert [found[k] for k in ("largest_at_deg", "contact_begins_deg", "contact_ends_deg")] == [None] * 3
+    run = solved("lin-screw-run", *SHORT, ("coefficient = 0.1", "coefficient = 0"))
+    energy, summary = run.data["energy"], run.data["summary"]
+    assert (run.converged, energy["loss_W"], energy["largest_step_balance_percent"]) == (True, 0.0, None)
+    assert [summary[k] for k in ("largest_ball_to_groove_percent", "groove_variation_percent")] == [None] * 2
+    bearings = solved("lin-bearing-pairs", *FEW, ("coefficient = 0.1", "coefficient = 0"))
+    assert (bearings.converged, bearings.data["four_over_double"]) == (True, [None] * 4)
+    assert bearings.data["four_point"]["largest_over_smallest"] is None
+
+
+@pytest.mark.parametrize("angle", [0.3, 0.9])
+def test_one_ball_holds_a_tilting_ring_only_against_a_force_through_its_centre(angle):
+    ball = source_cases.four_point_bearing(count=1)
+    assert "ry" in bearing.describe_unresisted_motion(ball, angle)
+    assert bearing.describe_unresisted_motion(replace(ball, tilt=False), angle) == ""
+    through = -ball.groove.pitch_radius / np.tan(angle)
+    assert bearing.describe_unresisted_motion(replace(ball, arm=through), angle) == ""
+    assert "ry" in bearing.describe_unresisted_motion(replace(ball, arm=1.001 * through), angle)
+    for all_balls in (source_cases.four_point_bearing(), source_cases.double_row_bearing()):
+        assert bearing.describe_unresisted_motion(all_balls, angle) == ""
+
+
+@pytest.mark.parametrize("tilt", [True, False])
+def test_bearing_scene_is_the_library_s(tilt):
+    answer = solved("lin-bearing-pairs", *FEW, ("tilt = true", f"tilt = {str(tilt).lower()}"))
+    found, angles = answer.data, np.radians([0.0, 2.0, 16.0, 18.0])
+    assert answer.converged
+    makers = {"four_point": source_cases.four_point_bearing, "double_row": source_cases.double_row_bearing}
+    curves = {name: bearing.bearing_torque_over_force_angles(make(tilt=tilt), angles) for name, make in makers.items()}
+    for name, curve in curves.items():
+        assert found[name]["friction_torque_Nmm"] == pytest.approx(1e3 * curve.torque, rel=1e-7)
+        assert found[name]["balls_beyond_two_contacts"] == curve.balls_beyond_two_contacts.tolist()
+        assert found[name]["largest_over_smallest"] == pytest.approx(curve.largest_over_smallest_torque, rel=1e-7)
+    ratio = curves["four_point"].torque / curves["double_row"].torque
+    assert found["four_over_double"] == pytest.approx(ratio, rel=1e-7)
+
+
+def test_exit_codes_of_a_ball_without_contact_and_of_a_bearing_that_one_ball_cannot_hold(command, tmp_path):
+    def said(name, *changes):
+        path = tmp_path / f"{name}.toml"
+        path.write_text(changed(name, *changes), encoding="utf-8")
+        code, data = command.json("friction", path, "--json")
+        return code, data["status"]
+
+    assert said("lin-rotary-1", ('"100 N"', '"0 N"')) == (1, "no contact: nothing presses the ball")
+    code, status = said("lin-bearing-pairs", *FEW, ("count = 9", "count = 1"))
+    assert code == 1
+    assert status.startswith("no equilibrium: four-point bearing, load at 0 deg: rigid motion of the inner ring")
+    assert "uz, ry" in status

@@ -25,34 +25,30 @@ NOT_HELD = {"name", "title", "source", "assumed", "screw", "seed", "slices"}
 def numbers_of(record, path=""):
     """Every number and word of a record by its path, without what REXS does not hold."""
     if dataclasses.is_dataclass(record):
-        for f in dataclasses.fields(record):
-            if f.name not in NOT_HELD or (f.name == "screw" and path):
-                yield from numbers_of(getattr(record, f.name), f"{path}.{f.name}")
+        names = [f.name for f in dataclasses.fields(record) if f.name not in NOT_HELD or (f.name == "screw" and path)]
+        record = {name: getattr(record, name) for name in names}
     elif isinstance(record, (list, tuple)):
-        for k, x in enumerate(record):
-            yield from numbers_of(x, f"{path}[{k}]")
-    elif isinstance(record, dict):
-        for k, x in record.items():
-            yield from numbers_of(x, f"{path}.{k}")
+        record = dict(enumerate(record))
+    if isinstance(record, dict):
+        for key, value in record.items():
+            yield from numbers_of(value, f"{path}.{key}")
     else:
         yield path, record
 
 
 def assert_same(one, other):
-    first, second = dict(numbers_of(one)), dict(numbers_of(other))
-    assert first.keys() == second.keys()
-    for path, value in first.items():
-        if isinstance(value, float):
-            assert second[path] == pytest.approx(value, rel=1e-12, abs=1e-18), path
-        else:
-            assert second[path] == value, path
+    expected = {
+        path: pytest.approx(value, rel=1e-12, abs=1e-18) if isinstance(value, float) else value
+        for path, value in numbers_of(one)
+    }
+    assert dict(numbers_of(other)) == expected
 
 
-def there_and_back(tmp_path, scene, *given, shaft="", model=""):
+def there_and_back(tmp_path, scene, *given):
     """The scene as REXS, and the scene that is read of that."""
-    file, back = tmp_path / "out.rexs", tmp_path / f"back{len(list(tmp_path.iterdir()))}.toml"
-    write_axis_as_rexs(str(scene), file, model)
-    write_scene_from_rexs(back, file, shaft, [*given])
+    file, back = tmp_path / "out.rexs", tmp_path / "back.toml"
+    write_axis_as_rexs(str(scene), file, "lin")
+    write_scene_from_rexs(back, file, "", [*given])
     return file, back
 
 
@@ -69,22 +65,16 @@ def edited(tmp_path, **words):
 
 
 def test_a_bearing_arrangement_comes_back_and_solves_alike(tmp_path):
-    _, back = there_and_back(tmp_path, ON_A_SHAFT, model="lin")
-    assert_same(load_axis(ON_A_SHAFT), load_axis(back))
+    _, back = there_and_back(tmp_path, ON_A_SHAFT)
+    assert_same(rollbench.read(ON_A_SHAFT), rollbench.read(back))
     one, two = (rollbench.solve(x, model="lin") for x in (ON_A_SHAFT, back))
     np.testing.assert_allclose(two.loads, one.loads, rtol=1e-7, atol=1e-6)
-
-
-def test_reading_writing_and_reading_again_changes_nothing(tmp_path):
-    _, first = there_and_back(tmp_path, ON_A_SHAFT, model="lin")
-    _, second = there_and_back(tmp_path, first, model="lin")
-    assert_same(load_axis(first), load_axis(second))
 
 
 def test_load_cases_come_back_with_speeds_and_shares(tmp_path):
     scene = tmp_path / "cases.toml"
     scene.write_text(ON_A_SHAFT.read_text() + CASES)
-    file, back = there_and_back(tmp_path, scene, model="lin")
+    file, back = there_and_back(tmp_path, scene)
     one, two = rollbench.read(scene), rollbench.read(back)
     assert two.revolution_shares == pytest.approx(one.revolution_shares)
     for a, b in zip(one.cases, two.cases, strict=True):
@@ -97,13 +87,13 @@ def test_load_cases_come_back_with_speeds_and_shares(tmp_path):
 
 def test_rollers_come_back_with_the_depth_that_is_asked_for(tmp_path):
     with pytest.raises(SceneError, match=r"ring_depth.*left 1\.rollers\.ring_depth") as caught:
-        there_and_back(tmp_path, "smith-axis-taper", model="lin")
+        there_and_back(tmp_path, "smith-axis-taper")
     assert len(caught.value.lines()) == 4
     names = ("left 1", "left 2", "right 1", "right 2")
     given = [f"{x}.rollers.{key}" for x in names for key in ("ring_depth=5 mm", "edge_radius=1 mm")]
-    _, back = there_and_back(tmp_path, "smith-axis-taper", *given, model="lin")
+    _, back = there_and_back(tmp_path, "smith-axis-taper", *given)
     before = {s.name: s for s in rollbench.read("smith-axis-taper").sets}
-    for s in load_axis(back).sets:
+    for s in rollbench.read(back).sets:
         assert s.thrust == before[s.name].thrust
         assert_same(dataclasses.replace(before[s.name].parts, depth=5e-3), s.parts)
 
@@ -154,7 +144,7 @@ def test_two_rows_of_one_bearing_stand_apart(tmp_path):
     file.write_text(rexs_model.rexs_file_text(model, "1", "2026-01-01T00:00:00+00:00"))
     back = tmp_path / "two.toml"
     write_scene_from_rexs(back, file, "", [])
-    found = {s.name: (s.position, s.thrust) for s in load_axis(back).sets}
+    found = {s.name: (s.position, s.thrust) for s in rollbench.read(back).sets}
     assert found["left row 1"] == (pytest.approx(0.030), "-z")
     assert found["left row 2"] == (pytest.approx(0.046), "+z")
 
@@ -164,30 +154,27 @@ def test_what_is_missing_is_asked_for_and_filled_in(tmp_path):
     with pytest.raises(SceneError) as caught:
         write_scene_from_rexs(tmp_path / "no.toml", file, "", [])
     first, *others = caught.value.lines()
-    assert "attribute raceway_radius_of_outer_ring" in first
-    assert "mm" in first
-    assert '--set "left.nut.groove_radius=VALUE"' in first
-    assert len(others) == 2
-    assert not (tmp_path / "no.toml").exists()
-    write_scene_from_rexs(
-        tmp_path / "yes.toml", file, "", [f"{x}.nut.groove_radius=5 mm" for x in ("left", "right", "free")]
-    )
-    assert_same(load_axis(ON_A_SHAFT), load_axis(tmp_path / "yes.toml"))
+    for words in ("attribute raceway_radius_of_outer_ring", "mm", '--set "left.nut.groove_radius=VALUE"'):
+        assert words in first
+    assert (len(others), (tmp_path / "no.toml").exists()) == (2, False)
+    given = [f"{x}.nut.groove_radius=5 mm" for x in ("left", "right", "free")]
+    write_scene_from_rexs(tmp_path / "yes.toml", file, "", given)
+    assert_same(rollbench.read(ON_A_SHAFT), rollbench.read(tmp_path / "yes.toml"))
 
 
-@pytest.mark.parametrize(
-    ("words", "named"),
-    [
-        ({'unit="deg"': 'unit="rad"'}, "pressure_angle|angular_position"),
-        ({'version="1.7"': 'version="2.0"'}, "model"),
-        ({">angular_contact_ball_bearing<": ">radial_roller_bearing<"}, "bearing_type"),
-        ({">negative<": ">both_directions<"}, "axial_force_absorption_of_row"),
-        ({'<attribute id="width" unit="mm">16<': '<attribute id="width" unit="mm">wide<'}, "width"),
-        ({"<relations>": "<relations><relation id='999' type='side'><ref id='9999' role='x'/></relation>"}, "9999"),
-        ({"</model>": ""}, "file"),
-        ({"<model": "<!DOCTYPE model><model"}, "DOCTYPE"),
-    ],
-)
+FAULTS = [
+    ({'unit="deg"': 'unit="rad"'}, "pressure_angle|angular_position"),
+    ({'version="1.7"': 'version="2.0"'}, "model"),
+    ({">angular_contact_ball_bearing<": ">radial_roller_bearing<"}, "bearing_type"),
+    ({">negative<": ">both_directions<"}, "axial_force_absorption_of_row"),
+    ({'<attribute id="width" unit="mm">16<': '<attribute id="width" unit="mm">wide<'}, "width"),
+    ({"<relations>": "<relations><relation id='999' type='side'><ref id='9999' role='x'/></relation>"}, "9999"),
+    ({"</model>": ""}, "file"),
+    ({"<model": "<!DOCTYPE model><model"}, "DOCTYPE"),
+]
+
+
+@pytest.mark.parametrize(("words", "named"), FAULTS)
 def test_a_faulty_file_is_refused_where_it_is_faulty(tmp_path, words, named):
     with pytest.raises(InputError, match=named):
         write_scene_from_rexs(tmp_path / "no.toml", edited(tmp_path, **words), "", [])
@@ -227,16 +214,8 @@ def test_components_attributes_and_relations_are_those_of_the_schema(tmp_path, s
             assert not words[x.get("id")] or x.text in words[x.get("id")]
 
 
-def load_axis(path):
-    """The axis of a file."""
-    return rollbench.read(path)
-
-
-@pytest.mark.parametrize(
-    "words",
-    [("--rexs", "a.rexs", "--ross", "b.py"), ("--rexs", "a.rexs", "--format", "msh"), ("--ross", "b.py", "--model", "lin")],
-)
+@pytest.mark.parametrize("words", ["--rexs a.rexs --ross b.py", "--rexs a.rexs --format msh", "--ross b.py --model lin"])
 def test_options_that_would_do_nothing_are_refused(command, tmp_path, monkeypatch, words):
     monkeypatch.chdir(tmp_path)
-    command.refused("export", "smith-axis-taper", *words)
+    command.refused("export", "smith-axis-taper", *words.split())
     assert not list(tmp_path.iterdir())

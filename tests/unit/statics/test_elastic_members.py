@@ -16,33 +16,22 @@ from rollbench.lowfi.compliance.parts import LADDER
 from rollbench.lowfi.statics.elastic import SpecimensWithSharedEquations, can_share_equations
 from rollbench.meshes.parts import Load, Scene
 
-
-def _two_sides() -> Scene:
-    """Balls that are all too small to be tight, so that the idle diagonal is left out."""
-    scene = catalogue.scene("lin-random")
-    return replace(scene, errors=replace(scene.errors, balls=replace(scene.errors.balls, oversize=-12e-6)))
-
-
-def _pulled_through() -> Scene:
-    """Held at its left end and pulled at its right one: the shaft's section forces pass under the balls."""
-    scene = catalogue.scene("lin-random")
-    return replace(scene, loads=(Load(scene.screw.length, (100.0, 0.0, 5000.0)),))
-
-
+RANDOM = catalogue.scene("lin-random")
 SCENES = {
-    "four sides": catalogue.scene("lin-random"),
-    "loose balls": _two_sides(),
-    "section forces under the balls": _pulled_through(),
-    "errors that press more than the load": with_scaled_loads(catalogue.scene("lin-random"), 0.02),
+    "four sides": RANDOM,
+    # so that the idle diagonal is left out
+    "all balls loose": replace(RANDOM, errors=replace(RANDOM.errors, balls=replace(RANDOM.errors.balls, oversize=-12e-6))),
+    # held at its left end and pulled at its right one
+    "section forces under the balls": replace(RANDOM, loads=(Load(RANDOM.screw.length, (100.0, 0.0, 5000.0)),)),
+    "errors that press more than the load": with_scaled_loads(RANDOM, 0.02),
 }
 
 
 @pytest.mark.parametrize("scene", SCENES.values(), ids=SCENES)
 def test_members_on_one_system_are_those_solved_one_by_one(scene: Scene) -> None:
     assert can_share_equations(scene)
-    loads, residuals, works = SpecimensWithSharedEquations(
-        scene, LADDER["refined"], jit.load_kernel_package(jit.STATICS, compiled=False)
-    ).solve(3, 3)
+    kernels = jit.load_kernel_package(jit.STATICS, compiled=False)
+    loads, residuals, works = SpecimensWithSharedEquations(scene, LADDER["refined"], kernels).solve(3, 3)
     assert not np.isnan(residuals).any()
     for k in range(3):
         alone = run_model(scene, "refined", ModelOptions(member=3 + k, estimate_beam_mesh_error=False))

@@ -1,35 +1,29 @@
 """Two engines from one source, and machine code that never outlives the sources it was made from."""
 
 import os
-import shutil
 import signal
 import subprocess
 import sys
-from pathlib import Path
+from functools import partial
 
 import pytest
 
 from rollbench.lowfi import jit
-from rollbench.lowfi.statics.static import COMPILE_ABOVE, pick_engine
 
-CALL = (
-    "from rollbench.lowfi import jit; k = jit.load_kernel_package(jit.CONTACT, compiled=True); "
-    "print(jit.machine_code_folder())"
-)
+CALL = "from rollbench.lowfi.jit import *; load_kernel_package(CONTACT, compiled=True); print(machine_code_folder())"
 
 
 @pytest.fixture(autouse=True)
 def fresh():
-    """Caches of the module as a new process finds them, before and after."""
+    """The module's cache as a new process finds it, before and after."""
     jit.machine_code_folder.cache_clear()
     yield
     jit.machine_code_folder.cache_clear()
 
 
-def copied(folder):
-    """The module's file in a copy of all sources."""
-    shutil.copytree(Path(jit.__file__).parent, folder / "lowfi", ignore=shutil.ignore_patterns("__pycache__"))
-    return str(folder / "lowfi" / "jit.py")
+def folder_now():
+    jit.machine_code_folder.cache_clear()
+    return jit.machine_code_folder()
 
 
 def test_old_machine_code_goes(tmp_path, monkeypatch):
@@ -38,29 +32,19 @@ def test_old_machine_code_goes(tmp_path, monkeypatch):
         old = tmp_path / "kernels" / f"old{number}"
         old.mkdir(parents=True)
         os.utime(old, (1000 + number, 1000 + number))
-    folder = jit.machine_code_folder()
-    assert folder == tmp_path / "kernels" / jit.digest_of_kernel_sources()
-    assert sorted(f.name for f in folder.parent.iterdir()) == sorted(
-        [jit.digest_of_kernel_sources(), "old3", "old4", "old5"]
-    )
+    folder, present = jit.machine_code_folder(), jit.digest_of_kernel_sources()
+    assert folder == tmp_path / "kernels" / present
+    assert {f.name for f in folder.parent.iterdir()} == {present, "old3", "old4", "old5"}
     assert not jit.is_machine_code_cached()
     (folder / jit.CONTACT / "kernel_1").mkdir(parents=True)
     (folder / jit.CONTACT / "kernel_1" / "f.nbi").write_text("machine code")
-    assert (
-        jit.is_machine_code_cached(),
-        jit.is_machine_code_cached(jit.CONTACT),
-        jit.is_machine_code_cached(jit.STATICS),
-    ) == (True, True, False)
+    cached = [jit.is_machine_code_cached(package) for package in ("", jit.CONTACT, jit.STATICS)]
+    assert cached == [True, True, False]
 
 
-def test_what_waits_for_the_answer_is_done_once_and_compiling_said_once(monkeypatch, capsys):
-    jit._print_compilation_notice.cache_clear()
-    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
-    jit._print_compilation_notice()
-    jit._print_compilation_notice()
-    assert capsys.readouterr().err.count("compiling kernels, once on this machine") == 1
-    done = []
+def test_kernels_that_wait_for_the_answer_are_compiled_once(monkeypatch):
     monkeypatch.setattr(jit, "_afterwards", {})
+    done = []
     for number in range(2):
         jit.register_compile_job(jit.CONTACT, lambda number=number: done.append(number))
     jit.run_compile_jobs()
@@ -69,19 +53,16 @@ def test_what_waits_for_the_answer_is_done_once_and_compiling_said_once(monkeypa
 
 
 def test_machine_code_that_others_may_write_is_not_run(tmp_path, monkeypatch, capsys):
-    monkeypatch.setenv("ROLLBENCH_CACHE", str(tmp_path / "cache"))
-    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
     folder = jit.machine_code_folder()
     for place in (folder, folder.parent, folder.parents[1]):
         place.chmod(0o775)
-        jit.machine_code_folder.cache_clear()
-        assert jit.machine_code_folder() is None
+        assert folder_now() is None
         error = capsys.readouterr().err
         assert str(place) in error
         assert "chmod go-w" in error
         place.chmod(0o755)
-    jit.machine_code_folder.cache_clear()
-    assert jit.machine_code_folder() == folder
+    assert folder_now() == folder
 
 
 def test_without_a_folder_kernels_still_compile(tmp_path, monkeypatch, capfd):
@@ -91,17 +72,16 @@ def test_without_a_folder_kernels_still_compile(tmp_path, monkeypatch, capfd):
     assert jit.machine_code_folder() is None
     assert not jit.is_machine_code_cached()
     assert "compiled kernels are not stored" in capfd.readouterr().err
-    jit.machine_code_folder.cache_clear()
     monkeypatch.delenv("NUMBA_CACHE_DIR")
     monkeypatch.setenv("ROLLBENCH_CACHE", "off")
-    assert jit.machine_code_folder() is None
+    assert folder_now() is None
     assert capfd.readouterr().err == ""
     done = subprocess.run([sys.executable, "-c", CALL], capture_output=True, text=True, timeout=200, check=False)
     assert done.stdout.strip() == "None", done.stderr
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_an_interrupt_waits_for_the_compiler(number, capsys):
+def test_an_interrupt_waits_for_the_compiler(number, capsys, request):
     """It comes while the inner of two kernels is compiled, and ends the compilation of the outer."""
     import numba
     from numba.core import event
@@ -122,13 +102,10 @@ def test_an_interrupt_waits_for_the_compiler(number, capsys):
     inner = numba.njit(lambda x: x + 1.0)
     outer = numba.njit(lambda x: 2.0 * inner(x))
     jit._delay_signals_while_compiling()
-    before = signal.signal(number, interrupt)
-    try:
-        with event.install_listener("numba:compile", Interrupting()), pytest.raises(KeyboardInterrupt):
-            outer(1.0)
-        assert signal.getsignal(number) is interrupt
-    finally:
-        signal.signal(number, before)
+    request.addfinalizer(partial(signal.signal, number, signal.signal(number, interrupt)))
+    with event.install_listener("numba:compile", Interrupting()), pytest.raises(KeyboardInterrupt):
+        outer(1.0)
+    assert signal.getsignal(number) is interrupt
     assert "interrupted" in capsys.readouterr().err
     assert compiled == [outer, inner]
     assert (len(outer.signatures), len(inner.signatures)) == (0, 1)
@@ -145,14 +122,3 @@ def test_one_solve_compiles_nothing_from_an_empty_home(tmp_path):
     assert "rollbench.lowfi.statics.kernel" in imported
     assert "numba" not in imported
     assert not [*tmp_path.rglob("*.nb?")]
-
-
-def test_a_small_solve_does_not_look_for_machine_code(monkeypatch):
-    asked = []
-    monkeypatch.setattr(jit, "is_machine_code_cached", lambda package: bool(asked.append(package)))
-    monkeypatch.setattr(jit, "is_copy_loaded", lambda _: False)
-    plain = jit.load_kernel_package(jit.STATICS, compiled=False)
-    assert pick_engine("auto", 32) is plain
-    assert asked == []
-    assert pick_engine("auto", COMPILE_ABOVE + 1) is plain
-    assert asked == [jit.STATICS]

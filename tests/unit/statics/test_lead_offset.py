@@ -1,6 +1,5 @@
 """A nut whose halves are shifted against one another: closed form, two nuts on one shaft, rigidity, travelling balls."""
 
-import re
 from dataclasses import replace
 
 import numpy as np
@@ -8,8 +7,6 @@ import pytest
 from tests.axes import assembly, nut
 from tests.helpers import ALL_BUT_AXIAL, relative, small_screw, solved
 
-from rollbench.compare.scenes import scene_file
-from rollbench.compare.scenes.template import ball_screw_text
 from rollbench.lowfi.rating import rigidity
 from rollbench.lowfi.statics.axis.solve import solve_assembly
 from rollbench.lowfi.statics.contacts import hertz_without_errors
@@ -36,32 +33,20 @@ def test_rigid_bodies_share_the_offset_between_their_halves(hand):
     found = solved(scene)
     C = hertz_without_errors(scene).C
     expected = (0.5 * rigidity.approach_per_displacement(scene) * OFFSET / (C[0] + C[3])) ** 1.5
-    first, second = found.load[:6], found.load[6:]
-    loaded, idle = ([0, 3], [1, 2]) if first[0, 0] > 0.0 else ([1, 2], [0, 3])
-    np.testing.assert_allclose(first[:, loaded], expected, rtol=0.02)
-    np.testing.assert_allclose(second[:, idle], expected, rtol=0.02)
-    assert not first[:, idle].any()
-    assert not second[:, loaded].any()
-
-
-@pytest.mark.parametrize("hand", ["right", "left"])
-def test_a_nut_of_either_hand_takes_an_offset(hand):
-    text = ball_screw_text("25x5").replace('# hand = "left"', f'hand = "{hand}"')
-    scene = scene_file.scene_from_text(re.sub(r"(?m)^force = \"5 % of C\".*$", 'lead_offset = "5 um"', text), "mine.toml")
-    assert scene.errors.lead_offset == pytest.approx(5e-6)
+    first, second = ([0, 3], [1, 2]) if found.load[0, 0] > 0.0 else ([1, 2], [0, 3])
+    for half, loaded, idle in ((found.load[:6], first, second), (found.load[6:], second, first)):
+        np.testing.assert_allclose(half[:, loaded], expected, rtol=0.02)
+        assert not half[:, idle].any()
 
 
 def test_one_nut_is_two_nuts_of_which_one_is_shifted():
     """Rigid nuts on an elastic shaft under load: another code path, in which a nut is moved instead of its groove."""
-    force = 300.0
     sets = [nut(f"nut {k}", z, count=6, turns=1.0, offset=o) for k, z, o in ((1, 0.14, 0.0), (2, 0.16, OFFSET))]
-    held = (Support(0.0, ALL_BUT_AXIAL),)
-    load = (Load(0.0, (0.0, 0.0, force)),)
-    two = solve_assembly(assembly(*sets, supports=held, loads=load))
-    one, balls = sets[0].parts, halves().balls
-    single = replace(one, balls=balls, errors=Errors(lead_offset=OFFSET), supports=held, loads=load)
-    single = replace(single, nut=replace(one.nut, position=0.15, length=60e-3))
-    found = solved(single)
+    given = {"supports": (Support(0.0, ALL_BUT_AXIAL),), "loads": (Load(0.0, (0.0, 0.0, 300.0)),)}
+    two = solve_assembly(assembly(*sets, **given))
+    one = sets[0].parts
+    nut_of_both = replace(one.nut, position=0.15, length=60e-3)
+    found = solved(replace(one, nut=nut_of_both, balls=halves().balls, errors=Errors(lead_offset=OFFSET), **given))
     assert two.status == "converged"
     wanted = np.concatenate([s.balls.load for s in two.sets])
     assert relative(found.load, wanted) < 2e-3  # a groove that is shifted turns its contacts by the offset, a nut does not
@@ -83,10 +68,9 @@ def test_preload_stiffens_the_contacts_as_the_solution_says():
     force = 60.0
     scene = halves(force=force, screw="rigid")
     moved = [rigidity.screw_displacement_at_nut(s, solved(s)) for s in (scene, halves(screw="rigid"))]
-    assert rigidity.displacement_by_contacts_only(scene, force) == pytest.approx(moved[0] - moved[1], rel=0.02)
-    assert rigidity.displacement_by_contacts_only(scene, force) < 0.5 * rigidity.displacement_by_contacts_only(
-        halves(0.0, force), force
-    )
+    preloaded, loose = (rigidity.displacement_by_contacts_only(s, force) for s in (scene, halves(0.0, force)))
+    assert preloaded == pytest.approx(moved[0] - moved[1], rel=0.02)
+    assert preloaded < 0.5 * loose
 
 
 def test_elastic_bodies_are_pressed_alike_by_forces_this_small():
@@ -105,10 +89,8 @@ def test_a_ball_at_the_nut_s_centre_has_the_step_beside_it(hand):
     assert abs(layout.z[middle] - scene.nut.position) < 1e-9 * scene.balls.radius
     before, after = (layout.z < layout.z[middle] - 1e-6), (layout.z > layout.z[middle] + 1e-6)
     for moved in (0.0, 1e-14, -1e-14):
-        shifted = are_in_shifted_half(scene, layout.z + moved)
-        np.testing.assert_array_equal(shifted, after)
-    found = solved(scene)
-    pressed = found.load > 0.0
+        np.testing.assert_array_equal(are_in_shifted_half(scene, layout.z + moved), after)
+    pressed = solved(scene).load > 0.0
     assert pressed[before].any(axis=0).tolist() == pressed[middle].tolist()
     assert not (pressed[after].any(axis=0) & pressed[middle]).any()
     assert rigidity.displacement_by_contacts_only(scene, 100.0) > 0.0

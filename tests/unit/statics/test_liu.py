@@ -14,10 +14,10 @@ from rollbench.compare.scenes.catalogue import scene
 from rollbench.lowfi.statics.liu import nut_as_spring_row, solve_liu
 from rollbench.lowfi.statics.mei import nut_tensile_stiffness, solve_mei
 from rollbench.meshes.helix import lead_angle
-from rollbench.meshes.parts import BallErrors, Support
+from rollbench.meshes.parts import BallErrors, Errors, Support
 from rollbench.meshes.section import screw_section
 
-QUIET = ModelOptions(estimate_beam_mesh_error=False)
+CASE, QUIET = scene("lin-case1"), ModelOptions(estimate_beam_mesh_error=False)
 
 
 @pytest.mark.parametrize("name", ["lin-case2", "unseen-63x20", "external-thk-bnf-3205-7p5", "liu-drawn"])
@@ -32,14 +32,18 @@ def test_with_constant_angles_it_is_mei_s_model_of_an_elastic_nut(name):
     assert ends[1] - ends[0] == pytest.approx(s.loads[0].force[2] * face / nut_tensile_stiffness(s), rel=1e-5)
 
 
-def like_the_case(name, load=5000.0):
+def pushed(s, force):
+    return replace(s, loads=(replace(s.loads[0], force=(0.0, 0.0, force)),))
+
+
+def like_the_case(name, load):
     """A scene of Liu's screw with the nut that gives the compliance of the case's calibration."""
     s = scene(name)
     lost = evidence.calibrated_axial_model().compliance / (s.track.lead / 26.0) - 1.0 / screw_section(s).EA
     area = 1.0 / (lost * s.nut.material.youngs_modulus)
     bore = 2.0 * (s.track.pitch_radius + s.balls.radius * cos(s.track.contact_angle))
     nut = replace(s.nut, outer_diameter=sqrt(4.0 * area / np.pi + bore**2))
-    return replace(s, nut=nut, loads=(replace(s.loads[0], force=(0.0, 0.0, load)),))
+    return pushed(replace(s, nut=nut), load)
 
 
 @pytest.mark.parametrize(("name", "error"), [("liu-screw", 0.0), ("liu-small", -2.0)])
@@ -53,13 +57,11 @@ def test_its_loads_are_those_of_the_case(name, error):
 
 def test_mirrored_and_pushed_the_other_way():
     """A load from the other end, and one of the other sign, on a screw with one large ball."""
-    s = scene("lin-case1")
-    s = replace(s, errors=replace(s.errors, balls=BallErrors(listed=((3, 1e-6),))))
+    s, far = (replace(CASE, errors=Errors(balls=BallErrors(listed=((k, 1e-6),)))) for k in (3, CASE.ball_count - 2))
     load = solve_liu(s).load
-    there = replace(s.errors, balls=BallErrors(listed=((s.ball_count - 2, 1e-6),)))
-    far = replace(s, errors=there, loads=(replace(s.loads[0], at=s.screw.length),))
+    far = replace(far, loads=(replace(s.loads[0], at=s.screw.length),))
     assert solve_liu(far).load[::-1] == pytest.approx(load, rel=1e-9)
-    pulled = solve_liu(replace(s, loads=(replace(s.loads[0], force=(0.0, 0.0, -5000.0)),)))
+    pulled = solve_liu(pushed(s, -5000.0))
     assert pulled.load[:, [1, 2]] == pytest.approx(load[:, [0, 3]], rel=1e-9)
     assert not pulled.load[:, [0, 3]].any()
     assert pulled.equilibrium.contact_force[2] == pytest.approx(5000.0, rel=1e-9)
@@ -69,9 +71,7 @@ def test_rigid_bodies_share_equally_at_the_turned_angle():
     s = scene("unseen-16x5")
     steel = replace(s.nut.material, youngs_modulus=1e6 * s.nut.material.youngs_modulus)
     stiff = replace(s, nut=replace(s.nut, material=steel), ingredients=replace(s.ingredients, screw="rigid"))
-    row = nut_as_spring_row(stiff)
-    r = solve_liu(replace(stiff, nut=replace(stiff.nut, material=s.nut.material)))
-    assert row.liu_chain.compliance < 1e-5 * nut_as_spring_row(s).liu_chain.compliance
+    assert nut_as_spring_row(stiff).liu_chain.compliance < 1e-5 * nut_as_spring_row(s).liu_chain.compliance
     r = solve_liu(stiff)
     each = s.loads[0].force[2] / s.ball_count
     assert r.load[:, 0] * np.sin(r.contact_angle[:, 0]) * cos(lead_angle(s.track)) == pytest.approx(each, rel=1e-4)
@@ -83,28 +83,26 @@ def test_stiffness_is_the_tangent_or_over_the_step():
     s = replace(s, ingredients=replace(s.ingredients, load_step=600.0))
     result = run_model(s, "liu", QUIET)
     answers = compute_scene_results(s, result, "liu", QUIET)
-    pushed = [replace(s, loads=(replace(s.loads[0], force=(0.0, 0.0, f)),)) for f in (4999.5, 5000.5, 5000.0, 5600.0)]
-    at = [solve_liu(x).centreline[0, 2] for x in pushed]
+    at = [solve_liu(pushed(s, force)).centreline[0, 2] for force in (4999.5, 5000.5, 5000.0, 5600.0)]
     shaft = abs(s.loads[0].at - result.z.min()) / screw_section(s).EA
     assert 1.0 / answers.tangent == pytest.approx((at[1] - at[0]) / 1.0 - shaft, rel=1e-5)
     assert 1.0 / answers.load_step_stiffness == pytest.approx((at[3] - at[2]) / 600.0 - shaft, rel=1e-4)
     assert answers.load_step_stiffness > answers.tangent
 
 
-@pytest.mark.parametrize(
-    ("key", "change"),
-    [
-        ("errors.balls.oversize", lambda s: {"errors": replace(s.errors, balls=BallErrors(oversize=1e-6))}),
-        ("errors.lead_offset", lambda s: {"errors": replace(s.errors, lead_offset=1e-6)}),
-        ("supports", lambda s: {"supports": (*s.supports, Support(0.0, (("uz", 0.0),)))}),
-        ("loads", lambda s: {"loads": (replace(s.loads[0], at=s.nut.position),)}),
-        ("loads", lambda s: {"loads": (*s.loads, replace(s.loads[0], at=s.screw.length))}),
-    ],
-)
+REFUSED = [
+    ("errors.balls.oversize", {"errors": Errors(balls=BallErrors(oversize=1e-6))}),
+    ("errors.lead_offset", {"errors": Errors(lead_offset=1e-6)}),
+    ("supports", {"supports": (*CASE.supports, Support(0.0, (("uz", 0.0),)))}),
+    ("loads", {"loads": (replace(CASE.loads[0], at=CASE.nut.position),)}),
+    ("loads", {"loads": (*CASE.loads, replace(CASE.loads[0], at=CASE.screw.length))}),
+]
+
+
+@pytest.mark.parametrize(("key", "change"), REFUSED)
 def test_what_it_does_not_know_is_refused(key, change):
-    s = scene("lin-case1")
-    other = replace(s, **change(s))
-    assert MODELS["liu"].covers_scene(s)
+    other = replace(CASE, **change)
+    assert MODELS["liu"].covers_scene(CASE)
     assert not MODELS["liu"].covers_scene(other)
     with pytest.raises(InputError) as refused:
         run_model(other, "liu", QUIET)

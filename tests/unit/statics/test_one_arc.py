@@ -1,12 +1,11 @@
 """A bearing near a contact angle of zero has one arc a groove, and one contact of a ball with it."""
 
-import re
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.shipped_texts import own_text
+from tests.helpers import ALL_BUT_AXIAL
+from tests.shipped_texts import changed, own_text
 
 from rollbench.compare.scenes import scene_file
 from rollbench.lowfi.compliance.parts import LADDER
@@ -54,8 +53,8 @@ def test_thrust_between_rigid_rings_in_closed_form() -> None:
     centres = 2.0 * 0.25e-3
     angle = found.contact_angle[0, 0]
     moved = centres * np.tan(angle)
-    constants = hertz_without_errors(scene).C
-    force = ((np.hypot(centres, moved) - centres) / (constants[0] + constants[3])) ** 1.5
+    C = hertz_without_errors(scene).C
+    force = ((np.hypot(centres, moved) - centres) / (C[0] + C[3])) ** 1.5
     np.testing.assert_allclose(found.load[:, 0], force, rtol=1e-6)
     assert 9.0 * force * np.sin(angle) == pytest.approx(2000.0, rel=1e-6)
 
@@ -66,45 +65,25 @@ def test_screws_and_clear_angles_keep_two_arcs() -> None:
     assert with_single_arc_grooves(clear) is clear
     near = bearing(2.0, 3000.0, 0.0)
     assert near.track.contact_angle == LEAST
-    assert "ridge between two arcs would stand 0.15 um away" in near.assumed[-1]
     screw = replace(near, track=replace(near.track, lead=0.01))
     assert not has_single_arc_grooves(screw)
 
 
 def test_a_set_on_a_shaft_takes_one_arc_unless_its_thrust_is_written() -> None:
-    head, track, screw, nut, support, _ = re.split(r"\[track\]|\[screw\]|\[nut\]|\[\[supports\]\]|\[ingredients\]", BEARING)
-    parts = ("[sets.track]" + track + "[sets.nut]" + nut.replace("[balls]", "[sets.balls]")).replace("ANGLE", "0.01")
-    load = '[[loads]]\nat = "8 mm"\nforce = ["3000 N", "0 N", "0 N"]\n'
-    shaft = f'kind = "axis"\n{head}[screw]{screw}[[supports]]{support}\n{load}'
-    sets = "".join(
-        f'[[sets]]\nname = "{name}"\n{said}{parts}' for name, said in (("free", ""), ("written", 'thrust = "+z"\n'))
-    )
-    free, written = scene_file.parse_scene(shaft + sets, "axis.toml").sets
-    assert (free.thrust, free.parts.track.contact_angle) == ("deep groove", LEAST)
-    assert (written.thrust, written.parts.track.contact_angle) == ("+z", np.radians(0.01))
+    near = ('clearance = { radial = "13 um" }', 'contact_angle = "0.01 deg"')
+    for said, thrust, angle in (("", "deep groove", LEAST), ('thrust = "+z"\n', "+z", np.radians(0.01))):
+        text = changed("bearings-on-a-shaft", near, ('thrust = "deep groove"\n', said))
+        found = scene_file.parse_scene(text, "axis.toml").sets[2]
+        assert (found.thrust, found.parts.track.contact_angle) == (thrust, angle)
 
 
-def uneven(scene: Scene) -> Scene:
-    return replace(scene, errors=Errors(SL=SideErrors(profile=(0.0, -2e-6))))
-
-
-@pytest.mark.parametrize("change", [lambda scene: scene, uneven])
-def test_its_tangent_stiffness_is_that_of_finite_differences(change: Callable[[Scene], Scene]) -> None:
+@pytest.mark.parametrize("profile", [(), (0.0, -2e-6)])
+def test_its_tangent_stiffness_is_that_of_finite_differences(profile: tuple[float, ...]) -> None:
     """With one pair of flanks, of exact arcs or not: elastic bodies took all four."""
-    scene, step = change(bearing(0.01, 500.0, 1000.0)), 1e-3
-    held = replace(scene, supports=(Support(0.008, tuple((name, 0.0) for name in ("ux", "uy", "rx", "ry", "rz"))),))
-    base, raised = (
-        replace(held, loads=(Load(0.008, (0.0, 0.0, f), (0.0, 0.0, 0.0)),)) for f in (1000.0, 1000.0 * (1.0 + step))
-    )
+    scene, step = replace(bearing(0.01, 500.0, 1000.0), errors=Errors(SL=SideErrors(profile=profile))), 1e-3
+    held = replace(scene, supports=(Support(0.008, ALL_BUT_AXIAL),))
+    base, raised = (replace(held, loads=(Load(0.008, (0.0, 0.0, f)),)) for f in (1000.0, 1000.0 * (1.0 + step)))
     moved = np.diff([solve_static(s).centreline[0, 2] for s in (base, raised)])[0]
     found = tangent_stiffness(base, 0.008, backend=LADDER["lin"])
     assert found.status == "converged"
     assert found.matrix[2, 2] == pytest.approx(1000.0 * step / moved, rel=2e-3)
-
-
-def test_elastic_bodies_take_uneven_flanks_of_one_arc() -> None:
-    scene = uneven(bearing(0.01, 3000.0, 0.0))
-    lin, found = solve_static(scene), solve_elastic(scene, backend=LADDER["lin"])
-    assert found.status == "converged"
-    assert not found.load[:, 1:3].any()
-    np.testing.assert_allclose(found.load, lin.load, rtol=1e-6, atol=1e-6)

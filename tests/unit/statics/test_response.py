@@ -27,11 +27,12 @@ def ends(first: float, *, tilt: float = 0.0) -> Scene:
     return replace(SCREW, supports=(held, Support(LENGTH, (("ux", tilt), ("uy", 0.0)))))
 
 
-#: Changes that leave the response as it is, and others.
+#: Changes that leave the response as it is, and others; of the screw, but for one whose supports are displaced.
 SAME = {
     "another load": replace(SCREW, loads=tuple(replace(x, force=tuple(0.5 * f for f in x.force)) for x in SCREW.loads)),
     "larger balls": with_errors(balls=BallErrors(oversize=5e-6)),
     "one ball larger": with_errors(balls=BallErrors(oversize=3e-6, listed=((3, 1e-6),))),
+    "an end displaced": ends(0.0, tilt=2e-6),
 }
 OTHER = {
     "no load at all": replace(SCREW, loads=()),
@@ -49,8 +50,7 @@ OTHER = {
 
 def alike(a: StaticResult, b: StaticResult) -> bool:
     """Whether two results are the same to the last digit."""
-    assert a.converged
-    assert b.converged
+    assert a.status == b.status == "converged"
     return np.array_equal(a.load, b.load) and np.array_equal(a.centreline, b.centreline)
 
 
@@ -65,17 +65,8 @@ def test_a_kept_response_gives_the_digits_of_a_new_one(change: str, model: str) 
     cached_compliance.cache_clear()
     new = solve(scene)
     cached_compliance.cache_clear()
-    solve(SCREW)
+    other = solve(ends(0.0) if change == "an end displaced" else SCREW)
     before = cached_compliance.cache_info()
     assert alike(solve(scene), new)
-    after = cached_compliance.cache_info()
-    assert (after.misses == before.misses) == (change in SAME)
-
-
-def test_displaced_supports_share_a_response() -> None:
-    cached_compliance.cache_clear()
-    still, moved = (solve_elastic(ends(0.0, tilt=by), engine="interpreted") for by in (0.0, 2e-6))
-    assert cached_compliance.cache_info().misses == 1
-    cached_compliance.cache_clear()
-    assert alike(solve_elastic(ends(0.0, tilt=2e-6), engine="interpreted"), moved)
-    assert not alike(still, moved)
+    assert not alike(other, new)
+    assert (cached_compliance.cache_info().misses == before.misses) == (change in SAME)

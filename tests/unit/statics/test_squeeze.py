@@ -30,30 +30,22 @@ NU = TUBE.material.poissons_ratio
 def problem_of(scene: Scene) -> Problem:
     layout = ball_layout(scene)
     section = grooved_section(reduce_to_compliance_geometry(scene), True)
-    return build_problem(
-        scene, draw_geometry_with_errors(scene, layout), layout, np.ones(4, dtype=bool), everything=True, section=section
-    )
+    drawn, every = draw_geometry_with_errors(scene, layout), np.ones(4, dtype=bool)
+    return build_problem(scene, drawn, layout, every, everything=True, section=section)
 
 
-def squeeze_of(
-    problem: Problem, used: tuple[int, ...] = (0, 1), strain: float = 0.0
-) -> tuple[statics_shaft.ShaftBeam, statics_shaft.SectionForceCoupling]:
-    shaft = statics_shaft.build_shaft(problem)
-    stretch = statics_shaft.build_shaft_stretch(
-        problem, problem.scene, problem.layout, SMOOTH, used, slice(0, problem.layout.z.size)
-    )
+def squeeze_of(problem, used=(0, 1), strain=0.0):
+    """The shaft, and what section forces do to its contacts."""
+    shaft, balls = statics_shaft.build_shaft(problem), slice(0, problem.layout.z.size)
+    stretch = statics_shaft.build_shaft_stretch(problem, problem.scene, problem.layout, SMOOTH, used, balls)
     return shaft, statics_shaft.couple_section_forces(shaft, used, [stretch], strain)
 
 
-def pulled(force: tuple[float, float, float], moment: tuple[float, float, float]) -> Problem:
-    """Held at the left end, loaded at the right one."""
-    return problem_of(replace(CASE, supports=(HELD,), loads=(Load(RIGHT, force, moment),)))
-
-
 def test_contacts_feel_the_wrench_above_them() -> None:
-    """Statics at the stretch's high end, whose closed forms are in the tests of `lowfi.compliance.bodies`."""
+    """Statics at the stretch's high end, whose closed forms are in the tests of `lowfi.compliance.bodies`: held at the
+    left end, loaded at the right one."""
     force, moment = np.array([300.0, -200.0, 8e3]), np.array([40.0, 20.0, 5.0])
-    problem = pulled(tuple(force), tuple(moment))
+    problem = problem_of(replace(CASE, supports=(HELD,), loads=(Load(RIGHT, tuple(force), tuple(moment)),)))
     response = screw_response_to_end_wrench(CASE, problem.layout, SMOOTH)
     arm = np.array([0.0, 0.0, RIGHT - response.high_end])
     wanted = response.contact_motions @ np.concatenate([force, moment + np.cross(arm, force)])
@@ -104,9 +96,8 @@ def test_loads_and_forces_move_one_another_alike() -> None:
     rng = np.random.default_rng(2)
     forces, loads = rng.normal(size=4 * problem.layout.z.size), rng.normal(size=(6 * problem.nodes.size, 1))
     by_loads, _ = squeeze.motions_by_loads(loads, shaft.motions_under_loads(loads))
-    nodes = shaft.motions_under_loads(squeeze.nodal_loads_of_jumps(forces)[:, None])[
-        :, 0
-    ] + squeeze.jumps_inside_stretches.nodal_motions_by_flank_forces(forces)
+    nodes = shaft.motions_under_loads(squeeze.nodal_loads_of_jumps(forces)[:, None])[:, 0]
+    nodes += squeeze.jumps_inside_stretches.nodal_motions_by_flank_forces(forces)
     nodes[np.repeat(problem.fixed.any(axis=1), 6)] = 0.0
     assert by_loads[:, 0] @ forces == pytest.approx(float(loads[:, 0] @ nodes), rel=1e-9)
 
@@ -117,24 +108,14 @@ def test_the_end_at_which_the_body_is_held_does_not_matter(held: tuple[float, ..
 
     With lever arms to the nominal contact points: those to the groove's centre are not where the smooth body is loaded.
     """
-    scene = small_screw(count=8, turns=1.5, lead=12e-3, force=(40.0, 20.0, 900.0), oversize=3e-6)
-    length = scene.screw.length
-    scene = replace(
-        scene,
-        supports=tuple(replace(HELD, at=length * (z > 0.0)) for z in held),
-        loads=(Load(0.2 * length, (40.0, 20.0, 900.0)),),
-        ingredients=replace(scene.ingredients, arm="nominal"),
-        solid=replace(scene.solid, nut_held="left face"),
-    )
-    turned = replace(
-        scene,
-        track=replace(scene.track, hand="left"),
-        nut=replace(scene.nut, position=length - scene.nut.position),
-        supports=tuple(replace(s, at=length - s.at) for s in scene.supports),
-        loads=(Load(0.8 * length, (40.0, 20.0, -900.0)),),
-        solid=replace(scene.solid, nut_held="right face"),
-    )
-    here, there = (solve_elastic(s, engine="compiled", everything=True) for s in (scene, turned))
-    assert here.converged
-    assert there.converged
+    scene = small_screw(count=8, turns=1.5, lead=12e-3, oversize=3e-6, arm="nominal")  # its nut in the middle
+
+    def seen(hand, ends, at, axial):
+        solid = replace(scene.solid, nut_held="left face" if hand == "right" else "right face")
+        given = {"supports": tuple(replace(HELD, at=z) for z in ends), "loads": (Load(at, (40.0, 20.0, axial)),)}
+        return replace(scene, track=replace(scene.track, hand=hand), solid=solid, **given)
+
+    scenes = seen("right", held, 0.04, 900.0), seen("left", [0.2 - z for z in held], 0.16, -900.0)
+    here, there = (solve_elastic(s, engine="compiled", everything=True) for s in scenes)
+    assert here.status == there.status == "converged"
     assert relative(there.load[:, [1, 0, 3, 2]], here.load) < 1e-7

@@ -1,16 +1,7 @@
 """Figures of a sweep: what stands on their axes."""
 
-from rollbench.compare.sections.tolerances import stored_tolerance_sweep
-from rollbench.compare.studies.sweep.keys import read_varied_keys
 from rollbench.reports.content import Figure, Panel, Series
 from rollbench.reports.figures import draw_figure, draw_figure_and_canvas
-
-FOUND = stored_tolerance_sweep()
-KEYS = read_varied_keys(FOUND["vary"])
-
-
-def by_name(figures):
-    return {figure.name.rpartition("-")[2]: figure for figure in figures}
 
 
 def test_names_stand_on_the_axis_and_ordinates_are_of_one_scale():

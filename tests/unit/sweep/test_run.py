@@ -11,6 +11,7 @@ from math import tau
 
 import numpy as np
 import pytest
+from tests.load_cases import case
 from tests.processes import python
 
 from rollbench.compare.commands.sweep import solve_and_report_sweep
@@ -21,30 +22,26 @@ from rollbench.compare.reference.jobs import ComputingSettings
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.studies.sweep import run as sweeping
 from rollbench.compare.studies.sweep import sample
-from rollbench.compare.studies.sweep import sample as sampling
-from rollbench.compare.studies.sweep.run import sweep_definition, sweep_summary_json
+from rollbench.compare.studies.sweep.run import sweep_definition
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.meshes.parts import SIDES, Load, Motion
 
 VARY = ("supports[0].displace.ux=2 um:5 um", "errors.balls.oversize=4 um:7 um")
 SCENE = "two-balls"
+QUIET = ModelOptions(estimate_beam_mesh_error=False)
 
 KILLS = """
 import os, random, signal, sys, time
 from pathlib import Path
 from rollbench.compare.reference.jobs import ComputingSettings
-from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies.sweep import run as sweeping, sample
-from rollbench.compare.studies.sweep.keys import read_varied_keys
 folder, kills, workers = Path(sys.argv[1]), int(sys.argv[2]), int(sys.argv[3])
 sweeping.LARGEST_BATCH, sweeping.BATCHES = 4, 1  # workers are in the midst of theirs when their run is killed
-text, vary = catalogue.shipped_scene_text({scene!r}), read_varied_keys({vary!r})
-what = sweeping.SweepDefinition(text, "{scene}.toml", vary, {samples}, "lhs", 1, "lin")
+what = sweeping.sweep_definition({scene!r}, {vary!r}, {samples}, "lhs", 1, "lin")
 random.seed(5)
-before = 0
 def lines():
     return sum(path.read_bytes().count(b"\\n") for path in (folder / sample.RECORDS).glob("*.lines"))
-killed = 0
+killed = before = 0
 while killed < kills and before < 0.7 * {samples}:  # at a random number of stored samples and a random moment after
     child = os.fork()
     if child == 0:
@@ -56,22 +53,32 @@ while killed < kills and before < 0.7 * {samples}:  # at a random number of stor
     time.sleep(random.uniform(0.0, 0.005))
     os.kill(child, signal.SIGKILL)
     os.waitpid(child, 0)
-    killed += 1
-    now = len(list(sample.stored_sample_records(folder)))
-    assert now >= before, (now, before)
-    before = now
+    killed, last, before = killed + 1, before, len(list(sample.stored_sample_records(folder)))
+    assert before >= last, (before, last)
 assert before < {samples} and killed >= (kills + 1) // 2, (before, killed)  # however fast the machine
 sweeping.solve_missing_samples(what, folder, ComputingSettings(parallel_jobs=workers), print)
 """
 
 
-def what(samples=40, **other):
-    return sweep_definition(SCENE, VARY, samples, other.get("method", "lhs"), other.get("seed", 1), "lin")
-
-
-def run(folder, samples=40, engine=None, **other):
+def solved(folder, sweep):
+    """Records of a sweep, and what it said."""
     said = []
-    return sweeping.solve_missing_samples(what(samples, **other), folder, engine or ComputingSettings(), said.append), said
+    return sweeping.solve_missing_samples(sweep, folder, ComputingSettings(), said.append), said
+
+
+def run(folder, samples=40, seed=1):
+    return solved(folder, sweep_definition(SCENE, VARY, samples, "lhs", seed, "lin"))
+
+
+def sample_of(name, *wanted, engine="interpreted"):
+    """The outputs of a shipped scene as it is."""
+    return sample.solve_sample(catalogue.shipped_scene_text(name), f"{name}.toml", (), (), "lin", engine, *wanted)
+
+
+def solution_of(name):
+    """The scene, and the model's result."""
+    scene = catalogue.scene_of_any_kind(name)
+    return scene, run_model(scene, "lin", QUIET)
 
 
 def killed(folder, kills, workers, samples):
@@ -109,7 +116,7 @@ def test_a_killed_sweep_loses_and_repeats_nothing(kills, workers, tmp_path, undi
 def test_what_is_stored_is_not_solved_again_but_torn_and_damaged_lines_are(tmp_path, monkeypatch):
     first, _ = run(tmp_path / "a")
     with monkeypatch.context() as patch:
-        patch.setattr(sampling, "solve_sample", None)
+        patch.setattr(sample, "solve_sample", None)
         again, said = run(tmp_path / "a")
     assert (again, "40 stored" in said[0]) == (first, True)
     (path,) = (tmp_path / "a" / "records").glob("*.lines")
@@ -142,69 +149,56 @@ def test_a_folder_of_another_sweep_or_in_use_is_refused(tmp_path, monkeypatch):
 
 def test_failures_are_rows_with_their_reason_and_one_failure_a_reason(tmp_path):
     sweep = sweep_definition("lin-case1", ["balls.radius=2.7 mm:3.4 mm"], 6, "grid", 0, "lin")
-    found = sweeping.solve_missing_samples(sweep, tmp_path / "a", ComputingSettings(), print)
-    status = [found[n]["status"] for n in range(6)]
-    assert (status[0], status[-1][:25]) == ("converged", "refused: lin-case1.toml: ")
-    assert all(one.startswith(("converged", "refused")) for one in status)
     assert solve_and_report_sweep(sweep, tmp_path / "a", ComputingSettings()).exit_code == 0
+    found = sample.stored_records_by_sample(tmp_path / "a")
+    assert (found[0]["status"], found[5]["status"][:25]) == ("converged", "refused: lin-case1.toml: ")
     lines = (tmp_path / "a" / "samples.csv").read_text().splitlines()
     assert (len(lines), "refused" in lines[-1]) == (7, True)
-    text = json.loads((tmp_path / "a" / "summary.json").read_text())
-    assert text["solved"] == 6 > text["converged"] > 0
-    failures = sweep_summary_json(sweep, found)["failures"]
-    assert 6 - text["converged"] > len(failures) >= 1
-    assert sum(row["samples"] for row in failures) == 6 - text["converged"]
+    summary = json.loads((tmp_path / "a" / "summary.json").read_text())
+    assert summary["solved"] == 6 > summary["converged"] > 0
+    failed, reasons = 6 - summary["converged"], summary["failures"]
+    assert failed > len(reasons) >= 1
+    assert sum(row["samples"] for row in reasons) == failed
     assert (tmp_path / "a" / "sweep-effects.svg").exists()
 
 
 @pytest.mark.parametrize("samples", [4, 40])
 def test_a_sweep_whose_first_samples_are_all_refused_for_one_reason_stops(tmp_path, samples):
     sweep = sweep_definition("lin-case1", ["balls.radius=3.3 mm:3.4 mm"], samples, "lhs", 0, "lin")
-    with pytest.raises(
-        InputError, match=r"is refused for the same reason, the last one as follows: lin-case1\.toml: .*allowed"
-    ):
-        sweeping.solve_missing_samples(sweep, tmp_path / "a", ComputingSettings(), print)
+    words = r"were refused for the same reason; message for the last of them: lin-case1\.toml: .*allowed"
+    with pytest.raises(InputError, match=words):
+        solved(tmp_path / "a", sweep)
     assert not (tmp_path / "a").exists(), "the folder is free for the next one"
 
 
 def test_rigidity_preload_torque_life_and_mean_load_are_those_of_solve_and_friction():
-    text = catalogue.shipped_scene_text("lin-case3")
-    found = sampling.solve_sample(text, "lin-case3.toml", (), (), "lin", "interpreted")
-    scene = scene_file.scene_from_text(text, "lin-case3.toml")
-    options = ModelOptions(estimate_beam_mesh_error=False)
-    result = run_model(scene, "lin", options)
-    answers = compute_scene_results(scene, result, "lin", options)
+    found, (scene, result) = sample_of("lin-case3"), solution_of("lin-case3")
+    answers = compute_scene_results(scene, result, "lin", QUIET)
     assert found["rigidity_N_per_um"] == pytest.approx(1e-6 * answers.rigidities.with_unequal_loads, rel=1e-9)
     assert found["preload_N"] == pytest.approx(answers.preload.axial, rel=1e-9)
     assert found["life_million_revolutions"] == pytest.approx(answers.load_results.life.revolutions, rel=1e-9)
     state = friction_state(scene, result, scene.friction, Motion(tau))
     assert found["torque_Nmm"] == pytest.approx(1e3 * state.friction_sums.friction_torque, rel=1e-6)
-    bare = sampling.solve_sample(catalogue.shipped_scene_text("two-balls"), "two-balls.toml", (), (), "lin", "interpreted")
-    assert bare["torque_Nmm"] is None, "no coefficient in the scene"
-
-    text = catalogue.shipped_scene_text("lin-pitch-2p1")
-    found = sampling.solve_sample(text, "lin-pitch-2p1.toml", (), (), "lin", "interpreted")
-    load = run_model(scene_file.scene_from_text(text, "lin-pitch-2p1.toml"), "lin", options).load
-    assert found["mean_load_N"] == pytest.approx(load.sum() / 64, rel=1e-12), "errors load 76 contacts"
+    assert sample_of("two-balls")["torque_Nmm"] is None, "no coefficient in the scene"
+    found, (_, result) = sample_of("lin-pitch-2p1"), solution_of("lin-pitch-2p1")
+    assert found["mean_load_N"] == pytest.approx(result.load.sum() / 64, rel=1e-12), "errors load 76 contacts"
 
 
 def test_several_sets_have_the_same_outputs():
-    found = sampling.solve_sample(catalogue.shipped_scene_text("double-nut"), "double-nut.toml", (), (), "lin", "compiled")
-    assembly = scene_file.parse_scene(catalogue.shipped_scene_text("double-nut"), "double-nut.toml")
-    answers = compute_shaft_results(assembly, run_model(assembly, "lin"))
+    found, (assembly, result) = sample_of("double-nut", engine="compiled"), solution_of("double-nut")
+    answers = compute_shaft_results(assembly, result)
     assert found["rigidity_N_per_um"] == pytest.approx(1e-6 * answers.axial_load / answers.displacement, rel=1e-6)
     assert found["preload_N"] == pytest.approx(max(abs(s.preload.axial) for s in answers.set_results), rel=1e-6)
-    assert found["life_million_revolutions"] == pytest.approx(
-        min(s.load_results.life.revolutions for s in answers.set_results), rel=1e-6
-    )
+    shortest = min(s.load_results.life.revolutions for s in answers.set_results)
+    assert found["life_million_revolutions"] == pytest.approx(shortest, rel=1e-6)
     assert found["torque_Nmm"] > 0.0
+    idle = sample_of("double-nut", ["idle_balls"], engine="compiled")
+    assert set(idle) == {"status", "largest_load_N", "idle_balls", "at"}
 
 
 def test_rows_of_rollers_have_loads():
-    text = catalogue.shipped_scene_text("smith-axis-taper")
-    found = sampling.solve_sample(text, "smith-axis-taper.toml", (), (), "lin", "interpreted")
-    sets = run_model(scene_file.parse_scene(text, "smith-axis-taper.toml"), "lin").sets
-    loads = np.concatenate([s.roller_load for s in sets])
+    found, (_, result) = sample_of("smith-axis-taper"), solution_of("smith-axis-taper")
+    loads = np.concatenate([s.roller_load for s in result.sets])
     assert found["loaded_contacts"] == 64
     assert (found["largest_load_N"], found["mean_load_N"]) == pytest.approx((loads.max(), loads.mean()), rel=1e-9)
     assert found["at"].startswith("right 1: roller ")
@@ -218,19 +212,16 @@ GOOD = "track.lead=10 mm:20 mm"
 def test_what_the_scene_or_the_program_does_not_have_is_refused_before_anything_is_solved(tmp_path, vary):
     model, words = ("no such", "model: got") if vary == GOOD else ("lin", None)
     with pytest.raises(InputError, match=words):
-        sweeping.solve_missing_samples(
-            sweep_definition("lin-case1", [vary], 6, "lhs", 0, model), tmp_path / "a", ComputingSettings(), print
-        )
+        solved(tmp_path / "a", sweep_definition("lin-case1", [vary], 6, "lhs", 0, model))
     assert not (tmp_path / "a").exists()
 
 
 def test_a_sample_is_the_solution_of_its_scene():
-    sweep = sweep_definition(
-        "lin-case3", ["loads[0].force[2]=1 kN:5 kN", "errors.balls.oversize=0 um:9 um"], 6, "lhs", 0, "lin"
-    )
-    found = sampling.solve_sample(sweep.text, sweep.origin, sweep.keys, ["3.0 kN", "5.0 um"], "lin", "interpreted")
+    vary = ["loads[0].force[2]=1 kN:5 kN", "errors.balls.oversize=0 um:9 um"]
+    sweep = sweep_definition("lin-case3", vary, 6, "lhs", 0, "lin")
+    found = sample.solve_sample(sweep.text, sweep.origin, sweep.keys, ["3.0 kN", "5.0 um"], "lin", "interpreted")
     text = sweep.text.replace("5 kN", "3 kN").replace("7 um", "5 um")
-    result = run_model(scene_file.scene_from_text(text, "x.toml"), "lin", ModelOptions(estimate_beam_mesh_error=False))
+    result = run_model(scene_file.scene_from_text(text, "x.toml"), "lin", QUIET)
     assert found["largest_load_N"] == pytest.approx(result.load.max(), rel=1e-12)
     assert found["loaded_contacts"] == (result.load > 0.0).sum()
     assert found["displacement_um"] == pytest.approx(1e6 * result.centreline[0, 2], rel=1e-12)
@@ -253,18 +244,10 @@ main({[*words, "--out", str(tmp_path / "sweep")]!r})
 
 def test_outputs_that_are_not_asked_for_are_not_computed(tmp_path, monkeypatch):
     every, _ = run(tmp_path / "every", 4)
-    solved = []
-
-    def counted(*arguments):
-        solved.append(arguments)
-        return run_model(*arguments)
-
     some = sweep_definition(SCENE, VARY, 4, "lhs", 1, "lin", ["life_million_revolutions", "displacement_um"])
     with monkeypatch.context() as patch:
-        patch.setattr(sampling, "run_model", counted)
         patch.setattr(sample, "solve_with_scaled_loads", None)  # the unloaded solution is of rigidity and preload
-        found = sweeping.solve_missing_samples(some, tmp_path / "some", ComputingSettings(), lambda _: None)
-    assert len(solved) == 4 + 1  # one of the first is tried before
+        found, _ = solved(tmp_path / "some", some)
     kept = ("largest_load_N", "displacement_um", "life_million_revolutions", "at", "sample", "status", "values")
     assert found == {n: {name: every[n][name] for name in kept} for n in range(4)}
     assert solve_and_report_sweep(some, tmp_path / "some", ComputingSettings()).data["outputs"].keys() == {*kept[:3]}
@@ -272,27 +255,13 @@ def test_outputs_that_are_not_asked_for_are_not_computed(tmp_path, monkeypatch):
     with pytest.raises(InputError, match="another sweep"):
         run(tmp_path / "some", 4)
     with pytest.raises(InputError, match="outputs: got loads; allowed: largest_load_N"):
-        sweeping.solve_missing_samples(
-            sweep_definition(SCENE, VARY, 4, "lhs", 1, "lin", ["loads"]), tmp_path / "c", ComputingSettings(), print
-        )
-
-
-def test_outputs_of_load_cases_and_of_several_sets_can_be_left_out():
-    text = catalogue.shipped_scene_text("double-nut")
-    found = sampling.solve_sample(text, "double-nut.toml", (), (), "lin", "compiled", ["idle_balls"])
-    assert set(found) == {"status", "largest_load_N", "idle_balls", "at"}
+        solved(tmp_path / "c", sweep_definition(SCENE, VARY, 4, "lhs", 1, "lin", ["loads"]))
 
 
 def test_growth_is_each_sets_largest_load_over_that_of_the_first_case():
-    text = catalogue.shipped_scene_text("double-nut").replace(
-        "[[loads]]", "[[cases]]\nname = 'a'\nshare = 0.5\n[[cases.loads]]", 1
-    )
-    head, tables = text.split("[[cases]]", 1)
-    one, rest = tables.split("[friction]", 1)
-    more = one.replace("'a'", "'b'").replace("2 kN", "5 kN")
-    text = f"{head}[friction]{rest}\n[[cases]]{one}\n[[cases]]{more}"
     wanted = ["largest_growth", "least_growth"]
-    found = sampling.solve_sample(text, "my.toml", (), (), "lin", "compiled", wanted)
+    text = catalogue.shipped_scene_text("double-nut") + case("a", share=0.5) + case("b", "5 kN", share=0.5)
+    found = sample.solve_sample(text, "my.toml", (), (), "lin", "compiled", wanted)
     scene = catalogue.scene_of_any_kind("double-nut")
     low, high = (
         [s.loads.max() for s in run_model(replace(scene, loads=(Load(0.0, (0.0, 0.0, f)),)), "lin", ModelOptions()).sets]
@@ -301,5 +270,5 @@ def test_growth_is_each_sets_largest_load_over_that_of_the_first_case():
     ratios = [max(a, b) / a for a, b in zip(low, high, strict=True)]
     assert [found[name] for name in wanted] == pytest.approx([max(ratios), min(ratios)], rel=1e-9)
     assert max(ratios) > 1.1
-    alone = sampling.solve_sample(catalogue.shipped_scene_text("double-nut"), "my.toml", (), (), "lin", "compiled", wanted)
+    alone = sample_of("double-nut", wanted, engine="compiled")
     assert [alone[name] for name in wanted] == [None, None]

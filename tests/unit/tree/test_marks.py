@@ -1,45 +1,11 @@
 """What the test command without options leaves out: further tests, what is slow, and nothing else."""
 
-import ast
 import tomllib
-from functools import cache
 
 import pytest
-from tests.conftest import TESTS, is_further
+from tests.conftest import TESTS
 from tests.copies import ROOT
 from tests.processes import python
-
-PHYSICS = ("lowfi.friction", "lowfi.bearings", "lowfi.random_errors", "hifi.rolling", "meshes.exchange")
-FURTHER = {
-    f"rollbench.{name}" for name in (*PHYSICS, *(f"compare.{x}" for x in ("cases", "evidence", "report", "studies")))
-}
-
-
-@cache
-def imported(path) -> set[str]:
-    """Modules, and what may be modules, that a file of tests imports anywhere, and its helpers."""
-    found = set()
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-        if isinstance(node, ast.Import):
-            found |= {alias.name for alias in node.names}
-        elif isinstance(node, ast.ImportFrom):
-            found |= {f"{node.module}.{alias.name}" for alias in node.names}
-    for name in [name for name in found if name.startswith("tests.")]:
-        for helper in (name, name.rpartition(".")[0]):
-            file = ROOT.joinpath(*helper.split(".")).with_suffix(".py")
-            if file.is_file() and file != TESTS / "conftest.py":
-                found |= imported(file)
-    return found
-
-
-def test_a_module_is_further_where_it_or_a_helper_imports_one() -> None:
-    modules = sorted(TESTS.rglob("test_*.py"))
-    expected = {
-        path for path in modules if any(f"{name}.".startswith(f"{of}.") for name in imported(path) for of in FURTHER)
-    }
-    assert {path for path in modules if is_further(path)} == expected
-    assert 100 < len(expected) < len(modules) - 100
-
 
 MARKED = "import pytest\ndef test_plain(): pass\n" + "".join(
     "".join(f"@pytest.mark.{mark}\n" for mark in marks) + f"def test_{'_of_'.join(marks)}(): pass\n"

@@ -412,7 +412,7 @@ def power_balance_rows() -> list[Row]:
                     TableColumn("balance", "error of the power input against the losses", "%", "g2"): float(
                         error_percent(power, s.motion.loss)
                     ),
-                    TableColumn("rest", "number of contacts at rest", "", "s"): int(s.motion.sticking_contacts.sum()),
+                    TableColumn("rest", "number of contacts that stick", "", "s"): int(s.motion.sticking_contacts.sum()),
                     "status": s.motion.status,
                 }
             )
@@ -435,14 +435,14 @@ def linear_pair_sensitivity_rows() -> list[Row]:
             {
                 TableColumn("loads", "how contact loads are computed", "", "s"): loads,
                 TableColumn("mu", "friction coefficient between balls", "", "g2"): mu,
-                TableColumn("eps1", "velocity deviation ε₁, θ = 2°", "%", ".3f"): 100.0
+                TableColumn("eps1", "relative velocity deviation ε₁ of ball 1, θ = 2°", "%", ".3f"): 100.0
                 * float(r.apart.velocity_deviation[0]),
-                TableColumn("eps2", "velocity deviation ε₂, θ = 2°", "%", ".3f"): 100.0
+                TableColumn("eps2", "relative velocity deviation ε₂ of ball 2, θ = 2°", "%", ".3f"): 100.0
                 * float(r.apart.velocity_deviation[1]),
                 TableColumn("force", "ball-to-ball force, θ = 2°", "N", ".3f"): r.ball_to_ball_force,
                 TableColumn("error", against, "%", ".2f"): float(error_percent(r.ball_to_ball_force, printed.value or 0.0)),
                 TableColumn(
-                    "ratio", "groove and ball losses over groove losses without ball contact, θ = 3°", "%", ".1f"
+                    "ratio", "1 + (loss between the balls)/(losses without ball-to-ball contact), θ = 3°", "%", ".1f"
                 ): 100.0 * worst.groove_and_ball_loss_ratio,
                 TableColumn("increase", "increase of all losses by ball-to-ball contact, θ = 3°", "%", ".1f"): increase,
                 "status": r.touching.status,

@@ -568,7 +568,7 @@ def contact_load_interpretation_rows() -> list[Row]:
                 TableColumn(f"force_{case}", f"ball-to-ball force, angle deviation θ = {theta:g}°", "N", ".3f"): r.force,
                 TableColumn(
                     f"error_{case}",
-                    f"error of this force against the printed one, angle deviation θ = {theta:g}°",
+                    f"error of the ball-to-ball force against the printed one, angle deviation θ = {theta:g}°",
                     "%",
                     ".1f",
                 ): off,
@@ -718,7 +718,7 @@ def simulation_interpretation_rows() -> list[Row]:
         reading = follows, amplitude, 1e6 * source_cases.inferred_oversize(), "both"
         of_source = simulation_row_by_lin_method(simulation_inputs_of_interpretation(*reading))
         found.append((SOURCE_RULE, reading, [of_source[q] for q in RUN[2:5]]))
-    off = [TableColumn(f"{q.key}_off", f"{q.label}, less printed", q.unit, "+.1f") for q in RUN[2:5]]
+    off = [TableColumn(f"{q.key}_off", f"{q.label}, computed minus printed", q.unit, "+.1f") for q in RUN[2:5]]
     printed = [printed_value("lin-3.4.4", key) for key in PRINTED_OF_RUN]
     rows = list[Row]()
     for rule, reading, values in found:
@@ -731,18 +731,18 @@ def simulation_interpretation_rows() -> list[Row]:
 #: Columns on the interpretation of Lin's text in a simulation of the whole screw.
 READING = (
     TableColumn("rule of contact", "rule for ball-to-ball contact", "", "s"),
-    TableColumn("theta stays with", "part that theta moves with", "", "s"),
-    TableColumn("amplitude / °", "amplitude of theta", "°", "s"),
+    TableColumn("theta stays with", "part (screw or nut) with which theta rotates", "", "s"),
+    TableColumn("amplitude / °", "amplitude of the contact-angle deviation theta", "°", "s"),
     TableColumn("oversize / µm", "oversize of the ball radius", "µm", "s"),
-    TableColumn("contacts of the screw", "contacts of a ball with the screw on which theta acts", "", "s"),
+    TableColumn("contacts of the screw", "contacts of a ball with the screw whose angle deviates by theta", "", "s"),
 )
 
 #: Columns of the results of one whole-screw simulation.
 RUN = (
     TableColumn("assumption", "varied assumption", "", "s"),
     TableColumn("value", "assumed value", "", "s"),
-    TableColumn("largest", "largest ball-to-ball torque over ball-to-groove torque", "%", ".1f"),
-    TableColumn("at", "nut angle of the largest torque ratio", "°", ".0f"),
+    TableColumn("largest", "largest ratio of ball-to-ball to ball-to-groove torque", "%", ".1f"),
+    TableColumn("at", "nut angle of the largest ratio of both torques", "°", ".0f"),
     TableColumn("none_at", "nut angle where ball-to-ball contact ends", "°", ".0f"),
     TableColumn("groups", "largest number of groups of touching balls", "", "s"),
     TableColumn("variation", "variation of the ball-to-groove torque from step 2 on", "%", ".1f"),
@@ -875,13 +875,13 @@ def bearing_torque_rows() -> list[Row]:
         }
         row |= {
             TableColumn(
-                f"to_{end:g}", f"largest over smallest torque, 0 to {end:g}° load angle", "", ".3f"
+                f"to_{end:g}", f"ratio of largest to smallest torque, load angles 0 to {end:g}°", "", ".3f"
             ): largest_over_smallest_torque(found, end)
             for end in ENDS
         }
         upto = found.angle <= radians(18.0) * (1.0 + 1e-12)
         status = "converged" if found.converged.all() else "not converged"
-        four = TableColumn("four", "largest number of balls with over two loaded contacts, to 18°", "", "s")
+        four = TableColumn("four", "largest number of balls with over two loaded contacts, load angles to 18°", "", "s")
         rows.append(row | {four: int(found.balls_beyond_two_contacts[upto].max()), "status": status})
     return rows
 
@@ -903,7 +903,7 @@ def ball_contact_onset_rows(cache: SceneResultCache) -> list[Row]:
             rows.append(
                 {
                     TableColumn("errors", "kind of geometric error", "", "s"): errors,
-                    TableColumn("idle", "speed of unloaded balls over nominal speed", "", "g2"): idle,
+                    TableColumn("idle", "speed of unloaded balls divided by the nominal speed", "", "g2"): idle,
                     TableColumn("lost", "number of balls without load", "", "s"): int((o.contact_load_sums == 0.0).sum()),
                     TableColumn(
                         "meet", "pairs of neighbours that approach each other", "", "s"

@@ -59,7 +59,7 @@ def end_support_table(cache: SceneResultCache) -> Table:
                 TableColumn("text", "whether Lin's text states this support", "", "s"): "yes"
                 if reading.is_stated_by_text
                 else "no",
-                TableColumn("reference", "finest mesh of the 3D reference", "", "s"): reference_mesh_level_in_words(
+                TableColumn("reference", "finest mesh level of the 3D reference", "", "s"): reference_mesh_level_in_words(
                     cache, name
                 ),
             }
@@ -71,15 +71,18 @@ def end_support_table(cache: SceneResultCache) -> Table:
                     TableColumn(f"{model}_max", f"largest contact load, {words}", "N", ".1f"): float(result.load.max()),
                     TableColumn(f"{model}_min", f"smallest contact load, {words}", "N", ".1f"): float(result.load.min()),
                     TableColumn(
-                        f"{model}_change", f"largest change of a contact load, {words}", "% of mean load", ".2f"
+                        f"{model}_change",
+                        f"largest change of a contact load against the first support, {words}",
+                        "% of mean load",
+                        ".2f",
                     ): e.max_percent,
-                    TableColumn(f"{model}_where", f"ball and flank of the largest change, {words}", "", "s"): where,
+                    TableColumn(f"{model}_where", f"ball and flank with the largest change, {words}", "", "s"): where,
                 }
             rows.append(row)
     note = (
         "Lin's text prescribes only the x-displacement of the last node (2.4.1.3). A bearing there also restrains the "
         "y-displacement, as the 3D reference does; whether it restrains rotations is open. Changes are against the first "
-        "interpretation."
+        "support in the table, with the same displacement of the right end."
     )
     return Table.from_rows(
         "cases-readings",
@@ -102,7 +105,7 @@ def model_choice_rows(found: Sequence[chapter_2.Case1WithModelChoice]) -> list[R
             TableColumn("choice", "modelling choice", "", "s"): c.choice_in_words,
             TableColumn("max", "largest contact load", "N", ".2f"): float(c.solution.load.max()),
             TableColumn("min", "smallest contact load", "N", ".2f"): float(c.solution.load[:, 0].min()),
-            TableColumn("ratio", "largest over smallest load", "", ".4f"): chapter_2.largest_over_smallest_load(
+            TableColumn("ratio", "ratio of largest to smallest load", "", ".4f"): chapter_2.largest_over_smallest_load(
                 c.solution.load[:, 0]
             ),
             TableColumn("error", "largest change of a contact load", "% of mean load", ".3f"): c.load_change.max_percent,
@@ -115,7 +118,7 @@ def model_choice_rows(found: Sequence[chapter_2.Case1WithModelChoice]) -> list[R
 
 
 #: Words for the last parts of the names of case study 3's scenes, and for the flanks.
-END_WORDS = {"offset": "right end offset", "ux": "end held in ux only", "clamped": "end clamped"}
+END_WORDS = {"offset": "right end offset", "ux": "end held laterally in x only", "clamped": "end clamped"}
 SIDE_WORDS = dict(zip(SIDES, ("screw left", "screw right", "nut left", "nut right"), strict=True))
 
 
@@ -162,18 +165,18 @@ def largest_and_smallest_loads_table(cache: SceneResultCache) -> Table:
                         TableColumn("side", "flank", "", "s"): side,
                         TableColumn("max", "largest contact load", "N", ".2f"): float(load.max()),
                         TableColumn("min", "smallest contact load", "N", ".2f"): float(load.min()),
-                        TableColumn("ratio", "largest over smallest load", "", ".4f"): chapter_2.largest_over_smallest_load(
-                            load
-                        ),
+                        TableColumn(
+                            "ratio", "ratio of largest to smallest load", "", ".4f"
+                        ): chapter_2.largest_over_smallest_load(load),
                         TableColumn("ball", "ball with the largest load", "", "s"): int(load.argmax()) + 1,
                         TableColumn(
-                            "residual", "residual of the solved equations, over the largest force", "", "g2"
+                            "residual", "residual of the solved equations divided by the largest force", "", "g2"
                         ): r.solver.residual,
                         TableColumn(
-                            "force", "sum of all forces on the screw, over the largest force", "", "g2"
+                            "force", "sum of all forces on the screw divided by the largest force", "", "g2"
                         ): r.equilibrium.force_residual,
                         TableColumn(
-                            "moment", "sum of all moments on the screw, over the largest moment", "", "g2"
+                            "moment", "sum of all moments on the screw divided by the largest moment", "", "g2"
                         ): r.equilibrium.moment_residual,
                         "status": r.status,
                     }
@@ -249,7 +252,8 @@ def case_study_figures(cache: SceneResultCache) -> tuple[Figure, ...]:
             "cases-3",
             "Lin's case study 3: contact load of each ball, for each interpretation of the support at the right end",
             tuple(panels),
-            "Opposite contacts (SL and NR, SR and NL) have equal loads within "
+            "SL, SR: left and right flank of the screw; NL, NR: left and right flank of the nut. Opposite "
+            "contacts (SL and NR, SR and NL) have equal loads within "
             f"{largest_difference_of_opposite_loads(cache):.2f} N.",
         ),
         Figure("cases-centreline", "Lin's case studies 1 and 3: displacement of the screw's centreline", (line, bend)),
@@ -372,7 +376,7 @@ def errors_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sect
                     TableColumn("low", "5th percentile of the largest contact load", "N", ".1f"): float(low),
                     TableColumn("mid", "median of the largest contact load", "N", ".1f"): float(mid),
                     TableColumn("high", "95th percentile of the largest contact load", "N", ".1f"): float(high),
-                    TableColumn("ratio", "median of largest over smallest load", "", ".3f"): float(np.median(ratios))
+                    TableColumn("ratio", "median ratio of largest to smallest load", "", ".3f"): float(np.median(ratios))
                     if s == 0
                     else None,
                     TableColumn("lost", "mean number of unloaded balls", "", ".2f"): float(
@@ -392,12 +396,14 @@ def errors_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sect
                 "scene": name,
                 TableColumn("max", "largest contact load", "N", ".1f"): float(r.load.max()),
                 TableColumn(
-                    "ratio", "largest over smallest load on flank SL", "", ".3f"
+                    "ratio", "ratio of largest to smallest load on the left flank of the screw (SL)", "", ".3f"
                 ): evidence_chapter_2.largest_over_smallest_load(r.load[:, 0]),
                 TableColumn("change", "largest change of a contact load", "% of mean load", ".2f"): e2.max_percent,
                 TableColumn("rms", "RMS change of the contact loads", "% of mean load", ".2f"): e2.rms_percent,
                 TableColumn("ball", "ball and flank of the largest change", "", "s"): f"{e2.ball} {e2.side}",
-                TableColumn("third", "number of balls loaded on flank SR", "", "s"): int((r.load[:, 1] > 0).sum()),
+                TableColumn("third", "number of balls loaded on the right flank of the screw (SR)", "", "s"): int(
+                    (r.load[:, 1] > 0).sum()
+                ),
             }
         )
     return Section(
@@ -408,8 +414,8 @@ def errors_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sect
                 "errors-loads",
                 "Lin 2.4.2: contact load of each ball, with geometric errors of screw and balls",
                 (left, right),
-                f"Bands: 5th to 95th percentile of each ball's load over {len(random.loads)} (left) and "
-                f"{len(combined.loads)} (right) random screws.",
+                f"Bands: 5th to 95th percentile of each ball's load over {len(random.loads)} random screws in the left "
+                f"panel and {len(combined.loads)} in the right one.",
             ),
             Table.from_rows(
                 "errors-changes",
@@ -444,7 +450,7 @@ def hertz_section(cache: SceneResultCache, step: Callable[[str], None]) -> Secti
             constants.append(
                 {
                     TableColumn("groove", "groove radius", "", "s"): label,
-                    TableColumn("side", "contact with", "", "s"): name,
+                    TableColumn("side", "part in contact with the ball", "", "s"): name,
                     TableColumn("right", "Hertz constant C, correct", "m/N^(2/3)", "g5"): C,
                     TableColumn("faulty", "Hertz constant C, as Lin computes it", "m/N^(2/3)", "g5"): printed.C,
                     TableColumn("error", "error of C as Lin computes it", "%", ".1f"): float(error_percent(printed.C, C)),
@@ -521,21 +527,27 @@ def manufacturing_section(cache: SceneResultCache, step: Callable[[str], None]) 
                 third = r.load[:, [1, 2]]
                 rows.append(
                     {
-                        TableColumn("screw", "screw", "", "s"): label,
+                        TableColumn("screw", "screw of Lin's thesis", "", "s"): label,
                         TableColumn("error", "geometric error", "", "s"): kind,
                         TableColumn("reading", "assumption on unprinted inputs", "", "s"): reading,
-                        TableColumn("max", "largest contact load on flank SL", "N", ".1f"): float(r.load[:, 0].max()),
-                        TableColumn("min", "smallest contact load on flank SL", "N", ".1f"): float(r.load[:, 0].min()),
+                        TableColumn("max", "largest contact load on the left flank of the screw (SL)", "N", ".1f"): float(
+                            r.load[:, 0].max()
+                        ),
+                        TableColumn("min", "smallest contact load on the left flank of the screw (SL)", "N", ".1f"): float(
+                            r.load[:, 0].min()
+                        ),
                         TableColumn(
-                            "spread", "standard deviation over mean of the loads on SL", "", ".3f"
+                            "spread", "standard deviation divided by mean of the loads on SL", "", ".3f"
                         ): evidence_chapter_2.relative_standard_deviation_of_loads(r),
                         TableColumn("lost", "number of balls without contact", "", "s"): int(
                             evidence_chapter_2.balls_without_load(r).sum()
                         ),
-                        TableColumn("third", "number of balls with a third loaded contact", "", "s"): int(
+                        TableColumn("third", "number of balls with a third loaded contact (flank SR or NL)", "", "s"): int(
                             (third > 0.0).any(axis=1).sum()
                         ),
-                        TableColumn("third_max", "largest load of a third contact", "N", ".1f"): float(third.max()),
+                        TableColumn("third_max", "largest load of a third contact (flank SR or NL)", "N", ".1f"): float(
+                            third.max()
+                        ),
                         "status": r.status,
                     }
                 )
@@ -565,7 +577,8 @@ def manufacturing_section(cache: SceneResultCache, step: Callable[[str], None]) 
                 "manufacturing-readings",
                 "Contact loads with pitch or roundness errors (Lin 4.3.2), for each assumption on unprinted inputs",
                 rows,
-                "Lin states that all balls have two loaded contacts. This needs a clearance in the grooves, not printed.",
+                "Lin states that all balls have two loaded contacts, here on SL and NR (left flank of the screw, right "
+                "flank of the nut). This needs a clearance in the grooves, not printed.",
             ),
             Text(
                 (
@@ -573,8 +586,7 @@ def manufacturing_section(cache: SceneResultCache, step: Callable[[str], None]) 
                     "of pitch error is nearly a tilt of the screw, which the screw can follow; two cycles per turn are "
                     "not. The statement that all balls stay in two-point contact does not hold without clearance: "
                     f"a groove displaced by {printed_entry('lin-4.3.2', 'e_p').number_as_printed} µm touches balls on "
-                    "their "
-                    "unloaded side.",
+                    "their unloaded side.",
                 )
             ),
         ),
@@ -604,15 +616,20 @@ def solver_agreement_row(cache: SceneResultCache, name: str) -> Row:
     row: Row = {
         "scene": name,
         TableColumn("iterations", "iterations of the energy solver", "", "s"): solver.iterations,
-        TableColumn("residual", "residual of the energy solver, over the largest force", "", "g2"): solver.residual,
+        TableColumn("residual", "residual of the energy solver divided by the largest force", "", "g2"): solver.residual,
     }
     kinds: tuple[tuple[Literal["arc", "source"], str, str, str], ...] = (
-        ("arc", "largest load difference, same equations", "g2", "iterations of Lin's Newton method, same equations"),
+        (
+            "arc",
+            "largest load difference, both methods on the energy solver's equations",
+            "g2",
+            "iterations of Lin's Newton method on the energy solver's equations",
+        ),
         (
             "source",
-            "largest load difference, Lin's kinematics",
+            "largest load difference, Lin's Newton method with the kinematics of his thesis",
             "g3",
-            "iterations of Lin's Newton method, Lin's kinematics",
+            "iterations of Lin's Newton method with the kinematics of his thesis",
         ),
     )
     for kinematics, heading, form, counted in kinds:
@@ -621,8 +638,8 @@ def solver_agreement_row(cache: SceneResultCache, name: str) -> Row:
         row[TableColumn(kinematics, heading, "% of mean load", form)] = off
         row[TableColumn(f"{kinematics}_iterations", counted, "", "s")] = by_source.iterations
     for arm, heading in (
-        ("nominal", "largest load change with the lever arm at the nominal contact"),
-        ("ball", "largest load change with forces at the balls' axial positions"),
+        ("nominal", "largest load change if lever arms end at the nominal contact points"),
+        ("ball", "largest load change if contact forces act at the axial positions of the balls"),
     ):
         frozen = cache.solve_once(cache.scene_with_options(name, arm=arm))
         row[TableColumn(arm, heading, "% of mean load", ".3f")] = load_error(frozen.load, by_energy.load).max_percent
@@ -656,8 +673,10 @@ def formulations_section(cache: SceneResultCache, step: Callable[[str], None]) -
             ),
             Table.from_rows(
                 "formulations-agreement",
-                "Difference of contact loads between Lin's Newton method and the energy solver, for each scene",
+                "Difference of contact loads between Lin's Newton method and the energy solver, for each case",
                 rows,
+                "Load differences: Lin's Newton method against the energy solver. Load changes: energy solver; by default, "
+                "contact forces act at the current contact points.",
             ),
         ),
     )

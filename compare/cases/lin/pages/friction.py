@@ -67,7 +67,8 @@ def linear_pair_sensitivity_table() -> Table:
     inside = "lies within" if min(forces) <= target <= max(forces) else "lies outside"
     deviations = " and ".join(f"{printed_entry('lin-3.4', f'a_eps{k}_numerical').number_as_printed} %" for k in (1, 2))
     note = (
-        "Loads: diagonal (equal at both contacts of each diagonal, as Lin's text says before (3.54)), balanced (in "
+        "θ: deviation of the contact angle from nominal. Loads: diagonal (equal at both contacts of each diagonal, as "
+        "Lin's text says before (3.54)), balanced (in "
         "equilibrium at the stated contact angles), or elastic (contact angles follow the loads). The printed force of "
         f"{printed.number_as_printed} N {inside} the range of the assumptions, {min(forces):.2f} to "
         f"{max(forces):.2f} N; Table 3.4 prints velocity deviations of {deviations} for the same case."
@@ -98,8 +99,9 @@ def root_finding_table() -> Table:
     There is one row for each case of the rotary bearing and each sharpness k_S of Lin's friction law.
     """
     note = (
-        "Contact loads with Lin's Hertz constants; k_S: sharpness of his sigmoid friction law, here without interpolation "
-        "in maps. Least dissipation succeeds if it finds the minimum of the loss; it uses Coulomb friction for all k_S."
+        "Contact loads with Lin's Hertz constants. k_S: sharpness of his friction law, Coulomb friction times a sigmoid of "
+        "k_S times the spin; the larger k_S, the nearer a spinning contact to Coulomb's law; here without interpolation in "
+        "maps. Least dissipation succeeds if it finds the minimum of the loss; it uses Coulomb friction for all k_S."
     )
     return Table.from_rows(
         "friction-roots",
@@ -171,14 +173,17 @@ def rotary_bearing_torque_figure() -> Figure:
     )
     missing = int(np.sum(~good))
     caption = (
-        "Once all four contacts are loaded, torque rises faster than force: the lightly loaded contacts first slide, "
-        "then, beyond the bend, all contacts spin. With exact Hertz constants, case II lies beyond the bend; as printed, "
-        "just before it. The printed sum of forces in case III is a misprint. Gaps: Lin's root finding fails at "
+        "Once all four contacts are loaded, the torque rises faster than the force: the lightly loaded contacts first "
+        "slide; beyond the bend of the curve, all contacts spin. Case II of Lin's Table 3.2 lies beyond the bend with "
+        "exact "
+        "Hertz constants, and just before it with the constants that Lin prints. The sum of forces that he prints for case "
+        "III is a misprint. Gaps in the curves: Lin's root finding fails at "
         f"{missing} of {u.size} points."
     )
     return Figure(
         "friction-torque",
-        "Rotary bearing (Lin, Figure 3.7): forces, torque, losses and ball rotation over the radial displacement",
+        "Rotary bearing (Lin, Figure 3.7): forces, torque, losses and ball rotation, plotted against the radial "
+        "displacement",
         panels,
         caption,
     )
@@ -238,7 +243,7 @@ def panels_over_side_force_ratio(
     parts = (
         ("numerical model", by_model_and_formula.numerical),
         ("Lin's formula", by_model_and_formula.formula),
-        ("difference, formula less numerical", by_model_and_formula.error),
+        ("difference, formula minus numerical", by_model_and_formula.error),
     )
     panels = []
     for title, values in parts:
@@ -265,26 +270,26 @@ def figures_over_side_force_ratio() -> tuple[Figure, Figure]:
     short = np.abs(m.velocity_deviation_difference.error).max() / np.abs(m.velocity_deviation_difference.numerical).max()
     first = Figure(
         "friction-difference",
-        "Linear bearing (Lin, Figure 3.14): velocity difference of two balls over side force/vertical load",
+        "Linear bearing (Lin, Figure 3.14): velocity difference of two balls, plotted against side force/vertical load",
         panels_over_side_force_ratio(m, m.velocity_deviation_difference, "velocity difference ε₁ − ε₂"),
         "θ: deviation of the contact angle; ε₁, ε₂: relative deviations of both balls' velocities from nominal. The balls "
-        "approach each other where the curve is above zero. The values of Lin's formula are too small by up to "
-        f"{short:.0%} of the largest value.",
+        "approach each other where the curve is above zero. Lin's formula gives velocity differences that "
+        f"are too small by up to {short:.0%} of the largest difference.",
         3,
     )
     second = Figure(
         "friction-force",
-        "Linear bearing (Lin, Figure 3.15): ball-to-ball force and loss ratio over side force/vertical load",
+        "Linear bearing (Lin, Figure 3.15): ball-to-ball force and loss ratio, plotted against side force/vertical load",
         [
             *panels_over_side_force_ratio(m, m.force, "ball-to-ball force / N"),
             *panels_over_side_force_ratio(m, m.groove_and_ball_loss_ratio, "loss ratio"),
         ],
-        "Loss ratio: 1 + loss between the balls/losses without ball-to-ball contact. Where the balls approach each other, "
-        f"force and ratio grow up to {m.force.numerical.max():.2f} N and "
-        f"{100.0 * m.groove_and_ball_loss_ratio.numerical.max():.1f} % (printed "
-        f"as an increase of {printed_entry('lin-3.3', 'worst_ratio').number_as_printed} %). Lin's formula gives a force "
-        "too small "
-        f"by up to {-m.force.error.min():.2f} N, and a ratio wrong by up to "
+        "θ: deviation of the contact angle. Loss ratio: 1 + (loss between the balls)/(losses without ball-to-ball "
+        "contact). "
+        f"Where the balls approach each other, the force grows up to {m.force.numerical.max():.2f} N and the loss ratio up "
+        f"to {100.0 * m.groove_and_ball_loss_ratio.numerical.max():.1f} % (Lin prints it as an increase of "
+        f"{printed_entry('lin-3.3', 'worst_ratio').number_as_printed} %). Lin's formula gives a force that is too small "
+        f"by up to {-m.force.error.min():.2f} N, and a loss ratio that is wrong by up to "
         f"{np.abs(m.groove_and_ball_loss_ratio.error).max():.2f}.",
         3,
     )
@@ -429,14 +434,14 @@ def screw_simulation_figure() -> Figure:
     high, low = summarise_screw_run(three), summarise_screw_run(two)
     caption = (
         "θ: deviation of the contact angles; its amplitude and phase, and the oversize of the balls, are assumed. "
-        "Ball-to-ball torque rises to "
-        f"{high.largest_ball_to_groove_ratio:.0%} of the ball-to-groove torque at {high.nut_angle_of_largest_ratio:.0f}° "
-        f"of the nut ({theta_amplitude_in_words(three)}) "
-        f"or {low.largest_ball_to_groove_ratio:.0%} at "
-        f"{low.nut_angle_of_largest_ratio:.0f}° ({theta_amplitude_in_words(two)}), vanishes, and returns weaker. Touching "
-        f"balls form {high.most_touching_groups} "
+        "The torque by ball-to-ball friction rises to "
+        f"{high.largest_ball_to_groove_ratio:.0%} of that by ball-to-groove friction with "
+        f"{theta_amplitude_in_words(three)} "
+        f"(at a nut angle of {high.nut_angle_of_largest_ratio:.0f}°), and to {low.largest_ball_to_groove_ratio:.0%} with "
+        f"{theta_amplitude_in_words(two)} (at {low.nut_angle_of_largest_ratio:.0f}°); then it vanishes, and returns "
+        f"weaker. The touching balls form {high.most_touching_groups} "
         "groups. Without oversize (last panel) the ball-to-groove torque varies by "
-        f"{screw.relative_groove_torque_variation(open_grooves):.0%} after the first step."
+        f"{screw.relative_groove_torque_variation(open_grooves):.0%} after the first time step."
     )
     return Figure(
         "friction-run",
@@ -516,19 +521,21 @@ def force_over_ball_oversize_figure() -> Figure:
     sets: tuple[tuple[str, Coupling], ...] = (("a", "none"), ("b", "none"), ("a", "ball"))
     panels = [p for case, coupling in sets for p in panels_over_ball_oversize(case, coupling)]
     caption = (
-        "Beyond the bend all four contacts of a ball are loaded: the force grows with the oversize, the relative increase "
-        f"of friction falls. Without oversize, at {LOAD:g} N and θ = {screw.THETA['a']:g}°, friction that displaces the "
-        "balls changes the force by a factor of "
-        f"{force_without_oversize_over_printed('a', 'ball') / force_without_oversize_over_printed('a', 'none'):.1f}, to "
-        f"{force_without_oversize_over_printed('a', 'ball'):.2f} of the printed force. The curves of {LOAD:g} N reach the "
-        f"printed forces at {oversizes_at_printed_value_in_words('force')}, and the printed increases of friction at "
-        f"{oversizes_at_printed_value_in_words('increase')}. Inferred from both, and used in other figures: "
-        f"{1000000.0 * source_cases.screw_pair_with_inferred_oversize().oversize:g} µm, "
+        "Cases (a) and (b) of Lin's Table 3.7: deviation θ of the contact angle of "
+        f"{screw.THETA['a']:g}° and {screw.THETA['b']:g}°. Beyond the bend of a curve, all four contacts of a ball are "
+        "loaded: the force grows with the oversize, the relative increase of friction falls. "
+        f"Without oversize, at {LOAD:g} N and θ = {screw.THETA['a']:g}°, the force is "
+        f"{force_without_oversize_over_printed('a', 'ball') / force_without_oversize_over_printed('a', 'none'):.1f} times "
+        "as large if friction displaces the balls, and then "
+        f"{force_without_oversize_over_printed('a', 'ball'):.2f} times the printed force. The curves of {LOAD:g} N reach "
+        f"the printed forces at an oversize of {oversizes_at_printed_value_in_words('force')}, and the printed increases "
+        f"of friction at {oversizes_at_printed_value_in_words('increase')}. Inferred from both, and used in the other "
+        f"figures: an oversize of {1000000.0 * source_cases.screw_pair_with_inferred_oversize().oversize:g} µm at "
         f"{source_cases.screw_pair_with_inferred_oversize().force[0]:g} N."
     )
     return Figure(
         "friction-pair-maps",
-        "Two touching balls of a ball screw: ball-to-ball force and friction increase over the balls' oversize",
+        "Two touching balls of a ball screw: ball-to-ball force and friction increase, plotted against the balls' oversize",
         panels,
         caption,
         2,
@@ -566,12 +573,14 @@ def bearing_torque_figure() -> Figure:
         return Panel(title, label, unit, drawn, include_zero=True)
 
     ratio, printed = (
-        draw_panel("friction torque over that at load angle 0°", "torque ratio", lambda c: c.torque / c.torque[0]),
+        draw_panel("friction torque divided by that at load angle 0°", "torque ratio", lambda c: c.torque / c.torque[0]),
         printed_value("lin-4.3", "ratio_4p"),
     )
     panels = (
         draw_panel("friction torque", "torque / N mm", lambda c: 1e3 * c.torque),
-        replace(ratio, series=(*ratio.series, Series("printed: largest over smallest", [0.0, END], [printed] * 2, "line"))),
+        replace(
+            ratio, series=(*ratio.series, Series("printed ratio of largest to smallest", [0.0, END], [printed] * 2, "line"))
+        ),
         draw_panel(
             "balls with more than two loaded contacts",
             "number of balls",
@@ -593,7 +602,7 @@ def bearing_torque_figure() -> Figure:
     )
     return Figure(
         "friction-load-angle",
-        "Four-point and double-row bearing (Lin 4.3.1): friction torque over the load angle",
+        "Four-point and double-row bearing (Lin 4.3.1): friction torque, plotted against the load angle",
         panels,
         caption,
         3,
@@ -683,13 +692,12 @@ def bearing_torque_table() -> Table:
     """
     note = (
         f"Printed for the four-point bearing: {printed_entry('lin-4.3', 'ratio_4p').number_as_printed}. Friction "
-        "coefficient "
-        f"{source_cases.four_point_bearing().groove.mu:g} and the freedom to tilt are assumed; the "
+        f"coefficient {source_cases.four_point_bearing().groove.mu:g} and the freedom to tilt are assumed; the "
         "ratio does not depend on the friction coefficient. Range of load angles read off Lin's figure."
     )
     return Table.from_rows(
         "friction-bearings",
-        "Bearings of Lin's Table 4.2: largest over smallest friction torque, for each assumption",
+        "Bearings of Lin's Table 4.2: ratio of largest to smallest friction torque, for each assumption",
         screw.bearing_torque_rows(),
         note,
     )

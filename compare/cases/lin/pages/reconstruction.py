@@ -281,11 +281,9 @@ def origin_of_error_paragraph(found: list[combined.CombinationResult]) -> str:
         f"{combination_in_words(near.combination_in_3d)}) have {_ratios_and_errors_in_words(near)}. "
         "Contacts of the 3D model that a penalty makes softer, all else by default, have a ratio of "
         f"{_first_to_last_in_words([c.load_ratio_in_3d for c in soft], 3)} with {soft[0].low_order_load_ratio:.3f} in the "
-        "low-order model, "
-        f"{errors}, and "
+        f"low-order model, {errors}, and "
         f"{_first_to_last_in_words([_error_fall_over_printed_percent(c) for c in soft], 0)} % of the printed fall. By "
-        "default: "
-        f"{_ratios_and_errors_in_words(found[0])}. Nearest in all six "
+        f"default: {_ratios_and_errors_in_words(found[0])}. Nearest in all six "
         f"numbers ({combination_in_words(best.low_order_combination)}; {combination_in_words(best.combination_in_3d)}): "
         f"{_ratios_and_errors_in_words(best)}."
     )
@@ -442,7 +440,7 @@ def ratios_and_errors_by_explanation_table(found: list[combined.CombinationResul
     ]
     return Table.from_rows(
         "reconstruction",
-        "Largest over smallest load, and model errors: printed in Lin 2.4.1, and by each possible explanation",
+        "Ratio of largest to smallest load, and model errors: printed in Lin 2.4.1, and by each possible explanation",
         rows,
     )
 
@@ -461,19 +459,21 @@ def deviations_from_print_table(found: list[combined.CombinationResult]) -> Tabl
         )
         row: Row = {
             TableColumn("explanation", "possible explanation", "", "s"): name,
-            TableColumn("low order", "interpretations for the low-order model", "", "s"): combination_in_words(
+            TableColumn("low order", "how the text is interpreted in the low-order model", "", "s"): combination_in_words(
                 c.low_order_combination
             ),
-            TableColumn("3D", "interpretations for the 3D model", "", "s"): combination_in_words(c.combination_in_3d),
+            TableColumn("3D", "how the text is interpreted in the 3D model", "", "s"): combination_in_words(
+                c.combination_in_3d
+            ),
         }
         row |= _ratio_and_error_cells(tuple(c.deviations_from_print), "+.1f", "+.2f", "%")
         row[TableColumn("fall_off", "fall of the largest error from case 1 to 2", "percentage points", "+.2f")] = fall
         row[TableColumn("rise_off", "rise of the RMS error from case 1 to 2", "percentage points", "+.2f")] = rise
         rows.append(row)
-    note = "Load ratio: largest over smallest load, in per cent of the printed ratio. Errors: in percentage points."
+    note = "Deviations of the load ratios: in per cent of the printed ratio; of the model errors: in percentage points."
     return Table.from_rows(
         "reconstruction-missed",
-        "Largest over smallest load, and model errors: deviations from Lin 2.4.1 by each possible explanation",
+        "Ratio of largest to smallest load, and model errors: deviations from Lin 2.4.1 by each possible explanation",
         rows,
         note,
     )
@@ -491,12 +491,15 @@ def _ratio_and_error_cells(values: Sequence[float], ratio: str, error: str, unit
     ``values``: load ratio of the low-order and of the 3D model, then the errors `ERRORS`; ``ratio``, ``error``: formats of
     ratios and errors; ``unit``: unit of the ratios, empty for the ratios themselves, "%" for differences.
     """
+    start = "deviation from the printed " if unit else ""
     row: Row = {
-        TableColumn("low_ratio", "largest over smallest load, low-order model", unit, ratio): float(values[0]),
-        TableColumn("solid_ratio", "largest over smallest load, 3D model", unit, ratio): float(values[1]),
+        TableColumn("low_ratio", f"{start}ratio of largest to smallest load, low-order model", unit, ratio): float(
+            values[0]
+        ),
+        TableColumn("solid_ratio", f"{start}ratio of largest to smallest load, 3D model", unit, ratio): float(values[1]),
     }
     for key, value in zip(combined.ERRORS, values[2:], strict=True):
-        heading = f"deviation from the printed {_error_in_words(key)}" if unit else _error_in_words(key)
+        heading = f"{start}{_error_in_words(key)}"
         row[TableColumn(f"own_{key}", heading, "percentage points" if unit else f"% {WORDS['own']}", error)] = float(value)
     return row
 
@@ -507,8 +510,10 @@ def _ratio_cells_and_errors_by_definition(result: combined.CombinationResult) ->
     The errors of the low-order loads against the 3D loads are in per cent of each load, then in per cent of the mean load.
     """
     row: Row = {
-        TableColumn("low_ratio", "largest over smallest load, low-order model", "", ".3f"): result.low_order_load_ratio,
-        TableColumn("solid_ratio", "largest over smallest load, 3D model", "", ".3f"): result.load_ratio_in_3d,
+        TableColumn(
+            "low_ratio", "ratio of largest to smallest load, low-order model", "", ".3f"
+        ): result.low_order_load_ratio,
+        TableColumn("solid_ratio", "ratio of largest to smallest load, 3D model", "", ".3f"): result.load_ratio_in_3d,
     }
     for definition in combined.DEFINITIONS:
         for key, value in zip(combined.ERRORS, result.errors_percent[definition], strict=True):
@@ -532,7 +537,7 @@ def single_interpretation_table(found: list[combined.CombinationResult]) -> Tabl
         )
         reading = (*c.low_order_combination, *c.combination_in_3d)
         row: Row = {
-            TableColumn("model", "model it is applied to", "", "s"): "low order"
+            TableColumn("model", "model to which the interpretation is applied", "", "s"): "low order"
             if c.low_order_combination
             else "3D"
             if c.combination_in_3d
@@ -541,12 +546,14 @@ def single_interpretation_table(found: list[combined.CombinationResult]) -> Tabl
             TableColumn("text", "contradiction by Lin's text", "", "s"): reading[0].contradiction_by_text
             if reading
             else "",
-            TableColumn("moves", "change of the load ratio", "%", "+.2f"): float(error_percent(ratio, before)),
+            TableColumn("moves", "change of the ratio of largest to smallest load", "%", "+.2f"): float(
+                error_percent(ratio, before)
+            ),
         }
         rows.append(row | _ratio_cells_and_errors_by_definition(c))
     return Table.from_rows(
         "reconstruction-alone",
-        "Largest over smallest load, and model errors (Lin 2.4.1), for each interpretation of Lin's text alone",
+        "Ratio of largest to smallest load, and model errors (Lin 2.4.1), for each interpretation of Lin's text alone",
         rows,
     )
 
@@ -558,19 +565,24 @@ def combination_table(found: list[combined.CombinationResult]) -> Table:
     """
     rows = [
         _combination_row(c)
-        | {TableColumn("text", "Lin's text on the combination", "", "s"): "against it" if c.contradicts_text else "silent"}
         | {
-            TableColumn("missed", "RMS of the six deviations from the printed numbers", "", ".2f"): float(
+            TableColumn("text", "whether Lin's text contradicts the combination", "", "s"): "against it"
+            if c.contradicts_text
+            else "silent"
+        }
+        | {
+            TableColumn("missed", "RMS of the deviations from the six printed numbers", "", ".2f"): float(
                 np.sqrt(np.mean(c.deviations_from_print**2))
             )
         }
         for c in found
     ]
-    note = "Short names of interpretations, in the order of the preceding table; base: all choices by default. Deviations "
-    note += "from the printed numbers: two load ratios in per cent, four errors in percentage points."
+    note = "Short names of interpretations, in the order of the preceding table; base: all choices by default. Six "
+    note += "printed numbers: two load ratios (deviations in per cent) and four model errors (in percentage points)."
     return Table.from_rows(
         "reconstruction-combinations",
-        f"Largest over smallest load, and model errors (Lin 2.4.1) for all {len(found)} combinations of interpretations",
+        f"Ratio of largest to smallest load, and model errors (Lin 2.4.1) for all {len(found)} combinations of "
+        "interpretations",
         rows,
         note,
     )
@@ -579,10 +591,12 @@ def combination_table(found: list[combined.CombinationResult]) -> Table:
 def _combination_row(result: combined.CombinationResult) -> Row:
     """Return the table row of a combination of interpretations: short names, largest over smallest load, model errors."""
     row: Row = {
-        TableColumn("low order", "interpretations for the low-order model", "", "s"): readings.combination_name(
+        TableColumn("low order", "how the text is interpreted in the low-order model", "", "s"): readings.combination_name(
             result.low_order_combination
         ),
-        TableColumn("3D", "interpretations for the 3D model", "", "s"): readings.combination_name(result.combination_in_3d),
+        TableColumn("3D", "how the text is interpreted in the 3D model", "", "s"): readings.combination_name(
+            result.combination_in_3d
+        ),
     }
     return row | _ratio_cells_and_errors_by_definition(result)
 
@@ -619,7 +633,7 @@ def combinations_figure(found: list[combined.CombinationResult]) -> Figure:
 
     panels = (
         Panel(
-            "Largest over smallest load, case 1",
+            "Ratio of largest to smallest load, case 1",
             "low-order model",
             "3D model",
             scatter_series(lambda c: (c.low_order_load_ratio, c.load_ratio_in_3d), (aim, aim)),
@@ -636,7 +650,8 @@ def combinations_figure(found: list[combined.CombinationResult]) -> Figure:
     )
     return Figure(
         "reconstruction",
-        "Largest over smallest load, and model errors (Lin 2.4.1), for all combinations of interpretations of the text",
+        "Ratio of largest to smallest load, and model errors (Lin 2.4.1), for all combinations of interpretations of the "
+        "text",
         panels,
         columns=3,
     )

@@ -96,7 +96,10 @@ def lash_difference_rows(scene: Scene) -> list[Row]:
                 p.differences.conical_percent
             ),
             TableColumn(
-                "ordered", "directions in which the axial difference is smaller", "", "s"
+                "ordered",
+                "directions of the force with a smaller difference in the axial than in the conical test",
+                "",
+                "s",
             ): _directions_with_smaller_axial_difference(p.differences),
         }
         for p in steering.lash_differences_by_changed_input(scene)
@@ -148,9 +151,15 @@ def steering_gear_figure(layout_ratios: list[steering.GearLayoutLoadRatios]) -> 
                 include_zero=True,
             )
         )
-    caption = "Load ratio: largest contact load at a tie-rod angle of 18° over that at 0°. Bearing: at the nut's centre."
+    caption = (
+        "Load ratio: largest contact load at a tie-rod angle of 18° divided by that at 0°. The four-point bearing is "
+        "placed at the nut's centre."
+    )
     return Figure(
-        "rack", "Steering gear (Lin 4.2): largest contact loads over pinion position and tie-rod angle", panels, caption
+        "rack",
+        "Steering gear (Lin 4.2): largest contact loads, plotted against pinion position and tie-rod angle",
+        panels,
+        caption,
     )
 
 
@@ -206,9 +215,9 @@ def load_ratio_range_rows(layout_ratios: list[steering.GearLayoutLoadRatios]) ->
             row |= {
                 TableColumn(f"{key}_low", f"smallest load ratio of the {words}, 18° over 0°", "", ".2f"): low,
                 TableColumn(f"{key}_high", f"largest load ratio of the {words}, 18° over 0°", "", ".2f"): high,
-                TableColumn(f"{key}_in", f"range contains the printed {printed:g} of the {words}", "", "s"): "yes"
-                if steering.rounded_value_lies_in_range((low, high), printed)
-                else "no",
+                TableColumn(
+                    f"{key}_in", f"whether the range contains the printed load ratio {printed:g} of the {words}", "", "s"
+                ): "yes" if steering.rounded_value_lies_in_range((low, high), printed) else "no",
             }
         rows.append(row)
     return rows

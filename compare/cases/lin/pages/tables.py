@@ -37,19 +37,23 @@ LOW = (
     TableColumn("further", "run time computed here, further load case", "s", "g3"),
 )
 RATIO = {
-    "printed": TableColumn("r_printed", "printed run time of ANSYS over that of Lin's model", "times", "g4"),
-    "cold": TableColumn("r_cold", "run time of this package's 3D over low-order model, cold start", "times", "g3"),
+    "printed": TableColumn("r_printed", "printed run time of ANSYS divided by that of Lin's model", "times", "g4"),
+    "cold": TableColumn(
+        "r_cold", "run time of this package's 3D model/run time of its low-order model, cold start", "times", "g3"
+    ),
     "further": TableColumn(
-        "r_further", "run time of this package's 3D over low-order model, further load case", "times", "g3"
+        "r_further", "run time of this package's 3D model/run time of its low-order model, further load case", "times", "g3"
     ),
 }
 OLDER = TableColumn("older", "run time here by an earlier measurement", "", "s")
 ELEMENTS = (
     TableColumn("n_printed", "number of elements, printed", "", "s"),
-    TableColumn("n_ours", "size of this package's model", "", "s"),
+    TableColumn("n_ours", "number of elements, unknowns or cells of this package's model", "", "s"),
 )
 SOURCES_OWN = TableColumn("sources", "printed difference of Lin's model from ANSYS", "%", ".2f")
-DIAGONAL = TableColumn("diagonal", "low-order value with equal loads on each diagonal", "", "g5")
+DIAGONAL = TableColumn(
+    "diagonal", "low-order value if both contacts on each diagonal of a ball carry equal loads", "", "g5"
+)
 OTHER_GROOVE = TableColumn(
     "groove", f"correct value with groove radius {chapter_2.TABLE_CONFORMITY:g} x ball diameter", "", "g5"
 )
@@ -241,7 +245,10 @@ SPEED = {
 NOTES = {
     "3.2": "Case (I), losses P_f,IL and P_f,OR: the contact that sticks between rigid bodies creeps in 3D, as bodies are "
     "elastic, and both contacts share the ball's spin; sum and torque change little (table rolling-ring).",
-    "3.4": "Low-order and 3D values computed here: contact loads in equilibrium at the stated contact angles, as in Table "
+    "3.4": "Δβ_TR, Δβ_TL: deviation of the contact angle on the right and left flank of the top groove; θ: on the right "
+    "flank "
+    "of the bottom groove, −θ on its left one. Low-order and 3D values computed here: contact loads in equilibrium at the "
+    "stated contact angles, as in Table "
     "3.5.",
     "3.5": "Low-order and 3D values computed here: contact loads in equilibrium at the stated contact angles, as in Table "
     "3.4.",
@@ -325,7 +332,8 @@ def case_study_loads_figure(cache: SceneResultCache) -> Figure:
     )
     panels.append(contact_load_panel("case study 3, flank SR", *curves))
     caption = (
-        "Opposite contacts (SL and NR, SR and NL) have equal loads. Markers and straight lines: statements of Lin's text."
+        "SL, SR: left and right flank of the screw; NL, NR: left and right flank of the nut. Opposite contacts (SL and "
+        "NR, SR and NL) have equal loads. Markers and straight lines: statements of Lin's text."
     )
     return Figure(
         "lin-loads",
@@ -413,9 +421,12 @@ def error_over_cell_size_figure(cache: SceneResultCache) -> Figure:
     )
     caption = (
         "Errors against the finest mesh; pale lines: errors of the low-order model. The coarsest point has the element "
-        "sizes of Lin's ANSYS models: 0.08 mm at contacts of the screw, 0.13 and 0.05 mm at those of two balls."
+        "sizes of Lin's ANSYS models: 0.08 mm at the contacts of his ball screw, 0.13 and 0.05 mm at those of his models "
+        "of two balls."
     )
-    return Figure("lin-mesh", "Lin's case studies: error of the 3D models over the size of their cells", panels, caption)
+    return Figure(
+        "lin-mesh", "Lin's case studies: error of the 3D models, plotted against their cell size", panels, caption
+    )
 
 
 def case_study_load_and_error_rows(cache: SceneResultCache) -> Iterator[Row]:
@@ -441,7 +452,7 @@ def case_study_load_and_error_rows(cache: SceneResultCache) -> Iterator[Row]:
                 TableColumn("max", "largest contact load", "N", ".2f"): float(loaded.max()),
                 TableColumn("min", "smallest contact load", "N", ".2f"): float(loaded.min()),
                 TableColumn(
-                    "ratio", "largest over smallest contact load on flank SL", "", ".4f"
+                    "ratio", "ratio of largest to smallest contact load on the left flank of the screw (SL)", "", ".4f"
                 ): chapter_2.largest_over_smallest_load(value[:, 0]),
                 TableColumn("own_max", "largest error of a contact load", "% of contact's load", ".2f"): e.own_max_percent
                 if apart
@@ -452,7 +463,7 @@ def case_study_load_and_error_rows(cache: SceneResultCache) -> Iterator[Row]:
                 TableColumn("mean_max", "largest error of a contact load", "% of mean load", ".2f"): e.max_percent
                 if apart
                 else None,
-                TableColumn("printed", "printed error against ANSYS, largest / RMS", "%", "s"): shown,
+                TableColumn("printed", "printed errors against ANSYS (largest error / RMS error)", "%", "s"): shown,
             }
 
 
@@ -539,10 +550,10 @@ def printed_results_conclusion(found: Iterable[PrintedEntryComparison]) -> str:
     tally = Counter(f.verdict for f in numbers)
     results = len(numbers) - tally["input"] - tally["identity"]
     return (
-        f"Of {results} results that the thesis prints, {tally['reproduced']} are reproduced, "
-        f"{tally['only as printed']} only with the publication's error, and {tally['contradicted']} are contradicted. "
-        f"Another {tally['band']} lie within a band, and {tally['not identifiable']} are not determined by the text "
-        f"(measured, of another program, or resting on what is not printed). The other {len(numbers) - results} of its "
+        f"Of {results} results that Lin's thesis prints, {tally['reproduced']} are reproduced, {tally['only as printed']} "
+        f"only with the thesis's own mistake repeated, {tally['contradicted']} are contradicted, {tally['band']} lie "
+        f"within a tolerance band, and {tally['not identifiable']} are not determined by its text. The last are measured, "
+        f"computed by another program, or depend on what is not printed. The other {len(numbers) - results} of its "
         f"{len(numbers)} numbers are inputs and identities."
     )
 

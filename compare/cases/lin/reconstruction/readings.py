@@ -66,7 +66,7 @@ def groove_radius_less_ball_radius(scene: Scene) -> float:
     """
     if scene.screw.groove_radius != scene.nut.groove_radius:
         radii = f"{scene.screw.groove_radius:g} and {scene.nut.groove_radius:g} m"
-        raise ValueError(f"groove radii of screw and nut: expected equal radii for a ball that rolls, got {radii}")
+        raise ValueError(f"groove radius less ball radius: needs equal groove radii of screw and nut, got {radii}")
     return scene.screw.groove_radius - scene.balls.radius
 
 
@@ -532,7 +532,8 @@ def _required_runs_in_3d(cache: SceneResultCache, combination: Combination, leve
     found = stored_3d_results_or_none(combination, level)
     if found is None:
         raise LookupError(
-            f"no stored 3D loads of combination {combination_name(combination)!r}: run python -m {__package__}"
+            "no contact loads of the 3D model are stored for the combination of interpretations of Lin's text "
+            f"{combination_name(combination)!r}: run python -m {__package__}"
         )
     return found
 

@@ -143,13 +143,16 @@ def _solve_layout_scene(
     """
     found = catalogue.shipped_scene(layout.scene_name)
     if not isinstance(found, Assembly):
-        raise AssertionError(f"scene {layout.scene_name}: expected a screw axis with bearings, got {type(found).__name__}")
+        raise AssertionError(
+            f"scene {layout.scene_name}: expected a ball screw with its support bearings, got {type(found).__name__}"
+        )
     at = FIRST + nut_position * bearings.screw_as_bar_between_supports().length
     loads = tuple(replace(x, at=at, force=(0.0, 0.0, -bearings.APPLIED)) for x in found.loads)
     result = run_model(replace(found, loads=loads, stiffness_at=at), "lin", ModelOptions(engine="compiled"))
     if not result.converged or result.stiffness is None:
         raise AssertionError(
-            f"scene {layout.scene_name}: expected convergence and an axis stiffness, got {result.status!r}"
+            f"scene {layout.scene_name}: expected a converged solution and the stiffness of the screw at the nut, "
+            f"got status {result.status!r}"
         )
     thrust = {end: sum(float(s.force[2]) for s in result.sets if s.of.name.startswith(end)) for end in ("left", "right")}
     return EndThrustsAndAxisStiffness(-thrust["left"], thrust["right"], float(result.stiffness[2, 2]))

@@ -8,7 +8,7 @@ from tests.evidence_study import GROUP, STUDY
 from tests.sources.entries import check, found, keys, of_source
 
 from rollbench.compare.cases.external import evidence
-from rollbench.compare.evidence import evidence_of_all_tables, uncompared_number_rows
+from rollbench.compare.evidence import uncompared_number_rows
 from rollbench.compare.gate.gate import check_external_tolerance_bands, gate_check_of_tolerance_band
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.schema import FrictionKeys
@@ -29,11 +29,8 @@ def test_entry(key: str) -> None:
 def test_every_case_is_run_or_left_out_with_its_reason() -> None:
     makers = ("gmn", "harris", "masta", "nsk", "sjovall", "snfa", "thk", "vm63")
     assert of_source("external") == [f"{evidence.PREFIX}{name}" for name in ("contact", "equivalent", *makers)]
-    assert [row["place"] for row in uncompared_number_rows() if row["source"] == "other programs, makers, textbooks"] == [
-        "eng-tools.dev, calculator of a 6206",
-        "GMN, series KH, 25 deg",
-        "SNFA, catalogue of spindle bearings",
-    ]
+    left = [row["place"] for row in uncompared_number_rows() if row["source"] == "other programs, makers, textbooks"]
+    assert left == ["eng-tools.dev, calculator of a 6206", "GMN, series KH, 25 deg", "SNFA, catalogue of spindle bearings"]
 
 
 def test_what_was_inferred_is_said_of_every_scene_and_case() -> None:
@@ -46,20 +43,17 @@ def test_the_gate_fails_for_a_value_beyond_its_band() -> None:
     rows = check_external_tolerance_bands(STUDY)
     assert [row.passed for row in rows] == 79 * [True]
     tilt = found("external-masta:tilt")
-    beyond, within = (
-        gate_check_of_tolerance_band(replace(tilt, value=share * tilt.printed.high)) for share in (1.001, 0.999)
-    )
+    values = (share * tilt.printed.high for share in (1.001, 0.999))
+    beyond, within = (gate_check_of_tolerance_band(replace(tilt, value=value)) for value in values)
     assert (beyond.verdict, beyond.limit_percent, within.verdict) == ("FAIL", pytest.approx(2.0), "ok")
 
 
 @pytest.mark.parametrize(("size", "times", "printed"), [("5", 2, 1.814), ("7p5", 3, 2.578)])
 def test_ratings_of_nuts_of_more_circuits_grow_as_the_catalogue_prints(size: str, times: int, printed: float) -> None:
     """Circuits of 2.5 turns half a turn apart: twice and three times the turns, by ISO 3408-5 to the power of 0.86."""
-    grown = dynamic_rating(catalogue.scene(f"external-thk-bnf-3205-{size}")) / dynamic_rating(
-        catalogue.scene("external-thk-bnf-3205-2p5")
-    )
-    assert grown == pytest.approx(times**0.86, rel=1e-3)
-    assert grown == pytest.approx(printed, rel=3e-3)
+    more, one = (dynamic_rating(catalogue.scene(f"external-thk-bnf-3205-{name}")) for name in (size, "2p5"))
+    assert more / one == pytest.approx(times**0.86, rel=1e-3)
+    assert more / one == pytest.approx(printed, rel=3e-3)
 
 
 def test_masta_axial_load_by_the_formulas_of_a_bearing() -> None:
@@ -81,13 +75,10 @@ def test_snfa_catalogue_has_frozen_its_angles() -> None:
     """Balls as good as rigid keep the angle: then rigidity grows as 6^(1/3), and a row opens at 2^1.5 times the preload."""
     rigid = angular_contact.bearing_with_contact_angle(12, 2.38e-3, 14.5e-3, (0.53, 0.53), np.radians(15.0), 208e15, 0.3)
     light, heavy = (equal_rows_with_preload(angular_contact.BallBearingRow(rigid), (1, -1), p) for p in (10.0, 60.0))
-    assert solve_bearing_row_equilibrium(heavy).stiffness / solve_bearing_row_equilibrium(light).stiffness == pytest.approx(
-        6.0 ** (1 / 3), rel=1e-3
-    )
+    soft, stiff = (solve_bearing_row_equilibrium(pair).stiffness for pair in (light, heavy))
+    assert stiff / soft == pytest.approx(6.0 ** (1 / 3), rel=1e-3)
     assert lift_off_force(heavy) / 60.0 == pytest.approx(2.0**1.5, rel=1e-3)
-    assert solve_bearing_row_equilibrium(heavy).stiffness == pytest.approx(
-        evidence.pair_rigidity_at_constant_angle(rigid, 60.0), rel=1e-3
-    )
+    assert stiff == pytest.approx(evidence.pair_rigidity_at_constant_angle(rigid, 60.0), rel=1e-3)
 
 
 @pytest.mark.parametrize("size", [*evidence.THK, *evidence.HIWIN])
@@ -108,6 +99,6 @@ def test_friction_moves_balls_wherever_nothing_else_is_said():
     assert Friction(0.1, 0.1).feedback is Friction.feedback is FrictionKeys.model_fields["feedback"].default is True
     nut = catalogue.scene("external-thk-bnf-3205-5")
     assert [f.feedback for f in friction_coefficients(replace(nut, friction=None), (0.1,))] == [True]
-    drag = next(e for e in evidence_of_all_tables(STUDY, "external-thk") if e.printed.key == "drag")
+    drag = found("external-thk:drag")
     assert drag.value == pytest.approx(941.0, rel=2e-3)
     assert "1.09 times the printed torque" in drag.reason

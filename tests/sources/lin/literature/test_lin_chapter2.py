@@ -49,8 +49,6 @@ def test_readings_of_case_3_stand_beside_each_other_with_what_they_change():
     for name, change in changes.items():
         assert (rows[name]["lin_change"], rows[name]["reference"]) == (pytest.approx(change, abs=0.01), "none stored")
         assert name in CASES
-    for name in rows:
-        assert {row["case"] for row in chapter_2.largest_and_smallest_loads_table(STUDY).rows} >= {name}
-        assert any(
-            key.startswith(name.removeprefix("lin-") + "-SL") for key in chapter_2.contact_loads_table(STUDY).rows[0]
-        )
+    assert rows.keys() <= {row["case"] for row in chapter_2.largest_and_smallest_loads_table(STUDY).rows}
+    columns = " ".join(chapter_2.contact_loads_table(STUDY).rows[0])
+    assert all(f"{name.removeprefix('lin-')}-SL" in columns for name in rows)

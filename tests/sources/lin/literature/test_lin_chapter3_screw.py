@@ -18,6 +18,16 @@ pytestmark = pytest.mark.xdist_group(GROUP)
 THETA = {case: source_cases.second_ball_angle_deviation(case) for case in source_cases.PAIR_SCENES}
 
 
+def plain_pair(theta: float, **changes: object) -> screw_run.ScrewPairSolution:
+    """Both balls as the text has them, with changes."""
+    return screw_run.solve_pair_of_screw_balls(replace(source_cases.screw_pair_as_printed(theta), **changes))
+
+
+def inferred_pair(theta: float, **changes: object) -> screw_run.ScrewPairSolution:
+    """Both balls with the oversize that is inferred, with changes."""
+    return screw_run.solve_pair_of_screw_balls(replace(source_cases.screw_pair_with_inferred_oversize(theta), **changes))
+
+
 @pytest.mark.parametrize("key", keys("lin-3.6", "lin-3.7", "lin-3.4.4"))
 def test_entry(key: str) -> None:
     check(key)
@@ -25,12 +35,9 @@ def test_entry(key: str) -> None:
 
 @cache
 def reading(name: str, case: str) -> screw_run.ScrewPairSolution:
-    theta = THETA[case]
     if name == "radial":
-        return screw_run.solve_pair_of_screw_balls(
-            replace(source_cases.screw_pair_as_printed(theta), free="r", force=(100.0,), coupling="none")
-        )
-    return solve_screw_ball_pair(case, "plain" if name == "plain" else "inferred")
+        return plain_pair(THETA[case], free="r", force=(100.0,), coupling="none")
+    return solve_screw_ball_pair(case, name)
 
 
 @pytest.mark.parametrize("case", THETA)
@@ -54,10 +61,7 @@ def test_plain_reading(case: str, force: float, increase: float) -> None:
     assert r.friction_increase == pytest.approx(increase, rel=1e-4)
     printed = rows("lin-3.7")[f"force_{case}"].value
     assert 0.44 < r.force / printed < 0.52
-    decoupled = screw_run.solve_pair_of_screw_balls(
-        replace(source_cases.screw_pair_as_printed(THETA[case]), coupling="none")
-    )
-    assert decoupled.force < 0.4 * printed
+    assert plain_pair(THETA[case], coupling="none").force < 0.4 * printed
 
 
 @pytest.mark.parametrize("case", ["a", "b"])
@@ -65,9 +69,7 @@ def test_inferred_reading(case: str) -> None:
     """With 1.7 um of oversize forces come out within 2.5 %, increases within half a per cent point."""
     table = rows("lin-3.7")
     for coupling in ("none", "ball"):
-        r = screw_run.solve_pair_of_screw_balls(
-            replace(source_cases.screw_pair_with_inferred_oversize(THETA[case]), coupling=coupling)
-        )
+        r = inferred_pair(THETA[case], coupling=coupling)
         assert r.force == pytest.approx(table[f"force_{case}"].value, rel=0.025)
         assert 100.0 * r.friction_increase == pytest.approx(table[f"increase_{case}"].value, abs=0.8)
     assert np.all(r.apart.loads_with_friction.force > 0.0)
@@ -79,22 +81,12 @@ def test_ratio_of_the_printed_forces_tells_the_pattern() -> None:
     printed = table["force_b"].value / table["force_a"].value
     off = {}
     for pattern in (screw_run.BOTH, (1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), screw_run.SHIFTED):
-        two = [
-            screw_run.solve_pair_of_screw_balls(
-                replace(source_cases.screw_pair_with_inferred_oversize(t), pattern=(pattern, pattern))
-            ).force
-            for t in THETA.values()
-        ]
-        off[pattern] = abs(two[1] / two[0] - printed)
+        first, second = (inferred_pair(t, pattern=(pattern, pattern)).force for t in THETA.values())
+        off[pattern] = abs(second / first - printed)
     assert min(off, key=lambda p: off[p]) == screw_run.BOTH
     assert off[screw_run.BOTH] < 0.005
     for pattern in ((-1.0, 1.0, 0.0, 0.0), (-1.0, -1.0, 0.0, 0.0)):
-        assert (
-            screw_run.solve_pair_of_screw_balls(
-                replace(source_cases.screw_pair_with_inferred_oversize(THETA["a"]), pattern=(pattern, pattern))
-            ).approach_speed_when_apart
-            < 0.0
-        )
+        assert inferred_pair(THETA["a"], pattern=(pattern, pattern)).approach_speed_when_apart < 0.0
 
 
 def test_printed_numbers_imply_four_loaded_contacts() -> None:
@@ -103,39 +95,32 @@ def test_printed_numbers_imply_four_loaded_contacts() -> None:
     50 N along the axis alone cannot: cos and sin of lead and contact angle fix the sum. 1.7 um of oversize does.
     """
     table = rows("lin-3.7")
-    for case in THETA:
+    for case, theta in THETA.items():
         force, increase = table[f"force_{case}"].value, 1e-2 * table[f"increase_{case}"].value
-        implied = screw_run.load_implied_by_ball_force(
-            source_cases.screw_pair_with_inferred_oversize(THETA[case]), force, increase
-        )
+        pair = source_cases.screw_pair_with_inferred_oversize(theta)
+        implied = screw_run.load_implied_by_ball_force(pair, force, increase)
         assert implied == pytest.approx(141.0, abs=2.0)
         assert reading("inferred", case).ball_loads.mean() == pytest.approx(implied, rel=0.03)
         assert implied > 1.7 * reading("plain", case).ball_loads.mean()
-    with_oversize, without = (
-        screw_run.pair_sliding_speed(of(THETA["a"]))
-        for of in (source_cases.screw_pair_with_inferred_oversize, source_cases.screw_pair_as_printed)
-    )
+    both = source_cases.screw_pair_with_inferred_oversize, source_cases.screw_pair_as_printed
+    with_oversize, without = (screw_run.pair_sliding_speed(pair_of(THETA["a"])) for pair_of in both)
     assert with_oversize == pytest.approx(without, rel=0.02)
 
 
 def test_oversize_is_what_matters() -> None:
     """Half and one and a half times the oversize miss the forces by 20 % and more; half the axial load hardly."""
-    base = source_cases.screw_pair_with_inferred_oversize(THETA["a"])
     printed = rows("lin-3.7")["force_a"].value
     for factor in (0.5, 1.5):
-        other = replace(base, oversize=factor * source_cases.inferred_oversize())
-        assert abs(screw_run.solve_pair_of_screw_balls(other).force / printed - 1.0) > 0.2
+        other = inferred_pair(THETA["a"], oversize=factor * source_cases.inferred_oversize())
+        assert abs(other.force / printed - 1.0) > 0.2
     for force in (25.0, 100.0):
-        assert screw_run.solve_pair_of_screw_balls(replace(base, force=(force,))).force == pytest.approx(printed, rel=0.03)
+        assert inferred_pair(THETA["a"], force=(force,)).force == pytest.approx(printed, rel=0.03)
 
 
 def test_hertz_constants_of_the_source_change_little() -> None:
-    exact = source_cases.screw_pair_with_inferred_oversize(THETA["a"])
-    printed = replace(exact, groove=source_cases.groove_of_table_3_6(hertz="as printed"))
-    assert screw_run.solve_pair_of_screw_balls(printed).force == pytest.approx(
-        screw_run.solve_pair_of_screw_balls(exact).force, rel=0.13
-    )
-    b1, h = rows("lin-B1"), printed.groove.contact_hertz_constants
+    groove = source_cases.groove_of_table_3_6(hertz="as printed")
+    assert inferred_pair(THETA["a"], groove=groove).force == pytest.approx(inferred_pair(THETA["a"]).force, rel=0.13)
+    b1, h = rows("lin-B1"), groove.contact_hertz_constants
     for key, value in (("C_S", h.C[0]), ("C_N", h.C[2]), ("C_aS", h.C_a[0]), ("C_bN", h.C_b[2])):
         assert value == pytest.approx(b1[key].value, rel=1e-3)
 
@@ -160,9 +145,10 @@ def test_largest_torque_of_3_4_4_is_not_identifiable() -> None:
     assert values[0] < row.value < values[1]
 
 
-@pytest.mark.parametrize(
-    ("key", "name"), [("largest_at", "nut_angle_of_largest_ratio"), ("none_at", "nut_angle_without_contact")]
-)
+EVENTS = [("largest_at", "nut_angle_of_largest_ratio"), ("none_at", "nut_angle_without_contact")]
+
+
+@pytest.mark.parametrize(("key", "name"), EVENTS)
 def test_times_of_3_4_4_are_open_because_nothing_tried_gives_them(key: str, name: str) -> None:
     """A range that holds 126 or 306 deg reaches past every result: both events come earlier here than printed."""
     row = rows("lin-3.4.4")[key]
@@ -177,12 +163,8 @@ def test_times_of_3_4_4_are_open_because_nothing_tried_gives_them(key: str, name
 
 def test_without_oversize_only_coupled_friction_makes_contact() -> None:
     """Two contacts leave the balls' speeds nearly alike; the third contact that friction brings makes them differ."""
-    short = {"oversize": 0.0, "steps": 70, "duration": 0.7}
-    assert not screw_run.simulate_equal_steps(
-        source_cases.simulation_inputs_of_section_3_4_4(**short)
-    ).presses_on_next.any()
-    coupled = screw_run.simulate_equal_steps(
-        source_cases.simulation_inputs_of_section_3_4_4(coupling="ball and screw", **short)
-    )
+    alone = source_cases.simulation_inputs_of_section_3_4_4(oversize=0.0, steps=70, duration=0.7)
+    assert not screw_run.simulate_equal_steps(alone).presses_on_next.any()
+    coupled = screw_run.simulate_equal_steps(replace(alone, coupling="ball and screw"))
     assert coupled.presses_on_next.any()
     assert screw_run.summarise_screw_run(coupled).groove_variation > 0.1

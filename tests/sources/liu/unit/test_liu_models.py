@@ -12,12 +12,6 @@ from rollbench.meshes.parts import Scene
 SCENE = catalogue.shipped_scene_of_kind(page.SCENE, Scene)
 
 
-def test_grooves_and_materials_of_screw_and_nut_are_alike_as_the_chain_takes_them():
-    assert SCENE.screw.groove_radius == SCENE.nut.groove_radius
-    assert SCENE.screw.material == SCENE.nut.material == SCENE.balls.material
-    assert SCENE.loads[0].force[2] == 5000.0
-
-
 def test_an_error_is_the_diameter_of_a_ball():
     found = page.with_ball_errors_and_axial_load(SCENE, evidence.ball_errors_with_faulty_ball_33(2e-6), 1000.0)
     assert found.errors.balls.listed == ((33, 1e-6),)

@@ -12,15 +12,16 @@ pytestmark = pytest.mark.xdist_group(GROUP)
 
 
 def one(value: float, computed: outside.ComputedBand, **said: object) -> outside.PublishedValue:
-    shared = {
-        "quantity": "rigidity",
-        "law": "law",
-        "maker": "maker",
-        "part": "part",
-        "kind_of_source": "class",
-        "origin": "",
-    }
-    return outside.PublishedValue(**shared, unit="N/um", value=value, rounding=0.5, computed=computed, **said)
+    shared = {word: word for word in ("quantity", "law", "maker", "part", "kind_of_source", "origin", "unit")}
+    return outside.PublishedValue(**shared, value=value, rounding=0.5, computed=computed, **said)
+
+
+def held_to(values: list[outside.PublishedValue], number: int, bias: float, scatter: float) -> None:
+    """So many values count, with a mean error and a scatter below these [%]."""
+    found = outside.error_statistics(values)
+    assert found.count == number
+    assert abs(found.mean_error_percent) < bias
+    assert found.standard_deviation_percent < scatter
 
 
 def test_sets_of_equal_gaps_at_a_constant_angle() -> None:
@@ -30,20 +31,14 @@ def test_sets_of_equal_gaps_at_a_constant_angle() -> None:
     grown = (preload ** (k / 3) * 0.5 * (1.0 + 2.0 * 2.0 ** (-k / 3)) for k in (1, 4))
     assert found == pytest.approx((preload, *grown), rel=1e-12)
     assert bearings.bearing_set_over_pair_ratios("DBB") == pytest.approx((2.0, 2.0, 2.0), rel=1e-12)
-    assert bearings.bearing_set_over_pair_ratios("DBT")[0] == pytest.approx(
-        (2.0 / (1.0 + 3.0 ** (-2 / 3))) ** 1.5, rel=1e-12
-    )
+    triple = (2.0 / (1.0 + 3.0 ** (-2 / 3))) ** 1.5
+    assert bearings.bearing_set_over_pair_ratios("DBT")[0] == pytest.approx(triple, rel=1e-12)
 
 
 @pytest.mark.parametrize(("quantity", "number", "bias", "scatter"), [("preload", 80, 0.5, 1.0), ("rigidity", 77, 1.0, 2.0)])
 def test_nsk_sets_follow_from_their_pairs(quantity: str, number: int, bias: float, scatter: float) -> None:
     values = [x for x in bearings.compare_nsk_bearing_sets() if x.quantity == quantity and not x.part.endswith(" DB")]
-    found = outside.error_statistics(values)
-    assert (found.count, abs(found.mean_error_percent) < bias, found.standard_deviation_percent < scatter) == (
-        number,
-        True,
-        True,
-    )
+    held_to(values, number, bias, scatter)
     wrong = [x.part for x in values if x.left == "a misprint"]
     assert wrong == ([f"{bore}TAC47B C9 DBD" for bore in (15, 17, 20)] if quantity == "rigidity" else [])
 
@@ -53,12 +48,7 @@ def test_nsk_clearances_and_rigidities_without_a_free_parameter() -> None:
     clear = np.array([x.computed.value - x.value for x in found if x.quantity == "displacement"])
     assert (clear.size, np.sqrt((clear**2).mean()) < 0.6, (np.abs(clear) <= 1.0).mean() > 0.94) == (728, True, True)
     for quantity, number, bias, scatter in (("rigidity", 546, 0.6, 2.0), ("rating", 91, 0.1, 1.0)):
-        of = outside.error_statistics([x for x in found if x.quantity == quantity])
-        assert (of.count, abs(of.mean_error_percent) < bias, of.standard_deviation_percent < scatter) == (
-            number,
-            True,
-            True,
-        )
+        held_to([x for x in found if x.quantity == quantity], number, bias, scatter)
 
 
 def test_balls_come_back_from_their_ratings() -> None:
@@ -74,14 +64,10 @@ def test_two_ratings_of_a_nut_count_the_same_balls() -> None:
     source = outside.read_maker_table("nuts-hiwin")
     for row in source.rows:
         if not source.is_listed_as_misprint(row["nut"]):
-            nut = nuts.nut_of_catalogue_row(source, row)
+            name, nut = nuts.maker_and_rated_nut_type(source, row), nuts.nut_of_catalogue_row(source, row)
             dynamic, static = nuts.nut_load_ratings(nut, nuts.CONFORMITY, 1.0)
-            by_static, by_dynamic = (
-                source.parse_number(row["C0"]) / static,
-                (source.parse_number(row["C"]) / dynamic) ** 1.5,
-            )
-            shares.setdefault(nuts.maker_and_rated_nut_type(source, row), []).append(by_static)
-            shares.setdefault(nuts.maker_and_rated_nut_type(source, row) + " by C", []).append(by_dynamic)
+            shares.setdefault(name, []).append(source.parse_number(row["C0"]) / static)
+            shares.setdefault(f"{name} by C", []).append((source.parse_number(row["C"]) / dynamic) ** 1.5)
     middle = {name: float(np.median(x)) for name, x in shares.items()}
     for name, share in (("HIWIN, whole recirculation", 1.0), ("HIWIN, one-turn recirculation", 2.0 / 3.0)):
         assert middle[name] == pytest.approx(share, rel=0.03)
@@ -106,12 +92,7 @@ def test_four_fifths_of_the_computed_rigidity_is_what_makers_print() -> None:
     judged = [x for x in nuts.compare_nut_rigidity() if not x.left]
     errors = np.array([(x.practice or 0.0) / x.value - 1.0 for x in judged])
     assert (len(judged), abs(np.median(errors)) < 0.1, (np.abs(errors) < 0.2).mean() > 0.85) == (472, True, True)
-    growth = outside.error_statistics([x for x in nuts.compare_preloaded_nuts() if x.law == "growth with preload"])
-    assert (growth.count, abs(growth.mean_error_percent) < 2.0, growth.standard_deviation_percent < 2.0) == (
-        126,
-        True,
-        True,
-    )
+    held_to([x for x in nuts.compare_preloaded_nuts() if x.law == "growth with preload"], 126, 2.0, 2.0)
 
 
 def test_turns_as_printed() -> None:
@@ -140,9 +121,7 @@ def test_all_values_and_their_table() -> None:
     assert {"contact load", "displacement", "pressure", "torque", "rigidity", "rating"} <= {x.quantity for x in judged}
     assert all(x.computed.low <= x.computed.value <= x.computed.high and x.origin for x in found)
     assert len(outside.bias_and_scatter_table(found).rows) <= 31
-    from rollbench.compare.cases.makers.page import first_page
-
-    columns = first_page(STUDY)
+    columns = page.first_page(STUDY)
     assert sum(row[outside.NUMBER] for row in columns.values()) == len(judged)
     assert abs(columns["preload"][outside.BIAS]) < 0.5
 
@@ -150,7 +129,7 @@ def test_all_values_and_their_table() -> None:
 def test_section_says_its_conclusion_first() -> None:
     found = page.make_section(STUDY, lambda _: None)
     judged = [x for x in page.all_published_values(STUDY) if not x.left]
-    assert found.conclusion.startswith(f"Of {len(judged)} published values")
+    assert found.conclusion.startswith(f"Of {len(judged)} values")
     assert "1020: a formula in disguise" in found.items[1].note
 
 
@@ -167,11 +146,7 @@ def test_verdicts_and_what_does_not_count() -> None:
     assert formula.verdict == "a formula in disguise"
     assert outside.error_statistics([formula]) is None
     both = outside.error_statistics([one(80.0, band), one(125.0, band), formula])
-    assert (both.count, both.mean_error_percent, both.standard_deviation_percent) == (
-        2,
-        pytest.approx(2.5),
-        pytest.approx(22.5),
-    )
+    assert (both.count, both.mean_error_percent, both.standard_deviation_percent) == pytest.approx((2, 2.5, 22.5))
 
 
 def test_numbers_as_tables_write_them() -> None:

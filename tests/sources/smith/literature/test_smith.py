@@ -57,13 +57,13 @@ def test_everything_after_one_cell_of_figure_2_10_hangs_on_it() -> None:
 @pytest.mark.parametrize("difference", [0.70, 0.80, 0.90, 0.96])
 def test_fits(difference: float) -> None:
     delta, a, b = dimensionless_hertz_parameters(difference)
-    assert as_printed.hertz_parameter_by_smith_polynomial(difference, "approach") == pytest.approx(delta, rel=0.02)
-    assert as_printed.hertz_parameter_by_smith_polynomial(difference, "major") == pytest.approx(a, rel=0.02)
-    assert as_printed.hertz_parameter_by_smith_polynomial(difference, "minor") / b == pytest.approx(1.415, abs=0.03)
+    names = "approach", "major", "minor"
+    approach, major, minor = (as_printed.hertz_parameter_by_smith_polynomial(difference, name) for name in names)
+    assert (approach, major) == pytest.approx((delta, a), rel=0.02)
+    assert minor / b == pytest.approx(1.415, abs=0.03)
     rows = bearings.DIFFERENCES[:-1]
-    assert np.interp(difference, rows, [dimensionless_hertz_parameters(f)[0] for f in rows]) == pytest.approx(
-        delta, rel=0.01
-    )
+    between = np.interp(difference, rows, [dimensionless_hertz_parameters(f)[0] for f in rows])
+    assert between == pytest.approx(delta, rel=0.01)
 
 
 def test_sheet_s_curvature_differences() -> None:
@@ -93,21 +93,16 @@ def test_source_s_sharing_balances_too_much() -> None:
     """After the stretch its loads balance the whole tension by two slips; the change under the load is twice too large."""
     for kind in axis.KINDS:
         for end in ("left", "right"):
-            s = np.array(bearings.DIRECTIONS[kind][end])
+            s, states = np.array(bearings.DIRECTIONS[kind][end]), ("stretch", "applied")
             preload = (1020.0, 1020.0, 2040.0) if end == "left" else (2040.0, 1020.0, 1020.0)
             pre = preload if kind == "ball" else (1500.0, 1500.0)
-            after, loaded = (
-                s @ np.array(axis.row_loads_by_smith_rule_lbf(kind, end, state, pre)) for state in ("stretch", "applied")
-            )
+            after, loaded = (s @ axis.row_loads_by_smith_rule_lbf(kind, end, state, pre) for state in states)
             assert after == pytest.approx(1290.0)
             sign = -1.0 if end == "left" else 1.0  # a load towards the left relieves the left end of tension
             assert loaded - after == pytest.approx(sign * 1000.0)
-            ours = [
-                float(s @ axis.bearing_set_state_at_end(kind, end, state).row_thrusts) / bearings.POUND
-                for state in ("stretch", "applied")
-            ]
-            assert ours[0] == pytest.approx(axis.tension_of_stretched_screw() / bearings.POUND, rel=1e-10)
-            assert ours[1] - ours[0] == pytest.approx(sign * 500.0, rel=1e-9)
+            after, loaded = (s @ axis.bearing_set_state_at_end(kind, end, state).row_thrusts for state in states)
+            assert after == pytest.approx(axis.tension_of_stretched_screw(), rel=1e-10)
+            assert (loaded - after) / bearings.POUND == pytest.approx(sign * 500.0, rel=1e-9)
 
 
 def test_right_stiffness_of_the_axis() -> None:
@@ -133,10 +128,8 @@ def test_unseating_takes_three_times_the_printed_load() -> None:
     limit = axis.carriage_load_that_unloads_row(axis.REDUCED)
     assert limit / bearings.POUND == pytest.approx(645.5, abs=0.5)
     rows = bearings.bearing_rows_at_end("taper", "left", axis.REDUCED)
-    before, after = (
-        solve_bearing_row_equilibrium(rows, axis.tension_of_stretched_screw() + 0.5 * limit * share).row_thrusts[0]
-        for share in (0.999, 1.001)
-    )
+    thrusts = (axis.tension_of_stretched_screw() + 0.5 * limit * share for share in (0.999, 1.001))
+    before, after = (solve_bearing_row_equilibrium(rows, thrust).row_thrusts[0] for thrust in thrusts)
     assert before > 0.0 == after
 
 

@@ -1,31 +1,89 @@
-"""Life by ISO/TS 16281: of equal loads, of the standard's formulas written out, of slices; balls in limits of ISO 281."""
+"""Life by ISO 281 and ISO/TS 16281: rows of rollers against printed factors, formulas written out and laws of scaling, of
+slices; balls in limits of ISO 281."""
 
 from dataclasses import replace
 from math import log
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 from tests.axes import ROLLERS
 
 import rollbench
-from rollbench.lowfi import rollers as lowfi_rollers
+from rollbench.lowfi import rollers
 from rollbench.lowfi.rating import iso_lives, roller_life
 from rollbench.lowfi.rating.life import basic_rating_life, dynamic_rating
 
-ROW = replace(ROLLERS, cup_angle=np.radians(15.0), roller_angle=np.radians(2.0))
+LEVEL = replace(ROLLERS, cup_angle=np.radians(15.0))
+#: f_c of ISO 281 (radial roller bearings) by gamma = D cos(alpha)/D_pw.
+FACTORS = {0.10: 84.2, 0.14: 87.7, 0.20: 88.7, 0.26: 86.4, 0.30: 83.8}
+
+
+@pytest.mark.parametrize("gamma", FACTORS)
+def test_rating_is_b_m_f_c_of_the_standard(gamma):
+    def gamma_of(angle):
+        row = replace(LEVEL, roller_angle=angle)
+        return row.diameter * np.cos(row.cup_angle) / rollers.tapered_bearing_of_row(row).pitch_diameter
+
+    row = replace(LEVEL, roller_angle=brentq(lambda angle: gamma_of(angle) - gamma, 1e-3, 0.12))
+    size = (1e3 * row.length * np.cos(row.cup_angle)) ** (7 / 9) * row.count**0.75 * (1e3 * row.diameter) ** (29 / 27)
+    assert roller_life.dynamic_rating_of_row(row) / (1.1 * size) == pytest.approx(FACTORS[gamma], rel=2e-3)
+
+
+def life_of(line_loads, row=ROLLERS):
+    """Millions of revolutions under line loads [N/m] of the slices of all rollers."""
+    return roller_life.basic_rating_life_of_row(row, line_loads).revolutions
+
+
+def test_life_falls_with_the_load_and_an_even_load_is_its_thrust_over_the_rating():
+    row = replace(ROLLERS, cup_angle=np.radians(60.0), roller_angle=np.radians(3.0))
+    q = np.full((row.count, 9), 1e5)
+    one, two = (life_of(k * q, row) for k in (1.0, 2.0))
+    assert one / two == pytest.approx(2.0 ** (10.0 / 3.0), rel=1e-12)
+    thrust = row.count * 1e5 * row.length * np.sin(row.cup_angle)
+    assert one == pytest.approx((roller_life.dynamic_rating_of_row(row) / thrust) ** (10.0 / 3.0), rel=1e-9)
+    assert roller_life.basic_rating_life_of_row(row, 0.0 * q) is None
+
+
+def test_life_does_not_depend_on_the_slices_of_an_even_load_and_an_uneven_one_lives_shorter():
+    lives = [life_of(np.full((ROLLERS.count, n), 1e5)) for n in (1, 7, 30)]
+    assert lives == pytest.approx(lives[:1] * 3, rel=1e-12)
+    tilted = 1e5 * (1.0 + 0.5 * np.linspace(-1.0, 1.0, 30)) * np.ones((ROLLERS.count, 1))
+    assert life_of(tilted) < 0.9 * lives[0]
+    half = 2e5 * np.outer(np.arange(ROLLERS.count) < ROLLERS.count / 2, np.ones(30))
+    assert life_of(half) < lives[0]
+
+
+def test_cases_alike_live_as_each_and_shares_count():
+    q = np.full((ROLLERS.count, 5), 1e5)
+
+    alike = life_of(roller_life.damage_equivalent_line_loads([q, q], [0.3, 0.7]))
+    mixed = life_of(roller_life.damage_equivalent_line_loads([q, 0.0 * q], [0.5, 0.5]))
+    assert alike == pytest.approx(life_of(q))
+    assert mixed / alike == pytest.approx(2.0 ** (10.0 / 12.0), rel=1e-9), "means of order 4, life to the 10/3"
+
+
+def test_equivalent_load_by_hand():
+    e = 1.5 * np.tan(np.radians(15.0))
+    assert roller_life.equivalent_load_of_row(LEVEL, 1000.0, 0.9 * e * 1000.0) == 1000.0
+    assert roller_life.equivalent_load_of_row(LEVEL, 0.0, 1000.0) == pytest.approx(0.4 / np.tan(np.radians(15.0)) * 1000.0)
+
+
+ROW = replace(LEVEL, roller_angle=np.radians(2.0))
+RING = rollbench.read("external-masta-radial").sets[0].parts
 
 
 def uneven(slices: int) -> np.ndarray:
     """Line loads [N/m] of half the rollers, more at their large ends."""
-    rollers = np.maximum(np.cos(2.0 * np.pi * np.arange(ROW.count) / ROW.count), 0.0)
-    return 1e5 * np.outer(rollers, 1.0 + 0.4 * lowfi_rollers.slice_middles(2.0, slices))
+    share = np.maximum(np.cos(2.0 * np.pi * np.arange(ROW.count) / ROW.count), 0.0)
+    return 1e5 * np.outer(share, 1.0 + 0.4 * rollers.slice_middles(2.0, slices))
 
 
 def test_rollers_by_the_standards_formulas_written_out_lamina_by_lamina():
     """From C_r, with the standard's rounded 0.378, 0.364 and 1.038."""
     n, Z, q = 32, ROW.count, uneven(32) * ROW.length / 32
     C, alpha = roller_life.dynamic_rating_of_row(ROW), ROW.cup_angle
-    g = ROW.diameter * np.cos(alpha) / lowfi_rollers.tapered_bearing_of_row(ROW).pitch_diameter
+    g = ROW.diameter * np.cos(alpha) / rollers.tapered_bearing_of_row(ROW).pitch_diameter
     ratio = 1.038 * ((1 - g) / (1 + g)) ** (143 / 108)
     Q_ci = C / (0.83 * 0.378 * Z * np.cos(alpha)) * (1 + ratio ** (9 / 2)) ** (2 / 9)
     Q_ce = C / (0.83 * 0.364 * Z * np.cos(alpha)) * (1 + ratio ** (-9 / 2)) ** (2 / 9)
@@ -61,31 +119,21 @@ def test_without_the_edges_an_even_load_has_ISO_281s_load_times_the_reduction(mo
 def test_few_slices_are_divided_and_a_profile_that_unloads_the_edges_makes_their_number_indifferent():
     even = [iso_lives.roller_reference_life(ROW, np.full((ROW.count, n), 1e5)).revolutions for n in (15, 30)]
     assert even[0] == even[1]
-    bearing = lowfi_rollers.tapered_bearing_of_row(ROW)
+    bearing = rollers.tapered_bearing_of_row(ROW)
     lives = []
     for n in (40, 80, 160):
-        roller = lowfi_rollers.slice_roller(bearing, n, lowfi_rollers.circular_crown_profile(2.0))
-        q = lowfi_rollers.sliced_roller_state_at_approach(roller, 8e-6).line_loads
+        roller = rollers.slice_roller(bearing, n, rollers.circular_crown_profile(2.0))
+        q = rollers.sliced_roller_state_at_approach(roller, 8e-6).line_loads
         assert q[0] == q[-1] == 0.0
         lives.append(iso_lives.roller_reference_life(ROW, np.tile(q, (ROW.count, 1))).revolutions)
     assert np.ptp(lives) < 0.01 * lives[0]
 
 
-def test_tilted_rollers_live_shorter_than_straight_ones():
-    level = iso_lives.roller_reference_life(ROW, np.full((ROW.count, 30), 1e5)).revolutions
-    tilted = iso_lives.roller_reference_life(
-        ROW, np.full((ROW.count, 1), 1e5) * (1.0 + 0.4 * lowfi_rollers.slice_middles(2.0, 30))
-    ).revolutions
-    assert tilted < 0.9 * level
-
-
 def test_radial_load_without_clearance_has_the_life_of_ISO_281():
     """L = (C/F_r)^3: ISO 281's factors 0.407 and 0.389 are those of a load over half the circumference."""
-    ring = rollbench.read("external-masta-radial").sets[0].parts
-    many = 4000
-    phi = 2.0 * np.pi * np.arange(many) / many
-    ring = replace(ring, balls=replace(ring.balls, azimuths=tuple(phi)))
-    load = np.zeros((many, 4))
+    phi = 2.0 * np.pi * np.arange(4000) / 4000
+    ring = replace(RING, balls=replace(RING.balls, azimuths=tuple(phi)))
+    load = np.zeros((4000, 4))
     load[:, 0] = load[:, 3] = np.maximum(np.cos(phi), 0.0) ** 1.5
     force = float(load[:, 0] @ np.cos(phi))
     found = iso_lives.ball_reference_life(ring, basic_rating_life(ring, load))
@@ -94,17 +142,12 @@ def test_radial_load_without_clearance_has_the_life_of_ISO_281():
 
 
 def test_axial_load_on_a_thrust_bearing_has_the_life_of_ISO_281():
-    ring = rollbench.read("external-masta-radial").sets[0].parts
-    ring = replace(ring, track=replace(ring.track, contact_angle=np.radians(60.0)))
+    ring = replace(RING, track=replace(RING.track, contact_angle=np.radians(60.0)))
     load = np.zeros((ring.ball_count, 4))
     load[:, [0, 3]] = 100.0
     thrust = 100.0 * ring.ball_count * np.sin(np.radians(60.0))
     found = iso_lives.ball_reference_life(ring, basic_rating_life(ring, load))
     assert (found.revolutions, found.equivalent) == pytest.approx(((dynamic_rating(ring) / thrust) ** 3, thrust), rel=1e-9)
     assert found.loads == pytest.approx({"SL": 100.0, "NR": 100.0})
-    assert (
-        iso_lives.ball_reference_life(
-            rollbench.read("lin-case1"), basic_rating_life(rollbench.read("lin-case1"), np.ones((32, 4)))
-        )
-        is None
-    )
+    screw = rollbench.read("lin-case1")
+    assert iso_lives.ball_reference_life(screw, basic_rating_life(screw, np.ones((32, 4)))) is None
