@@ -114,8 +114,9 @@ def _nested_dissection(graph: sp.csr_array, group: Index) -> Index:
     """Order the v vertices of a compressed graph by nested dissection ``(v,)``.
 
     ``group``: vertex to which each degree of freedom belongs (n,).
-    METIS reports the signal SIGTERM as an internal error and leaves the signal blocked. After an error it is therefore
-    called a second time. An error that recurs is raised; otherwise the signal is unblocked and raised again.
+    METIS reports the signal SIGTERM as an internal error and leaves the signal blocked. After an error METIS is
+    therefore called a second time. If it fails again, its error is raised; if it succeeds, the first error was the signal,
+    which is unblocked and raised again.
     """
     import pymetis
 

@@ -68,7 +68,10 @@ class GrooveRunOut:
             The track is that of a bearing ring, whose groove has no ends.
         """
         if not m.rg:
-            raise UnfitKey("solid.nut_groove", "the groove of a bearing ring has no ends: remove solid.nut_groove")
+            raise UnfitKey(
+                "solid.nut_groove",
+                "solid.nut_groove says where the groove of a nut ends; that of a bearing ring has no ends: remove it",
+            )
         lines = meshes_sockets.helix_constants_of_starts(m)
         ball = 2.0 * m.ball / float(np.hypot(m.R, m.rg))
         reach = max(WHOLE * ball, size.phi)

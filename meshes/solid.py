@@ -200,7 +200,7 @@ def dimensions_of_3d_parts(scene: Scene) -> Dimensions:
         if groove_ends:
             raise UnfitKey(
                 "solid.nut_groove",
-                'solid.nut_groove of "loaded" needs a lead, because the groove of a bearing ring has no ends: '
+                'solid.nut_groove of "loaded" says where the groove of a nut ends; that of a bearing ring has no ends: '
                 "remove solid.nut_groove",
             )
         assumed.append("Flat ends of the rings, without chamfers.")

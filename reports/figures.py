@@ -228,8 +228,9 @@ def phone_figure(figure: Figure) -> Figure:
     ]
     rows = max(len(panel.ordinate_names) for panel in panels)
     names = sum(max((len(name) for name in panel.abscissa_names), default=0) for panel in panels)
-    labels = len({series.label for panel in panels for series in panel.series if series.label})
-    height = len(panels) * max(2.5, 0.26 * rows) + 0.07 * names + 0.17 * labels + 0.3
+    labels = {series.label for panel in panels for series in panel.series if series.label}
+    legend_lines = sum(label.count("\n") + 1 for label in labels)
+    height = len(panels) * max(2.5, 0.26 * rows) + 0.07 * names + 0.17 * legend_lines + 0.3
     return replace(figure, panels=panels, columns=1, size=(PHONE, height))
 
 
@@ -276,9 +277,9 @@ def draw_figure_and_canvas(figure: Figure) -> tuple[str, Canvas]:
         canvas = Canvas(layout=ConstrainedLayoutEngine(w_pad=0.06, h_pad=0.05, wspace=0.03, hspace=0.05))
         svg = FigureCanvasSVG(canvas)
         orders = _style_numbers_of_curves(figure.panels)
-        shared = len(figure.panels) > 1 and _have_equal_curve_labels(figure.panels)
         legends = 0
         narrow = figure.size is not None and figure.size[0] < NARROW
+        shared = len(figure.panels) > 1 and _one_legend_is_enough(figure.panels, narrow)
         for number, (panel, order) in enumerate(zip(figure.panels, orders, strict=True), start=1):
             first = canvas.axes[0] if canvas.axes and figure.same_y else None
             axes = canvas.add_subplot(rows, columns, number, sharey=first)
@@ -291,8 +292,10 @@ def draw_figure_and_canvas(figure: Figure) -> tuple[str, Canvas]:
                 )
                 legends = max(legends, _draw_legend_below(axes, 1 if narrow else 2 if columns > 1 else 3, STEEP * steep))
         if shared:
-            handles, labels = canvas.axes[0].get_legend_handles_labels()
+            found = [pair for axes in canvas.axes for pair in zip(*axes.get_legend_handles_labels(), strict=True)]
+            labels = list(dict.fromkeys(label for _, label in found))
             if labels:
+                handles = [next(handle for handle, label in found if label == name) for name in labels]
                 place = "outside lower center"
                 count = min(1 if narrow else 2 if max(map(len, labels)) > 34 else 4, len(labels))
                 canvas.legend(handles, labels, loc=place, ncols=count, handlelength=3.2)
@@ -408,9 +411,11 @@ def _style_numbers_of_curves(panels: Sequence[Panel]) -> list[dict[str, int]]:
     return orders
 
 
-def _have_equal_curve_labels(panels: Sequence[Panel]) -> bool:
-    """Return whether the curves of all panels have the same labels, so that one legend is enough."""
-    return len({tuple(series.label for series in panel.series) for panel in panels}) == 1
+def _one_legend_is_enough(panels: Sequence[Panel], narrow: bool) -> bool:
+    """Return whether all panels have one legend: if their labels are equal or, on a phone (``narrow``), some are common."""
+    labels = [{series.label for series in panel.series if series.label} for panel in panels]
+    in_several = len(set().union(*labels)) < sum(map(len, labels))
+    return len({tuple(series.label for series in panel.series) for panel in panels}) == 1 or (narrow and in_several)
 
 
 def _draw_panel(axes: Any, panel: Panel, style_numbers: dict[str, int], *, steep: bool = False) -> None:

@@ -477,7 +477,7 @@ def _verdict_on_user_value(
 
 
 def is_name_of_nut_or_bearing(referenced: comparison.SceneWithReference, text: str) -> bool:
-    """Return whether a text is the number (from 1) or the name of a nut or bearing; True for a scene with a single one.
+    """Return whether a text is the number (from 1) or the name of a nut or bearing; of a single one, any text is accepted.
 
     ``referenced``: the nut or bearing with its reference.
     """

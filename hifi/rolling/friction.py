@@ -354,11 +354,11 @@ def solve_rigid_friction(
     contacts : Sequence[FrictionContact]
         The contacts.
     balance : Balance
-        Function that returns the forces f on the k motions besides friction, and df/dy, at the motions y.
+        Function that returns the forces f other than friction in the directions of the k motions y, and df/dy.
     y : (k,) Array
         Starting values of the motions of all bodies.
     smoothing_ratios : tuple[float, ...], default PATH
-        Slip speeds by which Coulomb's law is smoothed in turn, over the largest slip, in descending order.
+        Slip speeds by which Coulomb's law is smoothed in turn, divided by the largest slip; in descending order.
 
     Returns
     -------
@@ -413,7 +413,7 @@ def solve_friction(
     q : list[Array] | None, default None
         Starting values: tangential forces of every contact ``(2 n,)`` [N] of a similar solution; None: no such values.
     smoothing_ratios : tuple[float, ...], default PATH
-        Slip speeds by which Coulomb's law is smoothed in turn, over the largest slip, in descending order.
+        Slip speeds by which Coulomb's law is smoothed in turn, divided by the largest slip; in descending order.
 
     Returns
     -------

@@ -149,8 +149,8 @@ def pack_contact_data(
 def centre_vectors_and_interference(scene: Scene, drawn: GeometryWithErrors | GeometriesWithErrors) -> tuple[Array, Array]:
     """Return vectors from groove to ball centres with nominal approaches, and interferences with diagonal pairs of flanks.
 
-    The approach is computed from deviations, so that parts without errors have an approach of exactly zero, and small
-    errors lose no digits.
+    Nominal approach: overlap of the undeformed ball and flank. It is computed from the differences between actual and
+    nominal dimensions, so that parts without errors have an approach of exactly zero, and small errors lose no digits.
 
     Parameters
     ----------

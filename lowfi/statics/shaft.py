@@ -493,7 +493,7 @@ class SectionForceCoupling:
         """Return nodal motions ``(n, 6)`` [m, rad] plus the shifts of the nodes under nuts and bearings by contact forces.
 
         A force on a flank deforms the part of the shaft under the nut or bearing, and so shifts the shaft's sections
-        between the contact and the upper end of this part.
+        between the contact and that end of this part which has the larger axial coordinate.
 
         Parameters
         ----------

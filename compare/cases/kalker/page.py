@@ -264,7 +264,7 @@ def _finite_body_row(row: RollingComparisonRow) -> Row:
         "scene": row.scene,
         "quantity": row.quantity,
         "unit": row.unit,
-        TableColumn("rigid", "value by the 3D model with rigid bodies", "", "g5"): row.rigid,
+        TableColumn("rigid", "value by the 3D model without tangential deformation", "", "g5"): row.rigid,
         TableColumn("half", "value by the 3D model with elastic half spaces", "", "g5"): row.half_space,
         TableColumn("finite", "value by the 3D model with bodies of finite size", "", "g5"): row.reference,
         TableColumn("uncertainty", "uncertainty of the value for bodies of finite size", "", "g2"): row.uncertainty

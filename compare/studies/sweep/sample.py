@@ -446,7 +446,7 @@ class RecordWriter:
         handle = os.open(self._path, os.O_WRONLY | os.O_CREAT | os.O_APPEND | getattr(os, "O_BINARY", 0), 0o644)
         try:
             if os.write(handle, lines) != len(lines):
-                raise OSError(28, "the records of samples were not written completely", str(self._path))
+                raise OSError(28, "the disk is full: the records of samples were not written completely", str(self._path))
         finally:
             os.close(handle)
 

@@ -139,3 +139,15 @@ def test_nothing_leaves_the_drawing_and_inks_follow_the_page() -> None:
         for text in root.iter(f"{SVG}text"):
             assert 0.0 < float(text.get("x", "")) < WIDTH
             assert text.get("fill") in (INK, FORCE)
+
+
+def test_panels_on_a_phone_keep_their_height_above_one_legend_of_all():
+    """Eight of nine labels stand in both panels: under each panel, their legends would leave no height to the curves."""
+    panels = [
+        Panel(f"panel {k}", "x", "y", [Series(f"model {n}", [1, 2], [n, k]) for n in range(k, 8 + k)]) for k in (0, 1)
+    ]
+    _, canvas = figures.draw_figure_and_canvas(figures.phone_figure(replace(figure(), panels=panels)))
+    (legend,) = canvas.legends
+    assert [text.get_text() for text in legend.get_texts()] == [f"model {n}" for n in range(9)]
+    assert [axes.get_legend() for axes in canvas.axes] == [None, None]
+    assert all(axes.get_position().height * canvas.get_size_inches()[1] > 1.5 for axes in canvas.axes)

@@ -175,7 +175,7 @@ def _ball_force_row(case: str) -> Row:
 
 
 #: Definitions of errors in words.
-WORDS: dict[combined.Definition, str] = {"own": "of each load", "mean": "of the mean load"}
+WORDS: dict[combined.Definition, str] = {"own": "of the contact's load", "mean": "of the mean load"}
 #: Assumed scatters [%] of the approach, besides the measured one.
 TRIED = (1.0, 2.0, 3.0)
 ABOUT_IT = (
