@@ -123,10 +123,9 @@ def option_of_argument(argument: str) -> str:
 def error_with_option_names(error: InputError) -> InputError:
     """Return a copy of an input error whose message names command-line options in place of arguments of functions."""
     said = copy(error)
+    argument = re.compile("`([a-z_]+(?:=[^`]*)?)`")
     for part in ("allowed", "advice"):
-        setattr(
-            said, part, re.sub("`([a-z_]+(?:=[^`]*)?)`", lambda found: option_of_argument(found[1]), getattr(error, part))
-        )
+        setattr(said, part, argument.sub(lambda found: option_of_argument(found[1]), getattr(error, part)))
     if isinstance(error, ArgumentError):
         said.file, said.key = error.file or "command line", ", ".join(map(option_of_argument, error.key.split(", ")))
     return said
@@ -199,9 +198,8 @@ def main(tokens: list[str] | None = None) -> None:
         os.environ.setdefault("NUMBA_OPT", "1")  # compiles in 0.6 of the time of numba's default 3; kernels are as fast
     try:
         asked = sys.argv[1:] if tokens is None else tokens
-        code = app_with_commands(asked[0] if asked else "")(
-            asked, exit_on_error=False, print_error=False, result_action="return_value"
-        )
+        run = app_with_commands(asked[0] if asked else "")
+        code = run(asked, exit_on_error=False, print_error=False, result_action="return_value")
         with guard_standard_output():
             sys.stdout.flush()
         if tokens is None and "rollbench.lowfi.jit" in sys.modules:

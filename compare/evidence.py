@@ -217,7 +217,7 @@ def join_remarks(*texts: str) -> str:
     return ". ".join([text.rstrip(".") for text in given[:-1]] + given[-1:])
 
 
-def count_text_of_mask(mask: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]) -> str:
+def count_in_words(mask: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]) -> str:
     """Return the text "k of n" for a mask of n truth values, k of which are true."""
     return f"{int(mask.sum())} of {mask.size}"
 
@@ -250,9 +250,8 @@ class PrintedTableComputation:
         ``cache``: cache of computed values. InputError if the function that computes the values cannot be imported.
         """
         if not self.function_path:
-            return tuple(
-                PrintedEntryComparison(row, remark=self.scenes_or_reason(row)[1]) for row in load_printed_table(self.table)
-            )
+            rows = load_printed_table(self.table)
+            return tuple(PrintedEntryComparison(row, remark=self.scenes_or_reason(row)[1]) for row in rows)
         findings = ComputedEntryValues(self.table)
         try:
             function = self.case.import_object(self.function_path)
@@ -271,20 +270,16 @@ class PrintedTableComputation:
     @property
     def scene_names(self) -> tuple[str, ...]:
         """Names of all scenes from which values for the printed table are computed, without repetition."""
-        return tuple(
-            dict.fromkeys(
-                name for _, names in self.scenes_or_reason_by_key_pattern if not isinstance(names, str) for name in names
-            )
-        )
+        behind = (names for _, names in self.scenes_or_reason_by_key_pattern if not isinstance(names, str))
+        return tuple(dict.fromkeys(name for names in behind for name in names))
 
     def scenes_or_reason(self, row: PrintedEntry) -> tuple[tuple[str, ...], str]:
         """Return the names of the scenes from which the value for a printed entry is computed, or the reason for none.
 
         ``row``: the printed number or claim. The names are empty if no scene is used; the reason is empty if one is used.
         """
-        origin = next(
-            (behind for pattern, behind in self.scenes_or_reason_by_key_pattern if fnmatchcase(row.key, pattern)), ""
-        )
+        patterns = self.scenes_or_reason_by_key_pattern
+        origin = next((behind for pattern, behind in patterns if fnmatchcase(row.key, pattern)), "")
         if not isinstance(origin, str) and origin:
             return origin, ""
         if not self.function_path:
@@ -391,9 +386,8 @@ def computations_of_entries(table: str = "") -> Iterator[EntryOrigin]:
         for row in rows:
             printed = row.claim or f"{row.number_as_printed} {row.unit}".rstrip()
             test = f"{computation.test_file}::test_entry[{row.name}]" if computation.function_path else ""
-            yield EntryOrigin(
-                name, row.key, printed, row.entry_class, *computation.scenes_or_reason(row), computation.function_name, test
-            )
+            behind = computation.scenes_or_reason(row)
+            yield EntryOrigin(name, row.key, printed, row.entry_class, *behind, computation.function_name, test)
 
 
 #: Verdicts on printed numbers that are counted separately, because they do not judge a model.
@@ -471,8 +465,8 @@ def reproduction_sentence(counts_of_publication: Mapping[str, Any]) -> str:
         v: f"{counts_of_publication[v]} ({100.0 * counts_of_publication[v] / n:.0f} %)" for v in VERDICTS if v not in APART
     }
     return (
-        f"Of {n} numbers and claims by which a model can be judged ({counts_of_publication['source']}), "
+        f"Of the {n} numbers and claims of {counts_of_publication['source']} by which a model can be judged, "
         f"{share['reproduced']} are reproduced, {share['band']} lie within a tolerance band, {share['only as printed']} "
-        f"are reproduced only with its mistake repeated, {share['contradicted']} are contradicted, and "
+        f"are reproduced only if the publication's mistake is repeated, {share['contradicted']} are contradicted, and "
         f"{share['not identifiable']} are not determined by the data in the publication."
     )

@@ -127,9 +127,8 @@ def similar_paths(path: Path, others: Iterable[str] = ()) -> str:
         files = sorted(p.name for p in path.parent.iterdir() if p.suffix == path.suffix)
     except (OSError, ValueError):
         files = []
-    return did_you_mean(
-        [str(path.parent / name) for name in similar_names(path.name, files)] or similar_names(path.name, others)
-    )
+    near = [str(path.parent / name) for name in similar_names(path.name, files)]
+    return did_you_mean(near or similar_names(path.name, others))
 
 
 @contextmanager

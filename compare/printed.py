@@ -181,9 +181,8 @@ def parse_printed_table(text: str, name: str) -> tuple[PrintedEntry, ...]:
     keys = [row.key for row in rows]
     for i, key in enumerate(keys):
         if key in keys[:i]:
-            raise InputError(
-                f"{name}.toml", f"row[{i}].key", f'"{key}"', "a key that no other row has", "rename one of the rows"
-            )
+            allowed, advice = "a key that no other row has", "rename one of the rows"
+            raise InputError(f"{name}.toml", f"row[{i}].key", f'"{key}"', allowed, advice)
     return rows
 
 
@@ -239,38 +238,28 @@ def _parse_row(table: str, data: Mapping[str, Any], raw: Mapping[str, Any], inde
                 raise refuse("low", allowed, "state both limits of the tolerance band", f"low {low} and high {high}")
             if 0.5 * (high - low) > WIDEST * abs(0.5 * (high + low)):
                 allowed = f"half the width of the band, (high - low)/2, up to {WIDEST:g} times its middle, (low + high)/2"
-                raise refuse(
-                    "low",
-                    allowed,
+                advice = (
                     'change the class to "open" (the number is shown, but not compared) and state the range in the remark, '
-                    "because nearly any value lies in a wider band",
-                    f"low {low} and high {high}",
+                    "because nearly any value lies in a wider band"
                 )
+                raise refuse("low", allowed, advice, f"low {low} and high {high}")
     elif "low" in raw or "high" in raw:
-        raise refuse(
-            "low" if "low" in raw else "high",
-            'only in a row of class "band"',
-            'remove the key, or change the class to "band"',
-        )
+        advice = 'remove the key, or change the class to "band"'
+        raise refuse("low" if "low" in raw else "high", 'only in a row of class "band"', advice)
     if cls == "as-printed" and not raw.get("remark"):
         advice = "state which mistake of the publication must be repeated to reproduce the number"
         raise refuse("remark", "a sentence", advice)
     if "verdict" in raw and raw["verdict"] not in VERDICTS:
         raise refuse("verdict", ", ".join(VERDICTS), "state the verdict that `rollbench check --printed` shows")
     if "contradicted" in raw and cls != "open":
-        raise refuse(
-            "contradicted",
-            'only in a row of class "open"',
-            "remove the key: in rows of other classes, the comparison with the computed value shows whether it contradicts "
-            "the publication",
-        )
+        advice = "remove the key: in rows of other classes, the comparison with the computed value shows a contradiction"
+        raise refuse("contradicted", 'only in a row of class "open"', advice)
     try:
         tolerance = raw.get("tolerance", half_unit_of_last_digit(printed) if printed else 0.0)
         value = float(printed) if printed else None
     except (ValueError, InvalidOperation):
-        raise refuse(
-            "printed", 'a number as text, e.g. "0.978"', 'write only the number here, and its unit in the key "unit"'
-        ) from None
+        advice = 'write only the number here, and its unit in the key "unit"'
+        raise refuse("printed", 'a number as text, e.g. "0.978"', advice) from None
     if not math.isfinite(tolerance) or tolerance < 0.0 or (value is not None and not math.isfinite(value)):
         raise refuse("tolerance", "a finite number, at least 0", "state an absolute tolerance in the unit of the row")
     source, place = str(data.get("source", "")), str(raw.get("place", data.get("place", "")))

@@ -10,10 +10,13 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from functools import cache, reduce
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
 from rollbench.meshes.quantity import QuantityDescription, quantity_descriptions
 from rollbench.reports.content import TableColumn
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
 
 
 class Unit(NamedTuple):
@@ -119,6 +122,10 @@ def _quantity_of_field(name: str, description: QuantityDescription) -> TableColu
     return TableColumn(description.key, *heading_and_unit(description), description.form, value)
 
 
+@overload
+def record_as_json(instance: None, *without: str) -> None: ...
+@overload
+def record_as_json(instance: DataclassInstance, *without: str) -> dict[str, Any]: ...
 def record_as_json(instance: Any, *without: str) -> dict[str, Any] | None:
     """Return the quantities of the record ``instance`` as JSON values by key; None if the record is None.
 
@@ -219,7 +226,7 @@ def _in_key_unit(value: Any, factor: float) -> Any:
     Numbers inside mappings, lists and arrays are multiplied, too, but whole numbers (int) are not. A record is converted to
     a dictionary in the units of its own keys.
     """
-    if is_dataclass(value):
+    if is_dataclass(value) and not isinstance(value, type):
         return record_as_json(value)
     if isinstance(value, Mapping):
         return {key: _in_key_unit(inner, factor) for key, inner in value.items()}

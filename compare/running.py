@@ -29,11 +29,8 @@ def gmsh_fault() -> str:
 
 def gmsh_install_advice() -> str:
     """Return advice on how to install gmsh, or the shared libraries that it lacks."""
-    return (
-        libraries.pip_command("gmsh")
-        if libraries.installed_version("gmsh") is None
-        else libraries.apt_command(libraries.MESHING)
-    )
+    installed = libraries.installed_version("gmsh") is not None
+    return libraries.apt_command(libraries.MESHING) if installed else libraries.pip_command("gmsh")
 
 
 def check_gmsh() -> None:
@@ -259,8 +256,6 @@ def _show_running_time(label: str, limit: float | None, done: threading.Event) -
 
 def _write_to_stderr(text: str) -> None:
     """Write a text to standard error, and ignore the error if that is closed."""
-    try:
+    with suppress(OSError, ValueError):  # nobody reads it any more
         sys.stderr.write(text)
         sys.stderr.flush()
-    except (OSError, ValueError):  # nobody reads it any more
-        return

@@ -1,9 +1,9 @@
 """Compliance of screw, nut and balls of the 3D reference under contact loads, by static condensation.
 
 Each body is meshed coarsely, with a refinement box (a pocket that a fine patch fills) at every contact, and condensed to
-the displacement modes of its patches. The stretch of the screw that is meshed in 3D is condensed to its end, supports and
-loads as well. The local compliance of a contact is condensed once for each flank, from the patches of its groove and
-its ball.
+a few displacement modes of each contact. The part of the screw that is meshed in 3D is also condensed to its upper end and
+to its supports and loads. The local compliance of a contact is computed once for each flank, from the patches of its groove
+and its ball.
 """
 
 from __future__ import annotations
@@ -17,21 +17,8 @@ import scipy.sparse as sp
 from skfem import Mesh, condense
 from skfem.models.poisson import mass
 
-from rollbench.hifi.bodies.coarse import (
-    BodySocket,
-    ContactSubmodel,
-    all_freedoms_from_free_ones,
-    all_freedoms_with_rigid_end,
-    assemble_body_stiffness,
-    assemble_mode_forces,
-    contact_compliance_in_fine_submodel,
-    contact_modes_of_patch,
-    convert_mesh_order,
-    degrees_of_freedom_of_nodes,
-    local_contact_compliance,
-    mode_compliance_in_coarse_submodel,
-    select_isostatic_freedoms,
-)
+from rollbench.hifi.bodies import coarse
+from rollbench.hifi.bodies.coarse import BodySocket, ContactSubmodel, contact_modes_of_patch, degrees_of_freedom_of_nodes
 from rollbench.hifi.bodies.grid_wave import GapCorrectionTable, tabulate_gap_corrections
 from rollbench.hifi.bodies.patch import CondensedPatch, condense_patch
 from rollbench.hifi.elements.forms import cell_basis
@@ -40,6 +27,7 @@ from rollbench.hifi.linear_algebra import symmetric_compliance_of_loads
 from rollbench.hifi.meshing import part_meshes
 from rollbench.hifi.meshing.settings import Settings
 from rollbench.hifi.shaft.mounting import MeshedShaftPart
+from rollbench.meshes import sockets
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.ball_body import CoarseBallMesh, mesh_ball_with_refinement_boxes
 from rollbench.meshes.fem import degrees_of_freedom_on_boundaries, node_coordinates, nodes_on_boundaries
@@ -48,7 +36,6 @@ from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.grooved_body import CoarseGroovedBodyMesh, mesh_grooved_body
 from rollbench.meshes.helix import BallLayout
 from rollbench.meshes.parts import Material, Nut, Scene
-from rollbench.meshes.sockets import RefinementBoxFaces, axial_reach_of_refinement_boxes, points_in_box_at_azimuth_zero
 from rollbench.meshes.solid import Dimensions
 
 #: Length of a submodel on either side of its refinement box, over the ball's radius, within which the coarse mesh's error
@@ -58,6 +45,12 @@ BEYOND = 1.5
 #: Factors on coordinates x, y, z by a turn of 180 degrees about the radius through a ball at azimuth 0, which maps left
 #: flanks onto right ones.
 TURN = np.array([1.0, -1.0, -1.0])
+
+#: Condensed fine meshes (patches) at the contacts of each flank, by the number of the flank.
+Patches = dict[int, CondensedPatch]
+
+#: Piece of a body around one contact, and the faces of its refinement box.
+Piece = tuple[ContactSubmodel, sockets.RefinementBoxFaces]
 
 SideArguments = tuple[GrooveMap, int, tuple[float, float], tuple[Material, Material], part_meshes.FlankSockets, Settings]
 
@@ -99,7 +92,7 @@ def condense_patches_of_flank(
     side: int,
     body_radii: tuple[float, float],
     materials: tuple[Material, Material],
-    sockets: part_meshes.FlankSockets,
+    boxes: part_meshes.FlankSockets,
     settings: Settings,
 ) -> FlankPatches:
     """Condense the fine meshes (patches) of groove and ball at one flank, and compute the local compliance of the contact.
@@ -115,7 +108,7 @@ def condense_patches_of_flank(
         nut.
     materials : tuple[Material, Material]
         Materials of the grooved body and of the ball.
-    sockets : FlankSockets
+    boxes : FlankSockets
         Refinement boxes of groove and ball.
     settings : Settings
         Mesh settings: cell sizes, modes and element type.
@@ -130,10 +123,11 @@ def condense_patches_of_flank(
     ValueError
         The contact nodes of groove and ball do not match, or a submodel cannot be meshed.
     """
-    groove_place = partial(points_in_box_at_azimuth_zero, m, sockets.socket_size, side)
-    ball_socket, place = part_meshes.ball_refinement_box_and_map(m, sockets.socket_size, side, sockets.relative_zone_size)
-    mesh = part_meshes.mesh_patch(sockets, sockets.groove_socket, groove_place, settings)
-    ball_mesh = part_meshes.mesh_patch(sockets, sockets.ball_socket, place, settings)
+    size = boxes.socket_size
+    on_groove = partial(sockets.points_in_box_at_azimuth_zero, m, size, side)
+    ball_box, on_ball = part_meshes.ball_refinement_box_and_map(m, size, side, boxes.relative_zone_size)
+    mesh = part_meshes.mesh_patch(boxes, boxes.groove_socket, on_groove, settings)
+    ball_mesh = part_meshes.mesh_patch(boxes, boxes.ball_socket, on_ball, settings)
     normals = part_meshes.contact_normals_of_patch(mesh, np.array([m.R, 0.0, 0.0]))
     ball_normals = part_meshes.contact_normals_of_patch(ball_mesh, np.zeros(3))
     spread = float(np.abs(ball_normals - normals).max())
@@ -142,74 +136,43 @@ def condense_patches_of_flank(
             f"the contact nodes of the meshes of ball and groove do not match: their unit normals differ by {spread:.1e}; "
             "allowed: up to 1e-9"
         )
-    e, b = materials
-    groove = condense_patch(
-        mesh,
-        normals,
-        *_youngs_modulus_and_poissons_ratio(e),
-        part_meshes.mesh_coarser_patch(sockets, sockets.groove_socket, groove_place, settings),
-    )
-    ball = condense_patch(
-        ball_mesh,
-        -normals,
-        *_youngs_modulus_and_poissons_ratio(b),
-        part_meshes.mesh_coarser_patch(sockets, sockets.ball_socket, place, settings),
-    )
+    of_body, of_ball = ((x.youngs_modulus, x.poissons_ratio) for x in materials)
+    carrier = part_meshes.mesh_coarser_patch(boxes, boxes.groove_socket, on_groove, settings)
+    groove = condense_patch(mesh, normals, *of_body, carrier)
+    carrier = part_meshes.mesh_coarser_patch(boxes, boxes.ball_socket, on_ball, settings)
+    ball = condense_patch(ball_mesh, -normals, *of_ball, carrier)
     if settings.element == "P1":  # the mesh of Lin's thesis is not changed
         return FlankPatches(groove, ball, groove.A + ball.A, None)
-    fine = replace(sockets.socket_size, edge_divisions=settings.own_cuts)
 
-    def mesh_groove_piece(scale: float, *, coarse: bool) -> tuple[ContactSubmodel, RefinementBoxFaces]:
-        size, sizes = (sockets.socket_size, (settings.fine, settings.coarse)) if coarse else (fine, settings.own_sizes)
-        half = max(axial_reach_of_refinement_boxes(m, sockets.socket_size, (side,))) + BEYOND * m.ball
-        spec = GroovedBodySpec(
-            *body_radii,
-            m.z0 - half,
-            m.z0 + half,
-            side < 2,
-            ((m.phase, m.z0, side),),
-            size,
-            scale * sizes[0],
-            scale * sizes[1],
-        )
+    def mesh_groove_piece(box: sockets.RefinementBoxSize, near: float, far: float) -> Piece:
+        half = max(sockets.axial_reach_of_refinement_boxes(m, size, (side,))) + BEYOND * m.ball
+        ends, place = (m.z0 - half, m.z0 + half), (m.phase, m.z0, side)
+        spec = GroovedBodySpec(*body_radii, *ends, side < 2, (place,), box, near, far)
         body: CoarseGroovedBodyMesh = mesh_grooved_body(m, spec)
-        return ContactSubmodel(
-            body.mesh, body.nodes_on_box_faces[0], part_meshes.rotation_about_z(m.phase), ("low end", "high end")
-        ), body.box_faces[side]
+        turn, fixed = part_meshes.rotation_about_z(m.phase), ("low end", "high end")
+        return ContactSubmodel(body.mesh, body.nodes_on_box_faces[0], turn, fixed), body.box_faces[side]
 
-    def mesh_ball_piece(scale: float, *, coarse: bool) -> tuple[ContactSubmodel, RefinementBoxFaces]:
-        sizes = (settings.ball_fine, settings.ball_coarse) if coarse else settings.own_ball_sizes
-        cuts = sockets.socket_size.edge_divisions if coarse else settings.own_cuts
-        body = mesh_ball_with_refinement_boxes(m, (ball_socket,), scale * sizes[0], scale * sizes[1], cuts)
+    def mesh_ball_piece(box: sockets.RefinementBoxSize, near: float, far: float) -> Piece:
+        body = mesh_ball_with_refinement_boxes(m, (ball_box,), near, far, box.edge_divisions)
         return ContactSubmodel(body.mesh, body.nodes_on_box_faces[side], np.eye(3), ()), body.box_faces[side]
 
+    fine_box = replace(size, edge_divisions=settings.own_cuts)
+    coarse_sizes, ball_sizes = (settings.fine, settings.coarse), (settings.ball_fine, settings.ball_coarse)
     local, total = np.zeros_like(groove.A), np.zeros_like(groove.A)
-    for piece_of, points_at, condensed, along, material, modes in (
-        (mesh_groove_piece, groove_place, groove, normals, e, settings.modes),
-        (mesh_ball_piece, place, ball, -normals, b, settings.ball_modes),
+    for mesh_piece, to_space, condensed, along, elastic, modes, fine_sizes, sizes in (
+        (mesh_groove_piece, on_groove, groove, normals, of_body, settings.modes, settings.own_sizes, coarse_sizes),
+        (mesh_ball_piece, on_ball, ball, -normals, of_ball, settings.ball_modes, settings.own_ball_sizes, ball_sizes),
     ):
-        piece, socket = piece_of(1.0, coarse=False)
-        C = contact_compliance_in_fine_submodel(
-            piece,
-            part_meshes.mesh_patch(sockets, socket, points_at, settings),
-            along,
-            *_youngs_modulus_and_poissons_ratio(material),
-        )
+        piece, box_faces = mesh_piece(fine_box, *fine_sizes)
+        fine_mesh = part_meshes.mesh_patch(boxes, box_faces, to_space, settings)
+        C = coarse.contact_compliance_in_fine_submodel(piece, fine_mesh, along, *elastic)
         V, rows = contact_modes_of_patch(condensed, modes)
-
-        def coarse_compliance(scale: float, piece_of=piece_of, condensed=condensed, rows=rows, material=material) -> Array:  # type: ignore[no-untyped-def]
-            return mode_compliance_in_coarse_submodel(
-                piece_of(scale, coarse=True)[0], condensed, rows, *_youngs_modulus_and_poissons_ratio(material)
-            )
-
-        local += local_contact_compliance(C, V, coarse_compliance)
+        scales = coarse.scales_of_coarse_submodels()
+        pieces = [mesh_piece(size, scale * sizes[0], scale * sizes[1])[0] for scale in scales]
+        G = [coarse.mode_compliance_in_coarse_submodel(each, condensed, rows, *elastic) for each in pieces]
+        local += coarse.local_contact_compliance(C, V, G)
         total += C
-    return FlankPatches(groove, ball, local, tabulate_gap_corrections(m, side, groove, total, b))
-
-
-def _youngs_modulus_and_poissons_ratio(material: Material) -> tuple[float, float]:
-    """Return Young's modulus [Pa] and Poisson's ratio of a material."""
-    return material.youngs_modulus, material.poissons_ratio
+    return FlankPatches(groove, ball, local, tabulate_gap_corrections(m, side, groove, total, materials[1]))
 
 
 def is_left_flank_after_half_turn(m: GrooveMap, side: int) -> bool:
@@ -269,12 +232,8 @@ def turn_patches_to_right_flank(patches: FlankPatches) -> FlankPatches:
     wave = patches.gap_correction
     if wave is not None:
         wave = replace(wave, middle_node=wave.middle_node * TURN, grid_directions=wave.grid_directions * TURN)
-    return FlankPatches(
-        turn_patch(patches.groove_patch),
-        turn_patch(patches.ball_patch),
-        patches.local_compliance[np.ix_(order, order)],
-        wave,
-    )
+    groove, ball = turn_patch(patches.groove_patch), turn_patch(patches.ball_patch)
+    return FlankPatches(groove, ball, patches.local_compliance[np.ix_(order, order)], wave)
 
 
 #: Boundaries of the nut's mesh that are fixed, by ``Solid.nut_held``.
@@ -322,6 +281,13 @@ class CondensedBody:
         """
         before = sum(V.shape[1] for V in list(self.modes_by_flank.values())[: list(self.modes_by_flank).index(side)])
         return np.asarray(ball * self.modes_per_ball + before + np.arange(self.modes_by_flank[side].shape[1]))
+
+    def compliance_blocks_of_contacts(self, side: int, ball_count: int) -> list[tuple[Index, ...]]:
+        """Return the indices of the block that each ball's contact on a flank has in the body's modal compliance matrix.
+
+        ``side``: groove flank (0 to 3); ``ball_count``: number of balls. The indices are those of `numpy.ix_`.
+        """
+        return [np.ix_(rows, rows) for rows in (self.mode_indices_of_contact(side, i) for i in range(ball_count))]
 
 
 @dataclass(frozen=True)
@@ -375,12 +341,7 @@ class CondensedBall(CondensedBody):
 
 
 def assemble_stiffness_and_contact_modes(
-    material: Material,
-    mesh: Mesh,
-    sockets: Sequence[BodySocket],
-    patches: dict[int, CondensedPatch],
-    count: int,
-    settings: Settings,
+    material: Material, mesh: Mesh, boxes: list[BodySocket], patches: Patches, count: int, settings: Settings
 ) -> tuple[sp.csc_array, sp.csr_array, dict[int, tuple[Array, Array]]]:
     """Assemble the stiffness of a body with its condensed fine meshes (patches), and its contacts' displacement modes.
 
@@ -390,9 +351,9 @@ def assemble_stiffness_and_contact_modes(
         Elastic material.
     mesh : Mesh
         Coarse body.
-    sockets : Sequence[BodySocket]
+    boxes : list[BodySocket]
         Refinement boxes of the body: pockets of its coarse mesh that the fine patches fill.
-    patches : dict[int, CondensedPatch]
+    patches : Patches
         Condensed fine mesh (patch) at the contacts of each flank.
     count : int
         Number of displacement modes of every contact.
@@ -408,15 +369,10 @@ def assemble_stiffness_and_contact_modes(
     by_flank : dict[int, tuple[Array, Array]]
         For each flank, the modes V and their rows Q, both in the frame of the patch.
     """
-    K = assemble_body_stiffness(
-        convert_mesh_order(mesh, part_meshes.element_type_of_bodies(settings)),
-        sockets,
-        patches,
-        material.youngs_modulus,
-        material.poissons_ratio,
-    )
+    body = coarse.convert_mesh_order(mesh, part_meshes.element_type_of_bodies(settings))
+    K = coarse.assemble_body_stiffness(body, boxes, patches, material.youngs_modulus, material.poissons_ratio)
     kept = {s: contact_modes_of_patch(p, count) for s, p in patches.items()}
-    return K, assemble_mode_forces(sockets, {s: k[1] for s, k in kept.items()}, K.shape[0]), kept
+    return K, coarse.assemble_mode_forces(boxes, {s: k[1] for s, k in kept.items()}, K.shape[0]), kept
 
 
 def condense_ball(
@@ -443,11 +399,10 @@ def condense_ball(
         The condensed ball.
     """
     ball_patches = {s: p.ball_patch for s, p in patches.items()}
-    sockets = [BodySocket(mesh.nodes_on_box_faces[s], np.eye(3), s) for s in ball_patches]
-    K, rows, kept = assemble_stiffness_and_contact_modes(
-        material, mesh.mesh, sockets, ball_patches, settings.ball_modes, settings
-    )
-    held = select_isostatic_freedoms(mesh.points, np.concatenate([s.node_indices for s in sockets]))
+    boxes = [BodySocket(mesh.nodes_on_box_faces[s], np.eye(3), s) for s in ball_patches]
+    modes = settings.ball_modes
+    K, rows, kept = assemble_stiffness_and_contact_modes(material, mesh.mesh, boxes, ball_patches, modes, settings)
+    held = coarse.select_isostatic_freedoms(mesh.points, np.concatenate([box.node_indices for box in boxes]))
     free = np.setdiff1d(np.arange(K.shape[0]), held)
     G = symmetric_compliance_of_loads(condense(K, D=held, expand=False), rows[:, free])
     return CondensedBall(G, {s: k[0] for s, k in kept.items()}, int(free.size))
@@ -461,7 +416,7 @@ def condense_screw(
     mesh: CoarseGroovedBodyMesh,
     layout: BallLayout,
     sides: tuple[int, ...],
-    patches: dict[int, CondensedPatch],
+    patches: Patches,
     settings: Settings,
     dims: Dimensions,
 ) -> CondensedScrew:
@@ -485,7 +440,7 @@ def condense_screw(
         Positions of the balls.
     sides : tuple[int, ...]
         Groove flanks (0, 1: screw, 2, 3: nut) that carry contacts.
-    patches : dict[int, CondensedPatch]
+    patches : Patches
         Condensed fine mesh (patch) at the contacts of each flank of the screw.
     settings : Settings
         Mesh settings: cell sizes, modes and element type.
@@ -498,29 +453,20 @@ def condense_screw(
         The condensed screw.
     """
     places = part_meshes.contact_positions_on_body(layout, sides, True)
-    K, modes, kept = assemble_stiffness_and_contact_modes(
-        material,
-        mesh.mesh,
-        part_meshes.refinement_boxes_at_contact_azimuths(mesh, places),
-        patches,
-        settings.modes,
-        settings,
-    )
+    boxes = part_meshes.refinement_boxes_at_contact_azimuths(mesh, places)
+    K, modes, kept = assemble_stiffness_and_contact_modes(material, mesh.mesh, boxes, patches, settings.modes, settings)
     low, high = end_positions
     bore = dims.screw_held == "bore"
     T = screw_freedoms_from_free_ones(mesh, dims, high)
     base = nut.position if bore else low
-    if bore:
-        ports: tuple[float, ...] = ()
-        observers: tuple[float, ...] = ()
-        rows = modes @ T
-    else:
-        ports = (high, *stations_inside)
-        half = nut.length / 2.0
-        observers = tuple(float(nut.position + x * half) for x in (-1.0, -0.5, 0.0, 0.5, 1.0))
+    ports = () if bore else (high, *stations_inside)
+    on_nut = tuple(float(nut.position + x * nut.length / 2.0) for x in (-1.0, -0.5, 0.0, 0.5, 1.0))
+    observers = () if bore else on_nut
+    rows = modes @ T
+    if not bore:
         end = sp.eye_array(T.shape[1], format="csr")[-6:]
         follow = [section_motion_matrix(mesh.mesh, z) @ T for z in (*stations_inside, *observers)]
-        rows = sp.vstack([modes @ T, end, *follow]).tocsr()
+        rows = sp.vstack([rows, end, *follow]).tocsr()
     K = (T.T @ K @ T).tocsc()  # frees the stiffness of the free body: a gigabyte with 400 contacts
     F = symmetric_compliance_of_loads(K, rows)
     rigid = np.asarray(modes @ nodal_displacements_of_rigid_motions(mesh.points, np.array([0.0, 0.0, base])))
@@ -528,9 +474,9 @@ def condense_screw(
     stretch = MeshedShaftPart(F, B, base, ports, observers, (low, high), modes.shape[0], moves_with_base=bore)
     starts = np.concatenate([[0], np.cumsum([kept[p[2]][1].shape[0] for p in places])])
     least = min(k[1].shape[0] for k in kept.values()) if kept else 0
-    about = np.array(
-        [rigid[starts[i] : starts[i] + least] @ rigid_motion_transfer_along_z(base - p[1]) for i, p in enumerate(places)]
-    ).reshape(len(places), least, 6)
+    about = np.zeros((len(places), least, 6))
+    for i, (_, z, _) in enumerate(places):
+        about[i] = rigid[starts[i] : starts[i] + least] @ rigid_motion_transfer_along_z(base - z)
     return CondensedScrew(stretch, {s: k[0] for s, k in kept.items()}, about, T.shape[1])
 
 
@@ -573,8 +519,8 @@ def screw_freedoms_from_free_ones(mesh: CoarseGroovedBodyMesh, dims: Dimensions,
     whose six motions about its centre come last.
     """
     if dims.screw_held == "bore":
-        return all_freedoms_from_free_ones(mesh.mesh, degrees_of_freedom_on_boundaries(mesh.mesh, "bore"))
-    return all_freedoms_with_rigid_end(mesh.mesh, high)
+        return coarse.all_freedoms_from_free_ones(mesh.mesh, degrees_of_freedom_on_boundaries(mesh.mesh, "bore"))
+    return coarse.all_freedoms_with_rigid_end(mesh.mesh, high)
 
 
 def points_clamped_by_bolts(x: Array, y: Array, seat: tuple[float, float], count: int) -> Array:
@@ -616,10 +562,9 @@ def nut_freedoms_from_free_ones(mesh: CoarseGroovedBodyMesh, dims: Dimensions) -
     on = (np.hypot(x, y) >= low - 1e-7) & (np.hypot(x, y) <= high + 1e-7)
     if bolts:
         on &= points_clamped_by_bolts(x, y, (low, high), int(bolts.split()[0]))
-    held = degrees_of_freedom_of_nodes(
-        np.union1d(nodes[on], nodes_on_boundaries(mesh.mesh, "centring")) if fit else nodes[on]
-    )
-    return all_freedoms_from_free_ones(mesh.mesh, held)
+    held_nodes = np.union1d(nodes[on], nodes_on_boundaries(mesh.mesh, "centring")) if fit else nodes[on]
+    held = degrees_of_freedom_of_nodes(held_nodes)
+    return coarse.all_freedoms_from_free_ones(mesh.mesh, held)
 
 
 def condense_nut(
@@ -627,7 +572,7 @@ def condense_nut(
     mesh: CoarseGroovedBodyMesh,
     layout: BallLayout,
     sides: tuple[int, ...],
-    patches: dict[int, CondensedPatch],
+    patches: Patches,
     settings: Settings,
     dims: Dimensions,
 ) -> CondensedNut:
@@ -643,7 +588,7 @@ def condense_nut(
         Positions of the balls.
     sides : tuple[int, ...]
         Groove flanks (0, 1: screw, 2, 3: nut) that carry contacts.
-    patches : dict[int, CondensedPatch]
+    patches : Patches
         Condensed fine mesh (patch) at the contacts of each flank of the nut.
     settings : Settings
         Mesh settings: cell sizes, modes and element type.
@@ -655,10 +600,9 @@ def condense_nut(
     CondensedNut
         The condensed nut.
     """
-    sockets = part_meshes.refinement_boxes_at_contact_azimuths(
-        mesh, part_meshes.contact_positions_on_body(layout, sides, False)
-    )
-    K, rows, kept = assemble_stiffness_and_contact_modes(material, mesh.mesh, sockets, patches, settings.modes, settings)
+    places = part_meshes.contact_positions_on_body(layout, sides, False)
+    boxes = part_meshes.refinement_boxes_at_contact_azimuths(mesh, places)
+    K, rows, kept = assemble_stiffness_and_contact_modes(material, mesh.mesh, boxes, patches, settings.modes, settings)
     T = nut_freedoms_from_free_ones(mesh, dims)
     K = (T.T @ K @ T).tocsc()
     rigid = np.asarray(rows @ nodal_displacements_of_rigid_motions(mesh.points, np.zeros(3)))

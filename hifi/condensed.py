@@ -37,9 +37,8 @@ def sampled_contact_forces(setup: CondensedGeometry, side: int) -> Array:
 
     ``side``: groove flank, 0 or 1 on the screw, 2 or 3 on the nut.
     """
-    return grid_wave.forces_resolved_by_grid(
-        setup.groove_map, side, setup.patches_by_flank[side].groove_patch, setup.scene.balls.material, SAMPLES
-    )
+    patch, material = setup.patches_by_flank[side].groove_patch, setup.scene.balls.material
+    return grid_wave.forces_resolved_by_grid(setup.groove_map, side, patch, material, SAMPLES)
 
 
 def _unit_hertz_approach(setup: CondensedGeometry, side: int) -> float:
@@ -119,9 +118,7 @@ def mean_contact_compliance_of_body(setup: CondensedGeometry, side: int, nodal_s
     if body is None:
         return 0.0
     z = body.modes_by_flank[side].T @ nodal_shares
-    own = [
-        np.ix_(rows, rows) for rows in (body.mode_indices_of_contact(side, i) for i in range(setup.ball_positions.z.size))
-    ]
+    own = body.compliance_blocks_of_contacts(side, setup.ball_positions.z.size)
     return float(np.mean([z @ body.G[block] @ z for block in own]))
 
 
@@ -169,7 +166,7 @@ def contact_compliance_of_bodies(setup: CondensedGeometry, nodal_shares: dict[in
 
 
 def unexplained_approach_over_force(setup: CondensedGeometry, nodal_shares: dict[int, Array]) -> tuple[Array, Array]:
-    """Compute the part of each contact's approach, over the force, that Hertz's law and body compliance do not explain.
+    """Compute the approach that Hertz's law and the bodies' compliance do not explain, divided by the contact force.
 
     Parameters
     ----------
@@ -186,18 +183,14 @@ def unexplained_approach_over_force(setup: CondensedGeometry, nodal_shares: dict
     force : (k, f) Array
         These forces [N].
     """
-    loads = np.array([sampled_contact_forces(setup, s) for s in setup.loaded_flanks])
-    extra = np.array(
-        [
-            (approaches_with_fixed_bodies(setup, s, f) - _unit_hertz_approach(setup, s) * np.cbrt(f) ** 2) / f
-            for s, f in zip(setup.loaded_flanks, loads, strict=True)
-        ]
-    )
+    sides = setup.loaded_flanks
+    loads = np.array([sampled_contact_forces(setup, s) for s in sides])
+    extra = np.empty_like(loads)
+    for row, s, f in zip(extra, sides, loads, strict=True):
+        row[:] = (approaches_with_fixed_bodies(setup, s, f) - _unit_hertz_approach(setup, s) * np.cbrt(f) ** 2) / f
     fixed = contact_compliance_of_bodies(setup, nodal_shares)
     for k in range(loads.shape[1]):
-        at_load = {
-            s: hertz_shares_of_nodes(setup, s, float(f)) for s, f in zip(setup.loaded_flanks, loads[:, k], strict=True)
-        }
+        at_load = {s: hertz_shares_of_nodes(setup, s, float(f)) for s, f in zip(sides, loads[:, k], strict=True)}
         extra[:, k] += contact_compliance_of_bodies(setup, at_load) - fixed
     return extra, loads
 
@@ -243,9 +236,8 @@ def collect_condensed_bodies(setup: CondensedGeometry, level: int) -> CondensedB
     CondensedBodies
         Compliances of screw, nut and balls, as written to a file.
     """
-    spreads = {
-        s: hertz_shares_of_nodes(setup, s, float(np.median(sampled_contact_forces(setup, s)))) for s in setup.loaded_flanks
-    }
+    middle = {s: float(np.median(sampled_contact_forces(setup, s))) for s in setup.loaded_flanks}
+    spreads = {s: hertz_shares_of_nodes(setup, s, load) for s, load in middle.items()}
     local, forces = unexplained_approach_over_force(setup, spreads)
     N = setup.ball_positions.z.size
     nut = np.zeros((N * sum(s >= 2 for s in setup.loaded_flanks),) * 2)

@@ -8,14 +8,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import pairwise
 
 import numpy as np
 import scipy.sparse as sp
 from scipy.linalg import block_diag
 
+from rollbench.hifi.bodies.patch import CondensedPatch
 from rollbench.hifi.condensation import CondensedBody
-from rollbench.hifi.contact.balls import BallContactCompliance, ContactCompliance, contact_compliance_of_coupled_balls
+from rollbench.hifi.contact import balls
+from rollbench.hifi.contact.balls import BallContactCompliance, ContactCompliance, consecutive_slices
 from rollbench.hifi.elements.forms import normalise_weight_rows
 from rollbench.hifi.meshing.part_meshes import rotation_about_z
 from rollbench.hifi.setup import CondensedGeometry
@@ -49,13 +50,15 @@ class PlacedNut:
         """Number of balls of the nut or bearing."""
         return self.geometry.ball_positions.z.size
 
+    def groove_patch(self, side: int) -> CondensedPatch:
+        """Return the condensed fine mesh (patch) of the groove at the contacts on a flank (0 to 3)."""
+        return self.geometry.patches_by_flank[side].groove_patch
+
     @cached_property
     def node_slices_of_flanks(self) -> tuple[tuple[slice, int], ...]:
         """For each flank: the slice of one ball's contact nodes that lie on it, and the number of the flank (0 to 3)."""
-        ends = np.cumsum(
-            [0] + [len(self.geometry.patches_by_flank[s].groove_patch.A) for s in self.closable_flanks]
-        ).tolist()
-        return tuple((slice(a, b), s) for (a, b), s in zip(pairwise(ends), self.closable_flanks, strict=True))
+        slices = consecutive_slices([len(self.groove_patch(s).A) for s in self.closable_flanks])
+        return tuple(zip(slices, self.closable_flanks, strict=True))
 
     @property
     def nodes_per_ball(self) -> int:
@@ -89,9 +92,8 @@ def assemble_contact_compliance(
     for p in sets:
         nut = p.geometry.condensed_nut
         first = (screw, held if p.housing_index is None else carried)
-        block = compliance_block_of_ball(
-            p.geometry, p.closable_flanks, rigid=bool(leave_out & {"finite ball", "patch coupling"})
-        )
+        rigid_ball = bool(leave_out & {"finite ball", "patch coupling"})
+        block = compliance_block_of_ball(p.geometry, p.closable_flanks, rigid=rigid_ball)
         for i in range(p.ball_count):
             pieces = []
             for nodes, s in p.node_slices_of_flanks:
@@ -103,15 +105,16 @@ def assemble_contact_compliance(
             blocks.append(block)
             modes.append(np.hstack(pieces))
         screw += p.geometry.condensed_screw.stretch.mode_count
-        if nut is not None and p.housing_index is None:
-            couplings.append(
-                compliance_without_contact_coupling(nut.G, nut) if leave_out & {"elastic nut", "patch coupling"} else nut.G
-            )
-            held += len(nut.G)
-        elif nut is not None:
+        if nut is None:
+            continue
+        if p.housing_index is not None:
             carried += len(nut.G)
+            continue
+        uncoupled = leave_out & {"elastic nut", "patch coupling"}
+        couplings.append(compliance_without_contact_coupling(nut.G, nut) if uncoupled else nut.G)
+        held += len(nut.G)
     pick = np.concatenate(rows)
-    return contact_compliance_of_coupled_balls(blocks, modes, block_diag(*couplings)[np.ix_(pick, pick)]), pick
+    return balls.contact_compliance_of_coupled_balls(blocks, modes, block_diag(*couplings)[np.ix_(pick, pick)]), pick
 
 
 def compliance_block_of_ball(setup: CondensedGeometry, sides: tuple[int, ...], *, rigid: bool) -> BallContactCompliance:
@@ -158,10 +161,7 @@ def compliance_without_contact_coupling(compliance: Array, body: CondensedBody) 
     """
     out = np.zeros_like(compliance)
     for s in body.modes_by_flank:
-        own = [
-            np.ix_(rows, rows)
-            for rows in (body.mode_indices_of_contact(s, i) for i in range(len(compliance) // body.modes_per_ball))
-        ]
+        own = body.compliance_blocks_of_contacts(s, len(compliance) // body.modes_per_ball)
         mean = np.mean([compliance[block] for block in own], axis=0)
         for block in own:
             out[block] = mean
@@ -258,9 +258,7 @@ def average_over_pressure_functions(p: PlacedNut, values: Array) -> Array:
     out = np.empty_like(values)
     for nodes, s in p.node_slices_of_flanks:
         by_node = np.moveaxis(values[:, nodes], 1, 0)
-        mean = normalise_weight_rows(p.geometry.patches_by_flank[s].groove_patch.pressure_weights) @ by_node.reshape(
-            len(by_node), -1
-        )
+        mean = normalise_weight_rows(p.groove_patch(s).pressure_weights) @ by_node.reshape(len(by_node), -1)
         out[:, nodes] = np.moveaxis(mean.reshape(by_node.shape), 0, 1)
     return out
 
@@ -317,16 +315,12 @@ def vectors_from_ball_centre_to_nodes(p: PlacedNut, parts_with_errors: GeometryW
     nominal_centres, radii = nominal_groove_centres(p.geometry.scene), nominal_groove_radii(p.geometry.scene)
     rows = []
     for s in p.closable_flanks:
-        local = p.geometry.patches_by_flank[s].groove_patch.contact_points - np.array([m.R, 0.0, 0.0])
+        local = p.groove_patch(s).contact_points - np.array([m.R, 0.0, 0.0])
         offset = parts_with_errors.groove_centres[:, s] - nominal_centres[s]
         shift = offset[:, :1, None] * x3 + offset[:, 1:, None] * z3
         gamma, _ = m.section_to_polar(s, local @ x3, local @ z3)
-        inward = (
-            radii[s]
-            - groove_radius_with_slopes(
-                gamma, parts_with_errors.groove_radii[s], parts_with_errors.profile_coefficients[s]
-            )[0]
-        )
+        real = parts_with_errors.groove_radii[s], parts_with_errors.profile_coefficients[s]
+        inward = radii[s] - groove_radius_with_slopes(gamma, *real)[0]
         sx, sz = m.signs[s]
         outward = sx * np.cos(gamma)[:, None] * x3 + sz * np.sin(gamma)[:, None] * z3
         by_nut = p.nut_offset * np.cos(m.alpha) * z3 if s >= 2 else np.zeros(3)
@@ -380,9 +374,8 @@ def normal_motion_by_rigid_motions(p: PlacedNut, normals: Array, origin: float, 
             continue
         for i in range(p.ball_count):
             R = rotation_about_z(float(layout.azimuth[i]))
-            x = p.geometry.patches_by_flank[s].groove_patch.contact_points @ R.T + np.array(
-                [0.0, 0.0, layout.z[i] - (origin - p.origin_on_shaft)]
-            )
+            arm = np.array([0.0, 0.0, layout.z[i] - (origin - p.origin_on_shaft)])
+            x = p.groove_patch(s).contact_points @ R.T + arm
             d = normals[i, nodes] @ R.T
             out[i, nodes, :3], out[i, nodes, 3:] = d, np.cross(x, d)
     return out
@@ -395,7 +388,7 @@ def ball_motion_relative_to_grooves(
 
     The part across the track turns the contact normals. The part along the track has no effect: a groove is invariant
     under its helical motion, which changes no gap and in which frictionless contact forces do no work, so that every
-    contact stays level with its ball.
+    contact stays in the section of the track in which its ball lies.
 
     Linear kinematics alone would give wrong normals: a screw that winds up by an angle theta moves its contacts, at the
     pitch radius R, by R theta/2 along the track and by R theta^2/2 out of the section in which they lie. The motion could
@@ -423,9 +416,8 @@ def ball_motion_relative_to_grooves(
     motion = np.zeros((len(ball_displacements), len(p.node_slices_of_flanks), 3))
     for k, (nodes, _) in enumerate(p.node_slices_of_flanks):
         for i in range(len(ball_displacements)):
-            motion[i, k] = (
-                ball_displacements[i] - np.linalg.lstsq(normals[i, nodes], normal_motions[i, nodes], rcond=1e-6)[0]
-            )
+            of_groove = np.linalg.lstsq(normals[i, nodes], normal_motions[i, nodes], rcond=1e-6)[0]
+            motion[i, k] = ball_displacements[i] - of_groove
     y3 = p.geometry.groove_map.section_axes()[1]
     slid = motion @ y3
     shift = motion - slid[..., None] * y3
@@ -439,5 +431,5 @@ def track_velocity_at_nodes(p: PlacedNut) -> Array:
     The velocities are in the ball's frame, and scaled so that the speed at the ball's centre is 1.
     """
     m = p.geometry.groove_map
-    x = np.concatenate([p.geometry.patches_by_flank[s].groove_patch.contact_points for s in p.closable_flanks])
+    x = np.concatenate([p.groove_patch(s).contact_points for s in p.closable_flanks])
     return np.asarray(np.stack([-x[:, 1], x[:, 0], np.full(len(x), m.rg)], axis=1) * (np.cos(m.alpha) / m.R))

@@ -1,15 +1,14 @@
 """Displacements and stresses of the 3D reference, recovered from its contact loads.
 
-The condensed equations are solved once more, with one right-hand side: the coarse body q under the modal forces of all
-its contacts, K q = H^T f, then each patch under its contact loads and the displacement of its refinement box. All stresses
-are linear elastic, of nominal geometry; rigid motions, which cause no strain, are left out.
+The equations are solved once more, with one right-hand side: first the coarse mesh of a body under the forces that all its
+contacts exert on it through their displacement modes, then each patch under its contact loads and the displacement of its
+refinement box. All stresses are linear elastic, of nominal geometry; rigid motions, which cause no strain, are left out.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
 from functools import partial
-from itertools import pairwise
 
 import numpy as np
 import scipy.sparse as sp
@@ -24,6 +23,7 @@ from rollbench.hifi.elements import forms
 from rollbench.hifi.elements.forms import isotropic_stress_law, normalise_weight_rows
 from rollbench.hifi.linear_algebra import factorise_positive_definite
 from rollbench.hifi.meshing import part_meshes
+from rollbench.hifi.meshing.part_meshes import PartMeshes
 from rollbench.hifi.meshing.settings import Settings
 from rollbench.hifi.reference import ReferenceResult
 from rollbench.hifi.setup import CondensedGeometry
@@ -138,9 +138,9 @@ def contact_node_forces_by_flank(setup: CondensedGeometry, result: ReferenceResu
     dict[int, Array]
         By flank (0 to 3), the forces at the c contact nodes of each ball ``(balls, c)`` [N].
     """
-    ends = np.cumsum([0] + [len(setup.patches_by_flank[s].groove_patch.A) for s in result.closable_flanks])
+    ends = np.cumsum([len(setup.patches_by_flank[s].groove_patch.A) for s in result.closable_flanks])
     rows = result.contact_solution.forces.reshape(setup.ball_positions.z.size, -1)
-    return {s: rows[:, a:b] for s, (a, b) in zip(result.closable_flanks, pairwise(ends), strict=True)}
+    return dict(zip(result.closable_flanks, np.split(rows, ends[:-1], axis=1), strict=True))
 
 
 def nodal_displacements_of_screw(
@@ -173,9 +173,8 @@ def nodal_displacements_of_screw(
     """
     refuse_supports_beyond_low_end(scene or setup.scene, setup.solid_dimensions)
     high = setup.solid_dimensions.ends_of_meshed_screw(setup.scene)[1]
-    return _nodal_displacements_of_coarse_body(
-        setup, mesh, forces, condensation.screw_freedoms_from_free_ones(mesh, setup.solid_dimensions, high), screw=True
-    )
+    T = condensation.screw_freedoms_from_free_ones(mesh, setup.solid_dimensions, high)
+    return _nodal_displacements_of_coarse_body(setup, mesh, forces, T, screw=True)
 
 
 def refuse_supports_beyond_low_end(scene: Scene, dims: Dimensions) -> None:
@@ -215,9 +214,8 @@ def nodal_displacements_of_nut(setup: CondensedGeometry, mesh: CoarseGroovedBody
     (n, 3) Array
         Displacements [m].
     """
-    return _nodal_displacements_of_coarse_body(
-        setup, mesh, forces, condensation.nut_freedoms_from_free_ones(mesh, setup.solid_dimensions), screw=False
-    )
+    T = condensation.nut_freedoms_from_free_ones(mesh, setup.solid_dimensions)
+    return _nodal_displacements_of_coarse_body(setup, mesh, forces, T, screw=False)
 
 
 def _nodal_displacements_of_coarse_body(
@@ -231,12 +229,10 @@ def _nodal_displacements_of_coarse_body(
     """
     material = (setup.scene.screw if screw else setup.scene.nut).material
     patches = {s: p.groove_patch for s, p in setup.patches_by_flank.items() if (s < 2) == screw}
-    sockets = part_meshes.refinement_boxes_at_contact_azimuths(
-        mesh, part_meshes.contact_positions_on_body(setup.ball_positions, setup.loaded_flanks, screw)
-    )
-    K, Q, kept = condensation.assemble_stiffness_and_contact_modes(
-        material, mesh.mesh, sockets, patches, setup.mesh_settings.modes, setup.mesh_settings
-    )
+    places = part_meshes.contact_positions_on_body(setup.ball_positions, setup.loaded_flanks, screw)
+    boxes = part_meshes.refinement_boxes_at_contact_azimuths(mesh, places)
+    modes, settings = setup.mesh_settings.modes, setup.mesh_settings
+    K, Q, kept = condensation.assemble_stiffness_and_contact_modes(material, mesh.mesh, boxes, patches, modes, settings)
     amplitude = [
         kept[s][0].T @ (forces[s][i] if s in forces else np.zeros(len(patches[s].A)))
         for i in range(setup.ball_positions.z.size)
@@ -246,7 +242,7 @@ def _nodal_displacements_of_coarse_body(
     return np.asarray(T @ q).reshape(-1, 3)
 
 
-def mesh_groove_patch(setup: CondensedGeometry, meshes: part_meshes.PartMeshes, side: int) -> PatchMesh:
+def mesh_groove_patch(setup: CondensedGeometry, meshes: PartMeshes, side: int) -> PatchMesh:
     """Create the fine mesh (patch) of the groove around a contact on one flank, for a ball at azimuth 0 and z = 0.
 
     Parameters
@@ -264,29 +260,19 @@ def mesh_groove_patch(setup: CondensedGeometry, meshes: part_meshes.PartMeshes, 
         Fine mesh (patch) around the contact.
     """
     body = meshes.screw_mesh if side < 2 else meshes.nut_mesh
-    return part_meshes.mesh_patch(
-        meshes,
-        body.box_faces[side],
-        partial(points_in_box_at_azimuth_zero, setup.groove_map, meshes.socket_size, side),
-        setup.mesh_settings,
-    )
+    to_space = partial(points_in_box_at_azimuth_zero, setup.groove_map, meshes.socket_size, side)
+    return part_meshes.mesh_patch(meshes, body.box_faces[side], to_space, setup.mesh_settings)
 
 
-def mesh_ball_patch(setup: CondensedGeometry, meshes: part_meshes.PartMeshes, side: int) -> PatchMesh:
+def mesh_ball_patch(setup: CondensedGeometry, meshes: PartMeshes, side: int) -> PatchMesh:
     """Create the fine mesh (patch) of the ball at its contact with a flank (0 to 3); the ball's centre is the origin."""
-    place = part_meshes.ball_refinement_box_and_map(setup.groove_map, meshes.socket_size, side, meshes.relative_zone_size)[
-        1
-    ]
-    return part_meshes.mesh_patch(meshes, meshes.ball_mesh.box_faces[side], place, setup.mesh_settings)
+    size, zone = meshes.socket_size, meshes.relative_zone_size
+    _, to_space = part_meshes.ball_refinement_box_and_map(setup.groove_map, size, side, zone)
+    return part_meshes.mesh_patch(meshes, meshes.ball_mesh.box_faces[side], to_space, setup.mesh_settings)
 
 
 def stress_field_of_groove_patch(
-    setup: CondensedGeometry,
-    meshes: part_meshes.PartMeshes,
-    body_displacements: Array,
-    ball: int,
-    side: int,
-    forces: dict[int, Array],
+    setup: CondensedGeometry, meshes: PartMeshes, body_displacements: Array, ball: int, side: int, forces: dict[int, Array]
 ) -> SolidField:
     """Compute displacements and stresses in the fine mesh (patch) of a groove at the contact with one ball.
 
@@ -322,27 +308,21 @@ def stress_field_of_groove_patch(
 
 
 def _stress_field_of_patch(
-    mesh: PatchMesh, normals: Array, material: Material, forces: Array, socket_displacements: Array
+    mesh: PatchMesh, normals: Array, material: Material, forces: Array, box_displacements: Array
 ) -> SolidField:
     """Compute displacements and stresses of a fine patch under its contact loads and the motion of its boundary.
 
     ``normals``: directions of the loads at the c contact nodes (c, 3); ``forces``: these loads (c,) [N];
-    ``socket_displacements``: displacements of the k nodes of the refinement box that the patch fills, in the patch's frame
+    ``box_displacements``: displacements of the k nodes of the refinement box that the patch fills, in the patch's frame
     (3 k,) [m].
     """
-    u = nodal_displacements_of_patch(
-        mesh, normals, material.youngs_modulus, material.poissons_ratio, forces, socket_displacements
-    )
+    elastic = material.youngs_modulus, material.poissons_ratio
+    u = nodal_displacements_of_patch(mesh, normals, *elastic, forces, box_displacements)
     return SolidField(mesh.points, mesh.cells, mesh.element_type, u, nodal_stress(mesh.mesh, u, material))
 
 
 def stress_field_near_ball(
-    setup: CondensedGeometry,
-    mesh: CoarseGroovedBodyMesh,
-    displacements: Array,
-    ball: int,
-    material: Material,
-    max_distance: float,
+    setup: CondensedGeometry, mesh: CoarseGroovedBodyMesh, displacements: Array, ball: int, material: Material, reach: float
 ) -> SolidField:
     """Return displacements and stresses in the coarse mesh of screw or nut near one ball.
 
@@ -360,7 +340,7 @@ def stress_field_near_ball(
         Number of the ball, from 0.
     material : Material
         Elastic material.
-    max_distance : float
+    reach : float
         Largest distance from the ball's centre at which cells are included [m].
 
     Returns
@@ -370,11 +350,10 @@ def stress_field_near_ball(
     """
     R = part_meshes.rotation_about_z(float(setup.ball_positions.azimuth[ball]))
     points = (mesh.points - np.array([0.0, 0.0, setup.ball_positions.z[ball]])) @ R
-    near = np.linalg.norm(points - np.array([setup.groove_map.R, 0.0, 0.0]), axis=1) < max_distance
+    near = np.linalg.norm(points - np.array([setup.groove_map.R, 0.0, 0.0]), axis=1) < reach
     elements = np.flatnonzero(near[mesh.cells].any(axis=1))
-    body = coarse.convert_mesh_order(
-        with_node_coordinates(mesh.mesh, points), kind := part_meshes.element_type_of_bodies(setup.mesh_settings)
-    )
+    kind = part_meshes.element_type_of_bodies(setup.mesh_settings)
+    body = coarse.convert_mesh_order(with_node_coordinates(mesh.mesh, points), kind)
     if kind == "P1":  # eight first-order cells for each second-order one
         elements = (8 * elements[:, None] + np.arange(8)).ravel()
     stress = nodal_stress(body, displacements @ R, material, elements)
@@ -383,7 +362,7 @@ def stress_field_near_ball(
 
 
 def stress_fields_of_ball(
-    setup: CondensedGeometry, meshes: part_meshes.PartMeshes, ball: int, forces: dict[int, Array]
+    setup: CondensedGeometry, meshes: PartMeshes, ball: int, forces: dict[int, Array]
 ) -> dict[int | None, SolidField]:
     """Compute displacements and stresses in the coarse mesh and the fine contact meshes of one ball.
 
@@ -408,10 +387,10 @@ def stress_fields_of_ball(
     material, mesh = setup.scene.balls.material, meshes.ball_mesh
     e, nu = material.youngs_modulus, material.poissons_ratio
     patches: dict[int, CondensedPatch] = {s: p.ball_patch for s, p in setup.patches_by_flank.items()}
-    sockets = [coarse.BodySocket(mesh.nodes_on_box_faces[s], np.eye(3), s) for s in patches]
+    boxes = [coarse.BodySocket(mesh.nodes_on_box_faces[s], np.eye(3), s) for s in patches]
     body = coarse.convert_mesh_order(mesh.mesh, kind := part_meshes.element_type_of_bodies(setup.mesh_settings))
-    K = coarse.assemble_body_stiffness(body, sockets, patches, e, nu)
-    held = coarse.select_isostatic_freedoms(mesh.points, np.concatenate([s.node_indices for s in sockets]))
+    K = coarse.assemble_body_stiffness(body, boxes, patches, e, nu)
+    held = coarse.select_isostatic_freedoms(mesh.points, np.concatenate([box.node_indices for box in boxes]))
     free = np.setdiff1d(np.arange(K.shape[0]), held)
     load = np.zeros(K.shape[0])
     for s, patch in patches.items():
@@ -420,15 +399,13 @@ def stress_fields_of_ball(
     u = np.zeros(K.shape[0])
     u[free] = factorise_positive_definite(condense(K, D=held, expand=False))(load[free])
     u = u.reshape(-1, 3)
-    by_side: dict[int | None, SolidField] = {
-        None: SolidField(mesh.points, nodes_of_cells(body), kind, u, nodal_stress(body, u, material))
-    }
+    whole = SolidField(mesh.points, nodes_of_cells(body), kind, u, nodal_stress(body, u, material))
+    by_side: dict[int | None, SolidField] = {None: whole}
     for s in forces:
         piece = mesh_ball_patch(setup, meshes, s)
         normals = -part_meshes.contact_normals_of_patch(piece, np.zeros(3))
-        by_side[s] = _stress_field_of_patch(
-            piece, normals, material, forces[s][ball], u[mesh.nodes_on_box_faces[s]].ravel()
-        )
+        at_box = u[mesh.nodes_on_box_faces[s]].ravel()
+        by_side[s] = _stress_field_of_patch(piece, normals, material, forces[s][ball], at_box)
     return by_side
 
 
@@ -499,9 +476,8 @@ def pressure_from_nodal_forces(
     centre = np.array([nodal @ across, nodal @ along]) / nodal.sum()
     material = scene.balls.material
     closed = solve_hertz(load, *m.relative_curvature_radii(side, angle), material.youngs_modulus, material.poissons_ratio)
-    return ContactPressure(
-        across, along, forces / patch.nodal_areas, centre, load, closed, patch.nodal_areas, patch.contact_grid_shape
-    )
+    areas, shape = patch.nodal_areas, patch.contact_grid_shape
+    return ContactPressure(across, along, forces / areas, centre, load, closed, areas, shape)
 
 
 def contact_pressures_of_ball(
@@ -545,38 +521,33 @@ def contact_pressures_of_ball(
     row = slice(ball, ball + 1)
     layout = BallLayout(*(getattr(all_balls, x.name)[row] for x in fields(BallLayout)))
     meshes = part_meshes.mesh_parts(scene, m, layout, dims, sides, settings)
-    patches = {
-        s: condensation.condense_patches_of_flank(
-            *condensation.collect_flank_condensation_arguments(scene, m, dims, meshes, s, settings)
-        )
-        for s in sides
-    }
+    patches = {}
+    for s in sides:
+        given = condensation.collect_flank_condensation_arguments(scene, m, dims, meshes, s, settings)
+        patches[s] = condensation.condense_patches_of_flank(*given)
     whole_ball = condensation.condense_ball(scene.balls.material, meshes.ball_mesh, patches, settings)
-    block = balls.BallContactCompliance(
-        tuple(patches[s].local_compliance for s in sides), tuple(whole_ball.modes_by_flank[s] for s in sides), whole_ball.G
-    )
+    local, modes = (patches[s].local_compliance for s in sides), (whole_ball.modes_by_flank[s] for s in sides)
+    block = balls.BallContactCompliance(tuple(local), tuple(modes), whole_ball.G)
     x3, _, z3 = m.section_axes()
-    gaps, N, f, start = [], np.zeros((len(block), 3 * len(sides))), np.zeros(3 * len(sides)), 0
-    for k, s in enumerate(sides):
+    gaps, N, f = [], np.zeros((len(block), 3 * len(sides))), np.zeros(3 * len(sides))
+    pairs_of_flank = dict(zip(sides, block.pair_slices_by_flank, strict=True))
+    for k, (s, pairs) in enumerate(pairs_of_flank.items()):
         groove = patches[s].groove_patch
         mean = normalise_weight_rows(groove.pressure_weights)
         arms = groove.contact_points - np.array([m.R, 0.0, 0.0])
         length = np.linalg.norm(arms, axis=1)
-        pairs, columns = slice(start, start + length.size), slice(3 * k, 3 * k + 3)
+        columns = slice(3 * k, 3 * k + 3)
         N[pairs, columns] = mean @ (arms / length[:, None])
         sx, sz = m.signs[s]
         f[columns] = loads[s] * (sx * np.cos(angles[s]) * x3 + sz * np.sin(angles[s]) * z3)
         gaps.append(mean @ (length - m.ball))
-        start = pairs.stop
-    result, _ = balls.solve_contacts_of_all_balls(
-        balls.contact_compliance_of_single_ball(block), np.concatenate(gaps), sp.csr_array(N), f
-    )
+    C = balls.contact_compliance_of_single_ball(block)
+    result, _ = balls.solve_contacts_of_all_balls(C, np.concatenate(gaps), sp.csr_array(N), f)
     if not result.converged:
         raise ValueError(f"the contact pressures of ball {ball + 1} cannot be computed: {result.status}")
-    ends = np.cumsum([0] + [len(patches[s].groove_patch.A) for s in sides])
     return {
-        s: pressure_from_nodal_forces(scene, m, s, patches[s].groove_patch, result.forces[a:b])
-        for s, (a, b) in zip(sides, pairwise(ends), strict=True)
+        s: pressure_from_nodal_forces(scene, m, s, patches[s].groove_patch, result.forces[pairs])
+        for s, pairs in pairs_of_flank.items()
     }
 
 

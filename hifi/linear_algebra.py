@@ -350,9 +350,8 @@ def _eliminate_fronts(K: sp.csc_array, B: sp.csr_array, symbolic_factor: Symboli
         loaded, load_of, loads = _entries_of_rows_or_columns(B, freedoms)
         border = np.unique(np.concatenate([loaded, *(child.load_columns for child in children)]))
         left = rows.size - count
-        panel, block, bordering = (
-            np.zeros(shape, order="F") for shape in ((rows.size, count), (left, left), (border.size, rows.size))
-        )
+        shapes = (rows.size, count), (left, left), (border.size, rows.size)
+        panel, block, bordering = (np.zeros(shape, order="F") for shape in shapes)
         coupled, column, stiffness = _entries_of_rows_or_columns(K, freedoms)
         at = place[coupled]
         kept = at >= low
@@ -381,7 +380,7 @@ def _entries_of_rows_or_columns(A: sp.csc_array | sp.csr_array, lines: Index) ->
     begin = A.indptr[lines]
     count = A.indptr[lines + 1] - begin
     of = np.repeat(np.arange(lines.size), count)
-    at = np.arange(of.size) + np.repeat(begin - np.cumsum(count) + count, count)
+    at = _concatenate_ranges(begin, count)
     return A.indices[at].astype(np.int64), of, A.data[at]
 
 
@@ -426,21 +425,17 @@ T = TypeVar("T")
 
 Solve = Callable[[Array], Array]
 
+#: Number of degrees of freedom below which SuperLU is as fast as multifrontal elimination for one right-hand side.
 SMALL = 3_000
 
-"""Degrees of freedom below which SuperLU is as fast as multifrontal elimination for one right-hand side."""
-
+#: Number of entries of all right-hand sides below which SuperLU is as fast as multifrontal elimination for them.
 FEW = 100_000
 
-"""Entries of all right-hand sides below which SuperLU is as fast as multifrontal elimination for them."""
-
+#: Response to a unit load, of the matrix scaled to a unit diagonal, above which the matrix counts as singular.
 SINGULAR = 1e13
 
-"""Response to a unit load, of the matrix scaled to a unit diagonal, above which the matrix counts as singular."""
-
+#: Largest relative error of a known solution by multifrontal elimination: soft bodies lose up to half the digits.
 CHECKED = 1e-5
-
-"""Largest relative error of a known solution by multifrontal elimination: soft bodies lose up to half the digits."""
 
 
 class FactorError(ArithmeticError):
@@ -474,12 +469,10 @@ def factorise_positive_definite(K: sp.sparray) -> Solve:
     """
     matrix = sp.csc_array(K)
     diagonal = _checked_positive_diagonal(matrix)
-    by_fronts = matrix.shape[0] > SMALL
-    solve = (
-        _eliminate_or_raise_factor_error(lambda: factorise_by_elimination(matrix, find_elimination_order(matrix)))
-        if by_fronts
-        else _superlu_solver(matrix)
-    )
+    if matrix.shape[0] > SMALL:
+        solve = _eliminate_or_raise_factor_error(lambda: factorise_by_elimination(matrix, find_elimination_order(matrix)))
+    else:
+        solve = _superlu_solver(matrix)
     _check_response_to_random_load(solve, diagonal)
     return solve
 
@@ -542,9 +535,8 @@ def compliance_of_load_columns(K: sp.sparray, B: sp.sparray) -> Array:
     if inner.shape[0] > SMALL or B.shape[0] * B.shape[1] > FEW:
         known = np.random.default_rng(2).standard_normal(inner.shape[0]) / np.sqrt(diagonal)
         loads = sp.hstack([columns, sp.csc_array((inner @ known)[:, None])]).tocsr()
-        solved = _eliminate_or_raise_factor_error(
-            lambda: compliance_by_elimination(inner, loads, find_elimination_order(inner))
-        )
+        order = find_elimination_order(inner)
+        solved = _eliminate_or_raise_factor_error(lambda: compliance_by_elimination(inner, loads, order))
         answer = columns.T @ known
         off = np.linalg.norm(solved[:-1, -1] - answer)
         if off <= CHECKED * np.linalg.norm(answer):
@@ -591,9 +583,8 @@ def _eliminate_or_raise_factor_error(eliminate: Callable[[], T]) -> T:
     try:
         return eliminate()
     except ArithmeticError as error:
-        raise FactorError(
-            f"the matrix is not positive definite: elimination breaks down at column {error.args[0]}"
-        ) from error
+        column = error.args[0]
+        raise FactorError(f"the matrix is not positive definite: elimination breaks down at column {column}") from error
 
 
 def _superlu_solver(matrix: sp.csc_array) -> Solve:

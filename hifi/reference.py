@@ -10,27 +10,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 from time import perf_counter
 from typing import NamedTuple
 
 import numpy as np
 
+from rollbench.hifi import coupling
 from rollbench.hifi.contact.balls import ContactResult, SolverState, solve_contacts_of_all_balls
-from rollbench.hifi.coupling import (
-    PlacedNut,
-    assemble_contact_compliance,
-    average_over_pressure_functions,
-    ball_motion_relative_to_grooves,
-    compliance_of_supported_screw,
-    expected_touching_nodes,
-    gap_closing_matrix,
-    grid_position_gap_corrections,
-    normal_motion_by_rigid_motions,
-    normal_motion_of_nodes,
-    track_velocity_at_nodes,
-    vectors_from_ball_centre_to_nodes,
-)
+from rollbench.hifi.coupling import PlacedNut
 from rollbench.hifi.elements.rigid import rigid_motion_transfer_along_z
 from rollbench.hifi.setup import CondensedGeometry
 from rollbench.hifi.shaft.beam import ShaftSupports
@@ -152,9 +141,8 @@ def solve_reference(
         raise ValueError(f"parts of the model to leave out: got {', '.join(unknown)}; allowed: {', '.join(INGREDIENTS)}")
     begin, moving = perf_counter(), updates > 0 and "moving normals" not in leave_out
     placed = PlacedNut(setup, scene, tuple(s for s in setup.loaded_flanks if sides is None or s in sides))
-    case = LoadCase(
-        (placed,), ShaftSupports.from_scene(scene), compliance_of_supported_screw(setup, scene, leave_out), leave_out
-    )
+    mounted = coupling.compliance_of_supported_screw(setup, scene, leave_out)
+    case = LoadCase((placed,), ShaftSupports.from_scene(scene), mounted, leave_out)
     return case.solve(updates or ROUNDS, make_slow_round_reporter(scene.name, begin, step), moving=moving, frozen=frozen)
 
 
@@ -205,15 +193,15 @@ class LoadCase:
             Names of parts of the model to leave out, from `INGREDIENTS`.
         """
         self.sets, self.frame, self.mounted = sets, frame, mounted
-        self.C, self.rows = assemble_contact_compliance(sets, mounted, leave_out)
+        self.C, self.rows = coupling.assemble_contact_compliance(sets, mounted, leave_out)
         self.on_mounted = self.rows < len(mounted.G)
         self.at_rest = np.zeros(self.rows.size)
         self.at_rest[self.on_mounted] = mounted.mode_displacements_by_loads[self.rows[self.on_mounted]]
         drawn = [draw_geometry_with_errors(p.scene_with_errors, p.geometry.ball_positions) for p in sets]
         self.radii = [d.ball_radii for d in drawn]
-        self.arms = [vectors_from_ball_centre_to_nodes(p, d) for p, d in zip(sets, drawn, strict=True)]
-        self.along = [track_velocity_at_nodes(p) for p in sets]
-        self.load_motion = normal_motion_of_nodes(self.C, self.at_rest)
+        self.arms = [coupling.vectors_from_ball_centre_to_nodes(p, d) for p, d in zip(sets, drawn, strict=True)]
+        self.along = [coupling.track_velocity_at_nodes(p) for p in sets]
+        self.load_motion = coupling.normal_motion_of_nodes(self.C, self.at_rest)
         self.balls = sum(p.ball_count for p in sets)
 
     def solve_first_round(self) -> ContactRound:
@@ -239,15 +227,12 @@ class LoadCase:
         moved = [_NO_MOTION for _ in self.sets]
         if moving:
             z = self.C.mode_compliance @ self.C.modal_forces(last.contact_solution.forces) + self.at_rest
-            along = self.split_by_nut_or_bearing(
-                normal_motion_of_nodes(self.C, z) + last.normal_motion_by_free_motions @ self.free_motion_amplitudes(last)
-            )
+            rigid = last.normal_motion_by_free_motions @ self.free_motion_amplitudes(last)
+            along = self.split_by_nut_or_bearing(coupling.normal_motion_of_nodes(self.C, z) + rigid)
             each = zip(self.sets, self.ball_displacements_by_set(last), along, last.contact_normals, strict=True)
-            moved = [ball_motion_relative_to_grooves(*of_set) for of_set in each]
-        level = [
-            grid_position_gap_corrections(*of_set)
-            for of_set in zip(self.sets, last.nodal_forces_by_set, last.contact_normals, strict=True)
-        ]
+            moved = [coupling.ball_motion_relative_to_grooves(*of_set) for of_set in each]
+        pressed = zip(self.sets, last.nodal_forces_by_set, last.contact_normals, strict=True)
+        level = [coupling.grid_position_gap_corrections(*of_set) for of_set in pressed]
         return self._solve_round(moved, level, last.solver_state)
 
     def free_motion_amplitudes(self, last: ContactRound) -> Array:
@@ -272,36 +257,32 @@ class LoadCase:
         return [of_set.reshape(p.ball_count, -1) for p, of_set in zip(self.sets, np.split(pairs, ends), strict=True)]
 
     def _solve_round(
-        self,
-        relative_ball_motions: Iterable[tuple[Array, Array]],
-        gap_corrections: Sequence[Array],
-        start: SolverState | None,
+        self, ball_motions: Iterable[tuple[Array, Array]], gap_corrections: Sequence[Array], start: SolverState | None
     ) -> ContactRound:
         """Solve the contacts for given motions of the balls relative to their grooves and given corrections of the gaps.
 
-        ``relative_ball_motions``: for each nut or bearing, the motion across and along the track, as
+        ``ball_motions``: for each nut or bearing, the motion across and along the track, as
         `ball_motion_relative_to_grooves` gives it [m]; ``gap_corrections``: for each, the corrections of the gaps for the
         mesh grid (balls, n) [m]; ``start``: state of the last round, or None.
         """
         directions, by_rigid, rests, touching = [], [], [], []
-        for k, (p, (shift, slid)) in enumerate(zip(self.sets, relative_ball_motions, strict=True)):
+        for k, (p, (shift, slid)) in enumerate(zip(self.sets, ball_motions, strict=True)):
             arms = self.arms[k] - shift
             length = np.linalg.norm(arms, axis=2)
             normals = arms / length[..., None]
-            back = shift + slid[..., None] * self.along[k]  # the solver's gaps lose it again
+            back = shift + slid[..., None] * self.along[k]  # by these motions the solver closes the gaps again
             gap = length - self.radii[k][:, None] + np.einsum("ink,ink->in", normals, np.broadcast_to(back, arms.shape))
-            by_rigid.append(average_over_pressure_functions(p, self._normal_motion_by_rigid_motions(p, normals)))
-            gap = average_over_pressure_functions(p, gap)
-            directions.append(average_over_pressure_functions(p, normals))
+            average = partial(coupling.average_over_pressure_functions, p)
+            by_rigid.append(average(self._normal_motion_by_rigid_motions(p, normals)))
+            gap = average(gap)
+            directions.append(average(normals))
             rests.append((gap + gap_corrections[k]).ravel())
-            touching += list(expected_touching_nodes(p, gap)) if start is None else []
+            touching += list(coupling.expected_touching_nodes(p, gap)) if start is None else []
         motions = self.mounted.free_motions
         free_motions = np.concatenate([rows.reshape(-1, len(motions)) for rows in by_rigid]) @ motions
         f = np.concatenate([np.zeros(3 * self.balls), self.mounted.work_on_free_motions])
-        N = gap_closing_matrix(directions, free_motions)
-        result, state = solve_contacts_of_all_balls(
-            self.C, np.concatenate(rests) + self.load_motion, N, f, start=start, touching=tuple(touching)
-        )
+        N, gaps = coupling.gap_closing_matrix(directions, free_motions), np.concatenate(rests) + self.load_motion
+        result, state = solve_contacts_of_all_balls(self.C, gaps, N, f, start=start, touching=tuple(touching))
         forces = self.split_by_nut_or_bearing(result.forces)
         resultants = [_contact_loads_and_angles(*of_set) for of_set in zip(self.sets, forces, directions, strict=True)]
         load, angle = (np.concatenate(x) for x in zip(*resultants, strict=True))
@@ -314,10 +295,10 @@ class LoadCase:
         six motions of the shaft, then six of each of h housings.
         """
         out = np.zeros((*normals.shape[:2], len(self.mounted.free_motions)))
-        out[..., :6] = normal_motion_by_rigid_motions(p, normals, self.mounted.origin_position, screw=True)
+        out[..., :6] = coupling.normal_motion_by_rigid_motions(p, normals, self.mounted.origin_position, screw=True)
         if p.housing_index is not None:
             first, at = 6 + 6 * p.housing_index, self.frame.housings[p.housing_index].at
-            out[..., first : first + 6] = normal_motion_by_rigid_motions(p, normals, at, screw=False)
+            out[..., first : first + 6] = coupling.normal_motion_by_rigid_motions(p, normals, at, screw=False)
         return out
 
     def iterate_to_constant_loads(
@@ -349,11 +330,8 @@ class LoadCase:
         loads = [last.contact_loads]
         for done in range(max_updates + 1):
             left = remaining_load_change(loads)
-            if (
-                not last.contact_solution.converged
-                or left <= SETTLED * _mean_of_nonzero_loads(last.contact_loads)
-                or done == max_updates
-            ):
+            settled = left <= SETTLED * _mean_of_nonzero_loads(last.contact_loads)
+            if settled or done == max_updates or not last.contact_solution.converged:
                 break
             step(done + 2)
             last = self.solve_next_round(last, moving=moving)
@@ -361,7 +339,7 @@ class LoadCase:
         return last, done, left
 
     def judge_convergence(self, last: ContactRound, updates: int, remaining_load_change: float) -> tuple[str, float]:
-        """Judge whether a solution has converged.
+        """Return whether a solution has converged, in words.
 
         Parameters
         ----------
@@ -376,18 +354,16 @@ class LoadCase:
         -------
         status : str
             "converged", or the reason why the solution did not converge.
-        moving : float
-            ``remaining_load_change`` if the loads still change, else 0 [N].
+        left : float
+            ``remaining_load_change`` if it prevents convergence, else 0 [N].
         """
         if not last.contact_solution.converged:
             return last.contact_solution.status, 0.0
         if any(_is_outermost_node_loaded(p, forces) for p, forces in zip(self.sets, last.nodal_forces_by_set, strict=True)):
             return AT_RIM, 0.0
         if remaining_load_change > SETTLED * _mean_of_nonzero_loads(last.contact_loads):
-            left_words = (
-                f"loads may still move by {remaining_load_change:.2g} N after {updates} updates of directions and gaps"
-            )
-            return f"not settled: {left_words}", remaining_load_change
+            change = f"loads may still move by {remaining_load_change:.2g} N after {updates} updates of directions and gaps"
+            return f"not settled: {change}", remaining_load_change
         return "converged", 0.0
 
     def shaft_and_housing_motion(self, last: ContactRound) -> tuple[Array, Array, Array]:
@@ -407,11 +383,8 @@ class LoadCase:
         housings : (h, 6) Array
             Motion of the housings [m, rad].
         """
-        m, z, rigid = (
-            self.mounted,
-            np.array(self.mounted.centreline_positions),
-            self.mounted.free_motions @ self.free_motion_amplitudes(last),
-        )
+        m, z = self.mounted, np.array(self.mounted.centreline_positions)
+        rigid = m.free_motions @ self.free_motion_amplitudes(last)
         # contact loads press on the grooves: along the normals counted from ball to groove
         forces, rows = self.C.modal_forces(last.contact_solution.forces)[self.on_mounted], self.rows[self.on_mounted]
         line = m.centreline_by_loads + m.centreline_by_modal_forces[:, :, rows] @ forces
@@ -580,5 +553,5 @@ def _is_outermost_node_loaded(p: PlacedNut, forces: Array) -> bool:
 
     ``forces``: contact forces (balls, n) [N].
     """
-    rim = np.concatenate([p.geometry.patches_by_flank[s].groove_patch.on_zone_edge for s in p.closable_flanks])
+    rim = np.concatenate([p.groove_patch(s).on_zone_edge for s in p.closable_flanks])
     return bool((forces[:, rim] > 0.0).any())

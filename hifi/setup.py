@@ -25,29 +25,18 @@ import numpy as np
 from rollbench.hifi import condensation
 from rollbench.hifi.meshing.part_meshes import PartMeshes, list_part_mesh_calls
 from rollbench.hifi.meshing.settings import Settings
+from rollbench.hifi.shaft import section as shafts
 from rollbench.hifi.shaft.beam import ShaftSection, round_section, tube_section
 from rollbench.hifi.shaft.mounting import correct_beam_stiffness, subtract_cut_end_flexibility
-from rollbench.hifi.shaft.section import (
-    EquivalentBeam,
-    choose_lengths_of_fitted_shafts,
-    compute_equivalent_beam,
-    meshed_shaft_flexibility,
-    stiffness_of_grooved_shaft,
-)
+from rollbench.meshes import processes as workers
 from rollbench.meshes.cache import Cache, StageMessage
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import BallLayout, ball_layout
 from rollbench.meshes.parts import Scene
-from rollbench.meshes.processes import (
-    end_process_with_parent,
-    one_thread_environment,
-    peak_memory_MB,
-    reset_peak_memory,
-    without_restart_warnings,
-)
 from rollbench.meshes.sockets import AZIMUTH_TURNED
 from rollbench.meshes.solid import Dimensions, dimensions_of_3d_parts
 
+#: Function that is called with a text on the progress.
 Step = Callable[[str], None]
 #: Largest number of contacts with which screw and nut are condensed in parallel; with more, each takes gigabytes of memory.
 TOGETHER = 160
@@ -80,7 +69,7 @@ class CondensedGeometry:
     #: Cross-section (beam stiffnesses) of the shaft outside the part that is meshed in 3D.
     shaft_section: ShaftSection
     #: Uniform beam equivalent to the grooved shaft; None where it is not needed.
-    equivalent_beam: EquivalentBeam | None
+    equivalent_beam: shafts.EquivalentBeam | None
     #: Number of degrees of freedom that one mesh of all bodies, without condensation, would have.
     degree_of_freedom_count: int
     #: Measures of mesh quality by name: number of cells across a contact, smallest scaled Jacobian of each mesh, and
@@ -100,7 +89,9 @@ class CondensedGeometry:
 class _StageRunner:
     """Runs the stages of meshing and condensing one geometry; records stage times and the memory of worker processes.
 
-    ``cache``: cache of computed records; ``step``: function that is called with a text on the progress.
+    ``cache``: cache of computed records; ``step``: function that is called with a text on the progress. The attributes
+    are the elapsed time of each stage (``seconds``) [s], and the peak memory of each worker process by the number of the
+    process (``others``) [MB].
     """
 
     def __init__(self, cache: Cache, step: Step) -> None:
@@ -112,8 +103,7 @@ class _StageRunner:
         """Compute the results of jobs in several processes, and return them in the order of the jobs.
 
         A job computes one mesh or condensed part. When the last job of a stage is done, the stage is reported with the
-        computing time of its jobs. The attribute ``seconds`` records the part of the elapsed time that belongs to each
-        stage.
+        computing time of its jobs. The elapsed time is divided between the stages in proportion to these times.
         """
         start = perf_counter()
         by_stage: dict[str, list[ComputedRecord]] = {job.stage_name: [] for job in jobs}
@@ -131,9 +121,7 @@ class _StageRunner:
         done = compute_records(jobs, self.cache, processes, report_finished_stage)
         share = (perf_counter() - start) / max(sum(record.elapsed_seconds for record in done), 1e-9)
         for stage, records in by_stage.items():
-            self.seconds[stage] = sum(
-                (1.0 if record.from_cache else share) * record.seconds_without_cache for record in records
-            )
+            self.seconds[stage] = sum((1.0 if x.from_cache else share) * x.seconds_without_cache for x in records)
         for record in done:
             if record.process_id != os.getpid() and record.peak_memory_MB is not None:
                 self.others[record.process_id] = max(self.others.get(record.process_id, 0.0), record.peak_memory_MB)
@@ -190,28 +178,32 @@ def mesh_and_condense_geometry(
     jobs = _list_patch_jobs(scene, m, dims, meshes, sides, settings)
     records = stages.run([*jobs.values(), *_list_shaft_section_jobs(scene, m, dims, settings, stations)], processes)
     condensed = dict(zip(jobs, records[: len(jobs)], strict=True))
-    patches = {
-        s: condensed[s] if s in condensed else condensation.turn_patches_to_right_flank(condensed[s - 1]) for s in sides
-    }
+    turned = condensation.turn_patches_to_right_flank
+    patches = {s: condensed[s] if s in condensed else turned(condensed[s - 1]) for s in sides}
     section, *meshed = records[len(jobs) :]
-    homogenised = (
-        compute_equivalent_beam(m, scene.screw.bore / 2.0, scene.screw.material, section, meshed) if meshed else None
-    )
+    beam = None
+    if meshed:
+        beam = shafts.compute_equivalent_beam(m, scene.screw.bore / 2.0, scene.screw.material, section, meshed)
 
-    bodies = _list_body_jobs(scene, layout, dims, meshes, sides, settings, patches, stations)
+    ends = dims.ends_of_meshed_screw(scene)
+    inside = tuple(z for z in stations if ends[0] < z < ends[1])
+    on_screw = {s: p.groove_patch for s, p in patches.items() if s < 2}
+    on_nut = {s: p.groove_patch for s, p in patches.items() if s >= 2}
+    of_screw = (scene.screw.material, scene.nut, ends, inside, meshes.screw_mesh, layout, sides, on_screw, settings, dims)
+    of_nut = (scene.nut.material, meshes.nut_mesh, layout, sides, on_nut, settings, dims)
+    of_ball = (scene.balls.material, meshes.ball_mesh, patches, settings)
+    nut_job = RecordJob("nut", condensation.condense_nut, of_nut, condensation.CondensedNut)
+    bodies = [
+        RecordJob("screw", condensation.condense_screw, of_screw, condensation.CondensedScrew),
+        *([nut_job] if scene.solid.nut == "elastic" else []),
+        RecordJob("ball", condensation.condense_ball, of_ball, condensation.CondensedBall),
+    ]
     together = processes if layout.z.size * len(sides) <= TOGETHER else 1
     screw, *nuts, ball = stages.run(bodies, together)
-    nut: condensation.CondensedNut | None = nuts[0] if nuts else None
-    screw = _correct_screw_stiffness(screw, homogenised, m, layout, sides, stations)
-    unknowns = (
-        screw.degree_of_freedom_count
-        + (nut.degree_of_freedom_count if nut else 0)
-        + ball.degree_of_freedom_count * layout.z.size
-    )
-    unknowns += (
-        sum(p.groove_patch.degree_of_freedom_count + p.ball_patch.degree_of_freedom_count for p in patches.values())
-        * layout.z.size
-    )
+    screw = _correct_screw_stiffness(screw, beam, m, layout, sides, stations)
+    of_each_ball = [ball, *(patch for p in patches.values() for patch in (p.groove_patch, p.ball_patch))]
+    unknowns = sum(part.degree_of_freedom_count for part in (screw, *nuts))
+    unknowns += layout.z.size * sum(part.degree_of_freedom_count for part in of_each_ball)
     return CondensedGeometry(
         scene=scene,
         groove_map=m,
@@ -221,10 +213,10 @@ def mesh_and_condense_geometry(
         loaded_flanks=sides,
         patches_by_flank=patches,
         condensed_screw=screw,
-        condensed_nut=nut,
+        condensed_nut=nuts[0] if nuts else None,
         condensed_ball=ball,
-        shaft_section=homogenised.section if homogenised else section,
-        equivalent_beam=homogenised,
+        shaft_section=beam.section if beam else section,
+        equivalent_beam=beam,
         degree_of_freedom_count=unknowns,
         mesh_quality=_collect_mesh_quality(meshes, settings),
         seconds_by_stage=stages.seconds,
@@ -242,19 +234,10 @@ def _list_patch_jobs(
     """
     jobs = {}
     for s in sides:
-        alike = (
-            s - 1 in sides
-            and settings.element == "Q2"
-            and condensation.is_left_flank_after_half_turn(m, s)
-            and _are_refinement_boxes_mirrored(meshes, s)
-        )
-        if not alike:
-            jobs[s] = RecordJob(
-                "patches",
-                condensation.condense_patches_of_flank,
-                condensation.collect_flank_condensation_arguments(scene, m, dims, meshes, s, settings),
-                condensation.FlankPatches,
-            )
+        turned = s - 1 in sides and settings.element == "Q2" and condensation.is_left_flank_after_half_turn(m, s)
+        if not (turned and _are_refinement_boxes_mirrored(meshes, s)):
+            given = condensation.collect_flank_condensation_arguments(scene, m, dims, meshes, s, settings)
+            jobs[s] = RecordJob("patches", condensation.condense_patches_of_flank, given, condensation.FlankPatches)
     return jobs
 
 
@@ -278,45 +261,15 @@ def _list_shaft_section_jobs(
     if m.rg == 0.0:
         return [section_job(tube_section, (outer, bore, e), ShaftSection)]
     meshed = [
-        section_job(meshed_shaft_flexibility, (m, outer, dims.hole, e, settings.cell, x), tuple)
-        for x in choose_lengths_of_fitted_shafts(m)
+        section_job(shafts.meshed_shaft_flexibility, (m, outer, dims.hole, e, settings.cell, x), tuple)
+        for x in shafts.choose_lengths_of_fitted_shafts(m)
     ]
-    return [section_job(stiffness_of_grooved_shaft, (m, outer, bore, e), tuple), *meshed]
-
-
-def _list_body_jobs(
-    scene: Scene,
-    layout: BallLayout,
-    dims: Dimensions,
-    meshes: PartMeshes,
-    sides: tuple[int, ...],
-    settings: Settings,
-    patches: dict[int, condensation.FlankPatches],
-    stations: tuple[float, ...],
-) -> list[RecordJob]:
-    """List the jobs that condense screw, nut (if it is elastic) and ball to their contacts.
-
-    ``stations``: axial positions of all supports and loads [m].
-    """
-    screw, nut, ball, ends = scene.screw, scene.nut, scene.balls.material, dims.ends_of_meshed_screw(scene)
-    inside = tuple(z for z in stations if ends[0] < z < ends[1])
-    on_screw = {s: p.groove_patch for s, p in patches.items() if s < 2}
-    on_nut = {s: p.groove_patch for s, p in patches.items() if s >= 2}
-    of_screw = (screw.material, nut, ends, inside, meshes.screw_mesh, layout, sides, on_screw, settings, dims)
-    of_nut = (nut.material, meshes.nut_mesh, layout, sides, on_nut, settings, dims)
-    nuts = [RecordJob("nut", condensation.condense_nut, of_nut, condensation.CondensedNut)]
-    return [
-        RecordJob("screw", condensation.condense_screw, of_screw, condensation.CondensedScrew),
-        *(nuts if scene.solid.nut == "elastic" else []),
-        RecordJob(
-            "ball", condensation.condense_ball, (ball, meshes.ball_mesh, patches, settings), condensation.CondensedBall
-        ),
-    ]
+    return [section_job(shafts.stiffness_of_grooved_shaft, (m, outer, bore, e), tuple), *meshed]
 
 
 def _correct_screw_stiffness(
     screw: condensation.CondensedScrew,
-    homogenised: EquivalentBeam | None,
+    beam: shafts.EquivalentBeam | None,
     m: GrooveMap,
     layout: BallLayout,
     sides: tuple[int, ...],
@@ -324,16 +277,14 @@ def _correct_screw_stiffness(
 ) -> condensation.CondensedScrew:
     """Correct the compliance of the screw's 3D mesh: to the beam stiffness of the grooved shaft, and for its cut ends.
 
-    ``homogenised``: uniform beam that is equivalent to the grooved shaft, or None for no correction; ``stations``: axial
-    positions of all supports and loads [m], which show at which ends the shaft continues.
+    ``beam``: uniform beam that is equivalent to the grooved shaft, or None for no correction; ``stations``: axial positions
+    of all supports and loads [m], which show at which ends the shaft continues.
     """
-    if homogenised is None:
+    if beam is None:
         return screw
-    along = np.repeat(layout.z, sum(s < 2 for s in sides))
-    stretch = correct_beam_stiffness(
-        screw.stretch, screw.modes_by_rigid_motions, along, homogenised.section, homogenised.cut_end_flexibility, m
-    )
-    return replace(screw, stretch=subtract_cut_end_flexibility(stretch, homogenised.cut_end_flexibility, m, stations))
+    along, cut = np.repeat(layout.z, sum(s < 2 for s in sides)), beam.cut_end_flexibility
+    stretch = correct_beam_stiffness(screw.stretch, screw.modes_by_rigid_motions, along, beam.section, cut, m)
+    return replace(screw, stretch=subtract_cut_end_flexibility(stretch, cut, m, stations))
 
 
 def _collect_mesh_quality(meshes: PartMeshes, settings: Settings) -> dict[str, float]:
@@ -357,12 +308,12 @@ def _are_refinement_boxes_mirrored(meshes: PartMeshes, side: int) -> bool:
     A refinement box is a hole in a coarse mesh that a fine mesh fills. ``side``: the right flank. Compared are the nodes
     and triangles of the faces of the refinement boxes in groove and ball.
     """
-    bodies = (meshes.screw_mesh if side < 2 else meshes.nut_mesh, meshes.ball_mesh)
-    return all(
-        np.array_equal(x.box_faces[side].xi, x.box_faces[side - 1].xi * AZIMUTH_TURNED)
-        and np.array_equal(np.sort(x.box_faces[side].triangles[:, :3]), np.sort(x.box_faces[side - 1].triangles[:, :3]))
-        for x in bodies
-    )
+    for body in (meshes.screw_mesh if side < 2 else meshes.nut_mesh, meshes.ball_mesh):
+        right, left = body.box_faces[side], body.box_faces[side - 1]
+        corners, mirrored = (np.sort(faces.triangles[:, :3]) for faces in (right, left))
+        if not (np.array_equal(right.xi, left.xi * AZIMUTH_TURNED) and np.array_equal(corners, mirrored)):
+            return False
+    return True
 
 
 class RecordJob(NamedTuple):
@@ -436,8 +387,8 @@ def compute_records(
     from joblib.externals.loky.process_executor import BrokenProcessPool
 
     helpers = min(processes, len(jobs)) - 1
-    of_worker = {"initializer": end_process_with_parent, "initargs": (os.getpid(),), "env": one_thread_environment()}
-    others = get_memmapping_executor(helpers, **of_worker, max_nbytes=None)
+    start = {"initializer": workers.end_process_with_parent, "initargs": (os.getpid(),)}
+    others = get_memmapping_executor(helpers, **start, env=workers.one_thread_environment(), max_nbytes=None)
     left, done, one_at_a_time = deque(enumerate(jobs)), dict[int, ComputedRecord](), Lock()
 
     def run_jobs_from_queue(maker: Callable[[RecordJob], ComputedRecord]) -> None:
@@ -456,7 +407,7 @@ def compute_records(
         found: ComputedRecord = others.submit(_compute_record_in_worker, job, cache).result()
         return found
 
-    with without_restart_warnings(), ThreadPoolExecutor(helpers) as threads:
+    with workers.without_restart_warnings(), ThreadPoolExecutor(helpers) as threads:
         helping = [threads.submit(run_jobs_from_queue, run_in_worker) for _ in range(helpers)]
         try:
             run_jobs_from_queue(lambda job: _compute_or_read_record(job, cache))
@@ -481,7 +432,7 @@ def compute_records(
 
 def _compute_record_in_worker(job: RecordJob, cache: Cache) -> ComputedRecord:
     """Reset this worker process's record of peak memory, then compute a job's result or read it from the cache."""
-    reset_peak_memory()
+    workers.reset_peak_memory()
     cache.quiet = True
     return _compute_or_read_record(job, cache)
 
@@ -491,4 +442,4 @@ def _compute_or_read_record(job: RecordJob, cache: Cache) -> ComputedRecord:
     start, hits, cold = perf_counter(), cache.hits, cache.cold_seconds
     value = cache.get(job.compute, job.arguments, job.result_type)
     spent, known = perf_counter() - start, cache.cold_seconds - cold
-    return ComputedRecord(value, spent, cache.hits > hits, known, os.getpid(), peak_memory_MB(), cache.fault)
+    return ComputedRecord(value, spent, cache.hits > hits, known, os.getpid(), workers.peak_memory_MB(), cache.fault)

@@ -1,8 +1,9 @@
-"""3D reference of several nuts or bearings on one shaft: each with its 3D body and grooved stretch of shaft, beams between.
+"""3D reference of several nuts or bearings on one shaft, each meshed in 3D with the part of the shaft around it.
 
 The bodies of a nut or bearing are those that it has as the only one on its shaft. Their axial positions count from the
-start of its stretch, so that equal nuts share their meshes. The contacts of all of them are one problem: stretches and
-beams form one structure (`hifi.shaft.mounting`), and each nut is fixed or carried by a housing that can move.
+start of its part of the shaft, so that equal nuts share their meshes. The contacts of all of them are one problem: the
+parts of the shaft that are meshed in 3D and the beams between them form one structure (`hifi.shaft.mounting`), and each nut
+is fixed or carried by a housing that can move.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from rollbench.hifi.coupling import PlacedNut
 from rollbench.hifi.elements.rigid import rigid_motion_transfer_along_z
 from rollbench.hifi.meshing.settings import nut_shift_for_axial_force
 from rollbench.hifi.reference import ROUNDS, LoadCase, ReferenceResult, make_slow_round_reporter
-from rollbench.hifi.setup import CondensedGeometry
+from rollbench.hifi.setup import CondensedGeometry, Step
 from rollbench.hifi.shaft.beam import ShaftSection, ShaftSupports, tube_section
 from rollbench.hifi.shaft.mounting import NutOnHousing, SupportedShaft, join_and_support_shaft_parts
 from rollbench.meshes.arrays import Array
@@ -31,9 +32,9 @@ NEAR = 1e-6
 #: Accepted relative error of a preload by force, similar to that of the contact loads; largest number of Newton's steps
 #: that find the shifts of the nuts.
 MET, STEPS = 1e-5, 12
-#: Step of the logarithm of a nut's shift in the differences that give the first slopes of the preloads; singular value of
-#: the slopes over the largest one below which it counts as zero, because nuts that press against one another carry one
-#: force.
+#: Step of the logarithm of a nut's shift in the difference quotients that give the first derivatives of the preloads by the
+#: shifts. Singular value of the matrix of derivatives, over the largest one, below which it counts as zero: nuts that press
+#: against one another carry the same force, so that the matrix is singular.
 DIFFERENCE, NOISE = 0.05, 1e-2
 
 
@@ -95,10 +96,10 @@ def meshed_geometry_of_each_set(assembly: Assembly) -> tuple[MeshedSetGeometry, 
         half = round(gap / 2.0, 10)  # equal nuts are equal in their last digit too
         room[a], room[b] = min(room[a], half), min(room[b], half)
     stations = {*(x.at for x in assembly.supports), *(x.at for x in assembly.loads)}
-    reach = min((*stations, *(x for face in faces for x in face))), max((*stations, *(x for face in faces for x in face)))
-    return tuple(
-        _meshed_geometry_of_one_set(parts, assembly, room[k], stations, reach) for k, (_, parts) in enumerate(sets)
-    )
+    positions = [*stations, *(x for face in faces for x in face)]
+    span = min(positions), max(positions)
+    each = zip(sets, room, strict=True)
+    return tuple(_meshed_geometry_of_one_set(parts, assembly, free, stations, span) for (_, parts), free in each)
 
 
 def _meshed_geometry_of_one_set(
@@ -111,7 +112,8 @@ def _meshed_geometry_of_one_set(
     position of the nuts, bearings, supports and loads on the shaft [m].
     """
     wanted = SHAFT * parts.track.pitch_radius if parts.solid.shaft is None else parts.solid.shaft
-    half = parts.nut.length / 2.0 + min(wanted, free_shaft_length)
+    shaft = min(wanted, free_shaft_length)
+    half = parts.nut.length / 2.0 + shaft
     position = min(parts.nut.position, half)
     shift = parts.nut.position - position
     high = min(position + half, assembly.screw.length - shift)
@@ -125,7 +127,7 @@ def _meshed_geometry_of_one_set(
         assumed=(),
         nut=replace(parts.nut, position=position),
         screw=replace(parts.screw, length=high),
-        solid=replace(parts.solid, shaft=min(wanted, free_shaft_length)),
+        solid=replace(parts.solid, shaft=shaft),
         supports=tuple(Support(z, ()) for z in sorted((*inner, *beyond))),
         loads=(),
         friction=None,
@@ -137,11 +139,7 @@ def _meshed_geometry_of_one_set(
 
 
 def solve_nuts_on_one_shaft(
-    assembly: Assembly,
-    setups: Sequence[CondensedGeometry],
-    *,
-    frozen: bool = False,
-    step: Callable[[str], None] = lambda _: None,
+    assembly: Assembly, setups: Sequence[CondensedGeometry], *, frozen: bool = False, step: Step = lambda _: None
 ) -> ReferenceResult:
     """Solve the contacts of several nuts or bearings on one shaft.
 
@@ -153,7 +151,7 @@ def solve_nuts_on_one_shaft(
         Prepared bodies of each nut or bearing (`meshed_geometry_of_each_set`), in order.
     frozen : bool, default False
         Whether to compute, in addition, the contact loads with nominal contact normals and gaps.
-    step : Callable[[str], None], optional
+    step : Step, optional
         Function that is called with a progress text in every round of a solution that takes long.
 
     Returns
@@ -175,9 +173,8 @@ def solve_nuts_on_one_shaft(
     )
     mounted = _compliance_of_supported_shaft(assembly, placed, frame)
     placed, unmet = _find_shifts_for_preloads(assembly, placed, frame)
-    found = LoadCase(placed, frame, mounted).solve(
-        ROUNDS, make_slow_round_reporter(assembly.name, begin, step), frozen=frozen
-    )
+    report = make_slow_round_reporter(assembly.name, begin, step)
+    found = LoadCase(placed, frame, mounted).solve(ROUNDS, report, frozen=frozen)
     status = f"not converged: {unmet}" if unmet and found.status == "converged" else found.status
     return replace(found, status=status, solve_seconds=perf_counter() - begin)
 
@@ -192,18 +189,14 @@ def _compliance_of_supported_shaft(assembly: Assembly, placed: Sequence[PlacedNu
     for p in placed:
         if p.housing_index is None:
             continue
-        if p.geometry.condensed_nut is None:
+        nut = p.geometry.condensed_nut
+        if nut is None:
             raise ValueError(
                 "the 3D reference cannot model a rigid nut on a movable housing: make the nut elastic, or fix the housing"
             )
         at = frame.housings[p.housing_index].at - p.origin_on_shaft
-        carried.append(
-            NutOnHousing(
-                p.geometry.condensed_nut.G,
-                p.geometry.condensed_nut.modes_by_rigid_motions @ rigid_motion_transfer_along_z(-at),
-                p.housing_index,
-            )
-        )
+        by_housing = nut.modes_by_rigid_motions @ rigid_motion_transfer_along_z(-at)
+        carried.append(NutOnHousing(nut.G, by_housing, p.housing_index))
     stretches = [p.geometry.condensed_screw.stretch.shift_along_shaft(p.origin_on_shaft) for p in placed]
     steps = [z for segment in assembly.segments for z in (segment.start, segment.end)]
     return join_and_support_shaft_parts(stretches, frame, _shaft_section_by_position(assembly, placed), steps, carried)
@@ -215,16 +208,10 @@ def _shaft_section_by_position(assembly: Assembly, placed: Sequence[PlacedNut]) 
     On a plain segment of the shaft it is that of the segment, elsewhere that of the first threaded part.
     """
     screw, threads = assembly.screw, [p.geometry for p in placed if p.geometry.groove_map.rg != 0.0]
-    known = [
-        setup for setup in threads if setup.equivalent_beam is not None or setup.solid_dimensions.shaft_radius is not None
-    ]
+    known = [x for x in threads if x.equivalent_beam is not None or x.solid_dimensions.shaft_radius is not None]
     base = known[0].shaft_section if known else tube_section(screw.outer_diameter / 2.0, screw.bore / 2.0, screw.material)
     plain = [(s.start, s.end, tube_section(s.diameter / 2.0, s.bore / 2.0, screw.material)) for s in assembly.segments]
-
-    def section_at_position(z: float) -> ShaftSection:
-        return next((section for low, high, section in plain if low <= z <= high), base)
-
-    return section_at_position
+    return lambda z: next((section for low, high, section in plain if low <= z <= high), base)
 
 
 def _find_shifts_for_preloads(

@@ -1,4 +1,5 @@
-"""Low-order models: Hertz contact, Timoshenko beam, static load distribution.
+"""Low-order models: contact loads, friction, lives and random errors of ball screws and bearings.
 
-Independent of ``hifi``; both share only the description of the parts in ``meshes``.
+They consist of Hertz contacts, Timoshenko beams and elastic bodies of revolution. They are independent of ``hifi``; both
+share only the description of the parts in ``meshes``.
 """

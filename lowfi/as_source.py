@@ -7,6 +7,7 @@ those of the solver that minimises energy (`lowfi.statics.static`), and show whe
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 from time import perf_counter
 from typing import Literal
@@ -90,14 +91,8 @@ def beam_element_stiffness_matrix(length: float, s: BeamSection) -> Array:
     k = np.zeros((12, 12))
     for u, r, sign in ((0, 4, 1.0), (1, 3, -1.0)):
         i = [u, r, u + 6, r + 6]
-        k[np.ix_(i, i)] = c * np.array(
-            [
-                [12.0, sign * 6.0 * length, -12.0, sign * 6.0 * length],
-                [sign * 6.0 * length, (4.0 + phi) * length**2, -sign * 6.0 * length, (2.0 - phi) * length**2],
-                [-12.0, -sign * 6.0 * length, 12.0, -sign * 6.0 * length],
-                [sign * 6.0 * length, (2.0 - phi) * length**2, -sign * 6.0 * length, (4.0 + phi) * length**2],
-            ]
-        )
+        m, near, far = sign * 6.0 * length, (4.0 + phi) * length**2, (2.0 - phi) * length**2
+        k[np.ix_(i, i)] = c * np.array([[12.0, m, -12.0, m], [m, near, -m, far], [-12.0, -m, 12.0, -m], [m, far, -m, near]])
     for u, value in ((2, s.EA / length), (5, s.GJ / length)):
         k[np.ix_([u, u + 6], [u, u + 6])] = value * np.array([[1.0, -1.0], [-1.0, 1.0]])
     return k
@@ -169,26 +164,13 @@ class LinEquations:
             """
             return np.cross((r * flat)[:, None, :], self.section_axes)
 
-        def flank_motion_matrix(n: Array, lever: Array | None) -> Array:
-            """Return the matrix from nodal motions to the flank's motion, radial and binormal, at each contact.
-
-            ``n``: shape functions of the beam, three rows for translation and three for rotation; ``lever``: lever arms of
-            the rotation, from ``lever_arm_products``; None: without rotation.
-            """
-            if lever is None:
-                return self.section_axes @ n[:, :3]
-            return self.section_axes @ n[:, :3] + lever @ n[:, 3:]
-
         s1, s2 = (x1[:, 2] / length)[:, None, None], (x2[:, 2] / length)[:, None, None]
-        m0 = flank_motion_matrix(n0, lever_arm_products(x))
-        m1 = s1 * flank_motion_matrix(n1, lever_arm_products(x)) + lever_arm_products(x1) @ n0[:, 3:]
-        m2 = (
-            s1**2 * flank_motion_matrix(n2, lever_arm_products(x))
-            + s2 * flank_motion_matrix(n1, lever_arm_products(x))
-            + 2.0 * s1 * (lever_arm_products(x1) @ n1[:, 3:])
-            + lever_arm_products(x2) @ n0[:, 3:]
-        )
-        return 6 * j, m0, m1, m2
+        lever, lever1, lever2 = map(lever_arm_products, (x, x1, x2))
+        # matrices at the contact point x if it depended on the angle only by the shape functions n0, n1, n2 of its position
+        at0, at1, at2 = (self.section_axes @ n[:, :3] + lever @ n[:, 3:] for n in (n0, n1, n2))
+        m1 = s1 * at1 + lever1 @ n0[:, 3:]
+        m2 = s1**2 * at2 + s2 * at1 + 2.0 * s1 * (lever1 @ n1[:, 3:]) + lever2 @ n0[:, 3:]
+        return 6 * j, at0, m1, m2
 
     def contact_point_on_flank(self, side: int, gamma: Array) -> tuple[Array, Array, Array]:
         """Return the contact point A(gamma) on a groove flank at given contact angles, and its first two angle derivatives.
@@ -268,11 +250,9 @@ def equations_and_jacobian(
     """
     problem = system.problem
     count = problem.C.shape[0]
-    p, gamma, u = (
-        unknowns[: 2 * count].reshape(count, 2),
-        unknowns[2 * count : 6 * count].reshape(count, 4),
-        unknowns[6 * count :],
-    )
+    p = unknowns[: 2 * count].reshape(count, 2)
+    gamma = unknowns[2 * count : 6 * count].reshape(count, 4)
+    u = unknowns[6 * count :]
     phi = np.zeros(unknowns.size)
     jac = np.zeros((unknowns.size, unknowns.size)) if jacobian else None
     balls = np.arange(count)
@@ -284,20 +264,18 @@ def equations_and_jacobian(
     eye = np.eye(2)
     for side in range(4):
         n, t, t1, dist, force, stiff, dof, m0, m1 = _contact_geometry_and_forces(system, p, gamma[:, side], u, side)
+        g, pull = rows_g + side, force[:, None] * n
         forces[:, side] = force
-        phi[rows_g + side] = np.einsum("na,na->n", n, t)
-        np.add.at(phi, rows_p, force[:, None] * n)
+        phi[g] = np.einsum("na,na->n", n, t)
+        np.add.at(phi, rows_p, pull)
         columns = base + dof[:, None] + np.arange(m0.shape[2])[None, :]
-        pull = force[:, None] * n
         np.add.at(phi, columns, np.einsum("nak,na->nk", m0, pull))
         if jac is None:
             continue
         project = (eye - n[:, :, None] * n[:, None, :]) / dist[:, None, None]
         pt = np.einsum("nab,nb->na", project, t)
         fp = force[:, None, None] * project - stiff[:, None, None] * n[:, :, None] * n[:, None, :]
-        nt = phi[rows_g + side]
-        fg = -force[:, None] * pt + (stiff * nt)[:, None] * n
-        g = rows_g + side
+        fg = -force[:, None] * pt + (stiff * phi[g])[:, None] * n
         jac[g[:, None], rows_p] = pt
         jac[g, g] = np.einsum("na,na->n", n, t1) - np.einsum("na,na->n", t, pt)
         np.add.at(jac, (rows_p[:, :, None], rows_p[:, None, :]), fp)
@@ -326,14 +304,21 @@ def newton_start_values(system: LinEquations, start: Start, fraction: float) -> 
     u = problem.prescribed.copy()
     if start != "nominal":
         axial = fraction * float(problem.load[:, 2].sum())
-        rise = np.sin(scene.track.contact_angle) * np.cos(lead_angle(scene.track))
+        cosine = np.cos(lead_angle(scene.track))
+        rise = np.sin(scene.track.contact_angle) * cosine
         share = abs(axial) / (count * rise)
         pair = problem.C[:, 0] + problem.C[:, 3]
         shift = np.sign(axial) * float(contact_approach(share, pair.mean())) / rise
         u[:, 2] += np.where(problem.fixed[:, 2], 0.0, shift)
-        cosine = np.cos(lead_angle(scene.track))
         p[:, 1] = 0.5 * shift * cosine
     return np.concatenate([p.ravel(), gamma.ravel(), u.ravel()])
+
+
+def _problem_with_all_flanks(scene: Scene, everything: bool, member: int) -> Problem:
+    """Return the arrays of a scene with contacts on all four flanks; arguments are those of `solve_by_lin_equations`."""
+    layout = ball_layout(scene)
+    drawn = draw_geometry_with_errors(scene, layout, member)
+    return build_problem(scene, drawn, layout, np.ones(4, dtype=bool), everything=everything)
 
 
 def solve_by_lin_equations(
@@ -374,11 +359,8 @@ def solve_by_lin_equations(
         raise ValueError(
             "Lin's equations cannot be solved for a scene with a rigid screw; allowed: a screw that is modelled as a beam"
         )
-    layout = ball_layout(scene)
-    problem = build_problem(
-        scene, draw_geometry_with_errors(scene, layout, member), layout, np.ones(4, dtype=bool), everything=everything
-    )
-    axes = np.stack([layout.radial, layout.binormal], axis=1)
+    problem = _problem_with_all_flanks(scene, everything, member)
+    axes = np.stack([problem.layout.radial, problem.layout.binormal], axis=1)
     free_u = np.flatnonzero(~problem.fixed.ravel())
     count = problem.C.shape[0]
     free = np.concatenate([np.arange(6 * count), 6 * count + free_u])
@@ -388,9 +370,8 @@ def solve_by_lin_equations(
     total, residual, status = 0, np.inf, "converged"
     with np.errstate(all="ignore"):
         for fraction in steps:
-            x, iterations, residual, status = solve_equations_by_newton(
-                system, x, fraction * problem.load.ravel(), tolerance
-            )
+            load = fraction * problem.load.ravel()
+            x, iterations, residual, status = solve_equations_by_newton(system, x, load, tolerance)
             total += iterations
             if status != "converged":
                 break
@@ -425,9 +406,7 @@ def solve_lin_equations_as_static_result(scene: Scene, *, everything: bool = Fal
         Number of the specimen of a scene with random manufacturing errors.
     """
     scene = scene_with_error_free_hertz(scene)
-    layout = ball_layout(scene)
-    use = np.ones(4, dtype=bool)
-    problem = build_problem(scene, draw_geometry_with_errors(scene, layout, member), layout, use, everything=everything)
+    problem = _problem_with_all_flanks(scene, everything, member)
     mechanism = find_unresisted_motions(problem)
     if mechanism.is_driven_by_loads:
         return failed_result(problem, "source", Status("not held", mechanism.description), 0.0)
@@ -508,13 +487,10 @@ def solve_equations_by_newton(
         assert jac is not None
         free = system.free_unknowns
         small = jac[np.ix_(free, free)]
-        scale = np.abs(small).max(axis=1)
-        if not np.all(np.isfinite(small)) or np.any(scale == 0.0):
-            return unknowns, iteration, residual, f"singular Jacobian at iteration {iteration + 1}"
-        try:
-            step = np.linalg.solve(small / scale[:, None], -phi[free] / scale)
-        except np.linalg.LinAlgError:
-            return unknowns, iteration, residual, f"singular Jacobian at iteration {iteration + 1}"
+        scale, step = np.abs(small).max(axis=1), np.full(free.size, np.inf)
+        if np.all(np.isfinite(small)) and np.all(scale > 0.0):
+            with suppress(np.linalg.LinAlgError):
+                step = np.linalg.solve(small / scale[:, None], -phi[free] / scale)
         if not np.all(np.isfinite(step)) or float(np.abs(step).max()) > 1e6:
             return unknowns, iteration, residual, f"singular Jacobian at iteration {iteration + 1}"
         unknowns = unknowns.copy()

@@ -32,7 +32,8 @@ without crown is therefore loaded evenly along its length.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -311,12 +312,9 @@ def roller_line_contacts(bearing: TaperedBearing, load: float) -> RollerContacts
     contact of half-width b and length L has the area 2 b L. He also neglects the load 2 Q sin(gamma) of the rib, with half
     the included angle gamma of the roller.
     """
-    roller, cone, cup = bearing.curvature_radii()
-    modulus = contact_modulus(bearing.young, bearing.poisson, bearing.young, bearing.poisson)
-    q = load / bearing.length
-    widths = line_contact_half_width(q, np.array([1.0 / roller + 1.0 / cone, 1.0 / roller - 1.0 / cup]), modulus)
+    widths, pressures = (v[0] for v in half_widths_and_pressures_of_slices(bearing, np.array([load / bearing.length])))
     rib = float(2.0 * load * np.sin(bearing.roller_angle))
-    return RollerContacts(widths, line_contact_pressure(q, widths), 2.0 * widths * bearing.length, rib)
+    return RollerContacts(widths, pressures, 2.0 * widths * bearing.length, rib)
 
 
 @dataclass(frozen=True)
@@ -472,9 +470,8 @@ def half_widths_and_pressures_of_slices(bearing: TaperedBearing, line_loads: Arr
     roller, cone, cup = bearing.curvature_radii(slice_middles(bearing.length, line_loads.shape[-1]))
     curvature = np.stack([1.0 / roller + 1.0 / cone, 1.0 / roller - 1.0 / cup], axis=-1)
     q = np.asarray(line_loads, dtype=float)[..., None]
-    b = line_contact_half_width(
-        q, curvature, contact_modulus(bearing.young, bearing.poisson, bearing.young, bearing.poisson)
-    )
+    modulus = contact_modulus(bearing.young, bearing.poisson, bearing.young, bearing.poisson)
+    b = line_contact_half_width(q, curvature, modulus)
     return b, line_contact_pressure(q, np.where(q == 0.0, 1.0, b))
 
 
@@ -501,9 +498,12 @@ def sliced_roller_approach_under_force(roller: SlicedRoller, force: float) -> fl
         raise ValueError(f"force of the races on a roller: got {force:g} N; allowed: above 0 N (compression)")
     low = float(roller.profile_drops.min())
     high = float(roller.slice_law.approach(force / roller.length).max() + roller.profile_drops.max()) * (1.0 + 1e-9)
-    return float(
-        brentq(lambda d: sliced_roller_state_at_approach(roller, d).race_force - force, low, high, xtol=1e-22, rtol=8.9e-16)
-    )
+
+    def excess_of_force(approach: float) -> float:
+        """Return the race force at an approach [m] less the given force [N]."""
+        return sliced_roller_state_at_approach(roller, approach).race_force - force
+
+    return float(brentq(excess_of_force, low, high, xtol=1e-22, rtol=8.9e-16))
 
 
 @dataclass(frozen=True)
@@ -517,12 +517,11 @@ class SlicedTaperedRow:
     #: Drop of the profile [m], the sum for both contacts, as a function of the distance from the roller's middle [m]; None:
     #: straight rollers.
     profile: Callable[[Array], Array] | None = None
-    #: Roller cut into slices, computed from the other fields.
-    roller: SlicedRoller = field(init=False)
 
-    def __post_init__(self) -> None:
-        """Cut the roller into slices and store it in the field ``roller``."""
-        object.__setattr__(self, "roller", slice_roller(self.bearing, self.slices, self.profile))
+    @cached_property
+    def roller(self) -> SlicedRoller:
+        """Roller of the bearing, cut into slices."""
+        return slice_roller(self.bearing, self.slices, self.profile)
 
     def thrust(self, deflection: float) -> float:
         """Return the thrust [N] at an axial deflection [m]; zero where the rollers are loose."""
@@ -532,9 +531,8 @@ class SlicedTaperedRow:
     def stiffness(self, deflection: float) -> float:
         """Return the axial stiffness [N/m] at an axial deflection [m]; zero where the rollers are loose."""
         sin = np.sin(self.bearing.cup_angle)
-        return float(
-            self.bearing.rollers * sin**2 * sliced_roller_state_at_approach(self.roller, deflection * sin).stiffness
-        )
+        state = sliced_roller_state_at_approach(self.roller, deflection * sin)
+        return float(self.bearing.rollers * sin**2 * state.stiffness)
 
     def deflection(self, load: float) -> float:
         """Return the axial deflection [m] under a thrust [N].

@@ -5,28 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Literal
 
-Kind = Literal[
-    "place",
-    "two flanks",
-    "size",
-    "pressure",
-    "wedged",
-    "profile",
-    "tilt",
-    "rotation",
-    "preload",
-    "safety",
-    "conformity",
-    "play",
-    "coefficient",
-    "held load",
-    "feedback",
-    "slip",
-    "jam",
-    "balance",
-    "buckling",
-    "speed",
-]
+#: Keywords for the subject of a warning about geometry, about loads and strength, and about friction.
+Geometry = Literal["place", "two flanks", "size", "profile", "tilt", "rotation", "conformity", "play"]
+Load = Literal["pressure", "wedged", "preload", "safety", "held load", "buckling", "speed"]
+FrictionSubject = Literal["coefficient", "feedback", "slip", "jam", "balance"]
+Kind = Geometry | Load | FrictionSubject
 
 
 class ResultWarning(str):

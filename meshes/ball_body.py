@@ -17,10 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 from skfem import Mesh
 
-from rollbench.meshes import shell as meshes_shell
-from rollbench.meshes import sockets as meshes_sockets
+from rollbench.meshes import shell, sockets
 from rollbench.meshes.arrays import Array, Index
-from rollbench.meshes.fem import MeshedBody, MeshQuality, improve_curved_cells
+from rollbench.meshes.fem import MeshedBody, MeshQuality
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import SIDES
 
@@ -42,7 +41,7 @@ class BallRefinementBox:
     #: Flank 0 to 3 with which the ball is in contact.
     side: int
     #: Size of the groove's refinement box at the same contact.
-    groove_box_size: meshes_sockets.RefinementBoxSize
+    groove_box_size: sockets.RefinementBoxSize
     #: Depth of the bottom below the sphere, along the contact normal [m].
     depth: float
     #: Fraction of the refinement box's length, about its middle, in which the rays from the ball's centre meet the groove's
@@ -63,7 +62,7 @@ class CoarseBallMesh(MeshedBody):
     #: Nodes on the inner faces of each refinement box, by flank 0 to 3.
     nodes_on_box_faces: dict[int, Index]
     #: Mesh of each refinement box's faces, by flank 0 to 3.
-    box_faces: dict[int, meshes_sockets.RefinementBoxFaces]
+    box_faces: dict[int, sockets.RefinementBoxFaces]
     #: Number of cells and nodes of the mesh, and smallest and median scaled Jacobian of its cells.
     quality: MeshQuality
 
@@ -114,16 +113,13 @@ def rays_from_ball_centre(m: GrooveMap, box: BallRefinementBox, local_coordinate
     n, t1, t2 = contact_frame_vectors(m, box.side)
 
     def project_to_tangent_plane(at: Array) -> tuple[Array, Array]:
-        x = meshes_sockets.points_in_box_at_azimuth_zero(m, box.groove_box_size, box.side, at * [1.0, 0.0, 1.0]) - np.array(
-            [m.R, 0.0, 0.0]
-        )
+        on_surface = at * [1.0, 0.0, 1.0]
+        x = sockets.points_in_box_at_azimuth_zero(m, box.groove_box_size, box.side, on_surface) - [m.R, 0.0, 0.0]
         return (x @ t1) / (x @ n), (x @ t2) / (x @ n)
 
     line = np.linspace(-1.0, 1.0, 9)
-    along = max(
-        float(np.abs(project_to_tangent_plane(np.stack([line, 0.0 * line, end + 0.0 * line], axis=1))[1]).max())
-        for end in (-1.0, 1.0)
-    )
+    end_lines = (np.stack([line, np.zeros(9), np.full(9, end)], axis=1) for end in (-1.0, 1.0))
+    along = max(float(np.abs(project_to_tangent_plane(at)[1]).max()) for at in end_lines)
     s, t = project_to_tangent_plane(local_coordinates)
     u = np.clip((np.abs(local_coordinates[:, 2]) - box.exact_length_fraction) / (1.0 - box.exact_length_fraction), 0.0, 1.0)
     w = u * u * (3.0 - 2.0 * u)
@@ -151,7 +147,7 @@ def points_in_ball_refinement_box(m: GrooveMap, box: BallRefinementBox, xi: Arra
     return np.asarray(ray * (outer + xi[:, 1] * (m.ball - box.depth - outer))[:, None])
 
 
-def depth_of_ball_refinement_box(m: GrooveMap, groove_box_size: meshes_sockets.RefinementBoxSize, side: int) -> float:
+def depth_of_ball_refinement_box(m: GrooveMap, groove_box_size: sockets.RefinementBoxSize, side: int) -> float:
     """Compute the depth of a ball's refinement box from the size of the groove's box at the same contact.
 
     It is `SHALLOWER` times the depth of the groove's box, or more where the corners of the box would otherwise be less than
@@ -172,11 +168,8 @@ def depth_of_ball_refinement_box(m: GrooveMap, groove_box_size: meshes_sockets.R
         Depth below the sphere [m].
     """
     corners = np.array([[a, 0.0, b] for a in (-1.0, 1.0) for b in (-1.0, 1.0)])
-    widest = float(
-        np.linalg.norm(
-            rays_from_ball_centre(m, BallRefinementBox(side, groove_box_size, groove_box_size.depth), corners), axis=1
-        ).max()
-    )
+    box = BallRefinementBox(side, groove_box_size, groove_box_size.depth)
+    widest = float(np.linalg.norm(rays_from_ball_centre(m, box, corners), axis=1).max())
     return max(SHALLOWER * groove_box_size.depth, m.ball * (1.0 - (1.0 - CORNER) / widest))
 
 
@@ -217,120 +210,123 @@ def mesh_ball_with_refinement_boxes(
     """
 
     def point_map_of_box(side: int) -> Callable[[Array], Array]:
-        like = next(socket for socket in boxes if socket.side // 2 == side // 2)
+        like = next(box for box in boxes if box.side // 2 == side // 2)
         return partial(points_in_ball_refinement_box, m, replace(like, side=side))
 
     _check_refinement_boxes_of_ball(m, boxes)
+    sizes = cell_size_at_boxes, cell_size_far_away
     try:
-        return _mesh_ball_around_refinement_boxes(
-            m,
-            boxes,
-            [
-                meshes_sockets.mesh_refinement_box_of_flank(point_map_of_box, socket.side, edge_divisions)
-                for socket in boxes
-            ],
-            cell_size_at_boxes,
-            cell_size_far_away,
-        )
+        faces = [sockets.mesh_refinement_box_of_flank(point_map_of_box, box.side, edge_divisions) for box in boxes]
+        return _mesh_ball_around_refinement_boxes(m, boxes, faces, *sizes)
     except ValueError:
-        if not any(socket.side % 2 for socket in boxes):
+        if not any(box.side % 2 for box in boxes):
             raise
-    return _mesh_ball_around_refinement_boxes(
-        m,
-        boxes,
-        [meshes_sockets.mesh_refinement_box_faces(point_map_of_box(socket.side), edge_divisions) for socket in boxes],
-        cell_size_at_boxes,
-        cell_size_far_away,
-    )
+    faces = [sockets.mesh_refinement_box_faces(point_map_of_box(box.side), edge_divisions) for box in boxes]
+    return _mesh_ball_around_refinement_boxes(m, boxes, faces, *sizes)
 
 
 def _mesh_ball_around_refinement_boxes(
-    m: GrooveMap,
-    sockets: tuple[BallRefinementBox, ...],
-    boxes: list[tuple[meshes_sockets.RefinementBoxFaces, Array]],
-    fine: float,
-    coarse: float,
+    m: GrooveMap, boxes: tuple[BallRefinementBox, ...], faces: list[sockets.BulgingBoxFaces], fine: float, coarse: float
 ) -> CoarseBallMesh:
     """Mesh a ball around its refinement boxes, whose faces are meshed already.
 
-    ``m``: groove surfaces of the track; ``sockets``: refinement boxes of the ball; ``boxes``: for each of them the mesh of
-    its faces, and the local coordinates of its corner nodes in the bulging shape that the faces have while gmsh fills the
-    ball; ``fine``, ``coarse``: edge lengths of cells at the refinement boxes and far from them [m].
+    ``m``: groove surfaces of the track; ``boxes``: refinement boxes of the ball; ``faces``: the meshes of their faces;
+    ``fine``, ``coarse``: edge lengths of cells at the refinement boxes and far from them [m].
     """
-    near = np.concatenate(
-        [points_in_ball_refinement_box(m, socket, box.xi) for socket, (box, _) in zip(sockets, boxes, strict=True)]
-    )
+    pairs = list(zip(boxes, faces, strict=True))
+    near = np.concatenate([points_in_ball_refinement_box(m, box, mesh.xi) for box, (mesh, _) in pairs])
 
     def mesh_once(gmsh: Any, plane: int, volume: int, share: float) -> tuple[CoarseBallMesh, float]:
         sizes = share * fine, share * coarse
-        shell = meshes_shell.ClosedSurfaceMesh(
-            gmsh,
-            meshes_shell.edge_length_growing_with_distance(near, *sizes, *(m.ball * g for g in GROWTH)),
-            min(sizes),
-            plane,
-        )
+        edge_length = shell.edge_length_growing_with_distance(near, *sizes, *(m.ball * g for g in GROWTH))
+        surface = shell.ClosedSurfaceMesh(gmsh, edge_length, min(sizes), plane)
         corners = []
-        for socket, (box, raised) in zip(sockets, boxes, strict=True):
-            places = (points_in_ball_refinement_box(m, socket, xi) for xi in (box.xi, raised))
-            corners.append(shell.add_refinement_box(f"socket {SIDES[socket.side]}", box, *places))
-        triangulate_sphere(
-            m,
-            shell,
-            [c[meshes_sockets.rim_nodes_of_refinement_box(box)] for c, (box, _) in zip(corners, boxes, strict=True)],
-            share,
-        )
-        filled = meshes_shell.mesh_inside_closed_surface(shell, volume)
-        box_nodes = [filled.nodes_on_refinement_box(c, box) for c, (box, _) in zip(corners, boxes, strict=True)]
-        kept = np.concatenate(box_nodes)
-        mesh, moved, quality = improve_curved_cells(
-            filled.with_named_boundaries(shell), "ball", filled.nodes_of_triangles(shell.triangles_on_boundary()), kept
-        )
-        nodes = {socket.side: n for socket, n in zip(sockets, box_nodes, strict=True)}
-        meshes = {socket.side: box for socket, (box, _) in zip(sockets, boxes, strict=True)}
-        body = CoarseBallMesh(mesh, nodes, meshes, quality)
-        return body, moved + max(0.0, meshes_shell.POOREST - quality.smallest_jacobian)
+        for box, (mesh, raised) in pairs:
+            places = (points_in_ball_refinement_box(m, box, xi) for xi in (mesh.xi, raised))
+            corners.append(surface.add_refinement_box(f"socket {SIDES[box.side]}", mesh, *places))
+        meshes = [mesh for mesh, _ in faces]
+        rims = [c[sockets.rim_nodes_of_refinement_box(mesh)] for c, mesh in zip(corners, meshes, strict=True)]
+        triangulate_sphere(m, surface, rims, share)
+        filled = shell.mesh_inside_closed_surface(surface, volume)
+        box_nodes = [filled.nodes_on_refinement_box(c, mesh) for c, mesh in zip(corners, meshes, strict=True)]
+        ball, moved, quality = filled.improved_mesh(surface, "ball", np.concatenate(box_nodes))
+        flanks = [box.side for box in boxes]
+        by_flank = dict(zip(flanks, box_nodes, strict=True)), dict(zip(flanks, meshes, strict=True))
+        body = CoarseBallMesh(ball, *by_flank, quality)
+        return body, moved + max(0.0, shell.POOREST - quality.smallest_jacobian)
 
-    return meshes_shell.best_mesh_of_attempts("ball", mesh_once)
+    return shell.best_mesh_of_attempts("ball", mesh_once)
 
 
-def triangulate_sphere(
-    m: GrooveMap, shell: meshes_shell.ClosedSurfaceMesh, box_rims: list[Index], edge_factor: float
-) -> None:
+def triangulate_sphere(m: GrooveMap, surface: shell.ClosedSurfaceMesh, box_rims: list[Index], edge_factor: float) -> None:
     """Triangulate the surface of a ball outside its refinement boxes, one hemisphere after the other.
 
     Parameters
     ----------
     m : GrooveMap
         Groove surfaces of the track, with the ball's radius.
-    shell : ClosedSurfaceMesh
+    surface : ClosedSurfaceMesh
         Surface mesh to which the faces are added.
     box_rims : list[Index]
         Corner nodes around the rim of each refinement box.
     edge_factor : float
         Factor on the default length of the longest edge.
     """
-    axis, limit = normal_between_hemispheres(m), edge_factor * meshes_shell.BEND[1] * m.ball
+    axis, limit = normal_between_hemispheres(m), edge_factor * shell.BEND[1] * m.ball
     along = contact_frame_vectors(m, 0)[2]
-    middle = np.stack([along, np.cross(axis, along)])
-    equator = shell.add_divided_curve(
-        lambda t: m.ball * (np.stack([np.cos(t), np.sin(t)], axis=1) @ middle), 0.0, 2.0 * np.pi, limit
-    )
+    axes = np.stack([along, np.cross(axis, along)])
+    equator = add_equator(surface, m.ball, axes, limit)
+    for pole in (-axis, axis):
+        closed = [np.append(r, r[0]) for r in box_rims if surface.points[r[0]] @ pole < 0.0]
+        loops = []
+        for nodes in (equator.nodes, *closed):
+            x = surface.points[nodes]
+            loops.append([(nodes, np.asarray(x @ axes.T / (1.0 - x @ pole / m.ball)[:, None]))])
+        add_hemisphere(surface, m.ball, axes, pole, loops, limit)
+
+
+def add_equator(surface: shell.ClosedSurfaceMesh, radius: float, axes: Array, limit: float) -> shell.DividedCurve:
+    """Divide a great circle of a sphere about the origin into edges of at most ``limit`` [m].
+
+    ``surface``: surface mesh to which the nodes are added; ``radius``: radius of the sphere [m]; ``axes``: two orthogonal
+    unit vectors in the plane of the circle ``(2, 3)``.
+    """
+
+    def circle(t: Array) -> Array:
+        return np.asarray(radius * (np.stack([np.cos(t), np.sin(t)], axis=1) @ axes))
+
+    return surface.add_curve(circle, 0.0, 2.0 * np.pi, limit)
+
+
+def add_hemisphere(
+    surface: shell.ClosedSurfaceMesh, radius: float, axes: Array, pole: Array, loops: list[list[shell.Side]], limit: float
+) -> None:
+    """Triangulate half a sphere about the origin in the plane of its equator, by stereographic projection from a pole.
+
+    Parameters
+    ----------
+    surface : ClosedSurfaceMesh
+        Surface mesh to which the half sphere is added, as boundary "sphere".
+    radius : float
+        Radius of the sphere [m].
+    axes : (2, 3) Array
+        Two orthogonal unit vectors in the plane of the equator: the axes of the plane coordinates.
+    pole : (3,) Array
+        Unit vector to the pole of the other half, from which the sphere is projected.
+    loops : list
+        Boundary of the half sphere in plane coordinates: the equator, then holes.
+    limit : float
+        Length of the longest edge [m].
+    """
+
+    def plane_to_sphere(flat: Array) -> Array:
+        square = np.sum((flat / radius) ** 2, axis=1)[:, None]
+        return np.asarray((radius * (square - 1.0) * pole + 2.0 * flat @ axes) / (square + 1.0))
 
     def length_ratio_plane_to_sphere(flat: Array) -> Array:
-        return np.asarray(0.5 * (1.0 + np.sum((flat / m.ball) ** 2, axis=1)))
+        return np.asarray(0.5 * (1.0 + np.sum((flat / radius) ** 2, axis=1)))
 
-    for pole in (-axis, axis):
-
-        def sphere_to_plane(x: Array, pole: Array = pole) -> Array:
-            return np.asarray(x @ middle.T / (1.0 - x @ pole / m.ball)[:, None])
-
-        def plane_to_sphere(flat: Array, pole: Array = pole) -> Array:
-            square = np.sum((flat / m.ball) ** 2, axis=1)[:, None]
-            return np.asarray((m.ball * (square - 1.0) * pole + 2.0 * flat @ middle) / (square + 1.0))
-
-        closed = [np.append(r, r[0]) for r in box_rims if shell.points[r[0]] @ pole < 0.0]
-        loops = [[(n, sphere_to_plane(shell.points[n]))] for n in (equator.nodes, *closed)]
-        shell.add_face("sphere", loops, plane_to_sphere, limit, length_ratio_plane_to_sphere)
+    surface.add_face("sphere", loops, plane_to_sphere, limit, length_ratio_plane_to_sphere)
 
 
 def normal_between_hemispheres(m: GrooveMap) -> Array:
@@ -350,28 +346,25 @@ def normal_between_hemispheres(m: GrooveMap) -> Array:
     return np.asarray(x3 if m.beta <= np.pi / 4 else z3)
 
 
-def _check_refinement_boxes_of_ball(m: GrooveMap, sockets: tuple[BallRefinementBox, ...]) -> None:
-    """Raise ValueError unless there are refinement boxes (``sockets``), and all fit into the ball without overlap."""
-    if not sockets:
+def _check_refinement_boxes_of_ball(m: GrooveMap, boxes: tuple[BallRefinementBox, ...]) -> None:
+    """Raise ValueError unless there are refinement boxes (``boxes``), and all fit into the ball without overlap."""
+    if not boxes:
         raise ValueError("a ball mesh without contacts: give a refinement box for at least one contact")
     remedy = "make the refinement boxes smaller (the module rollbench.meshes.sockets computes a size that fits)"
     a, b = np.linspace(-1.0, 1.0, 41)[:-1], np.ones(40)
     around = np.concatenate([np.stack(x, 1) for x in ((a, 0 * a, -b), (b, 0 * a, a), (-a, 0 * a, b), (-b, 0 * a, -a))])
-    outlines = {socket.side: points_in_ball_refinement_box(m, socket, 1.02 * around) for socket in sockets}
-    for socket in sockets:
-        name = f"refinement box at flank {SIDES[socket.side]} of a ball of {1e3 * m.ball:.4g} mm radius"
-        if not 0.0 < socket.depth < 0.8 * m.ball:
-            raise ValueError(f"the {name} is {1e3 * socket.depth:.4g} mm deep, not between 0 and 0.8 ball radii: {remedy}")
-        points = points_in_ball_refinement_box(m, socket, around)
-        if np.linalg.norm(rays_from_ball_centre(m, socket, around), axis=1).max() * (m.ball - socket.depth) >= m.ball:
-            raise ValueError(f"the {name} is wider than its depth of {1e3 * socket.depth:.4g} mm allows: {remedy}")
+    outlines = {box.side: points_in_ball_refinement_box(m, box, 1.02 * around) for box in boxes}
+    for box in boxes:
+        name = f"refinement box at flank {SIDES[box.side]} of a ball of {1e3 * m.ball:.4g} mm radius"
+        if not 0.0 < box.depth < 0.8 * m.ball:
+            raise ValueError(f"the {name} is {1e3 * box.depth:.4g} mm deep, not between 0 and 0.8 ball radii: {remedy}")
+        points = points_in_ball_refinement_box(m, box, around)
+        if np.linalg.norm(rays_from_ball_centre(m, box, around), axis=1).max() * (m.ball - box.depth) >= m.ball:
+            raise ValueError(f"the {name} is wider than its depth of {1e3 * box.depth:.4g} mm allows: {remedy}")
         if np.ptp(np.sign(points @ normal_between_hemispheres(m))) > 0.0:
             raise ValueError(f"the {name} extends beyond one half of the ball: {remedy}")
-        for other in sockets:
-            if (
-                other is not socket
-                and _are_inside_cone(outlines[other.side], points, contact_frame_vectors(m, other.side)).any()
-            ):
+        for other in (x for x in boxes if x is not box):
+            if _are_inside_cone(outlines[other.side], points, contact_frame_vectors(m, other.side)).any():
                 raise ValueError(f"the {name} and that at flank {SIDES[other.side]} overlap: {remedy}")
 
 

@@ -8,14 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from skfem import Mesh
 
 from rollbench.meshes import fem
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.shell import gmsh_session
+from rollbench.meshes.shell import gmsh_session, set_element_size_formula, take_nodes_and_cells
 
 
 @dataclass(frozen=True)
@@ -28,8 +27,6 @@ class QuarterBlockMesh(fem.MeshedBody):
 
     #: Mesh of the quarter block: hexahedra or tetrahedra.
     mesh: Mesh
-    #: Length of the block's edges [m].
-    edge_length: float
 
     @property
     def element(self) -> str:
@@ -183,18 +180,13 @@ def mesh_block_with_tetrahedra(order: int, element_sizes: EllipsoidElementSizes,
         gmsh.model.add("block")
         gmsh.model.occ.addBox(0.0, 0.0, 0.0, 1.0, 1.0, 1.0)  # OpenCASCADE's tolerances are made for lengths of about 1
         gmsh.model.occ.synchronize()
-        _set_element_sizes(gmsh, element_sizes.scaled(1.0 / block_edge))
+        set_element_size_formula(gmsh, element_sizes.scaled(1.0 / block_edge).edge_length_formula())
         gmsh.model.mesh.generate(3)
         gmsh.model.mesh.setOrder(order)
-        tags, xyz, _ = gmsh.model.mesh.getNodes()
-        ascending = np.argsort(tags)
-        _, nodes = gmsh.model.mesh.getElementsByType({1: 4, 2: 11}[order])
-        gmsh.model.remove()
-    cells = np.searchsorted(tags[ascending], nodes).reshape(-1, {1: 4, 2: 10}[order])
-    mesh, _ = fem.build_mesh(xyz.reshape(-1, 3)[ascending], cells, f"P{order}")
-    return _block_with_named_boundaries(
-        fem.with_node_coordinates(mesh, block_edge * fem.node_coordinates(mesh)), block_edge
-    )
+        points, cells = take_nodes_and_cells(gmsh, *{1: (4, 4), 2: (11, 10)}[order])
+    mesh, _ = fem.build_mesh(points, cells, f"P{order}")
+    scaled = fem.with_node_coordinates(mesh, block_edge * fem.node_coordinates(mesh))
+    return _block_with_named_boundaries(scaled, block_edge)
 
 
 def _block_with_named_boundaries(mesh: Mesh, size: float) -> QuarterBlockMesh:
@@ -209,13 +201,4 @@ def _block_with_named_boundaries(mesh: Mesh, size: float) -> QuarterBlockMesh:
     faces = {"contact": lies_on_plane(2, 0.0), "x = 0": lies_on_plane(0, 0.0), "y = 0": lies_on_plane(1, 0.0)}
     facets = {name: mesh.facets_satisfying(test, boundaries_only=True) for name, test in faces.items()}
     cut = [mesh.facets_satisfying(lies_on_plane(axis, size), boundaries_only=True) for axis in range(3)]
-    return QuarterBlockMesh(fem.with_boundaries_from_facets(mesh, {**facets, "cut": np.unique(np.concatenate(cut))}), size)
-
-
-def _set_element_sizes(gmsh: Any, influence: EllipsoidElementSizes) -> None:
-    """Make gmsh use the edge lengths ``influence`` for its model, and disable its other rules for element sizes."""
-    field = gmsh.model.mesh.field.add("MathEval")
-    gmsh.model.mesh.field.setString(field, "F", influence.edge_length_formula())
-    gmsh.model.mesh.field.setAsBackgroundMesh(field)
-    for name in ("MeshSizeExtendFromBoundary", "MeshSizeFromPoints", "MeshSizeFromCurvature"):
-        gmsh.option.setNumber(f"Mesh.{name}", 0)
+    return QuarterBlockMesh(fem.with_boundaries_from_facets(mesh, {**facets, "cut": np.unique(np.concatenate(cut))}))

@@ -266,9 +266,7 @@ def key_of_result(function: Callable[..., object], arguments: tuple[object, ...]
     name = f"{function.__module__}.{function.__qualname__}"
     if "<" in name:
         raise TypeError(f"{name} is not defined at module level: only results of such functions can be stored")
-    made_by = sorted(
-        {"rollbench.meshes", _package_of_module(function.__module__), _package_of_module(result_class.__module__)}
-    )
+    made_by = sorted({"rollbench.meshes", *(_package_of_module(x.__module__) for x in (function, result_class))})
     programs = [*map(_installed_version, ("gmsh", "scikit-fem", "rollbench")), *map(digest_of_sources, made_by)]
     return digest_of_values(name, result_class, programs, arguments)
 
@@ -448,12 +446,8 @@ def _json_structure(value: Any, arrays: list[Any]) -> Any:
         return ["array" if isinstance(value, np.ndarray) else "scalar", len(arrays) - 1]
     if type(value).__module__.startswith("scipy.sparse"):
         matrix: Any = value if value.format in ("csr", "csc") else value.tocsr()
-        return [
-            "sparse",
-            _qualified_class_name(type(matrix)),
-            list(matrix.shape),
-            *(_json_structure(x, arrays) for x in _sparse_matrix_arrays(matrix)),
-        ]
+        parts = (_json_structure(x, arrays) for x in (matrix.data, matrix.indices, matrix.indptr))
+        return ["sparse", _qualified_class_name(type(matrix)), list(matrix.shape), *parts]
     if type(value) in (tuple, list):
         return [type(value).__name__, *(_json_structure(x, arrays) for x in value)]
     if type(value) is dict:
@@ -464,11 +458,6 @@ def _json_structure(value: Any, arrays: list[Any]) -> Any:
         fields = {f.name: _json_structure(getattr(value, f.name), arrays) for f in dataclasses.fields(value)}
         return ["record", _qualified_class_name(type(value)), fields]
     raise TypeError(f"a value of type {type(value).__name__} cannot be stored in the cache")
-
-
-def _sparse_matrix_arrays(matrix: Any) -> tuple[Any, Any, Any]:
-    """Return the three arrays of a compressed sparse matrix (scipy): values, indices and index pointers."""
-    return matrix.data, matrix.indices, matrix.indptr
 
 
 def _qualified_class_name(class_: type) -> str:

@@ -70,9 +70,8 @@ class CondensedBodies:
     nut: Array
     #: Compliance of one ball between its contacts ``(k, k)`` [m/N].
     ball: Array
-    #: Approach of ball and groove at a contact, divided by the contact force F: only what remains without the part C
-    #: F^(-1/3) after Hertz, and without the part that the matrices give. For each flank at f forces, equal for all balls
-    #: ``(k, f)`` [m/N].
+    #: Part of the approach of ball and groove at a contact that is neither Hertz's approach C F^(2/3) nor given by the
+    #: three matrices, divided by the contact force F. For each flank at f forces, equal for all balls ``(k, f)`` [m/N].
     local: Array
     #: Forces at which ``local`` is sampled ``(k, f)`` [N].
     force: Array
@@ -135,23 +134,15 @@ class CondensedBodies:
             The file cannot be written.
         """
         values = asdict(self)
-        _write_arrays(path, values | {"format": FORMAT, "checksum": checksum_of_arrays(values)})
-
-
-def _write_arrays(path: Path, values: Mapping[str, Any]) -> None:
-    """Write arrays to a compressed .npz file; an existing file is replaced only when the new one is complete.
-
-    ``values``: the arrays, by their names in the file.
-    """
-    create_folder_for_group(path.parent)
-    name = temporary_path(path)
-    try:
-        with open(name, "xb") as file:
-            np.savez_compressed(file, **values)
-        make_readable_for_group(name)
-        os.replace(name, path)
-    finally:
-        name.unlink(missing_ok=True)
+        create_folder_for_group(path.parent)
+        name = temporary_path(path)
+        try:
+            with open(name, "xb") as file:
+                np.savez_compressed(file, **values, format=FORMAT, checksum=checksum_of_arrays(values))
+            make_readable_for_group(name)
+            os.replace(name, path)
+        finally:
+            name.unlink(missing_ok=True)
 
 
 def digest_of_geometry(scene: Scene) -> str:

@@ -40,7 +40,7 @@ class GeometryWithErrors:
     profile_coefficients: Array
 
 
-def _draw_fourier_amplitudes(terms: tuple[FourierTerm, ...], rng: np.random.Generator) -> list[tuple[float, float, float]]:
+def _draw_terms(terms: tuple[FourierTerm, ...], rng: np.random.Generator) -> list[tuple[float, float, float]]:
     """Add normal random numbers to the amplitudes of the Fourier terms of an error along the track.
 
     ``rng``: generator of random numbers. Returns, for each term, its harmonic and its amplitudes of sine and cosine [m].
@@ -52,10 +52,10 @@ def _draw_fourier_amplitudes(terms: tuple[FourierTerm, ...], rng: np.random.Gene
     return drawn
 
 
-def _fourier_series_and_slopes(drawn: list[tuple[float, float, float]], phi: Array) -> Array:
+def _series_with_slopes(drawn: list[tuple[float, float, float]], phi: Array) -> Array:
     """Return the value of a Fourier series and its first two derivatives at n azimuths ``(3, n)`` [m, m/rad, m/rad2].
 
-    ``drawn``: terms from `_draw_fourier_amplitudes`, each with its harmonic and its amplitudes of sine and cosine [m];
+    ``drawn``: terms from `_draw_terms`, each with its harmonic and its amplitudes of sine and cosine [m];
     ``phi``: azimuths ``(n,)`` [rad].
     """
     total = np.zeros((3, phi.size))
@@ -65,7 +65,7 @@ def _fourier_series_and_slopes(drawn: list[tuple[float, float, float]], phi: Arr
     return total
 
 
-def _draw_profile_coefficients(side: SideErrors, rng: np.random.Generator) -> list[float]:
+def _draw_profile(side: SideErrors, rng: np.random.Generator) -> list[float]:
     """Return the coefficients of a flank's profile error [m], after normal random numbers are added to them.
 
     The error is an inward offset of the groove's surface, a polynomial in the section angle in rad. Returns its
@@ -73,6 +73,14 @@ def _draw_profile_coefficients(side: SideErrors, rng: np.random.Generator) -> li
     """
     terms = zip_longest(side.profile, side.profile_sigma, fillvalue=0.0)
     return [float(m + (rng.normal(0.0, s) if s > 0.0 else 0.0)) for m, s in terms]
+
+
+def ball_radii_without_random_errors(scene: Scene) -> Array:
+    """Return the radii of all loaded balls ``(n,)`` [m]: nominal radius, oversize, and the error listed for the ball."""
+    radii = np.full(scene.ball_count, scene.balls.radius + scene.errors.balls.oversize)
+    for number, error in scene.errors.balls.listed:
+        radii[number - 1] += error
+    return radii
 
 
 def draw_ball_radii(scene: Scene, rng: np.random.Generator, return_path_balls: int | None = None) -> Array:
@@ -96,11 +104,10 @@ def draw_ball_radii(scene: Scene, rng: np.random.Generator, return_path_balls: i
         Radii [m].
     """
     errors = scene.errors.balls
-    radius = np.full(
-        scene.ball_count if return_path_balls is None else return_path_balls, scene.balls.radius + errors.oversize
-    )
-    for number, error in errors.listed if return_path_balls is None else ():
-        radius[number - 1] += error
+    if return_path_balls is None:
+        radius = ball_radii_without_random_errors(scene)
+    else:
+        radius = np.full(return_path_balls, scene.balls.radius + errors.oversize)
     if errors.sigma > 0.0:
         if errors.distribution == "normal":
             radius += rng.normal(0.0, errors.sigma, radius.size)
@@ -156,13 +163,8 @@ class ErrorsAfterDrawing:
             phi = azimuths_on_nut if name.startswith("N") else azimuths_on_screw
             along = cos(lead_angle(scene.track)) if scene.errors.side(name).pitch_along == "axis" else 1.0
             # (2.27): roundness along x3, pitch along z3; (4.1) has the pitch error along the axis
-            offset = np.stack(
-                [
-                    _fourier_series_and_slopes(self.roundness_terms[s], phi),
-                    along * _fourier_series_and_slopes(self.pitch_terms[s], phi),
-                ],
-                axis=-1,
-            )
+            roundness, pitch = (_series_with_slopes(x[s], phi) for x in (self.roundness_terms, self.pitch_terms))
+            offset = np.stack([roundness, along * pitch], axis=-1)
             centre[:, s] += offset[0]
             slopes[:, :, s] += offset[1:]
         degree = max(len(p) for p in self.profile_coefficients)
@@ -201,12 +203,10 @@ def _groove_centres_with_lead_offset(scene: Scene, axial_positions: Array) -> Ar
     the track by d cos(alpha), with the lead angle alpha. The shift along the track has no effect, because the groove is the
     same everywhere along the track.
     """
-    centre = np.empty((axial_positions.size, 4, 2))
+    centre, offset = np.empty((axial_positions.size, 4, 2)), scene.errors.lead_offset
     centre[:] = nominal_groove_centres(scene)
-    if scene.errors.lead_offset != 0.0:
-        centre[are_in_shifted_half(scene, axial_positions), 2:, 1] += scene.errors.lead_offset * cos(
-            lead_angle(scene.track)
-        )
+    if offset != 0.0:
+        centre[are_in_shifted_half(scene, axial_positions), 2:, 1] += offset * cos(lead_angle(scene.track))
     return centre
 
 
@@ -231,14 +231,7 @@ def draw_errors(scene: Scene, specimen_number: int = 0) -> ErrorsAfterDrawing:
     rng = np.random.default_rng([scene.errors.seed, specimen_number]) if scene.errors.random else _UNUSED
     radii = draw_ball_radii(scene, rng)
     sides = [scene.errors.side(name) for name in SIDES]
-    terms = [
-        (
-            _draw_fourier_amplitudes(e.pitch, rng),
-            _draw_fourier_amplitudes(e.roundness, rng),
-            _draw_profile_coefficients(e, rng),
-        )
-        for e in sides
-    ]
+    terms = [(_draw_terms(e.pitch, rng), _draw_terms(e.roundness, rng), _draw_profile(e, rng)) for e in sides]
     pitch, roundness, profile = zip(*terms, strict=True)
     return ErrorsAfterDrawing(radii, pitch, roundness, profile)
 
@@ -325,13 +318,11 @@ def draw_geometries_with_errors(scene: Scene, layout: BallLayout, first_number: 
         Geometry of the specimens at the balls.
     """
     drawn = [draw_errors(scene, member) for member in range(first_number, first_number + count)]
-    shared = all(
-        (one.pitch_terms, one.roundness_terms) == (drawn[0].pitch_terms, drawn[0].roundness_terms) for one in drawn
-    )
+    along_tracks = [(one.pitch_terms, one.roundness_terms) for one in drawn]
+    shared = all(errors == along_tracks[0] for errors in along_tracks)
     places = [_geometry_at_scene_balls(scene, layout, one) for one in (drawn[:1] if shared else drawn)]
-    return GeometriesWithErrors(
-        np.stack([one.ball_radii for one in drawn]), np.stack([x.groove_centres for x in places]), places[0].groove_radii
-    )
+    radii, centres = np.stack([one.ball_radii for one in drawn]), np.stack([x.groove_centres for x in places])
+    return GeometriesWithErrors(radii, centres, places[0].groove_radii)
 
 
 def scene_with_drawn_errors(scene: Scene, specimen_number: int = 0) -> Scene:
@@ -381,16 +372,11 @@ def scene_without_random_errors(scene: Scene) -> Scene:
     Scene
         Copy of the scene without random errors.
     """
-
-    def without_random_amplitudes(terms: tuple[FourierTerm, ...]) -> tuple[FourierTerm, ...]:
-        return tuple(replace(term, sigma=0.0) for term in terms)
-
     errors = scene.errors
-    sides: dict[str, Any] = {
-        name: replace(
-            e, profile_sigma=(), pitch=without_random_amplitudes(e.pitch), roundness=without_random_amplitudes(e.roundness)
-        )
-        for name, e in ((name, errors.side(name)) for name in SIDES)
-    }
+    sides: dict[str, Any] = {}
+    for name in SIDES:
+        e = errors.side(name)
+        pitch, roundness = (tuple(replace(term, sigma=0.0) for term in terms) for terms in (e.pitch, e.roundness))
+        sides[name] = replace(e, profile_sigma=(), pitch=pitch, roundness=roundness)
     balls = replace(errors.balls, sigma=0.0, distribution="normal")
     return replace(scene, errors=replace(errors, balls=balls, **sides))

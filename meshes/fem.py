@@ -75,9 +75,8 @@ def build_mesh(
     mesh = MESHES[element_type](np.ascontiguousarray(points.T), np.ascontiguousarray(ordered.T))
     number = np.full(len(points), -1, dtype=np.int64)
     number[ordered] = mesh.dofs.element_dofs.T
-    return with_boundaries_from_corners(
-        mesh, {name: number[f[:, : len(mesh.facets)]] for name, f in (boundaries or {}).items()}
-    ), number
+    corners = {name: number[f[:, : len(mesh.facets)]] for name, f in (boundaries or {}).items()}
+    return with_boundaries_from_corners(mesh, corners), number
 
 
 def with_boundaries_from_corners(mesh: Mesh, faces: Mapping[str, Index]) -> Mesh:
@@ -466,14 +465,9 @@ def mesh_quality(mesh: Mesh) -> MeshQuality:
     jacobians = scaled_jacobians(mesh)
     worst = int(jacobians.argmin())
     x, y, z = mesh.doflocs[:, mesh.dofs.element_dofs[:, worst]].mean(axis=1)
-    return MeshQuality(
-        mesh.nelements,
-        mesh.doflocs.shape[1],
-        float(jacobians[worst]),
-        float(np.median(jacobians)),
-        worst,
-        (float(x), float(y), float(z)),
-    )
+    smallest, median = float(jacobians[worst]), float(np.median(jacobians))
+    centre = float(x), float(y), float(z)
+    return MeshQuality(mesh.nelements, mesh.doflocs.shape[1], smallest, median, worst, centre)
 
 
 def check_no_inverted_cells(quality: MeshQuality, body_name: str) -> None:
@@ -489,11 +483,10 @@ def check_no_inverted_cells(quality: MeshQuality, body_name: str) -> None:
     if quality.smallest_jacobian > 0.0:
         return
     r, z = np.hypot(*quality.worst_cell_centre[:2]), quality.worst_cell_centre[2]
+    place = f"cell {quality.worst_cell} of {quality.cell_count} at r = {1e3 * r:.4g} mm, z = {1e3 * z:.4g} mm"
     raise ValueError(
-        f"mesh of the {body_name}: cell {quality.worst_cell} of {quality.cell_count} at r = {1e3 * r:.4g} mm, z = "
-        f"{1e3 * z:.4g} mm is "
-        f"turned inside out (its scaled Jacobian {quality.smallest_jacobian:.2g} must exceed 0): choose smaller element "
-        "sizes"
+        f"mesh of the {body_name}: {place} is turned inside out (its scaled Jacobian {quality.smallest_jacobian:.2g} must "
+        "exceed 0): choose smaller element sizes"
     )
 
 
@@ -551,9 +544,8 @@ def move_inner_midside_nodes(mesh: Mesh, fixed_nodes: Index, reference_points: A
             length = size * np.linalg.norm(x[:, 1] - x[:, 0], axis=1).min()
             trial = np.repeat(x[None], len(steps), axis=0)
             trial[:, ring == n] = (points[n] + length * steps)[:, None]
-            worst = (
-                _scaled_jacobians_at_points(trial.reshape(-1, 10, 3), table).min(axis=1).reshape(len(steps), -1).min(axis=1)
-            )
+            of_cells = _scaled_jacobians_at_points(trial.reshape(-1, 10, 3), table).min(axis=1)
+            worst = of_cells.reshape(len(steps), -1).min(axis=1)
             if worst.max() > worst[13] + 1e-12:  # 13: no step
                 points[n] = points[n] + length * steps[int(worst.argmax())]
         size *= 0.8
@@ -633,9 +625,8 @@ def improve_curved_cells(
     found, straight = straighten_bent_edges(move_inner_midside_nodes(mesh, surface_nodes), nodes_to_keep)
     if (_smallest_jacobian_of_cells(found, found.dofs.element_dofs.T, INSIDE) <= 0.0).any():
         everywhere = np.hstack([mesh.elem.doflocs.T, INSIDE])
-        found, straight = straighten_bent_edges(
-            move_inner_midside_nodes(mesh, surface_nodes, everywhere), nodes_to_keep, everywhere
-        )
+        moved = move_inner_midside_nodes(mesh, surface_nodes, everywhere)
+        found, straight = straighten_bent_edges(moved, nodes_to_keep, everywhere)
     mesh, quality = found, mesh_quality(found)
     check_no_inverted_cells(quality, body_name)
     return mesh, straight, quality

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rollbench.meshes import sockets as meshes_sockets
+from rollbench.meshes import sockets
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.groove_map import GrooveMap
-from rollbench.meshes.parts import Flange, UnfitKey
+from rollbench.meshes.parts import Flange
 from rollbench.meshes.shell import Placing
 from rollbench.meshes.solid import RUN_OUT, WHOLE
 
@@ -44,15 +44,15 @@ class GrooveRunOut:
 
     @classmethod
     def from_ball_positions(
-        cls, m: GrooveMap, sockets: Iterable[tuple[float, float, int]], size: meshes_sockets.RefinementBoxSize
+        cls, m: GrooveMap, contacts: Iterable[sockets.ContactPosition], size: sockets.RefinementBoxSize
     ) -> GrooveRunOut:
         """Compute where the groove of each thread start ends, from the positions of the loaded balls.
 
         Parameters
         ----------
         m : GrooveMap
-            Groove surfaces of the track.
-        sockets : Iterable[tuple[float, float, int]]
+            Groove surfaces of the track, which is a helix.
+        contacts : Iterable[ContactPosition]
             For each contact, azimuth [rad] and axial position [m] of its ball, and flank 0 to 3.
         size : RefinementBoxSize
             Size of the refinement boxes (boxes left free for the fine contact patches).
@@ -61,24 +61,14 @@ class GrooveRunOut:
         -------
         GrooveRunOut
             Ends of the groove of each thread start.
-
-        Raises
-        ------
-        UnfitKey
-            The track is that of a bearing ring, whose groove has no ends.
         """
-        if not m.rg:
-            raise UnfitKey(
-                "solid.nut_groove",
-                "solid.nut_groove says where the groove of a nut ends; that of a bearing ring has no ends: remove it",
-            )
-        lines = meshes_sockets.helix_constants_of_starts(m)
+        lines = sockets.helix_constants_of_starts(m)
         ball = 2.0 * m.ball / float(np.hypot(m.R, m.rg))
         reach = max(WHOLE * ball, size.phi)
         whole = np.full((len(lines), 2), np.nan)
         for k, line in enumerate(lines):
-            places = [(phi, *meshes_sockets.turns_and_distance_to_groove(m, phi, z, line)) for phi, z, _ in sockets]
-            on_line = [phi + 2.0 * np.pi * turns for phi, turns, off in places if off <= meshes_sockets.ON_GROOVE * m.ball]
+            places = [(phi, *sockets.turns_and_distance_to_groove(m, phi, z, line)) for phi, z, _ in contacts]
+            on_line = [phi + 2.0 * np.pi * turns for phi, turns, off in places if off <= sockets.ON_GROOVE * m.ball]
             if on_line:
                 whole[k] = min(on_line) - reach, max(on_line) + reach
         return cls(np.array(lines), whole, RUN_OUT * ball, m.rg)
@@ -141,9 +131,9 @@ class GroovedBodySpec:
     groove_outside: bool
     #: For each contact, azimuth [rad] of the ball including the offset of its start, axial position [m] of the ball, and
     #: flank 0 to 3. Around each contact the mesh leaves a refinement box free for a finer mesh.
-    contact_positions: tuple[tuple[float, float, int], ...]
+    contact_positions: tuple[sockets.ContactPosition, ...]
     #: Size of the refinement boxes.
-    refinement_box_size: meshes_sockets.RefinementBoxSize
+    refinement_box_size: sockets.RefinementBoxSize
     #: Element size at the refinement boxes [m].
     cell_size_at_contacts: float
     #: Element size far from the refinement boxes [m].
@@ -152,6 +142,16 @@ class GroovedBodySpec:
     groove_ends_inside: bool = False
     #: Flange of a nut; None for a body without flange.
     flange: Flange | None = None
+
+    @property
+    def part_name(self) -> str:
+        """Name of the part for messages: "screw" or "nut"."""
+        return "screw" if self.groove_outside else "nut"
+
+    @property
+    def land_and_back_radii(self) -> tuple[float, float]:
+        """Radius of the lands, and radius of the surface behind the groove: bore of a screw, outside of a nut [m]."""
+        return (self.outer_radius, self.inner_radius) if self.groove_outside else (self.inner_radius, self.outer_radius)
 
 
 def points_from_cylindrical(r: float | Array, phi: float | Array, z: float | Array) -> Array:
@@ -226,13 +226,11 @@ class GrooveCrossSection:
         sides: tuple[int, ...] = (0, 1) if spec.groove_outside else (2, 3)
         if m.has_single_arc:
             sides = tuple(s for s in sides if s in m.flanks_of_single_arc)
-        land, behind = (
-            (spec.outer_radius, spec.inner_radius) if spec.groove_outside else (spec.inner_radius, spec.outer_radius)
-        )
-        apex, edge = meshes_sockets.section_angles_of_flank(m, sides[-1], land)
+        land, behind = spec.land_and_back_radii
+        apex, edge = sockets.section_angles_of_flank(m, sides[-1], land)
         apex = max(apex, 0.0)
         gamma = np.linspace(apex, edge, 65)
-        r, zeta, _ = m.section_to_unrolled(*m.polar_to_section(sides[-1], gamma, np.full(65, m.radius[sides[-1]])))
+        r, zeta, _ = m.flank_to_unrolled(sides[-1], gamma)
         middle = float(m.centre[sides[-1], 1]) if m.has_single_arc else 0.0
         zeta = np.abs(zeta - middle)
         wall = float(r.min() - behind if spec.groove_outside else behind - r.max())
@@ -253,35 +251,13 @@ class GrooveCrossSection:
                 f"the groove is {2e3 * zeta.max():.4g} mm wide, but the ring only {1e3 * (spec.z_high - spec.z_low):.4g} "
                 "mm: widen the ring or centre it on the groove"
             )
-        ends = (
-            GrooveRunOut.from_ball_positions(m, spec.contact_positions, spec.refinement_box_size)
-            if spec.groove_ends_inside
-            else None
-        )
+        ends = None
+        if spec.groove_ends_inside:
+            ends = GrooveRunOut.from_ball_positions(m, spec.contact_positions, spec.refinement_box_size)
         return GrooveCrossSection(m, sides, land, behind, apex, edge, middle, float(zeta[-1]), wall, ends)
 
-    def unrolled_coordinates(self, side: int, gamma: Array) -> tuple[Array, Array, Array]:
-        """Return radius, axial coordinate and azimuth of points on a flank, unrolled along the helix of the groove.
-
-        Parameters
-        ----------
-        side : int
-            Flank: 0 and 1 are left and right on the screw, 2 and 3 on the nut.
-        gamma : Array
-            Section angles of the points: around the centre of the flank's arc, from the radial direction [rad].
-
-        Returns
-        -------
-        r, zeta, psi : Array
-            Radius [m], axial coordinate along the unrolled groove [m] and azimuth [rad], as returned by
-            `GrooveMap.section_to_unrolled`.
-        """
-        return self.groove_map.section_to_unrolled(
-            *self.groove_map.polar_to_section(side, gamma, np.full(gamma.shape, self.groove_map.radius[side]))
-        )
-
     def profile_points(self, side: int, gamma: Array) -> tuple[Array, Array]:
-        """Return radius and unrolled axial coordinate of points on the profile of a flank.
+        """Return radius and axial distance from the groove's centre line of points on the profile of a flank.
 
         Parameters
         ----------
@@ -295,7 +271,7 @@ class GrooveCrossSection:
         r, zeta : Array
             Radii, and axial distances from the helix of the groove's centre [m].
         """
-        return self.unrolled_coordinates(side, gamma)[:2]
+        return self.groove_map.flank_to_unrolled(side, gamma)[:2]
 
     def radius_with_run_out(self, line: float, r: float | Array, phi: Array) -> float | Array:
         """Return the radius of points on a flank; where the groove ends, this radius passes into that of the land.
@@ -314,11 +290,9 @@ class GrooveCrossSection:
         float or Array
             Radius of the points [m].
         """
-        return (
-            r
-            if self.run_out is None
-            else self.land_radius + self.run_out.relative_depth(line, phi) * (r - self.land_radius)
-        )
+        if self.run_out is None:
+            return r
+        return self.land_radius + self.run_out.relative_depth(line, phi) * (r - self.land_radius)
 
 
 def line_along_first_axis(second_coordinate: float) -> Placing:
@@ -334,6 +308,11 @@ def line_along_second_axis(first_coordinate: float) -> Placing:
 def point_map_at_z(z: float) -> Placing:
     """Return the function that maps plane coordinates (x, y) [m] to points in space at the axial position ``z`` [m]."""
     return lambda x: np.column_stack([x, np.full(len(x), z)])
+
+
+def cylinder_point_map(r: float) -> Placing:
+    """Return the function that maps plane coordinates (arc length, z) [m] to points on the cylinder of radius ``r`` [m]."""
+    return lambda x: points_from_cylindrical(r, x[:, 0] / r, x[:, 1])
 
 
 def circle_in_space(r: float, z: float) -> Placing:

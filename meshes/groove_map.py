@@ -153,7 +153,7 @@ class GrooveMap:
         along = outward * cos(self.alpha) ** 2 / (self.R + outward * self.ball)
         return 1.0 / (1.0 / self.ball - 1.0 / float(self.radius[side])), 1.0 / (1.0 / self.ball - along)
 
-    def polar_to_section(self, side: int, gamma: Array, rho: Array) -> tuple[Array, Array]:
+    def polar_to_section(self, side: int, gamma: Array, rho: float | Array) -> tuple[Array, Array]:
         """Convert polar coordinates about the centre of a flank's arc to coordinates x3, z3 in the groove section.
 
         Parameters
@@ -162,7 +162,7 @@ class GrooveMap:
             Flank: 0 and 1 are left and right on the screw, 2 and 3 on the nut.
         gamma : Array
             Section angle, measured from the radial direction [rad].
-        rho : Array
+        rho : float or Array
             Distance from the centre of the arc [m].
 
         Returns
@@ -172,6 +172,23 @@ class GrooveMap:
         """
         sx, sz = self.signs[side]
         return self.centre[side, 0] + sx * rho * np.cos(gamma), self.centre[side, 1] + sz * rho * np.sin(gamma)
+
+    def flank_to_unrolled(self, side: int, gamma: Array) -> tuple[Array, Array, Array]:
+        """Return the unrolled coordinates of points on the exact surface of a flank, as `section_to_unrolled` does.
+
+        Parameters
+        ----------
+        side : int
+            Flank: 0 and 1 are left and right on the screw, 2 and 3 on the nut.
+        gamma : Array
+            Section angles of the points: around the centre of the flank's arc, from the radial direction [rad].
+
+        Returns
+        -------
+        r, zeta, psi : Array
+            Radius [m], axial coordinate zeta [m] and azimuth psi [rad].
+        """
+        return self.section_to_unrolled(*self.polar_to_section(side, gamma, self.radius[side]))
 
     def section_to_unrolled(self, x3: Array, z3: Array) -> tuple[Array, Array, Array]:
         """Convert coordinates x3, z3 in the groove section to unrolled coordinates along the groove's helix.
@@ -203,7 +220,7 @@ class GrooveMap:
         Parameters
         ----------
         r, zeta : Array
-            Radius and unrolled axial coordinate, as returned by `section_to_unrolled` [m].
+            Radius, and axial coordinate zeta along the unrolled groove, as returned by `section_to_unrolled` [m].
 
         Returns
         -------
@@ -258,7 +275,7 @@ class GrooveMap:
         Parameters
         ----------
         r, zeta, phi : Array
-            Radius [m], unrolled axial coordinate [m] and azimuth [rad].
+            Radius [m], axial coordinate along the unrolled groove [m] and azimuth [rad].
 
         Returns
         -------

@@ -164,12 +164,7 @@ def nominal_groove_radii(scene: Scene) -> Array:
     (4,) Array
         Groove radii [m].
     """
-    return np.array(_listed_groove_radii(scene))
-
-
-def _listed_groove_radii(scene: Scene) -> list[float]:
-    """Return the nominal groove radii of the four flanks (screw left, screw right, nut left, nut right) [m]."""
-    return [scene.screw.groove_radius] * 2 + [scene.nut.groove_radius] * 2
+    return np.array([scene.screw.groove_radius] * 2 + [scene.nut.groove_radius] * 2)
 
 
 def nominal_groove_centres(scene: Scene) -> Array:
@@ -197,7 +192,7 @@ def nominal_groove_centres(scene: Scene) -> Array:
     >>> (1e3 * nominal_groove_centres(rollbench.read("lin-case1"))[0]).round(4).tolist()  # mm
     [0.3366, 0.3366]
     """
-    return _points_along_contact_directions(scene, [-(r - scene.balls.radius) for r in _listed_groove_radii(scene)])
+    return _points_along_contact_directions(scene, scene.balls.radius - nominal_groove_radii(scene))
 
 
 def nominal_contact_points(scene: Scene) -> Array:
@@ -220,17 +215,17 @@ def nominal_contact_points(scene: Scene) -> Array:
     >>> (1e3 * nominal_contact_points(rollbench.read("lin-case1"))[0]).round(4).tolist()  # mm
     [-1.9643, -1.9643]
     """
-    return _points_along_contact_directions(scene, [scene.balls.radius] * 4)
+    return _points_along_contact_directions(scene, np.full(4, scene.balls.radius))
 
 
-def _points_along_contact_directions(scene: Scene, distance: list[float]) -> Array:
+def _points_along_contact_directions(scene: Scene, distances: Array) -> Array:
     """Return one point for each flank, at a given distance from the ball's centre along the contact direction.
 
-    ``distance``: distance for each of the four flanks (screw left, screw right, nut left, nut right) [m]. The points are
+    ``distances``: distance for each of the four flanks (screw left, screw right, nut left, nut right) [m]. The points are
     given by their coordinates (x3, z3) in the section ``(4, 2)`` [m]; a negative distance is opposite to the contact.
     """
     c, s = cos(scene.track.contact_angle), sin(scene.track.contact_angle)
-    return np.array([(d * (x * c), d * (z * s)) for d, (x, z) in zip(distance, SIDE_SIGNS, strict=True)])
+    return np.array([(d * (x * c), d * (z * s)) for d, (x, z) in zip(distances, SIDE_SIGNS, strict=True)])
 
 
 def evenly_spaced_azimuths(

@@ -49,11 +49,9 @@ def flanks_of_single_arc_contacts(scene: Scene) -> tuple[int, ...]:
     tuple[int, ...]
         One flank of the inner ring (0 left, 1 right) and one of the outer ring (2 left, 3 right); empty for gothic arches.
     """
-    radius = min(scene.screw.groove_radius, scene.nut.groove_radius)
-    track = scene.track
-    return flanks_with_contacts_of_arcs(
-        track.lead, track.arcs, contacts_merge_at_apex(radius, track.contact_angle, scene.balls.radius)
-    )
+    radius, track = min(scene.screw.groove_radius, scene.nut.groove_radius), scene.track
+    merge = contacts_merge_at_apex(radius, track.contact_angle, scene.balls.radius)
+    return flanks_with_contacts_of_arcs(track.lead, track.arcs, merge)
 
 
 def flanks_with_contacts_of_arcs(lead: float, arcs: str, contacts_merge: bool) -> tuple[int, ...]:
@@ -108,9 +106,9 @@ def contacts_merge_at_apex(groove_radius: float, contact_angle: float, ball_radi
 def with_single_arc_grooves(scene: Scene) -> Scene:
     """Return a bearing in which single arcs replace gothic arches where the contacts of both flanks overlap.
 
-    The single arc touches the ball, without clearance, where the ridge between the two arcs was. The gap between ball and
-    ridge that is thus neglected, (r_G - r_B) r_B beta^2 / (2 r_G) of the larger groove [m], is stated in the scene's
-    ``assumed``.
+    The single arc touches the ball, without clearance, where the ridge between the two arcs was. This neglects the gap
+    between ball and ridge, (r_G - r_B) r_B beta^2 / (2 r_G) [m], with the radii r_G of the larger groove and r_B of the
+    ball, and the contact angle beta. The gap is stated in the scene's ``assumed``.
 
     Parameters
     ----------
@@ -145,12 +143,14 @@ class InternalClearance:
         heading="radial clearance",
     )
     axial: float = quantity_field(
-        "axial_um", "axial internal clearance P_e = 2 A sin alpha_0 of the row", heading="axial clearance"
+        "axial_um",
+        "axial internal clearance P_e = 2 A sin alpha_0 of the row, A and alpha_0 as for rest_angle_deg",
+        heading="axial clearance",
     )
     angle: float = quantity_field(
         "rest_angle_deg",
-        "contact angle of a deep-groove row at either end of its axial play, without load: "
-        "cos alpha_0 = 1 - P_d/(2 A), A = r_i + r_o - D; null without play",
+        "contact angle alpha_0 of a deep-groove row at either end of its axial play, without load: cos alpha_0 = 1 - "
+        "P_d/(2 A), A = r_i + r_o - D with groove radii r_i, r_o of both rings and ball diameter D; null without play",
         heading="contact angle at rest",
     )
 
@@ -216,10 +216,8 @@ def free_contact_angle(centre_distance: float, radial_clearance: float | None, a
             f"the {direction} clearance must be below {2e3 * centre_distance:.4g} mm, at which the contact angle reaches "
             "90 deg"
         )
-    return max(
-        acos(1.0 - share / (2.0 * centre_distance)) if axial_clearance is None else asin(share / (2.0 * centre_distance)),
-        LEAST,
-    )
+    ratio = share / (2.0 * centre_distance)
+    return max(acos(1.0 - ratio) if axial_clearance is None else asin(ratio), LEAST)
 
 
 def internal_clearance(scene: Scene) -> InternalClearance | None:

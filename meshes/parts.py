@@ -8,43 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, fields
 from typing import Annotated, Any, Literal
 
-from rollbench.meshes.ranges import (
-    MAX_BALLS,
-    Azimuth,
-    Bore,
-    Clearance,
-    ContactAngle,
-    Contamination,
-    Density,
-    Deviation,
-    Duration,
-    Element,
-    Factor0,
-    Filling,
-    Forces,
-    Harmonic,
-    IntegerRange,
-    Lead,
-    ListLength,
-    LoadStep,
-    Modulus,
-    Moments,
-    Percent,
-    Poisson,
-    PressureViscosity,
-    Radius,
-    Reliability,
-    Size,
-    SpeedLimit,
-    Spread,
-    Station,
-    StepGoal,
-    Travel,
-    Turning,
-    Turns,
-    Viscosity,
-    ViscosityRatio,
-)
+from rollbench.meshes import ranges
 from rollbench.meshes.record_keys import frozen_default, register_frozen_defaults, scene_key_metadata
 
 #: Names of the four flanks in the order of the columns of every ``(n, 4)`` array: screw left, right; nut left, right.
@@ -89,9 +53,9 @@ class Material:
     """Isotropic linear elastic material."""
 
     #: Young's modulus E [Pa].
-    youngs_modulus: Modulus
+    youngs_modulus: ranges.Modulus
     #: Poisson's ratio nu.
-    poissons_ratio: Poisson
+    poissons_ratio: ranges.Poisson
 
     @property
     def shear_modulus(self) -> float:
@@ -114,17 +78,17 @@ class Track:
     """
 
     #: Pitch radius R_p [m].
-    pitch_radius: Radius
+    pitch_radius: ranges.Radius
     #: Lead of the helix [m]; 0 for a bearing.
-    lead: Lead
+    lead: ranges.Lead
     #: Nominal contact angle beta [rad].
-    contact_angle: ContactAngle
+    contact_angle: ranges.ContactAngle
     #: Hand of the helix.
     hand: Literal["right", "left"] = frozen_default("right")
     #: Number of starts of the screw thread.
     starts: int = frozen_default(1)
     #: Azimuth of the helix at the nut's centre [rad].
-    phase: Azimuth = frozen_default(0.0)
+    phase: ranges.Azimuth = frozen_default(0.0)
     #: Arcs of each groove: ``"two"`` for a gothic arch. A bearing may also have one arc, which carries thrust on the shaft
     #: in the direction ``"+z"`` or ``"-z"``.
     arcs: Literal["two", "+z", "-z"] = frozen_default("two")
@@ -136,15 +100,15 @@ class Screw:
     """Dimensions and material of a screw shaft, or of the inner ring of a bearing."""
 
     #: Length of the shaft or ring [m]; it begins at z = 0.
-    length: Size
+    length: ranges.Size
     #: Diameter of the lands, the cylindrical surface between the turns of the groove [m].
-    outer_diameter: Size
+    outer_diameter: ranges.Size
     #: Radius of the groove's arcs [m].
-    groove_radius: Radius
+    groove_radius: ranges.Radius
     #: Elastic material.
     material: Material
     #: Diameter of the bore [m]; 0 for a solid shaft.
-    bore: Bore = frozen_default(0.0)
+    bore: ranges.Bore = frozen_default(0.0)
 
 
 @register_frozen_defaults
@@ -153,15 +117,15 @@ class Flange:
     """Dimensions of the flange at one end of a nut, and how it is fixed; the nut's length includes the flange."""
 
     #: Outer diameter of the flange [m].
-    diameter: Size
+    diameter: ranges.Size
     #: Axial thickness of the flange [m].
-    thickness: Size
+    thickness: ranges.Size
     #: Inner and outer radius [m] of the ring that may be fixed, on the face towards the rest of the nut.
     seat: tuple[float, float]
     #: End of the nut at which the flange is.
     side: Literal["left", "right"] = frozen_default("left")
     #: Length of the nut's outer surface, beginning at that face, that fits into the bore of the housing [m].
-    centring: Bore = frozen_default(0.0)
+    centring: ranges.Bore = frozen_default(0.0)
     #: Whether the nut is fixed at the centring fit too (True), or is free there.
     bonded: bool = frozen_default(False)
     #: Number of bolts. At each bolt the 3D reference fixes a circle as wide as the ring ``seat``; the first bolt is at
@@ -200,17 +164,17 @@ class Nut:
     """Dimensions, position and material of a nut, or of the outer ring of a bearing."""
 
     #: Axial position z of the centre of nut or ring [m].
-    position: Station
+    position: ranges.Station
     #: Length of the nut, including its flange, or width of the ring [m].
-    length: Size
+    length: ranges.Size
     #: Outer diameter of nut or ring [m]; for a flanged nut, of the part beside the flange.
-    outer_diameter: Size
+    outer_diameter: ranges.Size
     #: Radius of the groove's arcs [m].
-    groove_radius: Radius
+    groove_radius: ranges.Radius
     #: Elastic material.
     material: Material
     #: Angle psi_N from the screw's x axis to the nut's [rad]; the nut's errors are defined in its own axes (Lin 2.9).
-    azimuth: Azimuth = frozen_default(0.0)
+    azimuth: ranges.Azimuth = frozen_default(0.0)
     #: Flange; None for a nut without flange.
     flange: Flange | None = frozen_default(None)
 
@@ -220,12 +184,12 @@ class Balls:
     """Radius, material and azimuths of the balls of a screw or bearing."""
 
     #: Nominal radius of the balls [m].
-    radius: Radius
+    radius: ranges.Radius
     #: Elastic material of the balls.
     material: Material
     #: Azimuths of the balls of the first thread start [rad], counted on over whole turns. The balls of each further start
     #: have these azimuths plus the offset of that start.
-    azimuths: tuple[Azimuth, ...]
+    azimuths: tuple[ranges.Azimuth, ...]
 
 
 @register_frozen_defaults
@@ -236,14 +200,14 @@ class FourierTerm:
     Amplitudes and standard deviation are in metres; phi is the azimuth.
     """
 
-    harmonic: Harmonic = field(metadata=scene_key_metadata("cycles per turn; may be a fraction"))
-    sin: Deviation = frozen_default(0.0, "amplitude of the sine", "3 um")
-    cos: Deviation = frozen_default(0.0, "amplitude of the cosine", "3 um")
-    sigma: Spread = frozen_default(0.0, "standard deviation of normal draws added to both amplitudes", "1 um")
+    harmonic: ranges.Harmonic = field(metadata=scene_key_metadata("cycles per turn; may be a fraction"))
+    sin: ranges.Deviation = frozen_default(0.0, "amplitude of the sine", "3 um")
+    cos: ranges.Deviation = frozen_default(0.0, "amplitude of the cosine", "3 um")
+    sigma: ranges.Spread = frozen_default(0.0, "standard deviation of normal draws added to both amplitudes", "1 um")
 
 
 #: Type of the Fourier terms of one manufacturing error along the track.
-Terms = Annotated[tuple[FourierTerm, ...], ListLength(0, 1000)]
+Terms = Annotated[tuple[FourierTerm, ...], ranges.ListLength(0, 1000)]
 
 
 @register_frozen_defaults
@@ -254,10 +218,10 @@ class SideErrors:
     Lengths are in metres, the section angle gamma in radians. Lin (2019), equations 2.27, 4.1 and 4.3.
     """
 
-    profile: Annotated[tuple[Deviation, ...], ListLength(0, 7)] = frozen_default(
+    profile: Annotated[tuple[ranges.Deviation, ...], ranges.ListLength(0, 7)] = frozen_default(
         (), "inward offset of the groove radius: coefficients of a polynomial in gamma / rad", ["3 um", "-1 um"]
     )
-    profile_sigma: Annotated[tuple[Spread, ...], ListLength(0, 7)] = frozen_default(
+    profile_sigma: Annotated[tuple[ranges.Spread, ...], ranges.ListLength(0, 7)] = frozen_default(
         (), "standard deviations of normal draws added to the coefficients of profile", ["1 um", "0 um"]
     )
     pitch: Terms = frozen_default((), "displacement of the groove centre along the screw", [{"harmonic": 1, "sin": "3 um"}])
@@ -277,11 +241,11 @@ class BallErrors:
     """Errors of ball radii: an error common to all balls, additional errors of single balls, and random errors."""
 
     #: Error that all ball radii have in common [m].
-    oversize: Deviation = frozen_default(0.0)
+    oversize: ranges.Deviation = frozen_default(0.0)
     #: Number of a ball (from 1) and additional error of its radius [m], one pair for each ball that has such an error.
     listed: tuple[tuple[int, float], ...] = frozen_default(())
     #: Standard deviation of the random error of each ball radius [m].
-    sigma: Spread = frozen_default(0.0)
+    sigma: ranges.Spread = frozen_default(0.0)
     #: Distribution of the random errors; a uniform one has the half width sqrt(3) sigma.
     distribution: Literal["normal", "uniform"] = frozen_default("normal")
 
@@ -337,7 +301,7 @@ class Support:
     """Support of the screw: displacements and rotations prescribed at one axial position."""
 
     #: Axial position z of the support [m].
-    at: Station
+    at: ranges.Station
     #: Pairs of a degree of freedom (of `FREEDOMS`) and its prescribed displacement [m] or rotation [rad].
     fixed: tuple[tuple[str, float], ...]
 
@@ -350,9 +314,9 @@ class Load:
     Position in m, force in N, moment in N m.
     """
 
-    at: Station = field(metadata=scene_key_metadata("axial position along the screw, from its left end", "0 mm"))
-    force: Forces = frozen_default((0.0, 0.0, 0.0), "force along x, y, z", ["0 N", "0 N", "5 kN"])
-    moment: Moments = frozen_default((0.0, 0.0, 0.0), "moment about x, y, z", ["0 N m", "3 N m", "0 N m"])
+    at: ranges.Station = field(metadata=scene_key_metadata("axial position along the screw, from its left end", "0 mm"))
+    force: ranges.Forces = frozen_default((0.0, 0.0, 0.0), "force along x, y, z", ["0 N", "0 N", "5 kN"])
+    moment: ranges.Moments = frozen_default((0.0, 0.0, 0.0), "moment about x, y, z", ["0 N m", "3 N m", "0 N m"])
 
 
 @register_frozen_defaults
@@ -361,9 +325,11 @@ class Ingredients:
     """Options of the low-order models: contact constants, screw as a beam or rigid, beam elements, and lever arms.
 
     With ``hertz = "nominal"`` the Hertz constants of each contact follow from its own radii, errors included, at the
-    nominal contact angle. With ``partition = "source"`` the beam's nodes outside the nut are about one pitch diameter
-    apart. With ``arm = "ball"`` a contact force acts on the beam at the axial position of the ball's centre; its line of
-    action is still that through the current contact point.
+    nominal contact angle. ``partition`` places the nodes of the beam: ``"nodal"`` one at every contact, support and load;
+    ``"source"`` every 15 mm inside the nut, as in Lin's thesis, and about one pitch diameter apart outside; ``"uniform"``
+    at most ``element_length`` apart inside the nut, outside as for ``"source"``. With ``arm = "ball"`` a contact force acts
+    on the beam at the axial position of the ball's centre instead of at that of the contact point; its line of action is
+    still that through the current contact point.
     """
 
     hertz: Literal["nominal", "error-free", "actual", "as printed"] = frozen_default(
@@ -378,7 +344,7 @@ class Ingredients:
         "nodes of the beam: at every contact, as in Lin's thesis (every 15 mm in the nut), or at every element_length",
         "source",
     )
-    element_length: Element = frozen_default(1.0e-3, 'length of the elements in the nut, for partition = "uniform"')
+    element_length: ranges.Element = frozen_default(1.0e-3, 'length of the elements in the nut, for partition = "uniform"')
     section: Literal["groove", "groove squared", "full"] = frozen_default(
         "groove",
         "cross-section of the beam: diameter times k_r, root of grooved over full volume (Lin C.8); times k_r^2; or full",
@@ -389,7 +355,7 @@ class Ingredients:
         "lever arm of a contact load: to the current contact point, the nominal contact point, or the ball's centre",
         "nominal",
     )
-    load_step: LoadStep | None = frozen_default(
+    load_step: ranges.LoadStep | None = frozen_default(
         None, "increment of the axial load for which the model liu also computes a stiffness (Liu's equation 22)", "600 N"
     )
 
@@ -399,18 +365,18 @@ class Ingredients:
 class Solid:
     """Inputs that only the 3D finite-element reference needs; a missing value is assumed, and the assumption printed."""
 
-    nut_inner_diameter: Size | None = frozen_default(
+    nut_inner_diameter: ranges.Size | None = frozen_default(
         None,
         "diameter of the nut's lands; if left out, they are as far outside the pitch cylinder as the screw's are inside it",
         "34 mm",
     )
-    hole_diameter: Size | None = frozen_default(
+    hole_diameter: ranges.Size | None = frozen_default(
         None, "diameter of a hole along the axis of a meshed screw that has no bore", "3 mm"
     )
-    shaft: Station | None = frozen_default(
+    shaft: ranges.Station | None = frozen_default(
         None, "length of the shaft beyond each face of the nut that is meshed in 3D; the rest is a beam", "20 mm"
     )
-    shaft_diameter: Size | None = frozen_default(
+    shaft_diameter: ranges.Size | None = frozen_default(
         None, "diameter of the plain shaft beyond the 3D mesh; if left out, a homogenised grooved shaft", "31 mm"
     )
     nut_held: NutHeld | None = frozen_default(None, "former key of nut.held.at", "left face")
@@ -460,7 +426,7 @@ class Motion:
     The angular speed is in rad/s.
     """
 
-    speed: Turning = field(
+    speed: ranges.Turning = field(
         metadata=scene_key_metadata("angular speed of the rotating part about +z; negative for the other direction")
     )
     turns: Literal["screw", "nut"] = frozen_default(
@@ -478,15 +444,17 @@ class Lubricant:
     Viscosity in m^2/s, density in kg/m^3, pressure coefficient in 1/Pa.
     """
 
-    viscosity: Viscosity = field(metadata=scene_key_metadata("kinematic viscosity at operating temperature", "27 mm2/s"))
-    density: Density = frozen_default(900.0, "density", "900 kg/m3")
-    pressure_viscosity: PressureViscosity = frozen_default(
+    viscosity: ranges.Viscosity = field(
+        metadata=scene_key_metadata("kinematic viscosity at operating temperature", "27 mm2/s")
+    )
+    density: ranges.Density = frozen_default(900.0, "density", "900 kg/m3")
+    pressure_viscosity: ranges.PressureViscosity = frozen_default(
         20e-9, "pressure-viscosity coefficient (Barus), for the film between rollers and raceways", "20 1/GPa"
     )
     supply: Literal["grease", "oil mist", "oil bath", "oil jet"] = frozen_default(
         "grease", "type of lubrication of a ball bearing row, for Palmgren's factor f0", "oil bath"
     )
-    factor: Factor0 | None = frozen_default(
+    factor: ranges.Factor0 | None = frozen_default(
         None, "manufacturer's factor f0 of a ball bearing row, in place of the published range", 2
     )
 
@@ -507,19 +475,19 @@ class Lubricant:
 class Circulation:
     """Ball circuits of a screw, and how far its balls fill them, for the command ``rollbench friction``."""
 
-    circuits: Annotated[int, IntegerRange(1, 1000)] = frozen_default(
+    circuits: Annotated[int, ranges.IntegerRange(1, 1000)] = frozen_default(
         1, "number of closed circuits of each start; each has the same number of balls", 1
     )
-    turns: Turns | None = frozen_default(
+    turns: ranges.Turns | None = frozen_default(
         None, "loaded turns of each start in all its circuits together; if left out, the turns that its balls fill"
     )
-    returning: Annotated[int, IntegerRange(0, MAX_BALLS)] = frozen_default(
+    returning: Annotated[int, ranges.IntegerRange(0, ranges.MAX_BALLS)] = frozen_default(
         0, "number of balls in the return path of each circuit", 4
     )
-    gap: Clearance | None = frozen_default(
+    gap: ranges.Clearance | None = frozen_default(
         None, "mean clearance between neighbouring balls along a circuit (instead of filling)", "50 um"
     )
-    filling: Filling | None = frozen_default(
+    filling: ranges.Filling | None = frozen_default(
         None, "fraction of a circuit's length that its balls would fill if they touched (instead of gap)", 0.8
     )
 
@@ -532,12 +500,14 @@ class Time:
     Angle in rad, duration in s.
     """
 
-    angle: Travel | None = frozen_default(None, "angle by which the rotating part turns in the computed time", "360 deg")
-    duration: Duration | None = frozen_default(None, "computed time (instead of angle)", "1 s")
-    steps: Annotated[int, IntegerRange(1, 100_000)] | None = frozen_default(
+    angle: ranges.Travel | None = frozen_default(
+        None, "angle by which the rotating part turns in the computed time", "360 deg"
+    )
+    duration: ranges.Duration | None = frozen_default(None, "computed time (instead of angle)", "1 s")
+    steps: Annotated[int, ranges.IntegerRange(1, 100_000)] | None = frozen_default(
         None, "number of time steps, at least 4; if left out, as many as needed for errors below goal", 200
     )
-    goal: StepGoal = frozen_default(
+    goal: ranges.StepGoal = frozen_default(
         0.01,
         "largest accepted error of the time steps, as a fraction of the mean friction torque; above it: not converged",
         0.01,
@@ -574,10 +544,10 @@ class Time:
 class GateLimits:
     """Largest accepted errors of the contact loads of this scene, for the command ``rollbench check``."""
 
-    max_error: Percent | None = frozen_default(
+    max_error: ranges.Percent | None = frozen_default(
         None, "largest accepted error of a contact load against the 3D reference, in per cent", 7
     )
-    rms_error: Percent | None = frozen_default(
+    rms_error: ranges.Percent | None = frozen_default(
         None, "largest accepted RMS error of the contact loads, in per cent of the mean load", 3
     )
 
@@ -587,19 +557,19 @@ class GateLimits:
 class Operation:
     """Operating conditions for the modified rating life (ISO 281), and the speed limit of the ball return."""
 
-    reliability: Reliability | None = frozen_default(
+    reliability: ranges.Reliability | None = frozen_default(
         None, "fraction of specimens that reach the modified life, in per cent", 95
     )
-    viscosity_ratio: ViscosityRatio | None = frozen_default(
+    viscosity_ratio: ranges.ViscosityRatio | None = frozen_default(
         None, "viscosity ratio kappa of ISO 281: actual over required viscosity (only together with contamination)", 1.5
     )
-    contamination: Contamination | None = frozen_default(
+    contamination: ranges.Contamination | None = frozen_default(
         None,
         "contamination factor e_C of ISO 281: 1 extremely clean, 0.8 to 0.6 sealed, 0.3 to 0.1 coarsely filtered "
         "(only together with viscosity_ratio)",
         0.6,
     )
-    dn_limit: SpeedLimit = frozen_default(
+    dn_limit: ranges.SpeedLimit = frozen_default(
         76_200.0, "manufacturer's limit of pitch diameter times rotational speed, in mm/min", 120_000
     )
 

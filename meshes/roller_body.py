@@ -20,7 +20,7 @@ import numpy as np
 
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.fem import MeshedBody, build_mesh
-from rollbench.meshes.shell import gmsh_session
+from rollbench.meshes.shell import gmsh_session, set_element_size_formula, take_nodes_and_cells
 
 #: Number of equally thick layers of cells below the zone of contact, each as thick as its cells are wide.
 DEEP = 2
@@ -110,21 +110,13 @@ def mesh_roller_or_raceway_section(
         geo.synchronize()
         for surface in (block, far):
             gmsh.model.mesh.setRecombine(2, surface)
-        size = gmsh.model.mesh.field.add("MathEval")
         away = f"Sqrt(Max(0,x-{w!r})^2+Max(0,y-{d!r})^2)"
-        gmsh.model.mesh.field.setString(size, "F", f"2*({cell / unit!r}+{zone.growth_per_distance!r}*{away})")
-        gmsh.model.mesh.field.setAsBackgroundMesh(size)
-        for name in ("MeshSizeExtendFromBoundary", "MeshSizeFromPoints", "MeshSizeFromCurvature"):
-            gmsh.option.setNumber(f"Mesh.{name}", 0)
+        set_element_size_formula(gmsh, f"2*({cell / unit!r}+{zone.growth_per_distance!r}*{away})")
         gmsh.model.mesh.generate(2)
         gmsh.model.mesh.setOrder(2)
-        tags, xyz, _ = gmsh.model.mesh.getNodes()
-        _, nodes = gmsh.model.mesh.getElementsByType(10)
-        gmsh.model.remove()
-    ascending = np.argsort(tags)
-    cells = np.searchsorted(tags[ascending], nodes).reshape(-1, 9)
+        xyz, cells = take_nodes_and_cells(gmsh, 10, 9)
     used, cells = np.unique(cells, return_inverse=True)
-    points = unit * xyz.reshape(-1, 3)[ascending][used, :2]
+    points = unit * xyz[used, :2]
     on = np.flatnonzero(np.abs(_depth_below_surface(points, depth, is_roller)) < 1e-6 * depth)
     strip_nodes = on[points[on, 0] < zone.half_width + 0.25 * cell]  # equal steps of y, the same on roller and raceway
     y = np.rint(points[strip_nodes, 0] / cell * 2.0) * cell / 2.0
@@ -133,13 +125,13 @@ def mesh_roller_or_raceway_section(
     return RollerSectionMesh(points, cells.reshape(-1, 9))
 
 
-def _depth_below_surface(points: Array, depth: float, round: bool) -> Array:
+def _depth_below_surface(points: Array, depth: float, is_roller: bool) -> Array:
     """Return the depths of points in a cross-section below the surface of the raceway or roller ``(n,)`` [m].
 
     ``points``: section coordinates y, z ``(n, 2)`` [m]; ``depth``: depth of the section, for a roller its radius [m];
-    ``round``: whether it is the section of a roller, a quarter of a disc.
+    ``is_roller``: whether it is the section of a roller, a quarter of a disc.
     """
-    return depth - np.hypot(points[:, 0], depth - points[:, 1]) if round else points[:, 1]
+    return depth - np.hypot(points[:, 0], depth - points[:, 1]) if is_roller else points[:, 1]
 
 
 def _sweep_section_to_hexahedra(section: RollerSectionMesh, layer_distances: Array) -> tuple[Index, Array, Index]:
@@ -165,12 +157,8 @@ def _sweep_section_to_hexahedra(section: RollerSectionMesh, layer_distances: Arr
             i, j = sorted((a % 4, b % 4))
             middle = quad[:, 4 + (3 if (i, j) == (0, 3) else i)]
             columns.append(layer_nodes(middle, 0 if a < 4 else 2))
-    columns += [
-        layer_nodes(quad[:, 8], 0),
-        *(layer_nodes(quad[:, k], 1) for k in (4, 7, 5, 6)),
-        layer_nodes(quad[:, 8], 2),
-        layer_nodes(quad[:, 8], 1),
-    ]
+    centres = ((8, 0), *((k, 1) for k in (4, 7, 5, 6)), (8, 2), (8, 1))
+    columns += [layer_nodes(quad[:, k], step) for k, step in centres]
     first = np.stack(columns, axis=1)
     return np.asarray(node), np.asarray(place), np.concatenate([first + 2 * n * k for k in range(len(layer_distances) - 1)])
 
@@ -223,15 +211,13 @@ def build_extruded_roller_body(
     depth, tiny = section.points[:, 1].max(), 1e-9 * section.points[:, 1].max()
     on_top = np.abs(_depth_below_surface(at, depth, is_roller)) < tiny
     strip = on_top & (at[:, 0] <= zone.half_width + tiny) & (along >= zone_ends[0] - tiny) & (along <= zone_ends[1] + tiny)
-    sides = {"y = 0": at[:, 0] < tiny, "side": at[:, 1] > depth - tiny if is_roller else at[:, 0] > at[:, 0].max() - tiny}
-    faces = {
-        "contact": _corners_of_boundary_faces(cells, strip),
-        **{k: _corners_of_boundary_faces(cells, v) for k, v in sides.items()},
+    nodes = {
+        "contact": strip,
+        "y = 0": at[:, 0] < tiny,
+        "side": at[:, 1] > depth - tiny if is_roller else at[:, 0] > at[:, 0].max() - tiny,
+        "end" if is_roller else "base": along > along.max() - tiny if is_roller else at[:, 1] > depth - tiny,
     }
-    if is_roller:
-        faces["end"] = _corners_of_boundary_faces(cells, along > along.max() - tiny)
-    else:
-        faces["base"] = _corners_of_boundary_faces(cells, at[:, 1] > depth - tiny)
+    faces = {name: _corners_of_boundary_faces(cells, of_boundary) for name, of_boundary in nodes.items()}
     mesh, number = build_mesh(points, cells, "Q2", faces)
     held = np.flatnonzero(strip)
     held = held[np.lexsort((at[held, 0], along[held]))]
@@ -244,14 +230,14 @@ def build_extruded_roller_body(
     return ExtrudedRollerBody(mesh, number[grid], at[grid[0], 0], rows, inward.reshape(*grid.shape, 3))
 
 
-def _inward_normals_of_section(at: Array, depth: float, round: bool) -> Array:
+def _inward_normals_of_section(at: Array, depth: float, is_roller: bool) -> Array:
     """Return the unit normals into the body at points on the contour of a cross-section ``(n, 2)``.
 
     ``at``: section coordinates y, z ``(n, 2)`` [m]; ``depth``: depth of the section, for a roller its radius [m];
-    ``round``: whether it is the section of a roller, a quarter of a disc.
+    ``is_roller``: whether it is the section of a roller, a quarter of a disc.
     """
     inward = np.column_stack([-at[:, 0], depth - at[:, 1]]) / depth
-    return np.asarray(inward if round else np.tile([0.0, 1.0], (len(at), 1)))
+    return np.asarray(inward if is_roller else np.tile([0.0, 1.0], (len(at), 1)))
 
 
 def roller_point_map(

@@ -6,33 +6,17 @@ Tables are in the order of the schema of scene files. A table is a dict of keys,
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import fields
 from functools import cache
 from math import cos, pi, sin
 from typing import Any, get_args, get_type_hints
 
+from rollbench.meshes import ranges
 from rollbench.meshes.axis import Assembly, RollerRow, RollingSet, Stiffness
 from rollbench.meshes.helix import evenly_spaced_azimuths
 from rollbench.meshes.one_arc import distance_of_groove_centres, free_contact_angle
-from rollbench.meshes.parts import SIDES, Errors, Friction, Material, Nut, Scene, Screw, Support
-from rollbench.meshes.ranges import (
-    SOLIDS,
-    Clearance,
-    Conformity,
-    Deviation,
-    Duration,
-    Force,
-    QuantityRange,
-    Shift,
-    Size,
-    Spring,
-    Torque,
-    Turn,
-    Turning,
-    Twist,
-    quantity_of_type,
-)
+from rollbench.meshes.parts import FREEDOMS, SIDES, Errors, Friction, Load, Material, Nut, Scene, Screw, Support
 
 #: Number of characters up to which a table or list is written on one line with its key.
 LINE = 100
@@ -99,7 +83,7 @@ def scene_file_tables(scene: Scene) -> Table:
         lubricant=scene.lubricant and keys_of_record(scene.lubricant),
         circulation=scene.circulation and (keys_of_record(scene.circulation) or {"circuits": 1}),
         time=scene.time and keys_of_record(scene.time),
-        preload={"lead_offset": value_with_unit_text(Deviation, offset)} if offset else {},
+        preload={"lead_offset": with_unit(ranges.Deviation, offset)} if offset else {},
         gate=keys_of_record(scene.gate),
         operation=keys_of_record(scene.operation),
     )
@@ -121,14 +105,14 @@ def scene_file_tables_of_shaft(axis: Assembly) -> Table:
     shared = next((s.parts.material for s in axis.sets if isinstance(s.parts, RollerRow)), axis.screw.material)
     shaft = keys_of_record(axis.screw, "material", "groove_radius") | _material_table(axis.screw.material, shared)
     if axis.screw.groove_radius:
-        shaft["groove_radius"] = value_with_unit_text(Size, axis.screw.groove_radius)
+        shaft["groove_radius"] = with_unit(ranges.Size, axis.screw.groove_radius)
     at, strain = axis.stiffness_at, axis.thermal_strain
     expansion = STEEL if strain / STEEL == round(strain / STEEL, 9) else abs(strain)
-    ask = {"housing": at} if isinstance(at, str) else {} if at is None else {"at": value_with_unit_text(Size, at)}
+    ask = {"housing": at} if isinstance(at, str) else {} if at is None else {"at": with_unit(ranges.Size, at)}
     joints = [
         {
             "between": [j.first, j.second],
-            "at": value_with_unit_text(Size, j.at),
+            "at": with_unit(ranges.Size, j.at),
             **(_stiffness_table(j.stiffness) or {"springs": {}}),
         }
         for j in axis.joints
@@ -161,47 +145,36 @@ def scene_file_tables_of_shaft(axis: Assembly) -> Table:
 
 
 def load_case_table(
-    revolution_share: float,
-    time: float | None,
-    speed: float | None,
-    scene_without_cases: Scene | Assembly,
-    scene_of_case: Scene | Assembly,
+    share: float, time: float | None, speed: float | None, before: Scene | Assembly, after: Scene | Assembly
 ) -> Table:
     """Return the keys of one load case of a scene file: only those that differ from the scene without load cases.
 
     Parameters
     ----------
-    revolution_share : float
+    share : float
         Fraction of all revolutions in this load case; used where ``time`` is None.
     time : float | None
-        Duration of the load case [s]; None: ``revolution_share`` is written instead.
+        Duration of the load case [s]; None: ``share`` is written instead.
     speed : float | None
         Angular speed [rad/s]; None: no speed is written.
-    scene_without_cases : Scene | Assembly
-        The scene without load cases.
-    scene_of_case : Scene | Assembly
-        The scene under this load case.
+    before, after : Scene | Assembly
+        The scene without load cases, and the scene under this load case.
 
     Returns
     -------
     Table
         Keys and values of the load case's table in the scene file.
     """
-    supports = [
-        _displaced_support_table(*pair) for pair in zip(scene_without_cases.supports, scene_of_case.supports, strict=True)
-    ]
-    table: Table = {"share": revolution_share} if time is None else {"time": value_with_unit_text(Duration, time)}
-    table |= {} if speed is None else {"speed": value_with_unit_text(Turning, speed)}
-    table |= (
-        {} if scene_of_case.loads == scene_without_cases.loads else {"loads": [*map(keys_of_record, scene_of_case.loads)]}
-    )
-    before, after = _ball_oversizes(scene_without_cases), _ball_oversizes(scene_of_case)
-    table |= {} if before == after else {"oversize": value_with_unit_text(Deviation, after[0])}
-    if isinstance(scene_without_cases, Assembly) and isinstance(scene_of_case, Assembly):
-        each = zip(scene_without_cases.housings, scene_of_case.housings, strict=True)
-        table |= without_empty_values(
-            housings=[{"name": b.name} | _force_and_moment_keys(b.force, b.moment) for a, b in each if a != b]
-        )
+    supports = [_displaced_support_table(*pair) for pair in zip(before.supports, after.supports, strict=True)]
+    table: Table = {"share": share} if time is None else {"time": with_unit(ranges.Duration, time)}
+    table |= {} if speed is None else {"speed": with_unit(ranges.Turning, speed)}
+    table |= {} if after.loads == before.loads else {"loads": [*map(keys_of_record, after.loads)]}
+    oversizes = _ball_oversizes(after)
+    table |= {} if oversizes == _ball_oversizes(before) else {"oversize": with_unit(ranges.Deviation, oversizes[0])}
+    if isinstance(before, Assembly) and isinstance(after, Assembly):
+        loaded = [b for a, b in zip(before.housings, after.housings, strict=True) if a != b]
+        housings = [{"name": h.name} | _force_and_moment_keys(h.force, h.moment) for h in loaded]
+        table |= without_empty_values(housings=housings)
     return table | without_empty_values(supports=[x for x in supports if x])
 
 
@@ -216,10 +189,13 @@ def _displaced_support_table(before: Support, after: Support) -> Table:
 
     ``before``: the support in the scene without load cases; ``after``: the same support in the load case.
     """
-    moved = {
-        n: value_with_unit_text(Shift if n[0] == "u" else Turn, x) for n, x in after.fixed if dict(before.fixed)[n] != x
-    }
-    return {"at": value_with_unit_text(Size, after.at), "displace": moved} if moved else {}
+    moved = _displacements_with_unit((name, x) for name, x in after.fixed if dict(before.fixed)[name] != x)
+    return {"at": with_unit(ranges.Size, after.at), "displace": moved} if moved else {}
+
+
+def _displacements_with_unit(values: Iterable[tuple[str, float]]) -> Table:
+    """Return displacements [m] and rotations [rad], given with their degrees of freedom, as texts with units."""
+    return {name: with_unit(ranges.Shift if name[0] == "u" else ranges.Turn, value) for name, value in values}
 
 
 # --- tables
@@ -242,7 +218,7 @@ def _material_table(material: Material, shared: Material | None) -> Table:
     """
     if material == shared:
         return {}
-    unusual = not SOLIDS[0] <= material.youngs_modulus <= SOLIDS[1]
+    unusual = not ranges.SOLIDS[0] <= material.youngs_modulus <= ranges.SOLIDS[1]
     return {"material": ({"unusual": True} if unusual else {}) | keys_of_record(material)}
 
 
@@ -257,18 +233,15 @@ def _track_table(scene: Scene, *, by_thrust: bool = False) -> Table:
     if track.arcs == "two" or by_thrust:
         return keys_of_record(track, "arcs")
     apart, angle = distance_of_groove_centres(scene), track.contact_angle
+    table = keys_of_record(track, "arcs", "contact_angle")
     ways = {"radial": 2.0 * apart * (1.0 - cos(angle)), "axial": 2.0 * apart * sin(angle)}
-    found = ways["radial"]
     for digits in range(2, 18):
         for way, size in ways.items():
             found = float(f"{size:.{digits}g}")
-            if free_contact_angle(apart, **{"radial": None, "axial": None, way: found}) == angle:
-                return keys_of_record(track, "arcs", "contact_angle") | {
-                    "clearance": {way: value_with_unit_text(Clearance, found)}
-                }
-    return keys_of_record(track, "arcs", "contact_angle") | {
-        "clearance": {"radial": value_with_unit_text(Clearance, ways["radial"])}
-    }
+            radial, axial = (found, None) if way == "radial" else (None, found)
+            if free_contact_angle(apart, radial, axial) == angle:
+                return table | {"clearance": {way: with_unit(ranges.Clearance, found)}}
+    return table | {"clearance": {"radial": with_unit(ranges.Clearance, ways["radial"])}}
 
 
 def groove_table(radius: float, ball: float) -> Table:
@@ -289,10 +262,10 @@ def groove_table(radius: float, ball: float) -> Table:
     >>> groove_table(0.52 * 2.0 * 2.7765e-3, 2.7765e-3), groove_table(3.254e-3, 2.778e-3)
     ({'conformity': 0.52}, {'groove_radius': '3.254 mm'})
     """
-    text, conformity = value_with_unit_text(Size, radius), float(f"{radius / (2.0 * ball):.9g}")
+    text, conformity = with_unit(ranges.Size, radius), float(f"{radius / (2.0 * ball):.9g}")
     shorter = len(str(conformity)) < len(str(text)) - 3 and conformity > 0.5
     if shorter and conformity * (2.0 * ball) == radius:
-        return {"conformity": value_with_unit_text(Conformity, conformity)}
+        return {"conformity": with_unit(ranges.Conformity, conformity)}
     return {"groove_radius": text}
 
 
@@ -316,7 +289,7 @@ def _nut_table(scene: Scene, shared: Material) -> Table:
     if flange is not None and at in (None, "flange face"):
         seat = 0.5 * nut.outer_diameter, 0.5 * flange.diameter
         for name, radius, whole in zip(("inner_diameter", "outer_diameter"), flange.seat, seat, strict=True):
-            held |= {} if radius == whole else {name: value_with_unit_text(Size, 2.0 * radius)}
+            held |= {} if radius == whole else {name: with_unit(ranges.Size, 2.0 * radius)}
         held |= ({"centring": "bonded"} if flange.bonded else {}) | ({"bolts": flange.bolts} if flange.bolts else {})
     own = {} if flange is None else {"flange": keys_of_record(flange, "seat", "bonded", "bolts")}
     return _screw_or_nut_table(scene, nut, shared) | own | without_empty_values(held=held)
@@ -333,7 +306,7 @@ def _balls_table(scene: Scene, shared: Material) -> Table:
     turns = 1.0 if each == 1 else float(f"{each * apart[0] / (2.0 * pi):.9g}")
     circuits = len(at) // each
     gap = float(f"{(at[each] - at[0]) / (2.0 * pi) - turns:.9g}") if circuits > 1 else 0.0
-    table: Table = {"radius": value_with_unit_text(Size, balls.radius)}
+    table: Table = {"radius": with_unit(ranges.Size, balls.radius)}
     if at == evenly_spaced_azimuths(each, turns, track.phase, circuits, gap):
         table |= {"count": len(at) * track.starts, "turns": turns}
         table |= {"circuits": circuits, "circuit_gap": gap} if circuits > 1 else {}
@@ -344,7 +317,7 @@ def _balls_table(scene: Scene, shared: Material) -> Table:
 
 def _errors_table(errors: Errors, *, seed: bool = False) -> Table:
     """Return the keys of the table ``errors``; ``seed``: whether the seed of random errors is written even if it is 0."""
-    listed = {str(number): value_with_unit_text(Deviation, error) for number, error in errors.balls.listed}
+    listed = {str(number): with_unit(ranges.Deviation, error) for number, error in errors.balls.listed}
     balls = keys_of_record(errors.balls, "listed") | without_empty_values(listed=listed)
     sides = {side: keys_of_record(errors.side(side)) for side in SIDES}
     return ({"seed": errors.seed} if seed or errors.seed else {}) | without_empty_values(balls=balls, **sides)
@@ -353,12 +326,8 @@ def _errors_table(errors: Errors, *, seed: bool = False) -> Table:
 def _support_table(support: Support) -> Table:
     """Return the keys of a support: its axial position, its fixed degrees of freedom, and prescribed displacements."""
     fix = [name for name, value in support.fixed if value == 0.0]
-    moved = {
-        name: value_with_unit_text(Shift if name[0] == "u" else Turn, value)
-        for name, value in support.fixed
-        if value != 0.0
-    }
-    return without_empty_values(at=value_with_unit_text(Size, support.at), fix=fix, displace=moved)
+    moved = _displacements_with_unit((name, value) for name, value in support.fixed if value != 0.0)
+    return without_empty_values(at=with_unit(ranges.Size, support.at), fix=fix, displace=moved)
 
 
 def _friction_table(friction: Friction | None) -> Table:
@@ -388,25 +357,22 @@ def _rolling_set_table(axis: Assembly, rolling_set: RollingSet, shared: Material
         housing=rolling_set.housing,
         carrier=rolling_set.carrier,
         thrust=rolling_set.thrust if bearing or rolling_set.thrust != "both" else "",
-        offset=value_with_unit_text(Deviation, rolling_set.offset) if rolling_set.offset else "",
-        preload=value_with_unit_text(Force, rolling_set.preload) if rolling_set.preload else "",
-        position=value_with_unit_text(Size, rolling_set.position) if rollers else "",
-        seals=value_with_unit_text(Torque, rolling_set.seals) if rolling_set.seals else "",
+        offset=with_unit(ranges.Deviation, rolling_set.offset) if rolling_set.offset else "",
+        preload=with_unit(ranges.Force, rolling_set.preload) if rolling_set.preload else "",
+        position=with_unit(ranges.Size, rolling_set.position) if rollers else "",
+        seals=with_unit(ranges.Torque, rolling_set.seals) if rolling_set.seals else "",
     )
     if isinstance(parts, RollerRow):
-        row = keys_of_record(parts, "material", "phase", "depth", "crown") | {
-            "ring_depth": value_with_unit_text(Size, parts.depth)
-        }
-        return table | {
-            "rollers": row | ({} if parts.crown == float("inf") else {"crown": value_with_unit_text(Size, parts.crown)})
-        }
-    inner = {}
-    if parts.screw != axis.screw:
-        inner = groove_table(parts.screw.groove_radius, parts.balls.radius) | _material_table(
-            parts.screw.material, axis.screw.material
-        )
-        if parts.screw.outer_diameter != axis.screw.outer_diameter:
-            inner["outer_diameter"] = value_with_unit_text(Size, parts.screw.outer_diameter)
+        row = keys_of_record(parts, "material", "phase", "depth", "crown")
+        row["ring_depth"] = with_unit(ranges.Size, parts.depth)
+        if parts.crown != float("inf"):
+            row["crown"] = with_unit(ranges.Size, parts.crown)
+        return table | {"rollers": row}
+    inner, ring = {}, parts.screw
+    if ring != axis.screw:
+        inner = groove_table(ring.groove_radius, parts.balls.radius) | _material_table(ring.material, axis.screw.material)
+        if ring.outer_diameter != axis.screw.outer_diameter:
+            inner["outer_diameter"] = with_unit(ranges.Size, ring.outer_diameter)
     return table | without_empty_values(
         track=_track_table(parts, by_thrust=True),
         screw=inner,
@@ -418,9 +384,7 @@ def _rolling_set_table(axis: Assembly, rolling_set: RollingSet, shared: Material
 
 def _force_and_moment_keys(force: Sequence[float], moment: Sequence[float]) -> Table:
     """Return the keys ``force`` and ``moment`` of a load [N, N m], with units; a zero vector is left out."""
-    from rollbench.meshes.parts import Load
-
-    return {name: text for name, text in keys_of_record(Load(0.0, tuple(force), tuple(moment))).items() if name != "at"}  # type: ignore[arg-type]
+    return keys_of_record(Load(0.0, tuple(force), tuple(moment)), "at")  # type: ignore[arg-type]
 
 
 def _stiffness_table(matrix: Stiffness | None) -> Table:
@@ -429,9 +393,10 @@ def _stiffness_table(matrix: Stiffness | None) -> Table:
         return {}
     if any(x for i, row in enumerate(matrix) for j, x in enumerate(row) if i != j):
         return {"matrix": [[*row] for row in matrix]}
-    names = ("ux", "uy", "uz", "rx", "ry", "rz")
     springs = {
-        n: value_with_unit_text(Spring if n[0] == "u" else Twist, matrix[i][i]) for i, n in enumerate(names) if matrix[i][i]
+        n: with_unit(ranges.Spring if n[0] == "u" else ranges.Twist, matrix[i][i])
+        for i, n in enumerate(FREEDOMS)
+        if matrix[i][i]
     }
     return {"springs": springs or {"ux": "0 N/m"}}
 
@@ -450,7 +415,7 @@ def without_empty_values(**table: Any) -> Table:
     return {name: value for name, value in table.items() if value not in (None, "", [], {})}
 
 
-def value_with_unit_text(annotated_type: Any, value: float) -> str | float:
+def with_unit(annotated_type: Any, value: float, added_offset: float = 0.0) -> str | float:
     """Return a value in SI units as text with a unit, as in a scene file.
 
     Parameters
@@ -459,25 +424,27 @@ def value_with_unit_text(annotated_type: Any, value: float) -> str | float:
         Annotated type from `ranges` that defines the unit, such as ``Size``.
     value : float
         Value in SI units.
+    added_offset : float, default 0.0
+        Offset in SI units that is added to the value after reading, as for `QuantityRange.text_with_unit`.
 
     Returns
     -------
     str | float
         Text with a unit, such as ``"3.254 mm"``; the number itself where the quantity has no unit.
     """
-    return quantity_of_type(annotated_type).text_with_unit(value)
+    return ranges.quantity_of_type(annotated_type).text_with_unit(value, added_offset)
 
 
 @cache
-def _quantities_of_fields(record: type) -> dict[str, QuantityRange]:
+def _quantities_of_fields(record: type) -> dict[str, ranges.QuantityRange]:
     """Return the quantity (unit and range) of each field of the class ``record`` that has one, by the field's name."""
     hints = get_type_hints(record, include_extras=True)
     return {name: found[0] for name, hint in hints.items() if (found := [*_quantities_in_type(hint)])}
 
 
-def _quantities_in_type(hint: Any) -> Iterator[QuantityRange]:
+def _quantities_in_type(hint: Any) -> Iterator[ranges.QuantityRange]:
     """Yield the quantities with which an annotated type is annotated, also inside tuples and unions."""
-    if isinstance(hint, QuantityRange):
+    if isinstance(hint, ranges.QuantityRange):
         yield hint
     for part in (*get_args(hint), *getattr(hint, "__metadata__", ())):
         yield from _quantities_in_type(part)
@@ -508,7 +475,7 @@ def keys_of_record(record: Any, *left_out: str) -> Table:
     return out
 
 
-def _value_with_unit(value: Any, quantity: QuantityRange | None) -> Any:
+def _value_with_unit(value: Any, quantity: ranges.QuantityRange | None) -> Any:
     """Return the value of a record's field with its unit as in a scene file; a tuple becomes a list of such values.
 
     ``quantity``: quantity of the field, which defines the unit; None for a field without unit.

@@ -278,22 +278,6 @@ def contact_force_positions(scene: Scene, layout: BallLayout) -> Array:
     return layout.z[:, None] + rise[None, :]
 
 
-def support_and_load_positions(scene: Scene) -> Array:
-    """Return the axial positions of a scene's supports, then those of its loads.
-
-    Parameters
-    ----------
-    scene : Scene
-        Scene with supports and loads.
-
-    Returns
-    -------
-    (n,) Array
-        Axial positions [m].
-    """
-    return np.array([s.at for s in scene.supports] + [f.at for f in scene.loads])
-
-
 def merge_close_positions(positions: Array, preferred_positions: Array) -> Array:
     """Sort axial positions, and keep only one of several that are closer together than `MERGE`.
 
@@ -401,13 +385,13 @@ def beam_nodes(scene: Scene, contact_positions: Array, *, whole_screw: bool = Fa
     left_out : int
         Number of elements of the whole screw that are not included.
     """
-    needed = np.concatenate([support_and_load_positions(scene), contact_positions.ravel()])
+    needed = np.concatenate([scene.stations, contact_positions.ravel()])
     held = np.array([s.at for s in scene.supports])
     if scene.ingredients.partition == "nodal":
         ends = np.array([0.0, scene.screw.length])
         nodes = merge_close_positions(np.concatenate([needed, ends]), held)
     else:
-        nodes = merge_close_positions(np.concatenate([nodes_of_whole_beam(scene), support_and_load_positions(scene)]), held)
+        nodes = merge_close_positions(np.concatenate([nodes_of_whole_beam(scene), scene.stations]), held)
     return (nodes, 0) if whole_screw else nodes_enclosing_positions(nodes, needed)
 
 

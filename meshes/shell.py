@@ -22,8 +22,8 @@ import numpy as np
 from scipy.spatial import cKDTree
 from skfem import Mesh, MeshTet1
 
+from rollbench.meshes import fem
 from rollbench.meshes.arrays import Array, Index
-from rollbench.meshes.fem import to_second_order_mesh, with_boundaries_from_corners, with_node_coordinates
 from rollbench.meshes.sockets import RefinementBoxFaces
 
 #: Names of the signals whose handlers gmsh replaces by the default handlers of the operating system.
@@ -55,7 +55,12 @@ def gmsh_session(options: Mapping[str, float] = MappingProxyType({})) -> Iterato
     ImportError
         The package gmsh, or a system library that it needs, is missing.
     """
-    gmsh = _import_gmsh()
+    try:
+        import gmsh
+    except (ImportError, OSError) as error:
+        raise ImportError(
+            f"gmsh cannot be loaded ({error}); install rollbench[reference]; rollbench doctor names the system libraries"
+        ) from error
     started = not gmsh.isInitialized()
     if started:
         numbers = [getattr(signal, name) for name in RESET if hasattr(signal, name)]
@@ -74,15 +79,41 @@ def gmsh_session(options: Mapping[str, float] = MappingProxyType({})) -> Iterato
             gmsh.finalize()
 
 
-def _import_gmsh() -> Any:
-    """Import gmsh, or raise ImportError with the way to install it."""
-    try:
-        import gmsh
-    except (ImportError, OSError) as error:
-        raise ImportError(
-            f"gmsh cannot be loaded ({error}); install rollbench[reference]; rollbench doctor names the system libraries"
-        ) from error
-    return gmsh
+def set_element_size_formula(gmsh: Any, formula: str) -> None:
+    """Make gmsh use the edge lengths that a formula of x, y, z gives, and disable its other rules for element sizes."""
+    fields = gmsh.model.mesh.field
+    size = fields.add("MathEval")
+    fields.setString(size, "F", formula)
+    fields.setAsBackgroundMesh(size)
+    for name in ("MeshSizeExtendFromBoundary", "MeshSizeFromPoints", "MeshSizeFromCurvature"):
+        gmsh.option.setNumber(f"Mesh.{name}", 0)
+
+
+def take_nodes_and_cells(gmsh: Any, element_type: int, nodes_per_cell: int) -> tuple[Array, Index]:
+    """Return the mesh of gmsh's current model, and remove the model.
+
+    Parameters
+    ----------
+    gmsh : Any
+        The module gmsh, in a `gmsh_session`.
+    element_type : int
+        gmsh's number of the element type.
+    nodes_per_cell : int
+        Number of nodes of this element type.
+
+    Returns
+    -------
+    points : (n, 3) Array
+        Coordinates of all nodes of the model.
+    cells : (m, nodes_per_cell) Index
+        Nodes of the cells of this type, in gmsh's order.
+    """
+    tags, xyz, _ = gmsh.model.mesh.getNodes()
+    ascending = np.argsort(tags)
+    _, nodes = gmsh.model.mesh.getElementsByType(element_type)
+    gmsh.model.remove()
+    cells = np.searchsorted(tags[ascending], nodes).reshape(-1, nodes_per_cell)
+    return xyz.reshape(-1, 3)[ascending], cells
 
 
 #: Function that maps an array of coordinates or parameters to an array of coordinates or lengths.
@@ -151,16 +182,24 @@ class DividedCurve:
     #: Values of the curve's parameter at these nodes ``(n + 1,)``.
     parameters: Array
 
-    def as_side_of_face(self, plane: Placing) -> Side:
+    def side(self, plane: Placing) -> Side:
         """Return the curve as a boundary segment of a face: the nodes in order, and their plane coordinates on the face.
 
         ``plane``: function that maps values of the curve's parameter ``(n + 1,)`` to plane coordinates ``(n + 1, 2)``.
         """
         return self.nodes, plane(self.parameters)
 
-    def as_reversed_side_of_face(self, plane: Placing) -> Side:
-        """Return the curve as a boundary segment of a face as `as_side_of_face` does, but with nodes in reverse order."""
+    def reversed_side(self, plane: Placing) -> Side:
+        """Return the curve as a boundary segment of a face as `side` does, but with nodes in reverse order."""
         return self.nodes[::-1], plane(self.parameters[::-1])
+
+
+def edges_of_triangles(triangles: Index) -> Index:
+    """Return the edges of triangles ``(3 t, 2)``: first to second corner of all, second to third, third to first.
+
+    ``triangles``: corners of the triangles ``(t, 3)``.
+    """
+    return np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
 
 
 @dataclass
@@ -187,9 +226,7 @@ class TriangulatedFace:
     @property
     def local_edges(self) -> Index:
         """Edges of the face's triangles ``(3 t, 2)``, as indices into `node_numbers`, the nodes of the face."""
-        return np.concatenate(
-            [self.local_triangles[:, [0, 1]], self.local_triangles[:, [1, 2]], self.local_triangles[:, [2, 0]]]
-        )
+        return edges_of_triangles(self.local_triangles)
 
     def flip_common_edge(self, first: int, second: int) -> bool:
         """Replace the common edge of two triangles by the other diagonal of their quadrilateral, if both stay well shaped.
@@ -245,7 +282,10 @@ def sine_of_smallest_angle(corners: Array) -> Array:
 class ClosedSurfaceMesh:
     """Closed triangulated surface of a body while the body's mesh is built: nodes, divided curves and faces.
 
-    It also stores the exact midpoints of edges, which become the midside nodes of second-order tetrahedra.
+    Attributes: ``points``: coordinates of the nodes ``(n, 3)`` [m]; ``faces``: the triangulated faces; ``middles``: edges
+    of curves and refinement boxes, as pairs of nodes, with their exact midpoints [m], which become the midside nodes of
+    second-order tetrahedra; ``raised``: corner nodes of refinement boxes, with the coordinates [m] that they have only
+    while gmsh fills the body.
     """
 
     def __init__(self, gmsh: Any, size: Placing, fine: float, algorithm: int) -> None:
@@ -274,7 +314,7 @@ class ClosedSurfaceMesh:
         self.points = np.concatenate([self.points, points])
         return np.arange(first, len(self.points))
 
-    def add_divided_curve(
+    def add_curve(
         self, space: Placing, start: float, end: float, limit: float, ends: tuple[int, int] | None = None
     ) -> DividedCurve:
         """Divide a curve into edges of the wanted length, and add its nodes to this surface.
@@ -386,12 +426,12 @@ class ClosedSurfaceMesh:
         points : (k, 3) Array
             Midpoint of each edge [m].
         """
-        of_faces = [
-            (f.node_numbers[f.local_edges], f.point_map(f.plane_coordinates[f.local_edges].mean(axis=1)))
-            for f in self.faces
-            if f.point_map is not None
-        ]
-        edges, points = zip(*self.middles, *of_faces, strict=True)
+        middles = list(self.middles)
+        for f in self.faces:
+            if f.point_map is not None:
+                at = f.plane_coordinates[f.local_edges].mean(axis=1)
+                middles.append((f.node_numbers[f.local_edges], f.point_map(at)))
+        edges, points = zip(*middles, strict=True)
         return np.concatenate(edges), np.concatenate(points)
 
 
@@ -527,7 +567,7 @@ def fill_with_tetrahedra(
     ValueError
         The surface is not closed, or gmsh leaves the volume empty.
     """
-    edges = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
+    edges = np.sort(edges_of_triangles(triangles), axis=1)
     if np.any(np.unique(edges @ np.array([len(points), 1]), return_counts=True)[1] != 2):
         raise ValueError("the triangles do not form a closed surface: some of their edges do not belong to two triangles")
     gmsh.model.add("volume")
@@ -604,30 +644,42 @@ class FilledSurfaceMesh:
         (k,) Index
             Numbers of all nodes on the faces, in the order of the nodes of ``box_faces``.
         """
-        return np.concatenate(
-            [corners, self.midside_nodes_of_edges(corners[np.array(list(box_faces.midside_node_of_edge), dtype=np.int64)])]
-        )
+        pairs = np.array(list(box_faces.midside_node_of_edge), dtype=np.int64)
+        return np.concatenate([corners, self.midside_nodes_of_edges(corners[pairs])])
 
-    def with_named_boundaries(self, shell: ClosedSurfaceMesh) -> Mesh:
-        """Return the mesh with named boundaries: the faces of ``shell``, the closed surface that it fills.
+    def improved_mesh(
+        self, surface: ClosedSurfaceMesh, body_name: str, nodes_to_keep: Index
+    ) -> tuple[Mesh, int, fem.MeshQuality]:
+        """Return the mesh with named boundaries and improved curved cells, as `fem.improve_curved_cells` does.
+
+        Parameters
+        ----------
+        surface : ClosedSurfaceMesh
+            Closed surface that this mesh fills; the names of its faces become those of the boundaries.
+        body_name : str
+            Name of the body, for the error message.
+        nodes_to_keep : Index
+            Numbers of the nodes that are never moved.
+
+        Returns
+        -------
+        mesh : Mesh
+            Improved mesh.
+        moved : int
+            Number of midside nodes that were moved off the exact surface or in the interior to straighten edges.
+        quality : MeshQuality
+            Quality of the improved mesh.
 
         Raises
         ------
         ValueError
-            A triangle of the surface is not a face of the mesh.
+            A triangle of the surface is not a face of the mesh, or a cell is still inverted.
         """
-        return with_boundaries_from_corners(
-            self.mesh,
-            {name: shell.triangles_on_boundary(name) for name in dict.fromkeys(f.boundary_name for f in shell.faces)},
-        )
-
-    def nodes_of_triangles(self, tris: Index) -> Index:
-        """Return the numbers of all corner and midside nodes of triangles on the surface, in ascending order ``(k,)``.
-
-        ``tris``: numbers of the corners of the triangles ``(t, 3)``.
-        """
-        pairs = np.concatenate([tris[:, [0, 1]], tris[:, [1, 2]], tris[:, [2, 0]]])
-        return np.unique(np.concatenate([tris.ravel(), self.midside_nodes_of_edges(pairs)]))
+        names = dict.fromkeys(f.boundary_name for f in surface.faces)
+        named = fem.with_boundaries_from_corners(self.mesh, {name: surface.triangles_on_boundary(name) for name in names})
+        corners = surface.triangles_on_boundary()
+        nodes = np.unique(np.concatenate([corners.ravel(), self.midside_nodes_of_edges(edges_of_triangles(corners))]))
+        return fem.improve_curved_cells(named, body_name, nodes, nodes_to_keep)
 
 
 def tetrahedra_with_positive_volumes(points: Array, cells: Index) -> Index:
@@ -663,17 +715,15 @@ def remove_cells_flat_on_surface(surface: ClosedSurfaceMesh, points: Array, cell
     base = np.array([len(points) ** 2, len(points), 1])
     for _ in range(6):
         keys = np.concatenate([np.sort(f.triangles, axis=1) @ base for f in surface.faces])
-        face = np.concatenate(
-            [np.full(len(f.local_triangles), -1 if f.point_map is None else k) for k, f in enumerate(surface.faces)]
-        )
+        owners = [(-1 if f.point_map is None else k, len(f.local_triangles)) for k, f in enumerate(surface.faces)]
+        face = np.concatenate([np.full(count, k) for k, count in owners])
         row = np.concatenate([np.arange(len(f.local_triangles)) for f in surface.faces])
         order = np.argsort(keys)
         sides = np.stack([np.sort(np.delete(cells, k, axis=1), axis=1) @ base for k in range(4)], axis=1)
         place = order[np.minimum(np.searchsorted(keys, sides, sorter=order), len(keys) - 1)]
         opposite = np.where(keys[place] == sides, face[place], -1 - np.arange(4))  # the face opposite each corner
-        edges = set(
-            np.concatenate([np.sort(f.node_numbers[f.local_edges], axis=1) @ base[1:] for f in surface.faces]).tolist()
-        )
+        edge_keys = [np.sort(f.node_numbers[f.local_edges], axis=1) @ base[1:] for f in surface.faces]
+        edges = set(np.concatenate(edge_keys).tolist())
         pairs = [(i, j) for i in range(4) for j in range(i)]
         alike = np.stack([(opposite[:, i] == opposite[:, j]) & (opposite[:, i] >= 0) for i, j in pairs], axis=1)
         gone, changed = [], set[tuple[int, int]]()
@@ -715,7 +765,7 @@ def mesh_inside_closed_surface(surface: ClosedSurfaceMesh, algorithm: int) -> Fi
     for number, place in surface.raised:
         points[number] = place
     tris = surface.triangles_on_boundary()
-    ends = np.concatenate([tris[:, [0, 1]], tris[:, [1, 2]], tris[:, [2, 0]]])
+    ends = edges_of_triangles(tris)
     long = np.linalg.norm(points[ends[:, 0]] - points[ends[:, 1]], axis=1)
     near = np.bincount(ends[:, 0], long) / np.bincount(ends[:, 0])
     tree = cKDTree(points)
@@ -724,9 +774,8 @@ def mesh_inside_closed_surface(surface: ClosedSurfaceMesh, algorithm: int) -> Fi
         distance, node = tree.query(x)
         return np.asarray(np.minimum(surface.size(x), near[node] + INWARD * distance))
 
-    cells, inner = fill_with_tetrahedra(
-        surface.gmsh, points, tris, gmsh_size_callback(edge_lengths, 0.6 * surface.fine, VOLUME_BLOCK), algorithm
-    )
+    size_callback = gmsh_size_callback(edge_lengths, 0.6 * surface.fine, VOLUME_BLOCK)
+    cells, inner = fill_with_tetrahedra(surface.gmsh, points, tris, size_callback, algorithm)
     cells = tetrahedra_with_positive_volumes(np.concatenate([points, inner]), cells)
     corners = np.concatenate([surface.points, inner])
     cells = remove_cells_flat_on_surface(surface, corners, cells)
@@ -734,7 +783,7 @@ def mesh_inside_closed_surface(surface: ClosedSurfaceMesh, algorithm: int) -> Fi
     used[: len(surface.points)] = True
     used[cells] = True
     cells, corners = (np.cumsum(used) - 1)[cells], corners[used]
-    straight = to_second_order_mesh(MeshTet1(np.ascontiguousarray(corners.T), np.ascontiguousarray(cells.T)))
+    straight = fem.to_second_order_mesh(MeshTet1(np.ascontiguousarray(corners.T), np.ascontiguousarray(cells.T)))
     pairs = np.sort(straight.edges, axis=0).T @ np.array([len(corners), 1])
     order = np.argsort(pairs)
     filled = FilledSurfaceMesh(straight, pairs[order], straight.dofs.edge_dofs[0, order].astype(np.int64))
@@ -742,7 +791,7 @@ def mesh_inside_closed_surface(surface: ClosedSurfaceMesh, algorithm: int) -> Fi
     number = filled.midside_nodes_of_edges(edges)[::-1]  # where an edge has several midpoints, the first one counts
     points = straight.doflocs.T.copy()
     points[number] = exact[::-1]
-    return replace(filled, mesh=with_node_coordinates(straight, points))
+    return replace(filled, mesh=fem.with_node_coordinates(straight, points))
 
 
 def edge_length_growing_with_distance(

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import pairwise, product
 
 import numpy as np
@@ -50,14 +51,19 @@ THIN = 0.05
 TAPER = 0.2
 #: Largest accepted distance of a ball's centre from the groove's centre line, as a ratio to the ball's radius.
 ON_GROOVE = 1e-3
-#: RAISED: bulges of a refinement box's faces, as ratios to their half width, that are tried while gmsh fills a body with
-#: cells, see `mesh_refinement_box_faces`. RIDGE: smallest height of the protruding diagonals as a ratio to their lengths.
-#: TWIST: terms that twist the rectangles of side faces and of the bottom, so that one diagonal protrudes. SKEW: the same
-#: for rectangles in the middle of symmetric faces.
+#: Shape in which the faces of a refinement box bulge while gmsh fills a body with cells (`mesh_refinement_box_faces`).
+#: RAISED: heights of the bulge that are tried in turn, as ratios to the half width of the faces. RIDGE: smallest accepted
+#: height of a rectangle's protruding diagonal above its other diagonal, as a ratio to their lengths. TWIST: coefficients,
+#: for side faces and for the bottom, of the terms that twist every rectangle so that one diagonal protrudes. SKEW:
+#: coefficient of a further twist, for rectangles that would stay flat because of the symmetry of a face.
 RAISED, RIDGE, TWIST = (0.04, 0.06, 0.08), 1e-4, (0.8, 0.4)
 SKEW = 0.2
 #: Factors on the local coordinates that reverse the azimuth: a box on a left flank becomes one on the right flank.
 AZIMUTH_TURNED = np.array([1.0, 1.0, -1.0])
+
+
+#: Position of a contact: azimuth [rad] and axial position [m] of its ball, and the flank 0 to 3 on which it lies.
+ContactPosition = tuple[float, float, int]
 
 
 @dataclass(frozen=True)
@@ -90,9 +96,12 @@ class RefinementBoxFaces:
     midside_node_of_edge: dict[tuple[int, int], int]
 
 
-def mesh_refinement_box_faces(
-    point_map: Callable[[Array], Array], divisions: tuple[int, int, int]
-) -> tuple[RefinementBoxFaces, Array]:
+#: Mesh of the faces of a refinement box, and local coordinates of its corner nodes in the bulging shape that the faces have
+#: while gmsh fills the body ``(c, 3)``.
+BulgingBoxFaces = tuple[RefinementBoxFaces, Array]
+
+
+def mesh_refinement_box_faces(point_map: Callable[[Array], Array], divisions: tuple[int, int, int]) -> BulgingBoxFaces:
     """Mesh the inner faces of a refinement box, and compute the shape in which they bulge while gmsh fills the body.
 
     While gmsh fills the body around the box with tetrahedra, the corner nodes of the box are displaced into the body; only
@@ -116,11 +125,7 @@ def mesh_refinement_box_faces(
     bulging : (c, 3) Array
         Local coordinates of the mesh's c corner nodes in the bulging shape.
     """
-    lines = (
-        np.linspace(-1.0, 1.0, divisions[0] + 1),
-        np.linspace(0.0, 1.0, divisions[1] + 1),
-        np.linspace(-1.0, 1.0, divisions[2] + 1),
-    )
+    lines = [np.linspace(low, 1.0, count + 1) for low, count in zip((-1.0, 0.0, -1.0), divisions, strict=True)]
     number: dict[tuple[int, ...], int] = {}
     squares, owner = [], []
     for face, (axis, end) in enumerate(((0, 0), (0, divisions[0]), (1, divisions[1]), (2, 0), (2, divisions[2]))):
@@ -147,7 +152,7 @@ def mesh_refinement_box_faces(
 
 def mesh_refinement_box_of_flank(
     point_map_of_flank: Callable[[int], Callable[[Array], Array]], side: int, divisions: tuple[int, int, int]
-) -> tuple[RefinementBoxFaces, Array]:
+) -> BulgingBoxFaces:
     """Mesh the inner faces of the refinement boxes on one flank of the groove; for details see `mesh_refinement_box_faces`.
 
     A rotation by 180 degrees about the radial line through the ball's centre maps left flanks onto right ones and reverses
@@ -270,8 +275,7 @@ def unrolled_nominal_contact_point(m: GrooveMap, side: int) -> tuple[float, floa
         Radius [m], axial coordinate along the unrolled groove [m] and azimuth [rad], as returned by
         `GrooveMap.section_to_unrolled`.
     """
-    x3, z3 = m.polar_to_section(side, np.array(m.beta), np.array(m.radius[side]))
-    r, zeta, psi = m.section_to_unrolled(x3, z3)
+    r, zeta, psi = m.flank_to_unrolled(side, np.array(m.beta))
     return float(r), float(zeta), float(psi)
 
 
@@ -300,9 +304,7 @@ def points_in_box_at_azimuth_zero(m: GrooveMap, size: RefinementBoxSize, side: i
     return m.unrolled_to_cartesian(r, zeta, unrolled_nominal_contact_point(m, side)[2] + size.phi * xi[:, 2])
 
 
-def points_in_refinement_box(
-    m: GrooveMap, size: RefinementBoxSize, ball_position: tuple[float, float, int], xi: Array
-) -> Array:
+def points_in_refinement_box(m: GrooveMap, size: RefinementBoxSize, ball_position: ContactPosition, xi: Array) -> Array:
     """Map local coordinates in a refinement box to points of the screw or nut, for the contact of a ball at any position.
 
     Parameters
@@ -311,7 +313,7 @@ def points_in_refinement_box(
         Groove surfaces of the track.
     size : RefinementBoxSize
         Size of the refinement box.
-    ball_position : tuple[float, float, int]
+    ball_position : ContactPosition
         Azimuth [rad] and axial position z [m] of the ball, and flank 0 to 3.
     xi : (n, 3) Array
         Local coordinates: section angle in [-1, 1], depth in [0, 1], azimuth in [-1, 1].
@@ -328,7 +330,7 @@ def points_in_refinement_box(
 
 
 def local_coordinates_in_refinement_box(
-    m: GrooveMap, size: RefinementBoxSize, ball_position: tuple[float, float, int], phi: Array, z: Array, r: Array
+    m: GrooveMap, size: RefinementBoxSize, ball_position: ContactPosition, phi: Array, z: Array, r: Array
 ) -> Array:
     """Map points of a screw or nut to local coordinates in a refinement box; the inverse of `points_in_refinement_box`.
 
@@ -382,10 +384,7 @@ def section_angles_of_flank(m: GrooveMap, side: int, land_radius: float) -> tupl
     apex = float(np.arcsin((m.radius[side] - m.ball) * np.sin(m.beta) / m.radius[side]))
 
     def radius_beyond_land(gamma: float) -> float:
-        return (
-            float(m.section_to_unrolled(*m.polar_to_section(side, np.array(gamma), np.array(m.radius[side])))[0])
-            - land_radius
-        )
+        return float(m.flank_to_unrolled(side, np.array(gamma))[0]) - land_radius
 
     if radius_beyond_land(m.beta) * radius_beyond_land(np.pi) < 0.0:
         edge = float(brentq(radius_beyond_land, m.beta, np.pi, xtol=1e-14))
@@ -631,20 +630,16 @@ def largest_fitting_refinement_box(
         (without ``contact_half_lengths``) width remains, or 0.1 of depth and length next to a flat end. The message gives
         cause and remedy.
     """
+    across, along = contact_half_lengths
     usual = RefinementBoxSize(GAMMA, DEPTH * m.ball, ALONG * m.ball / m.R)
-    bodies = [tuple(s for s in sides if (s < 2) == screw) for screw in (True, False)]
-    least = max((contact_half_lengths[0] / float(m.radius[s]) for s in sides), default=0.0) / ZONE
-    wide = replace(
-        usual, gamma=max(GAMMA, least * ZONE / FILLED), phi=max(usual.phi, contact_half_lengths[1] / (FILLED * m.R))
-    )
-    gamma, why_gamma = _allowed_half_width(
-        m, sides, screw_land_radius, nut_land_radius, wide.gamma, contact_half_lengths[0]
-    )
-    size = replace(wide, gamma=gamma)
-    cause = {"gamma": why_gamma, "depth": "", "phi": ""}
+    least = max((across / float(m.radius[s]) for s in sides), default=0.0) / ZONE
+    shortest = along / (ZONE * m.R)
+    wide = replace(usual, gamma=max(GAMMA, least * ZONE / FILLED), phi=max(usual.phi, along / (FILLED * m.R)))
+    gamma, why = _allowed_half_width(m, sides, screw_land_radius, nut_land_radius, wide.gamma, across)
+    size, cause = replace(wide, gamma=gamma), {"gamma": why, "depth": "", "phi": ""}
 
-    def length_text_in_mm(x: float) -> str:
-        return f"{1e3 * x:.4g} mm"
+    def mm(length: float) -> str:
+        return f"{1e3 * length:.4g} mm"
 
     for side in sides:
         behind, name = (screw_bore_radius, "screw's bore") if side < 2 else (nut_outer_radius, "nut's outside")
@@ -659,59 +654,44 @@ def largest_fitting_refinement_box(
         if depth < size.depth:
             size = replace(size, depth=depth)
             wall = wall_thickness_under_refinement_box(m, replace(size, gamma=1e-3, depth=0.0), side, behind)
-            cause["depth"] = (
-                f"the wall between the contact and the {name} is only {length_text_in_mm(wall)} thick; thicken the wall"
-            )
+            cause["depth"] = f"the wall between the contact and the {name} is only {mm(wall)} thick; thicken the wall"
 
     if layout.z.size > 1 or m.rg == 0.0:
         gaps, pairs = azimuth_gaps_between_balls(m, layout.azimuth, layout.z)
         if gaps.size and gaps.min() < (2.0 + BETWEEN) * wide.phi:
             size = replace(size, phi=float(gaps.min()) / (2.0 + BETWEEN))
             first, second = pairs[gaps.round(9).argmin()] + 1
-            apart = length_text_in_mm(gaps.min() * m.R)
+            apart = mm(gaps.min() * m.R)
             cause["phi"] = f"balls {first} and {second} are only {apart} apart along the track; move them further apart"
 
     low, high = layout.z.min() - nut_end_positions[0], nut_end_positions[1] - layout.z.max()
+    bodies = [body for body in (tuple(s for s in sides if (s < 2) == screw) for screw in (True, False)) if body]
 
     def scaled_refinement_box(share: float) -> RefinementBoxSize:
-        narrow = max(share * size.gamma, min(size.gamma, least))
-        short = max(share * size.phi, min(size.phi, contact_half_lengths[1] / (ZONE * m.R)))
+        narrow, short = max(share * size.gamma, min(size.gamma, least)), max(share * size.phi, min(size.phi, shortest))
         return replace(size, gamma=narrow, depth=share * size.depth, phi=short)
 
     def fits_between_ends(share: float, away: float = AWAY) -> bool:
         below, above = axial_reach_of_refinement_boxes(m, scaled_refinement_box(share), sides)
         return bool(below + away * m.ball <= low and above + away * m.ball <= high)
 
-    def fits_with_thin_wall(share: float) -> bool:
-        return fits_between_ends(share, THIN)
-
     def clears_next_turn(share: float) -> bool:
-        return (
-            min(distance_to_next_turn(m, scaled_refinement_box(share), body_sides) for body_sides in bodies if body_sides)
-            >= AWAY * m.ball
-        )
+        box = scaled_refinement_box(share)
+        return min(distance_to_next_turn(m, box, body) for body in bodies) >= AWAY * m.ball
 
     lip = not fits_between_ends(LEAST)
-    for fits, why in (
-        (
-            fits_with_thin_wall if lip else fits_between_ends,
-            f"the outermost balls are only {length_text_in_mm(low)} and {length_text_in_mm(high)} from the flat ends; "
-            "lengthen the nut or move the balls",
-        ),
-        (
-            clears_next_turn,
-            f"the next turn of the groove is only {length_text_in_mm(2.0 * np.pi * abs(m.rg) / m.starts)} away; "
-            "raise the lead",
-        ),
-    ):
+    ends = f"the outermost balls are only {mm(low)} and {mm(high)} from the flat ends; lengthen the nut or move the balls"
+    turn = f"the next turn of the groove is only {mm(2.0 * np.pi * abs(m.rg) / m.starts)} away; raise the lead"
+    for fits, why in ((partial(fits_between_ends, away=THIN if lip else AWAY), ends), (clears_next_turn, turn)):
         share = _largest_fitting_factor(fits)
         if share < 1.0:
             size = scaled_refinement_box(share) if share else replace(size, gamma=0.0, depth=0.0, phi=0.0)
             cause = dict.fromkeys(cause, why)
+    fraction = LIP if lip else LEAST
     for name, word, floor in (
         ("gamma", "narrow", least or LEAST * GAMMA),
-        ("depth", "shallow", (LIP if lip else LEAST) * usual.depth),
-        ("phi", "short", max((LIP if lip else LEAST) * usual.phi, contact_half_lengths[1] / (ZONE * m.R))),
+        ("depth", "shallow", fraction * usual.depth),
+        ("phi", "short", max(fraction * usual.phi, shortest)),
     ):
         if getattr(size, name) < floor * (1.0 - 1e-9):
             left, wanted = getattr(size, name) / getattr(usual, name), floor / getattr(usual, name)
@@ -784,7 +764,7 @@ def _allowed_half_width(
 def check_refinement_boxes_fit(
     m: GrooveMap,
     size: RefinementBoxSize,
-    ball_positions: tuple[tuple[float, float, int], ...],
+    ball_positions: tuple[ContactPosition, ...],
     land_radius: float,
     wall_radius: float,
     end_positions: tuple[float, float],
@@ -797,7 +777,7 @@ def check_refinement_boxes_fit(
         Groove surfaces of the track.
     size : RefinementBoxSize
         Size of the refinement boxes.
-    ball_positions : tuple[tuple[float, float, int], ...]
+    ball_positions : tuple[ContactPosition, ...]
         For each refinement box, azimuth [rad] and axial position [m] of its ball, and its flank: 0 and 1 are left and right
         on the screw, 2 and 3 on the nut.
     land_radius, wall_radius : float
@@ -808,10 +788,8 @@ def check_refinement_boxes_fit(
     remedy = "make the refinement boxes smaller (the module rollbench.meshes.sockets computes a size that fits)"
     sides = tuple(sorted({s for _, _, s in ball_positions}))
     for phi, z, _ in ball_positions:
-        if (
-            min(turns_and_distance_to_groove(m, phi, z, line)[1] for line in helix_constants_of_starts(m))
-            > ON_GROOVE * m.ball
-        ):
+        off = min(turns_and_distance_to_groove(m, phi, z, line)[1] for line in helix_constants_of_starts(m))
+        if off > ON_GROOVE * m.ball:
             raise ValueError(
                 f"the refinement box of the ball at azimuth {np.degrees(phi):.4g} deg, z = {1e3 * z:.4g} mm does not lie "
                 "on a groove: place the balls with rollbench.meshes.helix.ball_layout"

@@ -69,8 +69,7 @@ class Dimensions:
         """
         half = scene.nut.length / 2.0 + self.shaft
         ends = max(scene.nut.position - half, 0.0), min(scene.nut.position + half, scene.screw.length)
-        stations = [*(s.at for s in scene.supports), *(x.at for x in scene.loads)]
-        low, high = (next((z for z in stations if abs(z - end) <= SAME), end) for end in ends)
+        low, high = (next((z for z in scene.stations if abs(z - end) <= SAME), end) for end in ends)
         return low, high
 
 
@@ -219,15 +218,7 @@ def dimensions_of_3d_parts(scene: Scene) -> Dimensions:
             f"the hole of {2e3 * hole:.4g} mm diameter along the screw leaves no wall under the groove: give "
             f"solid.hole_diameter below {2e3 * (R - of_screw):.4g} mm",
         )
+    radius = None if solid.shaft_diameter is None else solid.shaft_diameter / 2.0
     return Dimensions(
-        land,
-        hole,
-        shaft,
-        None if solid.shaft_diameter is None else solid.shaft_diameter / 2.0,
-        held,
-        screw_held,
-        held_radii,
-        groove_ends,
-        tuple(assumed),
-        tuple(mesh_only),
+        land, hole, shaft, radius, held, screw_held, held_radii, groove_ends, tuple(assumed), tuple(mesh_only)
     )

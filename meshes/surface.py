@@ -145,21 +145,10 @@ def fundamental_forms(derivatives: dict[str, Array]) -> tuple[Array, Array, Arra
     def dot_products(u: Array, v: Array) -> Array:
         return np.asarray(np.einsum("...i,...i->...", u, v))
 
-    cross = dot_products(derivatives["Sp"], derivatives["Sg"])
-    shape = (*cross.shape, 2, 2)
-    first = np.stack(
-        [
-            dot_products(derivatives["Sp"], derivatives["Sp"]),
-            cross,
-            cross,
-            dot_products(derivatives["Sg"], derivatives["Sg"]),
-        ],
-        -1,
-    ).reshape(shape)
-    mixed = dot_products(derivatives["Spg"], normal)
-    second = np.stack(
-        [dot_products(derivatives["Spp"], normal), mixed, mixed, dot_products(derivatives["Sgg"], normal)], -1
-    ).reshape(shape)
+    Sp, Sg, Spp, Spg, Sgg = (derivatives[name] for name in ("Sp", "Sg", "Spp", "Spg", "Sgg"))
+    E, F, G = (dot_products(u, v) for u, v in ((Sp, Sp), (Sp, Sg), (Sg, Sg)))
+    L, M, N = (dot_products(u, normal) for u in (Spp, Spg, Sgg))
+    first, second = (np.stack([a, b, b, c], -1).reshape((*a.shape, 2, 2)) for a, b, c in ((E, F, G), (L, M, N)))
     return first, second, normal
 
 

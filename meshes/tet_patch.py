@@ -9,7 +9,6 @@ are triangulated differently. Lengths are in metres; only gmsh gets millimetres.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -66,8 +65,6 @@ class TetrahedralPatchMesh:
     top_triangles: Index
     #: Nodes in the zone of possible contact ``(c,)``, sorted by section angle, then by azimuth.
     contact_nodes: Index
-    #: Time needed by gmsh [s].
-    meshing_seconds: float
 
 
 def patch_as_in_thesis(
@@ -128,13 +125,12 @@ def mesh_patch_with_tetrahedra(
             f"the half widths {sizes.contact_zone_fractions} of the contact zone, as ratios to the half widths of the box "
             "of fine cells around the contact, must lie between 0 and 1"
         )
-    begin = perf_counter()
     with gmsh_session(OPTIONS) as gmsh:
         gmsh.model.add("patch")
         inner, ring = _add_patch_volume(gmsh, sizes, box_faces)
         _set_element_sizes(gmsh, sizes)
         gmsh.model.mesh.generate(3)
-        return _read_patch_mesh(gmsh, sizes, inner, ring, begin)
+        return _read_patch_mesh(gmsh, sizes, inner, ring)
 
 
 def _set_element_sizes(gmsh: Any, box: TetrahedralPatchSizes) -> None:
@@ -157,17 +153,17 @@ def _set_element_sizes(gmsh: Any, box: TetrahedralPatchSizes) -> None:
     field.setAsBackgroundMesh(finest)
 
 
-def _polygons_of_patch_faces(socket: RefinementBoxFaces | None) -> tuple[Array, list[list[int]]]:
+def _polygons_of_patch_faces(box_faces: RefinementBoxFaces | None) -> tuple[Array, list[list[int]]]:
     """Return the polygons that form the faces between a contact patch, a box of fine cells, and the coarse body around it.
 
     Returns the local coordinates of the corners ``(c, 3)``, and for each polygon the list of the indices of its corners.
-    ``socket``: face mesh of the refinement box that the patch fills; None: five plane faces.
+    ``box_faces``: face mesh of the refinement box that the patch fills; None: five plane faces.
     """
-    if socket is None:
+    if box_faces is None:
         corners = np.array([[a, d, b] for a in (-1.0, 1.0) for d in (0.0, 1.0) for b in (-1.0, 1.0)])
         return corners, [[0, 1, 3, 2], [4, 5, 7, 6], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]]
-    triangles = [[int(tri[k]) for k in sub] for tri in socket.triangles for sub in SUB_TRIANGLES]
-    return socket.xi, triangles
+    triangles = [[int(tri[k]) for k in sub] for tri in box_faces.triangles for sub in SUB_TRIANGLES]
+    return box_faces.xi, triangles
 
 
 def _corners_around_rim(corners: Array, polygons: list[list[int]]) -> list[int]:
@@ -196,14 +192,14 @@ def _corners_around_rim(corners: Array, polygons: list[list[int]]) -> list[int]:
     return loop
 
 
-def _add_patch_volume(gmsh: Any, box: TetrahedralPatchSizes, socket: RefinementBoxFaces | None) -> tuple[int, int]:
+def _add_patch_volume(gmsh: Any, box: TetrahedralPatchSizes, box_faces: RefinementBoxFaces | None) -> tuple[int, int]:
     """Add a contact patch, a box of fine cells around a contact, to gmsh's model, as a volume bounded by plane faces.
 
-    ``box``: dimensions of the patch; ``socket``: face mesh of the refinement box that it fills, None for five plane faces.
-    Returns the numbers of two surfaces at depth 0 in gmsh's model: the contact zone, and the ring around it.
+    ``box``: dimensions of the patch; ``box_faces``: face mesh of the refinement box that it fills, None for five plane
+    faces. Returns the numbers of two surfaces at depth 0 in gmsh's model: the contact zone, and the ring around it.
     """
     geo = gmsh.model.geo
-    corners, polygons = _polygons_of_patch_faces(socket)
+    corners, polygons = _polygons_of_patch_faces(box_faces)
     scale = MM * np.array([box.half_widths[0], box.depth, box.half_widths[1]])
     points = {i: geo.addPoint(*(scale * corners[i])) for i in sorted({i for p in polygons for i in p})}
     lines: dict[tuple[int, int], int] = {}
@@ -222,21 +218,19 @@ def _add_patch_volume(gmsh: Any, box: TetrahedralPatchSizes, socket: RefinementB
     a, b = scale[0] * box.contact_zone_fractions[0], scale[2] * box.contact_zone_fractions[1]
     square = [geo.addPoint(x, 0.0, z) for x, z in ((-a, -b), (a, -b), (a, b), (-a, b))]
     zone = geo.addCurveLoop([geo.addLine(square[k], square[(k + 1) % 4]) for k in range(4)])
-    inner, ring = (
-        geo.addPlaneSurface([zone]),
-        geo.addPlaneSurface([add_loop_around_polygon(_corners_around_rim(corners, polygons)), zone]),
-    )
+    rim = _corners_around_rim(corners, polygons)
+    inner, ring = geo.addPlaneSurface([zone]), geo.addPlaneSurface([add_loop_around_polygon(rim), zone])
     shell = [inner, ring, *(geo.addPlaneSurface([add_loop_around_polygon(p)]) for p in polygons)]
     geo.addVolume([geo.addSurfaceLoop(shell)])
     geo.synchronize()
     return inner, ring
 
 
-def _read_patch_mesh(gmsh: Any, box: TetrahedralPatchSizes, inner: int, ring: int, begin: float) -> TetrahedralPatchMesh:
+def _read_patch_mesh(gmsh: Any, box: TetrahedralPatchSizes, inner: int, ring: int) -> TetrahedralPatchMesh:
     """Read the mesh of a contact patch from gmsh's model, and convert its nodes to local coordinates.
 
     A contact patch is a box of fine cells around a contact; ``box``: its dimensions; ``inner``, ``ring``: numbers of the
-    model's surfaces for the contact zone and for the ring around it; ``begin``: time at which meshing began [s].
+    model's surfaces for the contact zone and for the ring around it.
     """
     tags, xyz, _ = gmsh.model.mesh.getNodes()
     index = np.full(int(tags.max()) + 1, -1, dtype=np.int64)
@@ -251,9 +245,7 @@ def _read_patch_mesh(gmsh: Any, box: TetrahedralPatchSizes, inner: int, ring: in
     contact = np.unique(zone)
     place = np.round(xi[contact], 9)
     contact = contact[np.lexsort((place[:, 2], place[:, 0]))]
-    return TetrahedralPatchMesh(
-        xi, tets, np.concatenate([zone, nodes_of_elements(2, 2, ring)]), contact, perf_counter() - begin
-    )
+    return TetrahedralPatchMesh(xi, tets, np.concatenate([zone, nodes_of_elements(2, 2, ring)]), contact)
 
 
 def signed_volumes(points: Array, tetrahedra: Index) -> Array:

@@ -100,22 +100,8 @@ _TABLE = {
 #: Dimension of each unit, and its conversion factor to the SI unit, by each name of the unit.
 UNITS = {name: (of, factor) for of, units in _TABLE.items() for names, factor in units.items() for name in names.split()}
 #: Exponent of ten for each prefix, by its symbol and its name.
-PREFIXES = {
-    "": 0,
-    "p": -12,
-    "n": -9,
-    "u": -6,
-    "µ": -6,
-    "m": -3,
-    "c": -2,
-    "d": -1,
-    "da": 1,
-    "h": 2,
-    "k": 3,
-    "M": 6,
-    "G": 9,
-    "T": 12,
-}
+PREFIXES = {"": 0, "p": -12, "n": -9, "u": -6, "µ": -6, "m": -3, "c": -2, "d": -1}
+PREFIXES |= {"da": 1, "h": 2, "k": 3, "M": 6, "G": 9, "T": 12}
 PREFIXES |= {"pico": -12, "nano": -9, "micro": -6, "milli": -3, "centi": -2, "deci": -1, "deca": 1, "hecto": 2}
 PREFIXES |= {"kilo": 3, "mega": 6, "giga": 9, "tera": 12}
 #: Exponents of m, kg, s, rad and K in the SI unit of each dimension.

@@ -149,12 +149,9 @@ def is_number_column(column: TableColumn, table: Table) -> bool:
     """Return whether all non-empty cells of a table column are numbers; such a column is right-aligned."""
     if column.format != "s":
         return True
-    cells = [
-        str(_python_number(row.get(column.key)))
-        for row in table.rows
-        if _python_number(row.get(column.key)) not in (None, "", "–")
-    ]
-    return bool(cells) and all(_NUMBER.fullmatch(cell) for cell in cells)
+    cells = [_python_number(row.get(column.key)) for row in table.rows]
+    filled = [str(cell) for cell in cells if cell not in (None, "", "–")]
+    return bool(filled) and all(map(_NUMBER.fullmatch, filled))
 
 
 def cell_text_and_css_classes(column: TableColumn, value: Cell, *, right_aligned: bool) -> dict[str, str]:

@@ -42,6 +42,16 @@ class TableColumn:
     value: Callable[[Any], Any] = field(default=lambda _: None, compare=False)
 
 
+def text_column(key: str, label: str) -> TableColumn:
+    """Return a table column of texts or whole numbers, which have no unit and are shown unchanged."""
+    return TableColumn(key, label, "", "s")
+
+
+def load_percent_column(key: str, label: str, number_format: str = ".2f") -> TableColumn:
+    """Return a table column of contact-load errors, changes or uncertainties in per cent of the mean contact load."""
+    return TableColumn(key, label, "% of mean load", number_format)
+
+
 #: Row of a table: the value of each column. A column that holds texts may be given by its heading alone, as a string.
 Row = dict[TableColumn | str, Cell]
 
@@ -97,11 +107,7 @@ class Table:
 
 def _as_table_column(column_or_heading: TableColumn | str) -> TableColumn:
     """Return a table column as a `TableColumn`; a plain text becomes the heading of a column of texts."""
-    return (
-        TableColumn(column_or_heading, column_or_heading, format="s")
-        if isinstance(column_or_heading, str)
-        else column_or_heading
-    )
+    return text_column(column_or_heading, column_or_heading) if isinstance(column_or_heading, str) else column_or_heading
 
 
 @dataclass(frozen=True)
@@ -408,6 +414,10 @@ class Summary:
     items: Sequence[Table | Figure] = ()
 
 
+#: What a section of a report may contain.
+Item = Text | Table | Figure | Sketch | LoadedScrew | FieldPicture | PressureMap
+
+
 @dataclass(frozen=True)
 class Section:
     """Section of a report: a heading with texts, tables, figures and pictures."""
@@ -417,7 +427,7 @@ class Section:
     #: Title of the section.
     title: str
     #: Texts, tables, figures and pictures in the section.
-    items: Sequence[Text | Table | Figure | Sketch | LoadedScrew | FieldPicture | PressureMap]
+    items: Sequence[Item]
     #: One or two sentences, with which the section's page begins.
     conclusion: str = ""
     #: Summary for the report's first page, if this section has one.

@@ -152,14 +152,8 @@ def _write_field_picture(picture: FieldPicture, path: str) -> None:
     for part in picture.parts:
         look: dict[str, Any] = {"color": part.colour}
         if part.values is not None:
-            look = {
-                "scalars": "values",
-                "cmap": COLOURS,
-                "clim": limits,
-                "show_scalar_bar": False,
-                "n_colors": STEPS,
-                "log_scale": picture.log,
-            }
+            look = {"scalars": "values", "cmap": COLOURS, "clim": limits, "n_colors": STEPS}
+            look |= {"show_scalar_bar": False, "log_scale": picture.log}
         (_draw_plane_section if picture.section else _draw_outer_surface)(plotter, part, picture, look)
     right, up, sight = _picture_unit_vectors(picture)
     lights = ((sight + 0.9 * up - 0.4 * right, 0.75), (sight, 0.35), (sight + 1.5 * right, 0.25))
@@ -192,23 +186,15 @@ def _write_annotated_image(picture: FieldPicture, image: Any, limits: tuple[floa
     axes.set_axis_off()
     right, up, _ = _picture_unit_vectors(picture)
     scale = rows / picture.height
-    paper = {"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "boxstyle": "round,pad=0.25"}
+    paper: dict[str, Any] = {"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "boxstyle": "round,pad=0.25"}
     for place, text in picture.words:
         arm = np.asarray(place, float) - np.asarray(picture.focus, float)
         at = 0.5 * columns + scale * (arm @ right), 0.5 * rows + scale * (arm @ up)
         axes.text(*at, text, fontsize=19, ha="center", va="center", color="black", bbox=paper)
     if picture.scale_bar:
         length, low, left = scale * picture.scale_bar, 34.0, 44.0
-        box = matplotlib.patches.FancyBboxPatch(
-            (left - 10.0, low - 12.0),
-            max(length, 80.0) + 20.0,
-            58.0,
-            boxstyle="round,pad=6",
-            facecolor="white",
-            edgecolor="none",
-            alpha=0.85,
-        )
-        axes.add_patch(box)
+        corner, width = (left - 10.0, low - 12.0), max(length, 80.0) + 20.0
+        axes.add_patch(matplotlib.patches.FancyBboxPatch(corner, width, 58.0, **(paper | {"boxstyle": "round,pad=6"})))
         start = left + 0.5 * (max(length, 80.0) - length)
         axes.plot([start, start + length], [low, low], color="black", linewidth=4.0, solid_capstyle="butt")
         axes.text(start + 0.5 * length, low + 8.0, f"{MM * picture.scale_bar:g} mm", fontsize=18, ha="center", va="bottom")
@@ -219,10 +205,9 @@ def _write_annotated_image(picture: FieldPicture, image: Any, limits: tuple[floa
         bar = figure.colorbar(colours, cax=beside)
         bar.ax.tick_params(labelsize=18, length=5)
         bar.ax.minorticks_off()
+        ticks = list(np.linspace(*limits, STEPS // 3 + 1))
         if picture.log:
             ticks = [m * 10.0**k for k in range(-12, 13) for m in (1.0, 2.0, 5.0) if limits[0] <= m * 10.0**k <= limits[1]]
-        else:
-            ticks = list(np.linspace(*limits, STEPS // 3 + 1))
         bar.set_ticks(ticks, labels=[f"{x:g}" for x in ticks])
         figure.text(columns / SIZE[0] + 0.016, 0.875, fill(picture.label, 12), fontsize=18, va="bottom")
     canvas.draw()

@@ -264,13 +264,12 @@ def draw_figure_and_canvas(figure: Figure) -> tuple[str, Canvas]:
         raise ValueError(f"figure {figure.name!r} has {len(figure.panels)} panels; allowed: 1 to {MAX_PANELS}")
     for panel in figure.panels:
         odd = {series.style for series in panel.series} - set(STYLES)
-        if odd or panel.log_axes not in SCALES:
-            got = f"unknown curve styles {sorted(odd)}; allowed: {', '.join(STYLES)}" if odd else ""
-            faults = (
-                got
-                or f"unknown log {panel.log_axes!r} (which axes are logarithmic); allowed: {', '.join(map(repr, SCALES))}"
-            )
-            raise ValueError(f"figure {figure.name!r}, panel {panel.title!r}: {faults}")
+        fault = f"unknown curve styles {sorted(odd)}; allowed: {', '.join(STYLES)}" if odd else ""
+        if not odd and panel.log_axes not in SCALES:
+            allowed = ", ".join(map(repr, SCALES))
+            fault = f"unknown log {panel.log_axes!r} (which axes are logarithmic); allowed: {allowed}"
+        if fault:
+            raise ValueError(f"figure {figure.name!r}, panel {panel.title!r}: {fault}")
     columns = max(1, min(figure.columns, len(figure.panels), 3))
     rows = math.ceil(len(figure.panels) / columns)
     with report_plot_style(figure.name):
@@ -283,14 +282,11 @@ def draw_figure_and_canvas(figure: Figure) -> tuple[str, Canvas]:
         for number, (panel, order) in enumerate(zip(figure.panels, orders, strict=True), start=1):
             first = canvas.axes[0] if canvas.axes and figure.same_y else None
             axes = canvas.add_subplot(rows, columns, number, sharey=first)
-            _draw_panel(axes, panel, order, steep=narrow or len(panel.abscissa_names) > LEVEL_NAMES)
+            steep = narrow or len(panel.abscissa_names) > LEVEL_NAMES
+            _draw_panel(axes, panel, order, steep=steep)
             if not shared:
-                steep = (
-                    max(map(len, panel.abscissa_names), default=0)
-                    if narrow or len(panel.abscissa_names) > LEVEL_NAMES
-                    else 0
-                )
-                legends = max(legends, _draw_legend_below(axes, 1 if narrow else 2 if columns > 1 else 3, STEEP * steep))
+                lower = STEEP * max(map(len, panel.abscissa_names), default=0) if steep else 0.0
+                legends = max(legends, _draw_legend_below(axes, 1 if narrow else 2 if columns > 1 else 3, lower))
         if shared:
             found = [pair for axes in canvas.axes for pair in zip(*axes.get_legend_handles_labels(), strict=True)]
             labels = list(dict.fromkeys(label for _, label in found))
@@ -369,18 +365,8 @@ def _draw_contours(axes: Any, panel: PressurePanel, levels: Any, item: PressureM
         at = np.asarray(panel.marked_nodes, bool)
         axes.plot(x[at], y[at], "s", markersize=4.0, markerfacecolor="none", color="#ff9db4", label=item.marked_label)
     if panel.arrows is not None:
-        u, v = (np.asarray(component, float)[:: panel.arrow_step] for component in panel.arrows)
-        axes.quiver(
-            x[:: panel.arrow_step],
-            y[:: panel.arrow_step],
-            u,
-            v,
-            color="#ffffff",
-            angles="xy",
-            pivot="mid",
-            scale=24.0,
-            width=0.003,
-        )
+        arrows = (np.asarray(values, float)[:: panel.arrow_step] for values in (x, y, *panel.arrows))
+        axes.quiver(*arrows, color="#ffffff", angles="xy", pivot="mid", scale=24.0, width=0.003)
     x0, y0, a, b = panel.ellipse
     around = np.linspace(0.0, 2.0 * np.pi, 181)
     axes.plot(x0 + a * np.cos(around), y0 + b * np.sin(around), color="#ff5a36", linewidth=1.6, label=item.ellipse_label)
@@ -389,9 +375,8 @@ def _draw_contours(axes: Any, panel: PressurePanel, levels: Any, item: PressureM
     axes.set_facecolor("#eceef1")
     axes.set_title(panel.title, pad=20 if panel.text_above else 7)
     if panel.text_above:
-        axes.annotate(
-            panel.text_above, (0.0, 1.0), (0.0, 6.0), xycoords="axes fraction", textcoords="offset points", va="bottom"
-        )
+        where: dict[str, Any] = {"xycoords": "axes fraction", "textcoords": "offset points", "va": "bottom"}
+        axes.annotate(panel.text_above, (0.0, 1.0), (0.0, 6.0), **where)
     return filled
 
 
@@ -523,10 +508,7 @@ def _make_axis_logarithmic(axes: Any, axis: Any, name: str, values: Any) -> None
     low, high = float(np.min(values)), float(np.max(values))
     decades = math.log10(high / low)
     plain = low >= 1e-3 and high < 1e4
-    if decades < 2.0:
-        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-    else:
-        axis.set_major_locator(LogLocator(numticks=8))
+    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)) if decades < 2.0 else LogLocator(numticks=8))
     axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}" if plain else _power_of_ten_label(value)))
     axis.set_minor_formatter(NullFormatter())
 
@@ -563,13 +545,13 @@ def _draw_legend_below(axes: Any, columns: int, lower: float = 0.0) -> int:
     if not labels or (len(labels) == 1 and labels[0] == axes.get_ylabel()):
         return 0
     columns = 1 if max(map(len, labels)) > 34 else min(columns, len(labels))
+    down = 0.45 + lower + 0.14 * axes.get_xlabel().count("\n")
     axes.legend(
         handles,
         labels,
         loc="upper left",
         bbox_to_anchor=(-0.02, 0.0),
-        bbox_transform=axes.transAxes
-        + ScaledTranslation(0.0, -0.45 - lower - 0.14 * axes.get_xlabel().count("\n"), axes.figure.dpi_scale_trans),
+        bbox_transform=axes.transAxes + ScaledTranslation(0.0, -down, axes.figure.dpi_scale_trans),
         ncols=columns,
         handlelength=3.2,
         columnspacing=1.6,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 import shutil
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -43,17 +43,6 @@ _NAMED = re.compile(r"\b([Tt]ables?|[Ff]igures?|[Ss]ections?) ([a-z0-9][\w.-]*\w
 
 #: Function that is called with each line of progress.
 Progress = Callable[[str], None]
-
-#: What a section of a report may contain.
-Item = (
-    content.Text
-    | content.Table
-    | content.Figure
-    | content.Sketch
-    | content.LoadedScrew
-    | content.FieldPicture
-    | content.PressureMap
-)
 
 
 @dataclass
@@ -110,9 +99,8 @@ def write_pages(report: content.Report, folder: Path, show_progress: Progress) -
     for page, before, after in turns:
         of_page = {"page": page, "current": page["name"], "before": before, "after": after}
         heading = f"{page['title']} – {report.title}"
-        _write_text(
-            folder / page["file"], environment.get_template("page.html.j2").render(**common, **of_page, heading=heading)
-        )
+        text = environment.get_template("page.html.j2").render(**common, **of_page, heading=heading)
+        _write_text(folder / page["file"], text)
     summary = next((section.summary for section in report.sections if section.summary), None)
     first = None if summary is None else _summary_template_data(summary, writer)
     text = environment.get_template("index.html.j2").render(**common, summary=first, current="", heading=report.title)
@@ -134,7 +122,7 @@ def _link_targets(report: content.Report) -> dict[str, str]:
     return found
 
 
-def _html_anchor_prefix(item: Item) -> str:
+def _html_anchor_prefix(item: content.Item) -> str:
     """Return the word with which the HTML anchor of a section's item begins: "table" for a table, otherwise "figure"."""
     return "table" if isinstance(item, content.Table) else "figure"
 
@@ -187,16 +175,11 @@ def _section_template_data(section: content.Section, file: str, writer: _ReportW
     """
     items = [_item_template_data(item, file, writer) for item in section.items]
     words = [p for item in section.items if isinstance(item, content.Text) for p in item.paragraphs]
-    writer.search_entries.append(
-        _search_index_entry(section.title, f"{file}#section-{section.name}", "section", " ".join(words))
-    )
-    for item in items:
-        if item["kind"] != "text":
-            record = item[item["kind"]]
-            under = f"{item['kind']} {record.name}, {section.title}"
-            writer.search_entries.append(
-                _search_index_entry(record.title, f"{file}#{item['kind']}-{record.name}", under, _searchable_text(record))
-            )
+    found = [_search_index_entry(section.title, f"{file}#section-{section.name}", "section", " ".join(words))]
+    for kind, record in ((item["kind"], item[item["kind"]]) for item in items if item["kind"] != "text"):
+        link, under = f"{file}#{kind}-{record.name}", f"{kind} {record.name}, {section.title}"
+        found.append(_search_index_entry(record.title, link, under, _searchable_text(record)))
+    writer.search_entries.extend(found)
     return {"name": section.name, "title": section.title, "conclusion": section.conclusion, "items": items}
 
 
@@ -231,14 +214,13 @@ def _summary_template_data(summary: content.Summary, writer: _ReportWriter) -> d
     """
     wide, narrow = figures.draw_figure(summary.figure), figures.draw_figure(summary.narrow)
     _write_text(writer.folder / "figures" / f"{summary.figure.name}.svg", wide)
-    writer.search_entries.insert(
-        0, _search_index_entry(summary.question, "index.html", "page", " ".join((*summary.coverage, *summary.limits)))
-    )
+    text = " ".join((*summary.coverage, *summary.limits))
+    writer.search_entries.insert(0, _search_index_entry(summary.question, "index.html", "page", text))
     items = [_item_template_data(item, "index.html", writer) for item in summary.items]
     return {"record": summary, "items": items, "wide": svg_as_html_element(wide), "narrow": svg_as_html_element(narrow)}
 
 
-def _item_template_data(item: Item, page: str, writer: _ReportWriter) -> dict[str, Any]:
+def _item_template_data(item: content.Item, page: str, writer: _ReportWriter) -> dict[str, Any]:
     """Write one table or figure to its files, and return its data for the HTML template; a text needs no file.
 
     ``page``: file name of the page that contains the item. ``writer``: has the folder of the report.
@@ -257,10 +239,8 @@ def _item_template_data(item: Item, page: str, writer: _ReportWriter) -> dict[st
         elif isinstance(item, content.Figure):
             svg, narrow = figures.draw_figure(item), figures.draw_figure(figures.phone_figure(item))
         else:
-            svg, narrow = (
-                figures.draw_pressure_map(item),
-                figures.draw_pressure_map(replace(item, columns=1, width=figures.PHONE)),
-            )
+            svg = figures.draw_pressure_map(item)
+            narrow = figures.draw_pressure_map(replace(item, columns=1, width=figures.PHONE))
         if narrow:
             view["narrow"] = f"{name}-narrow.svg"
             _write_text(writer.folder / view["narrow"], narrow)
@@ -315,20 +295,13 @@ def table_template_data(table: content.Table, folder: Path) -> dict[str, Any]:
     shown, empty = reports_cells.filled_columns_and_empty_headings(table)
     shown = [c for c in shown if c.key != HOW and c.key not in table.csv_only]
     numbers = [reports_cells.is_number_column(column, table) for column in shown]
-    heads: Sequence[dict[str, str]] = [
-        {"label": c.label, "unit": c.unit, "align": "num" if number else "text"}
-        for c, number in zip(shown, numbers, strict=True)
-    ]
-    cells = [
-        [
-            reports_cells.cell_text_and_css_classes(c, row.get(c.key), right_aligned=number)
-            for c, number in zip(shown, numbers, strict=True)
-        ]
-        for row in table.rows
-    ]
-    for row, record in zip(cells, table.rows, strict=True):
+    numbered, cells = list(zip(shown, numbers, strict=True)), list[list[dict[str, str]]]()
+    heads = [{"label": c.label, "unit": c.unit, "align": "num" if number else "text"} for c, number in numbered]
+    for record in table.rows:
+        row = [reports_cells.cell_text_and_css_classes(c, record.get(c.key), right_aligned=n) for c, n in numbered]
         for cell in row:
             cell["link"] = str(record.get(HOW) or "") if cell["mark"].startswith("verdict") else ""
+        cells.append(row)
     remark = f"Not shown, because without entries: {'; '.join(empty)}." if empty else ""
     further = ", ".join(c.label for c in table.columns if c.key in table.csv_only)
     note = "\n".join(filter(None, [table.note, remark, further and f"Only in the CSV file: {further}."]))
@@ -458,8 +431,7 @@ def _swap_folders(fresh: Path, out: Path) -> None:
         if old.exists() and not out.exists():
             old.rename(out)
         if isinstance(error, OSError):
-            raise ValueError(
-                f"the folder {out} cannot be replaced ({error.strerror}); choose a folder inside it"
-            ) from error
+            reason = f"the folder {out} cannot be replaced ({error.strerror}); choose a folder inside it"
+            raise ValueError(reason) from error
         raise
     shutil.rmtree(old, ignore_errors=True)

@@ -98,11 +98,8 @@ def scene_page_html(page: ScenePage) -> str:
         scene_json=_json_for_script(page.scene_text),
         results_json=_json_for_script(page.results),
     )
-    return html.replace(
-        _json_script_element("manifest"),
-        _json_script_element("manifest", str(_json_for_script(page_manifest(page, html)))),
-        1,
-    )
+    manifest = str(_json_for_script(page_manifest(page, html)))
+    return html.replace(_json_script_element("manifest"), _json_script_element("manifest", manifest), 1)
 
 
 def _json_script_element(name: str, content: str = "") -> str:
@@ -161,9 +158,8 @@ def read_page_data(html: str) -> dict[str, Any]:
         except ValueError as error:
             raise ValueError(f"the script element {name!r} of the page contains damaged data ({error})") from None
     manifest, texts = out["manifest"], isinstance(out["scene"], str)
-    whole = isinstance(manifest, dict) and all(
-        is_mapping_of_texts(manifest.get(key, {})) for key in ("files", "provenance")
-    )
+    keys = ("files", "provenance")
+    whole = isinstance(manifest, dict) and all(is_mapping_of_texts(manifest.get(key, {})) for key in keys)
     if not (whole and texts and isinstance(out["results"], dict)):
         raise ValueError("the manifest, the scene text or the results in the page are damaged")
     return out

@@ -70,14 +70,9 @@ def draw_sketch(sketch: Sketch) -> str:
     """Return the sketch of a screw or bearing as an SVG document; identical input gives an identical document."""
     scene = sketch.scene
     scale = _drawing_scale(scene)
-    high = TALL / 2.0
-    below = scale.axis_ordinate + high + 26.0
-    parts = [
-        *_draw_shaft(scene, scale),
-        *_draw_nut(scene, scale),
-        *_draw_balls(scene, scale),
-        *_draw_supports_and_loads(scene, scale, below),
-    ]
+    below = scale.axis_ordinate + TALL / 2.0 + 26.0
+    parts = [*_draw_shaft(scene, scale), *_draw_nut(scene, scale), *_draw_balls(scene, scale)]
+    parts += _draw_supports_and_loads(scene, scale, below)
     height = below + 12.0 + 2.6 * TEXT
     head = (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH:.0f} {height:.0f}" width="{WIDTH:.0f}" '
@@ -123,14 +118,8 @@ def _draw_shaft(scene: Scene, scale: _DrawingScale) -> Iterator[str]:
             for side in (-5.0, 0.0):
                 yield f'<path d="M {at + side:.1f} {top:.1f} {wave}" fill="none" stroke="{INK}" stroke-width="0.8"/>'
     if scene.screw.bore:
-        for side in (-1.0, 1.0):
-            yield _line_element(
-                x0,
-                scale.ordinate(side * scene.screw.bore / 2.0),
-                x1,
-                scale.ordinate(side * scene.screw.bore / 2.0),
-                dash="4 3",
-            )
+        for y in (scale.ordinate(-scene.screw.bore / 2.0), scale.ordinate(scene.screw.bore / 2.0)):
+            yield _line_element(x0, y, x1, y, dash="4 3")
     yield _line_element(x0 - 10.0, scale.axis_ordinate, x1 + 10.0, scale.axis_ordinate, FRAME, "9 3 2 3")
     yield _text_element(x1 + 13.0, scale.axis_ordinate + 4.0, "z", "start")
 

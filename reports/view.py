@@ -102,16 +102,16 @@ def _load_case_data(case: LoadCaseView, surfaces: dict[str, int]) -> dict[str, A
     }
 
 
-def _surfaces_of_nut_or_bearing(nut_or_bearing: NutOrBearingView, shaft_is_shared: bool) -> list[dict[str, Any]]:
+def _surfaces_of_nut_or_bearing(one: NutOrBearingView, shaft_is_shared: bool) -> list[dict[str, Any]]:
     """Return the surfaces of one nut or bearing row, and of the part of the shaft in it, for the 3D viewer.
 
     ``shaft_is_shared``: whether the shaft carries several nuts or bearing rows; the parts of the shaft between them are
     then drawn by `_shaft_parts_between_nuts`.
     """
-    if isinstance(nut_or_bearing.parts, RollerRow):
-        return [_cone_surface(nut_or_bearing.parts, nut_or_bearing.position, _apex_direction(nut_or_bearing.thrust))]
-    reach = RING if shaft_is_shared and not nut_or_bearing.parts.track.lead else NUT
-    found = scene3d.screw_and_nut_surfaces_by_colour(nut_or_bearing.parts, COARSE, reach)
+    if isinstance(one.parts, RollerRow):
+        return [_cone_surface(one.parts, one.position, _apex_direction(one.thrust))]
+    reach = RING if shaft_is_shared and not one.parts.track.lead else NUT
+    found = scene3d.screw_and_nut_surfaces_by_colour(one.parts, COARSE, reach)
     return [_packed_surface(grid, tint) for tint, grids in found.items() for grid in grids]
 
 
@@ -133,27 +133,17 @@ def _shaft_parts_between_nuts(shaft: Assembly) -> list[dict[str, Any]]:
 
     Each part is a body of revolution, given by its outline of radius and axial position [mm].
     """
-    under = [
-        _shaft_range_drawn_with_nut(s, s.parts, shaft.screw.length)
-        for s in shaft.sets
-        if isinstance(s.parts, Scene) and s.carrier is None
-    ]
-    ends = {
-        0.0,
-        shaft.screw.length,
-        *(z for pair in under for z in pair),
-        *(z for s in shaft.segments for z in (s.start, s.end)),
-    }
-    cuts, found = sorted(ends), []
-    for low, high in pairwise(cuts):
+    on_shaft = [(s, s.parts) for s in shaft.sets if isinstance(s.parts, Scene) and s.carrier is None]
+    under = [_shaft_range_drawn_with_nut(s, parts, shaft.screw.length) for s, parts in on_shaft]
+    ranges = [(0.0, shaft.screw.length), *under, *((s.start, s.end) for s in shaft.segments)]
+    found = []
+    for low, high in pairwise(sorted({z for ends in ranges for z in ends})):
         middle = 0.5 * (low + high)
         if any(start < middle < end for start, end in under):
             continue
         size = next((s.diameter for s in shaft.segments if s.start <= middle <= s.end), shaft.screw.outer_diameter)
-        radius = MM * size / 2.0
-        found.append(
-            {"tint": scene3d.STEEL, "outline": [[0.0, MM * low], [radius, MM * low], [radius, MM * high], [0.0, MM * high]]}
-        )
+        radius, z0, z1 = MM * size / 2.0, MM * low, MM * high
+        found.append({"tint": scene3d.STEEL, "outline": [[0.0, z0], [radius, z0], [radius, z1], [0.0, z1]]})
     return found
 
 
@@ -166,35 +156,27 @@ def _shaft_range_drawn_with_nut(rolling_set: RollingSet, parts: Scene, length: f
     return max(0.0, rolling_set.position - half), min(length, rolling_set.position + half)
 
 
-def _viewer_data_of_nut_or_bearing(nut_or_bearing: NutOrBearingView) -> dict[str, Any]:
+def _viewer_data_of_nut_or_bearing(one: NutOrBearingView) -> dict[str, Any]:
     """Return the data of one nut or bearing row for the 3D viewer; lengths are in mm.
 
     Reductions of the clearance at contacts by errors of the parts are in um.
     """
-    head = {"name": nut_or_bearing.name, "kind": nut_or_bearing.kind, "expected": nut_or_bearing.expected}
-    if isinstance(nut_or_bearing.parts, RollerRow):
-        return head | _viewer_data_of_rollers(
-            nut_or_bearing.parts, nut_or_bearing.position, _apex_direction(nut_or_bearing.thrust)
-        )
+    head = {"name": one.name, "kind": one.kind, "expected": one.expected}
+    if isinstance(one.parts, RollerRow):
+        return head | _viewer_data_of_rollers(one.parts, one.position, _apex_direction(one.thrust))
     out = head | {
-        "centre": [0.0, 0.0, MM * nut_or_bearing.position],
-        "size": MM * max(nut_or_bearing.parts.nut.outer_diameter, nut_or_bearing.parts.nut.length),
-        "radius": MM * scene3d.drawn_ball_radius(nut_or_bearing.parts),
-        "places": (MM * ball_layout(nut_or_bearing.parts).centre).round(4).tolist(),
+        "centre": [0.0, 0.0, MM * one.position],
+        "size": MM * max(one.parts.nut.outer_diameter, one.parts.nut.length),
+        "radius": MM * scene3d.drawn_ball_radius(one.parts),
+        "places": (MM * ball_layout(one.parts).centre).round(4).tolist(),
     }
-    if nut_or_bearing.points is not None and nut_or_bearing.forces is not None:
-        out |= {
-            "points": _rounded_numbers_for_json(MM * nut_or_bearing.points),
-            "forces": _rounded_numbers_for_json(nut_or_bearing.forces),
-        }
-    if nut_or_bearing.reference is not None:
-        label, *rows = nut_or_bearing.reference
-        out["reference"] = {
-            "label": label,
-            **dict(zip(("load", "uncertainty", "error"), map(_rounded_numbers_for_json, rows), strict=True)),
-        }
-    if nut_or_bearing.closer is not None and np.abs(nut_or_bearing.closer).max(initial=0.0) > 1e-12:
-        out["closer"] = _rounded_numbers_for_json(1e6 * nut_or_bearing.closer)
+    if one.points is not None and one.forces is not None:
+        out |= {"points": _rounded(MM * one.points), "forces": _rounded(one.forces)}
+    if one.reference is not None:
+        label, *rows = one.reference
+        out["reference"] = {"label": label, **dict(zip(("load", "uncertainty", "error"), map(_rounded, rows), strict=True))}
+    if one.closer is not None and np.abs(one.closer).max(initial=0.0) > 1e-12:
+        out["closer"] = _rounded(1e6 * one.closer)
     return out
 
 
@@ -245,7 +227,7 @@ def _viewer_data_of_rollers(row: RollerRow, position: float, apex_direction: flo
     }
 
 
-def _rounded_numbers_for_json(values: Array) -> Any:
+def _rounded(values: Array) -> Any:
     """Return an array as nested lists of numbers with six significant digits; nan and infinity become None."""
 
     def rounded(value: Any) -> Any:

@@ -21,7 +21,7 @@ from rollbench.compare.running import machine_description
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies.run_times import SET_UP_COSTS, utc_date_today
 from rollbench.hifi import condensation, linear_algebra, setup
-from rollbench.hifi.bodies import patch
+from rollbench.hifi.bodies import coarse, patch
 from rollbench.hifi.elements import forms
 from rollbench.hifi.meshing.part_meshes import mesh_parts
 from rollbench.hifi.reference import solve_reference
@@ -106,7 +106,7 @@ def ways_of(name):
     the mean load]."""
     scene = scene_of(name)
     choices, wanted, shafts, compliances, spent, begun = mesh_settings([scene], 1), flanks_to_mesh(scene), [], [], [], []
-    begin, local = condensation.contact_compliance_in_fine_submodel, condensation.local_contact_compliance
+    begin, local = coarse.contact_compliance_in_fine_submodel, coarse.local_contact_compliance
     finish = setup._correct_screw_stiffness
 
     def started(*given):
@@ -119,8 +119,8 @@ def ways_of(name):
         return compliances[-1]
 
     with pytest.MonkeyPatch.context() as put:
-        put.setattr(condensation, "contact_compliance_in_fine_submodel", started)
-        put.setattr(condensation, "local_contact_compliance", watched)  # of groove and ball of one side after the other
+        put.setattr(coarse, "contact_compliance_in_fine_submodel", started)
+        put.setattr(coarse, "local_contact_compliance", watched)  # of groove and ball of one side after the other
         put.setattr(setup, "_correct_screw_stiffness", lambda *given: shafts.append(given) or finish(*given))
         base = setup.mesh_and_condense_geometry(scene, wanted, choices, cache=Cache(None))
     load = solve_reference(base, scene).contact_loads

@@ -34,6 +34,7 @@ from rollbench.meshes.processes import limited_to_one_thread
 
 if TYPE_CHECKING:
     from rollbench.compare.models.registry import ModelOptions
+    from rollbench.compare.reference.jobs import ComputingSettings
     from rollbench.compare.results.comparison import Comparison
     from rollbench.compare.results.load_curve import LoadCurve
     from rollbench.compare.results.side_by_side import SideBySide
@@ -428,10 +429,12 @@ def friction(scene: Described | str | Path, *, mu: Sequence[float] = (), model: 
     >>> round(found.torque, 3), round(found.efficiency_forward, 3)
     (0.838, 0.95)
     """
-    from rollbench.compare.studies.friction.solve import friction_json_for_library
+    from rollbench.compare.studies.friction import solve
+    from rollbench.compare.studies.friction.whole import FrictionChoices
 
-    data = friction_json_for_library(_scene_record(scene), tuple(mu), model)
-    return friction_record_from_json(data)
+    described = _scene_record(scene)
+    found = solve.solve_friction_of_scene(described, FrictionChoices(model, tuple(mu)), described.name)
+    return friction_record_from_json(solve.friction_answer_json(found))
 
 
 @limited_to_one_thread()
@@ -470,9 +473,12 @@ def ensemble(
     >>> several.converged, round(several.outputs["largest_load_N"].mean)
     (4, 350)
     """
-    from rollbench.compare.studies.members.members import run_ensemble
+    from rollbench.compare.reference.jobs import ComputingSettings
+    from rollbench.compare.studies.members.members import ensemble_json, solve_random_draws_of_load_cases
 
-    return ensemble_from_json(run_ensemble(_scene_record(scene), model, members, seed, workers, LOG.info))
+    described, engine = _scene_record(scene), ComputingSettings(parallel_jobs=workers)
+    found = solve_random_draws_of_load_cases(described, described.name, model, members, seed, engine, LOG.info)
+    return ensemble_from_json(ensemble_json(described, *found))
 
 
 @limited_to_one_thread()
@@ -518,22 +524,19 @@ def compare_models(
     >>> {name: round(comparison.errors[name], 1) for name in ("refined", "mei")}
     {'refined': 0.2, 'mei': 19.1}
     """
-    from rollbench.compare.models.comparison import models_by_name
-    from rollbench.compare.reference.jobs import ComputingSettings
+    from rollbench.compare.models.registry import model_by_name
     from rollbench.compare.reference.levels import LEVELS
     from rollbench.compare.results.comparison import make_comparison, prepare_comparison
-    from rollbench.meshes.cache import default_cache_folder
 
     if reference is not None and levels is not None:
-        raise ArgumentError(
-            "reference", str(reference), "either a reference file or `levels`", "leave out one of the two arguments"
-        )
+        allowed, advice = "either a reference file or `levels`", "leave out one of the two arguments"
+        raise ArgumentError("reference", str(reference), allowed, advice)
     described = _scene_record(scene)
     found = prepare_comparison(
         [described],
         [_scene_name_for_messages(scene, described)],
-        models_by_name(tuple(models)),
-        ComputingSettings(cache_folder=default_cache_folder()),
+        [model_by_name(name, "models") for name in models],
+        _computing_settings(),
         LOG.info,
         store=Path(store),
         levels=None if levels is None else range(1, levels + 1),
@@ -608,9 +611,7 @@ def check(
     ('fail', 7.3, 7.0)
     """
     from rollbench.compare.gate.user import gate_request
-    from rollbench.compare.reference.jobs import ComputingSettings
     from rollbench.compare.results.verdict import judge_scenes
-    from rollbench.meshes.cache import default_cache_folder
 
     described = _scene_record(scene)
     request = gate_request(
@@ -625,13 +626,7 @@ def check(
         store=Path(store),
         compute=compute,
     )
-    return judge_scenes(
-        [described],
-        [_scene_name_for_messages(scene, described)],
-        request,
-        ComputingSettings(cache_folder=default_cache_folder()),
-        LOG.info,
-    )
+    return judge_scenes([described], [_scene_name_for_messages(scene, described)], request, _computing_settings(), LOG.info)
 
 
 @limited_to_one_thread()
@@ -739,9 +734,11 @@ def sweep(
     >>> found.converged, round(found.outputs["largest_load_N"].largest)
     (2, 245)
     """
-    from rollbench.compare.studies.sweep.run import run_sweep
+    from rollbench.compare.reference.jobs import ComputingSettings
+    from rollbench.compare.studies.sweep.run import solve_sweep, sweep_definition
 
-    data = run_sweep(str(scene), vary, samples, method, model, seed, Path(out), outputs, LOG.info)
+    what = sweep_definition(str(scene), vary, samples, method, seed, model, outputs)
+    data = solve_sweep(what, Path(out), ComputingSettings(), LOG.info)
     return sweep_from_json(data, Path(out))
 
 
@@ -790,15 +787,10 @@ def table(
     >>> [round(float(K[2, 2]) / 1e6) for K in stiffness]  # axial stiffness in N/um
     [301, 381, 438]
     """
-    from rollbench.compare.reference.jobs import ComputingSettings
     from rollbench.compare.studies.table import check_table_request, solve_table
-    from rollbench.meshes.cache import default_cache_folder
 
-    return solve_table(
-        check_table_request(str(scene), over, quantities, model, stiffness_at),
-        ComputingSettings(cache_folder=default_cache_folder()),
-        LOG.info,
-    )
+    request = check_table_request(str(scene), over, quantities, model, stiffness_at)
+    return solve_table(request, _computing_settings(), LOG.info)
 
 
 @limited_to_one_thread()
@@ -836,9 +828,16 @@ def survey(model: str | Sequence[str], *, count: int = 240, max_error: float = 7
     """
     from rollbench.compare.studies.survey_models import compare_models_on_random_screws
 
-    return survey_from_json(
-        compare_models_on_random_screws([model] if isinstance(model, str) else model, count, workers, max_error, LOG.info)
-    )
+    models = [model] if isinstance(model, str) else model
+    return survey_from_json(compare_models_on_random_screws(models, count, workers, max_error, LOG.info))
+
+
+def _computing_settings() -> ComputingSettings:
+    """Return the settings by which missing 3D runs are computed: on this machine, with the usual cache of meshes."""
+    from rollbench.compare.reference.jobs import ComputingSettings
+    from rollbench.meshes.cache import default_cache_folder
+
+    return ComputingSettings(cache_folder=default_cache_folder())
 
 
 def _scene_record(scene: Described | str | Path) -> Described:

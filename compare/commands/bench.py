@@ -55,32 +55,23 @@ def bench(
     """
     if drawn:
         if names or long or source is not None:
-            allowed = (
-                "only without names of scenes, without `long` and without `source`, because this option times screws that "
-                "are drawn at random"
-            )
-            raise ArgumentError(
-                "drawn",
-                "this option with names of scenes, --long or --source",
-                allowed,
-                "leave out all options but `drawn` and `store`",
-            )
+            given = "this option, which times screws drawn at random, with names of scenes, --long or --source"
+            allowed, advice = "only with `store` and no other option", "leave out all options but `drawn` and `store`"
+            raise ArgumentError("drawn", given, allowed, advice)
         if store is None:
             advice = "add `store` with a folder in which the timed runs are stored"
             given = "this option, which times screws drawn at random, without a folder for the runs"
             raise ArgumentError("drawn", given, "only together with `store`", advice)
         return print_command_output(measure_drawn_screws(store), as_json)
     if source is not None and (names or long):
-        raise ArgumentError(
-            "source", f"{source} with scenes or --long", "only without scenes and `long`", "leave out scenes and `long`"
-        )
+        given, allowed = f"{source} with scenes or --long", "only without scenes and `long`"
+        raise ArgumentError("source", given, allowed, "leave out scenes and `long`")
     if store is not None and names:
         advice = "leave the names out: the report shows the times of all scenes from one run of this command"
         raise ArgumentError("store", f"{store} with names of scenes", "only without names of scenes", advice)
-    answer = (
-        measure_default_times(names or (), store, long=long) if source is None else measure_publication_times(source, store)
-    )
-    return print_command_output(answer, as_json)
+    if source is not None:
+        return print_command_output(measure_publication_times(source, store), as_json)
+    return print_command_output(measure_default_times(names or (), store, long=long), as_json)
 
 
 def measure_publication_times(source: str, store: Path | None) -> CommandOutput:

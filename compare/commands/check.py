@@ -50,9 +50,8 @@ class VerdictFiles:
         """Return the changes since the baseline as lines of text; no lines if no baseline was stated."""
         if self.baseline is None:
             return []
-        return [f"since {self.baseline.name}: {change.line()}" for change in changed] or [
-            f"since {self.baseline.name}: nothing changed"
-        ]
+        lines = [change.line() for change in changed] or ["nothing changed"]
+        return [f"since {self.baseline.name}: {line}" for line in lines]
 
     def write(self, outcomes: Sequence[VerdictFileRow], notes: Sequence[str]) -> list[str]:
         """Write the verdicts to all requested files, and return a line that names each file."""
@@ -91,11 +90,8 @@ def judge_and_report(
     outcomes = [file_row_of_verdict(v) for v in verdicts]
     changed = files.changes_since_baseline(outcomes)
     above = [f"WARNING: {warning}" for warning in found.warnings]
-    below = (
-        [f"quantities not judged, because the file or the reference has no value of them: {', '.join(left)}"]
-        if left
-        else []
-    )
+    missing = f"quantities not judged, because the file or the reference has no value of them: {', '.join(left)}"
+    below = [missing] if left else []
     below += files.baseline_change_lines(changed)
     written = files.write(outcomes, [*above, *below])
     data: dict[str, Any] = found.to_dict()
@@ -145,9 +141,8 @@ def report_shipped_data_checks(max_error: float | None, files: VerdictFiles, *, 
     from rollbench.compare.results.base import add_schema_version
 
     limit = LIMIT if max_error is None else max_error
-    rows = check_shipped_data(
-        SceneResultCache(random_draw_count=0), limit
-    )  # no random specimens are solved: no check is about random errors
+    cache = SceneResultCache(random_draw_count=0)  # no random specimens are solved: no check is about random errors
+    rows = check_shipped_data(cache, limit)
     bad = [row for row in rows if not row.passed]
     outcomes = [file_row_of_check(row) for row in rows]
     changed = files.changes_since_baseline(outcomes)
@@ -163,9 +158,8 @@ def report_shipped_data_checks(max_error: float | None, files: VerdictFiles, *, 
     shown = [row for row in rows if verbose or row.verdict != "ok"]
     more = [] if verbose else ["--verbose, --csv or --json also list the checks that pass"]
     above = [f"WARNING: {warning}" for warning in warnings]
-    return CommandOutput(
-        data, [line, *above, *([shipped_checks_table(shown)] if shown else []), *more, *written], 1 if bad else 0
-    )
+    table = [shipped_checks_table(shown)] if shown else []
+    return CommandOutput(data, [line, *above, *table, *more, *written], 1 if bad else 0)
 
 
 def shipped_checks_table(rows: Sequence[GateCheck]) -> Table:
@@ -183,12 +177,8 @@ def shipped_checks_table(rows: Sequence[GateCheck]) -> Table:
         )
         for row in sorted(rows, key=lambda row: row.passed)
     )
-    return ruled_table(
-        "checks of shipped data",
-        ("", "check", "kind", "value", "reference", "error %", "limit %"),
-        texts,
-        ("", "check", "kind"),
-    )
+    headings = ("", "check", "kind", "value", "reference", "error %", "limit %")
+    return ruled_table("checks of shipped data", headings, texts, headings[:3])
 
 
 @terminal.app.command
@@ -316,9 +306,8 @@ def check(
         compute=not no_compute,
     )
     if scenes:
-        return print_command_output(
-            judge_and_report(scenes, request, ComputingSettings(cache_folder=terminal.cache_folder()), files), as_json
-        )
+        engine = ComputingSettings(cache_folder=terminal.cache_folder())
+        return print_command_output(judge_and_report(scenes, request, engine, files), as_json)
     given = {"model": model, "loads": loads, "values": values, "limits": limit}
     given |= {"reference": reference, "strict": strict, "levels": levels, "stored": stored, "no_compute": no_compute}
     refuse_given_arguments(given, "only together with a scene", "state the scenes to judge")

@@ -79,7 +79,8 @@ def compare_and_report(
     uncertainty. ``reference``: file of the user that replaces the 3D reference. ``store``: folder of stored runs;
     ``engine``: computes missing runs. Raises SceneNotCoveredError if no run of a scene converged.
     """
-    from rollbench.compare.models.comparison import RULE, comparison_rows, models_by_name, path_of_condensed_bodies
+    from rollbench.compare.models.comparison import RULE, comparison_rows, path_of_condensed_bodies
+    from rollbench.compare.models.registry import model_by_name
     from rollbench.compare.results.base import add_schema_version, format_table_as_text
     from rollbench.compare.results.compared import comparison_json, comparison_verdict_sentence, model_and_reference_rows
     from rollbench.compare.results.comparison import (
@@ -92,15 +93,12 @@ def compare_and_report(
     from rollbench.compare.scenes.duty_cycle import load_cases_by_scene_name
     from rollbench.compare.scenes.scene_file import scenes_to_solve
 
-    chosen = models_by_name(tuple(models))
+    chosen = [model_by_name(name, "models") for name in models]
     described = [catalogue.scene_of_any_kind(name) for name in names]
     for name, beside in (("levels", levels is not None), ("fresh", fresh)) if reference is not None else ():
         if beside:
-            given, advice = (
-                "this option with `reference`",
-                "leave one of the two options out: the file replaces the 3D reference",
-            )
-            raise ArgumentError(name, given, "only without `reference`", advice)
+            advice = "leave one of the two options out: the file replaces the 3D reference"
+            raise ArgumentError(name, "this option with `reference`", "only without `reference`", advice)
     how: dict[str, Any] = {"store": store, "levels": levels, "fresh": fresh, "reference": reference}
     found = prepare_comparison(described, names, chosen, engine, show_progress_message, **how)
     origins = [(x, name) for one, name in zip(described, names, strict=True) for x in scenes_to_solve(one, name)]
@@ -108,9 +106,8 @@ def compare_and_report(
 
     def identifying_keys(one: SceneWithReference) -> dict[str, Any]:
         """Return the JSON keys that identify the scene, its nut or bearing, and its load case."""
-        return scene_and_set_keys(one) | (
-            cases[one.described_scene_name].identifying_values if one.described_scene_name in cases else {}
-        )
+        case = cases.get(one.described_scene_name)
+        return scene_and_set_keys(one) | ({} if case is None else case.identifying_values)
 
     def terminal_parts() -> Iterator[Any]:
         """Yield the texts and tables for the terminal: verdict, results and errors of the models for each scene."""
@@ -125,12 +122,8 @@ def compare_and_report(
             )
             warned = []
             headings, answers = model_and_reference_rows(whole)
-            yield from (
-                format_table_as_text(answers, printing.text_width(), headings),
-                "",
-                model_errors_table(whole.models, whole.reference_loads),
-                "",
-            )
+            yield from (format_table_as_text(answers, printing.text_width(), headings), "")
+            yield from (model_errors_table(whole.models, whole.reference_loads), "")
             if verbose:
                 yield from (whole.uncertainty.uncertainty_text, f"rule of rollbench check: {RULE}")
                 yield from (*displacement_origin_lines(whole), *stored_times_lines(whole.models, whole.reference_loads))
@@ -156,9 +149,8 @@ def compare_and_report(
             for row in comparison_rows(one.scene, b.contact_loads, one.reference)
         ]
         answers = [(one, comparison_json(whole, one.reference) | identifying_keys(one)) for one, whole in pairs]
-        out = add_schema_version(
-            {"scenes": [x for one, x in answers if one.described_scene_name not in cases], "rows": listed}
-        )
+        single = [x for one, x in answers if one.described_scene_name not in cases]
+        out = add_schema_version({"scenes": single, "rows": listed})
         out |= {"warnings": warnings} if own else {}
         if not cases:
             return out
@@ -166,9 +158,8 @@ def compare_and_report(
         summaries = [row for cycle in distinct_duty_cycles(cases) for row in cycle_summaries_json(cycle, by_name)]
         return out | {"summary": summaries, "cases": [x for one, x in answers if one.described_scene_name in cases]}
 
-    return printing.CommandOutput(
-        json_output, terminal_parts(), exit_code_of_references(one.reference for sets in found.references for one in sets)
-    )
+    code = exit_code_of_references(one.reference for sets in found.references for one in sets)
+    return printing.CommandOutput(json_output, terminal_parts(), code)
 
 
 def contact_loads_table(scene: Scene, models: Sequence[LoadsWithErrors], reference: Reference) -> Any:
@@ -176,9 +167,8 @@ def contact_loads_table(scene: Scene, models: Sequence[LoadsWithErrors], referen
 
     ``models``: loads by models and coarser meshes.
     """
-    listed = [
-        {k.removesuffix("_N"): v for k, v in [*row.items()][1:]} for row in contact_load_rows(scene, models, reference)
-    ]
+    rows = contact_load_rows(scene, models, reference)
+    listed = [{k.removesuffix("_N"): v for k, v in row.items() if k != "scene"} for row in rows]
     return printing.table_of_records(listed, ".2f", f"{scene.name}: contact loads / N")
 
 
@@ -262,14 +252,14 @@ def compare(
     command = terminal.model_or_program_name(program)
     means_nothing = {"model": model is not None, "model_command": command != ""}
     means_nothing |= {"balls": balls, "verbose": verbose, "reference": reference is not None}
-    if rolling := scenes_of_friction_or_none(scenes, bodies, means_nothing):
-        answer = compare_rolling_and_report(
-            rolling, wanted, store, terminal.engine_from_options(where), fresh=fresh, bodies=bodies
-        )
+    rolling = scenes_of_friction_or_none(scenes, bodies, means_nothing)
+    engine = terminal.engine_from_options(where)
+    if rolling:
+        answer = compare_rolling_and_report(rolling, wanted, store, engine, fresh=fresh, bodies=bodies)
     else:
         models = [*(model or ()), *filter(None, [command])]
         how: dict[str, Any] = {"fresh": fresh, "balls": balls, "verbose": verbose, "reference": reference}
-        answer = compare_and_report(scenes, models, wanted, store, terminal.engine_from_options(where), **how)
+        answer = compare_and_report(scenes, models, wanted, store, engine, **how)
     return printing.print_command_output(answer, as_json)
 
 
@@ -371,23 +361,21 @@ def _model_table_cells(compared_loads: LoadsWithErrors) -> list[str]:
 
     from rollbench.compare.measure import mean_load
 
-    e, loads = compared_loads.error, compared_loads.contact_loads.load[compared_loads.contact_loads.load > 0.0]
-    at = "" if e is None else f"{e.ball} {e.side}".strip()
-    errors = (
-        ()
-        if e is None
-        else (f"{e.max_percent:.2f}", at, f"{e.rms_percent:.2f}", f"{compared_loads.gate_error_percent:.2f}")
-    )
+    e, solution, uz = compared_loads.error, compared_loads.contact_loads, compared_loads.axial_displacement
+    loads, errors, time = solution.load[solution.load > 0.0], [""] * 4, ""
+    if e is not None:
+        at, by_check = f"{e.ball} {e.side}".strip(), compared_loads.gate_error_percent
+        errors = [f"{e.max_percent:.2f}", at, f"{e.rms_percent:.2f}", f"{by_check:.2f}"]
+    if solution.seconds and not solution.measured:
+        time = f"{solution.seconds:.{0 if solution.seconds >= 10.0 else 2}f}"
     return [
         compared_loads.title,
-        *(errors or [""] * 4),
+        *errors,
         f"{loads.max(initial=0.0):.1f}",
         f"{mean_load(loads, compared_loads.nominal_contacts):.1f}",
         f"{1e-6 * compared_loads.pressure:.0f}",
-        f"{1e6 * compared_loads.axial_displacement:.3f}" if np.isfinite(compared_loads.axial_displacement) else "–",
-        ""
-        if not compared_loads.contact_loads.seconds or compared_loads.contact_loads.measured
-        else f"{compared_loads.contact_loads.seconds:.{0 if compared_loads.contact_loads.seconds >= 10.0 else 2}f}",
+        f"{1e6 * uz:.3f}" if np.isfinite(uz) else "–",
+        time,
     ]
 
 
@@ -425,8 +413,7 @@ def contact_load_rows(scene: Scene, models: Sequence[LoadsWithErrors], reference
     loaded = (reference.load > 0.0) | np.any([b.contact_loads.load > 0.0 for b in models], axis=0)
     for i, s in zip(*np.nonzero(loaded), strict=True):
         row: dict[str, Any] = {"scene": scene.name, "ball": int(i) + 1, "side": SIDES[int(s)]}
-        row |= {"reference_N": float(reference.load[i, s])}
-        row |= {"uncertainty_N": float(reference.uncertainty[i, s])}
+        row |= {"reference_N": float(reference.load[i, s]), "uncertainty_N": float(reference.uncertainty[i, s])}
         rows.append(row | {f"{b.title}_N": float(b.contact_loads.load[i, s]) for b in models})
     return rows
 
@@ -442,16 +429,12 @@ def load_figure(name: str, models: Sequence[LoadsWithErrors], reference: Referen
     from rollbench.meshes.parts import SIDES
     from rollbench.reports.content import Figure
 
-    panels = []
+    panels, drawn = [], [b for b in models if b.label == OURS or is_model_name(b.label)]
     for s in (0, 1):
         if not (reference.load[:, s] > 0.0).any():
             continue
         series = [contact_load_curve(reference.label, reference, s, emphasis=True, uncertainty=reference.uncertainty)]
-        series += [
-            contact_load_curve(b.title, b.contact_loads, s, "line")
-            for b in models
-            if b.label == OURS or is_model_name(b.label)
-        ]
+        series += [contact_load_curve(b.title, b.contact_loads, s, "line") for b in drawn]
         panels.append(contact_load_panel(f"screw's flank {SIDES[s]}", *series))
     return Figure(name, "Contact loads: prediction and reference", panels)
 

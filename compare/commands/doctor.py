@@ -68,15 +68,8 @@ def check_machine(store: Path) -> CommandOutput:
 
     ``store``: folder of stored runs of the 3D reference.
     """
-    checks = [
-        *_check_python(),
-        *_check_packages(),
-        *_check_graphics(),
-        *_check_programs(),
-        *_check_folders(store),
-        *_check_memory(),
-        *_check_shipped_runs(),
-    ]
+    checks = [*_check_python(), *_check_packages(), *_check_graphics(), *_check_programs()]
+    checks += [*_check_folders(store), *_check_memory(), *_check_shipped_runs()]
     lacking = [check for check in checks if check.state == "missing"]
     rows = [asdict(check) for check in checks]
     data = {"rollbench": __version__, "complete": not lacking, "checks": rows, "licences": LICENCES}
@@ -100,10 +93,8 @@ def _check_python() -> Iterator[MachineCheck]:
     """Yield the check whether the version of Python is supported."""
     present, least = platform.python_version(), ".".join(map(str, PYTHON))
     old = tuple(map(int, platform.python_version_tuple()[:2])) < PYTHON
-    lack = present if old else ""
-    yield _result_of_check(
-        "Python", f"{present}, at least {least}", lack, "not supported", f"install Python {least} or newer"
-    )
+    lack, advice = present if old else "", f"install Python {least} or newer"
+    yield _result_of_check("Python", f"{present}, at least {least}", lack, "not supported", advice)
 
 
 def oldest_package_versions() -> dict[str, str]:
@@ -127,9 +118,8 @@ def _check_packages() -> Iterator[MachineCheck]:
 
     needed = oldest_package_versions()
     if not needed:
-        yield MachineCheck(
-            "rollbench", "missing", "not installed", "versions of packages are not known", "install it by pip install ."
-        )
+        effect, advice = "versions of packages are not known", "install it by pip install ."
+        yield MachineCheck("rollbench", "missing", "not installed", effect, advice)
     for name, least in needed.items():
         present, wanted, lack = installed_version(name), f"'{name}>={least}'", ""
         state: State = "missing"
@@ -188,13 +178,11 @@ def _check_folders(store: Path) -> Iterator[MachineCheck]:
     advice = "name a folder by the environment variable ROLLBENCH_CACHE"
     yield _result_of_check("compiled kernels", kept, lack, f"every process {slow}", advice)
     root = default_cache_folder()
+    name, cost = "cache of meshes", "meshes are built every time"
     if root is None:
-        yield MachineCheck(
-            "cache of meshes", "optional", "switched off", "meshes are built every time", "unset ROLLBENCH_CACHE"
-        )
+        yield MachineCheck(name, "optional", "switched off", cost, "unset ROLLBENCH_CACHE")
     else:
-        advice = "name another folder by ROLLBENCH_CACHE"
-        yield _check_folder("cache of meshes", root, "meshes are built every time", advice)
+        yield _check_folder(name, root, cost, "name another folder by ROLLBENCH_CACHE")
     advice = "name another folder by --store"
     yield _check_folder("store of references", store, "no run of the 3D reference can be stored", advice)
 

@@ -100,12 +100,11 @@ def export(
     if model and rexs is None:
         raise ArgumentError("model", model, "only with `rexs`", "leave `model` out")
     if rexs is not None and (ross is not None or modelica is not None):
-        allowed = (
-            "either `rexs`, which writes a scene, or `ross` and `modelica`, which convert a table made by rollbench table"
-        )
+        allowed = "either `rexs`, which writes a scene, or `ross` and `modelica`, which convert a table of rollbench table"
         raise ArgumentError("rexs", f"{rexs} with --ross or --modelica", allowed, "run the command once for each file")
+    meshing = bool(part) or level != 1 or ball is not None
     if ross is not None or modelica is not None or rexs is not None:
-        if part or format or out is not None or level != 1 or ball is not None or deck:
+        if meshing or format or out is not None or deck:
             given = "one of these options with an option for meshes"
             allowed = "only without the name of a part, and without `format`, `out`, `level`, `ball` and `deck`"
             raise ArgumentError("ross, modelica, rexs", given, allowed, "leave the options for meshes out")
@@ -114,38 +113,29 @@ def export(
         return print_command_output(write_stiffness_tables(scene, ross, modelica))
 
     if deck:
-        if part or format or level != 1 or ball is not None:
+        if meshing or format:
             given = f"{deck} with an option for meshes"
             allowed = "only without the name of a part, and without `format`, `level` and `ball`"
             raise ArgumentError("deck", given, allowed, "leave out the options for meshes")
         running.check_packages("scikit-fem")
         from rollbench.compare.studies.export import write_calculix_deck
 
-        return print_command_output(
-            CommandOutput(
-                texts_and_tables=[
-                    write_calculix_deck(deck, unit, balls, b_over_h, growth, stiffness, catalogue.scene(scene), out)
-                ]
-            )
-        )
+        line = write_calculix_deck(deck, unit, balls, b_over_h, growth, stiffness, catalogue.scene(scene), out)
+        return print_command_output(CommandOutput(texts_and_tables=[line]))
     if (unit, balls, b_over_h, growth, stiffness) != ("mm", "", 1.5, 0.4, 2e8):
         given = "one of these options without --deck"
         raise ArgumentError("unit, balls, b_over_h, growth, stiffness", given, "only with --deck", "add --deck ccx")
-    if format == "json" or (not format and out is not None and out.suffix == ".json"):
-        if part or level != 1 or ball is not None:
-            allowed = "only without the name of a part, and without `level` and `ball`"
-            raise ArgumentError("format", "json with an option for meshes", allowed, "leave these options out")
+    form = format or ("" if out is None else out.suffix.removeprefix("."))
+    if form in ("json", "step") and meshing:
+        allowed = "only without the name of a part, and without `level` and `ball`: this format writes all parts"
+        raise ArgumentError("format", f"{form} with an option for meshes", allowed, "leave these options out")
+    if form == "json":
         return print_command_output(write_scene_json(catalogue.scene(scene), out))
-    if format == "step" or (not format and out is not None and out.suffix == ".step"):
-        if part or level != 1 or ball is not None:
-            allowed = "only without the name of a part, and without `level` and `ball`: this format writes all parts"
-            raise ArgumentError("format", "step with an option for meshes", allowed, "leave these options out")
-        return print_command_output(
-            write_step_bodies(scene_file.scene_or_shaft_or_raise(catalogue.scene_of_any_kind(scene), scene), out)
-        )
-    return print_command_output(
-        write_part_mesh(catalogue.scene(scene), part, format, out, level, cache=cache_folder(), ball=ball)
-    )
+    if form == "step":
+        described = scene_file.scene_or_shaft_or_raise(catalogue.scene_of_any_kind(scene), scene)
+        return print_command_output(write_step_bodies(described, out))
+    found = write_part_mesh(catalogue.scene(scene), part, format, out, level, cache=cache_folder(), ball=ball)
+    return print_command_output(found)
 
 
 def write_scene_json(scene: Scene, out: Path | None) -> CommandOutput:
@@ -158,9 +148,8 @@ def write_scene_json(scene: Scene, out: Path | None) -> CommandOutput:
 
     out = out or Path(f"{scene.name}.json")
     replace_file(out, scene_json(scene))
-    return CommandOutput(
-        texts_and_tables=[f"wrote {out}: the scene in SI units, its balls with their errors and Hertz constants"]
-    )
+    line = f"wrote {out}: the scene in SI units, its balls with their errors and Hertz constants"
+    return CommandOutput(texts_and_tables=[line])
 
 
 def write_part_mesh(
@@ -217,9 +206,8 @@ def write_part_mesh(
         raise ArgumentError("format", form, "a format whose packages are installed", str(error)) from None
     if ball is not None and not (1 <= ball <= scene.ball_count and part != BLOCK and form != "inp"):
         allowed = f"1 to {scene.ball_count}, with a part of the scene and the format vtu, msh or med"
-        raise ArgumentError(
-            "ball", str(ball), allowed, "leave `ball` out to write the mesh without displacement and stress"
-        )
+        advice = "leave `ball` out to write the mesh without displacement and stress"
+        raise ArgumentError("ball", str(ball), allowed, advice)
     lines = []
     if ball is not None and part in BODIES:
         lines.append(f"wrote {part}{SOCKETS} instead, because the {part} is solved with a socket at every contact")
@@ -273,10 +261,8 @@ def write_axis_as_rexs(typed: str, out: Path, model: str = "") -> CommandOutput:
     for scene in each:
         if not isinstance(scene, Assembly):
             kind = getattr(scene, "kind", "a scene with a single nut or bearing")
-            allowed, advice = (
-                'kind = "axis" (a shaft with its bearings and nuts)',
-                "write a scene of this kind, with a table [[sets]] for each bearing or nut",
-            )
+            allowed = 'kind = "axis" (a shaft with its bearings and nuts)'
+            advice = "write a scene of this kind, with a table [[sets]] for each bearing or nut"
             raise InputError(typed, "kind", kind, allowed, advice)
         solved.append(solve_shaft_with_results(scene, model or default_model_name(scene), ModelOptions()))
         if not solved[-1].result.converged:
@@ -373,14 +359,9 @@ def write_condensed_bodies(typed: str, out: Path | None, level: int, *, cache: P
     from rollbench.meshes.cache import Cache
 
     try:
-        setup = mesh_and_condense_geometry(
-            scene,
-            (0, 1, 2, 3),
-            mesh_settings(scenes, level),
-            running.show_progress_message,
-            cache=Cache(cache),
-            processes=running.usable_cores(),
-        )
+        settings, step = mesh_settings(scenes, level), running.show_progress_message
+        how: dict[str, Any] = {"cache": Cache(cache), "processes": running.usable_cores()}
+        setup = mesh_and_condense_geometry(scene, (0, 1, 2, 3), settings, step, **how)
     except MemoryError as error:
         raise running.out_of_memory_error(error) from error
     except ValueError as error:
@@ -450,12 +431,11 @@ def compare_with_calculix(
     ours = _find_or_compute_reference(scene, store, engine)
     rows = compare_contact_loads(found, ours)
     agreed = agreement_sentence(scene.name, rows)
+    parts = [*written, _calculix_loads_table(scene, rows), agreed]
     alone = load_nut_compliance(folder)
-    sentence = (
-        [alone.sentence_on_agreement()] if alone is not None and alone.key == digest_of_shipped_scene(scene.name) else []
-    )
-    answer = {"scene": scene.name, "agreement": agreed, "contacts": [r.cells() for r in rows]}
-    return CommandOutput(answer, [*written, _calculix_loads_table(scene, rows), agreed, *sentence])
+    if alone is not None and alone.key == digest_of_shipped_scene(scene.name):
+        parts.append(alone.sentence_on_agreement())
+    return CommandOutput({"scene": scene.name, "agreement": agreed, "contacts": [r.cells() for r in rows]}, parts)
 
 
 def stored_calculix_results(folder: Path, scene: Scene) -> CalculixRunsOfScene:
@@ -489,9 +469,8 @@ def _find_or_compute_reference(scene: Scene, store: Path, engine: ComputingSetti
     stores = (store, shipped_store())
     found = reference_of_scene(scene, stores)
     if found is None:
-        ensure_runs_are_stored(
-            plan_reference_tasks([scene], tuple(LEVELS)), store, engine, running.show_progress_message, stores
-        )
+        tasks = plan_reference_tasks([scene], tuple(LEVELS))
+        ensure_runs_are_stored(tasks, store, engine, running.show_progress_message, stores)
         found = reference_of_scene(scene, stores)
     if found is None:
         wanted = "a scene whose contact problem has a solution", f"read the status of the runs in the folder {store}"

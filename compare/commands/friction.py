@@ -94,12 +94,8 @@ def solve_and_report_friction(
     with watch_running_time(f"{one_line(name)}, friction", checked_time_limit(time_limit)):
         found = solve_friction_of_named_scene(name, choices, lambda line: show_progress_message(f"rollbench: {line}"))
     code = 1 if not found.converged or (strict and found.warning) else 0
-    return CommandOutput(
-        add_schema_version(friction_answer_json(found)),
-        friction_terminal_parts(found, balls=balls, details=details),
-        code,
-        wrap_always=True,
-    )
+    parts = friction_terminal_parts(found, balls=balls, details=details)
+    return CommandOutput(add_schema_version(friction_answer_json(found)), parts, code, wrap_always=True)
 
 
 def friction_terminal_parts(answer: FrictionAnswer, *, balls: bool = False, details: bool = False) -> list[RenderableType]:
@@ -126,7 +122,5 @@ def friction_terminal_parts(answer: FrictionAnswer, *, balls: bool = False, deta
     if answer.ball_tables and not balls:
         parts.append("--balls also shows motion, loads and losses of every ball")
     warnings = [w for w in data.get("warnings", ()) if w.brief != w]  # without those that are printed above
-    return [
-        *parts,
-        *warning_and_note_lines(warnings, (), data.get("assumed", ()), data.get("left_out", ()), details=details),
-    ]
+    assumed, left_out = data.get("assumed", ()), data.get("left_out", ())
+    return [*parts, *warning_and_note_lines(warnings, (), assumed, left_out, details=details)]

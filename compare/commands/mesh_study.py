@@ -60,18 +60,15 @@ def mesh_study(
     """
     from rollbench.compare.commands.compare import scenes_of_friction_or_none
 
-    if are_all_roller_scenes(
-        scenes, {"spread": spread, "source_mesh": source_mesh, "bodies": bodies != "half-space"}, where
-    ):
-        answer = study_single_rollers(scenes, levels, store, fresh=fresh)
-    elif rolling := scenes_of_friction_or_none(scenes, bodies, {"spread": spread}):
-        answer = study_rolling_contact(
-            rolling, levels, store, engine_from_options(where), source=source_mesh, fresh=fresh, bodies=bodies
-        )
+    unused = {"spread": spread, "source_mesh": source_mesh, "bodies": bodies != "half-space"}
+    if are_all_roller_scenes(scenes, unused, where):
+        return print_command_output(study_single_rollers(scenes, levels, store, fresh=fresh), as_json)
+    rolling = scenes_of_friction_or_none(scenes, bodies, {"spread": spread})
+    engine, how = engine_from_options(where), {"source": source_mesh, "fresh": fresh}
+    if rolling:
+        answer = study_rolling_contact(rolling, levels, store, engine, **how, bodies=bodies)
     else:
-        answer = study_mesh_levels(
-            scenes, levels, store, engine_from_options(where), spread=spread, source=source_mesh, fresh=fresh
-        )
+        answer = study_mesh_levels(scenes, levels, store, engine, **how, spread=spread)
     return print_command_output(answer, as_json)
 
 
@@ -148,14 +145,9 @@ def study_mesh_levels(
         figure = mesh_convergence_figure(one.scene.name, table, one.reference)
         if figure is not None:
             write_figure(Path(f"{stem}.svg"), figure)
-        parts += [
-            f"mesh study of {one.reference.scene}",
-            "",
-            table_of_records(mesh_level_table_rows(one.reference)),
-            "",
-            table_of_records(mesh_study_rows_for_terminal(table)),
-            "",
-        ]
+        parts += [f"mesh study of {one.reference.scene}", ""]
+        parts += [table_of_records(mesh_level_table_rows(one.reference)), ""]
+        parts += [table_of_records(mesh_study_rows_for_terminal(table)), ""]
         parts += [mesh_accuracy_sentence(one.reference), *filter(None, [one.reference.unsettled])]
         parts.append(f"every contact: {stem}.csv and {reason_without_figure() or '.svg'}")
     return CommandOutput(tables, parts, exit_code_of_references(one.reference for one in references))
@@ -176,11 +168,10 @@ def are_all_roller_scenes(names: Sequence[str], unused_arguments: Mapping[str, b
     if any(have) and not all(have):
         allowed = "either scenes with tapered rollers, or scenes without"
         raise ArgumentError("scenes", " ".join(names), allowed, "study them in separate runs")
-    for argument in (
-        name for name, given in ({**unused_arguments, "backend": where is not None}).items() if given and any(have)
-    ):
-        given, allowed = "this option for scenes with tapered rollers", "only for screws and ball bearings"
-        raise ArgumentError(argument, given, allowed, "leave it out: it would change nothing")
+    for argument, stated in {**unused_arguments, "backend": where is not None}.items():
+        if stated and any(have):
+            given, allowed = "this option for scenes with tapered rollers", "only for screws and ball bearings"
+            raise ArgumentError(argument, given, allowed, "leave it out: it would change nothing")
     return any(have)
 
 
@@ -199,27 +190,19 @@ def study_single_rollers(names: Sequence[str], count: int | None, store: Path, *
     from rollbench.meshes.axis import Assembly
 
     found: dict[str, list[dict[str, Any]]] = {}
-    parts: list[Any] = []
+    parts, stores = list[Any](), (store, shipped_store())
     for scene in [x for name in names for x in scenes_to_solve(catalogue.scene_of_any_kind(name), name)]:
         assert isinstance(scene, Assembly)
-        for one, runs in roller.compute_runs_of_roller_kinds(
-            scene, count, (store, shipped_store()), show_progress_message, fresh=fresh
-        ):
+        kinds = roller.compute_runs_of_roller_kinds(scene, count, stores, show_progress_message, fresh=fresh)
+        for one, runs in kinds:
             said = roller.roller_mesh_study_json(one, runs)
             found.setdefault(scene.name, []).append(said)
             stem = store / f"{scene.name}-{one.bearing_names[0]}-roller".replace(" ", "-")
             write_csv(Path(f"{stem}.csv"), said["quantities"])
             write_csv(Path(f"{stem}-profile.csv"), said["profile"])
-            parts += [
-                f"mesh study of {scene.name}: a roller of {', '.join(one.bearing_names)}",
-                "",
-                table_of_records(said["levels"]),
-                "",
-            ]
-            parts += [
-                table_of_records(roller.roller_rows_for_terminal(said["quantities"])),
-                "",
-                roller.low_order_error_sentence(one, runs),
-            ]
+            parts += [f"mesh study of {scene.name}: a roller of {', '.join(one.bearing_names)}", ""]
+            parts += [table_of_records(said["levels"]), ""]
+            parts += [table_of_records(roller.roller_rows_for_terminal(said["quantities"])), ""]
+            parts += [roller.low_order_error_sentence(one, runs)]
             parts.append(f"along the roller: {stem}-profile.csv")
     return CommandOutput(found, parts)

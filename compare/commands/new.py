@@ -47,7 +47,6 @@ def new(
         repeated.
     """
     from rollbench.compare import files
-    from rollbench.compare.files import write_new_file
     from rollbench.compare.scenes.duty_cycle import WHOLE
     from rollbench.compare.scenes.template import AXES, BEARINGS, new_scene_text
 
@@ -63,11 +62,10 @@ def new(
     if not like and re.fullmatch(r"\d+(\.\d+)?x\d+(\.\d+)?", file.name):
         raise ArgumentError("file", str(file), "the name of a file", f"write: rollbench new my.toml --like {file.name}")
     schema_line = f"#:schema {files.shipped_path('scene.schema.json').as_uri()}\n"  # lets editors complete and check keys
-    write_new_file(file, schema_line + new_scene_text(kind, like))
+    files.write_new_file(file, schema_line + new_scene_text(kind, like))
     command = "solve" if (kind or "ball screw").replace("-", " ") in (*WHOLE, *AXES, *BEARINGS) else "friction"
-    print_command_output(
-        CommandOutput(texts_and_tables=[f"wrote {file}; solve it with: rollbench {command} {quote(str(file))}"])
-    )
+    line = f"wrote {file}; solve it with: rollbench {command} {quote(str(file))}"
+    print_command_output(CommandOutput(texts_and_tables=[line]))
 
 
 def write_scene_from_rexs(file: Path, rexs: Path, shaft: str, given: list[str]) -> CommandOutput:

@@ -52,9 +52,8 @@ def judged_printed_entries(
     cases = [case.name for case in all_cases() if case.title]
     _refuse_unknown_names("source", sources, cases)
     tables = [name for name, one in sorted(all_computations().items()) if not sources or one.case.name in sources]
-    names = (
-        {row.name for table in tables for row in load_printed_table(table)} if any(":" in word for word in only) else set()
-    )
+    entries = any(":" in word for word in only)
+    names = {row.name for table in tables for row in load_printed_table(table)} if entries else set()
     _refuse_unknown_names("only", only, [*tables, *sorted(names)])
     asked = only or tables
     found = evidence(cache, *(name for name in tables if any(word.partition(":")[0] == name for word in asked)))
@@ -134,11 +133,8 @@ def printed_entries_table(rows: Sequence[PrintedEntryComparison], changed: Seque
     from rollbench.compare.printed import VERDICTS
 
     headings = [name + (" (not judged)" if name in APART else "") for name in ("source", *VERDICTS, "judged", "all")]
-    table = ruled_table(
-        "numbers printed in publications, by verdict",
-        headings,
-        (map(str, row.values()) for row in count_entries_by_verdict(rows)),
-    )
+    counts = (map(str, row.values()) for row in count_entries_by_verdict(rows))
+    table = ruled_table("numbers printed in publications, by verdict", headings, counts)
     entries = Table(title="numbers and claims printed in publications", title_justify="left")
     for heading in ("table:key", "printed", "with mistakes", "computed", "3D reference", "error %", "verdict", "reason"):
         entries.add_column(heading, overflow="fold")

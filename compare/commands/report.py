@@ -88,11 +88,8 @@ def report(
         for name, value in given.items():
             if value:
                 raise ArgumentError(name, str(value), "only for a report without a scene", f"leave `{name}` out")
-        return open_written_page(
-            print_command_output(write_and_compare_pages(scene, out, store, against, reference)),
-            out / "index.html",
-            open_page,
-        )
+        code = print_command_output(write_and_compare_pages(scene, out, store, against, reference))
+        return open_written_page(code, out / "index.html", open_page)
     if reference is not None:
         raise ArgumentError("reference", str(reference), "only together with a scene", "state the scene of these loads")
     from rollbench.compare.report.report import write_validation_report
@@ -111,11 +108,8 @@ def open_written_page(code: int, page: Path, wanted: bool) -> int:
     if wanted:
         screen = os.name == "nt" or sys.platform == "darwin" or any(map(os.environ.get, SCREENS))
         if not (screen and webbrowser.open(page.resolve().as_uri())):
-            print_command_output(
-                CommandOutput(
-                    texts_and_tables=["no browser was found on this computer: open the page in any other browser"]
-                )
-            )
+            line = "no browser was found on this computer: open the page in any other browser"
+            print_command_output(CommandOutput(texts_and_tables=[line]))
     return code
 
 
@@ -163,20 +157,16 @@ def view(
         allowed = "a new file, or a page that rollbench report wrote earlier"
         raise ArgumentError("out", f"the existing file {out}", allowed, "choose another name")
     check_writable(out)
-    found = solve_scene_record(
-        catalogue.scene_of_any_kind(scene), model, ModelOptions(member=member), name_for_messages=scene
-    )
+    described, options = catalogue.scene_of_any_kind(scene), ModelOptions(member=member)
+    found = solve_scene_record(described, model, options, name_for_messages=scene)
     try:
         html = found.view_page((store, shipped_store()))
     except ValueError:
-        raise SceneNotCoveredError(
-            scene, "scene", found.reason or str(found.status), "correct the scene as the reason says"
-        ) from None
+        advice = "correct the scene as the reason says"
+        raise SceneNotCoveredError(scene, "scene", found.reason or str(found.status), advice) from None
     replace_file(out, html)
-    code = print_command_output(
-        CommandOutput(texts_and_tables=[*found._notes, f"page: {out}"], exit_code=int(not found.converged))
-    )
-    return open_written_page(code, out, open_page)
+    answer = CommandOutput(texts_and_tables=[*found._notes, f"page: {out}"], exit_code=int(not found.converged))
+    return open_written_page(print_command_output(answer), out, open_page)
 
 
 @app.command

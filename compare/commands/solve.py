@@ -104,12 +104,8 @@ def _options_of_load_case(solve_options: SolveOptions, name: str) -> SolveOption
 
     ``name``: name of the load case, which is added to the name of that file.
     """
-
-    def with_case_in_file_name(path: Path | None) -> Path | None:
-        """Return the path with the name of the load case added to the file name; None stays None."""
-        return None if path is None else path.with_stem(f"{path.stem}-{name}")
-
-    return replace(solve_options, matrix=with_case_in_file_name(solve_options.matrix))
+    path = solve_options.matrix
+    return replace(solve_options, matrix=path and path.with_stem(f"{path.stem}-{name}"))
 
 
 def _write_contact_loads(path: Path, solved: Sequence[SceneSolution | ShaftSolution], names: Sequence[str]) -> list[str]:
@@ -147,18 +143,15 @@ def _check_options_for_scene(scene: Scene | Assembly, solve_options: SolveOption
     from rollbench.meshes.axis import Assembly
 
     if isinstance(scene, Assembly):
-        refused = (
-            (
-                "everything",
-                solve_options.everything,
-                "leave it out: the scene states which terms of the models are computed",
-            ),
-            ("condensed", solve_options.condensed, "leave it out: the file has the bodies of a single nut or bearing"),
-        )
-        for argument, value, advice in refused:
-            if value:
+        reasons = {
+            "everything": "the scene states which terms of the models are computed",
+            "condensed": "the file has the bodies of a single nut or bearing",
+        }
+        for argument, reason in reasons.items():
+            if getattr(solve_options, argument):
                 given = f"this option for the scene {scene.name}, which has several nuts or bearings"
-                raise ArgumentError(argument, given, "only for a scene with a single nut or bearing", advice)
+                allowed = "only for a scene with a single nut or bearing"
+                raise ArgumentError(argument, given, allowed, f"leave it out: {reason}")
         if solve_options.loads_csv is not None and not scene.ball_count:
             advice = "leave it out: the columns of the file are groove flanks, which rollers do not have"
             raise ArgumentError("loads_csv", str(solve_options.loads_csv), "only for a scene with balls", advice)
@@ -172,12 +165,9 @@ def exit_code_of_solutions(solved: Sequence[SceneSolution | ShaftSolution], solv
     """Return exit code 1 if a load case did not converge or, with ``solve_options.strict``, has a warning; otherwise 0."""
     from rollbench.lowfi.warned import join_brief_warnings
 
-    return int(
-        any(
-            one.derived_results is None or (solve_options.strict and join_brief_warnings(one.result.warnings))
-            for one in solved
-        )
-    )
+    failed = any(one.derived_results is None for one in solved)
+    warned = solve_options.strict and any(join_brief_warnings(one.result.warnings) for one in solved)
+    return int(failed or warned)
 
 
 def _check_options(solve_options: SolveOptions) -> tuple[str, float]:
@@ -233,9 +223,8 @@ def _write_stiffness_matrix(
         allowed = "only if the shaft has no fixed degree of freedom there, whose stiffness would be infinite"
         raise ArgumentError("matrix", str(path), allowed, advice)
     if path is not None and K is not None:
-        write_matrix_file(
-            path, K, f"tangent stiffness of {solved_case.scene.name}, model {solved_case.result.model}, {where}"
-        )
+        title = f"tangent stiffness of {solved_case.scene.name}, model {solved_case.result.model}, {where}"
+        write_matrix_file(path, K, title)
         lines.append(f"wrote {path}: the symmetric stiffness matrix in N, m and rad")
     return lines
 
@@ -338,8 +327,7 @@ def solve(
         raise ArgumentError("time_limit", given, "only without `model_command`", advice)
     if len(scenes) > 1:
         alone: dict[str, object] = {"matrix": matrix, "loads_csv": loads_csv, "csv": csv, "condensed": condensed}
-        alone |= {"members": members}
-        alone |= {"seed": seed, "workers": workers, "curve": curve or None, "balls": balls or None}
+        alone |= {"members": members, "seed": seed, "workers": workers, "curve": curve or None, "balls": balls or None}
         alone |= {"everything": everything or None, "verbose": verbose or None}
         for name in (k for k, v in alone.items() if v is not None):
             given = f"this option for {len(scenes)} scenes"
@@ -355,9 +343,8 @@ def solve(
             advice = "leave them out, or solve a single specimen (random draw of the geometric errors) by `member=K`"
             raise ArgumentError(named, "one of these options with --members", "only without --members", advice)
         how = ComputingSettings(parallel_jobs=workers)
-        return print_command_output(
-            solve_specimens(scene, model, members, csv_out=csv, seed=seed, engine=how, balls=balls), as_json
-        )
+        found = solve_specimens(scene, model, members, csv_out=csv, seed=seed, engine=how, balls=balls)
+        return print_command_output(found, as_json)
     if seed is not None or workers is not None or (csv is not None and not curve):
         given = "one of these options without --members"
         advice = "add --members N, the number of random draws of the geometric errors"
@@ -365,9 +352,8 @@ def solve(
     choices = SolveOptions(
         model, everything, member, condensed, balls, stiffness_at, matrix, loads_csv, time_limit, strict, verbose
     )
-    return print_command_output(
-        solve_load_curve(scene, curve, choices, csv) if curve else solve_and_report(scene, choices), as_json
-    )
+    found = solve_load_curve(scene, curve, choices, csv) if curve else solve_and_report(scene, choices)
+    return print_command_output(found, as_json)
 
 
 def solve_side_by_side(names: Sequence[str], solve_options: SolveOptions) -> CommandOutput:
@@ -420,9 +406,8 @@ def solve_load_curve(name: str, text: str, solve_options: SolveOptions, csv_out:
     lines = load_curve_parts(found, details=solve_options.verbose)
     if csv_out is not None:
         lines += write_load_curve(csv_out, found)
-    return CommandOutput(
-        found.to_dict, lines, int(not found.converged or (solve_options.strict and bool(found.above))), wrap_always=True
-    )
+    code = int(not found.converged or (solve_options.strict and bool(found.above)))
+    return CommandOutput(found.to_dict, lines, code, wrap_always=True)
 
 
 def solve_specimens(
@@ -444,12 +429,10 @@ def solve_specimens(
     from rollbench.compare.results.base import add_schema_version
     from rollbench.compare.scenes import catalogue
 
-    described = catalogue.scene_of_any_kind(name)
+    described, step = catalogue.scene_of_any_kind(name), show_progress_message
     from rollbench.compare.studies.members.members import ensemble_json, solve_random_draws_of_load_cases
 
-    each, cases = solve_random_draws_of_load_cases(
-        described, name, model, count, seed, engine, show_progress_message, csv_out
-    )
+    each, cases = solve_random_draws_of_load_cases(described, name, model, count, seed, engine, step, csv_out)
     shown = [x for batch in each for x in ensemble_terminal_parts(batch, balls=balls)]
     shown += [f"wrote {csv_out}: one row for each specimen"] * bool(csv_out)
     data = add_schema_version(ensemble_json(described, each, cases))
@@ -499,12 +482,9 @@ def ensemble_terminal_parts(members: EnsembleSummary, *, balls: bool = False) ->
     )
     stiff = "tangent rigidity: at the equilibrium, for the position that the scene states" if several else of_nut
     parts += [*tables, f"life: equivalent loads by ISO/TS 16281, with raceways of equal strength; {stiff}"]
-    return [
-        *parts,
-        _contact_load_quantiles_table(data, members.load_distributions.width)
-        if balls
-        else "range of the load of every ball: add --balls",
-    ]
+    if balls:
+        return [*parts, _contact_load_quantiles_table(data, members.load_distributions.width)]
+    return [*parts, "range of the load of every ball: add --balls"]
 
 
 def _contact_load_quantiles_table(data: dict[str, Any], width: float) -> Any:

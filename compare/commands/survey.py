@@ -90,15 +90,11 @@ def judge_models_on_screws(
         check_writable(path)
     data = compare_models_on_random_screws(models, count, workers, max_error, show_progress_message)
     write_csv(table, [{"model": model_title(name)} | dict(row) for name, rows in data["models"].items() for row in rows])
-    drawn = (
-        write_figure(drawing, figure_of_errors_on_random_screws(data))
-        if any("verdict" in r for r in data["models"][models[0]])
-        else "no figure"
-    )
-    bad = sum(data["without_answer"].values())
-    return CommandOutput(
-        data, [*_survey_terminal_parts(data, models), f"wrote {table} (every screw) and {drawn}"], 1 if bad else 0
-    )
+    drawn = "no figure"
+    if any("verdict" in r for r in data["models"][models[0]]):
+        drawn = write_figure(drawing, figure_of_errors_on_random_screws(data))
+    parts = [*_survey_terminal_parts(data, models), f"wrote {table} (every screw) and {drawn}"]
+    return CommandOutput(data, parts, 1 if any(data["without_answer"].values()) else 0)
 
 
 def _survey_terminal_parts(data: Mapping[str, Any], models: Sequence[str]) -> Iterator[Any]:
@@ -135,11 +131,8 @@ def _survey_terminal_parts(data: Mapping[str, Any], models: Sequence[str]) -> It
     yield f"screws with a stored reference: {data['screws']}{missing}"
     title = "absolute errors over the screws / %; errors of loads in per cent of the mean load"
     yield table_of_records(data["summary"], ".2f", title)
-    yield table_of_records(
-        median_errors_by_screw_kind(data["models"]),
-        ".2f",
-        "median error of the worst contact load by kind of screw / % of the mean load",
-    )
+    title = "median error of the worst contact load by kind of screw / % of the mean load"
+    yield table_of_records(median_errors_by_screw_kind(data["models"]), ".2f", title)
 
 
 def write_drawn_screw(number: int, out: Path) -> CommandOutput:
@@ -151,9 +144,8 @@ def write_drawn_screw(number: int, out: Path) -> CommandOutput:
 
     text, loads = write_scene_and_reference_files(number, out)
     command = f"rollbench check {shlex.quote(str(text))} --reference {shlex.quote(str(loads))} --model MODEL"
-    return CommandOutput(
-        {"files": [str(text), str(loads)]}, [f"wrote {text} and {loads}; judge a model on them by: {command}"]
-    )
+    line = f"wrote {text} and {loads}; judge a model on them by: {command}"
+    return CommandOutput({"files": [str(text), str(loads)]}, [line])
 
 
 def solve_extreme_scenes() -> CommandOutput:
@@ -251,9 +243,8 @@ def stability(
         survey reads. Screws whose results are in this file already are not solved again.
     """
     if survey is not None:
-        return print_command_output(
-            solve_drawn_screws(survey, out or Path("rollbench-survey"), workers or 1, keep), as_json
-        )
+        found = solve_drawn_screws(survey, out or Path("rollbench-survey"), workers or 1, keep)
+        return print_command_output(found, as_json)
     if (out, workers, keep) != (None, None, None):
         given = "one of these options without --survey"
         advice = "add --survey COUNT, the number of randomly drawn screws to solve"

@@ -192,6 +192,5 @@ def table(
         drawn = table_figure(found)
         picture = "no figure" if drawn is None else write_figure(out.with_suffix(".svg"), drawn)
         parts.append(f"wrote {out}: {len(found.rows)} rows; {picture}")
-    return print_command_output(
-        CommandOutput(found.to_dict(), parts, 0 if found.converged else 1, wrap_always=True), as_json
-    )
+    answer = CommandOutput(found.to_dict(), parts, 0 if found.converged else 1, wrap_always=True)
+    return print_command_output(answer, as_json)

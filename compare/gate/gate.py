@@ -50,16 +50,11 @@ def sphere_on_flat_by_program_and_formula(scene: Scene, force: float) -> list[tu
     modulus = contact_modulus(m.youngs_modulus, m.poissons_ratio, m.youngs_modulus, m.poissons_ratio)
     r = scene.balls.radius
     c = hertz_constants(np.array(1.0 / r), np.array(1.0 / r), modulus)
-    a = (3.0 * force * r / (4.0 * modulus)) ** (1.0 / 3.0)
+    a, pressure = (3.0 * force * r / (4.0 * modulus)) ** (1.0 / 3.0), float(c.pressure(np.array(force)))
     return [
         ("Hertz, sphere on flat: approach", "um", 1e6 * float(c.C) * force ** (2.0 / 3.0), 1e6 * a * a / r),
         ("Hertz, sphere on flat: contact radius", "mm", 1e3 * float(c.C_a) * force ** (1.0 / 3.0), 1e3 * a),
-        (
-            "Hertz, sphere on flat: largest pressure",
-            "MPa",
-            1e-6 * float(c.pressure(np.array(force))),
-            1e-6 * 1.5 * force / (pi * a * a),
-        ),
+        ("Hertz, sphere on flat: largest pressure", "MPa", 1e-6 * pressure, 1e-6 * 1.5 * force / (pi * a * a)),
     ]
 
 
@@ -144,12 +139,8 @@ def oversize_preload_by_solver_and_formula(scene: Scene, oversize: float) -> tup
     groove centre of screw or nut from the unmoved ball centre. The load follows from the x at which the radial forces on
     the ball balance.
     """
-    squeezed = replace(
-        scene,
-        errors=replace(Errors(), balls=replace(Errors().balls, oversize=oversize)),
-        loads=(),
-        ingredients=Ingredients(screw="rigid"),
-    )
+    errors = replace(Errors(), balls=replace(Errors().balls, oversize=oversize))
+    squeezed = replace(scene, errors=errors, loads=(), ingredients=Ingredients(screw="rigid"))
     constants = hertz_with_errors(squeezed, draw_geometry_with_errors(squeezed, ball_layout(squeezed))).C[0]
     beta = scene.track.contact_angle
     screw, nut = (body.groove_radius - scene.balls.radius for body in (scene.screw, scene.nut))
@@ -171,9 +162,8 @@ def oversize_preload_by_solver_and_formula(scene: Scene, oversize: float) -> tup
         return fs * cs - fn * cn
 
     x = float(brentq(difference_of_radial_forces, -oversize, oversize, xtol=1e-20, rtol=1e-15))
-    return float(solve_static(squeezed).load[:, :2].mean()), contact_load_and_radial_share(
-        x, screw, -1.0, float(constants[0])
-    )[0]
+    load, _ = contact_load_and_radial_share(x, screw, -1.0, float(constants[0]))
+    return float(solve_static(squeezed).load[:, :2].mean()), load
 
 
 #: Limit of the default model's largest contact-load error [% of the mean load]; so low that a deterioration is noticed.
@@ -190,7 +180,7 @@ EXACT = 1e-6
 class GateCheck:
     """Result of one acceptance check: a computed number against a reference value, or a claim that a publication prints.
 
-    Value, reference, error and limit are None for a claim.
+    Value, reference, error and limit are None for a claim; value and reference are None if only the error is known.
     """
 
     #: Name of the scene or formula, and of the quantity that is checked.
@@ -241,23 +231,6 @@ def gate_check_of_number(name: str, kind: str, value: float, reference: float, l
     return GateCheck(name, kind, value, reference, error, limit, abs(error) <= limit)
 
 
-def gate_check_of_error(
-    name: str,
-    kind: str,
-    error: float | None,
-    limit: float,
-    passed: bool,
-    detail: str = "",
-    uncertainty: float | None = None,
-) -> GateCheck:
-    """Return an acceptance check for which only the error is known, not the values.
-
-    ``name``: what is checked; ``kind``: kind of the reference; ``passed``: result; ``detail``: explanation; ``error``,
-    ``limit``, ``uncertainty``: error, its limit and the reference's uncertainty [%].
-    """
-    return GateCheck(name, kind, None, None, error, limit, passed, detail, uncertainty)
-
-
 def gate_check_of_published_entry(entry: PrintedEntryComparison, max_error: float) -> GateCheck:
     """Return the acceptance check of a number or claim that a publication prints, against the computed value.
 
@@ -266,16 +239,8 @@ def gate_check_of_published_entry(entry: PrintedEntryComparison, max_error: floa
     """
     p = entry.printed
     if p.value is None:
-        return GateCheck(
-            f"{p.place}: {p.claim}",
-            f"claim, {p.entry_class}",
-            None,
-            None,
-            None,
-            None,
-            entry.agrees_with_printed is not False,
-            entry.remark,
-        )
+        name, passed = f"{p.place}: {p.claim}", entry.agrees_with_printed is not False
+        return GateCheck(name, f"claim, {p.entry_class}", None, None, None, None, passed, entry.remark)
     label = f"{p.place}: {p.label}"
     kind = f"printed, {p.entry_class}" if p.entry_class != "input" else "input, used by its scene"
     if p.value == 0.0:  # an error in per cent of 0 is not defined: judged by the printed tolerance
@@ -292,12 +257,8 @@ def check_published_entries(cache: SceneResultCache, max_error: float) -> list[G
     `printed.CLASSES` describes the classes. Entries without a computed value are left out. ``max_error``: upper limit of
     the error [%].
     """
-    gated = [
-        e
-        for e in evidence(cache)
-        if e.printed.entry_class in ("hard", "as-printed", "input") and e.agrees_with_printed is not None
-    ]
-    return [gate_check_of_published_entry(e, max_error) for e in gated]
+    gated = [e for e in evidence(cache) if e.printed.entry_class in ("hard", "as-printed", "input")]
+    return [gate_check_of_published_entry(e, max_error) for e in gated if e.agrees_with_printed is not None]
 
 
 def check_external_tolerance_bands(cache: SceneResultCache) -> list[GateCheck]:
@@ -327,24 +288,18 @@ def check_closed_forms(cache: SceneResultCache, max_error: float) -> list[GateCh
     """Check solutions for the screw of Lin's thesis (scene lin-case1) against closed forms; ``max_error``: limit [%]."""
     scene = cache.built_in_scene("lin-case1")
     limit = min(EXACT, max_error)
-    rows = [
-        gate_check_of_number(f"{name} [{unit}]", "closed form", value, reference, limit)
-        for name, unit, value, reference in sphere_on_flat_by_program_and_formula(scene, 225.0)
-    ]
-    for name, (value, reference) in (
-        ("rigid screw under axial load: load of each ball [N]", rigid_screw_load_by_solver_and_formula(scene)),
-        ("shaft as a cantilever under 1 N: tip deflection [m]", tip_deflection_by_solver_and_formula(scene)),
-        (
-            "two opposite balls under 100 N axial load, no lead: load of each ball [N]",
-            two_ball_load_by_solver_and_formula(scene),
+    sphere = sphere_on_flat_by_program_and_formula(scene, 225.0)
+    pairs = {f"{name} [{unit}]": (value, reference) for name, unit, value, reference in sphere} | {
+        "rigid screw under axial load: load of each ball [N]": rigid_screw_load_by_solver_and_formula(scene),
+        "shaft as a cantilever under 1 N: tip deflection [m]": tip_deflection_by_solver_and_formula(scene),
+        "two opposite balls under 100 N axial load, no lead: load of each ball [N]": two_ball_load_by_solver_and_formula(
+            scene
         ),
-        (
-            "balls with 7 um oversize, rigid screw without external load: load of a screw contact [N]",
-            oversize_preload_by_solver_and_formula(scene, 7e-6),
+        "balls with 7 um oversize, rigid screw without external load: load of a screw contact [N]": (
+            oversize_preload_by_solver_and_formula(scene, 7e-6)
         ),
-    ):
-        rows.append(gate_check_of_number(name, "closed form", value, reference, limit))
-    return rows
+    }
+    return [gate_check_of_number(name, "closed form", *pair, limit) for name, pair in pairs.items()]
 
 
 def check_solvers(cache: SceneResultCache, max_error: float) -> list[GateCheck]:
@@ -364,12 +319,10 @@ def check_solvers(cache: SceneResultCache, max_error: float) -> list[GateCheck]:
     for name in ("lin-case1", "lin-case3-offset"):
         by_source = solve_lin_equations_with_fallback(cache.built_in_scene(name), "arc")
         e2 = load_error(cache.solve_once(name).load, by_source.contact_loads)
-        passed, label = (
-            by_source.converged and e2.max_percent <= limit,
-            f"{name}: contact loads by the energy solver against Lin's Newton method",
-        )
+        passed = by_source.converged and e2.max_percent <= limit
+        label = f"{name}: contact loads by the energy solver against Lin's Newton method, same equations"
         words = f"largest difference at ball {e2.ball} {e2.side}; Lin's Newton method: {by_source.status}"
-        rows.append(gate_check_of_error(f"{label}, same equations", "two solvers", e2.max_percent, limit, passed, words))
+        rows.append(GateCheck(label, "two solvers", None, None, e2.max_percent, limit, passed, words))
     return rows
 
 
@@ -387,7 +340,7 @@ def check_default_model(cache: SceneResultCache, max_error: float) -> list[GateC
         reference, kind = cache.stored_reference(name), "3D reference"
         if reference is None:
             text = "no run of the 3D reference is stored: run rollbench mesh-study"
-            rows.append(gate_check_of_error(f"{name}: 3D reference", kind, None, max_error, False, text))
+            rows.append(GateCheck(f"{name}: 3D reference", kind, None, None, None, max_error, False, text))
             continue
         load = cache.solve_once(name, DEFAULT).load
         bar = largest_uncertainty_percent(reference)
@@ -396,18 +349,19 @@ def check_default_model(cache: SceneResultCache, max_error: float) -> list[GateC
         for p in over:
             share, label = p.uncertainty_percent, f"{p.scene}: load of ball {p.ball} {p.side} against the 3D reference"
             text = f"uncertainty of the 3D reference {share:.2f} %"
-            rows.append(gate_check_of_error(label, kind, p.error_percent, max_error, False, text, share))
+            rows.append(GateCheck(label, kind, None, None, p.error_percent, max_error, False, text, share))
         if not over:
             top = max(points, key=lambda p: abs(p.error_percent))
             label = f"{name}: contact load with the largest error (ball {top.ball} {top.side}) against the 3D reference"
-            rows.append(gate_check_of_error(label, kind, top.error_percent, max_error, True, "", top.uncertainty_percent))
+            error, share = top.error_percent, top.uncertainty_percent
+            rows.append(GateCheck(label, kind, None, None, error, max_error, True, "", share))
         e = load_error(load, reference.load, reference.contacts)
         limit, cause = WIDER.get(name, (TIGHT, ""))
         tight = min(limit, max_error)
         label = f"{name}: largest contact-load error in per cent of the mean load (ball {e.ball} {e.side})"
         text = "; ".join(filter(None, (f"uncertainty of the 3D reference {bar:.2f} %", cause)))
         passed = e.max_percent - min(bar, tight) <= tight
-        rows.append(gate_check_of_error(label, "3D reference, tight", e.max_percent, tight, passed, text, bar))
+        rows.append(GateCheck(label, "3D reference, tight", None, None, e.max_percent, tight, passed, text, bar))
     return rows
 
 
@@ -427,10 +381,9 @@ def check_known_errors_of_lin_model(cache: SceneResultCache, max_error: float) -
         over = {(p.scene, p.ball, p.side) for p in points if p.exceeds}
         top = max(points, key=lambda p: abs(p.error_percent))
         named = {k for k in known if k[0] == name}
-        wrong = [f"the error of ball {b} {side} is above the limit but not listed" for _, b, side in sorted(over - named)]
-        wrong += [
-            f"the error of ball {b} {side} is listed but no longer above the limit" for _, b, side in sorted(named - over)
-        ]
+        beyond, back = "is above the limit but not listed", "is listed but no longer above the limit"
+        wrong = [f"the error of ball {b} {side} {beyond}" for _, b, side in sorted(over - named)]
+        wrong += [f"the error of ball {b} {side} {back}" for _, b, side in sorted(named - over)]
         side = "above" if over else "below"
         label = (
             f"{name}: contact-load errors of Lin's model, reported only: {side} the limit ({len(over)} of {len(points)} "

@@ -7,7 +7,7 @@ proportional to F^-3. The default limit of these quantities is therefore the lim
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from rollbench.compare.errors import ArgumentError, InputError
-from rollbench.compare.models.answers import results_of_contact_loads, unloaded_axial_displacement
+from rollbench.compare.models.answers import displacement_of_unloaded_screw, results_of_contact_loads
 from rollbench.compare.models.comparison import ContactSolution, mesh_uncertainties, solution_from_run
 from rollbench.compare.models.loading import solve_with_scaled_loads
 from rollbench.compare.models.loads_file import CsvTable, decimal_comma_advice
@@ -102,10 +102,7 @@ def parse_error_limits(texts: Sequence[str]) -> dict[str, float]:
         name = name.strip().lower().replace("_", " ")
         name = ANGLE.name if name == "angle" else name
         allowed = f"NAME=NUMBER with a number above 0, each NAME once, out of the names {', '.join(QUANTITIES)}"
-        advice = (
-            "state the limit in per cent, of the contact angle in degrees, such as rigidity=10; set the limit of the loads "
-            "with `max_error`"
-        )
+        advice = "state the limit in per cent, of the contact angle in degrees, such as rigidity=10; loads: `max_error`"
         try:
             value = float(number)
         except ValueError:
@@ -114,19 +111,6 @@ def parse_error_limits(texts: Sequence[str]) -> dict[str, float]:
             raise ArgumentError("limits", f'"{text}"', allowed, COMMA if has_comma_in_number(number) else advice)
         out[name] = value
     return out
-
-
-def error_limit_of(quantity: JudgedQuantity, stated_limits: Mapping[str, float], limit_of_loads: float) -> float:
-    """Return the error limit of a judged quantity [%; deg for angles].
-
-    It is the limit in ``stated_limits`` (limits that the user states, by name of the quantity) if the quantity has one
-    there; otherwise the default, which for most quantities is a multiple of the limit ``limit_of_loads`` of the contact
-    loads [%].
-    """
-    return stated_limits.get(
-        quantity.name,
-        quantity.default_limit_ratio * limit_of_loads if quantity.default_limit is None else quantity.default_limit,
-    )
 
 
 def hertz_approach_or_pressure(scene: Scene, quantity: JudgedQuantity, load: Array) -> Array:
@@ -176,10 +160,9 @@ def contact_quantity_of_reference(scene: Scene, reference: Reference, quantity: 
     if quantity is ANGLE:
         bars = np.zeros_like(reference.load) if reference.stated else mesh_uncertainties(reference, lambda run: run.angle)
         return np.radians(reference.best.angle), np.radians(bars)
-    bar = uncertainty_from_loads(
-        lambda load: hertz_approach_or_pressure(scene, quantity, load), reference.load, reference.uncertainty
-    )
-    return hertz_approach_or_pressure(scene, quantity, reference.load) if given is None else given, np.asarray(bar)
+    load, value_of = reference.load, hertz_approach_or_pressure
+    bar = uncertainty_from_loads(lambda x: value_of(scene, quantity, x), load, reference.uncertainty)
+    return value_of(scene, quantity, load) if given is None else given, np.asarray(bar)
 
 
 @dataclass(frozen=True)
@@ -195,7 +178,8 @@ class WholeScrewEvaluation:
 
         It is also used for the 3D reference, of which no run without loads exists.
         """
-        return unloaded_axial_displacement(self.scene, solve_with_scaled_loads(self.scene, 0.0, DEFAULT, INTERPRETED))
+        bare = solve_with_scaled_loads(self.scene, 0.0, DEFAULT, INTERPRETED)
+        return float(displacement_of_unloaded_screw(self.scene, bare)[2])
 
     def value_of(self, quantity: JudgedQuantity, answer: ContactSolution, station: float | None = None) -> float | None:
         """Return a quantity of the whole screw in SI units (a life in million revolutions), by a model or a 3D run.
@@ -228,11 +212,9 @@ class WholeScrewEvaluation:
         """
         answers = [solution_from_run(run, "") for run in ref.runs]
         if quantity in (TORQUE, LIFE):
-            best = answers[-1]
-            bar = uncertainty_from_loads(
-                lambda load: self.value_of(quantity, replace(best, load=load)), ref.load, ref.uncertainty
-            )
-            return self.value_of(quantity, best), None if bar is None else float(bar)
+            run = answers[-1]
+            bar = uncertainty_from_loads(lambda x: self.value_of(quantity, replace(run, load=x)), ref.load, ref.uncertainty)
+            return self.value_of(quantity, run), None if bar is None else float(bar)
         values = [value for answer in answers if (value := self.value_of(quantity, answer, station)) is not None]
         if len(values) < len(answers):
             return None, None
@@ -243,24 +225,19 @@ class WholeScrewEvaluation:
         if quantity is TORQUE:
             return "the scene has no [friction]" if self.scene.friction is None else "the friction model finds no torque"
         if quantity is LIFE:
-            return (
-                results_of_contact_loads(self.scene, ref.load, np.radians(ref.best.angle)).words
-                or "no contact carries load"
-            )
-        return (
-            f"{ref.label} states no value of it" if ref.stated else "the screw does not move in the direction of its load"
-        )
+            found = results_of_contact_loads(self.scene, ref.load, np.radians(ref.best.angle))
+            return found.words or "no contact carries load"
+        if ref.stated:
+            return f"{ref.label} states no value of it"
+        return "the screw does not move in the direction of its load"
 
     def computation_note(self, quantity: JudgedQuantity) -> str:
         """Return a note on how the reference's value of a quantity of the whole screw is computed; may be empty."""
         if quantity in (TORQUE, LIFE):
             return BY_FORMULA
-        return (
-            f"measured from the position without loads, which is {1e6 * self.unloaded_position:.3g} um by the model "
-            f"{DEFAULT}"
-            if self.unloaded_position
-            else ""
-        )
+        if not self.unloaded_position:
+            return ""
+        return f"measured from the position without loads, {1e6 * self.unloaded_position:.3g} um by the model {DEFAULT}"
 
     def _friction_torque(self, load: Array, angle: Array) -> float | None:
         """Compute the friction torque [N m] of the screw from contact loads and angles; None if it cannot be computed.
@@ -276,7 +253,7 @@ class WholeScrewEvaluation:
         result = replace(solved, load=load, contact_angle=np.where(np.isfinite(angle), angle, solved.contact_angle))
         from rollbench.compare.models.friction_sums import total_friction_torque
 
-        value = total_friction_torque([(self.scene, result)], self.scene.friction, self.scene.motion, INTERPRETED)
+        value = total_friction_torque([(self.scene, result)], self.scene.friction, self.scene.motion, INTERPRETED.member)
         return None if value is None else 1e-3 * value
 
     @cached_property
@@ -379,24 +356,19 @@ def _user_value_in_row(path: Path, line: str, cells: dict[str, str], *, decimal_
         raise InputError(str(path), f"{line}: quantity", name or "nothing", allowed, advice)
     text = f"{number.replace(',', '.') if decimal_comma else number} {unit}"
     try:
-        value = (
-            _life_in_million_revolutions(text.split(" ")[0], unit)
-            if quantity is LIFE
-            else parse_quantity(text, DIMENSIONS[quantity])
-        )
-    except UnitError as error:
-        allowed, advice = (
-            dimension_description(DIMENSIONS[quantity]),
-            decimal_comma_advice(error.advice, f"{number},{unit}"),
-        )
-        raise InputError(str(path), f"{line}: value, unit", text.strip() or "nothing", allowed, advice) from None
-    except ValueError:
+        if quantity is LIFE:
+            value = _life_in_million_revolutions(text.split(" ")[0], unit)
+        else:
+            value = parse_quantity(text, DIMENSIONS[quantity])
+    except ValueError as error:
         allowed, advice = f"a number and one of: {', '.join(LIVES)}", decimal_comma_advice(VALUE_EXAMPLE, text)
+        if isinstance(error, UnitError):
+            allowed = dimension_description(DIMENSIONS[quantity])
+            advice = decimal_comma_advice(error.advice, f"{number},{unit}")
         raise InputError(str(path), f"{line}: value, unit", text.strip() or "nothing", allowed, advice) from None
     where = cells.get(WHERE, "")
-    force, station = (
-        _load_or_length_in_si(where.replace(",", ".") if decimal_comma else where, of) for of in ("force", "length")
-    )
+    plain = where.replace(",", ".") if decimal_comma else where
+    force, station = (_load_or_length_in_si(plain, of) for of in ("force", "length"))
     if where and force is None and (station is None or quantity is not DISPLACEMENT):
         position = ", or an axial position such as 400 mm" if quantity is DISPLACEMENT else ""
         allowed = f"an axial load such as 5 kN{position}"

@@ -17,7 +17,7 @@ from xml.etree import ElementTree
 
 from rollbench.compare.errors import InputError, one_line
 from rollbench.compare.files import reason_without_figure, replace_file, write_figure
-from rollbench.compare.gate.verdict import Verdict, subject_text
+from rollbench.compare.gate.verdict import NeighbouringLoads, Verdict, subject_text
 from rollbench.compare.models.loads_file import read_csv_text
 from rollbench.reports.cells import escape_formula
 
@@ -30,18 +30,8 @@ if TYPE_CHECKING:
 SUMMARIES = ("GITHUB_STEP_SUMMARY",)
 
 #: Column headings of the table of verdicts in CSV and Markdown files.
-HEADINGS = (
-    "verdict",
-    "scene or check",
-    "judged",
-    "quantity",
-    "error %",
-    "uncertainty %",
-    "limit %",
-    "ball",
-    "flank",
-    "note",
-)
+NUMBERS = ("error %", "uncertainty %", "limit %")
+HEADINGS = ("verdict", "scene or check", "judged", "quantity", *NUMBERS, "ball", "flank", "note")
 
 
 @dataclass(frozen=True)
@@ -72,8 +62,8 @@ class VerdictFileRow:
     flank: str = ""
     #: Explanation of the verdict; may be empty.
     note: str = ""
-    #: For each ball next to this contact: number of the ball, judged load, reference load, uncertainty of the latter [N].
-    neighbouring_loads: tuple[tuple[int, float, float, float], ...] = ()
+    #: Loads of this contact and of the contacts of the balls before and after it, on the same flank.
+    neighbouring_loads: NeighbouringLoads = ()
 
     @property
     def cells(self) -> tuple[str, ...]:
@@ -197,9 +187,9 @@ def worst_ball_figure(o: VerdictFileRow) -> Figure:
     from rollbench.reports.content import Figure, Panel, Series
 
     balls, loads, reference, bars = (list(x) for x in zip(*o.neighbouring_loads, strict=True))
-    ends = [r - b for r, b in zip(reference, bars, strict=True)], [r + b for r, b in zip(reference, bars, strict=True)]
+    low, high = ([r + sign * b for r, b in zip(reference, bars, strict=True)] for sign in (-1.0, 1.0))
     series = (
-        Series("reference", balls, reference, "markers", bold=True, error_bars=ends),
+        Series("reference", balls, reference, "markers", bold=True, error_bars=(low, high)),
         Series(o.judged, balls, loads, "line+markers"),
     )
     panel = Panel(
@@ -325,9 +315,7 @@ class VerdictChange(NamedTuple):
     def as_json(self) -> dict[str, Any]:
         """Return the change as a dictionary for JSON: scene, quantity, verdict and error before and after, limit."""
         rows = self.before, self.after
-        limits = [
-            number_cell_text(row.limit, row.unit) for row in reversed(rows) if row is not None and row.limit is not None
-        ]
+        limits = [number_cell_text(row.limit, row.unit) for row in reversed(rows) if row and row.limit is not None]
         return {
             "scene": self.scene,
             "quantity": self.quantity,
@@ -377,13 +365,8 @@ def verdict_changes_since_file(path: Path, outcomes: Sequence[VerdictFileRow]) -
     return [
         VerdictChange(*label, old, new)
         for label, (old, new) in pairs.items()
-        if _verdict_and_error_text(old) != _verdict_and_error_text(new)
+        if (old and (old.verdict, old.error_text)) != (new and (new.verdict, new.error_text))
     ]
-
-
-def _verdict_and_error_text(row: RoundedVerdict | None) -> tuple[str, str] | None:
-    """Return verdict and error (two decimals) of a row as texts, to compare earlier and present rows; None without row."""
-    return None if row is None else (row.verdict, row.error_text)
 
 
 def _rounded_verdict(verdict: str, error: float | None, limit: float | None, unit: str) -> RoundedVerdict:
@@ -404,14 +387,12 @@ def _read_earlier_verdicts(path: Path) -> dict[Label, RoundedVerdict]:
     """
     text = read_csv_text(path)
     try:
-        return dict(
-            map(_verdict_from_json, _verdicts_in_json(json.loads(text)))
-            if text.lstrip().startswith("{")
-            else _verdicts_in_csv(text)
-        )
+        if not text.lstrip().startswith("{"):
+            return dict(_verdicts_in_csv(text))
+        data = json.loads(text)
+        return dict(map(_verdict_from_json, data["verdicts"] if "verdicts" in data else data["rows"]))
     except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
-        advice = "write a file of verdicts with `csv=gate.csv` and compare with that"
-        value = "a file without verdicts"
+        value, advice = "a file without verdicts", "write a file of verdicts with `csv=gate.csv` and compare with that"
         raise InputError(str(path), "file", value, "a CSV or JSON file written by rollbench check", advice) from None
 
 
@@ -431,11 +412,6 @@ def _number_and_unit(cell: str) -> tuple[float | None, str]:
     """Split a table cell written by `number_cell_text` into its number (None if the cell is empty) and its unit."""
     number, _, unit = cell.partition(" ")
     return float(number) if number else None, unit
-
-
-def _verdicts_in_json(data: Mapping[str, Any]) -> list[Mapping[str, Any]]:
-    """Return the JSON records of verdicts on scenes, or of acceptance checks, in the output of ``rollbench check``."""
-    return list(data["verdicts"] if "verdicts" in data else data["rows"])
 
 
 def _verdict_from_json(row: Mapping[str, Any]) -> tuple[Label, RoundedVerdict]:

@@ -13,10 +13,12 @@ from pathlib import Path
 import numpy as np
 
 from rollbench.compare.errors import ArgumentError, InputError, SceneNotCoveredError
-from rollbench.compare.gate import judged as gate_judged
 from rollbench.compare.gate import verdict
+from rollbench.compare.gate.judged import ANGLE, LIFE, OF_CONTACTS, UserValue, parse_error_limits, read_user_values
+from rollbench.compare.gate.verdict import LARGEST, LIMIT, ErrorLimits, Verdict
 from rollbench.compare.measure import error_percent, mean_load
 from rollbench.compare.models import comparison
+from rollbench.compare.models.comparison import NutOrBearingOnShaft, SceneWithReference
 from rollbench.compare.models.loading import with_scaled_loads
 from rollbench.compare.models.loads_file import EVERY, ContactLoadsFromFile, Only, decimal_comma_advice, read_loads
 from rollbench.compare.models.programs import model_title
@@ -73,10 +75,7 @@ def read_reference_file(
     left = [side for side in SIDES if side not in given.flanks_with_rows]
     if left:
         advice = "add the missing rows, with the load 0 for contacts that carry none"
-        allowed = (
-            "a load of every ball on each of its four flanks: left and right flank of the screw (SL, SR) and of the nut "
-            "(NL, NR)"
-        )
+        allowed = "a load of every ball on its four flanks: left and right flank of screw (SL, SR) and nut (NL, NR)"
         raise InputError(str(path), "rows", f"no rows for {', '.join(left)}", allowed, advice)
     if not given.load.any():
         advice = "check that the file holds the reference loads of this scene"
@@ -86,15 +85,9 @@ def read_reference_file(
     source = given.notes.get(PROVENANCE, "")
     stated = f"against {path.name}{f' ({source})' if source else ''}, {words}"
     angle = np.degrees(given.further_quantities.get("angle", np.full(given.load.shape, np.nan)))
-    further = {
-        q.name: given.further_quantities[name]
-        for name, q in gate_judged.OF_CONTACTS.items()
-        if name in given.further_quantities
-    }
-    share = float(error_percent(bars.max(), 0.0, mean_load(given.load, contacts)))
-    parts = MeshUncertainty(share)
-    run = loads_as_run_record(scene, given.load, angle)
-    label = re.sub(r"\s+", " ", path.name)
+    further = {q.name: given.further_quantities[k] for k, q in OF_CONTACTS.items() if k in given.further_quantities}
+    parts = MeshUncertainty(float(error_percent(bars.max(), 0.0, mean_load(given.load, contacts))))
+    run, label = loads_as_run_record(scene, given.load, angle), re.sub(r"\s+", " ", path.name)
     return Reference(scene.name, (run,), given.load, bars, parts, contacts, label, stated, further), given.unknown_headings
 
 
@@ -126,8 +119,8 @@ def _load_uncertainty_in_file(path: Path, given: ContactLoadsFromFile, mean: flo
     note = given.notes.get(UNCERTAINTY)
     if len(stated) + (note is not None) > 1:
         allowed = f"one column or one note (a line such as # {UNCERTAINTY}: 0.5 %)"
-        value = "several columns or notes that state it"
-        raise InputError(str(path), "uncertainty", value, allowed, "keep one and delete the others")
+        value, advice = "several columns or notes that state it", "keep one and delete the others"
+        raise InputError(str(path), "uncertainty", value, allowed, advice)
     if stated:
         values = given.further_quantities[stated[0]] * (given.load if stated[0] == "uncertain share" else 1.0)
         gaps = np.argwhere(np.isnan(values) & on)
@@ -194,10 +187,7 @@ SHARE = 0.2
 NONE_STORED = "no run of its 3D reference is stored, and none is to be computed"
 
 #: Known columns of a file of contact loads, as text for messages.
-KNOWN = (
-    "ball, flank, newton, azimuth_deg, z_mm, contact_angle_deg, approach_um, pressure_MPa, uncertainty_N, also with "
-    "another unit at the end of the name"
-)
+KNOWN = "ball, flank, newton, azimuth_deg, z_mm, contact_angle_deg, approach_um, pressure_MPa, uncertainty_N; any unit"
 
 #: Default for error limits of other quantities: none are stated.
 NO_OTHERS: Mapping[str, float] = {}
@@ -270,8 +260,7 @@ def gate_request(
         If arguments exclude each other or are out of range.
     """
     if max_error is not None and not 0.0 < max_error <= 100.0:
-        advice = "leave `max_error` out for 7 per cent"
-        allowed = "above 0 to 100 per cent of a contact load"
+        allowed, advice = "above 0 to 100 per cent of a contact load", "leave `max_error` out for 7 per cent"
         raise ArgumentError("max_error", str(max_error), allowed, advice)
     if levels is not None and not 1 <= levels <= len(LEVELS):
         advice = "compute at least 2 mesh levels to estimate the mesh uncertainty"
@@ -288,7 +277,8 @@ def gate_request(
             raise ArgumentError(name, str(file), "only without `model`", advice)
     if stored is not None and not stored.is_dir():
         raise ArgumentError("stored", str(stored), "a folder with stored runs of the 3D reference", "check the path")
-    comparison.models_by_name((model,) if model else (), "model")
+    if model:
+        model_by_name(model)  # checks the name
     return GateRequest(
         (store if stored is None else stored, shipped_store()),
         model or DEFAULT,
@@ -297,24 +287,24 @@ def gate_request(
         levels,
         compute and stored is None and reference is None,
         values,
-        gate_judged.parse_error_limits(limits),
+        parse_error_limits(limits),
         reference,
         strict,
     )
 
 
 @dataclass(frozen=True)
-class UserFileContents:
+class UserFiles:
     """Contents of a user's files for one scene or load case: judged contact loads, judged values, reference loads."""
 
     #: Contact loads of another program, one record for each nut or bearing.
     loads: tuple[ContactLoadsFromFile, ...] = ()
     #: Values of quantities of the whole screw (such as stiffness or life).
-    values: tuple[gate_judged.UserValue, ...] = ()
+    values: tuple[UserValue, ...] = ()
     #: For each axial load [N] at which a value is given, the scene with its loads scaled to that axial load.
     scenes_by_axial_load: Mapping[float, Scene] = field(default_factory=dict)
     #: User's reference, one record for each nut or bearing.
-    reference: tuple[comparison.SceneWithReference, ...] = ()
+    reference: tuple[SceneWithReference, ...] = ()
 
 
 def check_scenes(
@@ -324,7 +314,7 @@ def check_scenes(
     step: Callable[[str], None],
     warn: Callable[[str], None] = lambda _: None,
     cases: Mapping[str, str] = NO_CASES,
-) -> list[verdict.Verdict]:
+) -> list[Verdict]:
     """Judge contact loads and other values of a model or a file on each scene, against the 3D or the user's reference.
 
     Missing runs of the 3D reference are computed first, unless the request forbids it.
@@ -355,50 +345,34 @@ def check_scenes(
     InputError
         If a file does not fit the scene, or the model does not cover a scene.
     """
-    warned: dict[str, None] = {}
-    for scene in scenes:
-        for words in fraction_limit_warnings(limits_for_scene(scene, request.max_error, request.other_limits)):
-            warned.setdefault(words)
-    read = [
-        _read_user_files(scene, request, warned.setdefault, cases.get(scene.name))
-        for scene in _scenes_with_user_files(scenes, request, cases)
-    ]
+    each_limits = [limits_for_scene(scene, request.max_error, request.other_limits) for scene in scenes]
+    warned = dict.fromkeys(words for limits in each_limits for words in fraction_limit_warnings(limits))
+    named = _scenes_with_files(scenes, request, cases)
+    read = [_read_files(scene, request, warned.setdefault, cases.get(scene.name)) for scene in named]
     for words in warned:
         warn(words)
-    each_files = read or [UserFileContents()] * len(scenes)
-    why = (
-        _compute_missing_runs([*scenes, *(s for f in read for s in f.scenes_by_axial_load.values())], request, engine, step)
-        if request.compute_missing_runs
-        else {}
-    )
-    out: list[verdict.Verdict] = []
-    for scene, files in zip(scenes, each_files, strict=True):
-        limits = limits_for_scene(scene, request.max_error, request.other_limits)
-        each: Sequence[comparison.SceneWithReference] = files.reference or comparison.stored_references(
-            scene, request.stores
-        )
+    each_files, why = read or [UserFiles()] * len(scenes), dict[str, str]()
+    if request.compute_missing_runs:
+        scaled = (scene for files in read for scene in files.scenes_by_axial_load.values())
+        why = _compute_missing_runs([*scenes, *scaled], request, engine, step)
+    out: list[Verdict] = []
+    for scene, files, limits in zip(scenes, each_files, each_limits, strict=True):
+        each: Sequence[SceneWithReference] = files.reference or comparison.stored_references(scene, request.stores)
         reason = why.get(scene.name, NONE_STORED)
         if request.values_file is None or request.loads_file is not None:
-            out += [v for one in each for v in _contact_verdicts_of_nut_or_bearing(one, files, limits, request)]
+            out += [v for one in each for v in _load_verdicts(one, files, limits, request)]
             judged = model_title(request.model) if request.loads_file is None else request.loads_file.name
-            out += [] if each else [_not_covered_verdict(scene, judged, verdict.LARGEST, limits.largest_load_error, reason)]
+            out += [] if each else [_not_covered_verdict(scene, judged, LARGEST, limits.largest_load_error, reason)]
         for value in files.values:
-            beside = (
-                each
-                if value.axial_load is None
-                else comparison.stored_references(files.scenes_by_axial_load[value.axial_load], request.stores)
-            )
-            out.append(
-                _verdict_on_user_value(
-                    value, [x for x in beside if is_name_of_nut_or_bearing(x, value.set)], scene, limits, request, reason
-                )
-            )
+            beside = each
+            if value.axial_load is not None:
+                beside = comparison.stored_references(files.scenes_by_axial_load[value.axial_load], request.stores)
+            one = next((x for x in beside if is_name_of_nut_or_bearing(x, value.set)), None)
+            out.append(_verdict_on_user_value(value, one, scene, limits, request, reason))
     return out
 
 
-def _contact_verdicts_of_nut_or_bearing(
-    one: comparison.SceneWithReference, files: UserFileContents, limits: verdict.ErrorLimits, request: GateRequest
-) -> list[verdict.Verdict]:
+def _load_verdicts(one: SceneWithReference, files: UserFiles, limits: ErrorLimits, request: GateRequest) -> list[Verdict]:
     """Return the verdicts on the contact loads of one nut or bearing by a model or by a user's file.
 
     ``one``: the nut or bearing with its reference; ``files``: contents of the user's files; ``limits``: error limits;
@@ -406,38 +380,25 @@ def _contact_verdicts_of_nut_or_bearing(
     """
     if request.loads_file is None:
         return _add_scene_and_set_names(_verdicts_on_model(one, request.model, limits, request.stores), one)
-    given, judged = files.loads[0 if one.place_on_shaft is None else one.place_on_shaft.index], request.loads_file.name
+    given, judged = files.loads[one.index], request.loads_file.name
     detail = "; ".join(filter(None, _explanations_on_user_loads(given, one.reference, limits)))
     verdicts = verdict.judge_contact_loads(judged, given.load, one.reference, limits, given.flanks_with_rows, detail)
-    further = verdict.judge_contact_quantities(
-        judged,
-        verdict.JudgedContactValues(given.load, given.further_quantities, given.flanks_with_rows),
-        one.scene,
-        one.reference,
-        limits,
-    )
+    values = verdict.JudgedContactValues(given.load, given.further_quantities, given.flanks_with_rows)
+    further = verdict.judge_contact_quantities(judged, values, one.scene, one.reference, limits)
     return _add_scene_and_set_names(_add_stored_reference_verdict(verdicts, given, one, limits, request) + further, one)
 
 
-def _add_scene_and_set_names(verdicts: list[verdict.Verdict], one: comparison.SceneWithReference) -> list[verdict.Verdict]:
-    """Return the verdicts with the names of the scene and of its nut or bearing filled in, if the scene has several.
+def _add_scene_and_set_names(verdicts: list[Verdict], one: SceneWithReference) -> list[Verdict]:
+    """Return the verdicts with the names of the scene and, if it has several, of its nut or bearing filled in.
 
-    ``one``: the nut or bearing that they judge; the verdicts of a scene with a single one are unchanged.
+    ``one``: the nut or bearing that they judge.
     """
-    return (
-        verdicts
-        if one.place_on_shaft is None
-        else [replace(v, scene=one.place_on_shaft.assembly.name, set=one.place_on_shaft.name) for v in verdicts]
-    )
+    return [replace(v, scene=one.described_scene.name, set=one.set_name or None) for v in verdicts]
 
 
 def _add_stored_reference_verdict(
-    verdicts: list[verdict.Verdict],
-    given: ContactLoadsFromFile,
-    one: comparison.SceneWithReference,
-    limits: verdict.ErrorLimits,
-    request: GateRequest,
-) -> list[verdict.Verdict]:
+    verdicts: list[Verdict], given: ContactLoadsFromFile, one: SceneWithReference, limits: ErrorLimits, request: GateRequest
+) -> list[Verdict]:
     """Return the verdicts, with the verdict by the stored 3D reference added to the explanation of the first one.
 
     Nothing is added unless ``verdicts`` refer to a user's reference file and a 3D reference is stored, too. ``given``: the
@@ -452,56 +413,51 @@ def _add_stored_reference_verdict(
 
 
 def _verdict_on_user_value(
-    value: gate_judged.UserValue,
-    referenced_sets: Sequence[comparison.SceneWithReference],
+    value: UserValue,
+    one: SceneWithReference | None,
     scene: Solvable,
-    limits: verdict.ErrorLimits,
+    limits: ErrorLimits,
     request: GateRequest,
     reason: str,
-) -> verdict.Verdict:
+) -> Verdict:
     """Return the verdict on a user's value of a quantity of the whole screw (such as life or rigidity).
 
-    ``value``: the user's value; ``referenced_sets``: the nuts or bearings to which it belongs, with their references; if
-    there is none, the verdict is "not covered" for the given ``reason``. Of several nuts or bearings on one shaft, only the
-    life of each is judged. ``scene``: the scene that the user's file describes.
+    ``value``: the user's value; ``one``: the nut or bearing that it belongs to, with its reference; if None, the verdict is
+    "not covered" for the given ``reason``. Of several nuts or bearings on one shaft, only the life of each is judged.
+    ``scene``: the scene that the user's file describes.
     """
     assert request.values_file is not None
-    one = next(iter(referenced_sets), None)
-    if one is None or (one.place_on_shaft is not None and value.quantity is not gate_judged.LIFE):
-        limit = gate_judged.error_limit_of(value.quantity, limits.limits_by_quantity, limits.largest_load_error)
+    judged = request.values_file.name
+    if one is None or (one.place_on_shaft is not None and value.quantity is not LIFE):
         reason = reason if one is None else "with several nuts or bearings on one shaft, only the life of each is judged"
-        return _not_covered_verdict(scene, request.values_file.name, value.name, limit, reason)
-    return _add_scene_and_set_names(
-        [verdict.judge_given_value(request.values_file.name, value, one.scene, one.reference, limits)], one
-    )[0]
+        return _not_covered_verdict(scene, judged, value.name, limits.limit_of(value.quantity), reason)
+    found = verdict.judge_value(judged, value, one.scene, one.reference, limits)
+    return _add_scene_and_set_names([found], one)[0]
 
 
-def is_name_of_nut_or_bearing(referenced: comparison.SceneWithReference, text: str) -> bool:
+def is_name_of_nut_or_bearing(referenced: SceneWithReference, text: str) -> bool:
     """Return whether a text is the number (from 1) or the name of a nut or bearing; of a single one, any text is accepted.
 
     ``referenced``: the nut or bearing with its reference.
     """
-    return referenced.place_on_shaft is None or text in _accepted_names_of_nut_or_bearing(
-        referenced.place_on_shaft.assembly, referenced.place_on_shaft.index
-    )
+    place = referenced.place_on_shaft
+    return place is None or text in _accepted_names(place.assembly, place.index)
 
 
-def _accepted_names_of_nut_or_bearing(assembly: Assembly, k: int) -> tuple[str, str]:
+def _accepted_names(assembly: Assembly, k: int) -> tuple[str, str]:
     """Return the two texts by which users' files may name the nut or bearing ``k`` (from 0): number from 1, and name."""
     return str(k + 1), assembly.sets[k].name
 
 
-def _not_covered_verdict(scene: Solvable, judged: str, quantity: str, limit: float, why: str) -> verdict.Verdict:
+def _not_covered_verdict(scene: Solvable, judged: str, quantity: str, limit: float, why: str) -> Verdict:
     """Return the verdict "not covered" on a quantity of a scene that has no reference.
 
     ``judged``: name of the model or file; ``limit``: error limit of the quantity; ``why``: the reason.
     """
-    return verdict.Verdict(scene.name, judged, quantity, "not covered", None, None, limit, detail=why)
+    return Verdict(scene.name, judged, quantity, "not covered", None, None, limit, detail=why)
 
 
-def _scenes_with_user_files(
-    scenes: Sequence[Solvable], request: GateRequest, cases: Mapping[str, str]
-) -> Sequence[Solvable]:
+def _scenes_with_files(scenes: Sequence[Solvable], request: GateRequest, cases: Mapping[str, str]) -> Sequence[Solvable]:
     """Return the scenes to which the user's files apply; none if the request names no file.
 
     ``scenes``: scenes to be judged; ``cases``: name of the load case by name of the scene, for load cases of one scene.
@@ -515,37 +471,26 @@ def _scenes_with_user_files(
     return scenes if any(named.values()) else ()
 
 
-def _read_user_files(
-    scene: Solvable, request: GateRequest, warn: Callable[[str], None], case: str | None
-) -> UserFileContents:
+def _read_files(scene: Solvable, request: GateRequest, warn: Callable[[str], None], case: str | None) -> UserFiles:
     """Read the user's files of loads, values and reference for a scene; InputError if they do not fit it.
 
     ``warn``: function that is called with each warning; ``case``: load case whose rows are read; None: all rows.
     """
-    reference: list[comparison.SceneWithReference] = []
-    loads, values = [], list[gate_judged.UserValue]()
-    at: dict[float, Scene] = {}
+    reference, loads, values = list[SceneWithReference](), [], list[UserValue]()
+    at, strict = dict[float, Scene](), request.refuse_unknown_columns
     if request.reference_file is not None:
         limit = limits_for_scene(scene, request.max_error).largest_load_error
-        reference = references_from_file(
-            request.reference_file, scene, warn, limit, strict=request.refuse_unknown_columns, case=case
-        )
-    if request.loads_file is not None:
+        reference = references_from_file(request.reference_file, scene, warn, limit, strict=strict, case=case)
+    if (file := request.loads_file) is not None:
         for of, only in nuts_and_bearings_with_row_filter(scene, case):
-            loads.append(read_loads(request.loads_file, of.ball_count, of, only))
-            _check_unknown_columns(
-                request.loads_file, loads[-1].unknown_headings, warn, strict=request.refuse_unknown_columns
-            )
-    if request.values_file is not None:
-        values, unknown = gate_judged.read_user_values(request.values_file, case)
-        _check_unknown_columns(request.values_file, unknown, warn, strict=request.refuse_unknown_columns)
-        _check_nut_or_bearing_names(scene, values, request.values_file)
-        at = {
-            value.axial_load: _scene_at_value_load(scene, value, request.values_file)
-            for value in values
-            if value.axial_load is not None
-        }
-    return UserFileContents(tuple(loads), tuple(values), at, tuple(reference))
+            loads.append(read_loads(file, of.ball_count, of, only))
+            _check_unknown_columns(file, loads[-1].unknown_headings, warn, strict=strict)
+    if (file := request.values_file) is not None:
+        values, unknown = read_user_values(file, case)
+        _check_unknown_columns(file, unknown, warn, strict=strict)
+        _check_nut_or_bearing_names(scene, values, file)
+        at = {v.axial_load: _scene_at_value_load(scene, v, file) for v in values if v.axial_load is not None}
+    return UserFiles(tuple(loads), tuple(values), at, tuple(reference))
 
 
 def nuts_and_bearings_with_row_filter(scene: Solvable, case: str | None) -> list[tuple[Scene, Only]]:
@@ -562,12 +507,7 @@ def nuts_and_bearings_with_row_filter(scene: Solvable, case: str | None) -> list
         if not isinstance(s.parts, Scene):
             advice = "judge a model instead of a file: rollers have no flanks to which loads could be assigned"
             raise InputError(scene.name, "sets", s.name, "only nuts and bearings with balls", advice)
-        out.append(
-            (
-                comparison.NutOrBearingOnShaft(scene, k).scene,
-                {**of_case, "set": _accepted_names_of_nut_or_bearing(scene, k)},
-            )
-        )
+        out.append((NutOrBearingOnShaft(scene, k).scene, {**of_case, "set": _accepted_names(scene, k)}))
     return out
 
 
@@ -579,7 +519,7 @@ def references_from_file(
     *,
     strict: bool = False,
     case: str | None = None,
-) -> list[comparison.SceneWithReference]:
+) -> list[SceneWithReference]:
     """Read the user's reference file and return the reference loads of each nut or bearing of a scene.
 
     Parameters
@@ -592,7 +532,7 @@ def references_from_file(
         Function that is called with each warning.
     limit
         Limit of the errors of loads [%]: a warning is given if the uncertainty of the reference exceeds it. None: the limit
-        that the scene states or, if it has none, the default `verdict.LIMIT`.
+        that the scene states or, if it has none, the default `LIMIT`.
     strict
         Whether unknown column headings are an error.
     case
@@ -610,66 +550,55 @@ def references_from_file(
     """
     out = []
     for k, (parts, only) in enumerate(nuts_and_bearings_with_row_filter(scene, case)):
-        of = None if isinstance(scene, Scene) else comparison.NutOrBearingOnShaft(scene, k)
+        of = None if isinstance(scene, Scene) else NutOrBearingOnShaft(scene, k)
         reference, unknown = read_reference_file(path, parts, only, None if of is None else of.loaded_contact_count)
         reference = reference if of is None else replace(reference, scene=f"{scene.name}, {of.name}")
         _check_unknown_columns(path, unknown, warn, strict=strict)
         if words := uncertainty_warning(reference, limits_for_scene(scene, limit).largest_load_error):
             warn(words)
-        out.append(comparison.SceneWithReference(parts, reference, of))
+        out.append(SceneWithReference(parts, reference, of))
     return out
 
 
-def stored_reference_of_nut_or_bearing(
-    referenced: comparison.SceneWithReference, stores: Sequence[Path]
-) -> Reference | None:
+def stored_reference_of_nut_or_bearing(one: SceneWithReference, stores: Sequence[Path]) -> Reference | None:
     """Return the stored 3D reference of a nut or bearing that was judged against a user's reference; None if there is none.
 
-    ``referenced``: the nut or bearing with the user's reference; ``stores``: folders with runs of the 3D reference.
+    ``one``: the nut or bearing with the user's reference; ``stores``: folders with runs of the 3D reference.
     """
-    references = comparison.stored_references(
-        referenced.scene if referenced.place_on_shaft is None else referenced.place_on_shaft.assembly, stores
-    )
-    return (
-        references[0 if referenced.place_on_shaft is None else referenced.place_on_shaft.index].reference
-        if references
-        else None
-    )
+    references = comparison.stored_references(one.described_scene, stores)
+    return references[one.index].reference if references else None
 
 
-def _check_nut_or_bearing_names(scene: Solvable, values: Sequence[gate_judged.UserValue], path: Path) -> None:
+def _check_nut_or_bearing_names(scene: Solvable, values: Sequence[UserValue], path: Path) -> None:
     """Raise InputError if a value in a user's file names no nut or bearing of the scene, or an unknown one.
 
     ``path``: path of the file. Values of a scene with a single nut or bearing need no name.
     """
     if isinstance(scene, Scene):
         return
-    known = [word for k in range(len(scene.sets)) for word in _accepted_names_of_nut_or_bearing(scene, k)]
+    known = [word for k in range(len(scene.sets)) for word in _accepted_names(scene, k)]
     for value in values:
         if value.set not in known:
             advice = "add a column `set` that names the nut or bearing of every value"
             raise InputError(str(path), "set", value.set or "nothing", ", ".join(known), advice)
 
 
-def _scene_at_value_load(scene: Solvable, value: gate_judged.UserValue, path: Path) -> Scene:
+def _scene_at_value_load(scene: Solvable, value: UserValue, path: Path) -> Scene:
     """Return the scene with its loads scaled to the axial load at which a user's value is given.
 
     ``value``: the value with its axial load; ``path``: the user's file. InputError if the scene has no axial load, or
     several nuts or bearings.
     """
     assert value.axial_load is not None
+    given = value.load_or_position_text
     if isinstance(scene, Assembly):
-        advice = (
-            "leave the cell empty: in a scene with several nuts or bearings, values are compared only at the loads that "
-            "the scene states"
-        )
-        raise InputError(str(path), "where", value.load_or_position_text, "an empty cell", advice)
+        advice = "leave the cell empty: with several nuts or bearings, values are compared at the loads of the scene only"
+        raise InputError(str(path), "where", given, "an empty cell", advice)
     axial = abs(sum(load.force[2] for load in scene.loads))
     if axial == 0.0:
+        allowed = "an axial load only for a scene with an axial load"
         advice = "leave the cell empty: the scene has no axial load that could be scaled to this value"
-        raise InputError(
-            str(path), "where", value.load_or_position_text, "an axial load only for a scene with an axial load", advice
-        )
+        raise InputError(str(path), "where", given, allowed, advice)
     return with_scaled_loads(scene, value.axial_load / axial)
 
 
@@ -682,9 +611,7 @@ def _check_unknown_columns(path: Path, headings: Sequence[str], warn: Callable[[
     warn(f"{path.name}: unknown columns are not judged: {', '.join(headings)}; known columns: {KNOWN}")
 
 
-def _explanations_on_user_loads(
-    given: ContactLoadsFromFile, reference: Reference, limits: verdict.ErrorLimits
-) -> Iterator[str]:
+def _explanations_on_user_loads(given: ContactLoadsFromFile, reference: Reference, limits: ErrorLimits) -> Iterator[str]:
     """Yield explanations for the verdict on a user's contact loads; some may be empty texts.
 
     ``given``: the user's contact loads; ``limits``: error limits. The explanations state flanks without loads, balls
@@ -697,9 +624,7 @@ def _explanations_on_user_loads(
     yield verdict.suspected_cause_text(given.load, reference.load, given.flanks_with_rows, limits.largest_load_error)
 
 
-def limits_for_scene(
-    scene: Solvable, max_error: float | None, others: Mapping[str, float] = NO_OTHERS
-) -> verdict.ErrorLimits:
+def limits_for_scene(scene: Solvable, max_error: float | None, others: Mapping[str, float] = NO_OTHERS) -> ErrorLimits:
     """Return the error limits for a scene: those that the user states, else those of the scene file, else the default.
 
     Parameters
@@ -708,7 +633,7 @@ def limits_for_scene(
         Scene with one nut or bearing or several.
     max_error
         Limit of the largest error of a contact load [%] that the user states; None: the limit in the scene file or, if it
-        has none, the default `verdict.LIMIT`.
+        has none, the default `LIMIT`.
     others
         Error limits of quantities other than loads, by name of the quantity.
 
@@ -718,21 +643,19 @@ def limits_for_scene(
         Limits by which the scene is judged.
     """
     if isinstance(scene, Assembly):
-        return verdict.ErrorLimits(verdict.LIMIT if max_error is None else max_error, limits_by_quantity=others)
-    limit = verdict.LIMIT if scene.gate.max_error is None else scene.gate.max_error
-    return verdict.ErrorLimits(limit if max_error is None else max_error, scene.gate.rms_error, others)
+        return ErrorLimits(LIMIT if max_error is None else max_error, limits_by_quantity=others)
+    limit = LIMIT if scene.gate.max_error is None else scene.gate.max_error
+    return ErrorLimits(limit if max_error is None else max_error, scene.gate.rms_error, others)
 
 
-def fraction_limit_warnings(limits: verdict.ErrorLimits) -> Iterator[str]:
+def fraction_limit_warnings(limits: ErrorLimits) -> Iterator[str]:
     """Yield a warning for each error limit that looks like a fraction, such as 0.07 % where 7 % may be meant."""
     for name, limit in {"loads": limits.largest_load_error, **limits.limits_by_quantity}.items():
-        if limit < SHARE and name != gate_judged.ANGLE.name:
+        if limit < SHARE and name != ANGLE.name:
             yield f"the limit of {name} is {limit:g} %: do you mean {100.0 * limit:g} %? Limits are in per cent"
 
 
-def _verdicts_on_model(
-    one: comparison.SceneWithReference, name: str, limits: verdict.ErrorLimits, stores: Sequence[Path]
-) -> list[verdict.Verdict]:
+def _verdicts_on_model(one: SceneWithReference, name: str, limits: ErrorLimits, stores: Sequence[Path]) -> list[Verdict]:
     """Return the verdicts on a model's results for one nut or bearing; one "fail" if the model finds no equilibrium.
 
     ``one``: the nut or bearing with its reference; ``name``: name of the model; ``stores``: folders with 3D runs.
@@ -749,30 +672,14 @@ def _verdicts_on_model(
         solved = run_model(scene, name, comparison.comparison_options(model, scene, ref, stores))
         result, status = solved if solved.converged else None, solved.status
     if result is None:
-        detail = f"the model computed no loads: {status}"
-        return [
-            verdict.Verdict(
-                scene.name,
-                title,
-                verdict.LARGEST,
-                "fail",
-                None,
-                None,
-                limits.largest_load_error,
-                levels=ref.levels,
-                detail=detail,
-            )
-        ]
+        limit, why = limits.largest_load_error, f"the model computed no loads: {status}"
+        return [Verdict(scene.name, title, LARGEST, "fail", None, None, limit, levels=ref.levels, detail=why)]
     loads = comparison.solution_from_result(result)
-    verdicts = verdict.judge_contact_loads(title, result.load, ref, limits) + verdict.judge_contact_quantities(
-        title, verdict.contact_values_by_model(scene, loads, limits.limits_by_quantity), scene, ref, limits
-    )
-    if one.place_on_shaft is not None:
-        return verdicts
-    return verdicts + [
-        verdict.judge_given_value(title, v, scene, ref, limits)
-        for v in verdict.screw_values_by_model(scene, loads, limits.limits_by_quantity)
-    ]
+    values = verdict.contact_values_by_model(scene, loads, limits.limits_by_quantity)
+    verdicts = verdict.judge_contact_loads(title, result.load, ref, limits)
+    verdicts += verdict.judge_contact_quantities(title, values, scene, ref, limits)
+    whole = [] if one.place_on_shaft else verdict.screw_values_by_model(scene, loads, limits.limits_by_quantity)
+    return verdicts + [verdict.judge_value(title, v, scene, ref, limits) for v in whole]
 
 
 def _compute_missing_runs(
@@ -788,9 +695,8 @@ def _compute_missing_runs(
     for group in group_scenes_by_geometry(scenes):
         for levels, lacking in _missing_levels(group, request).items():
             try:
-                failed = ensure_runs_are_stored(
-                    plan_reference_tasks(lacking, levels), request.stores[0], engine, step, request.stores[1:]
-                )
+                tasks = plan_reference_tasks(lacking, levels)
+                failed = ensure_runs_are_stored(tasks, request.stores[0], engine, step, request.stores[1:])
             except SceneNotCoveredError as error:
                 why |= {scene.name: str(error) for scene in lacking}
                 continue

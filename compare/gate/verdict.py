@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
 from rollbench.compare.gate import judged as gate_judged
 from rollbench.compare.measure import SMALL, LoadError, error_percent, load_error, mask_of_loaded_contacts, mean_load
 from rollbench.compare.models.comparison import RULE, ContactSolution, contact_load_errors
-from rollbench.compare.quantities import words_and_unit_of_key
+from rollbench.compare.quantities import json_number, words_and_unit_of_key
 from rollbench.compare.reference.estimate import Reference
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDES, Scene
@@ -30,10 +30,14 @@ CODES: dict[Word, int] = {"fail": 1, "not converged": 1, "undecided": 3, "not co
 #: Number of balls that a figure shows before, and after, the ball that determines the verdict.
 NEAR = 6
 
+#: For each of these balls: number of the ball from 1, judged load, reference load, uncertainty of the latter [N].
+NeighbouringLoads: TypeAlias = tuple[tuple[int, float, float, float], ...]
+
 #: Size in newtons of other units in which a user's contact loads may be by mistake.
 UNITS = {"kilonewtons": 1e3, "pounds": 4.4482216152605, "kiloponds": 9.80665, "millinewtons": 1e-3}
 
-#: Relative deviation up to which the ratio of judged to reference loads is taken for the factor of a wrong unit.
+#: Largest relative difference [1] between the ratio of reference to judged loads and the size of another unit in newtons
+#: at which the judged loads are suspected to be in that unit.
 ALIKE = 0.2
 
 #: Name of the quantity of a verdict on the largest contact-load error.
@@ -57,6 +61,15 @@ class ErrorLimits:
     rms_load_error: float | None = None
     #: Limits of other quantities, by name of the quantity (`gate.judged`).
     limits_by_quantity: Mapping[str, float] = field(default_factory=dict)
+
+    def limit_of(self, quantity: gate_judged.JudgedQuantity) -> float:
+        """Return the error limit of a quantity other than a contact load [%; deg for angles]: the stated or default one.
+
+        The default of most quantities is a multiple of the limit of the contact loads.
+        """
+        default = quantity.default_limit
+        default = quantity.default_limit_ratio * self.largest_load_error if default is None else default
+        return self.limits_by_quantity.get(quantity.name, default)
 
 
 def subject_text(scene: str, case: str | None, set_: str | None) -> str:
@@ -121,8 +134,8 @@ class Verdict:
     unit: str = "%"
     #: Key of the quantity, its judged value and its value in the reference; None for contact loads.
     pair: tuple[str, float, float] | None = None
-    #: For each ball next to this contact: number of the ball, judged load, reference load, uncertainty of the latter [N].
-    near: tuple[tuple[int, float, float, float], ...] = ()
+    #: Loads of this contact and of the contacts of the balls before and after it, on the same flank.
+    near: NeighbouringLoads = ()
 
     @property
     def error_percent(self) -> float | None:
@@ -295,62 +308,31 @@ def judge_contact_loads(
         Verdict on the largest error; also one on the RMS error if that has a limit.
     """
     chosen = np.array([side in flanks for side in SIDES])
+    name, limit, rms_limit = reference.scene, limits.largest_load_error, limits.rms_load_error
     points = [
-        JudgedContactError(
-            p.error_percent, abs(p.uncertainty_percent) if np.isfinite(p.uncertainty_percent) else None, p.ball, p.side
-        )
-        for p in contact_load_errors(reference.scene, reference, limits.largest_load_error, load)
+        JudgedContactError(p.error_percent, json_number(abs(p.uncertainty_percent)), p.ball, p.side)
+        for p in contact_load_errors(name, reference, limit, load)
         if p.side in flanks
     ]
     if not points:
-        return [
-            verdict_without_reference(
-                reference,
-                judged,
-                LARGEST,
-                limits.largest_load_error,
-                f"the reference has no contact load on the flanks {', '.join(flanks)}",
-            )
-        ]
+        why = f"the reference has no contact load on the flanks {', '.join(flanks)}"
+        return [verdict_without_reference(reference, judged, LARGEST, limit, why)]
     reached = mask_of_loaded_contacts(reference.load)
     contacts = round(reference.contacts * np.count_nonzero(reached[:, chosen]) / np.count_nonzero(reached))
     of_mean = load_error(np.where(chosen, load, 0.0), np.where(chosen, reference.load, 0.0), contacts)
-    kind, at = decisive_contact(points, limits.largest_load_error)
+    kind, at = decisive_contact(points, limit)
     words = "; ".join(filter(None, (detail, reference_notes(reference))))
     shared: dict[str, Any] = {"levels": reference.levels, "contacts": len(points), "detail": words}
-    first = Verdict(
-        reference.scene,
-        judged,
-        LARGEST,
-        kind,
-        at.error,
-        at.uncertainty,
-        limits.largest_load_error,
-        at.ball,
-        at.side,
-        **shared,
-    )
+    first = Verdict(name, judged, LARGEST, kind, at.error, at.uncertainty, limit, at.ball, at.side, **shared)
     out = [replace(first, of_mean=of_mean, near=_loads_of_neighbouring_balls(load, reference, at))]
-    if limits.rms_load_error is not None:
+    if rms_limit is not None:
         error, bar = of_mean.rms_percent, reference.parts.uncertainty
-        out.append(
-            Verdict(
-                reference.scene,
-                judged,
-                RMS,
-                verdict_on_error(error, bar, limits.rms_load_error),
-                error,
-                bar,
-                limits.rms_load_error,
-                **shared,
-            )
-        )
+        kind = verdict_on_error(error, bar, rms_limit)
+        out.append(Verdict(name, judged, RMS, kind, error, bar, rms_limit, **shared))
     return out
 
 
-def _loads_of_neighbouring_balls(
-    load: Array, reference: Reference, at: JudgedContactError
-) -> tuple[tuple[int, float, float, float], ...]:
+def _loads_of_neighbouring_balls(load: Array, reference: Reference, at: JudgedContactError) -> NeighbouringLoads:
     """Return the judged and reference loads on the flank of a contact, of up to `NEAR` balls before it and after it.
 
     ``at``: the contact. Each entry is (number of the ball from 1, judged load, reference load, uncertainty of the reference
@@ -436,15 +418,11 @@ def contact_values_by_model(scene: Scene, answer: ContactSolution, limits: Mappi
 
     ``answer``: results of the model; ``limits``: error limits by name of the quantity.
     """
-    limited = {name: q for name, q in gate_judged.OF_CONTACTS.items() if q.name in limits}
-    further = {
-        k: np.radians(answer.angle)
-        if q is gate_judged.ANGLE
-        else gate_judged.hertz_approach_or_pressure(scene, q, answer.load)
-        for k, q in limited.items()
-    }
-    if "pressure" in further and answer.pressure is not None:
-        further["pressure"] = answer.pressure
+    of_model, further = {"angle": np.radians(answer.angle), "pressure": answer.pressure}, {}
+    for name, q in gate_judged.OF_CONTACTS.items():
+        if q.name in limits:
+            given = of_model.get(name)
+            further[name] = gate_judged.hertz_approach_or_pressure(scene, q, answer.load) if given is None else given
     return JudgedContactValues(answer.load, further)
 
 
@@ -455,11 +433,8 @@ def screw_values_by_model(
 
     ``answer``: results of the model; ``limits``: error limits by name of the quantity.
     """
-    whole, limited = (
-        gate_judged.WholeScrewEvaluation(scene),
-        [q for q in gate_judged.QUANTITIES.values() if q.name in limits and q not in gate_judged.OF_CONTACTS.values()],
-    )
-    values = ((q, whole.value_of(q, answer)) for q in limited)
+    whole = gate_judged.WholeScrewEvaluation(scene)
+    values = ((q, whole.value_of(q, answer)) for q in gate_judged.OF_WHOLE if q.name in limits)
     return [gate_judged.UserValue(q, value) for q, value in values if value is not None]
 
 
@@ -487,10 +462,7 @@ def _judge_contact_quantity(
     angles are in degrees, on contacts that bear load both in the reference and in the judged values.
     """
     q, value = gate_judged.OF_CONTACTS[name], given.other_quantities[name]
-    limit, unit = (
-        gate_judged.error_limit_of(q, limits.limits_by_quantity, limits.largest_load_error),
-        "deg" if q is gate_judged.ANGLE else "%",
-    )
+    limit, unit, notes = limits.limit_of(q), "deg" if q is gate_judged.ANGLE else "%", [reference_notes(ref)]
     reference, bars = gate_judged.contact_quantity_of_reference(scene, ref, q)
     chosen = np.array([side in given.flanks for side in SIDES])
     if q is gate_judged.ANGLE:
@@ -503,42 +475,33 @@ def _judge_contact_quantity(
         scale = np.where(ref.load >= SMALL * ref.mean, reference, mean)
         errors, shares = error_percent(value, reference, scale), error_percent(bars, 0.0, scale)
     if not judge.any():
-        return verdict_without_reference(
-            ref, judged, q.name, limit, f"no contact of the flanks {', '.join(given.flanks)} is loaded", unit
-        )
+        why = f"no contact of the flanks {', '.join(given.flanks)} is loaded"
+        return verdict_without_reference(ref, judged, q.name, limit, why, unit)
     points = [
-        JudgedContactError(
-            float(errors[k]), float(shares[k]) if np.isfinite(shares[k]) else None, int(k[0]) + 1, SIDES[k[1]]
-        )
-        for k in zip(*np.nonzero(judge), strict=True)
+        JudgedContactError(float(errors[i, s]), json_number(shares[i, s]), int(i) + 1, SIDES[s])
+        for i, s in zip(*np.nonzero(judge), strict=True)
     ]
     kind, at = decisive_contact(points, limit)
     k = at.ball - 1, SIDES.index(at.side)
     pair = (q.key, q.display_factor * float(value[k]), q.display_factor * float(reference[k]))
-    detail = (
-        reference_notes(ref)
-        if q is gate_judged.ANGLE or q.name in ref.further
-        else "; ".join(filter(None, [BY_HERTZ, reference_notes(ref)]))
-    )
-    where = (at.ball, at.side, ref.levels, len(points), detail)
+    if q is not gate_judged.ANGLE and q.name not in ref.further:
+        notes.insert(0, BY_HERTZ)
+    where = (at.ball, at.side, ref.levels, len(points), "; ".join(filter(None, notes)))
     return Verdict(ref.scene, judged, q.name, kind, at.error, at.uncertainty, limit, *where, unit=unit, pair=pair)
 
 
-def judge_given_value(
-    judged: str, given: gate_judged.UserValue, scene: Scene, ref: Reference, limits: ErrorLimits
-) -> Verdict:
+def judge_value(judged: str, given: gate_judged.UserValue, scene: Scene, ref: Reference, limits: ErrorLimits) -> Verdict:
     """Judge a value of the whole screw (such as its life or rigidity) against that of the reference.
 
     ``judged``: name of the model or file that states the value ``given``; ``ref``: the reference. The error is in per cent
     of the reference value.
     """
     whole, q = gate_judged.WholeScrewEvaluation(scene), given.quantity
-    limit = gate_judged.error_limit_of(q, limits.limits_by_quantity, limits.largest_load_error)
+    limit = limits.limit_of(q)
     reference, bar = whole.reference_value_and_uncertainty(q, ref, given.station)
     if not reference:
-        return verdict_without_reference(
-            ref, judged, given.name, limit, f"no {q.name}: {whole.reason_without_value(q, ref)}"
-        )
+        why = f"no {q.name}: {whole.reason_without_value(q, ref)}"
+        return verdict_without_reference(ref, judged, given.name, limit, why)
     error = float(error_percent(given.value, reference))
     share = None if bar is None else float(error_percent(bar, 0.0, reference))
     detail = "; ".join(filter(None, (whole.computation_note(q), reference_notes(ref))))

@@ -6,36 +6,22 @@ deep-groove bearing near one end of its axial play.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import degrees, sin
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from rollbench.compare.errors import ArgumentError, SceneNotCoveredError
 from rollbench.compare.measure import mean_load
 from rollbench.compare.models import loading
-from rollbench.compare.models import loading as models_loading
 from rollbench.compare.models.registry import MODELS, ModelOptions, read_condensed_bodies, run_model, scene_key_of_error
 from rollbench.lowfi.bearings import torque as bearings_torque
 from rollbench.lowfi.bearings.tapered_roller import RibContact, rib_contact
 from rollbench.lowfi.compliance.parts import LADDER, REFINED
-from rollbench.lowfi.rating import iso_lives, roller_life
+from rollbench.lowfi.rating import contacts, iso_lives, roller_life
 from rollbench.lowfi.rating.catalogue_checks import ShaftLimits, shaft_limits
-from rollbench.lowfi.rating.contacts import (
-    BallContact,
-    EllipseTruncation,
-    Ratings,
-    RollerContact,
-    StaticSafety,
-    contact_of_highest_pressure,
-    dynamic_and_static_ratings,
-    most_truncated_ellipse,
-    roller_contact_of_highest_pressure,
-    roller_static_safety,
-    static_safety,
-)
 from rollbench.lowfi.rating.iso_lives import ModifiedLife, modified_life
 from rollbench.lowfi.rating.life import BasicRatingLife, basic_rating_life, dynamic_rating
 from rollbench.lowfi.rating.rigidity import AxialRigidities, axial_force, three_axial_rigidities
@@ -47,7 +33,7 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, RollerRow, RollingSet
 from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout
-from rollbench.meshes.parts import Lubricant, Motion, Scene, Support
+from rollbench.meshes.parts import Lubricant, Scene
 from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record
 
 #: Distance of a ring from the middle of its axial play, over half the play, from which on it counts as at the end [1].
@@ -75,7 +61,7 @@ def clearance_of_deep_groove(parts: Scene, thrust: str = "deep groove") -> one_a
 
 def axial_play_warnings(scene: Scene | Assembly) -> Iterator[ResultWarning]:
     """Yield a warning for each deep-groove bearing row that the supports hold axially near one end of its axial play."""
-    shaft = _prescribed_shaft_displacement(scene.supports)
+    shaft = next((value for s in scene.supports for name, value in s.fixed if name == "uz"), None)
     if shaft is None:
         return
     if isinstance(scene, Scene):
@@ -108,11 +94,6 @@ def _axial_play_warnings_of_row(parts: Scene, displacement: float) -> Iterator[R
     )
 
 
-def _prescribed_shaft_displacement(supports: tuple[Support, ...]) -> float | None:
-    """Return the axial displacement [m] that the supports prescribe for the shaft; None if no support fixes it axially."""
-    return next((value for s in supports for name, value in s.fixed if name == "uz"), None)
-
-
 def _prescribed_outer_ring_displacement(assembly: Assembly, row: RollingSet) -> float | None:
     """Return the prescribed axial displacement [m] of the outer ring of ``row``; None if its housing can move axially."""
     if row.housing is None:
@@ -139,15 +120,15 @@ class ContactLoadResults:
     """
 
     #: Contact with the highest pressure.
-    worst_contact: BallContact | None = quantity_field("worst_contact")
+    worst_contact: contacts.BallContact | None = quantity_field("worst_contact")
     #: Static safety of the contact with the highest pressure.
-    safety: StaticSafety | None = quantity_field("static_safety")
+    safety: contacts.StaticSafety | None = quantity_field("static_safety")
     #: Contact ellipse that comes closest to the edge of its groove.
-    truncation: EllipseTruncation | None = quantity_field("truncation")
+    truncation: contacts.EllipseTruncation | None = quantity_field("truncation")
     #: Basic rating life under the contact loads.
     life: BasicRatingLife | None = quantity_field("life")
     #: Dynamic and static load ratings.
-    ratings: Ratings | None = quantity_field("ratings")
+    ratings: contacts.Ratings | None = quantity_field("ratings")
     words: str = quantity_field(
         "rating_refused", "why no life and no load ratings can be computed", show=lambda words: words or None, default=""
     )
@@ -165,19 +146,23 @@ class RollerLoadResults:
     """
 
     #: Line contact with the highest pressure.
-    worst_contact: RollerContact | None = quantity_field("worst_contact")
+    worst_contact: contacts.RollerContact | None = quantity_field("worst_contact")
     #: Static safety of the line contact with the highest pressure.
-    safety: StaticSafety | None = quantity_field("static_safety")
+    safety: contacts.StaticSafety | None = quantity_field("static_safety")
     #: Contact of the most loaded roller with the rib of its ring.
     rib_contact: RibContact | None = quantity_field("rib_contact")
     #: Basic rating life under the contact loads.
     life: BasicRatingLife | None = quantity_field("life")
     #: Dynamic and static load ratings.
-    ratings: Ratings = quantity_field("ratings")
+    ratings: contacts.Ratings = quantity_field("ratings")
     #: Friction torque of the row, while it runs and when it starts.
     torque: bearings_torque.RollerBearingTorque | None = quantity_field("roller_torque")
     #: Life of the bearing by ISO/TS 16281.
     reference: iso_lives.ReferenceLife | None = quantity_field("reference_life")
+
+
+#: Results from the contact loads of a nut or bearing row with balls, or from the line loads of a row of rollers.
+LoadResults: TypeAlias = ContactLoadResults | RollerLoadResults
 
 
 @dataclass(frozen=True)
@@ -198,15 +183,15 @@ class SceneResults:
     #: Why the tangent stiffness was not computed; empty if it was, or if the model never computes one.
     tangent_words: str
     #: Contact loads that remain when the loads of the scene are removed.
-    preload: models_loading.Preload | None
+    preload: loading.Preload | None
     #: External load at which the first preloaded contact opens; None without preload.
-    lift_off: models_loading.LiftOff | None
+    lift_off: loading.LiftOff | None
     #: Friction torques and efficiencies as JSON values; None if not computed.
     friction: dict[str, Any] | None
     #: Why the friction torques are not computed; empty if they are.
     friction_words: str
     #: Parts of the loads that each support and the contacts carry; None without loads.
-    load_path: models_loading.LoadPath | None = None
+    load_path: loading.LoadPath | None = None
     #: Axial secant stiffness over the scene's load step, by the model of Liu et al. only [N/m].
     load_step_stiffness: float | None = None
     #: Buckling load, critical speed and DN value of the screw.
@@ -251,16 +236,16 @@ def results_of_contact_loads(
     drawn = draw_geometry_with_errors(scene, ball_layout(scene), member)
     words = ""
     rated_life: BasicRatingLife | None = None
-    reach: EllipseTruncation | None = None
-    rated: Ratings | None = None
+    reach: contacts.EllipseTruncation | None = None
+    rated: contacts.Ratings | None = None
     try:
-        reach = most_truncated_ellipse(scene, drawn, load, angle)
-        rated = dynamic_and_static_ratings(scene)
+        reach = contacts.most_truncated_ellipse(scene, drawn, load, angle)
+        rated = contacts.dynamic_and_static_ratings(scene)
         rated_life = basic_rating_life(scene, load)
     except ValueError as error:
         words = str(error)
-    worst = contact_of_highest_pressure(scene, drawn, load, angle, pressure)
-    safety = None if worst is None else static_safety(scene, drawn, worst)
+    worst = contacts.contact_of_highest_pressure(scene, drawn, load, angle, pressure)
+    safety = None if worst is None else contacts.static_safety(scene, drawn, worst)
     modified, basic = modified_life(scene, rated_life), iso_lives.ball_reference_life(scene, rated_life)
     return ContactLoadResults(worst, safety, reach, rated_life, rated, words, modified, basic)
 
@@ -295,11 +280,9 @@ def tangent_stiffness_at(scene: Scene, station: float, model: str, options: Mode
         allowed = ", ".join((*LADDER, "condensed", *TANGENT_OF))
         raise ArgumentError("stiffness_at", f"the model {model}", f"only the models {allowed}", "choose another model")
     condensed = read_condensed_bodies(scene, options) if step == "condensed" else None
-    modelled = MODELS[model].scene_with_settings(scene)
+    modelled, backend = MODELS[model].scene_with_settings(scene), LADDER.get(step, REFINED)
     try:
-        return tangent_stiffness(
-            modelled, station, backend=LADDER.get(step, REFINED), condensed=condensed, member=options.member
-        )
+        return tangent_stiffness(modelled, station, backend=backend, condensed=condensed, member=options.member)
     except ValueError as error:
         advice = "omit the stiffness; contact loads are computed without it"
         raise SceneNotCoveredError(scene.name, scene_key_of_error(error), str(error), advice) from error
@@ -340,28 +323,11 @@ def tangent_stiffness_at_nut(scene: Scene, model: str, options: ModelOptions) ->
     return (tangent, "") if tangent.status == "converged" else (None, tangent.status)
 
 
-def unloaded_axial_displacement(scene: Scene, unloaded: StaticResult) -> float:
-    """Return the axial displacement of the unloaded screw at the nut's centre [m], the zero of displacements under load.
-
-    Parameters
-    ----------
-    scene
-        Scene with one nut or bearing row.
-    unloaded
-        Result for the same scene without loads.
-
-    Returns
-    -------
-    float
-        Displacement from the nominal position; zero if no contact fixes the unloaded screw.
-    """
-    return float(displacement_of_unloaded_screw(scene, unloaded)[2])
-
-
 def displacement_of_unloaded_screw(scene: Scene, unloaded: StaticResult) -> Array:
     """Return the displacement of the unloaded screw at the nut's centre from its nominal position, (6,) [m, rad].
 
-    ``unloaded``: result of the scene without loads. The displacement is zero if no contact fixes the unloaded screw.
+    ``unloaded``: result of the scene without loads. Displacements under load are measured from this position. It is zero if
+    no contact fixes the unloaded screw.
     """
     return screw_displacement_at_nut(scene, unloaded) if unloaded.converged and (unloaded.load > 0.0).any() else np.zeros(6)
 
@@ -393,20 +359,18 @@ def compute_scene_results(scene: Scene, result: StaticResult, model: str, option
         Stiffness, preload, lift-off load, friction, load path, and all results that follow from the contact loads.
     """
     bare = loading.solve_with_scaled_loads(scene, 0.0, model, options)
-    held = models_loading.preload_from_unloaded(scene, bare) if bare.converged else None
-    force, moved = (
-        axial_force(result),
-        screw_displacement_at_nut(scene, result) - displacement_of_unloaded_screw(scene, bare),
-    )
+    held = loading.preload_from_unloaded(scene, bare) if bare.converged else None
+    force = axial_force(result)
+    moved = screw_displacement_at_nut(scene, result) - displacement_of_unloaded_screw(scene, bare)
     try:
         three = three_axial_rigidities(scene, force, float(moved[2]))
     except ValueError:
         three = None
     lift = loading.find_lift_off_load(scene, result, bare, model, options) if held is not None else None
-    friction, words = friction_without_compiling(scene, result, options)
+    friction, words = friction_without_compiling(scene, result, options.member)
     tangent, why = tangent_stiffness_at_nut(scene, model, options) if force != 0.0 else (None, "")
     loads = results_of_contact_loads(scene, result.load, result.contact_angle, result.member, result.pressure)
-    path = models_loading.load_path_of_scene(scene, result, bare)
+    path = loading.load_path_of_scene(scene, result, bare)
     step, stepped = scene.ingredients.load_step, None
     if model == "liu" and step is not None:
         from rollbench.lowfi.statics.liu import nut_as_spring_row  # heavy import, needed for this model only
@@ -414,36 +378,30 @@ def compute_scene_results(scene: Scene, result: StaticResult, model: str, option
         stepped = nut_as_spring_row(scene, member=options.member).stiffness(step)
     shaft = shaft_limits(scene, result)
     on_ring = np.zeros(3) if result.equilibrium is None else result.equilibrium.contact_force
-    torque = bearing_friction_torque(scene, "deep groove", result, on_ring, loads, scene.lubricant, scene.motion)
+    torque = bearing_friction_torque(scene, scene, "deep groove", result, on_ring, loads)
     return SceneResults(loads, force, moved, three, tangent, why, held, lift, friction, words, path, stepped, shaft, torque)
 
 
 def bearing_friction_torque(
-    parts: Scene,
-    thrust: str,
-    ball_result: StaticResult,
-    force: Array,
-    load_results: ContactLoadResults,
-    lubricant: Lubricant | None,
-    motion: Motion | None,
+    scene: Scene | Assembly, parts: Scene, thrust: str, balls: StaticResult, force: Array, load_results: ContactLoadResults
 ) -> bearings_torque.BallBearingTorque | None:
     """Compute the friction torque of a ball bearing by Palmgren's formulas.
 
     Parameters
     ----------
+    scene
+        Scene that states lubricant and speed; if it lacks either, only the load-dependent torque is computed.
     parts
         Row of balls as a scene.
     thrust
         Direction of the axial force that the row can carry: "+z", "-z", "both", or "deep groove" (both directions, with one
         arc per groove).
-    ball_result
+    balls
         Solution with the contact loads and angles of the row.
     force
         Force (x, y, z) between shaft and row, (3,) [N]; only its radial part is used.
     load_results
         Results from these contact loads, of which the static safety is used.
-    lubricant, motion
-        Lubricant and speed of the scene; if either is None, only the load-dependent torque is computed.
 
     Returns
     -------
@@ -452,32 +410,23 @@ def bearing_friction_torque(
     """
     if parts.track.lead or load_results.safety is None:
         return None
-    kind: bearings_torque.Kind = (
-        "four-point"
-        if not one_arc.has_single_arc_grooves(parts)
-        else "deep groove"
-        if thrust == "deep groove"
-        else "angular contact"
-    )
-    inner, angle = ball_result.load[:, :2], ball_result.contact_angle[:, :2]
+    kind: bearings_torque.Kind = "deep groove" if thrust == "deep groove" else "angular contact"
+    if not one_arc.has_single_arc_grooves(parts):
+        kind = "four-point"
+    inner, angle = balls.load[:, :2], balls.contact_angle[:, :2]
     along = float(np.sum(inner * np.sin(np.where(inner > 0.0, angle, 0.0))))
     pitch, viscous = 2.0 * parts.track.pitch_radius, None
-    if lubricant is not None and motion is not None:
-        ends = (
-            bearings_torque.VISCOUS[kind][lubricant.supply]
-            if lubricant.factor is None
-            else (lubricant.factor, lubricant.factor)
-        )
-        low, high = (bearings_torque.load_independent_torque(f, pitch, lubricant.viscosity, motion.speed) for f in ends)
+    oil, motion = scene.lubricant, scene.motion
+    if oil is not None and motion is not None:
+        ends = bearings_torque.VISCOUS[kind][oil.supply] if oil.factor is None else (oil.factor, oil.factor)
+        low, high = (bearings_torque.load_independent_torque(f, pitch, oil.viscosity, motion.speed) for f in ends)
         viscous = low, high
     share = 1.0 / load_results.safety.factor
     radial = float(np.hypot(force[0], force[1]))
     return bearings_torque.ball_bearing_torque(kind, parts.track.contact_angle, pitch, (along, radial, share), viscous)
 
 
-def friction_without_compiling(
-    scene: Scene, result: StaticResult, options: ModelOptions
-) -> tuple[dict[str, Any] | None, str]:
+def friction_without_compiling(scene: Scene, result: StaticResult, member: int) -> tuple[dict[str, Any] | None, str]:
     """Return friction torques and efficiencies of a scene, unless a numerical kernel must first be compiled for them.
 
     Parameters
@@ -486,8 +435,8 @@ def friction_without_compiling(
         Scene with one nut or bearing row.
     result
         Its converged result.
-    options
-        Options of the model.
+    member
+        Number of the random draw of the geometric errors, from 0; 0 without random errors.
 
     Returns
     -------
@@ -500,7 +449,7 @@ def friction_without_compiling(
         return None, "no coefficient of friction given; rollbench friction takes 0.1"
     from rollbench.compare.models.friction_sums import friction_results_if_compiled
 
-    return friction_results_if_compiled(scene, result, options)
+    return friction_results_if_compiled(scene, result, member)
 
 
 def results_of_roller_loads(
@@ -524,10 +473,10 @@ def results_of_roller_loads(
     RollerLoadResults
         Pressure, static safety, contact of the rollers with the rib, life, load ratings and friction torque.
     """
-    worst = roller_contact_of_highest_pressure(row, line_loads)
+    worst = contacts.roller_contact_of_highest_pressure(row, line_loads)
     return RollerLoadResults(
         worst,
-        None if worst is None else roller_static_safety(worst),
+        None if worst is None else contacts.roller_static_safety(worst),
         rib_contact(row, line_loads.mean(axis=1) * row.length),
         roller_life.basic_rating_life_of_row(row, line_loads),
         roller_life.dynamic_and_static_ratings_of_row(row),
@@ -545,16 +494,14 @@ def _conformity_warnings(scene: Scene) -> Iterator[ResultWarning]:
     wide = [f"{part} {f:.4g}" for part, radius in grooves.items() if (f := 0.5 * radius / scene.balls.radius) > WIDEST]
     if wide:
         brief = f"conformity above {WIDEST:g} ({', '.join(wide)})"
-        words = (
-            "conformity is groove radius over ball diameter, usually 0.51 to 0.58; "
+        text = (
+            f"{brief}: conformity is groove radius over ball diameter, usually 0.51 to 0.58; "
             "if it was computed with the ball's radius, halve it"
         )
-        yield ResultWarning("conformity", f"{brief}: {words}", f"{brief}: {words}")
+        yield ResultWarning("conformity", text, text)
 
 
-def validity_warnings(
-    parts: Scene | RollerRow, load_results: ContactLoadResults | RollerLoadResults, preload: float
-) -> Iterator[ResultWarning]:
+def validity_warnings(parts: Scene | RollerRow, load_results: LoadResults, preload: float) -> Iterator[ResultWarning]:
     """Yield warnings for results outside the range of validity of the models.
 
     Parameters
@@ -601,10 +548,10 @@ class NutOrBearingResults:
     #: Geometry and materials of the nut or row.
     parts: Scene | RollerRow
     #: Pressure, safety, life and ratings of the nut or row.
-    load_results: ContactLoadResults | RollerLoadResults
+    load_results: LoadResults
     #: Contact loads, and axial force on the shaft, that remain without the scene's loads; None: no equilibrium without
     #: them.
-    preload: models_loading.Preload | None
+    preload: loading.Preload | None
     #: Friction torque of a loaded ball bearing.
     friction_torque: bearings_torque.BallBearingTorque | None = None
 
@@ -621,10 +568,10 @@ class ShaftResults:
     #: names, (6,) [m, rad]; None if the unloaded shaft has no equilibrium.
     displacement_at_position: Array | None
     #: Parts of all loads that each support and the contacts carry; None without loads.
-    load_path: models_loading.LoadPath | None = None
+    load_path: loading.LoadPath | None = None
     #: Parts that supports and contacts carry of the loads on the shaft and of those on each housing, separately: the sum
     #: over all loads may hide that the frame carries the load of one body.
-    load_paths_by_body: tuple[models_loading.LoadPath, ...] = ()
+    load_paths_by_body: tuple[loading.LoadPath, ...] = ()
 
     @property
     def set_indices_by_pressure(self) -> list[int]:
@@ -670,37 +617,28 @@ def compute_shaft_results(assembly: Assembly, result: AxisResult) -> ShaftResult
         The results.
     """
     bare = run_model(loading.with_scaled_loads(assembly, 0.0), result.model, ModelOptions(member=result.member))
-    unloaded = bare.sets if bare.converged else [None] * len(result.sets)
-    sets = tuple(
-        _results_of_nut_or_bearing(assembly, *pair, result.member) for pair in zip(result.sets, unloaded, strict=True)
-    )
-    moved = (
-        loading.displacement_at_scene_position(assembly, result) - loading.displacement_at_scene_position(assembly, bare)
-        if bare.converged
-        else None
-    )
-    path = models_loading.load_path_of_assembly(assembly, result, bare)
-    return ShaftResults(
-        sets, loading.sum_of_axial_loads(assembly), moved, path, _load_paths_by_body(assembly, result, path)
-    )
+    unloaded: Sequence[SetResult | None] = [None] * len(result.sets)
+    moved = None
+    if bare.converged:
+        unloaded, reported = bare.sets, loading.displacement_at_scene_position
+        moved = reported(assembly, result) - reported(assembly, bare)
+    sets = tuple(_results_of_set(assembly, *pair, result.member) for pair in zip(result.sets, unloaded, strict=True))
+    path, axial = loading.load_path_of_assembly(assembly, result, bare), loading.sum_of_axial_loads(assembly)
+    return ShaftResults(sets, axial, moved, path, _paths_by_body(assembly, result, path))
 
 
-def _load_paths_by_body(
-    assembly: Assembly, result: AxisResult, path: models_loading.LoadPath | None
-) -> tuple[models_loading.LoadPath, ...]:
+def _paths_by_body(assembly: Assembly, result: AxisResult, path: loading.LoadPath | None) -> tuple[loading.LoadPath, ...]:
     """Return for each loaded body (shaft or housing) how supports and contacts share the loads on this body.
 
     The shares are the changes of the reactions when the loads on the body are removed. ``result``: solution of the assembly
     under all loads; ``path``: how supports and contacts share all loads, returned alone if only one body is loaded. The
     tuple is empty without loads.
     """
-    bodies, options = models_loading.assemblies_by_loaded_body(assembly), ModelOptions(member=result.member)
+    bodies, options = loading.assemblies_by_loaded_body(assembly), ModelOptions(member=result.member)
     if len(bodies) < 2:
         return () if path is None else (path,)
     without = {name: run_model(others, result.model, options) for name, (_, others) in bodies.items()}
-    found = (
-        models_loading.load_path_of_assembly(alone, result, without[name], name) for name, (alone, _) in bodies.items()
-    )
+    found = (loading.load_path_of_assembly(alone, result, without[name], name) for name, (alone, _) in bodies.items())
     return tuple(x for x in found if x is not None)
 
 
@@ -737,36 +675,29 @@ def solve_assembly_with_results(assembly: Assembly, model: str, member: int = 0)
         for x in answers.set_results
         for w in validity_warnings(x.parts, x.load_results, loading.absolute_axial_preload(x.preload))
     )
-    held = (w for path in answers.load_paths_by_body for w in models_loading.load_path_warnings(path))
+    held = (w for path in answers.load_paths_by_body for w in loading.load_path_warnings(path))
     further = (*warned, *held, *axial_play_warnings(assembly))
     return replace(result, warnings=(*result.warnings, *further)), answers
 
 
-def _results_of_nut_or_bearing(
-    assembly: Assembly, set_result: SetResult, unloaded_result: SetResult | None, member: int
-) -> NutOrBearingResults:
+def _results_of_set(assembly: Assembly, s: SetResult, unloaded: SetResult | None, member: int) -> NutOrBearingResults:
     """Return pressure, safety, life, preload and friction torque of one nut or bearing row on a shaft.
 
-    ``set_result``: solution of the row under the scene's loads; ``unloaded_result``: solution of the row without these
-    loads; None if the unloaded shaft has no equilibrium; ``member``: number of the random draw of the geometric errors,
-    from 0.
+    ``s``: solution of the row under the scene's loads; ``unloaded``: solution of the row without these loads; None if the
+    unloaded shaft has no equilibrium; ``member``: number of the random draw of the geometric errors, from 0.
     """
-    parts, torque = set_result.of.parts, None
+    parts, torque, preload = s.of.parts, None, None
+    answers: LoadResults
     if isinstance(parts, RollerRow):
-        assert set_result.line_loads is not None, "a row of rollers has line loads"
+        assert s.line_loads is not None, "a row of rollers has line loads"
         speed = assembly.motion.speed if assembly.motion is not None and assembly.motion.turns == "screw" else None
-        answers: ContactLoadResults | RollerLoadResults = results_of_roller_loads(
-            parts, set_result.line_loads, speed, assembly.lubricant
-        )
+        answers = results_of_roller_loads(parts, s.line_loads, speed, assembly.lubricant)
     else:
-        assert set_result.balls is not None, "a set of balls has contacts"
-        answers = results_of_contact_loads(parts, set_result.balls.load, set_result.balls.contact_angle, member)
-        torque = bearing_friction_torque(
-            parts, set_result.of.thrust, set_result.balls, set_result.force, answers, assembly.lubricant, assembly.motion
-        )
-    if unloaded_result is None:
-        return NutOrBearingResults(set_result.of.name, parts, answers, None, torque)
-    loads = unloaded_result.loads[unloaded_result.loads > 0.0]
-    mean = mean_load(loads) if loads.size else 0.0
-    preload = models_loading.Preload(mean, float(loads.max(initial=0.0)), int(loads.size), float(unloaded_result.force[2]))
-    return NutOrBearingResults(set_result.of.name, parts, answers, preload, torque)
+        assert s.balls is not None, "a set of balls has contacts"
+        answers = results_of_contact_loads(parts, s.balls.load, s.balls.contact_angle, member)
+        torque = bearing_friction_torque(assembly, parts, s.of.thrust, s.balls, s.force, answers)
+    if unloaded is not None:
+        loads = unloaded.loads[unloaded.loads > 0.0]
+        mean = mean_load(loads) if loads.size else 0.0
+        preload = loading.Preload(mean, float(loads.max(initial=0.0)), int(loads.size), float(unloaded.force[2]))
+    return NutOrBearingResults(s.of.name, parts, answers, preload, torque)

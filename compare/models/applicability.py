@@ -9,7 +9,7 @@ If a scene is outside the range in a number of either kind, its expected error i
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -70,6 +70,11 @@ def _poissons_ratio_farthest_from_steel(scene: Scene) -> float:
     return max((m.poissons_ratio for m in ratios), key=lambda ratio: abs(ratio - 0.3))
 
 
+def _modulus_over_that_of_screw(part: str) -> Callable[[Scene], float]:
+    """Return a function of a scene: Young's modulus of ``part`` ("nut" or "balls") over that of the screw."""
+    return lambda scene: getattr(scene, part).material.youngs_modulus / scene.screw.material.youngs_modulus
+
+
 #: Descriptors of a scene. The margins are assumptions of the order of the steps between the compared scenes. Young's moduli
 #: have no such step, because all parts of the compared scenes are of one steel. The nut's compliance causes most of the
 #: error of the model lin; this error grows by a quarter if the nut's modulus changes by its margin. The balls' modulus
@@ -94,18 +99,8 @@ DESCRIPTORS = (
     ),
     Descriptor("misalignment of the supports", "um", 300.0, _lateral_misalignment_of_supports),
     Descriptor("nut beyond the last balls over the ball's radius", "", 0.5, _nut_overhang_in_ball_radii),
-    Descriptor(
-        "Young's modulus of the nut over the screw's",
-        "",
-        0.2,
-        lambda s: s.nut.material.youngs_modulus / s.screw.material.youngs_modulus,
-    ),
-    Descriptor(
-        "Young's modulus of the balls over the screw's",
-        "",
-        0.5,
-        lambda s: s.balls.material.youngs_modulus / s.screw.material.youngs_modulus,
-    ),
+    Descriptor("Young's modulus of the nut over the screw's", "", 0.2, _modulus_over_that_of_screw("nut")),
+    Descriptor("Young's modulus of the balls over the screw's", "", 0.5, _modulus_over_that_of_screw("balls")),
     Descriptor("Poisson's ratio, the one farthest from 0.3", "", 0.05, _poissons_ratio_farthest_from_steel),
 )
 
@@ -183,15 +178,11 @@ def save_descriptors_of_built_in_scenes(folder: Path) -> None:
 
     The folder holds runs of the 3D reference.
     """
-    from rollbench.compare.files import replace_file
-
     by_kind = {
-        kind: {
-            s.name: {d.name: d.value_of_scene(s) for d in DESCRIPTORS} for s in compared_scenes(of_bearings=kind == "rings")
-        }
-        for kind in ("rings", "screws")
+        kind: {s.name: {d.name: d.value_of_scene(s) for d in DESCRIPTORS} for s in compared_scenes(of_bearings=bearings)}
+        for kind, bearings in (("rings", True), ("screws", False))
     }
-    replace_file(folder / PLACES, json.dumps(by_kind, indent=1) + "\n")
+    files.replace_file(folder / PLACES, json.dumps(by_kind, indent=1) + "\n")
 
 
 @cache
@@ -212,24 +203,17 @@ def descriptor_values_of_compared_scenes(descriptor: Descriptor, *, of_bearings:
 
     A descriptor is a number that characterises a scene, such as its contact angle.
     """
-    return [
-        place[descriptor.name]
-        for place in (
-            *descriptors_of_built_in_scenes(of_bearings=of_bearings),
-            *(() if of_bearings else descriptors_of_random_screws()),
-        )
-    ]
+    random = () if of_bearings else descriptors_of_random_screws()
+    return [scene[descriptor.name] for scene in (*descriptors_of_built_in_scenes(of_bearings=of_bearings), *random)]
 
 
-def descriptors_with_ranges(scene: Scene, compared: Sequence[Scene] | None = None) -> tuple[DescriptorWithRange, ...]:
+def descriptors_with_ranges(scene: Scene) -> tuple[DescriptorWithRange, ...]:
     """Return each descriptor of a scene with its range over the compared scenes of the same kind (screws or bearings).
 
     Parameters
     ----------
     scene
         Scene with one nut or bearing row.
-    compared
-        Scenes that were compared with the 3D reference; None: all built-in scenes and random screws that were.
 
     Returns
     -------
@@ -242,16 +226,8 @@ def descriptors_with_ranges(scene: Scene, compared: Sequence[Scene] | None = Non
         If no dimensions of the 3D parts follow from the scene (`meshes.solid.dimensions_of_3d_parts`).
     """
     ring = scene.track.lead == 0.0
-    out = []
-    for d in DESCRIPTORS:
-        values = (
-            descriptor_values_of_compared_scenes(d, of_bearings=ring)
-            if compared is None
-            else [d.value_of_scene(s) for s in compared]
-        )
-        if values:
-            out.append(DescriptorWithRange(d, d.value_of_scene(scene), min(values), max(values)))
-    return tuple(out)
+    ranges = [(d, descriptor_values_of_compared_scenes(d, of_bearings=ring)) for d in DESCRIPTORS]
+    return tuple(DescriptorWithRange(d, d.value_of_scene(scene), min(v), max(v)) for d, v in ranges if v)
 
 
 def descriptors_outside_range(scene: Scene) -> tuple[str, ...]:

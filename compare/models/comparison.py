@@ -20,8 +20,9 @@ from rollbench.compare import files
 from rollbench.compare.errors import InputError
 from rollbench.compare.measure import error_percent, load_error, load_scale_of_check_errors
 from rollbench.compare.models.loading import with_scaled_loads
-from rollbench.compare.models.registry import MODELS, Model, ModelOptions, model_by_name, run_model
+from rollbench.compare.models.registry import MODELS, Model, ModelOptions, run_model
 from rollbench.compare.printed import printed_entry
+from rollbench.compare.quantities import json_number
 from rollbench.compare.reference.convergence import pooled_grid_uncertainty
 from rollbench.compare.reference.estimate import FITTED, Reference, largest_uncertainty_percent, reference_from_runs
 from rollbench.compare.reference.levels import LEVELS
@@ -60,33 +61,10 @@ def models_shown_for_scene(scene: Scene | Assembly) -> list[Model]:
     list of Model
         The models.
     """
-    fits = [
-        m.covers_scene(scene) if isinstance(scene, Scene) else callable(m.solve_assembly_or_reason) for m in MODELS.values()
-    ]
-    return [m for m, fit in zip(MODELS.values(), fits, strict=True) if m.compared and fit]
-
-
-def models_by_name(names: tuple[str, ...], argument: str = "models") -> list[Model]:
-    """Return the models that a user named.
-
-    Parameters
-    ----------
-    names
-        Names of models.
-    argument
-        Name of the argument with these names, for error messages.
-
-    Returns
-    -------
-    list of Model
-        The models.
-
-    Raises
-    ------
-    ArgumentError
-        If there is no model with one of the names.
-    """
-    return [model_by_name(name, argument) for name in names]
+    compared = [m for m in MODELS.values() if m.compared]
+    if isinstance(scene, Scene):
+        return [m for m in compared if m.covers_scene(scene)]
+    return [m for m in compared if callable(m.solve_assembly_or_reason)]
 
 
 def path_of_condensed_bodies(scene: Scene, reference: Reference, stores: Sequence[Path] | None) -> Path | None:
@@ -226,9 +204,7 @@ def solution_from_result(result: StaticResult, seconds: float | None = None) -> 
     return ContactSolution(result.model, result.load, angle, result.centreline_z, line, seconds, pressure=result.pressure)
 
 
-def solve_and_time(
-    model: Model, scene: Scene, reference: Reference, stores: Sequence[Path] | None
-) -> tuple[StaticResult, float]:
+def solve_and_time(model: Model, scene: Scene, ref: Reference, stores: Sequence[Path] | None) -> tuple[StaticResult, float]:
     """Solve a scene with a low-order model in plain Python (no compiled kernels), and measure the computing time.
 
     The computing time does not include elastic bodies that are cached from an earlier solution of the same geometry.
@@ -239,7 +215,7 @@ def solve_and_time(
         The model.
     scene
         Scene with one nut or bearing row.
-    reference
+    ref
         Reference of the scene.
     stores
         Folders with runs of the 3D reference; None: those included with rollbench.
@@ -256,7 +232,7 @@ def solve_and_time(
     InputError
         If the model needs condensed bodies and no folder has them.
     """
-    options = comparison_options(model, scene, reference, stores, "interpreted")
+    options = comparison_options(model, scene, ref, stores, "interpreted")
     start = perf_counter()
     result = run_model(scene, model.name, options)
     return result, perf_counter() - start
@@ -279,10 +255,9 @@ def solution_from_run(run: Run, name: str) -> ContactSolution:
     ContactSolution
         Loads, angles in degrees, and displacements of the screw's axis.
     """
-    line, measured = run.centreline, "" if run.measured == measuring_conditions() else str(run.measured)
-    return ContactSolution(
-        name, run.load, run.angle, line[:, 0], line[:, 1:], run.setup_seconds + run.solve_seconds, measured
-    )
+    line, seconds = run.centreline, run.setup_seconds + run.solve_seconds
+    measured = "" if run.measured == measuring_conditions() else str(run.measured)
+    return ContactSolution(name, run.load, run.angle, line[:, 0], line[:, 1:], seconds, measured)
 
 
 def solutions_of_reference_runs(reference: Reference, source_mesh_run: Run | None) -> list[ContactSolution]:
@@ -320,7 +295,7 @@ def comparison_rows(scene: Scene, solution: ContactSolution, reference: Referenc
     return [
         *_contact_comparison_rows(row, solution, reference),
         *_axis_displacement_rows(row, solution, reference),
-        *_error_and_ratio_rows(row, scene, solution, reference),
+        *_error_rows(row, scene, solution, reference),
     ]
 
 
@@ -329,24 +304,21 @@ def _row_of_quantity(
     solution: ContactSolution,
     quantity: str,
     unit: str,
-    model_and_reference_values: tuple[float, float],
-    reference_uncertainty: float | None,
-    model_error_percent: float | None,
-    ball_and_flank: tuple[int | None, str | None] = (None, None),
+    values: tuple[float, float],
+    uncertainty: float | None,
+    error: float | None,
+    contact: tuple[int | None, str | None] = (None, None),
     printed: float | None = None,
 ) -> ComparisonRow:
     """Return the row that compares one quantity by a model with its value by the 3D reference.
 
-    ``solution``: results of the model; ``quantity``: name of the quantity; ``model_and_reference_values``: its values by
-    model and reference in ``unit``; ``reference_uncertainty``: uncertainty of the reference in this unit;
-    ``model_error_percent``: error of the model [%]; ``ball_and_flank``: number of the ball and name of its flank, both None
-    for a quantity of the whole screw; ``printed``: value that the scene's publication prints; None: none.
+    ``solution``: results of the model; ``quantity``: name of the quantity; ``values``: its values by model and reference in
+    ``unit``; ``uncertainty``: uncertainty of the reference in this unit; ``error``: error of the model [%]; ``contact``:
+    number of the ball and name of its flank, both None for a quantity of the whole screw; ``printed``: value that the
+    scene's publication prints; None: none.
     """
-    values, time = (
-        (*model_and_reference_values, reference_uncertainty, model_error_percent, solution.seconds),
-        solution.measured,
-    )
-    return ComparisonRow(scene.name, quantity, *ball_and_flank, unit, printed, solution.model, *values, measured_with=time)
+    compared, measured = (*values, uncertainty, error, solution.seconds), solution.measured
+    return ComparisonRow(scene.name, quantity, *contact, unit, printed, solution.model, *compared, measured_with=measured)
 
 
 def mesh_uncertainties(reference: Reference, quantities_of_run: Callable[[Run], Array]) -> Array:
@@ -374,11 +346,6 @@ def mesh_uncertainties(reference: Reference, quantities_of_run: Callable[[Run], 
     return bars
 
 
-def _finite_or_none(value: float) -> float | None:
-    """Return a number as a float; None if it is nan or infinite."""
-    return float(value) if np.isfinite(value) else None
-
-
 def _contact_comparison_rows(make_row: RowOf, solution: ContactSolution, reference: Reference) -> Iterator[ComparisonRow]:
     """Yield the rows that compare load and contact angle of each contact that carries load by the model or the reference.
 
@@ -394,7 +361,7 @@ def _contact_comparison_rows(make_row: RowOf, solution: ContactSolution, referen
         yield make_row("load", "N", (value, ref), bar, percent, (i + 1, SIDES[s]))
         if value > 0.0 and ref > 0.0:
             angle, ref_angle = float(solution.angle[i, s]), float(best.angle[i, s])
-            error, off = _finite_or_none(float(turns[i, s])), float(error_percent(angle, ref_angle))
+            error, off = json_number(float(turns[i, s])), float(error_percent(angle, ref_angle))
             yield make_row("contact angle", "deg", (angle, ref_angle), error, off, (i + 1, SIDES[s]))
 
 
@@ -414,12 +381,10 @@ def _axis_displacement_rows(make_row: RowOf, solution: ContactSolution, referenc
         bars = mesh_uncertainties(reference, lambda run, k=k: 1e6 * run.centreline[:, 1 + k])  # type: ignore[misc]
         for z, value, ref, bar in zip(line[:, 0], values, line[:, 1 + k], bars, strict=True):
             name, off = f"centreline u{axis} at {1e3 * z:.4g} mm", float(error_percent(value, ref, largest))
-            yield make_row(name, "um", (1e6 * float(value), 1e6 * float(ref)), _finite_or_none(bar), off)
+            yield make_row(name, "um", (1e6 * float(value), 1e6 * float(ref)), json_number(bar), off)
 
 
-def _error_and_ratio_rows(
-    make_row: RowOf, scene: Scene, solution: ContactSolution, reference: Reference
-) -> Iterator[ComparisonRow]:
+def _error_rows(make_row: RowOf, scene: Scene, solution: ContactSolution, reference: Reference) -> Iterator[ComparisonRow]:
     """Yield the rows with largest error, RMS error and load ratio of a model, with values printed in Lin's thesis.
 
     ``make_row``: function that returns a row from quantity, values and errors; ``solution``: results of the model.
@@ -446,10 +411,9 @@ def _error_and_ratio_rows(
         yield make_row(name, "%", (value, 0.0), uncertain, value, printed=value_printed_in_thesis(key))
     ratio, ref_ratio = load_ratio(solution.load), load_ratio(reference.load)
     off = float(error_percent(ratio, ref_ratio)) if np.isfinite([ratio, ref_ratio]).all() else None
-    name = "largest over smallest load, SL"
-    yield make_row(
-        name, "", (ratio, ref_ratio), load_ratio_uncertainty(reference), off, printed=value_printed_in_thesis(keys[2])
-    )
+    name, uncertainty = "largest over smallest load, SL", load_ratio_uncertainty(reference)
+    printed = value_printed_in_thesis(keys[2])
+    yield make_row(name, "", (ratio, ref_ratio), uncertainty, off, printed=printed)
 
 
 def load_ratio(load: Array) -> float:
@@ -582,9 +546,19 @@ class SceneWithReference:
     place_on_shaft: NutOrBearingOnShaft | None = None
 
     @property
+    def described_scene(self) -> Solvable:
+        """Scene that the user described: the assembly if the shaft has several nuts or bearings."""
+        return self.scene if self.place_on_shaft is None else self.place_on_shaft.assembly
+
+    @property
     def described_scene_name(self) -> str:
-        """Name of the scene that the user described: the assembly's name if the shaft has several nuts or bearings."""
-        return self.scene.name if self.place_on_shaft is None else self.place_on_shaft.assembly.name
+        """Name of the scene that the user described."""
+        return self.described_scene.name
+
+    @property
+    def index(self) -> int:
+        """Number of the nut or bearing on its shaft, from 0."""
+        return 0 if self.place_on_shaft is None else self.place_on_shaft.index
 
     @property
     def set_name(self) -> str:
@@ -634,9 +608,8 @@ def stored_references(
 def references_from_runs(scene: Solvable, runs: tuple[Run, ...]) -> list[SceneWithReference]:
     """Return the 3D reference of each nut or bearing of a scene from its ``runs`` on mesh levels, sorted coarse to fine."""
     if isinstance(scene, Scene):
-        return [
-            SceneWithReference(scene, reference_from_runs(scene.name, scene, runs, contacts=count_nominal_contacts(scene)))
-        ]
+        reference = reference_from_runs(scene.name, scene, runs, contacts=count_nominal_contacts(scene))
+        return [SceneWithReference(scene, reference)]
     out = []
     for k, rows in enumerate(ball_slices_by_set(scene)):
         of = NutOrBearingOnShaft(scene, k)
@@ -648,19 +621,14 @@ def references_from_runs(scene: Solvable, runs: tuple[Run, ...]) -> list[SceneWi
 
 @lru_cache(maxsize=64)
 def _loaded_contact_counts(assembly: Assembly) -> tuple[int, ...]:
-    """Return the number of loaded contacts of each nut or bearing by the model "lin", with preload and without errors."""
+    """Return the number of loaded ball contacts of each nut or bearing by the model "lin", with preload, without errors.
+
+    0 for rollers, and for all if there is no equilibrium.
+    """
     sets = tuple(replace(s, parts=nominal_scene(s.parts)) if isinstance(s.parts, Scene) else s for s in assembly.sets)
     result = run_model(replace(assembly, sets=sets), "lin")
-    return tuple(_loaded_contact_count(result, k) for k in range(len(sets)))
-
-
-def _loaded_contact_count(result: AxisResult, set_index: int) -> int:
-    """Return the number of loaded ball contacts of nut or bearing ``set_index`` (from 0).
-
-    0 for rollers or without equilibrium.
-    """
-    balls = result.sets[set_index].balls if result.converged else None
-    return 0 if balls is None else int(np.count_nonzero(balls.load > 0.0))
+    balls = [s.balls if result.converged else None for s in result.sets]
+    return tuple(0 if b is None else int(np.count_nonzero(b.load > 0.0)) for b in balls)
 
 
 @lru_cache(maxsize=16)
@@ -670,10 +638,10 @@ def _solve_loaded_and_unloaded(assembly: Assembly, model: str) -> tuple[AxisResu
     Returns the result under the loads, the result without them, and the computing time of the first [s]. The most
     recent results are cached.
     """
-    start = perf_counter()
-    result = run_model(assembly, model, ModelOptions(engine="interpreted"))
+    start, options = perf_counter(), ModelOptions(engine="interpreted")
+    result = run_model(assembly, model, options)
     seconds = perf_counter() - start
-    return result, run_model(with_scaled_loads(assembly, 0.0), model, ModelOptions(engine="interpreted")), seconds
+    return result, run_model(with_scaled_loads(assembly, 0.0), model, options), seconds
 
 
 def solution_of_nut_or_bearing(set_of_assembly: NutOrBearingOnShaft, model: str) -> NutOrBearingSolution | str:

@@ -6,7 +6,6 @@ import math
 from dataclasses import replace
 from typing import Any
 
-from rollbench.compare.models.registry import ModelOptions
 from rollbench.compare.quantities import json_number
 from rollbench.lowfi.friction.whole.torque import ONE_TURN, FrictionSums, compiling_saves_time
 from rollbench.lowfi.jit import CONTACT, is_machine_code_cached
@@ -34,8 +33,8 @@ def friction_results_json(torque: FrictionSums, drag_torque: float | None) -> di
         "load_moves": motion_relative_to_load(torque),
         "forward_torque_Nmm": json_number(1e3 * torque.forward_torque) if screw else None,
         "backward_torque_Nmm": json_number(1e3 * torque.backward_torque) if screw else None,
-        "efficiency_forward_percent": percent_or_none(forward),
-        "efficiency_backward_percent": None if torque.is_self_locking else percent_or_none(backward),
+        "efficiency_forward_percent": json_number(100.0 * forward),
+        "efficiency_backward_percent": None if torque.is_self_locking else json_number(100.0 * backward),
         "self_locking": torque.is_self_locking if screw else None,
     }
 
@@ -48,11 +47,6 @@ def motion_relative_to_load(torque: FrictionSums) -> str | None:
     if not torque.moves_axial_load:
         return None
     return "with the load" if torque.axial_load * torque.advance_per_radian * torque.speed > 0.0 else "against the load"
-
-
-def percent_or_none(ratio: float) -> float | None:
-    """Return a ratio such as an efficiency in per cent (0.9 gives 90) as a JSON value; None if it is not finite."""
-    return json_number(100.0 * ratio)
 
 
 @cached_on_disk(FrictionSums)
@@ -70,9 +64,7 @@ def _cached_torque(scene: Scene, result: StaticResult, friction: Friction, motio
     return friction_state(scene, result, friction, motion, member).friction_sums
 
 
-def friction_results_if_compiled(
-    scene: Scene, result: StaticResult, options: ModelOptions
-) -> tuple[dict[str, Any] | None, str]:
+def friction_results_if_compiled(scene: Scene, result: StaticResult, member: int) -> tuple[dict[str, Any] | None, str]:
     """Return friction torques and efficiencies of a scene if no kernel must be compiled for them.
 
     The results are cached on disk by scene and loads, because loading machine code would take longer than the rest of the
@@ -84,8 +76,8 @@ def friction_results_if_compiled(
         Scene with one nut or bearing row, and with coefficients of friction.
     result
         Converged result of the scene.
-    options
-        Options of the model, of which only ``member``, the number of the random draw of the geometric errors, is used.
+    member
+        Number of the random draw of the geometric errors, from 0; 0 without random errors.
 
     Returns
     -------
@@ -97,15 +89,14 @@ def friction_results_if_compiled(
     assert scene.friction is not None
     loads = replace(result, solver=replace(result.solver, seconds=0.0, setup_seconds=0.0), warnings=())
     try:
-        return friction_results_json(
-            _cached_torque(scene, loads, scene.friction, scene.motion or ONE_TURN, options.member), None
-        ), ""
+        torque = _cached_torque(scene, loads, scene.friction, scene.motion or ONE_TURN, member)
+        return friction_results_json(torque, None), ""
     except ValueError as error:
         return None, str(error)
 
 
 def total_friction_torque(
-    scenes_with_results: list[tuple[Scene, StaticResult]], friction: Friction, motion: Motion | None, options: ModelOptions
+    scenes_with_results: list[tuple[Scene, StaticResult]], friction: Friction, motion: Motion | None, member: int
 ) -> float | None:
     """Compute the sum of the friction torques of several nuts and ball bearings.
 
@@ -117,8 +108,8 @@ def total_friction_torque(
         Coefficients of friction.
     motion
         Motion of the scene; None: the rotation `ONE_TURN`, because the speed is not known.
-    options
-        Options of the model.
+    member
+        Number of the random draw of the geometric errors, from 0; 0 without random errors.
 
     Returns
     -------
@@ -130,7 +121,7 @@ def total_friction_torque(
     total = 0.0
     for scene, result in scenes_with_results:
         try:
-            state = friction_state(scene, result, friction, motion or ONE_TURN, options.member)
+            state = friction_state(scene, result, friction, motion or ONE_TURN, member)
         except ValueError:
             return None
         if not state.all_balanced:

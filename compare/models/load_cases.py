@@ -36,7 +36,7 @@ NutSums = Mapping[int, tuple[dict[str, Any] | None, str]]
 
 
 @result_record
-class ShaftTorqueOfNutOrBearing:
+class ShaftTorque:
     """Torque that turns the shaft in one nut or bearing row; ranges of torque are (low, high) [N m], None if not known."""
 
     name: str = quantity_field("name", "name of the nut or bearing row")
@@ -65,7 +65,7 @@ class AxisDrive:
     """
 
     #: Torque that turns the shaft in each nut or bearing row.
-    sets: tuple[ShaftTorqueOfNutOrBearing, ...] = quantity_field("sets")
+    sets: tuple[ShaftTorque, ...] = quantity_field("sets")
     seals: float = quantity_field(
         "seals_Nmm", "friction torque of all seals and wipers on the shaft, as the scene states it"
     )
@@ -131,7 +131,7 @@ def friction_of_nuts(assembly: Assembly, result: AxisResult) -> NutSums:
                 out[i] = None, "no coefficient in [friction]"
             else:
                 parts = replace(s.of.parts, friction=assembly.friction, motion=assembly.motion)
-                out[i] = friction_results_if_compiled(parts, s.balls, ModelOptions(member=result.member))
+                out[i] = friction_results_if_compiled(parts, s.balls, result.member)
     return out
 
 
@@ -172,7 +172,20 @@ def motor_torques_and_inertias(
     )
     sets = tuple(replace(x, seals=result.sets[i].of.seals) for x, i in zip(found, turning, strict=True))
     seals, lead = sum(result.sets[i].of.seals for i in turning), lead_of_first_nut(assembly)
-    running = _sum_of_friction_torques(drive.torque, [s.running for s in sets], seals)
+
+    def total(torques: list[Band | None]) -> Band | None:
+        """Return the sum of the friction torques of all nuts and bearings, seals and other parts (Smith 4.10) [N m].
+
+        ``torques``: torque of each nut or bearing, (low, high) [N m]; the sum is None if one of them is None (not known).
+        """
+        known = [x for x in torques if x is not None]
+        if len(known) < len(torques):
+            return None
+        ends = [tuple(x[k] for x in known) for k in (0, 1)]
+        low, high = (DriveTorqueParts(drive.torque, seals, end, 0.0).constant_speed_torque for end in ends)
+        return low, high
+
+    running, starting = (total([getattr(s, name) for s in sets]) for name in ("running", "starting"))
     inertias = [screw_inertia(assembly, drive.density), drive.motor_inertia]
     accelerating = None
     if running is not None and motion is not None and drive.time is not None:
@@ -181,17 +194,8 @@ def motor_torques_and_inertias(
         low, high = (acceleration_torque(of, abs(motion.speed), drive.time) for of in each)
         accelerating = running[0] + low, running[1] + high
     carried = reflected_inertia(drive.mass, lead)
-    return AxisDrive(
-        sets,
-        seals,
-        drive.torque,
-        running,
-        _sum_of_friction_torques(drive.torque, [s.starting for s in sets], seals),
-        accelerating,
-        inertias[0],
-        carried,
-        sum(inertias) + carried,
-    )
+    whole = sum(inertias) + carried
+    return AxisDrive(sets, seals, drive.torque, running, starting, accelerating, inertias[0], carried, whole)
 
 
 def lead_of_first_nut(assembly: Assembly) -> float:
@@ -199,79 +203,51 @@ def lead_of_first_nut(assembly: Assembly) -> float:
     return next((s.parts.track.lead for s in assembly.sets if isinstance(s.parts, Scene) and s.parts.track.lead), 0.0)
 
 
-def _sum_of_friction_torques(other_torque: float, set_torques: list[Band | None], seal_torque: float) -> Band | None:
-    """Return the sum of the friction torques on a shaft as a range (low, high) [N m] (Smith 1994, eq. 4.10).
-
-    ``set_torques``: torque of each nut or bearing, (low, high) [N m]; the sum is None if one of them is None (not known);
-    ``seal_torque``: torque of all seals [N m]; ``other_torque``: torque of all other parts [N m].
-    """
-    known = [x for x in set_torques if x is not None]
-    if len(known) < len(set_torques):
-        return None
-    low, high = (
-        DriveTorqueParts(other_torque, seal_torque, tuple(x[k] for x in known), 0.0).constant_speed_torque for k in (0, 1)
-    )
-    return low, high
-
-
-def _driving_torque_of_nut(
-    name: str, friction_results: dict[str, Any] | None, reason: str, sign: float
-) -> ShaftTorqueOfNutOrBearing:
+def _driving_torque_of_nut(name: str, friction_results: dict[str, Any] | None, reason: str, sign: float) -> ShaftTorque:
     """Return the torque with which the turning screw drives a nut.
 
     ``name``: name of the nut; ``friction_results``: its friction torques as JSON values; None: not known, for the reason
     ``reason``; ``sign``: -1 if the screw turns in the negative direction, else 1.
     """
     if friction_results is None or friction_results["driving_torque_on_screw_Nmm"] is None:
-        return ShaftTorqueOfNutOrBearing(name, None, None, words=reason or "the friction of the balls did not converge")
+        return ShaftTorque(name, None, None, words=reason or "the friction of the balls did not converge")
     torque = 1e-3 * sign * friction_results["driving_torque_on_screw_Nmm"]
-    return ShaftTorqueOfNutOrBearing(name, (torque, torque), (torque, torque))
+    return ShaftTorque(name, (torque, torque), (torque, torque))
 
 
-def _friction_torque_of_bearing(
-    assembly: Assembly, bearing_result: SetResult, torque: BallBearingTorque | None
-) -> ShaftTorqueOfNutOrBearing:
+def _friction_torque_of_bearing(assembly: Assembly, bearing: SetResult, torque: BallBearingTorque | None) -> ShaftTorque:
     """Return the friction torque of a bearing row, while it runs and when it starts from rest; zero without load.
 
-    ``bearing_result``: solution of the row; ``torque``: friction torque if the row has balls; None for rollers or without
+    ``bearing``: solution of the row; ``torque``: friction torque if the row has balls; None for rollers or without
     load.
     """
     ends: tuple[Band | None, Band | None] = (0.0, 0.0), (0.0, 0.0)
     if torque is not None:
         ends = torque.running, torque.starting
-    elif isinstance(bearing_result.of.parts, RollerRow) and bearing_result.line_loads is not None:
+    elif isinstance(bearing.of.parts, RollerRow) and bearing.line_loads is not None:
         speed = None if assembly.motion is None else assembly.motion.speed
-        if (
-            row := roller_bearing_torque(bearing_result.of.parts, bearing_result.line_loads, speed, assembly.lubricant)
-        ) is not None:
+        row = roller_bearing_torque(bearing.of.parts, bearing.line_loads, speed, assembly.lubricant)
+        if row is not None:
             low, high = (row.torque if x is None else x for x in (row.low, row.high))
             ends = None if row.film is None else (low, high), (low - (row.film or 0.0), high - (row.film or 0.0))
-    return ShaftTorqueOfNutOrBearing(bearing_result.of.name, *ends, words="" if ends[0] is not None else NOT_RUNNING)
+    return ShaftTorque(bearing.of.name, *ends, words="" if ends[0] is not None else NOT_RUNNING)
 
 
-def combined_life_of_turning_parts(
-    assembly: Assembly, result: AxisResult, derived_results: models_answers.ShaftResults
+def _life_of_turning_sets(
+    assembly: Assembly, lives: Mapping[str, rating_life.BasicRatingLife | None], speed: float | None
 ) -> rating_life.SystemLife | None:
-    """Compute the combined rating life of all nuts and bearings on a turning shaft; None if none of them has a life.
+    """Return the combined rating life of all nuts and bearing rows that turn with the shaft; None if no life is known.
 
-    ``result``: converged solution of the shaft; ``derived_results``: results that follow from it, with the life of each nut
-    or bearing. Bearings on a moving housing, which do not turn with the shaft, are left out.
+    ``lives``: life of each nut or row by its name; ``speed``: speed of the shaft [rad/s]; None: not known. Bearings on a
+    moving housing, which do not turn with the shaft, are left out.
     """
-    lives = {}
-    for s, one in zip(result.sets, derived_results.set_results, strict=True):
-        life = getattr(one.load_results, "life", None)
-        if s.of.carrier is None and life is not None:
-            slope = (
-                roller_life.SLOPE if isinstance(one.load_results, models_answers.RollerLoadResults) else rating_life.SLOPE
-            )
-            lives[one.name] = 1e6 * life.revolutions, slope
-    if not lives:
+    turning = {s.name: s.parts for s in assembly.sets if s.carrier is None}
+    slopes = {n: roller_life.SLOPE if isinstance(x, RollerRow) else rating_life.SLOPE for n, x in turning.items()}
+    known = {n: (1e6 * x.revolutions, slopes[n]) for n, x in lives.items() if x is not None and n in turning}
+    if not known:
         return None
-    speed = None if assembly.motion is None else assembly.motion.speed
-    shortest = min(lives, key=lambda name: lives[name][0])
-    return rating_life.SystemLife(
-        1e-6 * rating_life.life_of_parts_in_series([*lives.values()]), shortest, lead_of_first_nut(assembly), speed
-    )
+    together, shortest = rating_life.life_of_parts_in_series([*known.values()]), min(known, key=lambda n: known[n][0])
+    return rating_life.SystemLife(1e-6 * together, shortest, lead_of_first_nut(assembly), speed)
 
 
 @dataclass(frozen=True)
@@ -334,7 +310,7 @@ class ShaftSolution:
     combined_life: rating_life.SystemLife | None = None
 
     @property
-    def contact_results(self) -> tuple[models_answers.ContactLoadResults | models_answers.RollerLoadResults, ...]:
+    def contact_results(self) -> tuple[models_answers.LoadResults, ...]:
         """Pressure, static safety and life of each nut or row, rollers included; empty without equilibrium."""
         return () if self.derived_results is None else tuple(x.load_results for x in self.derived_results.set_results)
 
@@ -346,11 +322,7 @@ class ShaftSolution:
         on_housings = (Load(h.at, h.force, h.moment) for h in self.scene.housings)
         loads, out = (*self.scene.loads, *on_housings), {}
         for s, answers in zip(self.result.sets, self.derived_results.set_results, strict=True):
-            if (
-                isinstance(answers.parts, Scene)
-                and isinstance(answers.load_results, models_answers.ContactLoadResults)
-                and s.balls is not None
-            ):
+            if isinstance(answers.parts, Scene) and s.balls is not None:
                 parts = replace(answers.parts, name=self.scene.name, loads=loads, supports=self.scene.supports)
                 out[s.of.name] = LoadsOfNutOrBearing(parts, s.balls.load, -s.force)
             elif s.line_loads is not None:
@@ -380,11 +352,9 @@ def solve_with_results(scene: Scene | Assembly, model: str, options: ModelOption
     InputError
         If the model does not cover the scene.
     """
-    return (
-        solve_shaft_with_results(scene, model, options)
-        if isinstance(scene, Assembly)
-        else solve_scene_with_results(scene, model, options)
-    )
+    if isinstance(scene, Assembly):
+        return solve_shaft_with_results(scene, model, options)
+    return solve_scene_with_results(scene, model, options)
 
 
 def solve_shaft_with_results(scene: Assembly, model: str, options: ModelOptions) -> ShaftSolution:
@@ -396,7 +366,9 @@ def solve_shaft_with_results(scene: Assembly, model: str, options: ModelOptions)
     if answers is None:
         return ShaftSolution(scene, result)
     drive = motor_torques_and_inertias(scene, result, answers, friction_of_nuts(scene, result))
-    return ShaftSolution(scene, result, answers, None, drive, combined_life_of_turning_parts(scene, result, answers))
+    speed = None if scene.motion is None else scene.motion.speed
+    life = _life_of_turning_sets(scene, {x.name: x.load_results.life for x in answers.set_results}, speed)
+    return ShaftSolution(scene, result, answers, None, drive, life)
 
 
 def solve_scene_with_results(scene: Scene, model: str, options: ModelOptions) -> SceneSolution:
@@ -546,45 +518,26 @@ def compute_duty_cycle_results(cycle: DutyCycle, solutions: Sequence[SceneSoluti
     """
     pairs = list(zip(cycle.cases, solutions, strict=True))
     answers = [(case, x) for case, one in pairs for x in one.contact_results]
-    errors = [
-        (case, None if one.expected_errors is None else one.expected_errors.percent)
-        for case, one in pairs
-        if one.derived_results
-    ]
+    expected = [(case, one.expected_errors) for case, one in pairs if one.derived_results]
+    errors = [(case, None if e is None else e.percent) for case, e in expected]
+    lives = tuple(_lives_of_set(cycle, name, [one.loads_by_set.get(name) for one in solutions]) for name in cycle.sets)
+    axis_life = None
+    if isinstance(cycle.parts, Assembly):
+        axis_life = _life_of_turning_sets(cycle.parts, {x.set: x.life for x in lives}, cycle.speed)
     return DutyCycleResults(
         _extreme_over_cases(max, ((case, a.worst_contact.pressure) for case, a in answers if a.worst_contact)),
         _extreme_over_cases(min, ((case, a.safety.factor) for case, a in answers if a.safety)),
         _extreme_over_cases(max, errors),
         tuple(case.name for case, percent in errors if percent is None),
         {case.name: one.result.status for case, one in pairs if one.derived_results is None},
-        lives := tuple(
-            _lives_of_nut_or_bearing(cycle, name, [one.loads_by_set.get(name) for one in solutions]) for name in cycle.sets
-        ),
+        lives,
         cycle.speed,
-        _combined_life_over_duty_cycle(cycle, lives),
-    )
-
-
-def _combined_life_over_duty_cycle(cycle: DutyCycle, lives: Sequence[LivesOverDutyCycle]) -> rating_life.SystemLife | None:
-    """Return the combined rating life of all nuts and bearing rows that turn with the shaft, over a duty cycle.
-
-    ``lives``: lives of each nut or row. None for a scene with one nut or row, or if no life is known.
-    """
-    if not isinstance(cycle.parts, Assembly):
-        return None
-    turning = {s.name: s.parts for s in cycle.parts.sets if s.carrier is None}
-    known = {x.set: x.life.revolutions for x in lives if x.life is not None and x.set in turning}
-    if not known:
-        return None
-    slopes = {name: roller_life.SLOPE if isinstance(turning[name], RollerRow) else rating_life.SLOPE for name in known}
-    together = 1e-6 * rating_life.life_of_parts_in_series([(1e6 * life, slopes[name]) for name, life in known.items()])
-    return rating_life.SystemLife(
-        together, min(known, key=lambda name: known[name]), lead_of_first_nut(cycle.parts), cycle.speed
+        axis_life,
     )
 
 
 def rating_life_over_duty_cycle(
-    cycle: DutyCycle, set_name: str, loads_by_case: Sequence[Array | None]
+    cycle: DutyCycle, set_name: str, loads: Sequence[Array | None]
 ) -> tuple[rating_life.BasicRatingLife | None, str]:
     """Compute the basic rating life of a nut or bearing row over a duty cycle from its loads in every load case.
 
@@ -594,7 +547,7 @@ def rating_life_over_duty_cycle(
         The duty cycle.
     set_name
         Name of the nut or row, as in `DutyCycle.sets`.
-    loads_by_case
+    loads
         Contact loads of n balls on 4 flanks (n, 4) [N], or line loads of rollers (rollers, slices) [N/m], in every load
         case; None: not known.
 
@@ -605,22 +558,16 @@ def rating_life_over_duty_cycle(
     str
         Why there is no life; empty if there is one.
     """
-    lacking = [
-        case.name for case, load in zip(cycle.cases, loads_by_case, strict=True) if load is None and case.share > 0.0
-    ]
+    lacking = [case.name for case, load in zip(cycle.cases, loads, strict=True) if load is None and case.share > 0.0]
     if lacking:
         return None, f"the contact loads of case {lacking[0]} are not known"
     try:
-        known = [np.zeros((1, 4)) if load is None else load for load in loads_by_case]
-        parts = cycle.sets[set_name]
+        known = [np.zeros((1, 4)) if load is None else load for load in loads]
+        parts, shares = cycle.sets[set_name], cycle.revolution_shares
         if isinstance(parts, RollerRow):
-            rated = roller_life.basic_rating_life_of_row(
-                parts, roller_life.damage_equivalent_line_loads(known, cycle.revolution_shares)
-            )
+            rated = roller_life.basic_rating_life_of_row(parts, roller_life.damage_equivalent_line_loads(known, shares))
         else:
-            rated = rating_life.basic_rating_life(
-                parts, rating_life.damage_equivalent_contact_loads(known, cycle.revolution_shares)
-            )
+            rated = rating_life.basic_rating_life(parts, rating_life.damage_equivalent_contact_loads(known, shares))
     except ValueError as error:
         return None, str(error)
     return rated, "" if rated is not None else "no load"
@@ -646,29 +593,23 @@ def contact_loads_by_nut_or_bearing(result: StaticResult | AxisResult) -> dict[s
     return {name: load for name, load in found if load is not None}
 
 
-def _lives_of_nut_or_bearing(
-    cycle: DutyCycle, set_name: str, loads_by_case: Sequence[LoadsOfNutOrBearing | None]
-) -> LivesOverDutyCycle:
+def _lives_of_set(cycle: DutyCycle, set_name: str, loads: Sequence[LoadsOfNutOrBearing | None]) -> LivesOverDutyCycle:
     """Return the rating lives of one nut or bearing row over a duty cycle.
 
-    ``set_name``: name of the nut or row as in `DutyCycle.sets`; ``loads_by_case``: its contact loads and force in every
+    ``set_name``: name of the nut or row as in `DutyCycle.sets`; ``loads``: its contact loads and force in every
     load case; None for a load case without equilibrium.
     """
-    rated, words = rating_life_over_duty_cycle(cycle, set_name, [None if s is None else s.load for s in loads_by_case])
+    rated, words = rating_life_over_duty_cycle(cycle, set_name, [None if s is None else s.load for s in loads])
     if rated is None:
         return LivesOverDutyCycle(rated, words, None, words, set_name)
-    used = [
-        (s, case.share) for s, case in zip(loads_by_case, cycle.cases, strict=True) if s is not None and case.share > 0.0
-    ]
+    used = [(s, case.share) for s, case in zip(loads, cycle.cases, strict=True) if s is not None and case.share > 0.0]
     parts, shares, forces = [s.parts for s, _ in used], [share for _, share in used], [s.force for s, _ in used]
     row = cycle.sets[set_name]
     if isinstance(row, RollerRow):
-        basic = iso_lives.roller_reference_life(
-            row, roller_life.damage_equivalent_line_loads([s.load for s, _ in used], shares)
-        )
-        return LivesOverDutyCycle(
-            rated, words, roller_life.life_of_row_by_equivalent_loads(row, shares, forces), "", set_name, None, basic
-        )
+        equivalent = roller_life.damage_equivalent_line_loads([s.load for s, _ in used], shares)
+        basic = iso_lives.roller_reference_life(row, equivalent)
+        by_standard = roller_life.life_of_row_by_equivalent_loads(row, shares, forces)
+        return LivesOverDutyCycle(rated, words, by_standard, "", set_name, None, basic)
     modified, basic = modified_life(row, rated), iso_lives.ball_reference_life(row, rated)
     try:
         scenes = [x for x in parts if isinstance(x, Scene)]

@@ -242,11 +242,8 @@ def find_lift_off_load(
         factor = low + NEAR * (root - low) if root < high else 0.5 * (low + high)
         trial = solve_with_scaled_loads(scene, factor, model, options)
         if not trial.converged:
-            return LiftOff(
-                None,
-                solves=solves + 1,
-                words=f"not found, because the solution at {factor:.3g} times the loads is {trial.status}",
-            )
+            words = f"not found, because the solution at {factor:.3g} times the loads is {trial.status}"
+            return LiftOff(None, solves=solves + 1, words=words)
         value, nearest = smallest_preloaded_load(trial)
         if value > 0.0:
             known.append((factor, value))
@@ -380,17 +377,13 @@ def load_path_of_scene(scene: Scene, result: StaticResult, unloaded: StaticResul
     applied = sum_of_loads(scene.loads)
     if not applied.any():
         return None
-    contacts = _wrench_about_station(
-        scene.nut.position, _contact_wrench_on_screw(result) - _contact_wrench_on_screw(unloaded)
-    )
-    return LoadPath(
-        applied, applied, _load_shares_of_supports(scene, result, unloaded), -contacts, scene.track.pitch_radius
-    )
+    change = _contact_wrench_on_screw(result) - _contact_wrench_on_screw(unloaded)
+    contacts = resultant_about_origin(np.array([-scene.nut.position]), change[None])  # moment about the nut's centre
+    supports = _support_shares(scene, result, unloaded)
+    return LoadPath(applied, applied, supports, -contacts, scene.track.pitch_radius)
 
 
-def load_path_of_assembly(
-    assembly: Assembly, result: AxisResult, unloaded: AxisResult, loaded_body: str = ""
-) -> LoadPath | None:
+def load_path_of_assembly(assembly: Assembly, result: AxisResult, unloaded: AxisResult, body: str = "") -> LoadPath | None:
     """Return the shares of the loads that supports, frames of housings and contacts carry, for several nuts or rows.
 
     Parameters
@@ -401,7 +394,7 @@ def load_path_of_assembly(
         Result of the assembly.
     unloaded
         Result of the assembly without loads.
-    loaded_body
+    body
         Name of the only loaded body in ``assembly`` (a housing, or "the shaft"); empty: several bodies may be loaded.
 
     Returns
@@ -413,18 +406,17 @@ def load_path_of_assembly(
     applied = on_shaft + sum_of_loads([Load(h.at, h.force, h.moment) for h in assembly.housings])
     if not applied.any():
         return None
-    pairs = (
-        zip(result.housings, unloaded.housings, strict=True) if unloaded.converged else ((h, None) for h in result.housings)
-    )
-    frames = (SupportShare(f"the frame of {a.name}", -(a.wrench - (0.0 if b is None else b.wrench))) for a, b in pairs)
     each = [np.concatenate([s.force, s.moment]) for s in result.sets]
-    idle = [np.concatenate([s.force, s.moment]) for s in unloaded.sets] if unloaded.converged else [np.zeros(6)] * len(each)
+    idle, frames = [np.zeros(6)] * len(each), [np.zeros(6)] * len(result.housings)
+    if unloaded.converged:
+        idle, frames = [np.concatenate([s.force, s.moment]) for s in unloaded.sets], [h.wrench for h in unloaded.housings]
+    held = zip(result.housings, frames, strict=True)
+    shares = tuple(SupportShare(f"the frame of {h.name}", -(h.wrench - before)) for h, before in held)
     contacts = np.abs(np.array(each) - np.array(idle)).sum(axis=0)
     radii = [s.parts.track.pitch_radius for s in assembly.sets if isinstance(s.parts, Scene)]
     arm = max(radii, default=assembly.screw.outer_diameter / 2.0)
-    return LoadPath(
-        applied, on_shaft, (*_load_shares_of_supports(assembly, result, unloaded), *frames), contacts, arm, loaded_body
-    )
+    supports = _support_shares(assembly, result, unloaded)
+    return LoadPath(applied, on_shaft, (*supports, *shares), contacts, arm, body)
 
 
 def assemblies_by_loaded_body(assembly: Assembly) -> dict[str, tuple[Assembly, Assembly]]:
@@ -452,16 +444,14 @@ def sum_of_loads(loads: Sequence[Load]) -> Array:
     return np.asarray(np.array([(*x.force, *x.moment) for x in loads]).reshape(-1, 6).sum(axis=0))
 
 
-def _load_shares_of_supports(
-    scene: Scene | Assembly, result: StaticSolution, unloaded_result: StaticSolution
-) -> tuple[SupportShare, ...]:
+def _support_shares(scene: Scene | Assembly, result: StaticSolution, unloaded: StaticSolution) -> tuple[SupportShare, ...]:
     """Return the share of the loads that each support of the shaft carries; empty if the model computes no reactions.
 
-    ``result``: solution under the scene's loads; ``unloaded_result``: solution without them.
+    ``result``: solution under the scene's loads; ``unloaded``: solution without them.
     """
     if not len(result.reactions):  # Mei's axial models do not distinguish supports
         return ()
-    idle = unloaded_result.reactions if unloaded_result.converged else np.zeros(result.reactions.shape)
+    idle = unloaded.reactions if unloaded.converged else np.zeros(result.reactions.shape)
     parts = zip(scene.supports, -(result.reactions - idle), strict=True)
     return tuple(SupportShare(f"the support at {1e3 * s.at:.6g} mm", part) for s, part in parts)
 
@@ -475,28 +465,16 @@ def _contact_wrench_on_screw(result: StaticResult) -> Array:
     return np.zeros(6) if e is None or not result.converged else np.concatenate([e.contact_force, e.contact_moment])
 
 
-def _wrench_about_station(station: float, wrench: Array) -> Array:
-    """Return a force and its moment about a point on the screw's axis, from the force and its moment about the origin.
-
-    ``station``: axial position of the point [m]; ``wrench``: force and moment about the origin, (6,) [N, N m], of which the
-    first three components do not change.
-    """
-    return resultant_about_origin(np.array([-station]), wrench[None])
-
-
 def load_path_text(path: LoadPath) -> str:
     """Return a text with the share of each load component that each support carries; empty if supports carry nothing."""
     out = []
     for k in np.flatnonzero(path.applied_load):
         load, unit = float(path.applied_load[k]), "N" if k < 3 else "N m"
-        into = [
-            (t.name, float(t.carried_load[k])) for t in path.support_shares if abs(t.carried_load[k]) > NOTHING * abs(load)
-        ]
-        if into:
-            each = ", ".join(f"{part:.5g} {unit} into {name}" for name, part in into)
-            out.append(
-                f"of {load:.5g} {unit} {COMPONENTS[k]} {each}, {float(path.contact_load[k]):.3g} {unit} through contacts"
-            )
+        into = [(t.name, float(t.carried_load[k])) for t in path.support_shares]
+        each = [f"{part:.5g} {unit} into {name}" for name, part in into if abs(part) > NOTHING * abs(load)]
+        if each:
+            through = f"{float(path.contact_load[k]):.3g} {unit} through contacts"
+            out.append(f"of {load:.5g} {unit} {COMPONENTS[k]} {', '.join(each)}, {through}")
     return "; ".join(out)
 
 
@@ -518,11 +496,9 @@ def load_path_warnings(path: LoadPath | None) -> Iterator[ResultWarning]:
         what, share = "the loads on the shaft", reached / load
     else:
         return
-    words = load_path_text(path)
+    head = f"only {100.0 * share:.2g} % of {what} reaches the contacts"
     text = (
-        f"only {100.0 * share:.2g} % of {what} reaches the contacts, and contact results hold for this share only: {words}"
-        "; free the direction in which a support carries the load, unless this is intended"
+        f"{head}, and contact results hold for this share only: {load_path_text(path)}; "
+        "free the direction in which a support carries the load, unless this is intended"
     )
-    yield ResultWarning(
-        "held load", text, f"only {100.0 * share:.2g} % of {what} reaches the contacts, supports carry the rest"
-    )
+    yield ResultWarning("held load", text, f"{head}, supports carry the rest")

@@ -9,7 +9,7 @@ import csv
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from itertools import zip_longest
 from pathlib import Path
 from typing import NamedTuple
@@ -228,7 +228,7 @@ class CsvTable:
         if not title.strip():
             raise InputError(str(path), first, "nothing", ", ".join(columns), example)
         separator = next((c for c in ";\t" if c in title), ",") if says is None else says[1]
-        rows = _rows_with_line_numbers(path, lines[above:], above, separator)
+        rows = _numbered_rows(path, lines[above:], above, separator)
         titles = tuple(next(rows)[1])
         heads = [head.lower() for head in titles]
         for name in columns:
@@ -240,7 +240,7 @@ class CsvTable:
         kept = []
         for number, row in rows:
             if any(row):
-                _check_cells_have_headings(path, number, titles, row, separator)
+                _check_cells_are_headed(path, number, titles, row, separator)
                 cells = dict(zip_longest(heads, row[: len(heads)], fillvalue=""))
                 short = next((name for name in columns if heads.index(name.lower()) >= len(row)), None)
                 if short is not None:
@@ -248,35 +248,30 @@ class CsvTable:
                     advice = "complete the row, or check whether the file was truncated"
                     raise InputError(str(path), f"line {number}: {short}", value, allowed, advice)
                 kept.append((number, cells))
-        notes = dict(_parse_comment_line(line) for line in lines[begin:above])
+        comments = (line.strip("#;, \t").partition(":") for line in lines[begin:above])  # spreadsheets add separators
+        notes = {name.strip().lower(): text.strip() for name, _, text in comments}
         return cls(titles, above + 1, separator != ",", tuple(kept), notes)
 
 
-def _rows_with_line_numbers(
-    path: Path, lines: Sequence[str], lines_above: int, separator: str
-) -> Iterator[tuple[int, list[str]]]:
+def _numbered_rows(path: Path, lines: Sequence[str], above: int, separator: str) -> Iterator[tuple[int, list[str]]]:
     """Yield the rows of a CSV table as pairs: number of the line in the file, texts of the cells.
 
-    ``path``: the file, for error messages; ``lines``: lines of the table; ``lines_above``: number of lines of the file
+    ``path``: the file, for error messages; ``lines``: lines of the table; ``above``: number of lines of the file
     before them; ``separator``: character between two cells. InputError for a quotation mark without its partner.
     """
     reader = csv.reader(lines, delimiter=separator, strict=True)
     try:
         for row in reader:
-            yield lines_above + reader.line_num, [cell.strip() for cell in row]
+            yield above + reader.line_num, [cell.strip() for cell in row]
     except csv.Error as error:
-        advice = "close every quotation mark, or remove them"
-        raise InputError(
-            str(path), f"line {lines_above + reader.line_num}", str(error), "cells of a CSV file", advice
-        ) from None
+        line, advice = f"line {above + reader.line_num}", "close every quotation mark, or remove them"
+        raise InputError(str(path), line, str(error), "cells of a CSV file", advice) from None
 
 
-def _check_cells_have_headings(
-    path: Path, line_number: int, headings: Sequence[str], cells: Sequence[str], separator: str
-) -> None:
+def _check_cells_are_headed(path: Path, line: int, headings: Sequence[str], cells: Sequence[str], separator: str) -> None:
     """Raise InputError if a row of a CSV file has text in a column that has no heading.
 
-    The first column may lack a heading, as spreadsheets write row numbers there. ``path`` and ``line_number``: file, and
+    The first column may lack a heading, as spreadsheets write row numbers there. ``path`` and ``line``: file, and
     number of the line, for the message; ``headings``: headings; ``cells``: texts of the cells; ``separator``: character
     between cells.
     """
@@ -285,11 +280,9 @@ def _check_cells_have_headings(
     value = f"{sum(map(bool, cells))} cells: {separator.join(cells)}"
     advice = "give every column a heading, or put a cell that contains the separator into quotation marks"
     if separator == ",":
-        advice = (
-            "write numbers with a decimal point, or separate cells by semicolons if numbers have a decimal comma; "
-            "else give every column a heading"
-        )
-    raise InputError(str(path), f"line {line_number}", value, f"{sum(map(bool, headings))}, one for each heading", advice)
+        advice = "write numbers with a decimal point, or separate cells by semicolons if numbers have a decimal comma; "
+        advice += "else give every column a heading"
+    raise InputError(str(path), f"line {line}", value, f"{sum(map(bool, headings))}, one for each heading", advice)
 
 
 def read_loads(path: Path, ball_count: int, scene: Scene | None = None, row_filter: Only = EVERY) -> ContactLoadsFromFile:
@@ -337,13 +330,9 @@ def read_loads(path: Path, ball_count: int, scene: Scene | None = None, row_filt
         cases.add(cells.text_in_column("case"))
         if len(cases) > 1:
             advice = "split the file by load case, or delete the rows of other cases"
-            raise InputError(
-                str(path), f"line {number}: case", cells.text_in_column("case"), "one load case in all rows", advice
-            )
-        ball, side = (
-            cells.ball_index(ball_count) if find is None else find.ball_index_at_position(cells),
-            cells.flank_index(),
-        )
+            raise cells.cell_error("case", cells.text_in_column("case"), "one load case in all rows", advice)
+        ball = cells.ball_index(ball_count) if find is None else find.ball_index_at_position(cells)
+        side = cells.flank_index()
         renumbered |= {ball} if find is not None and cells.text_in_column("ball") != str(ball + 1) else set()
         if not np.isnan(values["load"][ball, side]):
             value = f"a second row of ball {ball + 1} {SIDES[side]}"
@@ -351,34 +340,20 @@ def read_loads(path: Path, ball_count: int, scene: Scene | None = None, row_filt
         for name, of in values.items():
             of[ball, side] = cells.non_negative_value(name)
     if row_filter and not cases:
-        which, value = (
-            " and ".join(row_filter),
-            " of ".join(f"{name} {words[0]}" for name, words in reversed([*row_filter.items()])),
-        )
+        which = " and ".join(row_filter)
+        value = " of ".join(f"{name} {words[0]}" for name, words in reversed([*row_filter.items()]))
         advice = f"add the rows; `solve` with `loads_csv=FILE` writes a complete file with the column {which}"
         raise InputError(str(path), which, f"no rows of {value}", f"rows of every {which} of the scene", advice)
     unknown = tuple(f'"{head}"' for head, c in columns.items() if not c.name)
     further = {name: of for name, of in values.items() if name != "load" and name in {c.name for c in columns.values()}}
-    loads = _check_loads_are_complete(path, values["load"])
+    load, flanks = _complete_loads(path, values["load"])
     for name in further.keys() - {"uncertainty", "uncertain share"}:
-        gaps = np.argwhere(np.isnan(further[name]) & (loads.load > 0.0))
+        gaps = np.argwhere(np.isnan(further[name]) & (load > 0.0))
         if gaps.size:
             value = f"no {name} of ball {gaps[0][0] + 1} {SIDES[gaps[0][1]]}"
             advice = f"add the missing {name}, or delete the column"
             raise InputError(str(path), "rows", value, f"the {name} of every contact that carries load", advice)
-    return replace(
-        loads,
-        renumbered_ball_count=len(renumbered),
-        further_quantities=further,
-        unknown_headings=unknown,
-        notes=table.notes,
-    )
-
-
-def _parse_comment_line(line: str) -> tuple[str, str]:
-    """Return name and text of a comment line ``# name: text`` of a CSV file, without separators added by a spreadsheet."""
-    name, _, text = line.strip("#;, \t").partition(":")
-    return name.strip().lower(), text.strip()
+    return ContactLoadsFromFile(load, flanks, len(renumbered), further, unknown, table.notes)
 
 
 def _columns_by_heading(path: Path, table: CsvTable) -> dict[str, Column]:
@@ -406,7 +381,7 @@ class _ContactLoadRow:
         ``path`` and ``line``: file and line of the row, for error messages; ``cells``: heading, factor to SI units, and
         text of the cell, by name of the column; ``decimal_comma``: whether numbers have a decimal comma.
         """
-        self._path, self._line, self._cells_by_line, self._comma = path, line, cells, decimal_comma
+        self._path, self._line, self._cells, self._comma = path, line, cells, decimal_comma
 
     def cell_error(self, name: str, value: str, allowed: str, advice: str) -> InputError:
         """Return the InputError for a cell of this row that cannot be used.
@@ -417,17 +392,15 @@ class _ContactLoadRow:
 
     def text_in_column(self, name: str) -> str:
         """Return the text of this row's cell in the column ``name``; empty if the file has no such column."""
-        return self._cells_by_line.get(name, ("", 1.0, ""))[2]
+        return self._cells.get(name, ("", 1.0, ""))[2]
 
     def ball_index(self, balls: int) -> int:
         """Return the index (from 0) of the ball whose number (from 1) is in the row; ``balls``: number of balls."""
         ball = self.text_in_column("ball")
         if not (ball.isascii() and ball.isdecimal() and len(ball) < 10 and 1 <= int(ball) <= balls):
-            shift = "add 1 to all numbers" if ball == "0" else "check the number"
-            advice = (
-                f"{shift}: balls are numbered from 1; in a screw with several thread starts, the balls of the first start "
-                "have the lowest numbers"
-            )
+            advice = "add 1 to all numbers" if ball == "0" else "check the number"
+            advice += ": balls are numbered from 1; in a screw with several thread starts, the balls of the first start "
+            advice += "have the lowest numbers"
             raise self.cell_error("ball", ball, f"a ball number from 1 to {balls}", advice)
         return int(ball) - 1
 
@@ -443,12 +416,8 @@ class _ContactLoadRow:
         """Return the azimuth [rad] or the axial position [m] of the row's ball; ``name``: "azimuth" or "z"."""
         value, factor, text = self._number_factor_and_text(name)
         if not np.isfinite(value):
-            raise self.cell_error(
-                self._cells_by_line[name][0],
-                text,
-                "a number",
-                decimal_comma_advice("write a number, or delete the column", text),
-            )
+            advice = decimal_comma_advice("write a number, or delete the column", text)
+            raise self.cell_error(self._cells[name][0], text, "a number", advice)
         return value * factor
 
     def non_negative_value(self, name: str) -> float:
@@ -461,14 +430,13 @@ class _ContactLoadRow:
             return float("nan")
         if not 0.0 <= value < float("inf"):
             advice = "write a number without unit (the heading states the unit), and 0 for a contact without load"
-            raise self.cell_error(
-                self._cells_by_line[name][0], text, "a number, at least 0", decimal_comma_advice(advice, text)
-            )
+            advice = decimal_comma_advice(advice, text)
+            raise self.cell_error(self._cells[name][0], text, "a number, at least 0", advice)
         return value * factor
 
     def _number_factor_and_text(self, name: str) -> tuple[float, float, str]:
         """Return the number in this row's cell of column ``name`` (nan: no number), factor to SI, and text of the cell."""
-        _, factor, text = self._cells_by_line.get(name, ("", 1.0, ""))
+        _, factor, text = self._cells.get(name, ("", 1.0, ""))
         return number_in_cell(text, decimal_comma=self._comma), factor, text
 
 
@@ -490,10 +458,8 @@ class _BallFinder:
         if away[ball] > self._near:
             place = f"{np.degrees(azimuth):g} deg, {1e3 * z:g} mm"
             allowed = f"the position of a ball; the nearest, ball {ball + 1}, is {1e3 * away[ball]:.3g} mm away"
-            advice = (
-                "use the positions that `solve` with `loads_csv=FILE` writes, or delete both columns to identify balls by "
-                "their numbers"
-            )
+            advice = "use the positions that `solve` with `loads_csv=FILE` writes, or delete both columns to identify "
+            advice += "balls by their numbers"
             raise row.cell_error("azimuth, z", place, allowed, advice)
         return ball
 
@@ -552,8 +518,8 @@ def read_csv_text(path: Path) -> str:
         raise InputError(str(path), "file", str(error), allowed, advice) from None
 
 
-def _check_loads_are_complete(path: Path, load: Array) -> ContactLoadsFromFile:
-    """Check that contact loads read from a CSV file are complete, and return them as a record.
+def _complete_loads(path: Path, load: Array) -> tuple[Array, tuple[str, ...]]:
+    """Check that contact loads read from a CSV file are complete; return them with 0 for missing rows, and their flanks.
 
     ``path``: the file, for error messages; ``load``: contact loads of n balls, (n, 4) [N]; nan: no row in the file.
     InputError if there is no load at all, or if a ball has none on a flank on which other balls have one.
@@ -565,10 +531,8 @@ def _check_loads_are_complete(path: Path, load: Array) -> ContactLoadsFromFile:
     gaps = np.argwhere(~given & named)
     if gaps.size:
         ball, side = (int(k) for k in gaps[0])
-        value = f"no load of ball {ball + 1} {SIDES[side]}" + (
-            f" and {len(gaps) - 1} more contacts" if len(gaps) > 1 else ""
-        )
+        more = f" and {len(gaps) - 1} more contacts" if len(gaps) > 1 else ""
+        value = f"no load of ball {ball + 1} {SIDES[side]}{more}"
         advice = "write 0 for a contact that carries nothing, or delete all rows of the flank"
         raise InputError(str(path), "rows", value, "a row for every ball on each flank of the file", advice)
-    flanks = tuple(SIDES[k] for k in np.flatnonzero(named))
-    return ContactLoadsFromFile(np.where(given, load, 0.0), flanks)
+    return np.where(given, load, 0.0), tuple(SIDES[k] for k in np.flatnonzero(named))

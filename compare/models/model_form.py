@@ -266,9 +266,7 @@ def _scaled_features(features: dict[str, float], scales: Mapping[str, tuple[str,
 def save_model_errors(folder: Path, measured_errors: Sequence[MeasuredModelErrors]) -> None:
     """Write measured errors of models on compared scenes to the file `FILE` in a folder."""
     text = json.dumps([asdict(p) for p in measured_errors], indent=1, sort_keys=True) + "\n"
-    from rollbench.compare.files import replace_file
-
-    replace_file(folder / FILE, text)
+    files.replace_file(folder / FILE, text)
 
 
 @cache
@@ -277,18 +275,14 @@ def model_errors_on_compared_scenes() -> tuple[MeasuredModelErrors, ...]:
 
     The errors are read from files that are included with rollbench; a missing or damaged file contributes nothing.
     """
-    return (
-        *_measured_errors_from_json(lambda: json.loads(files.shipped_text(f"references/{FILE}"))),
-        *model_errors_on_random_screws(),
-    )
+    built_in = _measured_errors_from_json(lambda: json.loads(files.shipped_text(f"references/{FILE}")))
+    return (*built_in, *model_errors_on_random_screws())
 
 
 @cache
 def model_errors_on_random_screws() -> tuple[MeasuredModelErrors, ...]:
     """Return the stored errors of the models on the randomly drawn screws; empty if their file is missing or damaged."""
-    return _measured_errors_from_json(
-        lambda: [point for scene in survey_records_of_random_screws() for point in scene["points"]]
-    )
+    return _measured_errors_from_json(lambda: [x for scene in survey_records_of_random_screws() for x in scene["points"]])
 
 
 def _measured_errors_from_json(read_records: Callable[[], Iterable[dict[str, Any]]]) -> tuple[MeasuredModelErrors, ...]:
@@ -319,7 +313,7 @@ def is_nut_fixed_at_flange(scene: Scene) -> bool:
     return scene.nut.flange is not None and scene.solid.nut_held in (None, "flange face")
 
 
-def upper_bound_of_model_error(compared_features: Array, errors: Array, scene_features: Array, least_error: float) -> float:
+def upper_bound_of_model_error(known: Array, errors: Array, place: Array, least_error: float) -> float:
     """Return an upper bound [%] of a model's error on a scene, estimated from its errors on compared scenes.
 
     The logarithm of the bound is the linear fit of the logarithms of the errors, plus the quantile `SHARE` of the
@@ -327,23 +321,22 @@ def upper_bound_of_model_error(compared_features: Array, errors: Array, scene_fe
 
     Parameters
     ----------
-    compared_features
+    known
         The k features of the n compared scenes, each divided by its scale, (n, k).
     errors
         Errors of the model on these scenes, (n,) [%].
-    scene_features
+    place
         The k features of the scene, each divided by its scale, (k,).
     least_error
         Least error [%], to which smaller errors are raised before their logarithm is taken.
     """
-    A = np.column_stack([np.ones(len(compared_features)), compared_features - compared_features.mean(axis=0)])
+    middle = known.mean(axis=0)
+    A = np.column_stack([np.ones(len(known)), known - middle])
     y = np.log(np.maximum(np.abs(errors), least_error))
-    solve = np.linalg.solve(A.T @ A + RIDGE * np.diag([0.0, *np.ones(compared_features.shape[1])]), A.T)
+    solve = np.linalg.solve(A.T @ A + RIDGE * np.diag([0.0, *np.ones(known.shape[1])]), A.T)
     off = (y - A @ (solve @ y)) / (1.0 - np.einsum("ij,ji->i", A, solve))  # of a fit without the scene
     rank = min(int(np.ceil((len(y) + 1) * SHARE)), len(y))
-    return float(
-        np.exp(np.array([1.0, *(scene_features - compared_features.mean(axis=0))]) @ (solve @ y) + np.sort(off)[rank - 1])
-    )
+    return float(np.exp(np.array([1.0, *(place - middle)]) @ (solve @ y) + np.sort(off)[rank - 1]))
 
 
 def estimate_model_error(
@@ -371,13 +364,9 @@ def estimate_model_error(
     if result.model not in MODELS:
         return ExpectedModelErrors(None, None, float("inf"), "", 0, (WORDS, NOT_COMPARED))
     model = MODELS[result.model]
-    ring = scene.track.lead == 0.0
-    compared = [
-        p
-        for p in (model_errors_on_compared_scenes() if measured_errors is None else measured_errors)
-        if p.model == (model.model_with_same_errors or model.name)
-    ]
-    flanged = is_nut_fixed_at_flange(scene)
+    ring, flanged = scene.track.lead == 0.0, is_nut_fixed_at_flange(scene)
+    points = model_errors_on_compared_scenes() if measured_errors is None else measured_errors
+    compared = [p for p in points if p.model == (model.model_with_same_errors or model.name)]
     scales = WITH_FLANGE if flanged else SCALES
     like = [p for p in compared if (p.features["lead"] == 0.0) == ring and (flanged or FLANGE not in p.features)]
     words: tuple[str, ...] = (model.elasticity_text,)
@@ -407,47 +396,35 @@ def estimate_model_error(
     known = np.array([_scaled_features(p.features, scales) for p in like])
     away = np.hypot.reduce(known - place, axis=1)  # hypot: does not overflow for a moment with nearly zero loads
     nearest = like[int(away.argmin())].scene
-    unlike = [*descriptors_outside_range(scene), *_definitions_of_features_outside_range(known, place)]
+    unlike = "; ".join([*descriptors_outside_range(scene), *_definitions_of_features_outside_range(known, place)])
     if unlike:
-        return estimate_not_covered(
-            f"outside the range of the compared scenes: {'; '.join(unlike)}", float(away.min()), nearest
-        )
-    return ExpectedModelErrors(
-        distance=float(away.min()), nearest=nearest, compared=len(like), words=words, **_expected_errors(like, known, place)
-    )
+        return estimate_not_covered(f"outside the range of the compared scenes: {unlike}", float(away.min()), nearest)
+    expected = _expected_errors(like, known, place)
+    return ExpectedModelErrors(distance=float(away.min()), nearest=nearest, compared=len(like), words=words, **expected)
 
 
-def _definitions_of_features_outside_range(compared_features: Array, scene_features: Array) -> list[str]:
+def _definitions_of_features_outside_range(known: Array, place: Array) -> list[str]:
     """Return, as text, the definition of each feature in which a scene lies outside the range of the compared scenes.
 
-    ``scene_features``: the k features of the scene, each divided by its scale, (k,); ``compared_features``: those of the n
-    compared scenes, (n, k). A scene is outside if it exceeds the range by more than `MARGIN`.
+    ``place``: the k features of the scene, each divided by its scale, (k,); ``known``: those of the n compared scenes,
+    (n, k). A scene is outside if it exceeds the range by more than `MARGIN`.
     """
-    far = (
-        np.maximum(compared_features.min(axis=0) - scene_features, scene_features - compared_features.max(axis=0)) > MARGIN
-    )
+    far = np.maximum(known.min(axis=0) - place, place - known.max(axis=0)) > MARGIN
     return [what for (what, _), beyond in zip(WITH_FLANGE.values(), far, strict=False) if beyond]
 
 
-def _expected_errors(
-    errors_on_similar_scenes: Sequence[MeasuredModelErrors], similar_features: Array, scene_features: Array
-) -> dict[str, float | None]:
+def _expected_errors(like: Sequence[MeasuredModelErrors], known: Array, place: Array) -> dict[str, float | None]:
     """Return the expected error [%] of each quantity in `QUANTITIES` on a scene, from the errors on n similar scenes.
 
-    ``errors_on_similar_scenes``: measured errors on these scenes; ``similar_features``: their k features, each divided by
-    its scale, (n, k); ``scene_features``: those of the scene, (k,). An expected error is None if too few similar scenes
-    have an error of this quantity.
+    ``like``: measured errors on these scenes; ``known``: their k features, each divided by its scale, (n, k); ``place``:
+    those of the scene, (k,). An expected error is None if too few similar scenes have an error of this quantity.
     """
-    out: dict[str, float | None] = {}
+    out: dict[str, float | None] = dict.fromkeys(QUANTITIES)
     for name in QUANTITIES:
-        errors = np.array([np.nan if (e := getattr(p, name)) is None else e for p in errors_on_similar_scenes], dtype=float)
+        errors = np.array([np.nan if (e := getattr(p, name)) is None else e for p in like], dtype=float)
         finite = np.isfinite(errors)
-        enough = finite.sum() >= FEWEST
-        out[name] = (
-            upper_bound_of_model_error(similar_features[finite], errors[finite], scene_features, LEAST[name])
-            if enough
-            else None
-        )
+        if finite.sum() >= FEWEST:
+            out[name] = upper_bound_of_model_error(known[finite], errors[finite], place, LEAST[name])
     return out
 
 
@@ -469,23 +446,15 @@ def leave_one_out_errors(measured_errors: Sequence[MeasuredModelErrors], model: 
     """
     out = []
     for flange, scales in ((False, SCALES), (True, WITH_FLANGE)):
-        like = [
-            p
-            for p in measured_errors
-            if p.model == model and p.features["lead"] > 0.0 and (flange or FLANGE not in p.features)
-        ]
+        screws = [p for p in measured_errors if p.model == model and p.features["lead"] > 0.0]
+        like = [p for p in screws if flange or FLANGE not in p.features]
         known = np.array([_scaled_features(p.features, scales) for p in like])
         for k, point in enumerate(like):
             if (FLANGE in point.features) == flange:
                 others, rest = [p for p in like if p is not point], np.delete(known, k, axis=0)
-                out.append(
-                    MeasuredAndExpectedErrors(
-                        point,
-                        None
-                        if _definitions_of_features_outside_range(rest, known[k])
-                        else _expected_errors(others, rest, known[k]),
-                    )
-                )
+                outside = _definitions_of_features_outside_range(rest, known[k])
+                expected = None if outside else _expected_errors(others, rest, known[k])
+                out.append(MeasuredAndExpectedErrors(point, expected))
     return out
 
 
@@ -525,12 +494,11 @@ def state_of_loaded_section(scene: Scene, solution: ContactSolution) -> LoadedSe
     return LoadedSectionState(moved, axial_contact_force(scene, solution.load, np.radians(solution.angle)))
 
 
-def axial_rigidity_between_states(load_states: Sequence[LoadedSectionState]) -> float | None:
+def axial_rigidity_between_states(first: LoadedSectionState, second: LoadedSectionState) -> float | None:
     """Return the axial rigidity [N/m] between two load states: change of force over change of displacement.
 
-    ``load_states``: force and displacement in the first and the second state. None if the displacement does not change.
+    None if the displacement does not change.
     """
-    first, second = load_states
     step = second.axial_displacement - first.axial_displacement
     return (second.axial_force - first.axial_force) / step if step != 0.0 else None
 
@@ -571,17 +539,14 @@ def measure_model_error(
     error = load_error(result.load, run.load, count_nominal_contacts(scene))
     from rollbench.compare.models.comparison import solution_from_result, solution_from_run
 
-    answer, reference = (
-        state_of_loaded_section(scene, solution_from_result(result)),
-        state_of_loaded_section(scene, solution_from_run(run, "")),
-    )
+    answer = state_of_loaded_section(scene, solution_from_result(result))
+    reference = state_of_loaded_section(scene, solution_from_run(run, ""))
     stiff: tuple[float | None, float | None] = (None, None)
     if increased_load_case is not None:
         heavier, modelled, computed = increased_load_case
-        stiff = (
-            axial_rigidity_between_states((answer, state_of_loaded_section(heavier, solution_from_result(modelled)))),
-            axial_rigidity_between_states((reference, state_of_loaded_section(heavier, solution_from_run(computed, "")))),
-        )
+        by_model = state_of_loaded_section(heavier, solution_from_result(modelled))
+        by_run = state_of_loaded_section(heavier, solution_from_run(computed, ""))
+        stiff = axial_rigidity_between_states(answer, by_model), axial_rigidity_between_states(reference, by_run)
     heaviest = run.load.max()
     return MeasuredModelErrors(
         name,

@@ -42,7 +42,7 @@ VARIED = ("lin-case1", "lin-case3")
 #: Scene on which each setting of the finest mesh is refined separately: the preloaded one, with loads on all flanks.
 REFINED = "lin-case3"
 
-#: By the name of a scene: name of the scene with the same parts on which choices were varied, and whose effects are used.
+#: For each of these scenes: the scene with the same parts on which choices were varied; its effects are used for both.
 SPOKEN_FOR = {"lin-case1": "lin-case1", "lin-case2": "lin-case1", "lin-case3": "lin-case3", "lin-case3-offset": "lin-case3"}
 
 
@@ -108,18 +108,13 @@ def effects_of_changed_choices(scene: Scene, stores: Sequence[Path] | None = Non
     """
     out = []
     for name, variant in VARIANTS.items():
-        run, against = (
-            load_stored_run(scene, variant.level, name, stores),
-            run_without_changed_choices(scene, variant.level, stores),
-        )
-        if name == "base":  # effect of the settings that the base run itself changes, against the scene's regular run
-            against = load_stored_run(scene, variant.level, stores=stores)
+        run = load_stored_run(scene, variant.level, name, stores)
+        against = load_stored_run(scene, variant.level, stores=stores)
+        if name != "base":  # the base run itself is compared with the scene's regular run
+            against = run_without_changed_choices(scene, variant.level, stores)
         if run is not None and against is not None and run.status == "converged":
-            out.append(
-                effect_of_changed_choice(
-                    scene.name, name, variant.label, variant.choice, variant.kind, run.load, against.load
-                )
-            )
+            what = (scene.name, name, variant.label, variant.choice, variant.kind)
+            out.append(effect_of_changed_choice(*what, run.load, against.load))
     if not out:
         return []
     options = ModelOptions(estimate_beam_mesh_error=False)
@@ -223,9 +218,7 @@ class RefinementStepResult:
     seconds: float
 
 
-def solve_refinement_sequence(
-    scene: Scene, reference: Reference, stores: Sequence[Path] | None
-) -> list[RefinementStepResult]:
+def solve_refinement_sequence(scene: Scene, ref: Reference, stores: Sequence[Path] | None) -> list[RefinementStepResult]:
     """Solve a scene with every model of the refinement sequence (`RUNGS`), and compare the loads with the 3D reference.
 
     The model "condensed" is left out if the condensed screw and nut are in none of the folders ``stores``.
@@ -234,7 +227,7 @@ def solve_refinement_sequence(
     for model in RUNGS:
         options = ModelOptions(estimate_beam_mesh_error=False, engine="interpreted")
         if model.name == "condensed":
-            path = path_of_condensed_bodies(scene, reference, stores)
+            path = path_of_condensed_bodies(scene, ref, stores)
             if path is None:
                 continue
             options = replace(options, condensed_bodies_file=path)
@@ -242,18 +235,9 @@ def solve_refinement_sequence(
         start = perf_counter()
         result = run_model(scene, model.name, options)
         seconds = perf_counter() - start
-        bias = float(error_percent(result.load.sum(), reference.load.sum()))
-        rungs.append(
-            RefinementStepResult(
-                scene.name,
-                model.name,
-                result,
-                load_error(result.load, reference.load, reference.contacts),
-                largest_uncertainty_percent(reference),
-                bias,
-                seconds,
-            )
-        )
+        error, bias = load_error(result.load, ref.load, ref.contacts), error_percent(result.load.sum(), ref.load.sum())
+        bar = largest_uncertainty_percent(ref)
+        rungs.append(RefinementStepResult(scene.name, model.name, result, error, bar, float(bias), seconds))
     return rungs
 
 
@@ -284,8 +268,7 @@ def errors_by_replaced_body(cache: SceneResultCache) -> list[ErrorsByReplacedBod
         whole = CondensedCompliance.read_checked(path, scene)
         errors: dict[tuple[str, ...], LoadError] = {}
         bias: dict[tuple[str, ...], float] = {}
-        every: tuple[tuple[str, ...], ...] = ((), ("screw",), ("nut",), PARTS)
-        for parts in every:
+        for parts in ((), ("screw",), ("nut",), PARTS):
             result = solve_elastic(scene, condensed=replace(whole, parts=parts) if parts else None)
             errors[parts] = load_error(result.load, reference.load, reference.contacts)
             bias[parts] = float(error_percent(result.load.sum(), reference.load.sum()))
@@ -298,15 +281,12 @@ def solve_refinement_sequence_on_all_scenes(cache: SceneResultCache) -> list[Ref
 
     ``cache``: cache of scenes, results and 3D references, which also keeps the results.
     """
-    references = cache.stored_references((*REFERENCED, *UNSEEN))
-    rungs = [
-        rung
-        for name, ref in references.items()
-        for rung in solve_refinement_sequence(cache.built_in_scene(name), ref, cache.reference_folders)
-    ]
+    rungs: list[RefinementStepResult] = []
+    for name, ref in cache.stored_references((*REFERENCED, *UNSEEN)).items():
+        rungs += solve_refinement_sequence(cache.built_in_scene(name), ref, cache.reference_folders)
     for rung in rungs:
         if rung.model != "condensed":  # its result also depends on a file, which is not part of the key
-            cache.static_results[cache.built_in_scene(rung.scene), rung.model, 0] = rung.result
+            cache.static_results[cache.built_in_scene(rung.scene), rung.model] = rung.result
     return rungs
 
 
@@ -318,23 +298,18 @@ def model_errors_on_built_in_scenes(
     ``cache``: cache of scenes and 3D references; ``sequence_results``: result of each model of the refinement sequence on
     each scene.
     """
-    references = cache.stored_references((*REFERENCED, *UNSEEN))
-    return [
-        model_form.measure_model_error(r.scene, cache.built_in_scene(r.scene), r.result, references[r.scene].best)
-        for r in sequence_results
-    ]
+    references, measure = cache.stored_references((*REFERENCED, *UNSEEN)), model_form.measure_model_error
+    return [measure(r.scene, cache.built_in_scene(r.scene), r.result, references[r.scene].best) for r in sequence_results]
 
 
-def leave_one_out_error_rows(
-    cache: SceneResultCache, sequence_results: Sequence[RefinementStepResult]
-) -> list[dict[str, Any]]:
+def leave_one_out_error_rows(cache: SceneResultCache, rungs: Sequence[RefinementStepResult]) -> list[dict[str, Any]]:
     """Estimate the errors of each model on every compared screw (built-in or random) from its errors on all other screws.
 
     Parameters
     ----------
     cache
         Cache of scenes and 3D references.
-    sequence_results
+    rungs
         Result of each model of the refinement sequence on each built-in scene.
 
     Returns
@@ -344,7 +319,7 @@ def leave_one_out_error_rows(
         ``expected``) and RMS error (``rms`` and ``expected_rms``) [% of the mean load]. Expected errors are None if a screw
         is outside the range of the others.
     """
-    everything = [*model_errors_on_built_in_scenes(cache, sequence_results), *model_form.model_errors_on_random_screws()]
+    everything = [*model_errors_on_built_in_scenes(cache, rungs), *model_form.model_errors_on_random_screws()]
     return [
         {
             "scene": one.point.scene,

@@ -45,10 +45,7 @@ DISPLACEMENT = "displacement"
 #: Bytes at the end of a program's output that are searched for its last line.
 TAIL = 4096
 #: Advice in the error message for a program that failed.
-MEND = (
-    "run the program by hand on a file of `rollbench export SCENE --format json`; "
-    "increase its time limit by `model_seconds` if necessary"
-)
+MEND = "run the program by hand on a file of `rollbench export SCENE --format json`; for more time, set `model_seconds`"
 
 
 def is_program_command(name: str) -> bool:

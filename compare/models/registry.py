@@ -245,7 +245,7 @@ _ALL = (
     ),
     Model(
         "lin",
-        "model of Lin's thesis (chapter 2, misprints corrected): beam screw, rigid nut, Hertz contacts; least energy",
+        "model of Lin's thesis (chapter 2, misprints corrected): beam screw, rigid nut, Hertz contacts; by least energy",
         "low-order model of Lin's thesis",
         C_8,
         _solve_lin,

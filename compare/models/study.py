@@ -40,8 +40,8 @@ class SceneResultCache:
     #: Built-in scenes of other types than `Scene` (shafts with several nuts or bearings, duty cycles, parts for which only
     #: friction is computed), by name.
     other_scenes: dict[str, Described] = field(default_factory=dict)
-    #: Results of low-order models by scene, name of the model, and number of the random draw of the geometric errors.
-    static_results: dict[tuple[Scene, str, int], StaticResult] = field(default_factory=dict)
+    #: Results of low-order models by scene and name of the model.
+    static_results: dict[tuple[Scene, str], StaticResult] = field(default_factory=dict)
     #: Values that `compute_once` has computed, by function and arguments.
     computed_values: dict[Any, Any] = field(default_factory=dict)
     #: Printed numbers and claims with their computed values (`compare.evidence.Evidence`), by printed table.
@@ -76,21 +76,19 @@ class SceneResultCache:
         scene = self.built_in_scene(name)
         return replace(scene, ingredients=replace(scene.ingredients, **ingredients))
 
-    def solve_once(self, scene: Scene | str, model: str = "lin", member: int = 0) -> StaticResult:
-        """Return the cached result of a model for a scene, which is solved on first use.
+    def solve_once(self, scene: Scene | str, model: str = "lin") -> StaticResult:
+        """Return the cached result of a model for a scene (of random errors, the first draw), solved on first use.
 
-        ``scene``: the scene, or the name of a built-in scene; ``model``: name of the model; ``member``: number of the
-        random draw of the geometric errors, from 0; 0 without random errors.
+        ``scene``: the scene, or the name of a built-in scene; ``model``: name of the model.
         """
         parts = self.built_in_scene(scene) if isinstance(scene, str) else scene
-        key = (parts, model, member)
+        key = (parts, model)
         if key not in self.static_results:
             flanks = [parts.errors.side(side) for side in SIDES]
             uneven = any(flank.profile or flank.profile_sigma for flank in flanks)
             engine = "auto" if uneven else "interpreted"  # compiling takes longer than a few solutions in plain Python
-            self.static_results[key] = run_model(
-                parts, model, ModelOptions(member=member, estimate_beam_mesh_error=False, engine=engine)
-            )
+            options = ModelOptions(estimate_beam_mesh_error=False, engine=engine)
+            self.static_results[key] = run_model(parts, model, options)
         return self.static_results[key]
 
     def compute_once(self, function: Callable[..., T], *args: Any) -> T:

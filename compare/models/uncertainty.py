@@ -146,9 +146,8 @@ def _with_stiffer_material(scene: Scene) -> Scene:
 
     screw = replace(scene.screw, material=with_higher_modulus(scene.screw.material))
     nut = replace(scene.nut, material=with_higher_modulus(scene.nut.material))
-    return replace(
-        scene, screw=screw, nut=nut, balls=replace(scene.balls, material=with_higher_modulus(scene.balls.material))
-    )
+    balls = replace(scene.balls, material=with_higher_modulus(scene.balls.material))
+    return replace(scene, screw=screw, nut=nut, balls=balls)
 
 
 def _with_larger_oversize(scene: Scene) -> Scene | None:
@@ -386,20 +385,8 @@ def error_with_validation_uncertainty(
     off, grid, choices, inputs, whole = (float(np.ravel(x)[worst]) for x in (error, *each, u_val))
     within, within_own = (float((np.abs(error) <= u)[judged].mean()) for u in (u_val, of_reference))
     ratio = tuple(float(x) for x in (value[big] / reference[big]).ravel())
-    return ErrorWithUncertainty(
-        scene_name,
-        model,
-        quantity.name,
-        off,
-        grid,
-        choices,
-        inputs,
-        whole,
-        within,
-        within_own,
-        ratio,
-        parts.scene_with_varied_choices,
-    )
+    numbers = (off, grid, choices, inputs, whole, within, within_own)
+    return ErrorWithUncertainty(scene_name, model, quantity.name, *numbers, ratio, parts.scene_with_varied_choices)
 
 
 @dataclass(frozen=True)
@@ -414,9 +401,9 @@ class BiasAndScatter:
     scenes: int
     #: Number of compared values on all scenes together.
     values: int
-    #: Relative deviation of the model from the 3D reference, as a geometric mean over all values [%].
+    #: Geometric mean of the ratios of model to 3D reference over all values, less 1 [%].
     bias: float
-    #: Relative standard deviation of the model's errors, without the part due to the mesh of the 3D reference [%].
+    #: Standard deviation of ln(model / reference) over all values, without the part due to the mesh of the reference [%].
     scatter: float
     #: Share of values whose error is within u_val [1].
     within: float
@@ -528,7 +515,8 @@ class LoadUncertainty:
         "`uncertainty.beside_free_face_at`; 0 where it is less than the rest",
         default=0.0,
     )
-    #: Ball and flank of the contact whose load a near free face of the nut makes most uncertain; empty: no such contact.
+    #: Contact (ball and flank) whose load has the largest part of uncertainty due to a free face of the nut near the
+    #: contact; empty: there is none.
     at_face: str = quantity_field("beside_free_face_at", show=lambda contact: contact or None, default="")
 
     @property
@@ -558,18 +546,14 @@ class LoadUncertainty:
         """Text that states the total uncertainty of the contact loads and its parts."""
         if self.stated:
             return self.stated
-        grid = f"discretisation {self.discretisation:.2f} %{' by experience with other scenes' * self.by_experience}"
+        grid = f"discretisation {self.discretisation:.2f} %{' estimated from other scenes' * self.by_experience}"
         if self.at_face:
             grid += f", of which {self.beside_face:.2f} % at {self.at_face} near the nut's free face"
-        c = self.choices
-        modelling = (
-            "modelling choices not known" if c is None else f"modelling choices {c.percent:.2f} %, mainly {c.choice}"
-        )
-        inputs = (
-            "inputs not known"
-            if self.inputs is None
-            else f"inputs {self.inputs:.2f} %, mainly {self.input.partition(',')[0]}"
-        )
+        modelling, inputs = "modelling choices not known", "inputs not known"
+        if self.choices is not None:
+            modelling = f"modelling choices {self.choices.percent:.2f} %, mainly {self.choices.choice}"
+        if self.inputs is not None:
+            inputs = f"inputs {self.inputs:.2f} %, mainly {self.input.partition(',')[0]}"
         second = f"large displacements {self.second_order:.2f} %"
         return f"uncertain by {self.percent:.2f} % in total: {grid}; {modelling}; {inputs}; {second}"
 
@@ -609,10 +593,11 @@ def uncertainty_of_loads(scene: Scene, reference: Reference, *, inputs: bool = T
         return LoadUncertainty(largest_uncertainty_percent(reference), False, None, None, "", 0.0, False, reference.stated)
     share, name = _largest_combined_input_effect(scene) if inputs else (None, "")
     lip, at = largest_uncertainty_near_face(reference)
+    choices = applicable_choice_effects(replace(scene, name=reference.best.scene), read_choice_effects(shipped_store()))
     return LoadUncertainty(
         largest_uncertainty_percent(reference),
         reference.parts.is_from_other_scenes,
-        applicable_choice_effects(replace(scene, name=reference.best.scene), read_choice_effects(shipped_store())),
+        choices,
         share,
         name,
         effect_of_large_displacements(scene, reference),
@@ -669,21 +654,17 @@ def largest_choice_effects(uncertainty: ModellingUncertainty) -> LargestChoiceEf
     return LargestChoiceEffects(uncertainty.scene, uncertainty.largest, first, uncertainty.choices[first])
 
 
-def applicable_choice_effects(
-    scene: Scene, effects_by_scene: Mapping[str, LargestChoiceEffects]
-) -> LargestChoiceEffects | None:
+def applicable_choice_effects(scene: Scene, stored: Mapping[str, LargestChoiceEffects]) -> LargestChoiceEffects | None:
     """Return the stored effects of the 3D reference's modelling choices that apply to a scene.
 
-    ``effects_by_scene``: stored effects by the name of the scene on which choices were varied.
+    ``stored``: stored effects by the name of the scene on which choices were varied.
 
     Returned are the effects on a scene with the same parts; without such a scene, the largest stored effects. None if no
     effect is stored, or if the scene is outside the range of the compared scenes.
     """
     if descriptors_outside_range(scene):
         return None
-    return effects_by_scene.get(SPOKEN_FOR.get(scene.name, "")) or max(
-        effects_by_scene.values(), key=lambda c: c.percent, default=None
-    )
+    return stored.get(SPOKEN_FOR.get(scene.name, "")) or max(stored.values(), key=lambda c: c.percent, default=None)
 
 
 def save_choice_effects(store: Path, effects_by_scene: Mapping[str, LargestChoiceEffects]) -> None:
@@ -700,7 +681,5 @@ def read_choice_effects(store: Path) -> dict[str, LargestChoiceEffects]:
 
     OSError, ValueError or TypeError if the file cannot be used.
     """
-    return {
-        name: LargestChoiceEffects(**fields)
-        for name, fields in json.loads((store / FILE).read_text(encoding="utf-8")).items()
-    }
+    data = json.loads((store / FILE).read_text(encoding="utf-8"))
+    return {name: LargestChoiceEffects(**fields) for name, fields in data.items()}

@@ -139,9 +139,8 @@ def load_user_model(name: str) -> UserModel:
 
     point = entry_points_of_installed_models()[name]
     if others := [other.value for other in entry_points(group=GROUP, name=name) if other.value != point.value]:
-        raise _unusable_model_error(
-            point, f"another installed model also has this name: {', '.join(others)}", "a name that only one model has"
-        )
+        reason = f"another installed model also has this name: {', '.join(others)}"
+        raise _unusable_model_error(point, reason, "a name that only one model has")
     try:
         function = point.load()
     except Exception as error:  # whatever the user's package raises when it is imported
@@ -159,15 +158,13 @@ def _run_program_as_model(program: programs.ExternalProgram, scene: Scene) -> Mo
     return ModelAnswer(given.load, moved, None if pressure is None else np.nan_to_num(pressure))
 
 
-def _unusable_model_error(
-    entry_point: EntryPoint, reason: str, allowed: str = "a function that solves a scene"
-) -> ArgumentError:
+def _unusable_model_error(point: EntryPoint, reason: str, allowed: str = "a function that solves a scene") -> ArgumentError:
     """Return the ArgumentError for a model of an installed package that cannot be used.
 
-    ``entry_point``: entry point of the model in the package; ``reason``: why it cannot be used; ``allowed``: what can.
+    ``point``: entry point of the model in the package; ``reason``: why it cannot be used; ``allowed``: what can.
     """
     advice = "correct the package that provides the model, or uninstall it"
-    return ArgumentError("model", f"{entry_point.name} ({entry_point.value}): {reason}", allowed, advice)
+    return ArgumentError("model", f"{point.name} ({point.value}): {reason}", allowed, advice)
 
 
 def solve_by_user_model(name: str, scene: Scene, member: int = 0) -> StaticResult:
@@ -209,10 +206,8 @@ def solve_by_user_model(name: str, scene: Scene, member: int = 0) -> StaticResul
     except ProgramError:
         raise
     except Exception as error:  # whatever the user's function raises
-        advice = "correct the model, or choose another one"
-        raise SceneNotCoveredError(
-            scene.name, "model", f"{shown} fails with {type(error).__name__}: {error}", advice
-        ) from error
+        reason, advice = f"{shown} fails with {type(error).__name__}: {error}", "correct the model, or choose another one"
+        raise SceneNotCoveredError(scene.name, "model", reason, advice) from error
     seconds = perf_counter() - start
     answer = found if isinstance(found, ModelAnswer) else ModelAnswer(found)
     load_of = _check_model_array(shown, "loads", answer.loads, (layout.z.size, 4), least=0.0)
@@ -226,6 +221,7 @@ def solve_by_user_model(name: str, scene: Scene, member: int = 0) -> StaticResul
     normal = np.einsum("sa,nak->nsk", SIGNS * np.array([cos(beta), sin(beta)]), axes)
     points = layout.centre[:, None, :] + scene.balls.radius * normal
     balance = _equilibrium_of_contact_loads(scene, load_of, points, normal)
+    drawn = draw_geometry_with_errors(scene, layout, member)
     return StaticResult(
         model=name,
         status=Status("converged"),
@@ -236,9 +232,7 @@ def solve_by_user_model(name: str, scene: Scene, member: int = 0) -> StaticResul
         contact_point=points,
         force_direction=-normal,
         centre_shift=np.zeros((layout.z.size, 2)),
-        hertz_C=hertz_constants_by_scene_choice(
-            scene_with_error_free_hertz(scene), draw_geometry_with_errors(scene, layout, member)
-        ),
+        hertz_C=hertz_constants_by_scene_choice(scene_with_error_free_hertz(scene), drawn),
         centreline_z=np.array([scene.nut.position]),
         centreline=moved[None],
         equilibrium=balance,
@@ -260,20 +254,17 @@ def _imbalance_warnings(model_name: str, balance: Equilibrium) -> Iterator[Resul
         yield ResultWarning("balance", f"{brief}: check their units, signs and the order of the flanks", brief)
 
 
-def _equilibrium_of_contact_loads(
-    scene: Scene, contact_loads: Array, contact_points: Array, contact_normals: Array
-) -> Equilibrium:
+def _equilibrium_of_contact_loads(scene: Scene, loads: Array, points: Array, normals: Array) -> Equilibrium:
     """Return the balance of external loads, contact loads and support reactions on the screw.
 
-    ``contact_loads``: contact loads of n balls (n, 4) [N]; ``contact_points``: contact points (n, 4, 3) [m];
-    ``contact_normals``: unit vectors from the ball centres to these points (n, 4, 3). Support reactions are fitted by least
-    squares; the rest is the imbalance.
+    ``loads``: contact loads of n balls (n, 4) [N]; ``points``: contact points (n, 4, 3) [m]; ``normals``: unit vectors from
+    the ball centres to these points (n, 4, 3). Support reactions are fitted by least squares; the rest is the imbalance.
     """
     from rollbench.lowfi.statics.shape import rigid_motion_transfer_matrix
     from rollbench.lowfi.statics.summary import check_equilibrium, resultant_of_loads
 
-    force = contact_loads[..., None] * contact_normals  # of the balls on screw and nut
-    moments = np.cross(contact_points[:, :2], force[:, :2])
+    force = loads[..., None] * normals  # of the balls on screw and nut
+    moments = np.cross(points[:, :2], force[:, :2])
     contact = np.concatenate([force[:, :2].sum(axis=(0, 1)), moments.sum(axis=(0, 1))])
     applied, arm = resultant_of_loads(scene.loads), scene.track.pitch_radius
     held = [rigid_motion_transfer_matrix(s.at)[FREEDOMS.index(freedom)] for s in scene.supports for freedom, _ in s.fixed]
@@ -283,7 +274,7 @@ def _equilibrium_of_contact_loads(
         unit = np.array(held).T / scale[:, None]
         sizes = np.linalg.lstsq(unit, -(applied + contact) / scale, rcond=None)[0]
         reaction = scale * (unit @ sizes)
-    size = max(float(contact_loads.max(initial=0.0)), *(float(np.abs(x[:3]).max()) for x in (applied, contact, reaction)))
+    size = max(float(loads.max(initial=0.0)), *(float(np.abs(x[:3]).max()) for x in (applied, contact, reaction)))
     sums = applied, reaction, contact, np.zeros(6)
     return check_equilibrium(sums, size, arm, (0.0, 0.0), np.linalg.norm(force.sum(axis=1), axis=1))
 

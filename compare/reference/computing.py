@@ -94,10 +94,10 @@ def compute_runs_and_bodies(
 
     change = VARIANTS[task.variant].change if task.variant else lambda scene: scene
     scenes = [change(scene) if isinstance(scene, Scene) else scene for scene in task.scenes]
-    ups, balls = tasks.mesh_specifications(scenes, task.level, task.variant), tasks.ball_slices_by_set(scenes[0])
-    ups = tuple(
-        replace(up, mesh_settings=replace(up.mesh_settings, cell=task.cut_end_cell_ratio * up.mesh_settings.cell))
-        for up in ups
+    balls, ratio = tasks.ball_slices_by_set(scenes[0]), task.cut_end_cell_ratio
+    ups: tuple[tasks.MeshSpecification, ...] = tuple(
+        replace(up, mesh_settings=replace(up.mesh_settings, cell=ratio * up.mesh_settings.cell))
+        for up in tasks.mesh_specifications(scenes, task.level, task.variant)
     )
     for attempt in range(ENLARGE + 1):
         setups = _mesh_and_condense_each_set(task, scenes, ups, step)
@@ -193,16 +193,13 @@ def _create_run_record(
 
     without = {}
     if task.leave_out_each_part and isinstance(scene, Scene):
+        flanks = tasks.flanks_to_mesh(scene)
         for name in INGREDIENTS:
-            without[name] = solve_reference(
-                setups[0], scene, sides=tasks.flanks_to_mesh(scene), leave_out=frozenset([name])
-            )
+            without[name] = solve_reference(setups[0], scene, sides=flanks, leave_out=frozenset([name]))
     shared = list({id(s): s for s in setups}.values())
-    settings = (
-        tasks.mesh_settings_to_store(ups)
-        if not task.single_row_scenes
-        else asdict(ups[0].mesh_settings) | {"stations": tasks.stations_of_load_cases(*task.scenes)}
-    )
+    settings = tasks.mesh_settings_to_store(ups)
+    if task.single_row_scenes:
+        settings = asdict(ups[0].mesh_settings) | {"stations": tasks.stations_of_load_cases(*task.scenes)}
     assert result.loads_with_nominal_normals is not None
     return Run(
         scene=task.scenes[number].name,
@@ -296,11 +293,8 @@ def settings_with_larger_patches(
     longer = replace(setup.mesh_settings, reach=(wide, askew))
     try:
         last = BEYOND**steps_left * max(float(reach[1]), float(needs[1]) / BEYOND if steps_left else 0.0)
-        if (
-            half_widths_of_contact_zone(replace(longer, reach=(wide, last)))[1]
-            < ALIKE * askew
-            <= half_widths_of_contact_zone(longer)[1]
-        ):
+        short, long = (half_widths_of_contact_zone(x)[1] for x in (replace(longer, reach=(wide, last)), longer))
+        if short < ALIKE * askew <= long:
             return longer, f"{words}; skew contacts need {1e3 * askew:.3g} mm along the groove"
     except ValueError as error:
         refused = f"; a larger one is refused: {error}"

@@ -4,12 +4,12 @@
 Both are used for displacements, angles and friction. Contact loads do not converge with an order
 (`compare.reference.estimate`).
 
-A quantity phi on cells of size h is fitted by phi_0 + alpha h^p, with equal weights and with weights 1 / h; the fit with
-the smaller standard deviation is used. If its order p is outside `ORDERS`, it is replaced by the best of the following
-fits: phi_0 + alpha h, phi_0 + alpha h^2, and, if the order is below the range and there are four levels or more,
-phi_0 + alpha_1 h + alpha_2 h^2. With phi_1 the value of the finest level, delta = phi_1 - phi_0 its error by the fit, sigma
-the standard deviation of the fit, r_1 the residual of the finest level and Delta = (max - min) / (levels - 1), the
-uncertainty of phi_1 is
+A quantity phi on cells of size h is fitted by phi_0 + alpha h^p, with its limit phi_0, a coefficient alpha and the order p,
+once with equal weights and once with weights 1 / h; the fit with the smaller standard deviation is used. If its order p is
+outside `ORDERS`, it is replaced by the best of the following fits: phi_0 + alpha h, phi_0 + alpha h^2, and, if the order is
+below the range and there are four levels or more, phi_0 + alpha_1 h + alpha_2 h^2 with two coefficients. With phi_1 the
+value of the finest level, delta = phi_1 - phi_0 its error by the fit, sigma the standard deviation of the fit, r_1 the
+residual of the finest level and Delta = (max - min) / (levels - 1), the uncertainty of phi_1 is
 
     U = F |delta| + sigma + |r_1|                        if sigma < Delta,
     U = 3 (sigma / Delta) (|delta| + sigma + |r_1|)      otherwise,
@@ -207,19 +207,11 @@ def _pooled_uncertainties(data: Array, h: Array) -> Array:
         fits, factor = [min(fit_fixed_orders(data, h, with_mixed_order=True), key=lambda f: f.standard_deviation)], CAREFUL
     else:
         low, high = (min(max(p, ORDERS[0]), ORDERS[1]) for p in (low, high))
-        fits, factor = (
-            [fit_given_order(data, h, float(p), free.weighted_by_cell_size) for p in np.linspace(low, high, STEPS)],
-            SAFE,
-        )
-    return np.asarray(
-        np.max(
-            [
-                _uncertainty_of_finest(data, f, np.maximum(f.standard_deviations, f.standard_deviation), factor)
-                for f in fits
-            ],
-            axis=0,
-        )
-    )
+        orders = np.linspace(low, high, STEPS)
+        fits, factor = [fit_given_order(data, h, float(p), free.weighted_by_cell_size) for p in orders], SAFE
+    sigmas = [np.maximum(f.standard_deviations, f.standard_deviation) for f in fits]
+    pairs = zip(fits, sigmas, strict=True)
+    return np.asarray(np.max([_uncertainty_of_finest(data, f, sigma, factor) for f, sigma in pairs], axis=0))
 
 
 def _check_values_and_cell_sizes(values: ArrayLike, sizes: ArrayLike) -> tuple[Array, Array]:
@@ -233,9 +225,8 @@ def _check_values_and_cell_sizes(values: ArrayLike, sizes: ArrayLike) -> tuple[A
     y, h = np.asarray(values, float), np.asarray(sizes, float)
     y = y[:, None] if y.ndim == 1 else y
     if h.ndim != 1 or len(y) != len(h) or not len(h) or not np.isfinite(y).all():
-        raise ValueError(
-            f"grid convergence needs finite values and a cell size for each level; got {len(y)} levels and {h.size} sizes"
-        )
+        got = f"got {len(y)} levels and {h.size} sizes"
+        raise ValueError(f"grid convergence needs finite values and a cell size for each level; {got}")
     if not (np.diff(h) < 0.0).all() or h[-1] <= 0.0:
         raise ValueError("cell sizes must be positive and decrease from the coarse to the fine mesh level")
     return y, h / h[-1]

@@ -3,20 +3,21 @@
 The uncertainty has a part for each kind of refinement.
 
 From one mesh level to the next, the cells at the contact are refined by 4/3, those of the bodies by 1.15, and the mesh of
-the refinement boxes (coarse boxes around the contacts, into which finely meshed patches fit) not at all. Therefore no order
+the refinement boxes (blocks below the contacts, into which finely meshed patches fit) not at all. Therefore no order
 of convergence in a single cell size describes the loads. The loads do not approach a limit from one side either.
 Consecutive changes of a contact load have a correlation of -0.5, like independent errors, because no cell of one level's
 mesh is a cell of the next. Extrapolation with any order increases the distance to the next level
 (tests/unit/models/test_grid_coverage.py). The errors of a level are therefore treated as scatter with the variance
 
-    s^2 = contact^2 h_c^4 + bodies^2 h_b^4 + sockets^2 + common^2,
+    s^2 = contact^2 h_c^4 + bodies^2 h_b^4 + boxes^2 + common^2,
 
-where h_c and h_b are the cell sizes of contact and bodies over those of the finest level (second-order cells, whose errors
-fall as h^2). The first two parts are determined from the changes between the levels of the scene; the variance of a change
-is the sum of those of two levels. The part sockets is measured by a separate run with more finely meshed refinement boxes.
-The part common changes all loads of a level alike and does not average out over the contacts of one scene. It is determined
-from the mean changes of all scenes with loads on both flanks of the screw, where equilibrium does not fix the sum of the
-loads.
+where contact, bodies, boxes and common are standard deviations of a contact load [% of the mean load] due to the cells at
+the contact, the cells of the bodies, the refinement boxes, and a cause common to all contacts; h_c and h_b are the cell
+sizes of contact and bodies over those of the finest level (second-order cells, whose errors fall as h^2). The first two
+parts are determined from the changes between the levels of the scene; the variance of a change is the sum of those of two
+levels. The part boxes is measured by a separate run with more finely meshed refinement boxes. The part common changes all
+loads of a level alike and does not average out over the contacts of one scene. It is determined from the mean changes of
+all scenes with loads on both flanks of the screw, where equilibrium does not fix the sum of the loads.
 
 The uncertainty is twice the root of the sum of the variances of the finest level and the next one, or 2.2 times this root
 if only the change between two neighbouring levels is known. In 95 % of the contacts it covers the change to a finer mesh.
@@ -101,7 +102,7 @@ class UncertaintyFromOtherScenes:
     The parts are in % of the mean contact load.
     """
 
-    #: Standard deviation of a contact load due to the mesh of the refinement boxes (boxes around the contacts).
+    #: Standard deviation of a contact load due to the mesh of the refinement boxes (blocks below the contacts).
     sockets: float
     #: Standard deviation of an error that is equal for all contact loads of a scene.
     common: float
@@ -127,8 +128,8 @@ class MeshUncertainty:
     contact_cell_deviation: float | None = None
     #: Standard deviation of a contact load due to the cells of the bodies.
     body_cell_deviation: float | None = None
-    #: Standard deviation of a contact load due to the mesh of the refinement boxes (boxes around the contacts).
-    socket_mesh_deviation: float | None = None
+    #: Standard deviation of a contact load due to the mesh of the refinement boxes (blocks below the contacts).
+    refinement_box_deviation: float | None = None
     #: Standard deviation of an error that is equal for all contact loads of the scene.
     common_deviation: float | None = None
     #: Factor between the root of the sum of squares of the parts and the uncertainty.
@@ -146,19 +147,13 @@ class MeshUncertainty:
         contacts, and is zero for contacts that carry load on no level.
         """
         on = is_loaded_on_any_level(loads)
-        if (
-            self.contact_cell_deviation is None
-            or self.body_cell_deviation is None
-            or self.socket_mesh_deviation is None
-            or self.common_deviation is None
-        ):
+        contact, body = self.contact_cell_deviation, self.body_cell_deviation
+        box, common = self.refinement_box_deviation, self.common_deviation
+        if contact is None or body is None or box is None or common is None:
             return np.where(on, self.uncertainty, 0.0)
         stiffness = loads[max(loads)] ** STIFFNESS
         share = stiffness**2 / (stiffness[on] ** 2).mean()
-        displaced, shared = (
-            self.body_cell_deviation**2 + self.socket_mesh_deviation**2,
-            self.contact_cell_deviation**2 + self.common_deviation**2,
-        )
+        displaced, shared = body**2 + box**2, contact**2 + common**2
         return np.where(on, self.coverage_factor * np.sqrt(shared + displaced * share), 0.0)
 
 
@@ -235,9 +230,8 @@ def _variance_factors(level: int, other: int) -> Array:
     ``level``, ``other``: the two levels. The first factor belongs to the error due to the cells at the contact, the second
     to the error due to the cells of the bodies.
     """
-    return np.asarray(
-        _relative_cell_sizes_of_level(level) ** (2 * ORDER) + _relative_cell_sizes_of_level(other) ** (2 * ORDER)
-    )
+    first, second = (_relative_cell_sizes_of_level(k) ** (2 * ORDER) for k in (level, other))
+    return np.asarray(first + second)
 
 
 def _fit_variances(columns: Array, observed: Array, known_variance: float) -> Array:
@@ -259,7 +253,7 @@ def _fit_variances(columns: Array, observed: Array, known_variance: float) -> Ar
 
 
 def derive_uncertainty_of_other_scenes(
-    scenes: Mapping[str, Levelled], sockets: float, known_errors: Mapping[str, Array] | None = None
+    scenes: Mapping[str, Levelled], refinement_boxes: float, known_errors: Mapping[str, Array] | None = None
 ) -> UncertaintyFromOtherScenes:
     """Determine the parts of the mesh uncertainty that hold for all scenes, from scenes solved on several mesh levels.
 
@@ -267,8 +261,8 @@ def derive_uncertainty_of_other_scenes(
     ----------
     scenes
         Contact loads of n balls on 4 flanks (n, 4) [N] on each mesh level, for each scene.
-    sockets
-        Standard deviation of a contact load due to the mesh of the refinement boxes around the contacts [% of the mean
+    refinement_boxes
+        Standard deviation of a contact load due to the mesh of the refinement boxes below the contacts [% of the mean
         load], from a separate run.
     known_errors
         For each scene, the errors on the coarsest level near free faces of the nut (`load_error_near_faces`), (n, 4) [% of
@@ -299,12 +293,8 @@ def derive_uncertainty_of_other_scenes(
             "two such scenes are needed: one in which a single flank of the screw is loaded, and one in which both are"
         )
     common = float(np.sqrt(np.mean(np.square(shifts)) / 2.0))
-    return UncertaintyFromOtherScenes(
-        sockets,
-        common,
-        (_smallest_covering_bound(errors[0], LEAST[0]), _smallest_covering_bound(errors[1], LEAST[1])),
-        tuple(scenes),
-    )
+    one, both_flanks = (_smallest_covering_bound(errors[k], LEAST[k]) for k in (0, 1))
+    return UncertaintyFromOtherScenes(refinement_boxes, common, (one, both_flanks), tuple(scenes))
 
 
 def _smallest_covering_bound(errors: Sequence[Array], least: float) -> float:
@@ -367,9 +357,8 @@ class LipCompliance:
         dimensionless: multiplied by Young's modulus and by the ball radius.
         """
         missing = self.missing_compliance_by_level[min(max(level, 1), max(self.missing_compliance_by_level))]
-        return np.interp(radii, self.relative_distances, self.compliance), np.interp(
-            radii, self.relative_distances, missing
-        )
+        lip, neglected = (np.interp(radii, self.relative_distances, x) for x in (self.compliance, missing))
+        return lip, neglected
 
 
 @cache
@@ -391,12 +380,8 @@ def read_lip_compliance(store: Path) -> LipCompliance:
 
     missing = {int(k): [row["missing"][k] for row in first] for k in first[0]["missing"]}
     spread = max(row["missing"]["1"] / np.interp(row["radii"], radii, missing[1]) for row in rows)
-    places = np.array([radii[0] - CLOSER, *radii, AWAY])
-    return LipCompliance(
-        places,
-        extrapolated_to_face_and_zero([row["lip"] for row in first]),
-        {k: spread * extrapolated_to_face_and_zero(values) for k, values in missing.items()},
-    )
+    places, lip = np.array([radii[0] - CLOSER, *radii, AWAY]), extrapolated_to_face_and_zero([row["lip"] for row in first])
+    return LipCompliance(places, lip, {k: spread * extrapolated_to_face_and_zero(x) for k, x in missing.items()})
 
 
 def load_overestimate_near_faces(scene: Scene, load: Array, level: int) -> Array:
@@ -534,9 +519,9 @@ def reference_from_runs(name: str, scene: Scene, runs: tuple[Run, ...], contacts
     """
     loads = {run.level: run.load for run in runs}
     grid, best = mesh_uncertainty(loads, read_uncertainty_of_other_scenes(shipped_store())), runs[-1]
-    bars = (
-        0.01 * mean_load(best.load) * grid.uncertainties_of_loads(loads) if grid.uncertainty else np.zeros_like(best.load)
-    )
+    bars = np.zeros_like(best.load)
+    if grid.uncertainty:
+        bars = 0.01 * mean_load(best.load) * grid.uncertainties_of_loads(loads)
     lips = load_overestimate_near_faces(scene, best.load, best.level)
     beside = load_error_near_faces(scene, best.load, best.level) if grid.is_from_other_scenes else lips
     return Reference(name, runs, best.load, bars + beside + best.moving, grid, contacts, beside_face=lips)

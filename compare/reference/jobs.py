@@ -12,6 +12,7 @@ import threading
 from _thread import interrupt_main
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import compress
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -110,13 +111,9 @@ def check_memory(tasks: Sequence[ReferenceTask], workers: int) -> float:
     if free is not None and peak > free:
         largest = max(tasks, key=lambda task: expected_time_and_memory(task).memory_GB)
         fewer = f"fewer workers (`workers={workers - 1}`), " if workers > 1 else ""
-        raise InputError(
-            "this machine",
-            "memory",
-            f"{free:.1f} GB free",
-            f"about {peak:.1f} GB for {largest.label}",
-            f"end other programs, or use {fewer}a coarser level (`levels=1`) or a cluster (`backend=dask`)",
-        )
+        value, allowed = f"{free:.1f} GB free", f"about {peak:.1f} GB for {largest.label}"
+        advice = f"end other programs, or use {fewer}a coarser level (`levels=1`) or a cluster (`backend=dask`)"
+        raise InputError("this machine", "memory", value, allowed, advice)
     return peak
 
 
@@ -266,10 +263,12 @@ def plan_reference_tasks(
         tasks += [ReferenceTask(cases[:1], VARIANTS[variant].level, variant) for variant in variants]
         if any(VARIANTS[variant].refined for variant in variants):
             tasks.append(ReferenceTask(cases[:1], PRODUCTION, "base"))  # baseline for variants that refine one mesh setting
-    coarsest = min(levels, default=None)
-    return sorted(
-        tasks, key=lambda task: (task.level != coarsest or bool(task.variant), -expected_time_and_memory(task).seconds)
-    )
+
+    def position(task: ReferenceTask) -> tuple[bool, float]:
+        """Return the sort key of a task: coarsest level first, then by decreasing time."""
+        return task.level != min(levels, default=None) or bool(task.variant), -expected_time_and_memory(task).seconds
+
+    return sorted(tasks, key=position)
 
 
 def tasks_without_stored_runs(tasks: Sequence[ReferenceTask], stores: Sequence[Path]) -> list[ReferenceTask]:
@@ -281,11 +280,8 @@ def tasks_without_stored_runs(tasks: Sequence[ReferenceTask], stores: Sequence[P
     left = []
     for task in tasks:
         runs = [load_stored_run(scene, task.level, task.variant, stores) for scene in task.scenes]
-        scenes = tuple(
-            scene
-            for scene, run in zip(task.scenes, runs, strict=True)
-            if run is None or (task.leave_out_each_part and not run.without)
-        )
+        lacking = (run is None or (task.leave_out_each_part and not run.without) for run in runs)
+        scenes = tuple(compress(task.scenes, lacking))
         if scenes:
             left.append(replace(task, scenes=scenes))
         elif are_condensed_bodies_stored(task) and not all(
@@ -412,18 +408,15 @@ def ensure_runs_are_stored(
         task = left[index]
         runs, bodies = outcome
         good = [(scene, run) for scene, run in zip(task.scenes, runs, strict=True) if run.answers]
-        if not all(path_of_run(store, scene, run).exists() for scene, run in good):
-            store_runs_and_condensed_bodies(
-                store, task, runs, bodies
-            )  # they were computed on a machine without access to this folder
+        if not all(path_of_run(store, scene, run).exists() for scene, run in good):  # computed without access to the folder
+            store_runs_and_condensed_bodies(store, task, runs, bodies)
         failed.extend(run for run in runs if not run.answers)
         done += seconds[index]
         finished += 1
         spent = perf_counter() - start
         rest = spent * (sum(seconds) - done) / done
-        bad = [
-            f"{run.scene}: {'' if run.answers else 'not stored: '}{run.status}" for run in runs if run.status != "converged"
-        ]
+        lost = [run for run in runs if run.status != "converged"]
+        bad = [f"{run.scene}: {'' if run.answers else 'not stored: '}{run.status}" for run in lost]
         tail = f" ({'; '.join(bad)})" if bad else ""
         ahead = f", about {rest:.0f} s left" if finished < len(left) else ""
         step(" ".join(f"[{finished}/{len(left)}] {task.label}{tail}: {spent:.0f} s{ahead}".split()))

@@ -48,7 +48,7 @@ PRODUCTION = 3
 STUDIED = (1, 2, 3, 4)
 #: Default levels of a scene outside the studies: level 3 is more accurate than level 1 by a factor of 1.8, measured on all
 #: scenes that were solved on three levels or more. Between consecutive levels the factors are 1.6, 1.2 and 1.2, because the
-#: error due to the mesh of the refinement boxes (coarse boxes around the contacts) is the same on all levels
+#: error due to the mesh of the refinement boxes (blocks below the contacts) is the same on all levels
 #: (tests/unit/models/test_grid_coverage.py).
 ADVISED = (1, 3)
 #: Kinds of bodies in models of rolling contacts.
@@ -62,10 +62,8 @@ def mesh_settings_of_level(level: int, ball_radius: float, refined_settings: Seq
     ``ball_radius``: ball radius [m]; ``refined_settings``: names of settings whose values are replaced by the finer ones in
     `BEYOND`.
     """
-    ratio = ball_radius / BALL
-    settings = dict(SOURCE_MESH if level == SOURCE_LEVEL else LEVELS[level]) | {
-        name: BEYOND[name] for name in refined_settings
-    }
+    ratio, regular = ball_radius / BALL, SOURCE_MESH if level == SOURCE_LEVEL else LEVELS[level]
+    settings = regular | {name: BEYOND[name] for name in refined_settings}
 
     def scaled_to_ball_radius(name: str, value: Any) -> Any:
         if isinstance(value, float) and name not in _RATIOS:
@@ -158,10 +156,8 @@ def fix_half_of_face(half: Literal["inner", "outer"]) -> Change:
             seat = (low, 0.5 * (low + high)) if half == "inner" else (0.5 * (low + high), high)
             return replace(scene, nut=replace(scene.nut, flange=replace(flange, seat=seat)))
         if face not in ("left face", "right face"):
-            raise ValueError(
-                "half of the nut's end face can be fixed only if the nut is fixed at one end face; "
-                f"this nut is fixed at: {face}"
-            )
+            needed = "half of the nut's end face can be fixed only if the nut is fixed at one end face"
+            raise ValueError(f"{needed}; this nut is fixed at: {face}")
         return change_solid_model(nut_held=f"{face}, {half} half")(scene)
 
     return scene_with_half_of_face_fixed
@@ -217,10 +213,8 @@ def mesh_refinement_variant(label: str, choice: str, *refined: str) -> Reference
     return ReferenceVariant(label, choice, "numerical", unchanged_scene, refined)
 
 
-_shaft, _land = (
-    partial(scale_dimension, "shaft", lambda d: d.shaft),
-    partial(scale_dimension, "nut_inner_diameter", lambda d: 2.0 * d.land),
-)
+_shaft = partial(scale_dimension, "shaft", lambda d: d.shaft)
+_land = partial(scale_dimension, "nut_inner_diameter", lambda d: 2.0 * d.land)
 _hole = scale_dimension("hole_diameter", lambda d: 2.0 * d.hole, 0.5)
 _width = "nut fixed at the {} half of its face's width"
 _filled = "nut's groove ends two ball diameters beyond the outermost balls"

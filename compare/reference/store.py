@@ -304,14 +304,11 @@ def content_key_of_run(
         The key, 16 hexadecimal digits.
     """
     if isinstance(scene, Assembly):
-        each = zip(scene.sets, settings["sets"], strict=True)
-        meshed = [
-            _mesh_parts_of_key(s.parts, mesh, mesh["sides"], programs) for s, mesh in each if isinstance(s.parts, Scene)
-        ]
+        each = ((s.parts, mesh) for s, mesh in zip(scene.sets, settings["sets"], strict=True))
+        meshed = [_mesh_parts_of_key(x, mesh, mesh["sides"], programs) for x, mesh in each if isinstance(x, Scene)]
         return digest_of_values(SCHEMA, SETS, SECTIONS, reset_nonstatic_fields(scene, UNSAID), variant, *meshed)[:16]
-    return digest_of_values(
-        SCHEMA, replace(scene, **UNSAID), variant, *_mesh_parts_of_key(scene, settings, sides, programs)
-    )[:16]
+    parts = _mesh_parts_of_key(scene, settings, sides, programs)
+    return digest_of_values(SCHEMA, replace(scene, **UNSAID), variant, *parts)[:16]
 
 
 def content_key_of_condensed_bodies(
@@ -323,9 +320,8 @@ def content_key_of_condensed_bodies(
     versions of gmsh and scikit-fem (``programs``; None: those installed), and the versions of the mechanics: `SCHEMA`, and
     `BODIES` for condensed parts.
     """
-    return digest_of_values(
-        SCHEMA, BODIES, digest_of_geometry(scene), *_mesh_parts_of_key(scene, settings, sides, programs)
-    )[:16]
+    parts = _mesh_parts_of_key(scene, settings, sides, programs)
+    return digest_of_values(SCHEMA, BODIES, digest_of_geometry(scene), *parts)[:16]
 
 
 def _mesh_parts_of_key(
@@ -342,13 +338,8 @@ def _mesh_parts_of_key(
     inner = dims.screw_held != "bore" and any(low < z < high for z in settings.get("stations", ()))
     hollow = dims.screw_held != "bore" and dims.shaft_radius is None and scene.screw.bore > 0.0
     marks = ((SECTIONS,) if inner else ()) + ((HOLLOW,) if hollow else ())
-    return (
-        replace(dims, assumed=(), mesh_only=()),
-        RecordFields(Settings, mesh_settings_with_tuples(settings)),
-        tuple(sides),
-        made_by,
-        *marks,
-    )
+    mesh = RecordFields(Settings, mesh_settings_with_tuples(settings))
+    return replace(dims, assumed=(), mesh_only=()), mesh, tuple(sides), made_by, *marks
 
 
 def path_of_run(store: Path, scene: Solvable, run: Run) -> Path:
@@ -439,11 +430,8 @@ def files_of_stored_runs(store: Path, scene: Solvable, level: int, variant: str 
     """
     own, pattern = (_file_name_start(name, level, variant) for name in (scene.name, "*"))
     paths = sorted(store.glob(f"{pattern}{KEY}.json"), key=lambda path: (not path.name.startswith(own), path.name))
-    meshes = {
-        mesh.identifying_text: mesh
-        for path in paths
-        if (mesh := _read_mesh_of_run(path)) is not None and mesh.ball_count == scene.ball_count
-    }
+    read = [mesh for path in paths if (mesh := _read_mesh_of_run(path)) is not None]
+    meshes = {mesh.identifying_text: mesh for mesh in read if mesh.ball_count == scene.ball_count}
     keys = {key for mesh in meshes.values() if (key := mesh.content_key_of_run(scene, variant)) is not None}
     return [path for path in paths if path.stem.rpartition("-")[2] in keys]
 
@@ -515,11 +503,8 @@ def read_run_file(path: Path, scene: Solvable, level: int, variant: str) -> Run 
         data = read_checked_data(path)
         arrays: dict[str, Any] = {k: _array_from_json(data.pop(k)) for k in ARRAYS}
         without = {k: _array_from_json(v) for k, v in data.pop("without").items()}
-        data |= {
-            "sides": tuple(data["sides"]),
-            "assumed": tuple(data["assumed"]),
-            "settings": mesh_settings_with_tuples(data["settings"]),
-        }
+        data |= {name: tuple(data[name]) for name in ("sides", "assumed")}
+        data["settings"] = mesh_settings_with_tuples(data["settings"])
         run = Run(**data, **arrays, without=without)
         whole = run.load.shape == (scene.ball_count, 4) == run.angle.shape == run.frozen.shape
         key = content_key_of_run(scene, run.variant, run.settings, run.sides, run.versions)

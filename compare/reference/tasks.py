@@ -85,20 +85,16 @@ def _estimate_expected_contacts(case: Solvable, bodies: Sequence[Scene]) -> tupl
     ``case``: load case; ``bodies``: nut or bearing rows to be meshed, as scenes. For a nut or bearing without load, a tenth
     of the mean load of all loaded contacts on the shaft is assumed. SceneNotCoveredError if the loads cannot be estimated.
     """
-    from rollbench.hifi.meshing.settings import (
-        estimate_contacts_of_each_set,
-        estimate_contacts_of_scene,
-        estimate_contacts_under_assumed_load,
-    )
+    from rollbench.hifi.meshing import settings
 
     try:
         if isinstance(case, Scene):
-            return (estimate_contacts_of_scene(case),)
-        expected = estimate_contacts_of_each_set(case)
+            return (settings.estimate_contacts_of_scene(case),)
+        expected = settings.estimate_contacts_of_each_set(case)
         carried = np.concatenate([e.loads[e.loads > 0.0] for e in expected])
         light = 0.1 * float(carried.mean()) if carried.size else 0.0
         return tuple(
-            e if e.loads.any() else estimate_contacts_under_assumed_load(body, e, light)
+            e if e.loads.any() else settings.estimate_contacts_under_assumed_load(body, e, light)
             for body, e in zip(bodies, expected, strict=True)
         )
     except ValueError as error:
@@ -234,10 +230,9 @@ def reset_nonstatic_fields(assembly: Assembly, reset_values: Mapping[str, Any]) 
 
     ``reset_values``: new values, by name, of those fields that the records of ball nuts and ball bearings have.
     """
-    bare = [
-        replace(s, name="", parts=replace(s.parts, **reset_values)) if isinstance(s.parts, Scene) else s
-        for s in assembly.sets
-    ]
+    reset = [replace(s.parts, **reset_values) if isinstance(s.parts, Scene) else None for s in assembly.sets]
+    pairs = zip(assembly.sets, reset, strict=True)
+    bare = [s if parts is None else replace(s, name="", parts=parts) for s, parts in pairs]
     words: dict[str, Any] = {"name": "", "title": "", "source": "", "assumed": ()}
     return replace(assembly, sets=tuple(bare), friction=None, motion=None, stiffness_at=None, **words)
 

@@ -18,7 +18,7 @@ from rollbench.compare.results.view import collect_view_data
 from rollbench.lowfi.rating.contacts import RACES
 from rollbench.lowfi.statics.result import AxisResult
 from rollbench.meshes.parts import FREEDOMS, SIDES
-from rollbench.reports.content import Row, Section, Table, TableColumn
+from rollbench.reports.content import Row, Section, Table, TableColumn, text_column
 from rollbench.reports.scene_page import ScenePage
 
 
@@ -113,11 +113,9 @@ def _force_and_stiffness_tables(solved_shaft: ShaftSolution) -> list[Table]:
     if result.stiffness is not None:
         cells: list[Row] = []
         for freedom, line in zip(FREEDOMS, result.stiffness, strict=True):
-            cell: Row = {TableColumn("freedom", "component of force or moment", "", "s"): freedom}
-            cell |= {
-                TableColumn(f, f"per unit of {f}"): None if np.isnan(x) else float(x)
-                for f, x in zip(FREEDOMS, line, strict=True)
-            }
+            cell: Row = {text_column("freedom", "component of force or moment"): freedom}
+            for f, x in zip(FREEDOMS, line, strict=True):
+                cell[TableColumn(f, f"per unit of {f}")] = None if np.isnan(x) else float(x)
             cells.append(cell)
         note = (
             f"{result.stiffness_at}; a row for each component of force [N] and moment [N m], a column for each "
@@ -135,9 +133,9 @@ def _contact_load_tables(result: AxisResult) -> Iterator[Table]:
     names = [s.of.name for s in result.sets]
     rows: list[Row] = [
         {
-            TableColumn("set", "nut or bearing", "", "s"): names[row["set"] - 1],
+            text_column("set", "nut or bearing"): names[row["set"] - 1],
             TableColumn("ball", "number of the ball"): row["index"],
-            TableColumn("side", "flank of the groove", "", "s"): side,
+            text_column("side", "flank of the groove"): side,
             TableColumn("load", "contact load", "N", ".1f"): row["load_N"][side],
             TableColumn("angle", "contact angle", "deg", ".2f"): row["contact_angle_deg"][side],
             TableColumn("pressure", "peak pressure", "MPa", ".0f"): row["pressure_MPa"][side],
@@ -148,12 +146,11 @@ def _contact_load_tables(result: AxisResult) -> Iterator[Table]:
     ]
     if rows:
         note = "Peak pressure by Hertz theory with the radii of each contact."
-        yield Table.from_rows(
-            "contacts", "Contact load, contact angle and peak pressure of every loaded ball contact", rows, note
-        )
+        title = "Contact load, contact angle and peak pressure of every loaded ball contact"
+        yield Table.from_rows("contacts", title, rows, note)
     found: list[Row] = [
         {
-            TableColumn("set", "bearing", "", "s"): names[row["set"] - 1],
+            text_column("set", "bearing"): names[row["set"] - 1],
             TableColumn("roller", "number of the roller"): row["index"],
             TableColumn("load", "load of the roller", "N", ".1f"): row["load_N"],
             TableColumn("line", "largest line load", "N/mm", ".1f"): row["largest_line_load_N_mm"],

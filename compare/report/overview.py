@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from operator import attrgetter
 
 import numpy as np
 
@@ -23,7 +24,7 @@ from rollbench.compare.sections.source_tables import counts_of_reproduced_number
 from rollbench.compare.sections.u_val import validated_errors_of_models
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDES, Scene
-from rollbench.reports.content import Figure, Panel, Row, Section, Series, Summary, Table, TableColumn, Text
+from rollbench.reports.content import Figure, Panel, Row, Section, Series, Summary, Table, TableColumn, Text, text_column
 
 QUESTION = "How accurate are low-order models of ball screws, and how much run time does a more accurate model take?"
 TITLE = (
@@ -46,6 +47,32 @@ SOLID = "3D reference"
 BIAS = TableColumn("bias", "mean error (bias) of the model", "%", "+.2f")
 SCATTER = TableColumn("scatter", "standard deviation (scatter) of the error", "%", ".2f")
 LARGEST = TableColumn("largest", "largest error on a screw or bearing", "%", ".1f")
+#: Columns of the table of models and mesh levels: field of `ModelAccuracy`, key, heading, unit, and number format.
+ACCURACY_COLUMNS = (
+    ("name", "name", "model or mesh level", "", "s"),
+    ("label", "label", "long name of the model or mesh level", "", "s"),
+    ("scene_count", "scenes", "number of screws and bearings", "", "s"),
+    ("median_error_percent", "median", "largest contact-load error, median over the scenes", "% of mean load", ".2f"),
+    ("largest_error_percent", "worst", "largest contact-load error, maximum over the scenes", "% of mean load", ".2f"),
+    ("scene_of_largest_error", "at", "screw or bearing with the largest contact-load error", "", "s"),
+    ("median_rms_error_percent", "rms", "RMS error of the contact loads, median over the scenes", "% of mean load", ".2f"),
+    (
+        "largest_rms_error_percent",
+        "worst_rms",
+        "RMS error of the contact loads, maximum over the scenes",
+        "% of mean load",
+        ".2f",
+    ),
+    ("median_gate_error.error", "gate", "largest contact-load error by the rule of rollbench check, median", "%", ".2f"),
+    (
+        "passed_scene_count",
+        "passed",
+        f"number of screws and bearings with all contact-load errors within {LIMIT:g} %",
+        "",
+        "s",
+    ),
+    ("cold_start_seconds", "cold", "run time of a cold start, median", "s", "g3"),
+)
 #: Models that represent their family in figures and tables.
 KINDS = {DEFAULT: "refined", "lin": "lin"}
 #: Names of these models in a sentence.
@@ -128,9 +155,8 @@ def summarise_accuracy_by_model(points: Mapping[str, Sequence[reference_time.Err
         for point in several:
             if point.status == "converged" and largest_error_or_mesh_uncertainty(point) > 0.0:
                 found.setdefault(point.label, []).append((scene, point))
-    return sorted(
-        (_summarise_model_accuracy(label, group) for label, group in found.items()), key=lambda s: -s.median_error_percent
-    )
+    every = (_summarise_model_accuracy(label, group) for label, group in found.items())
+    return sorted(every, key=lambda s: -s.median_error_percent)
 
 
 def _summarise_model_accuracy(
@@ -172,10 +198,8 @@ def pareto_optimal_models(accuracies: Sequence[ModelAccuracy]) -> list[ModelAccu
     with empty caches).
     """
     best: list[ModelAccuracy] = []
-    for one in sorted(
-        (s for s in accuracies if s.cold_start_seconds is not None),
-        key=lambda s: (s.cold_start_seconds, s.median_gate_error.error),
-    ):
+    timed = (s for s in accuracies if s.cold_start_seconds is not None)
+    for one in sorted(timed, key=lambda s: (s.cold_start_seconds, s.median_gate_error.error)):
         if not best or one.median_gate_error.error < best[-1].median_gate_error.error:
             best.append(one)
     return best
@@ -207,13 +231,11 @@ def error_distribution_and_time_figure(
         Whether all models and mesh levels are labelled; if not, only those of `KINDS` and of the Pareto front.
     """
     points = {name: [p for p in several if p.cold is not None] for name, several in points.items()}
-    time = _error_over_time_panel(
-        points, summarise_accuracy_by_model(points), "run time of a cold start / s", label_all_models=label_all_models
-    )
+    time = _error_over_time_panel(points, "run time of a cold start / s", label_all_models=label_all_models)
     counts = " and ".join(sorted({str(errors.size) for errors in largest_errors.values()}))
     caption = (
         f"First panel: share of {counts} screws whose largest contact-load error is below the abscissa value. Second "
-        f"panel: {TIMED} Cold start: a new process with empty caches."
+        f"panel: error against run time. {TIMED} Cold start: a new process with empty caches."
     )
     panels = (error_distribution_panel(largest_errors), time)
     return Figure(name, TITLE, panels, caption, columns=2 if label_all_models else 1, size=size)
@@ -221,10 +243,10 @@ def error_distribution_and_time_figure(
 
 #: Caption of a panel of errors over run time.
 TIMED = (
-    f"Error: largest contact-load error on a screw or bearing, {RULE}. Horizontal line: {LIMIT:g} %, the default limit of "
-    "the command rollbench check. Light points: one screw or bearing each; dark markers: their medians; bars: range due to "
-    "the mesh uncertainty of the 3D reference. The finest mesh level is the reference itself, drawn at its own "
-    "uncertainty. Condensed model: stiffness of screw and nut from a 3D computation, whose run time is not included."
+    f"The error is the largest contact-load error on a screw or bearing, {RULE}. Horizontal line: {LIMIT:g} %, the "
+    "default limit of the command rollbench check. Light points: one screw or bearing each; dark markers: their medians; "
+    "bars: range due to the mesh uncertainty of the 3D reference. The finest mesh level is the reference itself, drawn at "
+    "its own uncertainty. Condensed model: stiffness of screw and nut from a 3D computation, its run time not included."
 )
 
 
@@ -250,16 +272,9 @@ def error_over_further_load_case_time_figure(points: Mapping[str, Sequence[refer
     ``points``: errors and run times of each model and mesh level, by name of the scene.
     """
     warm = {name: [replace(p, cold=p.warm) for p in several if p.warm is not None] for name, several in points.items()}
-    panel = _error_over_time_panel(
-        warm, summarise_accuracy_by_model(warm), "run time of a further load case / s", label_all_models=True
-    )
-    return Figure(
-        "error-time-further",
-        "Largest contact-load error of each model and 3D mesh level against the run time of a further load case",
-        (panel,),
-        TIMED,
-        columns=1,
-    )
+    panel = _error_over_time_panel(warm, "run time of a further load case / s", label_all_models=True)
+    title = "Largest contact-load error of each model and 3D mesh level against the run time of a further load case"
+    return Figure("error-time-further", title, (panel,), TIMED, columns=1)
 
 
 def largest_load_errors_on_screws(points: Sequence[MeasuredModelErrors]) -> dict[str, Array]:
@@ -284,11 +299,7 @@ def largest_check_errors_on_screws(points: Sequence[MeasuredModelErrors]) -> dic
 
 
 def _error_over_time_panel(
-    points: Mapping[str, Sequence[reference_time.ErrorAndRunTime]],
-    accuracies: Sequence[ModelAccuracy],
-    label: str,
-    *,
-    label_all_models: bool,
+    points: Mapping[str, Sequence[reference_time.ErrorAndRunTime]], label: str, *, label_all_models: bool
 ) -> Panel:
     """Return the panel of load errors over run time: a point per scene and model, medians, and the Pareto front.
 
@@ -299,48 +310,38 @@ def _error_over_time_panel(
     ----------
     points
         Errors and run times of each model and mesh level, by name of the scene; the field ``cold`` is the drawn time [s].
-    accuracies
-        Medians over the scenes, for each model and mesh level.
     label
         Label of the time axis.
     label_all_models
         Whether the medians of all models are labelled; if not, only those of `KINDS` and of the Pareto front.
     """
+
+    def drawn(errors: Iterable[float]) -> list[float]:
+        """Return errors [%] as ordinates of the logarithmic panel, none below the smallest error that it shows."""
+        return [max(error, reference_time.FLOOR) for error in errors]
+
+    accuracies = summarise_accuracy_by_model(points)
     others = [model_family(p) for several in points.values() for p in several]
     families = list(dict.fromkeys([*(family for family, _ in FAMILIES), SOLID, *others]))
     series = []
     for family in families:
-        drawn = [
-            (scene, p) for scene, several in points.items() for p in several if _has_drawable_error_of_family(p, family)
-        ]
-        shown = [(scene, p, p.cold) for scene, p in drawn if p.cold is not None]
-        series.append(
-            Series(
-                family,
-                [cold for *_, cold in shown],
-                [max(check_error_or_mesh_uncertainty(p).error, reference_time.FLOOR) for _, p, _ in shown],
-                "markers",
-                pale=True,
-                point_names=[f"{p.name}, {scene}" for scene, p, _ in shown],
-            )
-        )
+        of_family = [(name, p) for name, several in points.items() for p in several if _is_drawn_in_family(p, family)]
+        shown = [(scene, p, p.cold) for scene, p in of_family if p.cold is not None]
+        times, names = [cold for *_, cold in shown], [f"{p.name}, {scene}" for scene, p, _ in shown]
+        errors = drawn(check_error_or_mesh_uncertainty(p).error for _, p, _ in shown)
+        series.append(Series(family, times, errors, "markers", pale=True, point_names=names))
     edge = pareto_optimal_models(accuracies)
-    line = (
-        [s.cold_start_seconds for s in edge if s.cold_start_seconds is not None],
-        [max(s.median_gate_error.error, reference_time.FLOOR) for s in edge],
-    )
-    series.append(Series("Pareto front of the medians", *line, "line", point_names=[s.name for s in edge]))
+    times = [s.cold_start_seconds for s in edge if s.cold_start_seconds is not None]
+    errors, names = drawn(s.median_gate_error.error for s in edge), [s.name for s in edge]
+    series.append(Series("Pareto front of the medians", times, errors, "line", point_names=names))
     for family in families:
         mids = [s for s in accuracies if s.family == family]
-        bars = (
-            [max(s.median_gate_error.low, reference_time.FLOOR) for s in mids],
-            [max(s.median_gate_error.high, reference_time.FLOOR) for s in mids],
-        )
+        bars = drawn(s.median_gate_error.low for s in mids), drawn(s.median_gate_error.high for s in mids)
         series.append(
             Series(
                 family,
                 [s.cold_start_seconds for s in mids if s.cold_start_seconds is not None],
-                [max(s.median_gate_error.error, reference_time.FLOOR) for s in mids],
+                drawn(s.median_gate_error.error for s in mids),
                 "markers",
                 bold=True,
                 error_bars=bars,
@@ -355,7 +356,7 @@ def _error_over_time_panel(
     return Panel("", label, "largest contact-load error as judged by rollbench check / %", tuple(series), log_axes="xy")
 
 
-def _has_drawable_error_of_family(point: reference_time.ErrorAndRunTime, family: str) -> bool:
+def _is_drawn_in_family(point: reference_time.ErrorAndRunTime, family: str) -> bool:
     """Return whether a point of the error-over-time figure is drawn in the colour of a family of models.
 
     ``point``: error and run time of a model on a scene. It is drawn if the model belongs to ``family`` and converged, and
@@ -397,7 +398,7 @@ def model_accuracy_sentences(
         ""
         if total_uncertainty is None
         else f"; with the modelling choices of the reference and the input tolerances of the scenes added, it is at most "
-        f"{total_uncertainty:.1f} % on Lin's case studies"
+        f"{total_uncertainty:.1f} % on Lin's case studies (the limit of {LIMIT:g} % is for the models' errors)"
     )
     count = " or ".join(sorted({str(errors.size) for errors in largest_errors.values() if errors.size}))
     return (
@@ -419,7 +420,7 @@ def screws_within_limit_text(gate_errors: Mapping[str, Array]) -> str:
     found = {NAMES[model]: of_model for model, of_model in gate_errors.items() if of_model.size}
     counts = [f"{(e <= LIMIT).sum()} of {e.size} with {name}" for name, e in found.items()]
     return (
-        f"Screws on which every contact load is within {LIMIT:g} % of the 3D reference: {', '.join(counts)}"
+        f"Screws on which every contact load is within {LIMIT:g} % of the 3D reference, {RULE}: {', '.join(counts)}"
         if counts
         else ""
     )
@@ -443,10 +444,9 @@ def random_screws_paragraph(random_screw_count: int) -> str:
     ``random_screw_count`` is their number.
     """
     return (
-        f"{random_screw_count} catalogue screws, drawn at random with a fixed seed, none replaced, were compared with "
-        "mesh level 1 of "
-        "the 3D reference (section survey of the page on contact-load errors). Finer mesh levels, run times and results of "
-        "rollbench check are shown for the shipped scenes:"
+        f"{random_screw_count} catalogue screws, drawn at random with a fixed seed, none replaced, were compared with mesh "
+        "level 1 of the 3D reference (section survey of the page on contact-load errors). Finer mesh levels, run times and "
+        "results of rollbench check are shown for the shipped scenes:"
     )
 
 
@@ -513,13 +513,8 @@ def largest_error_bar_chart(accuracies: Sequence[ModelAccuracy]) -> Figure:
         Series("median over the scenes", [s.median_error_percent for s in accuracies], rows, "bars"),
         Series("maximum over the scenes", [s.largest_error_percent for s in accuracies], rows, "markers"),
     )
-    panel = Panel(
-        "",
-        "largest error of a contact load / % of the mean load",
-        "",
-        series,
-        ordinate_names=[f"{s.name}: {s.median_error_percent:.2g} %" for s in accuracies],
-    )
+    names = [f"{s.name}: {s.median_error_percent:.2g} %" for s in accuracies]
+    panel = Panel("", "largest error of a contact load / % of the mean load", "", series, ordinate_names=names)
     medians = {s.name: s.median_error_percent for s in accuracies}
     title = ", ".join(f"{medians[model]:.2g} % with {NAMES[model]}" for model in KINDS if model in medians)
     caption = (
@@ -536,46 +531,16 @@ def model_accuracy_table(accuracies: Sequence[ModelAccuracy]) -> Table:
 
     ``accuracies``: errors and run times of each model and mesh level.
     """
-    rows: list[Row] = [
-        {
-            TableColumn("name", "model or mesh level", "", "s"): s.name,
-            TableColumn("label", "long name of the model or mesh level", "", "s"): s.label,
-            TableColumn("scenes", "number of screws and bearings", "", "s"): s.scene_count,
-            TableColumn(
-                "median", "largest contact-load error, median over the scenes", "% of mean load", ".2f"
-            ): s.median_error_percent,
-            TableColumn(
-                "worst", "largest contact-load error, maximum over the scenes", "% of mean load", ".2f"
-            ): s.largest_error_percent,
-            TableColumn("at", "screw or bearing with the largest contact-load error", "", "s"): s.scene_of_largest_error,
-            TableColumn(
-                "rms", "RMS error of the contact loads, median over the scenes", "% of mean load", ".2f"
-            ): s.median_rms_error_percent,
-            TableColumn(
-                "worst_rms", "RMS error of the contact loads, maximum over the scenes", "% of mean load", ".2f"
-            ): s.largest_rms_error_percent,
-            TableColumn(
-                "gate", "largest contact-load error by the rule of rollbench check, median", "%", ".2f"
-            ): s.median_gate_error.error,
-            TableColumn(
-                "passed", f"number of screws and bearings with all contact-load errors within {LIMIT:g} %", "", "s"
-            ): s.passed_scene_count,
-            TableColumn("cold", "run time of a cold start, median", "s", "g3"): s.cold_start_seconds,
-        }
-        for s in accuracies
-    ]
+    columns = {field: TableColumn(key, label, unit, form) for field, key, label, unit, form in ACCURACY_COLUMNS}
+    rows: list[Row] = [{column: attrgetter(field)(s) for field, column in columns.items()} for s in accuracies]
     note = (
         "Errors against the finest mesh level of the 3D reference, on the example screws and bearings of rollbench; the "
         f"table reference-time has the values of each. Rule of rollbench check: errors {RULE}; a contact load is within "
         "the limit if its error plus uncertainty is. The finest mesh level is the reference: its mesh uncertainty is "
         "shown as its error, and its RMS error is zero by definition."
     )
-    table = Table.from_rows(
-        "overview-models",
-        "Errors and run times of each model and 3D mesh level on the example screws and bearings",
-        rows,
-        note,
-    )
+    title = "Errors and run times of each model and 3D mesh level on the example screws and bearings"
+    table = Table.from_rows("overview-models", title, rows, note)
     return replace(table, csv_only=("label", "rms", "worst_rms"))
 
 
@@ -591,10 +556,8 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
         return Section("overview", title, (Text(("No run of the 3D reference is stored.",)),))
     found = cache.stored_references(tuple(points))
     bars = [largest_uncertainty_percent(ref) for ref in found.values()]
-    compared = [
-        *compared_points(cache, cache.compute_once(solve_refinement_sequence_on_all_scenes)),
-        *model_errors_on_random_screws(),
-    ]
+    rungs = cache.compute_once(solve_refinement_sequence_on_all_scenes)
+    compared = [*compared_points(cache, rungs), *model_errors_on_random_screws()]
     screws, drawn = largest_load_errors_on_screws(compared), len({p.scene for p in model_errors_on_random_screws()})
     wide = error_distribution_and_time_figure(screws, points, "error-time", (11.0, 4.1))
     narrow = error_distribution_and_time_figure(screws, points, "error-time-narrow", (3.75, 6.6), label_all_models=False)
@@ -609,11 +572,8 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     table = model_accuracy_table(summarise_accuracy_by_model(points))
     step("every model on every quantity")
     step("printed values by table and section")
-    laid = [
-        f
-        for f in evidence_of_all_tables(cache)
-        if (all_computations()[f.printed.table].case.folder / "layout.toml").is_file()
-    ]
+    folders = {name: one.case.folder for name, one in all_computations().items()}
+    laid = [f for f in evidence_of_all_tables(cache) if (folders[f.printed.table] / "layout.toml").is_file()]
     items = (
         error_table_of_all_quantities(cache),
         computed_over_reference_load_figure(cache, found),
@@ -634,11 +594,8 @@ def largest_total_uncertainty(cache: SceneResultCache, references: Mapping[str, 
     It combines the uncertainties by mesh, modelling choices and input tolerances. ``references``: 3D reference of each
     scene, by name of the scene; if no case study is among them, None is returned.
     """
-    totals = [
-        uncertainty_of_loads(cache.built_in_scene(name), ref).percent
-        for name, ref in references.items()
-        if name in REFERENCED
-    ]
+    cases = {name: ref for name, ref in references.items() if name in REFERENCED}
+    totals = (uncertainty_of_loads(cache.built_in_scene(name), ref).percent for name, ref in cases.items())
     return max(totals, default=None)
 
 
@@ -664,11 +621,11 @@ def error_table_of_all_quantities(cache: SceneResultCache) -> Table:
                 BIAS: None,
                 SCATTER: None,
                 LARGEST: max(r.load_error.gate_percent for r in of_model),
-                TableColumn("scenes", "number of screws and bearings", "", "s"): len(of_model),
-                TableColumn(
-                    "passed", f"number of screws and bearings with all contact-load errors within {LIMIT:g} %", "", "s"
+                text_column("scenes", "number of screws and bearings"): len(of_model),
+                text_column(
+                    "passed", f"number of screws and bearings with all contact-load errors within {LIMIT:g} %"
                 ): f"{passed} of {len(of_model)}",
-                TableColumn("verdict", f"whether all contact-load errors are within {LIMIT:g} %", "", "s"): "yes"
+                text_column("verdict", f"whether all contact-load errors are within {LIMIT:g} %"): "yes"
                 if passed == len(of_model)
                 else "no",
             }
@@ -685,13 +642,13 @@ def error_table_of_all_quantities(cache: SceneResultCache) -> Table:
                 BIAS: s.bias,
                 SCATTER: s.scatter,
                 LARGEST: max(worst),
-                TableColumn("scenes", "number of screws and bearings", "", "s"): s.scenes,
+                text_column("scenes", "number of screws and bearings"): s.scenes,
             }
         )
     columns = {q.key: q for q in (BIAS, SCATTER)}
     for quantity, row in outside.items():
         known: Row = {
-            columns.get(column.key, TableColumn("values", "number of published or measured values", "", "s")): v
+            columns.get(column.key, text_column("values", "number of published or measured values")): v
             for column, v in row.items()
         }
         cells.append({"quantity": quantity, "model": "several, against published or measured values", **known})
@@ -700,12 +657,8 @@ def error_table_of_all_quantities(cache: SceneResultCache) -> Table:
         "reference of each screw or bearing. Last rows: errors against values that makers, measurements and other programs "
         "state, each computed by the model or formula that the table of these values names (section outside)."
     )
-    return Table.from_rows(
-        "quantities",
-        "Mean error, standard deviation (scatter) and largest error of each model in each computed quantity",
-        cells,
-        note,
-    )
+    title = "Mean error, standard deviation (scatter) and largest error of each model in each computed quantity"
+    return Table.from_rows("quantities", title, cells, note)
 
 
 def check_verdict_on_model(cache: SceneResultCache, model_solution: RefinementStepResult) -> str:
@@ -747,11 +700,5 @@ def computed_over_reference_load_figure(cache: SceneResultCache, references: Map
         f"{len(series[0].x)} contacts of {len(references)} screws and bearings. Outer lines: a load error of {LIMIT:g} %, "
         "the default limit of the command rollbench check."
     )
-    return Figure(
-        "contacts",
-        "Load of each contact by the low-order models, plotted against its load by the 3D reference",
-        (panel,),
-        caption,
-        columns=1,
-        size=(7.0, 5.0),
-    )
+    title = "Load of each contact by the low-order models, plotted against its load by the 3D reference"
+    return Figure("contacts", title, (panel,), caption, columns=1, size=(7.0, 5.0))

@@ -108,11 +108,8 @@ def compute_missing_3d_runs(cache: SceneResultCache, engine: ComputingSettings, 
     else:
         tasks = plan_reference_tasks(scenes, STUDIED, with_source_mesh=True, leave_out_each_part=True)
         for name in VARIED:
-            tasks += plan_reference_tasks(
-                [cache.built_in_scene(name)],
-                (),
-                (*modelling_variant_names(), *(refinement_variant_names() if name == REFINED else ())),
-            )
+            variants = (*modelling_variant_names(), *(refinement_variant_names() if name == REFINED else ()))
+            tasks += plan_reference_tasks([cache.built_in_scene(name)], (), variants)
         tasks += plan_reference_tasks([cache.built_in_scene(name) for name in UNSEEN], STUDIED)
         for names, levels in (*checked_references(fresh), *liu_references(fresh)):
             tasks += plan_reference_tasks([cache.built_in_scene(name) for name in names], levels)
@@ -141,16 +138,11 @@ def save_uncertainty_parameters(stores: Sequence[Path]) -> None:
     known = mesh_uncertainty_parameters(study)
     if known is not None:
         estimate.save_uncertainty_of_other_scenes(stores[0], known)
-    modelling = [
-        combined_modelling_uncertainty(
-            study.built_in_scene(name), effects_of_changed_choices(study.built_in_scene(name), stores)
-        )
-        for name in VARIED
-    ]
+    scenes = [study.built_in_scene(name) for name in VARIED]
+    modelling = [combined_modelling_uncertainty(scene, effects_of_changed_choices(scene, stores)) for scene in scenes]
     if all(modelling):
-        uncertainty.save_choice_effects(
-            stores[0], {m.scene: uncertainty.largest_choice_effects(m) for m in modelling if m is not None}
-        )
+        effects = {m.scene: uncertainty.largest_choice_effects(m) for m in modelling if m is not None}
+        uncertainty.save_choice_effects(stores[0], effects)
 
 
 def select_report_parts(only: Sequence[str], *, quick: bool = False) -> list[report_pages.ReportPart]:
@@ -198,9 +190,8 @@ def _make_sections_of_part(part: report_pages.ReportPart, step: Step, cache: Sce
     """
     path, _, function = part.maker.partition(":")
     module = import_module(f"{part.package}.{path}")
-    usual = (
-        "make_section" if hasattr(module, "make_section") else "section"
-    )  # the latter: cases of other packages before 0.15
+    # "section": cases of other packages before 0.15
+    usual = "make_section" if hasattr(module, "make_section") else "section"
     made = getattr(module, function or usual)(cache, step)
     if part.name == "ladder":
         save_model_errors(cache)
@@ -288,17 +279,12 @@ def make_sections(
         last = [part for part in parts if part.name in report_pages.GATHERING]
         gathered = [(name, one.case.name) for name, one in computations_with_function().items()] if last else []
         given = (study.reference_folders, None, study.quick, study.measures_run_times, study.mesh_cache)
-        jobs = []
+        make, jobs = partial(_make_parts_in_worker, keeping=cache.is_geometry_cache_on()), []
         for compiled in (True, False):
             half = [part for part in parts if part not in last and (part.page_name in report_pages.COMPILED) == compiled]
             tables = [name for name, case in gathered if (case in report_pages.COMPILED) == compiled]
             if half or tables:
-                jobs.append(
-                    (
-                        partial(_make_parts_in_worker, keeping=cache.is_geometry_cache_on()),
-                        (half, tables, given, show_worker_progress),
-                    )
-                )
+                jobs.append((make, (half, tables, given, show_worker_progress)))
         for _, (made, used) in run_jobs(jobs, workers=2):
             for name in made:
                 show_part_name(name)
@@ -376,9 +362,8 @@ def write_validation_report(
         (report_parts_of_publication(source), True) if source else (select_report_parts(only, quick=quick), stored)
     )
     if fresh and stored:
-        raise ArgumentError(
-            "fresh", "both fresh and stored", "only one of the two", "leave `stored` out to compute 3D runs anew"
-        )
+        advice = "leave `stored` out to compute 3D runs anew"
+        raise ArgumentError("fresh", "both fresh and stored", "only one of the two", advice)
     from rollbench.reports.pages import write_report
 
     with raise_folder_errors_as_input_errors(out):
@@ -422,11 +407,8 @@ def write_validation_report(
         facts["left out"] = "; ".join(str(gap) for gap in missed)
     if checked is not None:
         facts["live check"] = str(checked)
-    without = (
-        ""
-        if only or source
-        else f", without {', '.join(part.name for part in report_pages.SECTIONS if not part.in_quick_report)}"
-    )
+    slow = (part.name for part in report_pages.SECTIONS if not part.in_quick_report)
+    without = "" if only or source else f", without {', '.join(slow)}"
     report = Report(
         title="rollbench validation report",
         subtitle="Low-order models of ball screws and bearings against printed numbers and a 3D contact reference"

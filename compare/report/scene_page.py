@@ -101,20 +101,15 @@ def solve_and_make_page(scene_name: str, stores: Sequence[Path], reference_file:
     described = catalogue.scene_of_any_kind(scene_name)
     sets = isinstance(described.parts if isinstance(described, DutyCycle) else described, Assembly)
     if sets and reference_file is not None:
-        raise ArgumentError(
-            "reference", str(reference_file), "only with a scene of a single nut or bearing", "leave it out", scene_name
-        )
+        allowed = "only with a scene of a single nut or bearing"
+        raise ArgumentError("reference", str(reference_file), allowed, "leave it out", scene_name)
     if isinstance(described, DutyCycle):
         return _page_of_highest_pressure_case(scene_name, described, stores, reference_file)
     if isinstance(described, Assembly):
-        return result_page_of_shaft(
-            scene_name,
-            load_cases.solve_shaft_with_results(described, default_model_name(described), ModelOptions()),
-            stores,
-        )
-    return _page_of_load_case(
-        scene_name, scene_file.single_nut_scene_or_raise(described, scene_name), stores, reference_file
-    )
+        solved = load_cases.solve_shaft_with_results(described, default_model_name(described), ModelOptions())
+        return result_page_of_shaft(scene_name, solved, stores)
+    scene = scene_file.single_nut_scene_or_raise(described, scene_name)
+    return _page_of_load_case(scene_name, scene, stores, reference_file)
 
 
 def _page_of_highest_pressure_case(
@@ -126,9 +121,8 @@ def _page_of_highest_pressure_case(
     reference. ``reference_file``: file with contact loads that replaces the 3D reference. Raises SceneNotCoveredError if no
     load case converges and loads a contact.
     """
-    solved = [
-        load_cases.solve_with_results(case.scene, default_model_name(case.scene), ModelOptions()) for case in cycle.cases
-    ]
+    scenes = [case.scene for case in cycle.cases]
+    solved = [load_cases.solve_with_results(scene, default_model_name(scene), ModelOptions()) for scene in scenes]
     names = [case.name for case in cycle.cases]
     whole = load_cases.compute_duty_cycle_results(cycle, solved)
     if whole.pressure is None:
@@ -177,12 +171,9 @@ def _page_of_load_case(
     the file are restricted. Raises SceneNotCoveredError if the scene has no solution.
     """
     study, warnings = SceneResultCache(stores, scenes={scene.name: scene}), list[str]()
-
-    given = (
-        None
-        if reference_file is None
-        else references_from_file(reference_file, scene, warnings.append, case=load_case_name)[0].reference
-    )
+    given = None
+    if reference_file is not None:
+        given = references_from_file(reference_file, scene, warnings.append, case=load_case_name)[0].reference
     options = ModelOptions()
     one = load_cases.solve_scene_with_results(scene, DEFAULT, options)
     result, answers, worth = one.result, one.derived_results, one.expected_errors
@@ -191,26 +182,24 @@ def _page_of_load_case(
         raise SceneNotCoveredError(scene_name, "scene", f"no usable solution: {result.status}", advice)
     tangent = tangent_stiffness_at(scene, scene.nut.position, DEFAULT, options)
     stored = study.stored_reference(scene.name)
-    judged = [
-        v
-        for q in QUANTITIES
-        if (v := error_with_validation_uncertainty(study, scene.name, DEFAULT, q, solution_from_result(result))) is not None
-    ]
+    solution = solution_from_result(result)
+    errors = (error_with_validation_uncertainty(study, scene.name, DEFAULT, q, solution) for q in QUANTITIES)
+    judged = [error for error in errors if error is not None]
+    compared = None if given is None else compare_with_reference_file(given, result)
     text, data = parts.scene_file_text(scene_name), solved_case_json(one)
+    title = f"Results by the model {DEFAULT}, each with its expected error"
     sections = (
         Section("scene", "Geometry of the screw or bearing", (sketch_scene(scene, "sketch", SKETCH),)),
         _loads_section(scene, result, [reference for reference in (given, stored) if reference is not None]),
         _stiffness_section(answers, tangent),
         *filter(None, [friction_section(scene, result, options)]),
-        _error_section(scene, worth, judged, stored, None if given is None else compare_with_reference_file(given, result)),
+        _error_section(scene, worth, judged, stored, compared),
         parts.warnings_and_assumptions_section(result, warnings),
     )
     return ScenePage(
         scene.title,
         f"{scene.name}: contact loads, stiffness, pressure, friction and life by rollbench, model {DEFAULT}",
-        pressure_and_error_sentence(
-            answers, worth, judged, stored, None if given is None else compare_with_reference_file(given, result)
-        ),
+        pressure_and_error_sentence(answers, worth, judged, stored, compared),
         (),
         _picture_of_scene(scene, result),
         sections,
@@ -220,11 +209,7 @@ def _page_of_load_case(
         _hashes_of_used_files(scene, stored, stores),
         warnings,
         collect_view_data(scene.title, [one], data, (), stores, given),
-        table=parts.results_table(
-            solution_rows(one),
-            f"Results by the model {DEFAULT}, each with its expected error",
-            expected_error_sentence(worth),
-        ),
+        table=parts.results_table(solution_rows(one), title, expected_error_sentence(worth)),
     )
 
 
@@ -305,18 +290,14 @@ def _loads_section(scene: Scene, result: StaticResult, references: Sequence[Refe
     exist.
     """
     panels = []
-    pressure = 1e-6 * hertz_of_every_contact(
-        scene, draw_geometry_with_errors(scene, ball_layout(scene), result.member)
-    ).pressure(result.load)
+    geometry = draw_geometry_with_errors(scene, ball_layout(scene), result.member)
+    pressure = 1e-6 * hertz_of_every_contact(scene, geometry).pressure(result.load)
     for s, side in enumerate(SIDES[:2]):
         if not (result.load[:, s] > 0.0).any():
             continue
         series = [contact_load_curve(r.label, r, s, "markers", uncertainty=r.uncertainty) for r in references]
-        panels.append(
-            contact_load_panel(
-                f"screw flank {side}", contact_load_curve(DEFAULT, result, s, emphasis=True), *series, axis_from_zero=True
-            )
-        )
+        series.insert(0, contact_load_curve(DEFAULT, result, s, emphasis=True))
+        panels.append(contact_load_panel(f"screw flank {side}", *series, axis_from_zero=True))
     rows: list[Row] = []
     for i, s in zip(*np.nonzero(result.load > 0.0), strict=True):
         row: Row = {
@@ -332,9 +313,8 @@ def _loads_section(scene: Scene, result: StaticResult, references: Sequence[Refe
         rows.append(row)
     items: list[Figure | Table] = [Figure("loads", "Contact load of every ball", tuple(panels))] if panels else []
     note = "Peak pressure by Hertz theory with the radii of each contact."
-    items.append(
-        Table.from_rows("contacts", "Contact load, contact angle and peak pressure of every loaded contact", rows, note)
-    )
+    title = "Contact load, contact angle and peak pressure of every loaded contact"
+    items.append(Table.from_rows("contacts", title, rows, note))
     return Section("loads", "Contact loads and pressures", items)
 
 
@@ -359,10 +339,9 @@ def _stiffness_section(answers: SceneResults, tangent: TangentStiffness) -> Sect
         for name, value in zip(names, (*values, answers.tangent), strict=True)
     ]
     first = Table.from_rows("rigidity", "Axial rigidity by the formulas of ISO 3408-4 and by the model", rows)
+    title = "Axial rigidity and stiffness"
     if tangent.status != "converged":
-        return Section(
-            "stiffness", "Axial rigidity and stiffness", (first, Text((f"Tangent stiffness: {tangent.status}.",)))
-        )
+        return Section("stiffness", title, (first, Text((f"Tangent stiffness: {tangent.status}.",))))
     cells: list[Row] = [
         {
             TableColumn("freedom", "component of force or moment", "", "s"): name,
@@ -375,7 +354,7 @@ def _stiffness_section(answers: SceneResults, tangent: TangentStiffness) -> Sect
         "[N m]."
     )
     second = Table.from_rows("tangent", "Tangent stiffness of the screw in the nut, 6 x 6", cells, note)
-    return Section("stiffness", "Axial rigidity and stiffness", (first, second))
+    return Section("stiffness", title, (first, second))
 
 
 def _error_section(
@@ -396,11 +375,8 @@ def _error_section(
     """
     items: list[Text | Table | Figure] = []
     if file_comparison is not None:
-        text = (
-            f"{file_comparison.reference_text[:1].upper()}{file_comparison.reference_text[1:]}: "
-            f"{file_comparison.largest_error_clause}, "
-        )
-        text += f"uncertain by up to {file_comparison.largest_uncertainty_percent:.2f} %."
+        origin, bar = file_comparison.reference_text, file_comparison.largest_uncertainty_percent
+        text = f"{origin[:1].upper()}{origin[1:]}: {file_comparison.largest_error_clause}, uncertain by up to {bar:.2f} %."
         items.append(Text((text,)))
     if measured_errors and reference is not None:
         levels = ", ".join(str(run.level) for run in reference.runs)
@@ -420,11 +396,8 @@ def _error_section(
             "the mean load. u_val is the root of the sum of squares of the three uncertainties (ASME V&V 20). The effect "
             "of modelling choices of the 3D reference was computed on a few scenes and is transferred to the others."
         )
-        items.append(
-            Table.from_rows(
-                "measured", "Error of each result against the 3D reference, and uncertainty of the error", rows, note
-            )
-        )
+        title = "Error of each result against the 3D reference, and uncertainty of the error"
+        items.append(Table.from_rows("measured", title, rows, note))
     else:
         text = "The error was not measured: no run of the 3D reference is stored for this scene (rollbench mesh-study)."
         items.append(Text((text,)))
@@ -466,10 +439,8 @@ def _scene_origin_facts(
     """
     out = parts.page_origin_facts(scene_name, scene, toml_text, DEFAULT)
     if reference is not None:
-        runs = "; ".join(
-            f"level {r.level} of {r.date}, rollbench {r.versions.get('rollbench', '?')}" for r in reference.runs
-        )
-        out["3D reference"] = runs
+        runs = (f"level {r.level} of {r.date}, rollbench {r.versions.get('rollbench', '?')}" for r in reference.runs)
+        out["3D reference"] = "; ".join(runs)
     if reference_file is not None:
         out["reference"] = f"{reference_file.name}, SHA-256 {sha256(reference_file.read_bytes())}"
     return out
@@ -490,25 +461,22 @@ def friction_section(scene: Scene, result: StaticResult, options: ModelOptions) 
     """
     if scene.friction is None:
         return None
-    motion = scene.motion or ONE_TURN
+    motion, title = scene.motion or ONE_TURN, "Friction torque and losses"
     bare = run_model(replace(scene, loads=()), DEFAULT, options) if scene.loads else result
     solved = StaticallySolvedPart(scene, DEFAULT, options, scene.friction, motion, bare)
     try:
         state = friction_state(scene, result, scene.friction, motion, options.member)
     except ValueError as error:  # balls that overlap by their random sizes
-        return Section("friction", "Friction torque and losses", (Text((f"Friction was not computed: {error}.",)),))
+        return Section("friction", title, (Text((f"Friction was not computed: {error}.",)),))
     if not state.all_balanced:
-        return Section(
-            "friction", "Friction torque and losses", (Text((f"Friction was not computed: {friction_status(state)}.",)),)
-        )
+        return Section("friction", title, (Text((f"Friction was not computed: {friction_status(state)}.",)),))
     (drag,) = drag_torques(scene, [state], [scene.friction], bare, options)
     lines = lines_on_friction_of_screw(motion, state, (drag.torque, drag.reason_without_torque or drag.note))
     panels = [_torque_over_coefficient_panel(solved, result), _torque_over_ball_size_panel(solved)]
     notes = [f"{label}: {text}." for label, text in lines]
+    timed = replace(scene, time=_friction_time_span(scene, motion))
     try:
-        run = simulate_friction_over_time(
-            replace(scene, time=_friction_time_span(scene, motion)), scene.friction, motion, DEFAULT, options.member
-        )
+        run = simulate_friction_over_time(timed, scene.friction, motion, DEFAULT, options.member)
     except InputError as error:  # circuits that cannot be
         notes.append(f"The torque over a turn was not computed: {error}.")
     else:
@@ -526,17 +494,10 @@ def friction_section(scene: Scene, result: StaticResult, options: ModelOptions) 
         "Panels: friction torque over the angle of the rotating part; over the friction coefficient, in the range of "
         f"lubricated contacts ({MEASURED[0]:g} to {MEASURED[1]:g}); over a change of all ball radii."
     )
-    return Section(
-        "friction",
-        "Friction torque and losses",
-        (
-            Text(tuple(notes), bullets=True),
-            Figure(
-                "friction", "Friction torque over rotation, friction coefficient and ball size", tuple(panels), caption, 3
-            ),
-            Table.from_rows("losses", "Friction losses by contact and cause", rows),
-        ),
-    )
+    drawn = "Friction torque over rotation, friction coefficient and ball size"
+    figure = Figure("friction", drawn, tuple(panels), caption, columns=3)
+    losses = Table.from_rows("losses", "Friction losses by contact and cause", rows)
+    return Section("friction", title, (Text(tuple(notes), bullets=True), figure, losses))
 
 
 def _friction_time_span(scene: Scene, motion: Motion) -> Time:
@@ -561,15 +522,8 @@ def _torque_over_rotation_panels(run: TransientRun) -> list[Panel]:
         Series("total", angle, (1e3 * h.torque).tolist(), "line", bold=True),
         Series("contacts with the grooves", angle, (1e3 * h.groove_torque).tolist(), "line"),
     )
-    return [
-        Panel(
-            "torque over the rotation",
-            "angle of the rotating part / deg",
-            "friction torque / N mm",
-            series,
-            include_zero=True,
-        )
-    ]
+    x, y = "angle of the rotating part / deg", "friction torque / N mm"
+    return [Panel("torque over the rotation", x, y, series, include_zero=True)]
 
 
 def _torque_over_coefficient_panel(solved: StaticallySolvedPart, result: StaticResult) -> Panel:
@@ -598,6 +552,5 @@ def _torque_over_ball_size_panel(solved: StaticallySolvedPart) -> Panel:
         found = run_model(other, solved.model, replace(solved.options, estimate_beam_mesh_error=False))
         torques.append(1e3 * solved.torque(found, solved.friction, other))
     series = (Series("friction coefficient of the scene", [1e6 * play for play in PLAY], torques, bold=True),)
-    return Panel(
-        "torque over the ball size", "change of the ball radius / um", "friction torque / N mm", series, include_zero=True
-    )
+    x, y = "change of the ball radius / um", "friction torque / N mm"
+    return Panel("torque over the ball size", x, y, series, include_zero=True)

@@ -13,7 +13,7 @@ from rollbench.compare.quantities import count_with_noun, words_and_unit_of_key
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.report.scene_page import raise_folder_errors_as_input_errors, solve_and_make_page
 from rollbench.compare.scenes import catalogue
-from rollbench.reports.content import Row, Section, Table, TableColumn
+from rollbench.reports.content import Row, Section, Table, TableColumn, text_column
 from rollbench.reports.manifest import sha256
 from rollbench.reports.pages import replace_report_folder
 from rollbench.reports.scene_page import ScenePage, scene_page_html
@@ -157,8 +157,8 @@ def numerical_result_rows(column_headings: Sequence[str], pages: Sequence[SceneP
     for group, key in keys:
         words, unit = words_and_unit_of_key(key)
         row: Row = {
-            TableColumn("quantity", "group of results: quantity", "", "s"): f"{group}: {words}",
-            TableColumn("unit", "unit", "", "s"): unit,
+            text_column("quantity", "group of results: quantity"): f"{group}: {words}",
+            text_column("unit", "unit"): unit,
         }
         found.append(row | {TableColumn(head, head): column.get((group, key)) for head, column in columns.items()})
     return found

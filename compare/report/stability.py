@@ -17,12 +17,11 @@ from rollbench.compare.printed import printed_value
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.report.overview import NAMES, screws_within_limit_text
 from rollbench.compare.sections.fit import WORDS
-from rollbench.compare.studies import extremes
-from rollbench.compare.studies import survey as survey
+from rollbench.compare.studies import extremes, survey
 from rollbench.compare.studies.survey import MODELS
 from rollbench.compare.studies.survey_models import LoadErrorsAndTimes, errors_and_times_of_models, load_timed_level_runs
 from rollbench.meshes.arrays import Array
-from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table, TableColumn, Text
+from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table, TableColumn, Text, load_percent_column
 
 #: Keys, in the stored records, of the errors in the table of all screws, by the descriptions in its column headings.
 SHORT = {
@@ -39,6 +38,17 @@ HEADINGS = {
     "p95": "95th percentile of the error",
     "largest": "largest error on a screw",
 }
+#: Columns of the table of models and mesh levels: key, heading, unit, number format, and which percentile [%] of which
+#: field of `LoadErrorsAndTimes` is shown.
+STATISTICS = (
+    ("median", "largest contact-load error by the rule of rollbench check, median", "%", ".2f", "gate_errors", 50),
+    ("p95", "largest contact-load error by the rule of rollbench check, 95th percentile", "%", ".2f", "gate_errors", 95),
+    ("mean_median", "largest contact-load error, median", "% of mean load", ".2f", "errors_of_mean_load", 50),
+    ("mean_p95", "largest contact-load error, 95th percentile", "% of mean load", ".2f", "errors_of_mean_load", 95),
+    ("seconds", "CPU time for a new screw, median", "s", "g3", "first_case_seconds", 50),
+    ("slowest", "CPU time for a new screw, 95th percentile", "s", "g3", "first_case_seconds", 95),
+    ("further", "CPU time for a further load case, median", "s", "g3", "further_case_seconds", 50),
+)
 #: Number of bins of the histogram, and distance up to which a ball counts as near a nut face [ball radii].
 BINS, NEAR = 24, 2.0
 
@@ -73,28 +83,20 @@ def survey_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sect
         | {name: r.get("models", {}).get(model, {}).get(key) for name, (model, key) in errors.items()}
         for r in every
     ]
-    gate = {
-        model: [r["models"][model].get("gate_percent") for r in scenes if model in r.get("models", {})] for model in MODELS
-    }
-    passed = screws_within_limit_text(
-        {model: np.array([e for e in errors if e is not None]) for model, errors in gate.items()}
-    )
+    gate = {}
+    for model in MODELS:
+        known = (r["models"][model].get("gate_percent") for r in scenes if model in r.get("models", {}))
+        gate[model] = np.array([error for error in known if error is not None])
+    passed = screws_within_limit_text(gate)
+    texts, summary = survey.SUMS[:3], survey.error_summary_rows_of_all_models(scenes)
     items = (
         random_screw_error_figure(scenes),
         Text((about,)),
         Table(
             "stability-survey",
             "Median, 95th percentile and maximum of the models' errors on all randomly drawn screws",
-            tuple(
-                TableColumn(key, HEADINGS[key], "", "s")
-                if key in survey.SUMS[:3]
-                else TableColumn(key, HEADINGS[key], "%", ".2f")
-                for key in survey.SUMS
-            ),
-            [
-                row | {"error": WORDS[row["error"].removeprefix("largest_")]}
-                for row in survey.error_summary_rows_of_all_models(scenes)
-            ],
+            [TableColumn(key, HEADINGS[key], *(("", "s") if key in texts else ("%", ".2f"))) for key in survey.SUMS],
+            [row | {"error": WORDS[row["error"].removeprefix("largest_")]} for row in summary],
         ),
         *error_and_run_time_items(cache, scenes),
         *_items_on_screws_drawn_later(scenes, [r for r in every if r["number"] >= KNOWN_SCREWS]),
@@ -106,7 +108,7 @@ def survey_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sect
                 TableColumn("screw", "screw: outer diameter [mm] x lead [mm], kind of preload", "", "s"),
                 TableColumn("contacts", "number of contacts", "", "s"),
                 TableColumn("status", "solver status of the 3D reference", "", "s"),
-                *(TableColumn(name, name, "% of mean load", ".2f") for name in errors),
+                *(load_percent_column(name, name) for name in errors),
             ),
             rows,
             csv_only=[f"{model}: expected largest error" for model in MODELS],
@@ -129,9 +131,8 @@ def error_and_run_time_items(
     """
     kept = load_timed_level_runs((*(cache.reference_folders or ()), shipped_store()))
     if kept is None:
-        return (
-            Text(("Run times of mesh levels on drawn screws are not stored; `rollbench bench --drawn` measures them.",)),
-        )
+        text = "Run times of mesh levels on drawn screws are not stored; `rollbench bench --drawn` measures them."
+        return (Text((text,)),)
     found = errors_and_times_of_models(kept.runs, screw_records)
     timed = [s for s in found if s.gate_errors.size]
     about = (
@@ -140,50 +141,30 @@ def error_and_run_time_items(
         "these runs. Times are processor times of one core. For a new screw they count from its geometry to its loads, "
         "with an empty mesh cache and without start and imports of Python; then for a further load case of the same screw. "
         f"Times of the 3D reference were measured with {kept.measuring_conditions}, {kept.date}; those of the models when "
-        "all drawn "
-        "screws were solved."
+        "all drawn screws were solved."
     )
     rows: list[Row] = [
         {
             TableColumn("model", "model or mesh level", "", "s"): s.name,
             TableColumn("screws", "number of screws", "", "s"): s.first_case_seconds.size,
             TableColumn("against", "solution against which errors are computed", "", "s"): s.reference_level or "not known",
-            TableColumn(
-                "median", "largest contact-load error by the rule of rollbench check, median", "%", ".2f"
-            ): _percentile_or_none(s.gate_errors, 50),
-            TableColumn(
-                "p95", "largest contact-load error by the rule of rollbench check, 95th percentile", "%", ".2f"
-            ): _percentile_or_none(s.gate_errors, 95),
-            TableColumn("mean_median", "largest contact-load error, median", "% of mean load", ".2f"): _percentile_or_none(
-                s.errors_of_mean_load, 50
-            ),
-            TableColumn(
-                "mean_p95", "largest contact-load error, 95th percentile", "% of mean load", ".2f"
-            ): _percentile_or_none(s.errors_of_mean_load, 95),
-            TableColumn("seconds", "CPU time for a new screw, median", "s", "g3"): _percentile_or_none(
-                s.first_case_seconds, 50
-            ),
-            TableColumn("slowest", "CPU time for a new screw, 95th percentile", "s", "g3"): _percentile_or_none(
-                s.first_case_seconds, 95
-            ),
-            TableColumn("further", "CPU time for a further load case, median", "s", "g3"): _percentile_or_none(
-                s.further_case_seconds, 50
-            ),
+            **{
+                TableColumn(key, heading, unit, form): _percentile(getattr(s, field), percent)
+                for key, heading, unit, form, field, percent in STATISTICS
+            },
         }
         for s in found
     ]
-    lin = [
-        (printed_value("lin-2.2", f"time_proposed_{case}"), printed_value("lin-2.4.1", f"case{case}_max_error"))
-        for case in (1, 2)
-    ]
+    keys = [(f"time_proposed_{case}", f"case{case}_max_error") for case in (1, 2)]
+    lin = [(printed_value("lin-2.2", time), printed_value("lin-2.4.1", error)) for time, error in keys]
     panels = tuple(_error_over_time_panel(timed, name, lin) for name in ("new screw", "further load case"))
     coarse = next((s for s in timed if s.name.startswith("3D")), None)
     title = (
         "Contact-load errors of models and 3D mesh levels on randomly drawn screws, plotted against processor time"
         if coarse is None
         else "Largest difference of a contact load between 3D mesh levels 1 and 2 on a randomly drawn screw: median "
-        f"{_percentile_or_none(coarse.gate_errors, 50):.2f} %; level 1 takes "
-        f"{_percentile_or_none(coarse.first_case_seconds, 50):.0f} s per screw"
+        f"{_percentile(coarse.gate_errors, 50):.2f} %; level 1 takes "
+        f"{_percentile(coarse.first_case_seconds, 50):.0f} s per screw"
     )
     counts = {s.reference_level: s.first_case_seconds.size for s in timed}
     markers = " ".join(
@@ -207,7 +188,7 @@ def error_and_run_time_items(
     )
 
 
-def _percentile_or_none(values: Array, percent: float) -> float | None:
+def _percentile(values: Array, percent: float) -> float | None:
     """Return a percentile of the numbers in ``values`` (``percent``: 0 to 100); None if the array is empty."""
     return float(np.percentile(values, percent)) if values.size else None
 
@@ -233,33 +214,18 @@ def _error_over_time_panel(
     ]
     series = []
     for by in dict.fromkeys(s.reference_level for s in models):
-        shown = [(x, y, s) for x, y, s in places if s.reference_level == by]
-        series.append(
-            Series(
-                f"{shown[0][2].first_case_seconds.size} screws, against {by}",
-                [x for x, *_ in shown],
-                [y for _, y, _ in shown],
-                "markers",
-                bold=True,
-                error_bars=([y for _, y, _ in shown], [float(np.percentile(s.gate_errors, 95)) for *_, s in shown]),
-                point_labels=[s.name for *_, s in shown],
-            )
-        )
+        times, errors, shown = zip(*(place for place in places if place[2].reference_level == by), strict=True)
+        bars = (errors, [float(np.percentile(s.gate_errors, 95)) for s in shown])
+        label, names = f"{shown[0].first_case_seconds.size} screws, against {by}", [s.name for s in shown]
+        series.append(Series(label, times, errors, "markers", bold=True, error_bars=bars, point_labels=names))
     edge: list[tuple[float, float]] = []
     for x, y, _ in sorted(places, key=lambda place: place[:2]):
         if not edge or y < edge[-1][1]:
             edge.append((x, y))
     series.append(Series("Pareto front", [x for x, _ in edge], [y for _, y in edge], "line"))
     if new:
-        series.append(
-            Series(
-                "Lin's thesis, printed",
-                [x for x, _ in printed_by_lin],
-                [y for _, y in printed_by_lin],
-                "markers",
-                pale=True,
-            )
-        )
+        times, errors = zip(*printed_by_lin, strict=True)
+        series.append(Series("Lin's thesis, printed", times, errors, "markers", pale=True))
     ends = [x for x, *_ in places]
     series.append(Series(f"limit of {LIMIT:g} %", [min(ends), max(ends)], [LIMIT, LIMIT], "line"))
     label = f"processor time of a {time_kind} / s"
@@ -286,8 +252,8 @@ def _items_on_screws_drawn_later(
     }
     aims = f"load error within {survey.WORST_AIM:g} % on every contact and within {survey.RMS_AIM:g} % RMS"
     about = (
-        "The further screws were drawn with the same seed and compared once, after the last change of the refined model. "
-        "Their errors do not enter the estimate of the expected error."
+        "The screws of the last column were drawn with the same seed and compared once, after the last change of the refined "
+        "model. Their errors do not enter the estimate of the expected error."
     )
     measure = TableColumn("judged", "measure of accuracy", "", "s")
     rows: list[Row] = [
@@ -334,15 +300,10 @@ def random_screw_error_figure(screw_records: Sequence[Mapping[str, Any]]) -> Fig
     bars = [Series(m, edges.tolist(), np.histogram(e[:, 1], edges)[0].tolist(), "steps") for m, e in found.items()]
     points = [Series(m, e[:, 0].tolist(), e[:, 1].tolist(), "markers") for m, e in found.items()]
     error = "largest contact-load error / % of the mean load"
+    distance = "distance of the outermost ball from a nut face / ball radii"
     panels = (
         Panel("Distribution of the error", error, "number of screws", bars, log_axes="x", include_zero=True),
-        Panel(
-            "Error near a nut face",
-            "distance of the outermost ball from a nut face / ball radii",
-            error,
-            points,
-            log_axes="y",
-        ),
+        Panel("Error near a nut face", distance, error, points, log_axes="y"),
     )
     near = "; ".join(
         f"{_median_errors_near_faces_text(errors)} with {NAMES.get(name, name)}" for name, errors in found.items()
@@ -394,10 +355,7 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
         TableColumn("residual", "largest unbalanced force / largest force", "", "g2"),
         TableColumn("bound", "round-off limit of this ratio, in double precision", "", "g2"),
         TableColumn(
-            "difference",
-            "largest difference of a contact load between energy and force formulation",
-            "% of largest load",
-            "g2",
+            "difference", "largest load difference between energy and force formulation", "% of largest load", "g2"
         ),
         *(TableColumn(name, f"status: {name}", "", "s") for name in extremes.FORMULATIONS[1:]),
     )
@@ -429,9 +387,10 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
             Text(
                 (
                     "The program was also run on random extreme screws and bearings, on scene files with random faults, "
-                    "and with processes that were killed. Every outcome is checked by independent means: equilibrium "
-                    "summed from the printed numbers, refusals proven by rank or a linear program, small scenes with a "
-                    "rigid screw compared with plain minimisation. Random shafts (--axes) with one to five sets of balls "
+                    "and with processes that were killed. Every outcome is checked by independent means: the forces of a "
+                    "solution are summed from the printed numbers; that a refused scene has no equilibrium is proven by "
+                    "the rank of its equations or by a linear program; small scenes with a rigid screw are also solved by "
+                    "plain minimisation of the energy. Random shafts (--axes) with one to five sets of balls "
                     "or rollers are checked node by node: beam, springs, Hertz' law, every ball.",
                 )
             ),

@@ -34,25 +34,22 @@ MOST = 6
 Tables = Mapping[str, list[dict[str, str]]]
 
 
-def read_report_tables(report_folder_path: Path) -> Tables:
+def read_report_tables(folder: Path) -> Tables:
     """Read all tables of a report from its CSV files, and return their rows by name of the table.
 
-    ``report_folder_path``: folder of the report. A row has the text of each cell by the heading of its column. Raises
+    ``folder``: folder of the report. A row has the text of each cell by the heading of its column. Raises
     InputError for a folder that does not contain a report, or a damaged file.
     """
-    if not (report_folder_path / "index.html").is_file() or not (report_folder_path / "tables").is_dir():
+    if not (folder / "index.html").is_file() or not (folder / "tables").is_dir():
         advice = "write a report to compare with: rollbench report"
-        raise ArgumentError(
-            "against", "a folder without a report", "the folder of a report", advice, str(report_folder_path)
-        )
+        raise ArgumentError("against", "a folder without a report", "the folder of a report", advice, str(folder))
     by_name = {}
-    for path in sorted((report_folder_path / "tables").glob("*.csv")):
+    for path in sorted((folder / "tables").glob("*.csv")):
         with open(path, encoding="utf-8", newline="") as stream:
             by_name[path.stem] = list(csv.DictReader(stream))
         damaged = next((k for k, row in enumerate(by_name[path.stem]) if None in (*row, *row.values())), None)
         if damaged is not None:
-            allowed = "one cell for each column heading"
-            value = "another number of cells"
+            value, allowed = "more or fewer cells than columns", "one cell for each column heading"
             raise InputError(str(path), f"row {damaged + 1}", value, allowed, "write the report again")
     return by_name
 
@@ -149,10 +146,8 @@ class HashCheck:
     def terminal_line(self) -> str:
         """Line for the terminal: result of the comparison, name and hash."""
         now = f", now {self.hash_now[:16]}" if self.comparison_result == "changed" else ""
-        return (
-            f"{self.comparison_result:8} {escape_unprintable(self.name)} "
-            f"{escape_unprintable(self.hash_in_manifest[:16])}{now}"
-        )
+        name, stated = escape_unprintable(self.name), escape_unprintable(self.hash_in_manifest[:16])
+        return f"{self.comparison_result:8} {name} {stated}{now}"
 
 
 def report_folder(report: Path) -> Path:
@@ -265,14 +260,8 @@ def write_and_compare_pages(
     parts.append(f"page: {out / INDEX}")
     if before is not None:
         after = read_scene_page(out)[1]
-        lines = [
-            *result_differences(
-                _manifest_without_run_specifics(before["manifest"]), _manifest_without_run_specifics(after["manifest"])
-            ),
-            *result_differences(
-                _results_without_solver_report(before["results"]), _results_without_solver_report(after["results"])
-            ),
-        ]
+        compared = {"manifest": _manifest_without_run_specifics, "results": _results_without_solver_report}
+        lines = [line for key, kept in compared.items() for line in result_differences(kept(before[key]), kept(after[key]))]
         parts += lines or ["nothing changed"]
     return CommandOutput(
         texts_and_tables=parts, exit_code=int(any(page.results["status"] != "converged" for page in pages))
@@ -288,9 +277,9 @@ def _manifest_without_run_specifics(manifest: dict[str, Any]) -> dict[str, Any]:
 def _results_without_solver_report(results: dict[str, Any]) -> dict[str, Any]:
     """Return the JSON results of a scene without the entries on the solver, which contain run times."""
     kept = {key: value for key, value in results.items() if key != "solver"}
-    return kept | (
-        {"cases": [_results_without_solver_report(one) for one in results["cases"]]} if "cases" in results else {}
-    )
+    if "cases" in results:
+        kept["cases"] = [_results_without_solver_report(one) for one in results["cases"]]
+    return kept
 
 
 def result_differences(old: Any, new: Any, path: str = "") -> Iterator[str]:

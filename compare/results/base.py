@@ -22,9 +22,10 @@ JSON: TypeAlias = "bool | int | float | str | list[JSON] | dict[str, JSON] | Non
 SCHEMA = 1
 
 
-#: Headings of the columns of a table of results; smallest width [characters] of its last column: where less is left, the
-#: notes stand on lines of their own.
-HEADINGS, ROOM = ("quantity", "value", "unit", "error to expect", "note"), 18
+#: Headings of the columns of a table of results.
+HEADINGS = ("quantity", "value", "unit", "error to expect", "note")
+#: Smallest width of the last column of a table [characters]; where less is left, the notes stand on lines of their own.
+ROOM = 18
 
 
 class Row(NamedTuple):
@@ -69,13 +70,11 @@ def format_table_as_text(rows: Sequence[Sequence[str]], line_width: int, heading
     for *cells, note in table:
         texts = [text.ljust(wide[n]) if n in left else text.rjust(wide[n]) for n, text in enumerate(cells)]
         line = "  ".join(texts)
-        room = line_width - len(line) - 2
+        room, no_note = line_width - len(line) - 2, [""]
         if room < min(ROOM, wide[-1]):
             out.append(line.rstrip())
-            line, room = "  ", line_width - 4
-            notes = textwrap.wrap(note, room, break_on_hyphens=False)
-        else:
-            notes = textwrap.wrap(note, room, break_on_hyphens=False) or [""]
+            line, room, no_note = "  ", line_width - 4, []
+        notes = textwrap.wrap(note, room, break_on_hyphens=False) or no_note
         out += [f"{line if n == 0 else ' ' * len(line)}  {text}".rstrip() for n, text in enumerate(notes)]
     return "\n".join(out)
 
@@ -105,15 +104,14 @@ def format_table_as_html(rows: Sequence[Sequence[str]], headings: Sequence[str] 
     """
     kept = [k for k in range(len(headings)) if any(row[k] for row in rows)]
     sides = ["right" if _is_number_column(rows, headings, k) else "left" for k in range(len(headings))]
-    line = "<tr>{}</tr>".format
-    head = "".join(f"<th style='text-align:{sides[k]}'>{html.escape(headings[k])}</th>" for k in kept)
-    body = "".join(
-        line(
-            "".join(f"<td style='text-align:{sides[k]}'>{html.escape(replace_um_by_micrometre(row[k]))}</td>" for k in kept)
-        )
-        for row in rows
-    )
-    return f"<table><thead>{line(head)}</thead><tbody>{body}</tbody></table>"
+
+    def line(tag: str, texts: Sequence[str]) -> str:
+        """Return a row of the table with the HTML tag of its cells, "th" or "td"."""
+        cells = (f"<{tag} style='text-align:{sides[k]}'>{html.escape(texts[k])}</{tag}>" for k in kept)
+        return f"<tr>{''.join(cells)}</tr>"
+
+    body = "".join(line("td", [replace_um_by_micrometre(text) for text in row]) for row in rows)
+    return f"<table><thead>{line('th', headings)}</thead><tbody>{body}</tbody></table>"
 
 
 def add_schema_version(data: Mapping[str, Any]) -> dict[str, Any]:
@@ -213,9 +211,8 @@ class Record(ABC):
         keys = reversed(path.split("."))  # a table of one unit has it in its own name
         unit = next((unit for key in keys if (unit := name_and_unit_of_key(key)[1]) is not None), None)
         if unit is None or value is None or isinstance(value, (str, bool, Mapping)):
-            raise ValueError(
-                f"{path}: the result has {'no value' if value is None else 'no number with a unit'} at this path"
-            )
+            lacking = "value" if value is None else "number with a unit"
+            raise ValueError(f"{path}: the result has no {lacking} at this path")
         return pint.application_registry.get().Quantity(value, unit.text.replace("million ", "mega"))
 
     def definition(self, path: str) -> str:
@@ -261,22 +258,18 @@ class Record(ABC):
         Sequence[Sequence[str]]
             Texts of each row, one for each of `headings`.
         """
-        return [
-            Row(name, _format_cell_value(value), unit)
-            for name, value, unit in _flatten_json_values(self._json_value_at(self._shown_path), "")
-        ]
+        flat = _flatten_json_values(self._json_value_at(self._shown_path), "")
+        return [Row(name, _format_cell_value(value), unit) for name, value, unit in flat]
 
     def __str__(self) -> str:
         """Return the table of results as aligned text, with the notes below it."""
-        return "\n".join(
-            [*([format_table_as_text(rows, 100, self.headings)] if (rows := self.table()) else []), *self._notes]
-        )
+        rows = self.table()
+        return "\n".join([*([format_table_as_text(rows, 100, self.headings)] if rows else []), *self._notes])
 
     def _repr_html_(self) -> str:
         """Return the table of results as HTML for a notebook, with the notes below it."""
-        return format_table_as_html(self.table(), self.headings) + "".join(
-            f"<p>{html.escape(note)}</p>" for note in self._notes
-        )
+        notes = "".join(f"<p>{html.escape(note)}</p>" for note in self._notes)
+        return format_table_as_html(self.table(), self.headings) + notes
 
     def _json_value_at(self, path: str) -> JSON:
         """Return the JSON value at a path, which consists of keys joined by dots; an empty path gives all values.

@@ -12,9 +12,8 @@ import numpy as np
 from rollbench.compare.errors import SceneNotCoveredError
 from rollbench.compare.gate.verdict import LIMIT
 from rollbench.compare.measure import LoadError, load_error
-from rollbench.compare.models import comparison as models_comparison
-from rollbench.compare.models import model_form
-from rollbench.compare.models.answers import ContactLoadResults, results_of_contact_loads, unloaded_axial_displacement
+from rollbench.compare.models import comparison, model_form
+from rollbench.compare.models.answers import ContactLoadResults, displacement_of_unloaded_screw, results_of_contact_loads
 from rollbench.compare.models.loading import solve_with_scaled_loads
 from rollbench.compare.models.programs import model_title
 from rollbench.compare.models.registry import DEFAULT, Model
@@ -26,7 +25,6 @@ from rollbench.compare.reference.store import load_stored_run
 from rollbench.compare.results.rows import rows_with_reference
 from rollbench.compare.results.scene_json import AxialResults, ball_loads_json, contact_ratings_json, expected_errors_json
 from rollbench.lowfi.statics.nominal import count_nominal_contacts
-from rollbench.meshes.helix import lead_angle
 from rollbench.meshes.parts import Scene
 
 #: Name of the stored 3D reference in tables that compare models with a user's reference.
@@ -38,7 +36,7 @@ class LoadsWithErrors:
     """Contact loads of a model or of a 3D run, with their errors, and the pressure and life that follow."""
 
     #: Contact loads and displacements of the model, or of the run of the 3D reference.
-    contact_loads: models_comparison.ContactSolution
+    contact_loads: comparison.ContactSolution
     #: Errors of the contact loads against the reference; None for the reference itself.
     error: LoadError | None
     #: Pressure, static safety and life, computed from the contact loads.
@@ -70,7 +68,7 @@ class LoadsWithErrors:
 
 def compare_loads_with_reference(
     scene: Scene,
-    answer: models_comparison.ContactSolution,
+    answer: comparison.ContactSolution,
     reference: Reference | None,
     unloaded_displacement: float = 0.0,
     contacts: int | None = None,
@@ -99,12 +97,10 @@ def compare_loads_with_reference(
     angle = np.radians(answer.angle)
     moved = float(np.interp(scene.nut.position, answer.stations, answer.line[:, 2])) if answer.stations.size else np.nan
     error = None if reference is None else load_error(answer.load, reference.load, reference.contacts)
-    pull = np.where(answer.load > 0.0, answer.load * np.sin(angle), 0.0).sum(axis=0) * np.cos(lead_angle(scene.track))
     count = count_nominal_contacts(scene) if contacts is None else contacts
-    found, force = results_of_contact_loads(scene, answer.load, angle, pressure=answer.pressure), float(pull[0] - pull[1])
-    points = (
-        [] if reference is None else models_comparison.contact_load_errors(reference.scene, reference, LIMIT, answer.load)
-    )
+    found = results_of_contact_loads(scene, answer.load, angle, pressure=answer.pressure)
+    force = model_form.axial_contact_force(scene, answer.load, angle)
+    points = [] if reference is None else comparison.contact_load_errors(reference.scene, reference, LIMIT, answer.load)
     by_gate = max((abs(p.error_percent) for p in points), default=0.0)
     return LoadsWithErrors(answer, error, found, moved - unloaded_displacement, force, count, by_gate)
 
@@ -135,7 +131,7 @@ def compare_models_with_reference(
     models: Sequence[Model],
     reference: Reference,
     stores: Sequence[Path],
-    set_of_assembly: models_comparison.NutOrBearingOnShaft | None = None,
+    place: comparison.NutOrBearingOnShaft | None = None,
     stored_reference: Reference | None = None,
 ) -> NutOrBearingComparison:
     """Compare models, and coarser meshes of the 3D reference, with the reference of one nut or bearing.
@@ -150,7 +146,7 @@ def compare_models_with_reference(
         The reference: contact loads of the 3D finite-element model, or of a user's file.
     stores
         Folders with runs of the 3D reference.
-    set_of_assembly
+    place
         The nut or bearing that ``scene`` represents, if it is one of several on a shaft; otherwise None.
     stored_reference
         Stored 3D reference that is compared too if ``reference`` comes from a user's file; otherwise None.
@@ -168,54 +164,48 @@ def compare_models_with_reference(
     """
     answers, expected, starts = [], {}, {}
     for model in models:
-        of_model = (
-            solve_with_and_without_loads(model, scene, reference, stores)
-            if set_of_assembly is None
-            else models_comparison.solution_of_nut_or_bearing(set_of_assembly, model.name)
-        )
-        if isinstance(of_model, str):
-            raise SceneNotCoveredError(
-                reference.scene, "model", f"{model.name}: {of_model}", "choose another model with --model"
-            )
-        answers.append(models_comparison.solution_from_result(of_model.loaded_result, of_model.seconds))
-        starts[answers[-1].model] = unloaded_axial_displacement(scene, of_model.unloaded_result)
-        if of_model.loaded_result.converged:
-            expected[model.name] = model_form.estimate_model_error(
-                of_model.scene, of_model.loaded_result, measured_errors_on_other_scenes(reference)
-            )
-    others = models_comparison.solutions_of_reference_runs(
-        reference, None if set_of_assembly is not None else load_stored_run(scene, SOURCE_LEVEL, stores=tuple(stores))
-    )
-    answers += [answer for answer in others if not are_loads_of_finest_run(answer, reference)]
-    answers += [] if stored_reference is None else [models_comparison.solution_from_run(stored_reference.best, OURS)]
+        if place is None:
+            by_model: comparison.NutOrBearingSolution | str = solve_with_and_without_loads(model, scene, reference, stores)
+        else:
+            by_model = comparison.solution_of_nut_or_bearing(place, model.name)
+        if isinstance(by_model, str):
+            reason, advice = f"{model.name}: {by_model}", "choose another model with --model"
+            raise SceneNotCoveredError(reference.scene, "model", reason, advice)
+        answers.append(comparison.solution_from_result(by_model.loaded_result, by_model.seconds))
+        starts[answers[-1].model] = float(displacement_of_unloaded_screw(scene, by_model.unloaded_result)[2])
+        if by_model.loaded_result.converged:
+            measured = measured_errors_on_other_scenes(reference)
+            expected[model.name] = model_form.estimate_model_error(by_model.scene, by_model.loaded_result, measured)
+    source_mesh_run = None if place is not None else load_stored_run(scene, SOURCE_LEVEL, stores=tuple(stores))
+    others = comparison.solutions_of_reference_runs(reference, source_mesh_run)
+    finest = f"3D level {reference.best.level}"  # all errors are computed against its loads
+    answers += [answer for answer in others if answer.model != finest]
+    answers += [] if stored_reference is None else [comparison.solution_from_run(stored_reference.best, OURS)]
     shared = starts.get(DEFAULT, next(iter(starts.values()), 0.0))  # no run of the reference without loads is stored
-    count = None if set_of_assembly is None else reference.contacts
-    each = tuple(
+    count = None if place is None else reference.contacts
+    errors = (
         compare_loads_with_reference(scene, answer, reference, starts.get(answer.model, shared), count)
         for answer in answers
     )
-    itself = compare_loads_with_reference(
-        scene, models_comparison.solution_from_run(reference.best, reference.label), None, shared, count
-    )
-    whole = NutOrBearingComparison(
-        each, itself, None, uncertainty_of_loads(scene, reference, inputs=set_of_assembly is None), shared
-    )
-    return replace(whole, expected=expected.get(whole.judged_model.label))
+    best = comparison.solution_from_run(reference.best, reference.label)
+    itself = compare_loads_with_reference(scene, best, None, shared, count)
+    uncertainty = uncertainty_of_loads(scene, reference, inputs=place is None)
+    compared = NutOrBearingComparison(tuple(errors), itself, None, uncertainty, shared)
+    return replace(compared, expected=expected.get(compared.judged_model.label))
 
 
 def solve_with_and_without_loads(
     model: Model, scene: Scene, reference: Reference, stores: Sequence[Path]
-) -> models_comparison.NutOrBearingSolution:
+) -> comparison.NutOrBearingSolution:
     """Solve a scene with a single nut or bearing by a low-order model, with and without its external loads.
 
     ``reference``: 3D reference from which the model "condensed" takes the stiffness matrices of screw and nut. ``stores``:
     folders with runs of the 3D reference. The time of the solution with loads is measured.
     """
-    result, seconds = models_comparison.solve_and_time(model, scene, reference, stores)
-    bare = solve_with_scaled_loads(
-        scene, 0.0, model.name, models_comparison.comparison_options(model, scene, reference, stores, "interpreted")
-    )
-    return models_comparison.NutOrBearingSolution(result, bare, seconds, scene)
+    result, seconds = comparison.solve_and_time(model, scene, reference, stores)
+    options = comparison.comparison_options(model, scene, reference, stores, "interpreted")
+    bare = solve_with_scaled_loads(scene, 0.0, model.name, options)
+    return comparison.NutOrBearingSolution(result, bare, seconds, scene)
 
 
 def measured_errors_on_other_scenes(reference: Reference) -> list[model_form.MeasuredModelErrors]:
@@ -227,55 +217,38 @@ def measured_errors_on_other_scenes(reference: Reference) -> list[model_form.Mea
     return [point for point in model_form.model_errors_on_compared_scenes() if point.scene not in own]
 
 
-def loads_and_rigidities_json(compared_loads: LoadsWithErrors) -> dict[str, Any]:
+def loads_and_rigidities_json(one: LoadsWithErrors) -> dict[str, Any]:
     """Return contact loads, rigidity, pressure and life of a model or of the 3D reference as JSON.
 
-    ``compared_loads``: the contact loads, from which the other values follow. Forces are in N, displacements in um,
+    ``one``: the contact loads, from which the other values follow. Forces are in N, displacements in um,
     rigidities in N/um.
     """
-    stiff = (
-        compared_loads.axial_force / compared_loads.axial_displacement
-        if compared_loads.axial_displacement * compared_loads.axial_force > 0.0
-        else None
-    )
-    axial = record_as_json(
-        AxialResults(compared_loads.axial_force, compared_loads.axial_displacement, stiff),
-        "tangent_N_per_um",
-        "tangent_words",
-        "stepped_N_per_um",
-        "lost_motion_um_per_100N",
-    )
-    return {
-        "loads": ball_loads_json(compared_loads.contact_loads.load, compared_loads.nominal_contacts),
-        "axial": axial,
-        **contact_ratings_json(compared_loads.derived_results),
-    }
+    force, moved = one.axial_force, one.axial_displacement
+    axial = AxialResults(force, moved, force / moved if moved * force > 0.0 else None)
+    unknown = ("tangent_N_per_um", "tangent_words", "stepped_N_per_um", "lost_motion_um_per_100N")
+    loads = ball_loads_json(one.contact_loads.load, one.nominal_contacts)
+    return {"loads": loads, "axial": record_as_json(axial, *unknown), **contact_ratings_json(one.derived_results)}
 
 
-def comparison_json(comparison: NutOrBearingComparison, reference: Reference) -> dict[str, Any]:
+def comparison_json(compared: NutOrBearingComparison, reference: Reference) -> dict[str, Any]:
     """Return the comparison of models with a reference as JSON: verdict, errors, uncertainty and all results.
 
-    ``comparison``: the comparison of models with ``reference``.
+    ``compared``: the comparison of models with ``reference``.
     """
-    error, expected = comparison.judged_model.error, comparison.expected
+    error, expected = compared.judged_model.error, compared.expected
     return {
         "scene": reference.scene,
-        "verdict": comparison_verdict_sentence(comparison, reference),
+        "verdict": comparison_verdict_sentence(compared, reference),
         "levels": list(reference.levels),
         "uncertainty_percent": largest_uncertainty_percent(reference),
         "reference_status": reference.unsettled or "converged",
-        "uncertainty": record_as_json(comparison.uncertainty),
-        "model": comparison.judged_model.label,
+        "uncertainty": record_as_json(compared.uncertainty),
+        "model": compared.judged_model.label,
         "expected_error_percent": None if expected is None else expected.percent,
         **expected_errors_json(expected, "expected_{}_error_percent"),
         "measured_error_percent": None if error is None else error.max_percent,
-        "answers": {b.label: loads_and_rigidities_json(b) for b in (comparison.reference_loads, *comparison.models)},
+        "answers": {b.label: loads_and_rigidities_json(b) for b in (compared.reference_loads, *compared.models)},
     }
-
-
-def are_loads_of_finest_run(answer: models_comparison.ContactSolution, reference: Reference) -> bool:
-    """Return whether ``answer`` has the loads of the reference's finest 3D run, against which all errors are computed."""
-    return answer.model == f"3D level {reference.best.level}"
 
 
 def reference_uncertainty_text(reference: Reference, total: LoadUncertainty) -> str:
@@ -291,43 +264,35 @@ def reference_uncertainty_text(reference: Reference, total: LoadUncertainty) -> 
     return f"uncertain by {total.percent:.2f} % ({of})"
 
 
-def comparison_verdict_sentence(comparison: NutOrBearingComparison, reference: Reference) -> str:
+def comparison_verdict_sentence(compared: NutOrBearingComparison, reference: Reference) -> str:
     """Return one sentence on a comparison: measured and expected error of one model, and uncertainty of the reference.
 
     The model is the default model or, if that was not compared, the first one.
 
-    ``comparison``: the comparison of models with ``reference``.
+    ``compared``: the comparison of models with ``reference``.
     """
-    b, worth, e = comparison.judged_model, comparison.expected, comparison.judged_model.error
-    off = expected = ""
+    model, expected, e = compared.judged_model, compared.expected, compared.judged_model.error
+    phrases = []
     if e is not None:
         where = f" (ball {e.ball} {e.side})" if e.ball else ""
-        off = (
-            f"error of {b.title}: {e.max_percent:.2f} % of the mean load on the worst contact{where}, "
-            f"{e.rms_percent:.2f} % RMS, {b.gate_error_percent:.2f} % as judged by rollbench check"
+        phrases.append(
+            f"error of {model.title}: {e.max_percent:.2f} % of the mean load on the worst contact{where}, "
+            f"{e.rms_percent:.2f} % RMS, {model.gate_error_percent:.2f} % as judged by rollbench check"
         )
-    if worth is not None:
-        expected = "not covered by earlier comparisons" if worth.percent is None else f"{worth.percent:.2f} %"
-    return "; ".join(
-        filter(
-            None,
-            [
-                off,
-                expected and f"expected error: {expected}",
-                reference_uncertainty_text(reference, comparison.uncertainty),
-            ],
-        )
-    )
+    if expected is not None:
+        percent = "not covered by earlier comparisons" if expected.percent is None else f"{expected.percent:.2f} %"
+        phrases.append(f"expected error: {percent}")
+    return "; ".join(filter(None, [*phrases, reference_uncertainty_text(reference, compared.uncertainty)]))
 
 
-def model_and_reference_rows(comparison: NutOrBearingComparison) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
+def model_and_reference_rows(compared: NutOrBearingComparison) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     """Return headings and rows of the table that compares one model with the reference.
 
     The model is the default model or, if that was not compared, the first one.
 
     Parameters
     ----------
-    comparison
+    compared
         Comparison of all models with the reference of one nut or bearing.
 
     Returns
@@ -335,18 +300,7 @@ def model_and_reference_rows(comparison: NutOrBearingComparison) -> tuple[tuple[
     tuple[tuple[str, ...], list[tuple[str, ...]]]
         Headings, and the texts of each row, one for each heading.
     """
-    headings = (
-        "quantity",
-        comparison.judged_model.title,
-        comparison.reference_loads.label,
-        "unit",
-        "difference",
-        "expected",
-    )
-    return headings, [
-        *rows_with_reference(
-            loads_and_rigidities_json(comparison.judged_model),
-            loads_and_rigidities_json(comparison.reference_loads),
-            comparison.expected,
-        )
-    ]
+    model, reference = compared.judged_model, compared.reference_loads
+    headings = ("quantity", model.title, reference.label, "unit", "difference", "expected")
+    answers, answers_of_reference = loads_and_rigidities_json(model), loads_and_rigidities_json(reference)
+    return headings, [*rows_with_reference(answers, answers_of_reference, compared.expected)]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -16,12 +16,14 @@ from rollbench.compare.models.comparison import SceneWithReference, models_shown
 from rollbench.compare.models.load_cases import rating_life_over_duty_cycle
 from rollbench.compare.models.registry import Model
 from rollbench.compare.quantities import json_number, record_as_json
+from rollbench.compare.reference.estimate import Reference
 from rollbench.compare.reference.jobs import ComputingSettings, ensure_runs_are_stored, plan_reference_tasks
 from rollbench.compare.reference.levels import ADVISED, SOURCE_LEVEL
 from rollbench.compare.reference.store import Run, shipped_store
 from rollbench.compare.reference.tasks import ReferenceTask, Solvable
 from rollbench.compare.results import compared as results_compared
 from rollbench.compare.results.base import JSON, Record, add_schema_version
+from rollbench.compare.results.compared import LoadsWithErrors, NutOrBearingComparison
 from rollbench.compare.results.solved import ExpectedError, expected_error_record
 from rollbench.compare.scenes.duty_cycle import Described, DutyCycle, LoadCaseOfDutyCycle, load_cases_by_scene_name
 from rollbench.compare.scenes.scene_file import scenes_to_solve
@@ -30,9 +32,9 @@ from rollbench.meshes.parts import Scene
 from rollbench.meshes.quantity import quantity_field, result_record
 
 #: Comparisons, by the name of the load case and the name of the nut or bearing.
-ByCase = Mapping[tuple[str, str], results_compared.NutOrBearingComparison]
-#: Pairs of a reference and the comparison with it, one for each nut or bearing.
-Pairs = Sequence[tuple[SceneWithReference, results_compared.NutOrBearingComparison]]
+ByCase = Mapping[tuple[str, str], NutOrBearingComparison]
+#: Reference of a nut or bearing, and the comparison of models with it.
+Pair: TypeAlias = tuple[SceneWithReference, NutOrBearingComparison]
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -153,7 +155,7 @@ class Comparison(Record):
     """Comparison of each nut or bearing on a shaft with several, by name; empty for a single nut or bearing."""
     cases: Mapping[str, Comparison] = field(default_factory=dict)
     """Comparison of each load case, by name; empty without load cases."""
-    compared: tuple[tuple[SceneWithReference, results_compared.NutOrBearingComparison], ...] = ()
+    compared: tuple[Pair, ...] = ()
     """Records of the computation with further details: reference and comparison of each load case and nut or bearing."""
     described: Described | None = None
     """The compared scene; None for a load case, or for one of several nuts or bearings."""
@@ -183,14 +185,11 @@ class Comparison(Record):
         results = [_comparison_json(whole, one) | scene_and_set_keys(one) for one, whole in self.compared]
         if isinstance(self.described, DutyCycle):
             cases = load_cases_by_scene_name([self.described])
-            rows = [
-                row | cases[one.described_scene_name].identifying_values
-                for row, (one, _) in zip(results, self.compared, strict=True)
-            ]
-            whole = cycle_summaries_json(
-                self.described, {(one.described_scene_name, one.set_name): each for one, each in self.compared}
-            )
-            summary = whole[0] if len(whole) == 1 else {row["set"]: row for row in whole}
+            names = [one.described_scene_name for one, _ in self.compared]
+            rows = [row | cases[name].identifying_values for row, name in zip(results, names, strict=True)]
+            each = {(one.described_scene_name, one.set_name): whole for one, whole in self.compared}
+            summaries = cycle_summaries_json(self.described, each)
+            summary = summaries[0] if len(summaries) == 1 else {row["set"]: row for row in summaries}
             return {"scene": self.scene, "summary": summary, "cases": rows}
         return {"scene": self.scene, "sets": results} if self.sets else results[0]
 
@@ -226,7 +225,7 @@ class Comparison(Record):
         return "\n".join([f"{self.scene}: {self.verdict}", *map(repr, self.models.values())])
 
 
-def make_comparison(described: Described, pairs: Pairs, warnings: Sequence[str]) -> Comparison:
+def make_comparison(described: Described, pairs: Sequence[Pair], warnings: Sequence[str]) -> Comparison:
     """Combine the comparisons of a scene's load cases, nuts and bearings into one record.
 
     Parameters
@@ -244,123 +243,103 @@ def make_comparison(described: Described, pairs: Pairs, warnings: Sequence[str])
         The combined record.
     """
     if not isinstance(described, DutyCycle):
-        return _combine_comparisons_of_scene(described.name, described, pairs, warnings)
-    by_case = {
-        case.name: [(one, whole) for one, whole in pairs if one.described_scene_name == case.scene.name]
-        for case in described.cases
-    }
-    return Comparison(
-        scene=described.name,
-        verdict="\n".join(results_compared.comparison_verdict_sentence(whole, one.reference) for one, whole in pairs),
-        warnings=tuple(warnings),
-        cases={name: _combine_comparisons_of_scene(name, None, its, ()) for name, its in by_case.items()},
-        compared=tuple(pairs),
-        described=described,
-    )
+        return _comparison_of_scene(described.name, pairs, described, warnings)
+    by_case = {case.name: [x for x in pairs if x[0].described_scene_name == case.scene.name] for case in described.cases}
+    cases = {name: _comparison_of_scene(name, its) for name, its in by_case.items()}
+    return _comparison_record(described.name, pairs, described, warnings, cases=cases)
 
 
-def _combine_comparisons_of_scene(
-    name: str, described: Described | None, pairs: Pairs, warnings: Sequence[str]
+def _comparison_of_scene(
+    name: str, pairs: Sequence[Pair], described: Described | None = None, warnings: Sequence[str] = ()
 ) -> Comparison:
     """Combine the comparisons of all nuts and bearings of a scene with one load case into one record.
 
-    ``name``: name of the scene or load case. ``described``: the scene; None for one of several load cases. ``pairs``:
-    reference and comparison of each nut or bearing.
+    ``name``: name of the scene or load case. ``pairs``: reference and comparison of each nut or bearing. ``described``: the
+    scene; None for one of several load cases.
     """
-    first, whole = pairs[0]
-    if first.place_on_shaft is None:
-        return _comparison_of_one_nut_or_bearing(name, first, whole, described, warnings)
-    return Comparison(
-        scene=name,
-        verdict="\n".join(results_compared.comparison_verdict_sentence(whole, one.reference) for one, whole in pairs),
-        warnings=tuple(warnings),
-        sets={
-            one.set_name: _comparison_of_one_nut_or_bearing(one.reference.scene, one, whole, None, ())
-            for one, whole in pairs
-        },
-        compared=tuple(pairs),
-        described=described,
-    )
+    if pairs[0][0].place_on_shaft is None:
+        return _comparison_of_one_nut_or_bearing(name, pairs[0], described, warnings)
+    sets = {x[0].set_name: _comparison_of_one_nut_or_bearing(x[0].reference.scene, x) for x in pairs}
+    return _comparison_record(name, pairs, described, warnings, sets=sets)
 
 
 def _comparison_of_one_nut_or_bearing(
-    name: str,
-    referenced: SceneWithReference,
-    comparison: results_compared.NutOrBearingComparison,
-    described: Described | None,
-    warnings: Sequence[str],
+    name: str, pair: Pair, described: Described | None = None, warnings: Sequence[str] = ()
 ) -> Comparison:
     """Convert the comparison of one nut or bearing with its reference to a `Comparison`.
 
-    ``name``: name of the result. ``comparison``: the comparison with the reference ``referenced``. ``described``: the
-    scene; None for a load case, or for one of several nuts or bearings.
+    ``name``: name of the result. ``pair``: the reference and the comparison with it. ``described``: the scene; None for a
+    load case, or for one of several nuts or bearings.
     """
+    referenced, comparison = pair
     found, t = referenced.reference, comparison.uncertainty
-    return Comparison(
-        scene=name,
-        verdict=results_compared.comparison_verdict_sentence(comparison, found),
-        warnings=tuple(warnings),
+    choices = None if t.choices is None else t.choices.percent
+    return _comparison_record(
+        name,
+        [pair],
+        described,
+        warnings,
         reference=Loads(**_loads_record_fields(comparison.reference_loads)),
         levels=found.levels,
         unsettled=found.unsettled,
         uncertainties=found.uncertainty,
-        uncertainty=Uncertainty(
-            t.percent,
-            t.discretisation,
-            None if t.choices is None else t.choices.percent,
-            t.inputs,
-            t.second_order,
-            t.uncertainty_text,
-        ),
-        models={b.label: _model_loads_record(b, referenced) for b in comparison.models},
+        uncertainty=Uncertainty(t.percent, t.discretisation, choices, t.inputs, t.second_order, t.uncertainty_text),
+        models={b.label: _model_loads_record(b, found) for b in comparison.models},
         expected_error=expected_error_record(comparison.expected),
-        compared=((referenced, comparison),),
-        described=described,
     )
 
 
-def _loads_record_fields(compared_loads: results_compared.LoadsWithErrors) -> dict[str, Any]:
+def _comparison_record(
+    name: str, pairs: Sequence[Pair], described: Described | None, warnings: Sequence[str], **further_fields: Any
+) -> Comparison:
+    """Return a `Comparison` with the verdict on all pairs of a reference and a comparison, and with ``further_fields``.
+
+    ``name``: name of the result. ``described``: the scene; None for a load case, or for one of several nuts or bearings.
+    """
+    verdict = "\n".join(results_compared.comparison_verdict_sentence(whole, one.reference) for one, whole in pairs)
+    further_fields |= {"warnings": tuple(warnings), "compared": tuple(pairs), "described": described}
+    return Comparison(scene=name, verdict=verdict, **further_fields)
+
+
+def _loads_record_fields(one: LoadsWithErrors) -> dict[str, Any]:
     """Return the fields of a `Loads` record, by name, for a model or the 3D reference.
 
-    ``compared_loads``: contact loads of the model or reference; their contact angles are converted to radians.
+    ``one``: contact loads of the model or reference; their contact angles are converted to radians.
     """
-    life = compared_loads.derived_results.life
+    contacts, life = one.contact_loads, one.derived_results.life
     return {
-        "name": compared_loads.label,
-        "loads": compared_loads.contact_loads.load,
-        "angles": np.where(compared_loads.contact_loads.load > 0.0, np.radians(compared_loads.contact_loads.angle), np.nan),
-        "pressure": compared_loads.pressure,
-        "displacement": compared_loads.axial_displacement,
+        "name": one.label,
+        "loads": contacts.load,
+        "angles": np.where(contacts.load > 0.0, np.radians(contacts.angle), np.nan),
+        "pressure": one.pressure,
+        "displacement": one.axial_displacement,
         "L10": None if life is None else 1e6 * life.revolutions,
-        "seconds": compared_loads.contact_loads.seconds or None,
-        "measured": compared_loads.contact_loads.measured,
+        "seconds": contacts.seconds or None,
+        "measured": contacts.measured,
     }
 
 
-def _model_loads_record(compared_loads: results_compared.LoadsWithErrors, referenced: SceneWithReference) -> ModelLoads:
-    """Return the contact loads of the model ``compared_loads`` with their errors against the reference ``referenced``."""
-    assert compared_loads.error is not None, "a model has errors"
-    errors = np.asarray(
-        error_percent(compared_loads.contact_loads.load, referenced.reference.load, referenced.reference.mean)
-    )
-    e = compared_loads.error
+def _model_loads_record(one: LoadsWithErrors, reference: Reference) -> ModelLoads:
+    """Return the contact loads of the model ``one`` with their errors against the reference."""
+    assert one.error is not None, "a model has errors"
+    e = one.error
     return ModelLoads(
-        **_loads_record_fields(compared_loads),
-        errors=errors,
+        **_loads_record_fields(one),
+        errors=np.asarray(error_percent(one.contact_loads.load, reference.load, reference.mean)),
         largest_error=e.max_percent,
         rms_error=e.rms_percent,
-        gate_error=compared_loads.gate_error_percent,
+        gate_error=one.gate_error_percent,
         ball=e.ball,
         side=e.side,
     )
 
 
-def _comparison_json(comparison: results_compared.NutOrBearingComparison, referenced: SceneWithReference) -> dict[str, Any]:
+def _comparison_json(comparison: NutOrBearingComparison, referenced: SceneWithReference) -> dict[str, Any]:
     """Return the comparison of a single nut or bearing with its reference as a dictionary of JSON values.
 
     ``comparison``: the comparison of the models with ``referenced``, the reference of the nut or bearing.
     """
-    found = referenced.reference
+    found, loads_json = referenced.reference, results_compared.loads_and_rigidities_json
     return {
         "scene": found.scene,
         "levels": list(found.levels),
@@ -375,9 +354,7 @@ def _comparison_json(comparison: results_compared.NutOrBearingComparison, refere
             }
             for b in comparison.models
         },
-        "answers": {
-            b.label: results_compared.loads_and_rigidities_json(b) for b in (comparison.reference_loads, *comparison.models)
-        },
+        "answers": {b.label: loads_json(b) for b in (comparison.reference_loads, *comparison.models)},
     }
 
 
@@ -402,8 +379,10 @@ class ComparisonInput:
     from_user_file: bool
     """Whether the references come from a file of the user, not from the 3D reference."""
 
-    def compare_each(self) -> Iterator[tuple[SceneWithReference, results_compared.NutOrBearingComparison]]:
+    def compare_each(self) -> Iterator[Pair]:
         """Yield the comparison of the models with each reference, one nut or bearing after the other.
+
+        Stored runs of the 3D reference are compared with a user's reference, too.
 
         Yields
         ------
@@ -415,9 +394,14 @@ class ComparisonInput:
         SceneNotCoveredError
             If a scene has no reference.
         """
-        return compare_each_nut_or_bearing(
-            self.scenes, self.references, self.models, self.stores, self.failed_runs, from_user_file=self.from_user_file
-        )
+        for scene, sets in zip(self.scenes, self.references, strict=True):
+            if not sets:
+                raise error_for_unconverged_reference(scene.name, self.failed_runs)
+            models = self.models or models_shown_for_scene(scene)
+            for one in sets:
+                ours = stored_reference_of_nut_or_bearing(one, self.stores) if self.from_user_file else None
+                given = (one.scene, models, one.reference, self.stores, one.place_on_shaft, ours)
+                yield one, results_compared.compare_models_with_reference(*given)
 
 
 def prepare_comparison(
@@ -483,31 +467,21 @@ def prepare_comparison(
         def report_errors_on_coarsest_level(task: ReferenceTask) -> None:
             """Report a model's load errors against the coarsest mesh of the 3D reference, once ``task`` has computed it."""
             for scene in task.scenes if task.level == min(set(wanted) - {SOURCE_LEVEL}) else ():
+                first = (models or models_shown_for_scene(scene))[:1]
                 for one in stored_references(scene, (store,), (task.level,)):
-                    whole = results_compared.compare_models_with_reference(
-                        one.scene, (models or models_shown_for_scene(scene))[:1], one.reference, stores, one.place_on_shaft
-                    )
-                    step(
-                        f"{one.reference.scene}, against mesh level {task.level} only: "
-                        f"{results_compared.comparison_verdict_sentence(whole, one.reference)}"
-                    )
+                    given = (one.scene, first, one.reference, stores, one.place_on_shaft)
+                    whole = results_compared.compare_models_with_reference(*given)
+                    verdict = results_compared.comparison_verdict_sentence(whole, one.reference)
+                    step(f"{one.reference.scene}, against mesh level {task.level} only: {verdict}")
 
-        tasks = plan_reference_tasks(
-            without, [k for k in wanted if k != SOURCE_LEVEL], with_source_mesh=SOURCE_LEVEL in wanted
-        )
+        levels_to_compute, with_source_mesh = [k for k in wanted if k != SOURCE_LEVEL], SOURCE_LEVEL in wanted
+        tasks = plan_reference_tasks(without, levels_to_compute, with_source_mesh=with_source_mesh)
+        report = report_errors_on_coarsest_level
         failed = ensure_runs_are_stored(
-            tasks, store, engine, step, stores, compute_again=fresh, after_each_stored_task=report_errors_on_coarsest_level
+            tasks, store, engine, step, stores, compute_again=fresh, after_each_stored_task=report
         )
-    return ComparisonInput(
-        described,
-        scenes,
-        [stored_references(scene, stores) for scene in scenes],
-        models,
-        stores,
-        failed,
-        warnings,
-        from_user_file=False,
-    )
+    references = [stored_references(scene, stores) for scene in scenes]
+    return ComparisonInput(described, scenes, references, models, stores, failed, warnings, from_user_file=False)
 
 
 def error_for_unconverged_reference(name: str, failed: Sequence[Run]) -> SceneNotCoveredError:
@@ -529,55 +503,6 @@ def error_for_unconverged_reference(name: str, failed: Sequence[Run]) -> SceneNo
     reason = f"no run of the 3D reference converged ({'; '.join(why)})" if why else "no converged run of the 3D reference"
     advice = "correct the scene as the status of the runs suggests, or solve it with a low-order model"
     return SceneNotCoveredError(name, "3D reference", reason, advice)
-
-
-def compare_each_nut_or_bearing(
-    scenes: Sequence[Solvable],
-    references: Sequence[Sequence[SceneWithReference]],
-    models: Sequence[Model],
-    stores: Sequence[Path],
-    failed: Sequence[Run],
-    *,
-    from_user_file: bool,
-) -> Iterator[tuple[SceneWithReference, results_compared.NutOrBearingComparison]]:
-    """Yield the comparison of models with each reference, one nut or bearing after the other.
-
-    Parameters
-    ----------
-    scenes
-        Scenes with one load case each.
-    references
-        References of each scene, one for each nut or bearing.
-    models
-        Models to compare; if empty, all models that suit each scene.
-    stores
-        Folders with runs of the 3D reference.
-    failed
-        Runs of the 3D reference that did not converge.
-    from_user_file
-        Whether the references come from a file of the user. Stored runs of the 3D reference are then compared too.
-
-    Yields
-    ------
-    tuple
-        Reference of a nut or bearing, and the comparison with it.
-
-    Raises
-    ------
-    SceneNotCoveredError
-        If a scene has no reference.
-    """
-    for scene, sets in zip(scenes, references, strict=True):
-        if not sets:
-            raise error_for_unconverged_reference(scene.name, failed)
-        for one in sets:
-            ours = stored_reference_of_nut_or_bearing(one, stores) if from_user_file else None
-            yield (
-                one,
-                results_compared.compare_models_with_reference(
-                    one.scene, models or models_shown_for_scene(scene), one.reference, stores, one.place_on_shaft, ours
-                ),
-            )
 
 
 def read_user_references(
@@ -628,11 +553,9 @@ def scene_and_set_keys(referenced: SceneWithReference) -> dict[str, str]:
     dict
         Names of the scene and of the nut or bearing; empty if the scene has only one.
     """
-    return (
-        {}
-        if referenced.place_on_shaft is None
-        else {"scene": referenced.place_on_shaft.assembly.name, "set": referenced.place_on_shaft.name}
-    )
+    if referenced.place_on_shaft is None:
+        return {}
+    return {"scene": referenced.described_scene_name, "set": referenced.set_name}
 
 
 def distinct_duty_cycles(cases: Mapping[str, LoadCaseOfDutyCycle]) -> Iterable[DutyCycle]:
@@ -700,16 +623,14 @@ def _cycle_summary_of_set(cycle: DutyCycle, name: str, each: ByCase) -> dict[str
     ``each``: comparisons, by the name of the load case and the name of the nut or bearing.
     """
     by_case = [(case, each[case.scene.name, name]) for case in cycle.cases]
-    errors = [
-        (whole.judged_model.error.max_percent, case.name) for case, whole in by_case if whole.judged_model.error is not None
-    ]
-    error, worst = max(errors, default=(None, None))
+    first, judged = by_case[0][1], [(whole.judged_model.error, case.name) for case, whole in by_case]
+    error, worst = max(((e.max_percent, case) for e, case in judged if e is not None), default=(None, None))
     lives = {}
-    for label in ("3D reference", *(b.label for b in by_case[0][1].models)):
+    for label in ("3D reference", *(b.label for b in first.models)):
         of_case = [{b.label: b for b in (whole.reference_loads, *whole.models)}.get(label) for _, whole in by_case]
         rated, _ = rating_life_over_duty_cycle(cycle, name, [None if b is None else b.contact_loads.load for b in of_case])
         lives[label] = None if rated is None else json_number(rated.revolutions)
-    predicted, reference = lives[by_case[0][1].judged_model.label], lives["3D reference"]
+    predicted, reference = lives[first.judged_model.label], lives["3D reference"]
     off = None if predicted is None or reference is None else float(error_percent(predicted, reference))
-    summary = CycleSummary(by_case[0][1].judged_model.label, error, worst, lives, off)
-    return {"scene": cycle.name, **({"set": name} if name else {}), **(record_as_json(summary) or {})}
+    summary = CycleSummary(first.judged_model.label, error, worst, lives, off)
+    return {"scene": cycle.name, **({"set": name} if name else {}), **record_as_json(summary)}

@@ -9,22 +9,12 @@ from typing import NamedTuple
 
 from rollbench.compare.gate.verdict import Verdict
 from rollbench.compare.models.answers import ContactLoadResults, ShaftResults
-from rollbench.compare.models.load_cases import AxisDrive, DutyCycleResults, LivesOverDutyCycle, ShaftTorqueOfNutOrBearing
+from rollbench.compare.models.load_cases import AxisDrive, DutyCycleResults, LivesOverDutyCycle, ShaftTorque
 from rollbench.compare.models.loading import LiftOff, LoadPath, Preload, SupportShare
 from rollbench.compare.models.model_form import ExpectedModelErrors
 from rollbench.compare.models.uncertainty import LoadUncertainty
-from rollbench.compare.results import scene_json
+from rollbench.compare.results import data, scene_json
 from rollbench.compare.results.comparison import CycleSummary, ModelLoads, Uncertainty
-from rollbench.compare.results.data import (
-    Ensemble,
-    Friction,
-    FrictionBall,
-    FrictionBand,
-    FrictionCases,
-    FrictionOnset,
-    FrictionPlay,
-    Statistics,
-)
 from rollbench.compare.results.load_curve import CurvePoint, LoadCurve
 from rollbench.compare.results.side_by_side import Alternative, SideBySide
 from rollbench.compare.results.solved import ExpectedError
@@ -138,14 +128,14 @@ TABLES = (
         "Torques act about the screw's axis. Their error is mainly that of the coefficient of friction, which is an input; "
         "`band` shows its effect.",
         (
-            ("band.", FrictionBand),
-            ("onset.", FrictionOnset),
-            ("play.", FrictionPlay),
+            ("band.", data.FrictionBand),
+            ("onset.", data.FrictionOnset),
+            ("play.", data.FrictionPlay),
             ("bearing_torque.", BallBearingTorque),
             ("drive.", AxisDrive),
-            ("drive.sets[].", ShaftTorqueOfNutOrBearing),
-            ("", Friction),
-            ("", FrictionBall),
+            ("drive.sets[].", ShaftTorque),
+            ("", data.Friction),
+            ("", data.FrictionBall),
         ),
     ),
     DefinitionTable(
@@ -171,8 +161,8 @@ TABLES = (
             ("sets[].", SetResult),
             ("housings[].", HousingResult),
             ("summary.", ShaftResults),
-            ("statistics.*.", Statistics),
-            ("", Ensemble),
+            ("statistics.*.", data.Statistics),
+            ("", data.Ensemble),
         ),
     ),
     DefinitionTable(
@@ -184,7 +174,7 @@ TABLES = (
             ("summary.", DutyCycleResults),
             ("", LivesOverDutyCycle),
             ("standard_life.", EquivalentLoadLife),
-            ("summary.", FrictionCases),
+            ("summary.", data.FrictionCases),
             ("summary[].", CycleSummary),
         ),
     ),

@@ -80,20 +80,20 @@ def read_load_range(text: str) -> LoadRange:
     >>> read_load_range("0:1.5:2").factors
     True
     """
+
+    def refused(allowed: str, advice: str) -> ArgumentError:
+        """Return the error to raise for the text."""
+        return ArgumentError("curve", units.toml_text(text), allowed, advice)
+
     ends, further = text.split(":")[:2], [x.strip() for x in text.split(":")[2:]]
     pairs = [units.split_quantity_text(end) for end in ends]
     if len(pairs) < 2 or any(pair is None for pair in pairs):
-        raise ArgumentError(
-            "curve",
-            units.toml_text(text),
-            FORM,
-            'write `curve="-3000N:3000N"`, or 0:1.5 for multiples of the scene\'s loads',
-        )
+        raise refused(FORM, 'write `curve="-3000N:3000N"`, or 0:1.5 for multiples of the scene\'s loads')
     factors = not any(pair and pair[1] for pair in pairs)
     try:
         low, high = (float(end) if factors else units.parse_quantity(end, "force") for end in ends)
     except ValueError as error:
-        raise ArgumentError("curve", units.toml_text(text), FORM, str(error)) from None
+        raise refused(FORM, str(error)) from None
     points, direction, at = POINTS, AXES["z"], None
     for word in further:
         kind = (units.split_quantity_text(word) or ("", ""))[1]
@@ -105,15 +105,10 @@ def read_load_range(text: str) -> LoadRange:
         else:
             at = _axial_position(word) if kind else word
     if not (low < high and 2 <= points <= MOST):
-        allowed = f"LOW below HIGH, and 2 to {MOST} points (loads)"
-        raise ArgumentError("curve", units.toml_text(text), allowed, f"write {FORM}")
+        raise refused(f"LOW below HIGH, and 2 to {MOST} points (loads)", f"write {FORM}")
     if factors and (direction != AXES["z"] or at is not None):
-        allowed = (
-            "a direction or position only with forces, because multiples of the scene's loads keep their directions and "
-            "positions"
-        )
-        advice = "leave out direction and position, or write forces with a unit"
-        raise ArgumentError("curve", units.toml_text(text), allowed, advice)
+        allowed = "a direction or position only with forces: multiples of the scene's loads keep their own"
+        raise refused(allowed, "leave out direction and position, or write forces with a unit")
     return LoadRange(tuple(np.linspace(low, high, points).tolist()), factors, direction, at)
 
 
@@ -229,7 +224,7 @@ class LoadCurve(Record):
         dict
             JSON values by key.
         """
-        return add_schema_version(record_as_json(self) or {})
+        return add_schema_version(record_as_json(self))
 
 
 @dataclass(frozen=True)
@@ -292,12 +287,8 @@ def compute_load_curve(
         if not result.converged:
             return _SolutionAtLoad(here, result)
         loads = [result.load] if isinstance(result, StaticResult) else [s.loads for s in result.sets]
-        return _SolutionAtLoad(
-            here,
-            result,
-            float(np.dot(_displacement_at_load_point(here, result, at)[:3], direction)),
-            max(map(_largest_load, loads)),
-        )
+        moved = float(np.dot(_displacement_at_load_point(here, result, at)[:3], direction))
+        return _SolutionAtLoad(here, result, moved, max(float(np.max(x, initial=0.0)) for x in loads))
 
     bare = solution_at_load(0.0)
     pressed = bare.largest_load > 0.0
@@ -317,12 +308,10 @@ def compute_load_curve(
     points = []
     for value in course.values:
         s, free = solution_at_load(value), value == 0.0 and bool(lash)
-        status = (
-            "displacement not unique: anywhere within the backlash" if free else s.result.status
-        )  # the displacement is not unique
+        status = "displacement not unique: anywhere within the backlash" if free else s.result.status
         friction = None
         if isinstance(s.scene, Scene) and isinstance(s.result, StaticResult) and s.largest_load > 0.0:
-            friction, _ = friction_without_compiling(s.scene, s.result, options)
+            friction, _ = friction_without_compiling(s.scene, s.result, options.member)
         points.append(
             CurvePoint(
                 load=value * unit,
@@ -363,8 +352,12 @@ def _load_function_and_direction(
     is 1 N or, if the loads are load factors, the magnitude of the force that the scene has on this housing or else of its
     first force. ``course``: range of loads. Raises ArgumentError if the range does not fit the scene.
     """
-    several = isinstance(scene, Assembly)
-    at: float | str = _default_load_position(scene) if isinstance(scene, Assembly) else scene.nut.position
+    if isinstance(scene, Assembly):
+        from rollbench.lowfi.statics.axis.system import location_of_reported_stiffness  # imports the solver of several nuts
+
+        at = location_of_reported_stiffness(scene)
+    else:
+        at = scene.nut.position
     if course.factors:
         if isinstance(scene, Scene) and scene.loads:
             at = scene.loads[0].at
@@ -381,7 +374,7 @@ def _load_function_and_direction(
     housings = [h.name for h in scene.housings] if isinstance(scene, Assembly) else []
     if (at not in housings) if isinstance(at, str) else not 0.0 <= at <= scene.screw.length:
         allowed = ", ".join([f"0 mm to {1e3 * scene.screw.length:g} mm", *housings])
-        advice = f"state an axial position on the {'shaft, or a housing' if several else 'screw'}"
+        advice = f"state an axial position on the {'shaft, or a housing' if isinstance(scene, Assembly) else 'screw'}"
         raise ArgumentError("curve", at if isinstance(at, str) else f"{1e3 * at:g} mm", allowed, advice, scene.name)
 
     def scene_under_force(value: float) -> Scene | Assembly:
@@ -397,29 +390,11 @@ def _load_function_and_direction(
     return scene_under_force, course.direction, at, 1.0
 
 
-def _default_load_position(assembly: Assembly) -> float | str:
-    """Return the axial position [m] or the housing on which the loads of a load curve act if the user states none.
-
-    It is the position for which the scene asks the stiffness, or on which the scene's first load acts. ``assembly``: shaft
-    with several nuts or bearings.
-    """
-    from rollbench.lowfi.statics.axis.system import (
-        location_of_reported_stiffness,  # imports the solver of several nuts and bearings
-    )
-
-    return location_of_reported_stiffness(assembly)
-
-
 def _displacement_at_load_point(scene: Scene | Assembly, result: StaticResult | AxisResult, at: float | str) -> Any:
     """Return the displacement (6,) [m, rad] of the axial position or housing ``at``, on which the force acts."""
     if isinstance(scene, Assembly) and isinstance(result, AxisResult):
         return displacement_at_scene_position(scene, result)
     return np.array([np.interp(float(at), result.centreline_z, u) for u in result.centreline.T])
-
-
-def _largest_load(loads: Any) -> float:
-    """Return the largest of the contact loads in an array [N]; zero if the array is empty."""
-    return float(np.max(loads, initial=0.0))
 
 
 def _backlash_limits(

@@ -97,10 +97,8 @@ def solution_rows(solved: SceneSolution | ShaftSolution, *, details: bool = Fals
         return []
     supports = _support_load_rows(solved.derived_results.load_path)
     if isinstance(solved, SceneSolution):
-        return [
-            *rows_from_summary_json(scene_json.single_set_results_json(solved), solved.expected_errors, details=details),
-            *supports,
-        ]
+        summary = scene_json.single_set_results_json(solved)
+        return [*rows_from_summary_json(summary, solved.expected_errors, details=details), *supports]
     data = scene_json.axis_summary_json(solved)
     whole = {key: data.pop(key) for key in OF_ALL if key in data}
     names = [solved.derived_results.set_results[i].name for i in solved.derived_results.set_indices_by_pressure[:1]]
@@ -169,14 +167,8 @@ def rows_with_reference(
             if x.heading and isinstance(value, float) and isinstance(other, float):
                 name, unit = _quantity_name_and_unit(x)
                 off = f"{float(error_percent(value, other)):+z.2f} %" if other else ""
-                yield (
-                    name,
-                    format_by_error(value),
-                    format_by_error(other),
-                    unit,
-                    off,
-                    _expected_error_of_value(value, x.expected, expected_errors, mean)[1],
-                )
+                expected = _expected_error_of_value(value, x.expected, expected_errors, mean)[1]
+                yield name, format_by_error(value), format_by_error(other), unit, off, expected
 
 
 def _summary_groups(
@@ -220,14 +212,14 @@ def _quantity_row(
     table: Mapping[str, Any],
     key: str,
     definition: QuantityDescription,
-    expected_errors: ExpectedModelErrors | None,
-    mean_load: float | None,
+    errors: ExpectedModelErrors | None,
+    mean: float | None,
 ) -> Row | None:
     """Return the row of one quantity in the table of results; None if the table cannot show its value.
 
     Shown are numbers, texts, truth values and ranges of two numbers. ``table``: JSON values of the quantity's group.
-    ``key``: key of its value. ``definition``: its definition. ``expected_errors``: errors to expect; None if they are not
-    known. ``mean_load``: mean contact load [N].
+    ``key``: key of its value. ``definition``: its definition. ``errors``: errors to expect; None if they are not known.
+    ``mean``: mean contact load [N].
     """
     value = _json_value_at(table, key)
     if value in (None, ..., ""):
@@ -242,7 +234,7 @@ def _quantity_row(
         return Row(name, format_range(value, digits), unit, "", _fill_note_template(table, definition.note))
     if not isinstance(value, int | float):
         return None
-    error, words = _expected_error_of_value(value, definition.expected, expected_errors, mean_load)
+    error, words = _expected_error_of_value(value, definition.expected, errors, mean)
     return Row(name, format_by_error(value, error, digits), unit, words, _fill_note_template(table, definition.note))
 
 
@@ -335,15 +327,12 @@ def bearing_and_nut_rows(solved: ShaftSolution) -> list[dict[str, Any]]:
     for k, (s, answers) in enumerate(zip(solved.result.sets, solved.derived_results.set_results, strict=True), 1):
         data = scene_json.nut_or_bearing_summary_json(s, answers, solved.scene.motion)
         row: dict[str, Any] = {"set": f"{k} {s.of.name}", "z mm": f"{1e3 * s.of.position:.1f}"}
-        row |= {
-            "axial force N": format_by_error(float(s.force[2])),
-            "axial rigidity N/um": format_by_error(1e-6 * float(s.stiffness[2, 2])),
-        }
+        row["axial force N"] = format_by_error(float(s.force[2]))
+        row["axial rigidity N/um"] = format_by_error(1e-6 * float(s.stiffness[2, 2]))
         for group, key, heading in OF_SETS:
             value = (data.get(group) or {}).get(key)
-            row[heading] = (
-                format_range(value) if isinstance(value, list) else None if value is None else format_by_error(value)
-            )
+            shown = format_range if isinstance(value, list) else format_by_error
+            row[heading] = None if value is None else shown(value)
         found.append(row)
     return [{key: row[key] or "–" for key in row if any(x[key] for x in found)} for row in found]
 
@@ -403,15 +392,10 @@ def expected_error_sentence(expected_errors: ExpectedModelErrors | None) -> str:
     if expected_errors is None:
         unknown = "not known for several nuts or bearings on one shaft"
         return f"error to expect: {unknown}; measure it by: rollbench compare SCENE"
+    nearest, words = expected_errors.nearest, "; ".join(expected_errors.words)
     if expected_errors.percent is None:
-        away = f" (most similar scene: {expected_errors.nearest})" if expected_errors.nearest else ""
-        return (
-            f"error to expect: not covered by the comparisons with the 3D reference{away}; "
-            f"{'; '.join(expected_errors.words)}"
-        )
+        away = f" (most similar scene: {nearest})" if nearest else ""
+        return f"error to expect: not covered by the comparisons with the 3D reference{away}; {words}"
     of = f"{expected_errors.compared} similar scene{'s' * (expected_errors.compared != 1)}"
-    words = (
-        f"in nine of ten of {of} the error was smaller, most similar: {expected_errors.nearest}; "
-        f"{'; '.join(expected_errors.words)}"
-    )
-    return f"error to expect: {words}; measure it by: rollbench compare SCENE"
+    smaller = f"in nine of ten of {of} the error was smaller, most similar: {nearest}"
+    return f"error to expect: {smaller}; {words}; measure it by: rollbench compare SCENE"

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rollbench.compare.measure import count_contacts, error_percent, mean_load
-from rollbench.compare.models.answers import ContactLoadResults, RollerLoadResults, clearance_of_deep_groove
+from rollbench.compare.models.answers import LoadResults, RollerLoadResults, clearance_of_deep_groove
 from rollbench.compare.models.load_cases import DutyCycleResults, LivesOverDutyCycle, SceneSolution, ShaftSolution
 from rollbench.compare.models.model_form import ExpectedModelErrors
 from rollbench.compare.models.registry import has_random_errors
@@ -222,11 +222,8 @@ class AxialResults:
     )
     def lost_motion(self) -> float | None:
         """Lost motion: axial displacement [um] when a friction force of 100 N reverses; None without tangent stiffness."""
-        return (
-            None
-            if self.tangent_rigidity is None or self.tangent_rigidity <= 0.0
-            else 1e6 * (2.0 * LOST_BY / self.tangent_rigidity)
-        )
+        K = self.tangent_rigidity
+        return None if K is None or K <= 0.0 else 1e6 * (2.0 * LOST_BY / K)
 
 
 @result_record
@@ -272,10 +269,8 @@ def flank_loads_json(load: Array) -> dict[str, Any]:
     for side, values in zip(SIDES, load.T, strict=True):
         loaded = values[values > 0.0]
         if loaded.size:
-            most, least = loaded.max(), loaded.min()
-            out[side] = record_as_json(
-                FlankLoadSummary(most, least, most / least, int(loaded.size), int(values.size - loaded.size))
-            )
+            most, least, lost = loaded.max(), loaded.min(), int(values.size - loaded.size)
+            out[side] = record_as_json(FlankLoadSummary(most, least, most / least, int(loaded.size), lost))
     return out
 
 
@@ -291,10 +286,8 @@ def ball_loads_json(load: Array, contacts: int = 0) -> dict[str, Any] | None:
     carried, mean = load[loaded], mean_load(load, contacts)
     i, s = np.unravel_index(int(load.argmax()), load.shape)
     empty = int((~loaded.any(axis=1)).sum())
-    ends = carried.max(), mean, carried.min()
-    return record_as_json(
-        BallLoadSummary(int(i) + 1, SIDES[int(s)], *ends, int(carried.size), count_contacts(load, contacts), empty)
-    )
+    ends, counts = (carried.max(), mean, carried.min()), (int(carried.size), count_contacts(load, contacts), empty)
+    return record_as_json(BallLoadSummary(int(i) + 1, SIDES[int(s)], *ends, *counts))
 
 
 def roller_loads_json(load: Array) -> dict[str, Any] | None:
@@ -305,13 +298,11 @@ def roller_loads_json(load: Array) -> dict[str, Any] | None:
     carried = load[load > 0.0]
     if not carried.size:
         return None
-    ends = carried.max(), carried.mean(), carried.min()
-    return record_as_json(
-        RollerLoadSummary(int(load.argmax()) + 1, *ends, int(carried.size), int(load.size - carried.size))
-    )
+    ends, empty = (carried.max(), carried.mean(), carried.min()), int(load.size - carried.size)
+    return record_as_json(RollerLoadSummary(int(load.argmax()) + 1, *ends, int(carried.size), empty))
 
 
-def stiffness_json(station: float | None, status: str, matrix: Array) -> dict[str, Any] | None:
+def stiffness_json(station: float | None, status: str, matrix: Array) -> dict[str, Any]:
     """Return a stiffness matrix as JSON, with null in fixed degrees of freedom.
 
     ``station``: axial position on the shaft [m]. ``status``: status of the solution. ``matrix``: stiffness, (6, 6) [N/m,
@@ -329,7 +320,7 @@ def life_json(life: BasicRatingLife | None, speed: float | None) -> dict[str, An
     return data | {"L10_hours": json_number(life.hours(speed))} if data is not None and life and speed else data
 
 
-def contact_ratings_json(answers: ContactLoadResults | RollerLoadResults, motion: Motion | None = None) -> dict[str, Any]:
+def contact_ratings_json(answers: LoadResults, motion: Motion | None = None) -> dict[str, Any]:
     """Return worst contact, static safety, life and load ratings of one nut or bearing as JSON.
 
     ``answers``: results from the contact loads of one nut or bearing. ``motion``: motion whose speed gives the life in
@@ -337,9 +328,9 @@ def contact_ratings_json(answers: ContactLoadResults | RollerLoadResults, motion
     """
     if isinstance(answers, RollerLoadResults):
         safety = record_as_json(answers.safety, "permanent_over_diameter", "allowed_over_diameter")
-        data = (record_as_json(answers) or {}) | {"static_safety": safety, "rating_refused": None}
+        data = record_as_json(answers) | {"static_safety": safety, "rating_refused": None}
     else:
-        data = record_as_json(answers) or {}
+        data = record_as_json(answers)
     return data | {"life": life_json(answers.life, None if motion is None else motion.speed)}
 
 
@@ -351,21 +342,14 @@ def single_set_results_json(solved: SceneSolution) -> dict[str, Any]:
     scene, answers = solved.scene, solved.derived_results
     if answers is None:
         return {}
-    three = answers.rigidities
+    three, step = answers.rigidities, answers.load_step_stiffness
     secant = None if three is None else three.with_unequal_loads
-    axial = AxialResults(
-        answers.axial_force,
-        answers.displacement,
-        secant,
-        answers.tangent,
-        answers.tangent_words,
-        answers.load_step_stiffness,
-    )
+    tangent = (answers.tangent, answers.tangent_words)
+    axial = AxialResults(answers.axial_force, answers.displacement, secant, *tangent, step)
+    without = ("lost_motion_um_per_100N", *(("stepped_N_per_um",) if step is None else ()))
     return {
         "loads": ball_loads_json(solved.result.load, count_nominal_contacts(scene, solved.result)),
-        "axial": record_as_json(
-            axial, "lost_motion_um_per_100N", *(["stepped_N_per_um"] if answers.load_step_stiffness is None else [])
-        ),
+        "axial": record_as_json(axial, *without),
         **(record_as_json(three) or {"rigidities_N_per_um": None}),
         **contact_ratings_json(answers.load_results, scene.motion),
         "preload": record_as_json(answers.preload),
@@ -420,11 +404,8 @@ def nut_or_bearing_summary_json(
     if answers is None:
         return data
     loads = roller_loads_json(set_result.loads) if set_result.balls is None else ball_loads_json(set_result.balls.load)
-    data |= {
-        "loads": loads,
-        **contact_ratings_json(answers.load_results, motion),
-        "preload": record_as_json(answers.preload),
-    }
+    data |= {"loads": loads} | contact_ratings_json(answers.load_results, motion)
+    data["preload"] = record_as_json(answers.preload)
     if not isinstance(answers.parts, Scene):
         return data
     data["clearance"] = record_as_json(clearance_of_deep_groove(answers.parts, set_result.of.thrust))
@@ -436,7 +417,7 @@ def axis_stiffness_json(result: AxisResult) -> dict[str, Any] | None:
     """Return the stiffness of a shaft with several nuts or bearings as JSON; None if it was not computed."""
     if result.stiffness is None:
         return None
-    return {"at": result.stiffness_at, **(stiffness_json(result.station, result.status, result.stiffness) or {})}
+    return {"at": result.stiffness_at, **stiffness_json(result.station, result.status, result.stiffness)}
 
 
 def axis_summary_json(solved: ShaftSolution) -> dict[str, Any]:
@@ -454,9 +435,8 @@ def axis_summary_json(solved: ShaftSolution) -> dict[str, Any]:
         return data
     moved, tangent = answers.displacement, None if result.stiffness is None else result.stiffness[2, 2]
     secant = answers.axial_load / moved if moved and answers.axial_load else None
-    data["axial"] = record_as_json(
-        AxialResults(answers.axial_load, moved, secant, tangent), "tangent_words", "stepped_N_per_um"
-    )
+    axial = AxialResults(answers.axial_load, moved, secant, tangent)
+    data["axial"] = record_as_json(axial, "tangent_words", "stepped_N_per_um")
     data["stiffness"] = axis_stiffness_json(result)
     data["load_path"] = record_as_json(answers.load_path)
     data |= {"drive": record_as_json(solved.motor_torques), "axis_life": record_as_json(solved.combined_life)}
@@ -492,7 +472,7 @@ def solved_case_json(solved: SceneSolution | ShaftSolution, tangent: TangentStif
         answers = {
             "kind": solved.scene.kind,
             "sets": [
-                {"set": k, **(record_as_json(s) or {}), "summary": nut_or_bearing_summary_json(s, x, solved.scene.motion)}
+                {"set": k, **record_as_json(s), "summary": nut_or_bearing_summary_json(s, x, solved.scene.motion)}
                 for k, (s, x) in pairs
             ],
             "balls": ball_rows_of_shaft_json(solved.result),
@@ -517,7 +497,7 @@ def solved_case_json(solved: SceneSolution | ShaftSolution, tangent: TangentStif
         **answers,
         "centreline": [record_as_json(AxisPointDisplacement(z, motion)) for z, motion in line],
         "equilibrium": record_as_json(result.equilibrium),
-        "solver": (record_as_json(result.solver) or {}) | {"discretisation_percent": grid},
+        "solver": record_as_json(result.solver) | {"discretisation_percent": grid},
         "model_form": record_as_json(solved.expected_errors),
         "assumed": list(result.assumed),
         "left_out": list(result.left_out),
@@ -531,11 +511,9 @@ def expected_errors_json(model_form: ExpectedModelErrors | None, key: str) -> di
 
     ``model_form``: the errors to expect. ``key``: template of the names, such as ``expected_{}_error_percent``.
     """
-    errors = {
-        name: None if model_form is None else getattr(model_form, f"{name}_percent")
-        for name in ("displacement", "rigidity", "pressure")
-    }
-    return {key.format(name): None if value is None else json_number(value) for name, value in errors.items()}
+    names = ("displacement", "rigidity", "pressure")
+    errors = {key.format(name): getattr(model_form, f"{name}_percent", None) for name in names}
+    return {name: None if value is None else json_number(value) for name, value in errors.items()}
 
 
 def beam_discretisation_percent(scene: Scene, result: StaticResult) -> float | None:
@@ -556,7 +534,7 @@ def ball_rows_json(scene: Scene, balls: StaticResult) -> list[dict[str, Any]]:
     """
     pressure = contact_pressures(scene, balls)
     rows = zip(balls.azimuth, balls.z, balls.load, balls.contact_angle, pressure, strict=True)
-    return [record_as_json(BallResult(i, *row)) or {} for i, row in enumerate(rows, 1)]
+    return [record_as_json(BallResult(i, *row)) for i, row in enumerate(rows, 1)]
 
 
 def ball_rows_of_shaft_json(result: AxisResult) -> list[dict[str, Any]]:
@@ -578,7 +556,7 @@ def roller_rows_json(result: AxisResult) -> list[dict[str, Any]]:
         each = zip(s.roller_azimuth, s.loads, s.line_loads.max(axis=1), pressures, strict=True)
         for i, (azimuth, load, line_load, of_races) in enumerate(each, 1):
             row = RollerResult(i, azimuth, load, line_load, dict(zip(RACES, of_races, strict=True)))
-            rows.append({"set": k} | (record_as_json(row) or {}))
+            rows.append({"set": k} | record_as_json(row))
     return rows
 
 
@@ -617,7 +595,7 @@ def duty_cycle_json(
 
 def load_case_head_json(cycle: DutyCycle, case: LoadCase) -> dict[str, Any]:
     """Return the first keys and values in the JSON of a load case: name of the scene, then name and data of the case."""
-    return {"scene": cycle.name, **(record_as_json(case) or {})}
+    return {"scene": cycle.name, **record_as_json(case)}
 
 
 def cycle_results_json(cycle_results: DutyCycleResults) -> dict[str, Any]:
@@ -626,17 +604,12 @@ def cycle_results_json(cycle_results: DutyCycleResults) -> dict[str, Any]:
     ``cycle_results``: extremes and lives over all load cases. With several nuts or bearings, ``sets`` has the lives of
     each.
     """
+
+    def lives_json(lives: LivesOverDutyCycle) -> dict[str, Any]:
+        """Return the lives of one nut or bearing as JSON, one for each standard that gives a life."""
+        return {"life": life_json(lives.life, cycle_results.speed), **record_as_json(lives)}
+
     several = len(cycle_results.lives) != 1
-    data = (record_as_json(cycle_results, *([] if several else ["life_set", "axis_life"])) or {}) | _cycle_lives_json(
-        cycle_results.shortest_lives, cycle_results.speed
-    )
-    each = ({"name": lives.set} | _cycle_lives_json(lives, cycle_results.speed) for lives in cycle_results.lives)
-    return data | {"sets": [*each]} if several else data
-
-
-def _cycle_lives_json(lives: LivesOverDutyCycle, speed: float | None) -> dict[str, Any]:
-    """Return the lives of one nut or bearing over a duty cycle as JSON, one for each standard that gives a life.
-
-    ``speed``: mean speed [rad/s], for the life in hours; None if it is not known.
-    """
-    return {"life": life_json(lives.life, speed), **(record_as_json(lives) or {})}
+    data = record_as_json(cycle_results, *([] if several else ["life_set", "axis_life"]))
+    data |= lives_json(cycle_results.shortest_lives)
+    return data | {"sets": [{"name": x.set} | lives_json(x) for x in cycle_results.lives]} if several else data

@@ -10,7 +10,7 @@ import numpy as np
 
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.answers import SceneResults
-from rollbench.compare.quantities import quantities_of_record, record_as_json
+from rollbench.compare.quantities import json_number, quantities_of_record, record_as_json
 from rollbench.compare.results.base import JSON, Record, add_schema_version
 from rollbench.compare.results.solved import Result
 from rollbench.lowfi.warned import ResultWarning
@@ -21,16 +21,15 @@ from rollbench.meshes.quantity import QuantityDescription, quantity_field, resul
 #: Range of a quantity: its lower and upper limit.
 Band = tuple[float, float]
 #: Attributes of scenes whose equality is checked when scenes are compared, each with the text to show if they differ.
-SHARED = (
-    *(
-        ("loads", "loads"),
-        ("housings", "housings and their loads"),
-        ("supports", "supports"),
-        ("segments", "segments of the shaft"),
-    ),
-    *(("stiffness_at", "position of the stiffness"), ("thermal_strain", "thermal strain"), ("drive", "[drive]")),
-    *(("motion", "[motion]"), ("lubricant", "[lubricant]"), ("friction", "[friction]")),
-)
+SHARED = {
+    "loads": "loads",
+    "housings": "housings and their loads",
+    "supports": "supports",
+    "segments": "segments of the shaft",
+    "stiffness_at": "position of the stiffness",
+    "thermal_strain": "thermal strain",
+    **{name: f"[{name}]" for name in ("drive", "motion", "lubricant", "friction")},
+}
 
 
 @result_record(kw_only=True)
@@ -146,11 +145,12 @@ class SideBySide(Record):
         >>> [round(x, 1) for x in both.difference_percent("displacement_um")]
         [0.0, -0.5]
         """
-        values = [_middle_of_torque_range((record_as_json(one) or {})[key]) for one in self.scenes]
-        if values[0] is None:
-            return (None,) * len(values)
-        found = [None if x is None else float(error_percent(x, values[0])) for x in values]
-        return tuple(x if x is not None and np.isfinite(x) else None for x in found)
+        values = [record_as_json(one)[key] for one in self.scenes]
+        middles = [None if x is None else float(np.mean(x)) for x in values]
+        first = middles[0]
+        if first is None:
+            return (None,) * len(middles)
+        return tuple(None if x is None else json_number(float(error_percent(x, first))) for x in middles)
 
     def to_dict(self) -> dict[str, JSON]:
         """Return the comparison as a dictionary, as ``rollbench solve A B --json`` prints it.
@@ -161,15 +161,10 @@ class SideBySide(Record):
             JSON values by key.
         """
         off: dict[str, Any] = {key: list(self.difference_percent(key)) for key in NUMBERS}
-        scenes = [record_as_json(one) or {} for one in self.scenes]
+        scenes = [record_as_json(one) for one in self.scenes]
         return add_schema_version(
             {"model": self.model, "scenes": scenes, "difference_percent": off, "not_shared": list(self.differ)}
         )
-
-
-def _middle_of_torque_range(value: Any) -> float | None:
-    """Return the middle of a range [low, high], a single number unchanged, and None for None."""
-    return None if value is None else float(np.mean(value))
 
 
 def compare_results_side_by_side(results: Sequence[Result], names: Sequence[str]) -> SideBySide:
@@ -187,12 +182,9 @@ def compare_results_side_by_side(results: Sequence[Result], names: Sequence[str]
     SideBySide
         The comparison.
     """
-    parts = [one.solved[0].scene for one in results]
-    return SideBySide(
-        model=results[0].model,
-        scenes=tuple(_alternative_of_result(one, name) for one, name in zip(results, names, strict=True)),
-        differ=tuple(_names_of_differing_inputs(parts)),
-    )
+    scenes = tuple(_alternative_of_result(one, name) for one, name in zip(results, names, strict=True))
+    differ = _names_of_differing_inputs([one.solved[0].scene for one in results])
+    return SideBySide(model=results[0].model, scenes=scenes, differ=tuple(differ))
 
 
 def _alternative_of_result(result: Result, name: str) -> Alternative:
@@ -253,7 +245,7 @@ def _names_of_differing_inputs(scenes: Sequence[Scene | Assembly]) -> list[str]:
     shafts = [(x.screw.length, x.screw.outer_diameter, x.screw.bore, x.screw.material) for x in scenes]
     if any(x != shafts[0] for x in shafts[1:]):
         out.append("shaft")
-    for name, words in SHARED:
+    for name, words in SHARED.items():
         values = [getattr(x, name, None) for x in scenes]
         if any(x != values[0] for x in values[1:]):
             out.append(words)

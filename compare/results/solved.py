@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rollbench.compare.models.answers import ContactLoadResults, NutOrBearingResults, RollerLoadResults
+from rollbench.compare.models.answers import LoadResults, NutOrBearingResults, RollerLoadResults
 from rollbench.compare.models.load_cases import DutyCycleResults, SceneSolution, ShaftSolution
 from rollbench.compare.models.programs import model_title
 from rollbench.compare.results.base import JSON, Record, Row, add_schema_version, format_table_as_html, warn_of_deprecation
@@ -165,25 +165,25 @@ class SetResult(Balls):
     """Kind of machine element: nut, bearing (with balls) or rollers (a roller bearing)."""
     position: float
     """Axial position on the shaft [m]."""
-    force: Array | None
+    force: Array | None = None
     """Resultant force of the nut's or bearing's balls or rollers on the shaft, (3,) [N]."""
-    moment: Array | None
+    moment: Array | None = None
     """Moment of the nut's or bearing's balls or rollers on the shaft, about the shaft's axis at `position`, (3,) [N m]."""
-    stiffness: Array | None
+    stiffness: Array | None = None
     """Tangent stiffness between shaft and fixed outer part, (6, 6) [N/m, N, N m], in the degrees of freedom ux, uy, uz,
     rx, ry, rz."""
-    roller_loads: Array | None
+    roller_loads: Array | None = None
     """Loads of the rollers, (count,) [N]; None for balls."""
-    worst: WorstContact | None
+    worst: WorstContact | None = None
     """Contact with the highest pressure; None if no contact is loaded."""
-    life: Life | None
+    life: Life | None = None
     """Basic rating life; None if no contact is loaded, and outside the range of validity of the formulas."""
-    rib: RibContact | None
+    rib: RibContact | None = None
     """Contact of the most loaded roller with the rib of its ring; None for balls, and if no contact is loaded."""
-    torque: RollerBearingTorque | None
+    torque: RollerBearingTorque | None = None
     """Friction torque of a row of rollers [N m], from the work of friction and from Timken's formula; None for balls, and
     if no contact is loaded."""
-    preload: Preload | None
+    preload: Preload | None = None
     """Contact loads without the external loads of the scene; None if there is no equilibrium without external loads."""
     bearing_torque: BallBearingTorque | None = None
     """Friction torque of a ball bearing [N m]; None for nuts, and if no contact is loaded."""
@@ -392,10 +392,8 @@ class Result(Record, Balls):
         if self.cases:
             return [panel for name, one in self.cases.items() for panel in one._contact_loads_by_panel(f", case {name}")]
         several = {f", {name}": one.loads for name, one in self.sets.items()}
-        each = several or {"": self.loads}
-        return [
-            (f"{self.scene}{case}{of}, {model_title(self.model)}", loads) for of, loads in each.items() if loads is not None
-        ]
+        each, model = several or {"": self.loads}, model_title(self.model)
+        return [(f"{self.scene}{case}{of}, {model}", loads) for of, loads in each.items() if loads is not None]
 
     def view(self, path: str | Path) -> Path:
         """Write an HTML page that shows the loaded screw in 3D in a browser, as ``rollbench view`` does.
@@ -456,12 +454,8 @@ class Result(Record, Balls):
 
     def _repr_html_(self) -> str:
         """Return the table as HTML for a notebook, and a second table of nuts and bearings if there are several."""
-        rows = [
-            row
-            for one in self.solved
-            if isinstance(one, ShaftSolution) and not self.cases
-            for row in bearing_and_nut_rows(one)
-        ]
+        shafts = [one for one in self.solved if isinstance(one, ShaftSolution) and not self.cases]
+        rows = [row for one in shafts for row in bearing_and_nut_rows(one)]
         return super()._repr_html_() + (format_table_as_html([[*row.values()] for row in rows], [*rows[0]]) if rows else "")
 
     @property
@@ -518,6 +512,7 @@ def result_from_solutions(
     lost = next((one for one in each if not one.converged), each[0])
     unsolved = "; ".join(f"case {name}: {status}" for name, status in cycle_results.unsolved.items())
     worst = [one.worst for one in each if one.worst is not None]
+    lives = cycle_results.shortest_lives
     return Result(
         scene=cycle.name,
         model=each[0].model,
@@ -528,9 +523,9 @@ def result_from_solutions(
         assumed=tuple(dict.fromkeys(words for one in each for words in one.assumed)),
         left_out=tuple(dict.fromkeys(words for one in each for words in one.left_out)),
         worst=max(worst, key=lambda w: w.pressure, default=None),
-        life=_life_record(cycle_results.shortest_lives.life, cycle_results.speed),
-        modified_life=cycle_results.shortest_lives.modified,
-        reference_life=cycle_results.shortest_lives.reference,
+        life=_life_record(lives.life, cycle_results.speed),
+        modified_life=lives.modified,
+        reference_life=lives.reference,
         axis_life=cycle_results.axis_life,
         cases={case.name: one for case, one in zip(cycle.cases, each, strict=True)},
         solved=tuple(solved),
@@ -561,11 +556,9 @@ def _result_of_load_case(
         solved=(solved,),
         tangents=(tangent,),
     )
-    return (
-        _add_nut_or_bearing_results(head, solved, tangent, at_nut)
-        if isinstance(solved, SceneSolution)
-        else _add_shaft_results(head, solved)
-    )
+    if isinstance(solved, SceneSolution):
+        return _add_nut_or_bearing_results(head, solved, tangent, at_nut)
+    return _add_shaft_results(head, solved)
 
 
 def _add_nut_or_bearing_results(
@@ -578,14 +571,13 @@ def _add_nut_or_bearing_results(
     computed. Without equilibrium only the positions of the balls are filled in.
     """
     answers = solved.derived_results
-    balls = _ball_positions_and_loads(solved.scene, solved.result, solved=answers is not None)
     if answers is None:
-        return replace(head, azimuth=balls.azimuth, z=balls.z)
+        return replace(head, azimuth=solved.result.azimuth, z=solved.result.z)
     speed = None if solved.scene.motion is None else solved.scene.motion.speed
     K = tangent if tangent is not None and tangent.status == "converged" else at_nut
     return replace(
         head,
-        **vars(balls),
+        **_ball_fields(solved.scene, solved.result),
         force=answers.axial_force,
         displacement=answers.screw_displacement,
         rigidity=None if answers.rigidities is None else answers.rigidities.with_unequal_loads,
@@ -643,46 +635,37 @@ def _result_of_nut_or_bearing(solved_set: SolvedSet, answers: NutOrBearingResult
     ``answers``: pressure, life and other results from the contact loads of the nut or bearing; None without equilibrium.
     ``speed``: speed of rotation [rad/s], for the running time of the life; None if it is not known.
     """
-    known = answers is not None
-    balls = (
-        _ball_positions_and_loads(answers.parts, solved_set.balls, solved=True)
-        if answers and solved_set.balls and isinstance(answers.parts, Scene)
-        else None
-    )
-    loads = None if answers is None else answers.load_results
-    return SetResult(
-        **({} if balls is None else vars(balls)),
-        name=solved_set.of.name,
-        kind=solved_set.of.kind,
-        position=solved_set.of.position,
-        force=solved_set.force if known else None,
-        moment=solved_set.moment if known else None,
-        stiffness=solved_set.stiffness if known else None,
-        roller_loads=solved_set.roller_load if known else None,
-        worst=None if loads is None else _worst_contact(solved_set.of.name, loads),
-        life=None if loads is None else _life_record(loads.life, speed),
+    bare = SetResult(name=solved_set.of.name, kind=solved_set.of.kind, position=solved_set.of.position)
+    if answers is None:
+        return bare
+    balls, loads = solved_set.balls, answers.load_results
+    return replace(
+        bare,
+        **(_ball_fields(answers.parts, balls) if balls and isinstance(answers.parts, Scene) else {}),
+        force=solved_set.force,
+        moment=solved_set.moment,
+        stiffness=solved_set.stiffness,
+        roller_loads=solved_set.roller_load,
+        worst=_worst_contact(bare.name, loads),
+        life=_life_record(loads.life, speed),
         rib=loads.rib_contact if isinstance(loads, RollerLoadResults) else None,
         torque=loads.torque if isinstance(loads, RollerLoadResults) else None,
-        preload=None if answers is None else _preload_record(answers.preload),
-        bearing_torque=None if answers is None else answers.friction_torque,
-        reference_life=None if loads is None else loads.reference,
+        preload=_preload_record(answers.preload),
+        bearing_torque=answers.friction_torque,
+        reference_life=loads.reference,
     )
 
 
-def _ball_positions_and_loads(scene: Scene, result: StaticResult, *, solved: bool) -> Balls:
-    """Return positions, loads, angles and pressures of the balls of a nut or bearing.
+def _ball_fields(scene: Scene, result: StaticResult) -> dict[str, Any]:
+    """Return positions, loads, angles and pressures of the balls of a nut or bearing: the fields of `Balls`, by name.
 
-    ``result``: solution of the nut or bearing. ``solved``: whether there is an equilibrium; if not, only the positions are
-    returned.
+    ``result``: solution of the nut or bearing.
     """
-    if not solved:
-        return Balls(azimuth=result.azimuth, z=result.z)
-    angles = np.where(result.load > 0.0, result.contact_angle, np.nan)
-    pressure = contact_pressures(scene, result)
-    return Balls(azimuth=result.azimuth, z=result.z, loads=result.load, angles=angles, pressure=pressure)
+    angles, pressure = np.where(result.load > 0.0, result.contact_angle, np.nan), contact_pressures(scene, result)
+    return {"azimuth": result.azimuth, "z": result.z, "loads": result.load, "angles": angles, "pressure": pressure}
 
 
-def _worst_contact(name: str, answers: ContactLoadResults | RollerLoadResults) -> WorstContact | None:
+def _worst_contact(name: str, answers: LoadResults) -> WorstContact | None:
     """Return the contact with the highest pressure in one nut or bearing; None if no contact is loaded.
 
     ``name``: name of the nut or bearing. ``answers``: results from its contact loads.

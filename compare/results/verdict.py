@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from enum import StrEnum
 from typing import Any
 
@@ -165,23 +165,19 @@ class Verdict(Record):
     def answer(self) -> str:
         """Verdict as one line: worst judgement, scenes, models, largest error of a contact load, numbers of judgements."""
         counts = ", ".join(f"{n} {word}" for word in CODES if (n := sum(v.word == word for v in self.judged)))
-        of = [
-            ", ".join(dict.fromkeys(texts)) for texts in ([v.subject for v in self.judged], [v.judged for v in self.judged])
-        ]
+        scenes, models = ([getattr(v, name) for v in self.judged] for name in ("subject", "judged"))
+        of = f"{', '.join(dict.fromkeys(scenes))} by {', '.join(dict.fromkeys(models))}"
         errors = [v.of_mean for v in self.judged if v.of_mean is not None]
         e = max(errors, key=lambda e: e.max_percent, default=None)
         where = "" if e is None else f"; worst contact {e.max_percent:.2f} % of the mean load off (ball {e.ball} {e.side})"
-        return f"{self.word.upper()}: {of[0]} by {of[1]}{where}; {counts}"
+        return f"{self.word.upper()}: {of}{where}; {counts}"
 
     @property
     def advice(self) -> list[str]:
         """Sentences that state to which load the errors are relative, and what to do about quantities that do not pass."""
         words = {v.word for v in self.judged}
-        loads = any(v.quantity == LARGEST for v in self.judged)
-        return [
-            *([f"errors of contact loads: {RULE}"] if loads else []),
-            *(f"{word}: {ADVICE[word]}" for word in ("fail", "undecided", "not covered") if word in words),
-        ]
+        rule = [f"errors of contact loads: {RULE}"] if any(v.quantity == LARGEST for v in self.judged) else []
+        return rule + [f"{word}: {ADVICE[word]}" for word in ("fail", "undecided", "not covered") if word in words]
 
     @property
     def _notes(self) -> tuple[str, ...]:
@@ -231,26 +227,10 @@ def judge_scenes(
     return Verdict(tuple(map(_verdict_row, judged)), tuple(warnings), tuple(left), tuple(judged), tuple(described))
 
 
-def _verdict_row(gate_verdict: gate.Verdict) -> VerdictRow:
+def _verdict_row(v: gate.Verdict) -> VerdictRow:
     """Convert the detailed verdict on one quantity to a row of the record that `rollbench.check` returns."""
-    return VerdictRow(
-        scene=gate_verdict.scene,
-        case=gate_verdict.case,
-        set=gate_verdict.set,
-        judged=gate_verdict.judged,
-        quantity=gate_verdict.quantity,
-        judgement=Judgement(gate_verdict.word),
-        unit=gate_verdict.unit,
-        error=gate_verdict.error,
-        uncertainty=gate_verdict.uncertainty,
-        limit=gate_verdict.limit,
-        ball=gate_verdict.ball,
-        side=gate_verdict.flank,
-        contacts=gate_verdict.contacts,
-        levels=gate_verdict.levels,
-        detail=gate_verdict.detail,
-        line=gate_verdict.line(),
-    )
+    shared = {f.name: getattr(v, f.name) for f in fields(VerdictRow) if f.name not in ("judgement", "side", "line")}
+    return VerdictRow(**shared, judgement=Judgement(v.word), side=v.flank, line=v.line())
 
 
 def judge_load_cases(

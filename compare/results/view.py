@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -56,12 +57,8 @@ def collect_view_data(
     words = [count_with_noun(len(cases), "load case")] if cases else []
     sets = len(each[0].nuts_and_bearings)
     words += [count_with_noun(sets, "set")] if sets > 1 else []
-    return SceneView(
-        title,
-        ", ".join([solved[0].scene.name if not cases else results["scene"], f"model {results['model']}", *words]),
-        each,
-        results,
-    )
+    scene = results["scene"] if cases else solved[0].scene.name
+    return SceneView(title, ", ".join([scene, f"model {results['model']}", *words]), each, results)
 
 
 def _view_data_of_case(
@@ -72,23 +69,17 @@ def _view_data_of_case(
     ``name``: name of the load case. ``one``: solution of the load case. ``stores``: folders with runs of the 3D reference.
     ``given``: reference of the user that replaces the stored runs; None: no such reference.
     """
+    solved = one.derived_results is not None
     if isinstance(one, SceneSolution):
-        known = given or reference_of_scene(one.scene, stores)
-        expected = (
-            None
-            if one.expected_errors is None or one.expected_errors.percent is None
-            else 0.01 * one.expected_errors.percent
-        )
-        mean = mean_load(one.result.load, count_nominal_contacts(one.scene, one.result)) if one.derived_results else 0.0
-        share = None if expected is None else expected * mean
-        kind = "ball nut" if one.scene.track.lead else "bearing"
-        found = _view_data_of_ball_row(
-            "", kind, one.scene, one.scene.nut.position, one.result, one.derived_results is not None, known, share
-        )
+        known, error = given or reference_of_scene(one.scene, stores), None
+        if one.expected_errors is not None and one.expected_errors.percent is not None:
+            mean = mean_load(one.result.load, count_nominal_contacts(one.scene, one.result)) if solved else 0.0
+            error = 0.01 * one.expected_errors.percent * mean
+        kind, position = "ball nut" if one.scene.track.lead else "bearing", one.scene.nut.position
+        found = _view_data_of_ball_row("", kind, one.scene, position, one.result, solved, known, error)
         return LoadCaseView(name, [found])
     sets = []
     for s in one.result.sets:
-        solved = one.derived_results is not None
         if s.balls is not None and isinstance(s.of.parts, Scene):
             sets.append(_view_data_of_ball_row(s.of.name, s.of.kind, s.of.parts, s.of.position, s.balls, solved))
         else:
@@ -112,26 +103,16 @@ def _view_data_of_ball_row(
     [m]. ``found``: solution of the nut or bearing. ``solved``: whether there is an equilibrium. ``reference``: 3D reference
     of the nut or bearing; None: no reference. ``expected_load_error``: error to expect of the contact loads [N].
     """
-    closer = gap_reduction_by_errors(parts, found.member)
+    bare = NutOrBearingView(name, kind, parts, position, closer=gap_reduction_by_errors(parts, found.member))
     if not solved:
-        return NutOrBearingView(name, kind, parts, position, closer=closer)
+        return bare
     errors = None
     if reference is not None:
         either = (found.load > 0.0) | (reference.load > 0.0)
         percent = np.where(either, error_percent(found.load, reference.load, reference.mean), np.nan)
         errors = (reference.label, reference.load, reference.uncertainty, percent)
     forces = found.force_direction * found.load[..., None]
-    return NutOrBearingView(
-        name,
-        kind,
-        parts,
-        position,
-        points=found.contact_point,
-        forces=forces,
-        reference=errors,
-        expected=expected_load_error,
-        closer=closer,
-    )
+    return replace(bare, points=found.contact_point, forces=forces, reference=errors, expected=expected_load_error)
 
 
 def gap_reduction_by_errors(scene: Scene, member: int = 0) -> Array:

@@ -6,18 +6,18 @@ bearing of an arrangement becomes one row; all rows are ground to equal gaps.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import chain
 from typing import Any
 
 import numpy as np
 
 from rollbench.compare.errors import InputError
-from rollbench.compare.scenes import from_keys, schema
-from rollbench.compare.scenes.body_checks import geometry_faults
+from rollbench.compare.scenes import from_keys, key_checks, schema
+from rollbench.compare.scenes.body_checks import geometry_faults, position_beyond_end_faults
 from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.compare.scenes.fault import TOLERANCE, Fault, length_text, raise_scene_error_for_faults
-from rollbench.compare.scenes.key_checks import conflicting_friction_key_faults, conflicting_key_faults, zero_speed_faults
 from rollbench.meshes import axis
 from rollbench.meshes.one_arc import has_single_arc_grooves, with_single_arc_grooves
 from rollbench.meshes.parts import FREEDOMS, Ingredients, Material, Scene, Screw
@@ -54,9 +54,8 @@ def shaft_scene_from_keys(
     Assembly, Scene or DutyCycle
         Record of the shaft; of its load cases (DutyCycle) if the file has a table ``[[cases]]``.
     """
-    return from_keys.with_load_cases(
-        _checked_shaft_from_keys(keys, tables, file_name, name), keys.cases, tables, file_name, _geometry_faults_of_scene
-    )
+    shaft = _checked_shaft_from_keys(keys, tables, file_name, name)
+    return from_keys.with_load_cases(shaft, keys.cases, tables, file_name, _geometry_faults_of_scene)
 
 
 def _geometry_faults_of_scene(scene: Scene | axis.Assembly) -> Iterator[Fault]:
@@ -78,29 +77,19 @@ def _checked_shaft_from_keys(
     sets = tuple(_rolling_set_from_keys(keys, i, raw, origin) for i in range(len(keys.sets)))
     raise_scene_error_for_faults(origin, raw, list(_position_faults(keys, sets)))
     if _describes_one_nut_or_bearing(keys):
-        shared = {
-            n: getattr(keys, n) for n in ("source", "assumed", "supports", "loads", "friction", "motion", "lubricant")
-        }
+        names = ("source", "assumed", "supports", "loads", "friction", "motion", "lubricant")
+        shared = {name: getattr(keys, name) for name in names}
         whole = _scene_keys_of_nut_or_bearing(keys, keys.sets[0]).model_copy(update=shared)
-        raise_scene_error_for_faults(origin, raw, list(conflicting_key_faults(whole)))
+        raise_scene_error_for_faults(origin, raw, list(key_checks.conflicting_key_faults(whole)))
         return from_keys.scene_from_keys(whole, name)
     heat, ask, shaft = keys.heat, keys.stiffness, keys.screw
-    length, diameter = shaft.length, shaft.outer_diameter
+    material = from_keys.material_from_keys(shaft.material, keys.material)
+    rows = (bearings_of_arrangement(whole, one, len(sets)) for one, whole in zip(keys.sets, sets, strict=True))
     return axis.Assembly(
         name=name,
         title=keys.title,
-        screw=Screw(
-            length,
-            diameter,
-            shaft.groove_radius or 0.0,
-            from_keys.material_from_keys(shaft.material, keys.material),
-            shaft.bore,
-        ),
-        sets=tuple(
-            row
-            for one, whole in zip(keys.sets, sets, strict=True)
-            for row in bearings_of_arrangement(whole, one, len(sets))
-        ),
+        screw=Screw(shaft.length, shaft.outer_diameter, shaft.groove_radius or 0.0, material, shaft.bore),
+        sets=tuple(chain.from_iterable(rows)),
         segments=tuple(shaft.plain),
         housings=tuple(map(_housing_from_keys, keys.housings)),
         joints=tuple(
@@ -129,22 +118,14 @@ def _assumptions_on_nuts_and_bearings(keys: schema.ShaftSceneKeys, sets: Sequenc
         if isinstance(whole.parts, Scene):
             yield from whole.parts.assumed
             if isinstance(one.preload, ShareOfLoadRating):
-                yield (
-                    f"{whole.name}: preload of {whole.preload:g} "
-                    f"N{from_keys.preload_force_and_rating_text(whole.parts, one.preload)[1]}"
-                )
+                _, rating = from_keys.preload_force_and_rating_text(whole.parts, one.preload)
+                yield f"{whole.name}: preload of {whole.preload:g} N{rating}"
 
 
 def _housing_from_keys(housing: schema.HousingKeys) -> axis.Housing:
     """Return a housing from its keys in the scene file."""
-    return axis.Housing(
-        housing.name,
-        housing.at,
-        from_keys.support_from_keys(housing).fixed,
-        _stiffness_from_keys(housing),
-        housing.force,
-        housing.moment,
-    )
+    fixed, stiffness = from_keys.support_from_keys(housing).fixed, _stiffness_from_keys(housing)
+    return axis.Housing(housing.name, housing.at, fixed, stiffness, housing.force, housing.moment)
 
 
 def _describes_one_nut_or_bearing(keys: schema.ShaftSceneKeys) -> bool:
@@ -168,11 +149,13 @@ def _conflicting_key_faults(keys: schema.ShaftSceneKeys) -> Iterator[Fault]:
     These are keys of friction, motion, drive, nuts, bearings, housings and joints, and names of housings to which other
     keys refer.
     """
-    yield from conflicting_friction_key_faults(keys.friction)
-    yield from zero_speed_faults(keys.motion)
+    yield from key_checks.conflicting_friction_key_faults(keys.friction)
+    yield from key_checks.zero_speed_faults(keys.motion)
     yield from _drive_faults(keys)
     for i, one in enumerate(keys.sets):
-        yield from _nut_or_bearing_faults(keys, i, one)
+        yield from _nut_or_bearing_faults(i, one)
+    if keys.material.youngs_modulus is None or keys.material.poissons_ratio is None:
+        yield Fault(("material",), "youngs_modulus and poissons_ratio", "give both under [material]")
     names = [h.name for h in keys.housings]
     of_cases = [(f"cases[{k}].housings", [h.name for h in case.housings]) for k, case in enumerate(keys.cases)]
     for table, given in (("sets", [s.name for s in keys.sets]), ("housings", names), *of_cases):
@@ -216,9 +199,7 @@ def _drive_faults(keys: schema.ShaftSceneKeys) -> Iterator[Fault]:
         advice = "leave [lubricant] out: the friction of nuts is given by [friction]"
         yield Fault(("lubricant",), "only together with a bearing among [[sets]]", advice, "a lubricant for nuts only")
     if keys.drive.mass and len(leads) != 1:
-        found = (
-            "a mass without nut" if not leads else f"nuts with leads of {', '.join(length_text(x) for x in sorted(leads))}"
-        )
+        found = f"nuts with leads of {', '.join(map(length_text, sorted(leads)))}" if leads else "a mass without nut"
         advice = "add the nut that moves the mass, or leave the mass out"
         yield Fault(("drive.mass",), "only together with nuts of equal lead", advice, found)
     if keys.drive.time is not None and keys.motion is None:
@@ -229,11 +210,10 @@ def _drive_faults(keys: schema.ShaftSceneKeys) -> Iterator[Fault]:
         yield Fault(("drive.efficiency",), "only together with drive.mass and drive.time", advice)
 
 
-def _nut_or_bearing_faults(keys: schema.ShaftSceneKeys, number: int, set_keys: schema.NutOrBearingKeys) -> Iterator[Fault]:
+def _nut_or_bearing_faults(number: int, set_keys: schema.NutOrBearingKeys) -> Iterator[Fault]:
     """Yield faults of one table ``[[sets]]``, a nut or bearing: keys that exclude or need each other.
 
-    ``keys``: keys of the whole file; ``set_keys``: keys of the nut or bearing; ``number``: its index, from 0, in the list
-    ``sets`` of the file.
+    ``set_keys``: keys of the nut or bearing; ``number``: its index, from 0, in the list ``sets`` of the file.
     """
     at = f"sets[{number}]"
     yield from arrangement_faults(at, set_keys)
@@ -241,10 +221,8 @@ def _nut_or_bearing_faults(keys: schema.ShaftSceneKeys, number: int, set_keys: s
     if set_keys.rollers is not None:
         given = [n for n, x in balls.items() if x is not None]
         if given:
-            found = f"both `rollers` and `{given[0]}`"
-            yield Fault(
-                (f"{at}.{given[0]}",), "either rollers or balls", "describe rollers and balls in two [[sets]]", found
-            )
+            advice, found = "describe rollers and balls in two [[sets]]", f"both `rollers` and `{given[0]}`"
+            yield Fault((f"{at}.{given[0]}",), "either rollers or balls", advice, found)
         if set_keys.carrier is not None:
             advice = "leave carrier out: the inner ring of tapered rollers sits on the shaft"
             yield Fault((f"{at}.carrier",), "no carrier for rollers", advice)
@@ -287,8 +265,6 @@ def _nut_or_bearing_faults(keys: schema.ShaftSceneKeys, number: int, set_keys: s
         yield Fault((f"{at}.preload",), "a force", "write the force: the load rating of rollers is not computed")
     if set_keys.carrier is not None and set_keys.carrier == set_keys.housing:
         yield Fault((f"{at}.carrier",), f"another housing than {at}.housing", "name another housing in one of the two keys")
-    if keys.material.youngs_modulus is None or keys.material.poissons_ratio is None:
-        yield Fault(("material",), "youngs_modulus and poissons_ratio", "give both under [material]")
 
 
 def _roller_end_faults(table_path: str, rollers: schema.TaperedRollerKeys) -> Iterator[Fault]:
@@ -298,21 +274,19 @@ def _roller_end_faults(table_path: str, rollers: schema.TaperedRollerKeys) -> It
     the angles of cup and rollers are checked already.
     """
     if rollers.edge_radius is not None and not 0.005 <= rollers.edge_radius / rollers.diameter <= 0.25:
-        allowed = (
-            f"{length_text(0.005 * rollers.diameter)} to {length_text(0.25 * rollers.diameter)}, 0.005 to 0.25 of the "
-            "diameter"
-        )
+        low, high = (length_text(share * rollers.diameter) for share in (0.005, 0.25))
+        allowed = f"{low} to {high}, 0.005 to 0.25 of the diameter"
         yield Fault((f"{table_path}.edge_radius",), allowed, "check the unit: usual is a tenth of the diameter")
     if rollers.rib_height is not None and rollers.rib_height >= 0.5 * rollers.diameter:
         advice = "write the height of the rib contact above the cone's race, usually 0.05 to 0.2 of the roller's diameter"
         yield Fault((f"{table_path}.rib_height",), f"below {length_text(0.5 * rollers.diameter)}", advice)
     elif rollers.end_radius is not None:
-        from rollbench.lowfi.bearings.tapered_roller import rib_contact_geometry, rib_height
+        from rollbench.lowfi.bearings.tapered_roller import rib_height, rib_relative_curvatures
         from rollbench.lowfi.rollers import tapered_bearing_of_row
 
         row = _roller_row_from_keys(rollers, Material(2e11, 0.3))  # the geometry does not depend on the moduli
         try:
-            rib_contact_geometry(tapered_bearing_of_row(row), rollers.end_radius, rib_height(row))
+            rib_relative_curvatures(tapered_bearing_of_row(row), rollers.end_radius, rib_height(row))
         except ValueError as error:
             advice = "correct end_radius or rib_height; usual radii are 0.8 to 0.95 of the distance from the apex"
             yield Fault((f"{table_path}.end_radius",), str(error), advice)
@@ -354,9 +328,8 @@ def _scene_keys_of_nut_or_bearing(keys: schema.ShaftSceneKeys, set_keys: schema.
         fields["outer_diameter"] = set_keys.screw.outer_diameter or fields["outer_diameter"]
         fields |= {"groove_radius": set_keys.screw.groove_radius, "conformity": set_keys.screw.conformity}
     nut = set_keys.nut
-    if (
-        set_keys.pair_rigidity is not None and nut is not None
-    ):  # a start value; the rigidity determines the conformity later
+    if set_keys.pair_rigidity is not None and nut is not None:
+        # a start value; the rigidity determines the conformity later
         fields |= {"groove_radius": None, "conformity": USUAL_CONFORMITY}
         nut = nut.model_copy(update={"conformity": USUAL_CONFORMITY})
     ingredients = Ingredients(**keys.ingredients.model_dump())
@@ -380,7 +353,7 @@ def _rolling_set_from_keys(keys: schema.ShaftSceneKeys, i: int, raw: Mapping[str
     """
     one = keys.sets[i]
     thrust = one.thrust or "both"
-    shared = (one.name, kind_of_nut_or_bearing(one))
+    shared = one.name, kind_of_nut_or_bearing(one)
     if one.rollers is not None:
         row = _roller_row_from_keys(one.rollers, from_keys.material_from_keys(None, keys.material))
         of_rollers = (one.housing, one.offset, one.preload, thrust)
@@ -388,39 +361,28 @@ def _rolling_set_from_keys(keys: schema.ShaftSceneKeys, i: int, raw: Mapping[str
     scene_keys = _scene_keys_of_nut_or_bearing(keys, one)
     if "seed" not in one.errors.model_fields_set:  # without a seed in the file, each set draws different errors
         scene_keys = scene_keys.model_copy(update={"errors": one.errors.model_copy(update={"seed": i})})
-    raise_scene_error_for_faults(
-        origin, raw, [_fault_with_keys_of_shaft_file(f, i, raw) for f in conflicting_key_faults(scene_keys)]
-    )
+
+    def raise_for(faults: Iterable[Fault]) -> None:
+        raise_scene_error_for_faults(origin, raw, [_fault_with_keys_of_shaft_file(f, i, raw) for f in faults])
+
+    raise_for(key_checks.conflicting_key_faults(scene_keys))
     scene = with_groove_radii_from_rigidity(from_keys.scene_from_keys(scene_keys, one.name), one, origin, f"sets[{i}]")
-    raise_scene_error_for_faults(origin, raw, [_fault_with_keys_of_shaft_file(f, i, raw) for f in geometry_faults(scene)])
+    raise_for(geometry_faults(scene))
     if one.thrust is None and has_single_arc_grooves(scene):
         scene, thrust = with_single_arc_grooves(scene), "deep groove"
     scene = _with_single_arcs_for_thrust(scene, thrust)
-    own_place = (
-        one.housing,
-        one.offset,
-        from_keys.preload_force_and_rating_text(scene, one.preload)[0],
-        thrust,
-        one.carrier,
-        one.seals,
-    )
+    preload, _ = from_keys.preload_force_and_rating_text(scene, one.preload)
+    own_place = one.housing, one.offset, preload, thrust, one.carrier, one.seals
     return axis.RollingSet(*shared, scene, scene.nut.position, *own_place)  # type: ignore[arg-type]
 
 
 def _roller_row_from_keys(rollers: schema.TaperedRollerKeys, material: Material) -> axis.RollerRow:
     """Return a row of tapered rollers from its keys ``rollers``; ``material``: material of rollers and rings."""
-    row = axis.RollerRow(
-        rollers.count,
-        rollers.diameter,
-        rollers.length,
-        rollers.cup_angle,
-        rollers.roller_angle,
-        rollers.ring_depth,
-        material,
-    )
-    names = ("slices", "edge_radius", "end_radius", "rib_height", "rib_friction", "torque_factor")
-    given = {name: getattr(rollers, name) for name in names}
-    return replace(row, **given, crown=float("inf") if rollers.crown is None else rollers.crown)
+    names = ["count", "diameter", "length", "cup_angle", "roller_angle", "slices", "edge_radius", "end_radius"]
+    names += ["rib_height", "rib_friction", "torque_factor"]
+    crown = float("inf") if rollers.crown is None else rollers.crown
+    same: dict[str, Any] = {name: getattr(rollers, name) for name in names}
+    return axis.RollerRow(**same, depth=rollers.ring_depth, material=material, crown=crown)
 
 
 def _with_single_arcs_for_thrust(scene: Scene, thrust: str) -> Scene:
@@ -453,19 +415,14 @@ def _position_faults(keys: schema.ShaftSceneKeys, sets: Sequence[axis.RollingSet
     degree of freedom that no other support at its position fixes. ``sets``: records of the nuts and bearings, in the order
     of ``keys.sets``.
     """
-    length = keys.screw.length
-    stations = [
-        (f"{n}[{i}].at", x.at) for n in ("supports", "loads", "housings", "joints") for i, x in enumerate(getattr(keys, n))
-    ]
+    tables_at = ("supports", "loads", "housings", "joints")
+    stations = [(f"{name}[{i}].at", x.at) for name in tables_at for i, x in enumerate(getattr(keys, name))]
     stations += [(f"cases[{k}].loads[{i}].at", x.at) for k, c in enumerate(keys.cases) for i, x in enumerate(c.loads or ())]
     stations += [(f"sets[{i}].position", s.position) for i, s in enumerate(sets) if s.kind == "tapered roller bearing"]
     stations += [(f"screw.plain[{i}].end", p.end) for i, p in enumerate(keys.screw.plain)]
     if keys.stiffness.at is not None:
         stations.append(("stiffness.at", keys.stiffness.at))
-    for where, at in stations:
-        if at > length + TOLERANCE:
-            advice = "check the position, which is measured from the shaft's left end, or lengthen the shaft"
-            yield Fault((where,), f"0 mm to {length_text(length)}, the shaft's length", advice)
+    yield from position_beyond_end_faults(stations, keys.screw.length, "shaft")
     end = 0.0
     for i, p in enumerate(keys.screw.plain):
         if p.start < end - TOLERANCE or p.end <= p.start:
@@ -482,23 +439,13 @@ def _position_faults(keys: schema.ShaftSceneKeys, sets: Sequence[axis.RollingSet
         for i, h in enumerate(housings):
             if h.name in stands and (any(h.force) or any(h.moment)):
                 allowed = "no load on a housing whose six degrees of freedom are all fixed"
-                yield Fault(
-                    (f"{table}[{i}].force",), allowed, "remove a degree of freedom from `fix`, or leave the load out"
-                )
+                advice = "remove a degree of freedom from `fix`, or leave the load out"
+                yield Fault((f"{table}[{i}].force",), allowed, advice)
     for i, one in enumerate(keys.sets):
         if one.carrier in stands:
             advice = "remove a degree of freedom from the housing's `fix`, or leave this entry out"
             yield Fault((f"sets[{i}].carrier",), "a housing that can move", advice)
-    held = [(s, n) for s in keys.supports for n in s.fixed_freedoms]
-    for i, s in enumerate(keys.supports):
-        if not s.fixed_freedoms:
-            advice = 'write e.g. fix = ["ux", "uy"], or delete the support'
-            yield Fault((f"supports[{i}].fix",), "at least one degree of freedom", advice, "no degree of freedom")
-    for k, (s, n) in enumerate(held):
-        if any(n == m and abs(s.at - t.at) <= 1e-5 for t, m in held[:k]):
-            where = f"supports[{keys.supports.index(s)}].fix"
-            advice = f"remove {n} from one of the supports at this position"
-            yield Fault((where,), "each degree of freedom once at each position along the shaft", advice, f"{n} twice")
+    yield from key_checks.support_faults(keys.supports)
 
 
 # --- arrangements of bearings, such as "DBD"
@@ -536,9 +483,7 @@ def arrangement_faults(set_path: str, set_keys: schema.NutOrBearingKeys) -> Iter
             advice = f"leave {key} out: it follows from the arrangement for every row"
             yield Fault((f"{set_path}.{key}",), "only without arrangement", advice)
     if (set_keys.preload or set_keys.pair_preload) and len(set(axis.ARRANGEMENTS[set_keys.arrangement or ""])) == 1:
-        advice = (
-            "leave the preload out, or name another arrangement: bearings in tandem have no opposite row to press against"
-        )
+        advice = "leave the preload out, or name another arrangement: tandem bearings have no opposite row to press against"
         key = "preload" if set_keys.preload else "pair_preload"
         yield Fault((f"{set_path}.{key}",), "only in an arrangement whose rows carry in both directions", advice)
 
@@ -582,20 +527,15 @@ def bearings_of_arrangement(
         yield single_bearing
         return
     ways, parts = axis.ARRANGEMENTS[set_keys.arrangement], single_bearing.parts
-    total = (
-        preload_of_arrangement(set_keys.arrangement, set_keys.pair_preload)
-        if set_keys.pair_preload
-        else single_bearing.preload
-    )
+    total = single_bearing.preload
+    if set_keys.pair_preload:
+        total = preload_of_arrangement(set_keys.arrangement, set_keys.pair_preload)
     for k, way in enumerate(ways):
-        name, at = (
-            f"{single_bearing.name} {k + 1}",
-            single_bearing.position + (k - 0.5 * (len(ways) - 1)) * parts.nut.length,
-        )
+        name = f"{single_bearing.name} {k + 1}"
+        at = single_bearing.position + (k - 0.5 * (len(ways) - 1)) * parts.nut.length
         errors = replace(parts.errors, seed=parts.errors.seed + seed_step * k)
-        row = _with_single_arcs_for_thrust(
-            replace(parts, name=name, nut=replace(parts.nut, position=at), errors=errors), way
-        )
+        row = replace(parts, name=name, nut=replace(parts.nut, position=at), errors=errors)
+        row = _with_single_arcs_for_thrust(row, way)
         share = total / ways.count(way) if len(set(ways)) == 2 else 0.0
         yield replace(single_bearing, name=name, parts=row, position=at, thrust=way, preload=share)
 
@@ -653,9 +593,8 @@ def with_groove_radii_from_rigidity(
             "a rigidity that the pair can have with a possible conformity (groove radius over ball diameter), which is "
             "computed from it"
         )
-        raise InputError(
-            file_name, f"{set_path}.pair_rigidity", given, allowed, f"correct balls, preload or rigidity: {error}"
-        ) from None
+        advice = f"correct balls, preload or rigidity: {error}"
+        raise InputError(file_name, f"{set_path}.pair_rigidity", given, allowed, advice) from None
     groove = 2.0 * implied * bearing.balls.radius
     text = f"{bearing.name}: conformity {implied:.4f} of both grooves, from the rigidity of a pair, {given}."
     screw, nut = replace(bearing.screw, groove_radius=groove), replace(bearing.nut, groove_radius=groove)

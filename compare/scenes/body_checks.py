@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 
 from rollbench.compare.scenes.fault import TOLERANCE, Fault, length_text
 from rollbench.lowfi.statics.problem import PrescribedMotion, describe_prescribed_value, find_support_contradiction
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.errors import are_in_shifted_half, draw_geometry_with_errors
+from rollbench.meshes.errors import are_in_shifted_half, ball_radii_without_random_errors, draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout, lead_angle
 from rollbench.meshes.numerics import pairs_of_close_points
 from rollbench.meshes.parts import SIDES, Flange, Nut, Scene
@@ -25,20 +26,9 @@ SMALLEST_WIDTH = 1e-4
 WIDEST_GROOVE = 10.0
 
 
-def ball_radii_with_listed_errors(scene: Scene) -> Array:
-    """Return the radii of all balls of a scene ``(n,)`` [m] with all errors except random ones, by start of the thread.
-
-    The errors are the oversize of all balls and the errors that the file lists for single balls.
-    """
-    radii = np.full(scene.ball_count, scene.balls.radius + scene.errors.balls.oversize)
-    for number, error in scene.errors.balls.listed:
-        radii[number - 1] += error
-    return radii
-
-
 def geometry_faults(scene: Scene) -> Iterator[Fault]:
     """Yield the faults of dimensions with which a scene cannot be built, in the order in which users correct them."""
-    radii = ball_radii_with_listed_errors(scene)
+    radii = ball_radii_without_random_errors(scene)
     small = np.flatnonzero(radii <= 0.0)
     if small.size:
         allowed = f"oversize and listed error whose sum is above -{length_text(scene.balls.radius)}"
@@ -47,11 +37,9 @@ def geometry_faults(scene: Scene) -> Iterator[Fault]:
         yield Fault((listed, "errors.balls.oversize"), allowed, "check the unit: a ball needs a positive radius", value)
     largest = float(radii.max())
     yield from _groove_width_faults(scene, largest)
-    yield from _path_error_faults(scene)
-    yield from _diameter_faults(scene)
-    yield from _position_beyond_screw_faults(scene)
-    yield from _rigid_screw_support_faults(scene)
-    yield from _solid_table_faults(scene)
+    of_screw = _diameter_faults, _position_beyond_screw_faults, _rigid_screw_support_faults
+    for check in (_path_error_faults, *of_screw, _solid_table_faults):
+        yield from check(scene)
     if scene.nut.flange is not None:
         yield from _flange_faults(scene.nut, scene.nut.flange)
     if scene.track.pitch_radius > scene.balls.radius:
@@ -62,16 +50,14 @@ def geometry_faults(scene: Scene) -> Iterator[Fault]:
 
 def _path_error_faults(scene: Scene) -> Iterator[Fault]:
     """Yield the faults of errors along the track: pitch and roundness errors above the ball radius, and lead offset."""
-    for side in SIDES:
-        for kind in ("pitch", "roundness"):
-            terms = getattr(scene.errors.side(side), kind)
-            size = sum(math.hypot(t.sin, t.cos) + SIGMAS * t.sigma for t in terms)
-            if size > scene.balls.radius:
-                allowed = (
-                    f"a sum up to {length_text(scene.balls.radius)}, the ball radius (random errors count {SIGMAS:g} sigma)"
-                )
-                value = f"{kind} errors of {length_text(size)}"
-                yield Fault((f"errors.{side}.{kind}",), allowed, "check the unit: such errors are some um", value)
+    radius = scene.balls.radius
+    allowed = f"a sum up to {length_text(radius)}, the ball radius (random errors count {SIGMAS:g} sigma)"
+    for side, kind in itertools.product(SIDES, ("pitch", "roundness")):
+        terms = getattr(scene.errors.side(side), kind)
+        size = sum(math.hypot(t.sin, t.cos) + SIGMAS * t.sigma for t in terms)
+        if size > radius:
+            value = f"{kind} errors of {length_text(size)}"
+            yield Fault((f"errors.{side}.{kind}",), allowed, "check the unit: such errors are some um", value)
     if scene.errors.lead_offset:
         yield from _lead_offset_faults(scene)
 
@@ -81,12 +67,8 @@ def _lead_offset_faults(scene: Scene) -> Iterator[Fault]:
     where, radius, offset = ("preload.lead_offset",), scene.balls.radius, scene.errors.lead_offset
     beyond = are_in_shifted_half(scene, ball_layout(scene).z)
     if abs(offset) > radius:
-        yield Fault(
-            where,
-            f"up to {length_text(radius)}, the ball radius",
-            "check the unit: offsets are some um",
-            length_text(offset),
-        )
+        allowed, advice = f"up to {length_text(radius)}, the ball radius", "check the unit: offsets are some um"
+        yield Fault(where, allowed, advice, length_text(offset))
     if beyond.all() or not beyond.any():
         advice = "leave lead_offset out, or fill turns on both sides: it shifts one half of the nut's groove along the axis"
         yield Fault(where, "only with balls on both sides of the nut's centre", advice, length_text(offset))
@@ -115,9 +97,8 @@ def hertz_constant_faults(scene: Scene) -> Iterator[Fault]:
         ball, side = (int(k) for k in bad[0])
         across, along = curvature[ball, side]
         allowed = "a groove that is less curved than the ball in every contact"
-        value = (
-            f"relative curvatures {across:.3g} 1/m across and {along:.3g} 1/m along flank {SIDES[side]} at ball {ball + 1}"
-        )
+        place = f"flank {SIDES[side]} at ball {ball + 1}"
+        value = f"relative curvatures {across:.3g} 1/m across and {along:.3g} 1/m along {place}"
         advice = "lower the curvature of the profile error, or enlarge the groove radius: ball and flank conform there"
         part = "screw" if side < 2 else "nut"
         keys = (f"errors.{SIDES[side]}.profile", f"errors.{SIDES[side]}.profile_sigma", f"{part}.groove_radius")
@@ -131,28 +112,23 @@ def _groove_width_faults(scene: Scene, largest_ball_radius: float) -> Iterator[F
     """
     spread = SIGMAS * scene.errors.balls.sigma
     diameter = 2.0 * scene.balls.radius
+    largest, widest = largest_ball_radius, WIDEST_GROOVE * scene.balls.radius
     for name, radius in (("screw", scene.screw.groove_radius), ("nut", scene.nut.groove_radius)):
         where = (f"{name}.conformity", f"{name}.groove_radius")
-        if radius <= largest_ball_radius:
-            allowed = (
-                f"a groove radius above {length_text(largest_ball_radius)} (conformity above "
-                f"{largest_ball_radius / diameter:.6g})"
-            )
+        if radius <= largest:
+            allowed = f"a groove radius above {length_text(largest)} (conformity above {largest / diameter:.6g})"
             advice = "enlarge the groove: the ball would jam, as its radius with oversize and listed errors is not smaller"
             yield Fault(where, allowed, advice)
-        elif radius <= largest_ball_radius + spread:
-            allowed = f"below {length_text((radius - largest_ball_radius) / SIGMAS)} with this groove"
-            advice = (
-                f"check the unit: a ball {SIGMAS:g} sigma too large would jam in the groove of radius {length_text(radius)}"
-            )
+        elif radius <= largest + spread:
+            groove = f"the groove of radius {length_text(radius)}"
+            advice = f"check the unit: a ball {SIGMAS:g} sigma too large would jam in {groove}"
+            allowed = f"below {length_text((radius - largest) / SIGMAS)} with this groove"
             yield Fault(("errors.balls.sigma",), allowed, advice)
-        elif radius > WIDEST_GROOVE * scene.balls.radius:
-            allowed = (
-                f"a groove radius up to {length_text(WIDEST_GROOVE * scene.balls.radius)} ({WIDEST_GROOVE:g} ball radii)"
-            )
+        elif radius > widest:
+            allowed = f"a groove radius up to {length_text(widest)} ({WIDEST_GROOVE:g} ball radii)"
             yield Fault(where, allowed, "check the unit: a groove is usually 1.02 to 1.2 ball radii")
         else:
-            yield from _profile_error_faults(scene, name[0].upper(), radius - largest_ball_radius)
+            yield from _profile_error_faults(scene, name[0].upper(), radius - largest)
 
 
 def _profile_error_faults(scene: Scene, part: str, clearance: float) -> Iterator[Fault]:
@@ -220,17 +196,24 @@ def _position_beyond_screw_faults(scene: Scene) -> Iterator[Fault]:
             yield Fault(("nut.length",), allowed, "shorten the nut or lengthen the screw")
         else:
             allowed = f"{length_text(nut.length / 2.0)} to {length_text(length - nut.length / 2.0)}"
-            advice = (
-                f"move the nut, {length_text(ends[0])} to {length_text(ends[1])}, so that it lies on the screw, 0 mm to "
-                f"{length_text(length)}"
-            )
+            present = f"{length_text(ends[0])} to {length_text(ends[1])}"
+            advice = f"move the nut, {present}, so that it lies on the screw, 0 mm to {length_text(length)}"
             yield Fault(("nut.position",), allowed, advice)
     stations = [(f"supports[{i}].at", s.at) for i, s in enumerate(scene.supports)]
     stations += [(f"loads[{i}].at", p.at) for i, p in enumerate(scene.loads)]
+    yield from position_beyond_end_faults(stations, length, "screw")
+
+
+def position_beyond_end_faults(stations: Iterable[tuple[str, float]], length: float, part: str) -> Iterator[Fault]:
+    """Yield a fault for each position beyond the right end of a screw or shaft.
+
+    ``stations``: keys of the file, each with the axial position that it states [m]; ``length``: length of the screw or
+    shaft [m]; ``part``: its name in messages, "screw" or "shaft".
+    """
     for where, at in stations:
         if at > length + TOLERANCE:
-            advice = "check the position, which is measured from the screw's left end, or lengthen the screw"
-            yield Fault((where,), f"0 mm to {length_text(length)}, the screw's length", advice)
+            advice = f"check the position, which is measured from the {part}'s left end, or lengthen the {part}"
+            yield Fault((where,), f"0 mm to {length_text(length)}, the {part}'s length", advice)
 
 
 def _rigid_screw_support_faults(scene: Scene) -> Iterator[Fault]:
@@ -261,9 +244,8 @@ def _solid_table_faults(scene: Scene) -> Iterator[Fault]:
         most = 2.0 * (R - of_screw)
         if not scene.screw.bore <= solid.hole_diameter < most:
             advice = "check the diameter: the hole is at least as wide as the bore and leaves a wall under the groove"
-            yield Fault(
-                ("solid.hole_diameter",), f"from {length_text(scene.screw.bore)}, below {length_text(most)}", advice
-            )
+            allowed = f"from {length_text(scene.screw.bore)}, below {length_text(most)}"
+            yield Fault(("solid.hole_diameter",), allowed, advice)
     if solid.screw_held == "bore" and scene.screw.bore <= 0.0:
         yield Fault(("solid.screw_held",), '"ends" for a screw without bore', 'give screw.bore, or write "ends"')
 
@@ -277,9 +259,8 @@ def _flange_faults(nut: Nut, flange: Flange) -> Iterator[Fault]:
     if flange.thickness + flange.centring > nut.length - TOLERANCE:
         room = nut.length - (flange.thickness if flange.centring else 0.0)
         advice = "shorten flange or centring fit, or lengthen the nut: both lie within the nut's length"
-        yield Fault(
-            ("nut.flange.centring" if flange.centring else "nut.flange.thickness",), f"below {length_text(room)}", advice
-        )
+        key = "nut.flange.centring" if flange.centring else "nut.flange.thickness"
+        yield Fault((key,), f"below {length_text(room)}", advice)
     low, high = (2.0 * r for r in flange.seat)
     advice = "check the diameters of the fixed annulus: it lies on the flange's face"
     if not nut.outer_diameter - TOLERANCE <= low < flange.diameter - SMALLEST_WIDTH:
@@ -346,16 +327,13 @@ def _ball_circuit_faults(scene: Scene) -> Iterator[Fault]:
     try:
         circuits_of_scene(scene)
     except CircuitError as error:
-        yield Fault(
-            (f"circulation.{error.key}", "circulation", "balls.count", "balls.azimuths"), error.allowed, error.advice
-        )
+        keys = (f"circulation.{error.key}", "circulation", "balls.count", "balls.azimuths")
+        yield Fault(keys, error.allowed, error.advice)
     ends = nut_positions_at_start_and_end(scene) + scene.nut.position
     half, length = 0.5 * scene.nut.length, scene.screw.length
     if ends.min() < half - TOLERANCE or ends.max() > length - half + TOLERANCE:
-        allowed = (
-            f"a simulation with the nut's centre from {length_text(half)} to {length_text(length - half)}, so that the nut "
-            "is on the screw"
-        )
+        span = f"from {length_text(half)} to {length_text(length - half)}"
+        allowed = f"a simulation with the nut's centre {span}, so that the nut is on the screw"
         path = f"the nut's centre would move from {length_text(float(ends[0]))} to {length_text(float(ends[1]))}"
         advice = f"shorten the simulation or lengthen the screw: {path}"
         yield Fault(("time.angle", "time.duration"), allowed, advice)

@@ -84,9 +84,8 @@ def shipped_scene_of_kind(name: str, kind: type[Of]) -> Of:
     if not isinstance(described, kind):
         from rollbench.compare.scenes import scene_file
 
-        raise InputError(
-            name, "kind", f'"{scene_file.kind_of_scene(described)}"', f'"{kind.kind}"', "choose a scene of this kind"
-        )
+        found = f'"{scene_file.kind_of_scene(described)}"'
+        raise InputError(name, "kind", found, f'"{kind.kind}"', "choose a scene of this kind")
     return described
 
 

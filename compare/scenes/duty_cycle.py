@@ -47,20 +47,18 @@ class DutyCycle:
 
     def to_toml(self) -> str:
         """Return the duty cycle as the text of a scene file."""
-        from rollbench.meshes.scene_text import (
-            load_case_table,
-            scene_file_tables,
-            scene_file_tables_of_shaft,
-            toml_of_tables,
-        )
+        from rollbench.meshes import scene_text
 
         parts = self.parts
-        tables = scene_file_tables(parts) if isinstance(parts, Scene) else scene_file_tables_of_shaft(parts)
+        if isinstance(parts, Scene):
+            tables = scene_text.scene_file_tables(parts)
+        else:
+            tables = scene_text.scene_file_tables_of_shaft(parts)
         cases = []
         for case in self.cases:
-            table = load_case_table(case.share, case.time, case.speed, parts, case.scene)
+            table = scene_text.load_case_table(case.share, case.time, case.speed, parts, case.scene)
             cases.append({"name": case.scene.name.removeprefix(f"{parts.name}-"), **table})
-        return toml_of_tables(tables | {"cases": cases})
+        return scene_text.toml_of_tables(tables | {"cases": cases})
 
     @property
     def name(self) -> str:

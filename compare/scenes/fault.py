@@ -265,7 +265,8 @@ def message_on_unknown_key(schema: dict[str, Any], fault: Any) -> tuple[FaultMes
     ``schema``: JSON Schema of the scene; ``fault``: an entry of pydantic's list of errors.
     """
     where = fault["loc"]
-    known, word = list(schema_part_at_path(schema, where[:-1]).get("properties", {})), key_meant_by_word(str(where[-1]))
+    known = list(schema_part_at_path(schema, where[:-1]).get("properties", {}))
+    word = WORDS.get(str(where[-1]).strip().lower().replace("-", "_").replace(" ", "_"), "")
     near = difflib.get_close_matches(str(where[-1]), known, n=1, cutoff=0.5)
     meant = next((name for name in known if word.startswith((f"{name} ", f"{name}:"))), "")
     if word:
@@ -342,8 +343,3 @@ def _advice_for_key(node: Mapping[str, Any], name: str, kind: str, given: object
             return f"add a [{name}] table; rollbench new FILE writes a scene with all of them"
         return f"add {name} = {toml_text(examples[0])}" if examples else f"add {name}"
     return f"write e.g. {toml_text(examples[0])}" if examples else "see the key in the output of: rollbench schema"
-
-
-def key_meant_by_word(name: str) -> str:
-    """Return the key of a scene file that is meant by a frequent unknown key ``name`` (`WORDS`); empty for other keys."""
-    return WORDS.get(name.strip().lower().replace("-", "_").replace(" ", "_"), "")

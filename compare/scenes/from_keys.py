@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from math import cos, floor, hypot, pi, sin
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -16,17 +16,13 @@ from rollbench.compare.scenes import schema
 from rollbench.compare.scenes.duty_cycle import DutyCycle, LoadCase
 from rollbench.compare.scenes.fault import Fault, length_text, raise_scene_error_for_faults
 from rollbench.compare.scenes.keys import MaterialKeys
-from rollbench.compare.scenes.schema import LoadCaseKeys, SceneKeys
 from rollbench.meshes import parts
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.helix import evenly_spaced_azimuths, lead_angle
+from rollbench.meshes.numerics import brentq
 from rollbench.meshes.one_arc import free_contact_angle
-from rollbench.meshes.parts import Errors, Motion, Scene, Support
 from rollbench.meshes.ranges import ShareOfLoadRating
 from rollbench.meshes.section import MERGE
-
-if TYPE_CHECKING:
-    from rollbench.compare.scenes.schema import HousingKeys, ShaftSceneKeys
 
 
 def scene_from_keys(keys: schema.SceneKeys, name: str) -> parts.Scene:
@@ -83,22 +79,14 @@ def _track_from_keys(keys: schema.SceneKeys) -> parts.Track:
 
 def groove_centre_distance(keys: schema.SceneKeys) -> float:
     """Return the distance [m] between the centres of the screw's and the nut's groove arcs when a ball touches both."""
-    return groove_radius_of_part(keys, keys.screw) + groove_radius_of_part(keys, keys.nut) - 2.0 * keys.balls.radius
-
-
-def groove_radius_of_part(keys: schema.SceneKeys, part: schema.ScrewKeys | schema.NutKeys) -> float:
-    """Return the groove radius [m] of the screw or nut ``part``: as stated, or as conformity times ball diameter."""
-    return part.groove_radius or (part.conformity or 0.0) * (2.0 * keys.balls.radius)
+    return keys.screw.radius_for(keys.balls) + keys.nut.radius_for(keys.balls) - 2.0 * keys.balls.radius
 
 
 def _fields_of_screw_or_nut(keys: schema.SceneKeys, part: schema.ScrewKeys | schema.NutKeys) -> dict[str, Any]:
     """Return length, outer diameter, groove radius and material of the screw or nut ``part``, by names of record fields."""
-    shape = {
-        "length": part.length,
-        "outer_diameter": part.outer_diameter,
-        "groove_radius": groove_radius_of_part(keys, part),
-    }
-    return {**shape, "material": material_from_keys(part.material, keys.material)}
+    shape = {"length": part.length, "outer_diameter": part.outer_diameter}
+    material = material_from_keys(part.material, keys.material)
+    return {**shape, "groove_radius": part.radius_for(keys.balls), "material": material}
 
 
 def _flange_from_keys(nut: schema.NutKeys) -> parts.Flange | None:
@@ -108,13 +96,10 @@ def _flange_from_keys(nut: schema.NutKeys) -> parts.Flange | None:
     """
     if nut.flange is None:
         return None
-    seat = nut.held.inner_diameter or nut.outer_diameter, nut.held.outer_diameter or nut.flange.diameter
-    return parts.Flange(
-        **nut.flange.model_dump(),
-        seat=(0.5 * seat[0], 0.5 * seat[1]),
-        bonded=nut.held.centring == "bonded",
-        bolts=nut.held.bolts,
-    )
+    held = nut.held
+    low, high = held.inner_diameter or nut.outer_diameter, held.outer_diameter or nut.flange.diameter
+    seat, bonded = (0.5 * low, 0.5 * high), held.centring == "bonded"
+    return parts.Flange(**nut.flange.model_dump(), seat=seat, bonded=bonded, bolts=held.bolts)
 
 
 def friction_from_keys(keys: schema.FrictionKeys) -> parts.Friction:
@@ -191,7 +176,6 @@ def angle_of_touching_balls(pitch_radius: float, lead: float, ball_diameter: flo
     ball_diameter
         Ball diameter d [m].
     """
-    from rollbench.meshes.numerics import brentq
 
     def chord_minus_diameter(angle: float) -> float:
         """Return the chord between two ball centres whose azimuths differ by ``angle`` [rad], less a ball diameter [m]."""
@@ -205,7 +189,7 @@ def loaded_ball_count(balls: schema.BallKeys, track: schema.TrackKeys) -> int:
     return balls.count or ball_count_of_circuit(balls, track) * balls.circuits * track.starts
 
 
-def support_from_keys(support: schema.SupportKeys | HousingKeys) -> parts.Support:
+def support_from_keys(support: schema.SupportKeys | schema.HousingKeys) -> parts.Support:
     """Return a support of the screw, or the fixed degrees of freedom of a housing, from the keys of a scene file.
 
     The record holds the axial position, and the prescribed value of each fixed degree of freedom.
@@ -221,11 +205,12 @@ def support_from_keys(support: schema.SupportKeys | HousingKeys) -> parts.Suppor
 def ball_oversize_for_preload(scene: parts.Scene, force: float) -> float:
     """Return the oversize e of the ball radius [m] that causes a given axial preload between rigid nut and rigid screw.
 
-    All four contacts of each of the n balls carry Q = force / (n sin beta cos alpha), with the contact angle beta and the
-    lead angle alpha. The approaches of the two opposite contacts on a ball, one on the screw and one on the nut, add up to
-    twice the oversize: 2 e = (C_S + C_N) Q^(2/3), with the Hertz constants C [m N^(-2/3)] at the nominal contact angle. The
-    formula is valid if e is small against the distance of ball and groove centre, so that the contact angle hardly changes
-    (the error is one per cent of the force for an oversize of 7 um and a distance of 0.5 mm).
+    Each of the n balls has four contacts, which all carry Q = force / (n sin beta cos alpha), with the contact angle beta
+    and the lead angle alpha. The approaches of two opposite contacts of a ball, one on the screw and one on the nut, add up
+    to twice the oversize: 2 e = (C_S + C_N) Q^(2/3), with the Hertz constants C_S of the contact on the screw and C_N of
+    that on the nut [m N^(-2/3)] at the nominal contact angle. The formula is valid if e is small against the distance
+    between the centres of ball and groove arc, so that the contact angle hardly changes (the error is one per cent of the
+    force for an oversize of 7 um and a distance of 0.5 mm).
 
     Parameters
     ----------
@@ -280,7 +265,7 @@ def with_preload_as_oversize(scene: parts.Scene, keys: schema.PreloadKeys | None
 
 
 #: Class of a scene with load cases.
-Parts = TypeVar("Parts", bound="Scene | Assembly")
+Parts = TypeVar("Parts", bound="parts.Scene | Assembly")
 
 #: Largest allowed deviation of the sum of shares from 1, since files state shares with a few digits.
 ROUNDED = 1e-6
@@ -288,7 +273,7 @@ ROUNDED = 1e-6
 
 def with_load_cases(
     scene: Parts,
-    load_case_keys: Sequence[LoadCaseKeys],
+    load_case_keys: Sequence[schema.LoadCaseKeys],
     tables: Mapping[str, Any],
     file_name: str,
     faults_of_scene: Callable[[Any], Iterable[Fault]],
@@ -316,19 +301,12 @@ def with_load_cases(
     if not load_case_keys:
         return scene
     cycle = duty_cycle_from_keys(scene, load_case_keys)
-    raise_scene_error_for_faults(
-        file_name,
-        tables,
-        [
-            fault_with_keys_of_load_case(fault, k)
-            for k, case in enumerate(cycle.cases)
-            for fault in faults_of_scene(case.scene)
-        ],
-    )
+    faults = [(fault, k) for k, case in enumerate(cycle.cases) for fault in faults_of_scene(case.scene)]
+    raise_scene_error_for_faults(file_name, tables, [fault_with_keys_of_load_case(*x) for x in faults])
     return cycle
 
 
-def duty_cycle_from_keys(scene: Scene | Assembly, keys: Sequence[LoadCaseKeys]) -> DutyCycle:
+def duty_cycle_from_keys(scene: parts.Scene | Assembly, keys: Sequence[schema.LoadCaseKeys]) -> DutyCycle:
     """Return the duty cycle of a scene: the scene under each of its load cases, built from their validated keys.
 
     The share of a load case is its fraction of the revolutions of the cycle. If the file states times instead of shares,
@@ -345,14 +323,14 @@ def duty_cycle_from_keys(scene: Scene | Assembly, keys: Sequence[LoadCaseKeys]) 
     return DutyCycle(scene, tuple(cases), speed)
 
 
-def _scene_under_load_case(scene: Scene | Assembly, keys: LoadCaseKeys) -> Scene | Assembly:
+def _scene_under_load_case(scene: parts.Scene | Assembly, keys: schema.LoadCaseKeys) -> parts.Scene | Assembly:
     """Return the scene under the load case ``keys``: with the loads, displacements, speed and oversize that it states.
 
     Its name is SCENE-CASE, so that stored runs and files of each load case have separate names.
     """
     motion = scene.motion
     if keys.speed is not None:
-        motion = Motion(keys.speed) if motion is None else replace(motion, speed=keys.speed)
+        motion = parts.Motion(keys.speed) if motion is None else replace(motion, speed=keys.speed)
     case = replace(
         scene,
         name=f"{scene.name}-{keys.name}",
@@ -360,27 +338,27 @@ def _scene_under_load_case(scene: Scene | Assembly, keys: LoadCaseKeys) -> Scene
         supports=tuple(_displaced_support(s, keys) for s in scene.supports),
         motion=motion,
     )
-    if isinstance(case, Scene):
+    if isinstance(case, parts.Scene):
         return replace(case, errors=_errors_under_load_case(case, keys))
-    each = ((s, s.parts) for s in case.sets)
-    sets = (
-        replace(s, parts=replace(p, errors=_errors_under_load_case(p, keys))) if isinstance(p, Scene) else s
-        for s, p in each
-    )
-    loaded: dict[str, dict[str, Any]] = {
-        h.name: {"force": h.force, "moment": h.moment} for h in getattr(keys, "housings", ())
-    }
+    sets = []
+    for one in case.sets:
+        part = one.parts
+        if isinstance(part, parts.Scene):
+            part = replace(part, errors=_errors_under_load_case(part, keys))
+        sets.append(replace(one, parts=part))
+    of_case = getattr(keys, "housings", ())
+    loaded: dict[str, dict[str, Any]] = {h.name: {"force": h.force, "moment": h.moment} for h in of_case}
     housings = (replace(h, **loaded.get(h.name, {})) for h in case.housings)
     return replace(case, sets=tuple(sets), housings=tuple(housings))
 
 
-def _errors_under_load_case(scene: Scene, keys: LoadCaseKeys) -> Errors:
+def _errors_under_load_case(scene: parts.Scene, keys: schema.LoadCaseKeys) -> parts.Errors:
     """Return the manufacturing errors of a scene, with the ball oversize of the load case ``keys`` if it states one."""
     oversize = scene.errors.balls.oversize if keys.oversize is None else keys.oversize
     return replace(scene.errors, balls=replace(scene.errors.balls, oversize=oversize))
 
 
-def _displaced_support(support: Support, keys: LoadCaseKeys) -> Support:
+def _displaced_support(support: parts.Support, keys: schema.LoadCaseKeys) -> parts.Support:
     """Return a support with the displacements that the load case ``keys`` prescribes at the support's position."""
     moved: dict[str, float] = {}
     for other in keys.supports:
@@ -389,7 +367,7 @@ def _displaced_support(support: Support, keys: LoadCaseKeys) -> Support:
     return replace(support, fixed=tuple((name, moved.get(name, value)) for name, value in support.fixed))
 
 
-def load_case_faults(keys: SceneKeys | ShaftSceneKeys) -> Iterator[Fault]:
+def load_case_faults(keys: schema.SceneKeys | schema.ShaftSceneKeys) -> Iterator[Fault]:
     """Yield the faults of the load cases of a scene file: of their names, shares, times, and displaced supports."""
     names = [case.name for case in keys.cases]
     for k, case in enumerate(keys.cases):
@@ -416,7 +394,7 @@ def load_case_faults(keys: SceneKeys | ShaftSceneKeys) -> Iterator[Fault]:
         yield Fault((f"cases[{(shared or [0])[-1]}].share",), "shares that sum to 1", advice, f"a sum of {total:.7g}")
 
 
-def _load_case_share_faults(case: LoadCaseKeys, case_path: str) -> Iterator[Fault]:
+def _load_case_share_faults(case: schema.LoadCaseKeys, case_path: str) -> Iterator[Fault]:
     """Yield a fault unless a load case has either a share of the revolutions, or both time and speed.
 
     ``case_path``: path of the case in the file, such as ``cases[0]``.
@@ -433,7 +411,9 @@ def _load_case_share_faults(case: LoadCaseKeys, case_path: str) -> Iterator[Faul
         yield Fault((f"{case_path}.speed",), "any angular speed but zero", advice)
 
 
-def _load_case_support_faults(keys: SceneKeys | ShaftSceneKeys, case: LoadCaseKeys, case_path: str) -> Iterator[Fault]:
+def _load_case_support_faults(
+    keys: schema.SceneKeys | schema.ShaftSceneKeys, case: schema.LoadCaseKeys, case_path: str
+) -> Iterator[Fault]:
     """Yield the faults of the support displacements that a load case prescribes.
 
     Faults are a position without support, a degree of freedom that the scene's support does not fix, and one that the load
@@ -455,9 +435,8 @@ def _load_case_support_faults(keys: SceneKeys | ShaftSceneKeys, case: LoadCaseKe
                 allowed = f"a degree of freedom that the scene's support fixes ({', '.join(held) or 'none'})"
                 yield Fault((key,), allowed, f"add {name} to fix of the scene's support", name)
             elif (held[name], name) in seen:
-                yield Fault(
-                    (key,), "each degree of freedom once in a load case", "keep one of the two values", f"{name} twice"
-                )
+                allowed = "each degree of freedom once in a load case"
+                yield Fault((key,), allowed, "keep one of the two values", f"{name} twice")
             else:
                 seen.add((held[name], name))
 

@@ -9,12 +9,12 @@ file lacks an attribute that a scene needs, the error names the attribute and th
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from rollbench.compare.errors import ArgumentError, SceneError
+from rollbench.compare.errors import ArgumentError
+from rollbench.compare.scenes.fault import FaultMessage, scene_error_of_all_faults
 from rollbench.compare.scenes.rexs_model import UNITS, RexsComponent, RexsModel, Value, read_rexs_file
 
 #: REXS types of rolling bearings.
@@ -54,31 +54,27 @@ class RexsConversion:
     model: RexsModel
     #: Values that the user gives for missing attributes, as text by the keys of the scene file.
     user_values: dict[str, str]
-    #: Faults because of missing attributes.
-    missing_attribute_faults: list[SceneError] = field(default_factory=list)
+    #: Faults of the REXS file: missing attributes and values that a scene cannot have.
+    faults: list[FaultMessage] = field(default_factory=list)
     #: Sentences on assumptions of the conversion.
     assumptions: list[str] = field(default_factory=list)
     #: Sentences on parts of the REXS file that the scene omits.
-    omission_notes: list[str] = field(default_factory=list)
+    omitted: list[str] = field(default_factory=list)
 
-    def quantity_text_or_fault(
-        self, component: RexsComponent, attribute: str, key: str, names: Iterable[str] = ()
-    ) -> str | None:
+    def quantity(self, component: RexsComponent, attribute: str, key: str) -> str | None:
         """Return a quantity as text with a unit: the value that the user gives for ``key``, else the one in the REXS file.
 
         ``component``, ``attribute``: where the REXS file states the quantity; ``key``: key of the scene file for the
-        quantity; ``names``: attributes that are tried next if ``attribute`` is missing. Without a value, a fault is
-        recorded, and None is returned.
+        quantity. Without a value, a fault is recorded, and None is returned.
         """
         if key in self.user_values:
             return self.user_values.pop(key)
-        for name in (attribute, *names):
-            if (value := component.number(name)) is not None:
-                return attribute_with_unit_text(name, value)
-        self.record_missing_attribute(component, attribute, key)
+        if (value := component.number(attribute)) is not None:
+            return with_unit(attribute, value)
+        self.add_missing(component, attribute, key)
         return None
 
-    def record_missing_attribute(self, component: RexsComponent, attribute: str, key: str, unit: str = "") -> None:
+    def add_missing(self, component: RexsComponent, attribute: str, key: str, unit: str = "") -> None:
         """Record a fault for an attribute that a component of the REXS file lacks.
 
         ``key``: key with which the user can give the value (``--set``); ``unit``: unit of the attribute in REXS, "none" for
@@ -88,10 +84,14 @@ class RexsConversion:
         where = f"component {component.id} ({component.type} {component.name}), attribute {attribute}"
         example = "a number or a word" if unit == "none" else f"a value with a unit (in REXS: {unit})"
         advice = f'add it, or write --set "{key}=VALUE"'
-        self.missing_attribute_faults.append(SceneError(str(self.path), where, "nothing", example, advice))
+        self.add_fault(where, "", example, advice)
+
+    def add_fault(self, where: str, value: str, allowed: str, advice: str) -> None:
+        """Record a fault of the REXS file: place, faulty value (empty: nothing), allowed values, advice to the user."""
+        self.faults.append(FaultMessage(where, value or "nothing", allowed, advice))
 
 
-def attribute_with_unit_text(attribute: str, value: float) -> str:
+def with_unit(attribute: str, value: float) -> str:
     """Return the value of a REXS attribute as text with its unit, as written in a scene file.
 
     ``attribute``: name of the attribute, from which the unit follows; ``value``: its value in the units of REXS.
@@ -141,10 +141,9 @@ def scene_tables_from_rexs(path: Path, shaft: str, user_values: dict[str, str]) 
         keys = "title, material.KEY or SET.KEY of an attribute that REXS or this file lacks"
         advice = "remove these keys, or use those that the messages on missing attributes name"
         raise ArgumentError("set", ", ".join(reader.user_values), keys, advice, str(path))
-    if reader.missing_attribute_faults:
-        first, *others = reader.missing_attribute_faults
-        raise SceneError(first.file, first.key, first.value, first.allowed, first.advice, len(others), tuple(others))
-    return table, reader.omission_notes
+    if reader.faults:
+        raise scene_error_of_all_faults(str(path), reader.faults)
+    return table, reader.omitted
 
 
 def _chosen_shaft(reader: RexsConversion, name: str) -> RexsComponent:
@@ -175,23 +174,21 @@ def _scene_tables_of_shaft(reader: RexsConversion, shaft: RexsComponent) -> Tabl
     model = reader.model
     sections = model.parts(shaft.id, "shaft_section")
     steel = model.material(shaft.id)
-    of_rollers = (
-        _material_of_elements(model, b) for b in _bearings_on_shaft(model, shaft) if b.word("bearing_type") in ROLLERS
-    )
+    bearings = _bearings_on_shaft(model, shaft)
+    of_rollers = (_material_of_elements(model, b) for b in bearings if b.word("bearing_type") in ROLLERS)
     shared = next((x for x in of_rollers if x is not None), steel)
     plain = [_plain_section_table(reader, x) for x in sections]
     ends = [float(x["end"].split()[0]) for x in plain if x["end"]]
     widest = max((x.number("outer_diameter_begin") or 0.0 for x in sections), default=0.0)
     if not sections:
-        reader.record_missing_attribute(shaft, "length", "shaft_section", "mm (of a shaft_section that is part of it)")
+        reader.add_missing(shaft, "length", "shaft_section", "mm (of a shaft_section that is part of it)")
     sets: list[Table] = []
-    for bearing in _bearings_on_shaft(model, shaft):
+    for bearing in bearings:
         sets += _set_tables_of_bearing(reader, bearing, (steel, shared), {x["name"] for x in sets})
     seats = [x for x in sets if "housing" in x]
     supports = [{"at": "0 mm", "fix": ["rz"]}]
-    supports += [
-        s for x in _components_attached_to_shaft(model, shaft, "concept_bearing") if (s := _support_table(reader, x))
-    ]
+    concepts = _components_attached_to_shaft(model, shaft, "concept_bearing")
+    supports += [table for x in concepts if (table := _support_table(reader, x))]
     loads = model.parts(shaft.id, "external_load")
     _note_unmapped_parts(reader, shaft)
     speed, oil = shaft.number("rotational_speed"), _lubricant_viscosity(model, shaft)
@@ -209,10 +206,8 @@ def _scene_tables_of_shaft(reader: RexsConversion, shaft: RexsComponent) -> Tabl
         "supports": supports,
         "loads": [_load_table(x, {}) for x in loads],
         "cases": _case_tables(model, shaft, loads) if len(model.load_cases) > 1 else [],
-        "motion": {}
-        if speed is None or len(model.load_cases) > 1
-        else {"speed": attribute_with_unit_text("rotational_speed", speed)},
-        "lubricant": {} if oil is None else {"viscosity": attribute_with_unit_text("operating_viscosity", oil)},
+        "motion": {} if speed is None or len(model.load_cases) > 1 else {"speed": with_unit("rotational_speed", speed)},
+        "lubricant": {} if oil is None else {"viscosity": with_unit("operating_viscosity", oil)},
     }
 
 
@@ -221,16 +216,13 @@ def _plain_section_table(reader: RexsConversion, section: RexsComponent) -> Tabl
     needed = ("u_coordinate_on_shaft", "length", "outer_diameter_begin")
     for name in needed:
         if section.number(name) is None:
-            reader.record_missing_attribute(section, name, f"shaft_section {section.id}")
+            reader.add_missing(section, name, f"shaft_section {section.id}")
     start, length, first = (section.number(name) or 0.0 for name in needed)
-    last, bores = (
-        section.number("outer_diameter_end"),
-        [section.number(f"inner_diameter_{end}") or 0.0 for end in ("begin", "end")],
-    )
+    last = section.number("outer_diameter_end")
+    bores = [section.number(f"inner_diameter_{end}") or 0.0 for end in ("begin", "end")]
     if last not in (None, first) or bores[0] != bores[1]:
         reader.assumptions.append(f"REXS: the conical section {section.id} is a cylinder of its mean diameters.")
-    outer = 0.5 * (first + (first if last is None else last))
-    bore = 0.5 * (bores[0] + bores[1])
+    outer, bore = 0.5 * (first + (first if last is None else last)), 0.5 * (bores[0] + bores[1])
     table = {"start": f"{start!r} mm", "end": f"{start + length!r} mm", "diameter": f"{outer!r} mm"}
     return table | ({"bore": f"{bore!r} mm"} if bore else {})
 
@@ -246,30 +238,21 @@ def _set_tables_of_bearing(reader: RexsConversion, bearing: RexsComponent, steel
         where = f"component {bearing.id} ({bearing.type} {bearing.name}), attribute bearing_type"
         allowed = ", ".join((*BALLS, *BALLS_OF_THRUST, *ROLLERS))
         advice = "change the type, or remove the bearing; models cover only these types"
-        reader.missing_attribute_faults.append(SceneError(str(reader.path), where, kind or "nothing", allowed, advice))
+        reader.add_fault(where, kind, allowed, advice)
         return []
-    middle = reader.quantity_text_or_fault(bearing, "u_coordinate_on_shaft_inner_side", f"{name}.position")
+    middle = reader.quantity(bearing, "u_coordinate_on_shaft_inner_side", f"{name}.position")
     apart = bearing.number("distance_between_bearing_rows") or 0.0
     found = []
     for k, row in enumerate(rows):
         each = name if len(rows) == 1 else f"{name} row {k + 1}"
         each = f"{each} ({bearing.id})" if each in names else each
         by = (k - 0.5 * (len(rows) - 1)) * apart
-        found.append(
-            _set_table_of_row(
-                reader, bearing, row, steels, each, _shift_position(middle, by) if middle and by else middle or ""
-            )
-        )
+        place = middle or ""
+        if place and by:
+            value, _, unit = place.partition(" ")
+            place = f"{float(value) + by!r} {unit}"
+        found.append(_set_table_of_row(reader, bearing, row, steels, each, place))
     return found
-
-
-def _shift_position(position: str, shift: float) -> str:
-    """Return a position along the shaft, as text with its unit, after moving it by a distance.
-
-    ``position``: the position as text in mm; ``shift``: the distance [mm].
-    """
-    value, _, unit = position.partition(" ")
-    return f"{float(value) + shift!r} {unit}"
 
 
 def _set_table_of_row(
@@ -287,33 +270,30 @@ def _set_table_of_row(
     count = int(typed or reader.user_values.pop(f"{name}.count", "0"))
     takes = row.word("axial_force_absorption_of_row") or bearing.word("axial_force_absorption")
     floats = bearing.word("axial_force_absorption") == FLOATS
-    takes = reader.user_values.pop(f"{name}.thrust", "") or THRUST.get(
-        "both_directions" if takes == FLOATS else takes, takes
-    )
+    stated = THRUST.get("both_directions" if takes == FLOATS else takes, takes)
+    takes = reader.user_values.pop(f"{name}.thrust", "") or stated
     one_way = kind in ROLLERS or "angular_contact" in kind
     if takes not in THRUST.values() or (one_way and takes == "both"):
         where = f"component {row.id} ({row.type}), attribute axial_force_absorption_of_row"
         advice = f'add it, or write --set "{name}.thrust=+z" (or -z, or both)'
         allowed = "positive or negative" if one_way else ", ".join(THRUST)
-        reader.missing_attribute_faults.append(SceneError(str(reader.path), where, takes or "nothing", allowed, advice))
+        reader.add_fault(where, takes, allowed, advice)
     if not count:
-        reader.record_missing_attribute(row, "number_of_rolling_elements", f"{name}.count")
+        reader.add_missing(row, "number_of_rolling_elements", f"{name}.count")
     shift = bearing.number("preload_distance") or 0.0
     force = bearing.number("preload_force") or 0.0
-    table: Table = {"name": name}
     if takes == "both" and kind == "radial_grooved_ball_bearing":
         takes = "deep groove"
-    table["thrust"] = takes
-    if floats:
+    table: Table = {"name": name, "thrust": takes}
+    if floats and kind not in ROLLERS:  # rollers on a cone carry thrust
         table["housing"] = f"{name} seat"
     if shift:
-        table["offset"] = attribute_with_unit_text("preload_distance", -shift if takes == "+z" else shift)
+        table["offset"] = with_unit("preload_distance", -shift if takes == "+z" else shift)
     if force:
-        table["preload"] = attribute_with_unit_text("preload_force", force)
+        table["preload"] = with_unit("preload_force", force)
     if kind in ROLLERS:
-        table.pop("housing", None)  # rollers on a cone carry thrust
         return table | _roller_tables(reader, row, element, name, position, count)
-    return table | _ball_tables(reader, bearing, row, elements, steels, name, position, count)
+    return table | _ball_tables(reader, bearing, row, steels, name, position, count)
 
 
 def _roller_tables(
@@ -327,88 +307,73 @@ def _roller_tables(
     of = f"{name}.rollers"
     depth = reader.user_values.pop(f"{of}.ring_depth", None)
     if depth is None:
-        reader.record_missing_attribute(
-            row, "ring_depth", f"{of}.ring_depth", "no such attribute: the depth of rings that deforms, in mm"
-        )
+        unit = "no such attribute: the depth of rings that deforms, in mm"
+        reader.add_missing(row, "ring_depth", f"{of}.ring_depth", unit)
     rollers: Table = {
         "count": count,
-        "diameter": reader.quantity_text_or_fault(element, "diameter_of_rolling_element", f"{of}.diameter"),
-        "length": reader.quantity_text_or_fault(element, "length_of_rolling_element", f"{of}.length"),
-        "cup_angle": _angle_without_sign(reader.quantity_text_or_fault(row, "pressure_angle", f"{of}.cup_angle")),
-        "roller_angle": reader.quantity_text_or_fault(element, "roller_angle", f"{of}.roller_angle"),
+        "diameter": reader.quantity(element, "diameter_of_rolling_element", f"{of}.diameter"),
+        "length": reader.quantity(element, "length_of_rolling_element", f"{of}.length"),
+        "cup_angle": _angle_without_sign(reader.quantity(row, "pressure_angle", f"{of}.cup_angle")),
+        "roller_angle": reader.quantity(element, "roller_angle", f"{of}.roller_angle"),
         "ring_depth": depth,
     }
     crown = element.number("roller_crowning_radius")
-    rollers |= {} if crown is None else {"crown": attribute_with_unit_text("roller_crowning_radius", crown)}
+    rollers |= {} if crown is None else {"crown": with_unit("roller_crowning_radius", crown)}
     rounded = reader.user_values.pop(f"{of}.edge_radius", None)  # REXS has no attribute for it
     rollers |= {} if rounded is None else {"edge_radius": rounded}
     return {"position": position, "rollers": rollers}
 
 
 def _ball_tables(
-    reader: RexsConversion,
-    bearing: RexsComponent,
-    row: RexsComponent,
-    elements: list[RexsComponent],
-    steels: Steels,
-    name: str,
-    position: str,
-    count: int,
+    reader: RexsConversion, bearing: RexsComponent, row: RexsComponent, steels: Steels, name: str, position: str, count: int
 ) -> Table:
     """Return the scene-file tables of ball path, inner ring, outer ring and balls for a row of balls.
 
-    ``elements``: components of the balls; ``steels``: material of the shaft, and default material of all parts; ``name``:
-    name of the row in the scene; ``position``: position of the row along the shaft, as text; ``count``: number of balls.
+    ``steels``: material of the shaft, and default material of all parts; ``name``: name of the row in the scene;
+    ``position``: position of the row along the shaft, as text; ``count``: number of balls.
     """
-    model, element = reader.model, elements[0] if elements else row
+    model = reader.model
+    elements = model.parts(row.id, "rolling_element")
+    element = elements[0] if elements else row
     rings = {x.word("bearing_ring_type"): x for x in model.parts(bearing.id, "bearing_ring")}
     inner, outer = rings.get("inner_ring", bearing), rings.get("outer_ring", bearing)
-    pitch = reader.quantity_text_or_fault(row, "reference_diameter", f"{name}.track.pitch_diameter")
+    pitch = reader.quantity(row, "reference_diameter", f"{name}.track.pitch_diameter")
     track: Table = {"pitch_diameter": pitch, "lead": "0 mm"}
     clearance = next((a for a in CLEARANCES if bearing.number(a) is not None), "")
     angle = row.number("pressure_angle")
     if clearance and not angle and f"{name}.track.contact_angle" not in reader.user_values:
-        track["clearance"] = {"radial": attribute_with_unit_text(clearance, bearing.number(clearance) or 0.0)}
+        track["clearance"] = {"radial": with_unit(clearance, bearing.number(clearance) or 0.0)}
     else:
-        track["contact_angle"] = _angle_without_sign(
-            reader.quantity_text_or_fault(row, "pressure_angle", f"{name}.track.contact_angle")
-        )
-    if inner is bearing and f"{name}.screw.outer_diameter" not in reader.user_values:
+        track["contact_angle"] = _angle_without_sign(reader.quantity(row, "pressure_angle", f"{name}.track.contact_angle"))
+    shoulder, key = None, f"{name}.screw.outer_diameter"
+    if inner is bearing and key not in reader.user_values:
         unit = "mm (of a bearing_ring of type inner_ring: its shoulders)"
-        reader.record_missing_attribute(bearing, "outer_diameter", f"{name}.screw.outer_diameter", unit)
-        shoulder = None
+        reader.add_missing(bearing, "outer_diameter", key, unit)
     else:
-        shoulder = reader.quantity_text_or_fault(inner, "outer_diameter", f"{name}.screw.outer_diameter")
+        shoulder = reader.quantity(inner, "outer_diameter", key)
     angles = [x.number("angular_position_around_u") for x in elements]
     of_shaft, shared = steels
     own = {
-        "screw": _own_material_table(reader, model.material(inner.id, bearing.id), of_shaft, f"{name}.screw"),
-        "nut": _own_material_table(reader, model.material(outer.id, bearing.id), shared, f"{name}.nut"),
-        "balls": _own_material_table(reader, model.material(element.id, bearing.id), shared, f"{name}.balls"),
+        part: _own_material_table(reader, model.material(x.id, bearing.id), default, f"{name}.{part}")
+        for part, x, default in (("screw", inner, of_shaft), ("nut", outer, shared), ("balls", element, shared))
     }
-    balls: Table = {
-        "diameter": reader.quantity_text_or_fault(element, "diameter_of_rolling_element", f"{name}.balls.diameter")
-    }
+    balls: Table = {"diameter": reader.quantity(element, "diameter_of_rolling_element", f"{name}.balls.diameter")}
     if len(angles) == count and None not in angles:
-        balls["azimuths"] = [attribute_with_unit_text("angular_position_around_u", x) for x in angles if x is not None]
+        balls["azimuths"] = [with_unit("angular_position_around_u", x) for x in angles if x is not None]
     else:
         balls |= {"count": count, "turns": 1}
     return {
         "track": track,
         "screw": {
-            "groove_radius": reader.quantity_text_or_fault(
-                row, "raceway_radius_of_inner_ring", f"{name}.screw.groove_radius"
-            ),
+            "groove_radius": reader.quantity(row, "raceway_radius_of_inner_ring", f"{name}.screw.groove_radius"),
             "outer_diameter": shoulder,
         }
         | own["screw"],
         "nut": {
             "position": position,
-            "length": reader.quantity_text_or_fault(bearing, "width", f"{name}.nut.length"),
-            "outer_diameter": reader.quantity_text_or_fault(bearing, "outer_diameter", f"{name}.nut.outer_diameter"),
-            "groove_radius": reader.quantity_text_or_fault(
-                row, "raceway_radius_of_outer_ring", f"{name}.nut.groove_radius"
-            ),
+            "length": reader.quantity(bearing, "width", f"{name}.nut.length"),
+            "outer_diameter": reader.quantity(bearing, "outer_diameter", f"{name}.nut.outer_diameter"),
+            "groove_radius": reader.quantity(row, "raceway_radius_of_outer_ring", f"{name}.nut.groove_radius"),
         }
         | own["nut"],
         "balls": balls | own["balls"],
@@ -425,8 +390,8 @@ def _material_table(reader: RexsConversion, component: RexsComponent, key: str) 
 
     ``key``: prefix of the keys with which the user can give missing constants, such as ``material``.
     """
-    ratio = reader.quantity_text_or_fault(component, "poisson_ratio", f"{key}.poissons_ratio")
-    modulus = reader.quantity_text_or_fault(component, "elastic_modulus", f"{key}.youngs_modulus")
+    ratio = reader.quantity(component, "poisson_ratio", f"{key}.poissons_ratio")
+    modulus = reader.quantity(component, "elastic_modulus", f"{key}.youngs_modulus")
     return {"youngs_modulus": modulus, "poissons_ratio": None if ratio is None else float(ratio.split()[0])}
 
 
@@ -445,10 +410,8 @@ def _own_material_table(
 
 def _bearings_on_shaft(model: RexsModel, shaft: RexsComponent) -> list[RexsComponent]:
     """Return the rolling bearings whose inner rings sit on the shaft."""
-    sides = (
-        r.roles for r in model.relations if _is_relation_of_bearing(model, r.roles) and r.roles["inner_part"] == shaft.id
-    )
-    return [model.components[roles["assembly"]] for roles in sides]
+    all_roles = (r.roles for r in model.relations if _is_relation_of_bearing(model, r.roles))
+    return [model.components[roles["assembly"]] for roles in all_roles if roles["inner_part"] == shaft.id]
 
 
 def _material_of_elements(model: RexsModel, bearing: RexsComponent) -> RexsComponent | None:
@@ -475,7 +438,7 @@ def _support_table(reader: RexsConversion, bearing: RexsComponent) -> Table:
     fix += ["uz"] if bearing.word("axial_force_absorption") == "both_directions" else []
     fix += ["rx", "ry"] if (bearing.number("bending_stiffness") or 0.0) >= RIGID else []
     reader.assumptions.append(f"REXS: the concept bearing {bearing.id} ({bearing.name}) is rigid.")
-    at = reader.quantity_text_or_fault(bearing, "u_coordinate_on_shaft_inner_side", f"{bearing.name or bearing.id}.at")
+    at = reader.quantity(bearing, "u_coordinate_on_shaft_inner_side", f"{bearing.name or bearing.id}.at")
     return {"at": at, "fix": fix} if fix else {}
 
 
@@ -507,7 +470,7 @@ def _case_tables(model: RexsModel, shaft: RexsComponent, loads: list[RexsCompone
         even = 1.0 / len(parts) if not total else (part or 0.0) / total
         share: Table = {"share": even}
         if total and part and None not in (*parts, *speeds):
-            share = {"time": f"{part!r} s", "speed": attribute_with_unit_text("rotational_speed", speed or 0.0)}
+            share = {"time": f"{part!r} s", "speed": with_unit("rotational_speed", speed or 0.0)}
         found.append({"name": f"case-{k}", **share, "loads": [_load_table(x, case.get(x.id, {})) for x in loads]})
     return found
 
@@ -527,12 +490,12 @@ def _note_unmapped_parts(reader: RexsConversion, shaft: RexsComponent) -> None:
             "shaft_section",
             "external_load",
         ):
-            reader.omission_notes.append(f"{x.type} {x.id} ({x.name}): not part of the scene")
+            reader.omitted.append(f"{x.type} {x.id} ({x.name}): not part of the scene")
         if _is_relation_of_bearing(model, r.roles) and shaft.id in r.roles.values():
             outer = model.components[r.roles["outer_part"]]
             if outer.type != "gear_casing":
                 bearing = model.components[r.roles["assembly"]]
                 held = "its other side" if outer.id == shaft.id else f"its outer part, a {outer.type},"
-                reader.omission_notes.append(
+                reader.omitted.append(
                     f"bearing {bearing.id} ({bearing.name}): {held} is not part of the scene, or taken as fixed"
                 )

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from rollbench.compare.scenes.fault import TOLERANCE, Fault, length_text
 from rollbench.compare.scenes.from_keys import groove_centre_distance, loaded_ball_count
 from rollbench.compare.scenes.keys import GrooveKeys
-from rollbench.compare.scenes.schema import BallKeys, FrictionKeys, SceneKeys
+from rollbench.compare.scenes.schema import BallKeys, FrictionKeys, SceneKeys, SupportKeys
 from rollbench.meshes.parts import Motion, Time
 from rollbench.meshes.ranges import MAX_BALLS
 from rollbench.meshes.section import MERGE
@@ -24,20 +24,17 @@ def conflicting_key_faults(keys: SceneKeys) -> Iterator[Fault]:
     yield from _kind_against_lead_faults(keys)
     yield from groove_definition_faults(keys.screw, "screw")
     yield from groove_definition_faults(keys.nut, "nut")
-    yield from _contact_angle_faults(keys)
-    yield from _nut_fixing_faults(keys)
-    yield from _ball_arrangement_faults(keys)
-    yield from _support_faults(keys)
+    for check in (_contact_angle_faults, _nut_fixing_faults, _ball_arrangement_faults):
+        yield from check(keys)
+    yield from support_faults(keys.supports)
     yield from zero_speed_faults(keys.motion)
     if keys.lubricant is not None and keys.track.lead != 0.0:
         advice = "leave [lubricant] out: the friction of a nut is given by [friction]"
         yield Fault(("lubricant",), "only for a bearing (track.lead of 0 mm)", advice, "a lubricant for a ball screw")
     yield from conflicting_friction_key_faults(keys.friction)
-    yield from _circulation_and_time_faults(keys)
-    yield from _contradictory_diameter_and_count_faults(keys)
-    yield from _circuit_faults(keys)
-    yield from _preload_faults(keys)
-    yield from _life_factor_faults(keys)
+    of_balls = _circulation_and_time_faults, _contradictory_diameter_and_count_faults, _circuit_faults
+    for check in (*of_balls, _preload_faults, _life_factor_faults):
+        yield from check(keys)
 
 
 def zero_speed_faults(motion: Motion | None) -> Iterator[Fault]:
@@ -233,10 +230,10 @@ def _listed_ball_error_faults(keys: SceneKeys, ball_count: int) -> Iterator[Faul
             seen.add(int(text))
 
 
-def _support_faults(keys: SceneKeys) -> Iterator[Fault]:
+def support_faults(supports: Sequence[SupportKeys]) -> Iterator[Fault]:
     """Yield the faults of supports that fix no degree of freedom, or one that a support at the same position fixes too."""
     taken: list[tuple[float, str, str]] = []
-    for i, support in enumerate(keys.supports):
+    for i, support in enumerate(supports):
         given: list[tuple[str, str]] = [(name, f"supports[{i}].fix") for name in support.fix]
         given += [(name, f"supports[{i}].displace.{name}") for name in support.displace.given]
         if not given:
@@ -261,9 +258,8 @@ def _contradictory_diameter_and_count_faults(keys: SceneKeys) -> Iterator[Fault]
     )
     for where, diameter, radius in pairs:
         if diameter is not None and abs(diameter - 2.0 * radius) > SAME * radius:
-            yield Fault(
-                (where,), f"{length_text(2.0 * radius)}, twice the radius that is given too", "leave one of the two out"
-            )
+            allowed = f"{length_text(2.0 * radius)}, twice the radius that is given too"
+            yield Fault((where,), allowed, "leave one of the two out")
     if keys.balls.count is not None and keys.balls.filling is not None:
         yield Fault(("balls.filling",), "either count or filling", "leave one of the two out", "both count and filling")
 
@@ -301,7 +297,8 @@ def _life_factor_faults(keys: SceneKeys) -> Iterator[Fault]:
     """Yield a fault if only one of viscosity ratio and contamination is given; the life factor a_ISO needs both."""
     of = keys.operation
     if (of.viscosity_ratio is None) != (of.contamination is None):
-        given, lacking = ("viscosity_ratio", "contamination")[:: 1 if of.contamination is None else -1]
+        both = "viscosity_ratio", "contamination"
+        given, lacking = both if of.contamination is None else both[::-1]
         advice = f"give {lacking} too, or leave {given} out: the life factor a_ISO needs both"
         yield Fault((f"operation.{given}",), f"only together with {lacking}", advice, f"{given} without {lacking}")
 

@@ -8,23 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
-from rollbench.meshes.ranges import (
-    MAX_BALLS,
-    RATES,
-    SOLIDS,
-    Coefficient,
-    Conformity,
-    ContactAngle,
-    Deviation,
-    Lead,
-    Modulus,
-    Poisson,
-    QuantityRange,
-    Radius,
-    RateRange,
-    Size,
-    Turning,
-)
+from rollbench.meshes import ranges
 from rollbench.meshes.units import UnitError, parse_quantity
 
 # --- names of materials and diameters, as catalogues give them, are replaced by moduli and radii before the keys are
@@ -100,7 +84,7 @@ def config_requiring_radius_or_diameter(radius: str, diameter: str) -> ConfigDic
 
 
 #: Number of balls or rollers.
-Count = Annotated[int, Field(ge=1, le=MAX_BALLS)]
+Count = Annotated[int, Field(ge=1, le=ranges.MAX_BALLS)]
 #: Text of one line or sentence.
 Sentence = Annotated[str, Field(min_length=1, max_length=2000)]
 #: List of sentences.
@@ -135,8 +119,8 @@ class MaterialKeys(SceneFileTable):
 
     name: StandardName | None = key(MATERIAL_NAMES, None, "bearing steel")
     unusual: bool = key("whether a Young's modulus that no material of machine parts has is intended", False, True)
-    youngs_modulus: Modulus | None = key("Young's modulus", None)
-    poissons_ratio: Poisson | None = key("Poisson's ratio", None)
+    youngs_modulus: ranges.Modulus | None = key("Young's modulus", None)
+    poissons_ratio: ranges.Poisson | None = key("Poisson's ratio", None)
 
     @model_validator(mode="before")
     @classmethod
@@ -148,9 +132,9 @@ class MaterialKeys(SceneFileTable):
     @classmethod
     def _check_modulus(cls, value: float | None, info: ValidationInfo) -> float | None:
         """Return Young's modulus; error if no solid has such a modulus (wrong unit) and the key ``unusual`` is not true."""
-        if value is None or SOLIDS[0] <= value <= SOLIDS[1] or info.data.get("unusual"):
+        if value is None or ranges.SOLIDS[0] <= value <= ranges.SOLIDS[1] or info.data.get("unusual"):
             return value
-        allowed = f"{1e-9 * SOLIDS[0]:g} GPa to {1e-9 * SOLIDS[1]:g} GPa"
+        allowed = f"{1e-9 * ranges.SOLIDS[0]:g} GPa to {1e-9 * ranges.SOLIDS[1]:g} GPa"
         advice = 'correct the unit (steel has "210 GPa"), or write unusual = true if the value is intended'
         raise PydanticCustomError("quantity", "{advice}", {"allowed": allowed, "advice": advice})
 
@@ -170,9 +154,9 @@ class TitleKeys(SceneFileTable):
 class BallPathKeys(SceneFileTable):
     """Nominal path of the ball centres of a screw or a bearing ring."""
 
-    pitch_radius: Size = key("radius of the helix of the ball centres", example="16.5 mm")
-    lead: Lead = key('lead: advance of the helix per turn; "0 mm" for a ball bearing')
-    contact_angle: ContactAngle = key("nominal angle between contact normal and radius")
+    pitch_radius: ranges.Size = key("radius of the helix of the ball centres", example="16.5 mm")
+    lead: ranges.Lead = key('lead: advance of the helix per turn; "0 mm" for a ball bearing')
+    contact_angle: ranges.ContactAngle = key("nominal angle between contact normal and radius")
 
 
 class BallHelixKeys(BallPathKeys):
@@ -184,32 +168,36 @@ class BallHelixKeys(BallPathKeys):
 class GrooveKeys(SceneFileTable):
     """Cross-section of a groove, by its radius or by its conformity (groove radius over ball diameter)."""
 
-    groove_radius: Radius | None = key("radius of curvature of the groove (or conformity)", None, "3.254 mm")
-    conformity: Conformity | None = key("groove radius over ball diameter (or groove_radius)", None)
+    groove_radius: ranges.Radius | None = key("radius of curvature of the groove (or conformity)", None, "3.254 mm")
+    conformity: ranges.Conformity | None = key("groove radius over ball diameter (or groove_radius)", None)
+
+    def radius_for(self, balls: BallSizeKeys) -> float:
+        """Return the groove radius [m]: as stated, or as conformity times the diameter of the balls ``balls``."""
+        return self.groove_radius or (self.conformity or 0.0) * (2.0 * balls.radius)
 
 
 class BallSizeKeys(SceneFileTable):
     """Nominal size of the balls."""
 
-    radius: Radius = key("nominal ball radius")
+    radius: ranges.Radius = key("nominal ball radius")
 
 
 class BallOversizeKeys(SceneFileTable):
     """Deviation from the nominal ball radius that all balls have, such as an oversize for preload."""
 
-    oversize: Deviation = key("length added to the radius of every ball (preload if positive)", "0 um", "7 um")
+    oversize: ranges.Deviation = key("length added to the radius of every ball (preload if positive)", "0 um", "7 um")
 
 
 class CoulombFrictionKeys(SceneFileTable):
     """Coulomb friction between balls and grooves."""
 
-    coefficient: Coefficient = key("coefficient of friction between balls and grooves; may be zero")
+    coefficient: ranges.Coefficient = key("coefficient of friction between balls and grooves; may be zero")
 
 
 class RingSpeedKeys(SceneFileTable):
     """Angular speed of the rotating ring of a bearing."""
 
-    speed: Turning = key("angular speed of the rotating part about +z; negative for the other direction")
+    speed: ranges.Turning = key("angular speed of the rotating part about +z; negative for the other direction")
 
 
 @cache
@@ -256,6 +244,6 @@ def _default_with_unit(default: Any, node: dict[str, Any]) -> Any:
     if isinstance(default, list):
         return [_default_with_unit(x, node.get("items", {})) for x in default]
     if isinstance(default, float) and "x-unit" in node:
-        of = RateRange if node["x-dimension"] in RATES else QuantityRange
+        of = ranges.RateRange if node["x-dimension"] in ranges.RATES else ranges.QuantityRange
         return of(node["x-dimension"], 0, 0, node["examples"][0]).text_with_unit(default)
     return default

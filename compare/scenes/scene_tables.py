@@ -4,21 +4,18 @@ from __future__ import annotations
 
 import difflib
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from rollbench.compare.errors import SceneError, escape_unprintable
-from rollbench.compare.scenes import fault as scenes_fault
+from rollbench.compare.scenes import fault
 from rollbench.compare.scenes.body_checks import geometry_faults, hertz_constant_faults
 from rollbench.compare.scenes.duty_cycle import AXIS, KINDS, WHOLE, Described, DutyCycle
 from rollbench.compare.scenes.from_keys import load_case_faults, scene_from_keys, with_load_cases, with_preload_as_oversize
 from rollbench.compare.scenes.key_checks import conflicting_key_faults
-from rollbench.compare.scenes.schema import SceneKeys
+from rollbench.compare.scenes.schema import SceneKeys, ShaftSceneKeys
 from rollbench.meshes.one_arc import with_single_arc_grooves
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.units import toml_text
-
-if TYPE_CHECKING:
-    from rollbench.compare.scenes.schema import ShaftSceneKeys
 
 #: Tables that only scenes of the friction kinds have: if a file has one of them, it must name its kind.
 FOREIGN = {"load", "angles", "grooves", "chain", "four_point", "double_row"}
@@ -43,7 +40,9 @@ def scene_from_tables(tables: dict[str, Any], file_name: str) -> Described:
     if _describes_shaft_with_several_parts(tables):
         from rollbench.compare.scenes.axis_file import shaft_scene_from_keys
 
-        return shaft_scene_from_keys(_validated_axis_keys(tables, file_name), tables, file_name, Path(file_name).stem)
+        return shaft_scene_from_keys(
+            fault.validate_or_raise(tables, ShaftSceneKeys, file_name), tables, file_name, Path(file_name).stem
+        )
     nut = tables.get("nut")
     bodies = isinstance(nut, dict) and "length" in nut  # a ball screw or bearing with a misspelt key
     if kind is None and FOREIGN & tables.keys() and not bodies:
@@ -56,11 +55,11 @@ def scene_from_tables(tables: dict[str, Any], file_name: str) -> Described:
         near = difflib.get_close_matches(str(kind), (*WHOLE, *KINDS), n=1, cutoff=0.5)
         advice = f"did you mean {toml_text(near[0])}?" if near else "leave the key out for a whole ball screw or bearing"
         raise SceneError(file_name, "kind", toml_text(kind), ", ".join(map(toml_text, (*WHOLE, *KINDS))), advice)
-    from rollbench.compare.scenes.friction_kinds.table import scene_kind_by_name
+    from rollbench.compare.scenes.friction_kinds.table import TABLE
 
-    of = scene_kind_by_name(kind)
-    keys = scenes_fault.validate_or_raise(tables, of.key_class, file_name)
-    scenes_fault.raise_scene_error_for_faults(file_name, tables, list(of.faults_of_keys(keys)))
+    of = TABLE[kind]
+    keys = fault.validate_or_raise(tables, of.key_class, file_name)
+    fault.raise_scene_error_for_faults(file_name, tables, list(of.faults_of_keys(keys)))
     return of.scene_from_keys(keys, escape_unprintable(Path(file_name).stem))
 
 
@@ -69,18 +68,9 @@ def validated_keys(tables: dict[str, Any], file_name: str) -> SceneKeys | ShaftS
 
     ``tables``: tables of the file; ``file_name``: name of the file, for messages.
     """
-    return (
-        _validated_axis_keys(tables, file_name)
-        if _describes_shaft_with_several_parts(tables)
-        else scenes_fault.validate_or_raise(tables, SceneKeys, file_name)
-    )
-
-
-def _validated_axis_keys(tables: dict[str, Any], file_name: str) -> ShaftSceneKeys:
-    """Return the validated keys of the scene file of a shaft with nuts and bearings; SceneError for faulty keys."""
-    from rollbench.compare.scenes.schema import ShaftSceneKeys
-
-    return scenes_fault.validate_or_raise(tables, ShaftSceneKeys, file_name)
+    if _describes_shaft_with_several_parts(tables):
+        return fault.validate_or_raise(tables, ShaftSceneKeys, file_name)
+    return fault.validate_or_raise(tables, SceneKeys, file_name)
 
 
 def _describes_shaft_with_several_parts(tables: dict[str, Any]) -> bool:
@@ -94,25 +84,24 @@ def single_nut_scene_from_tables(tables: dict[str, Any], file_name: str) -> Scen
     ``tables``: the tables; ``file_name``: name of the file, for messages. SceneError for faults; it lists all faults that
     can be detected in one reading.
     """
-    keys, key_faults = scenes_fault.validate_and_collect_faults(tables, SceneKeys)
+    keys, key_faults = fault.validate_and_collect_faults(tables, SceneKeys)
     texts = list(key_faults.messages)
     if keys is not None:
         faults = (*conflicting_key_faults(keys), *load_case_faults(keys))
-        texts += scenes_fault.messages_of_faults(
-            tables, [fault for fault in faults if key_faults.concern_values_of_file(fault.keys)]
-        )
+        real = [one for one in faults if key_faults.concern_values_of_file(one.keys)]
+        texts += fault.messages_of_faults(tables, real)
     if keys is None or not key_faults.bodies_unchanged or len(texts) > len(key_faults.messages):
-        raise scenes_fault.scene_error_of_all_faults(file_name, texts)
+        raise fault.scene_error_of_all_faults(file_name, texts)
     scene = scene_from_keys(keys, escape_unprintable(Path(file_name).stem))
-    texts += scenes_fault.messages_of_faults(tables, _geometry_or_contact_faults(scene))
+    texts += fault.messages_of_faults(tables, _geometry_or_contact_faults(scene))
     if texts:
-        raise scenes_fault.scene_error_of_all_faults(file_name, texts)
+        raise fault.scene_error_of_all_faults(file_name, texts)
     if keys.preload is not None:
         scene = with_preload_as_oversize(scene, keys.preload)
-        scenes_fault.raise_scene_error_for_faults(file_name, tables, _geometry_or_contact_faults(scene))
+        fault.raise_scene_error_for_faults(file_name, tables, _geometry_or_contact_faults(scene))
     return with_load_cases(with_single_arc_grooves(scene), keys.cases, tables, file_name, _geometry_or_contact_faults)
 
 
-def _geometry_or_contact_faults(scene: Scene) -> list[scenes_fault.Fault]:
+def _geometry_or_contact_faults(scene: Scene) -> list[fault.Fault]:
     """Return the faults of a scene's dimensions; if there are none, a fault for each contact without Hertz constants."""
     return list(geometry_faults(scene)) or list(hertz_constant_faults(scene))

@@ -14,7 +14,6 @@ from rollbench.compare.scenes import keys
 from rollbench.compare.scenes.keys import config_requiring_radius_or_diameter, fill_in_radius, key
 from rollbench.meshes import parts, ranges
 from rollbench.meshes.axis import Drive, Segment
-from rollbench.meshes.parts import Flange, Friction, Motion, NutHeld
 from rollbench.meshes.ranges import ForceOrRatingShareRange, QuantityRange, RateRange, ShareOfLoadRating
 
 #: Ball diameter [m].
@@ -85,7 +84,7 @@ class FlangeKeys(keys.SceneFileTable):
 
     diameter: ranges.Size = key("outer diameter of the flange", example="72 mm")
     thickness: ranges.Size = key("thickness of the flange", example="11 mm")
-    side: Literal["left", "right"] = key("end of the nut at which the flange is", Flange.side, "right")
+    side: Literal["left", "right"] = key("end of the nut at which the flange is", parts.Flange.side, "right")
     centring: ranges.Bore = key(
         "length of the nut's outer surface, from the flange on, that fits into the bore of the housing", "0 mm", "10 mm"
     )
@@ -94,7 +93,7 @@ class FlangeKeys(keys.SceneFileTable):
 class NutFixingKeys(keys.SceneFileTable):
     """Surface at which a nut or outer ring is fixed."""
 
-    at: NutHeld | None = key(
+    at: parts.NutHeld | None = key(
         "surface at which the nut or outer ring is fixed; if left out: the flange's face towards the rest of the nut, else "
         "the left face, for a bearing the outer surface (low-order models fix a whole face, except that of a flange)",
         None,
@@ -112,7 +111,7 @@ class NutFixingKeys(keys.SceneFileTable):
     bolts: Annotated[int, Field(ge=0, le=100)] = key(
         "number of bolts of the flange; the 3D reference fixes a circle as wide as the annulus at each bolt, the first "
         "towards x; 0: the whole annulus, as always in low-order models",
-        Flange.bolts,
+        parts.Flange.bolts,
         6,
     )
 
@@ -240,12 +239,12 @@ class FrictionKeys(keys.SceneFileTable):
     balls: ranges.Coefficient | None = key("coefficient between balls, if it is not the larger one of the grooves", None)
     feedback: bool = key(
         "whether friction moves each ball across its grooves, at its axial load, and so changes the contact loads",
-        Friction.feedback,
+        parts.Friction.feedback,
         False,
     )
     neighbours: bool = key(
         "whether balls that touch push each other in the quasi-static solution (always in a simulation over time)",
-        Friction.neighbours,
+        parts.Friction.neighbours,
         True,
     )
     coupling: Literal["none", "ball", "balls"] | None = key(
@@ -575,6 +574,6 @@ class ShaftSceneKeys(keys.TitleKeys):
     heat: ShaftHeatingKeys | None = key("temperature rise of the shaft", None, {"warming": "10 K", "expansion": 11.5e-6})
     ingredients: ShaftModelOptionKeys = key("options of the low-order models", ShaftModelOptionKeys(), {"section": "full"})
     friction: FrictionKeys | None = key("friction of balls and grooves", None, {"coefficient": 0.1})
-    motion: Motion | None = key("motion of the shaft", None, {"speed": "600 rpm"})
+    motion: parts.Motion | None = key("motion of the shaft", None, {"speed": "600 rpm"})
     lubricant: parts.Lubricant | None = key("lubricant, for torques that depend on speed", None, {"viscosity": "27 mm2/s"})
     drive: Drive = key("what the motor moves", Drive(), {"mass": "200 kg"})

@@ -115,9 +115,9 @@ def _schema_of_kind(kind: str) -> dict[str, Any]:
             schema["properties"].pop("circulation")
             schema["$defs"]["NutKeys"]["properties"].pop("flange")
         return schema
-    from rollbench.compare.scenes.friction_kinds.table import scene_kind_by_name
+    from rollbench.compare.scenes.friction_kinds.table import TABLE
 
-    return scene_schema_of_kind(scene_kind_by_name(kind).key_class)
+    return scene_schema_of_kind(TABLE[kind].key_class)
 
 
 def _table_lines(node: Node, defs: Node, values: Node, path: str) -> Iterator[str]:
@@ -134,18 +134,14 @@ def _table_lines(node: Node, defs: Node, values: Node, path: str) -> Iterator[st
         else:
             yield from _key_line(name, entry, content)
     for name, entry in inner.items():
-        yield ""
-        yield f"# {_key_description(entry)}"
-        where = f"{path}{name}"
-        content = values[name]
-        if isinstance(content, dict):
-            yield f"[{where}]"
-            yield from _table_lines(_definition_of_table(entry, defs), defs, content, f"{where}.")
-        else:
-            yield f"[[{where}]]"
-            yield from _table_lines(_definition_of_table(entry["items"], defs), defs, content[0], f"{where}.")
-        for row in () if isinstance(content, dict) else content[1:]:
-            yield from ("", f"[[{where}]]", *(f"{key} = {toml_text(value)}" for key, value in row.items()))
+        content, where = values[name], f"{path}{name}"
+        single = isinstance(content, dict)
+        header, reference = (f"[{where}]", entry) if single else (f"[[{where}]]", entry["items"])
+        first, *others = [content] if single else content
+        yield from ("", f"# {entry['description']}", header)
+        yield from _table_lines(defs[reference["$ref"].rsplit("/", 1)[1]], defs, first, f"{where}.")
+        for row in others:
+            yield from ("", header, *(f"{key} = {toml_text(value)}" for key, value in row.items()))
 
 
 def _key_line(name: str, entry: Node, value: Any) -> Iterator[str]:
@@ -153,7 +149,7 @@ def _key_line(name: str, entry: Node, value: Any) -> Iterator[str]:
 
     ``entry``: part of the JSON Schema for the key.
     """
-    text = _key_description(entry)
+    text = entry["description"]
     if "x-allowed" in entry:
         text += f" ({entry['x-allowed']})"
     elif "enum" in entry:
@@ -163,20 +159,6 @@ def _key_line(name: str, entry: Node, value: Any) -> Iterator[str]:
         return
     shown = entry["examples"][0] if entry.get("examples") else entry.get("default")
     yield f"# {name} = {toml_text(entry['default'] if entry.get('default') not in (None, [], '') else shown)}  # {text}"
-
-
-def _key_description(entry: Node) -> str:
-    """Return the description of a key from its entry in the JSON Schema."""
-    return str(entry["description"])
-
-
-def _definition_of_table(entry: Node, defs: Node) -> Node:
-    """Return the definition of the scene-file table to which an entry of the JSON Schema refers.
-
-    ``defs``: definitions of the schema, by their names.
-    """
-    table: Node = defs[entry["$ref"].rsplit("/", 1)[1]]
-    return table
 
 
 #: Standard ball diameters [mm].

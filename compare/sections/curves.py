@@ -87,11 +87,10 @@ def contact_load_curve(
     """
     load = result.load[:, side]
     balls = [float(i + 1) for i in range(load.size)]
-    ends = (
-        None
-        if uncertainty is None
-        else (scale_to_python_floats(load - uncertainty[:, side]), scale_to_python_floats(load + uncertainty[:, side]))
-    )
+    ends = None
+    if uncertainty is not None:
+        bar = uncertainty[:, side]
+        ends = (scale_to_python_floats(load - bar), scale_to_python_floats(load + bar))
     return Series(label, balls, scale_to_python_floats(load), style, bold=emphasis, error_bars=ends)
 
 

@@ -19,7 +19,7 @@ from rollbench.compare.models.registry import DEFAULT
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import Scene
-from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table, TableColumn, Text
+from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table, TableColumn, Text, text_column
 
 #: Names of the quantities whose errors are compared, for sentences, by name of the field of `MeasuredModelErrors` that has
 #: the error.
@@ -44,6 +44,10 @@ LIMITS = {"gate_percent": LIMIT} | {
     f"{q.name}_percent": q.default_limit_ratio * LIMIT for q in (judged.DISPLACEMENT, judged.RIGIDITY, judged.PRESSURE)
 }
 
+#: Title of the table and of the figure of the range of compared scenes.
+RANGE_TITLE = "Range of the sizes, angles and loads of the screws that were compared with the 3D reference"
+
+#: Limits of the models' accuracy and of their validation.
 NOT_FIT = (
     (
         "Larger errors occur for balls within about 1.4 ball radii of a nut face, for short nuts fixed by a flange, and "
@@ -87,7 +91,7 @@ class ModelErrors:
         return {
             "quantity": WORDS[self.quantity_key],
             "model": self.model,
-            TableColumn("scenes", "number of screws and bearings", "", "s"): int(self.absolute_errors.size),
+            text_column("scenes", "number of screws and bearings"): int(self.absolute_errors.size),
             TableColumn("median", "median error over the compared screws and bearings", "%", ".2f"): float(
                 np.median(self.absolute_errors)
             ),
@@ -97,7 +101,7 @@ class ModelErrors:
             TableColumn("within", "share of screws and bearings with an error within the limit", "%", ".0f"): None
             if share is None
             else 100.0 * share,
-            TableColumn("verdict", "whether accurate enough: at least 95 % within the limit", "", "s"): None
+            text_column("verdict", "whether accurate enough: at least 95 % within the limit"): None
             if good is None
             else "yes"
             if good
@@ -127,9 +131,7 @@ def sentences_on_accurate_quantities(model_errors: Sequence[ModelErrors]) -> str
     """
     good = [NAMES[x.quantity_key] for x in model_errors if x.model == DEFAULT and x.is_accurate_enough]
     bad = [NAMES[x.quantity_key] for x in model_errors if x.model == "lin" and x.is_accurate_enough is False]
-    held = (
-        " Accurate enough: error within the limit of rollbench check on at least 95 % of the compared screws and bearings."
-    )
+    held = " Accurate enough: error within the limit of rollbench check on at least 95 % of the screws and bearings."
     fit = f"is accurate enough for the {_join_with_and(good)}." if good else "is not shown to be accurate enough."
     unfit = f" The model lin is not accurate enough for the {_join_with_and(bad)}." if bad else ""
     return f"On the compared screws, the {DEFAULT} model {fit}{unfit}{held}"
@@ -153,18 +155,10 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
         "for other quantities it is the error that follows from load errors of this size. Errors in per cent of the mean "
         "load have no limit. The error by the rule of rollbench check is not stored for all of them."
     )
-    table = Table.from_rows(
-        "fit-for",
-        "Errors of each model against the 3D reference over all compared screws and bearings, by quantity",
-        [x.table_row for x in found],
-        note,
-    )
-    return Section(
-        "fit",
-        "Quantities for which each model is accurate enough",
-        (table, Text(NOT_FIT, bullets=True)),
-        conclusion=sentences_on_accurate_quantities(found),
-    )
+    title = "Errors of each model against the 3D reference over all compared screws and bearings, by quantity"
+    table = Table.from_rows("fit-for", title, [x.table_row for x in found], note)
+    items, conclusion = (table, Text(NOT_FIT, bullets=True)), sentences_on_accurate_quantities(found)
+    return Section("fit", "Quantities for which each model is accurate enough", items, conclusion=conclusion)
 
 
 def validated_range_table(scene: Scene | None = None) -> Table:
@@ -178,7 +172,7 @@ def validated_range_table(scene: Scene | None = None) -> Table:
     for d in applicability.DESCRIPTORS:
         values = applicability.descriptor_values_of_compared_scenes(d, of_bearings=ring)
         row: Row = {
-            TableColumn("name", "size, angle or load of the screw or bearing", "", "s"): d.name,
+            text_column("name", "size, angle or load of the screw or bearing"): d.name,
             "unit": d.unit or "–",
             TableColumn("low", "smallest value of all compared screws and bearings", "", "g4"): min(values),
             TableColumn("high", "largest value of all compared screws and bearings", "", "g4"): max(values),
@@ -189,7 +183,7 @@ def validated_range_table(scene: Scene | None = None) -> Table:
             where = "inside" if inside else "OUTSIDE" if place.outside else "at the edge"
             row |= {
                 TableColumn("own", f"value of {scene.name}"): place.value,
-                TableColumn("where", "position in the range of the compared scenes", "", "s"): where,
+                text_column("where", "position in the range of the compared scenes"): where,
             }
         rows.append(row)
     kind = "rings" if ring else "screws"
@@ -198,12 +192,7 @@ def validated_range_table(scene: Scene | None = None) -> Table:
         "outside a range by less than a margin (at the edge) still counts as covered; further outside, results state that "
         "their error is not known."
     )
-    return Table.from_rows(
-        "applicability",
-        "Range of the sizes, angles and loads of the screws that were compared with the 3D reference",
-        rows,
-        note,
-    )
+    return Table.from_rows("applicability", RANGE_TITLE, rows, note)
 
 
 def validated_range_figure(scene: Scene | None = None) -> Figure:
@@ -215,22 +204,12 @@ def validated_range_figure(scene: Scene | None = None) -> Figure:
     ring = scene is not None and scene.track.lead == 0.0
     panels = []
     for a, b in (tuple(applicability.DESCRIPTORS[k] for k in pair) for pair in pairs):
-        series = [
-            Series(
-                "compared scenes",
-                applicability.descriptor_values_of_compared_scenes(a, of_bearings=ring),
-                applicability.descriptor_values_of_compared_scenes(b, of_bearings=ring),
-                "markers",
-            )
-        ]
+        x, y = (applicability.descriptor_values_of_compared_scenes(d, of_bearings=ring) for d in (a, b))
+        series = [Series("compared scenes", x, y, "markers")]
         if scene is not None:
             series.append(Series(scene.name, [a.value_of_scene(scene)], [b.value_of_scene(scene)], "markers", bold=True))
         panels.append(Panel("", _descriptor_label(a), _descriptor_label(b), tuple(series)))
-    return Figure(
-        "applicability",
-        "Range of the sizes, angles and loads of the screws that were compared with the 3D reference",
-        tuple(panels),
-    )
+    return Figure("applicability", RANGE_TITLE, tuple(panels))
 
 
 def _descriptor_label(descriptor: applicability.Descriptor) -> str:

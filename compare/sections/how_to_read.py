@@ -16,7 +16,7 @@ from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.printed import VERDICT_NAMES
 from rollbench.lowfi.statics.summary import MODEL_ASSUMPTIONS
 from rollbench.meshes.parts import SIDES
-from rollbench.reports.content import Cell, Row, Section, Table, TableColumn, Text
+from rollbench.reports.content import Cell, Row, Section, Table, Text, text_column
 
 #: Scene and low-order model of the example that explains error and uncertainty.
 SCENE, MODEL = "lin-case1", "lin"
@@ -91,9 +91,8 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     ``step`` is called with each line of progress.
     """
     step("example of an error and its uncertainty")
-    return Section(
-        "how-to-read", "How to read this report", (Text((verdict_example_paragraph(cache),)), Text(TERMS, bullets=True))
-    )
+    items = Text((verdict_example_paragraph(cache),)), Text(TERMS, bullets=True)
+    return Section("how-to-read", "How to read this report", items)
 
 
 def rows_of_assumed_inputs(cache: SceneResultCache) -> list[dict[str, Cell]]:
@@ -113,14 +112,6 @@ def rows_of_assumed_inputs(cache: SceneResultCache) -> list[dict[str, Cell]]:
     ]
 
 
-def _verdict_explanation(entry: PrintedEntryComparison) -> str:
-    """Return the explanation of the verdict on a printed number: a remark on its computed value or on the number itself.
-
-    ``entry``: printed number with its computed value, a remark on each of the two, and the verdict.
-    """
-    return entry.remark if entry.remark and entry.agrees_with_printed is not None else entry.printed.remark
-
-
 def rows_not_reproduced(entries: Sequence[PrintedEntryComparison]) -> list[Row]:
     """Return table rows of printed numbers that are contradicted, or for which the publication states too few data.
 
@@ -128,14 +119,13 @@ def rows_not_reproduced(entries: Sequence[PrintedEntryComparison]) -> list[Row]:
     """
     return [
         {
-            TableColumn("entry", "printed number or claim", "", "s"): p.claim
-            or f"{p.label}: {p.number_as_printed} {p.unit}",
-            TableColumn("place", "place in the publication", "", "s"): p.place,
-            TableColumn(
-                "class", "class of the printed number (hard, as-printed, band, open or input)", "", "s"
-            ): p.entry_class,
-            TableColumn("verdict", "whether reproduced", "", "s"): VERDICT_NAMES[verdict],
-            TableColumn("why", "best explanation of the difference, and its evidence", "", "s"): _verdict_explanation(f),
+            text_column("entry", "printed number or claim"): p.claim or f"{p.label}: {p.number_as_printed} {p.unit}",
+            text_column("place", "place in the publication"): p.place,
+            text_column("class", "class of the printed number (hard, as-printed, band, open or input)"): p.entry_class,
+            text_column("verdict", "whether reproduced"): VERDICT_NAMES[verdict],
+            text_column("why", "best explanation of the difference, and its evidence"): f.remark
+            if f.remark and f.agrees_with_printed is not None
+            else p.remark,
         }
         for f in entries
         for p, verdict in ((f.printed, f.verdict),)
@@ -149,24 +139,10 @@ def assumptions_section(cache: SceneResultCache, step: Callable[[str], None]) ->
     ``step`` is called with each line of progress.
     """
     step("assumptions, and numbers that are not reproduced")
-    return Section(
-        "notes",
-        "Values assumed for missing inputs, and printed numbers that are not reproduced",
-        (
-            Table.from_rows(
-                "not-reproduced",
-                "Numbers and claims that are contradicted, or not determined by the data in the publication",
-                rows_not_reproduced(evidence(cache)),
-            ),
-            Table(
-                "assumptions",
-                "Values assumed for inputs that a publication does not print",
-                (
-                    TableColumn("assumed", "assumed value", "", "s"),
-                    TableColumn("scenes", "screws and bearings for which it is assumed", "", "s"),
-                ),
-                rows_of_assumed_inputs(cache),
-            ),
-            Text(MODEL_ASSUMPTIONS, bullets=True),
-        ),
-    )
+    title = "Numbers and claims that are contradicted, or not determined by the data in the publication"
+    contradicted = Table.from_rows("not-reproduced", title, rows_not_reproduced(evidence(cache)))
+    columns = text_column("assumed", "assumed value"), text_column("scenes", "screws and bearings for which it is assumed")
+    title = "Values assumed for inputs that a publication does not print"
+    assumed = Table("assumptions", title, columns, rows_of_assumed_inputs(cache))
+    title = "Values assumed for missing inputs, and printed numbers that are not reproduced"
+    return Section("notes", title, (contradicted, assumed, Text(MODEL_ASSUMPTIONS, bullets=True)))

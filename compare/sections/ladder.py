@@ -22,7 +22,7 @@ from rollbench.compare.models.study import SceneResultCache
 from rollbench.lowfi.compliance.bodies import PARTS
 from rollbench.lowfi.compliance.parts import REFINED, ComplianceModel
 from rollbench.lowfi.statics.elastic import solve_elastic
-from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table, TableColumn, Text
+from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table, TableColumn, Text, load_percent_column
 
 #: Least number of scenes for which a figure of expected against measured errors of a model is drawn.
 MANY = 40
@@ -30,9 +30,11 @@ MANY = 40
 CHOICES: dict[str, ComplianceModel] = {
     "loaded patch of the body compliance 1.5 times as wide": replace(REFINED, width=1.5),
     "loaded patch of the body compliance 2/3 as wide": replace(REFINED, width=1.0 / 1.5),
-    "bore of the smooth nut by equal wall^3, no groove layer": replace(REFINED, bore="ring"),
-    "bore of the smooth nut by equal volume": replace(REFINED, bore="volume"),
-    "bore of the smooth nut at its lands": replace(REFINED, bore="land"),
+    "bore of the smooth nut by equal cube of the wall thickness, without a layer for the grooves": replace(
+        REFINED, bore="ring"
+    ),
+    "bore of the smooth nut by equal volume of the nut": replace(REFINED, bore="volume"),
+    "bore of the smooth nut as large as between the grooves (lands)": replace(REFINED, bore="land"),
     "1.5 times as many harmonics": replace(REFINED, harmonics=1.5),
     "2/3 of the harmonics": replace(REFINED, harmonics=1.0 / 1.5),
     "elements of the body compliance half as large": replace(REFINED, mesh=2.0),
@@ -40,7 +42,7 @@ CHOICES: dict[str, ComplianceModel] = {
     "flanks as plain half-spaces": replace(REFINED, flank=False),
     "balls as half-spaces": replace(REFINED, ball="half space"),
     "screw as a beam except for its contacts": replace(REFINED, screw="beam"),
-    "section of the screw by Lin C.8": replace(REFINED, section="scene"),
+    "section of the screw by equation C.8 of Lin's thesis": replace(REFINED, section="scene"),
 }
 #: Scenes on which these modelling choices are varied.
 VARIED = ("lin-case1", "lin-case3", "unseen-thin-nut")
@@ -86,12 +88,12 @@ def model_error_table(model_solutions: Sequence[RefinementStepResult]) -> Table:
         {
             "scene": r.scene,
             "model": r.model,
-            TableColumn("max", "largest contact-load error", "% of mean load", ".2f"): r.load_error.max_percent,
+            load_percent_column("max", "largest contact-load error"): r.load_error.max_percent,
             TableColumn("at", "ball and flank with the largest error", "", "s"): f"{r.load_error.ball} {r.load_error.side}",
-            TableColumn("rms", "RMS error of the contact loads", "% of mean load", ".2f"): r.load_error.rms_percent,
+            load_percent_column("rms", "RMS error of the contact loads"): r.load_error.rms_percent,
             TableColumn("own", "largest contact-load error", "% of contact's load", ".2f"): r.load_error.own_max_percent,
             TableColumn("bias", "error of the sum of all contact loads", "%", "+.2f"): r.load_sum_difference,
-            TableColumn("bar", "mesh uncertainty of the 3D reference", "% of mean load", ".2f"): r.reference_uncertainty,
+            load_percent_column("bar", "mesh uncertainty of the 3D reference"): r.reference_uncertainty,
             TableColumn("seconds", "solution time for a new geometry", "s", "g3"): r.seconds,
         }
         for r in model_solutions
@@ -102,12 +104,8 @@ def model_error_table(model_solutions: Sequence[RefinementStepResult]) -> Table:
         "three times their difference. Times are for a new geometry in a running process, with interpreted kernels; the "
         "table of run times also has new processes."
     )
-    return Table.from_rows(
-        "ladder",
-        "Contact-load errors of each low-order model on each screw and bearing, from the simplest to the refined model",
-        rows,
-        note,
-    )
+    title = "Contact-load errors of each low-order model on each screw and bearing, from the simplest to the refined model"
+    return Table.from_rows("ladder", title, rows, note)
 
 
 def model_error_figure(model_solutions: Sequence[RefinementStepResult]) -> Figure:
@@ -132,13 +130,8 @@ def model_error_figure(model_solutions: Sequence[RefinementStepResult]) -> Figur
         panel("RMS error of the contact loads", lambda r: float(r.load_error.rms_percent)),
     )
     caption = f"Each pale line: one of the {len(scenes)} example screws and bearings; bold line: their median."
-    return Figure(
-        "ladder-rungs",
-        "Contact-load error of each low-order model against the 3D reference, from the simplest to the refined model",
-        panels,
-        caption,
-        same_y=True,
-    )
+    title = "Contact-load error of each low-order model against the 3D reference, from the simplest to the refined model"
+    return Figure("ladder-rungs", title, panels, caption, same_y=True)
 
 
 def choice_effects_table(cache: SceneResultCache, step: Callable[[str], None]) -> Table:
@@ -153,15 +146,9 @@ def choice_effects_table(cache: SceneResultCache, step: Callable[[str], None]) -
             {
                 "scene": c.scene,
                 TableColumn("choice", "changed modelling choice", "", "s"): c.changed_choice,
-                TableColumn(
-                    "change", "largest change of a contact load", "% of mean load", ".2f"
-                ): c.largest_load_change_percent,
-                TableColumn(
-                    "max", "largest contact-load error of the changed model", "% of mean load", ".2f"
-                ): c.load_errors.max_percent,
-                TableColumn(
-                    "rms", "RMS error of the changed model's contact loads", "% of mean load", ".2f"
-                ): c.load_errors.rms_percent,
+                load_percent_column("change", "largest change of a contact load"): c.largest_load_change_percent,
+                load_percent_column("max", "largest contact-load error of the changed model"): c.load_errors.max_percent,
+                load_percent_column("rms", "RMS error of the changed model's contact loads"): c.load_errors.rms_percent,
             }
             for c in modelling_choice_effects(cache, name)
         ]
@@ -171,12 +158,8 @@ def choice_effects_table(cache: SceneResultCache, step: Callable[[str], None]) -
         "details. The nut grooves are a layer that is softer along the axis than around it, because lands are rings that "
         "are supported only at their base. The number of harmonics is the largest that a patch can excite."
     )
-    return Table.from_rows(
-        "ladder-choices",
-        "Contact-load errors of the refined model when one of its modelling choices is changed",
-        rows,
-        note,
-    )
+    title = "Contact-load errors of the refined model when one of its modelling choices is changed"
+    return Table.from_rows("ladder-choices", title, rows, note)
 
 
 def error_with_3d_bodies_table(cache: SceneResultCache) -> Table:
@@ -197,17 +180,11 @@ def error_with_3d_bodies_table(cache: SceneResultCache) -> Table:
         row: Row = {"scene": share.scene}
         for parts, name in names.items():
             error = share.load_errors[parts]
-            row[TableColumn(f"max {name}", f"largest contact-load error, {headings[name]}", "% of mean load", ".2f")] = (
-                error.max_percent
-            )
-            row[TableColumn(f"rms {name}", f"RMS load error, {headings[name]}", "% of mean load", ".2f")] = (
-                error.rms_percent
-            )
+            row[load_percent_column(f"max {name}", f"largest contact-load error, {headings[name]}")] = error.max_percent
+            row[load_percent_column(f"rms {name}", f"RMS load error, {headings[name]}")] = error.rms_percent
         row[TableColumn("bias", "error of the sum of loads, unchanged model", "%", ".2f")] = share.load_sum_difference[()]
-        row[TableColumn("bias both", "error of the sum of loads, both compliances from 3D", "%", ".2f")] = (
-            share.load_sum_difference[PARTS]
-        )
-        rows.append(row)
+        both = TableColumn("bias both", "error of the sum of loads, both compliances from 3D", "%", ".2f")
+        rows.append(row | {both: share.load_sum_difference[PARTS]})
     note = (
         "The refined model is solved with the compliance of screw, nut or both taken from the finest run of the 3D "
         "reference. The decrease of the error is the share of that body. The remaining error is due to the rest of the "
@@ -249,17 +226,11 @@ def expected_and_measured_error_items(
                 TableColumn(
                     "ratio", "ratio of the predicted to the actual error, median over the screws", "", ".2f"
                 ): float(np.median(ratio)),
-                TableColumn(
-                    "expected",
-                    "predicted largest contact-load error on a screw, median over the screws",
-                    "% of mean load",
-                    ".2f",
+                load_percent_column(
+                    "expected", "predicted largest contact-load error on a screw, median over the screws"
                 ): float(np.median(expected)),
-                TableColumn(
-                    "largest",
-                    "predicted largest contact-load error on a screw, maximum over the screws",
-                    "% of mean load",
-                    ".2f",
+                load_percent_column(
+                    "largest", "predicted largest contact-load error on a screw, maximum over the screws"
                 ): float(expected.max()),
             }
         )
@@ -276,24 +247,15 @@ def expected_and_measured_error_items(
         "linear fit of the logarithm of the error over features of the screws, times the factor with which "
         f"{SHARE:.0%} of the other screws are covered. Actual error: against the 3D reference."
     )
-    out: list[Table | Figure] = [
-        Table.from_rows(
-            "ladder-estimate", "Predicted contact-load error of each model, compared with the actual error", lines, note
-        )
-    ]
+    title = "Predicted contact-load error of each model, compared with the actual error"
+    out: list[Table | Figure] = [Table.from_rows("ladder-estimate", title, lines, note)]
     if panels:
         caption = (
             "Error: the largest of a screw, predicted from all other screws, and actual against the 3D reference. One "
             "point for each screw. On or above the line the actual error does not exceed the predicted one."
         )
-        out.append(
-            Figure(
-                "ladder-estimate-figure",
-                "Predicted contact-load error of each model, plotted against the actual error",
-                tuple(panels),
-                caption,
-            )
-        )
+        title = "Predicted contact-load error of each model, plotted against the actual error"
+        out.append(Figure("ladder-estimate-figure", title, tuple(panels), caption))
     return out
 
 
@@ -330,12 +292,12 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
         (
             "The refined model uses the contact mechanics and the energy of Lin's model, and adds the elasticity of "
             "screw, nut and balls. The screw is a beam with the section of half a lead of grooved shaft "
-            "(axisymmetric elements, harmonics 0 and 1); the nut is a beam too. To the deformation of both beams is added "
-            "what a smooth body of revolution has beyond a beam (Fourier harmonics around the axis: ovalisation, ends, "
-            "clamped face), and what the true flank adds to that, minus the half-space already in Hertz's law. Tension "
-            "and bending of a screw that continues beyond the nut change its contacts by lateral contraction "
-            "(Saint-Venant). Balls are elastic spheres (Lur'e's series); bearing rings are bodies of revolution "
-            "with their groove. The model contains no 3D solution, and nothing is fitted to one."
+            "(axisymmetric elements, harmonics 0 and 1); the nut is a beam too. Two deformations are added to those of the "
+            "beams: that of a smooth body of revolution, as far as a beam lacks it (Fourier harmonics around the axis: "
+            "ovalisation, ends, clamped face); and that of the true groove flank, as far as it differs from the half-space "
+            "that Hertz's law assumes. Tension and bending of a screw that continues beyond the nut deform its grooves by "
+            "lateral contraction (Saint-Venant). Balls are elastic spheres (Lur'e's series); bearing rings are bodies of "
+            "revolution with their groove. The model contains no 3D solution, and nothing is fitted to one."
         ),
         largest_errors_of_models_sentence(rungs),
     )

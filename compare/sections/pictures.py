@@ -69,27 +69,15 @@ def pressure_profiles_figure(pressures: dict[str, ContactPressure]) -> content.F
         ):
             at = np.linspace(distance[line].min(), distance[line].max(), 161)
             other = (one.position_along if axis == 0 else one.position_across)[line].mean() - one.pressure_centre[1 - axis]
-            across, along = (
-                (at - one.pressure_centre[0], other + 0.0 * at)
-                if axis == 0
-                else (other + 0.0 * at, at - one.pressure_centre[1])
+            along_line, beside = at - one.pressure_centre[axis], other + 0.0 * at
+            across, along = (along_line, beside) if axis == 0 else (beside, along_line)
+            nodal, hertz = MPA * one.pressure[line], MPA * one.hertz_solution.pressure(across, along)
+            curves = (
+                content.Series("3D reference, nodes", list(MM * distance[line]), list(nodal), "markers"),
+                content.Series("Hertz", list(MM * at), list(hertz), "line"),
             )
-            panels.append(
-                content.Panel(
-                    f"{name}, {title}",
-                    "distance from the nominal contact / mm",
-                    "pressure / MPa",
-                    (
-                        content.Series(
-                            "3D reference, nodes", list(MM * distance[line]), list(MPA * one.pressure[line]), "markers"
-                        ),
-                        content.Series(
-                            "Hertz", list(MM * at), list(MPA * one.hertz_solution.pressure(across, along)), "line"
-                        ),
-                    ),
-                    include_zero=True,
-                )
-            )
+            x, y = "distance from the nominal contact / mm", "pressure / MPa"
+            panels.append(content.Panel(f"{name}, {title}", x, y, curves, include_zero=True))
     return content.Figure(
         "pressure-profiles",
         "Contact pressure of one ball across and along the groove, by the 3D reference and by Hertz theory",
@@ -115,25 +103,23 @@ def largest_pressure_table(pressures_by_scene: dict[str, dict[str, ContactPressu
     """
     rows: list[content.Row] = [
         {
-            content.TableColumn("contact", "scene, ball and flank of the contact", format="s"): f"{scene}, {name}",
+            content.text_column("contact", "scene, ball and flank of the contact"): f"{scene}, {name}",
             content.TableColumn("load", "contact load", "N", ".1f"): x.load,
             content.TableColumn("ours", "largest nodal pressure by the 3D model", "MPa", ".0f"): MPA
             * float(x.pressure.max()),
-            content.TableColumn("hertz", "peak pressure by Hertz theory", "MPa", ".0f"): MPA
-            * x.hertz_solution.pole_pressure,
+            content.TableColumn("hertz", "peak pressure by Hertz theory", "MPa", ".0f"): MPA * h.pole_pressure,
             content.TableColumn("ratio", "ratio of the pressures, 3D over Hertz", "", ".3f"): float(
-                x.pressure.max() / x.hertz_solution.pole_pressure
+                x.pressure.max() / h.pole_pressure
             ),
-            content.TableColumn("a", "semi-axis a of the contact ellipse, across the groove", "mm", ".3f"): MM
-            * x.hertz_solution.semi_x,
-            content.TableColumn("b", "semi-axis b of the contact ellipse, along the groove", "mm", ".3f"): MM
-            * x.hertz_solution.semi_y,
+            content.TableColumn("a", "semi-axis a of the contact ellipse, across the groove", "mm", ".3f"): MM * h.semi_x,
+            content.TableColumn("b", "semi-axis b of the contact ellipse, along the groove", "mm", ".3f"): MM * h.semi_y,
             content.TableColumn("cells", "node spacings in the contact width 2b", "", ".1f"): 2.0
-            * x.hertz_solution.semi_y
+            * h.semi_y
             / node_spacing_along_groove(x),
         }
         for scene, found in pressures_by_scene.items()
         for name, x in found.items()
+        for h in (x.hertz_solution,)
     ]
     return content.Table.from_rows(
         "pictures-pressure",
@@ -437,12 +423,8 @@ def ball_mesh_picture(solution: PicturedSolution, stresses: StressFields) -> con
     x3, y3, _ = groove_unit_vectors(solution)
     m = solution.setup.groove_map
     centre = np.array([m.R, 0.0, 0.0])
-    whole = [stresses.ball_mesh, *stresses.ball_patches.values()]
-    colours = [BALL, *[FINE_BALL] * len(stresses.ball_patches)]
-    parts = tuple(
-        content.MeshPart(x.points, x.cell_nodes, x.element_type, colour=c, line=1.5)
-        for x, c in zip(whole, colours, strict=True)
-    )
+    coloured = [(stresses.ball_mesh, BALL), *((patch, FINE_BALL) for patch in stresses.ball_patches.values())]
+    parts = [content.MeshPart(x.points, x.cell_nodes, x.element_type, colour=c, line=1.5) for x, c in coloured]
     sight = (nominal_contact_point(solution, 0) - centre) / m.ball + 0.75 * y3
     return content.FieldPicture(
         "mesh-ball",
@@ -455,8 +437,8 @@ def ball_mesh_picture(solution: PicturedSolution, stresses: StressFields) -> con
         scale_bar=1e-3,
         caption=(
             f"{len(stresses.ball_mesh.cell_nodes)} second-order tetrahedra and a patch of "
-            f"{len(stresses.ball_patches[0].cell_nodes)} second-order "
-            "hexahedra at each contact. Every node in the contact zone lies opposite a node of the groove."
+            f"{len(stresses.ball_patches[0].cell_nodes)} second-order hexahedra at each contact. Every "
+            "node in the contact zone lies opposite a node of the groove."
         ),
     )
 
@@ -519,21 +501,16 @@ def von_mises_caption(solution: PicturedSolution, stresses: StressFields) -> str
 
     setup = solution.setup
     side = setup.loaded_flanks[0]
-    h = pressure_from_nodal_forces(
-        solution.scene,
-        setup.groove_map,
-        side,
-        setup.patches_by_flank[side].groove_patch,
-        solution.nodal_contact_forces[side][solution.ball_index],
-    ).hertz_solution
+    patch, forces = setup.patches_by_flank[side].groove_patch, solution.nodal_contact_forces[side][solution.ball_index]
+    h = pressure_from_nodal_forces(solution.scene, setup.groove_map, side, patch, forces).hertz_solution
     depth = np.linspace(0.2, 1.6, 141) * min(h.semi_x, h.semi_y)
     closed = von_mises_below_hertz_contact(h, depth, solution.scene.balls.material.poissons_ratio)
     top, at = float(closed.max()), float(depth[closed.argmax()])
     return (
         f"Largest nodal values: {MPA * stresses.groove_patches[0].von_mises.max():.0f} MPa in the groove and "
         f"{MPA * stresses.ball_patches[0].von_mises.max():.0f} MPa in the ball. Closed form, half-space under Hertz "
-        "pressure: "
-        f"{MPA * top:.0f} MPa ({top / h.pole_pressure:.3f} of Hertz's peak pressure), {1e6 * at:.0f} µm below the surface."
+        f"pressure: {MPA * top:.0f} MPa ({top / h.pole_pressure:.3f} of Hertz's peak pressure), {1e6 * at:.0f} µm below "
+        "the surface."
     )
 
 

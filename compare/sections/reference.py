@@ -31,7 +31,7 @@ from rollbench.compare.reference.store import Run, load_stored_run
 from rollbench.compare.sections import curves
 from rollbench.compare.sections.reference_time import run_time_items
 from rollbench.meshes.parts import SIDES
-from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table, TableColumn, Text
+from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table, TableColumn, Text, load_percent_column
 
 References = Mapping[str, Reference]
 
@@ -51,14 +51,12 @@ def _compute_modelling_uncertainty(cache: SceneResultCache) -> dict[str, modelli
 
     Scenes without stored runs with varied modelling choices are left out.
     """
-    scenes = [cache.built_in_scene(name) for name in modelling.VARIED]
-    found = {
-        scene.name: modelling.combined_modelling_uncertainty(
-            scene, modelling.effects_of_changed_choices(scene, cache.reference_folders)
-        )
-        for scene in scenes
-    }
-    return {name: m for name, m in found.items() if m is not None}
+    found = {}
+    for scene in map(cache.built_in_scene, modelling.VARIED):
+        effects = modelling.effects_of_changed_choices(scene, cache.reference_folders)
+        if (combined := modelling.combined_modelling_uncertainty(scene, effects)) is not None:
+            found[scene.name] = combined
+    return found
 
 
 def solve_contact_loads(cache: SceneResultCache, name: str, model: str) -> ContactSolution:
@@ -78,10 +76,8 @@ def load_error_table(cache: SceneResultCache, references: References) -> Table:
     rows: list[Row] = []
     modelled = modelling_uncertainty_by_scene(cache)
     for name, ref in references.items():
-        scene, bars = (
-            cache.built_in_scene(name),
-            (largest_uncertainty_percent(ref), modelling.applicable_modelling_uncertainty(name, modelled)),
-        )
+        scene = cache.built_in_scene(name)
+        bars = (largest_uncertainty_percent(ref), modelling.applicable_modelling_uncertainty(name, modelled))
         keys = PRINTED.get(name)
         for model in models_shown_for_scene(scene):
             result = cache.solve_once(name, model.name)
@@ -102,9 +98,8 @@ def load_error_table(cache: SceneResultCache, references: References) -> Table:
         "idealisations and of dimensions that Lin's thesis does not print (section reference-mesh). No error is reduced "
         "by an uncertainty; section u-val combines both uncertainties with the input tolerances."
     )
-    return Table.from_rows(
-        "reference-errors", "Contact-load errors of the low-order models against the 3D reference on each scene", rows, note
-    )
+    title = "Contact-load errors of the low-order models against the 3D reference on each scene"
+    return Table.from_rows("reference-errors", title, rows, note)
 
 
 #: Names of the 3D runs in tables and figures, by the name under which their loads are returned.
@@ -137,21 +132,15 @@ def _load_error_row(
         Uncertainty of the 3D reference by its mesh, and by its modelling choices [% of the mean load].
     """
     errors: Sequence[float | None] = (None,) * 4
-    if model_errors is not None:
-        errors = (
-            model_errors.max_percent,
-            model_errors.rms_percent,
-            model_errors.own_max_percent,
-            model_errors.own_rms_percent,
-        )
+    at = None
+    if (e := model_errors) is not None:
+        errors, at = (e.max_percent, e.rms_percent, e.own_max_percent, e.own_rms_percent), f"{e.ball} {e.side}"
     return {
         "scene": scene_and_model[0],
         "model": scene_and_model[1],
-        TableColumn("max", "largest contact-load error", "% of mean load", ".2f"): errors[0],
-        TableColumn("at", "ball and flank with the largest error", "", "s"): None
-        if model_errors is None
-        else f"{model_errors.ball} {model_errors.side}",
-        TableColumn("rms", "RMS error of the contact loads", "% of mean load", ".2f"): errors[1],
+        load_percent_column("max", "largest contact-load error"): errors[0],
+        TableColumn("at", "ball and flank with the largest error", "", "s"): at,
+        load_percent_column("rms", "RMS error of the contact loads"): errors[1],
         TableColumn("own_max", "largest contact-load error", "% of contact's load", ".2f"): errors[2],
         TableColumn("own_rms", "RMS error of the contact loads", "% of contact's load", ".2f"): errors[3],
         TableColumn(
@@ -160,10 +149,8 @@ def _load_error_row(
             "% of contact's load",
             "s",
         ): printed_errors,
-        TableColumn("bar", "mesh uncertainty of the 3D reference", "% of mean load", ".2f"): uncertainties[0],
-        TableColumn(
-            "modelling", "uncertainty of the 3D reference by modelling choices", "% of mean load", ".2f"
-        ): uncertainties[1],
+        load_percent_column("bar", "mesh uncertainty of the 3D reference"): uncertainties[0],
+        load_percent_column("modelling", "uncertainty of the 3D reference by modelling choices"): uncertainties[1],
         TableColumn(
             "load_ratio", "ratio of largest to smallest load on the left flank of the screw (SL)", "", ".3f"
         ): load_ratio_of_flank,
@@ -189,6 +176,7 @@ def contact_load_tables(cache: SceneResultCache, references: References) -> list
             truth, low = float(ref.load[i, s]), answers[0]
             bar = None if ref.uncertainty is None else float(ref.uncertainty[i, s])
             error = float(error_percent(low.load[i, s], truth)) if truth > 0.0 else None
+            angle, low_angle = (float(x[i, s]) if np.isfinite(x[i, s]) else None for x in (ref.best.angle, low.angle))
             rows.append(
                 {
                     "ball": i + 1,
@@ -196,25 +184,13 @@ def contact_load_tables(cache: SceneResultCache, references: References) -> list
                     **{q: float(a.load[i, s]) for q, a in zip(loads, answers, strict=True)},
                     TableColumn("bar", "mesh uncertainty of the load by the 3D reference", "N", ".2f"): bar,
                     TableColumn("error", "load error of the refined model", "% of contact's load", "+.2f"): error,
-                    TableColumn("angle", "contact angle, 3D reference", "deg", ".2f"): _finite_number_or_none(
-                        ref.best.angle[i, s]
-                    ),
-                    TableColumn("low_angle", "contact angle, refined model", "deg", ".2f"): _finite_number_or_none(
-                        low.angle[i, s]
-                    ),
+                    TableColumn("angle", "contact angle, 3D reference", "deg", ".2f"): angle,
+                    TableColumn("low_angle", "contact angle, refined model", "deg", ".2f"): low_angle,
                 }
             )
-        out.append(
-            Table.from_rows(
-                f"reference-loads-{name}", f"Loads and contact angles of all contacts of {name} by every model", rows
-            )
-        )
+        title = f"Loads and contact angles of all contacts of {name} by every model"
+        out.append(Table.from_rows(f"reference-loads-{name}", title, rows))
     return out
-
-
-def _finite_number_or_none(value: Any) -> float | None:
-    """Return a number as a Python float; None if it is infinite or nan."""
-    return float(value) if np.isfinite(value) else None
 
 
 #: Names of the displacements along the axes of the scene; the screw lies along z.
@@ -234,12 +210,9 @@ def centreline_displacement_table(cache: SceneResultCache, references: Reference
             cells: Row = {"scene": name, TableColumn("z", "axial position on the screw", "mm", ".1f"): 1e3 * float(row[0])}
             for k, axis in enumerate("xyz"):
                 beam = float(np.interp(row[0], low.stations, low.line[:, k]))
-                cells[
-                    TableColumn(f"r{axis}", f"{DIRECTIONS[axis]} displacement of the screw, 3D reference", "µm", ".2f")
-                ] = 1e6 * float(row[1 + k])
-                cells[
-                    TableColumn(f"l{axis}", f"{DIRECTIONS[axis]} displacement of the screw, refined model", "µm", ".2f")
-                ] = 1e6 * beam
+                words = f"{DIRECTIONS[axis]} displacement of the screw"
+                cells[TableColumn(f"r{axis}", f"{words}, 3D reference", "µm", ".2f")] = 1e6 * float(row[1 + k])
+                cells[TableColumn(f"l{axis}", f"{words}, refined model", "µm", ".2f")] = 1e6 * beam
             rows.append(cells)
     note = (
         "3D reference: mean displacement of the surface of the axial hole where the screw is meshed, near the nut; "
@@ -257,35 +230,22 @@ def contact_load_figures(cache: SceneResultCache, references: References) -> lis
     out = []
     for name, ref in references.items():
         scene = cache.built_in_scene(name)
-        answers = {
-            m: solve_contact_loads(cache, name, m.name)
-            for m in models_shown_for_scene(scene)
-            if m.name != "lin-source-partition"
-        }
+        models = [m for m in models_shown_for_scene(scene) if m.name != "lin-source-partition"]
+        answers = {m: solve_contact_loads(cache, name, m.name) for m in models}
         panels = []
         for s in range(4):
             if not (ref.load[:, s] > 0.0).any() or (s >= 2 and len(ref.best.sides) == 2):
                 continue
             series = [curves.contact_load_curve(f"3D reference, level {ref.best.level}", ref, s, emphasis=True)]
             if ref.uncertainty is not None:
-                low, high = ref.load[:, s] - ref.uncertainty[:, s], ref.load[:, s] + ref.uncertainty[:, s]
-                words = "uncertainty of the 3D reference"
-                series.insert(
-                    0,
-                    Series(
-                        words, series[0].x, curves.scale_to_python_floats(low), "band", curves.scale_to_python_floats(high)
-                    ),
-                )
+                ends = (ref.load[:, s] - ref.uncertainty[:, s], ref.load[:, s] + ref.uncertainty[:, s])
+                low, high = map(curves.scale_to_python_floats, ends)
+                series.insert(0, Series("uncertainty of the 3D reference", series[0].x, low, "band", high))
             series += [curves.contact_load_curve(m.label, a, s) for m, a in answers.items() if (a.load[:, s] > 0.0).any()]
             panels.append(curves.contact_load_panel(SIDES[s], *series))
-        out.append(
-            Figure(
-                f"reference-loads-{name}",
-                f"Contact load of every ball of {name} ({scene.title.partition(':')[0]}), by the low-order models and the "
-                "3D reference",
-                tuple(panels),
-            )
-        )
+        shown = f"{name} ({scene.title.partition(':')[0]})"
+        title = f"Contact load of every ball of {shown}, by the low-order models and the 3D reference"
+        out.append(Figure(f"reference-loads-{name}", title, tuple(panels)))
     return out
 
 
@@ -302,11 +262,8 @@ def centreline_displacement_figure(cache: SceneResultCache, references: Referenc
         solid = curves.lateral_displacement_curves(line[:, 0], line[:, 1:], "u{}, 3D reference", "markers", emphasis=True)
         series = (x for pair in zip(model, solid, strict=True) for x in pair)
         panels.append(Panel(name, "axial position / mm", "displacement / µm", tuple(series)))
-    return Figure(
-        "reference-centreline",
-        "Lateral displacement of the screw's centreline by the refined model and the 3D reference",
-        tuple(panels),
-    )
+    title = "Lateral displacement of the screw's centreline by the refined model and the 3D reference"
+    return Figure("reference-centreline", title, tuple(panels))
 
 
 def lin_model_check_paragraph(references: References, cache: SceneResultCache) -> str:
@@ -357,6 +314,8 @@ def contacts_beyond_check_limit_table(references: References, cache: SceneResult
         for p in contact_load_errors(name, ref, LIMIT, cache.solve_once(name, "lin").load):
             if p.exceeds:
                 k, rigid = SIDES.index(p.side), error_against_rigid_nut_reference(cache, name, p.ball, p.side)
+                unknown = "not listed among the known causes: rollbench check fails"
+                cause = causes.get((name, p.ball, p.side), unknown)
                 rows.append(
                     {
                         "scene": name,
@@ -370,9 +329,7 @@ def contacts_beyond_check_limit_table(references: References, cache: SceneResult
                         TableColumn(
                             "rigid", "load error if the nut is rigid in model and reference", "% of contact's load", "+.1f"
                         ): rigid,
-                        TableColumn("cause", "cause of the error", "", "s"): causes.get(
-                            (name, p.ball, p.side), "not listed among the known causes: rollbench check fails"
-                        ),
+                        TableColumn("cause", "cause of the error", "", "s"): cause,
                     }
                 )
     note = f"Errors by the rule of rollbench check: {RULE}."

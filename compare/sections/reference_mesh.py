@@ -20,7 +20,7 @@ from rollbench.compare.sections.curves import mesh_convergence_figure
 from rollbench.compare.sections.reference import modelling_uncertainty_by_scene, references_of_case_studies
 from rollbench.compare.studies import mesh_study
 from rollbench.lowfi.statics.result import StaticResult
-from rollbench.reports.content import Cell, Figure, Row, Section, Table, TableColumn, Text
+from rollbench.reports.content import Cell, Figure, Row, Section, Table, TableColumn, Text, load_percent_column, text_column
 
 References = Mapping[str, Reference]
 
@@ -32,9 +32,9 @@ def _load_change_cells(load_changes: LoadError, number_format: str = ".2f") -> R
     or mesh setting. ``number_format``: number format of the largest and the RMS change.
     """
     return {
-        TableColumn("max", "largest change of a contact load", "% of mean load", number_format): load_changes.max_percent,
-        TableColumn("rms", "RMS change of the contact loads", "% of mean load", number_format): load_changes.rms_percent,
-        TableColumn("at", "ball and flank with the largest change", "", "s"): f"{load_changes.ball} {load_changes.side}",
+        load_percent_column("max", "largest change of a contact load", number_format): load_changes.max_percent,
+        load_percent_column("rms", "RMS change of the contact loads", number_format): load_changes.rms_percent,
+        text_column("at", "ball and flank with the largest change"): f"{load_changes.ball} {load_changes.side}",
     }
 
 
@@ -65,37 +65,24 @@ def mesh_level_table(cache: SceneResultCache, references: References) -> Table:
             rows.append(
                 {
                     "scene": name,
-                    TableColumn("level", "mesh level", "", "s"): "Lin's mesh"
-                    if run.level == SOURCE_LEVEL
-                    else str(run.level),
+                    text_column("level", "mesh level"): "Lin's mesh" if run.level == SOURCE_LEVEL else str(run.level),
                     TableColumn("across", "elements across the short contact axis 2b", "", ".1f"): run.quality[
                         "elements across 2b"
                     ],
-                    TableColumn("sides", "number of groove flanks with fine meshes", "", "s"): len(run.sides),
-                    TableColumn(
-                        "unknowns", "number of unknowns of one equally fine mesh of all bodies", "", "s"
-                    ): run.unknowns,
+                    text_column("sides", "number of groove flanks with fine meshes"): len(run.sides),
+                    text_column("unknowns", "number of unknowns of one equally fine mesh of all bodies"): run.unknowns,
                     TableColumn("setup", "run time of the set-up", "s", ".1f"): times[0],
                     TableColumn("solve", "run time of a load case", "s", ".1f"): times[1],
                     TableColumn("memory", "peak memory", "MB", ".0f"): "not measured"
                     if run.peak_MB is None
                     else run.peak_MB,
-                    TableColumn(
-                        "change", "largest change of a contact load to the next level", "% of mean load", ".2f"
-                    ): largest,
-                    TableColumn("rms", "RMS change of the contact loads to the next level", "% of mean load", ".2f"): rms,
+                    load_percent_column("change", "largest change of a contact load to the next level"): largest,
+                    load_percent_column("rms", "RMS change of the contact loads to the next level"): rms,
                     TableColumn("sum", "change of the sum of loads to the next level", "%", "+.2f"): change,
+                    load_percent_column("best", "largest change of a contact load to the finest level"): best.max_percent,
+                    load_percent_column("frozen", "largest load change by updating contact normals"): frozen.max_percent,
                     TableColumn(
-                        "best", "largest change of a contact load to the finest level", "% of mean load", ".2f"
-                    ): best.max_percent,
-                    TableColumn(
-                        "frozen", "largest load change by updating contact normals", "% of mean load", ".2f"
-                    ): frozen.max_percent,
-                    TableColumn(
-                        "balance",
-                        "largest unbalanced force on a ball or on the screw, over the largest contact load",
-                        "",
-                        "g2",
+                        "balance", "largest unbalanced force on ball or screw, over the largest contact load", "", "g2"
                     ): max(run.balance, run.screw_balance),
                     TableColumn(
                         "along", "largest net force on a ball along the groove, over the largest contact load", "", "g2"
@@ -110,12 +97,8 @@ def mesh_level_table(cache: SceneResultCache, references: References) -> Table:
         "geometry. Forces are relative to the largest contact load. Set-up time and peak memory of scenes with the same "
         f"geometry are those of one common set-up. {_measured_times_sentence(common)}"
     )
-    return Table.from_rows(
-        "reference-levels",
-        "Changes of contact loads, unknowns and run times on each mesh level of the 3D reference",
-        rows,
-        note,
-    )
+    title = "Changes of contact loads, unknowns and run times on each mesh level of the 3D reference"
+    return Table.from_rows("reference-levels", title, rows, note)
 
 
 def mesh_uncertainty_table(references: References) -> Table:
@@ -123,39 +106,36 @@ def mesh_uncertainty_table(references: References) -> Table:
 
     ``references``: 3D reference of each scene, by name of the scene.
     """
-    rows: list[Row] = []
-    for name, ref in references.items():
-        p = ref.parts
-        rows.append(
-            {
-                "scene": name,
-                TableColumn("levels", "number of mesh levels", "", "s"): len(ref.runs),
-                TableColumn(
-                    "contact", "standard deviation due to the size of cells at the contacts", "% of mean load", ".3f"
-                ): p.contact_cell_deviation,
-                TableColumn(
-                    "bodies", "standard deviation due to the size of cells in the bodies", "% of mean load", ".3f"
-                ): p.body_cell_deviation,
-                TableColumn(
-                    "sockets", "standard deviation due to the refinement boxes", "% of mean load", ".3f"
-                ): p.socket_mesh_deviation,
-                TableColumn(
-                    "common", "standard deviation of the error common to all contact loads", "% of mean load", ".3f"
-                ): p.common_deviation,
-                TableColumn(
-                    "bar", "mesh uncertainty (95 %), RMS over the contacts", "% of mean load", ".3f"
-                ): p.uncertainty,
-                TableColumn(
-                    "beside", "largest mesh uncertainty next to a free nut face", "% of mean load", ".3f"
-                ): largest_uncertainty_near_face(ref)[0],
-                TableColumn(
-                    "largest", "largest mesh uncertainty of a contact load", "% of mean load", ".3f"
-                ): largest_uncertainty_percent(ref),
-                TableColumn("from", "whether estimated from mesh levels of this screw or bearing", "", "s"): "no"
-                if p.is_from_other_scenes
-                else "yes",
-            }
-        )
+    rows: list[Row] = [
+        {
+            "scene": name,
+            text_column("levels", "number of mesh levels"): len(ref.runs),
+            load_percent_column(
+                "contact", "standard deviation due to the cell size at the contacts", ".3f"
+            ): p.contact_cell_deviation,
+            load_percent_column(
+                "bodies", "standard deviation due to the cell size in the bodies", ".3f"
+            ): p.body_cell_deviation,
+            load_percent_column(
+                "sockets", "standard deviation due to the refinement boxes", ".3f"
+            ): p.refinement_box_deviation,
+            load_percent_column(
+                "common", "standard deviation of the error common to all contact loads", ".3f"
+            ): p.common_deviation,
+            load_percent_column("bar", "mesh uncertainty (95 %), RMS over the contacts", ".3f"): p.uncertainty,
+            load_percent_column(
+                "beside", "largest mesh uncertainty next to a free nut face", ".3f"
+            ): largest_uncertainty_near_face(ref)[0],
+            load_percent_column(
+                "largest", "largest mesh uncertainty of a contact load", ".3f"
+            ): largest_uncertainty_percent(ref),
+            text_column("from", "whether estimated from mesh levels of this screw or bearing"): "no"
+            if p.is_from_other_scenes
+            else "yes",
+        }
+        for name, ref in references.items()
+        for p in (ref.parts,)
+    ]
     note = (
         "The contributions are standard deviations of the difference between the finest mesh level and the next finer "
         "one, RMS over the contacts; the uncertainty is twice the root of the sum of their squares. Fine patches fill "
@@ -189,31 +169,23 @@ def mesh_uncertainty_test_table(cache: SceneResultCache) -> Table | None:
     if any(h.is_random_screw for h in found):
         rows.append(_mesh_uncertainty_test_row("all drawn screws", [h for h in found if h.is_random_screw]))
     rows.append(_mesh_uncertainty_test_row("all", found))
-    columns = [TableColumn("scene", "scene", "", "s"), TableColumn("contacts", "number of contacts", "", "s")]
-    columns.append(TableColumn("judge", "finer mesh level for the test", "", "s"))
+    columns = [text_column("scene", "scene"), text_column("contacts", "number of contacts")]
+    columns.append(text_column("judge", "finer mesh level for the test"))
     for k in levels:
         words = f"level {k} and other screws" if k == min(LEVELS) else f"levels {min(LEVELS)} to {k}"
-        columns.append(TableColumn(f"bar {k}", f"mesh uncertainty of level {k}, from {words}", "% of mean load", ".3f"))
+        columns.append(load_percent_column(f"bar {k}", f"mesh uncertainty of level {k}, from {words}", ".3f"))
         columns.append(TableColumn(f"held {k}", f"loads within the mesh uncertainty of level {k}", "%", ".1f"))
     worst = min((h for h in several if h.contact_count >= u_val.MANY), key=lambda h: h.covered_share)
     note = (
         f"Of {sum(h.contact_count for h in several)} loads with an uncertainty from two mesh levels or more, "
-        f"{100.0 * u_val.share_of_contacts_within_uncertainty(several):.1f} % change by less than it on the "
-        "finer level; in the "
-        "worst "
-        f"scene with {u_val.MANY} "
-        f"contacts or more, {100.0 * worst.covered_share:.1f} % ({worst.scene}, levels up to {worst.tested_level}). The "
-        "aim is 95 %. "
-        "Neither the finer level nor data of scenes with the same parts are used to estimate the uncertainty that is "
-        "tested. Rows for several scenes show medians. Errors common to all meshes cannot be detected by this test."
+        f"{100.0 * u_val.share_of_contacts_within_uncertainty(several):.1f} % change by less than it on the finer level; "
+        f"in the worst scene with {u_val.MANY} contacts or more, {100.0 * worst.covered_share:.1f} % ({worst.scene}, "
+        f"levels up to {worst.tested_level}). The aim is 95 %. Neither the finer level nor data of scenes with the same "
+        "parts are used to estimate the uncertainty that is tested. Rows for several scenes show medians. Errors common to "
+        "all meshes cannot be detected by this test."
     )
-    return Table(
-        "reference-coverage",
-        "Test of the mesh uncertainty (95 %): share of contact loads that change by less on a finer mesh",
-        tuple(columns),
-        rows,
-        note,
-    )
+    title = "Test of the mesh uncertainty (95 %): share of contact loads that change by less on a finer mesh"
+    return Table("reference-coverage", title, tuple(columns), rows, note)
 
 
 def _mesh_uncertainty_test_row(first_cell: str, tests: Sequence[u_val.MeshUncertaintyTest]) -> dict[str, Cell]:
@@ -281,13 +253,9 @@ def stage_time_table(references: References) -> Table:
     for name, ref in references.items():
         if ref.best.measured != common:
             continue
-        cells: dict[str, Cell] = {"scene": name, "contact": ref.best.solve_seconds}
-        rows.append(cells | dict(ref.best.stages))
+        rows.append({"scene": name, "contact": ref.best.solve_seconds, **ref.best.stages})
     names = list(dict.fromkeys(k for row in rows for k in row if k not in ("scene", "contact")))
-    columns = [
-        TableColumn("scene", "scene", "", "s"),
-        *(TableColumn(k, f"run time: {STAGES.get(k, k)}", "s", ".1f") for k in names),
-    ]
+    columns = [text_column("scene", "scene"), *(TableColumn(k, f"run time: {STAGES.get(k, k)}", "s", ".1f") for k in names)]
     columns.append(TableColumn("contact", "run time: one load case", "s", ".1f"))
     note = f"Scenes with the same geometry share all stages except the load case. {_measured_times_sentence(common)}"
     title = "Run time of each stage of the 3D computation on its finest mesh level"
@@ -308,31 +276,24 @@ def mesh_study_tables_and_figures(cache: SceneResultCache, references: Reference
         table = mesh_study.mesh_study_table_of_scene(cache.built_in_scene(name), cache.reference_folders)
         rows = [dict(r) for r in table if "load of ball" not in r["quantity"]]
         columns = [
-            TableColumn("quantity", "quantity", "", "s"),
-            TableColumn("unit", "unit", "", "s"),
+            text_column("quantity", "quantity"),
+            text_column("unit", "unit"),
             *(TableColumn(f"level {r.level}", f"value on mesh level {r.level}", "", "g5") for r in ref.runs),
             TableColumn("order", "observed order of convergence", "", ".2f"),
             TableColumn("extrapolated", "value extrapolated to cell size zero", "", "g5"),
             TableColumn("uncertainty", "mesh uncertainty of the value", "", "g2"),
             TableColumn("uncertainty_percent", "relative mesh uncertainty of the value", "%", ".2f"),
-            TableColumn("kind", "kind of convergence over the mesh levels", "", "s"),
+            text_column("kind", "kind of convergence over the mesh levels"),
         ]
         if any(row.get("modelling_spread") is not None for row in rows):
             columns.append(TableColumn("modelling_spread", "uncertainty of the value by modelling choices", "", "g2"))
-            columns.append(
-                TableColumn(
-                    "scene_choices", "largest change due to a single modelling choice, computed on this screw", "", "g2"
-                )
-            )
-        out.append(
-            Table(
-                f"mesh-study-{name}",
-                f"Contact loads and displacements of {name} on each mesh level",
-                columns,
-                rows,
-                mesh_study.mesh_accuracy_sentence(ref),
-            )
+            words = "largest change due to a single modelling choice, computed on this screw"
+            columns.append(TableColumn("scene_choices", words, "", "g2"))
+        title, note = (
+            f"Contact loads and displacements of {name} on each mesh level",
+            mesh_study.mesh_accuracy_sentence(ref),
         )
+        out.append(Table(f"mesh-study-{name}", title, columns, rows, note))
         figure = mesh_convergence_figure(name, table, ref)
         if figure is not None:
             out.append(figure)
@@ -363,27 +324,18 @@ def modelling_choice_table(cache: SceneResultCache) -> Table | None:
             rows.append(
                 {
                     "scene": name,
-                    TableColumn("choice", "modelling choice or unprinted input that is changed", "", "s"): e.choice,
-                    TableColumn("variant", "what it is changed to", "", "s"): e.label,
-                    TableColumn("kind", "kind of the change", "", "s"): KINDS[e.kind],
+                    text_column("choice", "modelling choice or unprinted input that is changed"): e.choice,
+                    text_column("variant", "what it is changed to"): e.label,
+                    text_column("kind", "kind of the change"): KINDS[e.kind],
                     **_load_change_cells(e.error),
                     TableColumn(
-                        "ratio",
-                        "change of the ratio of largest to smallest load on the screw's left flank (SL)",
-                        "%",
-                        "+.2f",
+                        "ratio", "change of the ratio of largest to smallest load on the left screw flank (SL)", "%", "+.2f"
                     ): ratio,
-                    TableColumn(
-                        "model",
-                        "largest load error of Lin's model against the 3D reference with this change",
-                        "% of mean load",
-                        ".2f",
+                    load_percent_column(
+                        "model", "largest load error of Lin's model against the 3D reference with this change"
                     ): largest,
-                    TableColumn(
-                        "model_rms",
-                        "RMS load error of Lin's model against the 3D reference with this change",
-                        "% of mean load",
-                        ".2f",
+                    load_percent_column(
+                        "model_rms", "RMS load error of Lin's model against the 3D reference with this change"
                     ): rms,
                 }
             )
@@ -414,16 +366,14 @@ def refined_mesh_setting_table(cache: SceneResultCache) -> Table | None:
         rows.append(
             {
                 "scene": REFINED,
-                TableColumn("choice", "numerical setting that is refined", "", "s"): e.choice,
-                TableColumn("variant", "value after the refinement", "", "s"): e.label,
+                text_column("choice", "numerical setting that is refined"): e.choice,
+                text_column("variant", "value after the refinement"): e.label,
                 **_load_change_cells(e.error, ".3f"),
-                TableColumn(
-                    "grid", "mesh uncertainty of the contact load with the largest change", "% of mean load", ".3f"
-                ): float(grid[at]),
-                TableColumn("largest", "largest mesh uncertainty of a contact load", "% of mean load", ".3f"): float(
-                    grid.max()
+                load_percent_column("grid", "mesh uncertainty of the contact load with the largest change", ".3f"): float(
+                    grid[at]
                 ),
-                TableColumn("beyond", "contacts whose load changes by more than its mesh uncertainty", "", "s"): beyond,
+                load_percent_column("largest", "largest mesh uncertainty of a contact load", ".3f"): float(grid.max()),
+                text_column("beyond", "contacts whose load changes by more than its mesh uncertainty"): beyond,
             }
         )
     note = (
@@ -454,9 +404,9 @@ def modelling_uncertainty_table(cache: SceneResultCache) -> Table | None:
     rows += [{"choice": f"{c}: not varied", "why": "no run with this variation is stored"} for c in missing]
     rows += [{"choice": f"{n.choice}: not varied", "why": n.reason} for n in NOT_VARIED]
     columns = [
-        TableColumn("choice", "modelling choice", "", "s"),
-        *(TableColumn(name, f"{name}, largest change of a contact load", "% of mean load", ".2f") for name in found),
-        TableColumn("why", "reason why a modelling choice was not varied", "", "s"),
+        text_column("choice", "modelling choice"),
+        *(load_percent_column(name, f"{name}, largest change of a contact load") for name in found),
+        text_column("why", "reason why a modelling choice was not varied"),
     ]
     note = (
         "The effects of the choices are independent and of unknown sign, so on each contact they are combined as the root "
@@ -464,13 +414,8 @@ def modelling_uncertainty_table(cache: SceneResultCache) -> Table | None:
         "value is the error to expect on a typical contact; the largest value is quoted with the mesh uncertainty. "
         "This is an estimate from one typical variation of each choice, not a bound."
     )
-    return Table(
-        "reference-modelling",
-        "Uncertainty of the 3D reference's contact loads by each modelling choice",
-        columns,
-        rows,
-        note,
-    )
+    title = "Uncertainty of the 3D reference's contact loads by each modelling choice"
+    return Table("reference-modelling", title, columns, rows, note)
 
 
 #: Replacements of the 3D screw, and of all 3D bodies, in runs that leave out an effect.
@@ -514,18 +459,13 @@ def left_out_effects_table(cache: SceneResultCache) -> Table | None:
             rows.append(
                 {
                     "scene": name,
-                    TableColumn("without", "effect left out of the 3D reference", "", "s"): ingredient,
-                    TableColumn("meaning", "what replaces the effect", "", "s"): meaning,
+                    text_column("without", "effect left out of the 3D reference"): ingredient,
+                    text_column("meaning", "what replaces the effect"): meaning,
                     **_load_change_cells(e),
                     TableColumn("seconds", "run time saved", "s", "+.1f"): saved if run.measured == common else None,
-                    TableColumn(
-                        "before", "largest load error of Lin's model against the full 3D reference", "% of mean load", ".2f"
-                    ): full,
-                    TableColumn(
-                        "model",
-                        "largest load error of Lin's model against the reduced 3D reference",
-                        "% of mean load",
-                        ".2f",
+                    load_percent_column("before", "largest load error of Lin's model against the full 3D reference"): full,
+                    load_percent_column(
+                        "model", "largest load error of Lin's model against the reduced 3D reference"
                     ): model.max_percent,
                 }
             )
@@ -594,9 +534,5 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     cause, ablation = rigid_nut_paragraph(cache), left_out_effects_table(cache)
     items += [Text((cause,)) if cause and ablation else None, ablation]
     shown = tuple(item for item in items if item is not None)
-    return Section(
-        "reference-mesh",
-        "Uncertainty of the contact loads of the 3D reference",
-        shown,
-        conclusion=mesh_uncertainty_sentence(everything),
-    )
+    title = "Uncertainty of the contact loads of the 3D reference"
+    return Section("reference-mesh", title, shown, conclusion=mesh_uncertainty_sentence(everything))

@@ -39,7 +39,7 @@ from rollbench.compare.studies.run_times import (
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import Scene
-from rollbench.reports.content import Figure, Panel, Row, Series, Table, TableColumn
+from rollbench.reports.content import Figure, Panel, Row, Series, Table, TableColumn, load_percent_column, text_column
 
 Step = Callable[[str], None]
 #: Smallest contact-load error drawn in the figures [% of the mean load]; smaller errors are drawn at this value.
@@ -253,10 +253,8 @@ def models_with_body_files(
     Only the model "condensed" needs a file: the compliances of screw and nut, condensed in the finest 3D run. It is left
     out if there is no such file. ``scene_name``: name of the scene. ``scene_reference``: its 3D reference.
     """
-    scene, bodies = (
-        cache.built_in_scene(scene_name),
-        path_of_condensed_bodies(cache.built_in_scene(scene_name), scene_reference, cache.reference_folders),
-    )
+    scene = cache.built_in_scene(scene_name)
+    bodies = path_of_condensed_bodies(scene, scene_reference, cache.reference_folders)
     further = [m for m in MODELS.values() if not m.compared and m.covers_scene(scene)]
     every = [(m, bodies if m.name == "condensed" else None) for m in (*models_shown_for_scene(scene), *further)]
     return [(m, file) for m, file in every if m.name != "condensed" or file is not None]
@@ -294,33 +292,24 @@ def error_and_time_points(
     for model, bodies in models_with_body_files(scene_name, scene_reference, cache):
         known = None if kept is None else kept.times_by_scene_and_model.get((scene_name, model.name))
         result = _solve_scene(scene_name, model, cache, bodies)
-        cold, warm, memory = (None, None, None) if known is None else (known.cold, known.warm, known.memory)
-        costs: dict[str, Any] = {"cold": cold, "warm": warm, "unknowns": result.solver.unknowns, "memory": memory}
-        notes: dict[str, Any] = {"status": result.status, "measured": None if known is None else measured}
-        out.append(
-            ErrorAndRunTime(
-                model.label,
-                "model",
-                **errors_against_reference(result.load, scene_reference),
-                **costs,
-                name=model.name,
-                **notes,
-            )
-        )
+        errors = errors_against_reference(result.load, scene_reference)
+        costs: dict[str, Any] = dict.fromkeys(("cold", "warm", "memory"))
+        if known is not None:
+            costs = {"cold": known.cold, "warm": known.warm, "memory": known.memory, "measured": measured}
+        costs |= {"unknowns": result.solver.unknowns, "status": result.status}
+        out.append(ErrorAndRunTime(model.label, "model", **errors, **costs, name=model.name))
     for run in stored_reference_runs(scene_name, scene_reference, cache):
         cold, warm, older = None, None, f"{run.setup_seconds + run.solve_seconds:.3g} s, measured with {run.measured}"
         for level in () if kept is None else kept.mesh_level_times:
             if (level.scene, level.level) == (scene_name, run.level):
                 cold, warm, older = level.process, level.load_case, ""
-        of_source = run.level == SOURCE_LEVEL
-        label, short = (
-            ("mesh of Lin's thesis", "3D, Lin's mesh") if of_source else (f"level {run.level}", f"3D level {run.level}")
-        )
-        kind: Literal["source mesh", "level"] = "source mesh" if of_source else "level"
-        costs = {"cold": cold, "warm": warm, "unknowns": run.unknowns, "memory": run.peak_MB}
-        notes = {"status": run.status, "measured": None if cold is None else measured, "older": older}
-        errors = errors_against_reference(run.load, scene_reference)
-        out.append(ErrorAndRunTime(f"3D reference, {label}", kind, **errors, **costs, name=short, **notes))
+        costs = {"cold": cold, "warm": warm, "unknowns": run.unknowns, "memory": run.peak_MB, "older": older}
+        costs |= {"status": run.status, "measured": None if cold is None else measured}
+        costs |= errors_against_reference(run.load, scene_reference)
+        if run.level == SOURCE_LEVEL:
+            out.append(ErrorAndRunTime("3D reference, mesh of Lin's thesis", "source mesh", **costs, name="3D, Lin's mesh"))
+        else:
+            out.append(ErrorAndRunTime(f"3D reference, level {run.level}", "level", **costs, name=f"3D level {run.level}"))
     return out
 
 
@@ -335,11 +324,8 @@ def _solve_scene(scene_name: str, model: Model, cache: SceneResultCache, condens
     for rung in cache.computed_values.get((solve_refinement_sequence_on_all_scenes,), ()):
         if (rung.scene, rung.model) == (scene_name, model.name):
             return cast(RefinementStepResult, rung).result
-    return run_model(
-        cache.built_in_scene(scene_name),
-        model.name,
-        ModelOptions(estimate_beam_mesh_error=False, condensed_bodies_file=condensed_file),
-    )
+    options = ModelOptions(estimate_beam_mesh_error=False, condensed_bodies_file=condensed_file)
+    return run_model(cache.built_in_scene(scene_name), model.name, options)
 
 
 def error_and_time_table(points_by_scene: Mapping[str, Sequence[ErrorAndRunTime]], conditions_sentence: str = "") -> Table:
@@ -355,23 +341,17 @@ def error_and_time_table(points_by_scene: Mapping[str, Sequence[ErrorAndRunTime]
     rows: list[Row] = [
         {
             "scene": scene,
-            TableColumn("model", "model or mesh level", "", "s"): p.label,
-            TableColumn("error", "largest contact-load error", "% of mean load", ".2f"): p.error,
-            TableColumn(
-                "low", "lower limit of the largest contact-load error, by mesh uncertainty", "% of mean load", ".2f"
-            ): p.low,
-            TableColumn(
-                "high", "upper limit of the largest contact-load error, by mesh uncertainty", "% of mean load", ".2f"
-            ): p.high,
-            TableColumn("rms", "RMS error of the contact loads", "% of mean load", ".2f"): p.rms,
+            text_column("model", "model or mesh level"): p.label,
+            load_percent_column("error", "largest contact-load error"): p.error,
+            load_percent_column("low", "lower limit of the largest contact-load error, by mesh uncertainty"): p.low,
+            load_percent_column("high", "upper limit of the largest contact-load error, by mesh uncertainty"): p.high,
+            load_percent_column("rms", "RMS error of the contact loads"): p.rms,
             TableColumn("cold", "run time of a cold start", "s", "g3"): p.cold,
             TableColumn("warm", "run time of a further solution", "s", "g3"): p.warm,
-            TableColumn("older", "run time by an earlier measurement", "", "s"): p.older,
-            TableColumn("unknowns", "number of unknowns", "", "s"): p.unknowns,
+            text_column("older", "run time by an earlier measurement"): p.older,
+            text_column("unknowns", "number of unknowns"): p.unknowns,
             TableColumn("memory", "peak memory", "MB", ".0f"): p.memory if p.memory is not None else "not measured",
-            TableColumn("status", "status of the solver if not converged", "", "s"): ""
-            if p.status == "converged"
-            else p.status,
+            text_column("status", "status of the solver if not converged"): "" if p.status == "converged" else p.status,
         }
         for scene, several in points_by_scene.items()
         for p in several
@@ -387,9 +367,8 @@ def error_and_time_table(points_by_scene: Mapping[str, Sequence[ErrorAndRunTime]
         "their peaks. Unknowns of the 3D reference are those of the single mesh that is equivalent to its condensed parts."
         + (f" {conditions_sentence}" if conditions_sentence else "")
     )
-    return Table.from_rows(
-        "reference-time", "Contact-load error and run time of each model and 3D mesh level on each scene", rows, note
-    )
+    title = "Contact-load error and run time of each model and 3D mesh level on each scene"
+    return Table.from_rows("reference-time", title, rows, note)
 
 
 def kernel_compilation_table(run_times: StoredRunTimes) -> Table:
@@ -400,7 +379,7 @@ def kernel_compilation_table(run_times: StoredRunTimes) -> Table:
     rows: list[Row] = [
         {
             "model": MODELS[name].label,
-            TableColumn("engine", "interpreted or compiled kernels", "", "s"): engine,
+            text_column("engine", "interpreted or compiled kernels"): engine,
             TableColumn("process", "run time of a new process with empty caches", "s", "g3"): cold.process,
             TableColumn("first", "time of the first solution in the process", "s", "g3"): cold.first,
             TableColumn("warm", "time of a further solution", "s", "g3"): cold.warm,
@@ -424,18 +403,18 @@ def command_time_table(run_times: StoredRunTimes) -> Table:
     """
     rows: list[Row] = [
         {
-            TableColumn("command", "command", "", "s"): c.command,
-            TableColumn("reach", "largest run time wanted, with an empty home directory", "", "s"): COMMANDS.get(
-                c.command, ""
-            ),
+            text_column("command", "command"): c.command,
+            text_column("reach", "largest run time wanted, with an empty home directory"): COMMANDS.get(c.command, ""),
             TableColumn("seconds", "run time with an empty home directory", "s", "g3"): c.seconds,
             TableColumn("first_line", "time until the first line of output", "s", "g3"): c.first_line,
             TableColumn("cpu", "CPU time with an empty home directory", "s", "g3"): c.cpu,
-            TableColumn("again", "run time of a second run", "s", "g3"): c.again,
-            TableColumn("again_cpu", "CPU time of a second run", "s", "g3"): c.again_cpu,
+            TableColumn(
+                "again", "run time when the command is run again, with the caches of the first run", "s", "g3"
+            ): c.again,
+            TableColumn("again_cpu", "CPU time when the command is run again", "s", "g3"): c.again_cpu,
             TableColumn("beside", "run time while another process keeps a core busy", "s", "g3"): c.beside,
             TableColumn("beside_cpu", "CPU time while another process keeps a core busy", "s", "g3"): c.beside_cpu,
-            TableColumn("note", "note on the measurement", "", "s"): c.note,
+            text_column("note", "note on the measurement"): c.note,
         }
         for c in run_times.command_times
     ]
@@ -445,9 +424,8 @@ def command_time_table(run_times: StoredRunTimes) -> Table:
         "that caches can achieve. CPU time is the sum over all processes of the command; it depends less on other work on "
         f"the machine. {run_times}"
     )
-    return Table.from_rows(
-        "reference-typed", "Run times of commands that start with an empty home directory, without caches", rows, note
-    )
+    title = "Run times of commands that start with an empty home directory, without caches"
+    return Table.from_rows("reference-typed", title, rows, note)
 
 
 def cold_start_time_table_of_mesh_levels(run_times: StoredRunTimes) -> Table:
@@ -458,14 +436,14 @@ def cold_start_time_table_of_mesh_levels(run_times: StoredRunTimes) -> Table:
     rows: list[Row] = [
         {
             "scene": c.scene,
-            TableColumn("contacts", "number of contacts", "", "s"): c.contacts,
-            TableColumn("level", "mesh level", "", "s"): c.level,
+            text_column("contacts", "number of contacts"): c.contacts,
+            text_column("level", "mesh level"): c.level,
             TableColumn("cold", "run time of a new process with empty caches", "s", "g3"): c.process,
             TableColumn("cpu", "CPU time of all processes", "s", "g3"): c.cpu,
             TableColumn("load_case", "run time of a further load case", "s", "g3"): c.load_case,
-            TableColumn("stages", "longest stages of the set-up and their times", "", "s"): _longest_stages_text(c),
+            text_column("stages", "longest stages of the set-up and their times"): _longest_stages_text(c),
             TableColumn("memory", "peak memory", "MB", ".0f"): c.memory,
-            TableColumn("status", "status of the solver", "", "s"): c.status,
+            text_column("status", "status of the solver"): c.status,
         }
         for c in run_times.mesh_level_times
     ]
@@ -492,17 +470,16 @@ def set_up_time_tables(costs: SetUpCosts) -> list[Table]:
     rows: list[Row] = [
         {
             "scene": job.scene,
-            TableColumn("level", "mesh level", "", "s"): job.level,
-            TableColumn("contacts", "number of contacts", "", "s"): job.contacts,
-            TableColumn("stage", "stage of the set-up", "", "s"): stage,
+            text_column("level", "mesh level"): job.level,
+            text_column("contacts", "number of contacts"): job.contacts,
+            text_column("stage", "stage of the set-up"): stage,
             **{TableColumn(kind, words, "s", ".2f"): spent.get(kind, 0.0) for kind, words in WORK.items()},
         }
         for job in costs.jobs
         for stage, spent in (*job.stages.items(), ("all", {kind: job.processor_time_of_work(kind) for kind in WORK}))
     ]
-    floors = ", ".join(
-        f"{job.processor_time_of_work('all') / 2.0:.1f} s ({job.scene}, level {job.level})" for job in costs.jobs
-    )
+    halves = ((job, job.processor_time_of_work("all") / 2.0) for job in costs.jobs)
+    floors = ", ".join(f"{seconds:.1f} s ({job.scene}, level {job.level})" for job, seconds in halves)
     note = (
         "One process with one thread, without start and imports. The work of elimination is determined by the meshes; its "
         f"dense algebra runs in LAPACK. Two cores that never wait for each other need at least {floors}. {measured}"
@@ -510,9 +487,9 @@ def set_up_time_tables(costs: SetUpCosts) -> list[Table]:
     ways: list[Row] = [
         {
             "scene": way.scene,
-            TableColumn("way", "variant of the set-up", "", "s"): way.way,
+            text_column("way", "variant of the set-up"): way.way,
             TableColumn("saved", "CPU time saved by the variant", "s", ".2f"): way.saved,
-            TableColumn("moved", "largest change of a contact load", "% of mean load", ".4f"): way.moved,
+            load_percent_column("moved", "largest change of a contact load", ".4f"): way.moved,
         }
         for way in costs.ways
     ]
@@ -523,19 +500,11 @@ def set_up_time_tables(costs: SetUpCosts) -> list[Table]:
         "have five such parameters (two conformities, contact angle, lead angle, ratio of ball and pitch radius) and, with "
         f"ten values of each, 100,000 patches. {measured}"
     )
+    by_stage = "Processor time of the set-up of the 3D reference, by stage and kind of work"
+    rejected = "Cheaper variants of the 3D set-up that were rejected: time saved and change of loads"
     return [
-        Table.from_rows(
-            "reference-set-up-costs",
-            "Processor time of the set-up of the 3D reference, by stage and kind of work",
-            rows,
-            note,
-        ),
-        Table.from_rows(
-            "reference-set-up-ways",
-            "Cheaper variants of the 3D set-up that were rejected: time saved and change of loads",
-            ways,
-            tried,
-        ),
+        Table.from_rows("reference-set-up-costs", by_stage, rows, note),
+        Table.from_rows("reference-set-up-ways", rejected, ways, tried),
     ]
 
 

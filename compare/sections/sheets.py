@@ -81,11 +81,8 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     if not found:
         return Section("sheets", title, (Text(("No run of the 3D reference is stored.",)),))
     judged = {name: errors_by_model_and_quantity(cache, name) for name in found}
-    legend = Text((LEGEND,))
-    items = [
-        legend,
-        *(item for name, reference in found.items() for item in data_sheet_items(cache, name, reference, judged[name])),
-    ]
+    sheets = (data_sheet_items(cache, name, reference, judged[name]) for name, reference in found.items())
+    items = [Text((LEGEND,)), *(item for sheet in sheets for item in sheet)]
     return Section("sheets", title, items, conclusion=largest_errors_sentence(judged))
 
 
@@ -94,17 +91,14 @@ def errors_by_model_and_quantity(cache: SceneResultCache, name: str) -> Judged:
 
     ``name``: name of the scene. The keys are pairs: name of the model, name of the quantity.
     """
-    return {
-        (model, quantity.name): one
-        for model in MODELS
-        for quantity in uncertainty.QUANTITIES
-        if (
-            one := uncertainty.error_with_validation_uncertainty(
-                cache, name, model, quantity, solution_from_result(cache.solve_once(name, model))
-            )
-        )
-        is not None
-    }
+    found: dict[tuple[str, str], uncertainty.ErrorWithUncertainty] = {}
+    for model in MODELS:
+        solution = solution_from_result(cache.solve_once(name, model))
+        for quantity in uncertainty.QUANTITIES:
+            one = uncertainty.error_with_validation_uncertainty(cache, name, model, quantity, solution)
+            if one is not None:
+                found[model, quantity.name] = one
+    return found
 
 
 def largest_errors_sentence(errors_by_scene: Mapping[str, Judged]) -> str:
@@ -150,13 +144,10 @@ def data_sheet_items(
     scene = cache.built_in_scene(name)
     gate = check_verdicts_by_model(cache, name, reference)
     words = (check_verdict_sentence(gate), uncertainty_sentence(reference, validated_errors[DEFAULT, uncertainty.CONTACTS]))
+    title = f"Side view of the {'screw' if scene.track.lead else 'bearing'} {name}, with supports and loads"
     return (
         Text(words, heading=f"{name}: {scene.title}"),
-        sketch_scene(
-            scene,
-            f"sketch-{name}",
-            f"Side view of the {'screw' if scene.track.lead else 'bearing'} {name}, with supports and loads",
-        ),
+        sketch_scene(scene, f"sketch-{name}", title),
         data_sheet_table(cache, scene, reference, validated_errors, gate),
     )
 
@@ -204,11 +195,6 @@ def uncertainty_sentence(reference: Reference, validated: uncertainty.ErrorWithU
     return f"Uncertainty: mesh levels {levels} of the 3D reference; {validated.uncertainty_text}, of which {known}.{also}"
 
 
-def _source_name(key: str) -> str:
-    """Return the origin of a data sheet's value for a column heading; ``key``: "3D reference", or the name of a model."""
-    return f"the {key}" if key == "3D reference" else f"the model {key}"
-
-
 def data_sheet_table(
     cache: SceneResultCache,
     scene: Scene,
@@ -225,36 +211,26 @@ def data_sheet_table(
     """
     answers = {"3D reference": solution_from_run(reference.best, "")}
     answers |= {model: solution_from_result(cache.solve_once(scene.name, model)) for model in MODELS}
+    origins = {"3D reference": "the 3D reference"} | {model: f"the model {model}" for model in MODELS}
+    stated = TableColumn("u_val", f"validation uncertainty u_val of the error of the {DEFAULT} model", "%", ".2f")
 
     def quantity_row(
         quantity: str, errors: Mapping[str, float | None], u_val: float, values: Mapping[str, float | None]
     ) -> Row:
         return {
             "quantity": quantity,
-            **{TableColumn(key, f"value by {_source_name(key)}"): values.get(key) for key in answers},
-            **{
-                TableColumn(f"error-{model}", f"error of the model {model}", "%", "+.2f"): error
-                for model, error in errors.items()
-            },
-            TableColumn("u_val", f"validation uncertainty u_val of the error of the {DEFAULT} model", "%", ".2f"): u_val
-            if np.isfinite(u_val)
-            else None,
+            **{TableColumn(key, f"value by {origin}"): values.get(key) for key, origin in origins.items()},
+            **{TableColumn(f"error-{m}", f"error of the model {m}", "%", "+.2f"): error for m, error in errors.items()},
+            stated: u_val if np.isfinite(u_val) else None,
         }
 
-    rows = [
-        quantity_row(
-            "largest contact-load error by the rule of rollbench check",
-            {m: v.error for m, v in gate_verdicts_of_models.items()},
-            np.nan,
-            {},
-        )
-    ]
+    by_check = {model: verdict.error for model, verdict in gate_verdicts_of_models.items()}
+    rows = [quantity_row("largest contact-load error by the rule of rollbench check", by_check, np.nan, {})]
     for q in uncertainty.QUANTITIES:
         single = q.name != uncertainty.CONTACTS
         errors = {model: validated_errors[model, q.name].error for model in MODELS}
         values = {key: float(q.values_of_solution(scene, answer)[0]) if single else None for key, answer in answers.items()}
         words = f"{q.name} [{q.unit}]" if single else "largest contact-load error, in per cent of the mean load"
         rows.append(quantity_row(words, errors, validated_errors[DEFAULT, q.name].combined, values))
-    return Table.from_rows(
-        f"sheet-{scene.name}", f"Results on {scene.name} by 3D reference and models, with the models' errors", rows
-    )
+    title = f"Results on {scene.name} by 3D reference and models, with the models' errors"
+    return Table.from_rows(f"sheet-{scene.name}", title, rows)

@@ -20,7 +20,7 @@ from rollbench.compare.evidence import PrintedEntryComparison, all_computations,
 from rollbench.compare.measure import error_percent
 from rollbench.compare.printed import VERDICT_NAMES, PrintedEntry, load_printed_table, printed_entry
 from rollbench.compare.sections.verdicts import error_for_table_cell
-from rollbench.reports.content import Row, Table, TableColumn
+from rollbench.reports.content import Row, Table, TableColumn, text_column
 
 #: Further cells of table rows, by name of the row's printed number ("table:key").
 More = Mapping[str, Row]
@@ -128,8 +128,8 @@ def format_like_printed_number(value: float | None, printed: str) -> str:
 IN_LAYOUT = {
     "printed": "printed",
     "ours": "computed here",
-    "repeated": "computed here, mistake repeated",
-    "right": "computed here, mistake corrected",
+    "repeated": "computed here, with the publication's mistake repeated",
+    "right": "computed here, without the publication's mistake",
 }
 
 
@@ -151,43 +151,25 @@ def printed_and_computed_table_in_layout(
         Texts that replace computed values, such as measured run times, by name of the printed number.
     """
     rows: list[Row] = []
-    across, down = (
-        [_printed_units(names, evidence_by_name) for names in by]
-        for by in (layout.across, zip(*layout.across, strict=True))
-    )
+    has_labels, columns = any(label for label, _ in layout.rows), list(zip(*layout.across, strict=True))
+    across, down = ([_printed_units(names, evidence_by_name) for names in by] for by in (layout.across, columns))
     of_row, of_column = (all(len(several) == 1 for several in by) for by in (across, down))  # else a unit with each number
-    faulty = [
-        any(name and evidence_by_name[name].as_printed is not None for name in names)
-        for names in zip(*layout.across, strict=True)
-    ]
+    faulty = [any(name and evidence_by_name[name].as_printed is not None for name in names) for names in columns]
     for (label, names), several in zip(layout.rows, across, strict=True):
-        row: Row = (
-            {TableColumn("label", "row of the printed table", "", "s"): label}
-            if any(label for label, _ in layout.rows)
-            else {}
-        )
+        row: Row = {text_column("label", "row of the printed table"): label} if has_labels else {}
         if of_row and any("".join(units) for units in across):
-            row[TableColumn("unit", "printed unit", "", "s")] = next(iter(several))
+            row[text_column("unit", "printed unit")] = next(iter(several))
         for k, (head, name) in enumerate(zip(layout.columns, names, strict=True)):
             heading = next(iter(down[k])) if of_column and not of_row else ""
             unit = "" if of_row or of_column or not name else evidence_by_name[name].printed.unit
             texts = {"printed": "", "ours": "", "right": ""}
             if name:
-                p, right = (
-                    evidence_by_name[name].printed,
-                    evidence_by_name[name].value if evidence_by_name[name].as_printed is not None else None,
-                )
-                texts = {
-                    "printed": p.number_as_printed or p.claim,
-                    "ours": replacing_texts.get(name, computed_value_text(evidence_by_name[name])),
-                }
-                texts = {
-                    key: text if key == "ours" and name in replacing_texts else f"{text} {unit}".rstrip()
-                    for key, text in texts.items()
-                }
-                texts["right"] = (
-                    "" if right is None else f"{format_like_printed_number(right, p.number_as_printed)} {unit}".rstrip()
-                )
+                f, p = evidence_by_name[name], evidence_by_name[name].printed
+                texts = {"printed": p.number_as_printed or p.claim, "ours": computed_value_text(f), "right": ""}
+                if f.as_printed is not None and f.value is not None:
+                    texts["right"] = format_like_printed_number(f.value, p.number_as_printed)
+                texts = {key: f"{text} {unit}".rstrip() if text else "" for key, text in texts.items()}
+                texts["ours"] = replacing_texts.get(name, texts["ours"])
             for key, text in texts.items():
                 if key != "right" or faulty[k]:
                     ending = IN_LAYOUT["repeated" if key == "ours" and faulty[k] else key]
@@ -224,7 +206,7 @@ def computed_value_text(evidence: PrintedEntryComparison) -> str:
 
 
 #: Columns of the table of printed and computed values: values, their errors against the printed number, and scenes.
-PRINTED, SOLID = TableColumn("printed", "printed value", "", "s"), TableColumn("solid", "value by the 3D model", "", "s")
+PRINTED, SOLID = text_column("printed", "printed value"), text_column("solid", "value by the 3D model")
 OFF = {
     "right": TableColumn("off", "error of the low-order value against the printed value", "%", "+.2f"),
     "faulty": TableColumn(
@@ -237,8 +219,8 @@ OFF = {
 }
 AGAINST = TableColumn("against", "error of the low-order value against the 3D value", "%", "+.2f")
 #: Column that states whether the printed number is reproduced; its key makes a page colour the cells.
-REPRODUCED = TableColumn("verdict", "whether reproduced", "", "s")
-SCENES = TableColumn("scenes", "scenes solved, or why there are none", "", "s")
+REPRODUCED = text_column("verdict", "whether reproduced")
+SCENES = text_column("scenes", "scenes solved, or why there are none")
 
 
 def printed_and_computed_table(
@@ -279,12 +261,10 @@ def printed_and_computed_table(
                 row = base | {q: None for q in further if q not in base} | further_cells.get(name, {})
                 reason = join_remarks(f.reason, _tolerance_band_text(f.printed))
                 remark = remarks.setdefault(reason, len(remarks) + 1) if reason else None
-                first: Row = {TableColumn("label", "quantity whose value is printed", "", "s"): label or f.printed.label}
-                first[TableColumn("column", "column of the printed table", "", "s")] = (
-                    "" if head == "Value" or not label else head
-                )
+                first: Row = {text_column("label", "quantity whose value is printed"): label or f.printed.label}
+                first[text_column("column", "column of the printed table")] = "" if head == "Value" or not label else head
                 last: Row = {REPRODUCED: VERDICT_NAMES[f.verdict], "how": f"how-{f.printed.table}"}
-                rows.append(first | row | last | {TableColumn("remark", "remark", "", "s"): remark})
+                rows.append(first | row | last | {text_column("remark", "remark"): remark})
     notes = [note, *(f"{number}: {text}" for text, number in remarks.items())]
     title = f"{layout.heading}: printed and computed value of every number"
     text = "\n".join(filter(None, notes))
@@ -305,34 +285,24 @@ def _printed_and_computed_row(layout: PrintedLayout, evidence: PrintedEntryCompa
         "reading": evidence.value_by_inferred_assumption,
         "solid": evidence.reference,
     }
-    off = {key: _percent_error_or_none(value, p.value) for key, value in values.items()}
+    right, faulty, solid = map(_zero_if_round_off, (evidence.value, evidence.as_printed, evidence.reference))
     return {
         PRINTED: f"{p.number_as_printed or p.claim} {p.unit}".rstrip(),
-        TableColumn("right", "value by the low-order model", "", form): _zero_if_round_off(evidence.value),
-        TableColumn("faulty", "value computed with the publication's mistake repeated", "", form): _zero_if_round_off(
-            evidence.as_printed
-        ),
+        TableColumn("right", "value by the low-order model", "", form): right,
+        TableColumn("faulty", "value computed with the publication's mistake repeated", "", form): faulty,
         TableColumn(
             "reading", "value computed with an input inferred from printed results", "", form
         ): evidence.value_by_inferred_assumption,
-        SOLID: f"{_zero_if_round_off(evidence.reference) or 0.0:.{layout.significant_digits}g}"
-        if evidence.reference is not None
-        else reason_without_3d_value,
-        OFF["right"]: off["right"],
-        OFF["faulty"]: off["faulty"],
-        OFF["reading"]: off["reading"],
-        OFF["solid"]: off["solid"],
+        SOLID: reason_without_3d_value if solid is None else f"{solid:.{layout.significant_digits}g}",
+        **{column: _percent_error_or_none(values[key], p.value) for key, column in OFF.items()},
         AGAINST: _percent_error_or_none(evidence.value, evidence.reference),
     }
 
 
 def _tolerance_band_text(printed_number: PrintedEntry) -> str:
     """Return as text the tolerance band of a printed number and the origin of the band; empty without a band."""
-    return (
-        f"Tolerance band: {printed_number.low:g} to {printed_number.high:g}. {printed_number.origin_of_limits}"
-        if printed_number.low is not None and printed_number.high is not None
-        else ""
-    )
+    p = printed_number
+    return "" if p.low is None or p.high is None else f"Tolerance band: {p.low:g} to {p.high:g}. {p.origin_of_limits}"
 
 
 def _percent_error_or_none(value: float | None, reference: float | None) -> float | None:
@@ -366,18 +336,18 @@ def printed_input_table(layout: PrintedLayout, evidence_by_name: Mapping[str, Pr
     """
     rows: list[Row] = [
         {
-            TableColumn("label", "parameter (symbol)", "", "s"): label,
-            TableColumn("printed", "printed value", "", "s"): f.printed.number_as_printed,
-            TableColumn("unit", "unit", "", "s"): f.printed.unit,
-            TableColumn("scene", "value used in the computation", "", "s"): format_like_printed_number(
+            text_column("label", "parameter (symbol)"): label,
+            text_column("printed", "printed value"): f.printed.number_as_printed,
+            text_column("unit", "unit"): f.printed.unit,
+            text_column("scene", "value used in the computation"): format_like_printed_number(
                 f.value, f.printed.number_as_printed
             ),
-            TableColumn("name", "screws and bearings with this parameter", "", "s"): ", ".join(
+            text_column("name", "screws and bearings with this parameter"): ", ".join(
                 all_computations()[f.printed.table].scenes_or_reason(f.printed)[0]
             ),
             REPRODUCED: VERDICT_NAMES[f.verdict],
             "how": f"how-{f.printed.table}",
-            TableColumn("remark", "remark", "", "s"): f.reason,
+            text_column("remark", "remark"): f.reason,
         }
         for label, (name,) in layout.rows
         for f in (evidence_by_name[name],)
@@ -397,12 +367,12 @@ def tables_on_computation_of_numbers(file_names: Iterable[str]) -> Iterator[Tabl
         )
         rows: list[Row] = [
             {
-                TableColumn("keys", "names of the printed numbers in the data files", "", "s"): pattern,
+                text_column("keys", "names of the printed numbers in the data files"): pattern,
                 SCENES: behind if isinstance(behind, str) else ", ".join(behind),
-                TableColumn("function", "function that computes the numbers", "", "s"): one.function_name,
-                TableColumn("test", "test file", "", "s"): one.test_file or "–",
-                TableColumn(
-                    "command", "command that computes the numbers again", "", "s"
+                text_column("function", "function that computes the numbers"): one.function_name,
+                text_column("test", "test file"): one.test_file or "–",
+                text_column(
+                    "command", "command that computes the numbers again"
                 ): f"rollbench check --printed --only {name}",
             }
             for pattern, behind in one.scenes_or_reason_by_key_pattern
@@ -449,13 +419,8 @@ def counts_of_reproduced_numbers_table(
         "A result is a printed number that is neither an input, nor an identity, nor zero by symmetry; only results can be "
         "reproduced. The table printed shows every number."
     )
-    return Table.from_rows(
-        name,
-        "Number of printed values in each table and section of the publications, and how many are reproduced",
-        rows,
-        note,
-        unfolded=unfolded,
-    )
+    title = "Number of printed values in each table and section of the publications, and how many are reproduced"
+    return Table.from_rows(name, title, rows, note, unfolded=unfolded)
 
 
 def _reproduced_counts_row(place: str, entries: Sequence[PrintedEntryComparison]) -> Row:
@@ -468,25 +433,21 @@ def _reproduced_counts_row(place: str, entries: Sequence[PrintedEntryComparison]
     tally = Counter(f.verdict for f in numbers)
     borne = sum(f.verdict in ("reproduced", "band") for f in claims)
     return {
-        TableColumn("place", "publication, table or section", "", "s"): place,
-        TableColumn("printed", "number of printed values", "", "s"): len(numbers),
-        TableColumn("inputs", "number of printed values that are inputs of the computation", "", "s"): tally["input"],
-        TableColumn("identities", "number of printed values that hold by definition or symmetry", "", "s"): tally[
-            "identity"
-        ],
-        TableColumn("results", "number of printed values that are results of a computation or test", "", "s"): len(numbers)
+        text_column("place", "publication, table or section"): place,
+        text_column("printed", "number of printed values"): len(numbers),
+        text_column("inputs", "number of printed values that are inputs of the computation"): tally["input"],
+        text_column("identities", "number of printed values that hold by definition or symmetry"): tally["identity"],
+        text_column("results", "number of printed values that are results of a computation or test"): len(numbers)
         - tally["input"]
         - tally["identity"],
-        TableColumn("reproduced", "number of results reproduced", "", "s"): tally["reproduced"],
-        TableColumn("faulty", "number of results reproduced only with the publication's mistake repeated", "", "s"): tally[
+        text_column("reproduced", "number of results reproduced"): tally["reproduced"],
+        text_column("faulty", "number of results reproduced only with the publication's mistake repeated"): tally[
             "only as printed"
         ],
-        TableColumn("band", "number of results within a tolerance band", "", "s"): tally["band"],
-        TableColumn("contradicted", "number of results that a computation contradicts", "", "s"): tally["contradicted"],
-        TableColumn("open", f"number of results {VERDICT_NAMES['not identifiable']}", "", "s"): tally["not identifiable"],
-        TableColumn("claims", "number of claims in words confirmed", "", "s"): f"{borne} of {len(claims)}"
-        if claims
-        else "",
+        text_column("band", "number of results within a tolerance band"): tally["band"],
+        text_column("contradicted", "number of results that a computation contradicts"): tally["contradicted"],
+        text_column("open", f"number of results {VERDICT_NAMES['not identifiable']}"): tally["not identifiable"],
+        text_column("claims", "number of claims in words confirmed"): f"{borne} of {len(claims)}" if claims else "",
     }
 
 

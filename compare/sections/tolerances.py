@@ -12,7 +12,7 @@ from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.studies.sweep.keys import VariedKey, read_varied_keys
 from rollbench.compare.studies.sweep.run import figures_from_sweep_summary
 from rollbench.compare.studies.sweep.sample import MAIN
-from rollbench.reports.content import Cell, Section, Table, TableColumn, Text
+from rollbench.reports.content import Cell, Section, Table, TableColumn, Text, text_column
 
 #: Shipped summary of the tolerance sweep (``summary.json``); it states the command that computed it.
 TOLERANCES = "studies/sweep/tolerances-case3.json"
@@ -101,8 +101,7 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
         f"{load['mean']:.0f} N on average and exceeds {load['quantile_0.95']:.0f} N on one screw in twenty. "
         f"{_capitalised_tolerance_name(first)} has the largest effect (total Sobol index {first['total']:.2f}), then "
         f"{_capitalised_tolerance_name(second).lower()} ({second['total']:.2f}); chance, the random errors within the "
-        "same tolerances, "
-        f"has an index of {luck['total']:.2f}."
+        f"same tolerances, has an index of {luck['total']:.2f}."
     )
     text = (
         (
@@ -115,20 +114,16 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     )
     interval = f"{100 * found['indices']['confidence']:g} % confidence interval"
     columns = (
-        TableColumn("key", "tolerance", "", "s"),
-        TableColumn("range", "range over which the tolerance is varied", "", "s"),
+        text_column("key", "tolerance"),
+        text_column("range", "range over which the tolerance is varied"),
         TableColumn("low", "mean of the largest contact load, lowest over the range of the tolerance", "N", "g4"),
         TableColumn("high", "mean of the largest contact load, highest over the range of the tolerance", "N", "g4"),
         TableColumn("first", "first-order Sobol index of the largest contact load", "", ".2f"),
-        TableColumn("first_band", f"{interval} of the first-order index", "", "s"),
+        text_column("first_band", f"{interval} of the first-order index"),
         TableColumn("total", "total Sobol index of the largest contact load", "", ".2f"),
-        TableColumn("total_band", f"{interval} of the total index", "", "s"),
+        text_column("total_band", f"{interval} of the total index"),
     )
     table = Table("tolerances", "Effect of each tolerance on the largest contact load", columns, rows)
     figures = figures_from_sweep_summary("tolerances", keys, found, short_tolerance_name)
-    return Section(
-        "tolerances",
-        "Effect of each tolerance on the largest contact load in Lin's case 3",
-        (Text(text), table, *figures),
-        conclusion=conclusion,
-    )
+    title = "Effect of each tolerance on the largest contact load in Lin's case 3"
+    return Section("tolerances", title, (Text(text), table, *figures), conclusion=conclusion)

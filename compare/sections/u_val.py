@@ -40,7 +40,7 @@ from rollbench.compare.scenes import scene_file
 from rollbench.compare.sections.fit import validated_range_table_and_figure
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import Scene
-from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table, TableColumn, Text
+from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table, TableColumn, Text, text_column
 
 #: File with contact loads that are used for tests only: of randomly drawn screws, and of further mesh levels of shipped
 #: scenes.
@@ -136,10 +136,8 @@ def load_scatter_by_refinement_boxes(cache: SceneResultCache) -> float | None:
     the division by the root of two. Returns None if the runs are not stored.
     """
     scene = cache.built_in_scene(REFINED)
-    finer, base = (
-        load_stored_run(scene, PRODUCTION, SOCKETS, cache.reference_folders),
-        run_without_changed_choices(scene, PRODUCTION, cache.reference_folders),
-    )
+    finer = load_stored_run(scene, PRODUCTION, SOCKETS, cache.reference_folders)
+    base = run_without_changed_choices(scene, PRODUCTION, cache.reference_folders)
     if finer is None or base is None:
         return None
     on = base.load > 0.0
@@ -153,12 +151,10 @@ def mesh_uncertainty_parameters(cache: SceneResultCache) -> estimate.Uncertainty
     They follow from the mesh levels of all compared scenes together, because the mesh levels of a single scene do not show
     them; an example is an error that all contact loads of a scene share. Returns None if 3D runs are missing.
     """
-    loads, sockets = loads_by_scene_and_level(cache), load_scatter_by_refinement_boxes(cache)
-    return (
-        None
-        if sockets is None or len(loads) < len(UNSEEN)
-        else estimate.derive_uncertainty_of_other_scenes(loads, sockets, cache.compute_once(_load_errors_near_nut_faces))
-    )
+    loads, box_scatter = loads_by_scene_and_level(cache), load_scatter_by_refinement_boxes(cache)
+    if box_scatter is None or len(loads) < len(UNSEEN):
+        return None
+    return estimate.derive_uncertainty_of_other_scenes(loads, box_scatter, cache.compute_once(_load_errors_near_nut_faces))
 
 
 def _shipped_or_drawn_scene(cache: SceneResultCache, name: str) -> Scene:
@@ -214,12 +210,12 @@ def _test_uncertainty_of_scenes(
     ``choose_level_groups``: function of a scene's contact loads by mesh level; it returns groups of levels, and
     one uncertainty is estimated from each group and tested. Returns an empty list if 3D runs are missing.
     """
-    scenes, sockets = loads_by_scene_and_level(cache), load_scatter_by_refinement_boxes(cache)
-    if sockets is None or len(scenes) < len(UNSEEN):
+    scenes, box_scatter = loads_by_scene_and_level(cache), load_scatter_by_refinement_boxes(cache)
+    if box_scatter is None or len(scenes) < len(UNSEEN):
         return []
     beside = cache.compute_once(_load_errors_near_nut_faces)
     return [
-        _test_uncertainty_of_scene(_shipped_or_drawn_scene(cache, name), levels, scenes, sockets, beside)
+        _test_uncertainty_of_scene(_shipped_or_drawn_scene(cache, name), levels, scenes, box_scatter, beside)
         for name, loads in scenes.items()
         for levels in choose_level_groups(loads)
     ]
@@ -275,6 +271,9 @@ def share_of_contacts_within_uncertainty(tests: Sequence[MeshUncertaintyTest]) -
 #: Models whose errors are shown for each scene; bias and scatter are shown for all models of the section "ladder".
 SHOWN = (DEFAULT, "lin")
 
+#: Title of the table and of the figure of bias and scatter.
+BIAS_TITLE = "Mean error (bias) of each model against the 3D reference, and its scatter"
+
 #: Names of models in a sentence, other than "the refined model" and so on.
 SPOKEN = {"lin": "Lin's model"}
 
@@ -299,45 +298,36 @@ def errors_with_u_val_table(validated_errors: Sequence[uncertainty.ErrorWithUnce
 
     ``validated_errors``: error and uncertainty by scene, model and quantity.
     """
-    cells: list[Row] = []
-    for row in validated_errors:
-        if row.model not in SHOWN:
-            continue
-        beyond = abs(row.error) > row.combined
-        cells.append(
-            {
-                "scene": row.scene,
-                "quantity": row.quantity,
-                "model": row.model,
-                TableColumn("error", "model error", "%", "+.2f"): row.error,
-                TableColumn("grid", "uncertainty of the model error due to the mesh", "%", ".2f"): row.grid,
-                TableColumn("choices", "uncertainty of the model error due to modelling choices", "%", ".2f"): row.choices,
-                TableColumn("inputs", "uncertainty of the model error due to input tolerances", "%", ".2f"): row.inputs,
-                TableColumn("u_val", "validation uncertainty u_val of the model error", "%", ".2f"): row.combined,
-                TableColumn(
-                    "says", "conclusion on the model error", "", "s"
-                ): "the model is in error, by model error ± u_val"
-                if beyond
-                else "model error within u_val: not distinguishable from zero",
-                TableColumn("within", "share of values with a model error within u_val", "%", ".0f"): 100.0 * row.within,
-                TableColumn(
-                    "varied", "screw or bearing on which modelling choices were varied", "", "s"
-                ): row.scene_with_varied_choices or "–",
-            }
-        )
+    in_error = "the model is in error, by model error ± u_val"
+    within = "model error within u_val: not distinguishable from zero"
+    cells: list[Row] = [
+        {
+            "scene": row.scene,
+            "quantity": row.quantity,
+            "model": row.model,
+            TableColumn("error", "model error", "%", "+.2f"): row.error,
+            TableColumn("grid", "uncertainty of the model error due to the mesh", "%", ".2f"): row.grid,
+            TableColumn("choices", "uncertainty of the model error due to modelling choices", "%", ".2f"): row.choices,
+            TableColumn("inputs", "uncertainty of the model error due to input tolerances", "%", ".2f"): row.inputs,
+            TableColumn("u_val", "validation uncertainty u_val of the model error", "%", ".2f"): row.combined,
+            text_column("says", "conclusion on the model error"): in_error if abs(row.error) > row.combined else within,
+            TableColumn("within", "share of values with a model error within u_val", "%", ".0f"): 100.0 * row.within,
+            text_column("varied", "screw or bearing on which modelling choices were varied"): row.scene_with_varied_choices
+            or "–",
+        }
+        for row in validated_errors
+        if row.model in SHOWN
+    ]
     note = (
         f"Model error: against the 3D reference. u_val: validation uncertainty, by mesh, modelling choices and input "
         f"tolerances together. For {uncertainty.CONTACTS}: the contact with the largest error, in per cent of the mean "
-        "load; for other quantities "
-        "in per cent of the value by the 3D reference. Input tolerances are assumed: "
-        f"{'; '.join(x.name for x in uncertainty.INPUTS)}; each is varied alone, with the model lin. Modelling "
-        "choices were varied on "
-        "two screws; if the last column names another one, the largest effect there is used. As in ASME V&V 20, the "
-        "uncertainties are combined by the root of the sum of squares; they are not subtracted from an error."
+        "load; for other quantities in per cent of the value by the 3D reference. Input tolerances are assumed: "
+        f"{'; '.join(x.name for x in uncertainty.INPUTS)}; each is varied alone, with the model lin. Modelling choices "
+        "were varied on two screws; if the last column names another one, the largest effect there is used. As in ASME "
+        "V&V 20, the uncertainties are combined by the root of the sum of squares; they are not subtracted from an error."
     )
-    return Table.from_rows(
-        "u-val", "Error of each model and uncertainty of this error, for each scene and quantity", cells, note
-    )
+    title = "Error of each model and uncertainty of this error, for each scene and quantity"
+    return Table.from_rows("u-val", title, cells, note)
 
 
 def bias_and_scatter_table(scatters: Sequence[uncertainty.BiasAndScatter]) -> Table:
@@ -355,10 +345,7 @@ def bias_and_scatter_table(scatters: Sequence[uncertainty.BiasAndScatter]) -> Ta
             TableColumn("scatter", "standard deviation (scatter) of the error", "%", ".2f"): s.scatter,
             TableColumn("within", "share of values with a model error within u_val", "%", ".0f"): 100.0 * s.within,
             TableColumn(
-                "within_own",
-                "share of values with an error within the uncertainty by mesh and modelling choices",
-                "%",
-                ".0f",
+                "within_own", "share of values with an error within the uncertainty by mesh and choices", "%", ".0f"
             ): 100.0 * s.within_own,
         }
         for s in scatters
@@ -369,9 +356,7 @@ def bias_and_scatter_table(scatters: Sequence[uncertainty.BiasAndScatter]) -> Ta
         "uncertainty, by mesh, modelling choices and input tolerances together. All screws and bearings with a 3D "
         "reference; contacts above a tenth of the mean load."
     )
-    return Table.from_rows(
-        "bias-scatter", "Mean error (bias) of each model against the 3D reference, and its scatter", cells, note
-    )
+    return Table.from_rows("bias-scatter", BIAS_TITLE, cells, note)
 
 
 def bias_and_scatter_figure(scatters: Sequence[uncertainty.BiasAndScatter]) -> Figure:
@@ -390,9 +375,7 @@ def bias_and_scatter_figure(scatters: Sequence[uncertainty.BiasAndScatter]) -> F
             Series("no error", [min(x), max(x)], [0.0, 0.0], "line"),
         )
         panels.append(Panel(quantity, "", "relative deviation from the 3D reference / %", series, abscissa_names=order))
-    return Figure(
-        "bias-scatter", "Mean error (bias) of each model against the 3D reference, and its scatter", tuple(panels)
-    )
+    return Figure("bias-scatter", BIAS_TITLE, tuple(panels))
 
 
 def error_bound_coverage_table(cache: SceneResultCache, model_solutions: Sequence[RefinementStepResult]) -> Table:
@@ -412,8 +395,8 @@ def error_bound_coverage_table(cache: SceneResultCache, model_solutions: Sequenc
         counts.append((words, sum(h.covered_contact_count for h in bars), sum(h.contact_count for h in bars)))
     cells: list[Row] = [
         {
-            TableColumn("bound", "stated error bound", "", "s"): words,
-            TableColumn("share", "number of errors within the bound", "", "s"): f"{held} of {total}",
+            text_column("bound", "stated error bound"): words,
+            text_column("share", "number of errors within the bound"): f"{held} of {total}",
             TableColumn("part", "share of errors within the bound", "%", ".0f"): 100.0 * held / (total or 1),
         }
         for words, held, total in counts
@@ -423,9 +406,8 @@ def error_bound_coverage_table(cache: SceneResultCache, model_solutions: Sequenc
         "the same share for a new scene; the table shows the share that was observed. The mesh uncertainty is meant to "
         "cover 95 % of the contacts, 19 of 20."
     )
-    return Table.from_rows(
-        "bounds-held", "Share of errors that lie within the error bounds that rollbench states", cells, note
-    )
+    title = "Share of errors that lie within the error bounds that rollbench states"
+    return Table.from_rows("bounds-held", title, cells, note)
 
 
 def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Section:

@@ -11,10 +11,9 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from rollbench.compare import evidence as compare_evidence
-from rollbench.compare.evidence import count_entries_by_verdict as audited_counts
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.printed import KINDS, VERDICT_NAMES, VERDICTS
-from rollbench.reports.content import Cell, Row, Section, Table, TableColumn, Text
+from rollbench.reports.content import Cell, Row, Section, Table, TableColumn, Text, text_column
 
 #: Number of table rows above which a common remark is stated once, in the note below the table, and replaced by its number.
 SHARED = 2
@@ -74,9 +73,8 @@ def printed_numbers_table(
     columns = _columns_of_printed_table(entries, digits, with_place)
     usual = Counter(f.printed.place for f in entries).most_common(1)[0][0]
     keys = [c.key for c in columns]
-    rows = [
-        {key: cells[key] for key in keys} for cells in (_cells_of_printed_number(f, usual, with_place) for f in entries)
-    ]
+    every = [_cells_of_printed_number(f, usual, with_place) for f in entries]
+    rows = [{key: cells[key] for key in keys} for cells in every]
     common = _replace_remarks_by_numbers(rows)
     notes = [note, FAULTS if "as_printed" in keys else ""]
     notes += [f"The {given} inputs are listed in the table printed."] if given else []
@@ -93,26 +91,21 @@ def _columns_of_printed_table(
     whether there is a column for the place in the publication.
     """
     form = f"g{digits}"
-    faulty, inferred = (
-        any(f.as_printed is not None for f in entries),
-        any(f.value_by_inferred_assumption is not None for f in entries),
-    )
+    faulty = any(f.as_printed is not None for f in entries)
+    inferred = any(f.value_by_inferred_assumption is not None for f in entries)
     wanted = (
-        (True, TableColumn("label", "quantity or claim", "", "s")),
-        (with_place, TableColumn("place", "place in the publication", "", "s")),
-        (True, TableColumn("verdict", "whether reproduced", "", "s")),
-        (
-            True,
-            TableColumn("class", "class of the printed number or claim (hard, as-printed, band, open or input)", "", "s"),
-        ),
-        (True, TableColumn("unit", "unit", "", "s")),
-        (True, TableColumn("printed", "printed value", "", "s")),
+        (True, text_column("label", "quantity or claim")),
+        (with_place, text_column("place", "place in the publication")),
+        (True, text_column("verdict", "whether reproduced")),
+        (True, text_column("class", "class of the printed number or claim (hard, as-printed, band, open or input)")),
+        (True, text_column("unit", "unit")),
+        (True, text_column("printed", "printed value")),
         (faulty, TableColumn("as_printed", "value computed with the publication's mistake repeated", "", form)),
         (True, TableColumn("right", "value computed correctly, without the publication's mistake", "", form)),
         (True, TableColumn("error", "error of the computed against the printed value", "%", "g3")),
         (inferred, TableColumn("reading", "value computed with an input inferred from printed results", "", form)),
         (inferred, TableColumn("reading_error", "error against the printed value, with the inferred input", "%", ".2f")),
-        (True, TableColumn("remark", "remark", "", "s")),
+        (True, text_column("remark", "remark")),
     )
     return tuple(column for shown, column in wanted if shown)
 
@@ -185,7 +178,7 @@ def reproduced_number_counts_sentence(entries: Sequence[compare_evidence.Printed
 
     ``entries``: printed numbers and claims with their verdicts.
     """
-    total = audited_counts(entries)[-1]
+    total = compare_evidence.count_entries_by_verdict(entries)[-1]
     kinds = Counter(r.printed.kind for r in entries if r.verdict == "reproduced")
     parts = " and ".join(f"{n} {PLURALS.get(KINDS[kind], KINDS[kind])}" for kind, n in kinds.most_common())
     words = ", ".join(f"{total[v]} {VERDICT_NAMES[v]}" for v in VERDICTS)
@@ -201,20 +194,16 @@ def printed_entry_counts_by_kind_table(entries: Sequence[compare_evidence.Printe
     tally = Counter((r.printed.kind, r.verdict) for r in entries)
     cells: list[Row] = [
         {
-            TableColumn("kind", "kind of the printed number or claim", "", "s"): words,
-            **{TableColumn(v, COUNT_HEADINGS[v], "", "s"): tally[kind, v] for v in VERDICTS},
-            TableColumn("all", "number of all printed numbers and claims of this kind", "", "s"): sum(
+            text_column("kind", "kind of the printed number or claim"): words,
+            **{text_column(v, COUNT_HEADINGS[v]): tally[kind, v] for v in VERDICTS},
+            text_column("all", "number of all printed numbers and claims of this kind"): sum(
                 tally[kind, v] for v in VERDICTS
             ),
         }
         for kind, words in KINDS.items()
     ]
-    return Table.from_rows(
-        "kinds",
-        "Count of the numbers and claims printed in publications, by kind and by whether they are reproduced",
-        cells,
-        BANDS,
-    )
+    title = "Count of the numbers and claims printed in publications, by kind and by whether they are reproduced"
+    return Table.from_rows("kinds", title, cells, BANDS)
 
 
 def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Section:
@@ -227,38 +216,26 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     tally = Counter((r.printed.entry_class, r.verdict) for r in audited)
     rows: list[Row] = [
         {
-            TableColumn(
-                "class", "class of the printed number or claim (hard, as-printed, band, open or input)", "", "s"
-            ): c,
-            TableColumn("verdict", "whether reproduced", "", "s"): VERDICT_NAMES[v],
-            TableColumn("count", "number of printed numbers and claims", "", "s"): n,
+            text_column("class", "class of the printed number or claim (hard, as-printed, band, open or input)"): c,
+            text_column("verdict", "whether reproduced"): VERDICT_NAMES[v],
+            text_column("count", "number of printed numbers and claims"): n,
         }
         for (c, v), n in sorted(tally.items())
     ]
+    text = (
+        "Some inputs that the publications do not print were inferred from printed results; these results are therefore no "
+        f"confirmation: {INFERRED}."
+    )
+    counts = "Count of the numbers and claims printed in publications, by class and by whether they are reproduced"
+    every = "Each number and claim that a publication prints, with the computed value, and whether it is reproduced"
     return Section(
         "verdicts",
         "Numbers and claims that the publications print, and whether they are reproduced",
         (
-            Text(
-                (
-                    (
-                        "Some inputs that the publications do not print were inferred from printed results; these results "
-                        f"are therefore no confirmation: {INFERRED}."
-                    ),
-                )
-            ),
-            Table.from_rows(
-                "verdicts",
-                "Count of the numbers and claims printed in publications, by class and by whether they are reproduced",
-                rows,
-            ),
+            Text((text,)),
+            Table.from_rows("verdicts", counts, rows),
             printed_entry_counts_by_kind_table(audited),
-            printed_numbers_table(
-                "printed",
-                "Each number and claim that a publication prints, with the computed value, and whether it is reproduced",
-                audited,
-                with_place=True,
-            ),
+            printed_numbers_table("printed", every, audited, with_place=True),
         ),
         conclusion=reproduced_number_counts_sentence(audited),
     )
@@ -266,7 +243,7 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
 
 def text_columns_of_table(*columns: tuple[str, str]) -> tuple[TableColumn, ...]:
     """Return table columns that contain texts, from pairs of column key and heading."""
-    return tuple(TableColumn(key, label, "", "s") for key, label in columns)
+    return tuple(text_column(key, label) for key, label in columns)
 
 
 def printed_entry_counts_by_publication_table(entries: Sequence[compare_evidence.PrintedEntryComparison]) -> Table:
@@ -301,12 +278,8 @@ def misprints_table(case_name: str = "") -> Table:
         ("test", "test that checks the misprint"),
     )
     rows = [row for row in compare_evidence.misprint_rows() if row["source"] == case_name or not case_name]
-    return Table(
-        f"{case_name or 'audit'}-misprints",
-        "Misprints in the publications, each with a command that shows it and a test that checks it",
-        columns,
-        rows,
-    )
+    title = "Misprints in the publications, each with a command that shows it and a test that checks it"
+    return Table(f"{case_name or 'audit'}-misprints", title, columns, rows)
 
 
 def misprints_section(cache: SceneResultCache, step: Callable[[str], None]) -> Section:
@@ -325,16 +298,12 @@ def misprints_section(cache: SceneResultCache, step: Callable[[str], None]) -> S
         ("count", "approximate number of printed values that are not compared"),
         ("reason", "reason why they are not compared"),
     )
+    title = "Printed numbers that are not compared with computed ones, with the reason"
     items = (
         Text(words),
         printed_entry_counts_by_publication_table(rows),
         Text(meanings, bullets=True),
         misprints_table(),
-        Table(
-            "audit-left-out",
-            "Printed numbers that are not compared with computed ones, with the reason",
-            missing,
-            compare_evidence.uncompared_number_rows(),
-        ),
+        Table("audit-left-out", title, missing, compare_evidence.uncompared_number_rows()),
     )
     return Section("audit", "Misprints and contradictions found in each publication", items)

@@ -17,7 +17,7 @@ from rollbench.compare.studies.crosscheck import results
 from rollbench.compare.studies.crosscheck.study import STUDIES, digest_of_shipped_scene, load_nut_compliance
 from rollbench.hifi.contact import block
 from rollbench.hifi.contact.block import solve_hertz_contact as solve_block
-from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table, TableColumn, Text
+from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table, TableColumn, Text, load_percent_column
 
 #: Numbers of cells across the short semi-axis of the contact ellipse, by element type, for a total of 25 s on two cores.
 #: Tetrahedra are not stretched like the ellipse, so P2 with 6 cells would take as long as all other meshes together.
@@ -103,11 +103,8 @@ def computations_on_production_mesh(computations: Sequence[HertzComputation]) ->
 
     ``computations``: computations on all meshes.
     """
-    return [
-        one
-        for one in computations
-        if (one.computed.element, one.computed.b_over_h) == PRODUCTION and one.mesh_label != SOURCE
-    ]
+    of_elements = [one for one in computations if one.mesh_label != SOURCE]
+    return [one for one in of_elements if (one.computed.element, one.computed.b_over_h) == PRODUCTION]
 
 
 def error_target_sentences(computations: Sequence[HertzComputation]) -> list[str]:
@@ -126,14 +123,13 @@ def _error_target_sentence(computation: HertzComputation) -> str:
 
     ``computation``: computation of one Hertz contact on this mesh.
     """
-    missed = [name for name, most in TARGETS.items() if not abs(computation.error_percents[name]) <= most]
-    parts = [
-        f"{name} {computation.error_percents[name]:+.2f} % ({'NOT within' if name in missed else 'within'} {most} %)"
-        for name, most in TARGETS.items()
-    ]
+    run, off = computation.computed, computation.error_percents
+    missed = [name for name, most in TARGETS.items() if not abs(off[name]) <= most]
+    words = {name: "NOT within" if name in missed else "within" for name in TARGETS}
+    parts = [f"{name} {off[name]:+.2f} % ({words[name]} {most} %)" for name, most in TARGETS.items()]
     return (
-        f"Job {computation.computed.contact_name}, {WHAT[computation.computed.contact_name]}, production mesh of "
-        f"{computation.computed.free_degree_of_freedom_count} unknowns: {', '.join(parts)}. "
+        f"Job {run.contact_name}, {WHAT[run.contact_name]}, mesh of the 3D reference with "
+        f"{run.free_degree_of_freedom_count} unknowns: {', '.join(parts)}. "
         + (f"NOT MET: {', '.join(missed)}." if missed else "All targets are met.")
     )
 
@@ -143,13 +139,12 @@ def _lin_mesh_error_sentence(computation: HertzComputation) -> str:
 
     ``computation``: computation of one Hertz contact on that mesh.
     """
+    run, off = computation.computed, computation.error_percents
     return (
-        f"Job {computation.computed.contact_name} on first-order tetrahedra of the size of Lin's thesis "
-        f"({computation.computed.b_over_h:.1f} across the short "
-        f"semi-axis): approach {computation.error_percents['approach']:+.1f} %, semi-axes "
-        f"{computation.error_percents['semi-axes']:+.1f} %, "
-        f"pole pressure {computation.error_percents['pole pressure']:+.1f} %, fitted "
-        f"{computation.error_percents['fitted pole pressure']:+.1f} %."
+        f"Job {run.contact_name} on first-order tetrahedra of the size of Lin's thesis ({run.b_over_h:.1f} across the "
+        f"short semi-axis), errors against Hertz theory: approach {off['approach']:+.1f} %, "
+        f"semi-axes {off['semi-axes']:+.1f} %, "
+        f"pole pressure {off['pole pressure']:+.1f} %, fitted pole pressure {off['fitted pole pressure']:+.1f} %."
     )
 
 
@@ -183,20 +178,14 @@ def hertz_error_row(computation: HertzComputation) -> Row:
 
     ``computation``: the computed contact with its errors.
     """
-    counts: Row = {
-        TableColumn("unknowns", "number of unknowns", "", "s"): computation.computed.free_degree_of_freedom_count,
-        TableColumn("contact_nodes", "number of contact nodes", "", "s"): computation.computed.contact_node_count,
-        TableColumn("iterations", "number of contact iterations", "", "s"): computation.computed.newton_iteration_count,
-        TableColumn("seconds", "run time", "s", "g2"): computation.computed.total_seconds,
+    run, off = computation.computed, computation.error_percents
+    return mesh_cells_of_row(computation) | {
+        TableColumn("unknowns", "number of unknowns", "", "s"): run.free_degree_of_freedom_count,
+        TableColumn("contact_nodes", "number of contact nodes", "", "s"): run.contact_node_count,
+        TableColumn("iterations", "number of contact iterations", "", "s"): run.newton_iteration_count,
+        TableColumn("seconds", "run time", "s", "g2"): run.total_seconds,
+        **{TableColumn(name, f"error of the {ERROR_NAMES.get(name, name)}", "%", ".2f"): off[name] for name in ERRORS},
     }
-    return (
-        mesh_cells_of_row(computation)
-        | counts
-        | {
-            TableColumn(name, f"error of the {ERROR_NAMES.get(name, name)}", "%", ".2f"): computation.error_percents[name]
-            for name in ERRORS
-        }
-    )
 
 
 def rows_of_computed_and_hertz_values(computations: Sequence[HertzComputation]) -> list[Row]:
@@ -244,10 +233,8 @@ def hertz_error_figure(computations: Sequence[HertzComputation], job: str) -> Fi
             curves = []
             for label in (*NAMES.values(), SOURCE):
                 runs = [one for one in computations if one.computed.contact_name == job and one.mesh_label == label]
-                x = [
-                    float(one.computed.free_degree_of_freedom_count if axis == "unknowns" else one.computed.total_seconds)
-                    for one in runs
-                ]
+                key = "free_degree_of_freedom_count" if axis == "unknowns" else "total_seconds"
+                x = [float(getattr(one.computed, key)) for one in runs]
                 y = [max(abs(one.error_percents[quantity]), 1e-3) for one in runs]
                 style = "markers" if label == SOURCE else "line+markers"
                 if runs:
@@ -277,9 +264,8 @@ def stage_times_table(computations: Sequence[HertzComputation]) -> Table:
         mesh_cells_of_row(one) | {stage: one.computed.seconds_by_stage[name] for name, stage in stages.items()}
         for one in computations
     ]
-    return Table.from_rows(
-        "verification-times", "Ball contact by 3D finite elements: time of each stage of the computation", rows
-    )
+    title = "Ball contact by 3D finite elements: time of each stage of the computation"
+    return Table.from_rows("verification-times", title, rows)
 
 
 def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Section:
@@ -297,35 +283,25 @@ def hertz_section(computations: Sequence[HertzComputation]) -> Section:
     """
     job, mesh = block.JOBS["A"], f"{NAMES[PRODUCTION[0]]}, b/h = {PRODUCTION[1]:g}"
     text = (
-        f"A ball of radius {1000.0 * block.BALL:g} mm (E = {1e-09 * job.young:g} GPa, nu = {job.poisson:g}, "
-        "both bodies elastic) "
-        f"is pressed with {job.load:g} N on a flat (job A) and into a groove of radius "
-        f"{1000.0 * block.GROOVE:g} mm that is "
-        f"convex along its length with radius {1000.0 * block.ALONG:g} mm (job B). One elastic body is "
-        "modelled, a quarter by "
-        "symmetry, and its compliance is doubled. The cut faces of the block are displaced as in the half-space "
-        "(Boussinesq); fixed faces would change the approach.",
+        f"A ball of radius {1000.0 * block.BALL:g} mm (E = {1e-09 * job.young:g} GPa, nu = {job.poisson:g}, both bodies "
+        f"elastic) is pressed with {job.load:g} N on a flat (job A) and into a groove of radius {1000.0 * block.GROOVE:g} "
+        f"mm that is convex along its length with radius {1000.0 * block.ALONG:g} mm (job B). One elastic body is "
+        "modelled, a quarter by symmetry, and its compliance is doubled. The cut faces of the block are displaced as in "
+        "the half-space (Boussinesq); fixed faces would change the approach.",
         "h is the cell edge along the short semi-axis b. Semi-axes are those of the ellipsoid of pressure with the same "
         "load and second moments as the nodal forces. The pole pressure is the nodal force over its area at the pole, not "
         "the largest nodal value; the fitted pole pressure is that of the ellipsoid. On 10-node tetrahedra only mid-side "
         "nodes may come into contact, because a uniform pressure causes no force on corner nodes. The mesh of Lin's thesis "
-        f"has cells of {1000.0 * block.SOURCE_FINE:g} mm within a sphere of {1000.0 * block.SOURCE_RADIUS:g} mm "
-        "(the size of the "
-        f"sphere is not printed) and of up to {1000.0 * block.SOURCE_COARSE:g} mm outside.",
+        f"has cells of {1000.0 * block.SOURCE_FINE:g} mm within a sphere of {1000.0 * block.SOURCE_RADIUS:g} mm (the size "
+        f"of the sphere is not printed) and of up to {1000.0 * block.SOURCE_COARSE:g} mm outside.",
     )
+    of_mesh = f"Error against Hertz theory of the mesh that the 3D reference uses ({mesh})"
+    of_all = "Ball contact by 3D finite elements: error against Hertz theory, unknowns and time of each element and mesh"
     items: tuple[Text | Table | Figure, ...] = (
         Text(text),
         Text(error_target_sentences(computations), bullets=True),
-        Table.from_rows(
-            "verification-targets",
-            f"Error against Hertz theory of the mesh that the 3D reference uses ({mesh})",
-            rows_of_computed_and_hertz_values(computations),
-        ),
-        Table.from_rows(
-            "verification-errors",
-            "Ball contact by 3D finite elements: error against Hertz theory, unknowns and time of each element and mesh",
-            map(hertz_error_row, computations),
-        ),
+        Table.from_rows("verification-targets", of_mesh, rows_of_computed_and_hertz_values(computations)),
+        Table.from_rows("verification-errors", of_all, map(hertz_error_row, computations)),
         *(hertz_error_figure(computations, job) for job in block.JOBS),
         stage_times_table(computations),
     )
@@ -340,17 +316,18 @@ ABOUT = (
 )
 
 EXTRAPOLATED = (
-    "The loads by CalculiX are extrapolated to zero element size. The element size h at the contacts and the growth g of "
-    "the elements away from them are refined together, and the loads F of all contacts on all meshes are fitted together "
-    "by F = F0 + A e + B / k. Here (h + g d) / (c + d) is the element size at depth d over the distance in which the field "
-    "of the contact changes there. With the energy of the field distributed evenly over x = c / (c + d), the mesh error e "
+    "The loads by CalculiX are extrapolated to zero element size. Elements have the size h at a contact and h + g d at the "
+    "depth d below it; h and the growth g are refined together. The loads F of all contacts on all meshes are fitted "
+    "together by F = F0 + A e + B / k, with the extrapolated load F0, the mesh error e, the contact stiffness k and the "
+    "coefficients A and B. Stress and strain below a contact change over the distance c + d, with a length c, so the "
+    "relative element size there is (h + g d) / (c + d). With the strain energy distributed evenly over x = c / (c + d), e "
     "is the mean of (x h / c + (1 - x) g)^p over x. The order p (2 to 4) and the length c, in minor semi-axes, are common "
-    "to all contacts; B follows from two runs on one mesh with two contact stiffnesses k. Meshes are weighted "
-    "by their e, because both the deviation from the law and the scatter between meshes of equal size decrease "
-    "with it. The uncertainty of a contact load is the change of its limit F0 over all orders and lengths that fit "
-    "nearly as well as the best (two standard deviations), combined with two standard errors and a tenth of the "
-    "extrapolated change. Where the plane through the balls divides a pair of rings into mirror images, some "
-    'runs mesh one half; runs marked "equal balls" use one mesh for all balls.'
+    "to all contacts; B follows from two runs on one mesh with two contact stiffnesses k. Meshes are weighted by their e, "
+    "because both the misfit of this law and the scatter between meshes of equal size decrease with it. The uncertainty of "
+    "a contact load is the change of its limit F0 over all orders and lengths that fit nearly as well as the best (two "
+    "standard deviations), combined with two standard errors and a tenth of the extrapolated change. Where the plane "
+    "through the balls divides a pair of rings into mirror images, some runs mesh one half; runs marked "
+    '"equal balls" use one mesh for all balls.'
 )
 
 NUT = (
@@ -371,22 +348,16 @@ def calculix_run_table(calculix_runs: results.CalculixRunsOfScene) -> Table:
         twin = base.get((results.mesh_options_of_run(run), run.stiffness))
         loose = float(error_percent(run.unbalanced, 0.0, mean))
         change = load_error(run.load, twin.load).max_percent if run.nlgeom and twin else None
+        meshed = "half" if run.half else "equal balls" if run.alike else "whole"
+        weak = float(error_percent(run.weak, 0.0, mean))
         rows.append(
             {
-                TableColumn(
-                    "across", "b/h: elements across the minor semi-axis b of the contact at mean load", "", ".1f"
-                ): run.b_over_h,
+                TableColumn("across", "b/h: elements across the minor semi-axis b at mean load", "", ".1f"): run.b_over_h,
                 TableColumn("fine", "element size h at the contacts", "mm", ".3f"): 1e3 * run.fine,
-                TableColumn(
-                    "growth", "growth g of the element size with the distance from the contact", "", ".2f"
-                ): run.growth,
+                TableColumn("growth", "growth g of the element size per distance from the contact", "", ".2f"): run.growth,
                 TableColumn("stiffness", "contact stiffness", "N/mm3", "g2"): 1e-9 * run.stiffness,
                 TableColumn("large", "large or small displacements", "", "s"): "large" if run.nlgeom else "small",
-                TableColumn("bodies", "bodies meshed half or whole", "", "s"): "half"
-                if run.half
-                else "equal balls"
-                if run.alike
-                else "whole",
+                TableColumn("bodies", "bodies meshed half or whole", "", "s"): meshed,
                 TableColumn("nodes", "number of nodes", "", "s"): run.nodes,
                 TableColumn("cells", "number of tetrahedra", "", "s"): sum(m.cells for m in run.meshes),
                 TableColumn("jacobian", "smallest scaled Jacobian of the elements", "", ".2f"): min(
@@ -395,11 +366,9 @@ def calculix_run_table(calculix_runs: results.CalculixRunsOfScene) -> Table:
                 TableColumn("iterations", "number of iterations", "", "s"): run.iterations,
                 TableColumn("seconds", "processor time", "s", ".0f"): run.seconds,
                 TableColumn("sum", "sum of the contact loads", "N", ".1f"): float(run.load.sum()),
-                TableColumn("weak", "largest force of a ball's weak spring", "% of mean load", "g2"): float(
-                    error_percent(run.weak, 0.0, mean)
-                ),
-                TableColumn("loose", "largest unbalanced force of a ball", "% of mean load", "g2"): loose,
-                TableColumn("large_change", "largest load change by large displacements", "% of mean load", ".3f"): change,
+                load_percent_column("weak", "largest force of a ball's weak spring", "g2"): weak,
+                load_percent_column("loose", "largest unbalanced force of a ball", "g2"): loose,
+                load_percent_column("large_change", "largest load change by large displacements", ".3f"): change,
             }
         )
     first = calculix_runs.runs[0]
@@ -457,13 +426,11 @@ def crosscheck_section(cache: SceneResultCache, step: Callable[[str], None], fol
     ``step`` is called with each line of progress. ``folder``: folder with the stored results of CalculiX; None: the results
     shipped with rollbench.
     """
+    stored = folder or results.shipped_calculix_results_folder()
     items: list[Text | Table] = [Text((ABOUT, EXTRAPOLATED))]
     for name in STUDIES:
         step(f"{name}: the 3D reference and CalculiX")
-        data, ours = (
-            results.load_calculix_results(folder or results.shipped_calculix_results_folder(), name),
-            cache.stored_reference(name),
-        )
+        data, ours = results.load_calculix_results(stored, name), cache.stored_reference(name)
         if data is None or data.key != digest_of_shipped_scene(name):
             items.append(Text((f"{name}: no results of CalculiX are stored for the present version of this scene.",)))
             continue
@@ -472,7 +439,7 @@ def crosscheck_section(cache: SceneResultCache, step: Callable[[str], None], fol
         else:
             items += calculix_contact_tables(data, ours, results.extrapolate_calculix_loads(data.runs))
         items.append(calculix_run_table(data))
-    alone = load_nut_compliance(folder or results.shipped_calculix_results_folder())
+    alone = load_nut_compliance(stored)
     if alone is not None and alone.key == digest_of_shipped_scene(alone.scene):
         items.append(Text((NUT, alone.sentence_on_agreement())))
     return Section("crosscheck", "Contact loads of the 3D reference compared with CalculiX", tuple(items))

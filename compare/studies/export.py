@@ -17,6 +17,7 @@ import numpy as np
 
 from rollbench.compare.errors import ArgumentError
 from rollbench.compare.files import replace_file
+from rollbench.compare.models.loading import with_scaled_loads
 from rollbench.compare.reference.tasks import Solvable, flanks_to_mesh, mesh_settings
 from rollbench.compare.running import check_gmsh
 from rollbench.compare.studies.crosscheck.deck import DeckOptions, build_deck, raise_first_fault
@@ -118,32 +119,28 @@ def part_mesh(scene: Scene, part: str, level: int, cache: Path | None = None) ->
     if part in BODIES:
         return _mesh_whole_body(scene, part, level)
     from rollbench.hifi.bodies.coarse import convert_mesh_order
-    from rollbench.hifi.meshing.part_meshes import (
-        ball_refinement_box_and_map,
-        element_type_of_bodies,
-        mesh_parts,
-        mesh_patch,
-    )
+    from rollbench.hifi.meshing import part_meshes
     from rollbench.meshes.cache import Cache
     from rollbench.meshes.groove_map import GrooveMap
-    from rollbench.meshes.helix import ball_layout
     from rollbench.meshes.sockets import points_in_box_at_azimuth_zero
     from rollbench.meshes.solid import dimensions_of_3d_parts
 
     settings, sides, m = mesh_settings([scene], level), flanks_to_mesh(scene), GrooveMap.from_scene(scene)
-    meshes = mesh_parts(scene, m, ball_layout(scene), dimensions_of_3d_parts(scene), sides, settings, Cache(cache))
+    layout, dims = ball_layout(scene), dimensions_of_3d_parts(scene)
+    meshes = part_meshes.mesh_parts(scene, m, layout, dims, sides, settings, Cache(cache))
     bodies: dict[str, Any] = {"ball": meshes.ball_mesh, "screw": meshes.screw_mesh, "nut": meshes.nut_mesh}
-    if part.endswith(SOCKETS):  # the inner faces of the refinement boxes, the flat ends
+    if part.endswith(SOCKETS):  # shown are the inner faces of the refinement boxes ("socket"), the flat ends and held faces
         mesh = bodies[part.removesuffix(SOCKETS)].mesh
         names = [name for name in mesh.boundaries if "socket" in name or " end" in name or name in ("seat", "centring")]
-        return with_only_boundaries(convert_mesh_order(mesh, element_type_of_bodies(settings)), *names)
+        return with_only_boundaries(convert_mesh_order(mesh, part_meshes.element_type_of_bodies(settings)), *names)
     kind, _, name = part.rpartition("-")
     side = SIDES.index(name)
     body = bodies["ball" if kind == "ball-patch" else "screw" if side < 2 else "nut"]
     place: Any = partial(points_in_box_at_azimuth_zero, m, meshes.socket_size, side)
     if kind == "ball-patch":
-        place = ball_refinement_box_and_map(m, meshes.socket_size, side, meshes.relative_zone_size)[1]
-    return with_only_boundaries(mesh_patch(meshes, body.box_faces[side], place, settings).mesh, "contact", "interface")
+        place = part_meshes.ball_refinement_box_and_map(m, meshes.socket_size, side, meshes.relative_zone_size)[1]
+    patch = part_meshes.mesh_patch(meshes, body.box_faces[side], place, settings)
+    return with_only_boundaries(patch.mesh, "contact", "interface")
 
 
 def solve_displacement_and_stress_of_part(
@@ -198,19 +195,17 @@ def solve_displacement_and_stress_of_part(
 
     kind, _, side = part.removesuffix(SOCKETS).rpartition("-")
     if side in ("screw", "nut"):
-        body, material = (
-            (meshes.screw_mesh, scene.screw.material) if side == "screw" else (meshes.nut_mesh, scene.nut.material)
-        )
-        u = nodal_displacement_of_body(side == "screw")
+        screw = side == "screw"
+        body, material = (meshes.screw_mesh if screw else meshes.nut_mesh), (scene.screw if screw else scene.nut).material
+        u = nodal_displacement_of_body(screw)
         stress = fields.nodal_stress(convert_mesh_order(body.mesh, element_type_of_bodies(settings)), u, material)
     else:
         if kind == "patch":
             u = nodal_displacement_of_body(side.startswith("S"))
             field = fields.stress_field_of_groove_patch(setup, meshes, u, ball, SIDES.index(side), forces)
         else:
-            field = fields.stress_fields_of_ball(setup, meshes, ball, forces)[
-                SIDES.index(side) if kind == "ball-patch" else None
-            ]
+            of_ball = fields.stress_fields_of_ball(setup, meshes, ball, forces)
+            field = of_ball[SIDES.index(side) if kind == "ball-patch" else None]
         u, stress = field.displacements, field.stresses
     six = {f"stress_{name}": stress[:, k] for k, name in enumerate(("xx", "yy", "zz", "yz", "xz", "xy"))}
     return {"displacement": u, "von_mises": fields.von_mises(stress), **six}
@@ -222,42 +217,31 @@ def _mesh_whole_body(scene: Scene, part: str, level: int) -> Mesh:
     ``part``: "screw" (its piece that is modelled in 3D), "nut" or "ball"; ``level``: mesh level of the 3D reference.
     """
     from rollbench.hifi.bodies.coarse import convert_mesh_order
-    from rollbench.hifi.meshing.part_meshes import (
-        choose_refinement_box_size,
-        contact_positions_on_body,
-        element_type_of_bodies,
-    )
-    from rollbench.meshes.exchange.whole_bodies import (
-        ElementSizesNearPoints,
-        mesh_whole_ball,
-        mesh_whole_body,
-        points_on_ball_surface,
-        points_on_groove,
-    )
+    from rollbench.hifi.meshing import part_meshes
+    from rollbench.meshes.exchange import whole_bodies
     from rollbench.meshes.groove import GroovedBodySpec
     from rollbench.meshes.groove_map import GrooveMap
-    from rollbench.meshes.helix import ball_layout
     from rollbench.meshes.solid import dimensions_of_3d_parts
 
     settings, sides, m = mesh_settings([scene], level), flanks_to_mesh(scene), GrooveMap.from_scene(scene)
     layout, dims, middle = ball_layout(scene), dimensions_of_3d_parts(scene), np.zeros((1, 2))
     if part == "ball":
-        near = np.concatenate([points_on_ball_surface(m, side, m.ball, middle) for side in sides])
-        body = mesh_whole_ball(m, m.ball, ElementSizesNearPoints(near, settings.ball_fine, AWAY, settings.ball_coarse))
+        near = np.concatenate([whole_bodies.points_on_ball_surface(m, side, m.ball, middle) for side in sides])
+        sizes = whole_bodies.ElementSizesNearPoints(near, settings.ball_fine, AWAY, settings.ball_coarse)
+        body = whole_bodies.mesh_whole_ball(m, m.ball, sizes)
     else:
         screw, half = part == "screw", scene.nut.length / 2.0
         radii = (dims.hole, scene.screw.outer_diameter / 2.0) if screw else (dims.land, scene.nut.outer_diameter / 2.0)
         ends = dims.ends_of_meshed_screw(scene) if screw else (scene.nut.position - half, scene.nut.position + half)
-        places, size = (
-            contact_positions_on_body(layout, sides, screw),
-            choose_refinement_box_size(scene, m, layout, sides, dims, settings),
-        )
+        places = part_meshes.contact_positions_on_body(layout, sides, screw)
+        size = part_meshes.choose_refinement_box_size(scene, m, layout, sides, dims, settings)
         filled = dims.groove_ends and not screw
         flange = None if screw else scene.nut.flange
         spec = GroovedBodySpec(*radii, *ends, screw, places, size, settings.fine, settings.coarse, filled, flange)
-        near = np.concatenate([points_on_groove(m, place, middle) for place in places])
-        body = mesh_whole_body(m, spec, ElementSizesNearPoints(near, settings.fine, AWAY, settings.coarse))
-    mesh = convert_mesh_order(body.mesh, element_type_of_bodies(settings))
+        near = np.concatenate([whole_bodies.points_on_groove(m, place, middle) for place in places])
+        sizes = whole_bodies.ElementSizesNearPoints(near, settings.fine, AWAY, settings.coarse)
+        body = whole_bodies.mesh_whole_body(m, spec, sizes)
+    mesh = convert_mesh_order(body.mesh, part_meshes.element_type_of_bodies(settings))
     return with_only_boundaries(mesh, *sorted(mesh.boundaries))
 
 
@@ -370,43 +354,29 @@ def cut_balls_out_of_screw(scene: Scene, first: int, last: int) -> Scene:
         displacements, and balls too near to the end of the screw.
     """
     track, layout = scene.track, ball_layout(scene)
+    moved = any(v for s in scene.supports for _, v in s.fixed)
     faults = (
         (track.lead == 0.0, "track.lead", "0 mm", "a lead above 0 mm: a bearing ring cannot be cut"),
         (track.starts != 1, "track.starts", str(track.starts), "1"),
         (scene.nut.flange is not None, "nut.flange", "a flange", "a nut without a flange"),
         (scene.errors.random, "errors", "random errors", "errors with stated values only"),
-        (
-            any(v for s in scene.supports for _, v in s.fixed),
-            "supports",
-            "a prescribed displacement",
-            "supports that fix at zero displacement",
-        ),
+        (moved, "supports", "a prescribed displacement", "supports that fix at zero displacement"),
     )
-    raise_first_fault(
-        scene.name, [(*fault, "write a scene of a few balls yourself, and leave `balls` out") for fault in faults]
-    )
+    advice = "write a scene of a few balls yourself, and leave `balls` out"
+    raise_first_fault(scene.name, [(*fault, advice) for fault in faults])
     kept = slice(first - 1, last)
     z, azimuth = layout.z[kept], layout.azimuth[kept]
     r, middle = scene.balls.radius, float(0.5 * (z.min() + z.max()))
     length = float(np.ptp(z)) + 2.0 * NUT * r
     low, high = middle - length / 2.0 - SHAFT * r, middle + length / 2.0 + SHAFT * r
     if low < 0.0 or high > scene.screw.length:
-        raise ArgumentError(
-            "balls",
-            f"{first}:{last}",
-            "balls away from the screw's ends",
-            "choose balls nearer to the middle of the nut",
-            scene.name,
-        )
+        allowed, advice = "balls away from the screw's ends", "choose balls nearer to the middle of the nut"
+        raise ArgumentError("balls", f"{first}:{last}", allowed, advice, scene.name)
     share = (last - first + 1) / scene.ball_count
 
     def nearer_end(at: float) -> float:
         """Return the axial position [m] of the end of the cut-out piece of screw that is nearer to position ``at`` [m]."""
         return low if at <= middle else high
-
-    def scaled_by_share_of_balls(v: tuple[float, float, float]) -> tuple[float, float, float]:
-        """Return the force or moment ``v`` multiplied by the share of the balls that are kept."""
-        return share * v[0], share * v[1], share * v[2]
 
     listed = tuple((n - first + 1, e) for n, e in scene.errors.balls.listed if first <= n <= last)
     return replace(
@@ -418,10 +388,7 @@ def cut_balls_out_of_screw(scene: Scene, first: int, last: int) -> Scene:
         balls=replace(scene.balls, azimuths=tuple(azimuth.tolist())),
         errors=replace(scene.errors, balls=replace(scene.errors.balls, listed=listed)),
         supports=tuple(Support(nearer_end(s.at), s.fixed) for s in scene.supports),
-        loads=tuple(
-            Load(nearer_end(x.at), scaled_by_share_of_balls(x.force), scaled_by_share_of_balls(x.moment))
-            for x in scene.loads
-        ),
+        loads=tuple(Load(nearer_end(x.at), x.force, x.moment) for x in with_scaled_loads(scene, share).loads),
         solid=replace(scene.solid, shaft=SHAFT * r, screw_held="ends"),
         assumed=(
             *scene.assumed,

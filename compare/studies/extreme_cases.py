@@ -49,7 +49,7 @@ class HardScene:
 # --- scenes of one ball screw
 
 
-def _with_load(
+def _loaded(
     base: Scene, force: tuple[float, float, float], moment_about_x: float = 0.0, axial_position: float = 0.0
 ) -> Scene:
     """Return a copy of the scene ``base`` with a single external load.
@@ -60,7 +60,7 @@ def _with_load(
     return replace(base, loads=(Load(axial_position, force, (moment_about_x, 0.0, 0.0)),))
 
 
-def _with_ball_radius_errors(base: Scene, oversize: float, half_width: float = 0.0, seed: int = 0) -> Scene:
+def _with_ball_errors(base: Scene, oversize: float, half_width: float = 0.0, seed: int = 0) -> Scene:
     """Return a copy of the scene ``base`` whose only geometric errors are those of its ball radii.
 
     ``oversize``: excess of all ball radii over the nominal radius [m]; ``half_width``: largest random deviation of a radius
@@ -122,7 +122,7 @@ def with_lead(base: Scene, lead: float) -> Scene:
     return with_groove_radius_ratio(replace(long, balls=replace(long.balls, radius=1.5e-3)), ratio)
 
 
-def _with_axial_support_only(base: Scene) -> Scene:
+def _free_laterally(base: Scene) -> Scene:
     """Return a copy of the scene ``base`` whose screw is supported only along and about z.
 
     The balls then carry lateral loads and moments.
@@ -136,46 +136,44 @@ def _with_displaced_screw_end(base: Scene, offset: float, oversize: float) -> Sc
     ``offset``: displacement of the end [m]; ``oversize``: excess of the ball radii over the nominal radius [m].
     """
     moved = Support(base.screw.length, (("ux", offset), ("uy", 0.0)))
-    return replace(_with_ball_radius_errors(base, oversize), supports=(*base.supports, moved))
+    return replace(_with_ball_errors(base, oversize), supports=(*base.supports, moved))
 
 
 def _scenes_of_loads(base: Scene) -> Iterator[HardScene]:
     """Yield hard-to-solve scenes of the screw ``base``: axial and lateral loads, moments, and a laterally displaced end."""
     for k in range(-2, 7):
-        yield HardScene(f"axial {10.0**k:g} N", "axial load", _with_load(base, (0.0, 0.0, 10.0**k)))
-    yield HardScene("axial -5000 N", "axial load", _with_load(base, (0.0, 0.0, -5000.0)))
+        yield HardScene(f"axial {10.0**k:g} N", "axial load", _loaded(base, (0.0, 0.0, 10.0**k)))
+    yield HardScene("axial -5000 N", "axial load", _loaded(base, (0.0, 0.0, -5000.0)))
     for force in (1.0, 100.0, 5000.0):
-        yield HardScene(
-            f"lateral {force:g} N", "lateral load", _with_load(_with_axial_support_only(base), (force, 0.0, 0.0))
-        )
+        yield HardScene(f"lateral {force:g} N", "lateral load", _loaded(_free_laterally(base), (force, 0.0, 0.0)))
     for moment in (0.5, 50.0):
-        scene = _with_load(_with_axial_support_only(base), (0.0, 0.0, 0.0), moment)
+        scene = _loaded(_free_laterally(base), (0.0, 0.0, 0.0), moment)
         yield HardScene(f"moment {moment:g} N m", "moment only", scene)
-    clear = _with_load(_with_ball_radius_errors(base, -5e-6), (0.0, 0.0, 0.0), 0.01, axial_position=0.3)
+    clear = _loaded(_with_ball_errors(base, -5e-6), (0.0, 0.0, 0.0), 0.01, axial_position=0.3)
     yield HardScene("moment 0.01 N m, clearance, clamped", "moment only", clear)
     alone = _with_displaced_screw_end(with_ball_count(base, 1), -3e-3, -5e-6)
     yield HardScene("offset -3 mm, away from one loose ball", "offset", replace(alone, loads=()))
     for oversize in (0.0, 7e-6):
         for force in (0.0, 5000.0):
             name = f"offset 3 mm, {force:g} N, {'preloaded' if oversize else 'no preload'}"
-            yield HardScene(name, "offset", _with_load(_with_displaced_screw_end(base, 3e-3, oversize), (0.0, 0.0, force)))
+            yield HardScene(name, "offset", _loaded(_with_displaced_screw_end(base, 3e-3, oversize), (0.0, 0.0, force)))
 
 
 def _scenes_of_clearance_and_preload(base: Scene) -> Iterator[HardScene]:
     """Yield hard-to-solve scenes of the screw ``base``: clearance, preload and random ball sizes."""
     for gap in (5e-6, 50e-6):
         for force in (0.01, 1.0, 5000.0):
-            scene = _with_load(_with_ball_radius_errors(base, -gap), (0.0, 0.0, force))
+            scene = _loaded(_with_ball_errors(base, -gap), (0.0, 0.0, force))
             yield HardScene(f"clearance {gap * 1e6:g} um, {force:g} N", "clearance", scene)
     for tight in (0.0, 1e-6, 7e-6, 20e-6):
         for force in (0.0, 5000.0):
-            scene = _with_load(_with_ball_radius_errors(base, tight), (0.0, 0.0, force))
+            scene = _loaded(_with_ball_errors(base, tight), (0.0, 0.0, force))
             yield HardScene(f"preload {tight * 1e6:g} um, {force:g} N", "preload", scene)
     for half in (5e-6, 20e-6):
         for tight in (0.0, 7e-6):
             for seed in (1, 2, 3):
                 name = f"random +-{half * 1e6:g} um, preload {tight * 1e6:g} um, seed {seed}"
-                yield HardScene(name, "random balls", _with_ball_radius_errors(base, tight, half, seed))
+                yield HardScene(name, "random balls", _with_ball_errors(base, tight, half, seed))
 
 
 def _scenes_of_stiffness(base: Scene) -> Iterator[HardScene]:
@@ -195,9 +193,7 @@ def _scenes_of_geometry(base: Scene) -> Iterator[HardScene]:
     for ratio in (1.01, 1.001, 1.0001, 1.00001):
         close = with_groove_radius_ratio(base, ratio)
         yield HardScene(f"r_G/r_B {ratio:g}, axial", "conformity", close)
-        yield HardScene(
-            f"r_G/r_B {ratio:g}, lateral", "conformity", _with_load(_with_axial_support_only(close), (1000.0, 0.0, 0.0))
-        )
+        yield HardScene(f"r_G/r_B {ratio:g}, lateral", "conformity", _loaded(_free_laterally(close), (1000.0, 0.0, 0.0)))
     for count in (3, 10, 32, 100, 300, 1000):
         yield HardScene(f"{count} balls", "ball count", with_ball_count(base, count))
     for lead in (0.0, 5e-3, 7e-3, 20e-3, 40e-3):
@@ -207,7 +203,7 @@ def _scenes_of_geometry(base: Scene) -> Iterator[HardScene]:
         yield HardScene(f"contact angle {angle} deg", "contact angle", turned)
         if angle in (5, 85):
             held = replace(turned, supports=(Support(0.0, (("rz", 0.0),)),))
-            loaded = _with_load(held, (1000.0, 0.0, 100.0))
+            loaded = _loaded(held, (1000.0, 0.0, 100.0))
             yield HardScene(f"contact angle {angle} deg, lateral", "contact angle", loaded)
 
 
@@ -215,8 +211,8 @@ def _scenes_with_free_rigid_motion(base: Scene) -> Iterator[HardScene]:
     """Yield hard-to-solve scenes of the screw ``base``: one or two balls, or missing supports that may leave it free."""
     one = replace(base, balls=replace(base.balls, azimuths=(0.0,)))
     for force in (0.01, 5000.0):
-        yield HardScene(f"one ball, {force:g} N", "one ball", _with_load(one, (0.0, 0.0, force)))
-    pushed = replace(_with_axial_support_only(_with_ball_radius_errors(one, 1e-6)), loads=())
+        yield HardScene(f"one ball, {force:g} N", "one ball", _loaded(one, (0.0, 0.0, force)))
+    pushed = replace(_free_laterally(_with_ball_errors(one, 1e-6)), loads=())
     yield HardScene("one ball, squeezed, free to move off", "one ball", pushed)
     ring = with_lead(base, 0.0)
     rz = (Support(0.0, (("rz", 0.0),)),)
@@ -254,24 +250,22 @@ def _scenes_of_material_and_size(base: Scene) -> Iterator[HardScene]:
     for name, scene in (("polymer nut", nut), ("ceramic balls", balls)):
         yield HardScene(name, "material", scene)
         yield HardScene(f"{name}, no load", "material", replace(scene, loads=()))
-        yield HardScene(f"{name}, lateral", "material", _with_load(_with_axial_support_only(scene), (1000.0, 0.0, 0.0)))
+        yield HardScene(f"{name}, lateral", "material", _loaded(_free_laterally(scene), (1000.0, 0.0, 0.0)))
     for excess in (10e-6, 50e-6):
         large = replace(base, errors=Errors(balls=BallErrors(listed=((7, excess),))))
         for force in (0.0, 0.01, 5000.0):
             name = f"one ball {excess * 1e6:g} um too large, {force:g} N"
-            yield HardScene(name, "one large ball", _with_load(large, (0.0, 0.0, force)))
+            yield HardScene(name, "one large ball", _loaded(large, (0.0, 0.0, force)))
     four = with_ball_count(base, 4)
-    yield HardScene("4 balls, 0.01 N", "four balls", _with_load(four, (0.0, 0.0, 0.01)))
-    yield HardScene("4 balls, 100 kN", "four balls", _with_load(four, (0.0, 0.0, 1e5)))
-    yield HardScene("4 balls, lateral", "four balls", _with_load(_with_axial_support_only(four), (1000.0, 0.0, 0.0)))
+    yield HardScene("4 balls, 0.01 N", "four balls", _loaded(four, (0.0, 0.0, 0.01)))
+    yield HardScene("4 balls, 100 kN", "four balls", _loaded(four, (0.0, 0.0, 1e5)))
+    yield HardScene("4 balls, lateral", "four balls", _loaded(_free_laterally(four), (1000.0, 0.0, 0.0)))
     long = replace(base, screw=replace(base.screw, length=LONG), nut=replace(base.nut, position=0.5 * LONG))
     yield HardScene("6 m shaft", "long shaft", long)
-    yield HardScene("6 m shaft, lateral", "long shaft", _with_load(_with_axial_support_only(long), (1000.0, 0.0, 0.0)))
-    yield HardScene(
-        "6 m shaft, moment at its end",
-        "long shaft",
-        _with_load(_with_axial_support_only(long), (0.0, 0.0, 0.0), 50.0, axial_position=LONG),
-    )
+    free = _free_laterally(long)
+    yield HardScene("6 m shaft, lateral", "long shaft", _loaded(free, (1000.0, 0.0, 0.0)))
+    moment = _loaded(free, (0.0, 0.0, 0.0), 50.0, axial_position=LONG)
+    yield HardScene("6 m shaft, moment at its end", "long shaft", moment)
 
 
 def built_in_shaft_scene(name: str) -> Assembly:
@@ -298,12 +292,12 @@ def _axis_preloaded_by_offsets() -> Assembly:
     With this kind of preload the energy solver and all other formulations of the static problem solve the same equations.
     """
     towards = {"+z": -OFFSET, "-z": OFFSET, "both": 0.0}
-    return _with_changed_nuts_and_bearings(
+    return _change_sets(
         built_in_shaft_scene("axis-fixed-fixed"), lambda s: replace(s, preload=0.0, offset=towards.get(s.thrust, 0.0))
     )
 
 
-def _with_axis_loads(axis: Assembly, axial_force: float, lateral_force: float = 0.0, moment: float = 0.0) -> Assembly:
+def _loaded_axis(axis: Assembly, axial_force: float, lateral_force: float = 0.0, moment: float = 0.0) -> Assembly:
     """Return a copy of a ball-screw axis with other external loads.
 
     ``axial_force``: axial force [N], which acts on the carriage, or on the shaft without a carriage; ``lateral_force``:
@@ -316,7 +310,7 @@ def _with_axis_loads(axis: Assembly, axial_force: float, lateral_force: float = 
     return replace(axis, housings=moved, loads=(side,))
 
 
-def _with_changed_nuts_and_bearings(axis: Assembly, change: Callable[[RollingSet], RollingSet]) -> Assembly:
+def _change_sets(axis: Assembly, change: Callable[[RollingSet], RollingSet]) -> Assembly:
     """Return a copy of a ball-screw axis in which a function replaces each nut and each bearing row.
 
     ``change``: function that takes a nut or row and returns its replacement.
@@ -324,27 +318,25 @@ def _with_changed_nuts_and_bearings(axis: Assembly, change: Callable[[RollingSet
     return replace(axis, sets=tuple(change(s) for s in axis.sets))
 
 
-def _with_changed_ball_rows(axis: Assembly, change: Callable[[Scene], Scene]) -> Assembly:
+def _change_balls(axis: Assembly, change: Callable[[Scene], Scene]) -> Assembly:
     """Return a copy of a ball-screw axis in which a function replaces the geometry of each ball nut and row of balls.
 
     ``change``: function that takes the geometry and returns its replacement.
     """
-    return _with_changed_nuts_and_bearings(
-        axis, lambda s: replace(s, parts=change(s.parts)) if isinstance(s.parts, Scene) else s
-    )
+    return _change_sets(axis, lambda s: replace(s, parts=change(s.parts)) if isinstance(s.parts, Scene) else s)
 
 
-def _with_changed_roller_rows(axis: Assembly, **changes: Any) -> Assembly:
+def _change_rollers(axis: Assembly, **changes: Any) -> Assembly:
     """Return a copy of a ball-screw axis with changed rows of rollers; ``changes``: new values by field of `RollerRow`."""
-    return _with_changed_nuts_and_bearings(
+    return _change_sets(
         axis, lambda s: replace(s, parts=replace(s.parts, **changes)) if isinstance(s.parts, RollerRow) else s
     )
 
 
 def _without_preload(axis: Assembly) -> Assembly:
     """Return a copy of a ball-screw axis without preload, axial offsets of bearings and geometric errors."""
-    bare = _with_changed_nuts_and_bearings(axis, lambda s: replace(s, preload=0.0, offset=0.0))
-    return _with_changed_ball_rows(bare, lambda p: replace(p, errors=Errors()))
+    bare = _change_sets(axis, lambda s: replace(s, preload=0.0, offset=0.0))
+    return _change_balls(bare, lambda p: replace(p, errors=Errors()))
 
 
 def _with_ball_count(scene: Scene, count: int) -> Scene:
@@ -375,7 +367,7 @@ def _with_longer_shaft(axis: Assembly, length: float) -> Assembly:
         return replace(s, position=at)
 
     return replace(
-        _with_changed_nuts_and_bearings(axis, moved_row),
+        _change_sets(axis, moved_row),
         screw=replace(axis.screw, length=length),
         housings=tuple(replace(h, at=moved_position(h.at)) for h in axis.housings),
         segments=tuple(replace(x, start=moved_position(x.start), end=moved_position(x.end)) for x in axis.segments),
@@ -385,15 +377,15 @@ def _with_longer_shaft(axis: Assembly, length: float) -> Assembly:
 def _axis_variants_of_loads(axis: Assembly) -> Iterator[tuple[str, Assembly]]:
     """Yield names and hard-to-solve variants of a ball-screw axis: other loads, no preload, a warmer or colder shaft."""
     for force in (0.0, 0.01, 3000.0, -3000.0, 1e6):
-        yield f"axial {force:g} N", _with_axis_loads(axis, force)
+        yield f"axial {force:g} N", _loaded_axis(axis, force)
     for force in (1.0, 1e3, 1e5):
-        yield f"across {force:g} N", _with_axis_loads(axis, 0.0, force)
-    yield "along 30 kN and across 10 kN", _with_axis_loads(axis, 3e4, 1e4)
-    yield "moment 500 N m", _with_axis_loads(axis, 0.0, 0.0, 500.0)
+        yield f"across {force:g} N", _loaded_axis(axis, 0.0, force)
+    yield "along 30 kN and across 10 kN", _loaded_axis(axis, 3e4, 1e4)
+    yield "moment 500 N m", _loaded_axis(axis, 0.0, 0.0, 500.0)
     loose = _without_preload(axis)
-    yield "no preload, no load", _with_axis_loads(loose, 0.0)
-    yield "no preload, axial 3000 N", _with_axis_loads(loose, 3000.0)
-    yield "no preload, across 1000 N", _with_axis_loads(loose, 0.0, 1e3)
+    yield "no preload, no load", _loaded_axis(loose, 0.0)
+    yield "no preload, axial 3000 N", _loaded_axis(loose, 3000.0)
+    yield "no preload, across 1000 N", _loaded_axis(loose, 0.0, 1e3)
     for warming in WARMING:
         yield f"{warming:+g} K", replace(axis, thermal_strain=warming * EXPANSION)
 
@@ -401,49 +393,43 @@ def _axis_variants_of_loads(axis: Assembly) -> Iterator[tuple[str, Assembly]]:
 def _axis_variants_of_parts(axis: Assembly) -> Iterator[tuple[str, Assembly]]:
     """Yield names and hard-to-solve variants of a ball-screw axis: other materials, conformity, balls, and a long shaft."""
 
-    def is_nut(p: Scene) -> bool:
-        """Return whether ``p`` describes a ball nut on its screw (lead above zero), not a ball bearing."""
-        return p.track.lead > 0.0
+    def with_polymer_nut(p: Scene) -> Scene:
+        """Return a ball nut (lead above zero) of polymer; a ball bearing is returned unchanged."""
+        return replace(p, nut=replace(p.nut, material=POLYMER)) if p.track.lead > 0.0 else p
 
-    yield (
-        "polymer nut",
-        _with_changed_ball_rows(axis, lambda p: replace(p, nut=replace(p.nut, material=POLYMER)) if is_nut(p) else p),
-    )
-    yield "ceramic balls", _with_changed_ball_rows(axis, lambda p: replace(p, balls=replace(p.balls, material=CERAMIC)))
-    yield "conformity 0.505", _with_changed_ball_rows(axis, lambda p: with_groove_radius_ratio(p, 1.01))
+    yield "polymer nut", _change_balls(axis, with_polymer_nut)
+    yield "ceramic balls", _change_balls(axis, lambda p: replace(p, balls=replace(p.balls, material=CERAMIC)))
+    yield "conformity 0.505", _change_balls(axis, lambda p: with_groove_radius_ratio(p, 1.01))
     one = Errors(balls=BallErrors(listed=((7, 20e-6),)))
-    yield "one ball 20 um too large in each set", _with_changed_ball_rows(axis, lambda p: replace(p, errors=one))
-    four = _with_changed_ball_rows(axis, lambda p: _with_ball_count(p, 4))
+    yield "one ball 20 um too large in each set", _change_balls(axis, lambda p: replace(p, errors=one))
+    four = _change_balls(axis, lambda p: _with_ball_count(p, 4))
     yield "4 balls in each set", four
-    yield "4 balls in each set, across 1000 N", _with_axis_loads(four, 3000.0, 1e3)
+    yield "4 balls in each set, across 1000 N", _loaded_axis(four, 3000.0, 1e3)
     long = _with_longer_shaft(axis, LONG)
     yield "6 m shaft", long
-    yield "6 m shaft, across 1000 N", _with_axis_loads(long, 3000.0, 1e3)
+    yield "6 m shaft, across 1000 N", _loaded_axis(long, 3000.0, 1e3)
     yield "6 m shaft, -300 K", replace(long, thermal_strain=-300.0 * EXPANSION)
 
 
 def _axis_variants_of_rollers(axis: Assembly) -> Iterator[tuple[str, Assembly]]:
     """Yield names and hard-to-solve variants of a ball-screw axis with other rollers: other crown, number, material etc."""
-    crossed = _with_axis_loads(axis, 2000.0, 2000.0)
-    yield "1 slice, across", _with_changed_roller_rows(crossed, slices=1)
-    yield "101 slices, across", _with_changed_roller_rows(crossed, slices=101)
-    yield "crown of 0.1 m, across", _with_changed_roller_rows(crossed, crown=0.1)
-    yield "3 rollers, across", _with_changed_roller_rows(crossed, count=3)
-    yield "100 rollers", _with_changed_roller_rows(crossed, count=100)
-    yield "cup angle 5 deg", _with_changed_roller_rows(crossed, cup_angle=math.radians(5.0), roller_angle=math.radians(0.7))
-    yield "ceramic rings and rollers", _with_changed_roller_rows(crossed, material=CERAMIC)
+    crossed = _loaded_axis(axis, 2000.0, 2000.0)
+    yield "1 slice, across", _change_rollers(crossed, slices=1)
+    yield "101 slices, across", _change_rollers(crossed, slices=101)
+    yield "crown of 0.1 m, across", _change_rollers(crossed, crown=0.1)
+    yield "3 rollers, across", _change_rollers(crossed, count=3)
+    yield "100 rollers", _change_rollers(crossed, count=100)
+    yield "cup angle 5 deg", _change_rollers(crossed, cup_angle=math.radians(5.0), roller_angle=math.radians(0.7))
+    yield "ceramic rings and rollers", _change_rollers(crossed, material=CERAMIC)
 
 
 def _hard_axis_scenes() -> Iterator[HardScene]:
     """Yield hard-to-solve scenes of ball-screw axes with ball bearings and tapered roller bearings."""
-    mixed, rollers, balls = (
-        axis_of_balls_and_rollers(),
-        built_in_shaft_scene("smith-axis-taper"),
-        _axis_preloaded_by_offsets(),
-    )
+    rollers, balls = built_in_shaft_scene("smith-axis-taper"), _axis_preloaded_by_offsets()
+    of_loads, of_parts, of_rollers = _axis_variants_of_loads, _axis_variants_of_parts, _axis_variants_of_rollers
     for kind, axis, groups in (
-        ("balls and rollers", mixed, (_axis_variants_of_loads, _axis_variants_of_parts, _axis_variants_of_rollers)),
-        ("rollers", rollers, (_axis_variants_of_loads, _axis_variants_of_rollers)),
+        ("balls and rollers", axis_of_balls_and_rollers(), (of_loads, of_parts, of_rollers)),
+        ("rollers", rollers, (of_loads, of_rollers)),
     ):
         for group in groups:
             for name, scene in group(axis):
@@ -454,7 +440,7 @@ def _hard_axis_scenes() -> Iterator[HardScene]:
     alone = replace(rollers, sets=rollers.sets[:1], housings=())
     for force in (1000.0, -1000.0):
         held = PULLED if force > 0.0 else CONVERGED
-        yield HardScene(f"one row of rollers: axial {force:g} N", "axis of rollers", _with_axis_loads(alone, force), held)
+        yield HardScene(f"one row of rollers: axial {force:g} N", "axis of rollers", _loaded_axis(alone, force), held)
 
 
 def hard_scenes() -> list[HardScene]:

@@ -141,11 +141,9 @@ def solve_hard_scene_by_formulation(hard_scene: HardScene, formulation: str) -> 
     """
     if formulation == ENERGY:
         return _outcome_by_energy_solver(hard_scene)
-    return (
-        _outcome_by_contact_load_formulation(hard_scene, formulation)
-        if formulation in BACKENDS
-        else _outcome_by_thesis_newton(hard_scene, formulation)
-    )
+    if formulation in BACKENDS:
+        return _outcome_by_contact_load_formulation(hard_scene, formulation)
+    return _outcome_by_thesis_newton(hard_scene, formulation)
 
 
 @cache
@@ -181,32 +179,30 @@ def _outcome_by_contact_load_formulation(
     formulation is not applied to scenes whose dimensions leave no solid body (no land between grooves, no wall), to scenes
     with more than `ELASTIC_LIMIT` balls, which would take minutes, and to scenes with rollers only.
     """
-    begin, backend = perf_counter(), BACKENDS[formulation]
+    begin, scene = perf_counter(), hard_scene.scene
     try:
-        if hard_scene.scene.ball_count > ELASTIC_LIMIT:
+        if scene.ball_count > ELASTIC_LIMIT:
             raise ValueError(
-                f"the scene has {hard_scene.scene.ball_count} balls: formulations whose unknowns are the contact loads are "
+                f"the scene has {scene.ball_count} balls: formulations whose unknowns are the contact loads are "
                 f"applied to at most {ELASTIC_LIMIT}, to save time"
             )
-        if not hard_scene.scene.ball_count:
+        if not scene.ball_count:
             raise ValueError(
                 "a shaft with only roller bearings: models with elastic bodies need at least one nut or ball bearing, as "
                 "otherwise only the shaft's beam is elastic"
             )
-        solve: Any = solve_assembly_with_elastic_bodies if isinstance(hard_scene.scene, Assembly) else solve_elastic
-        result = solve(hard_scene.scene, backend=LADDER[backend], engine="compiled")
+        solve: Any = solve_assembly_with_elastic_bodies if isinstance(scene, Assembly) else solve_elastic
+        result = solve(scene, backend=LADDER[BACKENDS[formulation]], engine="compiled")
     except ValueError as error:
         status, spent = f"not attempted: {error}", perf_counter() - begin
         return _outcome_with_status(hard_scene, formulation, status, seconds=spent, reason=status)
     row = _outcome_from_result(hard_scene, formulation, result, begin)
     if formulation != FORCES or not row.converged:
         return row
-    energy_result = energy_result or _static_result_by_energy_solver(hard_scene.scene)
-    apart = (
-        _largest_load_difference(_loads_of_all_contacts(result), _loads_of_all_contacts(energy_result))
-        if energy_result.converged
-        else None
-    )
+    energy_result = energy_result or _static_result_by_energy_solver(scene)
+    apart = None
+    if energy_result.converged:
+        apart = _largest_load_difference(_loads_of_all_contacts(result), _loads_of_all_contacts(energy_result))
     return replace(row, difference_percent=apart, reason=row.reason + _clause_on_load_difference(apart))
 
 
@@ -244,15 +240,8 @@ def _outcome_with_status(hard_scene: HardScene, formulation: str, status: str, *
 
     ``found``: values of further fields of `FormulationOutcome`, by name of the field.
     """
-    return FormulationOutcome(
-        hard_scene.name,
-        hard_scene.table_group,
-        formulation,
-        status,
-        hard_scene.expected_status,
-        status == CONVERGED,
-        **found,
-    )
+    names = hard_scene.name, hard_scene.table_group, formulation
+    return FormulationOutcome(*names, status, hard_scene.expected_status, status == CONVERGED, **found)
 
 
 def _why_not_in_equilibrium(result: StaticResult | AxisResult) -> str:
@@ -279,44 +268,33 @@ def _why_not_in_equilibrium(result: StaticResult | AxisResult) -> str:
     return ""
 
 
-def roller_slice_law_residual(roller_row_result: SetResult, result: AxisResult) -> float:
-    """Return the largest deviation of a roller slice's line load from its load-approach law, over the largest line load.
+def roller_slice_law_residual(row: SetResult, result: AxisResult) -> float:
+    """Return by how much a roller slice's line load differs at most from its load-approach law, over the largest line load.
 
-    ``roller_row_result``: solved row of tapered rollers; ``result``: solution of the shaft. The approach of a slice follows
-    from the displacements of cone and cup; the deviation does not count the effect of round-off in these displacements.
+    ``row``: solved row of tapered rollers; ``result``: solution of the shaft. The approach of a slice follows
+    from the displacements of cone and cup; the difference does not count the round-off of these displacements.
     Zero for a row of balls, and for rollers without load.
     """
-    parts, lines = roller_row_result.of.parts, roller_row_result.line_loads
+    parts, lines = row.of.parts, row.line_loads
     if not isinstance(parts, RollerRow) or lines is None or not lines.any():
         return 0.0
-    bearing, sign, angle = (
-        tapered_bearing_of_row(parts),
-        1.0 if roller_row_result.of.thrust == "+z" else -1.0,
-        parts.cup_angle,
-    )
-    azimuth, along = (
-        parts.phase + 2.0 * np.pi * np.arange(parts.count) / parts.count,
-        slice_middles(parts.length, parts.slices),
-    )
+    bearing, sign, angle = tapered_bearing_of_row(parts), 1.0 if row.of.thrust == "+z" else -1.0, parts.cup_angle
+    azimuth = parts.phase + 2.0 * np.pi * np.arange(parts.count) / parts.count
+    along = slice_middles(parts.length, parts.slices)
     out = np.stack([np.cos(azimuth), np.sin(azimuth), np.zeros(parts.count)], axis=1)[:, None, :]
     axis, reach = np.array([0.0, 0.0, sign]), bearing.apex_distance * np.sin(angle) + along[:, None] * np.sin(angle)
     at = reach * out - along[:, None] * np.cos(angle) * axis
     normal = np.cos(angle) * out + np.sin(angle) * axis
-    shaft = result.centreline[int(np.abs(result.centreline_z - roller_row_result.of.position).argmin())]
-    moved = shaft - roller_row_result.outer
+    shaft = result.centreline[int(np.abs(result.centreline_z - row.of.position).argmin())]
+    moved = shaft - row.outer
     approach = np.sum(normal * (moved[:3] + np.cross(moved[3:], at)), axis=-1) - along**2 / parts.crown
     law = bearing.approach_law()
     edge = np.exp(law.g / law.s - 4.0)  # from here on the law goes on along its tangent
     most = law.approach(edge)
-    expected = law.line_load(np.clip(approach, 0.0, most)) + law.stiffness_per_length(edge) * np.maximum(
-        approach - most, 0.0
-    )
-    noise = (
-        64.0
-        * np.finfo(float).eps
-        * float(np.abs([*shaft[:3], *roller_row_result.outer[:3]]).max())
-        * law.stiffness_per_length(lines).max()
-    )
+    beyond = np.maximum(approach - most, 0.0)
+    expected = law.line_load(np.clip(approach, 0.0, most)) + law.stiffness_per_length(edge) * beyond
+    largest = float(np.abs([*shaft[:3], *row.outer[:3]]).max())
+    noise = 64.0 * np.finfo(float).eps * largest * law.stiffness_per_length(lines).max()
     return float(np.abs(expected - lines).max() / (lines.max() + noise / SLICES))
 
 
@@ -354,10 +332,9 @@ def _outcome_by_thesis_newton(
         found = solve_by_lin_equations(scene, kinematics="arc", start_values=SOURCE[formulation])
         status, iterations, residual, seconds = found.status, found.iterations, found.residual, found.seconds
         if found.converged:
-            energy_result = energy_result if energy_result is not None else solve_static(scene, engine="compiled")
-            difference = (
-                _largest_load_difference(found.contact_loads, energy_result.load) if energy_result.converged else None
-            )
+            energy_result = energy_result or solve_static(scene, engine="compiled")
+            if energy_result.converged:
+                difference = _largest_load_difference(found.contact_loads, energy_result.load)
     return _outcome_with_status(
         hard_scene,
         formulation,
@@ -409,10 +386,11 @@ def _solve_by_all_formulations(hard_scene: HardScene) -> list[FormulationOutcome
     if isinstance(hard_scene.scene, Scene):
         scene = _with_beam_nodes_of_thesis(hard_scene.scene)
         ours = solve_static(scene, engine="compiled") if unknown_count_of_thesis_equations(scene) <= DENSE_LIMIT else None
-    rows = [_outcome_by_energy_solver(hard_scene, found)] + [
-        _outcome_by_contact_load_formulation(hard_scene, f, found) for f in BACKENDS
+    return [
+        _outcome_by_energy_solver(hard_scene, found),
+        *(_outcome_by_contact_load_formulation(hard_scene, f, found) for f in BACKENDS),
+        *(_outcome_by_thesis_newton(hard_scene, f, ours) for f in SOURCE),
     ]
-    return rows + [_outcome_by_thesis_newton(hard_scene, f, ours) for f in SOURCE]
 
 
 def solve_all_hard_scenes(
@@ -546,20 +524,18 @@ def campaign_table_rows(records: Sequence[Record]) -> list[Row]:
     """
     out = []
     for r in records:
-        bad: Row = {heading: r["scenes"].get(verdict, 0) for verdict, heading in BAD_HEADINGS.items()}
         files = [row for kind, row in r["files"].items() if kind != "kill"]
+        scenes, kills = r["scenes"], r["files"].get("kill", {})
         ended: Row = {
             "command": r["command"],
             "rollbench version": r.get("version", ""),
-            "cases solved correctly": r["scenes"][RIGHT],
-            "cases refused for a reason that is proven independently": sum(r["scenes"][verdict] for verdict in GOOD[1:]),
-            "cases with a wrong result, or an outcome that is not proven right": sum(
-                r["scenes"].get(verdict, 0) for verdict in BAD
-            ),
+            "cases solved correctly": scenes[RIGHT],
+            "cases refused for a reason that is proven independently": sum(scenes[verdict] for verdict in GOOD[1:]),
+            "cases with a wrong result, or an outcome that is not proven right": sum(scenes.get(bad, 0) for bad in BAD),
             "number of damaged input files given to the program": sum(sum(row.values()) for row in files),
             "damaged files that were read with a wrong content": sum(row["bad"] for row in files),
-            "processes killed while writing": sum(r["files"].get("kill", {}).values()),
-            "killed processes that left an incomplete file": r["files"].get("kill", {}).get("bad", 0),
+            "processes killed while writing": sum(kills.values()),
+            "killed processes that left an incomplete file": kills.get("bad", 0),
         }
-        out.append(ended | bad)
+        out.append(ended | {heading: scenes.get(verdict, 0) for verdict, heading in BAD_HEADINGS.items()})
     return out

@@ -26,7 +26,7 @@ from rollbench.meshes.parts import SIDES, Scene
 
 Take = partial[float]
 
-#: A mesh level is worth its time if its uncertainty is at most this share of the uncertainty of the next coarser level.
+#: A mesh level is advised only if its mesh uncertainty is at most this share of that of the coarser level advised before.
 CLEARLY = 0.8
 
 #: Remark on contact loads, for which no order of convergence is given.
@@ -68,12 +68,11 @@ def mesh_study_quantities(run: Run) -> list[tuple[str, str, Take]]:
     out: list[tuple[str, str, Take]] = []
     for s, side in enumerate(SIDES):
         if (run.load[:, s] > 0.0).any():
+            balls = [partial(_contact_load_of_ball, i, s) for i in range(len(run.load))]
             out += [
                 (f"largest load, {side}", "N", partial(_extreme_flank_load, s, 1.0)),
                 (f"smallest load, {side}", "N", partial(_extreme_flank_load, s, -1.0)),
-            ]
-            out += [
-                (f"load of ball {i + 1}, {side}", "N", partial(_contact_load_of_ball, i, s)) for i in range(len(run.load))
+                *((f"load of ball {i}, {side}", "N", take) for i, take in enumerate(balls, 1)),
             ]
     for k in sorted({0, len(run.centreline) // 2}):
         for axis, name in enumerate("xyz"):
@@ -153,14 +152,13 @@ def mesh_accuracy_sentence(reference: estimate.Reference) -> str:
         if steps and good > CLEARLY * steps[-1][1]:
             idle.append(row["level"])
             continue
-        text = f"level {row['level']}{' with those before it' if steps else ''} for {_rounded_up_percent_text(good)} %"
-        steps.append((f"{text}{'' if steps else ' of the mean contact load, by experience with other scenes'}{time}", good))
-    (first, _), *others = steps
-    rest = "".join(f", {text}" for text, _ in others)
-    tail = f" Hardly better than the one before: level {', '.join(map(str, idle))}." if idle else ""
+        level = f"levels up to {row['level']}" if steps else f"level {row['level']}, estimated from other scenes"
+        of = "" if steps else " of the mean load"
+        steps.append((f"{_rounded_up_percent_text(good)} %{of} with {level}{time}", good))
+    tail = f" Hardly more accurate than the level before: level {', '.join(map(str, idle))}." if idle else ""
     stamp = reference.best.measured
     older = f" Times measured with {stamp}." if stamps == {stamp} != {measuring_conditions()} else ""
-    return f"Enough: {first}{rest}.{tail}{older}"
+    return f"Uncertainty of the contact loads from the mesh: {'; '.join(text for text, _ in steps)}.{tail}{older}"
 
 
 def _rounded_up_percent_text(percent: float) -> str:
@@ -206,9 +204,8 @@ def mesh_study_table_of_scene(
     coarsest = min(LEVELS)
     base = run_without_changed_choices(scene, coarsest, stores)
     others = [v for v, variant in VARIANTS.items() if v != "base" and not variant.refined]
-    return mesh_study_table_of_reference(
-        reference, base, {v: r for v in others if (r := load_stored_run(scene, coarsest, v, stores)) is not None}
-    )
+    changed = {v: r for v in others if (r := load_stored_run(scene, coarsest, v, stores)) is not None}
+    return mesh_study_table_of_reference(reference, base, changed)
 
 
 def mesh_study_table_of_reference(
@@ -230,13 +227,8 @@ def mesh_study_table_of_reference(
     lines = [take for _, _, take in shown if take.func is _centreline_displacement]
     of_two: dict[Take, float] = {}
     if len(runs) == 2 and lines:  # each alone may agree by chance
-        of_two = dict(
-            zip(
-                lines,
-                pooled_grid_uncertainty([[take(r) for take in lines] for r in runs], reference.sizes).tolist(),
-                strict=True,
-            )
-        )
+        bars = pooled_grid_uncertainty([[take(r) for take in lines] for r in runs], reference.sizes)
+        of_two = dict(zip(lines, bars.tolist(), strict=True))
     for name, unit, take in shown:
         values = [take(r) for r in runs]
         row: dict[str, Any] = {"quantity": name, "unit": unit}
@@ -306,9 +298,8 @@ def mesh_levels_of_study(count: int | None) -> tuple[int, ...]:
     if count is None:
         return ADVISED
     if not 1 <= count <= len(LEVELS):
-        raise ArgumentError(
-            "levels", str(count), f"1 to {len(LEVELS)}", "take three levels, which give an order of convergence"
-        )
+        advice = "take three levels, which give an order of convergence"
+        raise ArgumentError("levels", str(count), f"1 to {len(LEVELS)}", advice)
     return tuple(range(1, count + 1))
 
 
@@ -320,11 +311,9 @@ def mesh_study_table_of_bearing(
     ``referenced``: nut or bearing with its 3D reference; ``stores``: folders with solutions; ``levels``: mesh levels. The
     effects of modelling choices are left out if the nut or bearing is one of several on a shaft.
     """
-    return (
-        mesh_study_table_of_scene(referenced.scene, stores, levels)
-        if referenced.place_on_shaft is None
-        else mesh_study_table_of_reference(referenced.reference, None, {})
-    )
+    if referenced.place_on_shaft is None:
+        return mesh_study_table_of_scene(referenced.scene, stores, levels)
+    return mesh_study_table_of_reference(referenced.reference, None, {})
 
 
 def compute_references_on_levels(
@@ -387,14 +376,9 @@ def compute_references_on_levels(
                 values = (f"{row['quantity']} {row[f'level {task.level}']:.4g} {row['unit']}" for row in table)
                 show_progress(f"{one.reference.scene}, by level {task.level} alone: {'; '.join(values)}")
 
+    show = show_loads_of_coarsest_level
     failed = jobs.ensure_runs_are_stored(
-        tasks,
-        stores[0],
-        engine,
-        show_progress,
-        stores[1:],
-        compute_again=fresh,
-        after_each_stored_task=show_loads_of_coarsest_level,
+        tasks, stores[0], engine, show_progress, stores[1:], compute_again=fresh, after_each_stored_task=show
     )
     references = []
     for scene in scenes:
@@ -444,18 +428,13 @@ def run_mesh_study(
     from rollbench.meshes.cache import default_cache_folder
 
     stores, wanted = (store, shipped_store()), mesh_levels_of_study(levels)
-    references = compute_references_on_levels(
-        [target], wanted, stores, jobs.ComputingSettings(cache_folder=default_cache_folder()), show_progress, spread=spread
-    )
-    results = [
-        {
-            "scene": target.name,
-            "levels": mesh_level_table_rows(x.reference),
-            "quantities": mesh_study_table_of_bearing(x, stores, wanted),
-        }
-        | scene_and_set_keys(x)
-        for x in references
-    ]
+    engine = jobs.ComputingSettings(cache_folder=default_cache_folder())
+    references = compute_references_on_levels([target], wanted, stores, engine, show_progress, spread=spread)
+    results = []
+    for x in references:
+        levels_of, quantities = mesh_level_table_rows(x.reference), mesh_study_table_of_bearing(x, stores, wanted)
+        found = {"scene": target.name, "levels": levels_of, "quantities": quantities}
+        results.append(found | scene_and_set_keys(x))
     lines = tuple(mesh_accuracy_sentence(one.reference) for one in references)
     if isinstance(target, Scene):
         return results[0], "levels", lines

@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
 from datetime import UTC, datetime
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -18,14 +17,8 @@ from rollbench.compare.errors import ArgumentError, SceneNotCoveredError
 from rollbench.compare.files import replace_file
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.registry import run_model
+from rollbench.compare.reference import store as run_store
 from rollbench.compare.reference.convergence import Convergence, grid_convergence
-from rollbench.compare.reference.store import (
-    measuring_conditions,
-    program_versions,
-    read_checked_data,
-    run_text_with_checksum,
-    shipped_store,
-)
 from rollbench.compare.scenes.duty_cycle import Described, DutyCycle
 from rollbench.lowfi import rollers
 from rollbench.lowfi.hertz import contact_modulus
@@ -120,7 +113,10 @@ def roller_kinds_with_largest_load(assembly: Assembly) -> list[RollerKindWithLoa
 
     Raises SceneNotCoveredError if the shaft has no equilibrium, or if no roller of a kind carries load.
     """
-    rows = {s.name: _row_without_irrelevant_fields(s.parts) for s in assembly.sets if isinstance(s.parts, RollerRow)}
+    without: dict[str, Any] = dict.fromkeys(
+        ("end_radius", "rib_height", "rib_friction", "torque_factor")
+    )  # no effect in 3D
+    rows = {s.name: replace(s.parts, phase=0.0, **without) for s in assembly.sets if isinstance(s.parts, RollerRow)}
     if not rows:
         return []
     result = run_model(assembly)
@@ -139,14 +135,6 @@ def roller_kinds_with_largest_load(assembly: Assembly) -> list[RollerKindWithLoa
     return out
 
 
-def _row_without_irrelevant_fields(row: RollerRow) -> RollerRow:
-    """Return a copy of a row of rollers in which fields without effect on the 3D model of one roller have default values.
-
-    Such fields are the phase and the rib.
-    """
-    return replace(row, phase=0.0, end_radius=None, rib_height=None, rib_friction=None, torque_factor=None)
-
-
 def roller_run_file_name(roller: RollerKindWithLoad, level: int) -> str:
     """Return the name of the JSON file with the 3D solution of a roller on a mesh level."""
     key = digest_of_values("roller", SCHEMA, replace(roller.roller_row, slices=1), roller.largest_load, SHARES)[:16]
@@ -157,7 +145,7 @@ def stored_roller_run(roller: RollerKindWithLoad, level: int, stores: Sequence[P
     """Return the stored 3D solution of a roller on a mesh level, from the first folder that has it; None without one."""
     for store in stores:
         try:
-            return RollerRun(**read_checked_data(store / roller_run_file_name(roller, level)))
+            return RollerRun(**run_store.read_checked_data(store / roller_run_file_name(roller, level)))
         except (OSError, ValueError, TypeError):
             continue
     return None
@@ -184,7 +172,7 @@ def load_or_compute_roller_run(
         states = [hifi.press_roller_between_races(bodies, share * roller.largest_load) for share in SHARES]
     except hifi.RollerError as error:
         raise SceneNotCoveredError(", ".join(roller.bearing_names), "3D roller", str(error), error.advice) from None
-    first, now = states[0], measuring_conditions()
+    first, now = states[0], run_store.measuring_conditions()
     run = RollerRun(
         level=level,
         across=hifi.LEVELS[level],
@@ -204,12 +192,12 @@ def load_or_compute_roller_run(
         imbalance=max(s.load_imbalance for s in states),
         seconds=bodies.elapsed_seconds + sum(s.elapsed_seconds for s in states),
         cpu_seconds=bodies.cpu_seconds + sum(s.cpu_seconds for s in states),
-        versions=program_versions() | {"rollbench": now.version},
+        versions=run_store.program_versions() | {"rollbench": now.version},
         sources=now.sources,
         machine=now.machine,
         date=datetime.now(UTC).date().isoformat(),
     )
-    replace_file(stores[0] / roller_run_file_name(roller, level), run_text_with_checksum(asdict(run)))
+    replace_file(stores[0] / roller_run_file_name(roller, level), run_store.run_text_with_checksum(asdict(run)))
     return run
 
 
@@ -237,9 +225,8 @@ def approach_and_stiffness_by_laws(row: RollerRow, load: float) -> ApproachAndSt
     )
     approach = rollers.sliced_roller_approach_under_force(roller, load)
     norm = 1e-3 * (load / (NORM * (1e3 * row.length) ** (8.0 / 9.0))) ** 0.9
-    return ApproachAndStiffness(
-        approach, rollers.sliced_roller_state_at_approach(roller, approach).stiffness, norm, load / (0.9 * norm)
-    )
+    stiffness = rollers.sliced_roller_state_at_approach(roller, approach).stiffness
+    return ApproachAndStiffness(approach, stiffness, norm, load / (0.9 * norm))
 
 
 def line_contact_pressures(row: RollerRow, line_loads: Sequence[float]) -> list[float]:
@@ -257,22 +244,6 @@ def line_contact_pressures(row: RollerRow, line_loads: Sequence[float]) -> list[
     ]
 
 
-def _entry_of_list_field(name: str, index: int, run: RollerRun) -> float:
-    """Return one value from a field of a roller's 3D solution that is a list over loads or over races.
-
-    ``name``: name of the field in `RollerRun`; ``index``: index of the load or race in the list.
-    """
-    return float(getattr(run, name)[index])
-
-
-def _value_on_race_under_first_load(name: str, race: int, run: RollerRun) -> float:
-    """Return a value on one race under the largest load, from a roller's 3D solution.
-
-    ``name``: name of a field of `RollerRun` with values for each load and race; ``race``: index of the race in `RACES`.
-    """
-    return float(getattr(run, name)[0][race])
-
-
 def roller_quantity_rows(roller: RollerKindWithLoad, runs: Sequence[RollerRun]) -> list[dict[str, Any]]:
     """Return a table row for each quantity of a roller: its 3D value on every mesh level, and the errors of low-order laws.
 
@@ -285,13 +256,13 @@ def roller_quantity_rows(roller: RollerKindWithLoad, runs: Sequence[RollerRun]) 
     """
     rows = []
 
-    def add_row(name: str, unit: str, scale: float, take: Callable[[RollerRun], float], **low: float) -> None:
+    def add_row(name: str, unit: str, scale: float, found_in_3d: Sequence[float], **low: float) -> None:
         """Add the row of one quantity.
 
-        ``name`` and ``unit``: name and unit of the quantity; ``scale``: factor from SI units to this unit; ``take``:
-        function that reads the quantity from a 3D solution in SI units; ``low``: values by low-order laws in SI units.
+        ``name`` and ``unit``: name and unit of the quantity; ``scale``: factor from SI units to this unit;
+        ``found_in_3d``: its value in each 3D solution in SI units; ``low``: values by low-order laws in SI units.
         """
-        values = [scale * take(run) for run in runs]
+        values = [scale * value for value in found_in_3d]
         found = roller_quantity_convergence(values, runs)
         row: dict[str, Any] = {"quantity": name, "unit": unit}
         row |= {f"level {run.level}": value for run, value in zip(runs, values, strict=True)}
@@ -304,28 +275,14 @@ def roller_quantity_rows(roller: RollerKindWithLoad, runs: Sequence[RollerRun]) 
 
     for k, load in enumerate(runs[-1].load):
         low = approach_and_stiffness_by_laws(roller.roller_row, load)
-        at = f"under {load:.4g} N"
-        add_row(
-            f"approach {at}",
-            "um",
-            1e6,
-            partial(_entry_of_list_field, "approach", k),
-            low_order=low.approach,
-            norm=low.norm_approach,
-        )
-        both = {"low_order": low.stiffness, "norm": low.norm_stiffness}
-        add_row(f"stiffness {at}", "N/um", 1e-6, partial(_entry_of_list_field, "stiffness", k), **both)
+        at, approach, stiffness = f"under {load:.4g} N", [r.approach[k] for r in runs], [r.stiffness[k] for r in runs]
+        add_row(f"approach {at}", "um", 1e6, approach, low_order=low.approach, norm=low.norm_approach)
+        add_row(f"stiffness {at}", "N/um", 1e-6, stiffness, low_order=low.stiffness, norm=low.norm_stiffness)
     hertz = line_contact_pressures(roller.roller_row, runs[-1].middle_line_load[0])
     for i, race in enumerate(RACES):
-        add_row(f"middle line load, {race}", "N/mm", 1e-3, partial(_value_on_race_under_first_load, "middle_line_load", i))
-        add_row(
-            f"middle pressure, {race}",
-            "MPa",
-            1e-6,
-            partial(_entry_of_list_field, "middle_pressure", i),
-            line_contact=hertz[i],
-        )
-        add_row(f"largest pressure, {race}", "MPa", 1e-6, partial(_entry_of_list_field, "largest_pressure", i))
+        add_row(f"middle line load, {race}", "N/mm", 1e-3, [r.middle_line_load[0][i] for r in runs])
+        add_row(f"middle pressure, {race}", "MPa", 1e-6, [r.middle_pressure[i] for r in runs], line_contact=hertz[i])
+        add_row(f"largest pressure, {race}", "MPa", 1e-6, [r.largest_pressure[i] for r in runs])
     return rows
 
 
@@ -394,9 +351,8 @@ def compute_runs_of_roller_kinds(
     """
     count = len(LEVELS) if count is None else count
     if not 1 <= count <= len(LEVELS):
-        raise ArgumentError(
-            "levels", str(count), f"1 to {len(LEVELS)} for rollers", "take three levels, which give an order of convergence"
-        )
+        advice = "take three levels, which give an order of convergence"
+        raise ArgumentError("levels", str(count), f"1 to {len(LEVELS)} for rollers", advice)
     out = []
     for roller in roller_kinds_with_largest_load(assembly):
         runs = []
@@ -416,20 +372,18 @@ def low_order_error_sentence(roller: RollerKindWithLoad, runs: Sequence[RollerRu
     middle = max(abs(float(error_percent(p, h))) for p, h in zip(best.middle_pressure, hertz, strict=True))
     return (
         f"Errors of the stiffness of a roller under {roller.largest_load:.4g} N against 3D: slice model {off:+.1f} %, "
-        f"spring of ISO/TS 16281 "
-        f"{norm:+.1f} %. Pressure in the middle within {middle:.2g} % of line contact. {best.cpu_seconds:.0f} s of "
-        f"a processor on level {best.level}, measured with {best.versions['rollbench']}."
+        f"spring of ISO/TS 16281 {norm:+.1f} %. Pressure in the middle within {middle:.2g} % of line contact. "
+        f"{best.cpu_seconds:.0f} s of a processor on level {best.level}, measured with {best.versions['rollbench']}."
     )
 
 
 def roller_mesh_study_json(roller: RollerKindWithLoad, runs: Sequence[RollerRun]) -> dict[str, Any]:
     """Return the JSON values of a roller's mesh study: mesh levels, quantities, and load profiles along the roller."""
     best = runs[-1]
-    profile = [
-        {"along_mm": 1e3 * x, **{f"line_load_{r}_N_per_mm": 1e-3 * best.line_load[i][k] for i, r in enumerate(RACES)}}
-        | {f"pressure_{r}_MPa": 1e-6 * best.along_pressure[i][k] for i, r in enumerate(RACES)}
-        for k, x in enumerate(best.along)
-    ]
+    profile = [{"along_mm": 1e3 * x} for x in best.along]
+    for k, row in enumerate(profile):
+        row |= {f"line_load_{r}_N_per_mm": 1e-3 * of[k] for r, of in zip(RACES, best.line_load, strict=True)}
+        row |= {f"pressure_{r}_MPa": 1e-6 * of[k] for r, of in zip(RACES, best.along_pressure, strict=True)}
     return {
         "set": ", ".join(roller.bearing_names),
         "load_N": roller.largest_load,
@@ -448,6 +402,6 @@ def run_roller_mesh_study(
     ``store``: folder in which new 3D solutions are stored. Returns the JSON values, then the key of the table in them that
     is shown, then the text lines below this table.
     """
-    found = compute_runs_of_roller_kinds(assembly, levels, (store, shipped_store()), show_progress)
+    found = compute_runs_of_roller_kinds(assembly, levels, (store, run_store.shipped_store()), show_progress)
     sets = [{"scene": assembly.name} | roller_mesh_study_json(one, runs) for one, runs in found]
     return {"scene": assembly.name, "sets": sets}, "sets", tuple(low_order_error_sentence(one, runs) for one, runs in found)

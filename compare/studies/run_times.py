@@ -21,6 +21,7 @@ import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
 from statistics import median
 from time import perf_counter, time
@@ -54,34 +55,30 @@ class RunTimeRow:
     note: str = ""
 
 
-def median_seconds(function: Callable[[], object], repeats: int, reset: Callable[[], object] | None = None) -> float:
+def median_seconds(function: Callable[[], object], repeats: int) -> float:
     """Return the median wall-clock time of ``function`` over ``repeats`` runs [s], after one run that is not counted.
 
-    ``function``: function that is timed; ``reset``: function that is called before each run and is not timed, or None.
+    Python's garbage collector is switched off during the runs.
     """
     seconds = []
     gc.collect()
-    enabled = gc.isenabled()
     gc.disable()
     try:
         for _ in range(repeats + 1):
-            if reset is not None:
-                reset()
             begin = perf_counter()
             function()
             seconds.append(perf_counter() - begin)
     finally:
-        if enabled:
-            gc.enable()
+        gc.enable()
     return median(seconds[1:])
 
 
-def environment_for_timed_process(extra: dict[str, str] | None = None) -> dict[str, str]:
+def environment_for_timed_process(extra: dict[str, str]) -> dict[str, str]:
     """Return the environment variables for a timed process: those of this process, without those that set thread counts.
 
     ``extra``: further environment variables by name, which are added.
     """
-    return {name: value for name, value in os.environ.items() if name not in VARIABLES} | (extra or {})
+    return {name: value for name, value in os.environ.items() if name not in VARIABLES} | extra
 
 
 @dataclass(frozen=True)
@@ -100,25 +97,17 @@ class TimedProcess:
     printed_output: str
 
 
-def run_timed_python_process(
-    arguments: list[str], extra_environment: dict[str, str] | None = None, folder: str | None = None
-) -> TimedProcess:
+def run_timed_python_process(arguments: list[str], extra_environment: dict[str, str], folder: str) -> TimedProcess:
     """Run a Python process as a user would start it on a terminal, and return its times, exit code and output.
 
     ``arguments``: arguments of the Python interpreter; ``extra_environment``: environment variables by name, which are
-    added to those of `environment_for_timed_process`; ``folder``: working folder of the process, None for the present one.
+    added to those of `environment_for_timed_process`; ``folder``: working folder of the process.
     The process imports no module from its working folder. The process is killed after `PATIENCE` seconds.
     """
-    environment = environment_for_timed_process({"PYTHONUNBUFFERED": "1"} | (extra_environment or {}))
+    environment = environment_for_timed_process({"PYTHONUNBUFFERED": "1"} | extra_environment)
+    command, pipe = [sys.executable, "-P", *arguments], subprocess.PIPE
     before, begin = os.times(), perf_counter()
-    process = subprocess.Popen(
-        [sys.executable, "-P", *arguments],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        env=environment,
-        cwd=folder,
-    )
+    process = subprocess.Popen(command, stdout=pipe, stderr=subprocess.STDOUT, text=True, env=environment, cwd=folder)
     patience = threading.Timer(PATIENCE, process.kill)
     patience.start()
     with process:
@@ -128,15 +117,12 @@ def run_timed_python_process(
         written = line + process.stdout.read()
     patience.cancel()
     seconds = perf_counter() - begin
-    return TimedProcess(seconds, first, _child_cpu_seconds(before, os.times()), process.returncode, written)
+    return TimedProcess(seconds, first, _child_cpu_seconds_since(before), process.returncode, written)
 
 
-def _child_cpu_seconds(before: os.times_result, after: os.times_result) -> float:
-    """Return the CPU time [s] of the child processes that ended between two calls of ``os.times``.
-
-    ``before`` and ``after``: values that ``os.times`` returned at the start and at the end of the interval.
-    """
-    return sum(y - x for x, y in zip(before[2:4], after[2:4], strict=True))
+def _child_cpu_seconds_since(start: os.times_result) -> float:
+    """Return the CPU time [s] of the child processes that have ended since ``os.times`` returned ``start``."""
+    return sum(y - x for x, y in zip(start[2:4], os.times()[2:4], strict=True))
 
 
 #: Longest time to wait for a process [s].
@@ -270,17 +256,11 @@ def time_model_in_new_process(
     without; ``repeats``: number of further solutions, the fastest of which gives the warm time. Raises RuntimeError if the
     process fails.
     """
-    ask = {
-        "scene": scene,
-        "model": model,
-        "engine": engine,
-        "repeats": repeats,
-        "condensed": str(condensed.resolve()) if condensed else "",
-    }
+    path = str(condensed.resolve()) if condensed else ""
+    ask = {"scene": scene, "model": model, "engine": engine, "repeats": repeats, "condensed": path}
     begin, printed = _run_with_empty_caches(CHILD, ask, f"{model} on {scene}")
-    return ColdModelTime(
-        printed["done"] - begin, printed["first"], printed["warm"], printed["memory"], engine, printed["status"]
-    )
+    known = {name: printed[name] for name in ("first", "warm", "memory", "status")}
+    return ColdModelTime(process=printed["done"] - begin, engine=engine, **known)
 
 
 def time_call_in_new_process(imports: str, call: str, label: str, repeats: int = REPEATS) -> RunTime:
@@ -301,8 +281,7 @@ def time_mesh_level_in_new_process(scene: str, level: int) -> ColdLevelTime:
     """
     before = os.times()
     begin, printed = _run_with_empty_caches(LEVEL_CHILD, {"scene": scene, "level": level}, f"level {level} of {scene}")
-    after = os.times()
-    cpu = _child_cpu_seconds(before, after)
+    cpu = _child_cpu_seconds_since(before)
     known = {name: printed[name] for name in ("contacts", "load_case", "stages")}
     return ColdLevelTime(level, printed["done"] - begin, cpu, printed["memory"], printed["status"], scene, **known)
 
@@ -319,14 +298,8 @@ def _run_with_empty_caches(program: str, arguments: dict[str, Any], label: str) 
             Path(place).mkdir()
         code = program.format(path=[p for p in sys.path if p], ask=json.dumps(arguments))
         begin = time()
-        process = subprocess.run(
-            [sys.executable, "-I", "-c", code],
-            capture_output=True,
-            text=True,
-            check=False,
-            timeout=PATIENCE,
-            env=environment_for_timed_process(caches),
-        )
+        command, env = [sys.executable, "-I", "-c", code], environment_for_timed_process(caches)
+        process = subprocess.run(command, capture_output=True, text=True, check=False, timeout=PATIENCE, env=env)
     if process.returncode != 0:
         last = process.stderr.strip().splitlines()[-1:] or ["no message"]
         raise RuntimeError(f"the process that timed {label} failed: {last[0]}")
@@ -370,14 +343,14 @@ class StoredRunTimes:
 
     def __str__(self) -> str:
         """Return a sentence that states with which machine and program version, and when, the run times were measured."""
-        now = measuring_conditions()
-        if self.measuring_conditions.version != now.version:
+        now, then = measuring_conditions(), self.measuring_conditions
+        if then.version != now.version:
             older = f", not with the {now.version} of this report"
-        elif self.measuring_conditions.machine != now.machine:
+        elif then.machine != now.machine:
             older = ", not on the machine that made this report"
         else:
-            older = "" if self.measuring_conditions.sources == now.sources else ", before the last changes to the solvers"
-        return f"Run times are of one measuring run: measured with {self.measuring_conditions}, {self.date}{older}."
+            older = "" if then.sources == now.sources else ", before the last changes to the solvers"
+        return f"Run times are of one measuring run: measured with {then}, {self.date}{older}."
 
 
 @dataclass(frozen=True)
@@ -449,11 +422,6 @@ def read_from_first_valid_folder(stores: Sequence[Path], file_name: str, build_o
     return None
 
 
-def _json_rows_on_separate_lines(rows: Sequence[Any]) -> str:
-    """Return the elements of a JSON list as text, one per line with commas between, without the brackets of the list."""
-    return ",\n ".join(json.dumps(row) for row in rows)
-
-
 #: Name that selects the times of commands typed in an empty home directory, where a publication's name would select others.
 TYPED = "typed"
 
@@ -473,20 +441,17 @@ def save_run_times(store: Path, run_times: StoredRunTimes, source: str = "") -> 
     ``store``: the folder; ``run_times``: the run times; ``source``: which times these are, and so the name of the file: a
     publication's name, `TYPED` or empty, as in `run_times_file_name`. Raises InputError if the file cannot be written.
     """
+    times, first = sorted(run_times.times_by_scene_and_model.items()), sorted(run_times.first_solution_times.items())
     lists = {
-        "times": [
-            {"scene": scene, "model": model, **asdict(t)}
-            for (scene, model), t in sorted(run_times.times_by_scene_and_model.items())
-        ],
-        "first": [{"model": model, **asdict(c)} for (model, _), c in sorted(run_times.first_solution_times.items())],
+        "times": [{"scene": scene, "model": model, **asdict(t)} for (scene, model), t in times],
+        "first": [{"model": model, **asdict(c)} for (model, _), c in first],
         "levels": [asdict(c) for c in run_times.mesh_level_times],
         "typed": [asdict(c) for c in run_times.command_times],
     }
-    head = ", ".join(
-        f'"{k}": {json.dumps(v)}' for k, v in {**asdict(run_times.measuring_conditions), "date": run_times.date}.items()
-    )
-    body = ", ".join(f'"{name}": [\n {_json_rows_on_separate_lines(rows)}]' for name, rows in lists.items())
-    replace_file(store / run_times_file_name(source), f"{{{head}, {body}}}\n")
+    head = json.dumps({**asdict(run_times.measuring_conditions), "date": run_times.date})
+    texts = {name: ",\n ".join(map(json.dumps, rows)) for name, rows in lists.items()}  # a line for each row
+    body = ", ".join(f'"{name}": [\n {text}]' for name, text in texts.items())
+    replace_file(store / run_times_file_name(source), f"{head[:-1]}, {body}}}\n")
 
 
 def run_times_for_report_page(cache: SceneResultCache, source: str) -> StoredRunTimes | None:
@@ -566,9 +531,9 @@ class CommandTime:
     first_line: float | None = None
     #: CPU time of all processes of the command [s].
     cpu: float | None = None
-    #: Wall clock of a second run in the same home directory [s], when caches exist.
+    #: Wall clock of a further run in the same home directory [s], which uses the caches of the first.
     again: float | None = None
-    #: CPU time of a second run in the same home directory [s].
+    #: CPU time of this further run [s].
     again_cpu: float | None = None
     #: Wall clock in an empty home directory while another process keeps a core busy [s].
     beside: float | None = None
@@ -580,13 +545,14 @@ class CommandTime:
     @property
     def job(self) -> RunTimeRow:
         """Times of the command as a row of the table of run times."""
+        name = f"{self.command}, from an empty home"
         if self.seconds is None:
-            return RunTimeRow(f"{self.command}, from an empty home", None, note=self.note)
+            return RunTimeRow(name, None, note=self.note)
         first = "" if self.first_line is None else f"first line {self.first_line:.3g} s, "
         again = f"again: {self.again:.3g} s ({self.again_cpu:.3g} CPU)"
         beside = f"beside a busy process {self.beside:.3g} s ({self.beside_cpu:.3g} CPU)"
         note = f"wall clock of the process; {first}CPU {self.cpu:.3g} s; {again}; {beside}"
-        return RunTimeRow(f"{self.command}, from an empty home", self.seconds, note=note)
+        return RunTimeRow(name, self.seconds, note=note)
 
 
 def time_command_in_empty_home(command: str) -> CommandTime:
@@ -624,21 +590,15 @@ def _run_in_empty_home(command: str, run_count: int) -> list[TimedProcess]:
         return [run_timed_python_process(["-m", "rollbench", *command.split()], own, home) for _ in range(run_count)]
 
 
-def time_ensemble_with_threads(count: int = MEMBERS, repeats: int = 3) -> Iterator[RunTimeRow]:
+def time_ensemble_with_threads() -> Iterator[RunTimeRow]:
     """Time the solution of many random draws of the scene ``lin-random`` by the model lin, in one thread, then in two.
 
-    Each draw is the scene with one set of random geometric errors. There is one row for each number of threads. ``count``:
-    number of draws; ``repeats``: number of timed runs, of which the median time is taken.
+    Each draw is the scene with one set of random geometric errors. There is one row for each number of threads, with the
+    median time of three runs.
     """
-    parts = scene("lin-random")
     alone = 0.0
     for threads in THREADS:
-
-        def solve_specimens(threads: int = threads) -> object:
-            """Solve all random draws in ``threads`` threads."""
-            return solve_random_draws(parts, count, threads=threads)
-
-        seconds = median_seconds(solve_specimens, repeats)
+        seconds = median_seconds(partial(solve_random_draws, scene("lin-random"), MEMBERS, threads=threads), 3)
         alone = alone or seconds
-        name = f"{count} members of lin-random, threads: {threads}"
+        name = f"{MEMBERS} members of lin-random, threads: {threads}"
         yield RunTimeRow(name, seconds, alone / seconds, note="model lin, compiled; ratio: one thread's time over this")

@@ -22,6 +22,7 @@ from rollbench.compare.measure import load_error
 from rollbench.compare.models import model_form
 from rollbench.compare.models.applicability import DESCRIPTORS, KNOWN_SCREWS, SURVEY
 from rollbench.compare.models.comparison import solution_from_run
+from rollbench.compare.models.loading import with_scaled_loads
 from rollbench.compare.models.registry import ModelOptions, run_model
 from rollbench.compare.reference import parallel
 from rollbench.compare.reference.computing import compute_reference_runs
@@ -342,7 +343,7 @@ def scenes_under_given_and_raised_loads(text: str, name: str) -> tuple[Scene, Sc
     name of the first scene; that of the second ends in "-raised".
     """
     scene = scene_file.scene_from_text(text, f"{name}.toml")
-    return scene, replace(scene, name=f"{name}-raised", loads=tuple(_load_times_raise_factor(x) for x in scene.loads))
+    return scene, replace(with_scaled_loads(scene, RAISED), name=f"{name}-raised")
 
 
 def stored_run(run_folder: Path | None, scene: Scene) -> Run | None:
@@ -352,12 +353,6 @@ def stored_run(run_folder: Path | None, scene: Scene) -> Run | None:
     """
     paths = [] if run_folder is None else sorted(run_folder.glob(f"{scene.name}-level{LEVEL}-*.json"))
     return next((run for path in paths if (run := read_run_file(path, scene, LEVEL, "")) is not None), None)
-
-
-def _load_times_raise_factor(load: Any) -> Any:
-    """Return an external load with force and moment multiplied by `RAISED` (1.05)."""
-    force, moment = (tuple(RAISED * x for x in values) for values in (load.force, load.moment))
-    return replace(load, force=force, moment=moment)
 
 
 def screw_properties_for_record(scene: Scene) -> Record:
@@ -413,31 +408,28 @@ def compare_models_with_reference(scene: Scene, raised: Scene, runs: Sequence[Ru
     mean = float(run.load[run.load > 0.0].mean())
     sums = run.load.sum(axis=0)
     first, second = max(sums[0], sums[1]), min(sums[0], sums[1])
-    answers, seconds = {}, {}
+    answers, seconds, options = {}, {}, ModelOptions(estimate_beam_mesh_error=False)
     for name in MODELS:
         begin = process_time()
-        answer = run_model(scene, name, ModelOptions(estimate_beam_mesh_error=False))
+        answer = run_model(scene, name, options)
         further = process_time()
-        answers[name] = answer, run_model(raised, name, ModelOptions(estimate_beam_mesh_error=False))
+        answers[name] = answer, run_model(raised, name, options)
         seconds[name] = {"seconds": round(further - begin, 3), "further_seconds": round(process_time() - further, 3)}
+    title = f"survey {scene.name.rpartition('-')[2]}"
     points = {
-        name: model_form.measure_model_error(
-            f"survey {scene.name.rpartition('-')[2]}", scene, first, run, (raised, second, raised_run)
-        )
-        for name, (first, second) in answers.items()
-        if first.converged and second.converged
+        name: model_form.measure_model_error(title, scene, low, run, (raised, high, raised_run))
+        for name, (low, high) in answers.items()
+        if low.converged and high.converged
     }
-    places = (
-        model_form.state_of_loaded_section(scene, solution_from_run(run, "")),
-        model_form.state_of_loaded_section(raised, solution_from_run(raised_run, "")),
-    )
+    pairs = ((scene, run), (raised, raised_run))
+    places = [model_form.state_of_loaded_section(one, solution_from_run(of, "")) for one, of in pairs]
     state |= {
         "contacts": int((run.load > 0.0).sum()),
         "mean_N": round(mean, 4),
         "spread": round(float(run.load[run.load > 0.0].std()) / mean, 4),
         "preload_over_load": round(float(second / first), 4),
         "displacement_um": round(1e6 * places[0].axial_displacement, 5),
-        "rigidity_N_per_um": _round_or_none(model_form.axial_rigidity_between_states(places), 1e-6),
+        "rigidity_N_per_um": _round_or_none(model_form.axial_rigidity_between_states(*places), 1e-6),
         "models": {
             name: _record_of_model_errors(scene, answers[name][0], run, p) | seconds[name] for name, p in points.items()
         },
@@ -460,19 +452,15 @@ def _record_of_model_errors(
     ``result``: the model's solution; ``run``: solution of the 3D reference; ``measured_errors``: the model's errors against
     it.
     """
-    error = load_error(result.load, run.load, count_nominal_contacts(scene))
-    expected = model_form.estimate_model_error(
-        scene, result, [p for p in model_form.model_errors_on_compared_scenes() if p.scene != measured_errors.scene]
-    )
+    error, names = load_error(result.load, run.load, count_nominal_contacts(scene)), model_form.QUANTITIES
+    others = [p for p in model_form.model_errors_on_compared_scenes() if p.scene != measured_errors.scene]
+    expected = model_form.estimate_model_error(scene, result, others)
     return {
         "status": result.status,
         "largest_percent": measured_errors.percent,
         "at": f"{error.ball} {error.side}",
-        **{name: getattr(measured_errors, name) for name in ("gate_percent", *model_form.QUANTITIES[1:])},
-        **{
-            name.replace("percent", "expected_percent"): _round_or_none(getattr(expected, name))
-            for name in model_form.QUANTITIES
-        },
+        **{name: getattr(measured_errors, name) for name in ("gate_percent", *names[1:])},
+        **{name.replace("percent", "expected_percent"): _round_or_none(getattr(expected, name)) for name in names},
         "not_covered": "" if expected.percent is not None else one_line(expected.words[-1], 200),
     }
 

@@ -231,19 +231,18 @@ def compare_models_on_random_screws(
         if name not in models
     }
     everything = rows | record
-    return add_schema_version(
-        {
-            "seed": survey.SEED,
-            "level": survey.LEVEL,
-            "screws": len(numbers),
-            "of": count,
-            "max_error_percent": limit,
-            "summary": [line for name, of in everything.items() for line in error_summary_rows_of_model(name, of)],
-            "verdicts": {name: dict(Counter(r["verdict"] for r in of if "verdict" in r)) for name, of in rows.items()},
-            "without_answer": {name: sum(r["status"] != survey.ANSWERED for r in of) for name, of in rows.items()},
-            "models": everything,
-        }
-    )
+    data = {
+        "seed": survey.SEED,
+        "level": survey.LEVEL,
+        "screws": len(numbers),
+        "of": count,
+        "max_error_percent": limit,
+        "summary": [line for name, of in everything.items() for line in error_summary_rows_of_model(name, of)],
+        "verdicts": {name: dict(Counter(r["verdict"] for r in of if "verdict" in r)) for name, of in rows.items()},
+        "without_answer": {name: sum(r["status"] != survey.ANSWERED for r in of) for name, of in rows.items()},
+        "models": everything,
+    }
+    return add_schema_version(data)
 
 
 def _judge_model_on_screws(
@@ -322,9 +321,8 @@ def figure_of_errors_on_random_screws(data: Mapping[str, Any]) -> Figure:
     One panel shows the share of screws whose error is below a value, the other the error on every screw; screws are sorted
     by the error of the first model. ``data``: JSON values of `compare_models_on_random_screws`.
     """
-    models = {
-        model_title(name): [r for r in rows if r["status"] == survey.ANSWERED] for name, rows in data["models"].items()
-    }
+    solved = survey.ANSWERED
+    models = {model_title(name): [r for r in rows if r["status"] == solved] for name, rows in data["models"].items()}
     lines, points = [], []
     main = next(iter(models))
     order = [r["screw"] for r in sorted(models[main], key=lambda r: float(r["largest_percent"]))]
@@ -340,24 +338,14 @@ def figure_of_errors_on_random_screws(data: Mapping[str, Any]) -> Figure:
         errors = [r["largest_percent"] for _, r in found]
         points.append(Series(title, [k for k, _ in found], errors, "markers", bold=title == main, point_names=names))
     label = "largest error of a contact load / % of the mean load"
-    return Figure(
-        "survey",
-        f"Errors of the model {main} on {len(models[main])} randomly drawn ball screws",
-        (
-            Panel(
-                "share of screws whose largest error is below a value",
-                label,
-                "share of the screws / %",
-                lines,
-                log_axes="x",
-                include_zero=True,
-            ),
-            Panel("largest error on each screw", f"screws, sorted by the error of {main}", label, points, log_axes="y"),
-        ),
-        f"Errors against mesh level {data['level']} of the 3D reference; errors of refined and lin are stored ones.",
-        columns=1,
-        size=(4.0, 6.4),
+    title = "share of screws whose largest error is below a value"
+    panels = (
+        Panel(title, label, "share of the screws / %", lines, log_axes="x", include_zero=True),
+        Panel("largest error on each screw", f"screws, sorted by the error of {main}", label, points, log_axes="y"),
     )
+    title = f"Errors of the model {main} on {len(models[main])} randomly drawn ball screws"
+    caption = f"Errors against mesh level {data['level']} of the 3D reference; errors of refined and lin are stored ones."
+    return Figure("survey", title, panels, caption, columns=1, size=(4.0, 6.4))
 
 
 def write_scene_and_reference_files(number: int, folder: Path) -> tuple[Path, Path]:
@@ -367,11 +355,10 @@ def write_scene_and_reference_files(number: int, folder: Path) -> tuple[Path, Pa
     the reference file, which ``rollbench compare`` also reads. Raises InputError for a screw without stored loads, and if a
     file cannot be written.
     """
-    allowed = f"the number, 0 to {survey.SCENES - 1}, of a randomly drawn screw whose 3D reference is stored"
-    if (
-        not 0 <= number < survey.SCENES
-        or (found := reference_from_stored_loads(scene := random_screw_scene(number), number)) is None
-    ):
+    scene = random_screw_scene(number) if 0 <= number < survey.SCENES else None
+    found = None if scene is None else reference_from_stored_loads(scene, number)
+    if scene is None or found is None:
+        allowed = f"the number, 0 to {survey.SCENES - 1}, of a randomly drawn screw whose 3D reference is stored"
         raise ArgumentError("screw", str(number), allowed, "choose another number")
     text, loads = folder / f"{screw_name(number)}.toml", folder / f"{screw_name(number)}-reference.csv"
     layout = ball_layout(scene)
@@ -451,8 +438,8 @@ def load_cases_of_random_screw(number: int) -> tuple[Scene, Scene]:
 
     The axial tangent rigidity follows from the solutions under both loads.
     """
-    name = f"survey-{survey.SEED}-{number}"
-    return survey.scenes_under_given_and_raised_loads(survey.random_screw_scene_text(survey.SEED, number), name)
+    text = survey.random_screw_scene_text(survey.SEED, number)
+    return survey.scenes_under_given_and_raised_loads(text, screw_name(number))
 
 
 def solve_and_time_mesh_level(number: int, level: int) -> TimedLevelRun:
@@ -539,39 +526,27 @@ def errors_and_times_of_models(runs: Sequence[TimedLevelRun], records: Sequence[
     """
     answers = {model: [r["models"][model] for r in records if model in r.get("models", {})] for model in survey.MODELS}
     keys = ("gate_percent", "largest_percent", *SECONDS)
-    found = [
-        LoadErrorsAndTimes(
-            model, "level 1", *(np.array([abs(row[key]) for row in rows if row[key] is not None]) for key in keys)
-        )
-        for model, rows in answers.items()
-    ]
+    found = []
+    for model, rows in answers.items():
+        values = (np.array([abs(row[key]) for row in rows if row[key] is not None]) for key in keys)
+        found.append(LoadErrorsAndTimes(model, "level 1", *values))
     by_level = {level: {r.number: r for r in runs if r.level == level and r.status == survey.ANSWERED} for level in LEVELS}
     coarse, fine = (by_level[level] for level in LEVELS)
     both = sorted(coarse.keys() & fine.keys())
+    if not both:
+        return found
+    truth = [fine[number] for number in both]
     times = {r["number"]: r["models"] for r in records if "models" in r}
-    for model in survey.MODELS if both else ():
-        loads = [
-            run_model(load_cases_of_random_screw(n)[0], model, ModelOptions(estimate_beam_mesh_error=False)).load
-            for n in both
-        ]
-        new, further = (np.array([times[number][model][key] for number in both]) for key in SECONDS)
-        found.append(
-            LoadErrorsAndTimes(
-                model, "level 2", *_largest_load_error_of_each_screw(loads, [fine[n] for n in both]), new, further
-            )
-        )
-    for level in LEVELS if both else ():
-        of_level = [by_level[level][number] for number in both]
-        new, further = (np.array([getattr(run, key) for run in of_level]) for key in SECONDS)
-        loads = [np.array(run.load) for run in of_level]
-        errors = (
-            _largest_load_error_of_each_screw(loads, [fine[n] for n in both])
-            if level < max(LEVELS)
-            else (np.zeros(0), np.zeros(0))
-        )
-        found.append(
-            LoadErrorsAndTimes(f"3D level {level}", "level 2" if level < max(LEVELS) else "", *errors, new, further)
-        )
+    options = ModelOptions(estimate_beam_mesh_error=False)
+    for model in survey.MODELS:
+        loads = [run_model(load_cases_of_random_screw(number)[0], model, options).load for number in both]
+        spent = (np.array([times[number][model][key] for number in both]) for key in SECONDS)
+        found.append(LoadErrorsAndTimes(model, "level 2", *_largest_load_error_of_each_screw(loads, truth), *spent))
+    runs_1 = [coarse[number] for number in both]
+    first, second = ([np.array([getattr(run, key) for run in of]) for key in SECONDS] for of in (runs_1, truth))
+    errors = _largest_load_error_of_each_screw([np.array(run.load) for run in runs_1], truth)
+    found.append(LoadErrorsAndTimes("3D level 1", "level 2", *errors, *first))
+    found.append(LoadErrorsAndTimes("3D level 2", "", np.zeros(0), np.zeros(0), *second))
     return found
 
 

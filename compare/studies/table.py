@@ -19,6 +19,7 @@ from rollbench.compare.models.answers import TANGENT_OF, results_of_contact_load
 from rollbench.compare.models.model_form import estimate_model_error
 from rollbench.compare.models.registry import AXIS_MODELS, ModelOptions, default_model_name, model_by_name
 from rollbench.compare.quantities import record_as_json
+from rollbench.compare.reference import parallel
 from rollbench.compare.reference.jobs import ComputingSettings, run_jobs_in_fastest_way
 from rollbench.compare.results.table import CONVERGED, Over, Table, TableRow, table_from_json
 from rollbench.compare.scenes import catalogue, scene_file, scene_tables
@@ -107,10 +108,10 @@ def check_table_request(
         If scene, key, unit, quantity or model is unknown.
     """
     described = scene_file.scene_or_shaft_or_raise(catalogue.scene_of_any_kind(scene), scene)
-    shipped = scene in catalogue.scene_names()
-    text, origin = (
-        (catalogue.shipped_scene_text(scene), f"{scene}.toml") if shipped else (scene_file.read_scene_text(scene), scene)
-    )
+    if scene in catalogue.scene_names():
+        text, origin = catalogue.shipped_scene_text(scene), f"{scene}.toml"
+    else:
+        text, origin = scene_file.read_scene_text(scene), scene
     for name in quantities:
         if name not in QUANTITIES:
             raise ArgumentError("quantities", name, ", ".join(QUANTITIES), "give names separated by commas")
@@ -123,23 +124,11 @@ def check_table_request(
         for value in vary.listed_values:
             scene_tables.validated_keys(sweep_keys.tables_with_varied_keys(raw, [vary], [value]), origin)
     if math.prod(len(x.listed_values) for x in keys) > MOST:
-        raise ArgumentError(
-            "over",
-            f"more than {MOST} combinations of values of the keys",
-            f"up to {MOST} combinations",
-            "give fewer values",
-        )
-    columns = tuple(_column_of_varied_key(x) for x in typed)
-    return SceneTableRequest(
-        text,
-        origin,
-        described.name,
-        keys,
-        columns,
-        model,
-        tuple(quantities) or USUAL,
-        *_position_and_body_of_stiffness(stiffness_at, described),
-    )
+        given = f"more than {MOST} combinations of values of the keys"
+        raise ArgumentError("over", given, f"up to {MOST} combinations", "give fewer values")
+    columns, wanted = tuple(_column_of_varied_key(x) for x in typed), tuple(quantities) or USUAL
+    stiffness = _position_and_body_of_stiffness(stiffness_at, described)
+    return SceneTableRequest(text, origin, described.name, keys, columns, model, wanted, *stiffness)
 
 
 def _check_model_for_table(scene: Scene | Assembly, model: str, quantities: Sequence[str]) -> None:
@@ -175,9 +164,8 @@ def _position_and_body_of_stiffness(given: str | float | None, scene: Scene | As
         allowed = ", ".join(("a length with its unit", *map(units.toml_text, names)))
         raise ArgumentError("stiffness_at", str(given), allowed, str(error)) from None
     if not 0.0 <= station <= scene.screw.length:
-        raise ArgumentError(
-            "stiffness_at", str(given), f"0 mm to {1e3 * scene.screw.length:g} mm", "give an axial position on the shaft"
-        )
+        allowed = f"0 mm to {1e3 * scene.screw.length:g} mm"
+        raise ArgumentError("stiffness_at", str(given), allowed, "give an axial position on the shaft")
     return station, of
 
 
@@ -220,13 +208,11 @@ def solve_table_row(request: SceneTableRequest, values: Sequence[Any], engine: s
     ``request``: checked request; ``values``: a value for each key; ``engine``: whether numerical kernels run as plain
     Python ("interpreted") or as machine code ("compiled").
     """
+    origin = request.scene_origin
     try:
-        raw = sweep_keys.tables_with_varied_keys(
-            scene_file.parse_toml(request.scene_text, request.scene_origin), request.varied_keys, values
-        )
-        scene = scene_file.scene_or_shaft_or_raise(
-            scene_tables.scene_from_tables(raw, request.scene_origin), request.scene_origin
-        )
+        raw = scene_file.parse_toml(request.scene_text, origin)
+        tables = sweep_keys.tables_with_varied_keys(raw, request.varied_keys, values)
+        scene = scene_file.scene_or_shaft_or_raise(scene_tables.scene_from_tables(tables, origin), origin)
         if isinstance(scene, Assembly) and isinstance(request.stiffness_position, float):
             scene = replace(scene, stiffness_at=request.stiffness_position)
         return _solve_scene_for_row(scene, request, engine)
@@ -262,22 +248,13 @@ def _solve_scene_for_row(scene: Scene | Assembly, request: SceneTableRequest, en
     elif tangent is not None:
         matrix = tangent.matrix
         rigidity = tangent.rigidity("uz") if math.isfinite(matrix[2, 2]) else None
-    pressure = (
-        max(_largest_pressure_of_each_bearing(scene, result), default=None) if "pressure" in request.quantities else None
-    )
-    moved = found.get("displacement_um")
-    life = found.get("life_million_revolutions")
-    return TableRow(
-        status,
-        matrix,
-        rigidity,
-        None if moved is None else 1e-6 * moved,
-        found.get("largest_load_N") if "load" in request.quantities else None,
-        found.get("preload_N"),
-        pressure,
-        life,
-        **errors,
-    )
+    pressure = None
+    if "pressure" in request.quantities:
+        pressure = max(_largest_pressure_of_each_bearing(scene, result), default=None)
+    moved, preload, life = (found.get(name) for name in ("displacement_um", "preload_N", "life_million_revolutions"))
+    moved = None if moved is None else 1e-6 * moved
+    load = found.get("largest_load_N") if "load" in request.quantities else None
+    return TableRow(status, matrix, rigidity, moved, load, preload, pressure, life, **errors)
 
 
 def _largest_pressure_of_each_bearing(scene: Scene | Assembly, result: StaticResult | AxisResult) -> Iterator[float]:
@@ -288,9 +265,8 @@ def _largest_pressure_of_each_bearing(scene: Scene | Assembly, result: StaticRes
         sets = [(s.of.parts, s.balls, s.line_loads) for s in result.sets]
     for parts, balls, lines in sets:
         if balls is not None:
-            worst: Any = results_of_contact_loads(
-                parts, balls.load, balls.contact_angle, balls.member, balls.pressure
-            ).worst_contact
+            of_balls = results_of_contact_loads(parts, balls.load, balls.contact_angle, balls.member, balls.pressure)
+            worst: Any = of_balls.worst_contact
         else:
             worst = roller_contact_of_highest_pressure(parts, lines)
         if worst is not None:
@@ -303,14 +279,9 @@ def _expected_errors_for_row(scene: Scene, result: StaticResult) -> dict[str, An
     The errors are estimated from the model's errors on scenes that were compared with the 3D reference.
     """
     form = estimate_model_error(scene, result)
-    return {
-        "load_error": form.percent,
-        "rms_error": form.rms_percent,
-        "displacement_error": form.displacement_percent,
-        "rigidity_error": form.rigidity_percent,
-        "pressure_error": form.pressure_percent,
-        "error_words": "" if form.percent is not None else form.words[-1],
-    }
+    errors = {f"{of}_error": getattr(form, f"{of}_percent") for of in ("rms", "displacement", "rigidity", "pressure")}
+    words = "" if form.percent is not None else form.words[-1]
+    return {"load_error": form.percent, **errors, "error_words": words}
 
 
 def solve_table(request: SceneTableRequest, engine: ComputingSettings, show_progress: Callable[[str], None]) -> Table:
@@ -341,9 +312,8 @@ def solve_table(request: SceneTableRequest, engine: ComputingSettings, show_prog
     places = list(product(*(vary.listed_values for vary in request.varied_keys)))
     kernels = "compiled" if len(places) >= COMPILE_FROM else "auto"
     rows: dict[int, TableRow] = {}
-    for number, row in run_jobs_in_fastest_way(
-        [(solve_table_row, (request, place, kernels)) for place in places], engine, "places", show_progress
-    ):
+    tasks: list[parallel.Job] = [(solve_table_row, (request, place, kernels)) for place in places]
+    for number, row in run_jobs_in_fastest_way(tasks, engine, "places", show_progress):
         rows[number] = row
         show_progress(f"[{len(rows)}/{len(places)}] {', '.join(map(str, places[number])) or 'as it stands'}: {row.status}")
     return table_from_json(_table_as_json(request, [rows[k] for k in range(len(places))]))

@@ -113,25 +113,16 @@ def table_figure(table: Table) -> Figure | None:
         for label, at in curves.items():
             known = [k for k in at if y[k] is not None]
             if known:
-                series.append(
-                    Series(
-                        label,
-                        [x[k] for k in known],
-                        [y[k] for k in known],
-                        error_bars=_ends_of_error_bars(table, name, known),
-                    )
-                )
+                bars = _ends_of_error_bars(table, name, known)
+                series.append(Series(label, [x[k] for k in known], [y[k] for k in known], error_bars=bars))
         same = len(series) > 1 and len({tuple(s.y) for s in series}) == 1
         ylabel = f"{one.label} / {one.unit}" + ("\nthe same on all curves" if same else "")
         low, high = (of(v for v in y if v is not None) for of in (min, max))
         panels.append(Panel("", xlabel, ylabel, series, log_axes="y" if 0.0 < 20.0 * low < high else ""))
     left = len(table.rows) - table.converged
-    caption = f"Model {table.model}." + (
-        f" {left} of {len(table.rows)} combinations of values have no result." if left else ""
-    )
-    return Figure(
-        f"{table.scene}-table", f"{table.scene}: requested quantities over the varied keys", tuple(panels), caption
-    )
+    missing = f" {left} of {len(table.rows)} combinations of values have no result." if left else ""
+    title = f"{table.scene}: requested quantities over the varied keys"
+    return Figure(f"{table.scene}-table", title, tuple(panels), f"Model {table.model}.{missing}")
 
 
 def _ends_of_error_bars(table: Table, name: str, rows: Sequence[int]) -> tuple[list[float], list[float]] | None:
@@ -212,9 +203,8 @@ def modelica_table_text(table: Table) -> tuple[str, list[str]]:
     axes = [x.numbers for x in table.over]
     if not 1 <= len(axes) <= 2 or any(x is None or len(x) < 2 for x in axes):
         allowed = "a table in which one or two keys of the scene vary, each with at least two numeric values"
-        raise InputError(
-            table.scene, "over", count_with_noun(len(axes), "key"), allowed, "make a table over one or two numeric keys"
-        )
+        advice = "make a table over one or two numeric keys"
+        raise InputError(table.scene, "over", count_with_noun(len(axes), "key"), allowed, advice)
     kept = [k for k, row in enumerate(table.rows) if row.converged]
     if len(axes) == 2 and len(kept) < len(table.rows):
         reason, places = next(iter(table.failures.items()))

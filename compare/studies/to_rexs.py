@@ -11,6 +11,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
 from math import degrees, pi
+from typing import Any
 
 import numpy as np
 
@@ -132,28 +133,23 @@ def rexs_file_with_results(described: Assembly | DutyCycle, solved: Sequence[Sha
     writer = RexsWriter(shaft)
     _write_shaft_sections(writer, shaft)
     for row in shaft.sets:
-        if not (isinstance(row.parts, Scene) and row.parts.track.lead):
-            writer.rows.append(
-                _write_roller_bearing(writer, row, row.parts)
-                if isinstance(row.parts, RollerRow)
-                else _write_ball_bearing(writer, row, row.parts)
-            )
+        if isinstance(row.parts, RollerRow):
+            writer.rows.append(_write_roller_bearing(writer, row, row.parts))
+        elif not row.parts.track.lead:
+            writer.rows.append(_write_ball_bearing(writer, row, row.parts))
     if shaft.lubricant is not None:
         for bearing, _ in writer.rows:
             writer.model.components[bearing].attributes["operating_viscosity"] = 1e6 * shaft.lubricant.viscosity
     _write_supports(writer, shaft)
     loads = _write_loads(writer, shaft, solved)
+    cases = described.cases if isinstance(described, DutyCycle) else ()
     for k, (one, acting) in enumerate(zip(solved, loads, strict=True)):
-        case: CaseAttributes = {}
-        if isinstance(described, DutyCycle):
-            of, times = described.cases[k], [x.time for x in described.cases]
-            part = of.share if of.time is None else of.time / sum(t or 0.0 for t in times)
-            case[writer.unit] = {"operating_time_fraction": 100.0 * part}
-            case |= acting
-        case |= _attributes_of_load_case_results(
-            writer, one, None if not isinstance(described, DutyCycle) else described.cases[k].speed
-        )
-        writer.model.load_cases.append(case)
+        case, speed = CaseAttributes(), None
+        if cases:
+            of, speed = cases[k], cases[k].speed
+            part = of.share if of.time is None else of.time / sum(x.time or 0.0 for x in cases)
+            case = {writer.unit: {"operating_time_fraction": 100.0 * part}, **acting}
+        writer.model.load_cases.append(case | _attributes_of_load_case_results(writer, one, speed))
     _note_omitted_features(writer, shaft)
     return rexs_file_text(writer.model, __version__, datetime.now(UTC).isoformat(timespec="seconds")), writer.notes
 
@@ -169,17 +165,11 @@ def _write_shaft_sections(writer: RexsWriter, shaft: Assembly) -> None:
     gaps = zip(ends, [*(p[0] for p in plain), screw.length], strict=True)
     rest = [(a, b, screw.outer_diameter, screw.bore) for a, b in gaps if b - a > 1e-9]
     for start, end, diameter, bore in sorted([*plain, *rest]):
-        outer, inner, at = 1e3 * diameter, 1e3 * bore, 1e3 * start
-        writer.add_component_as_part(
-            writer.shaft,
-            "shaft_section",
-            u_coordinate_on_shaft=at,
-            length=1e3 * end - at,
-            outer_diameter_begin=outer,
-            outer_diameter_end=outer,
-            inner_diameter_begin=inner,
-            inner_diameter_end=inner,
-        )
+        at = 1e3 * start
+        section: dict[str, Any] = {"u_coordinate_on_shaft": at, "length": 1e3 * end - at}
+        for side, size in (("outer", diameter), ("inner", bore)):
+            section |= {f"{side}_diameter_begin": 1e3 * size, f"{side}_diameter_end": 1e3 * size}
+        writer.add_component_as_part(writer.shaft, "shaft_section", **section)
     if rest and any(isinstance(s.parts, Scene) and s.parts.track.lead for s in shaft.sets):
         writer.notes.append("the thread is written as a cylinder of its outer diameter")
 
@@ -312,9 +302,8 @@ def _write_supports(writer: RexsWriter, shaft: Assembly) -> None:
         fixed = {name for name, value in s.fixed if value == 0.0}
         across, tilt = fixed & {"ux", "uy"}, fixed & {"rx", "ry"}
         if fixed != {name for name, _ in s.fixed} or len(across) == 1 or len(tilt) == 1:
-            reason = (
-                f"REXS has no component for a support at {1e3 * s.at:g} mm that fixes {', '.join(n for n, _ in s.fixed)}"
-            )
+            names = ", ".join(name for name, _ in s.fixed)
+            reason = f"REXS has no component for a support at {1e3 * s.at:g} mm that fixes {names}"
             advice = "fix ux together with uy, rx together with ry, all at zero, or model the support by bearings"
             raise SceneNotCoveredError(shaft.name, "supports", reason, advice)
         if fixed - {"rz"}:
@@ -352,9 +341,8 @@ def _write_loads(writer: RexsWriter, shaft: Assembly, solved: Sequence[ShaftSolu
             writer.model.components[k].attributes |= attributes
     for s in shaft.sets:
         if isinstance(s.parts, Scene) and s.parts.track.lead:
-            writer.notes.append(
-                f"{s.name}: a ball nut, for which REXS has no component, is written as its load on the shaft"
-            )
+            text = "a ball nut, for which REXS has no component, is written as its load on the shaft"
+            writer.notes.append(f"{s.name}: {text}")
     return cases
 
 
@@ -382,18 +370,14 @@ def _attributes_of_load_case_results(writer: RexsWriter, solution: ShaftSolution
     if speed is not None:
         case[writer.shaft]["rotational_speed"] = _revolutions_per_minute(speed)
     turning = speed if speed is not None else None if motion is None else motion.speed
-    bearings = [
-        pair
-        for pair in zip(result.sets, solution.derived_results.set_results, strict=True)
-        if not (isinstance(pair[0].of.parts, Scene) and pair[0].of.parts.track.lead)
-    ]
+    pairs = zip(result.sets, solution.derived_results.set_results, strict=True)
+    bearings = [(s, x) for s, x in pairs if isinstance(s.of.parts, RollerRow) or not s.of.parts.track.lead]
     for (bearing, contacts), (s, answers) in zip(writer.rows, bearings, strict=True):
         case[bearing] = _bearing_result_attributes(result, s, answers, turning)
-        case |= (
-            _roller_contact_result_attributes(contacts, s, s.of.parts)
-            if isinstance(s.of.parts, RollerRow)
-            else _ball_contact_result_attributes(contacts, s)
-        )
+        if isinstance(s.of.parts, RollerRow):
+            case |= _roller_contact_result_attributes(contacts, s, s.of.parts)
+        else:
+            case |= _ball_contact_result_attributes(contacts, s)
     return case
 
 
@@ -424,10 +408,8 @@ def _bearing_result_attributes(
     }
     loads = answers.load_results
     if loads.worst_contact is not None and loads.safety is not None:
-        found |= {
-            "maximum_hertzian_pressure": 1e-6 * loads.worst_contact.pressure,
-            "static_load_safety": loads.safety.factor,
-        }
+        found["maximum_hertzian_pressure"] = 1e-6 * loads.worst_contact.pressure
+        found["static_load_safety"] = loads.safety.factor
     if loads.ratings is not None:
         way = "axial" if loads.ratings.is_axial else "radial"
         found[f"{way}_dynamic_load_rating"] = 1e-3 * loads.ratings.dynamic
@@ -466,30 +448,25 @@ def _ball_contact_result_attributes(contact_ids: list[list[int]], bearing_result
             j = max(of, key=lambda flank: load[i, flank])
             case[k] = {"rolling_element_force": 1e-3 * float(load[i, j])}
             if load[i, j] > 0.0:
-                case[k] |= {
-                    "operating_pressure_angle": float(angle[i, j]),
-                    "maximum_hertzian_pressure": 1e-6 * float(pressure[i, j]),
-                }
+                case[k]["operating_pressure_angle"] = float(angle[i, j])
+                case[k]["maximum_hertzian_pressure"] = 1e-6 * float(pressure[i, j])
     return case
 
 
-def _roller_contact_result_attributes(
-    contact_ids: list[list[int]], bearing_result: SetResult, roller_row: RollerRow
-) -> CaseAttributes:
+def _roller_contact_result_attributes(contact_ids: list[list[int]], bearing: SetResult, row: RollerRow) -> CaseAttributes:
     """Return force, lamina (slice) loads and largest pressure of each roller contact as REXS attributes.
 
-    ``contact_ids``: for each roller the ids of its contacts; ``bearing_result``: solution of the bearing; ``roller_row``:
-    its rollers.
+    ``contact_ids``: for each roller the ids of its contacts; ``bearing``: solution of the bearing; ``row``: its rollers.
     """
-    assert bearing_result.line_loads is not None
-    assert bearing_result.roller_load is not None
-    places = tuple(1e3 * slice_middles(roller_row.length, roller_row.slices))
-    pressure, width = 1e-6 * race_pressures(roller_row, bearing_result.line_loads), roller_row.length / roller_row.slices
+    assert bearing.line_loads is not None
+    assert bearing.roller_load is not None
+    places = tuple(1e3 * slice_middles(row.length, row.slices))
+    pressure, width = 1e-6 * race_pressures(row, bearing.line_loads), row.length / row.slices
     return {
         k: {
-            "rolling_element_force": 1e-3 * float(bearing_result.roller_load[i]),
+            "rolling_element_force": 1e-3 * float(bearing.roller_load[i]),
             "rolling_element_coordinate": places,
-            "rolling_element_lamina_load": tuple(width * bearing_result.line_loads[i]),
+            "rolling_element_lamina_load": tuple(width * bearing.line_loads[i]),
             "maximum_hertzian_pressure": float(pressure[i, race]),
         }
         for i, ids in enumerate(contact_ids)

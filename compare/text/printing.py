@@ -260,17 +260,13 @@ def ruled_table(
 
 
 def plain_table(
-    headings: Sequence[str],
-    rows: Iterable[Iterable[str]],
-    left_aligned: Collection[str] = (),
-    *,
-    blanks_between_columns: int = 1,
+    headings: Sequence[str], rows: Iterable[Iterable[str]], left_aligned: Collection[str] = (), *, blanks: int = 1
 ) -> Table:
-    """Return a table of texts without rules and without wrapping, with ``blanks_between_columns`` blanks between columns.
+    """Return a table of texts without rules and without wrapping, with ``blanks`` spaces between columns.
 
     Columns are right-aligned, except those with the headings ``left_aligned``.
     """
-    out = _new_table(headings, rows, left_aligned, box=None, pad_edge=False, padding=(0, blanks_between_columns, 0, 0))
+    out = _new_table(headings, rows, left_aligned, box=None, pad_edge=False, padding=(0, blanks, 0, 0))
     for column in out.columns:
         column.no_wrap = True
     return out

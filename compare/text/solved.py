@@ -49,7 +49,7 @@ ROUND_OFF = 1e-9
 
 
 def solved_case_parts(
-    solved_scene: SceneSolution | ShaftSolution, *, balls: bool = False, details: bool = False, stiffness: bool = False
+    solved: SceneSolution | ShaftSolution, *, balls: bool = False, details: bool = False, stiffness: bool = False
 ) -> list[Any]:
     """Return the texts and tables that the terminal shows for a solved scene.
 
@@ -57,35 +57,29 @@ def solved_case_parts(
     also further quantities, force balance, solver, assumptions and neglected effects; they are always shown if the scene
     has no equilibrium. ``stiffness``: also the stiffness of a shaft with several nuts or bearings.
     """
-    result, title = solved_scene.result, []
+    result, title, several = solved.result, [], isinstance(solved, ShaftSolution)
     above_all, measured = join_brief_warnings(result.warnings), ""
-    behind = (
-        []
-        if result.equilibrium is None
-        else _force_balance_lines(result.equilibrium, several=isinstance(solved_scene, ShaftSolution))
-    )
-    details = details or solved_scene.derived_results is None
-    if isinstance(solved_scene, ShaftSolution):
-        drawn, title = f", {count_with_noun(len(solved_scene.scene.sets), 'set')}", [solved_scene.scene.title]
-        tables = _nut_bearing_and_housing_tables(solved_scene, balls=balls, stiffness=details or stiffness)
+    behind = [] if result.equilibrium is None else _force_balance_lines(result.equilibrium, several=several)
+    details = details or solved.derived_results is None
+    if isinstance(solved, ShaftSolution):
+        drawn, title = f", {count_with_noun(len(solved.scene.sets), 'set')}", [solved.scene.title]
+        tables = _nut_bearing_and_housing_tables(solved, balls=balls, stiffness=details or stiffness)
     else:
-        drawn = f", specimen {result.member} of its random errors" if has_random_errors(solved_scene.scene) else ""
-        tables = _ball_and_flank_tables(solved_scene) if balls and (solved_scene.result.load > 0.0).any() else []
-        grid = scene_json.beam_discretisation_percent(solved_scene.scene, solved_scene.result)
+        drawn = f", specimen {result.member} of its random errors" if has_random_errors(solved.scene) else ""
+        tables = _ball_and_flank_tables(solved) if balls and (solved.result.load > 0.0).any() else []
+        grid = scene_json.beam_discretisation_percent(solved.scene, solved.result)
         measured = "" if grid is None else f" (discretisation error {grid:.1e} % of the mean load)"
-    answers = solution_rows(solved_scene, details=details)
+    answers = solution_rows(solved, details=details)
     if answers:
-        tables = [
-            "",
+        table, expected = (
             format_table_as_text(answers, printing.text_width()),
-            "",
-            *tables,
-            expected_error_sentence(solved_scene.expected_errors),
-        ]
+            expected_error_sentence(solved.expected_errors),
+        )
+        tables = ["", table, "", *tables, expected]
     behind += solver_lines(result.solver, measured)
     notes = [f"note: {line}" for line in result.solver.notes]
     return [
-        f"{solved_scene.scene.name}{drawn}, model {model_title(result.model)}: {result.status}",
+        f"{solved.scene.name}{drawn}, model {model_title(result.model)}: {result.status}",
         *title,
         *([above_all] if above_all else []),
         *tables,
@@ -120,14 +114,12 @@ def solver_lines(solver_report: SolverReport, measured: str = "") -> list[str]:
 
     ``solver_report``: record of the solver. ``measured``: text on the discretisation error, which is added to the line.
     """
-    if not math.isfinite(solver_report.residual):
-        return [f"solver: the scene was rejected before a solution was attempted, in {solver_report.seconds:.3g} s"]
-    return [
-        f"solver: {solver_report.formulation}, {solver_report.engine}; "
-        f"{count_with_noun(solver_report.iterations, 'iteration')}, residual {solver_report.residual:.1e}, "
-        f"{count_with_noun(solver_report.unknowns, 'unknown')}, "
-        f"{count_with_noun(solver_report.elements, 'beam element')}{measured}, {solver_report.seconds:.3g} s"
-    ]
+    r = solver_report
+    if not math.isfinite(r.residual):
+        return [f"solver: the scene was rejected before a solution was attempted, in {r.seconds:.3g} s"]
+    counted = f"{count_with_noun(r.iterations, 'iteration')}, residual {r.residual:.1e}"
+    system = f"{count_with_noun(r.unknowns, 'unknown')}, {count_with_noun(r.elements, 'beam element')}"
+    return [f"solver: {r.formulation}, {r.engine}; {counted}, {system}{measured}, {r.seconds:.3g} s"]
 
 
 def load_curve_parts(curve: LoadCurve, *, details: bool = False) -> list[Any]:
@@ -143,12 +135,9 @@ def load_curve_parts(curve: LoadCurve, *, details: bool = False) -> list[Any]:
         return "unknown" if value is None else f"{format_by_error(factor * value)} {unit}"
 
     lash = f"not known: {curve.lash_words}" if curve.lash_words else size(curve.lash, 1e6, "um")
-    stiff = " and ".join(
-        f"{size(value, 1e-6, 'N/um')} {words}"
-        for value, words in ((curve.backward, "below"), (curve.forward, "above"))
-        if value is not None
-    )
-    rows = [record_as_json(p) or {} for p in curve.points]
+    sides = ((curve.backward, "below"), (curve.forward, "above"))
+    stiff = " and ".join(f"{size(value, 1e-6, 'N/um')} {words}" for value, words in sides if value is not None)
+    rows = [record_as_json(p) for p in curve.points]
     used = [c for c in CURVE_COLUMNS if any(row[c[0]] is not None for row in rows)]
     if curve.converged and not any(row["status"] != "converged" for row in rows):
         used.remove(CURVE_COLUMNS[-1])
@@ -170,30 +159,23 @@ def side_by_side_parts(side_by_side: SideBySide) -> list[Any]:
     The table has a column for each scene, with the difference from the first scene in per cent.
     """
     rows, of = [], quantities_of_record(Alternative)
-    answers = [record_as_json(one) or {} for one in side_by_side.scenes]
+    answers = [record_as_json(one) for one in side_by_side.scenes]
     for key in (k for k in NUMBERS if any(a[k] is not None for a in answers)):
         off = side_by_side.difference_percent(key)
-        cells = [
-            _number_or_range_text(a[key]) + ("" if k == 0 or x is None else f"  {x:+.1f} %")
-            for k, (a, x) in enumerate(zip(answers, off, strict=True))
-        ]
+        shown = ["", *("" if x is None else f"  {x:+.1f} %" for x in off[1:])]
+        cells = [_number_or_range_text(a[key]) + text for a, text in zip(answers, shown, strict=True)]
         rows.append([f"{of[key].label} [{of[key].unit}]" if of[key].unit else of[key].label, *cells])
     if any(one.shortest for one in side_by_side.scenes):
         rows.append(["set with the shortest life", *(one.shortest or "–" for one in side_by_side.scenes)])
     warned = [(one.scene, join_brief_warnings(one.warnings)) for one in side_by_side.scenes]
     unknown = [f"{of[key].label} [{of[key].unit}]" for key in NUMBERS if all(a[key] is None for a in answers)]
+    title, headings = f"model {side_by_side.model}: scenes side by side", ["", *(one.scene for one in side_by_side.scenes)]
+    differing = f"not the same in all scenes: {', '.join(side_by_side.differ)}"
     return [
         *(f"{name}: {line}" for name, line in warned if line),
         *(f"{one.scene}: {one.status}" for one in side_by_side.scenes if one.status != "converged"),
-        printing.ruled_table(
-            f"model {side_by_side.model}: scenes side by side",
-            ["", *(one.scene for one in side_by_side.scenes)],
-            rows,
-            [""],
-        ),
-        f"not the same in all scenes: {', '.join(side_by_side.differ)}"
-        if side_by_side.differ
-        else "shaft, loads and operation are the same in all scenes",
+        printing.ruled_table(title, headings, rows, [""]),
+        differing if side_by_side.differ else "shaft, loads and operation are the same in all scenes",
         *([f"not computed: {', '.join(unknown)}; rollbench solve SCENE shows why"] if unknown else []),
         "per cent: difference from the first scene; rollbench solve SCENE shows all results",
     ]
@@ -217,16 +199,12 @@ def _force_balance_lines(equilibrium: Equilibrium, *, several: bool) -> list[str
     sums = f"force {equilibrium.force_residual:.1e}, moment {equilibrium.moment_residual:.1e}"
     if several:
         return [f"balance of the shaft: {sums} (relative)"]
-    of_parts = (
-        f"(relative, summed over loads, reactions and contacts); balance of the balls: {equilibrium.ball_residual:.1e}"
-    )
-    lines = [f"balance of the screw: {sums} {of_parts}"]
+    screw = f"balance of the screw: {sums} (relative, summed over loads, reactions and contacts)"
+    lines = [f"{screw}; balance of the balls: {equilibrium.ball_residual:.1e}"]
     if equilibrium.pin_share > 0.0:
-        lines.append(
-            "no support of the scene prevents one motion: an added pin does, and carries "
-            f"{100.0 * equilibrium.pin_share:.2g} % of "
-            "the largest force or moment, by which loads and supports are not in balance"
-        )
+        share = f"{100.0 * equilibrium.pin_share:.2g} % of the largest force or moment"
+        pin = "no support of the scene prevents one motion: an added pin does"
+        lines.append(f"{pin}, and carries {share}, by which loads and supports are not in balance")
     return lines
 
 
@@ -235,13 +213,10 @@ def _ball_and_flank_tables(solved_scene: SceneSolution) -> list[RenderableType]:
 
     Loads are rounded to the digits that their expected error justifies.
     """
-    result = solved_scene.result
-    percent = None if solved_scene.expected_errors is None else solved_scene.expected_errors.percent
-    error = (
-        None
-        if percent is None
-        else mean_load(result.load, count_nominal_contacts(solved_scene.scene, result)) * percent / 100.0
-    )
+    result, error = solved_scene.result, None
+    if solved_scene.expected_errors is not None and solved_scene.expected_errors.percent is not None:
+        mean = mean_load(result.load, count_nominal_contacts(solved_scene.scene, result))
+        error = mean * solved_scene.expected_errors.percent / 100.0
     sides = [k for k in range(4) if (result.load[:, k] > 0.0).any()]
     headings, rows = ["ball", "deg", "z mm", *(x for k in sides for x in (f"{SIDES[k]} N", "angle"))], []
     for i in range(result.z.size):
@@ -281,18 +256,14 @@ def _nut_bearing_and_housing_tables(solved_scene: ShaftSolution, *, balls: bool,
     result, rows = solved_scene.result, bearing_and_nut_rows(solved_scene)
     if not rows:
         return []
-    out: list[Any] = [
-        printing.plain_table([*rows[0]], [[*row.values()] for row in rows], ["set"], blanks_between_columns=2),
-        "",
-    ]
+    cells = [[*row.values()] for row in rows]
+    out: list[Any] = [printing.plain_table([*rows[0]], cells, ["set"], blanks=2), ""]
     out += _ball_and_roller_tables(result) if balls else []
     for h in result.housings:
-        moved = ", ".join(
-            f"{n.split('_')[0]} {x:.4g} {n.split('_')[1]}" for n, x in motion_in_um_and_mrad(h.motion).items() if x
-        )
-        force = ", ".join(
-            format_by_error(x) if abs(x) > ROUND_OFF * np.abs(h.wrench[:3]).max() else "0" for x in h.wrench[:3]
-        )
+        motion = {n.partition("_"): x for n, x in motion_in_um_and_mrad(h.motion).items() if x}
+        moved = ", ".join(f"{freedom} {x:.4g} {unit}" for (freedom, _, unit), x in motion.items())
+        least = ROUND_OFF * np.abs(h.wrench[:3]).max()
+        force = ", ".join(format_by_error(x) if abs(x) > least else "0" for x in h.wrench[:3])
         reaction = f"force of the frame on it ({force}) N; relative residual of its balance {h.residual:.1e}"
         out.append(f"{h.name}: {moved or 'does not move'}; {reaction}")
     return [*out, *(_axis_stiffness_lines(result) if stiffness else [])]
@@ -303,12 +274,9 @@ def _ball_and_roller_tables(result: AxisResult) -> list[RenderableType]:
     out: list[RenderableType] = []
     rows = scene_json.ball_rows_of_shaft_json(result)
     loaded = [s for s in SIDES if any((r["load_N"][s] or 0.0) > 0.0 for r in rows)]
+    place = [("set", "set", "s"), ("azimuth_deg", "azimuth deg", ".2f")]
     if loaded:
-        columns: list[printing.Column] = [
-            ("set", "set", "s"),
-            ("index", "ball", "s"),
-            ("azimuth_deg", "azimuth deg", ".2f"),
-        ]
+        columns: list[printing.Column] = [place[0], ("index", "ball", "s"), place[1]]
         for side in loaded:
             columns += [(f"{side} N", f"{side} N", ".3f"), (f"{side} deg", "angle deg", ".3f")]
         flat = [
@@ -318,7 +286,7 @@ def _ball_and_roller_tables(result: AxisResult) -> list[RenderableType]:
         out.append(printing.selected_columns_table("balls", columns, flat))
     found = scene_json.roller_rows_json(result)
     if found:
-        names = (("set", "set", "s"), ("index", "roller", "s"), ("azimuth_deg", "azimuth deg", ".2f"))
+        names = (place[0], ("index", "roller", "s"), place[1])
         loads = (("load_N", "load N", ".3f"), ("largest_line_load_N_mm", "largest N/mm", ".3f"))
         races = [(f"{race} MPa", f"{race} MPa", ".0f") for race in RACES]
         flat = [r | {f"{race} MPa": r["pressure_MPa"][race] for race in RACES} for r in found]
@@ -379,18 +347,11 @@ def duty_cycle_parts(
     parts += [printing.table_of_records([*load_case_rows(data["cases"])], ".4g"), ""]
     shown: set[str] = set()
     for case, one, tangent in zip(cycle.cases, solved, tangents or [None] * len(solved), strict=True):
-        lines = [
-            x
-            for x in solved_case_parts(one, balls=balls, details=details, stiffness=stiffness)
-            if not (isinstance(x, str) and x in shown)
-        ]
+        lines = solved_case_parts(one, balls=balls, details=details, stiffness=stiffness)
+        lines = [x for x in lines if not (isinstance(x, str) and x in shown)]
         shown |= {x for x in lines if isinstance(x, str) and x.startswith(("assumed: ", "left out: "))}
-        parts += [
-            f"case {case.name}, share {case.share:.4g}",
-            *lines,
-            *(tangent_stiffness_parts(tangent) if tangent else []),
-            "",
-        ]
+        stiff = tangent_stiffness_parts(tangent) if tangent else []
+        parts += [f"case {case.name}, share {case.share:.4g}", *lines, *stiff, ""]
     return parts
 
 
@@ -416,11 +377,8 @@ def parameter_table_parts(table: Table) -> list[Any]:
 
     These are the table of quantities with their expected errors, then lines on the combinations of values without results.
     """
-    return [
-        *printing.split_to_width(printing.table_of_records(_parameter_table_rows(table)), printing.text_width()),
-        "",
-        *_parameter_table_summary_lines(table),
-    ]
+    whole = printing.table_of_records(_parameter_table_rows(table))
+    return [*printing.split_to_width(whole, printing.text_width()), "", *_parameter_table_summary_lines(table)]
 
 
 def _parameter_table_rows(found: Table) -> list[dict[str, Any]]:

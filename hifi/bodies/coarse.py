@@ -1,9 +1,9 @@
 """Elastic bodies with refinement boxes: compliance between contact patches through the body.
 
-A body is its coarse mesh plus the condensed patches in its refinement boxes. Only the few smooth modes matter in which a
-patch's contact forces act on its refinement box: with the transfer H = V Q, of few modes V, the contact nodes of a patch
-move by u = A f + V z, z = Q q, and the coarse body responds with z = G V^T f, G = Q K^-1 Q^T. A: compliance with the box's
-faces fixed; f: contact forces; q: displacements of the box's nodes; K: stiffness of the coarse body.
+A body is its coarse mesh plus the condensed patches in its refinement boxes (`hifi.bodies.patch`). A contact with the
+forces f moves by A f + H q: A is its compliance with its box fixed, q are the displacements of the box's nodes, and H is
+nearly V Q with a few smooth displacement modes V of the contact. So the contact moves by A f + V z with the amplitudes z =
+Q q of these modes, and the coarse body of stiffness K responds to the contact forces with z = G V^T f, G = Q K^-1 Q^T.
 
 The local compliance of a contact comes from a submodel: a short, finely meshed piece of its body around the contact. A
 coarse body tied to a condensed patch transfers loads from contact to contact well, but is too stiff under a contact's own
@@ -23,7 +23,7 @@ of A, C = blkdiag(A_own) + V G V^T.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
 
@@ -109,12 +109,8 @@ def contact_modes_of_patch(patch: CondensedPatch, mode_count: int) -> tuple[Arra
     traces = remainder.T @ np.hstack([pressures, REST * np.eye(len(remainder))])
     wrong = rigid.T @ traces
     least = ROUND_OFF * float(np.linalg.norm(patch.H.T @ pressures))
-    U = np.hstack(
-        [
-            _dominant_left_singular_vectors(traces - rigid @ wrong, least),
-            rigid @ _dominant_left_singular_vectors(wrong, least),
-        ]
-    )
+    balanced = _dominant_left_singular_vectors(traces - rigid @ wrong, least)
+    U = np.hstack([balanced, rigid @ _dominant_left_singular_vectors(wrong, least)])
     U = U[:, : max(mode_count - mean.shape[1], 0)]
     V, T = np.linalg.qr(np.hstack([resultants, remainder @ U]))
     return V, T @ np.vstack([mean.T, U.T])
@@ -147,9 +143,8 @@ def rigid_motions_of_patch(patch: CondensedPatch) -> tuple[Array, Array]:
     """
     centre = patch.socket_points.mean(axis=0)
     rigid, T = np.linalg.qr(nodal_displacements_of_rigid_motions(patch.socket_points, centre))
-    along = np.einsum(
-        "cx,cxk->ck", patch.normals, nodal_displacements_of_rigid_motions(patch.contact_points, centre).reshape(-1, 3, 6)
-    )
+    at_contact = nodal_displacements_of_rigid_motions(patch.contact_points, centre).reshape(-1, 3, 6)
+    along = np.einsum("cx,cxk->ck", patch.normals, at_contact)
     return rigid, np.linalg.solve(T.T, (normalise_weight_rows(patch.pressure_weights) @ along).T).T
 
 
@@ -238,7 +233,7 @@ def convert_mesh_order(mesh: Mesh, element_type: str) -> Mesh:
 
 
 def assemble_body_stiffness(
-    mesh: Mesh, sockets: Sequence[BodySocket], patches: dict[int, CondensedPatch], young: float, poisson: float
+    mesh: Mesh, boxes: Sequence[BodySocket], patches: dict[int, CondensedPatch], young: float, poisson: float
 ) -> sp.csc_array:
     """Assemble the stiffness of a coarsely meshed body with condensed fine patches in the refinement boxes at its contacts.
 
@@ -246,7 +241,7 @@ def assemble_body_stiffness(
     ----------
     mesh : Mesh
         Mesh of the coarse body, of n nodes.
-    sockets : Sequence[BodySocket]
+    boxes : Sequence[BodySocket]
         Refinement boxes of the body: pockets of its coarse mesh that the fine patches fill.
     patches : dict[int, CondensedPatch]
         Condensed fine mesh (patch) at the contacts of each flank.
@@ -262,12 +257,12 @@ def assemble_body_stiffness(
     """
     K = forms.assemble_constant_form(elasticity_form(young, poisson), mesh)
     rows, columns, values = [], [], []
-    for socket in sockets:
-        S = patches[socket.flank].S
-        k = len(socket.node_indices)
-        R = socket.rotation
+    for box in boxes:
+        S = patches[box.flank].S
+        k = len(box.node_indices)
+        R = box.rotation
         turned = np.einsum("ab,ibjc,dc->iajd", R, S.reshape(k, 3, k, 3), R).reshape(3 * k, 3 * k)
-        dof = degrees_of_freedom_of_nodes(socket.node_indices)
+        dof = degrees_of_freedom_of_nodes(box.node_indices)
         rows.append(np.repeat(dof, 3 * k))
         columns.append(np.tile(dof, 3 * k))
         values.append(turned.ravel())
@@ -277,14 +272,14 @@ def assemble_body_stiffness(
     return K
 
 
-def assemble_mode_forces(sockets: Sequence[BodySocket], mode_forces: dict[int, Array], freedom_count: int) -> sp.csr_array:
+def assemble_mode_forces(boxes: Sequence[BodySocket], mode_forces: dict[int, Array], freedom_count: int) -> sp.csr_array:
     """Assemble the matrix Q of nodal forces that unit modal forces of all contacts exert on a body's degrees of freedom.
 
     The nodal forces of a refinement box are given in the frame of its patch, and rotated into the frame of the body.
 
     Parameters
     ----------
-    sockets : Sequence[BodySocket]
+    boxes : Sequence[BodySocket]
         Refinement boxes of the body: pockets of its coarse mesh that the fine patches fill.
     mode_forces : dict[int, Array]
         By flank, the nodal forces Q of the k modes of a patch on its refinement box's degrees of freedom ``(k, 3 nodes)``.
@@ -298,18 +293,16 @@ def assemble_mode_forces(sockets: Sequence[BodySocket], mode_forces: dict[int, A
     """
     data, row, column = [], [], []
     start = 0
-    for socket in sockets:
-        Q = mode_forces[socket.flank]
-        k = len(socket.node_indices)
-        turned = np.einsum("mib,ab->mia", Q.reshape(len(Q), k, 3), socket.rotation).reshape(len(Q), 3 * k)
+    for box in boxes:
+        Q = mode_forces[box.flank]
+        k = len(box.node_indices)
+        turned = np.einsum("mib,ab->mia", Q.reshape(len(Q), k, 3), box.rotation).reshape(len(Q), 3 * k)
         data.append(turned.ravel())
         row.append(np.repeat(start + np.arange(len(Q)), 3 * k))
-        column.append(np.tile(degrees_of_freedom_of_nodes(socket.node_indices), len(Q)))
+        column.append(np.tile(degrees_of_freedom_of_nodes(box.node_indices), len(Q)))
         start += len(Q)
-    matrix = sp.coo_array(
-        (np.concatenate(data), (np.concatenate(row), np.concatenate(column))), shape=(start, freedom_count)
-    )
-    return matrix.tocsr()
+    parts = (np.concatenate(data), (np.concatenate(row), np.concatenate(column)))
+    return sp.coo_array(parts, shape=(start, freedom_count)).tocsr()
 
 
 def select_isostatic_freedoms(points: Array, excluded_nodes: Index) -> Index:
@@ -355,9 +348,8 @@ def body_forces_like_rigid_motions(mesh: Mesh) -> Array:
     """
     V = forms.cell_basis(mesh)
     volume = nodal_volume_form().assemble(V)
-    loads = nodal_displacements_of_rigid_motions(
-        np.stack([nodal_volume_form(k).assemble(V) for k in range(3)], axis=1)
-    ).reshape(-1, 3, 6)
+    first_moments = np.stack([nodal_volume_form(k).assemble(V) for k in range(3)], axis=1)
+    loads = nodal_displacements_of_rigid_motions(first_moments).reshape(-1, 3, 6)
     loads[..., :3] *= volume[:, None, None]
     return np.asarray(loads.reshape(-1, 6).T)
 
@@ -401,13 +393,11 @@ def all_freedoms_with_rigid_end(mesh: Mesh, high: float) -> sp.csc_array:
     """
     upper = fem.nodes_on_boundaries(mesh, "high end")
     slaves = degrees_of_freedom_of_nodes(upper)
-    free = all_freedoms_from_free_ones(
-        mesh, np.concatenate([fem.degrees_of_freedom_on_boundaries(mesh, "low end"), slaves])
-    )
-    section = sp.csc_array(
-        nodal_displacements_of_rigid_motions(fem.node_coordinates(mesh)[upper], np.array([0.0, 0.0, high]))
-    )
-    return sp.hstack([free, sp.eye_array(free.shape[0], format="csc")[:, slaves] @ section]).tocsc()
+    fixed = fem.degrees_of_freedom_on_boundaries(mesh, "low end")
+    free = all_freedoms_from_free_ones(mesh, np.concatenate([fixed, slaves]))
+    section = nodal_displacements_of_rigid_motions(fem.node_coordinates(mesh)[upper], np.array([0.0, 0.0, high]))
+    at_section = sp.eye_array(free.shape[0], format="csc")[:, slaves] @ sp.csc_array(section)
+    return sp.hstack([free, at_section]).tocsc()
 
 
 #: Number of meshes of a coarse piece over which the response of the piece is averaged. Their sizes differ by a hundredth,
@@ -426,7 +416,7 @@ class ContactSubmodel:
     mesh: Mesh
     #: Indices, in ``mesh``, of the nodes of the refinement box (the hole for the fine mesh at the contact), in the order of
     #: the mesh of the box's faces.
-    socket_nodes: Index
+    box_nodes: Index
     #: Rotation matrix from the frame of the fine mesh (patch) at the contact to that of ``mesh`` ``(3, 3)``.
     rotation: Array
     #: Names of the boundaries at which the piece is fixed; if there are none, body forces distributed like rigid motions
@@ -504,19 +494,18 @@ def compliance_of_patch_in_submodel(
     place = np.full(K_body.shape[0], -1, dtype=np.int64)
     place[free] = inner.size + np.arange(free.size)
     # the interface follows the refinement box's nodes: patch's frame = R^T times the body's
-    turn = sp.block_diag([sp.csr_array(piece.rotation.T)] * piece.socket_nodes.size)
+    turn = sp.block_diag([sp.csr_array(piece.rotation.T)] * piece.box_nodes.size)
     tie = (sp.kron(patch.interface_weights, sp.eye_array(3)) @ turn).tocoo()
     lines = np.concatenate([inner, outer[tie.row]])
-    columns = np.concatenate([np.arange(inner.size), place[degrees_of_freedom_of_nodes(piece.socket_nodes)][tie.col]])
+    columns = np.concatenate([np.arange(inner.size), place[degrees_of_freedom_of_nodes(piece.box_nodes)][tie.col]])
     T = sp.csr_array((np.concatenate([np.ones(inner.size), tie.data]), (lines, columns)), (size, inner.size + free.size))
     body = K_body[free][:, free].tocoo()
     shape = (T.shape[1], T.shape[1])
     K = (T.T @ K_patch @ T + sp.coo_array((body.data, (body.row + inner.size, body.col + inner.size)), shape)).tocsc()
     relief = sp.hstack([sp.csr_array((loads.shape[0], inner.size)), loads[:, free]])
     F = symmetric_compliance_of_loads(K, sp.vstack([nodal_forces @ T, relief]).tocsr())
-    return _compliance_of_balanced_loads(
-        F, nodal_forces.shape[0], nodal_forces @ _rigid_motions_in_patch_frame(patch, piece), loads, piece
-    )
+    work = nodal_forces @ _rigid_motions_in_patch_frame(patch, piece)
+    return _compliance_of_balanced_loads(F, nodal_forces.shape[0], work, loads, piece)
 
 
 def mode_compliance_in_coarse_submodel(
@@ -547,17 +536,21 @@ def mode_compliance_in_coarse_submodel(
     FactorError
         The stiffness of the piece cannot be factored.
     """
-    socket = BodySocket(piece.socket_nodes, piece.rotation, 0)
-    K = assemble_body_stiffness(piece.mesh, [socket], {0: patch}, young, poisson)
+    box = BodySocket(piece.box_nodes, piece.rotation, 0)
+    K = assemble_body_stiffness(piece.mesh, [box], {0: patch}, young, poisson)
     free, loads = _free_freedoms_and_balancing_loads(piece)
-    Q = assemble_mode_forces([socket], {0: mode_forces}, K.shape[0])
+    Q = assemble_mode_forces([box], {0: mode_forces}, K.shape[0])
     F = symmetric_compliance_of_loads(K[free][:, free].tocsc(), sp.vstack([Q[:, free], loads[:, free]]).tocsr())
-    return _compliance_of_balanced_loads(
-        F, len(mode_forces), Q @ nodal_displacements_of_rigid_motions(fem.node_coordinates(piece.mesh)), loads, piece
-    )
+    work = Q @ nodal_displacements_of_rigid_motions(fem.node_coordinates(piece.mesh))
+    return _compliance_of_balanced_loads(F, len(mode_forces), work, loads, piece)
 
 
-def local_contact_compliance(fine_compliance: Array, V: Array, coarse_mode_compliance: Callable[[float], Array]) -> Array:
+def scales_of_coarse_submodels() -> list[float]:
+    """Return the factors on the element sizes of the coarse pieces over which `local_contact_compliance` takes a mean."""
+    return [1.0 + STEP * n for n in range(REALISATIONS)]
+
+
+def local_contact_compliance(fine_compliance: Array, V: Array, coarse_mode_compliances: Sequence[Array]) -> Array:
     """Compute the local compliance A_own of a contact: that of a finely meshed piece less the part of the coarse mesh.
 
     Parameters
@@ -566,15 +559,16 @@ def local_contact_compliance(fine_compliance: Array, V: Array, coarse_mode_compl
         Compliance C_fine between the c contact nodes in the finely meshed piece [m/N].
     V : (c, k) Array
         Displacement modes of the contact that the coarse body represents.
-    coarse_mode_compliance : Callable[[float], Array]
-        Function that returns G_coarse ``(k, k)`` [m/N] of a mesh whose element sizes are scaled by its argument.
+    coarse_mode_compliances : Sequence[Array]
+        Compliance G_coarse ``(k, k)`` [m/N] of each of several coarse pieces, by `mode_compliance_in_coarse_submodel`;
+        their element sizes differ by the factors `scales_of_coarse_submodels`.
 
     Returns
     -------
     (c, c) Array
-        C_fine - V G_coarse V^T [m/N], with the mean of G_coarse over `REALISATIONS` coarse meshes.
+        C_fine - V G_coarse V^T [m/N], with the mean of G_coarse over the coarse pieces.
     """
-    G = np.mean([coarse_mode_compliance(1.0 + STEP * n) for n in range(REALISATIONS)], axis=0)
+    G = np.mean(coarse_mode_compliances, axis=0)
     A = fine_compliance - V @ G @ V.T  # A_own = C_fine - V G_coarse V^T
     return np.asarray(0.5 * (A + A.T))
 
@@ -586,10 +580,9 @@ def _free_freedoms_and_balancing_loads(piece: ContactSubmodel) -> tuple[Index, s
     """
     size = piece.mesh.doflocs.size
     if piece.fixed_boundaries:
-        return np.setdiff1d(
-            np.arange(size), fem.degrees_of_freedom_on_boundaries(piece.mesh, *piece.fixed_boundaries)
-        ), sp.csr_array((0, size))
-    held = select_isostatic_freedoms(fem.node_coordinates(piece.mesh), piece.socket_nodes)
+        held = fem.degrees_of_freedom_on_boundaries(piece.mesh, *piece.fixed_boundaries)
+        return np.setdiff1d(np.arange(size), held), sp.csr_array((0, size))
+    held = select_isostatic_freedoms(fem.node_coordinates(piece.mesh), piece.box_nodes)
     return np.setdiff1d(np.arange(size), held), sp.csr_array(body_forces_like_rigid_motions(piece.mesh))
 
 

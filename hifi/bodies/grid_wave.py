@@ -7,8 +7,9 @@ unequal weights, so that a row of nodes is not like the next one.) It therefore 
 cell, and the mean follows a smooth law of the force (`fit_smooth_force_law`).
 
 Each contact's gaps are corrected by that law less the approach at the contact's position. Both are computed for one contact
-pressed straight in, with all the compliance of its submodels, because the phase of the wave follows the ellipse, and the
-ellipse depends on the body's contribution to the gap. The correction vanishes with the cell size.
+pressed straight in, with the whole compliance of finely meshed pieces of both bodies (`hifi.bodies.coarse`): where the
+oscillation begins depends on the size of the ellipse, and that on the compliance of the bodies around the contact. The
+correction vanishes with the cell size.
 """
 
 from __future__ import annotations
@@ -236,7 +237,8 @@ def solve_unilateral_contact(
             active = after
         else:
             raise ValueError(
-                f"contact on a mesh under {load:.4g} N: the set of nodes in contact still changes after 200 iterations"
+                f"contact on a mesh under {load:.4g} N: the set of nodes in contact still changes after 200 iterations; "
+                "change the load or the mesh"
             )
         closed[k] = active
     return out, closed
@@ -305,9 +307,8 @@ def approaches_over_grid_cell(
         return approaches_at_grid_position(m, side, patch, C, loads, (x, y), start)
 
     first = approaches_at(0.0, 0.0, None)[1]
-    left, right, back, ahead = (
-        approaches_at(*place, first)[0] for place in ((-0.5, 0.0), (0.5, 0.0), (0.0, -0.5), (0.0, 0.5))
-    )
+    half_cells_away = (-0.5, 0.0), (0.5, 0.0), (0.0, -0.5), (0.0, 0.5)
+    left, right, back, ahead = (approaches_at(*place, first)[0] for place in half_cells_away)
     trend, table = np.array([right - left, ahead - back]), np.empty((*counts, loads.size))
     for i, x in enumerate(np.arange(counts[0]) / counts[0] - 0.5):
         near = first
@@ -424,10 +425,8 @@ def tabulate_gap_corrections(
     loads = forces_resolved_by_grid(m, side, patch, material, FORCES)
     table = approaches_over_grid_cell(m, side, patch, C, loads, (ACROSS, ALONG))[0]
     assert patch.contact_grid_shape is not None
-    middle = patch.contact_points.reshape(*patch.contact_grid_shape, 3)[
-        patch.contact_grid_shape[0] // 2, patch.contact_grid_shape[1] // 2
-    ]
+    n, k = patch.contact_grid_shape
+    middle = patch.contact_points.reshape(n, k, 3)[n // 2, k // 2]
     correction = fit_smooth_force_law(loads, table.mean(axis=(0, 1))) - table
-    return GapCorrectionTable(
-        loads, correction, grid_cell_sizes(m, side, patch), middle, contact_frame_vectors(m, side)[1:]
-    )
+    cells, directions = grid_cell_sizes(m, side, patch), contact_frame_vectors(m, side)[1:]
+    return GapCorrectionTable(loads, correction, cells, middle, directions)

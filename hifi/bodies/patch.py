@@ -1,10 +1,14 @@
 """A fine groove or ball patch, condensed once onto its refinement box and its contact normals.
 
-27-node hexahedra of a tensor grid, or first-order tetrahedra sized as in Lin's thesis.
+The patch consists of 27-node hexahedra on a rectangular grid, or of first-order tetrahedra sized as in Lin's thesis. It
+is loaded by forces f along the contact normals, each distributed by a pressure basis function (`hifi.elements.forms`), and
+its boundary follows the displacements q of the nodes of its refinement box, the box in the coarse mesh that the patch
+fills. The mean displacements u_c of the contact along its normals, and the forces r on the nodes of the box, are
 
-With the refinement box's inner faces tied to the coarse trace q and forces f along the contact normals, each distributed by
-a pressure basis function (`hifi.elements.forms`): mean displacements over these functions along the normals u_c = A f + H
-q, reaction on the refinement box r = S q - H^T f.
+    u_c = A f + H q,   r = S q - H^T f,
+
+with the compliance A of the contact for a fixed box, the stiffness S of the patch at the box, and the displacements H of
+the contact by unit displacements of the box's nodes.
 """
 
 from __future__ import annotations
@@ -26,6 +30,10 @@ from rollbench.meshes.sockets import RefinementBoxFaces
 from rollbench.meshes.tet_patch import TetrahedralPatchMesh, signed_volumes
 
 Flags = NDArray[np.bool_]
+
+#: Tie of a patch to its refinement box of k nodes: indices of the patch's nodes on the box's faces (interface), weights
+#: that interpolate them from the box's nodes, and positions of the box's nodes ``(k, 3)`` [m].
+Tie = tuple[Index, sp.csr_array, Array]
 
 #: Planes (axis, value) of local coordinates on which a patch's inner faces lie.
 PLANES = ((0, -1.0), (0, 1.0), (1, 1.0), (2, -1.0), (2, 1.0))
@@ -84,12 +92,12 @@ class PatchMesh(fem.MeshedBody):
 
 @dataclass(frozen=True)
 class CondensedPatch:
-    """Fine mesh around a contact, condensed to its c contact nodes and k boundary nodes: u_c = A f + H q, r = S q - H^T f.
+    """Fine mesh (patch) around a contact, condensed to its c contact nodes and to the k nodes of its refinement box.
 
-    The boundary is the refinement box, the box in the coarse mesh of the body that the fine mesh (patch) fills. f: contact
-    loads (c,) [N]; u_c: displacements along the normals, averaged with each node's pressure basis function (c,) [m]; q:
-    displacements of the refinement box's nodes (3 k,) [m]; r: forces on them (3 k,) [N]. A: compliance of the contact
-    with the refinement box fixed; S: stiffness at the box; H: displacements of the contact by those of the box.
+    The refinement box is the box in the coarse mesh of the body that the patch fills. The condensed equations are u_c = A f
+    + H q and r = S q - H^T f. f: contact loads (c,) [N]; u_c: displacements along the normals, averaged with each node's
+    pressure basis function (c,) [m]; q: displacements of the refinement box's nodes (3 k,) [m]; r: forces on them (3 k,)
+    [N].
     """
 
     #: Compliance of the contact nodes with the refinement box fixed: mean normal displacements by unit contact loads
@@ -176,10 +184,7 @@ def growing_cell_boundaries(start: float, end: float, first: float, ratio: float
 
 
 def mesh_hexahedral_patch(
-    lines: PatchCellBoundaries,
-    zone: tuple[float, float],
-    map_to_space: Callable[[Array], Array],
-    socket: RefinementBoxFaces,
+    lines: PatchCellBoundaries, zone: tuple[float, float], to_space: Callable[[Array], Array], box_faces: RefinementBoxFaces
 ) -> PatchMesh:
     """Mesh the patch around a contact with 27-node hexahedra, and tie it to the box that it fills in the coarse mesh.
 
@@ -192,9 +197,9 @@ def mesh_hexahedral_patch(
         Cell boundaries in local coordinates.
     zone : tuple[float, float]
         Half widths of the contact zone across and along the groove, in local coordinates.
-    map_to_space : Callable[[Array], Array]
+    to_space : Callable[[Array], Array]
         Function that maps local coordinates ``(n, 3)`` to points ``(n, 3)`` [m].
-    socket : RefinementBoxFaces
+    box_faces : RefinementBoxFaces
         Mesh of the refinement box's faces.
 
     Returns
@@ -207,15 +212,12 @@ def mesh_hexahedral_patch(
     ValueError
         An interface node lies on no triangle.
     """
-    grid = fem.mesh_rectangular_grid(lines.across, lines.depth, lines.along, "Q2")
-    points, interface, tie, nodes = _map_nodes_into_refinement_box(fem.node_coordinates(grid), map_to_space, socket)
-    mesh = fem.with_node_coordinates(grid, points)
-    if (
-        forms.CachedIsoparametricMap(mesh).detDF(np.full((3, 1), 0.5), tind=np.array([0])) < 0.0
-    ):  # a left-handed map: mirror every cell
-        grid = fem.mesh_rectangular_grid(lines.across, lines.depth, lines.along, "Q2", left_handed=True)
-        points, interface, tie, nodes = _map_nodes_into_refinement_box(fem.node_coordinates(grid), map_to_space, socket)
+    for left_handed in (False, True):
+        grid = fem.mesh_rectangular_grid(lines.across, lines.depth, lines.along, "Q2", left_handed=left_handed)
+        points, tie = _map_nodes_into_refinement_box(fem.node_coordinates(grid), to_space, box_faces)
         mesh = fem.with_node_coordinates(grid, points)
+        if forms.CachedIsoparametricMap(mesh).detDF(np.full((3, 1), 0.5), tind=np.array([0])) >= 0.0:
+            break  # else the map is left-handed, and every cell is mirrored
     xi = fem.node_coordinates(grid)
     top = np.abs(xi[:, 1]) < 1e-12
     inside = (np.abs(xi[:, 0]) <= zone[0] + 1e-9) & (np.abs(xi[:, 2]) <= zone[1] + 1e-9)
@@ -225,11 +227,11 @@ def mesh_hexahedral_patch(
     counts = (len(np.unique(place_of[:, 0])), len(np.unique(place_of[:, 2])))
     i, k = np.divmod(np.arange(contact.size), counts[1])
     rim = (i % (counts[0] - 1) == 0) | (k % (counts[1] - 1) == 0)
-    return _create_patch_mesh(mesh, xi, top, contact, counts, rim, interface, tie, nodes)
+    return _create_patch_mesh(mesh, xi, top, contact, counts, rim, tie)
 
 
 def fit_tetrahedral_patch(
-    local: TetrahedralPatchMesh, map_to_space: Callable[[Array], Array], socket: RefinementBoxFaces
+    local: TetrahedralPatchMesh, to_space: Callable[[Array], Array], box_faces: RefinementBoxFaces
 ) -> PatchMesh:
     """Map a box of first-order tetrahedra into space as the patch around a contact, and tie it to the coarse mesh.
 
@@ -240,9 +242,9 @@ def fit_tetrahedral_patch(
     ----------
     local : TetrahedralPatchMesh
         Tetrahedra in local coordinates.
-    map_to_space : Callable[[Array], Array]
+    to_space : Callable[[Array], Array]
         Function that maps local coordinates ``(n, 3)`` to points ``(n, 3)`` [m].
-    socket : RefinementBoxFaces
+    box_faces : RefinementBoxFaces
         Mesh of the refinement box's faces.
 
     Returns
@@ -255,16 +257,16 @@ def fit_tetrahedral_patch(
     ValueError
         The map turns cells inside out, or an interface node lies on no triangle.
     """
-    points, interface, tie, nodes = _map_nodes_into_refinement_box(local.xi, map_to_space, socket, linear=True)
+    points, tie = _map_nodes_into_refinement_box(local.xi, to_space, box_faces, linear=True)
     volumes = signed_volumes(points, local.tetrahedra)
     if not (np.all(volumes > 0.0) or np.all(volumes < 0.0)):
         raise ValueError(
             "tetrahedra of the fine mesh around a contact are turned inside out when the mesh is mapped from its plane box "
             "onto the curved body: make the edges of the tetrahedra at the rim of the fine mesh shorter"
         )
-    cells = (
-        local.tetrahedra if volumes[0] > 0.0 else local.tetrahedra[:, [0, 2, 1, 3]]
-    )  # a left-handed map: mirror every cell
+    cells = local.tetrahedra
+    if volumes[0] < 0.0:  # a left-handed map: mirror every cell
+        cells = cells[:, [0, 2, 1, 3]]
     mesh, _ = fem.build_mesh(points, cells, "P1")
     top = np.zeros(len(points), dtype=bool)
     top[local.top_triangles] = True
@@ -272,29 +274,19 @@ def fit_tetrahedral_patch(
     loose[local.contact_nodes] = False
     beside = np.zeros(len(points), dtype=bool)
     beside[local.top_triangles[loose[local.top_triangles].any(axis=1)]] = True
-    return _create_patch_mesh(
-        mesh, local.xi, top, local.contact_nodes, None, beside[local.contact_nodes], interface, tie, nodes
-    )
+    contact = local.contact_nodes
+    return _create_patch_mesh(mesh, local.xi, top, contact, None, beside[contact], tie)
 
 
 def _create_patch_mesh(
-    mesh: Mesh,
-    xi: Array,
-    top: Flags,
-    contact: Index,
-    shape: tuple[int, int] | None,
-    rim: Flags,
-    interface: Index,
-    tie: sp.csr_array,
-    socket: Array,
+    mesh: Mesh, xi: Array, top: Flags, contact: Index, shape: tuple[int, int] | None, rim: Flags, tie: Tie
 ) -> PatchMesh:
     """Create the record of a patch from its mesh and the data of its nodes, and name the boundaries of the mesh.
 
     A face belongs to the surface, the contact or the interface if all its corners do. ``xi``: local coordinates of the
     nodes (n, 3); ``top``: whether each node lies on the surface (n,); ``contact``: nodes of the contact zone (c,);
     ``shape``: numbers of these nodes across and along the groove, or None; ``rim``: whether each of them is one of the
-    outermost (c,); ``interface``: nodes of the interface; ``tie``: weights that interpolate these from the k nodes of the
-    refinement box; ``socket``: points of the box's nodes (k, 3) [m].
+    outermost (c,); ``tie``: tie of the patch to its refinement box.
     """
     outer = mesh.boundary_facets()
     corners = mesh.facets[:, outer]
@@ -303,9 +295,9 @@ def _create_patch_mesh(
     tied = np.any([np.all(np.abs(xi[corners, axis] - value) < 1e-9, axis=0) for axis, value in PLANES], axis=0)
     boundaries = {"surface": top[corners].all(axis=0), "contact": zone[corners].all(axis=0), "interface": tied}
     mesh = fem.with_boundaries_from_facets(mesh, {name: outer[on] for name, on in boundaries.items()})
-    return PatchMesh(
-        mesh, xi, contact, shape, rim, interface, tie, forms.pressure_function_integrals(mesh, contact), socket
-    )
+    interface, weights, box_points = tie
+    pressure_weights = forms.pressure_function_integrals(mesh, contact)
+    return PatchMesh(mesh, xi, contact, shape, rim, interface, weights, pressure_weights, box_points)
 
 
 def mean_normal_displacement_matrix(mesh: PatchMesh, normals: Array, carrier: PatchMesh | None = None) -> sp.csr_array:
@@ -340,9 +332,8 @@ def mean_normal_displacement_matrix(mesh: PatchMesh, normals: Array, carrier: Pa
     else:
         place = _grid_interpolation_matrix(carrier, mesh.local_coordinates[mesh.contact_nodes])
     nodal = sp.csr_array((normals.ravel(), (np.repeat(np.arange(c), 3), np.arange(3 * c))), (c, 3 * c))
-    return sp.csr_array(
-        forms.normalise_weight_rows(mesh.pressure_weights) @ nodal @ sp.kron(place, sp.eye_array(3), format="csr")
-    )
+    means, vectors = forms.normalise_weight_rows(mesh.pressure_weights), sp.kron(place, sp.eye_array(3), format="csr")
+    return sp.csr_array(means @ nodal @ vectors)
 
 
 def _grid_interpolation_matrix(mesh: PatchMesh, xi: Array) -> sp.csr_array:
@@ -355,13 +346,12 @@ def _grid_interpolation_matrix(mesh: PatchMesh, xi: Array) -> sp.csr_array:
             "displacements cannot be interpolated on a mesh whose contact nodes form no grid: use a mesh of hexahedra"
         )
     top = np.flatnonzero(np.abs(mesh.local_coordinates[:, 1]) < 1e-12)
-    axes = [np.unique(np.round(mesh.local_coordinates[top, axis], 12)) for axis in (0, 2)]
+    nodes, at = mesh.local_coordinates[top][:, [0, 2]], xi[:, [0, 2]]
+    axes = [np.unique(np.round(x, 12)) for x in nodes.T]
     number = np.empty([a.size for a in axes], dtype=np.int64)
-    number[
-        tuple(np.searchsorted(a, mesh.local_coordinates[top, axis] - 1e-9) for a, axis in zip(axes, (0, 2), strict=True))
-    ] = top
+    number[tuple(np.searchsorted(a, x - 1e-9) for a, x in zip(axes, nodes.T, strict=True))] = top
     rows, columns, values = [], [], []
-    shapes = [_quadratic_line_shapes(a, xi[:, axis]) for a, axis in zip(axes, (0, 2), strict=True)]
+    shapes = [_quadratic_line_shapes(a, x) for a, x in zip(axes, at.T, strict=True)]
     for (i, u), (k, v) in product(zip(*shapes[0], strict=True), zip(*shapes[1], strict=True)):
         rows.append(np.arange(len(xi)))
         columns.append(number[i, k])
@@ -383,30 +373,29 @@ def _quadratic_line_shapes(nodes: Array, at: Array) -> tuple[list[Index], list[A
 
 
 def _map_nodes_into_refinement_box(
-    xi: Array, map_to_space: Callable[[Array], Array], socket: RefinementBoxFaces, *, linear: bool = False
-) -> tuple[Array, Index, sp.csr_array, Array]:
+    xi: Array, to_space: Callable[[Array], Array], box_faces: RefinementBoxFaces, *, linear: bool = False
+) -> tuple[Array, Tie]:
     """Map the nodes of a patch into space; those on the interface to the body lie on the refinement box's triangles.
 
-    ``xi``: local coordinates of the nodes (n, 3); ``map_to_space``: function that maps them to points [m]; ``linear``: as
-    for `refinement_box_interpolation_matrix`. Returned are the points (n, 3) [m], the indices of the interface nodes, the
-    weights that interpolate them from the refinement box's k nodes, and the points of these box nodes (k, 3) [m].
+    ``xi``: local coordinates of the nodes (n, 3); ``to_space``: function that maps them to points [m]; ``linear``: as
+    for `refinement_box_interpolation_matrix`. Returned are the points (n, 3) [m], and the tie to the refinement box.
     """
     on_face = np.any([np.abs(xi[:, axis] - value) < 1e-9 for axis, value in PLANES], axis=0)
     interface = np.flatnonzero(on_face)
-    tie = refinement_box_interpolation_matrix(xi[interface], socket, linear=linear)
-    points, nodes = map_to_space(xi), map_to_space(socket.xi)
-    points[interface] = tie @ nodes
-    return points, interface, tie, nodes
+    weights = refinement_box_interpolation_matrix(xi[interface], box_faces, linear=linear)
+    points, box_points = to_space(xi), to_space(box_faces.xi)
+    points[interface] = weights @ box_points
+    return points, (interface, weights, box_points)
 
 
-def refinement_box_interpolation_matrix(xi: Array, socket: RefinementBoxFaces, *, linear: bool = False) -> sp.csr_array:
+def refinement_box_interpolation_matrix(xi: Array, box_faces: RefinementBoxFaces, *, linear: bool = False) -> sp.csr_array:
     """Return the weights that interpolate points on the inner faces of a refinement box from the nodes of the box.
 
     Parameters
     ----------
     xi : (n, 3) Array
         Local coordinates of the points.
-    socket : RefinementBoxFaces
+    box_faces : RefinementBoxFaces
         Mesh of the faces, with k nodes.
     linear : bool, default False
         True: interpolate on four first-order triangles between the nodes of each second-order one.
@@ -426,9 +415,9 @@ def refinement_box_interpolation_matrix(xi: Array, socket: RefinementBoxFaces, *
     for axis, value in PLANES:
         flat = [k for k in range(3) if k != axis]
         points = np.flatnonzero(~done & (np.abs(xi[:, axis] - value) < 1e-9))
-        on_plane = np.all(np.abs(socket.xi[socket.triangles[:, :3], axis] - value) < 1e-6, axis=1)
-        tri = socket.triangles[on_plane]
-        corner = socket.xi[tri[:, :3]][..., flat]
+        on_plane = np.all(np.abs(box_faces.xi[box_faces.triangles[:, :3], axis] - value) < 1e-6, axis=1)
+        tri = box_faces.triangles[on_plane]
+        corner = box_faces.xi[tri[:, :3]][..., flat]
         edges, arms = ((x - corner[:, :1]).swapaxes(1, 2) for x in (corner[:, 1:], xi[points][:, flat]))
         t = np.linalg.solve(edges, arms)
         bary = np.stack([1.0 - t.sum(axis=1), *t.swapaxes(0, 1)], axis=2)
@@ -445,10 +434,8 @@ def refinement_box_interpolation_matrix(xi: Array, socket: RefinementBoxFaces, *
             "a boundary node of the fine mesh around a contact lies on no triangle of the refinement box, the cavity in "
             "the coarse mesh that the fine mesh fills: fine mesh and cavity must have the same size"
         )
-    matrix = sp.coo_array(
-        (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), (len(xi), len(socket.xi))
-    )
-    return matrix.tocsr()
+    parts = (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns)))
+    return sp.coo_array(parts, (len(xi), len(box_faces.xi))).tocsr()
 
 
 def _quadratic_triangle_shapes(w: Array) -> Array:
@@ -472,7 +459,7 @@ class _PatchStiffnessBlocks:
     #: Stiffness of the inner degrees of freedom ``(i, i)`` [N/m].
     inner_stiffness: sp.csc_array
     #: Stiffness between the inner degrees of freedom and those of the refinement box ``(i, 3 k)`` [N/m].
-    inner_to_socket_stiffness: sp.csc_array
+    inner_to_box_stiffness: sp.csc_array
     #: Stiffness of the degrees of freedom on the patch's boundary to the body (interface) [N/m].
     interface_stiffness: sp.csc_array
     #: Unit contact loads on the inner degrees of freedom ``(i, c)``.
@@ -539,9 +526,8 @@ def condense_patch(
     blocks = _assemble_patch_stiffness_blocks(mesh, normals, young, poisson, coarser_patch)
     boundary = (blocks.interface_weights.T @ (blocks.interface_stiffness @ blocks.interface_weights)).toarray()
     c = blocks.contact_forces.shape[1]
-    F = symmetric_compliance_of_loads(
-        blocks.inner_stiffness, sp.hstack([blocks.contact_forces, blocks.inner_to_socket_stiffness]).T
-    )
+    loads = sp.hstack([blocks.contact_forces, blocks.inner_to_box_stiffness])
+    F = symmetric_compliance_of_loads(blocks.inner_stiffness, loads.T)
     A, H, S = F[:c, :c], -F[:c, c:], boundary - F[c:, c:]
     return CondensedPatch(
         A=0.5 * (A + A.T),
@@ -559,12 +545,12 @@ def condense_patch(
 
 
 def nodal_displacements_of_patch(
-    mesh: PatchMesh, normals: Array, young: float, poisson: float, forces: Array, socket_displacements: Array
+    mesh: PatchMesh, normals: Array, young: float, poisson: float, forces: Array, box_displacements: Array
 ) -> Array:
     """Compute the displacements of all nodes of a patch from its contact forces and the motion of its refinement box.
 
-    The equations of the patch are solved once more. At the contact the displacements agree with the condensed patch, A f +
-    H q.
+    The equations of the patch are solved once more. At the contact the mean displacements along the normals are those of
+    the condensed patch, A f + H q, with its matrices A and H (`CondensedPatch`).
 
     Parameters
     ----------
@@ -578,7 +564,7 @@ def nodal_displacements_of_patch(
         Poisson's ratio.
     forces : (c,) Array
         Contact forces f [N].
-    socket_displacements : (3 k,) Array
+    box_displacements : (3 k,) Array
         Displacements q of the refinement box's nodes in the patch's frame [m].
 
     Returns
@@ -588,8 +574,7 @@ def nodal_displacements_of_patch(
     """
     blocks = _assemble_patch_stiffness_blocks(mesh, normals, young, poisson)
     u = np.empty(mesh.mesh.doflocs.size)
-    u[blocks.inner_freedoms] = factorise_positive_definite(blocks.inner_stiffness)(
-        blocks.contact_forces @ forces - blocks.inner_to_socket_stiffness @ socket_displacements
-    )
-    u[(3 * mesh.interface_nodes[:, None] + np.arange(3)).ravel()] = blocks.interface_weights @ socket_displacements
+    loads = blocks.contact_forces @ forces - blocks.inner_to_box_stiffness @ box_displacements
+    u[blocks.inner_freedoms] = factorise_positive_definite(blocks.inner_stiffness)(loads)
+    u[(3 * mesh.interface_nodes[:, None] + np.arange(3)).ravel()] = blocks.interface_weights @ box_displacements
     return u.reshape(-1, 3)

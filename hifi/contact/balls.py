@@ -63,7 +63,7 @@ class BallContactCompliance:
     @cached_property
     def pair_slices_by_flank(self) -> tuple[slice, ...]:
         """For each groove flank, the slice of its contact pairs among all contact pairs of the ball."""
-        return _consecutive_slices([len(a) for a in self.local_compliance])
+        return consecutive_slices([len(a) for a in self.local_compliance])
 
     @cached_property
     def _modes_of_all_flanks(self) -> Array:
@@ -76,31 +76,26 @@ class BallContactCompliance:
 
     def compute_opened_gaps(self, forces: Array) -> Array:
         """Compute the increase D f ``(n,)`` [m] of the ball's n gaps by its own contact forces f ``(n,)`` [N]."""
-        alone = np.concatenate(
-            [a @ forces[pairs] for a, pairs in zip(self.local_compliance, self.pair_slices_by_flank, strict=True)]
-        )
-        return np.asarray(alone + self._modes_of_all_flanks @ (self.mode_compliance @ (forces @ self._modes_of_all_flanks)))
+        each, V = zip(self.local_compliance, self.pair_slices_by_flank, strict=True), self._modes_of_all_flanks
+        alone = np.concatenate([a @ forces[pairs] for a, pairs in each])
+        return np.asarray(alone + V @ (self.mode_compliance @ (forces @ V)))
 
     def dense_compliance_matrix(self) -> Array:
         """Return the compliance D between the ball's n contact pairs as a dense matrix ``(n, n)`` [m/N].
 
         It is needed only in the rare case that the active-set method cycles.
         """
-        return np.asarray(
-            block_diag(*self.local_compliance)
-            + self._modes_of_all_flanks @ self.mode_compliance @ self._modes_of_all_flanks.T
-        )
+        V = self._modes_of_all_flanks
+        return np.asarray(block_diag(*self.local_compliance) + V @ self.mode_compliance @ V.T)
 
-    def factorise_active_pairs(
-        self, active: Flags, other_factor: BallComplianceFactor | None = None
-    ) -> BallComplianceFactor:
+    def factorise_active_pairs(self, active: Flags, other: BallComplianceFactor | None = None) -> BallComplianceFactor:
         """Factorise the compliance D between the active contact pairs (those in contact).
 
         Parameters
         ----------
         active : (n,) Flags
             Whether each contact pair is active, that is in contact.
-        other_factor : BallComplianceFactor | None, default None
+        other : BallComplianceFactor | None, default None
             Factor of another active set; the factors of flanks on which both sets agree are reused.
 
         Returns
@@ -111,19 +106,17 @@ class BallContactCompliance:
         sides = []
         for s, pairs in enumerate(self.pair_slices_by_flank):
             pick = active[pairs]
-            if other_factor is not None and np.array_equal(pick, other_factor.active_pairs[pairs]):
-                sides.append(other_factor.flank_factors[s])
+            if other is not None and np.array_equal(pick, other.active_pairs[pairs]):
+                sides.append(other.flank_factors[s])
                 continue
             closed, V = np.flatnonzero(pick), self.coupling_modes[s][pick]
             cholesky = cholesky_of_selected_rows(self.local_compliance[s], closed) if closed.size else None
             solved = V if cholesky is None else dpotrs(cholesky, V, lower=1)[0]
             sides.append(FlankFactor(pairs.start + closed, cholesky, solved, V.T @ solved))
-        k, answer = len(self.mode_compliance), self.mode_compliance
-        if k:
-            answer = np.linalg.solve(
-                np.eye(k) + self.mode_compliance @ block_diag(*(side.mode_stiffness for side in sides)), answer
-            )
-        return BallComplianceFactor(active.copy(), tuple(sides), answer)
+        k, G = len(self.mode_compliance), self.mode_compliance
+        stiffness = block_diag(*(side.mode_stiffness for side in sides))
+        woodbury = np.linalg.solve(np.eye(k) + G @ stiffness, G) if k else G
+        return BallComplianceFactor(active.copy(), tuple(sides), woodbury)
 
 
 def cholesky_of_selected_rows(matrix: Array, selected: Indices) -> Array:
@@ -219,20 +212,14 @@ class BallComplianceFactor:
         Array of the shape of ``rhs``
             Contact forces [N]; zero on inactive pairs.
         """
-        out = np.zeros(rhs.shape)
-        for side in self.flank_factors:
+        out, sides = np.zeros(rhs.shape), self.flank_factors
+        for side in sides:
             if side.cholesky_factor is not None:
-                out[side.active_pairs] = dpotrs(side.cholesky_factor, rhs[side.active_pairs], lower=1)[0].reshape(
-                    -1, *rhs.shape[1:]
-                )
-        z = self.woodbury_matrix @ np.concatenate(
-            [side.solved_modes.T @ rhs[side.active_pairs] for side in self.flank_factors]
-        )
-        for side, columns in zip(
-            self.flank_factors,
-            _consecutive_slices([side.solved_modes.shape[1] for side in self.flank_factors]),
-            strict=True,
-        ):
+                solved = dpotrs(side.cholesky_factor, rhs[side.active_pairs], lower=1)[0]
+                out[side.active_pairs] = solved.reshape(-1, *rhs.shape[1:])
+        z = self.woodbury_matrix @ np.concatenate([side.solved_modes.T @ rhs[side.active_pairs] for side in sides])
+        columns_by_flank = consecutive_slices([side.solved_modes.shape[1] for side in sides])
+        for side, columns in zip(sides, columns_by_flank, strict=True):
             out[side.active_pairs] -= side.solved_modes @ z[columns]
         return out
 
@@ -261,21 +248,20 @@ class ContactCompliance:
     @cached_property
     def pair_slices_by_ball(self) -> tuple[slice, ...]:
         """For each ball, the slice of its contact pairs among the contact pairs of all balls."""
-        return _consecutive_slices([len(block) for block in self.ball_compliances])
+        return consecutive_slices([len(block) for block in self.ball_compliances])
 
     @cached_property
     def mode_slices_by_ball(self) -> tuple[slice, ...]:
         """For each ball, the slice of its coupling modes among those of all balls: columns of U, rows of G in U G U^T."""
-        return _consecutive_slices([modes.shape[1] for modes in self.modes_by_ball])
+        return consecutive_slices([modes.shape[1] for modes in self.modes_by_ball])
 
     def modal_forces(self, forces: Array) -> Array:
         """Compute the forces U^T lambda ``(r,)`` [N] on the coupling modes U by the contact forces lambda ``(n,)`` [N]."""
-        return np.concatenate(
-            [modes.T @ forces[pairs] for pairs, modes in zip(self.pair_slices_by_ball, self.modes_by_ball, strict=True)]
-        )
+        each = zip(self.pair_slices_by_ball, self.modes_by_ball, strict=True)
+        return np.concatenate([modes.T @ forces[pairs] for pairs, modes in each])
 
 
-def _consecutive_slices(counts: Sequence[int]) -> tuple[slice, ...]:
+def consecutive_slices(counts: Sequence[int]) -> tuple[slice, ...]:
     """Build consecutive slices of the given lengths: each slice begins where the preceding slice ends."""
     return tuple(slice(i, j) for i, j in pairwise(np.cumsum([0, *counts]).tolist()))
 
@@ -329,13 +315,10 @@ def contact_compliance_of_coupled_balls(
     for p, block in enumerate(blocks):
         if id(block) not in made:
             given = block if isinstance(block, BallContactCompliance) else ball_block_from_dense_matrix(block)
-            local = tuple(_symmetrise_checked(f"block {p}", matrix) for matrix in given.local_compliance)
-            made[id(block)] = BallContactCompliance(
-                local, given.coupling_modes, _symmetrise_checked(f"block {p}", given.mode_compliance)
-            )
-    return ContactCompliance(
-        tuple(made[id(block)] for block in blocks), tuple(modes), _symmetrise_checked("the coupling", coupling)
-    )
+            *local, G = (_symmetrise_checked(f"block {p}", x) for x in (*given.local_compliance, given.mode_compliance))
+            made[id(block)] = BallContactCompliance(tuple(local), given.coupling_modes, G)
+    by_ball = tuple(made[id(block)] for block in blocks)
+    return ContactCompliance(by_ball, tuple(modes), _symmetrise_checked("the coupling", coupling))
 
 
 def _symmetrise_checked(name: str, matrix: Array) -> Array:
@@ -490,9 +473,8 @@ class NewtonFactor(NamedTuple):
         dy : (k,) Array
             Step of the rigid motions y [m, rad].
         """
-        answer = self._solve_low_rank_system(
-            np.concatenate([np.zeros(0), *(R.T @ mode_displacement[c] for c, R in self.low_rank_factors)])
-        )
+        moved = np.concatenate([np.zeros(0), *(R.T @ mode_displacement[c] for c, R in self.low_rank_factors)])
+        answer = self._solve_low_rank_system(moved)
         dy = lu_solve(self.motion_lu_factor, unbalanced_loads + self.motion_coefficients.T @ answer, check_finite=False)
         amplitude = self._solve_low_rank_system(self.motion_coefficients @ dy) - answer
         dw = mode_residual.copy()
@@ -569,9 +551,8 @@ class _ContactEnergyProblem:
             block = N[pairs]
             columns = np.unique(block.indices)
             self.rows.append((columns, block[:, columns].toarray()))
-        self.balls = list(
-            balls or (BallContactState(np.zeros(g.size), g < np.quantile(g, 0.2), None, 0.0) for g in self.gaps)
-        )
+        at_rest = (BallContactState(np.zeros(g.size), g < np.quantile(g, 0.2), None, 0.0) for g in self.gaps)
+        self.balls = list(balls or at_rest)
 
     def evaluate_energy(self, w: Array, y: Array) -> tuple[float, Array, Array]:
         """Evaluate the energy Phi [J] at modal forces w and rigid motions y, and store the contact states of the balls.
@@ -704,11 +685,9 @@ def solve_contacts_of_all_balls(
     """
     begin = SolverState(np.zeros(C.mode_compliance.shape[0]), np.zeros(f.size)) if start is None else start
     system = _ContactEnergyProblem(C, gap, N, f, begin.ball_states)
-    w, y = (
-        system.starting_values_for_touching_pairs(touching)
-        if touching and start is None
-        else (begin.modal_forces.copy(), begin.rigid_motions.copy())
-    )
+    w, y = begin.modal_forces.copy(), begin.rigid_motions.copy()
+    if touching and start is None:
+        w, y = system.starting_values_for_touching_pairs(touching)
     phi, back, balance = system.evaluate_energy(w, y)
     status, iteration, residual, factor, before = "", 0, np.inf, begin.newton_factor, np.inf
     for iteration in range(1, MOST + 1):  # noqa: B007
@@ -744,9 +723,7 @@ def solve_contacts_of_all_balls(
     if not status:
         status = f"not converged after {MOST} iterations (relative residual {residual:.1e})"
     forces = [ball.forces for ball in system.balls]
-    gaps = [
-        between + block.compute_opened_gaps(f)
-        for between, block, f in zip(system.gaps_without_local_compliance(w, y), C.ball_compliances, forces, strict=True)
-    ]
+    each = zip(system.gaps_without_local_compliance(w, y), C.ball_compliances, forces, strict=True)
+    gaps = [between + block.compute_opened_gaps(f) for between, block, f in each]
     result = ContactResult(np.concatenate(forces), np.concatenate(gaps), y, iteration, status, residual)
     return result, SolverState(w, y, system.balls, factor)

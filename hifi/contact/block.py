@@ -161,9 +161,8 @@ def surface_compliance(
     near = ((mesh.points[:, :2] / np.array(semi_axes)) ** 2).sum(axis=1) <= 1.0
     nodes = np.flatnonzero((areas > 0.0) & near)
     cut = degrees_of_freedom_on_boundaries(mesh.mesh, "cut")
-    symmetry = np.concatenate(
-        [3 * nodes_on_boundaries(mesh.mesh, "x = 0"), 3 * nodes_on_boundaries(mesh.mesh, "y = 0") + 1]
-    )
+    on_x, on_y = (nodes_on_boundaries(mesh.mesh, plane) for plane in ("x = 0", "y = 0"))
+    symmetry = np.concatenate([3 * on_x, 3 * on_y + 1])
     free = np.setdiff1d(np.arange(matrix.shape[0]), np.concatenate([cut, symmetry]))
     unit = sp.csr_array((np.ones(len(nodes)), (3 * nodes + 2, np.arange(len(nodes)))), (matrix.shape[0], len(nodes)))
     unit = unit[free].tocsc()
@@ -324,15 +323,12 @@ def solve_hertz_contact(
     if element in ("Q1", "Q2"):
         order = int(element[1])
         edge = np.array([a, b, b]) / b_over_h
-        core = (1.15 * a, 1.15 * b, 0.0)
-        mesh = block.mesh_block_with_hexahedra(
-            order, tuple(edge / order), core, relative_block_size * a, GROWTH ** (1.0 / refinement)
-        )
+        core, growth = (1.15 * a, 1.15 * b, 0.0), GROWTH ** (1.0 / refinement)
+        mesh = block.mesh_block_with_hexahedra(order, tuple(edge / order), core, relative_block_size * a, growth)
     elif element in ("P1", "P2"):
-        influence = block.EllipsoidElementSizes(
-            b / b_over_h, (1.15 * a, 1.15 * b, 0.5 * b), GRADING / refinement, relative_block_size * a
-        )
-        mesh = block.mesh_block_with_tetrahedra(int(element[1]), influence, relative_block_size * a)
+        zone, size = (1.15 * a, 1.15 * b, 0.5 * b), relative_block_size * a
+        influence = block.EllipsoidElementSizes(b / b_over_h, zone, GRADING / refinement, size)
+        mesh = block.mesh_block_with_tetrahedra(int(element[1]), influence, size)
     else:
         raise ValueError(f"the element type of a block must be one of P1, P2, Q1, Q2, got {element!r}")
     return solve_hertz_contact_on_mesh(job, mesh, b_over_h, perf_counter() - start, far_field=far_field)
@@ -356,10 +352,8 @@ def solve_hertz_contact_on_lin_mesh(job: HertzProblem) -> HertzContactSolution:
     Lin (2019), section 2.4.1.
     """
     start = perf_counter()
-    radius = SOURCE_RADIUS
-    mesh = block.mesh_block_with_tetrahedra(
-        1, block.EllipsoidElementSizes(SOURCE_FINE, (radius, radius, radius), 0.2, SOURCE_COARSE), SOURCE_COARSE
-    )
+    influence = block.EllipsoidElementSizes(SOURCE_FINE, (SOURCE_RADIUS,) * 3, 0.2, SOURCE_COARSE)
+    mesh = block.mesh_block_with_tetrahedra(1, influence, SOURCE_COARSE)
     return solve_hertz_contact_on_mesh(job, mesh, job.hertz_solution.semi_y / SOURCE_FINE, perf_counter() - start)
 
 
@@ -398,10 +392,9 @@ def solve_hertz_contact_on_mesh(
     x, y = surface.surface_points.T
     gap = x**2 / (2.0 * job.relative_radius_x) + y**2 / (2.0 * job.relative_radius_y)
     matrix = 2.0 * (surface.half_space_compliance if far_field else surface.fixed_block_compliance)  # two bodies
-    closing = sp.csr_array(np.ones((len(gap), 1)))
-    result, _ = solve_contacts_of_all_balls(
-        contact_compliance_of_single_ball(matrix), gap, closing, np.array([0.25 * job.load])
-    )  # a quarter
+    C, closing = contact_compliance_of_single_ball(matrix), sp.csr_array(np.ones((len(gap), 1)))
+    quarter = np.array([0.25 * job.load])
+    result, _ = solve_contacts_of_all_balls(C, gap, closing, quarter)
     if not result.converged:
         raise ArithmeticError(
             f"Hertz contact {job.name} on a mesh of {mesh.element} elements with {b_over_h:g} cells across its short "

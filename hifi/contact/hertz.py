@@ -141,8 +141,5 @@ def _elliptic_integrals(ratio: float) -> tuple[float, float, float]:
     sine2 = np.sin(theta) ** 2
     q2 = np.cos(theta) ** 2 + ratio**2 * sine2
     weight = 0.5 * np.pi / count
-    return (
-        float(weight * np.sum(q2**-0.5)),
-        float(weight * np.sum(sine2 * q2**-0.5)),
-        float(weight * np.sum(sine2 * q2**-1.5)),
-    )
+    K, D, H = (float(weight * np.sum(x)) for x in (q2**-0.5, sine2 * q2**-0.5, sine2 * q2**-1.5))
+    return K, D, H

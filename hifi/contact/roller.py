@@ -164,9 +164,8 @@ def _axial_cell_boundaries(row: RollerRow, cells: int, load: float) -> tuple[Arr
         # a rounding leaves the race within about b sqrt(2 r/D) of its beginning
         end = min(FILLET * r, 2.0 * contact_half_width(row, load) * np.sqrt(2.0 * r / row.diameter))
         step, touch = end / (cells // 2), half + end
-        lines = np.concatenate(
-            [half - _growing_cell_boundaries(step, half, cells)[::-1], half + step * np.arange(1, cells // 2 + 1)]
-        )
+        inner, outer = half - _growing_cell_boundaries(step, half, cells)[::-1], half + step * np.arange(1, cells // 2 + 1)
+        lines = np.concatenate([inner, outer])
         if FILLET * r > end:
             lines = np.append(lines, half + FILLET * r)
     far = lines[-1] + _growing_cell_boundaries(float(lines[-1] - lines[-2]), BEYOND * row.depth, cells // 2)[1:]
@@ -216,36 +215,26 @@ def condense_roller(row: RollerRow, cells: int, load: float) -> CondensedRoller:
     """
     wall, cpu = perf_counter(), process_time()
     if row.edge_radius is None and np.isinf(row.crown):
-        raise RollerError(
-            "the roller has a straight profile and sharp ends, at which the contact pressure is infinite", SHARP
-        )
+        reason = "the roller has a straight profile and sharp ends, at which the contact pressure is infinite"
+        raise RollerError(reason, SHARP)
     middle, share_of = _distance_from_apex(row), min(np.pi / row.count, WIDEST)
     zone = roller_body.RollerContactZone(ZONE * contact_half_width(row, load), cells, GRADING / cells)
     lines, touch, far = _axial_cell_boundaries(row, cells, load)
     reach = (middle - touch, middle + touch)
     radius = 0.5 * row.diameter
+    mesh_section, extrude = roller_body.mesh_roller_or_raceway_section, roller_body.build_extruded_roller_body
     shape = roller_body.roller_point_map(
         radius, row.roller_angle, lambda along: crown_and_end_rounding_depths(row, along - middle)[1]
     )
-    roller = roller_body.build_extruded_roller_body(
-        roller_body.mesh_roller_or_raceway_section(zone, radius, radius, is_roller=True),
-        zone,
-        middle + lines,
-        reach,
-        shape,
-        is_roller=True,
-    )
+    flat = mesh_section(zone, radius, radius, is_roller=True)
+    roller = extrude(flat, zone, middle + lines, reach, shape, is_roller=True)
     angles = (row.cup_angle, row.cup_angle - 2.0 * row.roller_angle)
     rings = []
     longer = middle + np.concatenate([-far[::-1], lines, far])
     for angle, outward in zip(angles, (1.0, -1.0), strict=True):
-        width = middle * np.sin(angle) * np.sin(share_of)
-        flat = roller_body.mesh_roller_or_raceway_section(zone, width, row.depth, is_roller=False)
-        rings.append(
-            roller_body.build_extruded_roller_body(
-                flat, zone, longer, reach, roller_body.raceway_point_map(middle, angle, outward), mirrored=outward > 0.0
-            )
-        )
+        flat = mesh_section(zone, middle * np.sin(angle) * np.sin(share_of), row.depth, is_roller=False)
+        shape = roller_body.raceway_point_map(middle, angle, outward)
+        rings.append(extrude(flat, zone, longer, reach, shape, mirrored=outward > 0.0))
     law = forms.elasticity_form(row.material.youngs_modulus, row.material.poissons_ratio)
     S, A = (roller_compliance(roller, law, symmetric_loads=even) for even in (True, False))
     own = [race_compliance(ring, law, share_of) for ring in rings]
@@ -395,27 +384,23 @@ def press_roller_between_races(bodies: CondensedRoller, load: float) -> RollerCo
     found: list[balls.ContactResult] = []
     state: balls.SolverState | None = None
     for factor in (1.0 - STEP, 1.0 + STEP, 1.0):
-        result, state = balls.solve_contacts_of_all_balls(
-            C, bodies.undeformed_gaps, N, np.array([0.5 * factor * load, 0.0, 0.0]), start=state
-        )
+        loads = np.array([0.5 * factor * load, 0.0, 0.0])
+        result, state = balls.solve_contacts_of_all_balls(C, bodies.undeformed_gaps, N, loads, start=state)
         if not result.converged:
-            raise RollerError(
-                f"the roller's contact did not converge: {result.status}", "change the load or the mesh level"
-            )
+            reason = f"the roller's contact did not converge: {result.status}"
+            raise RollerError(reason, "change the load or the mesh level")
         found.append(result)
     forces = found[2].forces.reshape(2, *bodies.nodal_areas.shape)
     touched = forces > 0.0
-    if touched[:, [0, -1]].any() and bodies.roller_row.edge_radius is None:
-        raise RollerError(
-            "the roller touches its races with its sharp ends, at which the contact pressure is infinite", SHARP
-        )
-    if touched[:, [0, -1]].any() or touched[:, :, -1].any():
+    at_ends = touched[:, [0, -1]].any()
+    if at_ends and bodies.roller_row.edge_radius is None:
+        reason = "the roller touches its races with its sharp ends, at which the contact pressure is infinite"
+        raise RollerError(reason, SHARP)
+    if at_ends or touched[:, :, -1].any():
         reason = "the roller touches its races outside the contact zone of the mesh"
         raise RollerError(reason, "increase the rollers' edge_radius, or decrease the load")
-    widths = (
-        np.concatenate([[0.0], np.diff(bodies.positions_along)]) / 2.0
-        + np.concatenate([np.diff(bodies.positions_along), [0.0]]) / 2.0
-    )
+    steps = np.diff(bodies.positions_along)
+    widths = np.append(0.0, steps) / 2.0 + np.append(steps, 0.0) / 2.0
     total = 2.0 * forces.reshape(2, -1) @ np.ones(bodies.nodal_areas.size)
     return RollerContactSolution(
         race_force=load,

@@ -24,19 +24,8 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
-from skfem import (
-    Basis,
-    BilinearForm,
-    ElementHex1,
-    ElementHex2,
-    ElementQuad1,
-    ElementTetP1,
-    ElementTetP2,
-    ElementTriP1,
-    FacetBasis,
-    LinearForm,
-    Mesh,
-)
+import skfem
+from skfem import Basis, FacetBasis, LinearForm, Mesh
 from skfem.element import DiscreteField
 from skfem.helpers import ddot, sym_grad
 from skfem.mapping import MappingIsoparametric
@@ -97,11 +86,7 @@ def elasticity_form(young: float, poisson: float) -> Any:
         Young's modulus is not positive, or Poisson's ratio not between -1 and 0.5.
     """
     C = isotropic_stress_law(young, poisson)
-
-    def strain_energy_integrand(u: Any, v: Any, _: Any) -> Any:
-        return ddot(C(sym_grad(u)), sym_grad(v))
-
-    return BilinearForm(strain_energy_integrand)
+    return skfem.BilinearForm(lambda u, v, _: ddot(C(sym_grad(u)), sym_grad(v)))
 
 
 def nodal_volume_form(axis: int | None = None) -> Any:
@@ -117,19 +102,14 @@ def nodal_volume_form(axis: int | None = None) -> Any:
     skfem.LinearForm
         The form.
     """
-
-    def volume_integrand(v: Any, w: Any) -> Any:
-        return v if axis is None else w.x[axis] * v
-
-    return LinearForm(volume_integrand)
+    return LinearForm(lambda v, w: v if axis is None else w.x[axis] * v)
 
 
+#: Memory of one chunk of element matrices [bytes].
 CHUNK_BYTES = 32e6
 
-"""Memory of one chunk of element matrices [bytes]."""
-
 #: Degree of the quadrature of the stiffness, by the element of the mesh.
-_DEGREE = {ElementTetP1: 1, ElementHex1: 3, ElementHex2: 5}
+_DEGREE = {skfem.ElementTetP1: 1, skfem.ElementHex1: 3, skfem.ElementHex2: 5}
 
 #: Degree of the quadrature on faces, by their number of corners.
 _FACE_DEGREE = {3: 5, 4: 7}
@@ -217,7 +197,7 @@ class CachedIsoparametricMap(MappingIsoparametric):  # type: ignore[misc]
 
         def map_points_to_cells() -> Array:
             corners = self._face_corners(find)
-            flat = ElementTriP1() if corners.shape[1] == 3 else ElementQuad1()
+            flat = skfem.ElementTriP1() if corners.shape[1] == 3 else skfem.ElementQuad1()
             shapes = np.array([flat.lbasis(X, k)[0] for k in range(corners.shape[1])])
             places = np.einsum("kq,dkf->dfq", shapes, corners)
             return np.asarray(places[:, 0] if corners.shape[2] == 1 else places)
@@ -267,7 +247,7 @@ def stiffness_quadrature(mesh: Mesh) -> tuple[Array, Array]:
     weights : (q,) Array
         Weights of the points, all positive.
     """
-    if mesh.elem is not ElementTetP2:
+    if mesh.elem is not skfem.ElementTetP2:
         points, weights = get_quadrature(mesh.elem.refdom, _DEGREE[mesh.elem])
         return np.asarray(points), np.asarray(weights)
     near = np.array([0.3281633025163817, 0.1080472498984286])  # barycentric: three equal ones, and the fourth
@@ -290,13 +270,8 @@ def cell_basis(mesh: Mesh, **options: Any) -> Basis:
     Basis
         The space.
     """
-    defaults = {
-        "quadrature": stiffness_quadrature(mesh),
-        "mapping": CachedIsoparametricMap(mesh),
-        "dofs": mesh.dofs,
-        "disable_doflocs": True,
-    }
-    return Basis(mesh, mesh.elem(), **{**defaults, **options})
+    defaults = {"quadrature": stiffness_quadrature(mesh), "mapping": CachedIsoparametricMap(mesh), "dofs": mesh.dofs}
+    return Basis(mesh, mesh.elem(), **{**defaults, "disable_doflocs": True, **options})
 
 
 def face_basis(mesh: Mesh, boundary: str, *, element: Any = None, **options: Any) -> FacetBasis:
@@ -449,16 +424,15 @@ def _node_graph(nodes: Index, count: int) -> sp.csr_array:
     ``nodes``: indices of the nodes of each cell (cells, n); ``count``: number of all nodes.
     """
     n = nodes.shape[1]
-    incidence = sp.csr_array(
-        (np.ones(nodes.size, dtype=np.int32), nodes.ravel(), np.arange(0, nodes.size + 1, n)), shape=(len(nodes), count)
-    )
+    ones, starts = np.ones(nodes.size, dtype=np.int32), np.arange(0, nodes.size + 1, n)
+    incidence = sp.csr_array((ones, nodes.ravel(), starts), shape=(len(nodes), count))
     graph = (incidence.T @ incidence).tocsr()
     graph.sort_indices()
     graph.data = np.arange(graph.nnz)
     return graph
 
 
-class ElementHexPressure(ElementHex2):  # type: ignore[misc]
+class ElementHexPressure(skfem.ElementHex2):  # type: ignore[misc]
     """Basis functions of the contact pressure on a 27-node hexahedron, trilinear on each of its eight octants.
 
     There is one function for each node of ElementHex2.
@@ -518,7 +492,7 @@ def pressure_function_integrals(mesh: Mesh, contact: Index) -> sp.csr_array:
     (c, c) sparse array
         Weights W [m2]: pressure functions as rows, shape functions of the displacement as columns.
     """
-    if mesh.elem is not ElementHex2:
+    if mesh.elem is not skfem.ElementHex2:
         return sp.csr_array(sp.diags_array(nodal_volume_form().assemble(face_basis(mesh, "contact"))[contact]))
     rule = quarter_square_quadrature(mesh.brefdom, 7)
     u = face_basis(mesh, "contact", quadrature=rule)

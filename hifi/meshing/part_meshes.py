@@ -15,21 +15,16 @@ import numpy as np
 from rollbench.hifi.bodies import patch
 from rollbench.hifi.bodies.coarse import BodySocket
 from rollbench.hifi.meshing.settings import Settings
-from rollbench.meshes import sockets as meshes_sockets
+from rollbench.meshes import ball_body, sockets
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.ball_body import (
-    BallRefinementBox,
-    CoarseBallMesh,
-    depth_of_ball_refinement_box,
-    mesh_ball_with_refinement_boxes,
-    points_in_ball_refinement_box,
-)
+from rollbench.meshes.ball_body import BallRefinementBox, CoarseBallMesh, mesh_ball_with_refinement_boxes
 from rollbench.meshes.cache import Cache
 from rollbench.meshes.groove import GroovedBodySpec
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.grooved_body import CoarseGroovedBodyMesh, mesh_grooved_body
 from rollbench.meshes.helix import BallLayout
 from rollbench.meshes.parts import Scene
+from rollbench.meshes.sockets import RefinementBoxFaces, RefinementBoxSize
 from rollbench.meshes.solid import Dimensions
 from rollbench.meshes.tet_patch import mesh_patch_with_tetrahedra, patch_as_in_thesis
 
@@ -70,10 +65,7 @@ def choose_patch_cells(
     zone_a, zone_b = MARGIN[0] * wide, MARGIN[1] * long
     if settings.element == "Q2":
         zone_a, zone_b = cell_a * np.ceil(zone_a / cell_a), cell_b * np.ceil(zone_b / cell_b)
-    zone = (
-        float(min(zone_a / half_widths[0], meshes_sockets.ZONE)),
-        float(min(zone_b / half_widths[1], meshes_sockets.ZONE)),
-    )
+    zone = (float(min(zone_a / half_widths[0], sockets.ZONE)), float(min(zone_b / half_widths[1], sockets.ZONE)))
     # near an edge, where the zone is hardly larger than the contact, smaller cells keep the outermost nodes outside
     cell_a = min(cell_a, max(4.0 * (zone[0] * half_widths[0] - wide), cell_a / TIGHT))
     across = patch.graded_cell_boundaries(zone[0], cell_a / half_widths[0], settings.growth)
@@ -84,7 +76,7 @@ def choose_patch_cells(
 
 def choose_refinement_box_size(
     scene: Scene, m: GrooveMap, layout: BallLayout, sides: tuple[int, ...], dims: Dimensions, settings: Settings
-) -> meshes_sockets.RefinementBoxSize:
+) -> RefinementBoxSize:
     """Choose the size of the refinement boxes, holes in the coarse meshes for fine meshes around the contact ellipses.
 
     Parameters
@@ -116,10 +108,8 @@ def choose_refinement_box_size(
     low, high = dims.ends_of_meshed_screw(scene)
     ends = (max(position - nut.length / 2.0, low), min(position + nut.length / 2.0, high))
     radii = (scene.screw.outer_diameter / 2.0, dims.hole, dims.land, nut.outer_diameter / 2.0)
-    return replace(
-        meshes_sockets.largest_fitting_refinement_box(m, layout, sides, *radii, ends, settings.reach),
-        edge_divisions=settings.cuts,
-    )
+    largest = sockets.largest_fitting_refinement_box(m, layout, sides, *radii, ends, settings.reach)
+    return replace(largest, edge_divisions=settings.cuts)
 
 
 def reach_of_ellipses_along_groove(m: GrooveMap, side: int, angle: Array, across: Array, along: Array) -> float:
@@ -147,14 +137,13 @@ def reach_of_ellipses_along_groove(m: GrooveMap, side: int, angle: Array, across
     turn = np.linspace(0.0, 2.0 * np.pi, AROUND)
     gamma = angle[:, None] + across[:, None] / float(m.radius[side]) * np.cos(turn)
     r, _, psi = m.section_to_unrolled(*m.polar_to_section(side, gamma, np.array(m.radius[side])))
-    ahead = (
-        psi - meshes_sockets.unrolled_nominal_contact_point(m, side)[2] + along[:, None] * np.sin(turn) / np.hypot(r, m.rg)
-    )
+    middle = sockets.unrolled_nominal_contact_point(m, side)[2]
+    ahead = psi - middle + along[:, None] * np.sin(turn) / np.hypot(r, m.rg)
     return float(m.R * np.abs(ahead).max(initial=0.0))
 
 
 def ball_refinement_box_and_map(
-    m: GrooveMap, groove_socket_size: meshes_sockets.RefinementBoxSize, side: int, zone: tuple[float, float]
+    m: GrooveMap, groove_box_size: RefinementBoxSize, side: int, zone: tuple[float, float]
 ) -> tuple[BallRefinementBox, Callable[[Array], Array]]:
     """Return the ball's refinement box at a flank, and the function that maps local coordinates in it to points.
 
@@ -164,7 +153,7 @@ def ball_refinement_box_and_map(
     ----------
     m : GrooveMap
         Geometry of the track.
-    groove_socket_size : RefinementBoxSize
+    groove_box_size : RefinementBoxSize
         Size of the groove's refinement box.
     side : int
         Groove flank: 0, 1 on the screw (left, right), 2, 3 on the nut.
@@ -173,13 +162,14 @@ def ball_refinement_box_and_map(
 
     Returns
     -------
-    socket : BallRefinementBox
+    box : BallRefinementBox
         Refinement box of the ball.
-    place : callable
+    to_space : callable
         Function that maps local coordinates ``(n, 3)`` to points ``(n, 3)`` [m] in the ball's frame.
     """
-    socket = BallRefinementBox(side, groove_socket_size, depth_of_ball_refinement_box(m, groove_socket_size, side), zone[1])
-    return socket, partial(points_in_ball_refinement_box, m, socket)
+    depth = ball_body.depth_of_ball_refinement_box(m, groove_box_size, side)
+    box = BallRefinementBox(side, groove_box_size, depth, zone[1])
+    return box, partial(ball_body.points_in_ball_refinement_box, m, box)
 
 
 #: Edges [m] of first-order tetrahedra at a patch's rim, tried one by one; long ones may be turned inside out in space.
@@ -201,11 +191,11 @@ class FlankSockets:
     """Refinement boxes of groove and ball at one flank: boxes in their coarse meshes that the fine contact meshes fill."""
 
     #: Meshed faces of the groove's refinement box.
-    groove_socket: meshes_sockets.RefinementBoxFaces
+    groove_socket: RefinementBoxFaces
     #: Meshed faces of the ball's refinement box.
-    ball_socket: meshes_sockets.RefinementBoxFaces
+    ball_socket: RefinementBoxFaces
     #: Size of the groove's refinement box.
-    socket_size: meshes_sockets.RefinementBoxSize
+    socket_size: RefinementBoxSize
     #: Half widths of the contact zone across and along the groove, over those of the refinement box.
     relative_zone_size: tuple[float, float]
     #: Half widths of the refinement box across and along the groove [m].
@@ -223,7 +213,7 @@ class PartMeshes:
     #: Coarse mesh of one ball.
     ball_mesh: CoarseBallMesh
     #: Size of the grooves' refinement boxes.
-    socket_size: meshes_sockets.RefinementBoxSize
+    socket_size: RefinementBoxSize
     #: Half widths of the contact zone across and along the groove, over those of the refinement box.
     relative_zone_size: tuple[float, float]
     #: Half widths of the refinement boxes across and along the groove [m].
@@ -232,13 +222,8 @@ class PartMeshes:
     def refinement_boxes_of_flank(self, side: int) -> FlankSockets:
         """Return the refinement boxes of groove and ball at a flank (0 to 3), which the fine contact meshes fill."""
         body = self.screw_mesh if side < 2 else self.nut_mesh
-        return FlankSockets(
-            body.box_faces[side],
-            self.ball_mesh.box_faces[side],
-            self.socket_size,
-            self.relative_zone_size,
-            self.half_widths,
-        )
+        sizes = self.socket_size, self.relative_zone_size, self.half_widths
+        return FlankSockets(body.box_faces[side], self.ball_mesh.box_faces[side], *sizes)
 
 
 def mesh_parts(
@@ -326,13 +311,10 @@ def list_part_mesh_calls(
     nut_spec = GroovedBodySpec(
         dims.land, nut.outer_diameter / 2.0, *ends, False, on_nut, size, *cells, dims.groove_ends, nut.flange
     )
-    sockets = tuple(ball_refinement_box_and_map(m, size, s, zone)[0] for s in sides)
+    ball_boxes = tuple(ball_refinement_box_and_map(m, size, s, zone)[0] for s in sides)
     bodies: list[Recipe] = [(mesh_grooved_body, (m, spec), CoarseGroovedBodyMesh) for spec in (screw_spec, nut_spec)]
-    ball = (
-        mesh_ball_with_refinement_boxes,
-        (m, sockets, settings.ball_fine, settings.ball_coarse, size.edge_divisions),
-        CoarseBallMesh,
-    )
+    of_ball = (m, ball_boxes, settings.ball_fine, settings.ball_coarse, size.edge_divisions)
+    ball = (mesh_ball_with_refinement_boxes, of_ball, CoarseBallMesh)
     return [*bodies, ball], partial(PartMeshes, socket_size=size, relative_zone_size=zone, half_widths=widths)
 
 
@@ -409,10 +391,7 @@ def element_type_of_bodies(settings: Settings) -> Literal["P1", "P2"]:
 
 
 def mesh_coarser_patch(
-    meshes: PartMeshes | FlankSockets,
-    socket: meshes_sockets.RefinementBoxFaces,
-    map_to_space: Callable[[Array], Array],
-    settings: Settings,
+    meshes: PartMeshes | FlankSockets, box_faces: RefinementBoxFaces, to_space: Callable[[Array], Array], settings: Settings
 ) -> patch.PatchMesh | None:
     """Mesh a coarser patch of hexahedra in the same refinement box, which only transfers loads from a contact to its body.
 
@@ -420,9 +399,9 @@ def mesh_coarser_patch(
     ----------
     meshes : PartMeshes | FlankSockets
         Size of the refinement boxes and their contact zone.
-    socket : RefinementBoxFaces
+    box_faces : RefinementBoxFaces
         Mesh of the refinement box's faces.
-    map_to_space : Callable[[Array], Array]
+    to_space : Callable[[Array], Array]
         Function that maps local coordinates ``(n, 3)`` to points ``(n, 3)`` [m].
     settings : Settings
         Mesh settings of the contact's patch.
@@ -433,14 +412,11 @@ def mesh_coarser_patch(
         The coarser patch; None for tetrahedra.
     """
     coarse = replace(settings, b_over_h=CARRIER * settings.b_over_h)
-    return mesh_patch(meshes, socket, map_to_space, coarse) if settings.element == "Q2" else None
+    return mesh_patch(meshes, box_faces, to_space, coarse) if settings.element == "Q2" else None
 
 
 def mesh_patch(
-    meshes: PartMeshes | FlankSockets,
-    socket: meshes_sockets.RefinementBoxFaces,
-    map_to_space: Callable[[Array], Array],
-    settings: Settings,
+    meshes: PartMeshes | FlankSockets, box_faces: RefinementBoxFaces, to_space: Callable[[Array], Array], settings: Settings
 ) -> patch.PatchMesh:
     """Mesh the patch (fine mesh) that fills a refinement box, with hexahedra or tetrahedra as the settings say.
 
@@ -450,9 +426,9 @@ def mesh_patch(
     ----------
     meshes : PartMeshes | FlankSockets
         Size of the refinement boxes and their contact zone.
-    socket : RefinementBoxFaces
+    box_faces : RefinementBoxFaces
         Mesh of the refinement box's faces.
-    map_to_space : Callable[[Array], Array]
+    to_space : Callable[[Array], Array]
         Function that maps local coordinates ``(n, 3)`` to points ``(n, 3)`` [m].
     settings : Settings
         Mesh settings: cell sizes, modes and element type.
@@ -469,15 +445,14 @@ def mesh_patch(
     """
     lines, zone = choose_patch_cells(settings, meshes.half_widths, meshes.socket_size.depth)
     if settings.element == "Q2":
-        return patch.mesh_hexahedral_patch(lines, zone, map_to_space, socket)
+        return patch.mesh_hexahedral_patch(lines, zone, to_space, box_faces)
     for far in RIM_EDGES:
         box = patch_as_in_thesis(meshes.half_widths, meshes.socket_size.depth, zone, settings.tet, far)
         try:
-            return patch.fit_tetrahedral_patch(mesh_patch_with_tetrahedra(box, socket), map_to_space, socket)
-        except ValueError:
-            if far == RIM_EDGES[-1]:
-                raise
-    raise AssertionError("unreachable")
+            return patch.fit_tetrahedral_patch(mesh_patch_with_tetrahedra(box, box_faces), to_space, box_faces)
+        except ValueError as error:
+            fault = error
+    raise fault
 
 
 def contact_normals_of_patch(mesh: patch.PatchMesh, centre: Array) -> Array:

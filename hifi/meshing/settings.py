@@ -29,7 +29,7 @@ from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout, lead_angle, nominal_groove_radii
 from rollbench.meshes.one_arc import flanks_of_single_arc_contacts
-from rollbench.meshes.parts import SIDE_SIGNS, Material, Scene
+from rollbench.meshes.parts import SIDE_SIGNS, Scene
 from rollbench.meshes.record_keys import frozen_default, register_frozen_defaults
 from rollbench.meshes.solid import dimensions_of_3d_parts
 
@@ -153,9 +153,8 @@ class ExpectedContacts:
             return float(self.semi_axes_across.max()), float(self.semi_axes_along.max())
         side = self.loads[ball].argmax(axis=1)
         scale = np.cbrt(float(largest[ball].mean()) / largest[ball])
-        return float((self.semi_axes_across[ball, side] * scale).mean()), float(
-            (self.semi_axes_along[ball, side] * scale).mean()
-        )
+        across, along = (float((x[ball, side] * scale).mean()) for x in (self.semi_axes_across, self.semi_axes_along))
+        return across, along
 
     def largest_reach(self) -> tuple[float, float]:
         """Return how far the contact ellipses reach from the nominal contact points, across and along the groove [m]."""
@@ -170,27 +169,27 @@ class ExpectedContacts:
 class _ContactEstimateModel:
     """Equations of the simple model (rigid nut, beam, Hertz springs) that estimates the contacts of n balls."""
 
-    #: Stiffness of shaft, housings, supports and soft springs ``(f, f)``, on all f degrees of freedom: sections of the
+    #: Stiffness K of shaft, housings, supports and soft springs ``(f, f)``, on all f degrees of freedom: sections of the
     #: shaft, housings, and two displacements of each ball.
-    stiffness_matrix: sp.csc_array
-    #: Loads on the f degrees of freedom ``(f,)`` [N, N m].
-    load_vector: Array
+    K: sp.csc_array
+    #: Loads P on the f degrees of freedom ``(f,)`` [N, N m].
+    P: Array
     #: Change of ``unloaded_centre_vectors`` by unit motions in all degrees of freedom ``(8 n, f)``.
-    centre_vector_matrix: sp.csr_array
+    A: sp.csr_array
     #: Vectors from the centre of each groove flank's arc to the ball's centre in the unloaded state, in the groove's
     #: section ``(n, 4, 2)`` [m].
     unloaded_centre_vectors: Array
     #: Distances from groove centre to ball centre at which ball and groove touch ``(n, 4)`` [m].
     touching_distance: Array
     #: Hertz's constant, force F over approach^(3/2) ``(n, 4)`` [N/m^(3/2)]; zero on flanks that cannot touch.
-    hertz_stiffness_constants: Array
+    hertz_constants: Array
     #: Stiffness of a typical Hertz contact, with which Newton's method regularises lightly loaded contacts [N/m].
-    typical_contact_stiffness: float
-    #: Stiffness of the soft springs in ``stiffness_matrix`` on every degree of freedom ``(f,)`` [N/m, N m].
-    soft_spring_stiffness: Array
+    typical_stiffness: float
+    #: Stiffness of the soft springs in ``K`` on every degree of freedom ``(f,)`` [N/m, N m].
+    soft_springs: Array
     #: Lengths by which the degrees of freedom are multiplied to become displacements ``(f,)``: 1 for displacements, the
     #: pitch radius [m] for rotations.
-    lengths_per_freedom: Array
+    lengths: Array
 
 
 @dataclass(frozen=True)
@@ -226,9 +225,8 @@ def estimate_contacts_of_scene(scene: Scene) -> ExpectedContacts:
     ValueError
         The model finds no equilibrium, or a contact ellipse is too thin for Hertz's formulas.
     """
-    return _estimate_contacts(
-        (_EstimatedNut(scene, _which_flanks_can_touch(scene, "both")),), ShaftSupports.from_scene(scene)
-    )[0]
+    nut = _EstimatedNut(scene, _which_flanks_can_touch(scene, "both"))
+    return _estimate_contacts((nut,), ShaftSupports.from_scene(scene))[0]
 
 
 @lru_cache(maxsize=64)
@@ -257,9 +255,8 @@ def estimate_contacts_of_each_set(assembly: Assembly) -> tuple[ExpectedContacts,
         if isinstance(s.parts, Scene):
             away = -1.0 if s.thrust == "+z" else 1.0
             offset = s.offset + (away * nut_shift_for_axial_force(s.parts, s.preload) if s.preload else 0.0)
-            sets.append(
-                _EstimatedNut(s.parts, _which_flanks_can_touch(s.parts, s.thrust), offset, frame.housing_index(s.housing))
-            )
+            flanks = _which_flanks_can_touch(s.parts, s.thrust)
+            sets.append(_EstimatedNut(s.parts, flanks, offset, frame.housing_index(s.housing)))
     return _estimate_contacts(tuple(sets), frame)
 
 
@@ -282,19 +279,19 @@ def estimate_contacts_under_assumed_load(scene: Scene, unloaded: ExpectedContact
     """
     nearest = int(unloaded.gaps.min(axis=0).argmin())
     on = np.isin(np.arange(4), (nearest, 3 - nearest)) & np.ones_like(unloaded.loads, dtype=bool)
-    across, along = (
-        np.where(
-            on, np.cbrt(load) * np.array([getattr(unit, name) for unit in hertz_contacts_under_unit_force(scene)]), 0.0
-        )
-        for name in ("semi_x", "semi_y")
-    )
-    return replace(
-        unloaded,
-        loads=np.where(on, load, 0.0),
-        semi_axes_across=across,
-        semi_axes_along=along,
-        gaps=np.where(on, -1.0, np.inf),
-    )
+    loads, gaps = np.where(on, load, 0.0), np.where(on, -1.0, np.inf)
+    across, along = _contact_semi_axes(scene, loads)
+    return replace(unloaded, loads=loads, semi_axes_across=across, semi_axes_along=along, gaps=gaps)
+
+
+def _contact_semi_axes(scene: Scene, loads: Array) -> tuple[Array, Array]:
+    """Compute the semi-axes of Hertz's contact ellipses across and along the groove ``(n, 4)`` each [m].
+
+    ``loads``: contact loads of n balls on the four groove flanks (n, 4) [N].
+    """
+    units = hertz_contacts_under_unit_force(scene)
+    across, along = (np.cbrt(loads) * np.array([getattr(x, name) for x in units]) for name in ("semi_x", "semi_y"))
+    return across, along
 
 
 def nut_shift_for_axial_force(scene: Scene, force: float) -> float:
@@ -336,14 +333,14 @@ def _estimate_contacts(sets: tuple[_EstimatedNut, ...], frame: ShaftSupports) ->
     model = _assemble_estimate_model(sets, frame)
     load, vectors = _solve_estimated_equilibrium(model)
     gap = model.touching_distance - np.linalg.norm(vectors, axis=2)
-    gap[model.hertz_stiffness_constants == 0.0] = np.inf
+    gap[model.hertz_constants == 0.0] = np.inf
     signs, ends = np.array(SIDE_SIGNS), np.cumsum([s.scene.ball_count for s in sets])[:-1]
     contacts = []
     for s, F, v, g in zip(sets, *(np.split(x, ends) for x in (load, vectors, gap)), strict=True):
-        units, beta = hertz_contacts_under_unit_force(s.scene), s.scene.track.contact_angle
+        beta = s.scene.track.contact_angle
         angle = np.where(F > 0.0, np.arctan2(v[..., 1] * signs[:, 1], v[..., 0] * signs[:, 0]), beta)
-        across, along = (np.cbrt(F) * np.array([getattr(unit, name) for unit in units]) for name in ("semi_x", "semi_y"))
-        contacts.append(ExpectedContacts(F, angle, across, along, (angle - beta) * nominal_groove_radii(s.scene), g))
+        shifts = (angle - beta) * nominal_groove_radii(s.scene)
+        contacts.append(ExpectedContacts(F, angle, *_contact_semi_axes(s.scene, F), shifts, g))
     return tuple(contacts)
 
 
@@ -362,20 +359,10 @@ def hertz_contacts_under_unit_force(scene: Scene) -> tuple[HertzSolution, ...]:
     """
     m, units = GrooveMap.from_scene(scene), []
     for side, part in ((0, scene.screw), (2, scene.nut)):
-        units += [
-            solve_hertz(
-                1.0,
-                *m.relative_curvature_radii(side, m.beta),
-                2.0 * _contact_modulus(scene.balls.material, part.material),
-                0.0,
-            )
-        ] * 2
+        materials = (scene.balls.material, part.material)
+        modulus = 2.0 / sum((1.0 - x.poissons_ratio**2) / x.youngs_modulus for x in materials)  # twice the contact modulus
+        units += [solve_hertz(1.0, *m.relative_curvature_radii(side, m.beta), modulus, 0.0)] * 2
     return tuple(units)
-
-
-def _contact_modulus(first: Material, second: Material) -> float:
-    """Return the contact modulus E* [Pa] of two materials: 1/E* is the sum of (1 - nu^2)/E over both."""
-    return 1.0 / sum((1.0 - x.poissons_ratio**2) / x.youngs_modulus for x in (first, second))
 
 
 def _assemble_estimate_model(sets: tuple[_EstimatedNut, ...], frame: ShaftSupports) -> _ContactEstimateModel:
@@ -413,9 +400,8 @@ def _assemble_estimate_model(sets: tuple[_EstimatedNut, ...], frame: ShaftSuppor
         return out.tocsr()
 
     wrenches = frame.forces_and_moments()
-    share = sum(
-        float(np.linalg.norm(w[:3])) + float(np.linalg.norm(w[3:])) / frame.length_per_rotation for *_, w in wrenches
-    )
+    lever = frame.length_per_rotation
+    share = sum(float(np.linalg.norm(w[:3])) + float(np.linalg.norm(w[3:])) / lever for *_, w in wrenches)
     hertz_constants = [np.array([unit.approach for unit in hertz_contacts_under_unit_force(s.scene)]) ** -1.5 for s in sets]
     for s, constants in zip(sets, hertz_constants, strict=True):
         constants[~np.array(s.touchable_flanks)] = 0.0
@@ -445,13 +431,12 @@ def _assemble_estimate_model(sets: tuple[_EstimatedNut, ...], frame: ShaftSuppor
         arms[-1][:, 2:, 1] -= s.nut_offset * np.cos(lead_angle(track))
         touch.append((drawn.groove_radii - np.array(inward))[None, :] - drawn.ball_radii[:, None])
     A = sp.hstack([sp.vstack(blocks), sp.kron(sp.eye_array(n), np.tile(np.eye(2), (4, 1)))]).tocsr()
-    arm = np.concatenate([np.tile(frame.lengths_of_unit_motions, len(nodes) + count), np.ones(2 * n)])
-    soft = SOFT * stiffness * arm**2
+    lengths = np.concatenate([np.tile(frame.lengths_of_unit_motions, len(nodes) + count), np.ones(2 * n)])
+    soft = SOFT * stiffness * lengths**2
     K_all = sp.block_diag([K.tocsr() + held, sp.csr_array((2 * n, 2 * n))]) + sp.diags_array(soft)
     P = np.append(P, np.zeros(2 * n))
-    return _ContactEstimateModel(
-        K_all.tocsc(), P, A, np.concatenate(arms), np.concatenate(touch), constant, stiffness, soft, arm
-    )
+    vectors, touching = np.concatenate(arms), np.concatenate(touch)
+    return _ContactEstimateModel(K_all.tocsc(), P, A, vectors, touching, constant, stiffness, soft, lengths)
 
 
 def _energy_and_contact_loads(model: _ContactEstimateModel, x: Array) -> tuple[float, Array, Array, Array, Array]:
@@ -460,21 +445,12 @@ def _energy_and_contact_loads(model: _ContactEstimateModel, x: Array) -> tuple[f
     Returns the energy [J], the contact loads (n, 4) [N], their derivatives by the approach (n, 4) [N/m], the vectors from
     groove to ball centre (n, 4, 2) [m] and the lengths of these vectors (n, 4) [m].
     """
-    vectors = model.unloaded_centre_vectors + (model.centre_vector_matrix @ x).reshape(model.unloaded_centre_vectors.shape)
+    k, vectors = model.hertz_constants, model.unloaded_centre_vectors
+    vectors = vectors + (model.A @ x).reshape(vectors.shape)
     length = np.linalg.norm(vectors, axis=2)
     closed = np.maximum(length - model.touching_distance, 0.0)
-    energy = (
-        0.5 * x @ (model.stiffness_matrix @ x)
-        - model.load_vector @ x
-        + 0.4 * float((model.hertz_stiffness_constants * closed**2.5).sum())
-    )
-    return (
-        energy,
-        model.hertz_stiffness_constants * closed**1.5,
-        1.5 * model.hertz_stiffness_constants * np.sqrt(closed),
-        vectors,
-        length,
-    )
+    energy = 0.5 * x @ (model.K @ x) - model.P @ x + 0.4 * float((k * closed**2.5).sum())
+    return energy, k * closed**1.5, 1.5 * k * np.sqrt(closed), vectors, length
 
 
 def _solve_estimated_equilibrium(model: _ContactEstimateModel) -> tuple[Array, Array]:
@@ -483,28 +459,22 @@ def _solve_estimated_equilibrium(model: _ContactEstimateModel) -> tuple[Array, A
     Returns the contact loads (n, 4) [N] and the vectors from groove centre to ball centre (n, 4, 2) [m]. Raises ValueError
     if there is no equilibrium.
     """
-    x = np.zeros(model.load_vector.size)
+    K, P, A = model.K, model.P, model.A
+    x = np.zeros(P.size)
     energy, load, slope, vectors, length = _energy_and_contact_loads(model, x)
     for step in range(STEPS):
         unit = vectors / length[..., None]
-        wrong = (
-            model.load_vector - model.stiffness_matrix @ x - model.centre_vector_matrix.T @ (load[..., None] * unit).ravel()
-        )
-        scale = max(float(load.max()), 1e-3 * float(np.abs(model.load_vector).max(initial=0.0)), 1e-9)
+        wrong = P - K @ x - A.T @ (load[..., None] * unit).ravel()
+        scale = max(float(load.max()), 1e-3 * float(np.abs(P).max(initial=0.0)), 1e-9)
         if float(np.abs(wrong).max()) < BALANCED * scale and step:
-            if float(np.abs(model.soft_spring_stiffness * x / model.lengths_per_freedom).max()) > CARRIED * scale:
+            if float(np.abs(model.soft_springs * x / model.lengths).max()) > CARRIED * scale:
                 break
             return load, vectors
         # a stiffness of open contacts that dies out keeps the first steps short
-        normal = np.maximum(slope, model.typical_contact_stiffness * 10.0 ** (-step / 4.0))
+        normal = np.maximum(slope, model.typical_stiffness * 10.0 ** (-step / 4.0))
         turned = (load / length)[..., None, None] * np.eye(2)
         blocks = turned + (normal - load / length)[..., None, None] * unit[..., :, None] * unit[..., None, :]
-        H = (
-            model.stiffness_matrix
-            + model.centre_vector_matrix.T
-            @ sp.block_diag([sp.csr_array(b) for b in blocks.reshape(-1, 2, 2)], format="csr")
-            @ model.centre_vector_matrix
-        )
+        H = K + A.T @ sp.block_diag([sp.csr_array(b) for b in blocks.reshape(-1, 2, 2)], format="csr") @ A
         move = spsolve(H.tocsc(), wrong)
         descent, size = float(wrong @ move), 1.0
         while size > 1e-9:

@@ -28,7 +28,8 @@ from rollbench.hifi.contact.hertz import solve_hertz
 from rollbench.hifi.rolling import friction, kinematics
 from rollbench.hifi.rolling import patch as rolling_patch
 from rollbench.hifi.rolling.bodies import ContactGeometry, Sizes, compliance_kernel_of_contact, compute_and_cache_kernels
-from rollbench.hifi.rolling.kinematics import RollingBalls, rolling_speed
+from rollbench.hifi.rolling.kinematics import MOTIONS, GrooveContact, RollingBalls
+from rollbench.hifi.rolling.patch import ComplianceKernel, GridContact
 from rollbench.meshes.arrays import Array
 
 #: Ratio of the tangential compliance of nearly rigid bodies to that of the elastic ones.
@@ -122,14 +123,14 @@ class RollingResult:
         return self.status == "converged"
 
     @property
-    def groove_loss(self) -> float:
-        """Friction losses at all grooves [W]."""
-        return sum(c.friction_loss for c in self.contacts)
+    def groove_losses(self) -> Array:
+        """Friction losses at every loaded contact with a groove, in the order of ``contacts`` [W]."""
+        return np.array([c.friction_loss for c in self.contacts])
 
     @property
     def friction_loss(self) -> float:
         """All friction losses, at grooves and between balls [W]."""
-        return self.groove_loss + float(self.ball_to_ball_losses.sum())
+        return sum(c.friction_loss for c in self.contacts) + float(self.ball_to_ball_losses.sum())
 
     @property
     def numerical_dissipation(self) -> float:
@@ -140,7 +141,7 @@ class RollingResult:
 @lru_cache(maxsize=16)
 def solve_half_space_contact_under_1_N(
     radii: tuple[float, float], young: float, poisson: float, shape: tuple[int, int]
-) -> rolling_patch.GridContact:
+) -> GridContact:
     """Solve the contact of two half-spaces under 1 N on a grid of cells, and compute its elastic slip per rolling length.
 
     ``radii``: relative radii along and across the groove [m]; ``shape``: numbers of cells along and across. The contact
@@ -153,12 +154,8 @@ def solve_half_space_contact_under_1_N(
 
 @lru_cache(maxsize=64)
 def solve_finite_body_contact(
-    load: float,
-    radii: tuple[float, float],
-    material: tuple[float, float],
-    shape: tuple[int, int],
-    kernel: rolling_patch.ComplianceKernel,
-) -> rolling_patch.GridContact:
+    load: float, radii: tuple[float, float], material: tuple[float, float], shape: tuple[int, int], kernel: ComplianceKernel
+) -> GridContact:
     """Solve the normal contact of two finite bodies on a grid of cells.
 
     ``load``: contact force [N]; ``radii``: relative radii along and across the groove [m]; ``material``: Young's modulus
@@ -168,9 +165,7 @@ def solve_finite_body_contact(
     return rolling_patch.solve_elastic_contact_on_grid(load, radii, *material, shape, kernel)
 
 
-def solve_normal_contact_with_groove(
-    scene: kinematics.RollingBalls, touch: kinematics.GrooveContact, choices: RollingSettings
-) -> rolling_patch.GridContact:
+def solve_normal_contact_with_groove(scene: RollingBalls, touch: GrooveContact, choices: RollingSettings) -> GridContact:
     """Solve the normal contact of a ball with a groove on a grid of cells, under the contact's prescribed force.
 
     ``scene``: the rolling balls; ``touch``: the contact of one of them with a groove; ``choices``: numerical settings.
@@ -181,21 +176,20 @@ def solve_normal_contact_with_groove(
     if kernel is None:
         unit = solve_half_space_contact_under_1_N(touch.relative_radii, scene.young, scene.poisson, choices.grid_shape)
         return unit.similar_contact(float(np.cbrt(touch.contact_force)), touch.contact_force)
-    return solve_finite_body_contact(
-        touch.contact_force, touch.relative_radii, (scene.young, scene.poisson), choices.grid_shape, kernel
-    )
+    material = scene.young, scene.poisson
+    return solve_finite_body_contact(touch.contact_force, touch.relative_radii, material, choices.grid_shape, kernel)
 
 
 def finite_body_kernel_at_contact(
-    scene: kinematics.RollingBalls, touch: kinematics.GrooveContact, bodies: Sizes | None
-) -> rolling_patch.ComplianceKernel | None:
+    scene: RollingBalls, touch: GrooveContact, bodies: Sizes | None
+) -> ComplianceKernel | None:
     """Compute the contact compliance of finite bodies less that of half-spaces (kernel), in the axes of a contact.
 
     Parameters
     ----------
-    scene : kinematics.RollingBalls
+    scene : RollingBalls
         The rolling balls.
-    touch : kinematics.GrooveContact
+    touch : GrooveContact
         The contact.
     bodies : Sizes | None
         Mesh settings of finite bodies; None: half-spaces.
@@ -219,14 +213,14 @@ def finite_body_kernel_at_contact(
     return kernel if axes[1] @ bottom > 0.0 else kernel.rotated_by_half_turn
 
 
-def cache_kernels_of_scenes(scenes: Sequence[kinematics.RollingBalls], bodies: Sizes | None, processes: int) -> float:
+def cache_kernels_of_scenes(scenes: Sequence[RollingBalls], bodies: Sizes | None, processes: int) -> float:
     """Compute and cache the compliance kernels of finite bodies for several scenes of one material, in several processes.
 
     See `hifi.rolling.bodies.compute_and_cache_kernels`.
 
     Parameters
     ----------
-    scenes : Sequence[kinematics.RollingBalls]
+    scenes : Sequence[RollingBalls]
         Rolling balls of each scene.
     bodies : Sizes | None
         Mesh settings of finite bodies; None: half-spaces, for which nothing is computed.
@@ -240,29 +234,24 @@ def cache_kernels_of_scenes(scenes: Sequence[kinematics.RollingBalls], bodies: S
     """
     if bodies is None:
         return 0.0
-    contacts = [
-        (position_of_contact_on_groove(s, t)[0], _largest_groove_contact_load(s))
-        for s in scenes
-        for _, _, t in loaded_contacts(s)
-    ]
+    each = [(s, touch) for s in scenes for _, _, touch in loaded_contacts(s)]
+    contacts = [(position_of_contact_on_groove(s, touch)[0], _largest_groove_contact_load(s)) for s, touch in each]
     return compute_and_cache_kernels(contacts, scenes[0].young, scenes[0].poisson, bodies, processes)
 
 
-def _largest_groove_contact_load(scene: kinematics.RollingBalls) -> float:
+def _largest_groove_contact_load(scene: RollingBalls) -> float:
     """Return the largest contact force between any ball and a groove [N]."""
     return max(t.contact_force for b in scene.balls for t in b.groove_contacts)
 
 
-def position_of_contact_on_groove(
-    scene: kinematics.RollingBalls, touch: kinematics.GrooveContact
-) -> tuple[ContactGeometry, Array]:
+def position_of_contact_on_groove(scene: RollingBalls, touch: GrooveContact) -> tuple[ContactGeometry, Array]:
     """Return where a ball touches its groove (radii, angle, path), and the direction to the bottom of the groove.
 
     Parameters
     ----------
-    scene : kinematics.RollingBalls
+    scene : RollingBalls
         The balls.
-    touch : kinematics.GrooveContact
+    touch : GrooveContact
         The contact.
 
     Returns
@@ -277,27 +266,26 @@ def position_of_contact_on_groove(
     ValueError
         The direction to the groove's bottom is unknown.
     """
-    if touch.direction_to_groove_bottom is None:
+    bottom = touch.direction_to_groove_bottom
+    if bottom is None:
         raise ValueError(
             "the direction from the ball's centre to the bottom of the groove is missing: contacts of finite bodies need it"
         )
-    angle = float(np.arccos(touch.contact_normal @ touch.direction_to_groove_bottom))
-    return ContactGeometry(
-        scene.ball_radius, touch.relative_radii, angle, scene.track.path_radius_and_rise
-    ), touch.direction_to_groove_bottom
+    angle = float(np.arccos(touch.contact_normal @ bottom))
+    return ContactGeometry(scene.ball_radius, touch.relative_radii, angle, scene.track.path_radius_and_rise), bottom
 
 
-def loaded_contacts(scene: kinematics.RollingBalls) -> list[tuple[int, int, kinematics.GrooveContact]]:
+def loaded_contacts(scene: RollingBalls) -> list[tuple[int, int, GrooveContact]]:
     """List the loaded contacts of all balls with grooves.
 
     Parameters
     ----------
-    scene : kinematics.RollingBalls
+    scene : RollingBalls
         The rolling balls.
 
     Returns
     -------
-    list[tuple[int, int, kinematics.GrooveContact]]
+    list[tuple[int, int, GrooveContact]]
         For each contact whose force exceeds `NEGLIGIBLE` times the ball's largest contact force: the index of the ball, the
         index of the contact among those of the ball, and the contact.
     """
@@ -308,12 +296,12 @@ def loaded_contacts(scene: kinematics.RollingBalls) -> list[tuple[int, int, kine
     return out
 
 
-def prepare_friction_contacts(scene: kinematics.RollingBalls, choices: RollingSettings) -> list[friction.FrictionContact]:
+def prepare_friction_contacts(scene: RollingBalls, choices: RollingSettings) -> list[friction.FrictionContact]:
     """Create the input of the friction solver for all loaded contacts of elastic balls with grooves.
 
     Parameters
     ----------
-    scene : kinematics.RollingBalls
+    scene : RollingBalls
         The balls.
     choices : RollingSettings
         Numerical settings.
@@ -323,23 +311,21 @@ def prepare_friction_contacts(scene: kinematics.RollingBalls, choices: RollingSe
     list[FrictionContact]
         Contacts in the order of `loaded_contacts`.
     """
-    curved, elastic = choices.curved_contacts, choices.elastic_factor
-    return [
-        kinematics.elastic_friction_contact(
-            t, scene, b, solve_normal_contact_with_groove(scene, t, choices), curved=curved, elastic_factor=elastic
-        )
-        for b, _, t in loaded_contacts(scene)
-    ]
+    out, curved, elastic = [], choices.curved_contacts, choices.elastic_factor
+    for b, _, touch in loaded_contacts(scene):
+        patch = solve_normal_contact_with_groove(scene, touch, choices)
+        out.append(kinematics.elastic_friction_contact(touch, scene, b, patch, curved=curved, elastic_factor=elastic))
+    return out
 
 
 def equilibrium_equations_of_balls(
-    scene: kinematics.RollingBalls, contacts: Sequence[friction.FrictionContact]
+    scene: RollingBalls, contacts: Sequence[friction.FrictionContact]
 ) -> kinematics.BallEquilibrium:
     """Create the equilibrium equations of all balls for the friction solver.
 
     Parameters
     ----------
-    scene : kinematics.RollingBalls
+    scene : RollingBalls
         The balls.
     contacts : Sequence[FrictionContact]
         Loaded contacts of the balls, as from `prepare_friction_contacts`.
@@ -354,12 +340,12 @@ def equilibrium_equations_of_balls(
     return kinematics.BallEquilibrium(scene, bound / max(float(np.abs(c.prescribed_slip).max()) for c in contacts))
 
 
-def split_motions_and_forces(scene: kinematics.RollingBalls, y: Array) -> tuple[Array, Array, Array]:
+def split_motions_and_forces(scene: RollingBalls, y: Array) -> tuple[Array, Array, Array]:
     """Split the friction solver's vector of unknowns into speeds and rotations of the balls and forces between balls.
 
     Parameters
     ----------
-    scene : kinematics.RollingBalls
+    scene : RollingBalls
         The N rolling balls, with M contacts between balls.
     y : (4 N + M,) Array
         Unknowns of `hifi.rolling.kinematics.BallEquilibrium`: the motions of each ball as speeds [m/s], then the forces
@@ -374,53 +360,45 @@ def split_motions_and_forces(scene: kinematics.RollingBalls, y: Array) -> tuple[
     force : (M,) Array
         Normal forces between balls [N].
     """
-    count = kinematics.MOTIONS * len(scene.balls)
-    motions = y[:count].reshape(-1, kinematics.MOTIONS)
+    count = MOTIONS * len(scene.balls)
+    motions = y[:count].reshape(-1, MOTIONS)
     return motions[:, 0] / scene.track.centre_speed, motions[:, 1:] / scene.ball_radius, y[count:].copy()
 
 
-def ball_contact_losses(scene: kinematics.RollingBalls, y: Array) -> Array:
+def ball_contact_losses(scene: RollingBalls, y: Array) -> Array:
     """Compute the losses of sliding friction at the M contacts between balls ``(M,)`` [W].
 
     ``y``: motions of all balls and forces between them, as in `split_motions_and_forces`.
     """
     pairs = zip(split_motions_and_forces(scene, y)[2], scene.ball_to_ball_contacts, strict=True)
-    return np.array(
-        [
-            scene.ball_friction_coefficient
-            * f
-            * float(np.linalg.norm((m.speeds_by_ball_motions @ y[m.motion_indices])[1:]))
-            for f, m in pairs
-        ]
-    )
+    mu = scene.ball_friction_coefficient
+    return np.array([mu * f * float(np.linalg.norm(m.closing_and_sliding_speeds(y)[1:])) for f, m in pairs])
 
 
-def estimate_starting_unknowns(scene: kinematics.RollingBalls) -> Array:
+def estimate_starting_unknowns(scene: RollingBalls) -> Array:
     """Estimate starting values of the friction solver's unknowns for N balls with M mutual contacts ``(4 N + M,)``.
 
     Order and units of these unknowns are those of `split_motions_and_forces`. Each ball moves at its nominal speed along
     the track and rotates so that its contacts with grooves slide least; the forces between balls are zero.
     """
-    y = np.zeros(kinematics.MOTIONS * len(scene.balls) + len(scene.ball_to_ball_contacts))
+    y = np.zeros(MOTIONS * len(scene.balls) + len(scene.ball_to_ball_contacts))
     for b, ball in enumerate(scene.balls):
-        y[kinematics.MOTIONS * b] = scene.nominal_track_speed * scene.track.centre_speed
+        y[MOTIONS * b] = scene.nominal_track_speed * scene.track.centre_speed
         rows, driven = [], []
         for t in ball.groove_contacts:
             if t.contact_force > 0.0:
                 at = scene.ball_radius * t.contact_normal
                 turn = np.cross(np.eye(3), at).T / scene.ball_radius
                 rows.append(turn * t.contact_force)
-                driven.append(
-                    (t.groove_speed - scene.nominal_track_speed) * scene.track.track_velocity_field(at) * t.contact_force
-                )
-        y[kinematics.MOTIONS * b + 1 : kinematics.MOTIONS * (b + 1)] = np.linalg.lstsq(
-            np.vstack(rows), np.concatenate(driven), rcond=1e-10
-        )[0]
+                ride = t.groove_speed - scene.nominal_track_speed
+                driven.append(ride * scene.track.track_velocity_field(at) * t.contact_force)
+        turning = np.linalg.lstsq(np.vstack(rows), np.concatenate(driven), rcond=1e-10)[0]
+        y[MOTIONS * b + 1 : MOTIONS * (b + 1)] = turning
     return y
 
 
 def solve_rolling(
-    scene: kinematics.RollingBalls,
+    scene: RollingBalls,
     choices: RollingSettings | None = None,
     start_result: RollingResult | None = None,
     smoothing_ratios: tuple[float, ...] = friction.PATH,
@@ -429,7 +407,7 @@ def solve_rolling(
 
     Parameters
     ----------
-    scene : kinematics.RollingBalls
+    scene : RollingBalls
         The balls and their contact loads.
     choices : RollingSettings | None, default None
         Numerical settings; None: the defaults of `RollingSettings`.
@@ -456,15 +434,14 @@ def solve_rolling(
         )
     contacts = prepare_friction_contacts(scene, choices)
     balance = equilibrium_equations_of_balls(scene, contacts)
-    y = estimate_starting_unknowns(scene) if start_result is None else start_result.friction_solution.motions
-    solution = friction.solve_friction(
-        contacts, balance, y, None if start_result is None else start_result.friction_solution.forces, smoothing_ratios
-    )
+    near = None if start_result is None else start_result.friction_solution
+    y, q = (estimate_starting_unknowns(scene), None) if near is None else (near.motions, near.forces)
+    solution = friction.solve_friction(contacts, balance, y, q, smoothing_ratios)
     return _collect_rolling_result(scene, choices, contacts, solution, process_time() - begin)
 
 
 def _collect_rolling_result(
-    scene: kinematics.RollingBalls,
+    scene: RollingBalls,
     choices: RollingSettings,
     contacts: Sequence[friction.FrictionContact],
     solution: friction.FrictionSolution,
@@ -481,59 +458,35 @@ def _collect_rolling_result(
         loaded_contacts(scene), contacts, solution.forces, solution.slips, solution.stick, strict=True
     ):
         patch = solve_normal_contact_with_groove(scene, t, choices)
-        points, tangents = kinematics.surface_points_and_tangents(
-            t,
-            scene,
-            patch.cell_centres,
-            curved=choices.curved_contacts,
-            depth_of_centre=choices.elastic_factor * patch.depth_of_contact_centre,
-        )
+        at, curved, depth = patch.cell_centres, choices.curved_contacts, patch.depth_of_contact_centre
+        depth *= choices.elastic_factor
+        points, tangents = kinematics.surface_points_and_tangents(t, scene, at, curved=curved, depth=depth)
         on_ball = np.einsum("nck,cn->nk", tangents, q.reshape(2, -1))
         wrench[b, :3] += on_ball.sum(axis=0)
         wrench[b, 3:] += np.cross(points, on_ball).sum(axis=0)
         power -= float(q @ c.prescribed_slip)
         pull, slip, axes = q.reshape(2, -1).T, s.reshape(2, -1).T, kinematics.contact_axes(t, scene)
         loss, upwind = -float(q @ s), float(q @ (c.elastic_slip_matrix @ q))
-        outs.append(
-            ContactFriction(
-                b, i, patch.cell_centres, patch.cell_size, patch.normal_forces, pull, slip, stick, axes, loss, upwind
-            )
-        )
+        normal = patch.normal_forces
+        outs.append(ContactFriction(b, i, at, patch.cell_size, normal, pull, slip, stick, axes, loss, upwind))
     between = np.zeros((len(scene.balls), 3))
     for f, m in zip(force, scene.ball_to_ball_contacts, strict=True):
-        pulls = m.force_on_first_ball(
-            float(f), scene.ball_friction_coefficient, (m.speeds_by_ball_motions @ solution.motions[m.motion_indices])[1:]
-        )
+        slide = m.closing_and_sliding_speeds(solution.motions)[1:]
+        pulls = m.force_on_first_ball(float(f), scene.ball_friction_coefficient, slide)
         for ball, sign in ((m.first_ball, 1.0), (m.second_ball, -1.0)):
             between[ball] += sign * (scene.balls[ball].axes @ pulls)
     rub, how = ball_contact_losses(scene, solution.motions), (solution.status, solution.residual, solution.steps)
     return RollingResult(speed, rotation, force, rub, wrench, between, power, tuple(outs), *how, seconds, solution)
 
 
-def copy_without_ball_to_ball_contacts(scene: kinematics.RollingBalls) -> kinematics.RollingBalls:
-    """Return a copy of a scene in which neighbouring balls cannot touch each other.
-
-    Parameters
-    ----------
-    scene : kinematics.RollingBalls
-        The rolling balls.
-
-    Returns
-    -------
-    kinematics.RollingBalls
-        The same balls without contacts between them.
-    """
-    return replace(scene, ball_to_ball_contacts=())
-
-
-def hertz_semi_axes(scene: kinematics.RollingBalls, touch: kinematics.GrooveContact) -> tuple[float, float]:
+def hertz_semi_axes(scene: RollingBalls, touch: GrooveContact) -> tuple[float, float]:
     """Compute the semi-axes of the Hertzian contact ellipse between a ball and a groove.
 
     Parameters
     ----------
-    scene : kinematics.RollingBalls
+    scene : RollingBalls
         The balls.
-    touch : kinematics.GrooveContact
+    touch : GrooveContact
         The contact.
 
     Returns
@@ -547,12 +500,12 @@ def hertz_semi_axes(scene: kinematics.RollingBalls, touch: kinematics.GrooveCont
 
 # --- the rigid limit: no tangential compliance, Coulomb friction under Hertz's pressure by fine quadrature
 #
-# The effects of a grid's cells, of its staircase edge and of a spin pole within a cell on a solution are nearly the same
-# for nearly rigid bodies as for elastic ones, so that
+# A grid changes a solution by the size of its cells, by its staircase edge, and by a point without slip that lies within a
+# cell. These errors are nearly the same for nearly rigid bodies as for elastic ones, and cancel in
 #
-#     result = grid(elastic) - grid(nearly rigid) + limit
+#     result = grid(elastic) - grid(nearly rigid) + limit,
 #
-# keeps of these effects only that on the difference between elastic and nearly rigid bodies.
+# where "limit" is the solution for rigid bodies by fine quadrature, without a grid.
 
 
 @dataclass(frozen=True)
@@ -607,13 +560,13 @@ def quadrature_of_unit_disk(points: int) -> tuple[Array, Array]:
 
 
 def solve_rigid_rolling(
-    scene: kinematics.RollingBalls, points: int = POINTS, *, curved: bool = True, bodies: Sizes | None = None
+    scene: RollingBalls, points: int = POINTS, *, curved: bool = True, bodies: Sizes | None = None
 ) -> RigidRollingResult:
     """Solve steady rolling of balls without tangential elasticity, with Coulomb friction under Hertz's pressures.
 
     Parameters
     ----------
-    scene : kinematics.RollingBalls
+    scene : RollingBalls
         The balls and their contact loads.
     points : int, default POINTS
         Number of quadrature points along each axis of a contact ellipse.
@@ -638,14 +591,13 @@ def solve_rigid_rolling(
         contacts = _prepare_rigid_contacts(scene, count, curved, bodies)
         path = friction.PATH if count == FIRST else friction.PATH[-2:]
         y, remainder = friction.solve_rigid_friction(contacts, equilibrium_equations_of_balls(scene, contacts), y, path)
-    loss = np.array(
-        [-float(friction.coulomb_friction_forces(c.friction_limits, s) @ s) for c in contacts for s in (c.rigid_slip(y),)]
-    )
+    slips = [(c.friction_limits, c.rigid_slip(y)) for c in contacts]
+    loss = np.array([-float(friction.coulomb_friction_forces(limits, s) @ s) for limits, s in slips])
     return RigidRollingResult(*split_motions_and_forces(scene, y), loss, ball_contact_losses(scene, y), remainder)
 
 
 def _prepare_rigid_contacts(
-    scene: kinematics.RollingBalls, points: int, curved: bool, bodies: Sizes | None
+    scene: RollingBalls, points: int, curved: bool, bodies: Sizes | None
 ) -> list[friction.FrictionContact]:
     """Create the input of the friction solver for all loaded contacts of rigid bodies, with Hertz's pressure by quadrature.
 
@@ -654,14 +606,13 @@ def _prepare_rigid_contacts(
     """
     (unit, weight), material, contacts = quadrature_of_unit_disk(points), (scene.young, scene.poisson), []
     for b, _, touch in loaded_contacts(scene):
-        radii = rolling_patch.equivalent_half_space_radii(
-            touch.contact_force, touch.relative_radii, *material, finite_body_kernel_at_contact(scene, touch, bodies)
-        )
-        ellipse = solve_hertz(touch.contact_force, *radii, *material)
+        force, kernel = touch.contact_force, finite_body_kernel_at_contact(scene, touch, bodies)
+        radii = rolling_patch.equivalent_half_space_radii(force, touch.relative_radii, *material, kernel)
+        ellipse = solve_hertz(force, *radii, *material)
         semi = np.array([ellipse.semi_x, ellipse.semi_y])
         local = unit * semi
         normal = ellipse.pressure(local[:, 0], local[:, 1]) * weight * semi.prod()
-        normal *= touch.contact_force / normal.sum()
+        normal *= force / normal.sum()
         contacts.append(kinematics.rigid_friction_contact(touch, scene, b, normal, local, curved=curved))
     return contacts
 
@@ -724,6 +675,14 @@ class _ContactWithoutHistory:
             prescribed_slip=self.contact.prescribed_slip - self.displacement_at_previous_place @ forces,
         )
 
+    def stored_power(self, before: Array, after: Array) -> float:
+        """Compute the power [W] that elastic displacements store, or the error of the time step consumes.
+
+        ``before``, ``after``: tangential forces at the beginning and at the end of the step (2 n,) [N].
+        """
+        moved = self.displacement_at_present_place @ after - self.displacement_at_previous_place @ before
+        return float(after @ moved)
+
 
 def compute_motion_from_rest(
     scene: RollingBalls, duration: float, steps: int, gap: float = 0.0, choices: RollingSettings | None = None
@@ -759,29 +718,14 @@ def compute_motion_from_rest(
             f"rolling from rest got a duration of {duration} s, {steps} steps and a gap of {gap} m; "
             "allowed: a duration > 0, at least 1 step, and a gap >= 0"
         )
-    return _integrate_time_steps(scene, duration / steps, steps, gap, choices or RollingSettings())
-
-
-def _integrate_time_steps(
-    scene: RollingBalls, dt: float, steps: int, gap: float, choices: RollingSettings
-) -> MotionFromRest:
-    """Compute the motion of balls from rest in equal time steps, up to the first step that does not converge.
-
-    ``dt``: length of a step [s]; ``steps``: number of steps; ``gap``: gap between neighbouring balls at the beginning [m].
-    """
-    begin = process_time()
+    begin, choices = process_time(), choices or RollingSettings()
+    dt, mutual = duration / steps, scene.ball_to_ball_contacts
     carried = _prepare_contacts_without_history(scene, choices, dt)
     forces = [np.zeros(c.contact.prescribed_slip.size) for c in carried]
-    y, gaps, out, status = (
-        estimate_starting_unknowns(scene),
-        np.full(len(scene.ball_to_ball_contacts), gap),
-        [],
-        "converged",
-    )
+    y, gaps, status = estimate_starting_unknowns(scene), np.full(len(mutual), gap), "converged"
+    out: list[tuple[Array, Array, Array, Array, float, float, float]] = []
     for step in range(steps):
-        meetings = tuple(
-            replace(m, separating_speed=float(g) / dt) for m, g in zip(scene.ball_to_ball_contacts, gaps, strict=True)
-        )
+        meetings = tuple(replace(m, separating_speed=float(g) / dt) for m, g in zip(mutual, gaps, strict=True))
         contacts = [c.add_displacements_of_last_step(q) for c, q in zip(carried, forces, strict=True)]
         balance = equilibrium_equations_of_balls(replace(scene, ball_to_ball_contacts=meetings), contacts)
         solution = friction.solve_friction(contacts, balance, y, forces)
@@ -789,14 +733,20 @@ def _integrate_time_steps(
             status = f"step {step + 1}: {solution.status}"
             break
         y, old, forces = solution.motions, forces, solution.forces
-        closing = np.array([float(m.speeds_by_ball_motions[0] @ y[m.motion_indices]) for m in scene.ball_to_ball_contacts])
+        closing = np.array([float(m.speeds_by_ball_motions[0] @ y[m.motion_indices]) for m in mutual])
         gaps = np.maximum(gaps - dt * closing, 0.0)
-        out.append(_results_of_time_step(scene, carried, (old, forces), solution.slips, y, gaps))
-    speed, rotation, force, gap_left, loss, power, stored = (
-        np.array([row[k] for row in out], dtype=float) for k in range(7)
-    )
-    time = np.asarray(dt * (1.0 + np.arange(len(out))))
-    return MotionFromRest(time, speed, rotation, force, gap_left, loss, power, stored, process_time() - begin, status)
+        speed, rotation, press = split_motions_and_forces(scene, y)
+        loss = -sum(float(q @ s) for q, s in zip(forces, solution.slips, strict=True))
+        loss += float(ball_contact_losses(scene, y).sum())
+        loss += sum(float(f) * float(v) for f, v in zip(press, closing, strict=True))
+        power = -sum(float(q @ c.contact.prescribed_slip) for q, c in zip(forces, carried, strict=True))
+        stored = sum(c.stored_power(before, q) for c, before, q in zip(carried, old, forces, strict=True))
+        out.append((speed, rotation, press, gaps, loss, power, stored))
+    columns = (np.array([row[k] for row in out], dtype=float) for k in range(7))
+    speeds, rotations, forces_between, gaps_left, losses, driving, stores = columns
+    times = np.asarray(dt * (1.0 + np.arange(len(out))))
+    seconds = process_time() - begin
+    return MotionFromRest(times, speeds, rotations, forces_between, gaps_left, losses, driving, stores, seconds, status)
 
 
 def _prepare_contacts_without_history(
@@ -809,50 +759,14 @@ def _prepare_contacts_without_history(
     out = []
     for (_, _, touch), contact in zip(loaded_contacts(scene), prepare_friction_contacts(scene, choices), strict=True):
         patch = solve_normal_contact_with_groove(scene, touch, choices)
-        shift = rolling_speed(touch, scene) * dt
-        if (
-            patch.finite_body_kernel is not None
-            and float(patch.cell_centres[:, 0].max()) + shift > REACH * patch.finite_body_kernel.coordinate_scales[0]
-        ):
+        shift = kinematics.rolling_speed(touch, scene) * dt
+        kernel, farthest = patch.finite_body_kernel, float(patch.cell_centres[:, 0].max()) + shift
+        if kernel is not None and farthest > REACH * kernel.coordinate_scales[0]:
             raise ValueError(
                 "in one time step, material enters a contact from outside the zone in which the compliance of the finite "
                 "bodies is known: use shorter time steps, or half-spaces"
             )
         share = choices.elastic_factor / dt
-        out.append(
-            _ContactWithoutHistory(
-                contact, share * patch.tangential_compliance(), share * patch.tangential_compliance(shift)
-            )
-        )
+        here, before = share * patch.tangential_compliance(), share * patch.tangential_compliance(shift)
+        out.append(_ContactWithoutHistory(contact, here, before))
     return out
-
-
-def _results_of_time_step(
-    scene: RollingBalls,
-    prepared_contacts: list[_ContactWithoutHistory],
-    forces: tuple[list[Array], list[Array]],
-    slips: list[Array],
-    y: Array,
-    gaps: Array,
-) -> tuple[Array, Array, Array, Array, float, float, float]:
-    """Compute speeds, forces, losses and stored power of all balls at the end of a time step.
-
-    ``prepared_contacts``: the contacts as prepared for all steps; ``forces``: tangential forces of each contact [N] before
-    and after the step; ``slips``: slips [m/s] of each contact; ``y``: unknowns of `split_motions_and_forces`; ``gaps``:
-    gaps between balls [m] after the step. Returns the balls' speeds along the track, their rotations [rad/s], the forces
-    between balls [N], the gaps [m], the loss, the power that the grooves put in, and the power that elastic displacements
-    store [W].
-    """
-    old, new = forces
-    speed, rotation, press = split_motions_and_forces(scene, y)
-    closing = sum(
-        float(f) * float(m.speeds_by_ball_motions[0] @ y[m.motion_indices])
-        for f, m in zip(press, scene.ball_to_ball_contacts, strict=True)
-    )
-    rub = -sum(float(q @ s) for q, s in zip(new, slips, strict=True)) + float(ball_contact_losses(scene, y).sum())
-    power = -sum(float(q @ c.contact.prescribed_slip) for q, c in zip(new, prepared_contacts, strict=True))
-    stored = sum(
-        float(q @ (c.displacement_at_present_place @ q - c.displacement_at_previous_place @ before))
-        for q, before, c in zip(new, old, prepared_contacts, strict=True)
-    )
-    return speed, rotation, press, gaps, rub + closing, power, stored

@@ -35,14 +35,8 @@ from rollbench.hifi.elements.forms import elasticity_form, normalise_weight_rows
 from rollbench.hifi.elements.rigid import nodal_displacements_of_rigid_motions
 from rollbench.hifi.linear_algebra import symmetric_compliance_of_loads
 from rollbench.hifi.meshing.part_meshes import ball_refinement_box_and_map
-from rollbench.hifi.rolling.contact_bodies import (
-    ContactBody,
-    ContactZone,
-    Groove,
-    mesh_grooved_bar,
-    mesh_half_space,
-    mesh_whole_ball,
-)
+from rollbench.hifi.rolling import contact_bodies
+from rollbench.hifi.rolling.contact_bodies import ContactBody, ContactZone
 from rollbench.hifi.rolling.patch import ComplianceKernel, monomial_values
 from rollbench.hifi.setup import RecordJob, compute_records
 from rollbench.meshes import fem, sockets
@@ -135,44 +129,29 @@ def mesh_contact_pieces(
     lands = curve.radius - LAND * ball, curve.radius + LAND * ball
     nothing = np.zeros(1)
     alone = BallLayout(nothing, nothing, np.array([[curve.radius, 0.0, 0.0]]), *np.eye(3)[[0, 2, 1]][:, None])
-    need = (zone.half_lengths[1], zone.half_lengths[0])
-    size = sockets.largest_fitting_refinement_box(
-        m, alone, (side,), lands[0], walls[0], lands[1], walls[1], (-3.0 * ball, 3.0 * ball), need
-    )
+    radii, ends = (lands[0], walls[0], lands[1], walls[1]), (-3.0 * ball, 3.0 * ball)
+    size = sockets.largest_fitting_refinement_box(m, alone, (side,), *radii, ends, zone.half_lengths[::-1])
     size = replace(size, edge_divisions=CUTS)
     lines, local = _patch_cell_boundaries_and_zone(m, size, side, zone)
     half = max(sockets.axial_reach_of_refinement_boxes(m, size, (side,))) + BEYOND * ball
-    radii = (lands[1], walls[1]) if on_nut_or_outer_ring else (walls[0], lands[0])
+    inner, outer = (lands[1], walls[1]) if on_nut_or_outer_ring else (walls[0], lands[0])
     near, away = (ball * share for share in GROOVE_SIZES)
-    body = mesh_grooved_body(
-        m, GroovedBodySpec(*radii, -half, half, not on_nut_or_outer_ring, ((0.0, 0.0, side),), size, near, away)
-    )
-    ball_socket, place = ball_refinement_box_and_map(m, size, side, local)
+    contact = (0.0, 0.0, side)
+    spec = GroovedBodySpec(inner, outer, -half, half, not on_nut_or_outer_ring, (contact,), size, near, away)
+    body = mesh_grooved_body(m, spec)
+    on_groove = partial(sockets.points_in_box_at_azimuth_zero, m, size, side)
+    ball_box, on_ball = ball_refinement_box_and_map(m, size, side, local)
     near, away = (ball * share for share in BALL_SIZES)
-    sphere = mesh_ball_with_refinement_boxes(m, (ball_socket,), near, away, CUTS)
-    grooved = bodies_patch.mesh_hexahedral_patch(
-        lines, local, partial(sockets.points_in_box_at_azimuth_zero, m, size, side), body.box_faces[side]
-    )
-    round_ = bodies_patch.mesh_hexahedral_patch(lines, local, place, sphere.box_faces[side])
+    sphere = mesh_ball_with_refinement_boxes(m, (ball_box,), near, away, CUTS)
     normal, axes = _contact_normal_and_axes(m, side)
     x, y = lines.along * zone.half_lengths[0] / local[1], lines.across * zone.half_lengths[1] / local[0]
     out = []
-    for patch, piece, centre, inward, depth in (
-        (
-            grooved,
-            coarse.ContactSubmodel(body.mesh, body.nodes_on_box_faces[0], np.eye(3), ENDS),
-            np.array([m.R, 0.0, 0.0]),
-            normal,
-            size.depth,
-        ),
-        (
-            round_,
-            coarse.ContactSubmodel(sphere.mesh, sphere.nodes_on_box_faces[side], np.eye(3), ()),
-            np.zeros(3),
-            -normal,
-            ball_socket.depth,
-        ),
+    for mesh, nodes, fixed, to_space, centre, inward, depth in (
+        (body, body.nodes_on_box_faces[0], ENDS, on_groove, np.array([m.R, 0.0, 0.0]), normal, size.depth),
+        (sphere, sphere.nodes_on_box_faces[side], (), on_ball, np.zeros(3), -normal, ball_box.depth),
     ):
+        patch = bodies_patch.mesh_hexahedral_patch(lines, local, to_space, mesh.box_faces[side])
+        piece = coarse.ContactSubmodel(mesh.mesh, nodes, np.eye(3), fixed)
         number = _grid_indices_of_contact_nodes(patch, axes, centre)
         out.append(ContactPiece(patch, piece, centre, np.vstack([axes, inward]), (x, y, depth * lines.depth), number))
     return out[0], out[1]
@@ -199,9 +178,8 @@ def track_geometry_of_path(curve: BallPath, ball: float, groove: float, angle: f
     to_contact = signs * np.array([np.cos(angle), np.sin(angle)])
     lead_angle = float(np.arctan2(curve.rise_per_angle, curve.radius))
     centres = -(groove - ball) * to_contact
-    return GrooveMap(
-        curve.radius, curve.rise_per_angle, lead_angle, angle, ball, signs, centres, np.full(4, groove), 0.0, 0.0, 1
-    )
+    track, radii = (curve.radius, curve.rise_per_angle, lead_angle), np.full(4, groove)
+    return GrooveMap(*track, angle, ball, signs, centres, radii, 0.0, 0.0, 1)
 
 
 def _patch_cell_boundaries_and_zone(
@@ -216,13 +194,10 @@ def _patch_cell_boundaries_and_zone(
     width = size.gamma * float(m.radius[side])
     local = (zone.half_lengths[1] / width, zone.half_lengths[0] / along)
     first = min(2.0 * h / n for h, n in zip(zone.half_lengths, zone.cell_counts, strict=True)) / size.depth
-    across, forth = (
-        bodies_patch.graded_cell_boundaries(local[k], 2.0 * local[k] / zone.cell_counts[1 - k], zone.cell_growth)
-        for k in (0, 1)
-    )
-    return bodies_patch.PatchCellBoundaries(
-        across, bodies_patch.growing_cell_boundaries(0.0, 1.0, first / zone.cell_growth, zone.cell_growth), forth
-    ), local
+    growth, steps = zone.cell_growth, [2.0 * local[k] / zone.cell_counts[1 - k] for k in (0, 1)]
+    across, forth = (bodies_patch.graded_cell_boundaries(local[k], steps[k], growth) for k in (0, 1))
+    depth = bodies_patch.growing_cell_boundaries(0.0, 1.0, first / growth, growth)
+    return bodies_patch.PatchCellBoundaries(across, depth, forth), local
 
 
 def _contact_normal_and_axes(m: GrooveMap, side: int) -> tuple[Array, Array]:
@@ -315,11 +290,7 @@ def contact_node_coordinates(body: ContactBody, frame: ContactAxes) -> Array:
 
 
 def nodal_forces_of_tractions(
-    body: ContactBody,
-    zone: ContactZone,
-    degree: int,
-    surface_curvatures: tuple[float, float],
-    frame: ContactAxes | None = None,
+    body: ContactBody, zone: ContactZone, degree: int, curvatures: tuple[float, float], frame: ContactAxes | None = None
 ) -> sp.csr_array:
     """Compute the nodal forces of smooth (polynomial) tractions on a contact zone, along two tangents and the normal.
 
@@ -334,7 +305,7 @@ def nodal_forces_of_tractions(
         Contact zone.
     degree : int
         Degree of the monomials, k of them.
-    surface_curvatures : tuple[float, float]
+    curvatures : tuple[float, float]
         Curvatures along x and y of the surface that ball and groove share [1/m], positive towards the ball.
     frame : ContactAxes | None, default None
         Axes of the contact in the body's mesh; None: they are the axes of the mesh.
@@ -349,10 +320,9 @@ def nodal_forces_of_tractions(
     c = len(at)
     hats = pressure_function_integrals(body.mesh, body.contact_nodes)
     root = np.sqrt(np.asarray(hats.sum(axis=1))[:, None])
-    fit = np.linalg.pinv(root * monomial_values(at, zone.half_lengths, degree)) @ (
-        root * normalise_weight_rows(hats).toarray()
-    )
-    tilt = -body.normal_sense * at * np.array(surface_curvatures)  # rise of the surface into the body, per length
+    to_coefficients = np.linalg.pinv(root * monomial_values(at, zone.half_lengths, degree))
+    fit = to_coefficients @ (root * normalise_weight_rows(hats).toarray())
+    tilt = -body.normal_sense * at * np.array(curvatures)  # rise of the surface into the body, per length
     frames = np.zeros((c, 3, 3))  # rows: local x, y, inward
     frames[:, 0, 0] = frames[:, 1, 1] = frames[:, 2, 2] = 1.0
     frames[:, :2, 2], frames[:, 2, :2] = tilt, -tilt
@@ -388,9 +358,8 @@ def compliance_of_free_body(body: ContactBody, nodal_forces: sp.csr_array, young
     """
     K, points = forms.assemble_constant_form(elasticity_form(young, poisson), body.mesh), fem.node_coordinates(body.mesh)
     relief, rigid = coarse.body_forces_like_rigid_motions(body.mesh), nodal_displacements_of_rigid_motions(points)
-    F = _compliance_with_fixed_freedoms(
-        K, coarse.select_isostatic_freedoms(points, body.contact_nodes), sp.vstack([nodal_forces, sp.csr_array(relief)])
-    )
+    held = coarse.select_isostatic_freedoms(points, body.contact_nodes)
+    F = _compliance_with_fixed_freedoms(K, held, sp.vstack([nodal_forces, sp.csr_array(relief)]))
     S = np.hstack([np.eye(nodal_forces.shape[0]), -np.linalg.solve(relief @ rigid, (nodal_forces @ rigid).T).T])
     return np.asarray(S @ F @ S.T)
 
@@ -411,11 +380,8 @@ def compliance_of_fixed_body(body: ContactBody, nodal_forces: sp.csr_array, youn
     ``nodal_forces``: nodal forces of the m load cases (m, 3 n); ``young``: Young's modulus [Pa]; ``poisson``: Poisson's
     ratio.
     """
-    return _compliance_with_fixed_freedoms(
-        forms.assemble_constant_form(elasticity_form(young, poisson), body.mesh),
-        fem.degrees_of_freedom_on_boundaries(body.mesh, "held"),
-        nodal_forces,
-    )
+    K = forms.assemble_constant_form(elasticity_form(young, poisson), body.mesh)
+    return _compliance_with_fixed_freedoms(K, fem.degrees_of_freedom_on_boundaries(body.mesh, "held"), nodal_forces)
 
 
 def compliance_of_half_space_block(body: ContactBody, nodal_forces: sp.csr_array, young: float, poisson: float) -> Array:
@@ -430,10 +396,8 @@ def compliance_of_half_space_block(body: ContactBody, nodal_forces: sp.csr_array
     (m, m) Array
         Compliance between the m load cases [m/N].
     """
-    K, cut = (
-        forms.assemble_constant_form(elasticity_form(young, poisson), body.mesh),
-        fem.degrees_of_freedom_on_boundaries(body.mesh, "held"),
-    )
+    K = forms.assemble_constant_form(elasticity_form(young, poisson), body.mesh)
+    cut = fem.degrees_of_freedom_on_boundaries(body.mesh, "held")
     by_cut = sp.csr_array(-(K[cut].T @ _half_space_motion_at_cut(body, nodal_forces, young, poisson)).T)
     F, m = _compliance_with_fixed_freedoms(K, cut, sp.vstack([nodal_forces, by_cut])), nodal_forces.shape[0]
     out = F[:m, :m] + F[:m, m:]
@@ -496,12 +460,11 @@ def half_space_compliance_on_same_nodes(
     (3 k, 3 k) Array
         Compliance between the smooth tractions of `nodal_forces_of_tractions` [m/N].
     """
-    block = mesh_half_space(size, zone, inner_cell_boundaries)
-    cells = np.array(zone.cell_counts)
+    block = contact_bodies.mesh_half_space(size, zone, inner_cell_boundaries)
+    cells, places = np.array(zone.cell_counts), body.node_grid_indices
+    regular = np.array(zone.half_lengths) * (places / cells - 1.0)
     off = np.zeros((*(2 * cells + 1), 2))
-    off[tuple(body.node_grid_indices.T)] = contact_node_coordinates(body, frame or ContactAxes()) - np.array(
-        zone.half_lengths
-    ) * (body.node_grid_indices / cells - 1.0)
+    off[tuple(places.T)] = contact_node_coordinates(body, frame or ContactAxes()) - regular
     points = fem.node_coordinates(block.mesh).copy()
     points[:, :2] += off[tuple(zone.nearest_node_indices(points[:, :2]).T)]
     block = replace(block, mesh=fem.with_node_coordinates(block.mesh, points))
@@ -576,29 +539,26 @@ def _store_result(key: tuple[object, ...], value: Any) -> None:
 
 @cache_by_arguments
 def compliance_kernel_of_ball(
-    radius: float, zone: ContactZone, surface_curvatures: tuple[float, float], young: float, poisson: float, degree: int
+    radius: float, zone: ContactZone, curvatures: tuple[float, float], young: float, poisson: float, degree: int
 ) -> ComplianceKernel:
     """Compute the compliance of a whole ball at a contact less that of a half-space (its kernel).
 
-    ``radius``: radius of the ball [m]; ``zone``: contact zone; ``surface_curvatures``: curvatures along x and y of the
+    ``radius``: radius of the ball [m]; ``zone``: contact zone; ``curvatures``: curvatures along x and y of the
     surface that ball and groove share [1/m], positive towards the ball; ``young``: Young's modulus [Pa]; ``poisson``:
     Poisson's ratio; ``degree``: degree of the kernel's polynomials.
     """
-    body = mesh_whole_ball(radius, zone)
-    answer = compliance_of_free_body(
-        body, nodal_forces_of_tractions(body, zone, degree, surface_curvatures), young, poisson
-    )
-    return ComplianceKernel(
-        answer - half_space_compliance_on_same_nodes(body, zone, radius, young, poisson, degree), zone.half_lengths, degree
-    )
+    body = contact_bodies.mesh_whole_ball(radius, zone)
+    forces = nodal_forces_of_tractions(body, zone, degree, curvatures)
+    half_space = half_space_compliance_on_same_nodes(body, zone, radius, young, poisson, degree)
+    return ComplianceKernel(compliance_of_free_body(body, forces, young, poisson) - half_space, zone.half_lengths, degree)
 
 
 @cache_by_arguments
 def compliance_kernel_of_bar(
-    groove: Groove,
+    groove: contact_bodies.Groove,
     size: float,
     zone: ContactZone,
-    surface_curvatures: tuple[float, float],
+    curvatures: tuple[float, float],
     young: float,
     poisson: float,
     degree: int,
@@ -606,17 +566,14 @@ def compliance_kernel_of_bar(
     """Compute the compliance of a grooved bar at a contact less that of a half-space (its kernel).
 
     ``groove``: cross-section of the groove; ``size``: radius of the outside of the bar, from the ball's centre [m];
-    ``zone``: contact zone; ``surface_curvatures``: curvatures along x and y of the surface that ball and groove share
+    ``zone``: contact zone; ``curvatures``: curvatures along x and y of the surface that ball and groove share
     [1/m], positive towards the ball; ``young``: Young's modulus [Pa]; ``poisson``: Poisson's ratio; ``degree``: degree of
     the kernel's polynomials. Forces and motions are those of a ball on the bar, as in `kernel_from_groove_response`.
     """
-    body = mesh_grooved_bar(groove, size, zone)
-    answer = compliance_of_fixed_body(
-        body, nodal_forces_of_tractions(body, zone, degree, surface_curvatures), young, poisson
-    )
-    return kernel_from_groove_response(
-        answer - half_space_compliance_on_same_nodes(body, zone, groove.ball_radius, young, poisson, degree), zone, degree
-    )
+    body = contact_bodies.mesh_grooved_bar(groove, size, zone)
+    forces = nodal_forces_of_tractions(body, zone, degree, curvatures)
+    half_space = half_space_compliance_on_same_nodes(body, zone, groove.ball_radius, young, poisson, degree)
+    return kernel_from_groove_response(compliance_of_fixed_body(body, forces, young, poisson) - half_space, zone, degree)
 
 
 @cache_by_arguments
@@ -625,7 +582,7 @@ def compliance_kernels_of_patches(
     radii: tuple[float, float],
     angle: float,
     zone: ContactZone,
-    surface_curvatures: tuple[float, float],
+    curvatures: tuple[float, float],
     young: float,
     poisson: float,
     degree: int,
@@ -646,7 +603,7 @@ def compliance_kernels_of_patches(
         Angle from the groove's bottom to the contact [rad].
     zone : ContactZone
         Contact zone.
-    surface_curvatures : tuple[float, float]
+    curvatures : tuple[float, float]
         Curvatures along x and y of the surface that ball and groove share [1/m], positive towards the ball.
     young : float
         Young's modulus [Pa].
@@ -662,23 +619,15 @@ def compliance_kernels_of_patches(
     groove, ball : ComplianceKernel
         Kernels of the groove and of the ball.
     """
-    kernels = []
-    for cut, sense in zip(
-        mesh_contact_pieces(curve, *radii, angle, zone, on_nut_or_outer_ring=outer), (1, -1), strict=True
-    ):
+    kernels, elastic = [], (young, poisson)
+    pieces = mesh_contact_pieces(curve, *radii, angle, zone, on_nut_or_outer_ring=outer)
+    for cut, sense in zip(pieces, (1, -1), strict=True):
         body = ContactBody(cut.patch_mesh.mesh, cut.patch_mesh.contact_nodes, sense, cut.node_grid_indices)
-        frame = ContactAxes(cut.ball_centre, cut.contact_axes)
-        matrix = coarse.compliance_of_patch_in_submodel(
-            cut.body_piece,
-            cut.patch_mesh,
-            nodal_forces_of_tractions(body, zone, degree, surface_curvatures, frame),
-            young,
-            poisson,
-        )
-        kernels.append(
-            matrix
-            - half_space_compliance_on_same_nodes(body, zone, radii[0], young, poisson, degree, frame, cut.cell_boundaries)
-        )
+        frame, lines = ContactAxes(cut.ball_centre, cut.contact_axes), cut.cell_boundaries
+        forces = nodal_forces_of_tractions(body, zone, degree, curvatures, frame)
+        matrix = coarse.compliance_of_patch_in_submodel(cut.body_piece, cut.patch_mesh, forces, *elastic)
+        half_space = half_space_compliance_on_same_nodes(body, zone, radii[0], *elastic, degree, frame, lines)
+        kernels.append(matrix - half_space)
     return kernel_from_groove_response(kernels[0], zone, degree), ComplianceKernel(kernels[1], zone.half_lengths, degree)
 
 
@@ -771,27 +720,17 @@ def _calls_that_compute_kernels(
     These are two calls for a whole ball and a grooved bar, or one call for the patches of both. ``at``: position of the
     contact; ``load``: contact load [N]; ``sizes``: mesh settings of the bodies.
     """
-    zone, common = (
-        at.contact_zone(load, young, poisson, sizes),
-        (at.shared_surface_curvatures, young, poisson, sizes.degree),
-    )
+    zone = at.contact_zone(load, young, poisson, sizes)
+    common = (zone, at.shared_surface_curvatures, young, poisson, sizes.degree)
+    radii = at.ball_radius, at.groove_radius
     if sizes.patches and at.path_radius_and_rise is not None:
-        curve, radii = BallPath(*at.path_radius_and_rise), (at.ball_radius, at.groove_radius)
-        return [
-            partial(
-                compliance_kernels_of_patches,
-                curve,
-                radii,
-                at.contact_angle,
-                zone,
-                *common,
-                outer=at.groove_curvature_along > 0.0,
-            )
-        ]
-    groove = Groove(at.ball_radius, at.groove_radius, at.contact_angle, sizes.opening, at.groove_curvature_along)
+        curve = BallPath(*at.path_radius_and_rise)
+        outer = at.groove_curvature_along > 0.0
+        return [partial(compliance_kernels_of_patches, curve, radii, at.contact_angle, *common, outer=outer)]
+    groove = contact_bodies.Groove(*radii, at.contact_angle, sizes.opening, at.groove_curvature_along)
     return [
-        partial(compliance_kernel_of_ball, at.ball_radius, zone, *common),
-        partial(compliance_kernel_of_bar, groove, sizes.bar * at.ball_radius, zone, *common),
+        partial(compliance_kernel_of_ball, at.ball_radius, *common),
+        partial(compliance_kernel_of_bar, groove, sizes.bar * at.ball_radius, *common),
     ]
 
 
@@ -881,11 +820,8 @@ def compute_and_cache_kernels(
     ValueError
         The groove, ring or nut of a contact has no room for the contact zone or for a patch.
     """
-    calls = [
-        call
-        for at, load in contacts
-        for call in _calls_that_compute_kernels(*_round_for_shared_kernel(at, load), young, poisson, sizes)
-    ]
+    rounded = [_round_for_shared_kernel(at, load) for at, load in contacts]
+    calls = [call for contact in rounded for call in _calls_that_compute_kernels(*contact, young, poisson, sizes)]
     missing = {key: call for call in calls if (key := _cache_key_of_call(call)) not in _KEPT}
     if processes == 1 or len(missing) < 2:
         return 0.0

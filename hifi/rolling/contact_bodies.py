@@ -55,13 +55,8 @@ class ContactZone:
             )
         core = np.linspace(-half, half, self.cell_counts[axis] + 1)
         step = float(core[1] - core[0])
-        return np.concatenate(
-            [
-                -_growing_boundaries_to_end(half, -low, step, self.cell_growth)[::-1],
-                core,
-                _growing_boundaries_to_end(half, high, step, self.cell_growth),
-            ]
-        )
+        below, above = (_growing_boundaries_to_end(half, end, step, self.cell_growth) for end in (-low, high))
+        return np.concatenate([-below[::-1], core, above])
 
     def nearest_node_indices(self, at: Array) -> Index:
         """Find for each of n points the column and row of the nearest node of the contact zone, from zero ``(n, 2)``.
@@ -125,14 +120,13 @@ def _contact_body_from_grid(
     outer = mesh.boundary_facets()
     corners = xi[mesh.facets[:, outer]]  # (4, faces, 3)
     top = np.all(np.abs(corners[..., 2]) < 1e-12, axis=0)
-    inside = np.all(np.abs(corners[..., :2]) <= np.array(zone.half_lengths) * (1.0 + 1e-9), axis=(0, 2))
+    half = np.array(zone.half_lengths) * (1.0 + 1e-9)
+    inside = np.all(np.abs(corners[..., :2]) <= half, axis=(0, 2))
     names = {"contact": outer[top & inside]}
     if held:
         on = [np.all(np.abs(corners[..., k] - value) < 1e-12, axis=0) for k, value in held]
         names["held"] = outer[np.any(on, axis=0)]
-    nodes = np.flatnonzero(
-        (np.abs(xi[:, 2]) < 1e-12) & np.all(np.abs(xi[:, :2]) <= np.array(zone.half_lengths) * (1.0 + 1e-9), axis=1)
-    )
+    nodes = np.flatnonzero((np.abs(xi[:, 2]) < 1e-12) & np.all(np.abs(xi[:, :2]) <= half, axis=1))
     return ContactBody(with_boundaries_from_facets(mesh, names), nodes, sense, zone.nearest_node_indices(xi[nodes, :2]))
 
 
@@ -226,9 +220,8 @@ def mesh_grooved_bar(groove: Groove, size: float, zone: ContactZone) -> ContactB
     inner = groove.surface_distance(theta)
     r = inner + (size - inner) * grid[:, 2] / (size - R)
     across, along = r * np.sin(theta), r * np.cos(theta) - R
-    return _contact_body_from_grid(
-        zone, x, y, z, _bend_bar_along_track(groove, grid[:, 0], across, along), [(2, float(z[-1]))], 1
-    )
+    points = _bend_bar_along_track(groove, grid[:, 0], across, along)
+    return _contact_body_from_grid(zone, x, y, z, points, [(2, float(z[-1]))], 1)
 
 
 def _bend_bar_along_track(groove: Groove, x: Array, y: Array, z: Array) -> Array:
@@ -238,13 +231,10 @@ def _bend_bar_along_track(groove: Groove, x: Array, y: Array, z: Array) -> Array
     """
     if groove.curvature_along_track == 0.0:
         return np.column_stack([x, y, z])
-    down = np.array(
-        [np.sin(groove.contact_angle), np.cos(groove.contact_angle)]
-    )  # to the bottom of the groove, in the section
+    sin, cos = np.sin(groove.contact_angle), np.cos(groove.contact_angle)
+    down = np.array([sin, cos])  # to the bottom of the groove, in the section
     outward = 1.0 if groove.curvature_along_track > 0.0 else -1.0
-    pitch = np.cos(groove.contact_angle) / abs(groove.curvature_along_track) - outward * groove.ball_radius * np.cos(
-        groove.contact_angle
-    )
+    pitch = cos / abs(groove.curvature_along_track) - outward * groove.ball_radius * cos
     depth = np.column_stack([y, z + groove.ball_radius]) @ down
     radius = pitch + outward * depth
     if radius.min() <= 0.0:
@@ -252,7 +242,7 @@ def _bend_bar_along_track(groove: Groove, x: Array, y: Array, z: Array) -> Array
             "the body around a contact is meshed as a straight grooved bar and then bent to the ring; the bar is so thick "
             "that it would reach the ring's axis: decrease its size"
         )
-    middle = pitch + outward * groove.ball_radius * np.cos(groove.contact_angle)
+    middle = pitch + outward * groove.ball_radius * cos
     turn = x / middle
     lost = outward * radius * (1.0 - np.cos(turn))  # towards the axis
     return np.column_stack([radius * np.sin(turn), y - lost * down[0], z - lost * down[1]])
@@ -277,35 +267,19 @@ def mesh_half_space(
     ContactBody
         The block.
     """
+    size = float(cut_distance)
     if inner_cell_boundaries is None:
-        x, y, z = (
-            zone.cell_boundaries(0, -cut_distance, cut_distance),
-            zone.cell_boundaries(1, -cut_distance, cut_distance),
-            zone.cell_boundaries_in_depth(cut_distance),
-        )
+        x, y = (zone.cell_boundaries(axis, -size, size) for axis in (0, 1))
+        z = zone.cell_boundaries_in_depth(size)
     else:
-        x, y = (
-            np.concatenate(
-                [
-                    -_continued_boundaries(-lines[::-1], cut_distance, zone.cell_growth)[::-1],
-                    lines,
-                    _continued_boundaries(lines, cut_distance, zone.cell_growth),
-                ]
-            )
-            for lines in inner_cell_boundaries[:2]
-        )
-        z = np.concatenate(
-            [inner_cell_boundaries[2], _continued_boundaries(inner_cell_boundaries[2], cut_distance, zone.cell_growth)]
-        )
-    cut = [(0, -cut_distance), (0, cut_distance), (1, -cut_distance), (1, cut_distance), (2, cut_distance)]
-    return _contact_body_from_grid(
-        zone, x, y, z, node_coordinates(mesh_rectangular_grid(x, y, z, "Q2")), [(k, float(v)) for k, v in cut], 1
-    )
 
+        def continued(lines: Array) -> Array:
+            """Continue ascending cell boundaries by growing cells up to ``size``."""
+            step = float(lines[-1] - lines[-2])
+            return np.concatenate([lines, _growing_boundaries_to_end(float(lines[-1]), size, step, zone.cell_growth)])
 
-def _continued_boundaries(lines: Array, size: float, growth: float) -> Array:
-    """Return cell boundaries that continue a given ascending sequence of boundaries up to ``size`` [m].
-
-    ``lines``: the boundaries to be continued [m]; ``growth``: ratio of neighbouring cells beyond them.
-    """
-    return _growing_boundaries_to_end(float(lines[-1]), size, float(lines[-1] - lines[-2]), growth)
+        x, y = (-continued(-continued(lines)[::-1])[::-1] for lines in inner_cell_boundaries[:2])  # at both ends
+        z = continued(inner_cell_boundaries[2])
+    cut = [(0, -size), (0, size), (1, -size), (1, size), (2, size)]
+    points = node_coordinates(mesh_rectangular_grid(x, y, z, "Q2"))
+    return _contact_body_from_grid(zone, x, y, z, points, cut, 1)

@@ -26,15 +26,16 @@ Flags = NDArray[np.bool_]
 #: ``(k,)``.
 Balance = Callable[[Array], tuple[Array, Array]]
 
-#: Creeping speeds over the largest slip by which Coulomb's law is smoothed one after the other, and number of Newton's
+#: Slip speeds, over the largest slip, by which Coulomb's law is smoothed one after the other; largest number of Newton's
 #: steps at each.
 PATH, STEPS = tuple(10.0**-k for k in range(7)), 25
-#: Creeping speed over the largest slip from which on, with elasticity, Coulomb's law without smoothing is tried.
+#: Slip speed of the smoothed law, over the largest slip, at and below which each solution with elasticity is tried as the
+#: start of a solution of Coulomb's law without smoothing.
 SHARPEST = 0.02
 #: Largest number of Newton's steps without smoothing, and residual, over the largest friction limit, at which they end.
 MOST, TOLERANCE = 60, 1e-11
-#: Parameter r of the projection over the stiffness of one cell. From 0.3 on, stiff stick zones of many cells make Newton's
-#: method cycle.
+#: Parameter r of the projection, over the force of one cell per elastic slip that it causes there. From 0.3 on, stiff stick
+#: zones of many cells make Newton's method cycle.
 SOFT = 0.03
 #: Unbalanced force over the largest friction of a contact up to which rigid bodies count as in equilibrium.
 RIGID = 1e-8
@@ -62,9 +63,8 @@ class FrictionContact:
 
         ``q``: tangential forces on body 1 (2 n,) [N]; ``y``: motions of all bodies.
         """
-        return np.asarray(
-            self.elastic_slip_matrix @ q + self.motion_slip_matrix @ y[self.motion_indices] + self.prescribed_slip
-        )
+        by_motions = self.motion_slip_matrix @ y[self.motion_indices]
+        return np.asarray(self.elastic_slip_matrix @ q + by_motions + self.prescribed_slip)
 
     def rigid_slip(self, y: Array) -> Array:
         """Compute the slip velocities ``(2 n,)`` [m/s] that the rigid motions y cause, without elastic displacements."""
@@ -166,9 +166,8 @@ def _newton_terms_of_smoothed_law(
     by_motion = multiply_by_derivative(c.motion_slip_matrix)
     if not elastic:
         return left, -left, -by_motion
-    solved = np.linalg.solve(
-        np.eye(q.size) + multiply_by_derivative(c.elastic_slip_matrix), -np.column_stack([left, by_motion])
-    )
+    K = np.eye(q.size) + multiply_by_derivative(c.elastic_slip_matrix)
+    solved = np.linalg.solve(K, -np.column_stack([left, by_motion]))
     return left, np.asarray(solved[:, 0]), np.asarray(solved[:, 1:])
 
 
@@ -208,9 +207,8 @@ def _newton_terms_of_coulomb_law(
     K = rows_of_free_unknowns(MR.T).T  # the same of its columns
     share = c.friction_limits[slip] / size[slip]
     weight = np.concatenate([share * projection_parameter[slip], np.ones(2 * held.size)])
-    right = (
-        np.column_stack([MR @ _xy_rows_to_vector(known), rows_of_free_unknowns(c.motion_slip_matrix)]) * -weight[:, None]
-    )
+    by_motions = rows_of_free_unknowns(c.motion_slip_matrix)
+    right = np.column_stack([MR @ _xy_rows_to_vector(known), by_motions]) * -weight[:, None]
     right[:, 0] -= np.concatenate([np.sum(left[slip] * across, axis=1), s[held], s[n + held]])
     K *= weight[:, None]
     K[np.arange(slip.size), np.arange(slip.size)] += 1.0 - share
@@ -271,15 +269,16 @@ def _solve_smoothed_friction(
     scale = max(float(c.friction_limits.max()) for c in system.contacts)
 
     def norm_of_residuals(q: list[Array], y: Array) -> float:
-        lefts = [_smoothed_residual(c, v, y, smoothing_speed, elastic) for c, v in zip(system.contacts, q, strict=True)]
+        lefts = []
+        for c, v in zip(system.contacts, q, strict=True):
+            slip = c.slip(v, y) if elastic else c.rigid_slip(y)
+            lefts.append(v - coulomb_friction_forces(c.friction_limits, slip, smoothing_speed))
         return float(sum(v @ v for v in lefts) ** 0.5 + np.linalg.norm(system.unbalanced_forces(q, y)))
 
     norm = norm_of_residuals(q, y)
     for _ in range(STEPS):
-        parts = [
-            _newton_terms_of_smoothed_law(c, v, y, smoothing_speed, elastic)
-            for c, v in zip(system.contacts, q, strict=True)
-        ]
+        each = zip(system.contacts, q, strict=True)
+        parts = [_newton_terms_of_smoothed_law(c, v, y, smoothing_speed, elastic) for c, v in each]
         dq, dy = system.newton_step(parts, q, y)
         t = 1.0
         for _ in range(12):
@@ -294,15 +293,6 @@ def _solve_smoothed_friction(
         if norm <= 1e-6 * scale:
             break
     return q, y
-
-
-def _smoothed_residual(c: FrictionContact, q: Array, y: Array, smoothing_speed: float, elastic: bool) -> Array:
-    """Compute the residual of the smoothed friction law in one contact ``(2 n,)`` [N]: forces less those of the law.
-
-    ``c``: the contact; ``q``: tangential forces (2 n,) [N]; ``y``: motions of all bodies; ``smoothing_speed``: slip speed
-    by which the law is smoothed [m/s]; ``elastic``: whether the slip by elastic displacements is included.
-    """
-    return q - coulomb_friction_forces(c.friction_limits, c.slip(q, y) if elastic else c.rigid_slip(y), smoothing_speed)
 
 
 def _solve_coulomb_friction(system: _FrictionProblem, q: list[Array], y: Array) -> FrictionSolution:
@@ -328,11 +318,10 @@ def _solve_coulomb_friction(system: _FrictionProblem, q: list[Array], y: Array) 
             break
         q, y = [v + d for v, d in zip(q, dq, strict=True)], y + dy
     slips = [c.slip(v, y) for c, v in zip(system.contacts, q, strict=True)]
-    pulls = [
-        np.linalg.norm(_vector_to_xy_rows(v) - g[:, None] * _vector_to_xy_rows(s), axis=1)
-        for v, g, s in zip(q, grips, slips, strict=True)
-    ]
-    stick = [p <= c.friction_limits for p, c in zip(pulls, system.contacts, strict=True)]
+    stick = []
+    for c, v, g, s in zip(system.contacts, q, grips, slips, strict=True):
+        pull = _vector_to_xy_rows(v) - g[:, None] * _vector_to_xy_rows(s)
+        stick.append(np.linalg.norm(pull, axis=1) <= c.friction_limits)
     good = residual <= 100.0 * TOLERANCE
     status = "converged" if good else f"not converged after {steps} steps (residual {residual:.1e})"
     return FrictionSolution(q, slips, y, steps, status, residual, stick)

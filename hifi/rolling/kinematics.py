@@ -139,6 +139,13 @@ class BallPairContact:
         """Indices of the motions of both balls in the vector of the motions of all balls ``(8,)``."""
         return np.concatenate([MOTIONS * k + np.arange(MOTIONS) for k in (self.first_ball, self.second_ball)])
 
+    def closing_and_sliding_speeds(self, y: Array) -> Array:
+        """Compute the closing speed of the balls and the two sliding speeds of the first past the second ``(3,)`` [m/s].
+
+        ``y``: motions of all balls [m/s].
+        """
+        return np.asarray(self.speeds_by_ball_motions @ y[self.motion_indices])
+
 
 @dataclass(frozen=True)
 class RollingBall:
@@ -209,7 +216,7 @@ def contact_axes(touch: GrooveContact, scene: RollingBalls) -> Array:
 
 
 def surface_points_and_tangents(
-    touch: GrooveContact, scene: RollingBalls, local: Array, *, curved: bool, depth_of_centre: float = 0.0
+    touch: GrooveContact, scene: RollingBalls, local: Array, *, curved: bool, depth: float = 0.0
 ) -> tuple[Array, Array]:
     """Compute points on the curved contact surface between ball and groove, and the unit tangents of the surface there.
 
@@ -224,7 +231,7 @@ def surface_points_and_tangents(
     curved : bool
         Whether the points lie on the surface that ball and groove share, whose curvature is the mean of both; otherwise
         they lie on the tangent plane.
-    depth_of_centre : float, default 0.0
+    depth : float, default 0.0
         Depth of the contact's centre inside the undeformed ball [m].
 
     Returns
@@ -237,7 +244,7 @@ def surface_points_and_tangents(
     axes = contact_axes(touch, scene)
     bend = (1.0 / scene.ball_radius - 0.5 / np.array(touch.relative_radii)) * (1.0 if curved else 0.0)
     fall = 0.5 * (local**2 @ bend)
-    points = (scene.ball_radius - depth_of_centre) * axes[2] + local @ axes[:2] - fall[:, None] * axes[2]
+    points = (scene.ball_radius - depth) * axes[2] + local @ axes[:2] - fall[:, None] * axes[2]
     tangents = axes[None, :2] - (local * bend)[:, :, None] * axes[2]
     return points, tangents / np.linalg.norm(tangents, axis=2, keepdims=True)
 
@@ -257,23 +264,12 @@ def rolling_speed(touch: GrooveContact, scene: RollingBalls) -> float:
     float
         Rolling speed [m/s].
     """
-    return float(
-        np.linalg.norm(
-            (touch.groove_speed - scene.nominal_track_speed)
-            * scene.track.track_velocity_field(scene.ball_radius * touch.contact_normal)
-        )
-    )
+    field = scene.track.track_velocity_field(scene.ball_radius * touch.contact_normal)
+    return float(np.linalg.norm((touch.groove_speed - scene.nominal_track_speed) * field))
 
 
 def rigid_friction_contact(
-    touch: GrooveContact,
-    scene: RollingBalls,
-    ball: int,
-    normal: Array,
-    local: Array,
-    *,
-    curved: bool,
-    depth_of_centre: float = 0.0,
+    touch: GrooveContact, scene: RollingBalls, ball: int, normal: Array, local: Array, *, curved: bool, depth: float = 0.0
 ) -> FrictionContact:
     """Create the friction solver's input for a ball's contact with a groove, for rigid bodies.
 
@@ -291,7 +287,7 @@ def rigid_friction_contact(
         Coordinates of the normal forces along the contact's axes x and y [m].
     curved : bool
         Whether the contact lies on the curved surface that ball and groove share; otherwise it lies on the tangent plane.
-    depth_of_centre : float, default 0.0
+    depth : float, default 0.0
         Depth of the contact's centre inside the undeformed ball [m].
 
     Returns
@@ -299,14 +295,12 @@ def rigid_friction_contact(
     FrictionContact
         The contact, for the friction solver.
     """
-    points, tangents = surface_points_and_tangents(touch, scene, local, curved=curved, depth_of_centre=depth_of_centre)
-    rows = np.einsum("nck,nkm->cnm", tangents, velocities_by_ball_motions(scene.track, scene.ball_radius, points)).reshape(
-        -1, MOTIONS
-    )
+    points, tangents = surface_points_and_tangents(touch, scene, local, curved=curved, depth=depth)
+    by_motions = velocities_by_ball_motions(scene.track, scene.ball_radius, points)
+    rows = np.einsum("nck,nkm->cnm", tangents, by_motions).reshape(-1, MOTIONS)
     given = -touch.groove_speed * np.einsum("nck,nk->cn", tangents, scene.track.track_velocity_field(points)).ravel()
-    return FrictionContact(
-        scene.groove_friction_coefficient * normal, np.zeros((0, 0)), rows, MOTIONS * ball + np.arange(MOTIONS), given
-    )
+    limits, motions = scene.groove_friction_coefficient * normal, MOTIONS * ball + np.arange(MOTIONS)
+    return FrictionContact(limits, np.zeros((0, 0)), rows, motions, given)
 
 
 def elastic_friction_contact(
@@ -334,15 +328,8 @@ def elastic_friction_contact(
     FrictionContact
         The contact, for the friction solver.
     """
-    rigid = rigid_friction_contact(
-        touch,
-        scene,
-        ball,
-        patch.normal_forces,
-        patch.cell_centres,
-        curved=curved,
-        depth_of_centre=elastic_factor * patch.depth_of_contact_centre,
-    )
+    normal, local, depth = patch.normal_forces, patch.cell_centres, elastic_factor * patch.depth_of_contact_centre
+    rigid = rigid_friction_contact(touch, scene, ball, normal, local, curved=curved, depth=depth)
     speed = elastic_factor * rolling_speed(touch, scene)
     return replace(
         rigid,
@@ -358,15 +345,9 @@ def elastic_friction_contact(
 
 
 def ball_to_ball_contact(
-    one: int,
-    two: int,
-    frames: tuple[Array, Array],
-    line: Array,
-    track: TrackMotion,
-    radius: float,
-    separating_speed: float = 0.0,
+    one: int, two: int, frames: tuple[Array, Array], line: Array, track: TrackMotion, radius: float
 ) -> BallPairContact:
-    """Create the contact of two neighbouring balls from their axes and the line between their centres.
+    """Create the contact of two neighbouring balls without a gap from their axes and the line between their centres.
 
     Parameters
     ----------
@@ -380,9 +361,6 @@ def ball_to_ball_contact(
         Screw motion of the track.
     radius : float
         Radius of the balls [m].
-    separating_speed : float, default 0.0
-        Largest closing speed at which the balls do not touch [m/s]: in a time step, the gap between them over the duration
-        of the step; 0: there is no gap.
 
     Returns
     -------
@@ -396,9 +374,8 @@ def ball_to_ball_contact(
     for frame, sign in zip(frames, (1.0, -1.0), strict=True):
         local = axes @ frame.T  # the three directions in the ball's axes
         at = sign * radius * local[0]
-        rows = local @ velocities_by_ball_motions(track, radius, at[None])[0]
-        parts.append(sign * rows)
-    return BallPairContact(one, two, np.hstack(parts), axes, separating_speed)
+        parts.append(sign * (local @ velocities_by_ball_motions(track, radius, at[None])[0]))
+    return BallPairContact(one, two, np.hstack(parts), axes, separating_speed=0.0)
 
 
 @dataclass(frozen=True)
@@ -424,18 +401,19 @@ class BallEquilibrium:
         f, S = np.zeros(y.size), np.zeros((y.size, y.size))
         for k, pair in enumerate(self.rolling_balls.ball_to_ball_contacts):
             i, row = pair.motion_indices, m + k
-            force, speeds = float(y[row]), pair.speeds_by_ball_motions @ y[i]
+            force, speeds = float(y[row]), pair.closing_and_sliding_speeds(y)
+            by_closing, by_sliding = pair.speeds_by_ball_motions[0], pair.speeds_by_ball_motions[1:]
             closing, slide = speeds[0] - pair.separating_speed, speeds[1:]
             size = float(np.linalg.norm(slide))
             unit = slide / size if size > 0.0 else slide
             turn = (np.eye(2) - np.outer(unit, unit)) / size if size > 0.0 else np.zeros((2, 2))
-            along = pair.speeds_by_ball_motions[0] + mu * unit @ pair.speeds_by_ball_motions[1:]
+            along = by_closing + mu * unit @ by_sliding
             f[i] -= force * along
             S[i, row] -= along
-            S[np.ix_(i, i)] -= force * mu * pair.speeds_by_ball_motions[1:].T @ turn @ pair.speeds_by_ball_motions[1:]
+            S[np.ix_(i, i)] -= force * mu * by_sliding.T @ turn @ by_sliding
             if force + self.force_per_closing_speed * closing > 0.0:
                 f[row] = self.force_per_closing_speed * closing
-                S[row, i] = self.force_per_closing_speed * pair.speeds_by_ball_motions[0]
+                S[row, i] = self.force_per_closing_speed * by_closing
             else:
                 f[row] = force
                 S[row, row] = 1.0

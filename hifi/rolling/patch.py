@@ -105,13 +105,16 @@ class ComplianceKernel:
         signs = np.concatenate([-odd, odd, odd])
         return replace(self, M=0.5 * (self.M + self.M * np.outer(signs, signs)))
 
-    def _coefficient_block(self, rows: slice, columns: slice) -> Array:
-        """Return the part of the coefficient matrix M for some directions of displacements and forces [m/N].
+    def _evaluate(self, to: Array, by: Array, rows: slice, columns: slice) -> Array:
+        """Evaluate the kernel for given values of the monomials where displacements are taken, and where forces act.
 
-        ``rows``: directions of the displacements; ``columns``: directions of the forces (`TANGENTS`, `NORMAL`).
+        ``to``, ``by``: values of the k monomials at n points (n, k); ``rows``, ``columns``: the r directions of the
+        displacements and the c directions of the forces (`TANGENTS`, `NORMAL`). The result is ``(r n, c n)``.
         """
         k = len(self.M) // 3
-        return self.M[rows.start * k : rows.stop * k, columns.start * k : columns.stop * k]
+        block = self.M[rows.start * k : rows.stop * k, columns.start * k : columns.stop * k]
+        left, right = (np.kron(np.eye(x.stop - x.start), at) for x, at in ((rows, to), (columns, by)))
+        return np.asarray(left @ block @ right.T)
 
     def displacements_by_unit_forces(self, at: Array, rows: slice, columns: slice, shift: float = 0.0) -> Array:
         """Compute the displacements that the kernel gives at n points by unit forces at these points.
@@ -131,10 +134,7 @@ class ComplianceKernel:
             Displacements per unit of force [m/N]; rows and columns are n for the first direction, then n for the second.
         """
         to = monomial_values(at + np.array([shift, 0.0]), self.coordinate_scales, self.degree)
-        by = monomial_values(at, self.coordinate_scales, self.degree)
-        left = np.kron(np.eye(rows.stop - rows.start), to)
-        right = np.kron(np.eye(columns.stop - columns.start), by)
-        return np.asarray(left @ self._coefficient_block(rows, columns) @ right.T)
+        return self._evaluate(to, monomial_values(at, self.coordinate_scales, self.degree), rows, columns)
 
     def displacement_slopes(self, at: Array, rows: slice, columns: slice) -> Array:
         """Compute the derivatives along x of the displacements that the kernel gives by unit forces ``(r n, c n)`` [1/N].
@@ -146,10 +146,7 @@ class ComplianceKernel:
         lower = np.maximum(powers - np.array([1, 0]), 0)
         unit = at / np.array(self.coordinate_scales)
         to = powers[:, 0] / self.coordinate_scales[0] * np.prod(unit[:, None] ** lower, axis=2)
-        by = monomial_values(at, self.coordinate_scales, self.degree)
-        left = np.kron(np.eye(rows.stop - rows.start), to)
-        right = np.kron(np.eye(columns.stop - columns.start), by)
-        return np.asarray(left @ self._coefficient_block(rows, columns) @ right.T)
+        return self._evaluate(to, monomial_values(at, self.coordinate_scales, self.degree), rows, columns)
 
 
 #: Directions of a kernel: along tangents, and the normal.
@@ -237,16 +234,14 @@ def displacement_by_rectangle(x: Array, y: Array, dx: float, dy: float, young: f
     """
     X, Y = _corner_coordinates(x, y, dx, dy)
     R = np.hypot(X, Y)
-    along_x, along_y = (
-        _log_term_without_cancellation(Y, X),
-        _log_term_without_cancellation(X, Y),
-    )  # integrals of X^2/R^3 and Y^2/R^3
     over, shear = _double_integral_over_rectangle, 0.5 * young / (1.0 + poisson)
+    along_x = over(_log_term_without_cancellation(Y, X))  # double integral of X^2/R^3
+    along_y = over(_log_term_without_cancellation(X, Y))  # double integral of Y^2/R^3
     upright, aslant = (1.0 - poisson) / (np.pi * shear), poisson / (np.pi * shear)
-    inverse = over(along_x) + over(along_y)
+    inverse = along_x + along_y
     out = np.zeros((*np.shape(x), 3, 3))
-    out[..., 0, 0] = upright * inverse + aslant * over(along_x)  # Cerruti, Johnson's eq. (3.75)
-    out[..., 1, 1] = upright * inverse + aslant * over(along_y)
+    out[..., 0, 0] = upright * inverse + aslant * along_x  # Cerruti, Johnson's eq. (3.75)
+    out[..., 1, 1] = upright * inverse + aslant * along_y
     out[..., 0, 1] = out[..., 1, 0] = aslant * over(-R)
     out[..., 2, 2] = upright * inverse  # Boussinesq, Johnson's eq. (3.22)
     return out
@@ -317,9 +312,9 @@ def solve_normal_contact(
     ValueError
         The set of cells in contact does not converge.
     """
-    C = _expand_influence_table(cells, _tabulate_half_space_influence(cells, size, material, NORMAL)) + (
-        0.0 if added_compliance is None else added_compliance
-    )
+    C = _expand_influence_table(cells, _tabulate_half_space_influence(cells, size, material, NORMAL))
+    if added_compliance is not None:
+        C = C + added_compliance
     active = gap <= np.quantile(gap, 0.5)
     for _ in range(MOST):
         i = np.flatnonzero(active)
@@ -334,7 +329,8 @@ def solve_normal_contact(
             return forces, approach
         active = closed
     raise ValueError(
-        f"normal contact on a grid of cells: the set of cells in contact still changes after {MOST} iterations"
+        f"normal contact on a grid of cells: the set of cells in contact still changes after {MOST} iterations; change the "
+        "load or the number of cells"
     )
 
 
@@ -383,12 +379,10 @@ class GridContact:
             Displacement of body 1 past body 2 by unit forces [m/N], n rows and columns along x, then n along y.
         """
         half_space = _expand_influence_table(self.cell_indices, self._tabulate_tangential_influence(shift))
-        return (
-            half_space
-            if self.finite_body_kernel is None
-            else half_space
-            + self.finite_body_kernel.displacements_by_unit_forces(self.cell_centres, TANGENTS, TANGENTS, shift)
-        )
+        kernel, at = self.finite_body_kernel, self.cell_centres
+        if kernel is None:
+            return half_space
+        return half_space + kernel.displacements_by_unit_forces(at, TANGENTS, TANGENTS, shift)
 
     @property
     def tangential_displacement_rate(self) -> Array:
@@ -396,11 +390,10 @@ class GridContact:
 
         The slip is zero for half-spaces of the same material.
         """
-        if self.finite_body_kernel is None:
-            return np.zeros(2 * len(self.cell_centres))
-        return np.asarray(
-            -self.finite_body_kernel.displacement_slopes(self.cell_centres, TANGENTS, NORMAL) @ self.normal_forces
-        )
+        kernel, at = self.finite_body_kernel, self.cell_centres
+        if kernel is None:
+            return np.zeros(2 * len(at))
+        return np.asarray(-kernel.displacement_slopes(at, TANGENTS, NORMAL) @ self.normal_forces)
 
     @property
     def depth_of_contact_centre(self) -> float:
@@ -419,18 +412,13 @@ class GridContact:
         symmetric part of the matrix is positive: the differences dissipate work.
         """
         step = STEP * float(self.cell_size[0])
-        half_space = _expand_influence_table(
-            self.cell_indices, _backward_difference([self._tabulate_tangential_influence(k * step) for k in range(3)], step)
-        )
-        if self.finite_body_kernel is None:
+        tables = [self._tabulate_tangential_influence(k * step) for k in range(3)]
+        half_space = _expand_influence_table(self.cell_indices, _backward_difference(tables, step))
+        kernel, at = self.finite_body_kernel, self.cell_centres
+        if kernel is None:
             return half_space
-        return half_space + _backward_difference(
-            [
-                self.finite_body_kernel.displacements_by_unit_forces(self.cell_centres, TANGENTS, TANGENTS, k * step)
-                for k in range(3)
-            ],
-            step,
-        )
+        added = [kernel.displacements_by_unit_forces(at, TANGENTS, TANGENTS, k * step) for k in range(3)]
+        return half_space + _backward_difference(added, step)
 
     def similar_contact(self, length: float, force: float) -> GridContact:
         """Return a geometrically similar contact of half-spaces: lengths and normal forces are multiplied by factors.
@@ -587,9 +575,8 @@ def solve_elastic_contact_on_grid(
     ValueError
         Load, radii or material are not those of a Hertzian contact, or the set of closed cells does not converge.
     """
-    ellipse = solve_hertz(
-        load, *equivalent_half_space_radii(load, relative_radii, young, poisson, finite_body_kernel), young, poisson
-    )
+    radii = equivalent_half_space_radii(load, relative_radii, young, poisson, finite_body_kernel)
+    ellipse = solve_hertz(load, *radii, young, poisson)
     size = 2.0 * margin * np.array([ellipse.semi_x, ellipse.semi_y]) / np.array(shape)
     cells, at = create_cell_grid(shape, size)
     gap = 0.5 * (at[:, 0] ** 2 / relative_radii[0] + at[:, 1] ** 2 / relative_radii[1])

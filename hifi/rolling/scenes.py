@@ -90,29 +90,15 @@ def create_rolling_balls(
     """
     balls = []
     for frame, n, force in zip(layout.ball_axes, contact_normals, loads, strict=True):
-        touches = [
-            kinematics.GrooveContact(
-                n[k] @ layout.section_directions,
-                float(force[k]),
-                (layout.relative_radii[k, 0], layout.relative_radii[k, 1]),
-                float(layout.groove_speeds[k]),
-                _direction_to_groove_bottom(n, layout.groove_speeds, k) @ layout.section_directions,
-            )
-            for k in range(force.size)
-        ]
+        touches = []
+        for k, ((along, across), speed) in enumerate(zip(layout.relative_radii, layout.groove_speeds, strict=True)):
+            bottom = _direction_to_groove_bottom(n, layout.groove_speeds, k) @ layout.section_directions
+            normal = n[k] @ layout.section_directions
+            touches.append(kinematics.GrooveContact(normal, float(force[k]), (along, across), float(speed), bottom))
         balls.append(kinematics.RollingBall(frame, tuple(touches)))
-    m = material
-    return kinematics.RollingBalls(
-        layout.track,
-        layout.ball_radius,
-        m.young,
-        m.poisson,
-        m.groove_friction_coefficient,
-        m.ball_friction_coefficient,
-        layout.nominal_track_speed,
-        tuple(balls),
-        layout.ball_to_ball_contacts,
-    )
+    m, speed, mutual = material, layout.nominal_track_speed, layout.ball_to_ball_contacts
+    constants = m.young, m.poisson, m.groove_friction_coefficient, m.ball_friction_coefficient
+    return kinematics.RollingBalls(layout.track, layout.ball_radius, *constants, speed, tuple(balls), mutual)
 
 
 def _direction_to_groove_bottom(normals: Array, groove_speeds: Array, k: int) -> Array:
@@ -173,22 +159,12 @@ def place_balls_on_straight_track(
     track = kinematics.TrackMotion(np.zeros(3), np.array([0.0, 0.0, 1.0]))
     frames = np.repeat(np.eye(3)[None], count, axis=0)
     along = np.array([0.0, 0.0, 1.0])
-    pairs = tuple(
-        kinematics.ball_to_ball_contact(k, k + 1, (frames[k], frames[k + 1]), along, track, radius)
-        for k in np.flatnonzero(np.asarray(neighbours_may_touch)).tolist()
-    )
+    touching = np.flatnonzero(np.asarray(neighbours_may_touch)).tolist()
+    axes = np.eye(3), np.eye(3)
+    pairs = tuple(kinematics.ball_to_ball_contact(k, k + 1, axes, along, track, radius) for k in touching)
     radii = np.tile([radius, 1.0 / (1.0 / radius - 1.0 / groove_radius)], (np.size(groove_moves), 1))
-    return BallLayoutOnTrack(
-        track,
-        frames,
-        np.eye(3)[:2],
-        radius,
-        groove_radius,
-        radii,
-        speed * np.asarray(groove_moves, float),
-        0.5 * speed,
-        pairs,
-    )
+    speeds = speed * np.asarray(groove_moves, float)
+    return BallLayoutOnTrack(track, frames, np.eye(3)[:2], radius, groove_radius, radii, speeds, 0.5 * speed, pairs)
 
 
 def relative_radius_along(radius: float, pitch_radius: float, lead_angle: float, outward: float) -> float:
@@ -269,16 +245,27 @@ def place_balls_along_helix(
         line = centres[k + 1] - centres[k]
         line = line / np.linalg.norm(line)
         pairs.append(kinematics.ball_to_ball_contact(k, k + 1, (frames[k], frames[k + 1]), line, track, radius))
-    across = 1.0 / (1.0 / radius - 1.0 / groove_radius)
-    radii = np.array(
-        [[relative_radius_along(radius, pitch_radius, angle, o * np.cos(contact_angle)), across] for o in groove_sides]
-    )
+    radii, section = (radius, groove_radius, pitch_radius), np.eye(3)[[0, 2]]
+    relative, orbit = _relative_radii_and_orbit(radii, rise, contact_angle, groove_sides, groove_speeds)
+    return BallLayoutOnTrack(track, frames, section, radius, groove_radius, relative, groove_speeds, orbit, tuple(pairs))
+
+
+def _relative_radii_and_orbit(
+    radii: tuple[float, float, float], rise: float, contact_angle: float, groove_sides: Array, groove_speeds: Array
+) -> tuple[Array, float]:
+    """Compute the relative radii of ball and grooves ``(k, 2)`` [m], and the nominal speed of the balls [rad/s].
+
+    The track is a helix, or a ring. ``radii``: radii of the balls, of the grooves and of the pitch circle [m]; ``rise``:
+    axial rise of the helix per angle of turn [m/rad], 0 for a ring; ``groove_sides``: -1 for grooves of the inner body, 1
+    for those of the outer one (k,); ``groove_speeds``: speeds of the grooves' bodies (k,) [rad/s].
+    """
+    radius, groove_radius, pitch_radius = radii
+    length, lead_angle = float(np.hypot(pitch_radius, rise)), float(np.arctan2(rise, pitch_radius))
+    cos, across = np.cos(contact_angle), 1.0 / (1.0 / radius - 1.0 / groove_radius)
+    relative = [[relative_radius_along(radius, pitch_radius, lead_angle, o * cos), across] for o in groove_sides]
     inner, outer = (float(np.mean(groove_speeds[groove_sides == o])) for o in (-1.0, 1.0))
-    lever = radius * np.cos(contact_angle) * np.cos(angle) / length
-    orbit = 0.5 * (outer + inner + lever * (outer - inner))
-    return BallLayoutOnTrack(
-        track, frames, np.eye(3)[[0, 2]], radius, groove_radius, radii, groove_speeds, orbit, tuple(pairs)
-    )
+    lever = radius * cos * np.cos(lead_angle) / length
+    return np.array(relative), 0.5 * (outer + inner + lever * (outer - inner))
 
 
 def _ball_axes(azimuth: float, angle: float) -> Array:
@@ -317,13 +304,10 @@ def place_ball_in_ring(
         Position of the ball and its grooves.
     """
     track = kinematics.TrackMotion(np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, pitch_radius]))
-    across = 1.0 / (1.0 / radius - 1.0 / groove_radius)
-    radii = np.array(
-        [[relative_radius_along(radius, pitch_radius, 0.0, o * np.cos(contact_angle)), across] for o in groove_sides]
-    )
-    inner, outer = (float(np.mean(groove_speeds[groove_sides == o])) for o in (-1.0, 1.0))
-    orbit = 0.5 * (outer + inner + radius * np.cos(contact_angle) / pitch_radius * (outer - inner))
-    return BallLayoutOnTrack(track, np.eye(3)[None], np.eye(3)[:2], radius, groove_radius, radii, groove_speeds, orbit, ())
+    radii = radius, groove_radius, pitch_radius
+    axes, section = np.eye(3)[None], np.eye(3)[:2]
+    relative, orbit = _relative_radii_and_orbit(radii, 0.0, contact_angle, groove_sides, groove_speeds)
+    return BallLayoutOnTrack(track, axes, section, radius, groove_radius, relative, groove_speeds, orbit, ())
 
 
 #: Number of Newton's steps that follow the search for the minimum of energy, and largest unbalanced force over the sum of
@@ -381,12 +365,12 @@ class StaticEquilibrium:
         return self.left <= BALANCED
 
 
-def solve_static_problem(static_problem: StaticProblem) -> StaticEquilibrium:
+def solve_static_problem(problem: StaticProblem) -> StaticEquilibrium:
     """Solve the static equilibrium of balls and inner body (screw, inner ring or carriage) with Hertz contacts.
 
     Parameters
     ----------
-    static_problem : StaticProblem
+    problem : StaticProblem
         The static problem.
 
     Returns
@@ -394,99 +378,76 @@ def solve_static_problem(static_problem: StaticProblem) -> StaticEquilibrium:
     StaticEquilibrium
         Contact forces and displacements; ``converged`` is False if there is no equilibrium.
     """
-    N, m = static_problem.unloaded_normals.shape[0], static_problem.forces_on_inner_body.size
-    size = float(np.abs(static_problem.forces_on_inner_body).sum() + np.abs(static_problem.forces_on_balls).sum())
-    stiff = static_problem.hertz_constants.mean()
-    squeezed = float(
-        np.abs(static_problem.interference).max(initial=0.0)
-        + np.abs(static_problem.inner_body_displacement).max(initial=0.0)
-    )
+    N, pull = problem.unloaded_normals.shape[0], problem.forces_on_inner_body
+    size = float(np.abs(pull).sum() + np.abs(problem.forces_on_balls).sum())
+    stiff = problem.hertz_constants.mean()
+    moved = (problem.interference, problem.inner_body_displacement)
+    squeezed = float(sum(np.abs(x).max(initial=0.0) for x in moved))
     size = max(size, (squeezed / stiff) ** 1.5)
     unit = stiff * size ** (2.0 / 3.0)
-    start = np.concatenate([np.zeros(2 * N), static_problem.forces_on_inner_body / size * 4.0])
-    if m:
-        start[: 2 * N] = 0.5 * np.einsum("nim,m->ni", static_problem.inner_body_motions, start[2 * N :]).ravel()
+    start = np.concatenate([np.zeros(2 * N), pull / size * 4.0])
+    if pull.size:
+        start[: 2 * N] = 0.5 * np.einsum("nim,m->ni", problem.inner_body_motions, start[2 * N :]).ravel()
 
     def scaled_energy_and_gradient(x: Array) -> tuple[float, Array]:
-        e, g, _ = _energy_derivatives(static_problem, x * unit)
+        e, g, _ = _energy_derivatives(problem, x * unit)
         return e / (size * unit), g / size
 
     def scaled_hessian(x: Array) -> Array:
-        return np.asarray(_energy_derivatives(static_problem, x * unit)[2] * (unit / size)) + 1e-9 * np.eye(x.size)
+        return np.asarray(_energy_derivatives(problem, x * unit)[2] * (unit / size)) + 1e-9 * np.eye(x.size)
 
-    x = minimize(
-        scaled_energy_and_gradient,
-        start,
-        jac=True,
-        hess=scaled_hessian,
-        method="trust-exact",
-        options={"gtol": 1e-8, "maxiter": 500},
-    ).x
-    best = x
+    search = {"method": "trust-exact", "options": {"gtol": 1e-8, "maxiter": 500}}
+    x = best = minimize(scaled_energy_and_gradient, start, jac=True, hess=scaled_hessian, **search).x
     for _ in range(POLISH):
         g = scaled_energy_and_gradient(x)[1]
         if np.linalg.norm(g) < np.linalg.norm(scaled_energy_and_gradient(best)[1]):
             best = x
         x = x - np.linalg.solve(scaled_hessian(x), g)
-    force, normal, _ = _contact_forces_at_displacements(static_problem, best * unit)
+    force, normal, _ = _contact_forces_at_displacements(problem, best * unit)
     left = float(np.abs(scaled_energy_and_gradient(best)[1]).max()) * size / max(float(force.sum()), 1e-300)
-    if np.any(
-        (force > 0.0) & ((normal * static_problem.unloaded_normals).sum(axis=2) <= 0.0)
-    ):  # a ball that left its groove for the far side
+    turned = (normal * problem.unloaded_normals).sum(axis=2) <= 0.0
+    if np.any((force > 0.0) & turned):  # a ball that left its groove for the far side
         left = np.inf
     return StaticEquilibrium(force, normal, best[: 2 * N].reshape(N, 2) * unit, best[2 * N :] * unit, left)
 
 
-def _contact_forces_at_displacements(static_problem: StaticProblem, x: Array) -> tuple[Array, Array, Array]:
+def _contact_forces_at_displacements(problem: StaticProblem, x: Array) -> tuple[Array, Array, Array]:
     """Compute the contact forces of balls and grooves at given displacements of the balls and the inner body.
 
     x: displacements of the balls, then free motions of the inner body (2 N + m,) [m]. Returns the forces (N, k) [N], their
     directions (N, k, 2), and the distances (N, k) [m] of the centre of each groove's arc from the ball's centre.
     """
-    N = static_problem.unloaded_normals.shape[0]
+    N, reach = problem.unloaded_normals.shape[0], problem.radius_difference
     p, u = x[: 2 * N].reshape(N, 2), x[2 * N :]
-    body = (
-        static_problem.inner_body_motions @ u + static_problem.inner_body_displacement
-        if u.size
-        else static_problem.inner_body_displacement
-    )
-    d = (
-        static_problem.radius_difference * static_problem.unloaded_normals
-        + p[:, None]
-        - static_problem.on_inner_body[None, :, None] * body[:, None]
-    )
+    body = problem.inner_body_displacement
+    if u.size:
+        body = problem.inner_body_motions @ u + body
+    d = reach * problem.unloaded_normals + p[:, None] - problem.on_inner_body[None, :, None] * body[:, None]
     length = np.linalg.norm(d, axis=2)
-    approach = np.maximum(length - static_problem.radius_difference + static_problem.interference, 0.0)
-    return (
-        (approach / static_problem.hertz_constants) ** 1.5,
-        d / length[:, :, None],
-        length,
-    )  # F = (approach / C)^(3/2) along d
+    approach = np.maximum(length - reach + problem.interference, 0.0)
+    force = (approach / problem.hertz_constants) ** 1.5  # F = (approach / C)^(3/2) along d
+    return force, d / length[:, :, None], length
 
 
-def _energy_derivatives(static_problem: StaticProblem, x: Array) -> tuple[float, Array, Array]:
+def _energy_derivatives(problem: StaticProblem, x: Array) -> tuple[float, Array, Array]:
     """Compute the potential energy at given displacements of the balls and the inner body, with its two derivatives.
 
     x: displacements of the balls, then free motions of the inner body (2 N + m,) [m]. Returns the energy [J], its gradient
     (2 N + m,) [N] and its Hessian [N/m].
     """
-    N, m = static_problem.unloaded_normals.shape[0], static_problem.forces_on_inner_body.size
-    force, n, length = _contact_forces_at_displacements(static_problem, x)
-    approach = static_problem.hertz_constants * np.cbrt(force) ** 2
-    e = float(
-        (0.4 * force * approach).sum()
-        - static_problem.forces_on_balls.ravel() @ x[: 2 * N]
-        - static_problem.forces_on_inner_body @ x[2 * N :]
-    )
-    g = np.concatenate([-static_problem.forces_on_balls.ravel(), -static_problem.forces_on_inner_body])
+    N, push, pull = len(problem.unloaded_normals), problem.forces_on_balls.ravel(), problem.forces_on_inner_body
+    force, n, length = _contact_forces_at_displacements(problem, x)
+    approach = problem.hertz_constants * np.cbrt(force) ** 2
+    e = float((0.4 * force * approach).sum() - push @ x[: 2 * N] - pull @ x[2 * N :])
+    g = np.concatenate([-push, -pull])
     H = np.zeros((x.size, x.size))
     stiff = np.divide(1.5 * force, approach, out=np.zeros_like(force), where=approach > 0.0)
     for i in range(N):
-        for k in range(static_problem.on_inner_body.size):
+        for k in range(problem.on_inner_body.size):
             T = np.zeros((2, x.size))  # derivative of d by ball and inner body
             T[:, 2 * i : 2 * i + 2] = np.eye(2)
-            if m and static_problem.on_inner_body[k]:
-                T[:, 2 * N :] = -static_problem.inner_body_motions[i]
+            if pull.size and problem.on_inner_body[k]:
+                T[:, 2 * N :] = -problem.inner_body_motions[i]
             nn = np.outer(n[i, k], n[i, k])
             g += force[i, k] * (T.T @ n[i, k])
             # stiffness along the normal, and that of the force as d turns
@@ -507,12 +468,12 @@ SEARCH = {"fatol": 0.1 * AGREED, "maxiter": 40, "line_search": None, "jac_option
 COARSE = (10, 10)
 
 
-def copy_with_fixed_inner_body(static_problem: StaticProblem, loads: StaticEquilibrium) -> StaticProblem:
+def copy_with_fixed_inner_body(problem: StaticProblem, loads: StaticEquilibrium) -> StaticProblem:
     """Return a copy of a static problem in which the inner body is fixed in its position of equilibrium.
 
     Parameters
     ----------
-    static_problem : StaticProblem
+    problem : StaticProblem
         The static problem.
     loads : StaticEquilibrium
         Equilibrium of that problem.
@@ -522,11 +483,12 @@ def copy_with_fixed_inner_body(static_problem: StaticProblem, loads: StaticEquil
     StaticProblem
         Static problem whose inner body has no free motions.
     """
-    moved = static_problem.inner_body_motions @ loads.body if static_problem.forces_on_inner_body.size else 0.0
+    moved = problem.inner_body_motions @ loads.body if problem.forces_on_inner_body.size else 0.0
+    motions = np.zeros((*problem.inner_body_motions.shape[:2], 0))
     return replace(
-        static_problem,
-        inner_body_displacement=static_problem.inner_body_displacement + moved,
-        inner_body_motions=np.zeros((*static_problem.inner_body_motions.shape[:2], 0)),
+        problem,
+        inner_body_displacement=problem.inner_body_displacement + moved,
+        inner_body_motions=motions,
         forces_on_inner_body=np.zeros(0),
     )
 
@@ -534,7 +496,7 @@ def copy_with_fixed_inner_body(static_problem: StaticProblem, loads: StaticEquil
 def solve_loads_with_rolling(
     layout: BallLayoutOnTrack,
     material: RollingMaterial,
-    static_problem: StaticProblem,
+    problem: StaticProblem,
     choices: rolling_balls.RollingSettings,
     *,
     balls_may_touch: bool,
@@ -550,7 +512,7 @@ def solve_loads_with_rolling(
         Positions of balls and grooves.
     material : RollingMaterial
         Elastic material and friction.
-    static_problem : StaticProblem
+    problem : StaticProblem
         The static problem.
     choices : RollingSettings
         Numerical settings of rolling.
@@ -564,53 +526,32 @@ def solve_loads_with_rolling(
     converged : bool
         Whether loads and friction agree (`AGREED`) and both converged.
     """
-    loads = solve_static_problem(static_problem)
-    held = copy_with_fixed_inner_body(static_problem, loads)
+    loads = solve_static_problem(problem)
+    held = copy_with_fixed_inner_body(problem, loads)
     scale, last = float(loads.force.max()), dict[tuple[int, int], rolling_balls.RollingResult]()
 
     def solve_with_forces_on_balls(
         push: Array, grid: rolling_balls.RollingSettings
     ) -> tuple[StaticEquilibrium, rolling_balls.RollingResult, Array]:
-        pushed = solve_static_problem(replace(held, forces_on_balls=static_problem.forces_on_balls + push))
-        rolling = _solve_rolling_under_loads(layout, material, pushed, grid, balls_may_touch, last.get(grid.grid_shape))
-        last[grid.grid_shape] = rolling
-        return (
-            pushed,
-            rolling,
-            (rolling.groove_friction_wrenches[:, :3] + rolling.forces_by_neighbours) @ layout.section_directions.T,
-        )
+        pushed = solve_static_problem(replace(held, forces_on_balls=problem.forces_on_balls + push))
+        scene = create_rolling_balls(layout, material, pushed.normal, pushed.force)
+        loaded = [(b, k) for b, k, _ in rolling_balls.loaded_contacts(scene)]
+        near = last.get(grid.grid_shape)  # from which the solver starts if the same contacts are loaded
+        if near is not None and [(c.ball_index, c.contact_index) for c in near.contacts] != loaded:
+            near = None
+        scene = scene if balls_may_touch else replace(scene, ball_to_ball_contacts=())
+        rolling = last[grid.grid_shape] = rolling_balls.solve_rolling(scene, grid, near)
+        on_balls = rolling.groove_friction_wrenches[:, :3] + rolling.forces_by_neighbours
+        return pushed, rolling, on_balls @ layout.section_directions.T
 
     def mismatch_of_forces_on_balls(push: Array, grid: rolling_balls.RollingSettings) -> Array:
         two = push.reshape(-1, 2) * scale
         return np.asarray((solve_with_forces_on_balls(two, grid)[2] - two).ravel() / scale)
 
-    push = np.zeros(2 * len(static_problem.forces_on_balls))
+    push = np.zeros(2 * len(problem.forces_on_balls))
     for shape in (COARSE, choices.grid_shape):
         grid = replace(choices, grid_shape=shape)
         push = root(lambda x, grid=grid: mismatch_of_forces_on_balls(x, grid), push, method="anderson", options=SEARCH).x
     pushed, rolling, force = solve_with_forces_on_balls(push.reshape(-1, 2) * scale, choices)
     agree = np.abs(force / scale - push.reshape(-1, 2)).max() <= AGREED
     return pushed, bool(agree and pushed.converged and rolling.converged)
-
-
-def _solve_rolling_under_loads(
-    layout: BallLayoutOnTrack,
-    material: RollingMaterial,
-    loads: StaticEquilibrium,
-    choices: rolling_balls.RollingSettings,
-    balls_may_touch: bool,
-    near: rolling_balls.RollingResult | None = None,
-) -> rolling_balls.RollingResult:
-    """Solve steady rolling of the balls under given contact forces and directions.
-
-    ``loads``: contact forces and directions; ``balls_may_touch``: whether balls can touch each other; ``near``: another
-    solution, from which the solver starts if the same contacts are loaded.
-    """
-    scene = create_rolling_balls(layout, material, loads.normal, loads.force)
-    loaded = [(b, k) for b, k, _ in rolling_balls.loaded_contacts(scene)]
-    alike = near is not None and [(c.ball_index, c.contact_index) for c in near.contacts] == loaded
-    return rolling_balls.solve_rolling(
-        scene if balls_may_touch else rolling_balls.copy_without_ball_to_ball_contacts(scene),
-        choices,
-        near if alike else None,
-    )

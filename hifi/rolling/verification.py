@@ -19,9 +19,11 @@ from rollbench.hifi.elements.forms import normalise_weight_rows
 from rollbench.hifi.rolling import bodies
 from rollbench.hifi.rolling import patch as rolling_patch
 from rollbench.hifi.rolling.balls import RollingResult, quadrature_of_unit_disk
+from rollbench.hifi.rolling.bodies import Sizes
 from rollbench.hifi.rolling.contact_bodies import ContactZone, mesh_half_space
 from rollbench.hifi.rolling.friction import FrictionContact, FrictionSolution, coulomb_friction_forces, solve_friction
 from rollbench.hifi.rolling.kinematics import MOTIONS, RollingBalls, velocities_by_ball_motions
+from rollbench.hifi.rolling.patch import GridContact
 from rollbench.meshes.arrays import Array
 
 #: Length over half width of the contact strip that represents a cylinder.
@@ -63,7 +65,7 @@ class RolledContact:
     #: Moment of friction on body 1 about the contact normal [N m].
     friction_moment: float
     #: Normal contact on its grid.
-    normal_contact: rolling_patch.GridContact
+    normal_contact: GridContact
     #: Tangential forces and slips in every cell.
     friction_solution: FrictionSolution
     #: Power of friction of the contact [W].
@@ -73,7 +75,7 @@ class RolledContact:
 
 
 def solve_friction_for_rigid_slip(
-    patch: rolling_patch.GridContact, elastic: Array, slip: Array, mu: float
+    patch: GridContact, elastic: Array, slip: Array, mu: float
 ) -> tuple[FrictionContact, FrictionSolution]:
     """Solve for the tangential forces of a contact whose bodies have a prescribed rigid slip.
 
@@ -95,15 +97,12 @@ def solve_friction_for_rigid_slip(
     solution : FrictionSolution
         Solution of the friction solver.
     """
-    contact = FrictionContact(
-        mu * patch.normal_forces, elastic, np.zeros((slip.size, 0)), np.zeros(0, dtype=np.int64), slip
-    )
+    no_motions = np.zeros((slip.size, 0)), np.zeros(0, dtype=np.int64)
+    contact = FrictionContact(mu * patch.normal_forces, elastic, *no_motions, slip)
     return contact, solve_friction([contact])
 
 
-def solve_steady_rolling_for_creepages(
-    patch: rolling_patch.GridContact, creep: Creep, mu: float, elastic: float = 1.0
-) -> RolledContact:
+def solve_steady_rolling_for_creepages(patch: GridContact, creep: Creep, mu: float, elastic: float = 1.0) -> RolledContact:
     """Solve the friction of a contact that rolls steadily at 1 m/s under prescribed creepages.
 
     Parameters
@@ -122,12 +121,11 @@ def solve_steady_rolling_for_creepages(
     RolledContact
         Force and moment on body 1, friction loss, and the solution in every cell.
     """
-    return _solve_rolling_at_unit_speed(
-        patch, elastic * patch.elastic_slip_per_rolling_length, creep.rigid_slip(patch.cell_centres), mu
-    )
+    transport = elastic * patch.elastic_slip_per_rolling_length
+    return _solve_rolling_at_unit_speed(patch, transport, creep.rigid_slip(patch.cell_centres), mu)
 
 
-def solve_steady_rolling_like_kalker(patch: rolling_patch.GridContact, creep: Creep, mu: float) -> RolledContact:
+def solve_steady_rolling_like_kalker(patch: GridContact, creep: Creep, mu: float) -> RolledContact:
     """Solve the friction of a contact that rolls steadily at 1 m/s, discretised as in Kalker's program CONTACT.
 
     Differences along the flow are of first order over a whole cell, and the slip by spin is taken a sixth of a cell
@@ -149,14 +147,11 @@ def solve_steady_rolling_like_kalker(patch: rolling_patch.GridContact, creep: Cr
     """
     step = float(patch.cell_size[0])
     transport = (patch.tangential_compliance() - patch.tangential_compliance(step)) / step
-    return _solve_rolling_at_unit_speed(
-        patch, transport, creep.rigid_slip(patch.cell_centres + np.array([step / 6.0, 0.0])), mu
-    )
+    upstream = patch.cell_centres + np.array([step / 6.0, 0.0])
+    return _solve_rolling_at_unit_speed(patch, transport, creep.rigid_slip(upstream), mu)
 
 
-def _solve_rolling_at_unit_speed(
-    patch: rolling_patch.GridContact, transport: Array, slip: Array, mu: float
-) -> RolledContact:
+def _solve_rolling_at_unit_speed(patch: GridContact, transport: Array, slip: Array, mu: float) -> RolledContact:
     """Solve the friction of a contact that rolls steadily at 1 m/s with a prescribed rigid slip.
 
     ``transport``: slip that unit tangential forces cause by elastic displacements (2 n, 2 n) [m/s/N]; ``slip``: rigid slip
@@ -180,7 +175,7 @@ class RollingOnsetStep:
     friction_loss: float
 
 
-def simulate_rolling_onset(patch: rolling_patch.GridContact, mu: float, share: float, steps: int) -> list[RollingOnsetStep]:
+def simulate_rolling_onset(patch: GridContact, mu: float, share: float, steps: int) -> list[RollingOnsetStep]:
     """Simulate a contact that is pushed along x and then rolls under the same tangential force.
 
     The contact passes from Cattaneo's solution (at rest) to Carter's (steady rolling). After the push, the contact rolls by
@@ -227,7 +222,7 @@ def simulate_rolling_onset(patch: rolling_patch.GridContact, mu: float, share: f
     return out
 
 
-def spread_of_unused_friction(patch: rolling_patch.GridContact, bound: Array, tangential: Array) -> Array:
+def spread_of_unused_friction(patch: GridContact, bound: Array, tangential: Array) -> Array:
     """Measure the size of the stick zone along x and y by the spread of the unused friction, mu p - abs(q).
 
     p: normal force of a cell; q: tangential force. The unused friction, the increase of q that is left before a cell slips,
@@ -270,7 +265,7 @@ class NormalContact:
 
 
 def solve_normal_contact_by_rolling_model(
-    at: bodies.ContactGeometry, load: float, young: float, poisson: float, shape: tuple[int, int], sizes: bodies.Sizes
+    at: bodies.ContactGeometry, load: float, young: float, poisson: float, shape: tuple[int, int], sizes: Sizes
 ) -> NormalContact:
     """Solve the normal contact of ball and groove by the rolling model, to compare it with the static 3D reference.
 
@@ -296,12 +291,10 @@ def solve_normal_contact_by_rolling_model(
     NormalContact
         Approach, semi-axes and peak pressure.
     """
-    patch = rolling_patch.solve_elastic_contact_on_grid(
-        load, at.relative_radii, young, poisson, shape, bodies.compliance_kernel_of_contact(at, load, young, poisson, sizes)
-    )
-    semi, _, peak = fit_pressure_ellipsoid(
-        patch.cell_centres, np.full(len(patch.cell_centres), float(patch.cell_size.prod())), patch.normal_forces
-    )
+    kernel = bodies.compliance_kernel_of_contact(at, load, young, poisson, sizes)
+    patch = rolling_patch.solve_elastic_contact_on_grid(load, at.relative_radii, young, poisson, shape, kernel)
+    areas = np.full(len(patch.cell_centres), float(patch.cell_size.prod()))
+    semi, _, peak = fit_pressure_ellipsoid(patch.cell_centres, areas, patch.normal_forces)
     return NormalContact(patch.approach, semi, peak)
 
 
@@ -337,15 +330,10 @@ def solve_normal_contact_by_patches(
         raise ValueError(
             "the static 3D reference does not model straight tracks: the balls must move along a ring or a helix"
         )
-    zone = at.contact_zone(load, young, poisson, replace(bodies.Sizes(), cells=cells, growth=2.0, margin=1.2))
-    groove, ball = bodies.mesh_contact_pieces(
-        bodies.BallPath(*at.path_radius_and_rise),
-        at.ball_radius,
-        at.groove_radius,
-        at.contact_angle,
-        zone,
-        on_nut_or_outer_ring=at.groove_curvature_along > 0.0,
-    )
+    zone = at.contact_zone(load, young, poisson, replace(Sizes(), cells=cells, growth=2.0, margin=1.2))
+    path, outer = bodies.BallPath(*at.path_radius_and_rise), at.groove_curvature_along > 0.0
+    geometry = at.ball_radius, at.groove_radius, at.contact_angle
+    groove, ball = bodies.mesh_contact_pieces(path, *geometry, zone, on_nut_or_outer_ring=outer)
     arms = groove.patch_mesh.points[groove.patch_mesh.contact_nodes] - groove.ball_centre
     length = np.linalg.norm(arms, axis=1)
     normals = arms / length[:, None]
@@ -397,11 +385,10 @@ def compare_with_carter(cells: int, share: float) -> tuple[Array, Array]:
     size = np.array([2.1 * half / cells, long])
     index, at = rolling_patch.create_cell_grid((cells, 1), size)
     material = 2.0 * shear * (1.0 + nu), nu
-    forces, approach = rolling_patch.solve_normal_contact(
-        index, size, at[:, 0] ** 2 / (2.0 * radius), load * long, material
-    )
+    gap = at[:, 0] ** 2 / (2.0 * radius)
+    forces, approach = rolling_patch.solve_normal_contact(index, size, gap, load * long, material)
     inside = forces > 0.0
-    patch = rolling_patch.GridContact(index[inside], at[inside], size, forces[inside], material, approach)
+    patch = GridContact(index[inside], at[inside], size, forces[inside], material, approach)
     rest = float(np.sqrt(1.0 - share))
     answer = solve_steady_rolling_for_creepages(patch, Creep(mu * half / radius * (1.0 - rest), 0.0, 0.0), mu)
     stick = 2.0 * spread_of_unused_friction(patch, mu * patch.normal_forces, answer.friction_solution.forces[0])[0]
@@ -411,7 +398,7 @@ def compare_with_carter(cells: int, share: float) -> tuple[Array, Array]:
 # --- Cattaneo and Mindlin
 
 
-def compare_with_mindlin(cells: int, share: float, finite_balls: bodies.Sizes | None = None) -> tuple[Array, Array]:
+def compare_with_mindlin(cells: int, share: float, finite_balls: Sizes | None = None) -> tuple[Array, Array]:
     """Compare a sphere pressed onto an equal one and pushed sideways with the solution of Cattaneo and Mindlin.
 
     The stick radius is a (1 - Q/(mu P))^(1/3), and the relative tangential displacement of the spheres (shift) is
@@ -443,35 +430,27 @@ def compare_with_mindlin(cells: int, share: float, finite_balls: bodies.Sizes | 
     Johnson, Contact Mechanics (1985), eqs. (7.38) and (7.39).
     """
     shear, mu, load, radius = 80e9, 0.1, 100.0, 10e-3
-    young, poisson = 2.0 * shear, 0.0
-    radii = radius, radius
-    size = solve_hertz(load, *radii, young, poisson).semi_x
-    kernel = None if finite_balls is None else kernel_of_two_balls(2.0 * radius, size, young, poisson, finite_balls)
-    patch = rolling_patch.solve_elastic_contact_on_grid(load, radii, young, poisson, (cells, cells), kernel)
-    size = solve_hertz(
-        load, *rolling_patch.equivalent_half_space_radii(load, radii, young, poisson, kernel), young, poisson
-    ).semi_x
+    material, radii = (2.0 * shear, 0.0), (radius, radius)
+    size = solve_hertz(load, *radii, *material).semi_x
+    kernel = None if finite_balls is None else kernel_of_two_balls(2.0 * radius, size, *material, finite_balls)
+    patch = rolling_patch.solve_elastic_contact_on_grid(load, radii, *material, (cells, cells), kernel)
+    size = solve_hertz(load, *rolling_patch.equivalent_half_space_radii(load, radii, *material, kernel), *material).semi_x
     rest = 1.0 - share
     shift = 3.0 * mu * load / (16.0 * size) * 4.0 / shear * (1.0 - rest ** (2.0 / 3.0))
     if kernel is not None:
         along, spread = slice(0, 1), patch.normal_forces / load
-        shift += (
-            share
-            * mu
-            * load
-            * float(spread @ kernel.displacements_by_unit_forces(patch.cell_centres, along, along) @ spread)
-        )
-    slip = np.concatenate([np.full(len(patch.cell_centres), shift), np.zeros(len(patch.cell_centres))])
+        by_unit_force = kernel.displacements_by_unit_forces(patch.cell_centres, along, along)
+        shift += share * mu * load * float(spread @ by_unit_force @ spread)
+    slip = np.repeat([shift, 0.0], len(patch.cell_centres))
     _, solution = solve_friction_for_rigid_slip(patch, patch.tangential_compliance(), slip, mu)
-    stick = np.sqrt(2.5) * float(
-        np.linalg.norm(spread_of_unused_friction(patch, mu * patch.normal_forces, solution.forces[0]))
-    )
+    unused = spread_of_unused_friction(patch, mu * patch.normal_forces, solution.forces[0])
+    stick = np.sqrt(2.5) * float(np.linalg.norm(unused))
     force = -solution.forces[0][: len(patch.cell_centres)].sum() / (mu * load)
     return np.array([force, stick / size]), np.array([share, rest ** (1.0 / 3.0)])
 
 
 def kernel_of_two_balls(
-    radius: float, semi: float, young: float, poisson: float, sizes: bodies.Sizes
+    radius: float, semi: float, young: float, poisson: float, sizes: Sizes
 ) -> rolling_patch.ComplianceKernel:
     """Compute by how much the contact compliance of two equal touching balls exceeds that of two half-spaces.
 
@@ -487,11 +466,7 @@ def kernel_of_two_balls(
 
 
 def compare_ball_friction_with_point(
-    scene: RollingBalls,
-    result: RollingResult,
-    contact_index: int,
-    points: int = 60,
-    finite_balls: bodies.Sizes | None = None,
+    scene: RollingBalls, result: RollingResult, contact_index: int, points: int = 60, finite_balls: Sizes | None = None
 ) -> tuple[float, float]:
     """Compare the friction of two balls distributed over their contact area with friction taken to act at one point.
 
@@ -529,19 +504,15 @@ def compare_ball_friction_with_point(
         patch = rolling_patch.solve_elastic_contact_on_grid(*touch, (points, points), kernel)
         local, normal, sunk = patch.cell_centres, patch.normal_forces, patch.depth_of_contact_centre
     slide = np.zeros((len(local), 2))
-    for ball, sign, half in (
-        (m.first_ball, 1.0, m.motion_indices[:MOTIONS]),
-        (m.second_ball, -1.0, m.motion_indices[MOTIONS:]),
-    ):
+    halves = (m.first_ball, 1.0, m.motion_indices[:MOTIONS]), (m.second_ball, -1.0, m.motion_indices[MOTIONS:])
+    for ball, sign, half in halves:
         axes = m.axes @ scene.balls[ball].axes.T
         at = sign * (scene.ball_radius - sunk) * axes[0] + local @ axes[1:]
         speeds = velocities_by_ball_motions(scene.track, scene.ball_radius, at) @ result.friction_solution.motions[half]
         slide += sign * speeds @ axes[1:].T
     pull = coulomb_friction_forces(scene.ball_friction_coefficient * normal, slide.T.ravel())
     bound = scene.ball_friction_coefficient * force
-    point = bound * float(
-        np.linalg.norm((m.speeds_by_ball_motions @ result.friction_solution.motions[m.motion_indices])[1:])
-    )
+    point = bound * float(np.linalg.norm(m.closing_and_sliding_speeds(result.friction_solution.motions)[1:]))
     total = float(np.linalg.norm(pull.reshape(2, -1).sum(axis=1)))
     return total / bound, -float(pull @ slide.T.ravel()) / point
 
@@ -571,24 +542,18 @@ def compare_half_space_displacements(zone: ContactZone, size: float, young: floa
         The same displacements in closed form [m/N].
     """
     block = mesh_half_space(size, zone)
-    computed = bodies.compliance_of_half_space_block(
-        block, bodies.nodal_forces_of_tractions(block, zone, 0, (0.0, 0.0)), young, poisson
-    ).diagonal()
+    forces = bodies.nodal_forces_of_tractions(block, zone, 0, (0.0, 0.0))
+    computed = bodies.compliance_of_half_space_block(block, forces, young, poisson).diagonal()
     sides = 2.0 * np.array(zone.half_lengths)
     _, at = rolling_patch.create_cell_grid((MEANS, MEANS), sides / MEANS)
-    both = (
-        rolling_patch.displacement_by_rectangle(at[:, 0], at[:, 1], sides[0], sides[1], young, poisson)
-        .mean(axis=0)
-        .diagonal()
-        / sides.prod()
-    )
-    return computed, 0.5 * both
+    moved = rolling_patch.displacement_by_rectangle(at[:, 0], at[:, 1], sides[0], sides[1], young, poisson)
+    return computed, 0.5 * (moved.mean(axis=0).diagonal() / sides.prod())
 
 
 # --- Kalker's linear theory
 
 
-def create_sticking_elliptic_contact(ratio: float, poisson: float, shape: tuple[int, int]) -> rolling_patch.GridContact:
+def create_sticking_elliptic_contact(ratio: float, poisson: float, shape: tuple[int, int]) -> GridContact:
     """Create an elliptic contact on a grid that sticks everywhere, for Kalker's linear theory.
 
     ``ratio``: semi-axis along over semi-axis across; ``shape``: numbers of cells along and across. The semi-axes are
@@ -601,10 +566,8 @@ def create_sticking_elliptic_contact(ratio: float, poisson: float, shape: tuple[
     index, at = rolling_patch.create_cell_grid(shape, size)
     inside = ((at / semi) ** 2).sum(axis=1) < 1.0
     stretch = float(np.sqrt(np.pi / (np.count_nonzero(inside) * size.prod())))
-    forces = np.full(np.count_nonzero(inside), np.inf)
-    return rolling_patch.GridContact(
-        index[inside], stretch * at[inside], stretch * size, forces, (2.0 * (1.0 + poisson), poisson), 0.0
-    )
+    forces, material = np.full(np.count_nonzero(inside), np.inf), (2.0 * (1.0 + poisson), poisson)
+    return GridContact(index[inside], stretch * at[inside], stretch * size, forces, material, 0.0)
 
 
 def kalker_linear_coefficients(ratio: float, poisson: float, shape: tuple[int, int]) -> Array:
@@ -640,10 +603,8 @@ def kalker_linear_coefficients(ratio: float, poisson: float, shape: tuple[int, i
     image = np.lexsort((-patch.cell_indices[:, 1], patch.cell_indices[:, 0]))[half]
     units = np.stack([Creep(*row).rigid_slip(patch.cell_centres) for row in np.eye(3)], axis=1)
     rows = np.concatenate([half, count + half])
-    near, far = (
-        patch.elastic_slip_per_rolling_length[np.ix_(rows, rows)],
-        patch.elastic_slip_per_rolling_length[np.ix_(rows, np.concatenate([image, count + image]))],
-    )
+    mirrored = np.concatenate([image, count + image])
+    near, far = (patch.elastic_slip_per_rolling_length[np.ix_(rows, columns)] for columns in (rows, mirrored))
     F = np.zeros((3, 3))
     for kind, sense in ((slice(0, 1), 1.0), (slice(1, 3), -1.0)):
         slip = units[rows, kind]
@@ -690,7 +651,7 @@ def friction_at_full_slip_by_quadrature(
     return _resultant_force_and_moment(at, coulomb_friction_forces(mu * normal, creep.rigid_slip(at)))
 
 
-def friction_at_full_slip_by_cells(patch: rolling_patch.GridContact, creep: Creep, mu: float) -> tuple[Array, float]:
+def friction_at_full_slip_by_cells(patch: GridContact, creep: Creep, mu: float) -> tuple[Array, float]:
     """Compute the friction force and moment of a contact that slips in all cells, by 20 x 20 points in each grid cell.
 
     The points resolve the rotation of the slip about the point without slip; only the error of the grid's staircase edge
@@ -716,9 +677,8 @@ def friction_at_full_slip_by_cells(patch: rolling_patch.GridContact, creep: Cree
     unit = (np.arange(points) + 0.5) / points - 0.5
     inside = np.stack(np.meshgrid(unit, unit, indexing="ij"), axis=-1).reshape(-1, 2) * patch.cell_size
     at = (patch.cell_centres[:, None] + inside).reshape(-1, 2)
-    return _resultant_force_and_moment(
-        at, coulomb_friction_forces(np.repeat(mu * patch.normal_forces / points**2, points**2), creep.rigid_slip(at))
-    )
+    limits = np.repeat(mu * patch.normal_forces / points**2, points**2)
+    return _resultant_force_and_moment(at, coulomb_friction_forces(limits, creep.rigid_slip(at)))
 
 
 def _resultant_force_and_moment(at: Array, forces: Array) -> tuple[Array, float]:

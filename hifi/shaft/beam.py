@@ -133,10 +133,8 @@ def beam_stiffness(length: float, section: ShaftSection) -> Array:
     (12, 12) Array
         Forces and moments on both ends by unit motions of both ends [N/m, N, N m].
     """
-    end, T = (
-        np.linalg.inv(end_flexibility_of_cantilever(length, section.flexibility_per_length)),
-        rigid_motion_transfer_along_z(length),
-    )
+    end = np.linalg.inv(end_flexibility_of_cantilever(length, section.flexibility_per_length))
+    T = rigid_motion_transfer_along_z(length)
     return np.block([[T.T @ end @ T, -T.T @ end], [-end @ T, end]])
 
 

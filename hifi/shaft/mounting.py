@@ -1,13 +1,15 @@
 """3D stretches of the screw between beams: compliance of their contacts for the supports and loads of a scene.
 
-A stretch is fixed at its base section and loaded at the modes m of its contact patches and at ports p (its other end, and
-the supports and loads inside): u_x = F_xm f_m + F_xp f_p + B_x u_base, with the flexibility F of the stretch and its
-motions B by unit motions of the base. K is the beams' stiffness, and S_p and S_base select the degrees of freedom of
-the nodes to which ports and base are joined. With L = S_p - S_base B_p^T, loads P on the nodes move them by U:
+A stretch is the part of the screw around a nut that is meshed in 3D. It is fixed at its base section, and loaded by forces
+f_m on the displacement modes m of its contacts and by forces f_p at its ports p: its other end, and the supports and loads
+inside. The modes and ports (x stands for either) move by u_x = F_xm f_m + F_xp f_p + B_x u_base, with the flexibility F of
+the stretch, the motion u_base of the base, and the motions B by unit motions of the base. K is the beams' stiffness, and
+S_p and S_base select the degrees of freedom of the nodes to which ports and base are joined. With L = S_p - S_base B_p^T,
+loads P on the nodes move them by U:
 
     (K + L F_pp^-1 L^T) U = P + Y^T f_m,  Y = B_m S_base^T + F_mp F_pp^-1 L^T,
 
-and the patches by u_m = (F_mm - F_mp F_pp^-1 F_pm) f_m + Y U: exact, and small enough to redo for every load case.
+and the contacts' modes by u_m = (F_mm - F_mp F_pp^-1 F_pm) f_m + Y U: exact, and small enough to redo for every load case.
 Several stretches add their L F_pp^-1 L^T. A nut on a housing has the housing as its base, and no port.
 
 The stretch ends in flat rigid sections. Where a beam continues it, the real shaft does not end, and the effect of such a
@@ -19,6 +21,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -190,12 +193,9 @@ def correct_beam_stiffness(
     low, high = stretch.ends
     first = stretch.mode_count + 6 * stretch.ports.index(high)
     end = np.s_[first : first + 6]
+    lower, upper = flexibility_of_lower_cut_end(cut, m, low), flexibility_of_upper_cut_end(cut, m, high)
     B = stretch.B[end]
-    per_length = np.diag(
-        stretch.F[end, end]
-        - B @ flexibility_of_lower_cut_end(cut, m, low) @ B.T
-        - flexibility_of_upper_cut_end(cut, m, high)
-    ) / (high - low)
+    per_length = np.diag(stretch.F[end, end] - B @ lower @ B.T - upper) / (high - low)
     bend = 0.5 * (per_length[3] + per_length[4])
     change = np.array([1.0 / section.EA - per_length[2], 1.0 / section.EI - bend, 1.0 / section.GJ - per_length[5]])
     turn, arms = _motions_by_section_motions(modes_by_rigid_motions, contact_positions, stretch)
@@ -271,8 +271,17 @@ def join_and_support_shaft_parts(
     ends = {z for s in stretches for z in (s.base_position, *s.ports)}
     low, high = min((*acted, *ends)), max((*acted, *ends))
     between = {z for z in section_changes if low < z < high and not any(s.contains(z) for s in stretches)}
-    nodes = _distinct_positions(sorted({*ends, *acted, *between}))
-    place = _FirstFreedomOfNode(nodes)
+    stations = sorted({*ends, *acted, *between})
+    nodes = [z for k, z in enumerate(stations) if k == 0 or z - stations[k - 1] > SAME]
+    n = 6 * len(nodes)
+
+    def first_freedom_of(body: int, at: float) -> int:
+        """Return the index of the first degree of freedom of the shaft's node at an axial position, or of a housing.
+
+        ``body``: 0 for the shaft, 1 and up for the housings; ``at``: axial position on the shaft [m].
+        """
+        return 6 * int(np.abs(np.array(nodes) - at).argmin()) if body == 0 else n + 6 * (body - 1)
+
     for z in sorted(acted):
         if not rigid and any(s.is_at_unloadable_section(z) for s in stretches):
             raise ValueError(
@@ -280,18 +289,17 @@ def join_and_support_shaft_parts(
                 "section whose motion was not kept in the condensation: condense the shaft with the supports and loads of "
                 "all scenes that will be solved"
             )
-    n = 6 * len(nodes)
     K = np.zeros((n + 6 * len(frame.housings),) * 2)
     for a, b in pairwise(nodes):
         if rigid or any(s.contains(a) and s.contains(b) for s in stretches):
             continue
-        dof = np.r_[place[a] : place[a] + 6, place[b] : place[b] + 6]
+        dof = np.concatenate([first_freedom_of(0, z) + np.arange(6) for z in (a, b)])
         K[np.ix_(dof, dof)] += beam_stiffness(b - a, section_at(0.5 * (a + b)))
     for rows, stiffness in frame.spring_stiffnesses():
         K[n:, n:] += rows.T @ stiffness @ rows
     joined = []
     for s in stretches:
-        joined.append(_contribution_of_shaft_part(s, place, len(K)))
+        joined.append(_contribution_of_shaft_part(s, partial(first_freedom_of, 0), len(K)))
         K = K + joined[-1].K
     Y = np.concatenate([j.modes_by_node_motions for j in joined] + [np.zeros((len(c.G), len(K))) for c in nuts_on_housings])
     G = block_diag(*(j.G for j in joined), *(c.G for c in nuts_on_housings))
@@ -302,25 +310,15 @@ def join_and_support_shaft_parts(
 
     T = np.eye(len(K))
     if rigid:
-        T = block_diag(
-            np.concatenate([rigid_motion_transfer_along_z(z - stretches[0].base_position) for z in nodes]),
-            np.eye(len(K) - n),
-        )
-
-    def first_freedom_of(body: int, at: float) -> int:
-        """Return the index of the first degree of freedom of the shaft at an axial position, or of a housing.
-
-        ``body``: 0 for the shaft, 1 and up for the housings; ``at``: axial position on the shaft [m].
-        """
-        return place[at] if body == 0 else n + 6 * (body - 1)
-
+        transfers = [rigid_motion_transfer_along_z(z - stretches[0].base_position) for z in nodes]
+        T = block_diag(np.concatenate(transfers), np.eye(len(K) - n))
     P = np.zeros(len(K))
     for body, at, wrench in frame.forces_and_moments():
         P[first_freedom_of(body, at) : first_freedom_of(body, at) + 6] += wrench
     held = [first_freedom_of(body, at) + k for body, at, k, _ in frame.prescribed_motions()]
     values = [value for *_, value in frame.prescribed_motions()]
     motions = find_unconstrained_rigid_motions(frame, nodes[0])
-    pins = [place[nodes[0]] + k if k < 6 else n + k - 6 for k in select_freedoms_to_constrain(motions)]
+    pins = [k if k < 6 else n + k - 6 for k in select_freedoms_to_constrain(motions)]  # of the first node, of housings
     # U = T W, constraints R U = r: a basis of the free motions, and one state that meets the constraints
     rows = np.zeros((len(held) + len(pins), len(K)))
     rows[np.arange(len(rows)), held + pins] = 1.0
@@ -348,14 +346,14 @@ def join_and_support_shaft_parts(
     observed = np.concatenate([j.observers_by_node_motions for j in joined])
     inside = block_diag(*(j.observers_by_modal_forces for j in joined))
     inside = np.hstack([inside, np.zeros((len(inside), len(G) - inside.shape[1]))])
-    stations = (*nodes, *(z for s in stretches for z in s.observers))
+    centreline = (*nodes, *(z for s in stretches for z in s.observers))
     return SupportedShaft(
         0.5 * (G + G.T),
         Y @ line,
         motions,
         _work_of_loads_on_motions(frame, motions, nodes[0]),
         nodes[0],
-        stations,
+        centreline,
         np.concatenate([line[:n], observed @ line]).reshape(-1, 6),
         np.concatenate([by_modes[:n], inside + observed @ by_modes]).reshape(-1, 6, len(G)),
         line[n:].reshape(-1, 6),
@@ -382,55 +380,30 @@ class _ShaftPartContribution(NamedTuple):
 
 
 def _contribution_of_shaft_part(
-    stretch: MeshedShaftPart, first_freedom_at: _FirstFreedomOfNode, freedom_count: int
+    stretch: MeshedShaftPart, first_freedom_at: Callable[[float], int], freedom_count: int
 ) -> _ShaftPartContribution:
     """Compute the stiffness and compliance that one 3D part of the shaft adds to the structure of shaft and housings.
 
-    ``first_freedom_at``: object that gives, for an axial position, the first degree of freedom of the node there;
+    ``first_freedom_at``: function that gives, for an axial position, the first degree of freedom of the node there;
     ``freedom_count``: number of degrees of freedom of the structure.
     """
     m, p = stretch.mode_count, 6 * len(stretch.ports)
     F_mm, F_mp, F_pp = stretch.F[:m, :m], stretch.F[:m, m : m + p], stretch.F[m : m + p, m : m + p]
     L = np.zeros((freedom_count, p))
     for k, z in enumerate(stretch.ports):
-        L[first_freedom_at[z] : first_freedom_at[z] + 6, 6 * k : 6 * k + 6] += np.eye(6)
-    base = slice(first_freedom_at[stretch.base_position], first_freedom_at[stretch.base_position] + 6)
+        L[first_freedom_at(z) : first_freedom_at(z) + 6, 6 * k : 6 * k + 6] += np.eye(6)
+    first = first_freedom_at(stretch.base_position)
+    base = slice(first, first + 6)
     L[base] -= stretch.B[m : m + p].T
     joined = np.linalg.solve(F_pp, np.hstack([L.T, F_mp.T])) if p else np.zeros((0, freedom_count + m))
-    Y = F_mp @ joined[:, :freedom_count]  # F_mp F_pp^-1 L^T + B_m S_base^T
+    by_nodes, by_modes = joined[:, :freedom_count], joined[:, freedom_count:]
+    Y = F_mp @ by_nodes  # F_mp F_pp^-1 L^T + B_m S_base^T
     Y[:, base] += stretch.B[:m]
     o = slice(m + p, stretch.F.shape[0])
     F_op = stretch.F[o, m : m + p]
-    Y_o = F_op @ joined[:, :freedom_count]
+    Y_o = F_op @ by_nodes
     Y_o[:, base] += stretch.B[o]
-    return _ShaftPartContribution(
-        L @ joined[:, :freedom_count],
-        Y,
-        F_mm - F_mp @ joined[:, freedom_count:],
-        Y_o,
-        stretch.F[o, :m] - F_op @ joined[:, freedom_count:],
-    )
-
-
-class _FirstFreedomOfNode:
-    """Index of the first degree of freedom of the shaft's node nearest to an axial position [m], by subscript.
-
-    ``nodes``: axial positions of the nodes of the shaft [m].
-    """
-
-    def __init__(self, nodes: Sequence[float]) -> None:
-        self.nodes = np.array(nodes)
-
-    def __getitem__(self, z: float) -> int:
-        return 6 * int(np.abs(self.nodes - z).argmin())
-
-
-def _distinct_positions(stations: Sequence[float]) -> list[float]:
-    """Return axial positions [m] without duplicates, that is without those within `SAME` of the preceding position.
-
-    ``stations``: axial positions in ascending order [m].
-    """
-    return [z for k, z in enumerate(stations) if k == 0 or z - stations[k - 1] > SAME]
+    return _ShaftPartContribution(L @ by_nodes, Y, F_mm - F_mp @ by_modes, Y_o, stretch.F[o, :m] - F_op @ by_modes)
 
 
 def find_unconstrained_rigid_motions(frame: ShaftSupports, origin: float) -> Array:

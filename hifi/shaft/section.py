@@ -162,10 +162,8 @@ def fit_flexibility_of_cut_end(m: GrooveMap, flexibilities: Sequence[tuple[float
     chiral[[0, 1, 3, 4], [3, 4, 0, 1]] = m.R
     columns, wanted = [], []
     for length, F in flexibilities:
-        rows = [
-            *(_flexibility_of_both_cut_ends(m, length, e * scale) for e in _UNITS),
-            end_flexibility_of_cantilever(length, chiral),
-        ]
+        rows = [_flexibility_of_both_cut_ends(m, length, e * scale) for e in _UNITS]
+        rows.append(end_flexibility_of_cantilever(length, chiral))
         columns.append(np.array([(x / scale)[_UPPER] for x in rows]).T)
         wanted.append(((F - end_flexibility_of_cantilever(length, per_length)) / scale)[_UPPER])
     coefficients = np.linalg.lstsq(np.concatenate(columns), np.concatenate(wanted))[0]
@@ -178,9 +176,8 @@ def _flexibility_of_both_cut_ends(m: GrooveMap, length: float, cut: Array) -> Ar
     ``length``: length of the shaft [m]; ``cut``: flexibility E of one cut end, in the frame of the cut.
     """
     T, half = rigid_motion_transfer_along_z(length), length / 2.0
-    return np.asarray(
-        T @ flexibility_of_lower_cut_end(cut, m, m.z0 - half) @ T.T + flexibility_of_upper_cut_end(cut, m, m.z0 + half)
-    )  # T A T^T + R_b E R_b^T
+    lower, upper = flexibility_of_lower_cut_end(cut, m, m.z0 - half), flexibility_of_upper_cut_end(cut, m, m.z0 + half)
+    return np.asarray(T @ lower @ T.T + upper)  # T A T^T + R_b E R_b^T
 
 
 @dataclass(frozen=True)
@@ -221,11 +218,7 @@ def choose_lengths_of_fitted_shafts(m: GrooveMap) -> tuple[float, float, float]:
 
 
 def compute_equivalent_beam(
-    m: GrooveMap,
-    bore: float,
-    material: Material,
-    section_stiffness: tuple[Array, float],
-    shafts: Sequence[tuple[float, Array]],
+    m: GrooveMap, bore: float, material: Material, section: tuple[Array, float], shafts: Sequence[tuple[float, Array]]
 ) -> EquivalentBeam:
     """Compute the uniform beam equivalent to a grooved shaft, and the flexibility that a cut end adds.
 
@@ -239,7 +232,7 @@ def compute_equivalent_beam(
         Radius of the bore [m].
     material : Material
         Elastic material.
-    section_stiffness : tuple[Array, float]
+    section : tuple[Array, float]
         Stiffness against stretch and twist ``(2, 2)`` [N, N m; N m, N m2] and bending stiffness [N m2], as from
         `stiffness_of_grooved_shaft`.
     shafts : Sequence[tuple[float, Array]]
@@ -253,7 +246,7 @@ def compute_equivalent_beam(
     young, poisson = material.youngs_modulus, material.poissons_ratio
     (least, short), (most, long), _ = shafts
     per_length = (long - short) / (most - least)
-    stiffness, EI = section_stiffness
+    stiffness, EI = section
     yielding = np.linalg.inv(stiffness)
     EA, GJ = 1.0 / yielding[0, 0], 1.0 / yielding[1, 1]
     shear = young / (2.0 * (1.0 + poisson))
@@ -297,17 +290,8 @@ def meshed_shaft_flexibility(
     F : (6, 6) Array
         Motion of the rigid end by unit forces and moments on it [m/N, 1/N, 1/(N m)].
     """
-    spec = GroovedBodySpec(
-        bore_radius,
-        land_radius,
-        m.z0 - length / 2.0,
-        m.z0 + length / 2.0,
-        True,
-        (),
-        RefinementBoxSize(0.3, 1e-3, 0.05),
-        element_size,
-        element_size,
-    )
+    ends, no_box = (m.z0 - length / 2.0, m.z0 + length / 2.0), RefinementBoxSize(0.3, 1e-3, 0.05)
+    spec = GroovedBodySpec(bore_radius, land_radius, *ends, True, (), no_box, element_size, element_size)
     mesh = mesh_grooved_body(m, spec)
     K = assemble_constant_form(elasticity_form(material.youngs_modulus, material.poissons_ratio), mesh.mesh)
     T = all_freedoms_with_rigid_end(mesh.mesh, spec.z_high)
@@ -360,11 +344,9 @@ def stiffness_of_grooved_shaft(
     """
     mesh, period = _mesh_helical_section(m, outer, bore, cells)
     basis = Basis(mesh, ElementVector(ElementQuad2(), 3), intorder=6)
-    stretch_and_twist = (
-        _stiffness_against_mean_strains(basis, m.rg, 0, material, period, (STRETCH, TWIST)) * 2.0 * np.pi / period
-    )
-    bending = _stiffness_against_mean_strains(basis, m.rg, 1, material, period, (CURVATURE,)) * np.pi / period
-    return stretch_and_twist, float(bending[0, 0])
+    axial = _stiffness_against_mean_strains(basis, m.rg, 0, material, period, (STRETCH, TWIST))
+    bending = _stiffness_against_mean_strains(basis, m.rg, 1, material, period, (CURVATURE,))
+    return axial * 2.0 * np.pi / period, float((bending * np.pi / period)[0, 0])
 
 
 def _mesh_helical_section(m: GrooveMap, outer: float, bore: float, cells: tuple[int, int, int]) -> tuple[MeshQuad, float]:

@@ -30,6 +30,12 @@ CONFORMITIES = (0.503, 0.65)
 #: which they start.
 STEPS, ENOUGH, BEGINS = 40, 1e-10, 1e-4
 
+#: Message of a thrust [N] beyond the range of Hertz's theory.
+TOO_LARGE = (
+    "a thrust of {:.3g} N is too large for Hertz contact in a bearing: it would displace the inner ring by more than the "
+    "ball's diameter"
+)
+
 
 @dataclass(frozen=True)
 class BallBearing:
@@ -61,8 +67,10 @@ class BallBearing:
     def __post_init__(self) -> None:
         """Check that the dimensions give a contact angle and a Hertz contact; raise ValueError otherwise."""
         if self.balls < 1 or self.ball_diameter <= 0.0 or self.young <= 0.0 or not 0.0 <= self.poisson < 0.5:
+            given = f"{self.balls} balls of {self.ball_diameter:g} m, Young's modulus {self.young:g} Pa"
             raise ValueError(
-                "number of balls, ball diameter and Young's modulus must be > 0, Poisson's ratio 0 to below 0.5"
+                f"ball bearing: got {given}, Poisson's ratio {self.poisson:g}; allowed: values above 0, Poisson's ratio 0 "
+                "to below 0.5"
             )
         if min(self.inner_groove, self.outer_groove) <= 0.5 * self.ball_diameter:
             radii = f"groove radii of {self.inner_groove:g} and {self.outer_groove:g} m"
@@ -71,7 +79,8 @@ class BallBearing:
             )
         if not -1e-12 * self.ball_diameter <= self.clearance <= 2.0 * self.centre_distance:
             raise ValueError(
-                "the bearing's diametral clearance must lie between 0 and twice the distance of the groove centres"
+                f"ball bearing: got a diametral clearance of {self.clearance:g} m; allowed: 0 to "
+                f"{2.0 * self.centre_distance:g} m, twice the distance of the groove centres"
             )
 
     @property
@@ -121,18 +130,10 @@ def bearing_with_contact_angle(
     young, poisson
         Young's modulus [Pa] and Poisson's ratio.
     """
-    inner, outer = (c * ball_diameter for c in conformity)
-    play = (inner + outer - ball_diameter) * (1.0 - np.cos(angle))
-    return BallBearing(
-        balls,
-        ball_diameter,
-        pitch_diameter - ball_diameter - play,
-        pitch_diameter + ball_diameter + play,
-        inner,
-        outer,
-        young,
-        poisson,
-    )
+    grooves = [c * ball_diameter for c in conformity]
+    play = (sum(grooves) - ball_diameter) * (1.0 - np.cos(angle))
+    raceways = pitch_diameter - ball_diameter - play, pitch_diameter + ball_diameter + play
+    return BallBearing(balls, ball_diameter, *raceways, grooves[0], grooves[1], young, poisson)
 
 
 @dataclass(frozen=True)
@@ -383,10 +384,7 @@ def displacement_under_thrust(bearing: BallBearing, load: float) -> float:
     while float(bearing_state_at_displacement(bearing, high).thrust) < load:
         high *= 4.0
         if high > bearing.ball_diameter:
-            raise ValueError(
-                f"a thrust of {load:.3g} N is too large for Hertz contact in this bearing: it would displace the inner "
-                "ring by more than the ball's diameter"
-            )
+            raise ValueError(TOO_LARGE.format(load))
 
     def thrust_above_given(u: float) -> float:
         """Return the thrust at a displacement u [m] of the inner ring less the given thrust [N]."""
@@ -420,10 +418,7 @@ def bearing_states_under_thrust(bearings: BallRows, load: Array) -> BallBearingT
         u = np.maximum(u + step, 0.2 * u)
         if float(np.abs(step / u).max()) < ENOUGH and bool(np.all(u < bearings.ball_diameter)):
             return state
-    raise ValueError(
-        f"a thrust of {float(np.max(load)):.3g} N is too large for Hertz contact in a bearing: it would displace the inner "
-        "ring by more than the ball's diameter"
-    )
+    raise ValueError(TOO_LARGE.format(float(np.max(load))))
 
 
 def conformity_from_pair_rigidity(bearings: CatalogueBearings, preload: Array, rigidity: Array) -> Array:

@@ -141,14 +141,13 @@ def compute_smith_spreadsheet(
         sums = (float(sum(four[0])), float(sum(four[1])))
         outer = curvature_difference(four[1]) if outer_difference is None else outer_difference
         differences = (curvature_difference(four[0]), outer)
-        delta = (
-            hertz_parameter_by_smith_polynomial(differences[0], "approach"),
-            hertz_parameter_by_smith_polynomial(differences[1], "approach"),
-        )
-        race = (load_constant_of_race(sums[0], delta[0]), load_constant_of_race(sums[1], delta[1]))
+        inner, outer = (hertz_parameter_by_smith_polynomial(F, "approach") for F in differences)
+        race = load_constant_of_race(sums[0], inner), load_constant_of_race(sums[1], outer)
         moved = b * float(np.sin(angle - rest)) / float(np.cos(angle))
         q = load / (balls * float(np.sin(angle)))
-        return SmithSpreadsheetValues(sums, differences, delta, race, load_constant_of_both_races(*race), angle, q, moved)
+        return SmithSpreadsheetValues(
+            sums, differences, (inner, outer), race, load_constant_of_both_races(*race), angle, q, moved
+        )
 
     def ball_load_above_deflection_load(angle: float) -> float:
         """Return a ball's load by equilibrium less its load by deflection [N], for a contact angle [rad]."""

@@ -426,11 +426,9 @@ class BearingRows:
 
     def __post_init__(self) -> None:
         """Check that the fields have the same length and directions are +1 or -1; raise ValueError otherwise."""
-        if not self.row_laws or not len(self.row_laws) == len(self.directions) == len(self.preload_deflections):
-            counts = (
-                f"{len(self.row_laws)} rows, {len(self.directions)} directions and {len(self.preload_deflections)} "
-                "preload deflections"
-            )
+        rows, *others = len(self.row_laws), len(self.directions), len(self.preload_deflections)
+        if not rows or others != [rows, rows]:
+            counts = f"{rows} rows, {others[0]} directions and {others[1]} preload deflections"
             raise ValueError(
                 f"bearing rows: got {counts}; allowed: at least one row, and for each row one direction and one preload "
                 "deflection (the gap between its rings that the locknut closes)"

@@ -145,8 +145,8 @@ def load_zone_under_thrust_and_radial_load(axial: float, radial: float, angle: f
     ratio = radial * np.tan(angle) / axial if axial > 0.0 else np.inf
     if not 0.0 <= ratio < 1.0:
         raise ValueError(
-            "the load zone cannot be computed: the radial load F_r must not be negative, and the thrust must exceed "
-            "F_r tan(alpha) (alpha: contact angle), below which the rings separate"
+            f"load zone: got a thrust F_a of {axial:g} N and a radial load F_r of {radial:g} N; allowed: F_r of at least 0 "
+            "and F_a above F_r tan(alpha) (alpha: contact angle), below which the rings separate"
         )
     if ratio == 0.0:
         return load_zone_integrals(np.inf, exponent)
@@ -159,10 +159,8 @@ def load_zone_under_thrust_and_radial_load(axial: float, radial: float, angle: f
         zone = load_zone_integrals(float(np.exp(log_eps)), exponent)
         return float(np.log(zone.radial_integral / zone.thrust_integral / ratio))
 
-    return load_zone_integrals(
-        float(np.exp(brentq(logarithm_of_ratio_over_required, np.log(1e-8), np.log(exponent / ratio), xtol=1e-13))),
-        exponent,
-    )
+    log_eps = brentq(logarithm_of_ratio_over_required, np.log(1e-8), np.log(exponent / ratio), xtol=1e-13)
+    return load_zone_integrals(float(np.exp(log_eps)), exponent)
 
 
 #: Exponent n of the power law q ~ delta^n by which the load varies over the load zone (Smith 1994, eq. 3.15).
@@ -207,9 +205,8 @@ def strain_energy_and_derivatives(bearing: TaperedBearing, displacement: Array) 
     tuple[float, Array, Array, Array]
         Strain energy [J], axial and radial force ``(2,)`` [N], stiffness ``(2, 2)`` [N/m], roller loads ``(N,)`` [N].
     """
-    direction = np.column_stack(
-        [np.full(bearing.rollers, np.sin(bearing.cup_angle)), np.cos(bearing.cup_angle) * np.cos(roller_azimuths(bearing))]
-    )
+    sin, cos = np.sin(bearing.cup_angle), np.cos(bearing.cup_angle)
+    direction = np.column_stack([np.full(bearing.rollers, sin), cos * np.cos(roller_azimuths(bearing))])
     law, length = bearing.approach_law(), bearing.length
     q = law.line_load(direction @ displacement)
     energy, slope = length * law.energy_per_length(q), length * law.stiffness_per_length(q)
@@ -246,18 +243,16 @@ def solve_thrust_and_radial_equilibrium(bearing: TaperedBearing, axial: float, r
     return ThrustAndRadialState(float(x[0]), float(x[1]), loads, slope, residual, residual < 1e-9)
 
 
-def _largest_descending_step(
-    bearing: TaperedBearing, displacement: Array, step: Array, potential_energy: float, force: Array
-) -> float:
+def _largest_descending_step(bearing: TaperedBearing, start: Array, step: Array, energy: float, force: Array) -> float:
     """Return the largest fraction 1, 1/2, 1/4, ... of a Newton step that does not increase the bearing's potential energy.
 
-    Round-off is tolerated. ``displacement``, ``step``: displacement and Newton step, axial and radial ``(2,)`` [m];
-    ``potential_energy``: potential energy at ``displacement`` [J]; ``force``: external axial and radial force ``(2,)`` [N].
+    Round-off is tolerated. ``start``, ``step``: displacement and Newton step, axial and radial ``(2,)`` [m];
+    ``energy``: potential energy at ``start`` [J]; ``force``: external axial and radial force ``(2,)`` [N].
     """
     fraction = 1.0
     while fraction > 1e-6:
-        trial = displacement + fraction * step
-        if _elastic_energy(bearing, trial) - float(force @ trial) <= potential_energy + 1e-14 * abs(potential_energy):
+        trial = start + fraction * step
+        if _elastic_energy(bearing, trial) - float(force @ trial) <= energy + 1e-14 * abs(energy):
             return fraction
         fraction *= 0.5
     return fraction
@@ -284,8 +279,6 @@ class LoadZoneSolution:
     radial_displacement: float
     #: Force of either race on the most heavily loaded roller [N].
     largest_roller_load: float
-    #: Loaded part of the row's circumference, with Sjovall's integrals.
-    load_zone: LoadZone
 
 
 def solve_by_smith_load_zone(bearing: TaperedBearing, axial: float, radial: float) -> LoadZoneSolution:
@@ -304,12 +297,8 @@ def solve_by_smith_load_zone(bearing: TaperedBearing, axial: float, radial: floa
     greatest = axial / (bearing.rollers * np.sin(bearing.cup_angle) * zone.thrust_integral)
     normal = float(bearing.approach_law().approach(greatest / bearing.length))
     w = 0.5 / zone.eps
-    return LoadZoneSolution(
-        float((1.0 - w) * normal / np.sin(bearing.cup_angle)),
-        float(w * normal / np.cos(bearing.cup_angle)),
-        float(greatest),
-        zone,
-    )
+    axial_displacement = float((1.0 - w) * normal / np.sin(bearing.cup_angle))
+    return LoadZoneSolution(axial_displacement, float(w * normal / np.cos(bearing.cup_angle)), float(greatest))
 
 
 #: Height of the rib contact above the race, over the roller's diameter, if the scene does not give it.
@@ -318,20 +307,10 @@ USUAL_HEIGHT = 0.1
 _U, _W = np.polynomial.legendre.leggauss(32)
 
 
-@dataclass(frozen=True)
-class RibContactGeometry:
-    """Geometry of the contact of a roller's spherical large end with the cone's rib, by eqs. (2) to (4) of this module."""
+def rib_relative_curvatures(bearing: TaperedBearing, end_radius: float, height: float) -> tuple[float, float]:
+    """Return the relative curvatures of a roller's spherical large end and the rib, along and across the rim [1/m].
 
-    #: Angle theta of the contact normal against the roller's axis [rad].
-    normal_tilt: float
-    #: Relative curvatures of roller end and rib, along the rib's circumference and across it [1/m].
-    relative_curvatures: tuple[float, float]
-    #: Radius of curvature R_f of the rib across its generator [m].
-    rib_curvature_radius: float
-
-
-def rib_contact_geometry(bearing: TaperedBearing, end_radius: float, height: float) -> RibContactGeometry:
-    """Return the geometry of the contact of a roller's spherical large end with the rib, by eqs. (2) to (4) of this module.
+    They follow from eqs. (2) to (4) of this module.
 
     Parameters
     ----------
@@ -362,7 +341,7 @@ def rib_contact_geometry(bearing: TaperedBearing, end_radius: float, height: flo
     if not tilt < beta:
         raise ValueError("a larger radius of the roller's spherical end, with which this end can touch the conical rib")
     radius = end_radius + s * float(np.sin(beta) / np.sin(beta - tilt))
-    return RibContactGeometry(tilt, (1.0 / end_radius - 1.0 / radius, 1.0 / end_radius), radius)
+    return 1.0 / end_radius - 1.0 / radius, 1.0 / end_radius
 
 
 def rib_height(row: RollerRow) -> float:
@@ -435,7 +414,7 @@ def rib_contact(row: RollerRow, loads: Array) -> RibContact | None:
     Raises
     ------
     ValueError
-        The radius of the end is outside the range of `rib_contact_geometry`.
+        The radius of the end is outside the range of `rib_relative_curvatures`.
     """
     if not (loads > 0.0).any():
         return None
@@ -472,13 +451,13 @@ def rib_contact_ellipse(row: RollerRow, load: Array | float) -> tuple[Array, Arr
     Raises
     ------
     ValueError
-        The radius of the end is outside the range of `rib_contact_geometry`.
+        The radius of the end is outside the range of `rib_relative_curvatures`.
     """
     root = np.cbrt(np.asarray(load, dtype=float))
     if row.end_radius is None:
         return 0.0 * root, 0.0 * root
     E, nu = row.material.youngs_modulus, row.material.poissons_ratio
-    along, across = rib_contact_geometry(tapered_bearing_of_row(row), row.end_radius, rib_height(row)).relative_curvatures
+    along, across = rib_relative_curvatures(tapered_bearing_of_row(row), row.end_radius, rib_height(row))
     h = hertz_constants(np.array(along), np.array(across), contact_modulus(E, nu, E, nu))
     return np.asarray(h.C_a * root), np.asarray(h.C_b * root)
 

@@ -383,7 +383,7 @@ class RollerBearingTorque:
     @property
     @QuantityDescription(
         "torque_Nmm",
-        "friction torque of the row by work in its contacts, the sum of film, hysteresis and rib",
+        "friction torque of the row from the power lost in its contacts: sum of film, hysteresis and rib",
         error="`low_Nmm` to `high_Nmm`",
         heading="friction torque of the row",
         form="g3",
@@ -430,7 +430,7 @@ def roller_bearing_torque(
     ------
     ValueError
         The radius of the rollers' ends is outside the range of
-        `rollbench.lowfi.bearings.tapered_roller.rib_contact_geometry`.
+        `rollbench.lowfi.bearings.tapered_roller.rib_relative_curvatures`.
     """
     if not (line_loads > 0.0).any():
         return None
@@ -438,9 +438,8 @@ def roller_bearing_torque(
     loads = line_loads.mean(axis=1) * row.length
     cone, _ = tapered_roller.roller_speed_ratios(bearing)
     rib = 2.0 * np.sin(bearing.roller_angle) * loads
-    distance = tapered_roller.mean_distance_of_rib_pressure(
-        *tapered_roller.rib_contact_ellipse(row, rib), tapered_roller.rib_height(row)
-    )
+    ellipse = tapered_roller.rib_contact_ellipse(row, rib)
+    distance = tapered_roller.mean_distance_of_rib_pressure(*ellipse, tapered_roller.rib_height(row))
     sliding = cone * float(rib @ distance)  # torque of the rib over its coefficient
     mu = USUAL_FRICTION if row.rib_friction is None else row.rib_friction
     words, film, timken = [], None, None
@@ -502,18 +501,14 @@ def film_torque(bearing: rollers.TaperedBearing, line_loads: Array, speed: float
     x = rollers.slice_middles(bearing.length, line_loads.shape[-1])
     roller, cone, cup = bearing.curvature_radii(x)
     u, width = rolling_speed(bearing, x, speed), bearing.length / x.size
-    lost = 0.0
+    lost, modulus = 0.0, bearing.young / (1.0 - bearing.poisson**2)
     for curvature in (1.0 / roller + 1.0 / cone, 1.0 / roller - 1.0 / cup):
-        force = film_rolling_resistance(
-            line_loads, u, 1.0 / curvature, lubricant, bearing.young / (1.0 - bearing.poisson**2)
-        )
+        force = film_rolling_resistance(line_loads, u, 1.0 / curvature, lubricant, modulus)
         lost += float((2.0 * u * force).sum()) * width
     return lost / speed
 
 
-def film_rolling_resistance(
-    line_load: Array, speed: Array, radius: Array, lubricant: Lubricant, plane_strain_modulus: float
-) -> Array:
+def film_rolling_resistance(line_load: Array, speed: Array, radius: Array, lubricant: Lubricant, modulus: float) -> Array:
     """Return the rolling resistance of the lubricant film per length and surface [N/m].
 
     It is 4.318 (G U)^0.658 W^0.0126 R/alpha_p with G U = alpha_p eta u/R, W = q/(E' R), viscosity eta and pressure
@@ -529,8 +524,8 @@ def film_rolling_resistance(
         Relative radius R [m].
     lubricant
         The lubricant.
-    plane_strain_modulus
-        Modulus E' = E/(1 - nu^2) [Pa].
+    modulus
+        Plane strain modulus E' = E/(1 - nu^2) [Pa].
 
     References
     ----------
@@ -544,10 +539,9 @@ def film_rolling_resistance(
     55.22
     """
     q = np.asarray(line_load, dtype=float)
-    gu = lubricant.pressure_viscosity * lubricant.dynamic_viscosity * speed / radius
-    return np.asarray(
-        4.318 * gu**0.658 * (q / (plane_strain_modulus * radius)) ** 0.0126 * radius / lubricant.pressure_viscosity
-    )
+    alpha_p = lubricant.pressure_viscosity
+    gu = alpha_p * lubricant.dynamic_viscosity * speed / radius
+    return np.asarray(4.318 * gu**0.658 * (q / (modulus * radius)) ** 0.0126 * radius / alpha_p)
 
 
 def hysteresis_torque(bearing: rollers.TaperedBearing, line_loads: Array) -> float:

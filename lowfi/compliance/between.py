@@ -12,24 +12,10 @@ from functools import lru_cache
 
 import numpy as np
 
-from rollbench.lowfi.compliance import faces
-from rollbench.lowfi.compliance import tube as compliance_tube
+from rollbench.lowfi.compliance import faces, parts, tube
 from rollbench.lowfi.compliance.beyond_hertz import NARROW, HalfGroove, half_space_compliance
 from rollbench.lowfi.compliance.groove import GrooveRingCompliance, compliance_between_ring_contacts, ring_compliance
-from rollbench.lowfi.compliance.parts import (
-    BOTH,
-    CLAMPED,
-    REFINED,
-    ComplianceModel,
-    compliance_block_of_flanks,
-    fixed_surface,
-    grooved_section,
-    half_groove_of_body,
-    is_elastic_bearing_ring,
-    nut_beam_ends_and_clamps,
-    reduce_to_compliance_geometry,
-    smooth_body,
-)
+from rollbench.lowfi.compliance.parts import BOTH, REFINED, ComplianceModel
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.cache import cached_on_disk
 from rollbench.meshes.helix import BallLayout, nominal_contact_points
@@ -40,11 +26,6 @@ from rollbench.meshes.solid import dimensions_of_3d_parts
 #: Length by which the loaded zone of a smooth body extends beyond either face of the nut, in widths of a load patch;
 #: patches near a face are then complete.
 BESIDE = 2.5
-
-
-def groove_section_axes_of_balls(layout: BallLayout) -> Array:
-    """Return the axes of the groove's cross-section at each of N balls: radial and binormal unit vectors ``(N, 2, 3)``."""
-    return np.stack([layout.radial, layout.binormal], axis=1)
 
 
 def contact_points_and_axes(
@@ -58,37 +39,34 @@ def contact_points_and_axes(
     """
     at = nominal_contact_points(scene)[:2] if screw else nominal_contact_points(scene)[2:]
     x = [layout.centre + at[s][0] * layout.radial + at[s][1] * layout.binormal for s in flanks]
-    return np.concatenate(x), np.concatenate([groove_section_axes_of_balls(layout)] * len(flanks))
+    axes = np.stack([layout.radial, layout.binormal], axis=1)
+    return np.concatenate(x), np.concatenate([axes] * len(flanks))
 
 
 @lru_cache(maxsize=32)
-def compliance_of_smooth_body(
-    geometry: Scene, screw: bool, backend: ComplianceModel
-) -> compliance_tube.SmoothBodyCompliance:
+def compliance_of_smooth_body(geometry: Scene, screw: bool, backend: ComplianceModel) -> tube.SmoothBodyCompliance:
     """Return the compliance of the smooth body (without grooves) that represents screw or nut, where its contacts lie.
 
     ``geometry``: scene of `reduce_to_compliance_geometry`; ``screw``: whether the body is the screw (True) or the nut;
     ``backend``: model of the bodies.
     """
-    tube = smooth_body(geometry, screw, backend)
-    return cached_tube_compliance(tube, axial_range_of_contacts(geometry, tube))
+    body = parts.smooth_body(geometry, screw, backend)
+    return cached_tube_compliance(body, axial_range_of_contacts(geometry, body))
 
 
-def axial_range_of_contacts(geometry: Scene, tube: compliance_tube.SmoothBody) -> tuple[float, float]:
+def axial_range_of_contacts(geometry: Scene, body: tube.SmoothBody) -> tuple[float, float]:
     """Return the lower and upper end of the axial range [m] that contains all load patches on a smooth body.
 
     It is the nut's length and `BESIDE` widths of a patch beyond either face. ``geometry``: scene of
-    `reduce_to_compliance_geometry`; ``tube``: smooth body, which gives the width of the patches.
+    `reduce_to_compliance_geometry`; ``body``: smooth body, which gives the width of the patches.
     """
-    half = geometry.nut.length / 2.0 + BESIDE * tube.patch_width
+    half = geometry.nut.length / 2.0 + BESIDE * body.patch_width
     return geometry.nut.position - half, geometry.nut.position + half
 
 
 #: Functions whose results are cached with the tube as key, so that the same screw with another nut needs no computation.
-cached_tube_compliance, cached_section_motions = (
-    lru_cache(maxsize=32)(compliance_tube.tube_compliance),
-    lru_cache(maxsize=32)(compliance_tube.shaft_motions_by_section_loads),
-)
+cached_tube_compliance = lru_cache(maxsize=32)(tube.tube_compliance)
+cached_section_motions = lru_cache(maxsize=32)(tube.shaft_motions_by_section_loads)
 
 
 @lru_cache(maxsize=32)
@@ -99,7 +77,7 @@ def grooved_ring_compliance(geometry: Scene, screw: bool) -> GrooveRingComplianc
     ``geometry``: scene of `reduce_to_compliance_geometry`; ``screw``: whether the ring is the inner ring (True) or the
     outer ring.
     """
-    return ring_compliance(half_groove_of_body(geometry, screw), fixed_surface(geometry, screw))
+    return ring_compliance(parts.half_groove_of_body(geometry, screw), parts.fixed_surface(geometry, screw))
 
 
 def flank_self_compliance(geometry: Scene, screw: bool, backend: ComplianceModel) -> float:
@@ -112,14 +90,13 @@ def flank_self_compliance(geometry: Scene, screw: bool, backend: ComplianceModel
     ``geometry``: scene of `reduce_to_compliance_geometry`; ``screw``: whether the body is the screw (True) or the nut;
     ``backend``: model of the bodies.
     """
-    flank = half_groove_of_body(geometry, screw)
-    if is_elastic_bearing_ring(geometry, screw):
-        return grooved_ring_compliance(geometry, screw).local_normal_correction - half_space_compliance(
-            NARROW * flank.groove_map.ball, flank.material
-        )
-    tube = smooth_body(geometry, screw, backend)
+    flank = parts.half_groove_of_body(geometry, screw)
+    if parts.is_elastic_bearing_ring(geometry, screw):
+        narrow = half_space_compliance(NARROW * flank.groove_map.ball, flank.material)
+        return grooved_ring_compliance(geometry, screw).local_normal_correction - narrow
+    body = parts.smooth_body(geometry, screw, backend)
     if not backend.flank:  # the half space at the smooth body's own patch only
-        return -half_space_compliance(tube.patch_width, tube.material)
+        return -half_space_compliance(body.patch_width, body.material)
     return groove_and_face_compliance_of_body(geometry, screw, backend).self_compliance
 
 
@@ -132,28 +109,23 @@ def smooth_body_compliance_beyond_beam(
     is the screw (True) or the nut; ``flanks``: flanks with contacts, 0 left, 1 right. Raises ValueError if a contact lies
     beyond the faces of the nut.
     """
-    geometry = reduce_to_compliance_geometry(scene)
+    geometry = parts.reduce_to_compliance_geometry(scene)
     x, axes = contact_points_and_axes(scene, layout, screw, flanks)
     if float(np.abs(x[:, 2] - scene.nut.position).max()) > 0.5 * scene.nut.length:
         raise ValueError("a ball contact lies beyond the nut's faces: lengthen the nut or reduce the number of turns")
     smooth = compliance_of_smooth_body(geometry, screw, backend)
-    G = compliance_tube.contact_compliance(smooth, compliance_tube.convert_contacts_to_cylindrical(x, axes))
-    tube = smooth.tube
-    plain = tube.section
-    x = compliance_tube.move_contacts_to_surface(tube, x)
-    rows, stations = compliance_tube.contact_motions_by_rigid_motions(x, axes), np.repeat(x[:, 2], 2)
-    if tube.held == "section":
-        G = (
-            G
-            - compliance_tube.low_end_spring_compliance(tube, x, axes)
-            - compliance_tube.clamped_beam_compliance(rows, stations, tube.ends, "low", plain)
-        )
+    G = tube.contact_compliance(smooth, tube.convert_contacts_to_cylindrical(x, axes))
+    body = smooth.tube
+    x = tube.move_contacts_to_surface(body, x)
+    rows, stations = tube.contact_motions_by_rigid_motions(x, axes), np.repeat(x[:, 2], 2)
+    if body.held == "section":
+        G = G - tube.low_end_spring_compliance(body, x, axes)
+        G = G - tube.clamped_beam_compliance(rows, stations, body.ends, "low", body.section)
         if backend.flank:
-            G = G + compliance_tube.compliance_of_local_groove_strains(
-                contact_motions_by_section_wrench(scene, layout, True, backend, flanks), rows, stations, tube.ends[0]
-            )
-    elif tube.held in CLAMPED:
-        G = G - compliance_tube.clamped_beam_compliance(rows, stations, *nut_beam_ends_and_clamps(tube), plain)
+            local = contact_motions_by_section_wrench(scene, layout, True, backend, flanks)
+            G = G + tube.compliance_of_local_groove_strains(local, rows, stations, body.ends[0])
+    elif body.held in parts.CLAMPED:
+        G = G - tube.clamped_beam_compliance(rows, stations, *parts.nut_beam_ends_and_clamps(body), body.section)
     return G
 
 
@@ -167,8 +139,8 @@ def contact_motions_by_section_wrench(
     (`GrooveAndFaceCompliance.section_strain_motions`). Arguments, and the c contacts with two axes each, are those of
     `smooth_body_compliance_beyond_beam`.
     """
-    found = groove_and_face_compliance_of_body(reduce_to_compliance_geometry(scene), screw, backend)
-    points = compliance_tube.convert_contacts_to_cylindrical(*contact_points_and_axes(scene, layout, screw, flanks))
+    found = groove_and_face_compliance_of_body(parts.reduce_to_compliance_geometry(scene), screw, backend)
+    points = tube.convert_contacts_to_cylindrical(*contact_points_and_axes(scene, layout, screw, flanks))
     return faces.contact_motions_by_own_section_wrench(
         points, np.repeat([2.0 * side - 1.0 for side in flanks], layout.z.size), found.section_strain_motions
     )
@@ -184,18 +156,14 @@ def nut_beam_compliance(
     ``section_strain_motions``: local motions by wrenches at the grooves, see `clamped_beam_compliance`, or None to neglect
     these motions.
     """
-    geometry = reduce_to_compliance_geometry(scene)
+    geometry = parts.reduce_to_compliance_geometry(scene)
     x, axes = contact_points_and_axes(scene, layout, False, flanks)
-    if fixed_surface(geometry, False) not in CLAMPED:
+    if parts.fixed_surface(geometry, False) not in parts.CLAMPED:
         return np.zeros((2 * len(x),) * 2)
-    section, tube = grooved_section(geometry, False), smooth_body(geometry, False, REFINED)
-    return compliance_tube.clamped_beam_compliance(
-        compliance_tube.contact_motions_by_rigid_motions(x, axes),
-        np.repeat(x[:, 2], 2),
-        *nut_beam_ends_and_clamps(tube),
-        section,
-        section_strain_motions,
-    )
+    section, body = parts.grooved_section(geometry, False), parts.smooth_body(geometry, False, REFINED)
+    rows, stations = tube.contact_motions_by_rigid_motions(x, axes), np.repeat(x[:, 2], 2)
+    ends, clamps = parts.nut_beam_ends_and_clamps(body)
+    return tube.clamped_beam_compliance(rows, stations, ends, clamps, section, section_strain_motions)
 
 
 @lru_cache(maxsize=32)
@@ -210,30 +178,26 @@ def groove_and_face_compliance_of_body(
     ``backend``: model of the bodies.
     """
     radii = (0.0, np.inf) if screw else dimensions_of_3d_parts(geometry).held_radii
-    section, tube = grooved_section(geometry, screw), smooth_body(geometry, screw, backend)
-    low, high = (abs(end - geometry.nut.position) - 0.5 * geometry.nut.length for end in tube.ends)
+    section, body = parts.grooved_section(geometry, screw), parts.smooth_body(geometry, screw, backend)
+    low, high = (abs(end - geometry.nut.position) - 0.5 * geometry.nut.length for end in body.ends)
     near = min(low, high) < faces.REACH * geometry.balls.radius
     return cached_groove_and_face_compliance(
-        half_groove_of_body(geometry, screw), replace(tube, ends=(0.0, 0.0), flange=None), section, radii, near
+        parts.half_groove_of_body(geometry, screw), replace(body, ends=(0.0, 0.0), flange=None), section, radii, near
     )
 
 
 @lru_cache(maxsize=32)
 @cached_on_disk(faces.GrooveAndFaceCompliance)
 def cached_groove_and_face_compliance(
-    flank: HalfGroove,
-    tube: compliance_tube.SmoothBody,
-    section: BeamSection,
-    fixed_radii: tuple[float, float],
-    has_near_face: bool,
+    flank: HalfGroove, body: tube.SmoothBody, section: BeamSection, fixed_radii: tuple[float, float], has_near_face: bool
 ) -> faces.GrooveAndFaceCompliance:
     """Return the compliance that grooves and end faces add between contacts, cached on disk by the arguments.
 
-    It is that of `compute_groove_and_face_compliance`. ``flank``: groove of the body; ``tube``: smooth body; ``section``:
+    It is that of `compute_groove_and_face_compliance`. ``flank``: groove of the body; ``body``: smooth body; ``section``:
     section of the grooved body's beam; ``fixed_radii``: range of radii in which a face is fixed [m]; ``has_near_face``:
     whether an end face is so near to a contact that its effect is computed. Ends and flange of the tube have no influence.
     """
-    return faces.compute_groove_and_face_compliance(flank, tube, section, fixed_radii, has_near_face=has_near_face)
+    return faces.compute_groove_and_face_compliance(flank, body, section, fixed_radii, has_near_face=has_near_face)
 
 
 def groove_and_face_compliance(
@@ -244,12 +208,10 @@ def groove_and_face_compliance(
     Only contacts on the flanks of the same turn of the groove, or also of the next turn, are coupled
     (`GrooveAndFaceCompliance.coupled_turns`). Arguments are those of `smooth_body_compliance_beyond_beam`.
     """
-    geometry = reduce_to_compliance_geometry(scene)
-    flank, held, found = (
-        half_groove_of_body(geometry, screw),
-        fixed_surface(geometry, screw),
-        groove_and_face_compliance_of_body(geometry, screw, backend),
-    )
+    geometry = parts.reduce_to_compliance_geometry(scene)
+    flank = parts.half_groove_of_body(geometry, screw)
+    held = parts.fixed_surface(geometry, screw)
+    found = groove_and_face_compliance_of_body(geometry, screw, backend)
     z = contact_points_and_axes(scene, layout, screw, flanks)[0][:, 2]
     azimuth, side = np.tile(layout.azimuth, len(flanks)), np.repeat(flanks, layout.z.size)
     middle = z - found.contact_to_mid_groove * np.where(side == 0, -1.0, 1.0)
@@ -258,10 +220,9 @@ def groove_and_face_compliance(
     turn = np.rint((middle[i] - middle[j]) / (2.0 * flank.half_length)).astype(int)
     angle, between = azimuth[i] - azimuth[j], 0.5 * (middle[i] + middle[j])
     gain = np.zeros((i.size, 2, 2))
-    gain[:, 0, 0] = np.where(
-        i == j, 0.0, found.compliance_far_from_faces(angle)[np.arange(i.size), 1 - side[i], 2 * turn + 1 - side[j]]
-    )
-    for high, face in enumerate(smooth_body(geometry, screw, backend).ends):
+    far = found.compliance_far_from_faces(angle)[np.arange(i.size), 1 - side[i], 2 * turn + 1 - side[j]]
+    gain[:, 0, 0] = np.where(i == j, 0.0, far)
+    for high, face in enumerate(parts.smooth_body(geometry, screw, backend).ends):
         distance = np.abs(face - between) - turn * flank.half_length
         near = np.flatnonzero(distance < faces.REACH * scene.balls.radius)
         if not near.size:
@@ -289,14 +250,11 @@ def compute_compliance_between_contacts(
     It is `lowfi.compliance.bodies.compliance_between_contacts` without a cache, for a body that is not rigid and for balls
     at any positions. Arguments are those of `smooth_body_compliance_beyond_beam`.
     """
-    held = fixed_surface(scene, screw)
-    if is_elastic_bearing_ring(reduce_to_compliance_geometry(scene), screw):
-        G = compliance_block_of_flanks(
-            compliance_between_ring_contacts(
-                grooved_ring_compliance(reduce_to_compliance_geometry(scene), screw), layout.azimuth
-            ),
-            flanks,
-        )
+    held = parts.fixed_surface(scene, screw)
+    geometry = parts.reduce_to_compliance_geometry(scene)
+    if parts.is_elastic_bearing_ring(geometry, screw):
+        whole = compliance_between_ring_contacts(grooved_ring_compliance(geometry, screw), layout.azimuth)
+        G = parts.compliance_block_of_flanks(whole, flanks)
     else:
         G = smooth_body_compliance_beyond_beam(scene, layout, screw, backend, flanks)
         if not screw and held != "outer":
@@ -325,27 +283,15 @@ def screw_motions_by_end_wrench(
         end ``(6, 6)``; axial positions of the low and the high end [m]. These are the fields of
         `lowfi.compliance.bodies.EndWrenchMotions`.
     """
-    geometry = reduce_to_compliance_geometry(scene)
+    geometry = parts.reduce_to_compliance_geometry(scene)
     compliance = compliance_of_smooth_body(geometry, True, backend)
     x, axes = contact_points_and_axes(scene, layout, True)
-    tube = compliance.tube
-    (low, high), taken = tube.ends, compliance_tube.move_contacts_to_surface(tube, x)
-    plain = tube.section
-    rows = np.concatenate([compliance_tube.contact_motions_by_rigid_motions(taken, axes), np.eye(6)])
-    stations = np.append(np.repeat(x[:, 2], 2), np.full(6, high))
-    shift, tilt, axial, twist = compliance_tube.low_end_spring_stiffnesses(tube)
-    end = np.eye(6)
-    end[0, 4], end[1, 3] = high - low, low - high
-    by_springs = np.concatenate([compliance_tube.contact_motions_by_rigid_motions(taken, axes, low), end])
-    beam = compliance_tube.cantilever_compliance(rows, stations, low, plain, slice(-6, None))
-    beam += (by_springs / np.array([shift, shift, axial, tilt, tilt, twist])) @ end.T
-    motions = (
-        np.concatenate([contact_motions_by_end_wrench(compliance, x, axes), high_end_compliance_matrix(compliance)]) - beam
-    )
+    low, high = compliance.tube.ends
+    motions = np.concatenate([contact_motions_by_end_wrench(compliance, x, axes), high_end_compliance_matrix(compliance)])
+    motions -= shaft_beam_motions_by_section_wrench(compliance.tube, x, axes, high)
     if backend.flank:
-        motions[:-6] += section_strain_motions_by_wrench(
-            contact_motions_by_section_wrench(scene, layout, True, backend), stations[:-6], high
-        )
+        local = contact_motions_by_section_wrench(scene, layout, True, backend)
+        motions[:-6] += section_strain_motions_by_wrench(local, np.repeat(x[:, 2], 2), high)
     return motions[:-6], 0.5 * (motions[-6:] + motions[-6:].T), low, high
 
 
@@ -356,31 +302,33 @@ def screw_motions_by_section_wrench(scene: Scene, layout: BallLayout, backend: C
     ``section_z``: axial position of the cross-section [m]. The function is
     `lowfi.compliance.bodies.screw_response_to_section_wrench` without a cache, for balls at any positions.
     """
-    geometry = reduce_to_compliance_geometry(scene)
-    tube = smooth_body(geometry, True, backend)
+    geometry = parts.reduce_to_compliance_geometry(scene)
+    body = parts.smooth_body(geometry, True, backend)
     x, axes = contact_points_and_axes(scene, layout, True)
-    low, taken = tube.ends[0], compliance_tube.move_contacts_to_surface(tube, x)
-    rows = np.concatenate([compliance_tube.contact_motions_by_rigid_motions(taken, axes), np.eye(6)])
-    stations = np.append(np.repeat(x[:, 2], 2), np.full(6, section_z))
-    shift, tilt, axial, twist = compliance_tube.low_end_spring_stiffnesses(tube)
-    end = np.eye(6)
-    end[0, 4], end[1, 3] = section_z - low, low - section_z
-    beam = compliance_tube.cantilever_compliance(rows, stations, low, tube.section, slice(-6, None))[:-6]
-    beam += (
-        compliance_tube.contact_motions_by_rigid_motions(taken, axes, low)
-        / np.array([shift, shift, axial, tilt, tilt, twist])
-    ) @ end.T
-    motions = (
-        contact_motions_by_end_wrench(
-            cached_section_motions(tube, axial_range_of_contacts(geometry, tube), section_z), x, axes
-        )
-        - beam
-    )
+    compliance = cached_section_motions(body, axial_range_of_contacts(geometry, body), section_z)
+    motions = contact_motions_by_end_wrench(compliance, x, axes)
+    motions -= shaft_beam_motions_by_section_wrench(body, x, axes, section_z)[:-6]
     if backend.flank:
-        motions += section_strain_motions_by_wrench(
-            contact_motions_by_section_wrench(scene, layout, True, backend), stations[:-6], section_z
-        )
+        local = contact_motions_by_section_wrench(scene, layout, True, backend)
+        motions += section_strain_motions_by_wrench(local, np.repeat(x[:, 2], 2), section_z)
     return motions
+
+
+def shaft_beam_motions_by_section_wrench(body: tube.SmoothBody, contact_points: Array, axes: Array, z: float) -> Array:
+    """Return the motions ``(2 c + 6, 6)`` of a smooth shaft's beam by a unit wrench on its cross-section at ``z`` [m].
+
+    The motions are those of c contacts, along two axes each, then of the loaded cross-section. The springs at the shaft's
+    end at low z are included. ``contact_points`` ``(c, 3)``: contact points [m]; ``axes`` ``(c, 2, 3)``: directions of
+    their motions.
+    """
+    low, taken = body.ends[0], tube.move_contacts_to_surface(body, contact_points)
+    rows = np.concatenate([tube.contact_motions_by_rigid_motions(taken, axes), np.eye(6)])
+    stations = np.append(np.repeat(contact_points[:, 2], 2), np.full(6, z))
+    end = np.eye(6)
+    end[0, 4], end[1, 3] = z - low, low - z
+    by_springs = np.concatenate([tube.contact_motions_by_rigid_motions(taken, axes, low), end])
+    beam = tube.cantilever_compliance(rows, stations, low, body.section, slice(-6, None))
+    return np.asarray(beam + (by_springs / tube.low_end_springs_of_rigid_motions(body)) @ end.T)
 
 
 def section_strain_motions_by_wrench(section_strain_motions: Array, stations: Array, section_z: float) -> Array:
@@ -397,17 +345,15 @@ def section_strain_motions_by_wrench(section_strain_motions: Array, stations: Ar
     return np.asarray(out * np.heaviside(reach, 0.5)[:, None])
 
 
-def contact_motions_by_end_wrench(
-    compliance: compliance_tube.SmoothBodyCompliance, contact_points: Array, axes: Array
-) -> Array:
+def contact_motions_by_end_wrench(compliance: tube.SmoothBodyCompliance, contact_points: Array, axes: Array) -> Array:
     """Return the motions ``(2 c, 6)`` of c contacts on a smooth shaft by a unit wrench on its end at high z.
 
     The wrench consists of three forces and three moments, which do work on the end's mean motions. ``compliance``:
     compliance of the smooth shaft; ``contact_points`` ``(c, 3)``: contact points [m]; ``axes`` ``(c, 2, 3)``: directions of
     their motions.
     """
-    points = compliance_tube.convert_contacts_to_cylindrical(contact_points, axes)
-    weights = compliance_tube.gaussian_weights_on_line(compliance.z, points.z, compliance.tube.patch_width)
+    points = tube.convert_contacts_to_cylindrical(contact_points, axes)
+    weights = tube.gaussian_weights_on_line(compliance.z, points.z, compliance.tube.patch_width)
     (axial, twist), (shift, tilt) = ((motions @ weights.T).swapaxes(1, 2) for motions in compliance.line_motions_by_end)
     c, s = np.cos(points.azimuth)[:, None], np.sin(points.azimuth)[:, None]
     here, turned = np.hstack([c, s, c]), np.hstack([s, -c, s])  # at azimuth 0, and a quarter turn on
@@ -415,7 +361,7 @@ def contact_motions_by_end_wrench(
     return np.stack([np.einsum("cak,ck->ca", points.axes, u).ravel() for u in by_load], axis=1)
 
 
-def high_end_compliance_matrix(compliance: compliance_tube.SmoothBodyCompliance) -> Array:
+def high_end_compliance_matrix(compliance: tube.SmoothBodyCompliance) -> Array:
     """Return the compliance ``(6, 6)`` of a shaft's end at high z: six mean motions by unit forces and moments on it."""
     (axial, twist), (shift, tilt) = compliance.end_compliance
     out = np.zeros((6, 6))

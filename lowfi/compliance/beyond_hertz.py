@@ -12,17 +12,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rollbench.lowfi.compliance.fourier import QuadrilateralGrid
+from rollbench.lowfi.compliance.tube import half_lead_cell_grid
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import Material
-
-if TYPE_CHECKING:
-    from rollbench.lowfi.compliance.fourier import QuadrilateralGrid
-
 
 #: Mean of ln(distance/contact radius) over pairs of points of a circular contact, weighted by Hertz pressure: 11/12 -
 #: H(3/2).
@@ -73,8 +70,7 @@ def sphere_series_remainder(cosine: float, poisson: float) -> float:
     terms = (2 * n + 1) * sphere_series_coefficients(n, poisson) - 2.0 * a - (a + 2.0 * b) / n
     total = float(legval(cosine, np.append([0.0, 0.0], terms)))
     # n = 0 and 1 of the closed sums: 2 A sum P_n over n >= 0, (A + 2 B) sum P_n / n over n >= 1
-    total += float(sphere_series_coefficients(np.array(0.0), poisson)) - 2.0 * a - (2.0 * a + a + 2.0 * b) * cosine
-    return total
+    return total + (float(sphere_series_coefficients(np.array(0.0), poisson)) - 2.0 * a - (2.0 * a + a + 2.0 * b) * cosine)
 
 
 def sphere_compliance(cosine: float, radius: float, material: Material) -> float:
@@ -158,17 +154,10 @@ class HalfGroove:
         """Number of the right flank, which is computed: 1 of the screw or 3 of the nut; the left is its mirror image."""
         return 1 if self.is_screw else 3
 
-    def finite_element_grid(self, mesh: tuple[int, int, int] | None = None) -> QuadrilateralGrid:
-        """Return the finite-element grid of the body between mid groove and mid land.
-
-        ``mesh``: numbers of elements along the flank, along the land, and in depth; None for those of `MESH`.
-        """
-        from rollbench.lowfi.compliance.tube import (
-            half_lead_cell_grid,  # finite elements: for bodies that are not known yet
-        )
-
+    def finite_element_grid(self) -> QuadrilateralGrid:
+        """Return the finite-element grid of the body between mid groove and mid land."""
         return half_lead_cell_grid(
-            self.groove_map, self.land_radius, self.plain_radius, self.is_screw, mesh or MESH, self.half_length
+            self.groove_map, self.land_radius, self.plain_radius, self.is_screw, MESH, self.half_length
         )
 
     def contact_position(self) -> tuple[float, float]:

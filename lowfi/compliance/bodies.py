@@ -2,8 +2,7 @@
 
 The compliance of a body is the sum of a beam with the section constants of the grooved body, of a smooth body of revolution
 less its own beam, and of the true flank at each contact less the half space that Hertz's law already contains. Results that
-depend only on the geometry are cached; the module that computes them (`lowfi.compliance.between`) is imported only if they
-are not in the cache.
+depend only on the geometry are cached in memory and on disk; `lowfi.compliance.between` computes them.
 
 A shaft on which a nut sits is also loaded at its ends (`screw_response_to_end_wrench`). By Saint-Venant's principle the
 rest of the shaft acts on the stretch under the nut only by a wrench at its high end. The smooth body of revolution of that
@@ -21,26 +20,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
 
 import numpy as np
 
-from rollbench.lowfi.compliance import beyond_hertz
-from rollbench.lowfi.compliance.between import contact_points_and_axes
-from rollbench.lowfi.compliance.parts import (
-    BOTH,
-    REFINED,
-    ComplianceModel,
-    compliance_block_of_flanks,
-    compliance_geometry_with_balls,
-    fixed_surface,
-    grooved_body_section,
-    grooved_section,
-    half_groove_of_body,
-    is_elastic_bearing_ring,
-    reduce_to_compliance_geometry,
-)
+from rollbench.lowfi.compliance import between, beyond_hertz, parts
+from rollbench.lowfi.compliance.parts import BOTH, REFINED, ComplianceModel
 from rollbench.lowfi.compliance.tube import clamped_beam_compliance, contact_motions_by_rigid_motions
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.cache import cached_on_disk
@@ -124,25 +110,22 @@ def body_compliance(
     zero = np.zeros((2 * len(flanks) * layout.z.size,) * 2)
     if kind == "rigid" or (screw and kind == "beam"):
         return BodyCompliance(zero, 0.0, 0.0, ())
-    geometry = reduce_to_compliance_geometry(scene)
-    held = fixed_surface(geometry, screw)
+    geometry = parts.reduce_to_compliance_geometry(scene)
+    held = parts.fixed_surface(geometry, screw)
     if held == "rigid":
         return BodyCompliance(zero, 0.0, 0.0, ())
     if kind == "beam":
-        from rollbench.lowfi.compliance.between import nut_beam_compliance
-
-        return BodyCompliance(nut_beam_compliance(scene, layout, flanks), 0.0, 0.0, ())
+        return BodyCompliance(between.nut_beam_compliance(scene, layout, flanks), 0.0, 0.0, ())
     refuse_small_contact_angle(geometry, screw, backend)
     e = _cached_flank_compliance(geometry, screw, backend)
     slope = 0.0
     if backend.flank:
-        e += beyond_hertz.contact_size_correction(half_groove_of_body(geometry, screw), semi_axes)
-        slope = beyond_hertz.contact_size_correction_slope(half_groove_of_body(geometry, screw))
-    parts = dimensions_of_3d_parts(geometry)
-    assumed = tuple(line for line in parts.assumed if line not in parts.mesh_only)
-    return BodyCompliance(
-        (compute_between_contacts or compliance_between_contacts)(scene, layout, screw, backend, flanks), e, slope, assumed
-    )
+        e += beyond_hertz.contact_size_correction(parts.half_groove_of_body(geometry, screw), semi_axes)
+        slope = beyond_hertz.contact_size_correction_slope(parts.half_groove_of_body(geometry, screw))
+    dims = dimensions_of_3d_parts(geometry)
+    assumed = tuple(line for line in dims.assumed if line not in dims.mesh_only)
+    G = (compute_between_contacts or compliance_between_contacts)(scene, layout, screw, backend, flanks)
+    return BodyCompliance(G, e, slope, assumed)
 
 
 def refuse_small_contact_angle(scene: Scene, screw: bool, backend: ComplianceModel) -> None:
@@ -154,7 +137,7 @@ def refuse_small_contact_angle(scene: Scene, screw: bool, backend: ComplianceMod
     """
     angle = scene.track.contact_angle
     radius = (scene.screw if screw else scene.nut).groove_radius
-    one_patch = has_single_arc_grooves(scene) and is_elastic_bearing_ring(scene, screw)
+    one_patch = has_single_arc_grooves(scene) and parts.is_elastic_bearing_ring(scene, screw)
     if not one_patch and backend.flank and radius * np.sin(angle) < NEAR * scene.balls.radius:
         least = np.degrees(np.arcsin(NEAR * scene.balls.radius / radius))
         raise ValueError(
@@ -181,14 +164,12 @@ def compliance_between_contacts(
     Array
         Motions of the c contacts by loads on them, two axes each ``(2 c, 2 c)`` [m/N].
     """
-    if fixed_surface(reduce_to_compliance_geometry(scene), screw) == "rigid":
+    if parts.fixed_surface(parts.reduce_to_compliance_geometry(scene), screw) == "rigid":
         return np.zeros((2 * len(flanks) * layout.z.size,) * 2)
-    geometry, azimuths = compliance_geometry_with_balls(scene)
+    geometry, azimuths = parts.compliance_geometry_with_balls(scene)
     if np.array_equal(layout.azimuth, azimuths):
-        return compliance_block_of_flanks(_cached_compliance_between_contacts(geometry, screw, backend).G, flanks)
-    from rollbench.lowfi.compliance.between import compute_compliance_between_contacts
-
-    return compute_compliance_between_contacts(geometry, layout, screw, backend, flanks)
+        return parts.compliance_block_of_flanks(_cached_compliance_between_contacts(geometry, screw, backend).G, flanks)
+    return between.compute_compliance_between_contacts(geometry, layout, screw, backend, flanks)
 
 
 #: Type of a function that computes the compliance of a whole body, as `compliance_between_contacts`.
@@ -202,9 +183,7 @@ def _cached_compliance_between_contacts(scene: Scene, screw: bool, backend: Comp
 
     ``screw``: whether the body is the screw (True) or the nut; ``backend``: model of the bodies.
     """
-    from rollbench.lowfi.compliance.between import compute_compliance_between_contacts
-
-    return StoredMotionMatrix(compute_compliance_between_contacts(scene, ball_layout(scene), screw, backend))
+    return StoredMotionMatrix(between.compute_compliance_between_contacts(scene, ball_layout(scene), screw, backend))
 
 
 @lru_cache(maxsize=64)
@@ -215,9 +194,7 @@ def _cached_flank_compliance(geometry: Scene, screw: bool, backend: ComplianceMo
     The value is that of `lowfi.compliance.between.flank_self_compliance`. ``screw``: whether the body is the screw (True)
     or the nut; ``backend``: model of the bodies.
     """
-    from rollbench.lowfi.compliance.between import flank_self_compliance
-
-    return flank_self_compliance(geometry, screw, backend)
+    return between.flank_self_compliance(geometry, screw, backend)
 
 
 def ball_compliance(scene: Scene, semi_axes: tuple[float, float], backend: ComplianceModel) -> BallCompliance:
@@ -230,19 +207,13 @@ def ball_compliance(scene: Scene, semi_axes: tuple[float, float], backend: Compl
     if backend.ball == "half space":
         return BallCompliance(0.0, 0.0, 0.0, 1.0)
     radius, material = scene.balls.radius, scene.balls.material
+    sphere = partial(beyond_hertz.sphere_compliance, radius=radius, material=material)
     alone = beyond_hertz.sphere_self_compliance(semi_axes, radius, material)
-    opposite = beyond_hertz.sphere_compliance(-1.0, radius, material)
     cosine = float(np.cos(2.0 * scene.track.contact_angle))
-    across = 0.5 * (
-        beyond_hertz.sphere_compliance(cosine, radius, material) + beyond_hertz.sphere_compliance(-cosine, radius, material)
-    )
-    alone += opposite - 2.0 * abs(across)
-    return BallCompliance(
-        alone,
-        beyond_hertz.sphere_self_compliance_slope(radius, material),
-        float(np.sqrt(abs(across))),
-        float(np.sign(across)),
-    )
+    across = 0.5 * (sphere(cosine) + sphere(-cosine))
+    alone += sphere(-1.0) - 2.0 * abs(across)
+    slope = beyond_hertz.sphere_self_compliance_slope(radius, material)
+    return BallCompliance(alone, slope, float(np.sqrt(abs(across))), float(np.sign(across)))
 
 
 @dataclass(frozen=True)
@@ -266,23 +237,19 @@ def screw_response_to_end_wrench(scene: Scene, layout: BallLayout, backend: Comp
     rigid or only a beam, and for a bearing ring fixed at its bore. The arrays are cached for all load cases of the same
     parts and balls, so they must not be modified.
     """
-    if backend.screw != "kernel" or fixed_surface(reduce_to_compliance_geometry(scene), True) != "section":
+    if backend.screw != "kernel" or parts.fixed_surface(parts.reduce_to_compliance_geometry(scene), True) != "section":
         return None
-    parts, azimuths = compliance_geometry_with_balls(scene)
+    geometry, azimuths = parts.compliance_geometry_with_balls(scene)
     if np.array_equal(layout.azimuth, azimuths):
-        return _cached_response_to_end_wrench(parts, backend)
-    from rollbench.lowfi.compliance.between import screw_motions_by_end_wrench
-
-    return EndWrenchMotions(*screw_motions_by_end_wrench(parts, layout, backend))
+        return _cached_response_to_end_wrench(geometry, backend)
+    return EndWrenchMotions(*between.screw_motions_by_end_wrench(geometry, layout, backend))
 
 
 @lru_cache(maxsize=8)
 @cached_on_disk(EndWrenchMotions)
 def _cached_response_to_end_wrench(scene: Scene, backend: ComplianceModel) -> EndWrenchMotions:
     """Return the result of `screw_response_to_end_wrench` for the balls of a scene, cached in memory and on disk."""
-    from rollbench.lowfi.compliance.between import screw_motions_by_end_wrench
-
-    return EndWrenchMotions(*screw_motions_by_end_wrench(scene, ball_layout(scene), backend))
+    return EndWrenchMotions(*between.screw_motions_by_end_wrench(scene, ball_layout(scene), backend))
 
 
 def screw_response_to_section_wrench(scene: Scene, layout: BallLayout, backend: ComplianceModel, section_z: float) -> Array:
@@ -292,48 +259,35 @@ def screw_response_to_section_wrench(scene: Scene, layout: BallLayout, backend: 
     `screw_response_to_end_wrench` is not None. ``layout``: positions of the N balls; ``section_z``: axial position of the
     section [m], between the screw's ends. The array is cached as in `screw_response_to_end_wrench`.
     """
-    parts, azimuths = compliance_geometry_with_balls(scene)
+    geometry, azimuths = parts.compliance_geometry_with_balls(scene)
     if np.array_equal(layout.azimuth, azimuths):
-        return _cached_response_to_section_wrench(parts, backend, section_z).G
-    from rollbench.lowfi.compliance.between import screw_motions_by_section_wrench
-
-    return screw_motions_by_section_wrench(parts, layout, backend, section_z)
+        return _cached_response_to_section_wrench(geometry, backend, section_z).G
+    return between.screw_motions_by_section_wrench(geometry, layout, backend, section_z)
 
 
 @lru_cache(maxsize=8)
 @cached_on_disk(StoredMotionMatrix)
 def _cached_response_to_section_wrench(scene: Scene, backend: ComplianceModel, section_z: float) -> StoredMotionMatrix:
     """Return the result of `screw_response_to_section_wrench` for the balls of a scene, cached in memory and on disk."""
-    from rollbench.lowfi.compliance.between import screw_motions_by_section_wrench
-
-    return StoredMotionMatrix(screw_motions_by_section_wrench(scene, ball_layout(scene), backend, section_z))
+    return StoredMotionMatrix(between.screw_motions_by_section_wrench(scene, ball_layout(scene), backend, section_z))
 
 
 def clear_compliance_cache() -> None:
     """Delete all compliances that are cached in memory, so that they do not shorten the next solution when it is timed."""
-    from rollbench.lowfi.compliance.between import (
-        cached_groove_and_face_compliance,
-        cached_section_motions,
-        cached_tube_compliance,
-        compliance_of_smooth_body,
-        groove_and_face_compliance_of_body,
-        grooved_ring_compliance,
-    )
-
     for memory in (
-        reduce_to_compliance_geometry,
-        compliance_geometry_with_balls,
-        half_groove_of_body,
-        fixed_surface,
-        grooved_section,
-        grooved_body_section,
-        compliance_of_smooth_body,
-        cached_tube_compliance,
-        cached_section_motions,
-        cached_groove_and_face_compliance,
-        grooved_ring_compliance,
+        parts.reduce_to_compliance_geometry,
+        parts.compliance_geometry_with_balls,
+        parts.half_groove_of_body,
+        parts.fixed_surface,
+        parts.grooved_section,
+        parts.grooved_body_section,
+        between.compliance_of_smooth_body,
+        between.cached_tube_compliance,
+        between.cached_section_motions,
+        between.cached_groove_and_face_compliance,
+        between.grooved_ring_compliance,
         _cached_flank_compliance,
-        groove_and_face_compliance_of_body,
+        between.groove_and_face_compliance_of_body,
         _cached_compliance_between_contacts,
         _cached_response_to_end_wrench,
         _cached_response_to_section_wrench,
@@ -397,20 +351,19 @@ class CondensedCompliance:
         ``total``: low-order compliance on these flanks [m/N], ball after ball, with supports and beam.
         """
         N, screw = layout.z.size, sides[0] < 2
-        geometry = reduce_to_compliance_geometry(scene)
-        if fixed_surface(geometry, screw) == "rigid" or ("screw" if screw else "nut") not in self.parts:
+        geometry = parts.reduce_to_compliance_geometry(scene)
+        if parts.fixed_surface(geometry, screw) == "rigid" or ("screw" if screw else "nut") not in self.parts:
             return total
-        x, axes = contact_points_and_axes(scene, layout, screw)
+        x, axes = between.contact_points_and_axes(scene, layout, screw)
         held = compliance_between_contacts(scene, layout, screw, backend)
-        if screw and fixed_surface(geometry, True) == "section":
-            section = grooved_section(geometry, True)
-            held = held + clamped_beam_compliance(
+        if screw and parts.fixed_surface(geometry, True) == "section":
+            section = parts.grooved_section(geometry, True)
+            rows, stations, ends = (
                 contact_motions_by_rigid_motions(x, axes),
                 np.repeat(x[:, 2], 2),
                 (self.file_contents.base, 0.0),
-                "low",
-                section,
             )
+            held = held + clamped_beam_compliance(rows, stations, ends, "low", section)
         known = [s for s in ((0, 1) if screw else (2, 3)) if s in self.file_contents.sides]
         file_G = self.file_contents.screw if screw else self.file_contents.nut
         if file_G.shape != (N * len(known),) * 2:

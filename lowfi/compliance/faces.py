@@ -173,17 +173,15 @@ def compute_groove_and_face_compliance(
         cuts, z = cuts[last], grid.z[:, 0]
         gain = motions_beyond_smooth_body(flank, smooth, grid, cuts, radii, finer, kinds)
         if smooth.held not in ("bore", "outer"):
-            beams = [
-                motions_beyond_smooth_beam(flank, smooth, section, strains, (float(z[0]), float(z[cut]))) for cut in cuts
-            ]
+            ends = [(float(z[0]), float(z[cut])) for cut in cuts]
+            beams = [motions_beyond_smooth_beam(flank, smooth, section, strains, between) for between in ends]
             gain[1, :2, :, 0, :, 0] -= np.stack(beams, axis=-1)
         return gain, grid, z[cuts]
 
     gain, grid, distance = added_compliances(FAR, slice(-1, None), 1, WHOLE)
     far = average_with_mirror_image(gain[1, :, :, 0, :, 0, -1])
-    alone = float(far[:, 0, 0].sum()) + groove.motion_unresolved_by_grid(
-        flank, half_lead_part_of_grid(flank, grid), len(far) - 1
-    )
+    alone = float(far[:, 0, 0].sum())
+    alone += groove.motion_unresolved_by_grid(flank, half_lead_part_of_grid(flank, grid), len(far) - 1)
     alone -= half_space_compliance(NARROW * flank.groove_map.ball, flank.material)
     if has_near_face:
         gain, _, distance = added_compliances(BESIDE_FACE, slice(None), 2, held_radii)
@@ -261,22 +259,17 @@ def motions_beyond_smooth_beam(
     out = np.zeros((2 * half, 2 * half))
     side = np.tile([1.0, -1.0], half)
     for sign, beam in ((1.0, section), (-1.0, plain)):
-        radius = (
-            smooth.contact_radius
-            if sign > 0.0
-            else float(np.clip(smooth.contact_radius, smooth.bore_radius, smooth.outer_radius))
-        )
+        radius = smooth.contact_radius
+        if sign < 0.0:
+            radius = float(np.clip(radius, smooth.bore_radius, smooth.outer_radius))
         turned = radius * np.repeat([1.0, -1.0], half)  # here, and on the other side of the axis
         x = np.stack([turned, np.zeros(2 * half), places], axis=1)
         axes = np.stack([along[:, 0] * np.sign(turned), np.zeros(2 * half), along[:, 1]], axis=1)[:, None]
-        feel = (
-            contact_motions_by_own_section_wrench(tube.convert_contacts_to_cylindrical(x, axes), side, strains)
-            if sign > 0.0
-            else None
-        )
-        out += sign * tube.clamped_beam_compliance(
-            tube.contact_motions_by_rigid_motions(x, axes), places, ends, "both", beam, feel
-        )
+        local = None
+        if sign > 0.0:
+            local = contact_motions_by_own_section_wrench(tube.convert_contacts_to_cylindrical(x, axes), side, strains)
+        rows = tube.contact_motions_by_rigid_motions(x, axes)
+        out += sign * tube.clamped_beam_compliance(rows, places, ends, "both", beam, local)
     return np.stack([out[:2, :half] + out[:2, half:], out[:2, :half] - out[:2, half:]]) / 2.0
 
 
@@ -301,10 +294,10 @@ def motions_beyond_smooth_body(
     plain = fourier.tube_grid(r_ends, grid.z[::2, 0])
     loads = smooth_patch_loads(flank, plain, line, face_lines, smooth.patch_width, direction_count)
     n = groove.sampled_harmonics(patch.highest * flank.contact_position()[0] / flank.groove_map.ball, STEP)
-    return patch_motions_for_end_faces(
-        flank, grid, face_lines, n, held_radii, smooth.held, true, width
-    ) - patch_motions_for_end_faces(
-        flank, plain, face_lines, n, WHOLE, smooth.held, loads, smooth.patch_width, smooth.groove_layer
+    held = smooth.held
+    grooved = patch_motions_for_end_faces(flank, grid, face_lines, n, held_radii, held, true, width)
+    return grooved - patch_motions_for_end_faces(
+        flank, plain, face_lines, n, WHOLE, held, loads, smooth.patch_width, smooth.groove_layer
     )
 
 
@@ -322,14 +315,12 @@ def grooved_body_grid(flank: HalfGroove, mesh: tuple[int, int]) -> tuple[fourier
     ``mesh``: numbers of elements on the loaded flank and in depth.
     """
     ball, reach = flank.groove_map.ball, REACH * flank.groove_map.ball
-    r, z = groove_surface_nodes(
-        flank, mesh[0], LAND * ball * np.array([0.25, 0.6, *np.arange(1.2, flank.half_length / (LAND * ball))])
-    )
+    longest = LAND * ball
+    ends = longest * np.array([0.25, 0.6, *np.arange(1.2, flank.half_length / longest)])
+    r, z = groove_surface_nodes(flank, mesh[0], ends)
     edge = float(z[z.size // 2 + 2 * mesh[0]])
     beyond = max(0, int(np.ceil((reach / flank.half_length - 1.0) / 2.0)))
-    next_r, next_z = groove_surface_nodes(
-        flank, mesh[0] // 2, LAND * ball * np.arange(1.0, flank.half_length / (LAND * ball))
-    )
+    next_r, next_z = groove_surface_nodes(flank, mesh[0] // 2, longest * np.arange(1.0, flank.half_length / longest))
     shift = 2.0 * flank.half_length * np.arange(1.0, beyond + 1.0)[:, None]
     r = np.concatenate([np.tile(next_r[:-1], beyond), r, np.tile(next_r[1:], beyond)])
     z = np.concatenate([(next_z[:-1] - shift[::-1]).ravel(), z, (next_z[1:] + shift).ravel()])
@@ -359,9 +350,8 @@ def groove_surface_nodes(flank: HalfGroove, count: int, ends: Array) -> tuple[Ar
     """
     r, z = tube.flank_profile_points(flank.groove_map, flank.land_radius, flank.is_screw, 2 * count + 1)
     land = flank.half_length - float(z[-1])
-    along = fourier.node_positions_with_mid_nodes(
-        np.concatenate([[0.0], ends[ends < land - 0.15 * flank.groove_map.ball], [land]])
-    )[1:]
+    inside = ends[ends < land - 0.15 * flank.groove_map.ball]
+    along = fourier.node_positions_with_mid_nodes(np.concatenate([[0.0], inside, [land]]))[1:]
     r, z = np.append(r, np.full(along.size, flank.land_radius)), np.append(z, z[-1] + along)
     return np.append(r[:0:-1], r), np.append(-z[:0:-1], z)
 
@@ -436,10 +426,8 @@ def contact_positions_and_directions(flank: HalfGroove, low: float) -> tuple[Arr
     m = flank.groove_map
     place, along = flank.contact_position()[1], m.signs[flank.flank_number] * np.array([np.cos(m.beta), np.sin(m.beta)])
     places, turns = np.array([place, -place]), 2 if low < -2.0 * flank.half_length - m.ball else 1
-    return (
-        np.concatenate([places - 2.0 * flank.half_length * turn for turn in range(turns)]),
-        np.concatenate([[along, along * np.array([1.0, -1.0])]] * turns),
-    )
+    shifted = [places - 2.0 * flank.half_length * turn for turn in range(turns)]
+    return np.concatenate(shifted), np.concatenate([[along, along * np.array([1.0, -1.0])]] * turns)
 
 
 def patch_motions_for_end_faces(
@@ -484,7 +472,7 @@ def patch_motions_for_end_faces(
     from scipy.linalg.lapack import dtbtrs
 
     columns = grid.shape[1]
-    body = fourier.BodyOfRevolution(grid, flank.material.youngs_modulus, flank.material.poissons_ratio, layer)
+    body = fourier.BodyOfRevolution(grid, flank.material, layer)
     held = np.zeros((*grid.shape, 3), dtype=bool)
     held[0] = True
     held[:, 0 if fixing == "bore" else -1 if fixing == "outer" else slice(0, 0)] = True
@@ -493,15 +481,10 @@ def patch_motions_for_end_faces(
     watched = 2 * kinds
     sampled = np.empty((harmonics.size, 2, watched, patches * kinds, len(face_lines)))
     distinct, of = distinct_load_cases(loads.reshape(-1, *loads.shape[2:]), face_lines)
-    kept: dict[bytes, Array] = {}
     for values, harmonic in zip(sampled, harmonics.tolist(), strict=True):
-        free = ~held.ravel() & body.freedoms_regular_on_axis(harmonic)
-        if free.tobytes() not in kept:
-            kept[free.tobytes()] = body.stiffness_bands(free)
-        powers = fourier.circumference_integral_factor(harmonic) * np.array([1.0, harmonic, harmonic * harmonic])
-        L = cholesky_banded(
-            np.tensordot(powers, kept[free.tobytes()], 1), overwrite_ab=True, lower=True, check_finite=False
-        )
+        free, bands = body.free_stiffness_bands(harmonic, held)
+        powers = fourier.stiffness_part_factors(harmonic)
+        L = cholesky_banded(np.tensordot(powers, bands, 1), overwrite_ab=True, lower=True, check_finite=False)
         Y = dtbtrs(L, distinct[:, free].T, uplo="L")[0]
         for k, cut in enumerate(face_lines):
             solution = Y[:, of[k]]

@@ -10,13 +10,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
+from itertools import chain, pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from rollbench.meshes.arrays import Array, Index
+from rollbench.meshes.arrays import Array, Index, Mask
+from rollbench.meshes.parts import Material
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
@@ -79,9 +79,7 @@ def node_positions_with_mid_nodes(ends: Array) -> Array:
 def tube_grid(r_ends: Array, z_ends: Array) -> QuadrilateralGrid:
     """Return the grid of a plain tube whose elements end at given radii ``r_ends`` and axial positions ``z_ends`` [m]."""
     r, z = node_positions_with_mid_nodes(r_ends), node_positions_with_mid_nodes(z_ends)
-    return QuadrilateralGrid(
-        np.broadcast_to(r, (z.size, r.size)).copy(), np.broadcast_to(z[:, None], (z.size, r.size)).copy()
-    )
+    return QuadrilateralGrid(*np.meshgrid(r, z))
 
 
 def elasticity_matrix(young: float, poisson: float) -> Array:
@@ -205,6 +203,14 @@ def circumference_integral_factor(harmonic: int) -> float:
     return 2.0 * np.pi if harmonic == 0 else np.pi
 
 
+def stiffness_part_factors(n: int) -> Array:
+    """Return the factors c, c n, c n^2 of the stiffness parts K_0, K_1, K_2 in harmonic n.
+
+    c is `circumference_integral_factor`.
+    """
+    return circumference_integral_factor(n) * np.array([1.0, n, n * n])
+
+
 def solve_harmonic_displacements(bands: Array, harmonic: int, loads: Array) -> Array:
     """Solve for the displacements of a body's k free degrees of freedom [m] under loads of harmonic n ``(k, ...)``.
 
@@ -217,7 +223,7 @@ def solve_harmonic_displacements(bands: Array, harmonic: int, loads: Array) -> A
     """
     from scipy.linalg import solveh_banded
 
-    K = np.tensordot(circumference_integral_factor(harmonic) * np.array([1.0, harmonic, harmonic * harmonic]), bands, 1)
+    K = np.tensordot(stiffness_part_factors(harmonic), bands, 1)
     return np.asarray(solveh_banded(K, loads, overwrite_ab=True, lower=True, check_finite=False))
 
 
@@ -243,7 +249,7 @@ def condense_to_last_freedoms(
     from scipy.linalg import cholesky_banded
     from scipy.linalg.lapack import dtbtrs
 
-    K = np.tensordot(circumference_integral_factor(harmonic) * np.array([1.0, harmonic, harmonic * harmonic]), bands, 1)
+    K = np.tensordot(stiffness_part_factors(harmonic), bands, 1)
     L = cholesky_banded(K, overwrite_ab=True, lower=True, check_finite=False)
     Y = dtbtrs(L, loads, uplo="L")[0]
     before = L.shape[1] - remaining_count
@@ -266,21 +272,15 @@ class BodyOfRevolution:
     """Finite-element model of an elastic body of revolution; its element stiffnesses serve all harmonics."""
 
     def __init__(
-        self,
-        grid: QuadrilateralGrid,
-        young: float,
-        poisson: float,
-        layer: GrooveLayer | None = None,
-        solid: NDArray[np.bool_] | None = None,
+        self, grid: QuadrilateralGrid, material: Material, layer: GrooveLayer | None = None, solid: Mask | None = None
     ) -> None:
         """Compute the stiffness parts K_0, K_1, K_2 of all finite elements of the body.
 
-        ``young`` [Pa], ``poisson``: constants of the material; ``layer``: anisotropic layer that represents grooves, or
-        None; ``solid``: which elements are filled with material, None for all. Raises ValueError if an element is turned
-        inside out.
+        ``material``: material of the body; ``layer``: anisotropic layer that represents grooves, or None; ``solid``: which
+        elements are filled with material, None for all. Raises ValueError if an element is turned inside out.
         """
-        self.grid = grid
-        self.elements = np.stack(element_stiffness_parts(grid, young, poisson, layer))
+        self.grid, self.known_bands = grid, dict[bytes, Array]()
+        self.elements = np.stack(element_stiffness_parts(grid, material.youngs_modulus, material.poissons_ratio, layer))
         if solid is not None:
             self.elements[:, ~solid] = 0.0
 
@@ -319,13 +319,13 @@ class BodyOfRevolution:
         return out.reshape(3, -1, 3, 3 * width, 3, 3 * width)
 
     @cached_property
-    def equals_previous_row(self) -> NDArray[np.bool_]:
+    def equals_previous_row(self) -> Mask:
         """Whether each radial row of elements has the same stiffness as the preceding row along the axis ``(rows,)``."""
         rows = self.elements.reshape(3, self.grid.shape[0] // 2, -1)
         change = np.abs(np.diff(rows, axis=1)).max(axis=(0, 2))
         return np.append(False, change < ALIKE * np.abs(rows).max())
 
-    def stiffness_bands(self, free: NDArray[np.bool_]) -> Array:
+    def stiffness_bands(self, free: Mask) -> Array:
         """Return the stiffness parts K_0, K_1, K_2 of the free degrees of freedom, stored in lower bands.
 
         ``free``: whether each degree of freedom is free (3 nodes,); k of them are.
@@ -345,13 +345,23 @@ class BodyOfRevolution:
         found = [np.bincount(at, values, width * count) for values in parts]
         return np.asarray(found, dtype=float).reshape(3, width, count)
 
+    def free_stiffness_bands(self, n: int, held: Mask) -> tuple[Mask, Array]:
+        """Return which degrees of freedom are free in harmonic n ``(3 nodes,)``, then `stiffness_bands` of these.
+
+        ``held``: whether each degree of freedom is fixed, of any shape with 3 nodes elements. The bands are computed once
+        for all harmonics with the same free degrees of freedom, and must not be modified.
+        """
+        free = ~held.ravel() & self.freedoms_regular_on_axis(n)
+        if free.tobytes() not in self.known_bands:
+            self.known_bands[free.tobytes()] = self.stiffness_bands(free)
+        return free, self.known_bands[free.tobytes()]
+
     def harmonic_stiffness(self, n: int) -> csr_array:
         """Return the stiffness matrix K_n of harmonic n ``(3 nodes, 3 nodes)``."""
-        return circumference_integral_factor(n) * (
-            self.stiffness_parts[0] + n * self.stiffness_parts[1] + n * n * self.stiffness_parts[2]
-        )
+        K0, K1, K2 = self.stiffness_parts
+        return circumference_integral_factor(n) * (K0 + n * K1 + n * n * K2)
 
-    def freedoms_regular_on_axis(self, n: int) -> NDArray[np.bool_]:
+    def freedoms_regular_on_axis(self, n: int) -> Mask:
         """Return whether each degree of freedom may move in harmonic n ``(3 nodes,)``: only the axis r = 0 restricts it.
 
         At r = 0, harmonic 0 allows the amplitude W of the axial displacement, harmonic 1 allows the amplitudes U of the
@@ -362,14 +372,6 @@ class BodyOfRevolution:
         on_axis = self.grid.r.ravel() == 0.0
         free[on_axis] = {0: (False, False, True), 1: (True, True, False)}.get(n, (False, False, False))
         return free.ravel()
-
-
-def low_end_mean_motion_matrix(body: BodyOfRevolution, n: int) -> Array:
-    """Return the matrix that converts nodal displacements at a body's low-z end to its mean rigid motions in harmonic n.
-
-    It is `mean_rigid_motion_matrix` for the nodes at that end, ``(2, 3 columns)`` for n = 0 or 1.
-    """
-    return mean_rigid_motion_matrix(body.grid.r[0], n)
 
 
 def mean_rigid_motion_matrix(r: Array, n: int) -> Array:
@@ -424,7 +426,7 @@ class OverlappingBlockMatrix:
 def grid_line_compliance(
     body: BodyOfRevolution,
     harmonics: Sequence[int],
-    held: NDArray[np.bool_],
+    held: Mask,
     line: int,
     rows: tuple[int, int],
     springs: Sequence[float] = (),
@@ -463,12 +465,8 @@ def grid_line_compliance(
     most = max(1, AT_ONCE // size**2)
     beams, waves = n[n < 2], n[n > 1]  # a wave dies out along the body, a beam's motion does not
     groups = [beams[:1], beams[1:], *(waves[i : i + most] for i in range(0, waves.size, most))]
-    return [
-        S
-        for group in groups
-        if group.size
-        for S in _grid_line_compliance_by_stretches(body, group, held, line, rows, springs)
-    ]
+    found = (_grid_line_compliance_by_stretches(body, group, held, line, rows, springs) for group in groups if group.size)
+    return list(chain.from_iterable(found))
 
 
 @dataclass(frozen=True)
@@ -541,7 +539,7 @@ def repeat_stretch(stretch: CondensedStretch, repetitions: int, loads: Array) ->
 
 
 def _grid_line_compliance_by_stretches(
-    body: BodyOfRevolution, n: Index, held: NDArray[np.bool_], line: int, rows: tuple[int, int], springs: Sequence[float]
+    body: BodyOfRevolution, n: Index, held: Mask, line: int, rows: tuple[int, int], springs: Sequence[float]
 ) -> list[OverlappingBlockMatrix]:
     """Return the result of `grid_line_compliance` for some harmonics, by joining radial rows of elements one after another.
 
@@ -549,16 +547,8 @@ def _grid_line_compliance_by_stretches(
     The other arguments are those of `grid_line_compliance`.
     """
     count, width = body.grid.shape[0], 3 * body.grid.shape[1]
-    powers = np.array(
-        [
-            [
-                circumference_integral_factor(i),
-                circumference_integral_factor(i) * i,
-                circumference_integral_factor(i) * i * i,
-            ]
-            for i in n.tolist()
-        ]
-    )
+    factors = [(i, circumference_integral_factor(i)) for i in n.tolist()]
+    powers = np.array([[c, c * i, c * i * i] for i, c in factors])
     free = np.array([~held & body.freedoms_regular_on_axis(i) for i in n.tolist()]).reshape(n.size, count, width)
     unit = np.zeros((width, 3))
     unit[3 * line + np.arange(3), np.arange(3)] = 1.0
@@ -589,7 +579,7 @@ def _grid_line_compliance_by_stretches(
     ]
     between, soft = [*(unit_loads_on_line(2 * k) for k in starts), unit_loads_on_line(count - 1)], 0.0
     if springs and n[0] < 2:
-        motions = low_end_mean_motion_matrix(body, int(n[0]))
+        motions = mean_rigid_motion_matrix(body.grid.r[0], int(n[0]))
         low = motions * free[0, 0]
         soft = low.T @ (np.array(springs[2:] if n[0] == 0 else springs[:2])[:, None] * low)
         between[-1] = np.concatenate([between[-1], (motions * free[0, -1]).T[None]], axis=2)

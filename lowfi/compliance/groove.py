@@ -59,9 +59,8 @@ def groove_layer(flank: HalfGroove, section: BeamSection) -> fourier.GrooveLayer
         return float(exponent)
 
     tilt = float(np.arctan(flank.groove_map.rg / flank.contact_position()[0]))
-    return fourier.GrooveLayer(
-        tuple(r), tuple(share), stiffness_exponent(2.0 * r, area), stiffness_exponent(4.0 * r**3, twist), tilt
-    )
+    exponents = (stiffness_exponent(2.0 * r, area), stiffness_exponent(4.0 * r**3, twist))
+    return fourier.GrooveLayer(tuple(r), tuple(share), *exponents, tilt)
 
 
 def contact_motions_by_tension_and_moment(flank: HalfGroove, smooth: tube.SmoothBody) -> Array:
@@ -78,9 +77,7 @@ def contact_motions_by_tension_and_moment(flank: HalfGroove, smooth: tube.Smooth
     plain = fourier.tube_grid(r_ends, np.array([0.0, flank.half_length]))
     out = np.empty((2, 2))
     for k, kind in enumerate(("axial", "bending")):
-        stiffness, motion = tube.solve_half_lead_under_unit_motion(
-            fourier.BodyOfRevolution(grid, flank.material.youngs_modulus, flank.material.poissons_ratio), kind
-        )
+        stiffness, motion = tube.solve_half_lead_under_unit_motion(fourier.BodyOfRevolution(grid, flank.material), kind)
         smooth_stiffness, smooth_motion = tube.solve_half_lead_under_unit_motion(smooth.finite_element_body(plain), kind)
         at = share @ motion[:, line, ::2] - (radius if k else 1.0) * np.array([0.0, zeta / flank.half_length])
         widens = float(smooth_motion[0, loaded, 0])
@@ -194,20 +191,17 @@ def patch_self_motion_harmonics(
     """
     rows, columns = grid.shape
     turned = fourier.QuadrilateralGrid(grid.r[::-1], -grid.z[::-1])  # so that the plane at mid groove is last
-    body = fourier.BodyOfRevolution(turned, flank.material.youngs_modulus, flank.material.poissons_ratio)
+    body = fourier.BodyOfRevolution(turned, flank.material)
     forces = np.stack([(force[::-1] * np.array([1.0, 1.0, -1.0])).ravel() for force in load_cases], axis=1)
     held = np.zeros((rows, columns, 3), dtype=bool)
     held[0] = True
     if not flank.is_screw:
         held[:, -1] = True
     values = np.empty((harmonics.size, 2))
-    kept: dict[bytes, Array] = {}
     for k, harmonic in enumerate(harmonics.tolist()):
-        free = ~held.ravel() & body.freedoms_regular_on_axis(harmonic)
-        if free.tobytes() not in kept:
-            kept[free.tobytes()] = body.stiffness_bands(free)
+        free, bands = body.free_stiffness_bands(harmonic, held)
         along = np.flatnonzero(free[-3 * columns :]) % 3 == 2
-        S, g, work = fourier.condense_to_last_freedoms(kept[free.tobytes()], harmonic, forces[free], along.size)
+        S, g, work = fourier.condense_to_last_freedoms(bands, harmonic, forces[free], along.size)
         for case, moves in enumerate((~along, along)):  # symmetric, antisymmetric to mid groove
             pressed = g[moves, case]
             values[k, case] = work[case, case] + pressed @ np.linalg.solve(S[np.ix_(moves, moves)], pressed)
@@ -217,9 +211,11 @@ def patch_self_motion_harmonics(
 def patch_self_motion(
     flank: HalfGroove, grid: fourier.QuadrilateralGrid, load_cases: tuple[Array, Array], width: float
 ) -> float:
-    """Return the motion of a load patch on one groove flank by a unit load on itself [m/N], the sum over its harmonics.
+    """Return the motion of a Gaussian load patch on one groove flank by a unit load on the patch itself [m/N].
 
-    ``load_cases``: see `patch_self_motion_harmonics`; ``width``: standard deviation of the patch [m].
+    The Fourier harmonics of this motion around the axis (`patch_self_motion_harmonics`, which also explains ``load_cases``)
+    are summed up, each weighted by the extent of the patch along the circumference; ``width``: standard deviation of the
+    patch, along the flank and along the circumference [m].
     """
     n = sampled_harmonics(2.6 * flank.contact_position()[0] / width)
     waves = interpolate_harmonics(n, patch_self_motion_harmonics(flank, grid, load_cases, n))
@@ -234,10 +230,8 @@ def symmetric_and_antisymmetric_loads(
     Only one half of the groove is computed. On it the nodal forces of both cases are the same; the cases differ in what is
     held at mid groove (see `patch_self_motion_harmonics`). ``width``: standard deviation of the patch [m].
     """
-    force = np.zeros((*grid.shape, 3))
-    force[:, grid.shape[1] - 1 if flank.is_screw else 0, ::2] = nodal_forces_along_flank_normals(
-        flank, grid, width, flank.contact_position()[1]
-    )
+    force, line = np.zeros((*grid.shape, 3)), grid.shape[1] - 1 if flank.is_screw else 0
+    force[:, line, ::2] = nodal_forces_along_flank_normals(flank, grid, width, flank.contact_position()[1])
     return force, force
 
 
@@ -248,12 +242,9 @@ def motion_unresolved_by_grid(flank: HalfGroove, coarse: fourier.QuadrilateralGr
     """
     fine, radius, width = flank.finite_element_grid(), flank.contact_position()[0], NARROW * flank.groove_map.ball
     low, high = np.unique([min(2, last), last // 4, last // 2, last]), sampled_harmonics(2.6 * radius / width, first=last)
-    sampled = patch_self_motion_harmonics(
-        flank, fine, symmetric_and_antisymmetric_loads(flank, fine, width), np.concatenate([low[:-1], high])
-    )
-    change = sampled[: low.size] - patch_self_motion_harmonics(
-        flank, coarse, symmetric_and_antisymmetric_loads(flank, coarse, width), low
-    )
+    on_fine, on_coarse = (symmetric_and_antisymmetric_loads(flank, grid, width) for grid in (fine, coarse))
+    sampled = patch_self_motion_harmonics(flank, fine, on_fine, np.concatenate([low[:-1], high]))
+    change = sampled[: low.size] - patch_self_motion_harmonics(flank, coarse, on_coarse, low)
     harmonics = np.arange(high[-1] + 1.0)
     waves = np.empty(harmonics.size)
     waves[:last] = cubic_spline(np.log1p(low), change)(np.log1p(harmonics[:last]))
@@ -290,7 +281,7 @@ def ring_compliance(flank: HalfGroove, fixed_surface: str) -> GrooveRingComplian
     """
     half = flank.finite_element_grid()
     grid = fourier.QuadrilateralGrid(np.concatenate([half.r[:0:-1], half.r]), np.concatenate([-half.z[:0:-1], half.z]))
-    body = fourier.BodyOfRevolution(grid, flank.material.youngs_modulus, flank.material.poissons_ratio)
+    body = fourier.BodyOfRevolution(grid, flank.material)
     fixed = np.zeros((*grid.shape, 3), dtype=bool)
     fixed[0 if fixed_surface == "low" else slice(0, 0)] = True
     fixed[[0, -1] if fixed_surface == "both" else -1 if fixed_surface == "high" else slice(0, 0)] = True
@@ -314,14 +305,11 @@ def ring_compliance(flank: HalfGroove, fixed_surface: str) -> GrooveRingComplian
     sampled = np.array([loads.T @ fourier.solve_harmonic_displacements(bands, harmonic, loads) for harmonic in n.tolist()])
     harmonics = np.arange(n[-1] + 1.0)
     S = interpolate_harmonics(n, sampled)
-    nominal = (
-        np.array([np.cos(flank.groove_map.beta), np.sin(flank.groove_map.beta)])
-        * flank.groove_map.signs[flank.flank_number]
-    )
+    m = flank.groove_map
+    nominal = np.array([np.cos(m.beta), np.sin(m.beta)]) * m.signs[flank.flank_number]
     turned = S[:, 4, 4] - np.einsum("a,nab,b->n", nominal, S[:, 2:4, 2:4], nominal)
-    return GrooveRingCompliance(
-        S[:, :4, :4], float(gaussian_patch_harmonic_factors(harmonics, width, radius) @ turned), width, radius
-    )
+    correction = float(gaussian_patch_harmonic_factors(harmonics, width, radius) @ turned)
+    return GrooveRingCompliance(S[:, :4, :4], correction, width, radius)
 
 
 def gaussian_patch_harmonic_factors(harmonics: Array, width: float, radius: float) -> Array:

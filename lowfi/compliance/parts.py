@@ -1,7 +1,6 @@
 """Idealised screw and nut for the compliance between contacts: beam sections, smooth bodies, fixed surfaces.
 
-Everything here depends only on the geometry of a scene. The modules with finite elements are imported only for a geometry
-whose results are not in the cache.
+Everything here depends only on the geometry of a scene.
 """
 
 from __future__ import annotations
@@ -9,10 +8,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
+from rollbench.lowfi.compliance import groove, tube
 from rollbench.lowfi.compliance.beyond_hertz import HalfGroove
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.cache import cached_on_disk
@@ -21,9 +21,6 @@ from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Ingredients, Scene
 from rollbench.meshes.section import BeamSection, screw_section, tube_section
 from rollbench.meshes.solid import dimensions_of_3d_parts
-
-if TYPE_CHECKING:
-    from rollbench.lowfi.compliance.tube import SmoothBody
 
 #: Least standard deviation of the load patch on smooth bodies, over the ball's radius; it applies to steep contact angles.
 LEAST = 0.5
@@ -183,44 +180,36 @@ def grooved_body_section(flank: HalfGroove) -> BeamSection:
 
     The result is cached on disk for each groove, so that scenes with the same screw but another nut share it.
     """
-    from rollbench.lowfi.compliance.groove import equivalent_cylinder_radius
-    from rollbench.lowfi.compliance.tube import grooved_beam_section
-
     if flank.groove_map.rg == 0.0:
-        return tube_section(2.0 * flank.plain_radius, 2.0 * equivalent_cylinder_radius(flank, 2), flank.material)
-    return grooved_beam_section(
-        flank.groove_map, flank.land_radius, flank.plain_radius, flank.is_screw, flank.material
-    ).section
+        return tube_section(2.0 * flank.plain_radius, 2.0 * groove.equivalent_cylinder_radius(flank, 2), flank.material)
+    dimensions = (flank.groove_map, flank.land_radius, flank.plain_radius, flank.is_screw)
+    return tube.grooved_beam_section(*dimensions, flank.material).section
 
 
-def smooth_body(geometry: Scene, screw: bool, backend: ComplianceModel) -> SmoothBody:
+def smooth_body(geometry: Scene, screw: bool, backend: ComplianceModel) -> tube.SmoothBody:
     """Return the smooth body of revolution, without grooves, that represents screw or nut.
 
     ``geometry``: scene of `reduce_to_compliance_geometry`; ``screw``: whether the body is the screw (True) or the nut;
     ``backend``: model of the bodies.
     """
-    from rollbench.lowfi.compliance.groove import equivalent_cylinder_radius, groove_layer
-    from rollbench.lowfi.compliance.tube import SmoothBody
-
     flank = half_groove_of_body(geometry, screw)
     low, high = dimensions_of_3d_parts(geometry).ends_of_meshed_screw(geometry)
     half, position = geometry.nut.length / 2.0, geometry.nut.position
+    layer = None
     if screw:
-        bore, outer, ends = flank.plain_radius, equivalent_cylinder_radius(flank, 2), (low, high)
+        bore, outer, ends = flank.plain_radius, groove.equivalent_cylinder_radius(flank, 2), (low, high)
     else:
-        bore = (
-            equivalent_cylinder_radius(flank, 3 if backend.bore == "ring" else 2)
-            if backend.bore in ("ring", "volume")
-            else flank.land_radius
-        )
-        outer, ends = flank.plain_radius, (position - half, position + half)
-    layer = None if screw or backend.bore != "layer" else groove_layer(flank, grooved_section(geometry, False))
+        bore, outer, ends = flank.land_radius, flank.plain_radius, (position - half, position + half)
+        if backend.bore in ("ring", "volume"):
+            bore = groove.equivalent_cylinder_radius(flank, 3 if backend.bore == "ring" else 2)
+        elif backend.bore == "layer":
+            layer = groove.groove_layer(flank, grooved_section(geometry, False))
     radius = flank.contact_position()[0]
     width = backend.width * geometry.balls.radius * max(float(np.cos(geometry.track.contact_angle)), LEAST)
     count = int(np.ceil(backend.harmonics * 2.2 * radius / width))
     size = (1.6 * width / backend.mesh, 0.75 * width / backend.mesh)
     flange = None if screw else geometry.nut.flange
-    return SmoothBody(
+    return tube.SmoothBody(
         bore, outer, ends, fixed_surface(geometry, screw), radius, float(width), count, size, flank.material, layer, flange
     )
 
@@ -234,16 +223,16 @@ def is_elastic_bearing_ring(geometry: Scene, screw: bool) -> bool:
     return geometry.track.lead == 0.0 and fixed_surface(geometry, screw) not in ("rigid", "section")
 
 
-def nut_beam_ends_and_clamps(tube: SmoothBody) -> tuple[tuple[float, float], str]:
+def nut_beam_ends_and_clamps(body: tube.SmoothBody) -> tuple[tuple[float, float], str]:
     """Return the axial positions of both ends of the beam that represents a nut [m], then which of them are clamped.
 
-    The clamped ends are "low", "high" or "both", as for `clamped_beam_compliance`. ``tube``: smooth body of the nut. A nut
+    The clamped ends are "low", "high" or "both", as for `clamped_beam_compliance`. ``body``: smooth body of the nut. A nut
     with a flange is clamped at the flange's face, or where its bonded fit ends. The deformation of the flange belongs to
     the smooth body.
     """
-    if tube.held != "flange" or tube.flange is None:
-        return tube.ends, tube.held
-    base = tube.flange.stations(*tube.ends)[2 if tube.flange.bonded else 1]
+    if body.held != "flange" or body.flange is None:
+        return body.ends, body.held
+    base = body.flange.stations(*body.ends)[2 if body.flange.bonded else 1]
     return (base, base), "low"
 
 

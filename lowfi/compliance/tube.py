@@ -13,10 +13,9 @@ from itertools import pairwise
 from math import pi
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rollbench.lowfi.compliance import fourier
-from rollbench.meshes.arrays import Array
+from rollbench.meshes.arrays import Array, Mask
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import Flange, Material
 from rollbench.meshes.section import BeamSection, shear_coefficient, tube_section
@@ -112,9 +111,8 @@ def half_lead_cell_grid(
     share = fourier.node_positions_with_mid_nodes(1.0 - np.linspace(1.0, 0.0, mesh[2] + 1) ** 1.5)
     low, high = (np.full_like(surface, plain_radius), surface) if screw else (surface, np.full_like(surface, plain_radius))
     depth = share if screw else (1.0 - share)[::-1]
-    return fourier.QuadrilateralGrid(
-        low[:, None] + depth * (high - low)[:, None], np.broadcast_to(z[:, None], (z.size, depth.size)).copy()
-    )
+    radii = low[:, None] + depth * (high - low)[:, None]
+    return fourier.QuadrilateralGrid(radii, np.broadcast_to(z[:, None], radii.shape).copy())
 
 
 def grooved_beam_section(
@@ -144,7 +142,7 @@ def grooved_beam_section(
         )
     grid = half_lead_cell_grid(groove_map, land_radius, plain_radius, screw)
     young, poisson = material.youngs_modulus, material.poissons_ratio
-    body = fourier.BodyOfRevolution(grid, young, poisson)
+    body = fourier.BodyOfRevolution(grid, material)
     length = float(grid.z[-1, 0])
     EA, GJ, EI = (half_lead_stiffness(body, kind) * length for kind in ("axial", "torsion", "bending"))
     shear = material.shear_modulus
@@ -250,11 +248,9 @@ class SmoothBody:
 
     def finite_element_body(self, grid: fourier.QuadrilateralGrid) -> fourier.BodyOfRevolution:
         """Return the finite-element model of the tube on a grid, which may extend beyond the tube around a flange."""
-        return fourier.BodyOfRevolution(
-            grid, self.material.youngs_modulus, self.material.poissons_ratio, self.groove_layer, self.filled_elements(grid)
-        )
+        return fourier.BodyOfRevolution(grid, self.material, self.groove_layer, self.filled_elements(grid))
 
-    def filled_elements(self, grid: fourier.QuadrilateralGrid) -> NDArray[np.bool_]:
+    def filled_elements(self, grid: fourier.QuadrilateralGrid) -> Mask:
         """Return whether each element of a grid is filled with material of the tube or its flange ``(elements,)``."""
         r, z = (x[1::2, 1::2].ravel() for x in (grid.r, grid.z))
         if self.flange is None:
@@ -327,12 +323,8 @@ def radial_element_ends(tube: SmoothBody) -> tuple[Array, int]:
     Elements are small near the radius of the contacts. Grid lines are numbered from 0 at the bore, and include those
     through the elements' mid nodes.
     """
-    low, high, at = (
-        tube.bore_radius,
-        tube.outer_radius,
-        float(np.clip(tube.contact_radius, tube.bore_radius, tube.outer_radius)),
-    )
-    h = tube.size[1]
+    low, high, h = tube.bore_radius, tube.outer_radius, tube.size[1]
+    at = float(np.clip(tube.contact_radius, low, high))
 
     def growing_element_ends(length: float) -> Array:
         """Return distances of element ends from 0 to ``length`` [m]; the elements grow with the distance."""
@@ -342,9 +334,8 @@ def radial_element_ends(tube: SmoothBody) -> tuple[Array, int]:
     inner = at - growing_element_ends(at - low)[::-1] if at > low else np.array([at])
     inner[0] = low
     outer = np.array([at])
-    for end in (
-        (high,) if tube.groove_layer is None else (tube.groove_layer.radii[-1], high)
-    ):  # none of them across the layer's end
+    # no element lies across the end of the layer
+    for end in (high,) if tube.groove_layer is None else (tube.groove_layer.radii[-1], high):
         if end > outer[-1]:
             outer = np.append(outer, outer[-1] + growing_element_ends(end - outer[-1])[1:])
     return np.append(inner, outer[1:]), 2 * (inner.size - 1)
@@ -389,7 +380,7 @@ def add_element_ends_of_flange(tube: SmoothBody, r_ends: Array, z_ends: Array) -
     return r_ends, z_ends[np.diff(z_ends, prepend=-np.inf) > SAME]
 
 
-def fixed_freedoms(tube: SmoothBody, grid: fourier.QuadrilateralGrid) -> NDArray[np.bool_]:
+def fixed_freedoms(tube: SmoothBody, grid: fourier.QuadrilateralGrid) -> Mask:
     """Return whether each degree of freedom ``(3 nodes,)`` of a tube's grid is fixed; nodes outside the tube are fixed."""
     beyond = np.ones(grid.r.size, dtype=bool)
     beyond[grid.element_nodes()[tube.filled_elements(grid)].ravel()] = False
@@ -445,15 +436,13 @@ def shaft_motions_by_section_loads(
     """
     r_ends, line = radial_element_ends(tube)
     grid = fourier.tube_grid(r_ends, axial_element_ends(tube, loaded_range))
-    body, z, half = (
-        tube.finite_element_body(grid),
-        grid.z[:, 0],
-        min(SLICE * tube.outer_radius, section_z - tube.ends[0], tube.ends[1] - section_z),
-    )
+    body = tube.finite_element_body(grid)
+    z = grid.z[:, 0]
+    half = min(SLICE * tube.outer_radius, section_z - tube.ends[0], tube.ends[1] - section_z)
     shares, levers = slice_mean_weights(z, section_z, half)
     inertia, springs, ends = 0.25 * (tube.outer_radius**2 + tube.bore_radius**2), low_end_spring_stiffnesses(tube), []
     for n, stiff in ((0, springs[2:]), (1, springs[:2])):
-        free, motions = body.freedoms_regular_on_axis(n), fourier.low_end_mean_motion_matrix(body, n)
+        free, motions = body.freedoms_regular_on_axis(n), fourier.mean_rigid_motion_matrix(grid.r[0], n)
         rows = shares[:, None, None] * motions
         if n == 1:
             rows[:, 1] = (inertia * rows[:, 1] + levers[:, None] * motions[0]) / (inertia + half**2 / 3.0)
@@ -493,6 +482,15 @@ def low_end_spring_stiffnesses(tube: SmoothBody) -> tuple[float, float, float, f
     return stiff, stiff * tube.outer_radius**2, stiff, stiff * tube.outer_radius**2
 
 
+def low_end_springs_of_rigid_motions(tube: SmoothBody) -> Array:
+    """Return the spring stiffness at a shaft's end at low z for each rigid motion of this end ``(6,)`` [N/m, N m].
+
+    The motions are three translations along x, y, z and three rotations about them; see `low_end_spring_stiffnesses`.
+    """
+    shift, tilt, axial, twist = low_end_spring_stiffnesses(tube)
+    return np.array([shift, shift, axial, tilt, tilt, twist])
+
+
 def gaussian_weights_on_line(z: Array, patch_middles: Array, width: float) -> Array:
     """Return the weights ``(c, k)`` of k nodes for c Gaussian load patches on an axial grid line.
 
@@ -501,10 +499,8 @@ def gaussian_weights_on_line(z: Array, patch_middles: Array, width: float) -> Ar
     """
     low, high = z[:-2:2], z[2::2]
     x = 0.5 * (low + high)[:, None] + 0.5 * (high - low)[:, None] * NODE
-    density = np.exp(-0.5 * ((x[None] - patch_middles[:, None, None]) / width) ** 2) * (
-        0.5 * (high - low)[:, None] * WEIGHT
-    )
-    shares = density @ SHAPES
+    density = np.exp(-0.5 * ((x[None] - patch_middles[:, None, None]) / width) ** 2)
+    shares = (density * (0.5 * (high - low)[:, None] * WEIGHT)) @ SHAPES
     out = np.zeros((patch_middles.size, z.size))
     for k in range(3):
         out[:, k : k + z.size - 2 : 2] += shares[:, :, k]
@@ -567,10 +563,8 @@ def contact_compliance(compliance: SmoothBodyCompliance, points: ContactPoints, 
 def move_contacts_to_surface(tube: SmoothBody, contact_points: Array) -> Array:
     """Move those of c contact points (c, 3) [m] that lie outside the tube's material radially to its surface."""
     far = np.hypot(contact_points[:, 0], contact_points[:, 1])
-    return np.asarray(
-        contact_points
-        * np.stack([np.clip(far, tube.bore_radius, tube.outer_radius) / far] * 2 + [np.ones(len(contact_points))], axis=1)
-    )
+    across = np.clip(far, tube.bore_radius, tube.outer_radius) / far
+    return np.asarray(contact_points * np.stack([across, across, np.ones(len(contact_points))], axis=1))
 
 
 def contact_motions_by_rigid_motions(contact_points: Array, axes: Array, origin: float | None = None) -> Array:
@@ -594,9 +588,8 @@ def low_end_spring_compliance(tube: SmoothBody, contact_points: Array, axes: Arr
     The springs are those of `low_end_spring_stiffnesses`. ``contact_points`` ``(c, 3)``: contact points [m]; ``axes`` ``(c,
     2, 3)``: directions of their motions.
     """
-    shift, tilt, axial, twist = low_end_spring_stiffnesses(tube)
     rows = contact_motions_by_rigid_motions(contact_points, axes, tube.ends[0])
-    return np.asarray((rows / np.array([shift, shift, axial, tilt, tilt, twist])) @ rows.T)
+    return np.asarray((rows / low_end_springs_of_rigid_motions(tube)) @ rows.T)
 
 
 def cantilever_compliance(
@@ -618,11 +611,9 @@ def cantilever_compliance(
     loaded
         Selection of the m motions along which unit loads act.
     """
-    left, shift, turn = (
-        (stations - base)[:, None],
-        rigid_motion_rows[:, :2],
-        rigid_motion_rows[:, [4, 3]] * np.array([1.0, -1.0]),
-    )
+    left = (stations - base)[:, None]
+    shift = rigid_motion_rows[:, :2]
+    turn = rigid_motion_rows[:, [4, 3]] * np.array([1.0, -1.0])
     yielding = rigid_motion_rows[:, 2:] / np.array([section.EA, section.EI, section.EI, section.GJ])
     by = np.arange(len(rigid_motion_rows))[loaded]
     out = np.empty((len(rigid_motion_rows), by.size))
@@ -676,15 +667,12 @@ def clamped_beam_compliance(
     if clamped_ends != "both":
         base = low if clamped_ends == "low" else high
         G = cantilever_compliance(rigid_motion_rows, stations, base, section)
-        return (
-            G
-            if section_strain_motions is None
-            else G + compliance_of_local_groove_strains(section_strain_motions, rigid_motion_rows, stations, base)
-        )
+        if section_strain_motions is None:
+            return G
+        return G + compliance_of_local_groove_strains(section_strain_motions, rigid_motion_rows, stations, base)
     rigid_motion_rows, stations = np.concatenate([rigid_motion_rows, np.eye(6)]), np.append(stations, np.full(6, high))
     G, k = cantilever_compliance(rigid_motion_rows, stations, low, section), len(rigid_motion_rows) - 6
     if section_strain_motions is not None:
-        G += compliance_of_local_groove_strains(
-            np.concatenate([section_strain_motions, np.zeros((6, 6))]), rigid_motion_rows, stations, low
-        )
+        local = np.concatenate([section_strain_motions, np.zeros((6, 6))])
+        G += compliance_of_local_groove_strains(local, rigid_motion_rows, stations, low)
     return np.asarray(G[:k, :k] - G[:k, k:] @ np.linalg.solve(G[k:, k:], G[k:, :k]))

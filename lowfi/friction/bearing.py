@@ -17,7 +17,6 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rollbench.lowfi.friction.contact import equilibrium
 from rollbench.lowfi.friction.contact.kernel_types import BallContactArrays
@@ -25,7 +24,7 @@ from rollbench.lowfi.friction.contact.laws import EllipticalContacts, SigmoidLaw
 from rollbench.lowfi.friction.screw import motion as screw_motion
 from rollbench.lowfi.friction.screw.groove import ON_SCREW, SIGN_X, SIGN_Z, GrooveHertzConstants, ScrewGroove, section_axes
 from rollbench.lowfi.hertz import contact_modulus, hertz_constants
-from rollbench.meshes.arrays import Array
+from rollbench.meshes.arrays import Array, Index, Mask
 from rollbench.meshes.record_keys import frozen_default, register_frozen_defaults
 
 #: Names of a ball's contacts, of which I and O stand for inner and outer ring, L and R for left and right.
@@ -364,7 +363,7 @@ class BearingState:
     #: Friction torque on the inner ring, which is the power lost over the angular speed [N m].
     torque: float
     #: Number of loaded contacts of each ball ``(N,)``.
-    loaded_contact_counts: NDArray[np.int64]
+    loaded_contact_counts: Index
     #: Power that drives the inner ring [W].
     input_power: float
     #: Whether the loads and the motions of all balls converged.
@@ -447,10 +446,8 @@ def solve_bearing(case: BearingCase, force_angle: float, near: BearingState | No
     ----------
     Lin (2019), 4.3.1.
     """
-    load = screw_motion.solve_screw_contact_loads(
-        bearing_geometry_and_load(case, force_angle),
-        None if near is None else (near.load.ball_displacements, near.load.inner_body_displacements),
-    )
+    cell = bearing_geometry_and_load(case, force_angle)
+    load = screw_motion.solve_screw_contact_loads(cell, None if near is None else near.load.displacements)
     loss, good, power = np.zeros_like(load.force), load.converged, 0.0
     for k in np.flatnonzero(load.force.sum(axis=1) > 0.0):
         ball = screw_motion.solve_ball_motion(case.groove, load.force[k], load.angle[k])
@@ -458,14 +455,7 @@ def solve_bearing(case: BearingCase, force_angle: float, near: BearingState | No
         power += ball.input_power
         good = good and ball.motion.status != "failed"
     speed = abs(case.groove.speed)
-    return BearingState(
-        load=load,
-        loss=loss,
-        torque=float(loss.sum()) / speed,
-        loaded_contact_counts=np.sum(load.force > 0.0, axis=1),
-        input_power=power,
-        converged=good,
-    )
+    return BearingState(load, loss, float(loss.sum()) / speed, np.sum(load.force > 0.0, axis=1), power, good)
 
 
 @dataclass(frozen=True)
@@ -477,9 +467,9 @@ class BearingTorqueCurve:
     #: Friction torque on the inner ring at each angle of the force ``(n,)`` [N m].
     torque: Array
     #: Number of balls with more than two loaded contacts at each angle of the force ``(n,)``.
-    balls_beyond_two_contacts: NDArray[np.int64]
+    balls_beyond_two_contacts: Index
     #: Whether contact loads and ball motions converged at each angle of the force ``(n,)``.
-    converged: NDArray[np.bool_]
+    converged: Mask
 
     @property
     def largest_over_smallest_torque(self) -> float:

@@ -99,9 +99,8 @@ class BallScrewChain:
                 f"`law`, the change of the contact angle under load, must be one of {', '.join(LAWS)}, got {self.law}"
             )
         if self.spacing and (len(self.spacing) != self.balls - 1 or min(self.spacing) < 0.0):
-            raise ValueError(
-                f"`spacing` must have {self.balls - 1} distances between neighbouring balls, none of them negative"
-            )
+            given = f"{len(self.spacing)} distances, the least {min(self.spacing):g}"
+            raise ValueError(f"`spacing`: got {given}; allowed: {self.balls - 1} distances between balls, none negative")
 
     @property
     def segment_compliances(self) -> Array:
@@ -109,14 +108,15 @@ class BallScrewChain:
         return self.compliance * np.array([0.0, *(self.spacing or (1.0,) * (self.balls - 1))])
 
     @property
-    def kernel_parameters(self) -> Array:
-        """Constants that the numerical kernels need ``(5,)``: ball stiffness, groove distance, sines and cosines.
+    def kernel_parameters(self) -> tuple[Array, int, Array]:
+        """Arguments that all numerical kernels take: the segment compliances, the number of the law, and five constants.
 
-        In order: stiffness K of a ball [N/m^1.5], distance A of the groove centres [m], sine and cosine of the contact
-        angle without load, cosine of the lead angle.
+        The constants are, in order, the stiffness K of a ball [N/m^1.5], the distance A of the groove centres [m], sine and
+        cosine of the contact angle without load, and the cosine of the lead angle.
         """
         a = self.contact_angle
-        return np.array([self.stiffness, self.groove_distance, np.sin(a), np.cos(a), np.cos(self.lead_angle)])
+        constants = np.array([self.stiffness, self.groove_distance, np.sin(a), np.cos(a), np.cos(self.lead_angle)])
+        return self.segment_compliances, LAWS.index(self.law), constants
 
     @property
     def C(self) -> float:
@@ -229,10 +229,7 @@ def solve_ball_screw(chain: BallScrewChain, errors: Array, load: float, *, compi
         raise ValueError(f"the axial load on the ball screw must be positive and finite, got {load} N")
     e, u, work = checked_ball_errors(chain, errors), np.empty(chain.balls), np.empty((3, chain.balls))
     k = load_kernel_package(RANDOM_ERRORS, compiled=compiled)
-    law = LAWS.index(chain.law)
-    steps, residual, stiffness = k.solve_by_newton(
-        e, float(load), chain.segment_compliances, law, chain.kernel_parameters, u, work
-    )
+    steps, residual, stiffness = k.solve_by_newton(e, float(load), *chain.kernel_parameters, u, work)
     touch = float(axial_motion_at_touch(chain, e.max()))
     return BallScrewState(work[0], u, touch, float(stiffness), int(steps), float(residual), bool(residual <= k.TOLERANCE))
 
@@ -417,7 +414,7 @@ def solve_screws_with_errors(chain: BallScrewChain, errors: Array, loads: Array)
     e = checked_ball_errors(chain, errors)
     out = np.empty((len(e), f.size, len(QUANTITIES) + 1))
     k = load_kernel_package(RANDOM_ERRORS, compiled=True)
-    k.solve_batch(e, f, chain.segment_compliances, LAWS.index(chain.law), chain.kernel_parameters, out)
+    k.solve_batch(e, f, *chain.kernel_parameters, out)
     at = QUANTITIES.index("displacement")
     out[..., at : at + 2] -= np.asarray(axial_motion_at_touch(chain, e.max(axis=1)))[:, None, None]
     return out[..., :-1], out[..., -1]
@@ -528,6 +525,5 @@ def percentile_rank(sample: Array, value: float, rounding_error: float = 0.0) ->
     rounding_error
         Rounding error of the number; values of the sample that differ from the number by no more count as equal.
     """
-    return PercentileRank(
-        float(np.mean(sample < value - rounding_error)), float(np.mean(sample <= value + rounding_error)), sample.size
-    )
+    below, at_most = np.mean(sample < value - rounding_error), np.mean(sample <= value + rounding_error)
+    return PercentileRank(float(below), float(at_most), sample.size)

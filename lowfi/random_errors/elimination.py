@@ -34,14 +34,12 @@ TOLERANCE = 1e-10
 
 @dataclass(frozen=True)
 class EliminationResult:
-    """Contact loads of M balls by Liu's elimination algorithm, with the numbers of rounds and Newton steps."""
+    """Contact loads of M balls by Liu's elimination algorithm, with the number of rounds."""
 
     #: Contact loads of the M balls ``(M,)`` [N].
     contact_loads: Array
     #: Number of rounds, in each of which balls without contact are removed.
     rounds: int
-    #: Number of Newton steps in all rounds.
-    newton_steps: int
     #: Whether Newton's method converged in every round.
     converged: bool
 
@@ -112,7 +110,7 @@ def _equations_and_jacobian(
 
 def _solve_elimination_round(
     chain: BallScrewChain, errors: Array, remaining: NDArray[np.int64], load: float, approach: Array
-) -> tuple[Array, int, bool]:
+) -> tuple[Array, bool]:
     """Solve the equations of one elimination round by Newton's method, for the balls that are not yet eliminated.
 
     ``remaining``: numbers of the k balls that are not eliminated; ``errors``: their oversize ``(k,)`` [m]; ``load``: axial
@@ -121,13 +119,13 @@ def _solve_elimination_round(
     Returns
     -------
     tuple
-        Approaches of the k balls ``(k,)`` [m]; number of Newton steps; whether the method converged.
+        Approaches of the k balls ``(k,)`` [m]; whether the method converged.
     """
     value, jacobian = _equations_and_jacobian(chain, errors, remaining, load, approach)
-    for step in range(MAX_STEPS):
+    for _ in range(MAX_STEPS):
         size = float(np.abs(value).max())
         if size <= TOLERANCE * load:
-            return approach, step, True
+            return approach, True
         move = -np.linalg.solve(jacobian, value)
         fraction = 1.0
         for _ in range(MAX_HALVINGS):
@@ -137,7 +135,7 @@ def _solve_elimination_round(
             fraction *= 0.5
         approach = approach + fraction * move
         value, jacobian = ahead
-    return approach, MAX_STEPS, False
+    return approach, False
 
 
 def solve_by_elimination(chain: BallScrewChain, errors: Array, load: float) -> EliminationResult:
@@ -170,16 +168,15 @@ def solve_by_elimination(chain: BallScrewChain, errors: Array, load: float) -> E
     e = checked_ball_errors(chain, errors)
     share = float(contact_approach(load / (chain.balls * chain.approach_per_motion), chain.C))
     at = np.arange(chain.balls)
-    approach, steps, done = np.full(chain.balls, share), 0, True
-    rounds = 0
+    approach, rounds, done = np.full(chain.balls, share), 0, True
     while at.size:
         rounds += 1
-        approach, taken, solved = _solve_elimination_round(chain, e[at], at, load, approach)
-        steps, done = steps + taken, done and solved
+        approach, solved = _solve_elimination_round(chain, e[at], at, load, approach)
+        done = done and solved
         keep = approach >= 0.0
         if keep.all() or not solved:
             break
         at, approach = at[keep], approach[keep]
     q = np.zeros(chain.balls)
     q[at] = contact_force(approach, chain.C)
-    return EliminationResult(q, rounds, steps, done)
+    return EliminationResult(q, rounds, done)

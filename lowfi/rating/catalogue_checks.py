@@ -106,9 +106,8 @@ class ShaftLimits:
         if self.compression > self.allowed_load:
             words = f"{self.compression:.4g} N compress {1e3 * self.length:.4g} mm of shaft with the ends {self.ends}"
             text = f"{words}; makers allow {self.allowed_load:.4g} N, half of the buckling load"
-            found.append(
-                ResultWarning("buckling", text, f"compression {self.compression:.4g} N, above {self.allowed_load:.4g} N")
-            )
+            brief = f"compression {self.compression:.4g} N, above {self.allowed_load:.4g} N"
+            found.append(ResultWarning("buckling", text, brief))
         if self.speed is not None and self.speed > self.allowed_speed:
             turns, most, critical = (x * 30.0 / pi for x in (self.speed, self.allowed_speed, self.critical))
             words = f"the shaft turns at {turns:.4g} rpm; {most:.4g} rpm are allowed"
@@ -223,30 +222,18 @@ def shaft_limits(scene: Scene, result: StaticResult) -> ShaftLimits | None:
     spans = [(x, ends) for x, ends in free_lengths_with_supports(scene) if ends in FACTORS and x > 0.0]
     if scene.track.lead == 0.0 or not spans:
         return None
-    root, track = root_diameter(scene), scene.track
-    found = [
-        buckling_load_and_critical_speed(x, ends, root, scene.screw.bore, scene.screw.material.youngs_modulus)
-        for x, ends in spans
-    ]
+    root, across = root_diameter(scene), 2.0 * scene.track.pitch_radius
+    shaft = root, scene.screw.bore, scene.screw.material.youngs_modulus
+    found = [buckling_load_and_critical_speed(x, ends, *shaft) for x, ends in spans]
     weakest = min(range(len(spans)), key=lambda k: found[k][0])
     load, critical = found[weakest][0], min(speed for _, speed in found)
     length, ends = spans[weakest]
     speed = None if scene.motion is None else abs(scene.motion.speed)
-    across = 2.0 * track.pitch_radius
-    allowed = scene.operation.dn_limit * 1e-3 * pi / 30.0
-    return ShaftLimits(
-        ", ".join(ends),
-        length,
-        root,
-        load,
-        shaft_compression(scene, result),
-        critical,
-        speed,
-        None if speed is None else across * speed,
-        allowed,
-        SHARE_OF_LOAD * load,
-        min(SHARE_OF_SPEED * critical, allowed / across),
-    )
+    dn = None if speed is None else across * speed
+    dn_limit = scene.operation.dn_limit * 1e-3 * pi / 30.0
+    limits = SHARE_OF_LOAD * load, min(SHARE_OF_SPEED * critical, dn_limit / across)
+    compression = shaft_compression(scene, result)
+    return ShaftLimits(", ".join(ends), length, root, load, compression, critical, speed, dn, dn_limit, *limits)
 
 
 #: Coefficient of friction up to which a warning is given: twice the largest overall coefficient of catalogues (0.003 to
@@ -292,11 +279,8 @@ def warn_of_overall_friction_coefficient(track: Track, friction: Friction) -> li
     mu = max(friction.screw, friction.nut)
     if not 0.0 < mu <= OVERALL:
         return []
-    as_one = (
-        f", by which the efficiency would be {100.0 * efficiency_by_overall_friction(track, mu):.3g} %"
-        if track.lead
-        else ""
-    )
+    percent = 100.0 * efficiency_by_overall_friction(track, mu)
+    as_one = f", by which the efficiency would be {percent:.3g} %" if track.lead else ""
     brief = (
         f"friction coefficient {mu:g}, that of sliding in the contacts, is as low as overall coefficients of catalogues "
         f"and calculators{as_one}"

@@ -145,13 +145,13 @@ class EllipseTruncation:
     margin: float = quantity_field(
         "margin_deg",
         "angle from the contact ellipse to the edge of the groove's arc; negative: the ellipse is truncated",
-        heading="ellipse to edge of groove",
+        heading="angle, ellipse to groove edge",
         form="g3",
         note="ball {ball} {side}, {edge}",
     )
     #: Number of contacts whose ellipse extends beyond an edge.
     truncated_contacts: int = quantity_field(
-        "contacts_cut", "number of contacts whose ellipse extends beyond an edge", heading="contacts TRUNCATED"
+        "contacts_cut", "number of contacts whose ellipse extends beyond an edge", heading="truncated contact ellipses"
     )
 
 
@@ -161,15 +161,16 @@ def contact_pressures(scene: Scene, static_result: StaticResult) -> Array:
     If the model of the result ``static_result`` computes no pressures, they follow from the loads by Hertz's theory, for
     radii with their random errors.
     """
-    if static_result.pressure is not None or not np.isfinite(static_result.load).all():
-        return static_result.load if static_result.pressure is None else static_result.pressure
-    return contacts.hertz_of_every_contact(
-        scene, draw_geometry_with_errors(scene, ball_layout(scene), static_result.member)
-    ).pressure(static_result.load)
+    if static_result.pressure is not None:
+        return static_result.pressure
+    if not np.isfinite(static_result.load).all():
+        return static_result.load
+    drawn = draw_geometry_with_errors(scene, ball_layout(scene), static_result.member)
+    return contacts.hertz_of_every_contact(scene, drawn).pressure(static_result.load)
 
 
 def contact_of_highest_pressure(
-    scene: Scene, parts_with_errors: GeometryWithErrors, load: Array, angle: Array, pressure: Array | None = None
+    scene: Scene, drawn: GeometryWithErrors, load: Array, angle: Array, pressure: Array | None = None
 ) -> BallContact | None:
     """Return the contact of a ball with a groove flank that has the highest pressure.
 
@@ -178,7 +179,7 @@ def contact_of_highest_pressure(
 
     Parameters
     ----------
-    scene, parts_with_errors
+    scene, drawn
         Scene, and its parts with random errors.
     load
         Contact forces ``(n, 4)`` [N].
@@ -203,23 +204,16 @@ def contact_of_highest_pressure(
     """
     if not (load > 0.0).any():
         return None
-    h = contacts.hertz_of_every_contact(scene, parts_with_errors)
+    h = contacts.hertz_of_every_contact(scene, drawn)
     pressure = h.pressure(load) if pressure is None else pressure
     i, s = (int(k) for k in np.unravel_index(int(pressure.argmax()), load.shape))
-    force, root = float(load[i, s]), float(np.cbrt(load[i, s]))
-    return BallContact(
-        i + 1,
-        SIDES[s],
-        force,
-        float(angle[i, s]),
-        float(h.C[i, s]) * root**2,
-        float(h.C_a[i, s]) * root,
-        float(h.C_b[i, s]) * root,
-        float(pressure[i, s]),
-    )
+    force, at, highest = (float(x[i, s]) for x in (load, angle, pressure))
+    C, C_a, C_b = (float(x[i, s]) for x in (h.C, h.C_a, h.C_b))
+    root = float(np.cbrt(force))
+    return BallContact(i + 1, SIDES[s], force, at, C * root**2, C_a * root, C_b * root, highest)
 
 
-def static_safety(scene: Scene, parts_with_errors: GeometryWithErrors, worst_contact: BallContact) -> StaticSafety:
+def static_safety(scene: Scene, drawn: GeometryWithErrors, worst_contact: BallContact) -> StaticSafety:
     """Return the static safety of the most highly pressed ball contact, between parts of hardened bearing steel.
 
     By pressure, the permissible load of a ball contact is that at 4200 MPa (ISO 76). By permanent indentation (ISO 3408-5),
@@ -229,7 +223,7 @@ def static_safety(scene: Scene, parts_with_errors: GeometryWithErrors, worst_con
 
     Parameters
     ----------
-    scene, parts_with_errors
+    scene, drawn
         Scene, and its parts with random errors.
     worst_contact
         Contact with the highest pressure, see `contact_of_highest_pressure`.
@@ -239,25 +233,21 @@ def static_safety(scene: Scene, parts_with_errors: GeometryWithErrors, worst_con
     Palmgren (1959); Harris and Kotzalas (2007), ball against raceway.
     """
     i, s = worst_contact.ball - 1, SIDES.index(worst_contact.side)
-    across, along = (
-        contacts.nominal_curvatures(scene)
-        + contacts.curvature_changes(scene, parts_with_errors, parts_with_errors.ball_radii)
-    )[i, s]
-    diameter = 2.0 * float(parts_with_errors.ball_radii[i])
+    changes = contacts.curvature_changes(scene, drawn, drawn.ball_radii)
+    across, along = (contacts.nominal_curvatures(scene) + changes)[i, s]
+    diameter = 2.0 * float(drawn.ball_radii[i])
     permanent = PALMGREN * worst_contact.force**2 / diameter * float(across * along)
     return StaticSafety((DENT_PRESSURE / worst_contact.pressure) ** 3, DENT_PRESSURE, permanent / diameter)
 
 
-def most_truncated_ellipse(
-    scene: Scene, parts_with_errors: GeometryWithErrors, load: Array, angle: Array
-) -> EllipseTruncation | None:
+def most_truncated_ellipse(scene: Scene, drawn: GeometryWithErrors, load: Array, angle: Array) -> EllipseTruncation | None:
     """Return the contact ellipse that is nearest to an edge of its groove's arc, and the number of truncated ellipses.
 
     The nut's arc is assumed to end at 90 deg, because a low-order scene does not give the dimension of the nut's land.
 
     Parameters
     ----------
-    scene, parts_with_errors
+    scene, drawn
         Scene, and its parts with random errors.
     load
         Contact forces ``(n, 4)`` [N].
@@ -278,22 +268,16 @@ def most_truncated_ellipse(
     if not loaded.any():
         return None
     low, high = contact_angle_limits(scene)
-    half = contacts.hertz_of_every_contact(scene, parts_with_errors).C_a * np.cbrt(load) / parts_with_errors.groove_radii
+    half = contacts.hertz_of_every_contact(scene, drawn).C_a * np.cbrt(load) / drawn.groove_radii
     to_land = np.where(loaded, high - angle - half, np.inf)
     to_apex = np.where(loaded, angle - half - low, np.inf)
     margin = np.minimum(to_land, to_apex)
     i, s = (int(k) for k in np.unravel_index(int(margin.argmin()), load.shape))
-    land = bool(to_land[i, s] <= to_apex[i, s])
-    return EllipseTruncation(
-        i + 1,
-        SIDES[s],
-        "land" if land or has_single_arc_grooves(scene) else "apex",
-        float(angle[i, s]),
-        float(half[i, s]),
-        float(high[s] if land else low[s]),
-        float(margin[i, s]),
-        int((margin < 0.0).sum()),
-    )
+    at_high = bool(to_land[i, s] <= to_apex[i, s])
+    edge = "land" if at_high or has_single_arc_grooves(scene) else "apex"
+    at, width, left = (float(x[i, s]) for x in (angle, half, margin))
+    end = float(high[s] if at_high else low[s])
+    return EllipseTruncation(i + 1, SIDES[s], edge, at, width, end, left, int((margin < 0.0).sum()))
 
 
 #: Names of a roller's raceways, inner (cone) and outer (cup).
@@ -350,9 +334,8 @@ def race_pressures(row: RollerRow, line_loads: Array) -> Array:
     line_loads
         Loads per length of each roller's slices ``(count, slices)`` [N/m].
     """
-    return np.asarray(
-        rollers.half_widths_and_pressures_of_slices(rollers.tapered_bearing_of_row(row), line_loads)[1].max(axis=1)
-    )
+    bearing = rollers.tapered_bearing_of_row(row)
+    return np.asarray(rollers.half_widths_and_pressures_of_slices(bearing, line_loads)[1].max(axis=1))
 
 
 def roller_contact_of_highest_pressure(row: RollerRow, line_loads: Array) -> RollerContact | None:

@@ -199,9 +199,8 @@ def modified_life(scene: Scene, life: BasicRatingLife | None) -> ModifiedLife | 
     a_1, a_iso = reliability_factor(share), None
     if of.viscosity_ratio is not None and of.contamination is not None:
         thrust = is_thrust_bearing(scene) or scene.track.lead > 0.0
-        a_iso = life_factor_for_lubrication(
-            of.viscosity_ratio, of.contamination * limit / life.equivalent, is_thrust_bearing=thrust
-        )
+        clean = of.contamination * limit / life.equivalent
+        a_iso = life_factor_for_lubrication(of.viscosity_ratio, clean, is_thrust_bearing=thrust)
     return ModifiedLife(a_1 * (1.0 if a_iso is None else a_iso) * life.revolutions, share, a_1, a_iso, limit)
 
 
@@ -312,9 +311,8 @@ def roller_reference_life(row: RollerRow, line_loads: Array) -> ReferenceLife | 
     n = q.shape[-1]
     reduced = roller_life.THRUST if roller_life.is_thrust_bearing_row(row) else roller_life.RADIAL
     stress, capacities, loads = edge_stress_factors(n), {}, {}
-    for race, Q, order in zip(
-        RACES, roller_life.race_capacities(row) / reduced, (roller_life.TURNING, roller_life.STANDING), strict=True
-    ):
+    rated, orders = roller_life.race_capacities(row) / reduced, (roller_life.TURNING, roller_life.STANDING)
+    for race, Q, order in zip(RACES, rated, orders, strict=True):
         mean = stress * np.mean(q**order, axis=0) ** (1.0 / order)
         capacities[race] = float(Q)
         loads[race] = top * row.length * float(np.mean(mean**4.5)) ** (2.0 / 9.0)

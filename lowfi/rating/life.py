@@ -156,7 +156,7 @@ SLOPE = 10.0 / 9.0
 
 @result_record
 class SystemLife:
-    """Life of a system of several nuts and bearings on one shaft, which ends when the first of them fails."""
+    """Life of all nuts and bearings on one shaft together, which ends when the first of them fails."""
 
     #: Life L10 of the whole system [10^6 revolutions].
     revolutions: float = quantity_field(
@@ -164,8 +164,8 @@ class SystemLife:
         "revolutions of the shaft that 90 % of equal axes reach without failure of any nut or bearing (set): product of "
         "the sets' probabilities of survival, each a Weibull distribution",
         error="that of the lives",
-        heading="life L10 of all sets",
-        note="{shortest_set} lives shortest",
+        heading="life L10 of the whole axis",
+        note="shortest life: {shortest_set}",
     )
     #: Name of the nut or bearing with the shortest life.
     shortest: str = quantity_field("shortest_set", "name of the nut or bearing with the shortest life")
@@ -177,9 +177,9 @@ class SystemLife:
     @property
     @QuantityDescription(
         "L10_km",
-        "life L10 of all sets as the distance that the nut travels; null without a nut",
+        "life L10 of the whole axis as the distance that the nut travels; null without a nut",
         error="as in revolutions",
-        heading="life L10 of all sets",
+        heading="life L10 of the whole axis",
     )
     def distance(self) -> float | None:
         """Life of the system as the distance that the nut travels [m]; None without a nut."""
@@ -188,9 +188,9 @@ class SystemLife:
     @property
     @QuantityDescription(
         "L10_hours",
-        "life L10 of all sets in hours, if a speed is stated",
+        "life L10 of the whole axis in hours, if a speed is stated",
         error="as in revolutions",
-        heading="life L10 of all sets",
+        heading="life L10 of the whole axis",
     )
     def hours(self) -> float | None:
         """Life of the system in hours; None without a speed."""
@@ -281,10 +281,11 @@ def contact_capacity(scene: Scene) -> Array:
         A groove radius does not exceed the ball's, or the contact angle of a screw is zero.
     """
     alpha = scene.track.contact_angle
-    if float(nominal_groove_radii(scene).min()) <= scene.balls.radius:
+    least = float(nominal_groove_radii(scene).min())
+    if least <= scene.balls.radius:
         raise ValueError(
-            f"load rating: got a groove radius of {1e3 * float(nominal_groove_radii(scene).min()):.4g} mm; "
-            f"allowed: more than the ball's radius of {1e3 * scene.balls.radius:.4g} mm"
+            f"load rating: got a groove radius of {1e3 * least:.4g} mm; allowed: more than the ball's radius of "
+            f"{1e3 * scene.balls.radius:.4g} mm"
         )
     shape, D = _contact_capacity_factors_and_ball_diameter(scene)
     if scene.track.lead == 0.0:
@@ -292,33 +293,20 @@ def contact_capacity(scene: Scene) -> Array:
         return np.asarray(base * shape * cos(alpha) ** -0.3 * D**1.8 * scene.ball_count ** (-1.0 / 3.0))
     if sin(alpha) <= 0.0:
         raise ValueError("load rating of a screw: got a contact angle of 0 deg; allowed: above 0 deg")
-    return np.asarray(
-        _one_turn_ratings_of_raceways(scene)
-        * _rating_factor_of_turns(scene)
-        / (scene.ball_count * sin(alpha) * _lead_angle_cosine(scene))
-    )
+    return _ratings_of_raceways(scene) / (scene.ball_count * sin(alpha) * cos(lead_angle(scene.track)))
 
 
-def _lead_angle_cosine(scene: Scene) -> float:
-    """Return the cosine of the lead angle phi of a scene's track."""
-    return cos(lead_angle(scene.track))
-
-
-def _rating_factor_of_turns(scene: Scene) -> float:
-    """Return the factor i^0.86 of a screw's rating for i filled turns."""
-    return float(filled_turns(scene) ** 0.86)
-
-
-def _one_turn_ratings_of_raceways(scene: Scene) -> Array:
-    """Return the dynamic load rating of each raceway of a screw for one turn by eq. (3) of this module, ``(4,)`` [N].
+def _ratings_of_raceways(scene: Scene) -> Array:
+    """Return the dynamic load rating of each raceway of a screw by eq. (3) of this module, for all turns ``(4,)`` [N].
 
     The raceways are screw left, screw right, nut left, nut right.
     """
     alpha = scene.track.contact_angle
     shape, D = _contact_capacity_factors_and_ball_diameter(scene)
-    angle = (1.0 - sin(alpha) / 3.0) * cos(alpha) ** 0.86 * tan(alpha) * _lead_angle_cosine(scene) ** 1.3
-    per_turn = scene.ball_count / filled_turns(scene)
-    return np.asarray(CONTACT * SINGLE_ROW * shape * angle * per_turn ** (2.0 / 3.0) * D**1.8)
+    angle = (1.0 - sin(alpha) / 3.0) * cos(alpha) ** 0.86 * tan(alpha) * cos(lead_angle(scene.track)) ** 1.3
+    turns = filled_turns(scene)
+    one_turn = CONTACT * SINGLE_ROW * shape * angle * (scene.ball_count / turns) ** (2.0 / 3.0) * D**1.8
+    return np.asarray(one_turn * turns**0.86)
 
 
 def dynamic_rating(scene: Scene) -> float:
@@ -357,7 +345,7 @@ def dynamic_rating(scene: Scene) -> float:
     (21109, 59.5)
     """
     if scene.track.lead > 0.0:
-        screw, nut = _one_turn_ratings_of_raceways(scene)[[0, 3]] * _rating_factor_of_turns(scene)
+        screw, nut = _ratings_of_raceways(scene)[[0, 3]]
     else:
         alpha, capacities = scene.track.contact_angle, contact_capacity(scene)[[0, 3]] * scene.ball_count
         screw, nut = capacities * sin(alpha) if is_thrust_bearing(scene) else capacities * cos(alpha) * np.array(RADIAL)
@@ -395,7 +383,7 @@ def basic_rating_life(scene: Scene, load: Array) -> BasicRatingLife | None:
     >>> load = np.zeros((scene.ball_count, 4))
     >>> load[:, [0, 3]] = 100.0
     >>> found = basic_rating_life(scene, load)
-    >>> axial = 100.0 * scene.ball_count * sin(scene.track.contact_angle) * _lead_angle_cosine(scene)
+    >>> axial = 100.0 * scene.ball_count * sin(scene.track.contact_angle) * cos(lead_angle(scene.track))
     >>> round(found.revolutions / (found.rating / axial) ** 3, 9)
     1.0
     """
@@ -411,12 +399,11 @@ def basic_rating_life(scene: Scene, load: Array) -> BasicRatingLife | None:
             raceways[side] = float((capacity[s] / mean) ** 3)
     shares = np.array(list(raceways.values())) ** (-10.0 / 9.0)
     total, rated = float(shares.sum() ** -0.9), dynamic_rating(scene)
-    return BasicRatingLife(
-        total, raceways, rated, rated / float(np.cbrt(total)), name_life_standard(scene), scene.track.lead
-    )
+    equivalent = rated / float(np.cbrt(total))
+    return BasicRatingLife(total, raceways, rated, equivalent, name_life_standard(scene), scene.track.lead)
 
 
-def damage_equivalent_contact_loads(loads: Sequence[Array], revolution_shares: Sequence[float]) -> Array:
+def damage_equivalent_contact_loads(loads: Sequence[Array], shares: Sequence[float]) -> Array:
     """Return the contact loads that cause the same fatigue damage as several load cases together.
 
     Each load is the mean of order 3 over the load cases, weighted by the revolutions, F = (sum_j n_j F_j^3)^(1/3).
@@ -425,7 +412,7 @@ def damage_equivalent_contact_loads(loads: Sequence[Array], revolution_shares: S
     ----------
     loads
         Contact forces of each case, ``(n, 4)`` [N].
-    revolution_shares
+    shares
         Fractions of the revolutions in each case, with the sum 1; cases with a fraction of zero do not count.
 
     Returns
@@ -433,7 +420,7 @@ def damage_equivalent_contact_loads(loads: Sequence[Array], revolution_shares: S
     Array
         Contact forces ``(n, 4)`` [N], for which `basic_rating_life` gives the life over all cases.
     """
-    used = [(load, share) for load, share in zip(loads, revolution_shares, strict=True) if share > 0.0]
+    used = [(load, share) for load, share in zip(loads, shares, strict=True) if share > 0.0]
     if len(used) == 1:
         return used[0][0]
     top = max(float(load.max()) for load, _ in used) or 1.0  # forces over the largest: no overflow
@@ -486,7 +473,7 @@ class EquivalentLoadLife:
 
 
 def life_by_equivalent_loads(
-    scenes: Sequence[Scene], revolution_shares: Sequence[float], forces: Sequence[Array], preload: float
+    scenes: Sequence[Scene], shares: Sequence[float], forces: Sequence[Array], preload: float
 ) -> EquivalentLoadLife | None:
     """Return the life of a screw or bearing over several load cases by the standard's equivalent loads.
 
@@ -494,7 +481,7 @@ def life_by_equivalent_loads(
     ----------
     scenes
         Scene of each load case; all have the same parts.
-    revolution_shares
+    shares
         Fractions of the revolutions in each case.
     forces
         Force of the screw on the nut in each case, ``(3,)`` [N].
@@ -511,11 +498,7 @@ def life_by_equivalent_loads(
     ValueError
         A load is not covered by the standard (moments, radial force on a screw, four-point preload); the message names it.
     """
-    used = [
-        (scene, n, np.asarray(F, dtype=float))
-        for scene, n, F in zip(scenes, revolution_shares, forces, strict=True)
-        if n > 0.0
-    ]
+    used = [(scene, n, F) for scene, n, F in zip(scenes, shares, forces, strict=True) if n > 0.0]
     ring = scenes[0].track.lead == 0.0
     standard = "ISO 281" if ring else "ISO 3408-5"
     for scene, _, _ in used:
@@ -524,14 +507,11 @@ def life_by_equivalent_loads(
             raise ValueError(f"{standard} does not cover {reason} (as in {scene.name})")
     n = np.array([share for _, share, _ in used])
     if ring:
-        loads: tuple[float, ...] = (
-            cubic_mean_force(n, np.array([_equivalent_bearing_load(scenes[0], F) for _, _, F in used])),
-        )
+        cases: tuple[Array, ...] = (np.array([_equivalent_bearing_load(scenes[0], F) for _, _, F in used]),)
         rated: tuple[float, ...] = (dynamic_rating(scenes[0]),)
     else:
-        axial = np.array([F[2] for _, _, F in used])
-        along, against = forces_on_nut_halves(axial, preload)
-        loads, rated = (cubic_mean_force(n, along), cubic_mean_force(n, against)), _ratings_by_direction(scenes[0])
+        cases, rated = forces_on_nut_halves(np.array([F[2] for _, _, F in used]), preload), _ratings_by_direction(scenes[0])
+    loads = tuple(cubic_mean_force(n, force) for force in cases)
     wear = sum((F / C) ** (10.0 / 3.0) for F, C in zip(loads, rated, strict=True))
     return EquivalentLoadLife(float(wear**-0.9), loads, standard) if wear > 0.0 else None
 
@@ -571,12 +551,12 @@ def forces_on_nut_halves(force: Array, preload: float) -> tuple[Array, Array]:
     return np.where(force >= 0.0, loaded, other), np.where(force >= 0.0, other, loaded)
 
 
-def cubic_mean_force(revolution_shares: Array, force: Array) -> float:
+def cubic_mean_force(shares: Array, force: Array) -> float:
     """Return the mean force of order 3 over the revolutions, F_m = (sum_j n_j F_j^3)^(1/3) [N].
 
     Parameters
     ----------
-    revolution_shares
+    shares
         Fractions n_j of the revolutions ``(n,)``.
     force
         Forces F_j ``(n,)`` [N], not negative.
@@ -587,7 +567,7 @@ def cubic_mean_force(revolution_shares: Array, force: Array) -> float:
     2504.0
     """
     top = float(force.max(initial=0.0))
-    return 0.0 if top == 0.0 else top * float(revolution_shares @ (force / top) ** TURNING) ** (1.0 / TURNING)
+    return 0.0 if top == 0.0 else top * float(shares @ (force / top) ** TURNING) ** (1.0 / TURNING)
 
 
 def _ratings_by_direction(scene: Scene) -> tuple[float, float]:

@@ -79,7 +79,7 @@ class AxialRigidities:
         "rigidities_N_per_um.makers_practice",
         "rigidity that makers advise to use (THK): 0.8 times `with_bodies`; null for bearings",
         error="the factor 0.8 is a rule of practice",
-        heading="rigidity by formula x 0.8",
+        heading="0.8 times rigidity by formula",
         note="as makers advise",
     )
     def makers_practice(self) -> float | None:

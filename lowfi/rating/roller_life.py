@@ -179,7 +179,7 @@ def basic_rating_life_of_row(row: RollerRow, line_loads: Array) -> BasicRatingLi
     return BasicRatingLife((rated / equivalent) ** EXPONENT, races, rated, equivalent, standard)
 
 
-def damage_equivalent_line_loads(line_loads: Sequence[Array], revolution_shares: Sequence[float]) -> Array:
+def damage_equivalent_line_loads(line_loads: Sequence[Array], shares: Sequence[float]) -> Array:
     """Return the line loads on rollers that cause the same fatigue damage as several load cases together.
 
     Each line load is the mean of order 4 of the load cases' line loads, weighted by the revolutions.
@@ -188,7 +188,7 @@ def damage_equivalent_line_loads(line_loads: Sequence[Array], revolution_shares:
     ----------
     line_loads
         Loads per length of each roller's slices, for each load case ``(count, slices)`` [N/m].
-    revolution_shares
+    shares
         Fractions of the revolutions in each case, with the sum 1.
 
     Returns
@@ -197,7 +197,7 @@ def damage_equivalent_line_loads(line_loads: Sequence[Array], revolution_shares:
         Means of order 4 ``(count, slices)`` [N/m], for which `basic_rating_life_of_row` gives the life over all cases.
     """
     top = max(float(q.max(initial=0.0)) for q in line_loads) or 1.0
-    sums = sum(share * (q / top) ** TURNING for q, share in zip(line_loads, revolution_shares, strict=True))
+    sums = sum(share * (q / top) ** TURNING for q, share in zip(line_loads, shares, strict=True))
     return np.asarray(top * sums ** (1.0 / TURNING))
 
 
@@ -231,16 +231,14 @@ def equivalent_load_of_row(row: RollerRow, radial: float, axial: float) -> float
     return 0.4 * radial + 0.4 / tan(row.cup_angle) * axial
 
 
-def life_of_row_by_equivalent_loads(
-    row: RollerRow, revolution_shares: Sequence[float], forces: Sequence[Array]
-) -> EquivalentLoadLife:
+def life_of_row_by_equivalent_loads(row: RollerRow, shares: Sequence[float], forces: Sequence[Array]) -> EquivalentLoadLife:
     """Return the life of a row of tapered rollers over several load cases by the equivalent loads of ISO 281.
 
     Parameters
     ----------
     row
         Row of tapered rollers.
-    revolution_shares
+    shares
         Fractions of the revolutions in each case, with the sum 1.
     forces
         Force of the shaft on the row in each case, ``(3,)`` [N].
@@ -252,5 +250,5 @@ def life_of_row_by_equivalent_loads(
     """
     loads = np.array([equivalent_load_of_row(row, hypot(F[0], F[1]), abs(float(F[2]))) for F in forces])
     top = float(loads.max())
-    mean = top * float(np.asarray(revolution_shares) @ (loads / top) ** EXPONENT) ** (1.0 / EXPONENT)
+    mean = top * float(np.asarray(shares) @ (loads / top) ** EXPONENT) ** (1.0 / EXPONENT)
     return EquivalentLoadLife((dynamic_rating_of_row(row) / mean) ** EXPONENT, (mean,), "ISO 281")

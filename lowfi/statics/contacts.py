@@ -67,9 +67,8 @@ def curvature_changes(scene: Scene, drawn: GeometryWithErrors, ball_radius: Arra
     """
     gamma = np.array(scene.track.contact_angle)
     profiles = [groove_radius_with_slopes(gamma, drawn.groove_radii[s], drawn.profile_coefficients[s]) for s in range(4)]
-    change = _curvature_in_polar_coordinates(*np.stack(profiles, axis=1)) - _curvature_in_polar_coordinates(
-        nominal_groove_radii(scene), np.zeros(4), np.zeros(4)
-    )
+    nominal = _curvature_in_polar_coordinates(nominal_groove_radii(scene), np.zeros(4), np.zeros(4))
+    change = _curvature_in_polar_coordinates(*np.stack(profiles, axis=1)) - nominal
     ball = 1.0 / ball_radius - 1.0 / scene.balls.radius
     changes = np.repeat(np.repeat(ball[..., None, None], 4, axis=-2), 2, axis=-1)
     changes[..., 0] -= change
@@ -160,9 +159,8 @@ def _cached_hertz_of_parts(bare: Scene) -> hertz.HertzConstants:
 @lru_cache(maxsize=64)
 def _cached_hertz_of_radius(bare: Scene, ball_radius: float) -> hertz.HertzConstants:
     """Return the Hertz constants ``(1, 4)`` of error-free grooves and balls of radius ``ball_radius`` [m], from a cache."""
-    return _make_read_only(
-        hertz_with_errors(bare, draw_geometry_with_errors(bare, ball_layout(bare)), np.array([ball_radius]))
-    )
+    drawn = draw_geometry_with_errors(bare, ball_layout(bare))
+    return _make_read_only(hertz_with_errors(bare, drawn, np.array([ball_radius])))
 
 
 def _make_read_only(constants: hertz.HertzConstants) -> hertz.HertzConstants:
@@ -297,15 +295,14 @@ def hertz_from_curvatures(scene: Scene, curvatures: Array) -> hertz.HertzConstan
         Relative curvatures ``(..., 4, 2)`` [1/m] across and along the groove, for the four flanks (screw left, screw right,
         nut left, nut right).
     """
-    ball = scene.balls.material
-    bodies = [scene.screw.material] * 2 + [scene.nut.material] * 2
-    modulus = np.array(
-        [
-            hertz.contact_modulus(ball.youngs_modulus, ball.poissons_ratio, x.youngs_modulus, x.poissons_ratio)
-            for x in bodies
-        ]
-    )
+    modulus = np.repeat([_contact_modulus(scene, body) for body in (scene.screw.material, scene.nut.material)], 2)
     return hertz.hertz_constants(curvatures[..., 0], curvatures[..., 1], modulus)
+
+
+def _contact_modulus(scene: Scene, body: Material) -> float:
+    """Return the contact modulus [Pa] of a ball and a ``body`` of another material."""
+    ball = scene.balls.material
+    return hertz.contact_modulus(ball.youngs_modulus, ball.poissons_ratio, body.youngs_modulus, body.poissons_ratio)
 
 
 def misprinted_hertz_of_flanks(scene: Scene) -> tuple[hertz.PrintedHertzConstants, hertz.PrintedHertzConstants]:
@@ -321,23 +318,17 @@ def misprinted_hertz_of_flanks(scene: Scene) -> tuple[hertz.PrintedHertzConstant
     bare = replace(scene, errors=Errors())
     drawn = draw_geometry_with_errors(bare, ball_layout(bare))
     gamma = np.full(scene.ball_count, scene.track.contact_angle)
-    ball = scene.balls.material
 
     def misprinted_hertz_of_flank(side: int, body: Material) -> hertz.PrintedHertzConstants:
         """Return the Hertz constants of one flank by Table B.1 of Lin's thesis; ``body``: material of screw or nut.
 
         ``side``: number of the flank in the order screw left, screw right, nut left, nut right.
         """
-        modulus = hertz.contact_modulus(ball.youngs_modulus, ball.poissons_ratio, body.youngs_modulus, body.poissons_ratio)
         low, high = printed_principal_radii(bare, drawn, side, gamma)[0]
-        return hertz.hertz_constants_as_printed(scene.balls.radius, (float(low), float(high)), modulus)
+        radii = float(low), float(high)
+        return hertz.hertz_constants_as_printed(scene.balls.radius, radii, _contact_modulus(scene, body))
 
     return misprinted_hertz_of_flank(0, scene.screw.material), misprinted_hertz_of_flank(3, scene.nut.material)
-
-
-def _misprinted_hertz_C(scene: Scene) -> Array:
-    """Return the Hertz constant C of each flank as misprinted in Table B.1 of Lin's thesis, ``(4,)`` [m/N^(2/3)]."""
-    return np.repeat([side.C for side in misprinted_hertz_of_flanks(scene)], 2)
 
 
 def scene_with_error_free_hertz(scene: Scene) -> Scene:
@@ -359,7 +350,7 @@ def hertz_constants_by_scene_choice(scene: Scene, drawn: GeometryWithErrors, bal
     """Return the Hertz constant C ``(..., N, 4)`` [m/N^(2/3)] of each ball and flank; approach = C Q^(2/3) at the force Q.
 
     The scene's ``hertz`` decides from which dimensions C is computed: "error-free", the nominal dimensions; "as printed",
-    Table B.1 of Lin's thesis with its mistakes; otherwise the radii with their manufacturing errors. The contact angle is
+    Table B.1 of Lin's thesis with its misprints; otherwise the radii with their manufacturing errors. The contact angle is
     the nominal one.
 
     Parameters
@@ -373,10 +364,10 @@ def hertz_constants_by_scene_choice(scene: Scene, drawn: GeometryWithErrors, bal
     """
     radius = drawn.ball_radii if ball_radius is None else ball_radius
     kind = scene.ingredients.hertz
-    if kind in ("as printed", "error-free"):
-        return _repeat_flank_values(
-            _misprinted_hertz_C(scene) if kind == "as printed" else hertz_without_errors(scene).C, radius.shape
-        )
+    if kind == "as printed":
+        return _repeat_flank_values(np.repeat([x.C for x in misprinted_hertz_of_flanks(scene)], 2), radius.shape)
+    if kind == "error-free":
+        return _repeat_flank_values(hertz_without_errors(scene).C, radius.shape)
     if radius.ndim == 1:
         return _repeat_flank_values(hertz_with_errors_if_distinct(scene, drawn, radius).C, radius.shape)
     from numpy.polynomial.chebyshev import chebinterpolate, chebval

@@ -28,21 +28,13 @@ from rollbench.lowfi.compliance.parts import (
     reduce_to_compliance_geometry,
 )
 from rollbench.lowfi.hertz import contact_stiffness_under_force
+from rollbench.lowfi.statics import response, static
 from rollbench.lowfi.statics import shaft as statics_shaft
-from rollbench.lowfi.statics import static
 from rollbench.lowfi.statics.contacts import hertz_constants_by_scene_choice
 from rollbench.lowfi.statics.kernel.search import CONVERGED, ITERATIONS
 from rollbench.lowfi.statics.kernel_types import NO_ROLLERS, RIGID, BallContacts, BodySystem, ForceState, Outcome
 from rollbench.lowfi.statics.problem import Problem, SolvedState, centre_vectors_and_interference
-from rollbench.lowfi.statics.response import (
-    LARGEST,
-    FlankCompliance,
-    compliance_of_screw_and_nut,
-    flank_compliance_under_loads,
-    flank_pair_data,
-    only_flank_pair,
-    starting_spring_factors,
-)
+from rollbench.lowfi.statics.response import LARGEST, FlankCompliance, flank_pair_data, only_flank_pair
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.selection import choose_flanks, flanks_of_scene, solutions_clear_of_left_out_flanks
 from rollbench.lowfi.statics.settle import ACCEPTED, ContactState, ModelDescription, residual_by_round_off, solver_options
@@ -86,10 +78,7 @@ class ElasticEquations(static.SingleNutEquations):
         The numbers are 0 screw left, 1 screw right, 2 nut left, 3 nut right; the screw's flank comes first. None if all
         four flanks have contacts. The position of a ball between two flanks has a closed form.
         """
-        if self.kernel_arrays.bodies.second_compliance.size:
-            return None
-        a = 0 if self.problem.used_flanks[0] else 1
-        return a, 3 - a
+        return only_flank_pair(self.problem)
 
     def solve_by_newton(self, from_linear: bool = True) -> Outcome:
         """Solve the equilibrium by Newton's method with the present Hertz constants.
@@ -113,12 +102,8 @@ class ElasticEquations(static.SingleNutEquations):
         contact, p, single = np.zeros((N, 4, 5)), np.zeros((N, 2)), np.zeros((4, 5))
         contact[:, a] = contact[:, b] = state.contact[:, 0]
         contact[:, b, 1:3] *= -1.0
-        geometry, closure, drawn, tiny = (
-            problem.geometry,
-            problem.interference,
-            problem.drawn,
-            self.kernel_arrays.contacts.unloaded_force_limit,
-        )
+        geometry, closure, drawn = problem.geometry, problem.interference, problem.drawn
+        tiny = self.kernel_arrays.contacts.unloaded_force_limit
         for i in range(N):  # the ball's centre follows from the motions of both flanks
             ball = geometry[i], closure[i], RIGID, drawn.ball_radii[i], drawn.profile_coefficients
             self.engine.find_ball_equilibrium(p[i], moved[i].copy(), *ball, tiny, single)
@@ -164,12 +149,8 @@ class ElasticEquations(static.SingleNutEquations):
         problem, contact, p, shift = self.contact_states()[0]
         for s in np.flatnonzero(~problem.used_flanks):
             shift[:, s] = shift[:, int(s) ^ 1]
-        force = contact[None, ..., 0]
-        return bool(
-            solutions_clear_of_left_out_flanks(
-                p[None], shift[None], problem.geometry[None], force, problem.used_flanks, MARGIN
-            )[0]
-        )
+        parts = p[None], shift[None], problem.geometry[None], contact[None, ..., 0]
+        return bool(solutions_clear_of_left_out_flanks(*parts, problem.used_flanks, MARGIN)[0])
 
     def solved_state(self) -> SolvedState:
         """Return the solution: motions, contact forces and support reactions.
@@ -177,20 +158,18 @@ class ElasticEquations(static.SingleNutEquations):
         Neither the motions of the beam's nodes nor the reactions are unknowns of the equations; both follow from the
         contact forces.
         """
-        problem, squeeze = self.problem, self.flank_compliance.section_force_coupling
+        problem, coupling = self.problem, self.flank_compliance.coupling
         used = [s for s in range(2) if problem.used_flanks[s]]
         pushes = self.forces_on_flanks()[:, used].transpose(1, 0, 2).reshape(-1, 2)
         by_flanks = statics_shaft.nodal_loads_of_flank_forces(problem, pushes, used)
-        if squeeze is not None:
-            by_flanks += squeeze.nodal_loads_of_jumps(pushes.ravel())
-        motion, nodal = (
-            statics_shaft.nodal_motions_under_loads(self.shaft, by_flanks, self.state.a),
-            np.zeros((problem.nodes.size, 6)),
-        )
+        if coupling is not None:
+            by_flanks += coupling.nodal_loads_of_jumps(pushes.ravel())
+        motion = statics_shaft.nodal_motions_under_loads(self.shaft, by_flanks, self.state.a)
+        nodal = np.zeros((problem.nodes.size, 6))
         if problem.rigid_motion_basis is None:
             nodal = statics_shaft.nodal_forces_under_loads(self.shaft, by_flanks) - problem.load - by_flanks.reshape(-1, 6)
-        if squeeze is not None:
-            motion = squeeze.add_jumps_inside_stretches(motion, pushes, problem.fixed)
+        if coupling is not None:
+            motion = coupling.add_jumps_inside_stretches(motion, pushes, problem.fixed)
         held = np.where(problem.fixed, nodal, 0.0)
         scale = max(self.residual_force_scale, float(np.abs(held[:, :3]).max(initial=0.0)))
         _, contact, centre, shifts = self.contact_states()[0]
@@ -203,11 +182,8 @@ class ElasticEquations(static.SingleNutEquations):
         """
         build, clipped = self.problem_input, self.flank_compliance.clipped_share
         assert isinstance(build, ElasticInput)
-        source = (
-            idealisation_statements(build.backend, build.scene)
-            if build.condensed_bodies is None
-            else (build.condensed_bodies.describe_source(),)
-        )
+        of_file = build.condensed_bodies
+        source = (of_file.describe_source(),) if of_file else idealisation_statements(build.backend, build.scene)
         size = self.state.phi.size + self.state.a.size
         cut = (f"negative compliance of the bodies, up to {100 * clipped:.2g} % of a contact's, is set to zero",)
         assumed = (*ELASTIC_ASSUMPTIONS, *source, *self.assumed)
@@ -247,47 +223,33 @@ class ElasticInput(static.StaticInput):
         if N > LARGEST:
             reason = f"balls.count gives {N} balls: elastic bodies are allowed with at most {LARGEST}; use the model lin"
             raise UnfitKey("balls.count", reason)
-        response = compliance_of_screw_and_nut(
-            problem, self.layout, self.backend, self.condensed_bodies, self.compute_body_compliance
-        )
-        shaft, ball, scale = (
-            response.shaft_beam.with_loads_of(problem),
-            response.ball_compliance,
-            static.residual_scale(problem),
-        )
-        flanks, pair, drawn = (
-            flank_compliance_under_loads(problem, scale.typical_force_for_ellipse, shaft, response),
-            only_flank_pair(problem),
-            problem.drawn,
-        )
+        how = self.backend, self.condensed_bodies, self.compute_body_compliance
+        bodies = response.compliance_of_screw_and_nut(problem, *how)
+        shaft, ball, drawn = bodies.shaft_beam.with_loads_of(problem), bodies.ball_compliance, problem.drawn
+        scale, pair = static.residual_scale(problem), only_flank_pair(problem)
+        flanks = response.flank_compliance_under_loads(problem, scale.typical_force_for_ellipse, shaft, bodies)
         local, rows = np.zeros((N, 4, 3)), np.zeros((N, 7))
         local[..., 0], local[..., 2] = flanks.e, flanks.h
         local[..., 1] = ball.pair_coupling_root * np.array([1.0, ball.pair_coupling_sign, ball.pair_coupling_sign, 1.0])
         if pair is not None:  # only one diagonal pair of flanks: no other pair that the ball could couple it with
             local[..., 0] += 2.0 * ball.pair_coupling_root**2
             rows = flank_pair_data(problem, pair, local[..., 0], flanks.h)
-        balls = (
-            problem.geometry,
-            problem.interference,
-            local,
-            drawn.ball_radii,
-            np.repeat(drawn.profile_coefficients[None], N, axis=0),
-        )
+        profile = np.repeat(drawn.profile_coefficients[None], N, axis=0)
+        balls = problem.geometry, problem.interference, local, drawn.ball_radii, profile, rows
+        contacts = BallContacts(*balls, NO_ROLLERS, scale.unloaded_force_limit)
         v0, k = flanks.kernel_bodies.v0, flanks.kernel_bodies.work_on_free_motions.size
         options = solver_options(scale, problem.scene.track.pitch_radius, float(drawn.ball_radii.max()))
-        springs = starting_spring_factors(problem, pair, options.stiffness)
+        springs = response.starting_spring_factors(problem, pair, options.stiffness)
         return ElasticEquations(
             engine=self.engine,
-            kernel_arrays=BodySystem(
-                flanks.kernel_bodies, BallContacts(*balls, rows, NO_ROLLERS, scale.unloaded_force_limit), springs
-            ),
+            kernel_arrays=BodySystem(flanks.kernel_bodies, contacts, springs),
             state=ForceState(np.zeros(v0.shape), np.zeros(k), np.zeros((N, 3)), np.zeros((N, 1 if pair else 4, 5))),
             options=options,
             problem=problem,
             problem_input=self,
             shaft=shaft,
             flank_compliance=flanks,
-            assumed=response.assumed,
+            assumed=bodies.assumed,
         )
 
     def note_on_touched_flanks(self) -> str:
@@ -358,7 +320,7 @@ class SpecimensWithSharedEquations:
         scene: Scene,
         backend: ComplianceModel,
         engine: ModuleType,
-        previous_specimens: SpecimensWithSharedEquations | None = None,
+        previous: SpecimensWithSharedEquations | None = None,
     ) -> None:
         """Store the scene; the equations are built when the first specimen is solved.
 
@@ -370,11 +332,11 @@ class SpecimensWithSharedEquations:
             Method by which the compliance of screw, nut and balls is computed.
         engine
             Module of the numerical kernels.
-        previous_specimens
+        previous
             The same specimens under nearly the same loads, solved before; their solutions are the starts of the iteration.
             None: each specimen starts from the solution of specimen 0.
         """
-        self.scene, self.backend, self.engine, self.like = scene, backend, engine, previous_specimens
+        self.scene, self.backend, self.engine, self.like = scene, backend, engine, previous
         self.layout = ball_layout(scene)
         self._systems: dict[bytes, _SharedEquations | None] = {}
         self._states: dict[tuple[int, bytes], list[Array]] = {}  # by specimen and flanks
@@ -413,9 +375,9 @@ class SpecimensWithSharedEquations:
         return loads, *numbers
 
     def _solve_specimen(
-        self, number: int, used_flanks: Mask, radii_distances_interference_hertz: tuple[Array, Array, Array, Array]
+        self, number: int, used: Mask, dims: tuple[Array, Array, Array, Array]
     ) -> tuple[Array, float, float] | None:
-        """Solve one specimen with contacts on the flanks in ``used_flanks``; return None if that fails.
+        """Solve one specimen with contacts on the flanks ``used``; return None if that fails.
 
         Returns contact loads ``(N, 4)`` [N], relative residual, and work of the external loads [J].
 
@@ -423,35 +385,32 @@ class SpecimensWithSharedEquations:
         ----------
         number
             Number of the specimen.
-        used_flanks
+        used
             Which of the four flanks (screw left, screw right, nut left, nut right) have contacts ``(4,)``.
-        radii_distances_interference_hertz
+        dims
             Ball radii, distances of ball and groove centres, interferences and Hertz constants of the specimen: the
             first four arguments of `_SharedEquations.solve_specimen`.
         """
-        system, key = self._equations_for_flanks(used_flanks), (number, used_flanks.tobytes())
+        system, key = self._equations_for_flanks(used), (number, used.tobytes())
         if system is None:
             return None
-        solved = system.solve_specimen(
-            *radii_distances_interference_hertz, start=None if self.like is None else self.like._states.get(key)
-        )
+        solved = system.solve_specimen(*dims, start=self.like._states.get(key) if self.like else None)
         if solved is not None:
             self._states[key] = [array.copy() for array in system.elastic.state]
         return solved
 
-    def _equations_for_flanks(self, used_flanks: Mask) -> _SharedEquations | None:
-        """Return the equations with contacts on ``used_flanks``, solved for specimen 0, for use by other specimens.
+    def _equations_for_flanks(self, used: Mask) -> _SharedEquations | None:
+        """Return the equations with contacts on the flanks ``used``, solved for specimen 0, for use by other specimens.
 
         If balls of specimen 0 touch a flank that was left out, the equations have all four flanks. None if specimen 0 has
         no solution or its equations fit no other specimen.
         """
-        key = used_flanks.tobytes()
+        key = used.tobytes()
         if key not in self._systems:
             self._systems[key] = None
             drawn = errors.draw_geometry_with_errors(self.scene, self.layout)
-            solved = static.solve_with_chosen_flanks(
-                ElasticInput(self.scene, drawn, self.layout, used_flanks, self.engine, backend=self.backend)
-            )
+            parts = self.scene, drawn, self.layout, used, self.engine
+            solved = static.solve_with_chosen_flanks(ElasticInput(*parts, backend=self.backend))
             if isinstance(solved, static.SolvedEquations) and solved.outcome.status == CONVERGED:
                 elastic = solved.system
                 if isinstance(elastic, ElasticEquations) and elastic.flank_compliance.compliance_moved_to_bodies == 0.0:
@@ -470,11 +429,10 @@ def can_share_equations(scene: Scene) -> bool:
     scene
         Scene with random errors.
     """
-    alike = (
-        errors.have_equal_circular_grooves(scene)
-        and len(errors.draw_geometries_with_errors(scene, ball_layout(scene), 0, 2).groove_centres) == 1
-    )
-    return alike and scene.ingredients.hertz != "actual" and scene.ingredients.screw != "rigid"
+    if not errors.have_equal_circular_grooves(scene):
+        return False
+    two = errors.draw_geometries_with_errors(scene, ball_layout(scene), 0, 2)
+    return len(two.groove_centres) == 1 and scene.ingredients.hertz != "actual" and scene.ingredients.screw != "rigid"
 
 
 class _SharedEquations:
@@ -524,15 +482,14 @@ class _SharedEquations:
             return None
         if outcome.residual > ACCEPTED and outcome.residual > elastic.round_off_residual():
             return None
-        whole = np.array_equal(elastic.problem.used_flanks, flanks_of_scene(elastic.problem.scene))
+        used, pair = elastic.problem.used_flanks, elastic.only_flank_pair
+        whole = np.array_equal(used, flanks_of_scene(elastic.problem.scene))
         if not whole and (outcome.status != CONVERGED or not elastic.are_balls_clear_of_left_out_flanks()):
             return None
         contact = elastic.state.contact
         loads = np.zeros(offset.shape[:2])
-        loads[:, slice(None) if elastic.only_flank_pair is None else elastic.only_flank_pair] = contact[..., 0]
-        on_screw = (
-            elastic.forces_on_flanks()[:, [s for s in (0, 1) if elastic.problem.used_flanks[s]]].swapaxes(0, 1).ravel()
-        )
+        loads[:, slice(None) if pair is None else pair] = contact[..., 0]
+        on_screw = elastic.forces_on_flanks()[:, :2][:, used[:2]].swapaxes(0, 1).ravel()
         work = float(self.by_pushes @ on_screw + self.by_motions @ elastic.state.a) + self.at_rest
         return loads, outcome.residual, work
 
@@ -547,20 +504,17 @@ class _SharedEquations:
         problem.interference[:], problem.drawn.ball_radii[:] = closure, radii
         scale, slope = static.residual_scale(problem), elastic.flank_compliance.slope_of_e
         size = float(np.cbrt(scale.typical_force_for_ellipse))
-        local = elastic.kernel_arrays.contacts.compliance_terms
+        contacts, pair = elastic.kernel_arrays.contacts, elastic.only_flank_pair
+        local = contacts.compliance_terms
         local[:] = self.local
         local[..., 0] += slope * np.log(size / self.size)
         local[..., 2] += slope * (1.0 / size - 1.0 / self.size)
-        if elastic.only_flank_pair is not None:
-            elastic.kernel_arrays.contacts.flank_pair_data[:] = flank_pair_data(
-                problem, elastic.only_flank_pair, local[..., 0], local[..., 2]
-            )
-        elastic.kernel_arrays = elastic.kernel_arrays._replace(
-            contacts=elastic.kernel_arrays.contacts._replace(unloaded_force_limit=scale.unloaded_force_limit)
-        )
-        elastic.options = elastic.options._replace(
-            least_force_scale=scale.least_force_scale, max_flank_motion_per_step=float(radii.max())
-        )
+        if pair is not None:
+            contacts.flank_pair_data[:] = flank_pair_data(problem, pair, local[..., 0], local[..., 2])
+        contacts = contacts._replace(unloaded_force_limit=scale.unloaded_force_limit)
+        elastic.kernel_arrays = elastic.kernel_arrays._replace(contacts=contacts)
+        least, furthest = scale.least_force_scale, float(radii.max())
+        elastic.options = elastic.options._replace(least_force_scale=least, max_flank_step=furthest)
 
 
 def _external_work_coefficients(elastic: ElasticEquations) -> tuple[Array, Array, float]:
@@ -570,22 +524,18 @@ def _external_work_coefficients(elastic: ElasticEquations) -> tuple[Array, Array
     of the work by the forces of the balls on the c screw flanks ``(2 c,)`` [J/N], derivative by the amplitudes of the k
     free motions ``(k,)`` [N], and constant part [J].
     """
-    problem, shaft, squeeze = elastic.problem, elastic.shaft, elastic.flank_compliance.section_force_coupling
+    problem, shaft, coupling = elastic.problem, elastic.shaft, elastic.flank_compliance.coupling
     load = problem.load.ravel()
     dof, rows = statics_shaft.flank_motion_coefficients(problem, [s for s in range(2) if problem.used_flanks[s]])
     by_flanks = np.zeros((load.size, 2 * len(rows)))
     for c in range(len(rows)):
         by_flanks[dof[c], 2 * c], by_flanks[dof[c], 2 * c + 1] = rows[c]
     given, inside = np.zeros(load.size), np.zeros(by_flanks.shape[1])
-    if squeeze is not None:
-        by_flanks += squeeze.wrenches_per_nodal_motion.T @ squeeze.jumps_per_flank_force
-        given = squeeze.wrenches_per_nodal_motion.T @ squeeze.jumps_by_external_loads
-        inside = squeeze.jumps_inside_stretches.flank_motions_by_nodal_loads(
-            np.where(problem.fixed, 0.0, problem.load).reshape(-1, 1)
-        )[:, 0]
+    if coupling is not None:
+        by_flanks += coupling.wrenches_per_nodal_motion.T @ coupling.jumps_per_flank_force
+        given = coupling.wrenches_per_nodal_motion.T @ coupling.jumps_by_external_loads
+        free_load = np.where(problem.fixed, 0.0, problem.load).reshape(-1, 1)
+        inside = coupling.inner_jumps.flank_motions_by_nodal_loads(free_load)[:, 0]
     moved = statics_shaft.nodal_motions_under_loads(shaft, given, np.zeros(elastic.state.a.size)).ravel()
-    return (
-        load @ shaft.motions_under_loads(by_flanks) + inside,
-        load @ statics_shaft.nodal_motions_of_rigid_screw(shaft),
-        float(load @ moved),
-    )
+    by_motions = load @ statics_shaft.nodal_motions_of_rigid_screw(shaft)
+    return load @ shaft.motions_under_loads(by_flanks) + inside, by_motions, float(load @ moved)

@@ -58,7 +58,7 @@ def _motions_free_of_supports(problem: Problem) -> tuple[Array, Array, Array]:
         ``(2 N, k)``; work of the loads on the motions ``(k,)``.
     """
     arm = problem.scene.track.pitch_radius
-    scale = np.array([1.0, 1.0, 1.0, 1.0 / arm, 1.0 / arm, 1.0 / arm])
+    scale = np.repeat([1.0, 1.0 / arm], 3)
     z = problem.nodes
     transport = rigid_motion_transfer_matrix(z - z[0])
     if problem.rigid_motion_basis is not None:
@@ -101,9 +101,7 @@ def find_unresisted_motions(problem: Problem) -> UnresistedMotions:
     twist = float(np.abs(problem.load[:, 5]).sum()) if problem.rigid_motion_basis is None else 0.0
     no_torsion = track.lead == 0.0 and twist == 0.0 and problem.nodes.size > 1
     motions, flanks, work = _motions_free_of_supports(problem)
-    if motions.shape[1] == 0:
-        return UnresistedMotions(False, "", (), no_torsion)
-    null = null_space_of_constraints(flanks)
+    null = null_space_of_constraints(flanks) if motions.shape[1] else np.zeros((0, 0))
     if null.shape[0] == 0:
         return UnresistedMotions(False, "", (), no_torsion)
     free = motions @ null.T
@@ -111,20 +109,11 @@ def find_unresisted_motions(problem: Problem) -> UnresistedMotions:
     text = _describe_free_motions(seen, track.lead, track.pitch_radius)
     if loads_do_work_on(null @ work, problem.load, track.pitch_radius):
         return UnresistedMotions(True, f"{text}: no support and no contact resists it, and the loads drive it")
-    if (
-        problem.rigid_motion_basis is not None
-    ):  # degrees of freedom are the columns of the basis that the supports leave free
+    if problem.rigid_motion_basis is not None:  # coordinates: the columns of the basis that the supports leave free
         left = np.flatnonzero(~problem.fixed[0])
-        pins = tuple(int(left[k]) for k in independent_columns(null))
-    else:
-        pins = tuple(independent_columns(free.T))
-    return UnresistedMotions(
-        False,
-        text,
-        pins,
-        no_torsion,
-        _alternative_pins(free, pins, track.pitch_radius) if problem.rigid_motion_basis is None else (),
-    )
+        return UnresistedMotions(False, text, tuple(int(left[k]) for k in independent_columns(null)), no_torsion)
+    pins = tuple(independent_columns(free.T))
+    return UnresistedMotions(False, text, pins, no_torsion, _alternative_pins(free, pins, track.pitch_radius))
 
 
 def _alternative_pins(free: Array, pins: tuple[int, ...], arm: float) -> tuple[int, ...]:
@@ -132,7 +121,7 @@ def _alternative_pins(free: Array, pins: tuple[int, ...], arm: float) -> tuple[i
 
     ``arm``: length [m] by which rotations are multiplied where they are compared with displacements.
     """
-    scaled = free * np.array([1.0, 1.0, 1.0, arm, arm, arm])[:, None]
+    scaled = free * np.repeat([1.0, arm], 3)[:, None]
     rest = [k for k in range(6) if k not in pins]
     others = tuple(rest[k] for k in independent_columns(scaled[rest].T))
     sizes = np.linalg.svd(scaled[list(others)], compute_uv=False)
@@ -145,7 +134,7 @@ def _describe_free_motions(free: Array, lead: float, arm: float) -> str:
     ``free`` ``(6, k)``: the motions of the screw's section at the nut's centre; ``lead``: lead of the helix [m], 0 for a
     bearing; ``arm``: length [m] by which rotations are multiplied where they are compared with displacements.
     """
-    scaled = np.abs(free * np.array([1.0, 1.0, 1.0, arm, arm, arm])[:, None]).max(axis=1)
+    scaled = np.abs(free * np.repeat([1.0, arm], 3)[:, None]).max(axis=1)
     if free.shape[1] == 1 and scaled[:2].max() + scaled[3:5].max() < 1e-6 * scaled.max():
         return "screw motion along the helix" if lead > 0.0 else "rotation about the screw's axis"
     parts = [name for name, size in zip(FREEDOMS, scaled, strict=True) if size > 1e-6 * scaled.max()]
@@ -175,13 +164,12 @@ def find_opening_motion(problem: Problem) -> Array | None:
     """
     scene, layout = problem.scene, problem.layout
     arm, z0 = scene.track.pitch_radius, scene.nut.position
-    scale = np.array([1.0, 1.0, 1.0, 1.0 / arm, 1.0 / arm, 1.0 / arm])
+    scale = np.repeat([1.0, 1.0 / arm], 3)
     N, point = layout.z.size, nominal_contact_points(scene)
-    axes = np.stack([layout.radial, layout.binormal], axis=1)
     flank = np.zeros((4, N, 2, 6))
     for s in range(2):
         x = layout.centre + point[s, 0] * layout.radial + point[s, 1] * layout.binormal - np.array([0.0, 0.0, z0])
-        flank[s] = np.concatenate([axes, np.cross(x[:, None], axes)], axis=2) * scale
+        flank[s] = point_motion_matrix(layout, x) * scale
     sides = [approach_change_by_motions(s, scene.track.contact_angle, flank[s], 0, N) for s in range(4)]
     rows = np.stack(sides, axis=1).reshape(4 * N, -1)
     work = np.zeros(6)
@@ -250,16 +238,14 @@ def find_opening_by_linear_program(work: Array, approach_rows: Any, fixed_motion
     from scipy.optimize import linprog
     from scipy.sparse import csr_array, hstack
 
-    k, (contacts, wide) = work.size, approach_rows.shape
+    k, (contacts, wide), h = work.size, approach_rows.shape, len(fixed_motion_rows)
     centres = wide - k
     found = linprog(
         np.concatenate([-work / np.abs(work).max(), np.zeros(centres)]),
         A_ub=approach_rows,
         b_ub=np.zeros(contacts),
-        A_eq=hstack([csr_array(fixed_motion_rows), csr_array((len(fixed_motion_rows), centres))])
-        if len(fixed_motion_rows)
-        else None,
-        b_eq=np.zeros(len(fixed_motion_rows)) if len(fixed_motion_rows) else None,
+        A_eq=hstack([csr_array(fixed_motion_rows), csr_array((h, centres))]) if h else None,
+        b_eq=np.zeros(h) if h else None,
         bounds=[(-1.0, 1.0)] * k + [(None, None)] * centres,
     )
     if found.status != 0:
@@ -267,9 +253,7 @@ def find_opening_by_linear_program(work: Array, approach_rows: Any, fixed_motion
     return None if -found.fun <= PROVEN else np.asarray(found.x[:k])
 
 
-def status_of_runaway_body(
-    find_motion: Callable[[], Array | None], body: str, describe_opening: Callable[[Array], str]
-) -> Status:
+def status_of_runaway_body(find_motion: Callable[[], Array | None], body: str, describe: Callable[[Array], str]) -> Status:
     """Return the status of a solve in which a body moved without limit in the Newton iteration.
 
     The status is "not held" only if a linear program proves that the contacts cannot carry the load; otherwise it is "not
@@ -281,7 +265,7 @@ def status_of_runaway_body(
         Function that returns a motion which opens the body's contacts, or None if there is none.
     body
         Name of the body for the message.
-    describe_opening
+    describe
         Function that returns the message for such a motion.
     """
     try:
@@ -290,7 +274,7 @@ def status_of_runaway_body(
         why = f"{body} moved without limit, and it is not known whether its contacts can carry the load: {error}"
         return Status("not converged", why)
     if opened is not None:
-        return Status("not held", describe_opening(opened))
+        return Status("not held", describe(opened))
     why = f"{body} moved without limit, although compressive contact forces can balance the loads (linear program)"
     return Status("not converged", why)
 

@@ -111,7 +111,7 @@ class MotionWorkspace(NamedTuple):
     """Work arrays of the Newton iteration whose unknowns are the motions of shaft nodes and housings."""
 
     #: Derivatives of the energy of shaft, housings and balls.
-    energy_derivatives: EnergyDerivatives
+    derivatives: EnergyDerivatives
     #: Stiffness matrix of shaft and springs without contacts, stored as lower band or envelope.
     base: Array
     #: Factor of the stiffness matrix of shaft, springs and contacts, stored as lower band or envelope.
@@ -140,7 +140,7 @@ class NewtonOptions(NamedTuple):
     #: Lower bound of the force [N] by which unbalanced forces are divided.
     least_force_scale: float
     #: Largest motion of a flank in one step [m]: the largest ball's radius.
-    max_flank_motion_per_step: float
+    max_flank_step: float
 
 
 class BeamSystem(NamedTuple):

@@ -17,15 +17,10 @@ from numpy.typing import NDArray
 
 from rollbench.lowfi.hertz import contact_approach
 from rollbench.lowfi.random_errors.chain import BallScrewChain, BallScrewState, Law, solve_ball_screw
-from rollbench.lowfi.statics.contacts import (
-    hertz_constants_by_scene_choice,
-    hertz_of_every_contact,
-    hertz_without_errors,
-    scene_with_error_free_hertz,
-)
-from rollbench.lowfi.statics.mei import nut_tensile_stiffness
-from rollbench.lowfi.statics.problem import SIGNS, centre_vectors_and_interference
-from rollbench.lowfi.statics.result import Equilibrium, SolverReport, StaticResult, Status
+from rollbench.lowfi.statics import contacts
+from rollbench.lowfi.statics.mei import axial_equilibrium, axial_result, nut_tensile_stiffness
+from rollbench.lowfi.statics.problem import centre_vectors_and_interference
+from rollbench.lowfi.statics.result import SolverReport, StaticResult, Status
 from rollbench.lowfi.statics.validity import contact_warnings
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import draw_geometry_with_errors
@@ -126,18 +121,12 @@ def nut_as_spring_row(scene: Scene, *, member: int = 0, law: Law = "implicit") -
     mean = float(gaps.mean()) if gaps.any() else 0.0
     rigid = scene.ingredients.screw == "rigid"
     screw, nut = 0.0 if rigid else 1.0 / screw_section(scene).EA, 1.0 / nut_tensile_stiffness(scene)
-    angle, pair = scene.track.contact_angle, 0 if force >= 0.0 else 1
-    C = hertz_without_errors(scene).C
-    chain = BallScrewChain(
-        scene.ball_count,
-        float((C[pair] + C[3 - pair]) ** -1.5),
-        mean * (screw + nut),
-        distance_of_groove_centres(scene),
-        angle,
-        abs(lead_angle(scene.track)),
-        law,
-        tuple(float(x) for x in gaps / mean) if mean > 0.0 else (),
-    )
+    pair = 0 if force >= 0.0 else 1
+    C = contacts.hertz_without_errors(scene).C
+    springs = float((C[pair] + C[3 - pair]) ** -1.5), mean * (screw + nut)
+    angles = scene.track.contact_angle, abs(lead_angle(scene.track))
+    spacing = tuple(float(x) for x in gaps / mean) if mean > 0.0 else ()
+    chain = BallScrewChain(scene.ball_count, *springs, distance_of_groove_centres(scene), *angles, law, spacing)
     errors = centre_vectors_and_interference(scene, draw_geometry_with_errors(scene, layout, member))[1][order, pair]
     forward = 1 if force >= 0.0 else -1
     bar = np.inf if rigid else 1.0 / screw
@@ -232,50 +221,29 @@ def solve_liu(scene: Scene, *, member: int = 0, law: Law = "implicit", compiled:
     moved, state = np.zeros(m), None
     if row.axial_load != 0.0:
         state = row.solve_under_load(abs(row.axial_load), compiled=compiled)
-        force, sine, moved = (
-            state.load,
-            contact_angle_sines(chain, row.interferences, state),
-            _screw_motion_at_balls(row, state),
-        )
+        force, sine = state.load, contact_angle_sines(chain, row.interferences, state)
+        stretch = np.concatenate([[0.0], np.cumsum(-np.diff(state.motion))])  # of screw and nut, from the loaded end
+        moved = np.asarray(state.motion[0] - row.screw_compliance_share * stretch)
     load, angle = np.zeros((m, 4)), np.full((m, 4), np.nan)
     for flank in (pair, 3 - pair):
         load[row.ball_order, flank] = force
         angle[row.ball_order, flank] = np.where(force > 0.0, np.arcsin(sine), np.nan)
-    turned = np.where(np.isnan(angle), chain.contact_angle, angle)
-    direction = SIGNS * np.stack([np.cos(turned), np.sin(turned)], axis=-1)
-    world = np.einsum("nsa,nak->nsk", direction, np.stack([layout.radial, layout.binormal], axis=1))
     axial = row.load_direction * float((force * sine).sum() * np.cos(chain.lead_angle))
     good = state is None or state.converged
     residual = 0.0 if state is None else state.residual
-    stations, along = _axial_motions_along_screw(scene, row, layout.z[row.ball_order], row.load_direction * moved)
-    line = np.zeros((stations.size, 6))
-    line[:, 2] = along
-    own = hertz_of_every_contact(scene, drawn)
-    steps = 0 if state is None else state.iterations
-    return StaticResult(
+    line = _axial_motions_along_screw(scene, row, layout.z[row.ball_order], row.load_direction * moved)
+    own = contacts.hertz_of_every_contact(scene, drawn)
+    steps, engine = 0 if state is None else state.iterations, "compiled" if compiled else "interpreted"
+    return axial_result(
+        scene,
+        load,
+        angle,
+        line,
         model="liu",
         status=Status("converged") if good else Status("not converged", f"relative residual {residual:.1e}"),
-        azimuth=layout.azimuth,
-        z=layout.z,
-        load=load,
-        contact_angle=angle,
-        contact_point=layout.centre[:, None, :] + scene.balls.radius * world,
-        force_direction=-world,
-        centre_shift=np.zeros((m, 2)),
-        hertz_C=hertz_constants_by_scene_choice(scene_with_error_free_hertz(scene), drawn),
-        centreline_z=stations,
-        centreline=line,
-        equilibrium=_check_axial_equilibrium(row.axial_load, axial),
-        solver=SolverReport(
-            steps,
-            steps,
-            residual,
-            perf_counter() - start,
-            m,
-            m - 1,
-            "compiled" if compiled else "interpreted",
-            "axial chain",
-        ),
+        hertz_C=contacts.hertz_constants_by_scene_choice(contacts.scene_with_error_free_hertz(scene), drawn),
+        equilibrium=axial_equilibrium(row.axial_load, 0.0, -axial, max(abs(row.axial_load), 1e-300)),
+        solver=SolverReport(steps, steps, residual, perf_counter() - start, m, m - 1, engine, "axial chain"),
         assumed=(*scene.assumed, *ASSUMPTIONS),
         left_out=LEFT_OUT,
         warnings=tuple(contact_warnings(own.pressure(load), own.C_a * np.cbrt(load), scene.balls.radius)),
@@ -304,18 +272,7 @@ def contact_angle_sines(chain: BallScrewChain, errors: Array, state: BallScrewSt
     return np.asarray(np.sqrt(1.0 - cosine**2))
 
 
-def _screw_motion_at_balls(row: SpringRow, state: BallScrewState) -> Array:
-    """Return the axial motion of the screw at each of the M balls, positive in the direction of the load ``(M,)`` [m].
-
-    ``state``: solution of Liu's equations for the balls of ``row``. The nut's loaded end is fixed.
-    """
-    lost = np.concatenate([[0.0], np.cumsum(-np.diff(state.motion))])
-    return np.asarray(state.motion[0] - row.screw_compliance_share * lost)
-
-
-def _axial_motions_along_screw(
-    scene: Scene, row: SpringRow, at_balls: Array, motion_at_balls: Array
-) -> tuple[Array, Array]:
+def _axial_motions_along_screw(scene: Scene, row: SpringRow, at_balls: Array, motions: Array) -> tuple[Array, Array]:
     """Return axial positions along the screw ``(k,)`` [m] and the axial motions there ``(k,)`` [m].
 
     Between balls and load the screw is a stretched bar. Beyond the other end of the ball row it moves as a rigid body.
@@ -328,28 +285,13 @@ def _axial_motions_along_screw(
         Balls in Liu's model.
     at_balls
         Axial positions of the balls, from the loaded end ``(M,)`` [m].
-    motion_at_balls
+    motions
         Motions of the screw at the balls ``(M,)`` [m].
     """
     ends = np.array([0.0, scene.screw.length, row.load_position])
     outside = ends[(ends < at_balls.min()) | (ends > at_balls.max())]
     near = np.abs(outside - at_balls[0]) <= np.abs(outside - at_balls[-1])
     reach = np.minimum(np.abs(outside - row.loaded_end_position), abs(row.load_position - row.loaded_end_position))
-    motion = np.where(near, motion_at_balls[0] + row.axial_load * reach / row.screw_tensile_stiffness, motion_at_balls[-1])
+    motion = np.where(near, motions[0] + row.axial_load * reach / row.screw_tensile_stiffness, motions[-1])
     stations, first = np.unique(np.concatenate([at_balls, outside]), return_index=True)
-    return stations, np.concatenate([motion_at_balls, motion])[first]
-
-
-def _check_axial_equilibrium(applied: float, carried: float) -> Equilibrium:
-    """Return the check of axial equilibrium of the screw in Liu's model.
-
-    Parameters
-    ----------
-    applied
-        Sum of the axial loads [N].
-    carried
-        Axial force that the contacts carry [N].
-    """
-    zero = np.zeros(3)
-    pushed, held = np.array([0.0, 0.0, applied]), np.array([0.0, 0.0, -carried])
-    return Equilibrium(pushed, zero, zero, zero, held, zero, abs(applied - carried) / max(abs(applied), 1e-300), 0.0)
+    return stations, np.concatenate([motions, motion])[first]

@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import cos, sin
 from time import perf_counter
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -77,37 +78,32 @@ def _add_bar_stiffness(band: Array, unknowns: NDArray[np.int64], stations: Array
     band
         Lower band of the stiffness matrix [N/m], changed in place.
     unknowns
-        Indices of the unknown axial motions at the ends of the bars.
+        Indices of the unknown axial motions at the ends of the bars, in ascending order.
     stations
         Axial positions of these ends [m].
     stiffness
         Tensile stiffness E A of the bars [N].
     """
-    for a, b, length in zip(unknowns[:-1], unknowns[1:], np.diff(stations), strict=True):
-        s = stiffness / length
-        low, high = min(a, b), max(a, b)
-        band[0, a] += s
-        band[0, b] += s
-        band[high - low, low] -= s
+    a, b, s = unknowns[:-1], unknowns[1:], stiffness / np.diff(stations)
+    np.add.at(band[0], a, s)
+    np.add.at(band[0], b, s)
+    np.subtract.at(band, (b - a, a), s)
 
 
-def _build_axial_bar_model(scene: Scene, layout: BallLayout, member: int, *, elastic_nut: bool) -> _AxialBarModel:
+def _build_bar_model(scene: Scene, layout: BallLayout, closure: Array, C: Array, *, elastic_nut: bool) -> _AxialBarModel:
     """Return the arrays of Mei's axial model of a scene: bars, loads, supports and contacts.
 
-    ``layout``: positions of the balls; ``member``: number of the specimen with random errors; ``elastic_nut``: whether
-    the nut is a row of bars too, else rigid.
+    ``layout``: positions of the N balls; ``closure``: interference of each ball with the diagonal pairs of flanks
+    ``(N, 2)`` [m]; ``C``: Hertz constants ``(N, 4)``; ``elastic_nut``: whether the nut is a row of bars too, else rigid.
     """
-    drawn = draw_geometry_with_errors(scene, layout, member)
-    _, closure = centre_vectors_and_interference(scene, drawn)
-    constants = hertz_constants_by_scene_choice(scene_with_error_free_hertz(scene), drawn)
-    pair = np.stack([constants[:, 0] + constants[:, 3], constants[:, 1] + constants[:, 2]], axis=1)
+    pair = np.stack([C[:, 0] + C[:, 3], C[:, 1] + C[:, 2]], axis=1)
     held = {s.at: v for s in scene.supports for name, v in s.fixed if name == "uz"}
     loads = {f.at: f.force[2] for f in scene.loads if f.force[2] != 0.0}
     nodes = merge_close_positions(np.concatenate([layout.z, list(held), list(loads)]), np.array(list(held)))
     n = nodes.size
     width = 2 if elastic_nut else 1
     # unknown width * j is the motion of screw node j; the next one is the nut's motion at the same axial position
-    total = width * n + (1 if elastic_nut else 0)
+    total = width * n + elastic_nut
     k = np.zeros((width + 2, total))
     order = width * np.arange(n, dtype=np.int64)
     if n > 1:
@@ -253,68 +249,83 @@ def solve_mei(scene: Scene, *, member: int = 0, elastic_nut: bool = False) -> St
     """
     start = perf_counter()
     layout = ball_layout(scene)
-    chain = _build_axial_bar_model(scene, layout, member, elastic_nut=elastic_nut)
+    drawn = draw_geometry_with_errors(scene, layout, member)
+    C = hertz_constants_by_scene_choice(scene_with_error_free_hertz(scene), drawn)
+    closure = centre_vectors_and_interference(scene, drawn)[1]
+    chain = _build_bar_model(scene, layout, closure, C, elastic_nut=elastic_nut)
     x, iterations, residual = _minimise_by_newton(chain)
     force, _ = _contact_forces_and_stiffness(chain, x)
     load = np.zeros((layout.z.size, 4))
     load[:, [0, 3]], load[:, [1, 2]] = force[:, :1], force[:, 1:]
     good = residual <= 1e-10
-    status = Status("converged") if good else Status("not converged", f"relative residual {residual:.1e}")
-    beta = scene.track.contact_angle
-    direction = SIGNS * np.array([cos(beta), sin(beta)])
-    axes = np.stack([layout.radial, layout.binormal], axis=1)
-    world = np.einsum("sa,nak->nsk", direction, axes)
-    points = layout.centre[:, None, :] + scene.balls.radius * world
     axial = float((chain.approach_per_axial_motion * (force[:, 0] - force[:, 1])).sum())
-    applied = float(chain.load.sum())
-    of_screw = np.zeros(chain.fixed.size, dtype=bool)
-    of_screw[: (2 if elastic_nut else 1) * chain.nodes.size : 2 if elastic_nut else 1] = True
-    reaction = float(_unbalanced_and_contact_forces(chain, x)[0][of_screw & chain.fixed].sum())
-    size = max(abs(applied), abs(axial), 1e-300)
-    zero = np.zeros(3)
-    balance = Equilibrium(
-        np.array([0.0, 0.0, applied]),
-        zero,
-        np.array([0.0, 0.0, reaction]),
-        zero,
-        np.array([0.0, 0.0, -axial]),
-        zero,
-        abs(applied + reaction - axial) / size,
-        0.0,
-    )
+    applied, n = float(chain.load.sum()), chain.nodes.size
     width = 2 if elastic_nut else 1
-    uz = x[: width * chain.nodes.size : width]
+    on_screw = slice(0, width * n, width)
+    unbalanced = _unbalanced_and_contact_forces(chain, x)[0]
+    reaction = float(unbalanced[on_screw][chain.fixed[on_screw]].sum())
     stations = np.unique(np.concatenate([chain.nodes, [0.0, scene.screw.length]]))
-    line = np.zeros((stations.size, 6))
-    line[:, 2] = np.interp(stations, chain.nodes, uz)
-    report = SolverReport(
-        iterations,
-        iterations,
-        residual,
-        perf_counter() - start,
-        int(np.count_nonzero(~chain.fixed)),
-        chain.nodes.size - 1,
-        "interpreted",
-        "axial bars",
-    )
+    seconds, unknowns = perf_counter() - start, int(np.count_nonzero(~chain.fixed))
     nut_text = "the nut is an elastic bar fixed at its left face" if elastic_nut else "the nut is rigid"
-    return StaticResult(
+    return axial_result(
+        scene,
+        load,
+        np.where(load > 0.0, scene.track.contact_angle, np.nan),
+        (stations, np.interp(stations, chain.nodes, x[on_screw])),
         model="mei-nut" if elastic_nut else "mei",
-        status=status,
-        azimuth=layout.azimuth,
-        z=layout.z,
-        load=load,
-        contact_angle=np.where(load > 0.0, beta, np.nan),
-        contact_point=points,
-        force_direction=-world,
-        centre_shift=np.zeros((layout.z.size, 2)),
-        hertz_C=hertz_constants_by_scene_choice(
-            scene_with_error_free_hertz(scene), draw_geometry_with_errors(scene, layout, member)
-        ),
-        centreline_z=stations,
-        centreline=line,
-        equilibrium=balance,
-        solver=report,
+        status=Status("converged") if good else Status("not converged", f"relative residual {residual:.1e}"),
+        hertz_C=C,
+        equilibrium=axial_equilibrium(applied, reaction, -axial, max(abs(applied), abs(axial), 1e-300)),
+        solver=SolverReport(iterations, iterations, residual, seconds, unknowns, n - 1, "interpreted", "axial bars"),
         assumed=(*scene.assumed, *ASSUMPTIONS, nut_text),
         left_out=("lateral forces, moments, bending and torsion: the model is axial",),
     )
+
+
+def axial_result(scene: Scene, load: Array, angle: Array, line: tuple[Array, Array], **fields: Any) -> StaticResult:
+    """Return the static result of an axial model, in which neither screw nor balls move laterally.
+
+    Parameters
+    ----------
+    scene
+        Screw, nut and balls.
+    load
+        Contact forces ``(N, 4)`` [N].
+    angle
+        Contact angles ``(N, 4)`` [rad]; nan without contact.
+    line
+        Axial positions along the screw ``(k,)`` [m], and axial motions of the screw there ``(k,)`` [m].
+    **fields
+        The other fields of `StaticResult`.
+    """
+    layout, (stations, along) = ball_layout(scene), line
+    turned = np.where(np.isnan(angle), scene.track.contact_angle, angle)
+    direction = SIGNS * np.stack([np.cos(turned), np.sin(turned)], axis=-1)
+    world = np.einsum("nsa,nak->nsk", direction, np.stack([layout.radial, layout.binormal], axis=1))
+    return StaticResult(
+        azimuth=layout.azimuth,
+        z=layout.z,
+        load=load,
+        contact_angle=angle,
+        contact_point=layout.centre[:, None, :] + scene.balls.radius * world,
+        force_direction=-world,
+        centre_shift=np.zeros((layout.z.size, 2)),
+        centreline_z=stations,
+        centreline=along[:, None] * np.eye(6)[2],
+        **fields,
+    )
+
+
+def axial_equilibrium(applied: float, reaction: float, contact: float, size: float) -> Equilibrium:
+    """Return the check of equilibrium of a screw on which only axial forces act.
+
+    Parameters
+    ----------
+    applied, reaction, contact
+        Sums of the axial loads, of the supports' reactions and of the contact forces on the screw [N].
+    size
+        Force [N] to which the residual is relative.
+    """
+    zero = np.zeros(3)
+    along = [np.array([0.0, 0.0, x]) for x in (applied, reaction, contact)]
+    return Equilibrium(along[0], zero, along[1], zero, along[2], zero, abs(applied + reaction + contact) / size, 0.0)

@@ -64,13 +64,8 @@ def contact_loads_by_beam_model(
     """
     known = centre_vectors_and_interference(scene, drawn)
     use = choose_flanks(scene, drawn, known)
-    return _contact_loads_of(
-        static.solve_with_chosen_flanks(
-            static.StaticInput(
-                scene, drawn, layout, use, static.pick_engine(engine, layout.z.size), known_centre_distances=known
-            )
-        )
-    )
+    parts = scene, drawn, layout, use, static.pick_engine(engine, layout.z.size)
+    return _contact_loads_of(static.StaticInput(*parts, known=known))
 
 
 def contact_loads_with_elastic_bodies(
@@ -100,13 +95,12 @@ def contact_loads_with_elastic_bodies(
     """
     use = flanks_of_scene(scene) if drawn.profile_coefficients.shape[1] else choose_flanks(scene, drawn)
     parts = scene, drawn, layout, use, static.pick_engine(engine, layout.z.size)
-    return _contact_loads_of(
-        static.solve_with_chosen_flanks(ElasticInput(*parts, backend=backend, compute_body_compliance=whole))
-    )
+    return _contact_loads_of(ElasticInput(*parts, backend=backend, compute_body_compliance=whole))
 
 
-def _contact_loads_of(solved: static.SolvedEquations | static.UnrestrainedProblem) -> ContactLoads:
-    """Return the contact forces and angles of a solution; forces and angles are nan for a problem without equilibrium."""
+def _contact_loads_of(problem_input: static.StaticInput) -> ContactLoads:
+    """Solve a problem and return its contact forces and angles, which are nan for a problem without equilibrium."""
+    solved = static.solve_with_chosen_flanks(problem_input)
     if isinstance(solved, static.UnrestrainedProblem):
         C = solved.problem.C.copy()
         return ContactLoads(np.full(C.shape, np.nan), np.full(C.shape, np.nan), C, solved.status)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -9,14 +10,18 @@ from numpy.typing import NDArray
 
 from rollbench.lowfi.statics.contacts import hertz_constants_by_scene_choice
 from rollbench.lowfi.statics.shape import beam_interpolation_matrices, right_singular_vectors, rigid_motion_transfer_matrix
-from rollbench.meshes.arrays import Array
+from rollbench.meshes.arrays import Array, Mask
+from rollbench.meshes.axis import Housing
 from rollbench.meshes.errors import GeometriesWithErrors, GeometryWithErrors
 from rollbench.meshes.helix import BallLayout, nominal_contact_points, nominal_groove_centres, nominal_groove_radii
-from rollbench.meshes.parts import FREEDOMS, SIDE_SIGNS, Scene
+from rollbench.meshes.parts import FREEDOMS, SIDE_SIGNS, Scene, Support
 from rollbench.meshes.section import MERGE, BeamSection, beam_nodes, contact_force_positions, screw_section
 
 #: Signs of radial and axial component of the direction from ball to groove, for each flank SL, SR, NL, NR ``(4, 2)``.
 SIGNS = np.array(SIDE_SIGNS)
+#: Scene; dimensions of the parts with errors; ball positions; and shifts ``(N, 4, 2)`` [m] of the flanks' centres of
+#: curvature by profile errors (None: zero).
+Parts = tuple[Scene, GeometryWithErrors, BallLayout, Array | None]
 
 
 @dataclass(frozen=True)
@@ -37,7 +42,7 @@ class Problem:
     #: Cross-section of the screw.
     section: BeamSection
     #: Which degrees of freedom of the nodes are fixed ``(n, 6)``.
-    fixed: NDArray[np.bool_]
+    fixed: Mask
     #: Prescribed values of the fixed degrees of freedom ``(n, 6)`` [m, rad].
     prescribed: Array
     #: Loads on the nodes ``(n, 6)`` [N, N m].
@@ -52,7 +57,7 @@ class Problem:
     #: Nominal interference of ball and grooves across the diagonal pairs of flanks SL-NR and SR-NL ``(N, 2)`` [m].
     interference: Array
     #: Which of the four flanks (screw left, screw right, nut left, nut right) have contacts ``(4,)``.
-    used_flanks: NDArray[np.bool_]
+    used_flanks: Mask
     #: Number of beam elements left out because they carry no load.
     left_out_elements: int
     #: For a rigid screw, the matrix ``(6, 6)`` from its six coordinates (the free ones first, then those that supports fix)
@@ -111,11 +116,7 @@ class SolvedState:
 
 
 def pack_contact_data(
-    scene: Scene,
-    drawn: GeometryWithErrors,
-    C: Array,
-    use: NDArray[np.bool_],
-    distances_and_interference: tuple[Array, Array] | None = None,
+    scene: Scene, drawn: GeometryWithErrors, use: Mask, known: tuple[Array, Array] | None = None
 ) -> tuple[Array, Array]:
     """Return the kernels' array of contact data, and the interference of each ball with its diagonal pairs of flanks.
 
@@ -128,18 +129,15 @@ def pack_contact_data(
         Nominal screw, nut and balls.
     drawn
         Dimensions of the parts with their manufacturing errors.
-    C
-        Hertz constants ``(N, 4)`` or ``(4,)`` [m/N^(2/3)].
     use
         Which of the four flanks (screw left, screw right, nut left, nut right) have contacts ``(4,)``.
-    distances_and_interference
+    known
         Result of `centre_vectors_and_interference` for these parts; None: computed here.
     """
-    offset, closure = distances_and_interference or centre_vectors_and_interference(scene, drawn)
-    n = offset.shape[0]
-    rows = np.empty((n, 4, 9))
+    offset, closure = known or centre_vectors_and_interference(scene, drawn)
+    rows = np.empty((len(offset), 4, 9))
     rows[..., :4] = offset
-    rows[..., 4] = C
+    rows[..., 4] = hertz_constants_by_scene_choice(scene, drawn)
     rows[..., 5] = use
     rows[..., 6] = drawn.groove_radii
     rows[..., 7:] = SIGNS
@@ -204,9 +202,7 @@ def _vector_length(x: Array, z: Array) -> Array:
     return np.asarray(np.sqrt(x * x + z * z))
 
 
-def flank_motion_matrix(
-    parts: tuple[Scene, GeometryWithErrors, BallLayout, Array | None], side: int, origin_z: Array
-) -> Array:
+def flank_motion_matrix(parts: Parts, side: int, origin_z: Array) -> Array:
     """Return the matrix that gives the motion of a body's groove flank at each ball from the body's six motions.
 
     The motion is e . (u + theta x r), with displacement u and rotation theta of the body, lever arm r, and each of the two
@@ -216,8 +212,7 @@ def flank_motion_matrix(
     Parameters
     ----------
     parts
-        Scene; dimensions with errors; ball positions; and shifts ``(N, 4, 2)`` [m] of the flanks' centres of curvature by
-        profile errors (None: zero).
+        Screw, nut and balls, see `Parts`.
     side
         Number of the flank in the order screw left, screw right, nut left, nut right.
     origin_z
@@ -287,9 +282,8 @@ def flank_motions_of_specimens(problem: Problem, centre: Array) -> Array:
     stations = contact_force_positions(problem.scene, problem.layout)
     for s in range(2):
         if problem.rigid_motion_basis is not None:
-            B[:, :, s] = (
-                flank_motion_matrix(parts, s, np.full(len(stations), problem.nodes[0])) @ problem.rigid_motion_basis
-            )
+            at_origin = flank_motion_matrix(parts, s, np.full(len(stations), problem.nodes[0]))
+            B[:, :, s] = at_origin @ problem.rigid_motion_basis
         elif problem.used_flanks[s] and B.shape[-1] == 6:
             B[:, :, s] = flank_motion_matrix(parts, s, problem.nodes[problem.first_nodes[:, s]])
         elif problem.used_flanks[s]:
@@ -298,7 +292,30 @@ def flank_motions_of_specimens(problem: Problem, centre: Array) -> Array:
     return B
 
 
-def _nodal_supports_and_loads(scene: Scene, nodes: Array) -> tuple[NDArray[np.bool_], Array, Array]:
+def fixed_motions(bodies: int, supports: Iterable[tuple[int, Support | Housing]]) -> tuple[Mask, Array]:
+    """Return which motions of the bodies (shaft nodes, housings) are fixed, and their prescribed values ``(bodies, 6)``.
+
+    ``bodies``: number of bodies. ``supports``: number of a body, and the support (or the housing itself) that fixes it.
+
+    Raises
+    ------
+    ValueError
+        If two supports fix the same degree of freedom of one body.
+    """
+    fixed, prescribed = np.zeros((bodies, 6), dtype=bool), np.zeros((bodies, 6))
+    for j, support in supports:
+        for name, value in support.fixed:
+            k = FREEDOMS.index(name)
+            if fixed[j, k]:
+                raise ValueError(
+                    f"got two supports that fix {name} at {1e3 * support.at:g} mm; allowed: one support for each degree of "
+                    f"freedom within {1e6 * MERGE:g} um; remove one of them"
+                )
+            fixed[j, k], prescribed[j, k] = True, value
+    return fixed, prescribed
+
+
+def _nodal_supports_and_loads(scene: Scene, nodes: Array) -> tuple[Mask, Array, Array]:
     """Return the fixed degrees of freedom of the nodes, their prescribed values, and the nodal loads, ``(n, 6)`` each.
 
     Raises
@@ -306,19 +323,8 @@ def _nodal_supports_and_loads(scene: Scene, nodes: Array) -> tuple[NDArray[np.bo
     ValueError
         If two supports fix the same degree of freedom of one node.
     """
-    fixed = np.zeros((nodes.size, 6), dtype=bool)
-    prescribed, load = np.zeros((nodes.size, 6)), np.zeros((nodes.size, 6))
-    for support in scene.supports:
-        j = int(np.abs(nodes - support.at).argmin())
-        for name, value in support.fixed:
-            if fixed[j, FREEDOMS.index(name)]:
-                where = f"at {1e3 * support.at:g} mm"
-                raise ValueError(
-                    f"got two supports that fix {name} {where}; allowed: one support for each degree of freedom within "
-                    f"{1e6 * MERGE:g} um; remove one of them"
-                )
-            fixed[j, FREEDOMS.index(name)] = True
-            prescribed[j, FREEDOMS.index(name)] = value
+    fixed, prescribed = fixed_motions(nodes.size, ((int(np.abs(nodes - s.at).argmin()), s) for s in scene.supports))
+    load = np.zeros((nodes.size, 6))
     for x in scene.loads:
         j = int(np.abs(nodes - x.at).argmin())
         load[j] += (*x.force, *x.moment)
@@ -331,13 +337,13 @@ def build_problem(
     scene: Scene,
     drawn: GeometryWithErrors,
     layout: BallLayout,
-    use: NDArray[np.bool_],
+    use: Mask,
     *,
     everything: bool = False,
     refine: int = 1,
     arms: Array | None = None,
     section: BeamSection | None = None,
-    distances_and_interference: tuple[Array, Array] | None = None,
+    known: tuple[Array, Array] | None = None,
 ) -> Problem:
     """Return the arrays of the static problem of a ball screw.
 
@@ -359,7 +365,7 @@ def build_problem(
         Shifts of the flanks' centres of curvature by profile errors ``(N, 4, 2)`` [m]; None: zero.
     section
         Cross-section of the screw; None: computed from the scene's dimensions (Lin C.8).
-    distances_and_interference
+    known
         Result of `centre_vectors_and_interference` for these parts; None: computed here.
 
     Raises
@@ -368,9 +374,7 @@ def build_problem(
         If supports contradict each other.
     """
     parts = (scene, drawn, layout, arms)
-    geometry, closure = pack_contact_data(
-        scene, drawn, hertz_constants_by_scene_choice(scene, drawn), use, distances_and_interference
-    )
+    geometry, closure = pack_contact_data(scene, drawn, use, known)
     section = section or screw_section(scene)
     stations = contact_force_positions(scene, layout)
     used = [s for s in range(2) if use[s]]
@@ -387,11 +391,7 @@ def build_problem(
     B = np.zeros((count, 2, 2, 6 if nodal else 12))
     for s in used:
         if nodal:
-            node[:, s] = (
-                np.abs(nodes[None, :] - stations[:, s, None]).argmin(axis=1)
-                if count < 400
-                else (_indices_of_nearest_nodes(nodes, stations[:, s]))
-            )
+            node[:, s] = _nearest_nodes(nodes, stations[:, s])
             B[:, s] = flank_motion_matrix(parts, s, nodes[node[:, s]])
         else:
             node[:, s], m = beam_interpolation_matrices(stations[:, s], nodes, section)
@@ -402,19 +402,15 @@ def build_problem(
     return Problem(scene, layout, drawn, nodes, section, fixed, prescribed, load, node, B, geometry, closure, use, left_out)
 
 
-def _indices_of_nearest_nodes(nodes: Array, stations: Array) -> NDArray[np.int64]:
+def _nearest_nodes(nodes: Array, stations: Array) -> NDArray[np.int64]:
     """Return for each axial position [m] the index of the nearest of the nodes, whose positions [m] are sorted."""
+    if stations.size < 400:
+        return np.asarray(np.abs(nodes[None, :] - stations[:, None]).argmin(axis=1))
     j = np.clip(np.searchsorted(nodes, stations), 1, nodes.size - 1)
     return np.where(stations - nodes[j - 1] < nodes[j] - stations, j - 1, j).astype(np.int64)
 
 
-def _build_rigid_problem(
-    parts: tuple[Scene, GeometryWithErrors, BallLayout, Array | None],
-    use: NDArray[np.bool_],
-    geometry: Array,
-    closure: Array,
-    section: BeamSection,
-) -> Problem:
+def _build_rigid_problem(parts: Parts, use: Mask, geometry: Array, closure: Array, section: BeamSection) -> Problem:
     """Return the static problem of a rigid screw, whose six motions are taken at the nut's centre.
 
     The supports are linear constraints on these motions. ``parts``: scene, dimensions with errors, ball positions, and
@@ -429,7 +425,7 @@ def _build_rigid_problem(
     scene, drawn, layout, _ = parts
     z0 = scene.nut.position
     arm = scene.track.pitch_radius
-    scale = np.array([1.0, 1.0, 1.0, 1.0 / arm, 1.0 / arm, 1.0 / arm])
+    scale = np.repeat([1.0, 1.0 / arm], 3)
     clash = find_support_contradiction(scene)
     if clash is not None:
         raise ValueError(clash.message(scene))
@@ -489,18 +485,16 @@ class SupportContradiction:
 
         ``scene``: the screw with its supports.
         """
-        names = ", ".join(f"{x.freedom} at {_describe_support_position(scene, x)}" for x in self.implied_by)
-        contradicted = f"{self.contradicted.freedom} at {_describe_support_position(scene, self.contradicted)}"
-        return (
-            f"the supports contradict each other on a rigid screw: {contradicted} is "
-            f"{describe_prescribed_value(self.contradicted)}, but {names} "
-            f"make it {describe_prescribed_value(PrescribedMotion(0, self.contradicted.freedom, self.implied))}"
+        first, *others = (
+            f"{x.freedom} at {1e3 * scene.supports[x.support_index].at:g} mm (supports[{x.support_index}])"
+            for x in (self.contradicted, *self.implied_by)
         )
-
-
-def _describe_support_position(scene: Scene, held: PrescribedMotion) -> str:
-    """Return the axial position and the key of the support that fixes ``held`` as text, such as "120 mm (supports[1])"."""
-    return f"{1e3 * scene.supports[held.support_index].at:g} mm (supports[{held.support_index}])"
+        implied = replace(self.contradicted, value=self.implied)
+        return (
+            f"the supports contradict each other on a rigid screw: {first} is "
+            f"{describe_prescribed_value(self.contradicted)}, but {', '.join(others)} "
+            f"make it {describe_prescribed_value(implied)}"
+        )
 
 
 def describe_prescribed_value(held: PrescribedMotion) -> str:
@@ -526,14 +520,13 @@ def support_constraints(scene: Scene) -> tuple[Array, Array, list[PrescribedMoti
         are multiplied by the pitch radius.
     """
     arm = scene.track.pitch_radius
-    scale = np.array([1.0, 1.0, 1.0, 1.0 / arm, 1.0 / arm, 1.0 / arm])
+    scale = np.repeat([1.0, 1.0 / arm], 3)
     held = [PrescribedMotion(i, name, value) for i, s in enumerate(scene.supports) for name, value in s.fixed]
     rows, values = np.zeros((len(held), 6)), np.zeros(len(held))
     for j, x in enumerate(held):
         k = FREEDOMS.index(x.freedom)
-        rows[j] = (
-            rigid_motion_transfer_matrix(scene.supports[x.support_index].at - scene.nut.position)[k] * scale / scale[k]
-        )
+        reach = scene.supports[x.support_index].at - scene.nut.position
+        rows[j] = rigid_motion_transfer_matrix(reach)[k] * scale / scale[k]
         values[j] = x.value / scale[k]
     return rows, values, held
 
@@ -555,11 +548,8 @@ def find_support_contradiction(scene: Scene) -> SupportContradiction | None:
     size = float(np.abs(values).max(initial=0.0))
     if size == 0.0:
         return None
-    kept: list[int] = []
-    for j in range(len(held)):
-        if not kept:
-            kept.append(j)
-            continue
+    kept = [0]
+    for j in range(1, len(held)):
         share = np.linalg.lstsq(rows[kept].T, rows[j], rcond=None)[0]
         new = rows[j] - share @ rows[kept]
         if float(np.linalg.norm(new)) > INDEPENDENT * float(np.linalg.norm(rows[j])):

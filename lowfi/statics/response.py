@@ -29,7 +29,6 @@ from rollbench.lowfi.statics.contacts import hertz_without_errors, oblique_press
 from rollbench.lowfi.statics.kernel_types import ElasticBodies
 from rollbench.lowfi.statics.problem import Problem
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.helix import BallLayout
 
 if TYPE_CHECKING:
     from rollbench.lowfi.compliance.bodies import CondensedCompliance
@@ -68,33 +67,6 @@ def compliance_of_both_flanks(G: Array, used: NDArray[np.bool_], N: int) -> Arra
     full, on = np.zeros((4 * N, 4 * N)), np.tile(np.repeat(used, 2), N)
     full[np.ix_(on, on)] = G
     return full
-
-
-def without_negative_eigenvalues(G: Array, normals: Array, tangent_compliance: float) -> tuple[Array, Array, float]:
-    """Return the compliance of a body without negative eigenvalues, which would make the energy non-convex.
-
-    The matrix holds the compliance in addition to the one that Hertz's law contains; near a fixed face this addition is
-    negative. The compliance that is missing is taken from the contacts: it is added to the matrix along the contact's
-    normal, and the caller subtracts it from the contact's law, so that the sum is exact. At most the fraction `LENT` of the
-    derivative of a contact's approach by its load is moved in this way; eigenvalues that stay negative are set to zero.
-
-    Parameters
-    ----------
-    G
-        Compliance matrix ``(2 n, 2 n)`` [m/N] between n contacts.
-    normals
-        Unit normals of the contacts ``(n, 2)``.
-    tangent_compliance
-        Derivative of a contact's approach by its load [m/N].
-
-    Returns
-    -------
-    tuple[Array, Array, float]
-        G without negative eigenvalues; compliance that was added along the normals ``(n,)`` [m/N]; and the magnitude of the
-        largest negative eigenvalue that was set to zero [m/N].
-    """
-    mended, lent, cut = ContactCompliance(G, normals).without_negative_eigenvalues(tangent_compliance)
-    return mended.G, lent, cut
 
 
 class ContactCompliance:
@@ -157,19 +129,30 @@ class ContactCompliance:
         return ContactCompliance(G, self.normals), max(0.0, -least)
 
     def without_negative_eigenvalues(self, tangent: float) -> tuple[ContactCompliance, Array, float]:
-        """Return the compliance without negative eigenvalues, by the method of `without_negative_eigenvalues`.
+        """Return the compliance of a body without negative eigenvalues, which would make the energy non-convex.
 
-        ``tangent``: tangent compliance of a contact [m/N]. Returns the compliance; the values that were added to it along
-        the normals ``(n,)`` [m/N]; and the magnitude of the largest negative eigenvalue that was set to zero [m/N].
+        The matrix holds the compliance in addition to the one that Hertz's law contains; near a fixed face this addition is
+        negative. The compliance that is missing is taken from the contacts: it is added to the matrix along the contact's
+        normal, and the caller subtracts it from the contact's law, so that the sum is exact. At most the fraction `LENT` of
+        the derivative of a contact's approach by its load is moved in this way; eigenvalues that stay negative are set to
+        zero.
+
+        Parameters
+        ----------
+        tangent
+            Derivative of a contact's approach by its load [m/N].
+
+        Returns
+        -------
+        tuple[ContactCompliance, Array, float]
+            The compliance; the values that were added to it along the normals ``(n,)`` [m/N]; and the magnitude of the
+            largest negative eigenvalue that was set to zero [m/N].
         """
         if self.is_positive:
             return self, np.zeros(len(self.normals)), 0.0
         lent = np.minimum(self.missing_compliance, LENT * tangent)
-        mended, cut = (
-            self.with_missing_compliance
-            if np.array_equal(lent, self.missing_compliance)
-            else self.with_added_compliance(lent)
-        )
+        whole = np.array_equal(lent, self.missing_compliance)
+        mended, cut = self.with_missing_compliance if whole else self.with_added_compliance(lent)
         return mended, lent, cut
 
 
@@ -251,7 +234,7 @@ class ScrewAndNutCompliance:
     R: Array
     #: Coupling of contact deformation and section forces of the shaft, under the loads of the first problem that used this
     #: compliance; None: not modelled.
-    section_force_coupling: statics_shaft.SectionForceCoupling | None
+    coupling: statics_shaft.SectionForceCoupling | None
     #: Compliance of the balls at a force of 1 N.
     ball_compliance: BallCompliance
     #: Coefficient e of the term e F in the approach of a contact at each flank ``(4,)`` [m/N], for the ellipse under 1 N.
@@ -273,75 +256,60 @@ class _ComplianceInput:
     key: tuple[object, ...]
     #: Arrays of the static problem.
     problem: Problem = field(compare=False)
-    #: Positions of the balls.
-    layout: BallLayout = field(compare=False)
     #: Method by which the compliance of screw, nut and balls is computed.
     backend: ComplianceModel = field(compare=False)
 
 
 def compliance_of_screw_and_nut(
-    problem: Problem,
-    layout: BallLayout,
-    backend: ComplianceModel,
-    condensed: CondensedCompliance | None,
-    compute_body_compliance: WholeBody,
+    problem: Problem, backend: ComplianceModel, condensed: CondensedCompliance | None, whole: WholeBody
 ) -> ScrewAndNutCompliance:
     """Return the compliance of screw (with its beam), nut and balls at the contacts of a problem, from a cache if possible.
 
     The result may be shared and must not be changed. It is not cached if it comes from a 3D model or from another function
-    ``compute_body_compliance`` than the default, or if there are more than `KEPT` balls.
+    ``whole`` than the default, or if there are more than `KEPT` balls.
 
     Parameters
     ----------
     problem
         Static problem.
-    layout
-        Positions of the balls.
     backend
         Method by which the compliance of screw, nut and balls is computed.
     condensed
         Compliance condensed from a 3D model, in place of a computed one; None: computed.
-    compute_body_compliance
+    whole
         Function that computes the compliance of one complete screw or nut between its contacts.
     """
-    if condensed is not None or compute_body_compliance is not compliance_between_contacts or layout.z.size > KEPT:
-        return _compute_compliance(problem, layout, backend, condensed, compute_body_compliance)
+    layout = problem.layout
+    if condensed is not None or whole is not compliance_between_contacts or layout.z.size > KEPT:
+        return _compute_compliance(problem, backend, condensed, whole)
     layouts = layout.azimuth, layout.z, problem.drawn.groove_centres, problem.nodes
     flanks = problem.used_flanks, problem.first_nodes, problem.B, problem.fixed, np.any(problem.load, axis=1)
-    parts = (
-        compliance_geometry_with_balls(problem.scene)[0],
-        problem.scene.ingredients,
-        problem.section,
-        problem.element_sections,
-        backend,
-    )
-    key = (
-        *parts,
-        only_flank_pair(problem),
-        problem.rigid_motion_basis is None,
-        *(np.asarray(x).tobytes() for x in (*layouts, *flanks)),
-    )
-    return cached_compliance(_ComplianceInput(key, problem, layout, backend))
+    scene, sections = problem.scene, (problem.section, problem.element_sections)
+    parts = compliance_geometry_with_balls(scene)[0], scene.ingredients, sections, backend
+    arrays = (np.asarray(x).tobytes() for x in (*layouts, *flanks))
+    key = (*parts, only_flank_pair(problem), problem.rigid_motion_basis is None, *arrays)
+    return cached_compliance(_ComplianceInput(key, problem, backend))
 
 
 @lru_cache(maxsize=4)
 def cached_compliance(asked: _ComplianceInput) -> ScrewAndNutCompliance:
     """Return the compliance of screw (with its beam), nut and balls from a cache of the last four; else compute it.
 
-    ``asked``: problem, ball positions and method; only its ``key`` is compared.
+    ``asked``: problem and method; only its ``key`` is compared.
     """
-    return _compute_compliance(asked.problem, asked.layout, asked.backend, None, compliance_between_contacts)
+    return _compute_compliance(asked.problem, asked.backend, None, compliance_between_contacts)
 
 
 def _compute_compliance(
-    problem: Problem, layout: BallLayout, backend: ComplianceModel, condensed: CondensedCompliance | None, whole: WholeBody
+    problem: Problem, backend: ComplianceModel, condensed: CondensedCompliance | None, whole: WholeBody
 ) -> ScrewAndNutCompliance:
     """Compute the compliance of screw (with its beam), nut and balls at the contacts of a problem, without a cache.
 
-    ``layout``: ball positions; ``backend``: method; ``condensed``: compliance from a 3D model in place of a computed one;
+    ``backend``: method; ``condensed``: compliance from a 3D model in place of a computed one;
     ``whole``: function that computes the compliance of one complete screw or nut.
     """
-    scene, shaft, N = problem.scene, statics_shaft.build_shaft(problem), layout.z.size
+    scene, layout, shaft = problem.scene, problem.layout, statics_shaft.build_shaft(problem)
+    N = layout.z.size
     axes = typical_ellipse_semi_axes(problem, 1.0)
     ball = ball_compliance(scene, axes, backend)
     of_file = ball if condensed is None else condensed.ball_compliance_of_file(scene, axes)
@@ -350,23 +318,21 @@ def _compute_compliance(
     e, h, slope = np.zeros(4), np.zeros(4), np.zeros(4)
     if backend.ball == "sphere":
         h[:] = oblique_pressure_coefficient(hertz_without_errors(scene), scene.balls.radius)
-    assumed, G, squeeze, R = [], [], None, np.zeros((N, 2, 2, shaft.work_on_free_motions.size))
+    assumed, G, coupling, R = [], [], None, np.zeros((N, 2, 2, shaft.work_on_free_motions.size))
     for screw in (True, False):
         sides = [s for s in ((0, 1) if screw else (2, 3)) if problem.used_flanks[s]]
         body = body_compliance(scene, layout, screw, backend, axes, [s % 2 for s in sides], whole)
         assumed += [x for x in body.assumed_dimensions if x not in assumed]
-        e[sides], slope[sides] = (
-            body.contact_compliance + ball.contact_compliance,
-            body.contact_compliance_slope + ball.contact_compliance_slope,
-        )
+        e[sides] = body.contact_compliance + ball.contact_compliance
+        slope[sides] = body.contact_compliance_slope + ball.contact_compliance_slope
         order = permutation_to_ball_by_ball_order(N, len(sides))
         compliance = body.G[np.ix_(order, order)]
         if screw:
             beam, rigid = statics_shaft.flank_compliance_and_free_motions(shaft, sides)
             stretch = statics_shaft.build_shaft_stretch(problem, scene, layout, backend, sides, slice(0, N))
-            squeeze = statics_shaft.couple_section_forces(shaft, sides, [stretch] if stretch is not None else [])
-            if squeeze is not None:
-                beam = beam + squeeze.added_compliance
+            coupling = statics_shaft.couple_section_forces(shaft, sides, [stretch])
+            if coupling is not None:
+                beam = beam + coupling.added_compliance
             compliance = compliance + beam[np.ix_(order, order)]
             R[:, [s % 2 for s in sides]] = rigid[order].reshape(N, len(sides), 2, -1)
         if condensed is not None:
@@ -379,13 +345,11 @@ def _compute_compliance(
     if pair is not None:
         solved = [ContactCompliance(G[0] + G[1], normals[:, pair[0]])]
     else:
-        solved = [
-            ContactCompliance(
-                compliance_of_both_flanks(G[k], problem.used_flanks[side], N), normals[:, side].reshape(-1, 2)
-            )
-            for k, side in enumerate((slice(0, 2), slice(2, 4)))
-        ]
-    return ScrewAndNutCompliance(shaft, (G[0], G[1]), tuple(solved), R, squeeze, ball, e, h, slope, tuple(assumed))
+        used = problem.used_flanks
+        whole_bodies = (compliance_of_both_flanks(G[0], used[:2], N), compliance_of_both_flanks(G[1], used[2:], N))
+        on_body = (normals[:, :2].reshape(-1, 2), normals[:, 2:].reshape(-1, 2))
+        solved = [ContactCompliance(*x) for x in zip(whole_bodies, on_body, strict=True)]
+    return ScrewAndNutCompliance(shaft, (G[0], G[1]), tuple(solved), R, coupling, ball, e, h, slope, tuple(assumed))
 
 
 def clear_compliance_caches() -> None:
@@ -422,10 +386,10 @@ class FlankCompliance:
     #: Derivative of e by the logarithm of s, the cube root of the typical force, at each flank ``(4,)`` [m/N]; the field h
     #: contains ``slope_of_e`` / s.
     slope_of_e: Array
-    #: Largest compliance [m/N] that was moved from the law of a contact to the bodies, see `without_negative_eigenvalues`.
+    #: Largest compliance [m/N] that was moved from the law of a contact to the bodies, see `ContactCompliance`.
     compliance_moved_to_bodies: float
     #: Coupling of contact deformation and section forces of the shaft; None: not modelled.
-    section_force_coupling: statics_shaft.SectionForceCoupling | None = None
+    coupling: statics_shaft.SectionForceCoupling | None = None
 
 
 def tangent_compliance_of_contact(problem: Problem, force: float) -> float:
@@ -452,13 +416,13 @@ def flank_compliance_under_loads(
     response
         Compliance of shaft, screw and nut.
     """
-    N, squeeze = len(problem.C), response.section_force_coupling
+    N, coupling = len(problem.C), response.coupling
     size, tangent = float(np.cbrt(force)), tangent_compliance_of_contact(problem, force)
     sides = [s for s in (0, 1) if problem.used_flanks[s]]
     moved, v0 = statics_shaft.flank_motions_by_loads(shaft, sides), np.zeros((N, 2, 2))
-    if squeeze is not None:
-        squeeze = squeeze.under_loads_of(shaft)
-        moved = moved + squeeze.flank_motions_by_loads
+    if coupling is not None:
+        coupling = coupling.under_loads_of(shaft)
+        moved = moved + coupling.flank_motions_by_loads
     v0[:, sides] = moved[permutation_to_ball_by_ball_order(N, len(sides))].reshape(N, len(sides), 2)
     e, h = np.zeros((N, 4)), np.zeros((N, 4))
     used = problem.used_flanks  # log F^(1/3) in e is replaced by its tangent at the typical force
@@ -471,9 +435,8 @@ def flank_compliance_under_loads(
         second, most_lent, s = NOTHING, float(lent.max(initial=0.0)), pair[0] % 2
         start, free = v0[:, s], response.R[:, s]
     else:
-        (first, on_screw, low), (second, on_nut, high) = (
-            body.without_negative_eigenvalues(tangent) for body in response.kernel_compliances
-        )
+        mended = (body.without_negative_eigenvalues(tangent) for body in response.kernel_compliances)
+        (first, on_screw, low), (second, on_nut, high) = mended
         e -= np.concatenate([on_screw.reshape(N, 2), on_nut.reshape(N, 2)], axis=1)
         clipped, most_lent = max(low, high), float(max(on_screw.max(initial=0.0), on_nut.max(initial=0.0)))
         start, free = np.zeros((N, 4, 2)), np.zeros((N, 4, 2, shaft.work_on_free_motions.size))
@@ -481,7 +444,7 @@ def flank_compliance_under_loads(
     R, moved = np.ascontiguousarray(free.reshape(N, start[0].size, -1)), np.ascontiguousarray(start.reshape(N, -1))
     bodies = ElasticBodies(first.G, second.G, R, moved, shaft.work_on_free_motions)
     kept = *response.screw_and_nut, v0, response.R
-    return FlankCompliance(bodies, e, h, clipped / tangent, kept, response.slope_of_e, most_lent, squeeze)
+    return FlankCompliance(bodies, e, h, clipped / tangent, kept, response.slope_of_e, most_lent, coupling)
 
 
 def flank_pair_data(problem: Problem, pair: tuple[int, int], e: Array, h: Array) -> Array:

@@ -192,17 +192,17 @@ class StaticSolution(NanUnlessConverged):
     #: Whether the solve converged, and if not, the reason.
     status: Status
     #: Axial positions along the shaft's centreline ``(k,)`` [m].
-    centreline_z: Array
+    centreline_z: Array = field(default_factory=lambda: np.zeros(0))
     #: Displacements and rotations of the shaft at the positions ``centreline_z``: ``(k, 6)`` [m, rad].
-    centreline: Array
+    centreline: Array = field(default_factory=lambda: np.zeros((0, 6)))
     #: Check of equilibrium: sums of forces and moments on the shaft; None without a solution.
-    equilibrium: Equilibrium | None
+    equilibrium: Equilibrium | None = None
     #: Effort and accuracy of the solve.
     solver: SolverReport
     #: Assumptions of the scene and of the model, as sentences.
-    assumed: tuple[str, ...]
+    assumed: tuple[str, ...] = ()
     #: Neglected effects with reasons, as sentences.
-    left_out: tuple[str, ...]
+    left_out: tuple[str, ...] = ()
     #: Warnings where the solution leaves the model's range of validity.
     warnings: tuple[ResultWarning, ...] = ()
     #: Number of the specimen, for a scene with random errors.
@@ -310,16 +310,7 @@ class SetResult(NanUnlessConverged):
     #: Load per unit length of the rollers' slices ``(count, slices)`` [N/m]; None for balls.
     line_loads: Array | None = None
     #: Names of the fields that are replaced by nan if the solution did not converge.
-    ANSWERS: ClassVar[tuple[str, ...]] = (
-        "force",
-        "moment",
-        "reaction",
-        "stiffness",
-        "outer",
-        "balls",
-        "roller_load",
-        "line_loads",
-    )
+    ANSWERS = ("force", "moment", "reaction", "stiffness", "outer", "balls", "roller_load", "line_loads")
 
     @property
     @QuantityDescription(

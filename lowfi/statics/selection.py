@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from rollbench.lowfi.statics.held import UnresistedMotions
 from rollbench.lowfi.statics.kernel_types import RIGID
 from rollbench.lowfi.statics.problem import Problem, centre_vectors_and_interference
-from rollbench.lowfi.statics.shape import interpolate_beam_motions
+from rollbench.lowfi.statics.shape import beam_interpolation_matrices
 from rollbench.meshes.arrays import Array, Mask
 from rollbench.meshes.errors import GeometryWithErrors
 from rollbench.meshes.helix import BallLayout
@@ -36,9 +36,7 @@ def flanks_of_scene(scene: Scene) -> Mask:
     return np.isin(np.arange(4), flanks_of_single_arc_contacts(scene) or range(4))
 
 
-def choose_flanks(
-    scene: Scene, drawn: GeometryWithErrors, distances_and_interference: tuple[Array, Array] | None = None
-) -> Mask:
+def choose_flanks(scene: Scene, drawn: GeometryWithErrors, known: tuple[Array, Array] | None = None) -> Mask:
     """Return which of the flanks SL, SR, NL, NR (screw left, ..., nut right) get contacts in the equations ``(4,)``.
 
     A diagonal pair of flanks is left out if no ball has interference with it and the axial load opens it. This is a guess:
@@ -51,7 +49,7 @@ def choose_flanks(
         Screw, nut, balls, supports and loads.
     drawn
         Dimensions of the parts with their manufacturing errors.
-    distances_and_interference
+    known
         Result of `centre_vectors_and_interference` for these parts; None: computed here.
     """
     use = flanks_of_scene(scene)
@@ -63,7 +61,7 @@ def choose_flanks(
     if not np.all(use) or force == 0.0 or bent or across:
         return use
     idle = (1, 2) if force > 0.0 else (0, 3)
-    _, closure = distances_and_interference or centre_vectors_and_interference(scene, drawn)
+    _, closure = known or centre_vectors_and_interference(scene, drawn)
     if float(closure[:, min(idle)].max()) <= 0.0:
         use[list(idle)] = False
     return use
@@ -90,7 +88,9 @@ def screw_flank_motions(problem: Problem, motion: Array) -> Array:
             out[:, s] = np.einsum("nak,nk->na", problem.B[:, s], flat[picks])
             continue
         stations = contact_force_positions(problem.scene, layout)[:, s]
-        moved_at = interpolate_beam_motions(stations, problem.nodes, problem.section, motion.reshape(-1, 6))
+        j, shapes = beam_interpolation_matrices(stations, problem.nodes, problem.section)
+        of_nodes = motion.reshape(-1, 6)
+        moved_at = np.einsum("kab,kb->ka", shapes, np.concatenate([of_nodes[j], of_nodes[j + 1]], axis=1))
         out[:, s] = groove_arc_motions_in_section_planes(layout, problem.drawn.groove_centres[:, s], stations, moved_at)
     return out
 
@@ -185,26 +185,22 @@ def solutions_clear_of_left_out_flanks(
         Least gap [m] between a ball and a left-out flank at which the ball counts as clear of it.
     """
     left_out = np.flatnonzero(~use)
-    loaded = _min_or_max_along_last_axis(np.maximum, loads) > 0.0
+    loaded = _along_last_axis(np.maximum, loads) > 0.0
     if np.all(loaded):
         named: slice | Mask = ~use
         if left_out.size == 2:  # a slice gives a view, without a copy
             named = slice(left_out[0], left_out[1] + 1, left_out[1] - left_out[0])
-        gap = _min_or_max_along_last_axis(np.minimum, gaps_to_flanks(centres, shift[:, :, named], geometry[:, :, named]))
+        gap = _along_last_axis(np.minimum, gaps_to_flanks(centres, shift[:, :, named], geometry[:, :, named]))
         return np.asarray((gap >= margin).all(axis=1))
     clearance = gaps_to_flanks(centres, shift, geometry)
-    gap = np.where(
-        loaded,
-        _min_or_max_along_last_axis(np.minimum, clearance[..., left_out]),
-        _min_or_max_along_last_axis(np.minimum, clearance),
-    )
+    gap = np.where(loaded, _along_last_axis(np.minimum, clearance[..., left_out]), _along_last_axis(np.minimum, clearance))
     idle = ~loaded.all(axis=1)
     elsewhere = gaps_to_flanks(shift[idle].mean(axis=2), shift[idle], geometry[idle]).min(axis=2)
     gap[idle] = np.where(loaded[idle], gap[idle], np.maximum(gap[idle], elsewhere))
     return np.asarray((gap >= margin).all(axis=1))
 
 
-def _min_or_max_along_last_axis(of_two: np.ufunc, values: Array) -> Array:
+def _along_last_axis(of_two: np.ufunc, values: Array) -> Array:
     """Return the smallest or the largest value along the last axis, which is short; faster than numpy's reduction.
 
     Parameters
@@ -244,9 +240,8 @@ def touched_flanks(engine: ModuleType, problem: Problem, motion: Array, centres:
     moved = screw_flank_motions(problem, motion)
     if not problem.drawn.profile_coefficients.shape[1]:
         shift = np.concatenate([moved, np.zeros_like(moved)], axis=1)[None]
-        if solutions_clear_of_left_out_flanks(
-            centres[None], shift, problem.geometry[None], force[None], problem.used_flanks
-        )[0]:
+        parts = centres[None], shift, problem.geometry[None], force[None]
+        if solutions_clear_of_left_out_flanks(*parts, problem.used_flanks)[0]:
             return np.asarray((force > 0.0).any(axis=0))
     touched = np.zeros(4, dtype=bool)
     p, contact, shift = np.zeros(2), np.zeros((4, 5)), np.zeros((4, 2))

@@ -26,6 +26,8 @@ from rollbench.meshes.arrays import Array
 
 #: Largest unbalanced force, relative to the largest force, at which the solver stops.
 TOLERANCE = 1e-14
+#: Motion [m] above which a body counts as not restrained.
+UNRESTRAINED = 1e3
 #: Largest number of Newton iterations of one solve.
 MAX_ITERATIONS = 3000
 #: Outcomes of the kernels' solver after which the state gives no contact loads.
@@ -78,15 +80,7 @@ def solver_options(scale: ResidualScale, arm: float, furthest: float, tolerance:
     tolerance
         Relative residual at which the iteration ends.
     """
-    return NewtonOptions(
-        tolerance=tolerance,
-        max_iterations=MAX_ITERATIONS,
-        stiffness=scale.stiffness,
-        moment_arm=arm,
-        unrestrained_motion_limit=1e3,
-        least_force_scale=scale.least_force_scale,
-        max_flank_motion_per_step=furthest,
-    )
+    return NewtonOptions(tolerance, MAX_ITERATIONS, scale.stiffness, arm, UNRESTRAINED, scale.least_force_scale, furthest)
 
 
 class ModelDescription(NamedTuple):
@@ -282,7 +276,7 @@ def solver_report(
     system: StaticEquations,
     description: ModelDescription,
     elements: int,
-    start_and_ready_times: tuple[float, float],
+    times: tuple[float, float],
     notes: tuple[str, ...],
 ) -> SolverReport:
     """Return the record of effort and accuracy of a solve.
@@ -297,7 +291,7 @@ def solver_report(
         Formulation and number of unknowns.
     elements
         Number of beam elements.
-    start_and_ready_times
+    times
         Times at which the computation began and at which its equations were ready (`time.perf_counter`) [s].
     notes
         Sentences on special events during the solve, such as a second solve with more flanks.
@@ -306,13 +300,13 @@ def solver_report(
         iterations=outcome.iterations,
         evaluations=outcome.evaluations,
         residual=outcome.residual,
-        seconds=perf_counter() - start_and_ready_times[0],
+        seconds=perf_counter() - times[0],
         unknowns=description.unknowns,
         elements=elements,
         engine="compiled" if jit.is_compiled_module(system.engine.__name__) else "interpreted",
         formulation=description.formulation,
         round_off_bound=system.round_off_residual(),
-        setup_seconds=start_and_ready_times[1] - start_and_ready_times[0],
+        setup_seconds=times[1] - times[0],
         notes=notes,
     )
 

@@ -75,11 +75,8 @@ class ShaftBeam:
 
     def with_loads_of(self, problem: Problem) -> ShaftBeam:
         """Return a copy of this beam model under the external loads and prescribed displacements of another problem."""
-        return replace(
-            self,
-            problem=problem,
-            work_on_free_motions=_work_of_external_loads(problem, self.free_rigid_motions, self.pinned_node),
-        )
+        work = _work_of_external_loads(problem, self.free_rigid_motions, self.pinned_node)
+        return replace(self, problem=problem, work_on_free_motions=work)
 
     def motions_under_loads(self, loads: Array) -> Array:
         """Return the motions ``(6 n, c)`` [m, rad] of the n nodes under c cases of nodal ``loads`` ``(6 n, c)`` [N, N m].
@@ -93,11 +90,23 @@ class ShaftBeam:
 
     @cached_property
     def motions_by_loads(self) -> tuple[Array, Array]:
-        """Return the nodal motions that external loads and prescribed displacements cause: a rigid part and the rest.
+        """Return the nodal motions ``(6 n,)`` [m, rad] by external loads and prescribed displacements, in two parts.
 
-        Both are arrays ``(6 n,)`` [m, rad], the result of `motions_by_external_loads`, computed once.
+        If the prescribed displacements agree with a rigid motion of the shaft, this motion is the first part; otherwise the
+        first part is zero. The second part is the rest. The rigid part is separated because its round-off, multiplied by
+        the stiffness, would appear as a strain of the beam. The motions are computed once.
         """
-        return motions_by_external_loads(self)
+        problem, held = self.problem, self.problem.fixed
+        prescribed = np.where(held, self.problem.prescribed, 0.0)
+        moved, loads = np.zeros_like(prescribed), problem.load.ravel()
+        if prescribed.any():
+            rigid = rigid_motion_transfer_matrix(problem.nodes - problem.nodes[self.pinned_node])
+            nearest = rigid @ np.linalg.lstsq(rigid[held], prescribed[held])[0]
+            remainder = np.where(held, prescribed - nearest, 0.0)
+            if np.abs(remainder).max() <= 1e-12 * np.abs(prescribed).max():
+                moved, prescribed = nearest, remainder
+            loads = loads - self.nodal_forces(prescribed.ravel())
+        return moved.ravel(), prescribed.ravel() + self.motions_under_loads(loads[:, None])[:, 0]
 
     def nodal_forces(self, q: Array) -> Array:
         """Return the nodal forces K q ``(6 n,)`` [N, N m]; K: stiffness matrix, q ``(6 n,)``: nodal motions [m, rad]."""
@@ -145,10 +154,8 @@ def build_shaft(problem: Problem) -> ShaftBeam:
     """
     if problem.rigid_motion_basis is not None:
         motions = np.diag(motions_per_metre_of_amplitude(problem))[:, ~problem.fixed[0]]
-        none, no = np.zeros(6, dtype=bool), np.zeros((0, 6, 6))
-        return ShaftBeam(
-            problem, motions, _work_of_external_loads(problem, motions, 0), 0, none, (no, no), np.zeros((1, 6))
-        )
+        work, free, no = _work_of_external_loads(problem, motions, 0), np.zeros(6, dtype=bool), np.zeros((0, 6, 6))
+        return ShaftBeam(problem, motions, work, 0, free, (no, no), np.zeros((1, 6)))
     n = problem.nodes.size
     band = np.zeros((6 * n, 12))
     lengths = np.diff(problem.nodes)
@@ -163,9 +170,8 @@ def build_shaft(problem: Problem) -> ShaftBeam:
         held[pin, independent_columns(motions.T)] = True
     free = ~held.ravel()
     work = _work_of_external_loads(problem, motions, pin)
-    return ShaftBeam(
-        problem, motions, work, pin, free, inverted_and_lower_blocks(_factor_beam_stiffness(band, free)), band.T.copy()
-    )
+    factor = inverted_and_lower_blocks(_factor_beam_stiffness(band, free))
+    return ShaftBeam(problem, motions, work, pin, free, factor, band.T.copy())
 
 
 def _work_of_external_loads(problem: Problem, motions: Array, pin: int) -> Array:
@@ -265,32 +271,11 @@ def flank_motions_by_loads(shaft: ShaftBeam, screw_flanks: list[int]) -> Array:
     return np.asarray(np.einsum("cak,ck->ca", rows, np.add(*shaft.motions_by_loads)[dof]).ravel())
 
 
-def motions_by_external_loads(shaft: ShaftBeam) -> tuple[Array, Array]:
-    """Return the nodal motions ``(6 n,)`` [m, rad] that external loads and prescribed displacements cause, in two parts.
-
-    If the prescribed displacements agree with a rigid motion of the shaft, this motion is the first part; otherwise the
-    first part is zero. The second part is the rest. The rigid part is separated because its round-off, multiplied by the
-    stiffness, would appear as a strain of the beam.
-    """
-    problem, held = shaft.problem, shaft.problem.fixed
-    prescribed = np.where(held, shaft.problem.prescribed, 0.0)
-    moved, loads = np.zeros_like(prescribed), problem.load.ravel()
-    if prescribed.any():
-        rigid = rigid_motion_transfer_matrix(problem.nodes - problem.nodes[shaft.pinned_node])
-        nearest = rigid @ np.linalg.lstsq(rigid[held], prescribed[held])[0]
-        remainder = np.where(held, prescribed - nearest, 0.0)
-        if np.abs(remainder).max() <= 1e-12 * np.abs(prescribed).max():
-            moved, prescribed = nearest, remainder
-        loads = loads - shaft.nodal_forces(prescribed.ravel())
-    return moved.ravel(), prescribed.ravel() + shaft.motions_under_loads(loads[:, None])[:, 0]
-
-
 def nodal_motions_of_rigid_screw(shaft: ShaftBeam) -> Array:
     """Return the motions ``(6 n, k)`` [m, rad] of all n nodes per metre of each of the k free rigid motions."""
     z = shaft.problem.nodes
-    return np.asarray(
-        (rigid_motion_transfer_matrix(z - z[shaft.pinned_node]) @ shaft.free_rigid_motions).reshape(6 * z.size, -1)
-    )
+    motions = rigid_motion_transfer_matrix(z - z[shaft.pinned_node]) @ shaft.free_rigid_motions
+    return np.asarray(motions.reshape(6 * z.size, -1))
 
 
 def nodal_motions_under_loads(shaft: ShaftBeam, loads: Array, amplitudes: Array) -> Array:
@@ -388,9 +373,8 @@ class JumpsInsideStretches:
         """
         nodes = self.problem.nodes
         z = nodes[: stretch.cut_node + 1] if is_loaded_above_node(self.problem, stretch.cut_node) else nodes
-        return rigid_motion_transfer_matrix(z - nodes[stretch.cut_node]), np.searchsorted(
-            z, stretch.contact_positions - MERGE
-        )
+        above = np.searchsorted(z, stretch.contact_positions - MERGE)
+        return rigid_motion_transfer_matrix(z - nodes[stretch.cut_node]), above
 
     def nodal_motions_by_flank_forces(self, pushes: Array) -> Array:
         """Return the motions ``(6 n,)`` [m, rad] of the n nodes by the jumps that the contact forces on c flanks cause.
@@ -421,9 +405,8 @@ class JumpsInsideStretches:
             moves, first = self._motions_per_jump(x)
             wrenches = np.zeros((len(moves) + 1, *nodal.shape[1:]))
             wrenches[:-1] = np.einsum("nij,nik->njk", moves, nodal[: len(moves)])
-            out[x.flank_motion_indices] += np.einsum(
-                "cj,cjk->ck", x.flank_motions_per_wrench, wrenches[::-1].cumsum(axis=0)[::-1][first]
-            )
+            at_contacts = wrenches[::-1].cumsum(axis=0)[::-1][first]
+            out[x.flank_motion_indices] += np.einsum("cj,cjk->ck", x.flank_motions_per_wrench, at_contacts)
             for node, beyond in x.flank_motions_by_node_load.items():
                 out[x.flank_motion_indices] += beyond @ nodal[node]
         return out
@@ -456,7 +439,7 @@ class SectionForceCoupling:
     jumps_by_external_loads: Array
     #: Motions of the nodes between contacts and cuts by the forces on the flanks, which equivalent nodal loads on the beam
     #: do not produce.
-    jumps_inside_stretches: JumpsInsideStretches
+    inner_jumps: JumpsInsideStretches
     #: Jumps of the shaft's motion at the cuts per unit wrench (force, moment) at the cuts ``(W, W)``.
     jumps_per_wrench: Array
 
@@ -472,10 +455,8 @@ class SectionForceCoupling:
             it is subtracted.
         """
         wrench = self.wrenches_per_nodal_motion @ shaft.motions_by_loads[1] - thermal
-        moved = (
-            self.flank_motions_per_wrench @ wrench
-            + self.jumps_inside_stretches.flank_motions_by_nodal_loads(shaft.problem.load.reshape(-1, 1))[:, 0]
-        )
+        inside = self.inner_jumps.flank_motions_by_nodal_loads(shaft.problem.load.reshape(-1, 1))[:, 0]
+        moved = self.flank_motions_per_wrench @ wrench + inside
         return replace(self, flank_motions_by_loads=moved, jumps_by_external_loads=self.jumps_per_wrench @ wrench)
 
     def nodal_loads_of_jumps(self, pushes: Array) -> Array:
@@ -485,9 +466,8 @@ class SectionForceCoupling:
         between them under external loads and under forces on the flanks. ``pushes`` ``(2 c,)`` [N]: these forces, two
         components for each of the c flanks of the shaft.
         """
-        return np.asarray(
-            self.wrenches_per_nodal_motion.T @ (self.jumps_per_flank_force @ pushes + self.jumps_by_external_loads)
-        )
+        jumps = self.jumps_per_flank_force @ pushes + self.jumps_by_external_loads
+        return np.asarray(self.wrenches_per_nodal_motion.T @ jumps)
 
     def add_jumps_inside_stretches(self, motion: Array, pushes: Array, fixed: NDArray[np.bool_]) -> Array:
         """Return nodal motions ``(n, 6)`` [m, rad] plus the shifts of the nodes under nuts and bearings by contact forces.
@@ -504,11 +484,8 @@ class SectionForceCoupling:
         fixed
             Which degrees of freedom are fixed ``(n, 6)``; nothing is added to them.
         """
-        return np.where(
-            fixed,
-            motion,
-            motion + (self.jumps_inside_stretches.nodal_motions_by_flank_forces(pushes.ravel())).reshape(-1, 6),
-        )
+        shift = self.inner_jumps.nodal_motions_by_flank_forces(pushes.ravel()).reshape(-1, 6)
+        return np.where(fixed, motion, motion + shift)
 
     def motions_by_loads(self, loads: Array, motions: Array) -> tuple[Array, Array]:
         """Return the motions of flanks ``(2 c, k)`` [m] and nodes ``(6 n, k)`` [m, rad] by the coupling under k load cases.
@@ -521,9 +498,8 @@ class SectionForceCoupling:
             Motions of the beam's nodes ``(6 n, k)`` [m, rad] under these loads without the coupling.
         """
         wrench = self.wrenches_per_nodal_motion @ motions
-        return np.asarray(
-            self.flank_motions_per_wrench @ wrench + self.jumps_inside_stretches.flank_motions_by_nodal_loads(loads)
-        ), np.asarray(self.nodal_motions_per_wrench @ wrench)
+        inside = self.inner_jumps.flank_motions_by_nodal_loads(loads)
+        return self.flank_motions_per_wrench @ wrench + inside, self.nodal_motions_per_wrench @ wrench
 
 
 def build_shaft_stretch(
@@ -559,11 +535,8 @@ def build_shaft_stretch(
     for node in np.flatnonzero(problem.load[:cut].any(axis=1)).tolist():
         at = float(problem.nodes[node])
         if response.low_end < at:
-            by_section = (
-                screw_response_to_section_wrench(scene, layout, backend, at)
-                .reshape(2, -1, 6)[list(screw_flanks)]
-                .reshape(-1, 6)
-            )
+            of_both = screw_response_to_section_wrench(scene, layout, backend, at).reshape(2, -1, 6)
+            by_section = of_both[list(screw_flanks)].reshape(-1, 6)
             felt = feel @ rigid_motion_transfer_matrix(at - float(problem.nodes[cut])).T
             sections[node] = by_section - np.where(stations[:, None] - MERGE <= at, felt, 0.0)
     return ShaftStretch(places.ravel(), stations, feel, up @ response.end_motions @ up.T, cut, sections)
@@ -611,7 +584,7 @@ def stiffness_at_cut(problem: Problem, cut: int) -> tuple[Array, Array, float]:
 
 
 def couple_section_forces(
-    shaft: ShaftBeam, screw_flanks: Sequence[int], stretches: Sequence[ShaftStretch], strain: float = 0.0
+    shaft: ShaftBeam, screw_flanks: Sequence[int], all_stretches: Sequence[ShaftStretch | None], strain: float = 0.0
 ) -> SectionForceCoupling | None:
     """Return the coupling between contact deformation and section forces of a shaft; None if it is not modelled.
 
@@ -621,11 +594,12 @@ def couple_section_forces(
         The beam.
     screw_flanks
         Numbers of the screw flanks in use, 0 for the left one and 1 for the right one.
-    stretches
-        Parts of the shaft under nuts and bearings; empty: the coupling is not modelled.
+    all_stretches
+        Parts of the shaft under nuts and bearings; None for a rigid part. The coupling is not modelled if all are rigid.
     strain
         Free thermal strain of the shaft, dimensionless; it causes no section forces.
     """
+    stretches = [x for x in all_stretches if x is not None]
     if not stretches:
         return None
     problem = shaft.problem
@@ -641,19 +615,15 @@ def couple_section_forces(
         for j, other in enumerate(loaded):  # jumps at the same cut share the stiffness of one element
             if other.cut_node == x.cut_node:
                 k[block, 6 * j : 6 * j + 6] = stiff
-        D[block, x.flank_motion_indices], H[block, block], warm[6 * i + 2] = (
-            x.flank_motions_per_wrench.T,
-            x.jump_per_wrench,
-            EA * strain,
-        )
+        D[block, x.flank_motion_indices], H[block, block] = x.flank_motions_per_wrench.T, x.jump_per_wrench
+        warm[6 * i + 2] = EA * strain
     X = shaft.motions_under_loads(S.T)
     A = np.einsum("cak,ckw->wca", rows, X[dof]).reshape(W, count)
     B = k - S @ X
     M = np.linalg.inv(np.eye(W) + 0.5 * (B + B.T) @ H)
-    feel, by_forces = (D.T + A.T @ H) @ M, A - B @ D
-    added = A.T @ D + feel @ by_forces
-    bent, none = H @ M, np.zeros(0)
-    squeeze = SectionForceCoupling(
-        0.5 * (added + added.T), none, S, feel, X @ H @ M, D + bent @ by_forces, none, inside, bent
-    )
-    return squeeze.under_loads_of(shaft, warm)
+    per_wrench, by_forces = (D.T + A.T @ H) @ M, A - B @ D
+    added = A.T @ D + per_wrench @ by_forces
+    compliance, jumps, none = 0.5 * (added + added.T), H @ M, np.zeros(0)
+    by_flanks = D + jumps @ by_forces
+    coupling = SectionForceCoupling(compliance, none, S, per_wrench, X @ H @ M, by_flanks, none, inside, jumps)
+    return coupling.under_loads_of(shaft, warm)

@@ -9,11 +9,6 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.section import BeamSection
 
 
-def shear_to_bending_deformation(length: float | Array, section: BeamSection) -> float | Array:
-    """Return the ratio Phi = 12 E I/(kappa G A L^2) of shear to bending deformation of a beam element of length L [m]."""
-    return 12.0 * section.EI / (section.kGA * length**2)
-
-
 def beam_interpolation_matrices(z: Array, nodes: Array, section: BeamSection) -> tuple[NDArray[np.int64], Array]:
     """Return the matrices that give the shaft's motions at axial positions from the motions of the two adjacent nodes.
 
@@ -42,24 +37,6 @@ def beam_interpolation_matrices(z: Array, nodes: Array, section: BeamSection) ->
             m[i] = 0.0
             m[i, :, 6 * end : 6 * end + 6] = rigid_motion_transfer_matrix(float(z[i] - nodes[j[i] + end]))
     return j, m
-
-
-def interpolate_beam_motions(z: Array, nodes: Array, section: BeamSection, motion: Array) -> Array:
-    """Return the shaft's motions ``(k, 6)`` [m, rad] at axial positions z ``(k,)`` [m].
-
-    Parameters
-    ----------
-    z
-        Axial positions ``(k,)`` [m]; beyond the nodes the shaft moves as a rigid body.
-    nodes
-        Axial positions of the nodes ``(n,)`` [m].
-    section
-        Cross-section of the shaft.
-    motion
-        Motions of the nodes ``(n, 6)`` [m, rad].
-    """
-    j, m = beam_interpolation_matrices(z, nodes, section)
-    return np.asarray(np.einsum("kab,kb->ka", m, np.concatenate([motion[j], motion[j + 1]], axis=1)))
 
 
 def initial_motions_with_supports(nodes: Array, fixed: NDArray[np.bool_], prescribed: Array) -> tuple[Array, Array]:
@@ -139,12 +116,11 @@ def beam_shape_functions(xi: Array, length: Array, section: BeamSection, order: 
     ----------
     Lin (2019), C.1 and C.2.
     """
-    phi = np.asarray(shear_to_bending_deformation(length, section))
+    phi = np.asarray(12.0 * section.EI / (section.kGA * length**2))  # ratio of shear to bending deformation
     k = 1.0 / (1.0 + phi)
     ones, zero = np.ones_like(xi), np.zeros_like(xi)
-    powers = {0: (ones, xi, xi**2, xi**3), 1: (zero, ones, 2.0 * xi, 3.0 * xi**2), 2: (zero, zero, 2.0 * ones, 6.0 * xi)}[
-        order
-    ]
+    derivatives = (ones, xi, xi**2, xi**3), (zero, ones, 2.0 * xi, 3.0 * xi**2), (zero, zero, 2.0 * ones, 6.0 * xi)
+    powers = derivatives[order]
 
     def polynomial_at_xi(*coefficients: Array | float) -> Array:
         """Return a polynomial of the relative position in the element, or its derivative, at the given positions ``(n,)``.

@@ -18,30 +18,11 @@ from numpy.typing import NDArray
 
 from rollbench.lowfi import jit
 from rollbench.lowfi.hertz import contact_force, contact_stiffness_under_force
-from rollbench.lowfi.statics import kernel_types, selection
+from rollbench.lowfi.statics import held, kernel_types, selection, settle
+from rollbench.lowfi.statics import problem as statics_problem
 from rollbench.lowfi.statics.held import UnresistedMotions, find_unresisted_motions
-from rollbench.lowfi.statics.problem import (
-    Problem,
-    SolvedState,
-    build_problem,
-    centre_vectors_and_interference,
-    largest_interference,
-)
+from rollbench.lowfi.statics.problem import Problem, SolvedState, build_problem, largest_interference
 from rollbench.lowfi.statics.result import StaticResult, Status
-from rollbench.lowfi.statics.settle import (
-    NO_LOADS,
-    TOLERANCE,
-    ContactState,
-    ModelDescription,
-    ResidualScale,
-    StaticEquations,
-    is_solve_unusable,
-    residual_by_round_off,
-    solve_with_updated_contacts,
-    solver_options,
-    solver_report,
-    status_of_solve,
-)
 from rollbench.lowfi.statics.shape import initial_motions_with_supports
 from rollbench.lowfi.statics.summary import assemble_result, failed_result, model_assumptions
 from rollbench.meshes.arrays import Array, Mask
@@ -83,7 +64,7 @@ def pick_engine(engine: Engine, balls: int, uneven: bool = False) -> ModuleType:
     return jit.load_kernel_package(jit.STATICS, compiled=fast)
 
 
-def residual_scale(problem: Problem) -> ResidualScale:
+def residual_scale(problem: Problem) -> settle.ResidualScale:
     """Return the typical force and stiffness of a problem's contacts, by which the solver scales residuals.
 
     A contact counts as unloaded if its force is below a limit: the round-off of the typical force. If there are
@@ -103,11 +84,11 @@ def residual_scale(problem: Problem) -> ResidualScale:
     if force == 0.0:  # only prescribed displacements, or errors by which three flanks clamp a ball
         force = float(contact_force(1e-6, pair))
     floor = max(float(largest.max()), float(most.max()) / arm, squeeze)
-    return ResidualScale(force, float(np.cbrt(force) / pair), floor, (1e-14 if floor > 0.0 else 1e-10) * force)
+    return settle.ResidualScale(force, float(np.cbrt(force) / pair), floor, (1e-14 if floor > 0.0 else 1e-10) * force)
 
 
 @dataclass(kw_only=True)
-class SingleNutEquations(StaticEquations):
+class SingleNutEquations(settle.StaticEquations):
     """Equations of one ball nut or ball bearing for the numerical kernels: base class for rigid and for elastic bodies."""
 
     #: Arrays of the static problem.
@@ -158,11 +139,11 @@ class BeamEquations(SingleNutEquations):
         """
         return np.asarray(self.state.contact[..., 0])
 
-    def contact_states(self) -> Sequence[ContactState]:
+    def contact_states(self) -> Sequence[settle.ContactState]:
         """Return contact forces, ball centres and flank motions, as the iteration has them now."""
         moved = np.zeros((len(self.state.p), 4, 2))
         moved[:, :2] = selection.screw_flank_motions(self.problem, self.state.q)
-        return (ContactState(self.problem, self.state.contact, self.state.p, moved),)
+        return (settle.ContactState(self.problem, self.state.contact, self.state.p, moved),)
 
     def are_balls_clear_of_left_out_flanks(self) -> bool:
         """Return whether no ball of the solution touches a flank that was left out of the equations.
@@ -181,7 +162,7 @@ class BeamEquations(SingleNutEquations):
         problem, motion = self.problem, float(np.abs(self.state.q[:, :3]).max(initial=0.0))
         stiff = contact_stiffness_under_force(self.contact_forces[:, :2], problem.C[:, :2])
         most = float(np.bincount(problem.first_nodes.ravel(), weights=stiff.ravel()).max(initial=0.0))
-        return residual_by_round_off(motion, most, self.residual_force_scale, [problem])
+        return settle.residual_by_round_off(motion, most, self.residual_force_scale, [problem])
 
     def solved_state(self) -> SolvedState:
         """Return the solution: motions, contact forces and support reactions.
@@ -191,28 +172,19 @@ class BeamEquations(SingleNutEquations):
         problem, gradient, force = self.problem, np.zeros(self.state.q.shape), self.contact_forces.copy()
         motion, centre, normal = self.state.q.copy(), self.state.p.copy(), self.state.contact[..., 1:3].copy()
         if problem.rigid_motion_basis is None:
-            self.engine.evaluate_screw(
-                self.kernel_arrays, self.state, kernel_types.EnergyDerivatives(gradient, np.zeros((len(problem.C), 4, 4)))
-            )
+            derivatives = kernel_types.EnergyDerivatives(gradient, np.zeros((len(problem.C), 4, 4)))
+            self.engine.evaluate_screw(self.kernel_arrays, self.state, derivatives)
         held = np.where(problem.fixed, gradient, 0.0)
-        return SolvedState(
-            problem,
-            motion,
-            centre,
-            force,
-            normal,
-            held,
-            selection.all_flank_motions_by_screw(problem, motion),
-            self.residual_force_scale,
-        )
+        flanks = selection.all_flank_motions_by_screw(problem, motion)
+        return SolvedState(problem, motion, centre, force, normal, held, flanks, self.residual_force_scale)
 
-    def model_description(self) -> ModelDescription:
+    def model_description(self) -> settle.ModelDescription:
         """Return the formulation, number of unknowns and assumptions of the model for the record of the solution."""
-        return ModelDescription("convex energy", self.problem.unknowns, model_assumptions(self.problem.scene))
+        return settle.ModelDescription("convex energy", self.problem.unknowns, model_assumptions(self.problem.scene))
 
 
 def beam_equations(
-    problem: Problem, engine: ModuleType, *, tolerance: float = TOLERANCE, problem_input: StaticInput | None = None
+    problem: Problem, engine: ModuleType, *, tolerance: float = settle.TOLERANCE, problem_input: StaticInput | None = None
 ) -> BeamEquations:
     """Return the equations of a screw in a rigid nut; the initial motions satisfy the supports' prescribed displacements.
 
@@ -230,29 +202,16 @@ def beam_equations(
     lengths, s = np.diff(problem.nodes), problem.section
     sections = np.tile([s.EA, s.EI, s.GJ, s.kGA], (lengths.size, 1))
     count, scale, drawn = problem.C.shape[0], residual_scale(problem), problem.drawn
-    state = kernel_types.MotionState(
-        *initial_motions_with_supports(problem.nodes, problem.fixed, problem.prescribed),
-        np.zeros((count, 2)),
-        np.zeros((count, 4, 5)),
-        np.zeros((0, 2)),
-    )
-    geometry, closure = problem.geometry, problem.interference
-    contacts = kernel_types.BeamContacts(
-        problem.first_nodes,
-        problem.B,
-        geometry,
-        closure,
-        drawn.ball_radii,
-        drawn.profile_coefficients,
-        scale.unloaded_force_limit,
-    )
+    motions = initial_motions_with_supports(problem.nodes, problem.fixed, problem.prescribed)
+    state = kernel_types.MotionState(*motions, np.zeros((count, 2)), np.zeros((count, 4, 5)), np.zeros((0, 2)))
+    flanks = problem.first_nodes, problem.B, problem.geometry, problem.interference
+    balls = drawn.ball_radii, drawn.profile_coefficients, scale.unloaded_force_limit
     constants, band = np.zeros((lengths.size, 5)), np.zeros((6 * problem.nodes.size, problem.half_bandwidth + 1))
     engine.assemble_beam_stiffness(lengths, sections, constants, band)
-    given = kernel_types.BeamSystem(
-        kernel_types.BeamArrays(lengths, problem.fixed, problem.load, constants, band), contacts
-    )
+    shaft = kernel_types.BeamArrays(lengths, problem.fixed, problem.load, constants, band)
+    given = kernel_types.BeamSystem(shaft, kernel_types.BeamContacts(*flanks, *balls))
     arm, furthest = problem.scene.track.pitch_radius, float(drawn.ball_radii.max())
-    options = solver_options(scale, arm, furthest, tolerance)
+    options = settle.solver_options(scale, arm, furthest, tolerance)
     problem_input = problem_input or StaticInput(problem.scene, drawn, problem.layout, problem.used_flanks, engine)
     return BeamEquations(
         engine=engine, kernel_arrays=given, state=state, options=options, problem=problem, problem_input=problem_input
@@ -278,11 +237,11 @@ class StaticInput:
     #: Module of the numerical kernels.
     engine: ModuleType
     #: Whether to model also flanks that cannot touch a ball, and ends of the shaft that carry no load.
-    models_unloaded_parts: bool = False
+    everything: bool = False
     #: Number of elements that each beam element is split into.
-    elements_per_beam_element: int = 1
+    refine: int = 1
     #: Result of `centre_vectors_and_interference` for these dimensions; None: not computed yet.
-    known_centre_distances: tuple[Array, Array] | None = None
+    known: tuple[Array, Array] | None = None
     #: Three entries: which degrees of freedom of the n nodes are fixed ``(n, 6)``; their prescribed values ``(n, 6)``
     #: [m, rad]; numbers of those that are fixed at the first node although no support fixes them ("pins"). None: the
     #: supports of the scene, without pins.
@@ -303,11 +262,7 @@ class StaticInput:
             flanks (screw left, screw right, nut left, nut right), radial and along the helix's binormal.
         """
         parts = self.scene, self.drawn, self.layout, self.used_flanks
-        how: dict[str, Any] = {
-            "everything": self.models_unloaded_parts,
-            "refine": self.elements_per_beam_element,
-            "distances_and_interference": self.known_centre_distances,
-        }
+        how: dict[str, Any] = {"everything": self.everything, "refine": self.refine, "known": self.known}
         found = build_problem(*parts, arms=arms, section=self.replacement_section, **how)
         held = self.fixed_dofs
         return found if held is None else replace(found, fixed=held[0], prescribed=held[1], pins=held[2])
@@ -352,9 +307,8 @@ class SolvedEquations(NamedTuple):
     @property
     def status(self) -> Status:
         """Return the status of the solve: "converged", or else the kind of failure with its reason."""
-        return status_of_solve(
-            self.outcome, self.system.round_off_residual(), partial(status_of_runaway_screw, self.system.problem)
-        )
+        prove = partial(status_of_runaway_screw, self.system.problem)
+        return settle.status_of_solve(self.outcome, self.system.round_off_residual(), prove)
 
 
 class UnrestrainedProblem(NamedTuple):
@@ -396,13 +350,13 @@ def solve_with_chosen_flanks(problem_input: StaticInput) -> SolvedEquations | Un
         problem = pin_free_motions(problem, mechanism)
         system = problem_input.with_supports_of(problem).build_equations(problem)
         prepared_at = perf_counter()
-        system, outcome = solve_with_updated_contacts(system)
-        if np.array_equal(problem_input.used_flanks, selection.flanks_of_scene(problem_input.scene)) or (
-            outcome.status == 0 and system.are_balls_clear_of_left_out_flanks()
-        ):
+        system, outcome = settle.solve_with_updated_contacts(system)
+        every, good = selection.flanks_of_scene(problem_input.scene), outcome.status == 0
+        whole = np.array_equal(problem_input.used_flanks, every)
+        if whole or (good and system.are_balls_clear_of_left_out_flanks()):
             return SolvedEquations(system, outcome, problem_input, mechanism, notes, prepared_at)
-        notes = (problem_input.note_on_touched_flanks() if outcome.status == 0 else UNSOLVED_WITHOUT_FLANKS,)
-        problem_input = replace(problem_input, used_flanks=selection.flanks_of_scene(problem_input.scene))
+        notes = (problem_input.note_on_touched_flanks() if good else UNSOLVED_WITHOUT_FLANKS,)
+        problem_input = replace(problem_input, used_flanks=every)
 
 
 def solve_static(
@@ -459,7 +413,7 @@ def solve_static(
     layout = ball_layout(scene)
     drawn = draw_geometry_with_errors(scene, layout, member)
     kernels = pick_engine(engine, layout.z.size, drawn.profile_coefficients.shape[1] > 0)
-    known = centre_vectors_and_interference(scene, drawn)
+    known = statics_problem.centre_vectors_and_interference(scene, drawn)
     use = selection.flanks_of_scene(scene) if everything else selection.choose_flanks(scene, drawn, known)
     build = StaticInput(scene, drawn, layout, use, kernels, everything, refine, known)
     result = solve_static_input(build, "lin", start)
@@ -485,34 +439,18 @@ def solve_static_input(problem_input: StaticInput, name: str, start: float) -> S
         return failed_result(solved.problem, name, solved.status, perf_counter() - start)
     system, outcome, mechanism = solved.system, solved.outcome, solved.mechanism
     problem, status = system.problem, solved.status
-    if outcome.status in NO_LOADS:
+    if outcome.status in settle.NO_LOADS:
         return failed_result(problem, name, status, perf_counter() - start)
     description = system.model_description()
-    report = solver_report(outcome, system, description, problem.nodes.size - 1, (start, solved.prepared_at), solved.notes)
-    left_out = (
-        *selection.describe_left_out_parts(problem, mechanism, everything=problem_input.models_unloaded_parts),
-        *description.left_out,
+    report = settle.solver_report(
+        outcome, system, description, problem.nodes.size - 1, (start, solved.prepared_at), solved.notes
     )
-    result = assemble_result(system.solved_state(), name, status, report, left_out, description.assumed)
-
-    def contact_loads_with_other_pins() -> Array | None:
-        """Return the contact loads of N balls on four flanks ``(N, 4)`` [N] with the alternative choice of pins.
-
-        Pins are degrees of freedom that are fixed although no support fixes them. None is returned if the solver finds no
-        solution.
-        """
-        again = pin_free_motions(solved.build.build_problem(), mechanism, True)
-        other, found = solve_with_updated_contacts(
-            solved.build.with_supports_of(again).build_equations(again), follow_profile_errors=False
-        )
-        return None if is_solve_unusable(found) else other.contact_states()[0].contacts[..., 0]
-
-    return with_note_on_pins(result, mechanism, contact_loads_with_other_pins)
+    left_out = selection.describe_left_out_parts(problem, mechanism, everything=problem_input.everything)
+    texts = (*left_out, *description.left_out), description.assumed
+    return with_note_on_pins(assemble_result(system.solved_state(), name, status, report, *texts), solved)
 
 
-def with_note_on_pins(
-    result: StaticResult, mechanism: UnresistedMotions, other_loads: Callable[[], Array | None]
-) -> StaticResult:
+def with_note_on_pins(result: StaticResult, solved: SolvedEquations) -> StaticResult:
     """Return the result with a note on how much the contact loads depend on the choice of pins.
 
     A pin is a degree of freedom that the model fixes because neither load nor support determines it. The result is returned
@@ -523,21 +461,21 @@ def with_note_on_pins(
     ----------
     result
         Result of the solve with the first choice of pins.
-    mechanism
-        Motions that nothing resists, with the degrees of freedom that could be pinned instead.
-    other_loads
-        Function that computes the contact loads ``(N, 4)`` [N] with the other pins; None if the solver finds no solution.
+    solved
+        Solved equations, with the motions that nothing resists and the degrees of freedom that could be pinned instead.
     """
-    balance = result.equilibrium
+    balance, mechanism = result.equilibrium, solved.mechanism
     if balance is None or balance.pin_share <= PIN_SHOWN or not result.converged or not mechanism.alternative_pins:
         return result
-    load = other_loads()
+    again = pin_free_motions(solved.build.build_problem(), mechanism, True)
+    equations = solved.build.with_supports_of(again).build_equations(again)
+    other, found = settle.solve_with_updated_contacts(equations, follow_profile_errors=False)
     pins, others = (" and ".join(FREEDOMS[k] for k in x) for x in (mechanism.pins, mechanism.alternative_pins))
     words = f"{mechanism.description} is prevented by fixing {pins} of the first node; if {others} is fixed instead, "
-    if load is None:
+    if settle.is_solve_unusable(found):
         words += "the solver finds no equilibrium"
     else:
-        change = float(np.abs(load - result.load).max())
+        change = float(np.abs(other.contact_states()[0].contacts[..., 0] - result.load).max())
         words += f"contact loads change by up to {change:.2g} N (largest load {result.load.max():.4g} N)"
     return replace(result, solver=replace(result.solver, notes=(*result.solver.notes, words)))
 
@@ -577,12 +515,9 @@ def status_of_runaway_screw(problem: Problem) -> Status:
     The status is "not held" only if a linear program proves that contacts and supports cannot carry the load; otherwise it
     is "not converged". ``problem``: the static problem that was iterated.
     """
-    from rollbench.lowfi.statics.held import describe_motion, find_opening_motion, status_of_runaway_body
-
     opens = "the load opens every contact that could carry it, so the screw moves without limit (linear program: {})"
-    return status_of_runaway_body(
-        partial(find_opening_motion, problem), "the screw", lambda motion: opens.format(describe_motion(motion))
-    )
+    search = partial(held.find_opening_motion, problem)
+    return held.status_of_runaway_body(search, "the screw", lambda x: opens.format(held.describe_motion(x)))
 
 
 def with_discretisation_error(scene: Scene, result: StaticResult, solve: Callable[..., StaticResult]) -> StaticResult:

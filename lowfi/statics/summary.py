@@ -157,9 +157,8 @@ def check_screw_equilibrium(solved: SolvedState, points: Array, on_ball: Array) 
     s, noise = problem.section, (0.0, 0.0)
     if problem.rigid_motion_basis is None:
         noise = round_off_forces(np.diff(problem.nodes), np.array([[s.EA, s.EI, s.GJ, s.kGA]]), solved.nodal_motions)
-    return check_equilibrium(
-        sums, size, scene.track.pitch_radius, noise, magnitudes_of_net_ball_forces(force, solved.contact_normals)
-    )
+    net = magnitudes_of_net_ball_forces(force, solved.contact_normals)
+    return check_equilibrium(sums, size, scene.track.pitch_radius, noise, net)
 
 
 def support_reactions(solved: SolvedState, reaction: Array) -> Array:
@@ -244,11 +243,7 @@ def magnitudes_of_net_ball_forces(force: Array, normal: Array) -> Array:
 
 
 def check_equilibrium(
-    sums: Sequence[Array],
-    largest_force: float,
-    moment_arm: float,
-    round_off_wrench: tuple[float, float],
-    net_ball_forces: Array,
+    sums: Sequence[Array], largest: float, arm: float, noise: tuple[float, float], net: Array
 ) -> Equilibrium:
     """Return the check of equilibrium of a body: sums of forces and moments, relative to the largest force and moment.
 
@@ -257,35 +252,26 @@ def check_equilibrium(
     sums
         Force and moment about the origin ``(6,)`` [N, N m] of external loads, support reactions, contact forces and pins,
         in this order. Pins are degrees of freedom that the model fixes although no support does.
-    largest_force
+    largest
         Largest force of the solution [N].
-    moment_arm
-        Length [m]; ``largest_force`` times this length counts as the largest moment, unless a moment in ``sums`` is larger.
-    round_off_wrench
+    arm
+        Length [m]; ``largest`` times this length counts as the largest moment, unless a moment in ``sums`` is larger.
+    noise
         Force [N] and moment [N m] that rounding errors leave; they are subtracted from the sums.
-    net_ball_forces
+    net
         Magnitude of the resultant force on each ball ``(N,)`` [N].
     """
     applied, reaction, contact, pin = sums
-    size_m = max(max(float(np.abs(x[3:]).max()) for x in (applied, reaction, contact)), largest_force * moment_arm)
+    size_m = max(max(float(np.abs(x[3:]).max()) for x in (applied, reaction, contact)), largest * arm)
     total = np.abs(applied + reaction + contact + pin)
-    df, dm = np.maximum(total[:3] - round_off_wrench[0], 0.0), np.maximum(total[3:] - round_off_wrench[1], 0.0)
-    worst = int(net_ball_forces.argmax()) if net_ball_forces.size else -1
-    return Equilibrium(
-        applied[:3],
-        applied[3:],
-        reaction[:3],
-        reaction[3:],
-        contact[:3],
-        contact[3:],
-        float(df.max()) / largest_force if largest_force else 0.0,
-        float(dm.max()) / size_m if size_m else 0.0,
-        pin[:3],
-        pin[3:],
-        max(float(np.abs(pin[:3]).max()) / largest_force, float(np.abs(pin[3:]).max()) / size_m) if largest_force else 0.0,
-        float(net_ball_forces[worst]) / largest_force if largest_force and net_ball_forces.size else 0.0,
-        worst + 1,
-    )
+    df, dm = np.maximum(total[:3] - noise[0], 0.0), np.maximum(total[3:] - noise[1], 0.0)
+    worst = int(net.argmax()) if net.size else -1
+    sides = applied[:3], applied[3:], reaction[:3], reaction[3:], contact[:3], contact[3:]
+    left = float(df.max()) / largest if largest else 0.0, float(dm.max()) / size_m if size_m else 0.0
+    pins = float(np.abs(pin[:3]).max()), float(np.abs(pin[3:]).max())
+    pin_share = max(pins[0] / largest, pins[1] / size_m) if largest else 0.0
+    on_ball = float(net[worst]) / largest if largest and net.size else 0.0
+    return Equilibrium(*sides, *left, pin[:3], pin[3:], pin_share, on_ball, worst + 1)
 
 
 def round_off_forces(lengths: Array, sections: Array, motion: Array) -> tuple[float, float]:
@@ -383,10 +369,7 @@ def contact_result(
         hertz_C=problem.C.copy(),
         centreline_z=z,
         centreline=motion,
-        equilibrium=None,
         solver=report,
-        assumed=(),
-        left_out=(),
         warnings=validity_warnings(solved, np.abs(raw) if arc_on_both_sides else raw, z, motion),
     )
 
@@ -458,11 +441,7 @@ def failed_result(problem: Problem, model: str, status: Status, seconds: float) 
         azimuth=layout.azimuth,
         z=layout.z,
         hertz_C=problem.C.copy(),
-        centreline_z=np.zeros(0),
-        centreline=np.zeros((0, 6)),
-        equilibrium=None,
         solver=report,
         assumed=assumed,
-        left_out=(),
         **unknown,
     )

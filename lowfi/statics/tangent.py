@@ -57,9 +57,12 @@ class TangentStiffness:
         freedom
             Name of the motion: ux, uy, uz, rx or ry.
         """
-        known = ~np.isnan(np.diag(self.matrix))
+        diagonal = np.diag(self.matrix)
+        known = ~np.isnan(diagonal)
         free = [k for k, name in enumerate(FREEDOMS) if name != "rz" and known[k]]
-        arm = self._rotation_length()
+        # rotations are multiplied by a length, to be comparable with displacements
+        force, moment = float(diagonal[:3].max()), float(diagonal[3:].max())
+        arm = float(np.sqrt(moment / force)) if force > 0.0 and moment > 0.0 else 1.0
         scale = np.where(np.array(free) < 3, 1.0, 1.0 / arm)
         scaled = self.matrix[np.ix_(free, free)] * scale[:, None] * scale[None, :]
         lam, V = np.linalg.eigh(scaled)
@@ -68,15 +71,6 @@ class TangentStiffness:
             return 0.0
         kept = lam > 1e-9 * lam[-1]
         return float(1.0 / np.sum(V[k, kept] ** 2 / lam[kept]) / scale[k] ** 2)
-
-    def _rotation_length(self) -> float:
-        """Return the length [m] by which rotations are multiplied to be comparable with displacements.
-
-        The length is the root of the ratio of the largest rotational to the largest translational stiffness.
-        """
-        diagonal = np.diag(self.matrix)
-        force, moment = float(diagonal[:3].max()), float(diagonal[3:].max())
-        return float(np.sqrt(moment / force)) if force > 0.0 and moment > 0.0 else 1.0
 
 
 def tangent_stiffness(
@@ -124,9 +118,8 @@ def tangent_stiffness(
         return TangentStiffness(station, np.full((6, 6), np.nan), status)
     clamp = Support(station, tuple((name, 0.0) for name in FREEDOMS))
     held = replace(solved.build, scene=replace(scene, supports=(clamp,), loads=()))
-    return TangentStiffness(
-        station, _stiffness_at_clamp(solved.system, held.build_equations(held.build_problem()), station), status
-    )
+    clamped = held.build_equations(held.build_problem())
+    return TangentStiffness(station, _stiffness_at_clamp(solved.system, clamped, station), status)
 
 
 def _stiffness_at_clamp(equations: Any, clamped_equations: Any, station: float) -> Array:

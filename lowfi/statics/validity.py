@@ -52,12 +52,14 @@ def validity_warnings(solved: SolvedState, gamma: Array, z: Array, motion: Array
     """
     problem, force = solved.problem, solved.contact_forces
     constants = hertz_of_every_contact(problem.scene, problem.drawn)
+    semi_axis = constants.C_a * np.cbrt(force)  # the long one, across the groove
+    half = semi_axis / problem.drawn.groove_radii
     loaded = (force.sum(axis=1, keepdims=True) > 0.0) * 1.0
     shift = solved.ball_centres * loaded
     return (
-        *_arc_limit_warnings(problem, force, gamma, shift),
-        *_overlapping_contact_warning(problem, force, gamma),
-        *contact_warnings(constants.pressure(force), constants.C_a * np.cbrt(force), problem.scene.balls.radius),
+        *_arc_limit_warnings(problem, force, gamma, half, shift),
+        *_overlapping_contact_warning(force, gamma, half),
+        *contact_warnings(constants.pressure(force), semi_axis, problem.scene.balls.radius),
         *_ball_overlap_warning(problem, shift),
         *profile_warning(solved),
         *tilt_warning(problem, force, z, motion),
@@ -86,7 +88,7 @@ def arc_end_names(scene: Scene) -> str:
     return "land edge" if has_single_arc_grooves(scene) else "apex or land edge"
 
 
-def _arc_limit_warnings(problem: Problem, force: Array, gamma: Array, shift: Array) -> list[ResultWarning]:
+def _arc_limit_warnings(problem: Problem, force: Array, gamma: Array, half: Array, shift: Array) -> list[ResultWarning]:
     """Return warnings of contacts or contact ellipses beyond the groove's arc, and of balls with large displacements.
 
     A displacement is large if it exceeds a tenth of the ball's radius.
@@ -99,37 +101,31 @@ def _arc_limit_warnings(problem: Problem, force: Array, gamma: Array, shift: Arr
         Contact forces ``(N, 4)`` [N].
     gamma
         Contact angles ``(N, 4)`` [rad].
+    half
+        Half widths of the contact ellipses as angles on the groove's arc ``(N, 4)`` [rad].
     shift
         Displacements of the loaded balls' centres in their section planes ``(N, 2)`` [m].
     """
     notes: list[str] = []
     loaded = force > 0.0
     low, high = contact_angle_limits(problem.scene)
-    radius = problem.scene.balls.radius
+    radius, ends = problem.scene.balls.radius, arc_end_names(problem.scene)
     off = loaded & ((gamma < low) | (gamma > high))
     if off.any():
-        notes.append(
-            f"{int(off.sum())} contact(s) lie beyond the groove's arc ({arc_end_names(problem.scene)}), where the model is "
-            "not valid"
-        )
-    semi_axis = hertz_of_every_contact(problem.scene, problem.drawn).C_a * np.cbrt(
-        force
-    )  # the long axis lies across the groove
-    half = semi_axis / problem.drawn.groove_radii
+        notes.append(f"{int(off.sum())} contact(s) lie beyond the groove's arc ({ends}), where the model is not valid")
     cut = loaded & ~off & ((gamma - half < low) | (gamma + half > high))
     if cut.any():
         worst = int(np.argmax(np.where(cut, np.maximum(low - gamma + half, gamma + half - high), -np.inf)))
         notes.append(
-            f"the contact ellipse of {int(cut.sum())} contact(s) reaches beyond the groove's arc "
-            f"({arc_end_names(problem.scene)}), farthest on ball {worst // 4 + 1}: pressure and approach are higher there "
-            "than by Hertz"
+            f"the contact ellipse of {int(cut.sum())} contact(s) reaches beyond the groove's arc ({ends}), farthest on "
+            f"ball {worst // 4 + 1}: pressure and approach are higher there than by Hertz"
         )
     if float(np.abs(shift).max(initial=0.0)) > 0.1 * radius:
         notes.append("a ball moves by more than a tenth of its radius: the theory of small displacements is not valid")
     return [ResultWarning("place", note) for note in notes]
 
 
-def _overlapping_contact_warning(problem: Problem, force: Array, gamma: Array) -> list[ResultWarning]:
+def _overlapping_contact_warning(force: Array, gamma: Array, half: Array) -> list[ResultWarning]:
     """Return a warning if a ball's contacts with both flanks of a groove are so close that they are one contact.
 
     Their distance is less than a semi-axis of the contact ellipse. The groove is a single arc there, and the model counts
@@ -138,14 +134,13 @@ def _overlapping_contact_warning(problem: Problem, force: Array, gamma: Array) -
 
     Parameters
     ----------
-    problem
-        Static problem of N balls.
     force
         Contact forces ``(N, 4)`` [N].
     gamma
         Contact angles ``(N, 4)`` [rad].
+    half
+        Half widths of the contact ellipses as angles on the groove's arc ``(N, 4)`` [rad].
     """
-    half = hertz_of_every_contact(problem.scene, problem.drawn).C_a * np.cbrt(force) / problem.drawn.groove_radii
     pairs = force.reshape(-1, 2, 2)
     double = (pairs > 0.0).all(axis=2) & (np.abs(gamma.reshape(-1, 2, 2).sum(axis=2)) < half.reshape(-1, 2, 2).max(axis=2))
     if not double.any():

@@ -7,7 +7,7 @@ weak springs to the ground. Lines have at most 16 entries, entries at most 20 ch
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -155,11 +155,6 @@ def comma_separated_lines(entries: Iterable[int | str]) -> Iterator[str]:
         yield ", ".join(words[k : k + 16]) + ("," if k + 16 < len(words) else "")
 
 
-def set_entry_lines(entries: Iterable[int]) -> Iterator[str]:
-    """Yield the lines that list the entries of a set of an input deck, at most 16 each, without a comma at their end."""
-    return (line.removesuffix(",") for line in comma_separated_lines(entries))
-
-
 def check_deck_names(names: Sequence[str]) -> None:
     """Raise ValueError for a set's name that an input deck does not allow, or that two sets have (letter case ignored)."""
     seen = set[str]()
@@ -257,7 +252,10 @@ def _deck_lines(deck: InputDeck, units: DeckUnits) -> Iterator[str]:
     nodes = cells = 0
     for body in deck.bodies:
         starts[body.name] = nodes, cells
-        yield from _body_lines(body, nodes, cells, units)
+        headers = f"*NODE, NSET={body.name}_ALL", f"*ELEMENT, TYPE=C3D10, ELSET={body.name}"
+        sets = (("NSET", name, members) for name, members in body.node_sets.items())
+        points, tetrahedra = body.points / units.length, body.cells[:, C3D10]
+        yield from mesh_lines(headers, points, tetrahedra, sets, body.face_sets, (nodes, cells))
         nodes, cells = nodes + len(body.points), cells + len(body.cells)
     for body in deck.bodies:
         yield from (f"*MATERIAL, NAME=MAT_{body.name}", "*ELASTIC")
@@ -286,26 +284,46 @@ def _deck_lines(deck: InputDeck, units: DeckUnits) -> Iterator[str]:
     yield from _step_lines(deck, references, units)
 
 
-def _body_lines(body: DeckBody, nodes: int, cells: int, units: DeckUnits) -> Iterator[str]:
-    """Yield the lines of an input deck with the nodes, elements and sets of a body.
+def mesh_lines(
+    headers: tuple[str, str],
+    points: Array,
+    cells: Index,
+    sets: Iterable[tuple[str, str, Index]],
+    surfaces: Mapping[str, Index],
+    earlier: tuple[int, int] = (0, 0),
+) -> Iterator[str]:
+    """Yield the lines of an input file with the nodes, elements, sets and surfaces of a mesh.
 
-    ``nodes``, ``cells``: numbers of nodes and elements of the bodies before it in the deck, after which the numbers of its
-    own nodes and elements follow.
+    Parameters
+    ----------
+    headers : tuple[str, str]
+        Lines before the nodes and before the elements, with keyword and parameters.
+    points : (n, 3) Array
+        Coordinates of the nodes in the unit of the file.
+    cells : (m, nodes) Index
+        Nodes of the elements, in Abaqus' order.
+    sets : Iterable[tuple[str, str, Index]]
+        Keyword (NSET or ELSET), name, and nodes or elements of each set.
+    surfaces : dict of (k, 3 or 4) Index
+        Corners of the faces of each surface, by the surface's name.
+    earlier : tuple[int, int], default (0, 0)
+        Numbers of nodes and elements before this mesh in the file.
     """
-    yield f"*NODE, NSET={body.name}_ALL"
-    for k, x in enumerate((body.points / units.length).tolist(), start=nodes + 1):
-        yield f"{k}, {number_text(x[0])}, {number_text(x[1])}, {number_text(x[2])}"
-    yield f"*ELEMENT, TYPE=C3D10, ELSET={body.name}"
-    for k, row in enumerate((body.cells[:, C3D10] + nodes + 1).tolist(), start=cells + 1):
+    nodes, elements = earlier
+    yield headers[0]
+    for k, (x, y, z) in enumerate(points.tolist(), start=nodes + 1):
+        yield f"{k}, {number_text(x)}, {number_text(y)}, {number_text(z)}"
+    yield headers[1]
+    for k, row in enumerate((cells + nodes + 1).tolist(), start=elements + 1):
         yield from comma_separated_lines([k, *row])
-    for name, members in body.node_sets.items():
-        yield f"*NSET, NSET={name}"
-        yield from set_entry_lines((members + nodes + 1).tolist())
-    for name, corners in body.face_sets.items():
+    for keyword, name, members in sets:
+        yield f"*{keyword}, {keyword}={name}"
+        first = 1 + (nodes if keyword == "NSET" else elements)
+        yield from (line.removesuffix(",") for line in comma_separated_lines((members + first).tolist()))
+    for name, corners in surfaces.items():
         yield f"*SURFACE, NAME={name}, TYPE=ELEMENT"
-        yield from (
-            f"{cell + cells + 1}, S{face}" for cell, face in cells_and_numbers_of_faces(body.cells, corners).tolist()
-        )
+        for cell, face in cells_and_numbers_of_faces(cells, corners).tolist():
+            yield f"{elements + cell + 1}, S{face}"
 
 
 def _section_lines(

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.meshes.arrays import Array, Index
-from rollbench.meshes.exchange.deck import cells_and_numbers_of_faces, comma_separated_lines, number_text, set_entry_lines
+from rollbench.meshes.exchange.deck import mesh_lines
 from rollbench.meshes.files import temporary_path
 from rollbench.meshes.libraries import pip_command
 
@@ -179,10 +179,8 @@ def write_mesh(
         if len(values) != len(points):
             raise ValueError(f"field {name!r} has {len(values)} values, expected {len(points)}, one for each node")
     cell, order = VTK[element_type_of_mesh(mesh)]
-    cells, faces = (
-        nodes_of_cells(mesh)[:, order],
-        {name: nodes_of_boundary_faces(mesh, name) for name in mesh.boundaries or {}},
-    )
+    cells = nodes_of_cells(mesh)[:, order]
+    faces = {name: nodes_of_boundary_faces(mesh, name) for name in mesh.boundaries or {}}
     marks = _fields_naming_boundaries(mesh, region) if file_format in ("vtu", "msh") else {}
     if loses_nodes_in_format(mesh, file_format):
         cell = "hexahedron20"
@@ -200,9 +198,8 @@ def write_mesh(
             import meshio
 
             plain = meshio.Mesh(points, [(cell, cells)], fields)
-            meshed = {"vtu": _meshio_mesh_for_vtu, "msh": _meshio_mesh_for_msh, "med": _meshio_mesh_for_med}[file_format](
-                plain, faces, region, marks
-            )
+            converters = {"vtu": _meshio_mesh_for_vtu, "msh": _meshio_mesh_for_msh, "med": _meshio_mesh_for_med}
+            meshed = converters[file_format](plain, faces, region, marks)
             meshio.write(fresh, meshed, file_format=_MESHIO[file_format])
         os.replace(fresh, path)
     finally:
@@ -333,11 +330,11 @@ def _assign_families(belongs: NDArray[np.bool_], names: Sequence[str]) -> tuple[
     """
     patterns, pattern_of = np.unique(belongs, axis=1, return_inverse=True)
     numbers = np.where(patterns.any(axis=0), 1 + np.arange(patterns.shape[1]), 0)
-    found = {
-        int(n): [name for name, inside in zip(names, p, strict=True) if inside]
-        for n, p in zip(numbers, patterns.T, strict=True)
-    }
-    return numbers[pattern_of.ravel()], {number: groups for number, groups in found.items() if number}
+    groups = {}
+    for number, pattern in zip(numbers.tolist(), patterns.T, strict=True):
+        if number:
+            groups[number] = [name for name, inside in zip(names, pattern, strict=True) if inside]
+    return numbers[pattern_of.ravel()], groups
 
 
 def _write_abaqus_input(
@@ -351,19 +348,11 @@ def _write_abaqus_input(
     ones. Numbers have at most the 20 characters that CalculiX reads, so that coordinates are rounded by about 1e-12 of
     the mesh's size.
     """
-    text = ["*HEADING", "rollbench; lengths in m", "*NODE, NSET=NALL"]
-    text += [
-        f"{k}, {number_text(x)}, {number_text(y)}, {number_text(z)}" for k, (x, y, z) in enumerate(points.tolist(), start=1)
-    ]
-    text.append(f"*ELEMENT, ELSET=EALL, TYPE={_ABAQUS[cell]}")
-    for k, row in enumerate((cells + 1).tolist(), start=1):
-        text += comma_separated_lines([k, *row])
-    sets = [("NSET", name, np.unique(members)) for name, members in faces.items()]
-    sets += [("ELSET", region, np.arange(len(cells)))] if region else []
-    for keyword, name, members in sets:
-        text += [f"*{keyword}, {keyword}={name.replace(' ', '_')}", *set_entry_lines((members + 1).tolist())]
-    for name, members in faces.items():
-        text.append(f"*SURFACE, NAME={name.replace(' ', '_')}, TYPE=ELEMENT")
-        corners = members[:, : 3 if cell.startswith("tetra") else 4]
-        text += [f"{k + 1}, S{face}" for k, face in cells_and_numbers_of_faces(cells, corners).tolist()]
+    named = {name.replace(" ", "_"): members for name, members in faces.items()}
+    sets = [("NSET", name, np.unique(members)) for name, members in named.items()]
+    sets += [("ELSET", region.replace(" ", "_"), np.arange(len(cells)))] if region else []
+    corners = 3 if cell.startswith("tetra") else 4
+    surfaces = {name: members[:, :corners] for name, members in named.items()}
+    headers = "*NODE, NSET=NALL", f"*ELEMENT, ELSET=EALL, TYPE={_ABAQUS[cell]}"
+    text = ["*HEADING", "rollbench; lengths in m", *mesh_lines(headers, points, cells, sets, surfaces)]
     path.write_text("\n".join(text) + "\n", encoding="ascii")

@@ -11,6 +11,7 @@ import os
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from itertools import pairwise
 from math import asin, pi
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -68,7 +69,9 @@ def write_step(path: Path, nuts_and_bearings: Sequence[PlacedNutOrBearing]) -> d
     with _new_gmsh_model() as gmsh:
         for scene, shift, ends in nuts_and_bearings:
             body = _add_grooved_ring if scene.track.lead == 0.0 else _add_tube_without_groove
-            for radius, centre in _ball_radii_and_centres(scene):
+            layout = ball_layout(scene)
+            radii = draw_geometry_with_errors(scene, layout).ball_radii.tolist()
+            for radius, centre in zip(radii, layout.centre, strict=True):
                 gmsh.model.occ.addSphere(*(MM * centre), MM * radius)
             body(gmsh, scene, ends, screw=True)
             body(gmsh, scene, _nut_face_positions(scene, shift), screw=False)
@@ -108,12 +111,6 @@ def _write_model(gmsh: Any, path: Path) -> None:
         os.close(kept)
 
 
-def _ball_radii_and_centres(scene: Scene) -> Iterator[tuple[float, Array]]:
-    """Yield the radius [m], with errors, and the centre ``(3,)`` [m] of each ball."""
-    layout = ball_layout(scene)
-    yield from zip(draw_geometry_with_errors(scene, layout).ball_radii.tolist(), layout.centre, strict=True)
-
-
 def _nut_face_positions(scene: Scene, shift: float) -> tuple[float, float]:
     """Return the axial positions of the two faces of the nut or outer ring [m].
 
@@ -150,38 +147,25 @@ def _add_grooved_ring(gmsh: Any, scene: Scene, ends: tuple[float, float], *, scr
 
     ``ends``: axial positions of its two faces [m]; ``screw``: whether to add the inner (True) or outer ring (False).
     """
-    occ, (land, wall), z = gmsh.model.occ, _land_and_back_radii(scene, screw=screw), scene.nut.position
-    left, right = (
-        _flank_section_coordinates(
-            scene, side, np.array([apex_section_angle(scene, side), land_section_angle(scene, side, land)])
-        )
-        for side in _flanks_of_body(screw)
-    )
-    R = scene.track.pitch_radius
+    occ, (land, wall), sides = gmsh.model.occ, _land_and_back_radii(scene, screw=screw), _flanks_of_body(screw)
+    R, z = scene.track.pitch_radius, scene.nut.position
 
     def add_point_in_section(radius: float, z: float) -> int:
         """Add a point in the plane y = 0 at a radius and an axial position [m], and return its number in gmsh."""
         return int(occ.addPoint(MM * radius, 0.0, MM * z))
 
-    corners = [
-        add_point_in_section(wall, ends[0]),
-        add_point_in_section(land, ends[0]),
-        add_point_in_section(R + left[1, 0], z + left[1, 1]),
-    ]
-    apex = add_point_in_section(R + left[0, 0], z + left[0, 1])
-    corners += [
-        apex,
-        add_point_in_section(R + right[1, 0], z + right[1, 1]),
-        add_point_in_section(land, ends[1]),
-        add_point_in_section(wall, ends[1]),
-    ]
-    middles = [
-        add_point_in_section(R + x, z + y)
-        for x, y in draw_geometry_with_errors(scene, ball_layout(scene)).groove_centres[0, list(_flanks_of_body(screw))]
-    ]
+    flanks = []
+    for side in sides:
+        angles = np.array([apex_section_angle(scene, side), land_section_angle(scene, side, land)])
+        flanks.append(_flank_section_coordinates(scene, side, angles) + np.array([R, z]))
+    (apex, left), (_, right) = flanks
+    outline = ((wall, ends[0]), (land, ends[0]), left, apex, right, (land, ends[1]), (wall, ends[1]))
+    corners = [add_point_in_section(*point) for point in outline]
+    centres = draw_geometry_with_errors(scene, ball_layout(scene)).groove_centres[0, list(sides)]
+    middles = [add_point_in_section(R + x, z + y) for x, y in centres]
     lines = [occ.addLine(corners[0], corners[1]), occ.addLine(corners[1], corners[2])]
-    lines += [occ.addCircleArc(corners[2], middles[0], apex), occ.addCircleArc(apex, middles[1], corners[4])]
-    lines += [occ.addLine(a, b) for a, b in ((corners[4], corners[5]), (corners[5], corners[6]), (corners[6], corners[0]))]
+    lines += [occ.addCircleArc(a, middle, b) for (a, b), middle in zip(pairwise(corners[2:5]), middles, strict=True)]
+    lines += [occ.addLine(a, b) for a, b in pairwise([*corners[4:], corners[0]])]
     section = occ.addPlaneSurface([occ.addCurveLoop(lines)])
     occ.revolve([(2, section)], 0, 0, 0, 0, 0, 1, 2.0 * pi)
 

@@ -17,23 +17,22 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 from skfem import Mesh
 
-from rollbench.meshes import groove as meshes_groove
-from rollbench.meshes import shell as meshes_shell
+from rollbench.meshes import groove, shell
 from rollbench.meshes.arrays import Array, Index
-from rollbench.meshes.ball_body import contact_frame_vectors, triangulate_sphere
-from rollbench.meshes.fem import MeshedBody, MeshQuality, improve_curved_cells, nodes_on_boundaries
+from rollbench.meshes.ball_body import add_equator, add_hemisphere, contact_frame_vectors, triangulate_sphere
+from rollbench.meshes.fem import MeshedBody, MeshQuality, nodes_on_boundaries
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.grooved_body import FLANK, GroovedBodySurface
 from rollbench.meshes.parts import SIDES
-from rollbench.meshes.sockets import RefinementBoxSize, points_in_refinement_box
+from rollbench.meshes.sockets import ContactPosition, RefinementBoxSize, points_in_refinement_box
 
 #: Azimuths [rad] of the two plane cut surfaces of half a bearing ring.
 CUT = (0.0, np.pi)
 
 
-def use_requested_element_sizes(shell: meshes_shell.ClosedSurfaceMesh) -> None:
+def use_requested_element_sizes(surface: shell.ClosedSurfaceMesh) -> None:
     """Make gmsh use the requested element sizes inside faces, instead of extending the sizes on a face's boundary."""
-    shell.gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 0)
+    surface.gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 0)
 
 
 class HalfRingSurface:
@@ -47,13 +46,13 @@ class HalfRingSurface:
     """
 
     def __init__(
-        self, shell: meshes_shell.ClosedSurfaceMesh, m: GrooveMap, spec: meshes_groove.GroovedBodySpec, share: float = 1.0
+        self, surface: shell.ClosedSurfaceMesh, m: GrooveMap, spec: groove.GroovedBodySpec, share: float = 1.0
     ) -> None:
         """Build the surface: divide the curves between the faces of the half ring into edges, and triangulate the faces.
 
         Parameters
         ----------
-        shell : ClosedSurfaceMesh
+        surface : ClosedSurfaceMesh
             Surface mesh to which the half ring is added.
         m : GrooveMap
             Groove surfaces of the track.
@@ -69,14 +68,12 @@ class HalfRingSurface:
         """
         if m.rg or spec.inner_radius <= 0.0 or m.has_single_arc:
             raise ValueError("only a bearing ring with a bore and a groove of two arcs can be cut in halves")
-        self.shell, self.groove, self.spec = shell, meshes_groove.GrooveCrossSection.from_body(m, spec), spec
-        use_requested_element_sizes(shell)
-        g, line, (low, high) = self.groove, m.z0, (spec.z_low, spec.z_high)
-        self.flank_limit = share * min(meshes_shell.BEND[0] * float(m.radius[g.sides[0]]), FLANK * spec.cell_size_far_away)
-        self.land_limit = share * meshes_shell.BEND[1] * g.land_radius
-        self.behind_limit = min(
-            share * meshes_shell.BEND[1] * g.back_radius, max(meshes_shell.WALL * g.wall_thickness, shell.fine)
-        )
+        self.surface, self.section, self.spec = surface, groove.GrooveCrossSection.from_body(m, spec), spec
+        use_requested_element_sizes(surface)
+        g, line, (low, high) = self.section, m.z0, (spec.z_low, spec.z_high)
+        self.flank_limit = share * min(shell.BEND[0] * float(m.radius[g.sides[0]]), FLANK * spec.cell_size_far_away)
+        self.land_limit = share * shell.BEND[1] * g.land_radius
+        self.behind_limit = min(share * shell.BEND[1] * g.back_radius, max(shell.WALL * g.wall_thickness, surface.fine))
         r, zeta = g.profile_points(g.sides[0], np.array([g.apex_angle]))
         corners = np.array(
             [
@@ -91,59 +88,35 @@ class HalfRingSurface:
         )
         limits = [self.behind_limit, self.behind_limit, *[self.land_limit] * 5]
         limits[3:6] = [min(self.land_limit, self.flank_limit)] * 3
-        nodes = [shell.add_nodes(meshes_groove.points_from_cylindrical(corners[:, 0], phi, corners[:, 1])) for phi in CUT]
+        nodes = [surface.add_nodes(groove.points_from_cylindrical(corners[:, 0], phi, corners[:, 1])) for phi in CUT]
         self.arcs = [
-            shell.add_divided_curve(
-                meshes_groove.circle_in_space(*corners[k]), *CUT, limits[k], (int(nodes[0][k]), int(nodes[1][k]))
-            )
+            surface.add_curve(groove.circle_in_space(*corners[k]), *CUT, limits[k], (int(nodes[0][k]), int(nodes[1][k])))
             for k in range(7)
         ]
         self.corners, self.line = corners, line
-        self.cuts = [
-            [self._divide_section_edge(k, phi, ends) for k in range(7)] for phi, ends in zip(CUT, nodes, strict=True)
-        ]
+        ends = zip(CUT, nodes, strict=True)
+        self.cuts = [[self._divide_section_edge(k, phi, corners) for k in range(7)] for phi, corners in ends]
         self._triangulate_faces()
 
-    def _divide_section_edge(self, k: int, phi: float, nodes: NDArray[np.int64]) -> meshes_shell.DividedCurve:
+    def _divide_section_edge(self, k: int, phi: float, nodes: NDArray[np.int64]) -> shell.DividedCurve:
         """Divide edge k of the ring's section, from corner k to the next, into mesh edges, at the azimuth ``phi`` [rad].
 
         ``k``: number of the edge, 0 to 6; ``nodes``: numbers of the nodes at the seven corners of this cross-section.
         """
-        ends = int(nodes[k]), int(nodes[(k + 1) % 7])
+        limit, span = (self.behind_limit if k == 0 else self.land_limit), (0.0, 1.0)
         if k in (3, 4):
-            begin, end = self._section_angle_range(k)
-            return self.shell.add_divided_curve(
-                lambda t: self._points_on_flank(k, t, phi), begin, end, self.flank_limit, ends
-            )
-        limit = self.behind_limit if k == 0 else self.land_limit
-
-        def edge_points_in_space(t: Array) -> Array:
-            r, z = self._straight_edge_coordinates(k, t)
-            return meshes_groove.points_from_cylindrical(r, phi, z)
-
-        return self.shell.add_divided_curve(edge_points_in_space, 0.0, 1.0, limit, ends)
+            limit, span = self.flank_limit, self._section_angle_range(k)
+        ends = int(nodes[k]), int(nodes[(k + 1) % 7])
+        return self.surface.add_curve(lambda t: self._points_on_edge(k, t, phi), *span, limit, ends)
 
     def _section_angle_range(self, k: int) -> tuple[float, float]:
         """Return the section angles [rad] at which edge ``k`` of the cross-section, a flank (3 or 4), begins and ends."""
-        g = self.groove
+        g = self.section
         return (g.edge_angle, g.apex_angle) if k == 3 else (g.apex_angle, g.edge_angle)
 
     def _flank_of_edge(self, k: int) -> int:
         """Return the number of the flank (0 to 3) that edge ``k`` (3 or 4) of the cross-section belongs to."""
-        return self.groove.sides[1 if k == 3 else 0]
-
-    def _points_on_flank(self, k: int, gamma: Array, phi: float | Array) -> Array:
-        """Return points ``(n, 3)`` [m] on a flank at section angles ``gamma`` and azimuths ``phi`` [rad]; ``k``: 3 or 4."""
-        r, zeta = self.groove.profile_points(self._flank_of_edge(k), gamma)
-        return meshes_groove.points_from_cylindrical(r, phi, self.line + zeta)
-
-    def _straight_edge_coordinates(self, k: int, t: Array) -> tuple[Array, Array]:
-        """Return radius and z of points on the straight edge k of the cross-section, two arrays ``(n,)`` [m].
-
-        ``t``: positions of the points along the edge, as fractions of its length ``(n,)``.
-        """
-        x = self.corners[k] + t[:, None] * (self.corners[(k + 1) % 7] - self.corners[k])
-        return x[:, 0], x[:, 1]
+        return self.section.sides[1 if k == 3 else 0]
 
     def _edge_coordinates(self, k: int, t: Array) -> Array:
         """Return radius and z ``(n, 2)`` [m] of points along edge k of the cross-section.
@@ -152,11 +125,16 @@ class HalfRingSurface:
         positions as fractions of its length ``(n,)``.
         """
         if k in (3, 4):
-            r, zeta = self.groove.profile_points(self._flank_of_edge(k), t)
+            r, zeta = self.section.profile_points(self._flank_of_edge(k), t)
             return np.stack([r, self.line + zeta], axis=1)
-        return np.stack(self._straight_edge_coordinates(k, t), axis=1)
+        return np.asarray(self.corners[k] + t[:, None] * (self.corners[(k + 1) % 7] - self.corners[k]))
 
-    def _sides_of_swept_face(self, k: int, begin: float, end: float) -> list[meshes_shell.Side]:
+    def _points_on_edge(self, k: int, t: Array, phi: float | Array) -> Array:
+        """Return points ``(n, 3)`` [m] on edge k, given by ``t`` as in `_edge_coordinates`, at azimuths ``phi`` [rad]."""
+        r, z = self._edge_coordinates(k, t).T
+        return groove.points_from_cylindrical(r, phi, z)
+
+    def _sides_of_swept_face(self, k: int, begin: float, end: float) -> list[shell.Side]:
         """Return the four boundary segments of the face that edge k of the cross-section generates about the axis.
 
         Plane coordinates of the face are the azimuth [rad] and a coordinate along the edge, which is ``begin`` at corner k
@@ -165,14 +143,14 @@ class HalfRingSurface:
 
         def plane_coordinates_of_edge(t: Array, phi: float) -> Array:
             place = begin + (end - begin) * t if k not in (3, 4) else t
-            return meshes_groove.line_along_second_axis(phi)(place)
+            return groove.line_along_second_axis(phi)(place)
 
         first, last = (cut[k] for cut in self.cuts)
         return [
-            self.arcs[k].as_side_of_face(meshes_groove.line_along_first_axis(begin)),
-            last.as_side_of_face(lambda t: plane_coordinates_of_edge(t, CUT[1])),
-            self.arcs[(k + 1) % 7].as_reversed_side_of_face(meshes_groove.line_along_first_axis(end)),
-            first.as_reversed_side_of_face(lambda t: plane_coordinates_of_edge(t, CUT[0])),
+            self.arcs[k].side(groove.line_along_first_axis(begin)),
+            last.side(lambda t: plane_coordinates_of_edge(t, CUT[1])),
+            self.arcs[(k + 1) % 7].reversed_side(groove.line_along_first_axis(end)),
+            first.reversed_side(lambda t: plane_coordinates_of_edge(t, CUT[0])),
         ]
 
     def _triangulate_faces(self) -> None:
@@ -181,10 +159,10 @@ class HalfRingSurface:
         for k, name in ((0, "bore" if outer else "outside"), (2, "land"), (5, "land")):
             r, begin, end = self.corners[k, 0], self.corners[k, 1], self.corners[(k + 1) % 7, 1]
             limit = self.behind_limit if k == 0 else self.land_limit
-            self._triangulate_swept_face(name, k, (begin, end), np.array([r, 1.0]), _cylinder_point_map(r), limit)
+            self._triangulate_swept_face(name, k, (begin, end), np.array([r, 1.0]), groove.cylinder_point_map(r), limit)
         for k in (3, 4):
             side = self._flank_of_edge(k)
-            scale = np.array([self.corners[4, 0], float(self.groove.groove_map.radius[side])])
+            scale = np.array([self.corners[4, 0], float(self.section.groove_map.radius[side])])
             self._triangulate_swept_face(
                 f"flank {SIDES[side]}",
                 k,
@@ -196,35 +174,33 @@ class HalfRingSurface:
         for k, name in ((1, "high end"), (6, "low end")):
             self._triangulate_end_face(name, k)
         for phi, cut in zip(CUT, self.cuts, strict=True):
-            loop = [cut[k].as_side_of_face(partial(self._edge_coordinates, k)) for k in range(7)]
-            self.shell.add_face("cut", [loop], _axial_plane_point_map(phi), np.inf)
+            loop = [cut[k].side(partial(self._edge_coordinates, k)) for k in range(7)]
+            self.surface.add_face("cut", [loop], _axial_plane_point_map(phi), np.inf)
 
-    def _flank_point_map(self, k: int, scale: Array) -> meshes_shell.Placing:
+    def _flank_point_map(self, k: int, scale: Array) -> shell.Placing:
         """Return the function that maps plane coordinates of the flank of edge k to points ``(n, 3)`` [m].
 
         The plane coordinates are (azimuth, section angle), multiplied by the lengths ``scale`` [m].
         """
-        return lambda x: self._points_on_flank(k, x[:, 1] / scale[1], x[:, 0] / scale[0])
+        return lambda x: self._points_on_edge(k, x[:, 1] / scale[1], x[:, 0] / scale[0])
 
     def _triangulate_end_face(self, name: str, k: int) -> None:
         """Triangulate the flat end face that edge ``k`` (1 or 6) of the cross-section generates; ``name``: its boundary."""
         first, last = (cut[k] for cut in self.cuts)
 
-        def cut_line_of_end_face(sign: float) -> meshes_shell.Placing:
-            return lambda t: np.stack([sign * self._straight_edge_coordinates(k, t)[0], np.zeros(t.size)], axis=1)
+        def cut_line_of_end_face(sign: float) -> shell.Placing:
+            return lambda t: np.stack([sign * self._edge_coordinates(k, t)[:, 0], np.zeros(t.size)], axis=1)
 
         loop = [
-            self.arcs[k].as_side_of_face(meshes_groove.circle_in_plane(float(self.corners[k, 0]))),
-            last.as_side_of_face(cut_line_of_end_face(-1.0)),
-            self.arcs[(k + 1) % 7].as_reversed_side_of_face(
-                meshes_groove.circle_in_plane(float(self.corners[(k + 1) % 7, 0]))
-            ),
-            first.as_reversed_side_of_face(cut_line_of_end_face(1.0)),
+            self.arcs[k].side(groove.circle_in_plane(float(self.corners[k, 0]))),
+            last.side(cut_line_of_end_face(-1.0)),
+            self.arcs[(k + 1) % 7].reversed_side(groove.circle_in_plane(float(self.corners[(k + 1) % 7, 0]))),
+            first.reversed_side(cut_line_of_end_face(1.0)),
         ]
-        self.shell.add_face(name, [loop], meshes_groove.point_map_at_z(float(self.corners[k, 1])), np.inf)
+        self.surface.add_face(name, [loop], groove.point_map_at_z(float(self.corners[k, 1])), np.inf)
 
     def _triangulate_swept_face(
-        self, name: str, k: int, ends: tuple[float, float], scale: Array, space: meshes_shell.Placing, limit: float
+        self, name: str, k: int, ends: tuple[float, float], scale: Array, space: shell.Placing, limit: float
     ) -> None:
         """Triangulate the curved face that edge k of the cross-section generates about the axis.
 
@@ -233,50 +209,35 @@ class HalfRingSurface:
         function that maps these lengths ``(n, 2)`` to points ``(n, 3)`` [m]; ``limit``: length of the longest edge [m].
         """
         loop = [(n, x * scale) for n, x in self._sides_of_swept_face(k, *ends)]
-        self.shell.add_face(name, [loop], space, limit)
+        self.surface.add_face(name, [loop], space, limit)
 
 
-def _cylinder_point_map(r: float) -> meshes_shell.Placing:
-    """Return the function that maps plane coordinates (arc length, z) [m] to points on the cylinder of radius ``r`` [m]."""
-    return lambda x: meshes_groove.points_from_cylindrical(r, x[:, 0] / r, x[:, 1])
-
-
-def _axial_plane_point_map(phi: float) -> meshes_shell.Placing:
+def _axial_plane_point_map(phi: float) -> shell.Placing:
     """Return the function that maps (radius, z) [m] to points in the axial plane at the azimuth ``phi`` [rad]."""
-    return lambda x: meshes_groove.points_from_cylindrical(x[:, 0], phi, x[:, 1])
+    return lambda x: groove.points_from_cylindrical(x[:, 0], phi, x[:, 1])
 
 
-def triangulate_half_sphere(radius: float, shell: meshes_shell.ClosedSurfaceMesh, edge_factor: float, sign: float) -> None:
+def triangulate_half_sphere(radius: float, surface: shell.ClosedSurfaceMesh, edge_factor: float, sign: float) -> None:
     """Triangulate the surface of half a ball about the origin, cut at the plane y = 0: boundaries "sphere" and "cut".
 
     Parameters
     ----------
     radius : float
         Radius of the ball [m].
-    shell : ClosedSurfaceMesh
+    surface : ClosedSurfaceMesh
         Surface mesh to which the faces are added.
     edge_factor : float
         Factor on the default length of the longest edge.
     sign : float
         1 for the half at y >= 0, -1 for the half at y <= 0.
     """
-    use_requested_element_sizes(shell)
-    limit = edge_factor * meshes_shell.BEND[1] * radius
-    middle, pole = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]), np.array([0.0, -sign, 0.0])
-    equator = shell.add_divided_curve(
-        lambda t: radius * (np.stack([np.cos(t), np.sin(t)], axis=1) @ middle), 0.0, 2.0 * np.pi, limit
-    )
-
-    def plane_to_sphere(at: Array) -> Array:
-        square = np.sum((at / radius) ** 2, axis=1)[:, None]
-        return np.asarray((radius * (square - 1.0) * pole + 2.0 * at @ middle) / (square + 1.0))
-
-    def length_ratio_plane_to_sphere(at: Array) -> Array:
-        return np.asarray(0.5 * (1.0 + np.sum((at / radius) ** 2, axis=1)))
-
-    rim = [[(equator.nodes, shell.points[equator.nodes] @ middle.T)]]  # the projection keeps the equator
-    shell.add_face("sphere", rim, plane_to_sphere, limit, length_ratio_plane_to_sphere)
-    shell.add_face("cut", rim, lambda at: at @ middle, np.inf)
+    use_requested_element_sizes(surface)
+    limit = edge_factor * shell.BEND[1] * radius
+    axes, pole = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]), np.array([0.0, -sign, 0.0])
+    nodes = add_equator(surface, radius, axes, limit).nodes
+    rim: list[list[shell.Side]] = [[(nodes, surface.points[nodes] @ axes.T)]]  # the projection keeps the equator
+    add_hemisphere(surface, radius, axes, pole, rim, limit)
+    surface.add_face("cut", rim, lambda at: at @ axes, np.inf)
 
 
 @dataclass(frozen=True)
@@ -292,7 +253,7 @@ class ElementSizesNearPoints:
     #: Largest edge length [m].
     largest_edge_length: float
 
-    def edge_length_function(self, share: float = 1.0) -> meshes_shell.Placing:
+    def edge_length_function(self, share: float = 1.0) -> shell.Placing:
         """Return the function for the edge lengths ``(n,)`` [m] at points ``(n, 3)`` [m], multiplied by ``share``."""
         tree = cKDTree(self.fine_points)
         return lambda x: (
@@ -335,23 +296,18 @@ def grid_points_in_ellipse(semi_axes: tuple[float, float], step: float) -> Array
     x, y = np.meshgrid(*(np.linspace(-1.0, 1.0, 2 * n + 1) for n in counts), indexing="ij")
     inside = x**2 + y**2 <= 1.0
     turn = np.linspace(0.0, 2.0 * np.pi, 8 * max(counts), endpoint=False)
-    return np.stack(
-        [
-            semi_axes[0] * np.concatenate([x[inside], np.cos(turn)]),
-            semi_axes[1] * np.concatenate([y[inside], np.sin(turn)]),
-        ],
-        axis=1,
-    )
+    x, y = np.concatenate([x[inside], np.cos(turn)]), np.concatenate([y[inside], np.sin(turn)])
+    return np.stack([semi_axes[0] * x, semi_axes[1] * y], axis=1)
 
 
-def points_on_groove(m: GrooveMap, ball_position: tuple[float, float, int], distances: Array) -> Array:
+def points_on_groove(m: GrooveMap, ball_position: ContactPosition, distances: Array) -> Array:
     """Return the points on a groove's surface that lie at given distances from the nominal contact point with a ball.
 
     Parameters
     ----------
     m : GrooveMap
         Groove surfaces of the track.
-    ball_position : tuple[float, float, int]
+    ball_position : ContactPosition
         Azimuth [rad] and axial position [m] of the ball; and the flank: 0 and 1 are left and right on the screw, 2 and 3 on
         the nut.
     distances : (k, 2) Array
@@ -413,9 +369,7 @@ def move_to_ball_position(m: GrooveMap, ball_position: tuple[float, float], poin
     return np.asarray(out @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]) + np.array([0.0, 0.0, ball_position[1]]))
 
 
-def mesh_whole_body(
-    m: GrooveMap, spec: meshes_groove.GroovedBodySpec, refinement: ElementSizesNearPoints
-) -> ExportedBodyMesh:
+def mesh_whole_body(m: GrooveMap, spec: groove.GroovedBodySpec, refinement: ElementSizesNearPoints) -> ExportedBodyMesh:
     """Mesh a whole screw, nut or ring for another FE program; its boundaries have the names of `meshes.grooved_body`.
 
     Parameters
@@ -438,9 +392,12 @@ def mesh_whole_body(
     ValueError
         The groove leaves no land or wall, or no attempt of gmsh gives a good mesh.
     """
-    plain, groove = replace(spec, contact_positions=()), meshes_groove.GrooveCrossSection.from_body(m, spec)
-    name = "screw" if spec.groove_outside else "nut"
-    return _mesh_inside_surface(name, lambda shell, share: GroovedBodySurface(shell, m, plain, share, groove), refinement)
+    plain, section = replace(spec, contact_positions=()), groove.GrooveCrossSection.from_body(m, spec)
+
+    def triangulate(surface: shell.ClosedSurfaceMesh, share: float) -> GroovedBodySurface:
+        return GroovedBodySurface(surface, plain, section, share)
+
+    return _mesh_inside_surface(spec.part_name, triangulate, refinement)
 
 
 def mesh_whole_ball(m: GrooveMap, radius: float, refinement: ElementSizesNearPoints) -> ExportedBodyMesh:
@@ -466,12 +423,10 @@ def mesh_whole_ball(m: GrooveMap, radius: float, refinement: ElementSizesNearPoi
         No attempt of gmsh gives a good mesh.
     """
     ball_map = replace(m, ball=radius)
-    return _mesh_inside_surface("ball", lambda shell, share: triangulate_sphere(ball_map, shell, [], share), refinement)
+    return _mesh_inside_surface("ball", lambda surface, share: triangulate_sphere(ball_map, surface, [], share), refinement)
 
 
-def mesh_half_ring(
-    m: GrooveMap, spec: meshes_groove.GroovedBodySpec, refinement: ElementSizesNearPoints
-) -> ExportedBodyMesh:
+def mesh_half_ring(m: GrooveMap, spec: groove.GroovedBodySpec, refinement: ElementSizesNearPoints) -> ExportedBodyMesh:
     """Mesh the half of a bearing ring at y >= 0 for another FE program; the plane y = 0 is its boundary "cut".
 
     Parameters
@@ -494,7 +449,7 @@ def mesh_half_ring(
         As for `mesh_whole_body`; and where the body is a screw or nut, or a ring without bore.
     """
     name = "inner ring" if spec.groove_outside else "outer ring"
-    return _mesh_inside_surface(name, lambda shell, share: HalfRingSurface(shell, m, spec, share), refinement)
+    return _mesh_inside_surface(name, lambda surface, share: HalfRingSurface(surface, m, spec, share), refinement)
 
 
 def mesh_half_ball(radius: float, refinement: ElementSizesNearPoints, sign: float) -> ExportedBodyMesh:
@@ -519,30 +474,25 @@ def mesh_half_ball(radius: float, refinement: ElementSizesNearPoints, sign: floa
     ValueError
         No attempt of gmsh gives a good mesh.
     """
-    return _mesh_inside_surface(
-        "ball", lambda shell, share: triangulate_half_sphere(radius, shell, share, sign), refinement
-    )
+    triangulate = partial(triangulate_half_sphere, radius, sign=sign)
+    return _mesh_inside_surface("ball", triangulate, refinement)
 
 
 def _mesh_inside_surface(
-    name: str, surface: Callable[[meshes_shell.ClosedSurfaceMesh, float], object], refinement: ElementSizesNearPoints
+    name: str, triangulate: Callable[[shell.ClosedSurfaceMesh, float], object], refinement: ElementSizesNearPoints
 ) -> ExportedBodyMesh:
     """Mesh the body inside a closed surface for another FE program; edges that would invert cells are straightened.
 
-    ``name``: name of the body, for messages; ``surface``: function that triangulates the surface in a `ClosedSurfaceMesh`,
-    with a factor on the element sizes; ``refinement``: element sizes.
+    ``name``: name of the body, for messages; ``triangulate``: function that triangulates the surface in a
+    `ClosedSurfaceMesh`, with a factor on the element sizes; ``refinement``: element sizes.
     """
 
     def mesh_once(gmsh: Any, plane: int, volume: int, share: float) -> tuple[ExportedBodyMesh, float]:
-        shell = meshes_shell.ClosedSurfaceMesh(
-            gmsh, refinement.edge_length_function(share), share * refinement.edge_length_at_points, plane
-        )
-        surface(shell, share)
-        filled = meshes_shell.mesh_inside_closed_surface(shell, volume)
-        free = np.zeros(0, dtype=np.int64)
-        mesh, moved, quality = improve_curved_cells(
-            filled.with_named_boundaries(shell), name, filled.nodes_of_triangles(shell.triangles_on_boundary()), free
-        )
-        return ExportedBodyMesh(mesh, quality), moved + max(0.0, meshes_shell.POOREST - quality.smallest_jacobian)
+        edge_length, smallest = refinement.edge_length_function(share), share * refinement.edge_length_at_points
+        surface = shell.ClosedSurfaceMesh(gmsh, edge_length, smallest, plane)
+        triangulate(surface, share)
+        filled = shell.mesh_inside_closed_surface(surface, volume)
+        mesh, moved, quality = filled.improved_mesh(surface, name, np.zeros(0, dtype=np.int64))
+        return ExportedBodyMesh(mesh, quality), moved + max(0.0, shell.POOREST - quality.smallest_jacobian)
 
-    return meshes_shell.best_mesh_of_attempts(name, mesh_once)
+    return shell.best_mesh_of_attempts(name, mesh_once)

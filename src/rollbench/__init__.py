@@ -111,12 +111,10 @@ def __getattr__(name: str) -> object:
     if name == "compare":
         return import_module("rollbench.compare")
     if name in _FORMER:
-        warn(
-            f"rollbench.{name} will be removed in the next version: use its new name rollbench.{_FORMER[name]}",
-            DeprecationWarning,
-            2,
-        )
-        name = _FORMER[name]
+        present = _FORMER[name]
+        text = f"rollbench.{name} will be removed in the next version: use its new name rollbench.{present}"
+        warn(text, DeprecationWarning, 2)
+        name = present
     if name not in __all__:
         raise AttributeError(f"module 'rollbench' has no attribute {name!r}")
     found: object = getattr(import_module(_ELSEWHERE.get(name, "rollbench.compare.api")), name)

@@ -82,9 +82,8 @@ class RollbenchFixture:
             )
             name = str(scene)
             path = name if name in catalogue.scene_names() else str(self.root / scene)
-            verdicts = check_scenes(
-                [catalogue.scene(path)], request, ComputingSettings(cache_folder=default_cache_folder()), lambda _: None
-            )
+            engine = ComputingSettings(cache_folder=default_cache_folder())
+            verdicts = check_scenes([catalogue.scene(path)], request, engine, lambda _: None)
         except InputError as error:
             pytest.fail(str(error), pytrace=False)
         bad = [v.line() for v in verdicts if v.word != "pass"]

@@ -8,7 +8,7 @@ from itertools import count
 
 import pytest
 
-from rollbench.compare.cases.lin.evidence.source_cases import screw_pair_with_inferred_oversize
+from rollbench.compare.cases.lin.evidence.source_cases import oversized_pair
 from rollbench.compare.cases.liu import evidence as liu
 from rollbench.compare.models.registry import ModelOptions, run_model
 from rollbench.compare.models.study import with_ball_count
@@ -35,7 +35,7 @@ from rollbench.meshes.cache import without_geometry_cache
 from rollbench.meshes.parts import Friction
 
 CASE, PAIR = catalogue.scene("lin-case1"), catalogue.shipped_scene("double-nut")
-SCREW_PAIR, RANDOM = screw_pair_with_inferred_oversize(), catalogue.scene("lin-random")
+SCREW_PAIR, RANDOM = oversized_pair(), catalogue.scene("lin-random")
 COMPILED = ModelOptions(engine="compiled", estimate_beam_mesh_error=False)
 SOLVES = {
     "lin": lambda: solve_static(CASE, engine="compiled"),
@@ -117,5 +117,5 @@ def test_rolling_contact_in_3d(benchmark, name):
 
 
 def test_screws_with_random_errors(benchmark):
-    chain = liu.calibrated_axial_model("constant")
+    chain = liu.calibrated_model("constant")
     assert not timed(benchmark, lambda: solve_ensemble(chain, 2e-6, [1000.0], 2000)).failed

@@ -144,7 +144,7 @@ def verdicts():
         values = verdict.screw_values_by_model(scene, answer, limits.limits_by_quantity)
         out += verdict.judge_contact_loads("lin", answer.load, found, limits)
         out += verdict.judge_contact_quantities("lin", quantities, scene, found, limits)
-        out += [verdict.judge_given_value("lin", value, scene, found, limits) for value in values]
+        out += [verdict.judge_value("lin", value, scene, found, limits) for value in values]
     return {"records": out, "json": [one.as_json() for one in out]}
 
 

@@ -116,7 +116,7 @@ def on_springs(parts, result, loads):
     for b, solved_set in zip(system.ball_sets, result.sets, strict=True):
         at = 6 * b.problem.first_nodes[0, 0 if b.problem.used_flanks[0] else 1]
         reach = np.eye(6)
-        z = s.nodes[at // 6] - b.rolling_set.position
+        z = s.nodes[at // 6] - b.of.position
         reach[0, 4], reach[1, 3] = -z, z
         K[at : at + 6, at : at + 6] += reach.T @ solved_set.stiffness @ reach
     free = ~s.fixed[:n].ravel()

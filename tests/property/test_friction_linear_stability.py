@@ -10,7 +10,7 @@ from rollbench.compare.cases.lin.evidence import source_cases
 from rollbench.lowfi.friction.linear import bearing as linear_bearing
 from rollbench.lowfi.friction.linear.chain import LinearChainSolution, prepare_linear_chain, solve_linear_chain
 
-BEARING = source_cases.linear_ball_pair_scene().bearing
+BEARING = source_cases.linear_pair_scene().bearing
 MU = (0.001, 0.1, 0.5)
 
 

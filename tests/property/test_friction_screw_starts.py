@@ -10,7 +10,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from rollbench.compare.cases.lin.evidence.source_cases import groove_of_table_3_6, screw_pair_as_printed
+from rollbench.compare.cases.lin.evidence.source_cases import pair_as_printed, screw_groove
 from rollbench.lowfi.friction.screw.chain import IterationStart
 from rollbench.lowfi.friction.screw.run import Pair, ScrewPairSolution, solve_pair_of_screw_balls
 
@@ -37,7 +37,7 @@ def random_guess(pair: Pair, found: ScrewPairSolution, rng: np.random.Generator)
 def test_random_starts_give_the_same_coupled_state(mu: float, coupling: str) -> None:
     """All contact forces and the ball-to-ball force within 1e-6 of the friction bound of a ball."""
     rng = np.random.default_rng(int(1000 * mu))
-    printed = replace(screw_pair_as_printed(np.radians(2.0)), groove=groove_of_table_3_6(mu=mu), coupling=coupling)
+    printed = replace(pair_as_printed(np.radians(2.0)), groove=screw_groove(mu=mu), coupling=coupling)
     for force, oversize in STATES:
         pair = replace(printed, oversize=oversize, force=(force,))
         found = solve_pair_of_screw_balls(pair)

@@ -46,7 +46,7 @@ from rollbench.meshes.units import parse_quantity
 PREFIX = "external-"
 
 
-def read_external_inputs() -> dict[str, Any]:
+def external_inputs() -> dict[str, Any]:
     """Read the inputs of all external cases from ``cases.toml``, by name of the case.
 
     An external case is a result that another program, a maker's catalogue or a textbook publishes. Quantities with units
@@ -55,13 +55,13 @@ def read_external_inputs() -> dict[str, Any]:
     return files.read_shipped_toml("cases/external/cases.toml")
 
 
-def read_external_input(case: str, key: str, quantity: str) -> float:
+def external_input(case: str, key: str, quantity: str) -> float:
     """Read one input of a case from another program, a maker or a textbook, and convert it to SI units.
 
     ``case``: name of the case; ``key``: name of the input; ``quantity``: kind of quantity, such as "force" or "length".
     Raises KeyError for an unknown case or key.
     """
-    return parse_quantity(read_external_inputs()[case][key], quantity)
+    return parse_quantity(external_inputs()[case][key], quantity)
 
 
 def assumptions_by_external_case() -> dict[str, tuple[str, ...]]:
@@ -69,7 +69,7 @@ def assumptions_by_external_case() -> dict[str, tuple[str, ...]]:
 
     An external case is a result that another program, a maker's catalogue or a textbook publishes.
     """
-    return {name: tuple(table["assumed"]) for name, table in read_external_inputs().items() if "assumed" in table}
+    return {name: tuple(table["assumed"]) for name, table in external_inputs().items() if "assumed" in table}
 
 
 def shipped_shaft_scene(name: str) -> Assembly:
@@ -126,7 +126,7 @@ def deep_groove_bearing(findings: ComputedEntryValues, cache: SceneResultCache) 
     The rings are rigid, and the inner ring moves along each load only. Lives refer to the load rating that MASTA was given.
     ``findings``: receives the computed value to compare with each published number; ``cache``: gives the solved scenes.
     """
-    rated = read_external_input("masta", "rating", "force")
+    rated = external_input("masta", "rating", "force")
     for key, name, freedom, unit in (
         ("radial", "masta-radial", "ux", 1e6),
         ("axial", "masta-axial", "uz", 1e6),
@@ -148,10 +148,8 @@ def bearing_218(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     """
     result, ring = solve_shaft_and_bearing_row(cache, "harris-218")
     assert ring.balls is not None
-    angle, moved = (
-        float(np.degrees(ring.balls.contact_angle[0, 0])),
-        1e6 * _shaft_displacement_at(result, ring.of.position, "uz"),
-    )
+    angle = float(np.degrees(ring.balls.contact_angle[0, 0]))
+    moved = 1e6 * _shaft_displacement_at(result, ring.of.position, "uz")
     findings.add_number("angle", angle)
     findings.add_number("angle_quoted", angle)
     findings.add_number("displacement", moved)
@@ -186,14 +184,10 @@ def _bearing_of_catalogue_row(case: str, row: Sequence[float], conformity: float
     [mm] and number of balls; ``conformity``: groove radius over ball diameter.
     """
     d_m, d_w, balls = row[:3]
-    angle, young = (
-        read_external_input(case, "contact_angle", "angle"),
-        read_external_input(case, "youngs_modulus", "pressure"),
-    )
-    poisson = float(read_external_inputs()[case]["poissons_ratio"])
-    return angular_contact.bearing_with_contact_angle(
-        int(balls), 1e-3 * d_w, 1e-3 * d_m, (conformity, conformity), angle, young, poisson
-    )
+    angle, young = (external_input(case, "contact_angle", "angle"), external_input(case, "youngs_modulus", "pressure"))
+    poisson = float(external_inputs()[case]["poissons_ratio"])
+    grooves = conformity, conformity
+    return angular_contact.bearing_with_contact_angle(int(balls), 1e-3 * d_w, 1e-3 * d_m, grooves, angle, young, poisson)
 
 
 def _preloaded_bearing_pair(bearing: angular_contact.BallBearing, preload: float) -> axis.BearingRows:
@@ -208,7 +202,7 @@ def gmn_pair_rigidity(name: str, preload_class: str, conformity: float) -> float
     ``name``: size of the bearing; ``preload_class``: preload class "light", "medium" or "strong"; ``conformity``: groove
     radius over ball diameter.
     """
-    row = read_external_inputs()["gmn"]["rows"][name]
+    row = external_inputs()["gmn"]["rows"][name]
     one = angular_contact.BallBearingRow(_bearing_of_catalogue_row("gmn", row, conformity))
     return 2e-6 * one.stiffness(one.deflection(float(row[3 + CLASSES.index(preload_class)])))
 
@@ -220,7 +214,7 @@ def gmn_rigidity_growth_over_printed(conformity: float) -> np.ndarray[tuple[int,
     radius over ball diameter.
     """
     out = []
-    for name in read_external_inputs()["gmn"]["rows"]:
+    for name in external_inputs()["gmn"]["rows"]:
         printed = [printed_entry("external-gmn", f"{name}_{which}").value or np.nan for which in ("light", "strong")]
         ours = [gmn_pair_rigidity(name, which, conformity) for which in ("light", "strong")]
         out.append(ours[1] / ours[0] * printed[0] / printed[1])
@@ -233,8 +227,8 @@ def gmn_rigidities(findings: ComputedEntryValues, cache: SceneResultCache) -> No
     ``findings``: receives the computed rigidity to compare with each printed one, and whether the claim on their growth
     with preload holds. ``cache``: not used here.
     """
-    inferred = float(read_external_inputs()["gmn"]["conformity"])
-    for name in read_external_inputs()["gmn"]["rows"]:
+    inferred = float(external_inputs()["gmn"]["conformity"])
+    for name in external_inputs()["gmn"]["rows"]:
         for which in CLASSES:
             findings.add_number(f"{name}_{which}", gmn_pair_rigidity(name, which, inferred))
     middle = {c: float(np.median(gmn_rigidity_growth_over_printed(c))) for c in (*ANY, inferred)}
@@ -247,12 +241,9 @@ def gmn_rigidity_rms_error_percent() -> float:
 
     Only printed values of class "band" count, whose agreement is judged within a stated tolerance band.
     """
-    inferred = float(read_external_inputs()["gmn"]["conformity"])
-    rows = [
-        (r.key.rsplit("_", 1), r.value)
-        for r in load_printed_table("external-gmn")
-        if r.entry_class == "band" and r.value is not None
-    ]
+    inferred = float(external_inputs()["gmn"]["conformity"])
+    banded = [r for r in load_printed_table("external-gmn") if r.entry_class == "band"]
+    rows = [(r.key.rsplit("_", 1), r.value) for r in banded if r.value is not None]
     off = [float(error_percent(gmn_pair_rigidity(name, which, inferred), value)) for (name, which), value in rows]
     return float(np.sqrt(np.mean(np.square(off))))
 
@@ -264,16 +255,15 @@ def snfa_rigidities(findings: ComputedEntryValues, cache: SceneResultCache) -> N
     the contact angles change under load. ``findings``: receives both values to compare with each printed number. ``cache``:
     not used here.
     """
-    case = read_external_inputs()["snfa"]
-    row = [1e3 * read_external_input("snfa", k, "length") for k in ("pitch_diameter", "ball_diameter")]
+    case = external_inputs()["snfa"]
+    row = [1e3 * external_input("snfa", k, "length") for k in ("pitch_diameter", "ball_diameter")]
     bearing = _bearing_of_catalogue_row("snfa", [*row, case["balls"]], float(case["conformity"]))
     loads = [parse_quantity(text, "force") for text in case["preloads"]]
     right = [1e-6 * axis.solve_bearing_row_equilibrium(_preloaded_bearing_pair(bearing, p)).stiffness for p in loads]
     still = [1e-6 * pair_rigidity_at_constant_angle(bearing, p) for p in loads]
     for name, value, at in zip(("light", "medium", "heavy"), right, still, strict=True):
-        findings.add_number(
-            f"rigidity_{name}", value, f"{at:.1f} N/um at a constant angle, conformity {case['conformity']:g}"
-        )
+        words = f"{at:.1f} N/um at a constant angle, conformity {case['conformity']:g}"
+        findings.add_number(f"rigidity_{name}", value, words)
     growth = right[-1] / right[0]
     words = f"{growth / (still[-1] / still[0]):.2f} times that at a constant angle: a bearing that may turn stiffens faster"
     findings.add_number("growth", growth, words, as_printed=still[-1] / still[0])
@@ -314,7 +304,7 @@ def mean_speed_of_duty_cycle(case: str) -> float:
 
     ``case``: name of the example in ``cases.toml``.
     """
-    given = read_external_inputs()[case]
+    given = external_inputs()[case]
     phases = zip(given["speeds"], given["time"], strict=True)
     cases = [f'[[cases]]\nname = "p{k}"\nspeed = "{n} rpm"\ntime = "{t} s"\n' for k, (n, t) in enumerate(phases)]
     cycle = scene_file.parse_scene("\n".join([catalogue.shipped_scene_text(SCENE), *cases]), SCENE)
@@ -328,11 +318,10 @@ def equivalent_force_of_duty_cycle(case: str) -> float:
 
     ``case``: name of the example in ``cases.toml``.
     """
-    given = read_external_inputs()[case]
+    given = external_inputs()[case]
     turned = np.array(given["speeds"], dtype=float) * np.array(given["time"], dtype=float)
-    return float(given.get("factor", 1.0)) * life.cubic_mean_force(
-        turned / turned.sum(), np.array(given["forces"], dtype=float)
-    )
+    forces = np.array(given["forces"], dtype=float)
+    return float(given.get("factor", 1.0)) * life.cubic_mean_force(turned / turned.sum(), forces)
 
 
 def equivalent_loads(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
@@ -363,9 +352,8 @@ def equivalent_loads(findings: ComputedEntryValues, cache: SceneResultCache) -> 
     words = f"{found.revolutions:.4g} 10^6 revolutions, of {lives[0]:.4g} and {lives[1]:.4g}"
     findings.add_claim("combined_life", bool(np.isclose(found.revolutions, printed, rtol=1e-12)), words)
     for name, angle in (row.key.split("_") for row in load_printed_table(findings.table) if row.key[0] in "eXY"):
-        findings.add_number(
-            f"{name}_{angle}", life.equivalent_load_factors(float(np.radians(float(angle))))["eXY".index(name)]
-        )
+        factors = life.equivalent_load_factors(float(np.radians(float(angle))))
+        findings.add_number(f"{name}_{angle}", factors["eXY".index(name)])
 
 
 #: Cells along each axis of the grid of the program CONTACT's example, and width of the grid over that of the contact.
@@ -390,16 +378,14 @@ def ball_of_bearing(findings: ComputedEntryValues, cache: SceneResultCache) -> N
     d, steel, track = 2.0 * parts.balls.radius, parts.nut.material, parts.track
     grooves = (parts.screw.groove_radius / d, parts.nut.groove_radius / d)
     young, poisson = steel.youngs_modulus, steel.poissons_ratio
-    bearing = angular_contact.bearing_with_contact_angle(
-        1, d, 2.0 * track.pitch_radius, grooves, track.contact_angle, young, poisson
-    )
-    angle = np.arccos(read_external_inputs()["nsk"]["cosine"])
+    pitch, rest = 2.0 * track.pitch_radius, track.contact_angle
+    bearing = angular_contact.bearing_with_contact_angle(1, d, pitch, grooves, rest, young, poisson)
+    angle = np.arccos(external_inputs()["nsk"]["cosine"])
     findings.add_number("angle", float(np.degrees(angle)))
     modulus = contact_modulus(young, poisson, young, poisson)
-    inner, outer = (
-        hertz_constants(*pair, modulus) for pair in angular_contact.relative_curvatures(bearing, np.array(angle))
-    )
-    cube = float(np.cbrt(read_external_input("nsk", "normal_load", "force")))
+    curvatures = angular_contact.relative_curvatures(bearing, np.array(angle))
+    inner, outer = (hertz_constants(*pair, modulus) for pair in curvatures)
+    cube = float(np.cbrt(external_input("nsk", "normal_load", "force")))
     findings.add_number("approach_outer", 1e6 * float(outer.C) * cube**2)
     findings.add_number("approach_inner", 1e6 * float(inner.C) * cube**2)
     findings.add_number("a_outer", 1e3 * float(outer.C_a) * cube)
@@ -411,12 +397,12 @@ def sphere_on_plane(findings: ComputedEntryValues, cache: SceneResultCache) -> N
 
     ``findings``: receives the contact radius [mm], to compare with the published one. ``cache``: not used here.
     """
-    radius = read_external_input("vm63", "radius", "length")
-    modulus = read_external_input("vm63", "youngs_modulus", "pressure") / (
-        1.0 - read_external_inputs()["vm63"]["poissons_ratio"] ** 2
+    radius = external_input("vm63", "radius", "length")
+    modulus = external_input("vm63", "youngs_modulus", "pressure") / (
+        1.0 - external_inputs()["vm63"]["poissons_ratio"] ** 2
     )
     found = hertz_constants(np.array(1.0 / radius), np.array(1.0 / radius), modulus)
-    findings.add_number("radius", 1e3 * float(found.C_a) * float(np.cbrt(read_external_input("vm63", "force", "force"))))
+    findings.add_number("radius", 1e3 * float(found.C_a) * float(np.cbrt(external_input("vm63", "force", "force"))))
 
 
 def _load_radii_and_material(case: str) -> tuple[float, tuple[float, float], float, float]:
@@ -425,9 +411,9 @@ def _load_radii_and_material(case: str) -> tuple[float, tuple[float, float], flo
     First: load [N]; second: relative radii of curvature [m] along and across the rolling direction; third: Young's modulus
     [Pa]; fourth: Poisson's ratio. ``case``: name of the example.
     """
-    poisson, shear = read_external_inputs()[case]["poissons_ratio"], read_external_input(case, "shear_modulus", "pressure")
-    radii = (read_external_input(case, "along", "length"), read_external_input(case, "across", "length"))
-    return read_external_input(case, "force", "force"), radii, 2.0 * shear * (1.0 + poisson), poisson
+    poisson, shear = external_inputs()[case]["poissons_ratio"], external_input(case, "shear_modulus", "pressure")
+    radii = (external_input(case, "along", "length"), external_input(case, "across", "length"))
+    return external_input(case, "force", "force"), radii, 2.0 * shear * (1.0 + poisson), poisson
 
 
 def _load_and_hertz_constants(case: str) -> tuple[float, HertzConstants]:
@@ -463,7 +449,7 @@ def solve_rolling_example(cells: int, *, by_contact_scheme: bool = False) -> Rol
     ``cells``: number of cells of the grid along each axis; ``by_contact_scheme``: whether to use CONTACT's grid and its
     finite differences of slip over one cell, instead of the scheme of this package.
     """
-    case, touch = read_external_inputs()["contact"], _load_radii_and_material("contact")
+    case, touch = external_inputs()["contact"], _load_radii_and_material("contact")
     creep, mu = verification.Creep(0.0, case["creep_across"], case["spin"]), case["friction"]
     if by_contact_scheme:
         found = verification.solve_steady_rolling_like_kalker(
@@ -509,7 +495,7 @@ def _compute_wheel_creep_curve(findings: ComputedEntryValues) -> None:
     ``findings``: receives the results.
     """
     load, hertz = _load_and_hertz_constants("wheel")
-    cube, mu = float(np.cbrt(load)), float(read_external_inputs()["wheel"]["friction"])
+    cube, mu = float(np.cbrt(load)), float(external_inputs()["wheel"]["friction"])
     findings.add_number("wheel_a", 1e3 * float(hertz.C_b) * cube)
     findings.add_number("wheel_b", 1e3 * float(hertz.C_a) * cube)
     patch = solve_elastic_contact_on_grid(*_load_radii_and_material("wheel"), WHEEL_CELLS, margin=EXAMPLE_MARGIN)
@@ -529,8 +515,8 @@ def solve_push_and_roll_example(case: str, steps: int) -> list[verification.Roll
     ``case``: name of the example; ``steps``: number of steps, each of one cell's length, that the ball rolls. Returns the
     state at rest, then the states after each step.
     """
-    numbers, (load, circle) = read_external_inputs()[case], _load_and_hertz_constants(case)
-    margin = 0.5 * read_external_input(case, "grid", "length") / (float(circle.C_a) * float(np.cbrt(load)))
+    numbers, (load, circle) = external_inputs()[case], _load_and_hertz_constants(case)
+    margin = 0.5 * external_input(case, "grid", "length") / (float(circle.C_a) * float(np.cbrt(load)))
     patch = solve_elastic_contact_on_grid(
         *_load_radii_and_material(case), (numbers["cells"], numbers["cells"]), margin=margin
     )
@@ -654,10 +640,10 @@ def _compute_double_nut_drag_torque(cache: SceneResultCache, findings: ComputedE
 
     ``cache``: gives the scenes, and caches the torque; ``findings``: receives the results.
     """
-    case = read_external_inputs()["thk"]
+    case = external_inputs()["thk"]
     preload, lead, mu = (
-        read_external_input("thk", "preload", "force"),
-        read_external_input("thk", "lead", "length"),
+        external_input("thk", "preload", "force"),
+        external_input("thk", "lead", "length"),
         float(case["friction"]),
     )
     formula = 0.05 * case["tangent"] ** -0.5 * preload * lead / (2.0 * pi)

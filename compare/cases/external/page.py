@@ -82,11 +82,10 @@ def agreement_sentence(found: Sequence[PrintedEntryComparison]) -> str:
     good = sum(e.agrees_with_printed is True for e in judged)
     of = Counter(e.verdict for e in judged)
     return (
-        f"{good} of {len(judged)} published values and claims agree with the computed ones. Of these, "
-        f"{of['reproduced']} agree to the digits that the same theory must give, "
-        f"{of['band']} within a band whose origin is stated, {of['identity']} by "
-        f"arithmetic on printed numbers, {of['only as printed']} only if the catalogue's simplification is "
-        f"repeated. {len(found) - len(judged)} more are shown but left open, because their basis is not "
+        f"{good} of {len(judged)} published values and claims agree with the computed ones. Of these, {of['reproduced']} "
+        f"agree to the digits that the same theory must give, {of['band']} within a band whose origin is stated, "
+        f"{of['identity']} by arithmetic on printed numbers, {of['only as printed']} only if the catalogue's "
+        f"simplification is repeated. {len(found) - len(judged)} more are shown but left open, because their basis is not "
         "printed."
     )
 
@@ -106,9 +105,8 @@ def assumptions_table(cache: SceneResultCache) -> Table:
         TableColumn("case", "name of the example or of its scene", "", "s"),
         TableColumn("assumed", "input that is not printed, and assumption for it", "", "s"),
     )
-    return Table(
-        "external-assumed", "Inputs that the publications do not print, and what is assumed for them", columns, rows
-    )
+    title = "Inputs that the publications do not print, and what is assumed for them"
+    return Table("external-assumed", title, columns, rows)
 
 
 def agreement_figure(found: Sequence[PrintedEntryComparison]) -> Figure:
@@ -123,13 +121,11 @@ def agreement_figure(found: Sequence[PrintedEntryComparison]) -> Figure:
             errors.setdefault(SOURCES[e.printed.table], []).append(e.error_percent)
     points = [(float(k), error) for k, percents in enumerate(errors.values(), start=1) for error in percents]
     series = (Series("error", [x for x, _ in points], [y for _, y in points], "markers"),)
-    panel = Panel(
-        "error of the computed value against the published one", "", "error / %", series, abscissa_names=list(errors)
-    )
+    title = "error of the computed value against the published one"
+    panel = Panel(title, "", "error / %", series, abscissa_names=list(errors))
     caption = "Only numbers that the same theory must give, or that have a stated tolerance; the tables show all."
-    return Figure(
-        "external-errors", "Errors of computed against published values, by publisher", (panel,), caption, columns=1
-    )
+    title = "Errors of computed against published values, by publisher"
+    return Figure("external-errors", title, (panel,), caption, columns=1)
 
 
 def computed_and_printed_nut_rigidities(cache: SceneResultCache) -> list[tuple[str, float, dict[str, float | None]]]:
@@ -234,13 +230,8 @@ def nut_rigidities_table(
         "mounting). Dimensions that a catalogue does not print have usual values. Scenes whose screw is displaced without "
         "loads are left out."
     )
-    return Table(
-        "external-rigidities",
-        "Axial rigidity of ball nuts: computed with more and more effects, by the 3D reference, and in catalogues",
-        columns,
-        rows,
-        note,
-    )
+    title = "Axial rigidity of ball nuts: computed with more and more effects, by the 3D reference, and in catalogues"
+    return Table("external-rigidities", title, columns, rows, note)
 
 
 def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Section:
@@ -256,9 +247,8 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     inferred = float(np.round(external.gmn_rigidity_rms_error_percent(), 2))
     text = (
         (
-            "Values from neither this project nor the publications of its models: other programs, makers' "
-            "catalogues, textbooks. Each value is judged by the class of its entry; the last table lists the assumed "
-            "inputs."
+            "Values from neither this project nor the publications of its models: other programs, makers' catalogues, "
+            "textbooks. Each value is judged by the class of its entry; the last table lists the assumed inputs."
         ),
         (
             "With one conformity inferred for the whole series, the rigidities of GMN's catalogue are "
@@ -272,12 +262,8 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
         rigid,
         assumptions_table(cache),
     )
-    return Section(
-        "external",
-        "Computed values compared with other programs, makers' catalogues and textbooks",
-        items,
-        conclusion=agreement_sentence(found),
-    )
+    title = "Computed values compared with other programs, makers' catalogues and textbooks"
+    return Section("external", title, items, conclusion=agreement_sentence(found))
 
 
 #: Catalogue sizes of two makers, by the keys of their printed rigidities.
@@ -320,9 +306,8 @@ def scenes_by_nut_fixation(scene: Scene) -> dict[str, Scene]:
 
         ``flange_of_nut``: flange of the nut, or None.
         """
-        return replace(
-            scene, nut=replace(scene.nut, flange=flange_of_nut), solid=replace(scene.solid, nut_held=fixed_surface)
-        )
+        nut, solid = replace(scene.nut, flange=flange_of_nut), replace(scene.solid, nut_held=fixed_surface)
+        return replace(scene, nut=nut, solid=solid)
 
     return {
         "left face": fix_nut("left face"),
@@ -337,7 +322,7 @@ def scenes_by_nut_fixation(scene: Scene) -> dict[str, Scene]:
 
 
 @cache
-def stored_results_by_nut_fixation(store: Path) -> list[dict[str, Any]]:
+def stored_fixation_results(store: Path) -> list[dict[str, Any]]:
     """Read the stored 3D results of screws whose nuts are fixed at different surfaces.
 
     Each item has the name of the scene, the fixation of the nut, mesh level, status, rigidity [N/m], and ball loads [N] by
@@ -346,7 +331,7 @@ def stored_results_by_nut_fixation(store: Path) -> list[dict[str, Any]]:
     return list(json.loads((store / FIXATION_FILE).read_text(encoding="utf-8")))
 
 
-def contact_loads_of_stored_result(result: dict[str, Any]) -> Array:
+def loads_of_stored_result(result: dict[str, Any]) -> Array:
     """Return the contact loads (n, 4) [N] of n balls on their four flanks, from one stored 3D result.
 
     The columns are the flanks SL, SR, NL and NR (screw or nut, left or right). Loads on flanks that the result does not
@@ -371,16 +356,13 @@ class FixationResult(NamedTuple):
     mesh_uncertainty_percent: float | None = None
 
 
-def fixation_results_by_mesh_level(scene: str, fixation: str) -> dict[int, dict[str, Any]]:
+def fixation_results_by_level(scene: str, fixation: str) -> dict[int, dict[str, Any]]:
     """Return the converged stored 3D results of a scene with one fixation of its nut, by mesh level from coarse to fine.
 
     ``scene``: name of the scene; ``fixation``: name of the fixation, a key of `scenes_by_nut_fixation`.
     """
-    runs = [
-        x
-        for x in stored_results_by_nut_fixation(shipped_store())
-        if (x["scene"], x["held"], x["status"]) == (scene, fixation, "converged")
-    ]
+    wanted = scene, fixation, "converged"
+    runs = [x for x in stored_fixation_results(shipped_store()) if (x["scene"], x["held"], x["status"]) == wanted]
     return {x["level"]: x for x in sorted(runs, key=lambda x: int(x["level"]))}
 
 
@@ -398,11 +380,8 @@ def largest_mesh_uncertainty_percent(scene: Scene, loads: Mapping[int, Array]) -
         Contact loads (n, 4) [N] of n balls on four groove flanks in 3D, by mesh level.
     """
     level, mean = max(loads), mean_load(loads[max(loads)])
-    bars = (
-        0.01
-        * mean
-        * mesh_uncertainty(loads, read_uncertainty_of_other_scenes(shipped_store())).uncertainties_of_loads(loads)
-    )
+    by_mesh = mesh_uncertainty(loads, read_uncertainty_of_other_scenes(shipped_store())).uncertainties_of_loads(loads)
+    bars = 0.01 * mean * by_mesh
     return float(error_percent((bars + load_error_near_faces(scene, loads[level], level)).max(), 0.0, mean))
 
 
@@ -417,8 +396,8 @@ def fixation_table_rows(cache: SceneResultCache, size: str) -> list[dict[str, Ce
     name = scene_name_of_catalogue_size(size)
     held = scenes_by_nut_fixation(cache.built_in_scene(name))
     found = {way: cache.solve_once(scene, DEFAULT) for way, scene in held.items() if way != BOLTED}
-    in_3D = {way: fixation_results_by_mesh_level(name, way) for way in held}
-    loads = {way: {k: contact_loads_of_stored_result(x) for k, x in levels.items()} for way, levels in in_3D.items()}
+    in_3D = {way: fixation_results_by_level(name, way) for way in held}
+    loads = {way: {k: loads_of_stored_result(x) for k, x in levels.items()} for way, levels in in_3D.items()}
     solved = [
         FixationResult(DEFAULT, way, result.load, axial_force(result) / screw_displacement_at_nut(held[way], result))
         for way, result in found.items()
@@ -427,9 +406,8 @@ def fixation_table_rows(cache: SceneResultCache, size: str) -> list[dict[str, Ce
     for level in loads[next(iter(held))]:
         for way in (x for x in held if level in loads[x]):
             bar = largest_mesh_uncertainty_percent(held[way], {k: load for k, load in loads[way].items() if k <= level})
-            solved.append(
-                FixationResult(f"{THREE}, level {level}", way, loads[way][level], in_3D[way][level]["rigidity"], bar)
-            )
+            rigidity = in_3D[way][level]["rigidity"]
+            solved.append(FixationResult(f"{THREE}, level {level}", way, loads[way][level], rigidity, bar))
     rows: list[dict[str, Cell]] = []
     first: dict[str, tuple[float, ...]] = {}
     for by, way, load, rigidity, mesh in solved:
@@ -461,17 +439,13 @@ def flange_bolts_sentence() -> str:
     words = []
     for size in SIZES:
         scene = scene_name_of_catalogue_size(size)
-        bolted, whole = fixation_results_by_mesh_level(scene, BOLTED), fixation_results_by_mesh_level(scene, WHOLE)
+        bolted, whole = fixation_results_by_level(scene, BOLTED), fixation_results_by_level(scene, WHOLE)
         levels = bolted.keys() & whole.keys()
         if levels:
             bolts, ring = bolted[max(levels)], whole[max(levels)]
-            off, mean = (
-                load_error(contact_loads_of_stored_result(bolts), contact_loads_of_stored_result(ring)),
-                mean_load(contact_loads_of_stored_result(ring)),
-            )
-            largest = float(
-                error_percent(contact_loads_of_stored_result(bolts).max(), contact_loads_of_stored_result(ring).max(), mean)
-            )
+            by_bolts, by_ring = loads_of_stored_result(bolts), loads_of_stored_result(ring)
+            off = load_error(by_bolts, by_ring)
+            largest = float(error_percent(by_bolts.max(), by_ring.max(), mean_load(by_ring)))
             stiff = float(error_percent(bolts["rigidity"], ring["rigidity"]))
             words.append(
                 f"{scene} (level {max(levels)}): the largest load by {largest:+.2f} % of the mean load, any load by at "
@@ -498,9 +472,8 @@ def mesh_uncertainty_sentence(rows: list[dict[str, Cell]]) -> str:
         if coarse is not None and by not in (DEFAULT, coarse["by"]):
             for column in ("load_change", "life_change", "rigidity_change"):
                 moved.setdefault(column, []).append(abs(float(row[column] or 0.0) - float(coarse[column] or 0.0)))
-            moved.setdefault("rigidity", []).append(
-                abs(float(error_percent(float(row["rigidity"] or 0.0), float(coarse["rigidity"] or 1.0))))
-            )
+            change = error_percent(float(row["rigidity"] or 0.0), float(coarse["rigidity"] or 1.0))
+            moved.setdefault("rigidity", []).append(abs(float(change)))
     sentence = f"The meshes leave {min(bars):.2f} to {max(bars):.2f} % of the mean load uncertain (95 %)."
     if not moved:
         return sentence
@@ -512,7 +485,7 @@ def mesh_uncertainty_sentence(rows: list[dict[str, Cell]]) -> str:
     )
 
 
-def model_column_range_in_words(rows: list[dict[str, Cell]], column: str, fixation: str = "", form: str = "+.1f") -> str:
+def column_range_in_words(rows: list[dict[str, Cell]], column: str, fixation: str = "", form: str = "+.1f") -> str:
     """Return in words the smallest and largest value of a table column, over the rows of the default model.
 
     ``rows``: table rows from `fixation_table_rows`; ``column``: key of the column; ``fixation``: only fixations whose name
@@ -545,15 +518,13 @@ def fixation_section(cache: SceneResultCache, step: Callable[[str], None]) -> Se
     step("nuts fixed at different surfaces")
     rows = [row for size in SIZES for row in fixation_table_rows(cache, size)]
     shares = {
-        held: model_column_range_in_words(rows, "share", held, ".2f") for held in ("left", "flange, whole", "flange, outer")
+        held: column_range_in_words(rows, "share", held, ".2f") for held in ("left", "flange, whole", "flange, outer")
     }
     bent = [float(x["share"] or 0.0) for x in rows if x["by"] == DEFAULT and str(x["held"]).startswith("flange, outer")]
     conclusion = (
         "Fixing the nut at another surface than its left face changes the largest contact load by "
-        f"{model_column_range_in_words(rows, 'load_change')} %, "
-        "the rating life by "
-        f"{model_column_range_in_words(rows, 'life_change')} % and the axial rigidity by "
-        f"{model_column_range_in_words(rows, 'rigidity_change')} %."
+        f"{column_range_in_words(rows, 'load_change')} %, the rating life by {column_range_in_words(rows, 'life_change')} "
+        f"% and the axial rigidity by {column_range_in_words(rows, 'rigidity_change')} %."
     )
     text = (
         f"Catalogues print {shares['left']} of the rigidity computed with the nut fixed at its left face, "
@@ -569,16 +540,7 @@ def fixation_section(cache: SceneResultCache, step: Callable[[str], None]) -> Se
         "bonded to a rigid housing (assumed: no catalogue quoted here prints it). Rigidity: load over displacement of the "
         "screw's section at the nut's centre. Changes against the left face: of the same model, or in 3D."
     )
-    table = Table(
-        "nut-holding",
-        "Catalogue screws: largest contact load, life and axial rigidity, for each surface at which the nut is fixed",
-        FIXATION_COLUMNS,
-        rows,
-        note,
-    )
-    return Section(
-        "holding",
-        "Effect of the nut's fixation on contact loads, life and rigidity",
-        (Text(text), table),
-        conclusion=conclusion,
-    )
+    title = "Catalogue screws: largest contact load, life and axial rigidity, for each surface at which the nut is fixed"
+    table = Table("nut-holding", title, FIXATION_COLUMNS, rows, note)
+    title = "Effect of the nut's fixation on contact loads, life and rigidity"
+    return Section("holding", title, (Text(text), table), conclusion=conclusion)

@@ -126,10 +126,9 @@ class Verification:
     """A verification of the 3D model of rolling contact: one quantity on three grids, and its exact or printed value.
 
     ``contact_problem``: in words; ``quantity``: name with unit; ``values_by_grid``: value on the coarse, the middle and the
-    fine grid; ``exact_value``: exact or printed value; ``judged_value``: value that is compared with ``exact_value``, in
-    most verifications the value on the finest grid; ``permitted_error_percent``: permitted error of ``judged_value`` [%];
-    ``grid_refinement``: number of cells along an axis of the finest grid over that of the coarsest, None if no order of
-    convergence is expected.
+    fine grid; ``exact_value``: exact or printed value; ``permitted_error_percent``: permitted error [%] of the value that
+    is compared with it; ``compared_value``: this value; None: the value on the finest grid; ``grid_refinement``: number of
+    cells along an axis of the finest grid over that of the coarsest, None if no order of convergence is expected.
     """
 
     contact_problem: str
@@ -137,18 +136,19 @@ class Verification:
     values_by_grid: tuple[float, ...]
     exact_value: float
     permitted_error_percent: float
-    judged_value: float
+    compared_value: float | None = None
     grid_refinement: float | None = 2.0
 
     @property
-    def error_of_judged_value_percent(self) -> float:
-        """Error of ``judged_value`` against the exact or printed value [%]."""
-        return float(error_percent(self.judged_value, self.exact_value))
+    def relative_error_percent(self) -> float:
+        """Error of the compared value against the exact or printed value [%]."""
+        compared = self.values_by_grid[-1] if self.compared_value is None else self.compared_value
+        return float(error_percent(compared, self.exact_value))
 
     @property
     def within_permitted_error(self) -> bool:
-        """Whether the error of ``judged_value`` is within ``permitted_error_percent``."""
-        return abs(self.error_of_judged_value_percent) <= self.permitted_error_percent
+        """Whether the error of the compared value is within ``permitted_error_percent``."""
+        return abs(self.relative_error_percent) <= self.permitted_error_percent
 
     @property
     def convergence_order(self) -> float | None:
@@ -206,17 +206,12 @@ def _verify_contact_at_rest() -> Iterator[Verification]:
     """Verify approach, semi-axes and peak pressure of a contact at rest against the static 3D reference."""
     at, load, material = _most_loaded_contact()
     exact = most_loaded_contact_by_3d_reference()
-    found = [
-        _approach_semi_axes_and_peak(
-            verification.solve_normal_contact_by_rolling_model(at, load, *material, shape, Sizes())
-        )
-        for shape in LEVELS.values()
-    ]
+    solve = verification.solve_normal_contact_by_rolling_model
+    found = [_approach_semi_axes_and_peak(solve(at, load, *material, shape, Sizes())) for shape in LEVELS.values()]
+    words = "contact at rest, against the static 3D reference"
     for k, (name, reach) in enumerate(zip(AT_REST, STATIC_REACH, strict=True)):
         values = tuple(one[k] for one in found)
-        yield Verification(
-            "contact at rest, against the static 3D reference", name, values, exact[k], reach, values[-1], FINER
-        )
+        yield Verification(words, name, values, exact[k], reach, grid_refinement=FINER)
 
 
 def _approach_semi_axes_and_peak(contact: verification.NormalContact) -> tuple[float, ...]:
@@ -236,9 +231,8 @@ def _verify_finite_elements() -> Iterator[Verification]:
     for k, name in enumerate(("longitudinal", "lateral", "normal")):
         values = tuple(1e9 * float(f[0][k]) for f in found)
         exact, quantity = 1e9 * float(found[-1][1][k]), f"{name} displacement by a force [nm/N]"
-        yield Verification(
-            "half space of finite elements, uniform traction", quantity, values, exact, ELEMENTS_REACH, values[-1]
-        )
+        words = "half space of finite elements, uniform traction"
+        yield Verification(words, quantity, values, exact, ELEMENTS_REACH)
 
 
 def _verify_ball_to_ball_friction() -> Iterator[Verification]:
@@ -250,7 +244,7 @@ def _verify_ball_to_ball_friction() -> Iterator[Verification]:
         shares = [verification.compare_ball_friction_with_point(scene, found, 0, points, bodies) for points in grids]
         for k, name in enumerate(("force over that of point contact", "loss over that of point contact")):
             values = tuple(s[k] for s in shares)
-            yield Verification(f"balls that touch, friction over {where}", name, values, 1.0, RUB_REACH, values[-1])
+            yield Verification(f"balls that touch, friction over {where}", name, values, 1.0, RUB_REACH)
 
 
 def _verify_carter() -> Iterator[Verification]:
@@ -259,12 +253,12 @@ def _verify_carter() -> Iterator[Verification]:
         found = [verification.compare_with_carter(n, share) for n in (41, 61, 82)]
         for k, name in enumerate(("force over mu P", "half width of the stick zone over a")):
             values = tuple(float(f[0][k]) for f in found)
-            yield Verification(f"Carter, Q = {share:g} mu P", name, values, float(found[-1][1][k]), REACH[0], values[-1])
+            yield Verification(f"Carter, Q = {share:g} mu P", name, values, float(found[-1][1][k]), REACH[0])
     found = [verification.compare_with_carter(n, NARROW) for n in (40, 80, 160)]
     for k, name in enumerate(("force over mu P", "half width of the stick zone over a")):
         values, exact = tuple(float(f[0][k]) for f in found), float(found[-1][1][k])
         name += " (stick zone of a few cells)"
-        yield Verification(f"Carter, Q = {NARROW:g} mu P", name, values, exact, NARROW_REACH, values[-1], None)
+        yield Verification(f"Carter, Q = {NARROW:g} mu P", name, values, exact, NARROW_REACH, grid_refinement=None)
 
 
 def _verify_cattaneo_mindlin() -> Iterator[Verification]:
@@ -274,9 +268,7 @@ def _verify_cattaneo_mindlin() -> Iterator[Verification]:
             found = [verification.compare_with_mindlin(n, share, finite_balls=balls) for n in (14, 20, 28)]
             for k, name in enumerate(("force over mu P", "stick radius over a")):
                 values = tuple(float(f[0][k]) for f in found)
-                yield Verification(
-                    f"{what}, Q = {share:g} mu P", name, values, float(found[-1][1][k]), REACH[1], values[-1]
-                )
+                yield Verification(f"{what}, Q = {share:g} mu P", name, values, float(found[-1][1][k]), REACH[1])
 
 
 def _verify_full_slip() -> Iterator[Verification]:
@@ -285,38 +277,34 @@ def _verify_full_slip() -> Iterator[Verification]:
     Force and moment are computed by quadrature, on a grid, and, as in stored 3D results, as the rigid limit plus the
     difference between elastic and nearly rigid bodies. The exact values are those of a fine quadrature.
     """
+
+    def by_quadrature(creep: verification.Creep, points: int) -> tuple[float, float]:
+        """Return friction force [N], then moment [N mm], by a quadrature of ``points`` points along an axis."""
+        return _force_and_moment(*verification.friction_at_full_slip_by_quadrature(*GROOVE, creep, MU, points))
+
     for where, creep in SLIPS.items():
-        exact = _longitudinal_force_and_moment(*verification.friction_at_full_slip_by_quadrature(*GROOVE, creep, MU, 1200))
+        exact = by_quadrature(creep, 1200)
         patches = [solve_elastic_contact_on_grid(*GROOVE, (n, n)) for n in (16, 24, 32)]
         ways = {
-            "by quadrature": [
-                _longitudinal_force_and_moment(*verification.friction_at_full_slip_by_quadrature(*GROOVE, creep, MU, n))
-                for n in (150, 225, 300)
-            ],
+            "by quadrature": [by_quadrature(creep, n) for n in (150, 225, 300)],
             BY_GRID: [_rolling_force_and_moment(p, creep, STIFF) for p in patches],
         }
         if "inside" in where:
-            ways[RESOLVED] = [
-                _longitudinal_force_and_moment(*verification.friction_at_full_slip_by_cells(p, creep, MU)) for p in patches
-            ]
+            resolved = (verification.friction_at_full_slip_by_cells(p, creep, MU) for p in patches)
+            ways[RESOLVED] = [_force_and_moment(*friction) for friction in resolved]
         for way, found in ways.items():
             reach = ALONE if way == BY_GRID and "inside" in where else REACH[2]
             for name, values, known in zip(WRENCH, zip(*found, strict=True), exact, strict=True):
-                yield Verification(f"full slip {way}, {where}", name, values, known, reach, values[-1])
-        limits = [
-            _longitudinal_force_and_moment(*verification.friction_at_full_slip_by_quadrature(*GROOVE, creep, MU, n))
-            for n in QUADRATURES
-        ]
-        found = [
-            _grid_corrected_force_and_moment(solve_elastic_contact_on_grid(*GROOVE, shape), creep, limits)
-            for shape in LEVELS.values()
-        ]
+                yield Verification(f"full slip {way}, {where}", name, values, known, reach)
+        limits = [by_quadrature(creep, n) for n in QUADRATURES]
+        grids = (solve_elastic_contact_on_grid(*GROOVE, shape) for shape in LEVELS.values())
+        found = [_grid_corrected_force_and_moment(patch, creep, limits) for patch in grids]
         for name, values, known in zip(WRENCH, zip(*found, strict=True), exact, strict=True):
             worst = values[int(np.argmax(np.abs(np.array(values) - known)))]
             yield Verification(f"full slip {AS_RUNS}, {where}", name, values, known, REACH[2], worst, None)
 
 
-def _longitudinal_force_and_moment(force: Array, moment: float) -> tuple[float, float]:
+def _force_and_moment(force: Array, moment: float) -> tuple[float, float]:
     """Return the component of a force [N] along the rolling direction, then a moment converted from [N m] to [N mm]."""
     return float(force[0]), 1e3 * moment
 
@@ -330,7 +318,7 @@ def _rolling_force_and_moment(
     ``compliance_factor``: factor on the tangential compliance (the normal contact stays unchanged).
     """
     found = verification.solve_steady_rolling_for_creepages(patch, creep, MU, elastic=compliance_factor)
-    return _longitudinal_force_and_moment(found.friction_force, found.friction_moment)
+    return _force_and_moment(found.friction_force, found.friction_moment)
 
 
 def _grid_corrected_force_and_moment(
@@ -343,11 +331,8 @@ def _grid_corrected_force_and_moment(
     ``rigid_limits``: pairs of force [N] and moment [N mm] for rigid bodies, one pair for each of several quadratures; their
     mean is used.
     """
-    limit, elastic, near = (
-        np.mean(rigid_limits, axis=0),
-        _rolling_force_and_moment(patch, creep, STIFF),
-        _rolling_force_and_moment(patch, creep, STIFF * NEARLY_RIGID),
-    )
+    elastic, near = (_rolling_force_and_moment(patch, creep, factor) for factor in (STIFF, STIFF * NEARLY_RIGID))
+    limit = np.mean(rigid_limits, axis=0)
     force, moment = limit + np.subtract(elastic, near)
     return float(force), float(moment)
 
@@ -356,16 +341,9 @@ def _verify_creep_coefficients() -> Iterator[Verification]:
     """Yield the comparison of each computed creep coefficient with the value that Kalker printed."""
     for one in kalker_creep_coefficients():
         name, ratio, poisson = one.key.split("_")
-        value = printed_value("kalker-E3", one.key)
-        yield Verification(
-            f"Kalker, a/b = {ratio}, nu = {poisson}",
-            name,
-            one.values_by_grid,
-            value,
-            REACH[3],
-            one.best_value,
-            GRIDS[ratio][-1][1] / GRIDS[ratio][0][1],
-        )
+        value, words = printed_value("kalker-E3", one.key), f"Kalker, a/b = {ratio}, nu = {poisson}"
+        finer = GRIDS[ratio][-1][1] / GRIDS[ratio][0][1]
+        yield Verification(words, name, one.values_by_grid, value, REACH[3], one.best_value, finer)
 
 
 def _verify_example_of_program_contact() -> Iterator[Verification]:
@@ -382,7 +360,8 @@ def _verify_example_of_program_contact() -> Iterator[Verification]:
         assert printed.value is not None
         values = tuple(getattr(v, key) for v in theirs)
         digits = 100.0 * printed.tolerance / abs(printed.value)
-        yield Verification("CONTACT's example, discretised as there", name, values, printed.value, digits, values[-1], None)
+        words = "CONTACT's example, discretised as there"
+        yield Verification(words, name, values, printed.value, digits, grid_refinement=None)
         reach = abs(float(error_percent(values[0], values[-1])))
         values = tuple(getattr(v, key) for v in ours)
-        yield Verification("CONTACT's example", name, values, printed.value, reach, values[-1])
+        yield Verification("CONTACT's example", name, values, printed.value, reach)

@@ -208,12 +208,9 @@ def _finite_body_results(
     found = {name: compare_scene_with_stored_runs(name, stores, FINITE) for name in (*PAIRS, *RINGS)}
     missing = [name for name, rows in found.items() if not rows]
     shown = [row for rows in found.values() for row in rows if row.half_space is not None]
-    changes = [
-        abs(c)
-        for row in shown
-        if row.quantity in ("force 1-2", "torque") and (c := _change_by_finite_bodies_percent(row)) is not None
-    ]
-    rub = max(abs(p.error_of_judged_value_percent) for p in verified if p.contact_problem.startswith("balls that touch"))
+    gated = [_change_by_finite_bodies_percent(row) for row in shown if row.quantity in ("force 1-2", "torque")]
+    changes = [abs(change) for change in gated if change is not None]
+    rub = max(abs(p.relative_error_percent) for p in verified if p.contact_problem.startswith("balls that touch"))
     most = f" They change forces and torques by up to {max(changes):.2f} %." if changes else ""
     return [
         Text(
@@ -259,7 +256,8 @@ def _change_by_finite_bodies_percent(row: RollingComparisonRow) -> float | None:
 
 def _finite_body_row(row: RollingComparisonRow) -> Row:
     """Return the table row of a quantity for rigid bodies, elastic half spaces, and elastic bodies of finite size."""
-    finite = np.isfinite(row.uncertainty)
+    uncertainty = row.uncertainty if np.isfinite(row.uncertainty) else None
+    change = _change_by_finite_bodies_percent(row)
     return {
         "scene": row.scene,
         "quantity": row.quantity,
@@ -267,12 +265,8 @@ def _finite_body_row(row: RollingComparisonRow) -> Row:
         TableColumn("rigid", "value by the 3D model without tangential deformation", "", "g5"): row.rigid,
         TableColumn("half", "value by the 3D model with elastic half spaces", "", "g5"): row.half_space,
         TableColumn("finite", "value by the 3D model with bodies of finite size", "", "g5"): row.reference,
-        TableColumn("uncertainty", "uncertainty of the value for bodies of finite size", "", "g2"): row.uncertainty
-        if finite
-        else None,
-        TableColumn(
-            "change", "change from half spaces to bodies of finite size", "%", ".3f"
-        ): _change_by_finite_bodies_percent(row),
+        TableColumn("uncertainty", "uncertainty of the value for bodies of finite size", "", "g2"): uncertainty,
+        TableColumn("change", "change from half spaces to bodies of finite size", "%", ".3f"): change,
         TableColumn("error", "error of the low-order model against bodies of finite size", "%", ".2f"): row.error_percent,
     }
 
@@ -300,18 +294,18 @@ def _slip_and_traction_maps(patches: Sequence[SlipAndTractionField]) -> list[Tex
         return PressurePanel(p.title, x, y, size / unit_of, ellipse, note, arrows, 5, stick)
 
     axes = ("across the groove [um]", "along [um]")
-    fastest = [float(np.linalg.norm(p.relative_slip_velocity, axis=1).max()) for p in patches]
-    sticking = [f"{int(p.sticks.sum())} of {len(p.sticks)} cells stick" for p in patches]
+    slip, traction = [], []
+    for p in patches:
+        most = float(np.linalg.norm(p.relative_slip_velocity, axis=1).max())
+        words = f"largest: {100.0 * most:.3g} % of the rolling speed"
+        slip.append(draw_vector_field(p, p.relative_slip_velocity, most, words, marked=False))
+        words = f"{int(p.sticks.sum())} of {len(p.sticks)} cells stick"
+        traction.append(draw_vector_field(p, p.tangential_traction, 1e6, words, marked=True))
     return [
         PressureMap(
             "rolling-slip",
             "Slip velocity in the contact areas of rolling balls",
-            [
-                draw_vector_field(
-                    p, p.relative_slip_velocity, most, f"largest: {100.0 * most:.3g} % of the rolling speed", marked=False
-                )
-                for p, most in zip(patches, fastest, strict=True)
-            ],
+            slip,
             *axes,
             "slip velocity over the largest of the contact",
             caption="Above each drawing: scene and contact of a ball (B bottom, T top; I inner ring, O outer ring; L left, "
@@ -320,10 +314,7 @@ def _slip_and_traction_maps(patches: Sequence[SlipAndTractionField]) -> list[Tex
         PressureMap(
             "rolling-traction",
             "Tangential traction and stick zones in the contact areas of rolling balls",
-            [
-                draw_vector_field(p, p.tangential_traction, 1e6, note, marked=True)
-                for p, note in zip(patches, sticking, strict=True)
-            ],
+            traction,
             *axes,
             "tangential traction on the ball [MPa]",
             marked_label="sticks",
@@ -379,17 +370,10 @@ def _spin_pole_sentence(verified: Sequence[Verification]) -> str:
 
     ``verified``: verifications of the 3D rolling model.
     """
-    worst = [
-        max(
-            (
-                abs(p.error_of_judged_value_percent)
-                for p in verified
-                if p.contact_problem == f"full slip {way}, pole inside"
-            ),
-            default=np.nan,
-        )
-        for way in (BY_GRID, RESOLVED, AS_RUNS)
-    ]
+    worst = []
+    for way in (BY_GRID, RESOLVED, AS_RUNS):
+        of = [p.relative_error_percent for p in verified if p.contact_problem == f"full slip {way}, pole inside"]
+        worst.append(max(map(abs, of), default=np.nan))
     if not np.isfinite(worst).all():
         return ""
     alone, resolved, differenced = worst
@@ -402,27 +386,24 @@ def _spin_pole_sentence(verified: Sequence[Verification]) -> str:
 
 def _verification_row(verification: Verification) -> Row:
     """Return the table row of a verification: values on three grids, exact value, error, order of convergence."""
-    return {
-        TableColumn("case", "contact problem", "", "s"): verification.contact_problem,
-        "quantity": verification.quantity,
-        TableColumn("coarse", "value on the coarse grid", "", "g5"): verification.values_by_grid[0],
-        TableColumn("middle", "value on the middle grid", "", "g5"): verification.values_by_grid[1],
-        TableColumn("fine", "value on the fine grid", "", "g5"): verification.values_by_grid[2],
-        TableColumn("exact", "exact or printed value", "", "g5"): verification.exact_value,
-        TableColumn(
-            "error", "error against the exact or printed value", "%", ".2f"
-        ): verification.error_of_judged_value_percent,
-        TableColumn("order", "order of convergence over the grids", "", ".1f"): verification.convergence_order,
-        TableColumn("reach", "permitted error", "%", "g3"): verification.permitted_error_percent,
-        TableColumn("verdict", "whether the exact value is reached within the permitted error", "", "s"): "reached"
-        if verification.within_permitted_error
-        else "not reached",
+    v = verification
+    reached = "reached" if v.within_permitted_error else "not reached"
+    row: Row = {TableColumn("case", "contact problem", "", "s"): v.contact_problem, "quantity": v.quantity}
+    for grid, value in zip(("coarse", "middle", "fine"), v.values_by_grid, strict=True):
+        row[TableColumn(grid, f"value on the {grid} grid", "", "g5")] = value
+    return row | {
+        TableColumn("exact", "exact or printed value", "", "g5"): v.exact_value,
+        TableColumn("error", "error against the exact or printed value", "%", ".2f"): v.relative_error_percent,
+        TableColumn("order", "order of convergence over the grids", "", ".1f"): v.convergence_order,
+        TableColumn("reach", "permitted error", "%", "g3"): v.permitted_error_percent,
+        TableColumn("verdict", "whether the exact value is reached within the permitted error", "", "s"): reached,
     }
 
 
 def _low_order_against_3d_row(row: RollingComparisonRow) -> Row:
     """Return the table row that compares a quantity by the low-order model with the 3D model and printed values."""
-    finite = np.isfinite(row.uncertainty)
+    uncertainty = row.uncertainty if np.isfinite(row.uncertainty) else None
+    verdict = f"{'within' if low_order_error_is_within_limit(row) else 'beyond'} {LIMIT:g} %"
     return {
         "scene": row.scene,
         TableColumn("state", "how unprinted contact loads were found", "", "s"): row.load_state,
@@ -430,16 +411,14 @@ def _low_order_against_3d_row(row: RollingComparisonRow) -> Row:
         "unit": row.unit,
         TableColumn("low", "value by the low-order model", "", "g5"): row.low,
         TableColumn("reference", "value by the 3D model", "", "g5"): row.reference,
-        TableColumn("uncertainty", "uncertainty of the 3D value", "", "g2"): row.uncertainty if finite else None,
+        TableColumn("uncertainty", "uncertainty of the 3D value", "", "g2"): uncertainty,
         TableColumn("error", "error of the low-order model against 3D", "%", ".2f"): row.error_percent,
         TableColumn("share", "uncertainty of the 3D value", "%", ".2f"): row.uncertainty_percent,
         TableColumn("printed", "low-order value that Lin prints", "", "g4"): row.printed,
         TableColumn("ansys", "ANSYS value that Lin prints", "", "g4"): row.printed_ansys,
         TableColumn("flat", "value by the 3D model with plane contact areas", "", "g5"): row.flat,
         TableColumn("rigid", "3D value with rigid bodies", "", "g5"): row.rigid,
-        TableColumn("verdict", f"whether the low-order model's error is within {LIMIT:g} %", "", "s"): f"within {LIMIT:g} %"
-        if low_order_error_is_within_limit(row)
-        else f"beyond {LIMIT:g} %",
+        TableColumn("verdict", f"whether the low-order model's error is within {LIMIT:g} %", "", "s"): verdict,
     }
 
 
@@ -464,24 +443,22 @@ def _grid_dependence_rows(stores: Sequence[Path]) -> list[Row]:
     common = most_frequent_measuring_conditions(run.measured for _, run in every)
     for name, run in every:
         key = next(k for k in run.elastic if k.startswith(("force", "torque")))
+        level, state = (
+            "source's size" if run.level == SOURCE_LEVEL else str(run.level),
+            interpretation_of_contact_loads(name),
+        )
+        by_elasticity = "change of force or torque from nearly rigid to elastic bodies"
+        lost = "share of the input power lost by the error of the finite differences"
         out.append(
             {
                 "scene": name,
-                TableColumn("state", "how unprinted contact loads were found", "", "s"): interpretation_of_contact_loads(
-                    name
-                ),
-                TableColumn("level", "grid level", "", "s"): "source's size"
-                if run.level == SOURCE_LEVEL
-                else str(run.level),
+                TableColumn("state", "how unprinted contact loads were found", "", "s"): state,
+                TableColumn("level", "grid level", "", "s"): level,
                 TableColumn("cells", "cells along and across the contact", "", "s"): f"{run.shape[0]} x {run.shape[1]}",
                 TableColumn("value", "force or torque, corrected for the grid", "", "g5"): run.values[key],
                 TableColumn("alone", "force or torque without grid correction", "", "g5"): run.elastic[key],
-                TableColumn(
-                    "elasticity", "change of force or torque from nearly rigid to elastic bodies", "", "g3"
-                ): run.elastic[key] - run.near_rigid[key],
-                TableColumn(
-                    "lost", "share of the input power lost by the error of the finite differences", "%", ".3f"
-                ): 100.0 * run.upwind,
+                TableColumn("elasticity", by_elasticity, "", "g3"): run.elastic[key] - run.near_rigid[key],
+                TableColumn("lost", lost, "%", ".3f"): 100.0 * run.upwind,
                 TableColumn("stick", "number of cells that stick", "", "d"): run.sticking,
                 TableColumn("seconds", "processor time", "s", "g3"): run.seconds if run.measured == common else None,
             }
@@ -492,13 +469,12 @@ def _grid_dependence_rows(stores: Sequence[Path]) -> list[Row]:
 def _from_rest_row(run: RunFromRest) -> Row:
     """Return the table row of two balls started from rest: final and steady ball-to-ball force, time of first contact."""
     meet = next((t for t, f in zip(run.time, run.force, strict=True) if f > 0.0), None)
+    error = float(error_percent(run.force[-1], run.steady_force))
     return {
         TableColumn("steps", "number of time steps", "", "d"): run.steps,
         TableColumn("force", "ball-to-ball force at the end", "N", "g5"): run.force[-1],
         TableColumn("steady", "ball-to-ball force in steady rolling", "N", "g5"): run.steady_force,
-        TableColumn("error", "error of the final force against steady rolling", "%", ".2f"): float(
-            error_percent(run.force[-1], run.steady_force)
-        ),
+        TableColumn("error", "error of the final force against steady rolling", "%", ".2f"): error,
         TableColumn("meet", "time at which the balls meet", "ms", ".1f"): None if meet is None else 1e3 * meet,
         TableColumn("seconds", "processor time", "s", "g3"): run.seconds,
     }
@@ -506,15 +482,14 @@ def _from_rest_row(run: RunFromRest) -> Row:
 
 def _numerical_choice_row(effect: ChoiceEffect) -> Row:
     """Return the table row of a numerical choice, such as the grid: its effect on the ball-to-ball force, uncertainty."""
+    verdict = "within" if effect.is_within_uncertainty else "beyond"
     return {
         "scene": effect.scene,
         TableColumn("choice", "numerical choice", "", "s"): effect.choice,
         TableColumn("tried", "variants tried", "", "s"): effect.tried_variants,
         TableColumn("change", "largest change of the ball-to-ball force", "%", "g2"): effect.change,
         TableColumn("uncertainty", "stated uncertainty of this force", "%", "g2"): effect.uncertainty,
-        TableColumn("verdict", "whether the change is within the stated uncertainty", "", "s"): "within"
-        if effect.is_within_uncertainty
-        else "beyond",
+        TableColumn("verdict", "whether the change is within the stated uncertainty", "", "s"): verdict,
     }
 
 

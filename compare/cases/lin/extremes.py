@@ -9,15 +9,21 @@ for several balls, Lin's method is that in ``lowfi.friction.as_source.screw``.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from itertools import product
 from math import radians
+from typing import Any
 
 import numpy as np
 
-from rollbench.compare.cases.lin.evidence import source_cases
 from rollbench.compare.cases.lin.evidence.rotary_linear import AXIAL, CASES, LINEAR, ROTARY, VERTICAL, solve_rotary_ball
+from rollbench.compare.cases.lin.evidence.source_cases import (
+    four_point_bearing,
+    oversized_pair,
+    pair_as_printed,
+    screw_groove,
+)
 from rollbench.lowfi.friction.as_source.chain import SHARPNESS, BallMotionsByLin
 from rollbench.lowfi.friction.as_source.screw import (
     chain_motions_from_random_starts,
@@ -48,7 +54,7 @@ STARTS, CHAIN_STARTS, NEAR_START, FAR_START = 12, 3, 0.01, 0.5
 #: the friction bound in random starts.
 NO_POWER, NO_FORCE = 1e-13, 0.01
 
-#: Varied values: deviations theta of the contact angle [deg], friction coefficients, loads [N].
+#: Varied values: deviations theta of the contact angle from nominal [deg], friction coefficients, loads [N].
 ANGLES, MU, LOADS = (-5.0, -1.0, 1e-3, 2.0, 5.0), (1e-3, 0.01, 0.1, 0.3, 0.5), (1e-3, 0.1, 10.0, 1e3, 1e5)
 
 #: Varied values: side force over vertical load on two balls of the linear bearing, clearances [m].
@@ -134,9 +140,8 @@ class ExtremeGroupTally:
         self.roots_with_overlap += found.status == "overlapping"
         if found.status == "exact":
             self.source += 1
-            self.roots_with_other_forces += float(np.max(np.abs(found.ball_force - force), initial=0.0)) > OTHER * (
-                friction_bound or 1.0
-            )
+            difference = float(np.max(np.abs(found.ball_force - force), initial=0.0))
+            self.roots_with_other_forces += difference > OTHER * (friction_bound or 1.0)
 
     def count_own_solution(self, converged: bool, power: float, loss: float, relative_difference: float) -> None:
         """Count one solution of this package's friction solver, and update the largest errors.
@@ -156,60 +161,44 @@ class ExtremeGroupTally:
         ``group``: name of the inputs that are varied in the group; ``model``: name of the model; ``note``: remark, to which
         remarks on random starts and on roots of Lin's method with overlaps or other forces are added.
         """
-        tried = self.source_tries or None
+        remarks = [note] if note else []
         if self.random_starts:
-            led = f"{self.converged_from_random_starts} of {self.random_starts} random starts led there by themselves"
-            note = f"{note}; {led}" if note else led
+            remarks.append(
+                f"{self.converged_from_random_starts} of {self.random_starts} random starts led there by themselves"
+            )
         for count, what in (
             (self.roots_with_overlap, "let balls overlap"),
             (self.roots_with_other_forces, "differ from the solution found here"),
         ):
             if count:
-                roots = f"roots by Lin's method that {what}: {count}"
-                note = f"{note}; {roots}" if note else roots
-        return GroupResult(
-            group,
-            model,
-            self.cases,
-            self.ours,
-            self.tries,
-            self.energy,
-            self.spread,
-            self.source if tried else None,
-            tried,
-            note,
-        )
+                remarks.append(f"roots by Lin's method that {what}: {count}")
+        tried = self.source_tries or None
+        own = self.cases, self.ours, self.tries, self.energy, self.spread
+        return GroupResult(group, model, *own, self.source if tried else None, tried, "; ".join(remarks))
 
 
 @dataclass(frozen=True)
 class BallMotionProblem:
     """The motion of one ball under given contact loads, as posed to both methods: least dissipation and Lin's root finding.
 
-    ``problem``: contacts of the ball and velocities of the driven surfaces; ``friction_law``: Lin's sigmoid friction law;
-    ``power_input``: function that returns the power input [W] of the driven surfaces from the friction on the ball: an
-    array (m, 3) with two force components [N] and the spin moment [N m] at each of m contacts.
+    ``problem``: contacts of the ball and velocities of the driven surfaces; ``friction_law``: Lin's sigmoid friction law.
     """
 
     problem: BodyMotionProblem
     friction_law: SigmoidLaw
-    power_input: Callable[[Array], float]
 
 
-def motion_problem_of_rotary_ball(
-    bearing: Bearing, axial: float, u_y: float, sharpness: float = SHARPNESS
-) -> BallMotionProblem:
+def rotary_ball_problem(bearing: Bearing, axial: float, u_y: float, sharpness: float = SHARPNESS) -> BallMotionProblem:
     """Return the motion problem of one ball of the rotary bearing of section 3.2 of Lin's thesis.
 
     ``bearing``: grooves, balls and friction; ``axial``: axial load on the inner ring [N]; ``u_y``: radial displacement of
     the inner ring [m]; ``sharpness``: k_S of Lin's sigmoid friction law, the larger the closer to Coulomb's law.
     """
-    s = solve_ball_of_bearing(bearing, axial, u_y, fast=True)
-    return BallMotionProblem(
-        s.problem, sigmoid_of_moving_or_resting_screw(bearing, sharpness), lambda f: _power_of_driven_surfaces(s.problem, f)
-    )
+    problem = solve_ball_of_bearing(bearing, axial, u_y, fast=True).problem
+    return BallMotionProblem(problem, sigmoid_of_moving_or_resting_screw(bearing, sharpness))
 
 
-def motion_problem_of_screw_ball(pair: Pair, force: Array | None = None, sharpness: float = SHARPNESS) -> BallMotionProblem:
+def screw_ball_problem(pair: Pair, force: Array | None = None, sharpness: float = SHARPNESS) -> BallMotionProblem:
     """Return the problem of finding how one ball of a ball screw slides and spins, given the loads of its contacts.
 
     The ball is the second of a pair whose balls do not touch each other.
@@ -225,18 +214,7 @@ def motion_problem_of_screw_ball(pair: Pair, force: Array | None = None, sharpne
         force, angle = load.force[1], load.angle[1]
     maps, drives = g.contact_kinematics(g.normals(angle))
     problem = BodyMotionProblem(contact_ellipses_of_screw(g, force), maps, drives, np.zeros(4))
-    return BallMotionProblem(
-        problem, sigmoid_of_moving_or_resting_screw(g, sharpness), lambda f: _power_of_driven_surfaces(problem, f)
-    )
-
-
-def _power_of_driven_surfaces(problem: BodyMotionProblem, friction_forces_and_moments: Array) -> float:
-    """Return the power [W] that the driven surfaces must supply against the friction on the ball.
-
-    ``problem``: contacts of the ball and velocities of the driven surfaces; ``friction_forces_and_moments``: friction on
-    the ball at each of m contacts, (m, 3): two force components [N] and the spin moment [N m].
-    """
-    return -float(np.sum(friction_forces_and_moments * problem.imposed_contact_motions))
+    return BallMotionProblem(problem, sigmoid_of_moving_or_resting_screw(g, sharpness))
 
 
 def solve_ball_by_both_methods(
@@ -249,24 +227,21 @@ def solve_ball_by_both_methods(
     """
     tally.cases += 1
     first = least_dissipation(ball.problem, fast=True)
-    size = float(np.max(np.abs(first.unknown_velocities))) or 1.0
-    starts = [
-        first.unknown_velocities
-        + start_distance
-        * rng.uniform(-1.0, 1.0, first.unknown_velocities.size)
-        * np.maximum(np.abs(first.unknown_velocities), 0.01 * size)
-        for _ in range(STARTS)
-    ]
+    motion = first.unknown_velocities
+    size = float(np.max(np.abs(motion))) or 1.0
+    largest = np.maximum(np.abs(motion), 0.01 * size)
+    starts = [motion + start_distance * rng.uniform(-1.0, 1.0, motion.size) * largest for _ in range(STARTS)]
     for m in (first, *(least_dissipation(ball.problem, q, fast=True) for q in starts)):
-        wrench = np.column_stack([m.friction.force, m.friction.moment])
+        wrench = np.column_stack([m.friction.force, m.friction.moment])  # friction on the ball at each contact
+        power = -float(np.sum(wrench * ball.problem.imposed_contact_motions))  # that the driven surfaces supply [W]
         apart = abs(m.loss - first.loss) / first.loss if first.loss > 0.0 else abs(m.loss)
-        tally.count_own_solution(m.status != "failed", ball.power_input(wrench), m.loss, apart)
+        tally.count_own_solution(m.status != "failed", power, m.loss, apart)
     for q in starts:
         tally.source += motion_by_root(ball.problem, ball.friction_law, q, fast=True).status == "exact"
         tally.source_tries += 1
 
 
-def solve_single_ball_group(
+def solve_ball_group(
     group: str, model: str, balls: Sequence[BallMotionProblem], note: str = "", start_distance: float = FAR_START
 ) -> GroupResult:
     """Solve a group of single balls by least dissipation and by Lin's root finding, and return the group's results.
@@ -280,107 +255,49 @@ def solve_single_ball_group(
     return tally.to_group_result(group, model, note)
 
 
-def screw_ball_with_unequal_diagonals(load_ratio: float) -> BallMotionProblem:
-    """Return the motion problem of a ball of a ball screw whose two pairs of opposite contacts carry different loads.
-
-    ``load_ratio``: load of the contacts SR and NL divided by the load of the contacts SL and NR, 100 N (S: screw, N: nut,
-    L: left, R: right).
-    """
-    return motion_problem_of_screw_ball(
-        source_cases.screw_pair_with_inferred_oversize(0.0), 100.0 * np.array([1.0, load_ratio, load_ratio, 1.0])
-    )
-
-
 def solve_all_single_ball_groups() -> list[GroupResult]:
     """Solve all groups of single balls under given contact loads, and return the results of each group."""
-    two, rest = radians(2.0), source_cases.groove_of_table_3_6(nut_speed=0.0)
-    around = 1e-6 * np.linspace(4.2, 4.5, 13)
-    loose = [replace(ROTARY, clearance=c) for c in CLEARANCE]
+    two, cases = radians(2.0), CASES.values()
+    oversized, printed = oversized_pair(two), pair_as_printed(two)
     rows = []
     for off, k in product((NEAR_START, FAR_START), SHARPNESSES):
         note = f"starts within {off:.0%}"
-        printed = [motion_problem_of_rotary_ball(replace(ROTARY, hertz="as printed"), AXIAL, u, k) for u in CASES.values()]
-        rows.append(solve_single_ball_group(f"k_S {k:g}", "rotary, cases I to III as printed", printed, note, off))
-        pairs = [
-            motion_problem_of_screw_ball(p(two), None, k)
-            for p in (source_cases.screw_pair_as_printed, source_cases.screw_pair_with_inferred_oversize)
-        ]
-        rows.append(solve_single_ball_group(f"k_S {k:g}", "screw, pair of Table 3.7", pairs, note, off))
-    rows += [
-        solve_single_ball_group(
-            "theta to ±5°",
+        balls = [rotary_ball_problem(replace(ROTARY, hertz="as printed"), AXIAL, u, k) for u in cases]
+        rows.append(solve_ball_group(f"k_S {k:g}", "rotary, cases I to III as printed", balls, note, off))
+        balls = [screw_ball_problem(pair, None, k) for pair in (printed, oversized)]
+        rows.append(solve_ball_group(f"k_S {k:g}", "screw, pair of Table 3.7", balls, note, off))
+
+    def rotary(axial: float = AXIAL, u_y: float = 0.0, **changes: Any) -> BallMotionProblem:
+        """Return the motion problem of the rotary bearing's ball, with changed fields of the bearing."""
+        return rotary_ball_problem(replace(ROTARY, **changes), axial, u_y)
+
+    def screw(pair: Pair, **changes: Any) -> BallMotionProblem:
+        """Return the motion problem of a ball of the pair ``pair``, with changed fields of the pair."""
+        return screw_ball_problem(replace(pair, **changes))
+
+    # contact loads SL, SR, NL, NR [N] of a screw's ball, whose second diagonal (SR and NL) is loaded less and less
+    diagonals = [100.0 * np.array([1.0, 10.0**-k, 10.0**-k, 1.0]) for k in range(13)]
+    around, mu, loads = 1e-6 * np.linspace(4.2, 4.5, 13), "mu 0.001 to 0.5", "loads 1e-3 to 1e5 N"
+    transition, loose, still = "two-point transition", "clearance to 10 µm", "zero speed"
+    groups: tuple[tuple[str, str, list[BallMotionProblem], str], ...] = (
+        ("theta to ±5°", "screw", [screw(oversized_pair(radians(t))) for t in ANGLES], ""),
+        (mu, "screw", [screw(oversized, groove=screw_groove(mu=m)) for m in MU], ""),
+        (mu, "rotary", [rotary(u_y=u, mu=m) for m, u in product(MU, cases)], ""),
+        (transition, "rotary", [rotary(u_y=float(u)) for u in around], "radial displacement 4.2 to 4.5 µm"),
+        (
+            transition,
             "screw",
-            [motion_problem_of_screw_ball(source_cases.screw_pair_with_inferred_oversize(radians(t))) for t in ANGLES],
-        ),
-        solve_single_ball_group(
-            "mu 0.001 to 0.5",
-            "screw",
-            [
-                motion_problem_of_screw_ball(
-                    replace(
-                        source_cases.screw_pair_with_inferred_oversize(two), groove=source_cases.groove_of_table_3_6(mu=m)
-                    )
-                )
-                for m in MU
-            ],
-        ),
-        solve_single_ball_group(
-            "mu 0.001 to 0.5",
-            "rotary",
-            [motion_problem_of_rotary_ball(replace(ROTARY, mu=m), AXIAL, u) for m, u in product(MU, CASES.values())],
-        ),
-        solve_single_ball_group(
-            "two-point transition",
-            "rotary",
-            [motion_problem_of_rotary_ball(ROTARY, AXIAL, float(u)) for u in around],
-            "radial displacement 4.2 to 4.5 µm",
-        ),
-        solve_single_ball_group(
-            "two-point transition",
-            "screw",
-            [screw_ball_with_unequal_diagonals(10.0**-k) for k in range(13)],
+            [screw_ball_problem(oversized_pair(0.0), force) for force in diagonals],
             "load of the second diagonal down to 1e-12 of the first",
         ),
-        solve_single_ball_group(
-            "loads 1e-3 to 1e5 N",
-            "rotary",
-            [motion_problem_of_rotary_ball(ROTARY, f, u) for f, u in product(LOADS, CASES.values())],
-        ),
-        solve_single_ball_group(
-            "loads 1e-3 to 1e5 N",
-            "screw",
-            [
-                motion_problem_of_screw_ball(replace(source_cases.screw_pair_with_inferred_oversize(two), force=(f,)))
-                for f in LOADS
-            ],
-        ),
-        solve_single_ball_group(
-            "clearance to 10 µm",
-            "rotary",
-            [motion_problem_of_rotary_ball(b, AXIAL, u) for b, u in product(loose, (0.0, 5.2e-6, 20e-6))],
-        ),
-        solve_single_ball_group(
-            "clearance to 10 µm",
-            "screw",
-            [
-                motion_problem_of_screw_ball(replace(source_cases.screw_pair_as_printed(two), oversize=-c, coupling="none"))
-                for c in CLEARANCE
-            ],
-        ),
-        solve_single_ball_group(
-            "zero speed",
-            "rotary",
-            [motion_problem_of_rotary_ball(replace(ROTARY, screw_speed=0.0), AXIAL, u) for u in CASES.values()],
-            "nothing turns",
-        ),
-        solve_single_ball_group(
-            "zero speed",
-            "screw",
-            [motion_problem_of_screw_ball(replace(source_cases.screw_pair_with_inferred_oversize(two), groove=rest))],
-            "nothing turns",
-        ),
-    ]
-    return rows
+        (loads, "rotary", [rotary(f, u) for f, u in product(LOADS, cases)], ""),
+        (loads, "screw", [screw(oversized, force=(f,)) for f in LOADS], ""),
+        (loose, "rotary", [rotary(u_y=u, clearance=c) for c, u in product(CLEARANCE, (0.0, 5.2e-6, 20e-6))], ""),
+        (loose, "screw", [screw(printed, oversize=-c, coupling="none") for c in CLEARANCE], ""),
+        (still, "rotary", [rotary(u_y=u, screw_speed=0.0) for u in cases], "nothing turns"),
+        (still, "screw", [screw(oversized, groove=screw_groove(nut_speed=0.0))], "nothing turns"),
+    )
+    return rows + [solve_ball_group(*group) for group in groups]
 
 
 # --- extreme cases of two and more neighbouring balls in a linear bearing and a ball screw, and of a bearing with clearance
@@ -403,7 +320,7 @@ class LinearBearingBalls:
         return linear_chain.prepare_linear_chain(self.bearing, self.contact_angles, self.loads)
 
 
-def solve_linear_bearing_group(
+def solve_linear_group(
     group: str,
     cases: Sequence[LinearBearingBalls],
     model: str = "linear pair",
@@ -423,21 +340,20 @@ def solve_linear_bearing_group(
         c = case.to_linear_chain()
         first = linear_chain.solve_linear_chain(c).ball_force
         for k in range(random_starts + 1):
-            r = linear_chain.solve_linear_chain(
-                c, None if k == 0 else c.kernel_arrays.nominal_motion * rng.uniform(-3.0, 3.0, (c.count, 3))
-            )
+            nominal = c.kernel_arrays.nominal_motion
+            start = None if k == 0 else nominal * rng.uniform(-3.0, 3.0, (c.count, 3))
+            r = linear_chain.solve_linear_chain(c, start)
             apart = float(np.max(np.abs(r.ball_force - first))) / (c.force_unit or 1.0)
             tally.count_own_solution(r.status == "converged", r.power, r.loss, apart)
         if c.count > most_balls_by_lin_method:
             continue
-        for found in linear_solutions_from_starts(
-            case.bearing, case.contact_angles, case.loads, rng, random_starts, FAR_START
-        ):
+        starts = case.bearing, case.contact_angles, case.loads, rng, random_starts, FAR_START
+        for found in linear_solutions_from_starts(*starts):
             tally.count_solution_by_lin_method(found, first, c.force_unit)
     return tally.to_group_result(group, model, note)
 
 
-def linear_bearing_pair(
+def linear_pair(
     theta: float, rho: float, vertical: float = VERTICAL, mu: float = LINEAR.mu, speed: float = LINEAR.speed
 ) -> LinearBearingBalls:
     """Return two neighbouring balls of the linear bearing of section 3.3 of Lin's thesis, with their contact loads.
@@ -447,28 +363,20 @@ def linear_bearing_pair(
     ``speed``: speed of the carriage [m/s].
     """
     bearing = replace(LINEAR, mu=mu, mu_balls=mu, speed=speed)
-    return LinearBearingBalls(
-        bearing, *linear_chain.pair_angles_and_loads(bearing, radians(theta), rho, vertical, loads="elastic")
-    )
+    angles, loads = linear_chain.pair_angles_and_loads(bearing, radians(theta), rho, vertical, loads="elastic")
+    return LinearBearingBalls(bearing, angles, loads)
 
 
-def random_contact_angles_and_loads(count: int) -> tuple[Array, Array]:
-    """Return random contact angles [rad], then contact loads [N], of neighbouring balls in the linear bearing.
+def random_linear_balls(count: int, mu: float = LINEAR.mu) -> LinearBearingBalls:
+    """Return neighbouring balls of the linear bearing of Lin's section 3.3 with random contact angles and loads.
 
-    Both are (N, 4) for N balls. ``count``: the number N, also the seed of the random numbers. The loads balance the
-    vertical load and a random side force of each ball.
+    The loads balance the vertical load and a random side force of each ball. ``count``: number of balls, also the seed of
+    the random numbers; ``mu``: friction coefficient of grooves and of touching balls.
     """
     rng = np.random.default_rng(count)
     angles = LINEAR.contact_angle + contact_angle_deviations(np.radians(rng.uniform(-3.0, 3.0, count)))
-    return angles, loads_in_equilibrium(angles, VERTICAL, rng.uniform(-0.6, 0.6, count))
-
-
-def random_linear_bearing_balls(count: int, mu: float = LINEAR.mu) -> LinearBearingBalls:
-    """Return neighbouring balls of the linear bearing of Lin's section 3.3 with random contact angles and loads.
-
-    ``count``: number of balls; ``mu``: friction coefficient of grooves and of touching balls.
-    """
-    return LinearBearingBalls(replace(LINEAR, mu=mu, mu_balls=mu), *random_contact_angles_and_loads(count))
+    loads = loads_in_equilibrium(angles, VERTICAL, rng.uniform(-0.6, 0.6, count))
+    return LinearBearingBalls(replace(LINEAR, mu=mu, mu_balls=mu), angles, loads)
 
 
 def random_balls_with_unloaded_contacts(count: int, mu: float) -> LinearBearingBalls:
@@ -477,20 +385,12 @@ def random_balls_with_unloaded_contacts(count: int, mu: float) -> LinearBearingB
     The contact loads of a ball are not in equilibrium. ``count``: number of balls; ``mu``: friction coefficient of
     grooves and of touching balls.
     """
-    case, rng = random_linear_bearing_balls(count, mu), np.random.default_rng(1000 + count)
+    case, rng = random_linear_balls(count, mu), np.random.default_rng(1000 + count)
     loads = case.loads * rng.uniform(0.2, 1.8, case.loads.shape)
     return replace(case, loads=np.where(rng.uniform(size=loads.shape) < UNLOADED, 0.0, loads))
 
 
-def pair_with_nearly_unloaded_diagonal(side_force_ratio_plus_one: float) -> LinearBearingBalls:
-    """Return two balls of the linear bearing, with one pair of opposite contacts of each ball nearly unloaded.
-
-    ``side_force_ratio_plus_one``: 1 + side force/vertical load; 0: one pair of opposite contacts carries no load.
-    """
-    return linear_bearing_pair(2.0, -1.0 + side_force_ratio_plus_one)
-
-
-def solve_screw_pair_group(group: str, pairs: Sequence[Pair], note: str = "") -> GroupResult:
+def solve_pair_group(group: str, pairs: Sequence[Pair], note: str = "") -> GroupResult:
     """Solve two touching balls of a screw by this package and by Lin's method; return the group's results.
 
     Contact loads and motions are solved; both methods also start from random motions and ball-to-ball forces. ``group``:
@@ -541,7 +441,7 @@ def random_loads_angles_and_closing_rates(count: int) -> tuple[Array, Array, Arr
     The balls are neighbours in a screw. ``count``: the number N, also the seed of the random numbers. The permitted closing
     rate is the largest rate [rad/s] at which a ball may gain on the next one; it is infinite for the last ball.
     """
-    g, rng = source_cases.groove_of_table_3_6(), np.random.default_rng(count)
+    g, rng = screw_groove(), np.random.default_rng(count)
     force = rng.uniform(20.0, 60.0, (count, 4))
     angle = g.contact_angle + np.radians(rng.uniform(-3.0, 3.0, (count, 4)))
     slack = np.where(rng.uniform(size=count) < 0.7, 0.0, rng.uniform(0.0, 0.05, count))
@@ -554,7 +454,7 @@ def random_screw_balls(count: int) -> ScrewChain:
     ``count``: number of balls. The permitted closing rate of a ball is the largest rate [rad/s] at which it may gain on the
     next one.
     """
-    g, (force, angle, slack) = source_cases.groove_of_table_3_6(), random_loads_angles_and_closing_rates(count)
+    g, (force, angle, slack) = screw_groove(), random_loads_angles_and_closing_rates(count)
     return ScrewChain(g, force, g.normals(angle), slack)
 
 
@@ -571,9 +471,8 @@ def solve_screw_chain_group() -> GroupResult:
         tally.count_own_solution(m.converged, m.input_power, m.loss, 0.0)
         count_solutions_from_random_starts(tally, chain, m, rng, NEAR_START)
         bound = chain.groove.mu * float(chain.force.sum(axis=1).max())
-        for found in chain_motions_from_random_starts(
-            chain, random_loads_angles_and_closing_rates(count)[1], m, rng, CHAIN_STARTS, NEAR_START
-        ):
+        angles = random_loads_angles_and_closing_rates(count)[1]
+        for found in chain_motions_from_random_starts(chain, angles, m, rng, CHAIN_STARTS, NEAR_START):
             tally.count_solution_by_lin_method(found, m.ball_force[:-1], bound)
     return tally.to_group_result("chains", f"screw, {', '.join(map(str, BALLS))} balls")
 
@@ -587,79 +486,50 @@ def solve_bearing_clearance_group() -> GroupResult:
     tally = ExtremeGroupTally()
     for c, tilt in product(CLEARANCE, (False, True)):
         tally.cases += 1
-        s = solve_bearing(source_cases.four_point_bearing(clearance=c, tilt=tilt), radians(12.0))
+        s = solve_bearing(four_point_bearing(clearance=c, tilt=tilt), radians(12.0))
         tally.count_own_solution(s.converged, s.input_power, float(s.loss.sum()), 0.0)
     return tally.to_group_result("clearance to 10 µm", "four-point bearing, 9 balls", "one start each")
 
 
 def solve_all_groups_of_touching_balls() -> list[GroupResult]:
     """Solve all groups of two and more neighbouring balls, and of a bearing with clearance; return each group's results."""
-    two = radians(2.0)
-    base, few = source_cases.screw_pair_with_inferred_oversize(two), f"one random start; source up to {SOURCE_BALLS} balls"
-    return [
-        solve_linear_bearing_group(
-            "rho to ±0.999, theta to ±5°", [linear_bearing_pair(t, r) for t, r in product(ANGLES, RHO)]
-        ),
-        solve_linear_bearing_group(
-            "mu 0.001 to 0.5", [linear_bearing_pair(2.0, r, VERTICAL, m) for r, m in product((-0.6, -0.999), MU)]
-        ),
-        solve_linear_bearing_group(
-            "loads 1e-3 to 1e5 N", [linear_bearing_pair(2.0, r, f) for r, f in product((-0.6, -0.999), LOADS)]
-        ),
-        solve_linear_bearing_group(
-            "two-point transition", [pair_with_nearly_unloaded_diagonal(10.0**-k) for k in range(1, 13)]
-        ),
-        solve_linear_bearing_group("zero speed", [linear_bearing_pair(2.0, -0.6, speed=0.0)]),
-        solve_linear_bearing_group(
-            "chains", [random_linear_bearing_balls(n) for n in BALLS], f"linear, {', '.join(map(str, BALLS))} balls"
-        ),
-        solve_linear_bearing_group(
-            "chains, mu 0.001 to 0.5",
-            [random_linear_bearing_balls(n, m) for n, m in product(BALLS, MU)],
-            f"linear, {', '.join(map(str, BALLS))} balls",
-            1,
-            SOURCE_BALLS,
-            few,
-        ),
-        solve_linear_bearing_group(
-            "chains, mu 0.001 to 0.5",
-            [random_balls_with_unloaded_contacts(n, m) for n, m in product(BALLS, MU)],
-            "the same, a quarter of the contacts unloaded",
-            1,
-            SOURCE_BALLS,
-            few,
-        ),
-        solve_screw_pair_group(
-            "theta to ±5°", [source_cases.screw_pair_with_inferred_oversize(radians(t)) for t in ANGLES]
-        ),
-        solve_screw_pair_group(
-            "mu 0.001 to 0.5", [replace(base, groove=source_cases.groove_of_table_3_6(mu=m)) for m in MU]
-        ),
-        solve_screw_pair_group("loads 1e-3 to 1e5 N", [replace(base, force=(f,)) for f in LOADS]),
-        solve_screw_pair_group(
+    two, counts = radians(2.0), f"{', '.join(map(str, BALLS))} balls"
+    base, printed = oversized_pair(two), pair_as_printed(two)
+    mu, loads, sides = "mu 0.001 to 0.5", "loads 1e-3 to 1e5 N", (-0.6, -0.999)
+    linear: tuple[tuple[str, list[LinearBearingBalls]], ...] = (
+        ("rho to ±0.999, theta to ±5°", [linear_pair(t, r) for t, r in product(ANGLES, RHO)]),
+        (mu, [linear_pair(2.0, r, VERTICAL, m) for r, m in product(sides, MU)]),
+        (loads, [linear_pair(2.0, r, f) for r, f in product(sides, LOADS)]),
+        ("two-point transition", [linear_pair(2.0, -1.0 + 10.0**-k) for k in range(1, 13)]),
+        ("zero speed", [linear_pair(2.0, -0.6, speed=0.0)]),
+    )
+    few = 1, SOURCE_BALLS, f"one random start; source up to {SOURCE_BALLS} balls"
+    balls = [random_linear_balls(n, m) for n, m in product(BALLS, MU)]
+    unloaded = [random_balls_with_unloaded_contacts(n, m) for n, m in product(BALLS, MU)]
+    pairs: tuple[tuple[str, list[Pair], str], ...] = (
+        ("theta to ±5°", [oversized_pair(radians(t)) for t in ANGLES], ""),
+        (mu, [replace(base, groove=screw_groove(mu=m)) for m in MU], ""),
+        (loads, [replace(base, force=(f,)) for f in LOADS], ""),
+        (
             "two-point transition",
             [replace(base, oversize=o) for o in 1e-6 * np.linspace(0.8, 1.1, 13)],
             "oversize 0.8 to 1.1 µm",
         ),
-        solve_screw_pair_group(
-            "clearance to 10 µm",
-            [replace(source_cases.screw_pair_as_printed(two), oversize=-c, coupling="none") for c in CLEARANCE],
-            "loads not coupled",
-        ),
-        solve_screw_pair_group(
-            "clearance to 10 µm",
-            [replace(source_cases.screw_pair_as_printed(two), oversize=-c) for c in CLEARANCE],
-            "friction moves the balls",
-        ),
-        solve_screw_pair_group(
+        ("clearance to 10 µm", [replace(printed, oversize=-c, coupling="none") for c in CLEARANCE], "loads not coupled"),
+        ("clearance to 10 µm", [replace(printed, oversize=-c) for c in CLEARANCE], "friction moves the balls"),
+        (
             "small loads and clearance",
-            [
-                replace(source_cases.screw_pair_as_printed(two), oversize=-c, force=(f,))
-                for c, f in product(CLEARANCE[1:], SMALL)
-            ],
+            [replace(printed, oversize=-c, force=(f,)) for c, f in product(CLEARANCE[1:], SMALL)],
             "friction moves the balls; 1e-3 to 0.3 N, 1 to 10 µm",
         ),
-        solve_screw_pair_group("zero speed", [replace(base, groove=source_cases.groove_of_table_3_6(nut_speed=0.0))]),
+        ("zero speed", [replace(base, groove=screw_groove(nut_speed=0.0))], ""),
+    )
+    return [
+        *(solve_linear_group(*group) for group in linear),
+        solve_linear_group("chains", [random_linear_balls(n) for n in BALLS], f"linear, {counts}"),
+        solve_linear_group(f"chains, {mu}", balls, f"linear, {counts}", *few),
+        solve_linear_group(f"chains, {mu}", unloaded, "the same, a quarter of the contacts unloaded", *few),
+        *(solve_pair_group(*group) for group in pairs),
         solve_screw_chain_group(),
         solve_bearing_clearance_group(),
     ]
@@ -671,38 +541,8 @@ def solve_all_groups_of_touching_balls() -> list[GroupResult]:
 #: Number of random starts for each case, distance and sharpness of the friction law.
 ROOT_STARTS = 8
 
-
-def groups_of_extreme_linear_pairs() -> list[tuple[str, list[linear_chain.LinearChain]]]:
-    """Return groups of extreme cases of two balls in the linear bearing of Lin's section 3.3.
-
-    Each item: names of the varied inputs with their ranges, as text; then the ball pairs of the group, prepared for the
-    solver.
-    """
-
-    def make_pair(theta: float, rho: float, vertical: float, mu: float) -> linear_chain.LinearChain:
-        """Return two balls of the linear bearing, prepared for the solver, with the arguments of `linear_bearing_pair`."""
-        bearing = replace(LINEAR, mu=mu, mu_balls=mu)
-        return linear_chain.prepare_linear_chain(
-            bearing, *linear_chain.pair_angles_and_loads(bearing, radians(theta), rho, vertical, loads="elastic")
-        )
-
-    return [
-        (
-            "rho to ±0.999, theta to ±5 deg",
-            [
-                make_pair(t, r, 100.0, 0.1)
-                for t, r in product((-5.0, -0.1, 2.0, 5.0), (-0.999, -0.9, -0.3, 0.3, 0.9, 0.999))
-            ],
-        ),
-        (
-            "friction coefficient 0.001 to 0.5",
-            [make_pair(2.0, r, 100.0, mu) for r, mu in product((-0.6, -0.999), (1e-3, 0.01, 0.1, 0.3, 0.5))],
-        ),
-        (
-            "loads 1e-3 to 1e5 N",
-            [make_pair(2.0, r, f, 0.1) for r, f in product((-0.6, -0.999), (1e-3, 0.1, 10.0, 1e3, 1e5))],
-        ),
-    ]
+#: Heading of the column with the largest error of the power balance.
+ENERGY = "largest energy error: power input minus dissipation, divided by dissipation"
 
 
 def extreme_linear_pair_rows() -> list[Row]:
@@ -712,8 +552,14 @@ def extreme_linear_pair_rows() -> list[Row]:
     difference of power input and dissipation, and largest difference of the ball-to-ball force between starts, over the
     friction bound.
     """
-    rng, rows = np.random.default_rng(3), list[Row]()
-    for group, chains in groups_of_extreme_linear_pairs():
+    rng, rows, sides = np.random.default_rng(3), list[Row](), (-0.6, -0.999)
+    groups = {
+        "rho to ±0.999, theta to ±5 deg": [linear_pair(t, r) for t, r in product((-5.0, -0.1, 2.0, 5.0), RHO)],
+        "friction coefficient 0.001 to 0.5": [linear_pair(2.0, r, mu=mu) for r, mu in product(sides, MU)],
+        "loads 1e-3 to 1e5 N": [linear_pair(2.0, r, f) for r, f in product(sides, LOADS)],
+    }
+    for group, pairs in groups.items():
+        chains = [pair.to_linear_chain() for pair in pairs]
         solved, energy, spread, residual = 0, 0.0, 0.0, 0.0
         for c in chains:
             starts = [None, *(c.kernel_arrays.nominal_motion * rng.uniform(-3.0, 3.0, (c.count, 3)) for _ in range(2))]
@@ -722,17 +568,14 @@ def extreme_linear_pair_rows() -> list[Row]:
             energy = max(energy, *(abs(r.power / r.loss - 1.0) for r in found))
             spread = max(spread, *(float(abs(r.ball_force[0] - found[0].ball_force[0])) / c.force_unit for r in found))
             residual = max(residual, *(max(r.largest_imbalance_ratio, r.largest_closing_speed_ratio) for r in found))
+        found_of_all = f"{solved} of {3 * len(chains)}"
         rows.append(
             {
                 TableColumn("group", "varied inputs", "", "s"): group,
                 TableColumn("cases", "number of cases", "", "s"): len(chains),
-                TableColumn(
-                    "solved", "solutions found from three starting points of each case", "", "s"
-                ): f"{solved} of {3 * len(chains)}",
+                TableColumn("solved", "solutions found from three starting points of each case", "", "s"): found_of_all,
                 TableColumn("residual", "largest residual of the friction solver", "", "g2"): residual,
-                TableColumn(
-                    "energy", "largest energy error: power input minus dissipation, divided by dissipation", "", "g2"
-                ): energy,
+                TableColumn("energy", ENERGY, "", "g2"): energy,
                 TableColumn(
                     "spread", "largest difference of the ball-to-ball force between starting points", "", "g2"
                 ): spread,
@@ -762,10 +605,8 @@ def root_finding_rows() -> list[Row]:
             row[TableColumn(key, heading, "", "s")] = f"{by_root} of {ROOT_STARTS}"
         least = [least_dissipation(s.problem, q, fast=True) for q in begin]
         good = sum(m.status == "exact" and abs(m.loss / s.motion.loss - 1.0) < 1e-8 for m in least)
-        ours = TableColumn(
-            "ours", "random starts within 50 % of the solution from which least dissipation finds it", "", "s"
-        )
-        rows.append(row | {ours: f"{good} of {ROOT_STARTS}"})
+        heading = "random starts within 50 % of the solution from which least dissipation finds it"
+        rows.append(row | {TableColumn("ours", heading, "", "s"): f"{good} of {ROOT_STARTS}"})
     return rows
 
 
@@ -779,7 +620,7 @@ COLUMNS = (
     TableColumn("model", "friction model", "", "s"),
     TableColumn("cases", "number of cases", "", "s"),
     TableColumn("ours", "solutions found by this package, of all starting points", "", "s"),
-    TableColumn("energy", "largest energy error: power input minus dissipation, divided by dissipation", "", "g2"),
+    TableColumn("energy", ENERGY, "", "g2"),
     TableColumn("spread", "largest difference of results between starting points", "", "g2"),
     TableColumn("source", "solutions found by Lin's root finding, of all starting points", "", "s"),
     TableColumn("note", "remark", "", "s"),
@@ -805,11 +646,11 @@ def extreme_cases_text_and_table(found: Sequence[GroupResult] | None = None) -> 
     ``found``: results of all groups of cases; None: all cases are solved here.
     """
     found = solve_all_extreme_groups() if found is None else found
-    cells = list[dict[str, Cell]]()
+    shown = list[dict[str, Cell]]()
     for r in found:
         theirs = "–" if r.source is None else f"{r.source} of {r.source_tries}"
-        cells.append(asdict(r) | {"ours": f"{r.ours} of {r.tries}", "source": theirs})
-    shown = [{c.key: row[c.key] for c in COLUMNS} for row in cells]
+        cells = asdict(r) | {"ours": f"{r.ours} of {r.tries}", "source": theirs}
+        shown.append({c.key: cells[c.key] for c in COLUMNS})
     tried = [r for r in found if r.source is not None]
     text = (
         f"This package's solvers find {sum(r.ours for r in found)} of {sum(r.tries for r in found)} solutions, Lin's root "
@@ -826,17 +667,8 @@ def extreme_cases_text_and_table(found: Sequence[GroupResult] | None = None) -> 
         f"pairs and chains {CHAIN_STARTS} within {FAR_START:.0%} ({NEAR_START:.0%} for chains of a screw). A chain of a "
         "screw that Newton's method does not solve from a random start is restarted from the default start. Where friction "
         "between balls permits more than one state (jammed or apart), the state reached by continuation from zero friction "
-        "is reported. "
-        "A nearly unloaded ball of a screw with clearance may also float or be wedged by its own friction; its restarts "
-        "keep the loads found first."
+        "is reported. A nearly unloaded ball of a screw with clearance may also float or be wedged by its own friction; "
+        "its restarts keep the loads found first."
     )
-    return (
-        Text(text),
-        Table(
-            "friction-extremes",
-            "Extreme cases: solutions from all starting points, by this package's friction solvers and Lin's method",
-            COLUMNS,
-            shown,
-            note,
-        ),
-    )
+    title = "Extreme cases: solutions from all starting points, by this package's friction solvers and Lin's method"
+    return Text(text), Table("friction-extremes", title, COLUMNS, shown, note)

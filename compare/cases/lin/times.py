@@ -9,14 +9,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from rollbench.compare.cases.lin.evidence.source_cases import finest_rolling_run
 from rollbench.compare.models.registry import MODELS, ModelOptions
 from rollbench.compare.models.study import SceneResultCache
-from rollbench.compare.reference.store import measuring_conditions, shipped_store
-from rollbench.compare.scenes.catalogue import shipped_scene_of_kind
-from rollbench.compare.scenes.friction_kinds.common import FrictionScene
+from rollbench.compare.reference.store import measuring_conditions
 from rollbench.compare.sections.reference_time import further_solution_seconds
 from rollbench.compare.studies import run_times
-from rollbench.compare.studies.rolling.runs import LEVELS, load_rolling_run
+from rollbench.compare.studies.rolling.runs import LEVELS
 
 #: Scenes of the case studies of Table 2.2, by number; scenes of Tables 3.5 and 3.7, by case.
 STATIC = {1: "lin-case1", 2: "lin-case2", 3: "lin-case3-offset"}
@@ -30,10 +29,9 @@ CALLS = {
         "formula_force(mated={mated})",
     ),
     "3D": (
-        "from rollbench.compare.running import usable_cores\n"
-        "from rollbench.compare.scenes.catalogue import shipped_scene_of_kind\n"
-        "from rollbench.compare.scenes.friction_kinds.common import FrictionScene\n"
-        "from rollbench.compare.studies.rolling.runs import compute_run",
+        "from rollbench.compare.running import usable_cores\nfrom rollbench.compare.scenes.catalogue import "
+        "shipped_scene_of_kind\nfrom rollbench.compare.scenes.friction_kinds.common import FrictionScene\nfrom "
+        "rollbench.compare.studies.rolling.runs import compute_run",
         "compute_run(shipped_scene_of_kind({name!r}, FrictionScene), {level}, processes=usable_cores())",
     ),
 }
@@ -51,9 +49,8 @@ def measure_run_times(cache: SceneResultCache, step: Callable[[str], None]) -> r
     for name in STATIC.values():
         step(f"{name}, source's model: cold and further")
         cold, model = run_times.time_model_in_new_process(name, "lin", repeats=1), MODELS["lin"]
-        further = further_solution_seconds(
-            model, cache.built_in_scene(name), ModelOptions(estimate_beam_mesh_error=False, engine="compiled")
-        )
+        options = ModelOptions(estimate_beam_mesh_error=False, engine="compiled")
+        further = further_solution_seconds(model, cache.built_in_scene(name), options)
         times[name, "lin"] = run_times.RunTime(cold.process, further, cold.memory)
         found = cache.stored_reference(name)
         if found is not None:
@@ -96,19 +93,14 @@ def stored_run_times(cache: SceneResultCache, name: str, model: str) -> ModelRun
             if (level.scene, level.level) == (name, found.best.level):
                 return ModelRunTimes(level.process, level.load_case)
         run = found.best
-        return ModelRunTimes(
-            earlier_measurement=f"{run.setup_seconds + run.solve_seconds:.3g} s, measured with {run.measured}"
-        )
+        seconds = run.setup_seconds + run.solve_seconds
+        return ModelRunTimes(earlier_measurement=f"{seconds:.3g} s, measured with {run.measured}")
     known = None if kept is None else kept.times_by_scene_and_model.get((name, model))
     if known is not None:
         return ModelRunTimes(known.cold, known.warm)
     if model != "3D":
         return ModelRunTimes()
-    two = load_rolling_run(
-        shipped_scene_of_kind(name, FrictionScene), max(LEVELS), cache.reference_folders or (shipped_store(),)
-    )
-    return (
-        ModelRunTimes()
-        if two is None
-        else ModelRunTimes(earlier_measurement=f"{two.seconds:.3g} s of processor time, measured with {two.measured}")
-    )
+    two = finest_rolling_run(cache, name)
+    if two is None:
+        return ModelRunTimes()
+    return ModelRunTimes(earlier_measurement=f"{two.seconds:.3g} s of processor time, measured with {two.measured}")

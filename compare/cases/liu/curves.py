@@ -12,7 +12,7 @@ import numpy as np
 
 from rollbench.compare.cases.liu import evidence as liu
 from rollbench.compare.printed import printed_value
-from rollbench.lowfi.random_errors import chain as random_errors_chain
+from rollbench.lowfi.random_errors import chain as ball_chain
 from rollbench.lowfi.random_errors.chain import Quantity as Spread
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.section import screw_section
@@ -48,7 +48,7 @@ def _random_ball_errors(half_range: int, number: int = 0) -> Array:
     the screw, from 0.
     """
     return np.asarray(
-        random_errors_chain.draw_uniform_errors(liu.SEED + half_range, number, 1, liu.ball_count(), 1e-6 * half_range)[0]
+        ball_chain.draw_uniform_errors(liu.SEED + half_range, number, 1, liu.ball_count(), 1e-6 * half_range)[0]
     )
 
 
@@ -60,12 +60,12 @@ def _curve_over_balls(values: Array, label: str, *, emphasis: bool = False) -> S
     return Series(label, list(range(1, liu.ball_count() + 1)), [float(v) for v in values], "line", bold=emphasis)
 
 
-def _solve_ball_loads(errors: Array, force: float, chain: random_errors_chain.BallScrewChain | None = None) -> Array:
+def _solve_ball_loads(errors: Array, force: float, chain: ball_chain.BallScrewChain | None = None) -> Array:
     """Return the contact load of each ball (78,) [N] under the axial force ``force`` [N].
 
     ``errors``: errors of the ball diameters (78,) [m]; ``chain``: axial model; None: Liu's calibrated model.
     """
-    return random_errors_chain.solve_ball_screw(chain or liu.calibrated_axial_model(), errors, force).load
+    return ball_chain.solve_ball_screw(chain or liu.calibrated_model(), errors, force).load
 
 
 def _printed_markers(x: Sequence[float], y: Sequence[float], label: str = "printed") -> Series:
@@ -74,14 +74,14 @@ def _printed_markers(x: Sequence[float], y: Sequence[float], label: str = "print
 
 
 @cache
-def _solve_random_screws(half_range: int) -> random_errors_chain.ScrewEnsemble:
+def _solve_random_screws(half_range: int) -> ball_chain.ScrewEnsemble:
     """Draw 1000 screws (`CURVES`) with random ball errors, and solve their contact loads under several axial loads.
 
     The loads are `TEST_LOADS`. ``half_range``: the errors of the ball diameters are uniform within plus and minus this
     range [um].
     """
-    return random_errors_chain.solve_ensemble(
-        liu.calibrated_axial_model(), 1e-6 * half_range, list(TEST_LOADS), CURVES, seed=liu.SEED + half_range
+    return ball_chain.solve_ensemble(
+        liu.calibrated_model(), 1e-6 * half_range, list(TEST_LOADS), CURVES, seed=liu.SEED + half_range
     )
 
 
@@ -110,9 +110,9 @@ def _curve_without_errors(quantity_at_load: Callable[[float], float], loads: Seq
     return Series("no ball errors", list(loads), [quantity_at_load(f) for f in loads], "line")
 
 
-def _error_free_displacement_and_stiffness(force: float) -> tuple[float, float]:
+def _error_free_response(force: float) -> tuple[float, float]:
     """Return axial displacement [um], then stiffness [1e8 N/m] of the screw without errors under an axial force [N]."""
-    state = random_errors_chain.solve_ball_screw(liu.calibrated_axial_model(), np.zeros(liu.ball_count()), force)
+    state = ball_chain.solve_ball_screw(liu.calibrated_model(), np.zeros(liu.ball_count()), force)
     return 1e6 * state.displacement, 1e-8 * state.stiffness
 
 
@@ -121,17 +121,10 @@ def ball_deformation_figure() -> Figure:
     errors, panels = _random_ball_errors(2), []
     for force in (2000.0, 1000.0, 500.0):
         load = _solve_ball_loads(errors, force)
-        approach = 1e6 * (load / liu.calibrated_axial_model().stiffness) ** (2.0 / 3.0)
+        approach = 1e6 * (load / liu.calibrated_model().stiffness) ** (2.0 / 3.0)
         title = f"axial load {force:g} N: {int(np.count_nonzero(load == 0.0))} unloaded balls"
-        panels.append(
-            Panel(
-                title,
-                BALLS,
-                "normal deformation / µm",
-                (_curve_over_balls(approach, "computed, one random screw"),),
-                include_zero=True,
-            )
-        )
+        curve = _curve_over_balls(approach, "computed, one random screw")
+        panels.append(Panel(title, BALLS, "normal deformation / µm", (curve,), include_zero=True))
     caption = (
         "Liu's text prints no unloaded ball at 2000 N, one at 1500 N (his caption: 1000 N) and 25 at 500 N. The table of "
         f"this section states at which percentile of {liu.MEMBERS} random screws each number lies. {DRAWN}"
@@ -154,12 +147,12 @@ def displacement_test_figure() -> Figure:
     free = [float(v) + elongation_outside_nut(f) for f, v in zip(TEST_LOADS, found[1].y, strict=True)]
     series = (
         *found,
-        _curve_without_errors(lambda f: _error_free_displacement_and_stiffness(f)[0], TEST_LOADS),
+        _curve_without_errors(lambda f: _error_free_response(f)[0], TEST_LOADS),
         Series("median, with elongation of the screw outside the nut", list(TEST_LOADS), free, "line"),
     )
     stiff = (
         *_percentile_curves_over_load(3, "stiffness", 1e8, TEST_LOADS),
-        _curve_without_errors(lambda f: _error_free_displacement_and_stiffness(f)[1], TEST_LOADS),
+        _curve_without_errors(lambda f: _error_free_response(f)[1], TEST_LOADS),
     )
     panels = (
         Panel("displacement of the nut", "axial load / N", "axial displacement / µm", series, include_zero=True),
@@ -170,19 +163,17 @@ def displacement_test_figure() -> Figure:
         f"displacement includes the stretch of the {1e3 * FREE_LENGTH:g} mm of screw outside the nut: both are drawn. "
         f"{SPREAD}"
     )
-    return Figure(
-        "liu-figure-13",
-        "Liu (2025), Figure 13: displacement and stiffness predicted for Liu's test, random ball errors of ±3 µm",
-        panels,
-        caption,
-    )
+    title = "Liu (2025), Figure 13: displacement and stiffness predicted for Liu's test, random ball errors of ±3 µm"
+    return Figure("liu-figure-13", title, panels, caption)
 
 
 def displacement_test_table() -> Table:
     """Return the table of computed displacements for the experiment of Liu's Figure 13, at several axial loads."""
     rows: list[Row] = []
     for force in (500.0, 1000.0, 3000.0, 5000.0, 7000.0, 9000.0, 10845.0):
-        moved = 1e6 * _solve_random_screws(3).values_at("displacement_first_loaded", force)
+        screws, stretch = _solve_random_screws(3), elongation_outside_nut(force)
+        moved = 1e6 * screws.values_at("displacement_first_loaded", force)
+        loaded = float(np.median(screws.values_at("loaded", force)))
         low, middle, high = (float(np.quantile(moved, q)) for q in (liu.UNLIKELY, 0.5, 1.0 - liu.UNLIKELY))
         rows.append(
             {
@@ -191,27 +182,17 @@ def displacement_test_table() -> Table:
                 TableColumn("middle", "median displacement with ball errors of ±3 µm", "µm", ".2f"): middle,
                 TableColumn("low", "0.5th percentile of the displacement with these ball errors", "µm", ".2f"): low,
                 TableColumn("high", "99.5th percentile of the displacement with these ball errors", "µm", ".2f"): high,
-                TableColumn(
-                    "none", "displacement without ball errors", "µm", ".2f"
-                ): _error_free_displacement_and_stiffness(force)[0],
-                TableColumn("stretch", "elongation of the screw outside the nut", "µm", ".2f"): elongation_outside_nut(
-                    force
-                ),
-                TableColumn("loaded", "median number of loaded balls", "", ".0f"): float(
-                    np.median(_solve_random_screws(3).values_at("loaded", force))
-                ),
+                TableColumn("none", "displacement without ball errors", "µm", ".2f"): _error_free_response(force)[0],
+                TableColumn("stretch", "elongation of the screw outside the nut", "µm", ".2f"): stretch,
+                TableColumn("loaded", "median number of loaded balls", "", ".0f"): loaded,
             }
         )
     note = (
         "Displacement of the nut by Liu's equation (19), counted from the first contact of a ball. The cross section of "
         "the screw is assumed (scene liu-screw)."
     )
-    return Table.from_rows(
-        "liu-test",
-        "Liu (2025), Figure 13: displacement predicted for Liu's test; measured values are not printed",
-        rows,
-        note,
-    )
+    title = "Liu (2025), Figure 13: displacement predicted for Liu's test; measured values are not printed"
+    return Table.from_rows("liu-test", title, rows, note)
 
 
 def liu_and_mei_loads_figure() -> Figure:
@@ -221,7 +202,7 @@ def liu_and_mei_loads_figure() -> Figure:
         ("no ball errors", np.zeros(liu.ball_count())),
         ("ball errors of ±2 µm, one random screw", _random_ball_errors(2)),
     ):
-        ours, mei = (_solve_ball_loads(errors, force, chain) for chain in (liu.calibrated_axial_model(), liu.mei_model()))
+        ours, mei = (_solve_ball_loads(errors, force, chain) for chain in (liu.calibrated_model(), liu.mei_model()))
         series = [
             _curve_over_balls(ours, "Liu's model, implicit contact angle", emphasis=True),
             _curve_over_balls(mei, "Mei's model, 45°"),
@@ -231,9 +212,8 @@ def liu_and_mei_loads_figure() -> Figure:
             series.append(_printed_markers([liu.ball_count()] * 2, ends, "printed Q78/Q1 times computed Q1"))
         panels.append(Panel(title, BALLS, "normal load / N", series))
     caption = f"Of this figure only the ratios of the last ball's load to the first ball's are printed. {DRAWN}"
-    return Figure(
-        "liu-figure-14", "Liu (2025), Figure 14: contact loads by Liu's and by Mei's model under 5000 N", panels, caption
-    )
+    title = "Liu (2025), Figure 14: contact loads by Liu's and by Mei's model under 5000 N"
+    return Figure("liu-figure-14", title, panels, caption)
 
 
 def loads_with_one_faulty_ball_figure() -> Figure:
@@ -247,35 +227,26 @@ def loads_with_one_faulty_ball_figure() -> Figure:
             at += [33.0, float(liu.ball_count())]
             q33, ratio = (printed_value("liu-4.2", f"{sign}_{key}_{force:.0f}") for key in ("Q33", "ratio"))
             printed += [q33, ratio * float(load[0])]
-        panels.append(
-            Panel(
-                f"{words} error of ball 33",
-                BALLS,
-                "normal load / N",
-                (*series, _printed_markers(at, printed)),
-                include_zero=True,
-            )
-        )
+        series.append(_printed_markers(at, printed))
+        panels.append(Panel(f"{words} error of ball 33", BALLS, "normal load / N", series, include_zero=True))
     caption = (
         "Markers: load Q33 of ball 33 that Liu prints, and load of ball 78, from the printed ratio Q78/Q1 of the loads of "
         "balls 78 and 1 and the computed load Q1. The lighter axial load of panel a is not printed; 1000 N is assumed, as "
         "in panel b. In panel b, at 5000 N, Liu prints Q33 = 124.55 N, a misprint of 142.55 N (two digits exchanged)."
     )
-    return Figure(
-        "liu-figure-15", "Liu (2025), Figure 15: contact loads with one ball too small or too large", panels, caption
-    )
+    title = "Liu (2025), Figure 15: contact loads with one ball too small or too large"
+    return Figure("liu-figure-15", title, panels, caption)
 
 
-def _load_curves_with_printed_ranges(half_range: int, loads: Iterable[float]) -> list[Series]:
+def _load_curves_and_ranges(half_range: int, loads: Iterable[float]) -> list[Series]:
     """Return curves of the ball loads over the ball's number, with the printed smallest and largest loads as markers.
 
     The screw has random ball errors. ``half_range``: half range of these errors [um]; ``loads``: axial loads [N].
     """
     series = []
     for force in loads:
-        series.append(
-            _curve_over_balls(_solve_ball_loads(_random_ball_errors(half_range), force), f"computed, {force:g} N")
-        )
+        load = _solve_ball_loads(_random_ball_errors(half_range), force)
+        series.append(_curve_over_balls(load, f"computed, {force:g} N"))
         if half_range:
             ends = [printed_value("liu-4.3", f"{end}_{half_range}_{force:.0f}") for end in ("min", "max")]
             series.append(_printed_markers([0.0, 0.0], ends, f"printed range, {force:g} N"))
@@ -284,21 +255,11 @@ def _load_curves_with_printed_ranges(half_range: int, loads: Iterable[float]) ->
 
 def loads_with_random_errors_figure() -> Figure:
     """Draw Liu's Figure 16: loads of all balls with random errors of +-2 um."""
-    panel = Panel(
-        "ball errors of ±2 µm",
-        BALLS,
-        "normal load / N",
-        _load_curves_with_printed_ranges(2, (500.0, 1000.0, 5000.0)),
-        include_zero=True,
-    )
+    curves = _load_curves_and_ranges(2, (500.0, 1000.0, 5000.0))
+    panel = Panel("ball errors of ±2 µm", BALLS, "normal load / N", curves, include_zero=True)
     caption = f"Markers at the left: smallest and largest loads that Liu's text prints. {DRAWN}"
-    return Figure(
-        "liu-figure-16",
-        "Liu (2025), Figure 16: contact loads with random ball errors of ±2 µm",
-        (panel,),
-        caption,
-        columns=1,
-    )
+    title = "Liu (2025), Figure 16: contact loads with random ball errors of ±2 µm"
+    return Figure("liu-figure-16", title, (panel,), caption, columns=1)
 
 
 def loads_by_error_range_figure() -> Figure:
@@ -306,15 +267,8 @@ def loads_by_error_range_figure() -> Figure:
     panels = []
     for half_range, letter in enumerate("abcd"):
         title = f"{letter}: " + (f"ball errors of ±{half_range} µm" if half_range else "no ball errors")
-        panels.append(
-            Panel(
-                title,
-                BALLS,
-                "normal load / N",
-                _load_curves_with_printed_ranges(half_range, (1000.0, 5000.0)),
-                include_zero=True,
-            )
-        )
+        curves = _load_curves_and_ranges(half_range, (1000.0, 5000.0))
+        panels.append(Panel(title, BALLS, "normal load / N", curves, include_zero=True))
     caption = f"Markers at the left: smallest and largest loads that Liu's text prints. {DRAWN}"
     title = "Liu (2025), Figure 17: contact loads for several ranges of random ball errors"
     return Figure("liu-figure-17", title, panels, caption)
@@ -345,7 +299,7 @@ def loaded_balls_figure(found: dict[str, float], caption_end: str) -> Figure:
 
 def displacement_figure() -> Figure:
     """Draw Liu's Figure 19: axial displacement of the nut over the axial load."""
-    free = _curve_without_errors(lambda f: _error_free_displacement_and_stiffness(f)[0])
+    free = _curve_without_errors(lambda f: _error_free_response(f)[0])
     panels = [
         Panel(
             f"ball errors of ±{h} µm",
@@ -377,7 +331,7 @@ def stiffness_figure(found: dict[str, float], caption_end: str) -> Figure:
     ``found``: printed values by key, such as "K_2_3000" for ball errors within ±2 um and a load of 3000 N;
     ``caption_end``: text that ends the caption.
     """
-    free, panels = _curve_without_errors(lambda f: _error_free_displacement_and_stiffness(f)[1]), []
+    free, panels = _curve_without_errors(lambda f: _error_free_response(f)[1]), []
     for h in liu.RANGES:
         marks = [
             _printed_stiffness_markers(found, h, "printed"),
@@ -401,8 +355,7 @@ def stiffness_of_three_screws_figure(found: dict[str, float]) -> Figure:
     curves = []
     for i, name in enumerate(liu.SETS):
         values = [
-            1e-8
-            * random_errors_chain.solve_ball_screw(liu.calibrated_axial_model(), _random_ball_errors(2, i), f).stiffness
+            1e-8 * ball_chain.solve_ball_screw(liu.calibrated_model(), _random_ball_errors(2, i), f).stiffness
             for f in LOADS
         ]
         curves.append(Series(f"computed, random screw {i + 1}", list(LOADS), values, "line"))
@@ -426,6 +379,5 @@ def stiffness_of_three_screws_figure(found: dict[str, float]) -> Figure:
             include_zero=True,
         ),
     )
-    return Figure(
-        "liu-figure-21", "Liu (2025), Figure 21: axial stiffness of three screws with random ball errors", panels, DRAWN
-    )
+    title = "Liu (2025), Figure 21: axial stiffness of three screws with random ball errors"
+    return Figure("liu-figure-21", title, panels, DRAWN)

@@ -18,7 +18,7 @@ from rollbench.compare.evidence import ComputedEntryValues
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.printed import PrintedEntry, printed_value
 from rollbench.compare.scenes import catalogue
-from rollbench.lowfi.random_errors import chain as random_errors_chain
+from rollbench.lowfi.random_errors import chain as ball_chain
 from rollbench.lowfi.random_errors.elimination import solve_by_elimination
 from rollbench.lowfi.statics.liu import nut_as_spring_row
 from rollbench.meshes.arrays import Array
@@ -32,17 +32,14 @@ ASSUMED = (
     "Areas of screw and nut and balls a turn are not printed. Only the compliance of a segment enters; it is calibrated "
     "once, so that Q78/Q1 without errors at 5000 N is 0.862.",
     "Stiffness is the tangent dF/du at the loaded end: the step of load of (22) is not printed.",
-    "Drawn errors are independent and uniform in +-e; the draws of the source are not printed.",
+    "Drawn errors are independent and uniform in +-e; the errors that Liu et al. drew are not printed.",
 )
 
 #: Number of screws drawn with random errors; seed of the random numbers.
 MEMBERS, SEED = 5000, 2025
 
 #: Axial loads [N] under which random screws are solved, by half range of their ball errors [um].
-LOADS: dict[int, tuple[float, ...]] = {
-    1: (100.0, 500.0, 1000.0, 2137.0, 3000.0, 5000.0),
-    3: (100.0, 500.0, 1000.0, 2137.0, 3000.0, 5000.0),
-}
+LOADS: dict[int, tuple[float, ...]] = dict.fromkeys((1, 3), (100.0, 500.0, 1000.0, 2137.0, 3000.0, 5000.0))
 
 LOADS[2] = (100.0, 500.0, 1000.0, 1100.0, 1500.0, 2000.0, 2100.0, 2137.0, 3000.0, 5000.0)
 
@@ -73,16 +70,13 @@ def calibration_load() -> float:
 
 
 @cache
-def calibrated_axial_model(contact_angle_law: random_errors_chain.Law = "implicit") -> random_errors_chain.BallScrewChain:
+def calibrated_model(contact_angle_law: ball_chain.Law = "implicit") -> ball_chain.BallScrewChain:
     """Return Liu's axial model of the screw, its segment compliance fitted to the printed load ratio Q78/Q1.
 
     ``contact_angle_law``: contact-angle law, "implicit" (Liu's), "exact" or "constant".
     """
-    return random_errors_chain.calibrate_compliance(
-        nut_as_spring_row(liu_screw_scene(), law=contact_angle_law).liu_chain,
-        printed_last_over_first_load_ratio(),
-        calibration_load(),
-    )
+    chain = nut_as_spring_row(liu_screw_scene(), law=contact_angle_law).liu_chain
+    return ball_chain.calibrate_compliance(chain, printed_last_over_first_load_ratio(), calibration_load())
 
 
 def implied_series_cross_section(balls_a_turn: float) -> float:
@@ -92,7 +86,7 @@ def implied_series_cross_section(balls_a_turn: float) -> float:
     segment between two balls.
     """
     scene = liu_screw_scene()
-    return scene.track.lead / balls_a_turn / (scene.balls.material.youngs_modulus * calibrated_axial_model().compliance)
+    return scene.track.lead / balls_a_turn / (scene.balls.material.youngs_modulus * calibrated_model().compliance)
 
 
 def ball_errors_with_faulty_ball_33(error: float) -> Array:
@@ -104,31 +98,29 @@ def ball_errors_with_faulty_ball_33(error: float) -> Array:
 
 @cache
 def solve_with_error_of_ball_33(
-    error_um: float, load: float, chain: random_errors_chain.BallScrewChain | None = None
-) -> random_errors_chain.BallScrewState:
+    error_um: float, load: float, chain: ball_chain.BallScrewChain | None = None
+) -> ball_chain.BallScrewState:
     """Solve the contact loads of the screw under an axial load, where only ball 33 has an error.
 
     ``error_um``: error of the ball's diameter [um]; ``load``: axial load [N]; ``chain``: axial model; None: Liu's model,
     calibrated.
     """
-    return random_errors_chain.solve_ball_screw(
-        chain or calibrated_axial_model(), ball_errors_with_faulty_ball_33(1e-6 * error_um), load
-    )
+    return ball_chain.solve_ball_screw(chain or calibrated_model(), ball_errors_with_faulty_ball_33(1e-6 * error_um), load)
 
 
 @cache
-def solve_screws_with_random_errors(half_range_um: int) -> random_errors_chain.ScrewEnsemble:
+def solve_screws_with_random_errors(half_range_um: int) -> ball_chain.ScrewEnsemble:
     """Draw 5000 screws (`MEMBERS`) with random ball errors, and solve their contact loads under several axial loads.
 
     The loads are `LOADS`. ``half_range_um``: the errors of the ball diameters are uniform within plus and minus this range
     [um].
     """
-    return random_errors_chain.solve_ensemble(
-        calibrated_axial_model(), 1e-6 * half_range_um, list(LOADS[half_range_um]), MEMBERS, seed=SEED + half_range_um
+    return ball_chain.solve_ensemble(
+        calibrated_model(), 1e-6 * half_range_um, list(LOADS[half_range_um]), MEMBERS, seed=SEED + half_range_um
     )
 
 
-def quantity_of_random_screws(half_range_um: int, quantity: random_errors_chain.Quantity, load: float) -> Array:
+def random_screw_values(half_range_um: int, quantity: ball_chain.Quantity, load: float) -> Array:
     """Return one quantity of all randomly drawn screws under an axial load, (n,) in SI units for n screws.
 
     ``half_range_um``: half range of the ball errors [um]; ``quantity``: name, such as "stiffness"; ``load``: axial load
@@ -139,13 +131,13 @@ def quantity_of_random_screws(half_range_um: int, quantity: random_errors_chain.
 
 def percentile_with_words(
     values: Array, printed: float, half_step_of_last_digit: float
-) -> tuple[random_errors_chain.PercentileRank, str]:
+) -> tuple[ball_chain.PercentileRank, str]:
     """Return the percentile of a printed number among randomly drawn screws, then the same in words.
 
     ``values``: computed values of these screws, in the unit of the printed number; ``half_step_of_last_digit``: half a step
     of the printed number's last digit.
     """
-    p = random_errors_chain.percentile_rank(values, printed, half_step_of_last_digit)
+    p = ball_chain.percentile_rank(values, printed, half_step_of_last_digit)
     low, high = np.quantile(values, [UNLIKELY, 1.0 - UNLIKELY])
     words = (
         f"percentile {p.percent:.1f} ± {p.standard_error:.1f} of {p.size} drawn screws, median {np.median(values):.4g}, "
@@ -188,12 +180,12 @@ def compare_with_elimination() -> tuple[int, int, float]:
     Returns, in this order: the number of screws with the same loaded balls by both; the largest number of rounds that the
     elimination takes; the largest difference of a ball's load between both methods, over the screw's largest load.
     """
-    errors = random_errors_chain.draw_uniform_errors(SEED, 0, FEW, ball_count(), 2e-6)
+    errors = ball_chain.draw_uniform_errors(SEED, 0, FEW, ball_count(), 2e-6)
     same, rounds, worst = 0, 0, 0.0
     for e in errors:
         ours, other = (
-            random_errors_chain.solve_ball_screw(calibrated_axial_model(), e, 500.0),
-            solve_by_elimination(calibrated_axial_model(), e, 500.0),
+            ball_chain.solve_ball_screw(calibrated_model(), e, 500.0),
+            solve_by_elimination(calibrated_model(), e, 500.0),
         )
         same += int(other.converged and np.array_equal(ours.load > 0.0, other.contact_loads > 0.0))
         rounds = max(rounds, other.rounds)
@@ -207,18 +199,15 @@ def section_3(findings: ComputedEntryValues, cache: SceneResultCache) -> None:  
     ``findings``: receives the computed value to compare with each printed number, and whether each printed claim holds.
     ``cache``: not used here.
     """
-    steps = max(
-        random_errors_chain.solve_ball_screw(calibrated_axial_model(), x, 500.0).iterations
-        for x in random_errors_chain.draw_uniform_errors(SEED, 0, FEW, ball_count(), 2e-6)
-    )
+    errors = ball_chain.draw_uniform_errors(SEED, 0, FEW, ball_count(), 2e-6)
+    steps = max(ball_chain.solve_ball_screw(calibrated_model(), x, 500.0).iterations for x in errors)
     same, rounds, worst = compare_with_elimination()
-    findings.add_claim(
-        "newton",
-        False,
+    words = (
         f"on the convex energy at most {steps} steps for {FEW} screws at 500 N; the elimination's loaded balls are "
-        f"the same in {same} of {FEW}, in up to {rounds} rounds, loads to {worst:.0e}",
+        f"the same in {same} of {FEW}, in up to {rounds} rounds, loads to {worst:.0e}"
     )
-    loaded = {f: quantity_of_random_screws(2, "loaded", f) for f in (500.0, 1000.0, 1500.0, 2000.0)}
+    findings.add_claim("newton", False, words)
+    loaded = {f: random_screw_values(2, "loaded", f) for f in (500.0, 1000.0, 1500.0, 2000.0)}
     share = float(np.mean(loaded[2000.0] == ball_count()))
     findings.add_claim("all_2000", share >= UNLIKELY, f"probability {share:.3f}")
     for key, load in (("unloaded_1500", 1500.0), ("unloaded_500", 500.0)):
@@ -229,33 +218,32 @@ def section_3(findings: ComputedEntryValues, cache: SceneResultCache) -> None:  
         "caption_1000", "probability of exactly one: {:.3f} at 1000 N, {:.3f} at 1500 N".format(*exactly.values())
     )
     findings.numbers({"load": findings.printed("load"), "free_length": findings.printed("free_length")})
-    ratio = quantity_of_random_screws(3, "smallest", 3000.0) / quantity_of_random_screws(3, "largest", 3000.0)
+    ratio = random_screw_values(3, "smallest", 3000.0) / random_screw_values(3, "largest", 3000.0)
     low, high = np.quantile(ratio, [UNLIKELY, 1.0 - UNLIKELY])
-    findings.add_claim(
-        "uniform_3000", low > 0.5, f"smallest over largest load {low:.2f} to {high:.2f} (central 99 %) at 3000 N"
-    )
-    medians = [float(np.median(quantity_of_random_screws(3, "stiffness", f))) / 1e8 for f in LOADS[3]]
+    words = f"smallest over largest load {low:.2f} to {high:.2f} (central 99 %) at 3000 N"
+    findings.add_claim("uniform_3000", low > 0.5, words)
+    medians = [float(np.median(random_screw_values(3, "stiffness", f))) / 1e8 for f in LOADS[3]]
     words = ", ".join(f"{v:.2f}" for v in medians)
     findings.add_claim(
         "falls", bool(np.all(np.diff(medians) < 0.0)), f"{words} 1e8 N/m from 100 to 5000 N (medians, ±3 um)"
     )
 
 
-def mei_model() -> random_errors_chain.BallScrewChain:
+def mei_model() -> ball_chain.BallScrewChain:
     """Return Mei's axial model as Liu et al. use it: contact angles constant at 45 deg, compliance as in Liu's model."""
-    return replace(calibrated_axial_model(), law="constant")
+    return replace(calibrated_model(), law="constant")
 
 
 def largest_deviations_from_mei_percent(
-    chain: random_errors_chain.BallScrewChain, errors: np.ndarray[tuple[int], np.dtype[np.float64]]
+    chain: ball_chain.BallScrewChain, errors: np.ndarray[tuple[int], np.dtype[np.float64]]
 ) -> tuple[float, float]:
     """Return the largest difference [%] of any ball's load between an axial model and Mei's model, at 5000 N.
 
     First: relative to the load by Mei's model; second: relative to the load by the other model. ``chain``: the other
     model; ``errors``: errors of the ball diameters (78,) [m].
     """
-    load = random_errors_chain.solve_ball_screw(chain, errors, calibration_load()).load
-    mei = random_errors_chain.solve_ball_screw(replace(chain, law="constant"), errors, calibration_load()).load
+    load = ball_chain.solve_ball_screw(chain, errors, calibration_load()).load
+    mei = ball_chain.solve_ball_screw(replace(chain, law="constant"), errors, calibration_load()).load
     return float(100.0 * np.abs(1.0 - load / mei).max()), float(100.0 * np.abs(mei / load - 1.0).max())
 
 
@@ -267,29 +255,23 @@ def section_4_1(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     """
     load = calibration_load()
     area = 1e6 * implied_series_cross_section(26.0)
-    words = f"compliance of a segment {calibrated_axial_model().compliance:.4g} m/N"
+    words = f"compliance of a segment {calibrated_model().compliance:.4g} m/N"
     words += f": with 26 balls a turn, areas in series 1/(1/A_n + 1/A_s) = {area:.0f} mm2"
-    findings.add_number("ratio", random_errors_chain.last_to_first_load_ratio(calibrated_axial_model(), load), words)
-    exact = random_errors_chain.last_to_first_load_ratio(replace(calibrated_axial_model("exact"), law="constant"), load)
-    findings.add_number(
-        "ratio_mei",
-        random_errors_chain.last_to_first_load_ratio(mei_model(), load),
-        f"beside the exact contact angle it would be {exact:.4f}",
-    )
+    findings.add_number("ratio", ball_chain.last_to_first_load_ratio(calibrated_model(), load), words)
+    exact = ball_chain.last_to_first_load_ratio(replace(calibrated_model("exact"), law="constant"), load)
+    words = f"beside the exact contact angle it would be {exact:.4f}"
+    findings.add_number("ratio_mei", ball_chain.last_to_first_load_ratio(mei_model(), load), words)
     zero = np.zeros(ball_count())
-    found = [
-        x for law in ("implicit", "exact") for x in largest_deviations_from_mei_percent(calibrated_axial_model(law), zero)
-    ]
+    found = [x for law in ("implicit", "exact") for x in largest_deviations_from_mei_percent(calibrated_model(law), zero)]
     findings.add_number(
         "deviation", found[0], "implicit {:.2f} of Mei's, {:.2f} of its own load; exact {:.2f}, {:.2f}".format(*found)
     )
-    less = random_errors_chain.solve_ball_screw(mei_model(), zero, load).load - solve_with_error_of_ball_33(0.0, load).load
+    less = ball_chain.solve_ball_screw(mei_model(), zero, load).load - solve_with_error_of_ball_33(0.0, load).load
     findings.add_claim("smaller", bool(np.all(less > 0.0)), f"by {less.min():.2f} to {less.max():.2f} N")
-    errors = random_errors_chain.draw_uniform_errors(SEED, 0, FEW, ball_count(), 2e-6)
-    worst = [largest_deviations_from_mei_percent(calibrated_axial_model(), x)[0] for x in errors]
-    findings.add_claim(
-        "deviation_errors", max(worst) <= 2.875, f"{min(worst):.2f} to {max(worst):.2f} % in {FEW} drawn screws"
-    )
+    errors = ball_chain.draw_uniform_errors(SEED, 0, FEW, ball_count(), 2e-6)
+    worst = [largest_deviations_from_mei_percent(calibrated_model(), x)[0] for x in errors]
+    words = f"{min(worst):.2f} to {max(worst):.2f} % in {FEW} drawn screws"
+    findings.add_claim("deviation_errors", max(worst) <= 2.875, words)
 
 
 def last_over_first_ball_load_ratio(error_um: float, load: float) -> float:
@@ -308,8 +290,7 @@ def load_by_other_contact_angle_laws_in_words(error_um: float, load: float) -> s
     ``load``: axial load [N].
     """
     found = {
-        law: solve_with_error_of_ball_33(error_um, load, calibrated_axial_model(law)).load[32]
-        for law in ("exact", "constant")
+        law: solve_with_error_of_ball_33(error_um, load, calibrated_model(law)).load[32] for law in ("exact", "constant")
     }
     return "; ".join(f"{law} contact angle {value:.2f} N" for law, value in found.items())
 
@@ -335,8 +316,8 @@ def axial_loads_where_balls_become_loaded() -> tuple[float, float]:
     """Return the smallest axial loads [N] at which ball 1, then ball 78, is loaded, if ball 33 is too large by 2 um."""
     errors = ball_errors_with_faulty_ball_33(2e-6)
     return (
-        random_errors_chain.load_at_which_ball_is_loaded(calibrated_axial_model(), errors, 0, LIGHT),
-        random_errors_chain.load_at_which_ball_is_loaded(calibrated_axial_model(), errors, ball_count() - 1, LIGHT),
+        ball_chain.load_at_which_ball_is_loaded(calibrated_model(), errors, 0, LIGHT),
+        ball_chain.load_at_which_ball_is_loaded(calibrated_model(), errors, ball_count() - 1, LIGHT),
     )
 
 
@@ -357,12 +338,9 @@ def section_4_2(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
         f"{error_of_ball_33_for_load(124.55):.2f} um"
     )
     findings.add_number("plus_Q33_5000", q, words)
-    start = random_errors_chain.load_at_which_ball_is_loaded(
-        calibrated_axial_model(), ball_errors_with_faulty_ball_33(-2e-6), 32, HEAVY
-    )
-    findings.add_number(
-        "minus_Q33_1000", float(solve_with_error_of_ball_33(-2.0, LIGHT).load[32]), f"loaded from {start:.0f} N on"
-    )
+    start = ball_chain.load_at_which_ball_is_loaded(calibrated_model(), ball_errors_with_faulty_ball_33(-2e-6), 32, HEAVY)
+    words = f"loaded from {start:.0f} N on"
+    findings.add_number("minus_Q33_1000", float(solve_with_error_of_ball_33(-2.0, LIGHT).load[32]), words)
     low, high = load_change_range_of_other_balls(-2.0)
     findings.add_claim("minus_others", low > 0.0, f"by {low:.3f} to {high:.3f} N")
     low, high = load_change_range_of_other_balls(2.0)
@@ -382,7 +360,7 @@ def section_4_2(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
 
 RANGES = (1, 2, 3)
 
-NAMES: dict[str, random_errors_chain.Quantity] = {
+NAMES: dict[str, ball_chain.Quantity] = {
     "max": "largest",
     "min": "smallest",
     "loaded": "loaded",
@@ -404,7 +382,7 @@ def random_screw_values_for_printed_number(key: str) -> Array:
     "K_2_3000".
     """
     name, which, load = key.removesuffix("_again").split("_")
-    values = quantity_of_random_screws(2 if which in SETS else int(which), NAMES[name], float(load))
+    values = random_screw_values(2 if which in SETS else int(which), NAMES[name], float(load))
     if name == "unloaded":
         return ball_count() - values
     return 1e-8 * values if name == "K" else values
@@ -415,7 +393,7 @@ def screws_with_printed_counts_in_words(half_range: int, at_500: int, at_1000: i
 
     ``half_range``: half range of the ball errors [um]; ``at_500``, ``at_1000``: printed numbers of loaded balls.
     """
-    first, then = (quantity_of_random_screws(half_range, "loaded", f) for f in (500.0, 1000.0))
+    first, then = (random_screw_values(half_range, "loaded", f) for f in (500.0, 1000.0))
     some = then[np.abs(first - at_500) <= 1]
     reached = int(np.count_nonzero(some <= at_1000))
     return f"of {some.size} screws with {at_500} ± 1 loaded at 500 N, {reached} have at most {at_1000} at 1000 N"
@@ -445,13 +423,13 @@ def judge_fraction_of_screws(has_property: np.ndarray[tuple[int, ...], np.dtype[
 
 
 def decreases_with_error_range(
-    quantity: random_errors_chain.Quantity, load: float
+    quantity: ball_chain.Quantity, load: float
 ) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
     """Return for each randomly drawn screw (n,) whether a quantity falls when the half range of ball errors grows.
 
     The half ranges are 1, 2 and 3 um. ``quantity``: name of the quantity, such as "stiffness"; ``load``: axial load [N].
     """
-    a, b, c = (quantity_of_random_screws(h, quantity, load) for h in RANGES)
+    a, b, c = (random_screw_values(h, quantity, load) for h in RANGES)
     return np.asarray((a > b) & (b > c))
 
 
@@ -470,28 +448,22 @@ def section_4_3(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
         ("unloaded_3_1000", 42, 43),
     ):
         record_percentile(findings, key, screws_with_printed_counts_in_words(int(key.split("_")[1]), at_500, at_1000))
-    every = [quantity_of_random_screws(h, "loaded", 2137.0) == ball_count() for h in RANGES]
+    every = [random_screw_values(h, "loaded", 2137.0) == ball_count() for h in RANGES]
     holds, words = judge_fraction_of_screws(np.logical_and.reduce(every))
     alone = ", ".join(f"{np.mean(m):.3f}" for m in every)
     findings.add_claim("all_2137", holds, f"{words} (singly {alone})")
-    findings.add_claim(
-        "all_5000", *judge_fraction_of_screws(quantity_of_random_screws(2, "loaded", 5000.0) == ball_count())
-    )
-    findings.add_claim(
-        "fewer",
-        *judge_fraction_of_screws(
-            decreases_with_error_range("loaded", 100.0) & decreases_with_error_range("loaded", 500.0)
-        ),
-    )
+    findings.add_claim("all_5000", *judge_fraction_of_screws(random_screw_values(2, "loaded", 5000.0) == ball_count()))
+    fewer = decreases_with_error_range("loaded", 100.0) & decreases_with_error_range("loaded", 500.0)
+    findings.add_claim("fewer", *judge_fraction_of_screws(fewer))
     width = {
-        (h, f): quantity_of_random_screws(h, "largest", f) - quantity_of_random_screws(h, "smallest", f)
+        (h, f): random_screw_values(h, "largest", f) - random_screw_values(h, "smallest", f)
         for h in RANGES
         for f in (1000.0, 5000.0)
     }
     grows = [width[h, 5000.0] > width[h, 1000.0] for h in RANGES]
     grows += [width[h + 1, f] > width[h, f] for h in (1, 2) for f in (1000.0, 5000.0)]
     findings.add_claim("wider", *judge_fraction_of_screws(np.logical_and.reduce(grows)))
-    a, b, c = (quantity_of_random_screws(h, "displacement_first_loaded", 1000.0) for h in RANGES)
+    a, b, c = (random_screw_values(h, "displacement_first_loaded", 1000.0) for h in RANGES)
     findings.add_claim("further", *judge_fraction_of_screws((a < b) & (b < c)))
     _check_displacement_claims(findings)
 
@@ -502,7 +474,7 @@ def _check_displacement_claims(findings: ComputedEntryValues) -> None:
     ``findings``: receives the results.
     """
     loads = np.array(LOADS[1])
-    curve = np.array([[np.median(quantity_of_random_screws(h, "displacement", f)) for f in loads] for h in RANGES])
+    curve = np.array([[np.median(random_screw_values(h, "displacement", f)) for f in loads] for h in RANGES])
     power = np.diff(np.log(curve[1])) / np.diff(np.log(loads))
     words = f"a power between {power.min():.2f} and {power.max():.2f} of the load: it grows ever more slowly"
     findings.add_claim("exponential", bool(power.min() > 1.0), words)
@@ -517,7 +489,7 @@ def stiffness_spreads_of_triples(load: float) -> Array:
 
     The ball errors are within ±2 um. ``load``: axial load [N].
     """
-    values = 1e-8 * quantity_of_random_screws(2, "stiffness", load)
+    values = 1e-8 * random_screw_values(2, "stiffness", load)
     return np.asarray(np.ptp(values[: values.size // 3 * 3].reshape(-1, 3), axis=1))
 
 
@@ -529,10 +501,8 @@ def relative_stiffness_percentile_in_words(key: str, printed: float, reference: 
     ``reference``: printed stiffness without errors.
     """
     h, load = int(key.split("_")[1]), float(key.split("_")[2])
-    ratio = (
-        quantity_of_random_screws(h, "stiffness", load)
-        / random_errors_chain.solve_ball_screw(calibrated_axial_model(), np.zeros(ball_count()), load).stiffness
-    )
+    without = solve_with_error_of_ball_33(0.0, load).stiffness
+    ratio = random_screw_values(h, "stiffness", load) / without
     return "over the value without errors: " + percentile_with_words(ratio, printed / reference, 0.0)[1]
 
 
@@ -541,10 +511,9 @@ def secant_stiffness_without_errors(load: float, step: float) -> float:
 
     ``load``: axial load [N]; ``step``: load step over which the stiffness is a secant [N]; 0: tangent stiffness.
     """
-    chain, zero = calibrated_axial_model(), np.zeros(ball_count())
     if step == 0.0:
-        return 1e-8 * random_errors_chain.solve_ball_screw(chain, zero, load).stiffness
-    moved = [random_errors_chain.solve_ball_screw(chain, zero, f).displacement for f in (load, load + step)]
+        return 1e-8 * solve_with_error_of_ball_33(0.0, load).stiffness
+    moved = [solve_with_error_of_ball_33(0.0, f).displacement for f in (load, load + step)]
     return 1e-8 * step / (moved[1] - moved[0])
 
 
@@ -556,11 +525,9 @@ def secant_stiffness_of_drawn_screws(half_range_um: int, load: float, relative_l
     the secant over the load; 0: tangent stiffness.
     """
     if relative_load_step == 0.0:
-        return 1e-8 * quantity_of_random_screws(half_range_um, "stiffness", load)
+        return 1e-8 * random_screw_values(half_range_um, "stiffness", load)
     ends = [load, (1.0 + relative_load_step) * load]
-    found = random_errors_chain.solve_ensemble(
-        calibrated_axial_model(), 1e-6 * half_range_um, ends, MEMBERS, seed=SEED + half_range_um
-    )
+    found = ball_chain.solve_ensemble(calibrated_model(), 1e-6 * half_range_um, ends, MEMBERS, seed=SEED + half_range_um)
     first, last = (found.values_at("displacement", f) for f in ends)
     return np.asarray(1e-8 * relative_load_step * load / (last - first))
 
@@ -586,8 +553,8 @@ def stiffness_agreement_in_words(rows: Sequence[PrintedEntry]) -> str:
     """
     counts = [sum(printed_stiffness_agrees(row, share) for row in rows) for share in (0.0, STEP)]
     return (
-        f"the step of load of (22) is not printed: of {len(rows)} stiffnesses {counts[0]} come out with the tangent and "
-        f"{counts[1]} by a step of {100.0 * STEP:g} % of the load"
+        f"the load step of (22) is not printed: {counts[0]} of {len(rows)} stiffnesses agree with the tangent, and "
+        f"{counts[1]} with a secant over a step of {100.0 * STEP:g} % of the load"
     )
 
 
@@ -597,26 +564,19 @@ def section_4_4(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     ``findings``: receives the computed value to compare with each printed number, and whether each printed claim holds.
     ``cache``: not used here.
     """
-    bare, printed_K = (
-        findings.printed("K_0_3000"),
-        [f.printed for f in findings.comparisons() if f.printed.key.startswith("K_")],
-    )
+    bare = findings.printed("K_0_3000")
+    printed_K = [f.printed for f in findings.comparisons() if f.printed.key.startswith("K_")]
     for row in printed_K:
         if row.value is not None and row.key != "K_0_3000":
             near = row.key.endswith("_3000")
-            record_percentile(
-                findings, row.key, *((relative_stiffness_percentile_in_words(row.key, row.value, bare),) if near else ())
-            )
-    other = {
-        law: 1e-8
-        * random_errors_chain.solve_ball_screw(calibrated_axial_model(law), np.zeros(ball_count()), 3000.0).stiffness
-        for law in ("exact", "constant")
-    }
+            remarks = [relative_stiffness_percentile_in_words(row.key, row.value, bare)] if near else []
+            record_percentile(findings, row.key, *remarks)
+    laws = "exact", "constant"
+    other = {law: 1e-8 * solve_with_error_of_ball_33(0.0, 3000.0, calibrated_model(law)).stiffness for law in laws}
     words = "; ".join(f"{law} contact angle {value:.3f}" for law, value in other.items())
     words = (
         f"{words}; by a step of {100.0 * STEP:g} % of the load "
-        f"{secant_stiffness_without_errors(3000.0, STEP * 3000.0):.3f}; "
-        f"{stiffness_agreement_in_words(printed_K)}"
+        f"{secant_stiffness_without_errors(3000.0, STEP * 3000.0):.3f}; {stiffness_agreement_in_words(printed_K)}"
     )
     findings.add_number("K_0_3000", secant_stiffness_without_errors(3000.0, 0.0), words)
     for load in (100, 1100, 2100):
@@ -632,20 +592,14 @@ def _check_stiffness_claims(findings: ComputedEntryValues) -> None:
     """Check Liu's claims on the stiffness of screws with random errors, section 4.4; ``findings``: receives the results."""
     s = {load: stiffness_spreads_of_triples(load) for load in (100.0, 1100.0, 2100.0)}
     findings.add_claim("largest_1100", *judge_fraction_of_screws((s[1100.0] > s[100.0]) & (s[1100.0] > s[2100.0])))
-    percent = 100.0 * s[100.0] / (1e-8 * np.median(quantity_of_random_screws(2, "stiffness", 100.0)))
+    percent = 100.0 * s[100.0] / (1e-8 * np.median(random_screw_values(2, "stiffness", 100.0)))
     median, printed = np.median(percent), 100.0 * findings.printed("spread_100") / findings.printed("K_a_100")
-    findings.add_claim(
-        "minimal",
-        bool(median <= 4.31),
-        f"three draws differ by {median:.0f} % at 100 N in the median; its own by {printed:.1f} %",
-    )
-    rises = [
-        np.diff(np.stack([quantity_of_random_screws(h, "stiffness", f) for f in LOADS[h]]), axis=0) > 0.0 for h in RANGES
-    ]
-    findings.add_claim(
-        "rises", all(bool(r.all()) for r in rises), f"in all of {3 * MEMBERS} drawn screws, {LOADS[1][0]:.0f} to 5000 N"
-    )
+    words = f"three draws differ by {median:.0f} % at 100 N in the median; its own by {printed:.1f} %"
+    findings.add_claim("minimal", bool(median <= 4.31), words)
+    rises = [np.diff(np.stack([random_screw_values(h, "stiffness", f) for f in LOADS[h]]), axis=0) > 0.0 for h in RANGES]
+    words = f"in all of {3 * MEMBERS} drawn screws, {LOADS[1][0]:.0f} to 5000 N"
+    findings.add_claim("rises", all(bool(r.all()) for r in rises), words)
     findings.add_claim("softer", *judge_fraction_of_screws(decreases_with_error_range("stiffness", 500.0)))
-    free = random_errors_chain.solve_ball_screw(calibrated_axial_model(), np.zeros(ball_count()), 3000.0).stiffness
-    off = [100.0 * (np.median(quantity_of_random_screws(h, "stiffness", 3000.0)) / free - 1.0) for h in RANGES]
+    free = solve_with_error_of_ball_33(0.0, 3000.0).stiffness
+    off = [100.0 * (np.median(random_screw_values(h, "stiffness", 3000.0)) / free - 1.0) for h in RANGES]
     findings.add_remark("meet", ", ".join(f"{x:.1f}" for x in off) + " % in the median of drawn screws")

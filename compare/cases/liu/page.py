@@ -40,11 +40,10 @@ CHAPTERS = {
 PRINTED = tuple(name for _, names in CHAPTERS.values() for name in names)
 ABOUT = (
     (
-        "One axial displacement, springs of screw and nut between neighbouring balls, unilateral Hertz "
-        "contacts: the minimum of a convex energy, found by a tridiagonal Newton method that needs no sorting "
-        "of unloaded balls. The publication's elimination of unloaded balls gives the same loaded balls. Random results "
-        "are compared with drawn screws: each number has its percentile, the sampling error of it, and the "
-        "probability of a value as extreme."
+        "One axial displacement, springs of screw and nut between neighbouring balls, unilateral Hertz contacts: the "
+        "minimum of a convex energy, found by a tridiagonal Newton method that needs no sorting of unloaded balls. The "
+        "publication's elimination of unloaded balls gives the same loaded balls. Random results are compared with drawn "
+        "screws: each number has its percentile, the sampling error of it, and the probability of a value as extreme."
     ),
     *(f"Assumed: {text}" for text in liu.ASSUMED),
     "The publication's printed values agree with its implicit contact angle, not with a constant or the exact angle.",
@@ -64,9 +63,7 @@ def loaded_ball_counts_in_words(found: dict[str, float]) -> str:
             continue
         half_range, load = int(parts[2]), float(parts[3])
         count = liu.ball_count() - value if parts[1] else value
-        low, high = np.quantile(
-            liu.quantity_of_random_screws(half_range, "loaded", load), [liu.UNLIKELY, 1.0 - liu.UNLIKELY]
-        )
+        low, high = np.quantile(liu.random_screw_values(half_range, "loaded", load), [liu.UNLIKELY, 1.0 - liu.UNLIKELY])
         total += 1
         if not low <= count <= high:
             out.append(f"±{half_range} µm at {load:g} N {'below' if count < low else 'above'} it")
@@ -87,11 +84,9 @@ def stiffness_deviation_in_words(found: dict[str, float]) -> str:
         half_range, load = (int(parts[1]), float(parts[2])) if parts else (0, 0.0)
         if (
             load in liu.LOADS.get(half_range, ())
-            and np.median(liu.quantity_of_random_screws(half_range, "loaded", load)) == liu.ball_count()
+            and np.median(liu.random_screw_values(half_range, "loaded", load)) == liu.ball_count()
         ):
-            off.append(
-                error_percent(1e8 * value, float(np.median(liu.quantity_of_random_screws(half_range, "stiffness", load))))
-            )
+            off.append(error_percent(1e8 * value, float(np.median(liu.random_screw_values(half_range, "stiffness", load)))))
     if not off:
         return "No stiffness is printed for a load under which most random screws have all balls loaded"
     return f"With all balls loaded, printed stiffness is {min(off):+.1f} to {max(off):+.1f} % off the median random screw"
@@ -268,36 +263,21 @@ def model_loads_table(cache: SceneResultCache) -> Table:
             ("refined", "refined model", c.loads_by_refined_model),
         ):
             row[TableColumn(name, f"largest contact load, {words}", "N")] = float(model.max())
-            row[TableColumn(f"{name}_loaded", f"number of loaded balls, {words}", "", "s")] = int(
-                np.count_nonzero(model > 0.0)
-            )
+            loaded = int(np.count_nonzero(model > 0.0))
+            row[TableColumn(f"{name}_loaded", f"number of loaded balls, {words}", "", "s")] = loaded
             if name != "axial":
                 rms, most, ball = c.differences_of_axial_model(model)
-                row[
-                    TableColumn(
-                        f"{name}_rms",
-                        f"RMS difference of the contact loads, {words} from axial-only model",
-                        "% of mean load",
-                        ".2f",
-                    )
-                ] = rms
-                largest = f"{most:+.1f} (ball {ball})"
-                row[
-                    TableColumn(
-                        f"{name}_most",
-                        f"largest difference of a contact load, {words} minus axial-only model",
-                        "% of mean load",
-                        "s",
-                    )
-                ] = largest
+                heading = f"RMS difference of the contact loads, {words} from axial-only model"
+                row[TableColumn(f"{name}_rms", heading, "% of mean load", ".2f")] = rms
+                heading = f"largest difference of a contact load, {words} minus axial-only model"
+                row[TableColumn(f"{name}_most", heading, "% of mean load", "s")] = f"{most:+.1f} (ball {ball})"
         rows.append(row)
     note = (
         "Axial-only model: Liu's model with a rigid nut and the axial compliance of the beam model's screw. Cross "
         "sections and balls per turn are assumed (scene liu-screw)."
     )
-    return Table.from_rows(
-        "liu-bodies", "Liu's screw: contact loads by the axial-only, the beam and the refined model", rows, note
-    )
+    title = "Liu's screw: contact loads by the axial-only, the beam and the refined model"
+    return Table.from_rows("liu-bodies", title, rows, note)
 
 
 def errors_against_3d_table(cache: SceneResultCache) -> Table:
@@ -306,6 +286,7 @@ def errors_against_3d_table(cache: SceneResultCache) -> Table:
     ``cache``: gives the solved scenes.
     """
     words = {"axial": "axial-only model", "lin": "beam model", "refined": "refined model"}
+    uncertainty = "uncertainty of the 3D contact loads by the mesh"
     rows: list[Row] = [
         {
             "scene": c.scene,
@@ -313,9 +294,7 @@ def errors_against_3d_table(cache: SceneResultCache) -> Table:
             TableColumn("rms", "RMS error of the contact loads", "% of mean load", ".2f"): c.rms_percent,
             TableColumn("most", "largest error of a contact load", "% of mean load", ".2f"): c.largest_percent,
             TableColumn("ball", "ball with the largest error", "", "s"): c.worst_ball,
-            TableColumn(
-                "bar", "uncertainty of the 3D contact loads by the mesh", "% of mean load", ".2f"
-            ): c.mesh_uncertainty_percent,
+            TableColumn("bar", uncertainty, "% of mean load", ".2f"): c.mesh_uncertainty_percent,
             TableColumn("loaded", "number of loaded balls by the model", "", "s"): c.loaded_balls,
             TableColumn("solid", "number of loaded balls in 3D", "", "s"): c.loaded_balls_in_3d,
         }
@@ -327,12 +306,8 @@ def errors_against_3d_table(cache: SceneResultCache) -> Table:
         f"3D reference on the mesh levels {levels}, with {contacts} contacts. The nut is rigid in the axial-only and the "
         "beam model. Random ball errors are the same for all models."
     )
-    return Table.from_rows(
-        "liu-solid",
-        "Liu's screw: errors of contact loads against the 3D reference, for the axial-only, beam and refined model",
-        rows,
-        note,
-    )
+    title = "Liu's screw: errors of contact loads against the 3D reference, for the axial-only, beam and refined model"
+    return Table.from_rows("liu-solid", title, rows, note)
 
 
 def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> tuple[Section, ...]:

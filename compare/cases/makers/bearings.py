@@ -76,35 +76,21 @@ def compare_nsk_bearing_sets() -> Iterator[outside.PublishedValue]:
                 continue
             pair = pairs[row["bearing"], cls if kind != "class" else "C10"]
             growth = source.parse_number(row["preload_N"]) / source.parse_number(pair["preload_N"])
-            ratios = (
-                bearing_set_over_pair_ratios(name)
-                if kind != "class"
-                else tuple(growth**power for *_, power in SET_QUANTITIES)
-            )
+            ratios = bearing_set_over_pair_ratios(name)
+            if kind == "class":
+                ratios = tuple(growth**power for *_, power in SET_QUANTITIES)
             for (quantity, column, unit, power), ratio in zip(SET_QUANTITIES, ratios, strict=True):
                 if kind == "class" and quantity == "preload":
                     continue
-                half, base = (
-                    0.5 * float(source.header.get(f"{quantity}_step_{cls}", "0")),
-                    source.parse_number(pair[column]),
-                )
+                half = 0.5 * float(source.header.get(f"{quantity}_step_{cls}", "0"))
+                base = source.parse_number(pair[column])
                 off = max(outside.half_step_of_last_digit(pair[column]), half) / base
                 if kind == "class":
-                    off += power * sum(
-                        outside.half_step_of_last_digit(r["preload_N"]) / source.parse_number(r["preload_N"])
-                        for r in (row, pair)
-                    )
+                    off += power * sum(source.relative_rounding(r["preload_N"]) for r in (row, pair))
                 what = (quantity, "sets and preloads from one pair", f"{row['bearing']} {cls} {name}", unit)
                 rounding = max(outside.half_step_of_last_digit(row[column]), half)
-                yield outside.published_value_of_table_entry(
-                    source,
-                    row,
-                    "line",
-                    column,
-                    what,
-                    outside.ComputedBand.from_relative_half_width(ratio * base, off),
-                    rounding=rounding,
-                )
+                band = outside.ComputedBand.from_relative_half_width(ratio * base, off)
+                yield outside.value_of_table_entry(source, row, "line", column, what, band, rounding=rounding)
 
 
 # --- bearings from their ratings
@@ -117,9 +103,8 @@ def _nine_ball_bearing_with_iso_material() -> Scene:
     assert isinstance(found, Scene)
     material = replace(found.nut.material, youngs_modulus=YOUNG, poissons_ratio=POISSON)
     balls = replace(found.balls, material=material)
-    return replace(
-        found, screw=replace(found.screw, material=material), nut=replace(found.nut, material=material), balls=balls
-    )
+    screw, nut = replace(found.screw, material=material), replace(found.nut, material=material)
+    return replace(found, screw=screw, nut=nut, balls=balls)
 
 
 def single_row_bearing_scene(
@@ -207,17 +192,13 @@ def compare_nsk_ball_bearings() -> Iterator[outside.PublishedValue]:
         """Return a column of NSK's table as an array of numbers, (bearings, preloads); ``key``: name of the column."""
         return np.array([[source.parse_number(row[key]) for row in rows] for rows in bearings])
 
-    pitch, angle = (
-        np.array([_mean_of_bore_and_outer_diameter(rows[0]) for rows in bearings]),
-        np.radians(column_values("angle_deg")[:, 0]),
-    )
+    pitch = np.array([_mean_of_bore_and_outer_diameter(rows[0]) for rows in bearings])
+    angle = np.radians(column_values("angle_deg")[:, 0])
     dynamic, static = (1e3 * column_values(key)[:, 0] for key in ("Cr_kN", "C0r_kN"))
-    count, ball = np.array(
-        [ball_count_and_diameter_from_ratings(*of) for of in zip(dynamic, static, pitch, angle, strict=True)]
-    ).T
-    begin = angular_contact.CatalogueBearings(
-        np.round(count), ball, pitch, np.full(len(bearings), CONFORMITY), angle, YOUNG, POISSON
-    )
+    ratings = zip(dynamic, static, pitch, angle, strict=True)
+    count, ball = np.array([ball_count_and_diameter_from_ratings(*of) for of in ratings]).T
+    usual = np.full(len(bearings), CONFORMITY)
+    begin = angular_contact.CatalogueBearings(np.round(count), ball, pitch, usual, angle, YOUNG, POISSON)
     forces, rigid, load = column_values("preload_N"), column_values("rigidity_N_per_um"), column_values("measuring_load_N")
     step = np.array([outside.half_step_of_last_digit(rows[-1]["rigidity_N_per_um"]) for rows in bearings])
     moved, stiff = [], []
@@ -249,25 +230,13 @@ def _compare_clearances_and_rigidities(
     for i, row in enumerate(rows):
         share = outside.half_step_of_last_digit(row["preload_N"]) / preloads[i]
         item, law = f"{row['bearing']} {row['preload_class']}", "bearing whose angle turns"
-        yield outside.published_value_of_table_entry(
-            source,
-            row,
-            "line_clearance",
-            "clearance_um",
-            ("displacement", law, item, "um"),
-            outside.ComputedBand.from_values(clearance[:, i], 4.0 / 3.0 * displacements_um[0, i] * share),
-            rounding=0.5,
-            scale=float(2.0 * displacements_um[0, -1]),
-        )
-        yield outside.published_value_of_table_entry(
-            source,
-            row,
-            "line_preload",
-            "rigidity_N_per_um",
-            ("rigidity", law, item, "N/um"),
-            outside.ComputedBand.from_values(rigidities[:, i], rigidities[0, i] * share / 3.0),
-            left="the conformity is taken from it" if row is rows[-1] else "",
-        )
+        what, scale = ("displacement", law, item, "um"), float(2.0 * displacements_um[0, -1])
+        band = outside.ComputedBand.from_values(clearance[:, i], 4.0 / 3.0 * displacements_um[0, i] * share)
+        number = source, row, "line_clearance", "clearance_um"
+        yield outside.value_of_table_entry(*number, what, band, rounding=0.5, scale=scale)
+        what, left = ("rigidity", law, item, "N/um"), "the conformity is taken from it" if row is rows[-1] else ""
+        band = outside.ComputedBand.from_values(rigidities[:, i], rigidities[0, i] * share / 3.0)
+        yield outside.value_of_table_entry(source, row, "line_preload", "rigidity_N_per_um", what, band, left=left)
 
 
 def _published_factor_f0(source: outside.MakerTable, row: Mapping[str, str], factor: float) -> outside.PublishedValue:
@@ -276,13 +245,10 @@ def _published_factor_f0(source: outside.MakerTable, row: Mapping[str, str], fac
     ``source``: the maker's table; ``row``: texts of the bearing's row, by column; ``factor``: the computed value
     [N/mm^2], with number Z and diameter D of the balls that follow from the printed ratings.
     """
-    off = factor * sum(
-        outside.half_step_of_last_digit(row[key]) / source.parse_number(row[key]) for key in ("Cr_kN", "C0r_kN")
-    )
+    off = factor * sum(source.relative_rounding(row[key]) for key in ("Cr_kN", "C0r_kN"))
     what = ("rating", "ISO 281 and ISO 76", f"{row['bearing']} f0", "")
-    return outside.published_value_of_table_entry(
-        source, row, "line_product", "f0", what, outside.ComputedBand.from_values((factor,), off)
-    )
+    band = outside.ComputedBand.from_values((factor,), off)
+    return outside.value_of_table_entry(source, row, "line_product", "f0", what, band)
 
 
 def compare_snfa_pair_rigidities() -> Iterator[outside.PublishedValue]:
@@ -296,21 +262,16 @@ def compare_snfa_pair_rigidities() -> Iterator[outside.PublishedValue]:
         """Return a column of SNFA's table as an array of numbers, times ``factor``; ``key``: name of the column."""
         return factor * np.array([source.parse_number(row[key]) for row in source.rows])
 
-    pitch, angle = (
-        np.array([_mean_of_bore_and_outer_diameter(row) for row in source.rows]),
-        np.radians(column_values("angle_deg")),
-    )
-    usual = np.full(pitch.size, CONFORMITY)
-    rows = angular_contact.CatalogueBearings(
-        column_values("balls"), column_values("ball_diameter_mm", 1e-3), pitch, usual, angle, YOUNG, POISSON
-    )
+    pitch, angle = [_mean_of_bore_and_outer_diameter(row) for row in source.rows], np.radians(column_values("angle_deg"))
+    balls, size = column_values("balls"), column_values("ball_diameter_mm", 1e-3)
+    usual = np.full(len(pitch), CONFORMITY)
+    rows = angular_contact.CatalogueBearings(balls, size, np.array(pitch), usual, angle, YOUNG, POISSON)
     stiff = 2e-7 * angular_contact.bearing_states_under_thrust(rows, column_values("preload_daN", 10.0)).stiffness
     for row, found in zip(source.rows, stiff, strict=True):
         item = f"{row['bearing']} {row['angle_deg']} deg {row['preload_class']}"
         what, left = ("rigidity", "bearing whose angle turns", item, "daN/um"), "a formula in disguise"
-        yield outside.published_value_of_table_entry(
-            source, row, "line_preload", "Ra_pair_daN_per_um", what, outside.ComputedBand.from_values((found,)), left=left
-        )
+        band = outside.ComputedBand.from_values((found,))
+        yield outside.value_of_table_entry(source, row, "line_preload", "Ra_pair_daN_per_um", what, band, left=left)
 
 
 def compare_snfa_load_ratings() -> Iterator[outside.PublishedValue]:
@@ -335,4 +296,4 @@ def compare_snfa_load_ratings() -> Iterator[outside.PublishedValue]:
         ):
             what = ("rating", "ISO 281 and ISO 76", f"{row['bearing']} {column.partition('_')[0]}", "daN")
             band = outside.ComputedBand.from_values(found, off * float(found[0]))
-            yield outside.published_value_of_table_entry(source, row, "line_product", column, what, band, maker=maker)
+            yield outside.value_of_table_entry(source, row, "line_product", column, what, band, maker=maker)

@@ -13,7 +13,7 @@ from math import pi, prod, radians, sqrt
 
 import numpy as np
 
-from rollbench.compare.cases.makers import outside as makers_outside
+from rollbench.compare.cases.makers import outside
 from rollbench.compare.models.registry import ModelOptions, run_model
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.from_keys import angle_of_touching_balls, ball_oversize_for_preload
@@ -34,6 +34,9 @@ LONG, SHORT = (0.9, 1.0), (0.65, 1.0)
 
 #: (Pitch diameter - root diameter)/ball diameter, for a ball at 45 deg in a gothic arch of usual conformity.
 DEPTH = 1.03
+
+#: Columns of Rexroth's table with the dimensions of a nut: ball diameter, nominal diameter and lead.
+DIMENSIONS = ("ball_diameter_mm", "nominal_diameter_mm", "lead_mm")
 
 #: Axial load under which rigidity is computed, and preload of THK's preloaded nuts, both divided by the dynamic rating C.
 LOADED, PRELOADED = 0.3, 0.1
@@ -83,7 +86,7 @@ def scene_of_one_loaded_turn(nut: CatalogueNut, conformity: float) -> Scene:
     """
     one, groove = _shipped_40x10_screw(), conformity * nut.ball_diameter
     balls = max(1, round(nut.touching_balls_per_turn))
-    outside = nut.pitch_diameter + (1.0 + 2.0 * WALL) * nut.ball_diameter
+    nut_diameter = nut.pitch_diameter + (1.0 + 2.0 * WALL) * nut.ball_diameter
     return replace(
         one,
         track=replace(
@@ -92,7 +95,7 @@ def scene_of_one_loaded_turn(nut: CatalogueNut, conformity: float) -> Scene:
         screw=replace(
             one.screw, groove_radius=groove, outer_diameter=nut.pitch_diameter - 2.0 * BEYOND * nut.ball_diameter, bore=0.0
         ),
-        nut=replace(one.nut, groove_radius=groove, outer_diameter=outside),
+        nut=replace(one.nut, groove_radius=groove, outer_diameter=nut_diameter),
         balls=replace(one.balls, radius=0.5 * nut.ball_diameter, azimuths=tuple(2.0 * pi * np.arange(balls) / balls)),
     )
 
@@ -146,7 +149,7 @@ def read_loaded_turns(row: Mapping[str, str]) -> tuple[float, bool]:
     return float(prod(map(float, turns.split("x")))), False
 
 
-def nut_of_catalogue_row(source: makers_outside.MakerTable, row: Mapping[str, str]) -> CatalogueNut:
+def nut_of_catalogue_row(source: outside.MakerTable, row: Mapping[str, str]) -> CatalogueNut:
     """Return the dimensions of a nut from its row in a catalogue.
 
     ``source``: table of the catalogue; ``row``: texts of the nut's row, by column. If the ball is not printed, it is the
@@ -164,7 +167,7 @@ def nut_of_catalogue_row(source: makers_outside.MakerTable, row: Mapping[str, st
     return CatalogueNut(1e-3 * ball, 1e-3 * pitch, 1e-3 * source.parse_number(row["lead_mm"]), turns, short)
 
 
-def maker_and_rated_nut_type(source: makers_outside.MakerTable, row: Mapping[str, str]) -> str:
+def maker_and_rated_nut_type(source: outside.MakerTable, row: Mapping[str, str]) -> str:
     """Return the maker's name, with the type of nut if this maker rates several types by different rules.
 
     ``source``: table of the maker; ``row``: texts of the nut's row, by column.
@@ -180,32 +183,24 @@ def maker_and_rated_nut_type(source: makers_outside.MakerTable, row: Mapping[str
 # --- comparisons with printed values
 
 
-def compare_nut_ratings() -> Iterator[makers_outside.PublishedValue]:
+def compare_nut_ratings() -> Iterator[outside.PublishedValue]:
     """Yield printed load ratings C and C_0 of nuts, each with the value by ISO 3408-5.
 
     Only nuts whose ball diameter is printed are compared. The computed values have a range (band) over the usual
     conformities and fractions of turns that are filled with balls.
     """
-    for source in makers_outside.read_maker_tables("nuts-"):
+    for source in outside.read_maker_tables("nuts-"):
         for row in source.rows:
             if not row["ball_mm"]:
                 continue
             nut, unit = nut_of_catalogue_row(source, row), source.unit_factor("load_unit")
-            corners = [(CONFORMITY, 0.5 * sum(nut.filled_fraction_range))] + [
-                (c, x) for c in CONFORMITIES for x in nut.filled_fraction_range
-            ]
+            filled = nut.filled_fraction_range
+            corners = [(CONFORMITY, 0.5 * sum(filled))] + [(c, x) for c in CONFORMITIES for x in filled]
             found = np.array([nut_load_ratings(nut, *corner) for corner in corners]) / unit
             for k, key in enumerate(("C", "C0")):
                 what = ("rating", "ISO 3408-5", f"{row['nut']} {key}", source.header["load_unit"])
-                yield makers_outside.published_value_of_table_entry(
-                    source,
-                    row,
-                    "line",
-                    key,
-                    what,
-                    makers_outside.ComputedBand.from_values(found[:, k]),
-                    maker=maker_and_rated_nut_type(source, row),
-                )
+                band, maker = outside.ComputedBand.from_values(found[:, k]), maker_and_rated_nut_type(source, row)
+                yield outside.value_of_table_entry(source, row, "line", key, what, band, maker=maker)
 
 
 def filled_fraction_from_static_rating(nut: CatalogueNut, static: float) -> float:
@@ -216,7 +211,7 @@ def filled_fraction_from_static_rating(nut: CatalogueNut, static: float) -> floa
     return static / nut_load_ratings(nut, CONFORMITY, 1.0)[1]
 
 
-def compare_nut_rigidity() -> Iterator[makers_outside.PublishedValue]:
+def compare_nut_rigidity() -> Iterator[outside.PublishedValue]:
     """Yield printed rigidities of nuts, each with the computed value.
 
     A rigidity is the axial load 0.3 C (C: dynamic rating) over the nut's displacement from zero load to 0.3 C; for
@@ -224,7 +219,7 @@ def compare_nut_rigidity() -> Iterator[makers_outside.PublishedValue]:
     and thick tubes. The number of balls follows from the printed static rating C_0, so that the band of computed values
     only covers the range of conformity and 5 % more or fewer balls.
     """
-    for source in makers_outside.read_maker_tables("nuts-"):
+    for source in outside.read_maker_tables("nuts-"):
         for row in source.rows:
             if not row.get("rigidity"):
                 continue
@@ -250,29 +245,25 @@ def compare_nut_rigidity() -> Iterator[makers_outside.PublishedValue]:
 
             stiff = source.unit_factor("rigidity_unit")
             corners = [(CONFORMITY, share)] + [(c, x * share) for c in CONFORMITIES for x in (0.95, 1.05)]
-            band = makers_outside.ComputedBand.from_values(secant_rigidity(*corner) / stiff for corner in corners)
+            band = outside.ComputedBand.from_values(secant_rigidity(*corner) / stiff for corner in corners)
             what = ("rigidity", "contacts and tubes under 0.3 C", row["nut"], source.header["rigidity_unit"])
             maker, practice = maker_and_rated_nut_type(source, row), PRACTICE * band.value
-            yield makers_outside.published_value_of_table_entry(
-                source, row, "line", "rigidity", what, band, maker=maker, practice=practice
-            )
+            yield outside.value_of_table_entry(source, row, "line", "rigidity", what, band, maker=maker, practice=practice)
 
 
-def compare_preloaded_nuts() -> Iterator[makers_outside.PublishedValue]:
+def compare_preloaded_nuts() -> Iterator[outside.PublishedValue]:
     """Yield Rexroth's printed rigidities of preloaded nuts at several preloads, each with the computed value.
 
     At the highest preload, the rigidity is computed from contacts and tubes. At the other preloads, the computed value is
     the printed rigidity at the highest preload times the cube root of the ratio of the preloads.
     """
-    source = makers_outside.read_maker_table("rexroth-preload")
+    source = outside.read_maker_table("rexroth-preload")
     groups: dict[tuple[str, str], list[Mapping[str, str]]] = {}
     for row in source.rows:
         groups.setdefault((row["nut_kind"], row["size"]), []).append(row)
     for (kind, size), rows in groups.items():
         turns = prod(map(float, rows[0]["turns"].replace(",", ".").split("x")))
-        ball, outer, lead = (
-            1e-3 * source.parse_number(rows[0][k]) for k in ("ball_diameter_mm", "nominal_diameter_mm", "lead_mm")
-        )
+        ball, outer, lead = (1e-3 * source.parse_number(rows[0][k]) for k in DIMENSIONS)
         nut = CatalogueNut(ball, outer + 2.0 * BEYOND * ball, lead, turns, has_one_turn_circuits=False)
         ordered = sorted(rows, key=lambda row: source.parse_number(row["preload_percent_of_C"]))
         top = ordered[-1]
@@ -286,22 +277,13 @@ def compare_preloaded_nuts() -> Iterator[makers_outside.PublishedValue]:
                 ]
                 law, practice = "contacts and tubes, both nuts loaded", PRACTICE * ends[0]
             else:
-                base, step = (
-                    source.parse_number(top["Rnu_N_per_um"]),
-                    makers_outside.half_step_of_last_digit(top["Rnu_N_per_um"]),
-                )
+                highest = top["Rnu_N_per_um"]
+                base, step = source.parse_number(highest), outside.half_step_of_last_digit(highest)
                 growth = np.cbrt(share / source.parse_number(top["preload_percent_of_C"]))
                 ends, law, practice = [x * growth for x in (base, base + step, base - step)], "growth with preload", None
             what = ("rigidity", law, f"{kind} {size}, {share:g} % of C", "N/um")
-            yield makers_outside.published_value_of_table_entry(
-                source,
-                row,
-                "line_values",
-                "Rnu_N_per_um",
-                what,
-                makers_outside.ComputedBand.from_values(ends),
-                practice=practice,
-            )
+            band = outside.ComputedBand.from_values(ends)
+            yield outside.value_of_table_entry(source, row, "line_values", "Rnu_N_per_um", what, band, practice=practice)
 
 
 #: Coefficient of friction of balls on grooves: default of the command `friction`, and least value of lubricated bearings.
@@ -343,9 +325,8 @@ def drag_torque_of_ball(nut: CatalogueNut, axial_force_on_ball: float, coefficie
         size = BallErrors(oversize=ball_oversize_for_preload(scene, axial_force_on_ball * FEW))
         loaded = replace(scene, errors=replace(scene.errors, balls=size))
     found = run_model(loaded, "lin", ModelOptions(estimate_beam_mesh_error=False))
-    torque = friction_state(
-        loaded, found, Friction(coefficient, coefficient), Motion(2.0 * pi)
-    ).friction_sums.friction_torque
+    state = friction_state(loaded, found, Friction(coefficient, coefficient), Motion(2.0 * pi))
+    torque = state.friction_sums.friction_torque
     return (2.0 if double else 1.0) * torque / FEW
 
 
@@ -440,16 +421,14 @@ def fit_power_exponent(values: list[float], abscissas: list[float]) -> float:
     return float(np.polyfit(np.log(abscissas), np.log(values), 1)[0])
 
 
-def compare_rexroth_drag_torques() -> Iterator[makers_outside.PublishedValue]:
+def compare_rexroth_drag_torques() -> Iterator[outside.PublishedValue]:
     """Yield Rexroth's printed ranges of drag torque, each with the computed torque.
 
     These ranges are not judged, since the printed torques follow a formula.
     """
-    source = makers_outside.read_maker_table("rexroth-preload")
+    source = outside.read_maker_table("rexroth-preload")
     for row in source.rows:
-        ball, outer, lead = (
-            1e-3 * source.parse_number(row[k]) for k in ("ball_diameter_mm", "nominal_diameter_mm", "lead_mm")
-        )
+        ball, outer, lead = (1e-3 * source.parse_number(row[k]) for k in DIMENSIONS)
         if not row["torque_low_Nm"]:
             continue
         turns = prod(map(float, row["turns"].replace(",", ".").split("x")))
@@ -459,15 +438,8 @@ def compare_rexroth_drag_torques() -> Iterator[makers_outside.PublishedValue]:
         torque = drag_torque_of_nut(nut, preload, double=double)
         low, high = (source.parse_number(row[k]) for k in ("torque_low_Nm", "torque_high_Nm"))
         what = ("torque", SLIDING, f"{row['nut_kind']} {row['size']}, {share:g} % of C", "N m")
-        one = makers_outside.published_value_of_table_entry(
-            source,
-            row,
-            "line_values",
-            "torque_high_Nm",
-            what,
-            makers_outside.ComputedBand.from_values((torque,)),
-            left="a formula in disguise",
-        )
+        band, left = outside.ComputedBand.from_values((torque,)), "a formula in disguise"
+        one = outside.value_of_table_entry(source, row, "line_values", "torque_high_Nm", what, band, left=left)
         yield replace(one, value=0.5 * (low + high), rounding=0.5 * (high - low))
 
 
@@ -475,7 +447,7 @@ def compare_rexroth_drag_torques() -> Iterator[makers_outside.PublishedValue]:
 MEASURED_LEAD, MEASURED_C, MEASURED_PRELOAD, DIAMETERS = 8e-3, 16_400.0, 1_500.0, (25.0, 32.0, 40.0)
 
 
-def drag_torque_of_measured_screws() -> makers_outside.ComputedBand:
+def drag_torque_of_measured_screws() -> outside.ComputedBand:
     """Return the computed drag torque [N m] of two ball screws whose friction torque was measured, with its range.
 
     The value belongs to a double nut of the middle nominal diameter, at the default coefficient of friction; the range
@@ -489,18 +461,18 @@ def drag_torque_of_measured_screws() -> makers_outside.ComputedBand:
         turns = (MEASURED_C / nut_load_ratings(one, CONFORMITY, 0.95)[0]) ** (1.0 / 0.86)
         for double in (False, True):
             found[outer, double] = drag_torque_of_nut(replace(one, turns=turns), MEASURED_PRELOAD, double=double)
-    return makers_outside.ComputedBand.from_values((found[DIAMETERS[1], True], *found.values()))
+    return outside.ComputedBand.from_values((found[DIAMETERS[1], True], *found.values()))
 
 
-def compare_measured_drag_torques() -> Iterator[makers_outside.PublishedValue]:
+def compare_measured_drag_torques() -> Iterator[outside.PublishedValue]:
     """Yield the measured mean friction torque of two screws, new and worn, with the computed torque.
 
     Worn: at the end of the test. Measurements between start and end of the test are left out.
     """
-    source = makers_outside.read_maker_table("xjtu-torque")
+    source = outside.read_maker_table("xjtu-torque")
     band = drag_torque_of_measured_screws()
     ends = {name: [r for r in source.rows if r["screw"] == name] for name in dict.fromkeys(r["screw"] for r in source.rows)}
     for name, rows in ends.items():
         for row, state in ((rows[0], "new"), (rows[-1], "worn")):
             what, maker = ("torque", SLIDING, f"{name}, {state}", "N m"), f"{source.header['maker']}, rig"
-            yield makers_outside.published_value_of_table_entry(source, row, "line", "torque_Nm", what, band, maker=maker)
+            yield outside.value_of_table_entry(source, row, "line", "torque_Nm", what, band, maker=maker)

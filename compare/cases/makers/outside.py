@@ -44,6 +44,10 @@ class MakerTable:
         plain = re.sub(r"[\s\u00a0]", "", text).replace(self.header.get("thousands", " "), "")
         return float(plain.replace(self.header.get("decimal", "."), "."))
 
+    def relative_rounding(self, text: str) -> float:
+        """Return half a unit of the last nonzero digit of a printed number, divided by the number; ``text``: as printed."""
+        return half_step_of_last_digit(text) / self.parse_number(text)
+
     def unit_factor(self, key: str) -> float:
         """Return the factor from a printed unit to SI; ``key``: header key of that unit, such as "load_unit"."""
         return UNITS[self.header[key]]
@@ -153,7 +157,7 @@ class PublishedValue:
         return float(error_percent(self.computed.value, self.value, self.scale or None))
 
 
-def published_value_of_table_entry(
+def value_of_table_entry(
     source: MakerTable,
     row: Mapping[str, str],
     line_column: str,
@@ -173,18 +177,9 @@ def published_value_of_table_entry(
     fields: dict[str, Any] = {"maker": source.header["maker"], "rounding": half_step_of_last_digit(row[column])} | others
     if source.is_listed_as_misprint(f"{item} {quantity}"):
         fields["left"] = "a misprint"
+    fields |= {"quantity": quantity, "law": law, "part": item, "unit": unit, "kind_of_source": source.header["class"]}
     origin, value = f"{source.name}.csv, line {row[line_column]} of its origin", source.parse_number(row[column])
-    return PublishedValue(
-        quantity=quantity,
-        law=law,
-        part=item,
-        kind_of_source=source.header["class"],
-        origin=origin,
-        unit=unit,
-        value=value,
-        computed=computed,
-        **fields,
-    )
+    return PublishedValue(origin=origin, value=value, computed=computed, **fields)
 
 
 @dataclass(frozen=True)
@@ -260,6 +255,7 @@ def bias_and_scatter_table(found: Sequence[PublishedValue]) -> Table:
     """
     rows: list[dict[TableColumn | str, Cell]] = []
     without: list[str] = []
+    band, reduced = "range of computed values", "mean error if the computed value is multiplied by 0.8"
     for (quantity, law, group), values in group_by_fields(found, "quantity", "law", "group").items():
         left = [x.left for x in values if x.left]
         words = "; ".join(f"{left.count(why)}: {why}" for why in dict.fromkeys(left))
@@ -275,15 +271,11 @@ def bias_and_scatter_table(found: Sequence[PublishedValue]) -> Table:
                 NUMBER: s.count,
                 BIAS: s.mean_error_percent,
                 SCATTER: s.standard_deviation_percent,
+                TableColumn("inside", f"number of published values in the {band}", "", ".0f"): s.count_in_range,
                 TableColumn(
-                    "inside", "number of published values in the range of computed values", "", ".0f"
-                ): s.count_in_range,
-                TableColumn(
-                    "width", "median width of the range of computed values", "% of computed value", ".1f"
+                    "width", f"median width of the {band}", "% of computed value", ".1f"
                 ): s.median_range_width_percent,
-                TableColumn(
-                    "practice", "mean error if the computed value is multiplied by 0.8", "%", "+.1f"
-                ): s.reduced_mean_error_percent,
+                TableColumn("practice", reduced, "%", "+.1f"): s.reduced_mean_error_percent,
                 TableColumn("not judged", "published values left out, and why", "", "s"): words,
             }
         )
@@ -293,12 +285,8 @@ def bias_and_scatter_table(found: Sequence[PublishedValue]) -> Table:
         "of the displacement under the measuring load, those of contact loads by CalculiX of the mean load. 0.8: factor by "
         f"which makers advise to reduce a computed nut rigidity. Not judged: {'; '.join(without)}."
     )
-    return Table.from_rows(
-        "outside-summary",
-        "Mean and standard deviation of the errors against published values, by quantity and publisher",
-        rows,
-        note,
-    )
+    title = "Mean and standard deviation of the errors against published values, by quantity and publisher"
+    return Table.from_rows("outside-summary", title, rows, note)
 
 
 def published_values_table(found: Sequence[PublishedValue]) -> Table:
@@ -328,9 +316,8 @@ def published_values_table(found: Sequence[PublishedValue]) -> Table:
         "Makers' tables stand in compare/cases/makers/tables; the first lines of each name repository, commit and file "
         "of its origin."
     )
-    return Table.from_rows(
-        "outside", "All published values of makers, measurements and programs, with the computed values", rows, note
-    )
+    title = "All published values of makers, measurements and programs, with the computed values"
+    return Table.from_rows("outside", title, rows, note)
 
 
 #: Printed tables of the case `external` that are judged here: publisher and class. Tables of THK are judged with the nuts.

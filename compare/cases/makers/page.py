@@ -94,9 +94,8 @@ def band_and_errors_conclusion(found: Sequence[outside.PublishedValue]) -> str:
     return (
         (
             f"Of {len(judged)} values published by makers, from measurements and by other programs, {within} lie within "
-            "their computed ranges, which cover rounded and unprinted inputs. "
-            "Where no input is unknown, both agree: bias and scatter of preload, rigidity and starting "
-            "torque of NSK's sets are "
+            "their computed ranges, which cover rounded and unprinted inputs. Where no input is unknown, both agree: bias "
+            "and scatter of preload, rigidity and starting torque of NSK's sets are "
         )
         + ", ".join(f"{s.mean_error_percent:+.1f} and {s.standard_deviation_percent:.1f} %" for s in sets)
         + f", and {clear.count} axial clearances agree to {np.sqrt((off**2).mean()):.2f} um RMS."
@@ -134,14 +133,13 @@ def nut_rigidity_text(found: Sequence[outside.PublishedValue]) -> str:
     assert bare is not None
     assert rex is not None
     return (
-        f"Printed rigidities of nuts are lower than computed because makers print about {100.0 * PRACTICE:g} "
-        "% of the computed value. With the number of loaded balls inferred from the maker's own C_0, "
-        f"contacts and tubes are {bare.mean_error_percent:+.0f} % from what is printed, {100.0 * PRACTICE:g} % of them "
-        f"{min(means):+.0f} to {max(means):+.0f} % by maker, and {close} of {len(most)} nuts lie within 10 "
-        f"%. Rexroth's rigidities are not reproduced ({rex.mean_error_percent:+.0f} %): printed values are 0.43 times the "
-        "computed ones at every size and preload. The origin of this factor stays open (ISO 3408-4's factor of accuracy "
-        "is named, but its value could not be read); the "
-        "growth of Rexroth's values with preload does come out."
+        f"Printed rigidities of nuts are lower than computed because makers print about {100.0 * PRACTICE:g} % of the "
+        "computed value. With the number of loaded balls inferred from the maker's own C_0, contacts and tubes are "
+        f"{bare.mean_error_percent:+.0f} % from what is printed, {100.0 * PRACTICE:g} % of them {min(means):+.0f} to "
+        f"{max(means):+.0f} % by maker, and {close} of {len(most)} nuts lie within 10 %. Rexroth's rigidities are not "
+        f"reproduced ({rex.mean_error_percent:+.0f} %): printed values are 0.43 times the computed ones at every size and "
+        "preload. The origin of this factor stays open (ISO 3408-4's factor of accuracy is named, but its value could not "
+        "be read); the growth of Rexroth's values with preload does come out."
     )
 
 
@@ -185,52 +183,45 @@ def drag_torque_text(found: Sequence[outside.PublishedValue]) -> str:
     theirs = [nuts.fit_power_exponent([r.by_makers_formulas[k] for r in rows], leads) for k in range(len(nuts.FORMULAS))]
     named = ", ".join(f"{name.split(':')[0]} {x:.2f}" for (name, _), x in zip(nuts.FORMULAS, theirs, strict=True))
     shares = [nuts.SHARE, 2.0 * nuts.SHARE]
+    nut, drag = nuts.nut_for_drag_comparison(0.01), nuts.drag_torque_of_ball
     over = [
-        nuts.fit_power_exponent(
-            [nuts.drag_torque_of_ball(nuts.nut_for_drag_comparison(0.01), x, nuts.DEFAULT, double=d) for x in shares],
-            shares,
-        )
-        for d in (False, True)
+        nuts.fit_power_exponent([drag(nut, x, nuts.DEFAULT, double=double) for x in shares], shares)
+        for double in (False, True)
     ]
-    least = [
-        float(np.median([r.at_smallest_friction[k] / getattr(r, key) for r in rows]))
-        for k, key in enumerate(("single", "double"))
-    ]
+    smallest = {
+        key: [r.at_smallest_friction[k] / getattr(r, key) for r in rows] for k, key in enumerate(("single", "double"))
+    }
+    least = [float(np.median(ratios)) for ratios in smallest.values()]
     cases = [x for x in found if x.kind_of_source == outside.MEASURED]
     one = cases[0]
     words = ", ".join(f"{x.value:g} {x.part.split(', ')[1]}" for x in cases)
     return (
-        f"By the sliding of the balls, drag torque grows with the lead to the power {sliding[0]:.2f} (balls "
-        f"pressed on four flanks) and {sliding[1]:.2f} (double nut); by the makers' formulas {named}. None of "
-        "the formulas is right: Rexroth's is nearest for single nuts, THK's for double nuts, and a K_p that "
-        "is constant over the lead is far from both. With the preload, sliding gives powers of "
-        f"{over[0]:.2f} and {over[1]:.2f}, all formulas 1. A coefficient of {nuts.LEAST:g} gives "
-        f"{least[0]:.2f} and {least[1]:.3f} of these torques. For two measured screws (N m: {words}) the "
-        f"result is {one.computed.value:.2f} at the default coefficient of {nuts.DEFAULT:g}, band "
-        f"{one.computed.low:.2f} to {one.computed.high:.2f} for diameters of 25 to 40 mm and either kind of "
-        "nut. Which screw and nut they are is not printed, so they stay open, and worn screws have lost an "
-        "unprinted part of their preload. Other measurements (a ratio of friction to load of 0.00055 by "
-        "NBS, spinning coefficients by NASA) are open because the radii of their grooves cannot be read."
+        f"By the sliding of the balls, drag torque grows with the lead to the power {sliding[0]:.2f} (balls pressed on "
+        f"four flanks) and {sliding[1]:.2f} (double nut); by the makers' formulas {named}. None of the formulas is right: "
+        "Rexroth's is nearest for single nuts, THK's for double nuts, and a K_p that is constant over the lead is far from "
+        f"both. With the preload, sliding gives powers of {over[0]:.2f} and {over[1]:.2f}, all formulas 1. A coefficient "
+        f"of {nuts.LEAST:g} gives {least[0]:.2f} and {least[1]:.3f} of these torques. For two measured screws (N m: "
+        f"{words}) the result is {one.computed.value:.2f} at the default coefficient of {nuts.DEFAULT:g}, band "
+        f"{one.computed.low:.2f} to {one.computed.high:.2f} for diameters of 25 to 40 mm and either kind of nut. Which "
+        "screw and nut they are is not printed, so they stay open, and worn screws have lost an unprinted part of their "
+        "preload. Other measurements (a ratio of friction to load of 0.00055 by NBS, spinning coefficients by NASA) are "
+        "open because the radii of their grooves cannot be read."
     )
 
 
 def drag_torque_table() -> Table:
     """Return the table of drag torque divided by preload and nominal diameter, for several leads: computed, by formulas."""
     rows: list[dict[TableColumn | str, Cell]] = []
+    least = f"computed with friction coefficient {nuts.LEAST:g}"
     for one in nuts.drag_torque_ratios_over_lead():
         row: dict[TableColumn | str, Cell] = {
             TableColumn("lead", "lead of the screw", "mm", "g3"): 1e3 * one.lead,
             TableColumn("single", "torque ratio of a single nut, computed", "1e-3", ".1f"): 1e3 * one.single,
             TableColumn("double", "torque ratio of a double nut, computed", "1e-3", ".1f"): 1e3 * one.double,
-            TableColumn(
-                "least", f"torque ratio of a single nut, computed with friction coefficient {nuts.LEAST:g}", "1e-3", ".2f"
-            ): 1e3 * one.at_smallest_friction[0],
-            TableColumn(
-                "least_double",
-                f"torque ratio of a double nut, computed with friction coefficient {nuts.LEAST:g}",
-                "1e-3",
-                ".3f",
-            ): 1e3 * one.at_smallest_friction[1],
+            TableColumn("least", f"torque ratio of a single nut, {least}", "1e-3", ".2f"): 1e3
+            * one.at_smallest_friction[0],
+            TableColumn("least_double", f"torque ratio of a double nut, {least}", "1e-3", ".3f"): 1e3
+            * one.at_smallest_friction[1],
         }
         for (name, _), value in zip(nuts.FORMULAS, one.by_makers_formulas, strict=True):
             maker, formula = name.replace("P/2 pi", "P/(2 pi)").split(": ")
@@ -240,12 +231,8 @@ def drag_torque_table() -> Table:
     at = f"Nominal diameter {nuts.SWEPT[0]:g} mm, balls of {nuts.BALL:g} mm, {nuts.SHARE:g} N each"
     note = "Torque ratio: drag torque T divided by preload F and nominal diameter d0. P: lead; beta: lead angle. "
     note += f"{at}; friction coefficient {nuts.DEFAULT:g}, or as named."
-    return Table.from_rows(
-        "outside-drag",
-        "Drag torque divided by preload and nominal diameter, for several leads: computed, and by makers' formulas",
-        rows,
-        note,
-    )
+    title = "Drag torque divided by preload and nominal diameter, for several leads: computed, and by makers' formulas"
+    return Table.from_rows("outside-drag", title, rows, note)
 
 
 def sorted_errors_figure(found: Sequence[outside.PublishedValue]) -> Figure:
@@ -261,13 +248,8 @@ def sorted_errors_figure(found: Sequence[outside.PublishedValue]) -> Figure:
             x = [float(k + 1) / len(values) for k in range(len(values))]
             series.append(Series(quantity, x, sorted(v.error_percent for v in values), "line"))
     panel = Panel("error of the computed value", "share of the values with a smaller error", "error / %", tuple(series))
-    return Figure(
-        "outside-errors",
-        "Errors of computed values against makers' tables, measurements and other programs, sorted by size",
-        (panel,),
-        "One curve for each quantity with more than 20 published values.",
-        1,
-    )
+    title = "Errors of computed values against makers' tables, measurements and other programs, sorted by size"
+    return Figure("outside-errors", title, (panel,), "One curve for each quantity with more than 20 published values.", 1)
 
 
 def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Section:

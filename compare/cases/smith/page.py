@@ -74,14 +74,10 @@ def hertz_parameters_figure() -> Figure:
             Series(f"{label}, table", differences, error_percent(np.array(values), np.array(right)).tolist(), "markers")
         )
         inside = [f for f in differences if 0.3 < f < 0.99]
-        fits = [
-            float(
-                error_percent(
-                    as_printed.hertz_parameter_by_smith_polynomial(f, fit), dimensionless_hertz_parameters(f)[column]
-                )
-            )
-            for f in inside
-        ]
+        fits = []
+        for f in inside:
+            fitted, true = as_printed.hertz_parameter_by_smith_polynomial(f, fit), dimensionless_hertz_parameters(f)[column]
+            fits.append(float(error_percent(fitted, true)))
         if key != "b":
             off.append(Series(f"{label}, fit", inside, fits, "line"))
     panels = (
@@ -93,13 +89,11 @@ def hertz_parameters_figure() -> Figure:
         "printed with a digit too many and is 3.5 % wrong. Smith's fitted formula for b*, with its coefficient 2.26 as "
         "printed, is about 40 % wrong and not shown."
     )
-    return Figure(
-        "smith-figure-2-8",
+    title = (
         "Smith (1994), Figure 2-8: dimensionless Hertz parameters, plotted against the curvature difference F(p): "
-        "printed, and exact",
-        panels,
-        caption,
+        "printed, and exact"
     )
+    return Figure("smith-figure-2-8", title, panels, caption)
 
 
 def bearing_stiffness_panel(found: Sequence[PrintedEntryComparison]) -> Panel:
@@ -107,36 +101,26 @@ def bearing_stiffness_panel(found: Sequence[PrintedEntryComparison]) -> Panel:
 
     ``found``: printed values of Smith's thesis with the computed ones.
     """
-    loads = np.linspace(100.0, 3000.0, 30)
+    loads = [float(x) for x in np.linspace(100.0, 3000.0, 30)]
     tested = [f for f in found if f.printed.table == "smith-2.2" and f.printed.key.startswith("measured_")]
     at = [float(f.printed.key.removeprefix("measured_")) for f in tested]
-    ours = [
-        float(bearings.thrust_state_of_ball_bearing(x * bearings.POUND).stiffness) / bearings.POUND_PER_INCH / 1e6
-        for x in loads
-    ]
     theory = [1e-6 * (f.printed.value or 0.0) for f in found if f.printed.key.startswith("theory_")]
+
+    def curve(label: str, stiffness_lbf_per_inch: Callable[[float], float], *, bold: bool = False) -> Series:
+        """Return the curve of a bearing's stiffness over the thrust [lbf]; the function returns it in lbf/in."""
+        return Series(label, loads, [stiffness_lbf_per_inch(x) / 1e6 for x in loads], "line", bold=bold)
+
+    def correct_ball_stiffness(thrust_lbf: float) -> float:
+        """Return the ball bearing's axial stiffness [lbf/in] by exact elliptic integrals at a thrust [lbf]."""
+        return float(bearings.ball_bearing_state(thrust_lbf * bearings.POUND).stiffness) / bearings.POUND_PER_INCH
+
     series = (
-        Series("ball, correct", [float(x) for x in loads], ours, "line", bold=True),
-        Series(
-            "ball, Smith's spreadsheet",
-            [float(x) for x in loads],
-            [bearings.ball_spreadsheet_stiffness(float(x)) / 1e6 for x in loads],
-            "line",
-        ),
+        curve("ball, correct", correct_ball_stiffness, bold=True),
+        curve("ball, Smith's spreadsheet", bearings.ball_sheet_stiffness),
         Series("ball, tested", at, [1e-6 * (f.printed.value or 0.0) for f in tested], "markers"),
         Series("ball, printed theory", at, theory, "markers"),
-        Series(
-            "taper, correct",
-            [float(x) for x in loads],
-            [bearings.tapered_bearing_stiffness(float(x)) / 1e6 for x in loads],
-            "line",
-        ),
-        Series(
-            "taper, Smith's spreadsheet",
-            [float(x) for x in loads],
-            [bearings.tapered_bearing_spreadsheet_stiffness(float(x)) / 1e6 for x in loads],
-            "line",
-        ),
+        curve("taper, correct", bearings.taper_stiffness),
+        curve("taper, Smith's spreadsheet", bearings.taper_sheet_stiffness),
     )
     return Panel("axial stiffness of one bearing", "thrust / lbf", "stiffness / 10⁶ lbf/in", series, include_zero=True)
 
@@ -151,9 +135,9 @@ def axis_stiffness_panel(found: Sequence[PrintedEntryComparison]) -> Panel:
     unit = 1e6 * bearings.POUND_PER_INCH
     series = []
     for kind in axis.KINDS:
-        k = axis.bearing_set_state_at_end(kind, "left", "stretch").stiffness
+        k = axis.bearing_set_state(kind, "left", "stretch").stiffness
         for words, right in (("fixed-fixed", k), ("fixed-supported", 0.0)):
-            a = bearings.screw_as_bar_between_supports(k, right)
+            a = bearings.screw_bar(k, right)
             values = carriage_to_frame_stiffness(a, a.length * places, bearings.NUT) / unit
             series.append(Series(f"{kind}, {words}", at, [float(v) for v in values], "line"))
         total = next(f for f in found if f.printed.key == f"total_{kind}")
@@ -214,12 +198,8 @@ def bearing_row_loads_figure(found: Sequence[PrintedEntryComparison]) -> Figure:
         "left. Smith does not solve for equilibrium: at each end he adds half of the tension and of this load to the rows "
         "in its direction, and subtracts it from the opposite rows."
     )
-    return Figure(
-        "smith-loads",
-        "Loads of the bearing rows at both ends of the axis (Smith 4.2): printed, and computed",
-        panels,
-        caption,
-    )
+    title = "Loads of the bearing rows at both ends of the axis (Smith 4.2): printed, and computed"
+    return Figure("smith-loads", title, panels, caption)
 
 
 LAYOUT_NOTE = (
@@ -238,49 +218,36 @@ def end_thrusts_and_stiffness_table(cache: SceneResultCache) -> Table:
     the solved scenes.
     """
     unit = 1e6 * bearings.POUND_PER_INCH
+    where = "distance of the nut from the left support/distance of the supports"
+    off = "stiffness difference, beam model against closed formulas"
     rows: list[Row] = []
-    for layout, place, scene, closed in axis.compare_beam_model_with_formulas(cache):
+    for layout, place, beam, closed in axis.compare_beam_model_with_formulas(cache):
         cache.record_used_scenes((layout.scene_name,))
-        difference = float(error_percent(scene.axis_stiffness, closed.axis_stiffness))
-        series = axis.axis_stiffness_by_sum_in_series(layout) / unit
-        rows.append(
-            {
-                TableColumn("layout", "support bearings", "", "s"): layout.description,
-                TableColumn(
-                    "place", "distance of the nut from the left support/distance of the supports", "", ".1f"
-                ): place,
-                TableColumn("left_scene", "thrust on the left end, beam model", "lbf", ".0f"): scene.left_thrust
-                / bearings.POUND,
-                TableColumn("left_formula", "thrust on the left end, closed formulas", "lbf", ".0f"): closed.left_thrust
-                / bearings.POUND,
-                TableColumn("right_scene", "thrust on the right end, beam model", "lbf", ".0f"): scene.right_thrust
-                / bearings.POUND,
-                TableColumn("right_formula", "thrust on the right end, closed formulas", "lbf", ".0f"): closed.right_thrust
-                / bearings.POUND,
-                TableColumn("scene", "axial stiffness, beam model", "10⁶ lbf/in", ".3f"): scene.axis_stiffness / unit,
-                TableColumn("formula", "axial stiffness, closed formulas", "10⁶ lbf/in", ".3f"): closed.axis_stiffness
-                / unit,
-                TableColumn(
-                    "difference", "stiffness difference, beam model against closed formulas", "%", ".2f"
-                ): difference,
-                TableColumn("series", "axial stiffness, Smith's sum of compliances in series", "10⁶ lbf/in", ".3f"): series
-                if np.isfinite(series)
-                else None,
-            }
+        models = ("scene", "beam model", beam), ("formula", "closed formulas", closed)
+        row: Row = {
+            TableColumn("layout", "support bearings", "", "s"): layout.description,
+            TableColumn("place", where, "", ".1f"): place,
+        }
+        for end in ("left", "right"):
+            for key, model, result in models:
+                thrust = getattr(result, f"{end}_thrust") / bearings.POUND
+                row[TableColumn(f"{end}_{key}", f"thrust on the {end} end, {model}", "lbf", ".0f")] = thrust
+        for key, model, result in models:
+            row[TableColumn(key, f"axial stiffness, {model}", "10⁶ lbf/in", ".3f")] = result.axis_stiffness / unit
+        row[TableColumn("difference", off, "%", ".2f")] = float(error_percent(beam.axis_stiffness, closed.axis_stiffness))
+        series, heading = axis.axis_stiffness_by_sum_in_series(layout) / unit, "Smith's sum of compliances in series"
+        row[TableColumn("series", f"axial stiffness, {heading}", "10⁶ lbf/in", ".3f")] = (
+            series if np.isfinite(series) else None
         )
-    return Table.from_rows(
-        "smith-layouts",
-        "Thrust on both end supports and stiffness of the screw axis, for each bearing layout and nut position",
-        rows,
-        LAYOUT_NOTE,
-    )
+        rows.append(row)
+    title = "Thrust on both end supports and stiffness of the screw axis, for each bearing layout and nut position"
+    return Table.from_rows("smith-layouts", title, rows, LAYOUT_NOTE)
 
 
 ROLLER_NOTE = (
     "3D: one roller between its races (`rollbench mesh-study smith-axis-taper`), its ends rounded with a radius of 1 mm, "
-    "which is assumed. Slices: load-deflection law of roller rows in this package. Line "
-    "contact: Hertz pressure under the load per length that 3D has at mid-length. Uncertainty: by the mesh, from all "
-    "levels."
+    "which is assumed. Slices: load-deflection law of roller rows in this package. Line contact: Hertz pressure under the "
+    "load per length that 3D has at mid-length. Uncertainty: by the mesh, from all levels."
 )
 
 
@@ -293,18 +260,16 @@ def tapered_roller_table_and_figure(cache: SceneResultCache) -> tuple[Table | Fi
     scene = catalogue.shipped_scene("smith-axis-taper")
     assert isinstance(scene, Assembly)
     (roller,) = rollers.roller_kinds_with_largest_load(scene)
-    runs = [
-        run for level in rollers.LEVELS if (run := rollers.stored_roller_run(roller, level, (shipped_store(),))) is not None
-    ]
+    stored = (rollers.stored_roller_run(roller, level, (shipped_store(),)) for level in rollers.LEVELS)
+    runs = [run for run in stored if run is not None]
     if not runs:
         return ()
     rows: list[Row] = []
     for one in rollers.roller_quantity_rows(roller, runs):
         row: Row = {"quantity": f"{one['quantity']}, {one['unit']}"}
-        row |= {
-            TableColumn(f"level_{run.level}", f"value in 3D, mesh level {run.level}", "", ".4g"): one[f"level {run.level}"]
-            for run in runs
-        }
+        for run in runs:
+            heading = f"value in 3D, mesh level {run.level}"
+            row[TableColumn(f"level_{run.level}", heading, "", ".4g")] = one[f"level {run.level}"]
         row |= {TableColumn("uncertainty", "uncertainty of the 3D value by the mesh", "", ".2g"): one["uncertainty"]}
         for key, words in (
             ("low_order", "slices of the roller"),
@@ -312,9 +277,8 @@ def tapered_roller_table_and_figure(cache: SceneResultCache) -> tuple[Table | Fi
             ("line_contact", "Hertz line contact"),
         ):
             row[TableColumn(key, f"value by {words}", "", ".4g")] = one[key]
-            row[TableColumn(f"{key}_error", f"error of the value by {words} against 3D", "%", ".2f")] = one[
-                f"{key}_error_percent"
-            ]
+            heading, error = f"error of the value by {words} against 3D", one[f"{key}_error_percent"]
+            row[TableColumn(f"{key}_error", heading, "%", ".2f")] = error
         rows.append(row)
     best = runs[-1]
     times = ", ".join(f"{run.cpu_seconds:.0f} s for {run.cells} cells on level {run.level}" for run in runs)
@@ -322,22 +286,15 @@ def tapered_roller_table_and_figure(cache: SceneResultCache) -> tuple[Table | Fi
     along = [1e3 * x for x in best.along]
     even = [1e-3 * roller.largest_load / roller.roller_row.length] * 2
     half = 500.0 * roller.roller_row.length
-    loads = [
-        Series(f"3D, {race}", along, [1e-3 * q for q in best.line_load[i]], "line") for i, race in enumerate(rollers.RACES)
-    ]
-    pressures = [
-        Series(f"3D, {race}", along, [1e-6 * p for p in best.along_pressure[i]], "line")
-        for i, race in enumerate(rollers.RACES)
-    ]
+    loads, pressures = [], []
+    for race, line_load, pressure in zip(rollers.RACES, best.line_load, best.along_pressure, strict=True):
+        loads.append(Series(f"3D, {race}", along, [1e-3 * q for q in line_load], "line"))
+        pressures.append(Series(f"3D, {race}", along, [1e-6 * p for p in pressure], "line"))
+    loads.append(Series("slices", [-half, half], even, "line"))
+    x = "along the roller / mm"
     panels = (
-        Panel(
-            "contact load per length",
-            "along the roller / mm",
-            "N/mm",
-            (*loads, Series("slices", [-half, half], even, "line")),
-            include_zero=True,
-        ),
-        Panel("largest contact pressure", "along the roller / mm", "MPa", pressures, include_zero=True),
+        Panel("contact load per length", x, "N/mm", loads, include_zero=True),
+        Panel("largest contact pressure", x, "MPa", pressures, include_zero=True),
     )
     caption = f"One roller under {roller.largest_load:.4g} N. Load and pressure are even, except at the rounded ends."
     table = Table.from_rows(

@@ -17,7 +17,7 @@ from pydantic import Field
 from rollbench.compare.scenes import keys as scenes_keys
 from rollbench.compare.scenes.fault import Fault
 from rollbench.compare.scenes.friction_kinds import common
-from rollbench.compare.scenes.friction_kinds import common as friction_kinds_common
+from rollbench.compare.scenes.keys import SceneFileTable, key
 from rollbench.lowfi.friction.bearing import ALL, DIAGONAL, OTHER, BallRow, Bearing, BearingCase
 from rollbench.lowfi.friction.linear.bearing import LinearBearing, Loads, contact_angle_deviations
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
@@ -43,22 +43,20 @@ Sharpness = Annotated[float, QuantityRange("number", 0, 1_000_000, 100, lower_li
 MapStep = Annotated[float, QuantityRange("number", 0, 1, 0.08, lower_limit_excluded=True)]
 
 
-class InnerRingLoadKeys(scenes_keys.SceneFileTable):
+class InnerRingLoadKeys(SceneFileTable):
     """Axial force and radial displacement of the inner ring."""
 
-    axial_force: Axial = scenes_keys.key("force on the inner ring along its axis")
-    radial_displacement: Move = scenes_keys.key("radial displacement of the inner ring towards the ball", "0 um", "5 um")
+    axial_force: Axial = key("force on the inner ring along its axis")
+    radial_displacement: Move = key("radial displacement of the inner ring towards the ball", "0 um", "5 um")
 
 
 class FrictionLawKeys(scenes_keys.CoulombFrictionKeys):
     """Coefficient of friction between ball and grooves, and the friction law."""
 
-    law: Law = scenes_keys.key(
-        "friction law: Coulomb's, Coulomb's regularised, or the sigmoid of Lin (3.20)", "coulomb", "coulomb"
-    )
-    creep: Creep | None = scenes_keys.key('sliding speed below which friction is reduced, for law = "regularised"', None)
-    sharpness: Sharpness | None = scenes_keys.key('parameter k_S of the law "sigmoid"', None)
-    map_step: MapStep | None = scenes_keys.key(
+    law: Law = key("friction law: Coulomb's, Coulomb's regularised, or the sigmoid of Lin (3.20)", "coulomb", "coulomb")
+    creep: Creep | None = key('sliding speed below which friction is reduced, for law = "regularised"', None)
+    sharpness: Sharpness | None = key('parameter k_S of the law "sigmoid"', None)
+    map_step: MapStep | None = key(
         'step of c/a (centre of rotation over semi-axis) in friction tables of law = "sigmoid"; exact if left out', None
     )
 
@@ -66,16 +64,16 @@ class FrictionLawKeys(scenes_keys.CoulombFrictionKeys):
 class BearingBallKeys(common.EqualGrooveSceneKeys):
     """One ball of a rotary bearing; the inner ring turns, the outer ring is fixed."""
 
-    kind: Literal["bearing ball"] = scenes_keys.key("what the scene describes", example="bearing ball")
-    track: scenes_keys.BallPathKeys = scenes_keys.key("path of the ball centres, of zero lead")
-    balls: scenes_keys.BallSizeKeys = scenes_keys.key("the ball")
-    load: InnerRingLoadKeys = scenes_keys.key("force and displacement of the inner ring")
-    motion: scenes_keys.RingSpeedKeys = scenes_keys.key("motion of the inner ring")
-    friction: FrictionLawKeys = scenes_keys.key("friction")
+    kind: Literal["bearing ball"] = key("what the scene describes", example="bearing ball")
+    track: scenes_keys.BallPathKeys = key("path of the ball centres, of zero lead")
+    balls: scenes_keys.BallSizeKeys = key("the ball")
+    load: InnerRingLoadKeys = key("force and displacement of the inner ring")
+    motion: scenes_keys.RingSpeedKeys = key("motion of the inner ring")
+    friction: FrictionLawKeys = key("friction")
 
 
 @dataclass(frozen=True)
-class BearingBallScene(friction_kinds_common.FrictionScene):
+class BearingBallScene(common.FrictionScene):
     """Scene of one ball in a rotary bearing, under an axial force and a radial displacement of the inner ring."""
 
     #: Kind of the scene, as its file names it.
@@ -103,7 +101,7 @@ def bearing_ball_faults(keys: BearingBallKeys) -> Iterator[Fault]:
     yield from wrong
     if wrong:
         return
-    reach = common.groove_radius_from_keys(keys.screw, keys.balls) - keys.balls.radius
+    reach = keys.screw.radius_for(keys.balls) - keys.balls.radius
     yield from common.displacement_faults(reach, keys.load.radial_displacement, "load.radial_displacement")
     yield from _friction_law_faults(keys.friction, keys.motion.speed)
 
@@ -128,23 +126,10 @@ def _friction_law_faults(friction: FrictionLawKeys, speed: float) -> Iterator[Fa
 
 def bearing_ball_scene(keys: BearingBallKeys, name: str) -> BearingBallScene:
     """Return the scene ``name`` of one bearing ball from the validated keys of its file."""
-    f = keys.friction
-    bearing = Bearing(
-        keys.balls.radius,
-        common.groove_radius_from_keys(keys.screw, keys.balls),
-        keys.track.pitch_radius,
-        0.0,
-        keys.track.contact_angle,
-        *common.elastic_constants(keys.material),
-        f.coefficient,
-        0.0,
-        keys.motion.speed,
-        hertz=keys.ingredients.hertz_mode_of_solver,
-        clearance=0.0 - keys.errors.balls.oversize,
-    )
+    f, clearance = keys.friction, 0.0 - keys.errors.balls.oversize
     return BearingBallScene(
-        *friction_kinds_common.name_title_source_and_assumptions(keys, name),
-        bearing,
+        *common.head_of_scene(keys, name),
+        common.grooves_from_keys(Bearing, keys, keys, 0.0, (0.0, keys.motion.speed), clearance=clearance),
         keys.load.axial_force,
         keys.load.radial_displacement,
         f.law,
@@ -164,64 +149,62 @@ LoadAngle = Annotated[float, QuantityRange("angle", "0 deg", "90 deg", "18 deg")
 class BearingRowBallKeys(scenes_keys.BallSizeKeys):
     """Evenly spaced balls of one bearing row: their size and number."""
 
-    count: Annotated[int, Field(ge=1, le=1000)] = scenes_keys.key("balls in a row", example=9)
+    count: Annotated[int, Field(ge=1, le=1000)] = key("balls in a row", example=9)
 
 
-class RotaryBearingKeys(scenes_keys.SceneFileTable):
+class RotaryBearingKeys(SceneFileTable):
     """Rotary bearing whose inner ring turns and whose outer ring is fixed."""
 
-    track: scenes_keys.BallPathKeys = scenes_keys.key("path of the ball centres, of zero lead")
-    screw: scenes_keys.GrooveKeys = scenes_keys.key("groove of the inner ring", example={"groove_radius": "6.75 mm"})
-    nut: scenes_keys.GrooveKeys = scenes_keys.key(
+    track: scenes_keys.BallPathKeys = key("path of the ball centres, of zero lead")
+    screw: scenes_keys.GrooveKeys = key("groove of the inner ring", example={"groove_radius": "6.75 mm"})
+    nut: scenes_keys.GrooveKeys = key(
         "groove of the outer ring, with the same radius", example={"groove_radius": "6.75 mm"}
     )
-    balls: BearingRowBallKeys = scenes_keys.key("balls of each row")
-    errors: common.BallRadiusErrorKeys = scenes_keys.key(
+    balls: BearingRowBallKeys = key("balls of each row")
+    errors: common.BallRadiusErrorKeys = key(
         "geometric errors", common.BallRadiusErrorKeys(), {"balls": {"oversize": "1 um"}}
     )
 
 
-class BearingRowsKeys(scenes_keys.SceneFileTable):
+class BearingRowsKeys(SceneFileTable):
     """Distance and arrangement of the two rows of balls of a double-row bearing."""
 
-    distance: Size = scenes_keys.key("axial distance of the rows", example="12 mm")
-    arrangement: Literal["back to back", "face to face"] = scenes_keys.key(
-        "arrangement of the rows", "back to back", "back to back"
-    )
+    distance: Size = key("axial distance of the rows", example="12 mm")
+    arrangement: Literal["back to back", "face to face"] = key("arrangement of the rows", "back to back", "back to back")
 
 
 class DoubleRowBearingKeys(RotaryBearingKeys):
     """Double-row angular-contact bearing."""
 
-    rows: BearingRowsKeys = scenes_keys.key("the rows")
+    rows: BearingRowsKeys = key("the rows")
 
 
-class InnerRingForceKeys(scenes_keys.SceneFileTable):
+class InnerRingForceKeys(SceneFileTable):
     """Force on the inner ring midway between its rows, at several angles from the axis, and whether the ring may tilt."""
 
-    force: common.Pressing = scenes_keys.key("magnitude of the force on the inner ring")
-    angles: Annotated[list[LoadAngle], Field(min_length=2, max_length=500)] = scenes_keys.key(
+    force: common.Pressing = key("magnitude of the force on the inner ring")
+    angles: Annotated[list[LoadAngle], Field(min_length=2, max_length=500)] = key(
         "angles of the force from the axis, in ascending order", example=["0 deg", "10 deg", "18 deg"]
     )
-    tilt: bool = scenes_keys.key("whether the inner ring is free to tilt", True, True)
+    tilt: bool = key("whether the inner ring is free to tilt", True, True)
 
 
-class BearingPairKeys(friction_kinds_common.FrictionSceneKeys):
+class BearingPairKeys(common.FrictionSceneKeys):
     """Four-point bearing and double-row bearing under the same force."""
 
-    kind: Literal["bearing pair"] = scenes_keys.key("what the scene describes", example="bearing pair")
-    four_point: RotaryBearingKeys = scenes_keys.key("the four-point bearing")
-    double_row: DoubleRowBearingKeys = scenes_keys.key("the double-row bearing")
-    load: InnerRingForceKeys = scenes_keys.key("force on the inner ring")
-    motion: scenes_keys.RingSpeedKeys = scenes_keys.key("motion of the inner ring")
-    friction: scenes_keys.CoulombFrictionKeys = scenes_keys.key("friction")
-    ingredients: common.HertzConstantKeys = scenes_keys.key(
+    kind: Literal["bearing pair"] = key("what the scene describes", example="bearing pair")
+    four_point: RotaryBearingKeys = key("the four-point bearing")
+    double_row: DoubleRowBearingKeys = key("the double-row bearing")
+    load: InnerRingForceKeys = key("force on the inner ring")
+    motion: scenes_keys.RingSpeedKeys = key("motion of the inner ring")
+    friction: scenes_keys.CoulombFrictionKeys = key("friction")
+    ingredients: common.HertzConstantKeys = key(
         "options of the low-order model", common.HertzConstantKeys(), {"hertz": "nominal"}
     )
 
 
 @dataclass(frozen=True)
-class BearingPairScene(friction_kinds_common.FrictionScene):
+class BearingPairScene(common.FrictionScene):
     """Scene of a four-point and a double-row bearing under the same force."""
 
     #: Kind of the scene, as its file names it.
@@ -258,18 +241,7 @@ def bearing_pair_faults(keys: BearingPairKeys) -> Iterator[Fault]:
 
 def _bearing_case_from_keys(keys: BearingPairKeys, ring: RotaryBearingKeys) -> BearingCase:
     """Return one of the two bearings of a scene, with load and friction; ``ring``: keys of this bearing."""
-    groove = ScrewGroove(
-        ring.balls.radius,
-        common.groove_radius_from_keys(ring.screw, ring.balls),
-        ring.track.pitch_radius,
-        0.0,
-        ring.track.contact_angle,
-        *common.elastic_constants(keys.material),
-        keys.friction.coefficient,
-        0.0,
-        keys.motion.speed,
-        hertz=keys.ingredients.hertz_mode_of_solver,
-    )
+    groove = common.grooves_from_keys(ScrewGroove, keys, ring, 0.0, (0.0, keys.motion.speed))
     rows: tuple[BallRow, ...] = (BallRow(0.0, ALL),)
     if isinstance(ring, DoubleRowBearingKeys):
         half = 0.5 * ring.rows.distance
@@ -281,9 +253,7 @@ def _bearing_case_from_keys(keys: BearingPairKeys, ring: RotaryBearingKeys) -> B
 def bearing_pair_scene(keys: BearingPairKeys, name: str) -> BearingPairScene:
     """Return the scene ``name`` of a four-point and a double-row bearing from the validated keys of its file."""
     four, double = (_bearing_case_from_keys(keys, b) for b in (keys.four_point, keys.double_row))
-    return BearingPairScene(
-        *friction_kinds_common.name_title_source_and_assumptions(keys, name), four, double, np.array(keys.load.angles)
-    )
+    return BearingPairScene(*common.head_of_scene(keys, name), four, double, np.array(keys.load.angles))
 
 
 #: Speed of the carriage [m/s].
@@ -293,17 +263,17 @@ Speed = Annotated[float, RateRange("speed", "-1000 m/s", "1000 m/s", "10 mm/s")]
 SideRatio = Annotated[float, QuantityRange("number", -10, 10, -0.6)]
 
 
-class LinearTrackKeys(scenes_keys.SceneFileTable):
+class LinearTrackKeys(SceneFileTable):
     """Contact angle of a linear bearing, whose ball centres move on a straight path."""
 
-    contact_angle: ContactAngle = scenes_keys.key("nominal angle between contact normals and vertical force")
+    contact_angle: ContactAngle = key("nominal angle between contact normals and vertical force")
 
 
-class CarriageForceKeys(scenes_keys.SceneFileTable):
+class CarriageForceKeys(SceneFileTable):
     """Vertical force of the carriage on each ball of a linear bearing, and how contact loads follow from it."""
 
-    vertical_force: common.Pressing = scenes_keys.key("force that presses on each ball")
-    distribution: Loads = scenes_keys.key(
+    vertical_force: common.Pressing = key("force that presses on each ball")
+    distribution: Loads = key(
         "contact loads: balanced at fixed angles, equal on each diagonal, or elastic with changing angles",
         "balanced",
         "elastic",
@@ -313,66 +283,66 @@ class CarriageForceKeys(scenes_keys.SceneFileTable):
 class CarriageForceOnPairKeys(CarriageForceKeys):
     """Force of the carriage on two balls of a linear bearing; the side forces on the two balls are opposite."""
 
-    side_force_ratio: SideRatio = scenes_keys.key("side force on the first ball divided by vertical_force")
+    side_force_ratio: SideRatio = key("side force on the first ball divided by vertical_force")
 
 
-class CarriageSpeedKeys(scenes_keys.SceneFileTable):
+class CarriageSpeedKeys(SceneFileTable):
     """Speed of the carriage of a linear bearing."""
 
-    carriage: Speed = scenes_keys.key("speed of the carriage along the track")
+    carriage: Speed = key("speed of the carriage along the track")
 
 
-class BottomAngleDeviationKeys(scenes_keys.SceneFileTable):
+class BottomAngleDeviationKeys(SceneFileTable):
     """Deviation of the bottom groove's contact angles from the nominal one: smaller on the left, larger on the right."""
 
-    deviation: common.Theta = scenes_keys.key("deviation theta of the bottom groove's contact angles")
-    mated: bool = scenes_keys.key(
-        "whether the top groove's angles are matched to those of the bottom (Lin 3.3.4.2)", False, False
+    deviation: common.Theta = key("deviation theta from the nominal angle: bottom left contacts -theta, bottom right theta")
+    mated: bool = key(
+        "whether the top contact angles deviate too, so that the contacts of each diagonal stay opposite (Lin 3.3.4.2)",
+        False,
+        False,
     )
 
 
-class BallOfChainKeys(scenes_keys.SceneFileTable):
+class BallOfChainKeys(SceneFileTable):
     """One ball in a chain of balls of a linear bearing: side force, contact angles, and gap to the next ball."""
 
-    side_force_ratio: SideRatio = scenes_keys.key("side force divided by vertical_force", 0.0)
-    angle_deviations: Annotated[list[common.Theta], Field(min_length=4, max_length=4)] = scenes_keys.key(
+    side_force_ratio: SideRatio = key("side force divided by vertical_force", 0.0)
+    angle_deviations: Annotated[list[common.Theta], Field(min_length=4, max_length=4)] = key(
         "deviations of the contact angles at bottom left, bottom right, top right, top left",
         ["0 deg", "0 deg", "0 deg", "0 deg"],
         ["-2 deg", "2 deg", "0 deg", "0 deg"],
     )
-    gap: common.Gap = scenes_keys.key("gap to the next ball; 0: the two balls may touch", "0 mm", "0.5 mm")
+    gap: common.Gap = key("gap to the next ball; 0: the two balls may touch", "0 mm", "0.5 mm")
 
 
-class LinearBearingKeys(friction_kinds_common.FrictionSceneKeys):
+class LinearBearingKeys(common.FrictionSceneKeys):
     """Linear bearing with balls between equal gothic-arch grooves at bottom and top."""
 
-    track: LinearTrackKeys = scenes_keys.key("path of the ball centres")
-    grooves: scenes_keys.GrooveKeys = scenes_keys.key("cross-section of both grooves", example={"conformity": 0.56})
-    balls: scenes_keys.BallSizeKeys = scenes_keys.key("the balls")
-    motion: CarriageSpeedKeys = scenes_keys.key("motion of the carriage")
-    friction: common.BallFrictionKeys = scenes_keys.key("friction")
+    track: LinearTrackKeys = key("path of the ball centres")
+    grooves: scenes_keys.GrooveKeys = key("cross-section of both grooves", example={"conformity": 0.56})
+    balls: scenes_keys.BallSizeKeys = key("the balls")
+    motion: CarriageSpeedKeys = key("motion of the carriage")
+    friction: common.BallFrictionKeys = key("friction")
 
 
 class LinearPairKeys(LinearBearingKeys):
     """Two balls of a linear bearing, which may touch each other."""
 
-    kind: Literal["linear pair"] = scenes_keys.key("what the scene describes", example="linear pair")
-    angles: BottomAngleDeviationKeys = scenes_keys.key("contact angles")
-    load: CarriageForceOnPairKeys = scenes_keys.key("force of the carriage")
+    kind: Literal["linear pair"] = key("what the scene describes", example="linear pair")
+    angles: BottomAngleDeviationKeys = key("contact angles")
+    load: CarriageForceOnPairKeys = key("force of the carriage")
 
 
 class LinearChainKeys(LinearBearingKeys):
     """Chain of balls in a linear bearing, which may touch each other."""
 
-    kind: Literal["linear chain"] = scenes_keys.key("what the scene describes", example="linear chain")
-    load: CarriageForceKeys = scenes_keys.key("force of the carriage")
-    chain: Annotated[list[BallOfChainKeys], Field(min_length=1, max_length=500)] = scenes_keys.key(
-        "balls in order along the track"
-    )
+    kind: Literal["linear chain"] = key("what the scene describes", example="linear chain")
+    load: CarriageForceKeys = key("force of the carriage")
+    chain: Annotated[list[BallOfChainKeys], Field(min_length=1, max_length=500)] = key("balls in order along the track")
 
 
 @dataclass(frozen=True)
-class LinearBearingScene(friction_kinds_common.FrictionScene):
+class LinearBearingScene(common.FrictionScene):
     """Scene of N balls in a linear bearing."""
 
     #: Geometry, motion and friction of the bearing.
@@ -478,7 +448,7 @@ def linear_bearing_scene(keys: LinearPairKeys | LinearChainKeys, name: str) -> L
     f, radius = keys.friction, keys.balls.radius
     bearing = LinearBearing(
         radius,
-        keys.grooves.conformity or 0.5 * common.groove_radius_from_keys(keys.grooves, keys.balls) / radius,
+        keys.grooves.conformity or 0.5 * keys.grooves.radius_for(keys.balls) / radius,
         keys.track.contact_angle,
         keys.motion.carriage,
         f.coefficient,
@@ -486,11 +456,7 @@ def linear_bearing_scene(keys: LinearPairKeys | LinearChainKeys, name: str) -> L
         *common.elastic_constants(keys.material),
     )
     angles, side, gap = _ball_angles_and_gaps(keys)
-    force, how, head = (
-        keys.load.vertical_force,
-        keys.load.distribution,
-        friction_kinds_common.name_title_source_and_assumptions(keys, name),
-    )
+    head, force, how = common.head_of_scene(keys, name), keys.load.vertical_force, keys.load.distribution
     if isinstance(keys, LinearPairKeys):
         return LinearPairScene(*head, bearing, angles, force, side, how, gap[:-1], keys.angles.deviation)
     return LinearChainScene(*head, bearing, angles, force, side, how, gap[:-1])

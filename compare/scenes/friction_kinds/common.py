@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar, Literal, Protocol
+from typing import Annotated, Any, ClassVar, Literal, Protocol, TypeVar
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from rollbench.compare.errors import escape_unprintable
 from rollbench.compare.scenes import keys as scenes_keys
 from rollbench.compare.scenes.fault import Fault, length_text
 from rollbench.compare.scenes.key_checks import groove_definition_faults
+from rollbench.compare.scenes.keys import SceneFileTable, key
 from rollbench.lowfi.friction.screw.groove import Mode, ScrewGroove
 from rollbench.meshes.ranges import Coefficient, QuantityRange
 from rollbench.meshes.scene_text import toml_of_tables
@@ -20,8 +21,8 @@ from rollbench.meshes.scene_text import toml_of_tables
 class FrictionSceneKeys(scenes_keys.TitleKeys):
     """Keys in the file of every scene for which only friction is computed: kind, material, title."""
 
-    kind: str = scenes_keys.key("what the scene describes")
-    material: scenes_keys.MaterialKeys = scenes_keys.key("material of all parts", example=scenes_keys.MATERIAL)
+    kind: str = key("what the scene describes")
+    material: scenes_keys.MaterialKeys = key("material of all parts", example=scenes_keys.MATERIAL)
 
 
 @dataclass(frozen=True)
@@ -50,7 +51,7 @@ class FrictionScene:
 Head = tuple[str, str, str, tuple[str, ...]]
 
 
-def name_title_source_and_assumptions(keys: FrictionSceneKeys, name: str) -> Head:
+def head_of_scene(keys: FrictionSceneKeys, name: str) -> Head:
     """Return the first fields of the record of a friction scene: ``name``, title, source of the data, and assumptions."""
     assumed = tuple(map(escape_unprintable, keys.assumed))
     return name, escape_unprintable(keys.title), escape_unprintable(keys.source), assumed
@@ -81,18 +82,18 @@ Gap = Annotated[float, QuantityRange("length", "0 mm", "1 m", "0.5 mm")]
 Theta = Annotated[float, QuantityRange("angle", "-15 deg", "15 deg", "2 deg")]
 
 
-class BallRadiusErrorKeys(scenes_keys.SceneFileTable):
+class BallRadiusErrorKeys(SceneFileTable):
     """Manufacturing errors of the balls in a scene of a few balls: the oversize that all ball radii have."""
 
-    balls: scenes_keys.BallOversizeKeys = scenes_keys.key(
+    balls: scenes_keys.BallOversizeKeys = key(
         "errors of the ball radii", scenes_keys.BallOversizeKeys(), {"oversize": "1.7 um"}
     )
 
 
-class HertzConstantKeys(scenes_keys.SceneFileTable):
+class HertzConstantKeys(SceneFileTable):
     """Choice of the Hertz constants of the contacts: exact ones, or those printed in Lin's Table B.1."""
 
-    hertz: Literal["nominal", "as printed"] = scenes_keys.key(
+    hertz: Literal["nominal", "as printed"] = key(
         "Hertz constants: exact at the nominal contact angle, or as printed with the errors of Lin's Table B.1",
         "nominal",
         "nominal",
@@ -107,24 +108,18 @@ class HertzConstantKeys(scenes_keys.SceneFileTable):
 class BallFrictionKeys(scenes_keys.CoulombFrictionKeys):
     """Coulomb friction between balls and grooves, and between neighbouring balls."""
 
-    balls: Coefficient | None = scenes_keys.key("coefficient between balls, if it is not that of the grooves", None)
+    balls: Coefficient | None = key("coefficient between balls, if it is not that of the grooves", None)
 
 
 class EqualGrooveSceneKeys(FrictionSceneKeys):
     """Bearing or screw with the same groove radius on both parts, and balls of one size."""
 
-    screw: scenes_keys.GrooveKeys = scenes_keys.key(
-        "groove of the screw, or of the inner ring", example={"conformity": 0.54}
-    )
-    nut: scenes_keys.GrooveKeys = scenes_keys.key(
+    screw: scenes_keys.GrooveKeys = key("groove of the screw, or of the inner ring", example={"conformity": 0.54})
+    nut: scenes_keys.GrooveKeys = key(
         "groove of the nut, or of the outer ring, with the same radius", example={"conformity": 0.54}
     )
-    errors: BallRadiusErrorKeys = scenes_keys.key(
-        "geometric errors", BallRadiusErrorKeys(), {"balls": {"oversize": "1.7 um"}}
-    )
-    ingredients: HertzConstantKeys = scenes_keys.key(
-        "options of the low-order model", HertzConstantKeys(), {"hertz": "nominal"}
-    )
+    errors: BallRadiusErrorKeys = key("geometric errors", BallRadiusErrorKeys(), {"balls": {"oversize": "1.7 um"}})
+    ingredients: HertzConstantKeys = key("options of the low-order model", HertzConstantKeys(), {"hertz": "nominal"})
 
 
 def material_faults(material: scenes_keys.MaterialKeys) -> Iterator[Fault]:
@@ -139,14 +134,6 @@ def elastic_constants(material: scenes_keys.MaterialKeys) -> tuple[float, float]
     return material.youngs_modulus or 0.0, material.poissons_ratio or 0.0
 
 
-def groove_radius_from_keys(groove: scenes_keys.GrooveKeys, balls: scenes_keys.BallSizeKeys) -> float:
-    """Return the radius of a groove [m] from its keys: as stated, or as conformity times ball diameter.
-
-    ``groove``, ``balls``: tables with the keys of the groove and of the balls.
-    """
-    return groove.groove_radius or 2.0 * (groove.conformity or 0.0) * balls.radius
-
-
 def groove_radius_faults(groove: scenes_keys.GrooveKeys, balls: scenes_keys.BallSizeKeys, table: str) -> Iterator[Fault]:
     """Yield a fault for a groove whose radius is stated twice, not at all, or not above the ball radius.
 
@@ -155,9 +142,13 @@ def groove_radius_faults(groove: scenes_keys.GrooveKeys, balls: scenes_keys.Ball
     """
     wrong = list(groove_definition_faults(groove, table))
     yield from wrong
-    if not wrong and groove_radius_from_keys(groove, balls) <= balls.radius:
+    if not wrong and groove.radius_for(balls) <= balls.radius:
         advice = "choose a groove radius above the ball's radius"
         yield Fault((f"{table}.groove_radius", f"{table}.conformity"), f"above {length_text(balls.radius)}", advice)
+
+
+#: Class of the record of the grooves of a screw or bearing.
+Grooves = TypeVar("Grooves", bound=ScrewGroove)
 
 
 class BearingOrScrewKeys(Protocol):
@@ -179,6 +170,29 @@ class BearingOrScrewKeys(Protocol):
         """Size of the balls."""
 
 
+def grooves_from_keys(
+    record: type[Grooves], keys: Any, part: BearingOrScrewKeys, lead: float, speeds: tuple[float, float], **more: Any
+) -> Grooves:
+    """Return grooves, balls, speeds and friction of a ball screw or bearing as a ``record`` of the friction solvers.
+
+    ``keys``: keys of the whole scene, with material, friction and Hertz constants; ``part``: tables of the screw or
+    bearing; ``lead``: its lead, 0 for a bearing, negative for a left-hand helix [m]; ``speeds``: angular speeds of nut and
+    screw, or outer and inner ring [rad/s]; ``more``: further fields of the record.
+    """
+    return record(
+        part.balls.radius,
+        part.screw.radius_for(part.balls),
+        part.track.pitch_radius,
+        lead,
+        part.track.contact_angle,
+        *elastic_constants(keys.material),
+        keys.friction.coefficient,
+        *speeds,
+        hertz=keys.ingredients.hertz_mode_of_solver,
+        **more,
+    )
+
+
 def groove_and_path_faults(keys: BearingOrScrewKeys, prefix: str = "", *, is_bearing: bool) -> Iterator[Fault]:
     """Yield the faults of the keys for grooves, ball path and ball oversize of a bearing or screw.
 
@@ -191,17 +205,16 @@ def groove_and_path_faults(keys: BearingOrScrewKeys, prefix: str = "", *, is_bea
     is_bearing
         Whether it is a bearing, whose lead must be zero; else the lead must be positive.
     """
-    track, radius = keys.track, groove_radius_from_keys(keys.screw, keys.balls)
+    track, radius = keys.track, keys.screw.radius_for(keys.balls)
     for name, groove in (("screw", keys.screw), ("nut", keys.nut)):
         wrong = list(groove_radius_faults(groove, keys.balls, prefix + name))
         yield from wrong
         if wrong:
             return
-    if abs(groove_radius_from_keys(keys.nut, keys.balls) / radius - 1.0) > 1e-12:
+    if abs(keys.nut.radius_for(keys.balls) / radius - 1.0) > 1e-12:
         advice = "give both grooves the same radius, or describe the whole screw or bearing for different grooves"
-        yield Fault(
-            (f"{prefix}nut.groove_radius", f"{prefix}nut.conformity"), f"the screw's, {length_text(radius)}", advice
-        )
+        where = (f"{prefix}nut.groove_radius", f"{prefix}nut.conformity")
+        yield Fault(where, f"the screw's, {length_text(radius)}", advice)
     if is_bearing and track.lead != 0.0:
         yield Fault((f"{prefix}track.lead",), '"0 mm"', "write 0 mm; this kind describes bearing rings, which have no lead")
     if not is_bearing and track.lead == 0.0:
@@ -220,9 +233,8 @@ def displacement_faults(limit: float, displacement: float, key_name: str) -> Ite
     """
     if abs(displacement) >= limit:
         advice = "choose a smaller value; the models hold for small displacements of the ball's centre"
-        yield Fault(
-            (key_name,), f"between -{length_text(limit)} and {length_text(limit)}, groove radius less ball radius", advice
-        )
+        allowed = f"between -{length_text(limit)} and {length_text(limit)}, groove radius less ball radius"
+        yield Fault((key_name,), allowed, advice)
 
 
 def missing_hertz_constant_faults(groove: ScrewGroove, prefix: str = "") -> Iterator[Fault]:

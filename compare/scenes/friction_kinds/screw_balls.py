@@ -12,7 +12,7 @@ from pydantic import Field
 
 from rollbench.compare.scenes.fault import Fault, length_text
 from rollbench.compare.scenes.friction_kinds import common
-from rollbench.compare.scenes.friction_kinds.common import FrictionScene, name_title_source_and_assumptions
+from rollbench.compare.scenes.friction_kinds.common import FrictionScene, head_of_scene
 from rollbench.compare.scenes.key_checks import simulation_time_faults
 from rollbench.compare.scenes.keys import BallHelixKeys, BallSizeKeys, SceneFileTable, key
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
@@ -61,15 +61,15 @@ class BallPairAngleKeys(SceneFileTable):
     """Deviations of the contact angles of two balls from the nominal contact angle."""
 
     deviations: Annotated[list[common.Theta], Field(min_length=2, max_length=2)] = key(
-        "deviation theta at the rear ball and at the front ball", example=["0 deg", "2 deg"]
+        "deviation theta from the nominal angle at the rear ball and at the front ball", example=["0 deg", "2 deg"]
     )
     pattern: Pattern = key(_PATTERN, [1, 1, 0, 0], [1, 1, 0, 0])
 
 
 class AngleVariationKeys(SceneFileTable):
-    """Deviation theta of the contact angles along the screw: theta = amplitude sin(cycles_per_turn azimuth + phase)."""
+    """Deviation of contact angles from the nominal angle: theta = amplitude * sin(cycles_per_turn * azimuth + phase)."""
 
-    amplitude: common.Theta = key("amplitude of the deviation theta")
+    amplitude: common.Theta = key("amplitude of theta")
     cycles_per_turn: Cycles = key("number of periods of theta per turn of the screw", 2, 2)
     phase: Azimuth = key("phase of theta", "0 deg", "90 deg")
     pattern: Pattern = key(_PATTERN, [1, 1, 0, 0], [1, 1, 0, 0])
@@ -209,21 +209,10 @@ def _screw_simulation_faults(keys: ScrewSimulationKeys) -> Iterator[Fault]:
 
 def _screw_groove_from_keys(keys: ScrewPairKeys | ScrewSimulationKeys) -> ScrewGroove:
     """Return grooves, balls, speeds and friction of a ball screw from the validated keys of its scene file."""
-    track, f, motion = keys.track, keys.friction, keys.motion
-    nut, screw = (motion.speed, 0.0) if motion.turns == "nut" else (0.0, motion.speed)
-    return ScrewGroove(
-        keys.balls.radius,
-        common.groove_radius_from_keys(keys.screw, keys.balls),
-        track.pitch_radius,
-        -track.lead if track.hand == "left" else track.lead,
-        track.contact_angle,
-        *common.elastic_constants(keys.material),
-        f.coefficient,
-        nut,
-        screw,
-        f.balls,
-        keys.ingredients.hertz_mode_of_solver,
-    )
+    track, motion = keys.track, keys.motion
+    speeds = (motion.speed, 0.0) if motion.turns == "nut" else (0.0, motion.speed)
+    lead = -track.lead if track.hand == "left" else track.lead
+    return common.grooves_from_keys(ScrewGroove, keys, keys, lead, speeds, mu_balls=keys.friction.balls)
 
 
 def screw_pair_scene(keys: ScrewPairKeys, name: str) -> ScrewPairScene:
@@ -239,7 +228,7 @@ def screw_pair_scene(keys: ScrewPairKeys, name: str) -> ScrewPairScene:
         (keys.load.force,),
         keys.friction.coupling,
     )
-    return ScrewPairScene(*name_title_source_and_assumptions(keys, name), pair)
+    return ScrewPairScene(*head_of_scene(keys, name), pair)
 
 
 def screw_run_scene(keys: ScrewSimulationKeys, name: str) -> ScrewRunScene:
@@ -265,4 +254,4 @@ def screw_run_scene(keys: ScrewSimulationKeys, name: str) -> ScrewRunScene:
         keys.time.rounds,
         a.follows,
     )
-    return ScrewRunScene(*name_title_source_and_assumptions(keys, name), run, time)
+    return ScrewRunScene(*head_of_scene(keys, name), run, time)

@@ -22,19 +22,9 @@ from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.ball_body import contact_frame_vectors, normal_between_hemispheres
 from rollbench.meshes.errors import GeometryWithErrors, draw_geometry_with_errors
+from rollbench.meshes.exchange import whole_bodies
 from rollbench.meshes.exchange.deck import ContactPair, DeckBody, InputDeck, RigidSection, outer_faces_of_tetrahedra
-from rollbench.meshes.exchange.whole_bodies import (
-    ElementSizesNearPoints,
-    ExportedBodyMesh,
-    grid_points_in_ellipse,
-    mesh_half_ball,
-    mesh_half_ring,
-    mesh_whole_ball,
-    mesh_whole_body,
-    move_to_ball_position,
-    points_on_ball_surface,
-    points_on_groove,
-)
+from rollbench.meshes.exchange.whole_bodies import ElementSizesNearPoints, ExportedBodyMesh
 from rollbench.meshes.groove import GroovedBodySpec
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import BallLayout, ball_layout, lead_angle, nominal_groove_centres, nominal_groove_radii
@@ -129,7 +119,8 @@ def refined_zone_points(contact: ExpectedContact, element_size: float) -> Array:
 
     ``contact``: expected contact; ``element_size``: element size in the zone [m]; k: number of points.
     """
-    return grid_points_in_ellipse((FINE * contact.semi_axes[0], FINE * contact.semi_axes[1]), 0.7 * element_size)
+    across, along = contact.semi_axes
+    return whole_bodies.grid_points_in_ellipse((FINE * across, FINE * along), 0.7 * element_size)
 
 
 def flank_contact_faces(groove: GrooveMap, mesh: ExportedBodyMesh, contact: ExpectedContact, element_size: float) -> Index:
@@ -140,14 +131,9 @@ def flank_contact_faces(groove: GrooveMap, mesh: ExportedBodyMesh, contact: Expe
     """
     flank = mesh.nodes_of_boundaries[f"flank {SIDES[contact.side]}"]
     x, radius = mesh.points[flank], float(groove.radius[contact.side])
-    xi = local_coordinates_in_refinement_box(
-        groove,
-        RefinementBoxSize(1.0, radius, 1.0),
-        contact.ball_position_and_flank,
-        np.arctan2(x[:, 1], x[:, 0]),
-        x[:, 2],
-        np.hypot(x[:, 0], x[:, 1]),
-    )
+    at = np.arctan2(x[:, 1], x[:, 0]), x[:, 2], np.hypot(x[:, 0], x[:, 1])
+    unit = RefinementBoxSize(1.0, radius, 1.0)
+    xi = local_coordinates_in_refinement_box(groove, unit, contact.ball_position_and_flank, *at)
     half = _semi_axes_of_contact_zone(contact, element_size, MASTER)
     inside = (radius * xi[:, 0] / half[0]) ** 2 + (groove.R * xi[:, 2] / half[1]) ** 2 <= 1.0
     return _outer_faces_with_corners(mesh, flank[inside])
@@ -162,11 +148,9 @@ def ball_contact_faces(
     zero; ``contact``: expected contact; ``radius``: radius of the ball [m]; ``element_size``: element size at the
     contact [m].
     """
-    (n, t1, t2), sphere, half = (
-        contact_frame_vectors(groove, contact.side),
-        mesh.nodes_of_boundaries["sphere"],
-        _semi_axes_of_contact_zone(contact, element_size, SLAVE),
-    )
+    n, t1, t2 = contact_frame_vectors(groove, contact.side)
+    half = _semi_axes_of_contact_zone(contact, element_size, SLAVE)
+    sphere = mesh.nodes_of_boundaries["sphere"]
     x = mesh.points[sphere]
     height = np.where(x @ n > 0.0, x @ n, 1e-9 * radius)  # nodes behind are far outside
     across, along = radius * (x @ t1) / height, radius * (x @ t2) / height
@@ -180,7 +164,8 @@ def _outer_faces_with_corners(mesh: ExportedBodyMesh, nodes: Index) -> Index:
     Faces in the cut plane of a half body are left out. ``nodes``: node numbers. Raises ValueError if no face remains.
     """
     faces = outer_faces_of_tetrahedra(mesh.cells)
-    within = faces[np.isin(faces, nodes).all(axis=1) & ~np.isin(faces, mesh.nodes_of_boundaries.get("cut", [])).all(axis=1)]
+    in_cut = np.isin(faces, mesh.nodes_of_boundaries.get("cut", np.zeros(0, dtype=np.int64)))
+    within = faces[np.isin(faces, nodes).all(axis=1) & ~in_cut.all(axis=1)]
     if not len(within):
         raise ValueError(
             "no face of the mesh lies within an expected contact, because the elements are too large: raise `b_over_h` "
@@ -290,10 +275,8 @@ def geometric_errors_for_deck(scene: Scene) -> GeometryWithErrors:
     A deck can describe errors of ball radii and of groove radii, which are meshed as real geometry.
     """
     drawn = draw_geometry_with_errors(scene, ball_layout(scene))
-    moved = bool(
-        np.abs(drawn.groove_centres - nominal_groove_centres(scene)).max() > 0.0 or drawn.groove_centre_derivatives.any()
-    )
-    uneven = bool(drawn.groove_radii[0] != drawn.groove_radii[1] or drawn.groove_radii[2] != drawn.groove_radii[3])
+    moved = bool((drawn.groove_centres != nominal_groove_centres(scene)).any() or drawn.groove_centre_derivatives.any())
+    uneven = bool((drawn.groove_radii[::2] != drawn.groove_radii[1::2]).any())
     faults = (
         (drawn.profile_coefficients.size > 0, "errors.*.profile", "a profile of varying shape"),
         (moved, "errors.*.pitch, roundness", "a displaced groove"),
@@ -360,26 +343,19 @@ def build_deck(scene: Scene, options: DeckOptions | None = None) -> MeshedDeck:
         meshed = _mesh_screw_and_nut(scene, dims, drawn, m, places, fine, options)
         meshed += _mesh_balls(scene, drawn, m, layout, places, fine, options)
     except ValueError as error:
-        raise InputError(
-            scene.name, "deck", str(error), "a scene that can be meshed", "check solid.* and the nut's length in the scene"
-        ) from error
+        advice = "check solid.* and the nut's length in the scene"
+        raise InputError(scene.name, "deck", str(error), "a scene that can be meshed", advice) from error
     bodies = tuple(body for body, _ in meshed)
     quality = {body.name: smallest for body, smallest in meshed}
     count = sum(len(b.points) for b in bodies)
     smaller = "lower `b_over_h`, raise `growth`, or cut the screw by `balls`"
     raise_first_fault(scene.name, [(count > MOST_NODES, "deck", f"{count} nodes", f"at most {MOST_NODES} nodes", smaller)])
     contacts = tuple(ContactPair(ball_contact_face_set_name(p), groove_contact_face_set_name(p)) for p in places)
+    sections = _rigid_sections_of_screw(scene, dims)
+    comment, title = _deck_comment_lines(scene, dims, found, fine, count, options), f"{scene.name}: {scene.title}"
+    cuts = tuple(f"{b.name}_CUT" for b in bodies if options.half)
     deck = InputDeck(
-        bodies,
-        _rigid_sections_of_screw(scene, dims),
-        ("NUT_HELD",),
-        contacts,
-        options.stiffness,
-        options.spring,
-        _deck_comment_lines(scene, dims, found, fine, count, options),
-        f"{scene.name}: {scene.title}",
-        options.nlgeom,
-        tuple(f"{b.name}_CUT" for b in bodies if options.half),
+        bodies, sections, ("NUT_HELD",), contacts, options.stiffness, options.spring, comment, title, options.nlgeom, cuts
     )
     return MeshedDeck(deck, found.load, fine, quality)
 
@@ -422,22 +398,22 @@ def _mesh_screw_and_nut(
         screw = name == "SCREW"
         on_body = [p for p in contacts if (p.side < 2) == screw]
         groove = groove_with_real_radius(groove_map, errors, scene, screw)
-        near = [points_on_groove(groove, p.ball_position_and_flank, refined_zone_points(p, element_size)) for p in on_body]
+        zones = [(p.ball_position_and_flank, refined_zone_points(p, element_size)) for p in on_body]
+        near = [whole_bodies.points_on_groove(groove, place, points) for place, points in zones]
         size = _element_sizes_near_contacts(near, element_size, FAR_SIZES[0] * options.growth * groove_map.ball, options)
         flange = None if screw else scene.nut.flange
         spec = GroovedBodySpec(*radii, *ends, screw, (), unused, element_size, size.largest_edge_length, flange=flange)
-        mesh = (mesh_half_ring if options.half else mesh_whole_body)(groove, spec, size)
+        mesh = (whole_bodies.mesh_half_ring if options.half else whole_bodies.mesh_whole_body)(groove, spec, size)
         faces = {groove_contact_face_set_name(p): flank_contact_faces(groove, mesh, p, element_size) for p in on_body}
-        if screw:
-            held = (
-                {"SCREW_BORE": mesh.nodes_of_boundaries["bore"]}
-                if dims.screw_held == "bore"
-                else {"SCREW_LOW": mesh.nodes_of_boundaries["low end"], "SCREW_HIGH": mesh.nodes_of_boundaries["high end"]}
-            )
+        nodes_on = mesh.nodes_of_boundaries
+        if not screw:
+            held = {"NUT_HELD": np.unique(np.concatenate([nodes_on[x] for x in HELD[dims.nut_held]]))}
+        elif dims.screw_held == "bore":
+            held = {"SCREW_BORE": nodes_on["bore"]}
         else:
-            held = {"NUT_HELD": np.unique(np.concatenate([mesh.nodes_of_boundaries[x] for x in HELD[dims.nut_held]]))}
+            held = {"SCREW_LOW": nodes_on["low end"], "SCREW_HIGH": nodes_on["high end"]}
         if options.half:  # nodes that are held or move with a rigid section stay in the plane by that
-            held[f"{name}_CUT"] = np.setdiff1d(mesh.nodes_of_boundaries["cut"], np.concatenate(list(held.values())))
+            held[f"{name}_CUT"] = np.setdiff1d(nodes_on["cut"], np.concatenate(list(held.values())))
         body = DeckBody(name, mesh.points, mesh.cells, part.material, held, faces)
         bodies.append((body, mesh.quality.smallest_jacobian))
     return bodies
@@ -464,19 +440,23 @@ def _mesh_balls(
         mesh = meshed.get(kind)
         if mesh is None:
             near = [p for p in contacts if errors.ball_radii[p.ball] == radius] if shared else on_ball
-            zones = [points_on_ball_surface(groove, p.side, radius, refined_zone_points(p, element_size)) for p in near]
-            size = _element_sizes_near_contacts(zones, element_size, FAR_SIZES[1] * options.growth * groove.ball, options)
-            mesh = mesh_half_ball(radius, size, side) if options.half else mesh_whole_ball(groove, radius, size)
+            zones = [(p.side, radius, refined_zone_points(p, element_size)) for p in near]
+            on_sphere = [whole_bodies.points_on_ball_surface(groove, *zone) for zone in zones]
+            size = _element_sizes_near_contacts(
+                on_sphere, element_size, FAR_SIZES[1] * options.growth * groove.ball, options
+            )
+            if options.half:
+                mesh = whole_bodies.mesh_half_ball(radius, size, side)
+            else:
+                mesh = whole_bodies.mesh_whole_ball(groove, radius, size)
             if shared:
                 meshed[kind] = mesh
         faces = {ball_contact_face_set_name(p): ball_contact_faces(groove, mesh, p, radius, element_size) for p in on_ball}
         name = f"BALL{i + 1}"
-        points = move_to_ball_position(groove, (float(layout.azimuth[i]), float(layout.z[i])), mesh.points)
-        axes = (
-            [normal_between_hemispheres(groove)]
-            if options.half
-            else [normal_between_hemispheres(groove), contact_frame_vectors(groove, 0)[2]]
-        )
+        points = whole_bodies.move_to_ball_position(groove, (float(layout.azimuth[i]), float(layout.z[i])), mesh.points)
+        axes = [normal_between_hemispheres(groove)]
+        if not options.half:
+            axes.append(contact_frame_vectors(groove, 0)[2])
         poles = np.argmax(mesh.points @ np.stack([sign * x for x in axes for sign in (1.0, -1.0)]).T, axis=0)
         pairs = poles.reshape(-1, 2)
         alike = half_ball_turning_constraint(points, pairs[0]) if options.half else ball_rotation_constraints(points, pairs)
@@ -532,9 +512,8 @@ def _rigid_sections_of_screw(scene: Scene, dims: Dimensions) -> tuple[RigidSecti
     advice = "cut the screw (`balls=3:5`), or set solid.shaft to these positions: a deck has no beams"
     for z in stations:
         away = min(abs(z - end) for end in ends.values()) > 1e-9
-        raise_first_fault(
-            scene.name, [(away, "supports, loads", f"a support or load at {1e3 * z:.6g} mm", allowed, advice)]
-        )
+        value = f"a support or load at {1e3 * z:.6g} mm"
+        raise_first_fault(scene.name, [(away, "supports, loads", value, allowed, advice)])
     free = [k for k, name in enumerate(FREEDOMS) if not any(name == n for s in scene.supports for n, _ in s.fixed)]
     sections: list[RigidSection] = []
     for name, z in ends.items():

@@ -155,12 +155,12 @@ def load_calculix_results(folder: Path, scene: str) -> CalculixRunsOfScene | Non
 
     Raises InputError for a damaged file.
     """
+
+    def build(plain: dict[str, Any]) -> CalculixRunsOfScene:
+        return CalculixRunsOfScene(**{**plain, "runs": tuple(_calculix_run_from_json(r) for r in plain["runs"])})
+
     found = "results that rollbench crosscheck wrote", "compute the results again by `run=True`"
-    return read_object_from_json(
-        path_of_calculix_results(folder, scene),
-        lambda x: CalculixRunsOfScene(**{**x, "runs": tuple(_calculix_run_from_json(r) for r in x["runs"])}),
-        *found,
-    )
+    return read_object_from_json(path_of_calculix_results(folder, scene), build, *found)
 
 
 def read_object_from_json(path: Path, build: Callable[[dict[str, Any]], T], allowed: str, advice: str) -> T | None:
@@ -255,16 +255,12 @@ def contact_compliance_factor(runs: Sequence[CalculixRun]) -> Array | None:
     this error, and k the contact stiffness (pressure per overclosure). B is the mean over pairs of solutions with the same
     mesh and different k; the result is None without such a pair.
     """
-    pairs = [
-        (a, b)
+    factors = [
+        (a.load - b.load).ravel() / (1.0 / a.stiffness - 1.0 / b.stiffness)
         for a, b in combinations(runs, 2)
         if mesh_options_of_run(a) == mesh_options_of_run(b) and a.stiffness != b.stiffness
     ]
-    if not pairs:
-        return None
-    return np.asarray(
-        np.mean([(a.load - b.load).ravel() / (1.0 / a.stiffness - 1.0 / b.stiffness) for a, b in pairs], axis=0)
-    )
+    return np.asarray(np.mean(factors, axis=0)) if factors else None
 
 
 def mesh_options_of_run(run: CalculixRun) -> tuple[float, float, bool, bool]:
@@ -307,10 +303,10 @@ def extrapolate_calculix_loads(runs: Sequence[CalculixRun]) -> LoadExtrapolation
         stiffness have the same mesh.
     """
     linear = [r for r in runs if not r.nlgeom]
-    law = contact_compliance_factor(linear)
-    if law is None and len({r.stiffness for r in linear}) > 1:
+    B = contact_compliance_factor(linear)
+    if B is None and len({r.stiffness for r in linear}) > 1:
         raise ValueError("no two CalculiX runs differ in the contact stiffness alone: add such a run")
-    law = np.zeros(linear[0].load.size) if law is None else law
+    B = np.zeros(linear[0].load.size) if B is None else B
     groups: dict[tuple[float, float, bool, bool], list[CalculixRun]] = {}
     for r in linear:
         groups.setdefault(mesh_options_of_run(r), []).append(r)
@@ -318,15 +314,13 @@ def extrapolate_calculix_loads(runs: Sequence[CalculixRun]) -> LoadExtrapolation
         raise ValueError("the CalculiX runs have one mesh only: loads can be extrapolated from two meshes or more")
     h, g = (np.array([x[k] for x in groups]) for k in (0, 1))
     h = 1.0 / h
-    loads = np.stack([np.mean([r.load.ravel() - law / r.stiffness for r in same], axis=0) for same in groups.values()])
+    loads = np.stack([np.mean([r.load.ravel() - B / r.stiffness for r in same], axis=0) for same in groups.values()])
     typical = loads.mean(axis=0)
-    half = np.cbrt(np.maximum(typical / typical[typical > 0.0].mean(), 1e-3))  # own semi-axis over that at mean load
-    weight = 1.0 / _relative_element_errors_of_contacts(h, g, half, *WEIGHING)
+    semi = np.cbrt(np.maximum(typical / typical[typical > 0.0].mean(), 1e-3))  # own semi-axis over that at mean load
+    weight = 1.0 / _relative_element_errors_of_contacts(h, g, semi, *WEIGHING)
     weight = weight / weight.max(axis=0)
-    fits = [
-        _fit_loads_over_element_error(loads, _relative_element_errors_of_contacts(h, g, half, p, s), weight, p, s)
-        for p, s in product(ORDERS, LENGTHS)
-    ]
+    errors = ((p, s, _relative_element_errors_of_contacts(h, g, semi, p, s)) for p, s in product(ORDERS, LENGTHS))
+    fits = [_fit_loads_over_element_error(loads, e, weight, p, s) for p, s, e in errors]
     best = min(fits, key=lambda fit: fit.misfit)
     free = max(1, len(loads) - 2)
     enough = np.hypot(best.residual, COVERED * np.maximum(best.residual, best.misfit) / np.sqrt(free))
@@ -336,32 +330,32 @@ def extrapolate_calculix_loads(runs: Sequence[CalculixRun]) -> LoadExtrapolation
     near = int(np.argmin(np.abs(best.element_size_effect).sum(axis=1)))
     stiff = max(r.stiffness for r in list(groups.values())[near])
     shape = linear[0].load.shape
-    varied = (("element size", h), ("growth", g), ("contact stiffness", law))
+    effect = best.element_size_effect[near]
+    uncertainty = np.sqrt(spread**2 + (COVERED * best.standard_error) ** 2 + (LEAST * effect) ** 2)
+    varied = (("element size", h), ("growth", g), ("contact stiffness", B))
     return LoadExtrapolation(
-        best.limit_load.reshape(shape),
-        np.sqrt(spread**2 + (COVERED * best.standard_error) ** 2 + (LEAST * best.element_size_effect[near]) ** 2).reshape(
-            shape
-        ),
-        best.order,
-        best.length,
-        best.misfit,
-        best.element_size_effect[near].reshape(shape),
-        (law / stiff).reshape(shape),
-        tuple(name for name, x in varied if np.ptp(x) == 0.0),
+        load=best.limit_load.reshape(shape),
+        uncertainty=uncertainty.reshape(shape),
+        error_order=best.order,
+        field_length=best.length,
+        misfit=best.misfit,
+        element_size_effect=effect.reshape(shape),
+        contact_stiffness_effect=(B / stiff).reshape(shape),
+        unvaried_options=tuple(name for name, x in varied if np.ptp(x) == 0.0),
     )
 
 
 def _relative_element_errors_of_contacts(
-    elements_per_semi_axis: Array, growth: Array, half: Array, order: float, length: float
+    element_size: Array, growth: Array, semi_axis: Array, order: float, length: float
 ) -> Array:
     """Return the relative error e of the elements on each of m meshes at each of c contacts, (m, c).
 
-    The error is that of `relative_element_error`. ``elements_per_semi_axis``: element size over the minor semi-axis of a
-    contact with mean load (m,); ``growth``: growth of the element size (m,); ``half``: minor semi-axis of each contact over
-    that at mean load (c,); ``order``: order p with which the error decreases; ``length``: length over which the elastic
-    field of a contact changes, over its minor semi-axis.
+    The error is that of `relative_element_error`. ``element_size``: element size at the contacts over the minor semi-axis
+    of a contact with mean load (m,); ``growth``: growth of the element size per distance from the contacts (m,);
+    ``semi_axis``: minor semi-axis of each contact over that at mean load (c,); ``order``: order p with which the error
+    decreases; ``length``: length over which the elastic field of a contact changes, over its minor semi-axis.
     """
-    size = elements_per_semi_axis[:, None] / (length * half)
+    size = element_size[:, None] / (length * semi_axis)
     return relative_element_error(size, np.broadcast_to(growth[:, None], size.shape), order)
 
 
@@ -487,23 +481,16 @@ def compare_contact_loads(
     """
     extrapolation = extrapolation or extrapolate_calculix_loads(data.runs)
     best, mean, rows = reference.load, reference.mean, []
-    meshes = {f"level {r.level}": r.load for r in reference.runs} | {
-        deck_label(r): r.load for r in runs_with_common_contact_stiffness(data)
-    }
+    meshes = {f"level {r.level}": r.load for r in reference.runs}
+    meshes |= {deck_label(r): r.load for r in runs_with_common_contact_stiffness(data)}
     for i, s in zip(*np.nonzero((best > 0.0) | (extrapolation.load > 1e-3 * mean)), strict=True):
-        uncertainty = float(error_percent(reference.uncertainty[i, s], 0.0, mean))
-        rows.append(
-            ContactLoadComparison(
-                int(i) + 1,
-                SIDES[s],
-                {name: float(load[i, s]) for name, load in meshes.items()},
-                float(best[i, s]),
-                uncertainty,
-                float(extrapolation.load[i, s]),
-                float(error_percent(extrapolation.uncertainty[i, s], 0.0, mean)),
-                float(error_percent(best[i, s], extrapolation.load[i, s], mean)),
-            )
-        )
+        by_mesh = {name: float(load[i, s]) for name, load in meshes.items()}
+        ours, theirs = float(best[i, s]), float(extrapolation.load[i, s])
+        uncertainties = (x.uncertainty[i, s] for x in (reference, extrapolation))
+        ours_percent, theirs_percent = (float(error_percent(x, 0.0, mean)) for x in uncertainties)
+        off = float(error_percent(best[i, s], extrapolation.load[i, s], mean))
+        compared = ours, ours_percent, theirs, theirs_percent, off
+        rows.append(ContactLoadComparison(int(i) + 1, SIDES[s], by_mesh, *compared))
     return rows
 
 
@@ -512,17 +499,10 @@ def columns_of_contact_load_table(data: CalculixRunsOfScene, reference: Referenc
 
     ``data``: solutions by CalculiX; ``reference``: the 3D reference with its solutions on several mesh levels.
     """
-    return [
-        *PLACE,
-        *(
-            TableColumn(f"level {r.level}", f"load by the 3D reference, mesh level {r.level}", "N", ".2f")
-            for r in reference.runs
-        ),
-        *(
-            TableColumn(deck_label(r), f"load by CalculiX, {deck_label(r)}", "N", ".2f")
-            for r in runs_with_common_contact_stiffness(data)
-        ),
-    ]
+    loads = {f"level {r.level}": f"load by the 3D reference, mesh level {r.level}" for r in reference.runs}
+    decks = [deck_label(r) for r in runs_with_common_contact_stiffness(data)]
+    loads |= {label: f"load by CalculiX, {label}" for label in decks}
+    return [*PLACE, *(TableColumn(key, heading, "N", ".2f") for key, heading in loads.items())]
 
 
 def agreement_sentence(name: str, rows: Sequence[ContactLoadComparison]) -> str:

@@ -31,6 +31,7 @@ from rollbench.compare.reference.levels import STUDIED
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies.crosscheck import results
 from rollbench.compare.studies.crosscheck.deck import DeckOptions, MeshedDeck, build_deck
+from rollbench.hifi.bodies.coarse import degrees_of_freedom_of_nodes
 from rollbench.hifi.elements.forms import assemble_constant_form, elasticity_form
 from rollbench.hifi.elements.rigid import nodal_displacements_of_rigid_motions
 from rollbench.hifi.linear_algebra import factorise_positive_definite
@@ -132,9 +133,8 @@ def _solve_deck(program: str, text: str, folder: Path) -> dict[str, Any]:
         old.unlink()
     before = os.times()
     try:
-        done = subprocess.run(
-            [program, "-i", NAME], cwd=folder, capture_output=True, text=True, check=False, timeout=LONGEST
-        )
+        command = [program, "-i", NAME]
+        done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False, timeout=LONGEST)
     except subprocess.TimeoutExpired:
         raise ValueError(f"CalculiX took longer than {LONGEST:.0f} s") from None
     after = os.times()
@@ -239,30 +239,26 @@ def solve_decks_of_scene(
     """
     runs, known = [], {r.deck: r for r in stored}
     for options in STUDIES[scene.name]:
-        meshed = build_deck(scene, options)
+        meshed, name = build_deck(scene, options), deck_folder_name(options)
         text = deck_text(meshed.deck, UNIT)
-        if deck_digest(text) in known:
-            runs.append(known[deck_digest(text)])
-            step(f"{deck_folder_name(options)}: stored")
+        digest = deck_digest(text)
+        if digest in known:
+            runs.append(known[digest])
+            step(f"{name}: stored")
             continue
         try:
-            outcome = solve_deck_or_read_result(text, deck_folder / scene.name / deck_folder_name(options))
-            runs.append(calculix_run_record(meshed, options, deck_digest(text), outcome))
+            outcome = solve_deck_or_read_result(text, deck_folder / scene.name / name)
+            runs.append(calculix_run_record(meshed, options, digest, outcome))
         except ValueError as error:
-            raise InputError(
-                scene.name,
-                deck_folder_name(options),
-                str(error),
-                "a deck that CalculiX solves",
-                "see the output files in its folder",
-            ) from None
-        step(
-            f"{deck_folder_name(options)}: {meshed.deck.node_count} nodes, {outcome.iterations} iterations, "
-            f"{outcome.seconds:.0f} s"
-        )
-    return results.CalculixRunsOfScene(
-        scene.name, digest_of_shipped_scene(scene.name), __version__, installed_version("gmsh") or "", tuple(runs)
-    )
+            raise _unsolved_deck_error(scene, name, error, "its folder") from None
+        step(f"{name}: {meshed.deck.node_count} nodes, {outcome.iterations} iterations, {outcome.seconds:.0f} s")
+    key, gmsh = digest_of_shipped_scene(scene.name), installed_version("gmsh") or ""
+    return results.CalculixRunsOfScene(scene.name, key, __version__, gmsh, tuple(runs))
+
+
+def _unsolved_deck_error(scene: Scene, deck: str, error: ValueError, folder: str) -> InputError:
+    """Return the error that says why CalculiX did not solve a deck of a scene, and in which ``folder`` its output is."""
+    return InputError(scene.name, deck, str(error), "a deck that CalculiX solves", f"see the output files in {folder}")
 
 
 def calculix_run_record(
@@ -277,27 +273,25 @@ def calculix_run_record(
     forces = {slave: mirror * np.array(force) for slave, force in outcome.forces.items()}
     count = len(meshed.expected_loads)
     load, resultant = np.zeros((count, len(SIDES))), np.zeros((count, 3))
-    for contact in meshed.deck.contact_pairs:
-        if contact.slave_surface not in forces:
+    for faces in (contact.slave_surface for contact in meshed.deck.contact_pairs):
+        if faces not in forces:
             raise ValueError(
-                f"CalculiX printed no contact force for the faces {contact.slave_surface}: every contact of the deck "
-                "needs one"
+                f"CalculiX printed no contact force for the faces {faces}: every contact of the deck needs one"
             )
-        ball, side = contact.slave_surface.removeprefix("BALL").split("_")
-        load[int(ball) - 1, SIDES.index(side)] = np.linalg.norm(forces[contact.slave_surface])
-        resultant[int(ball) - 1] += forces[contact.slave_surface]
+        ball, side = faces.removeprefix("BALL").split("_")
+        load[int(ball) - 1, SIDES.index(side)] = np.linalg.norm(forces[faces])
+        resultant[int(ball) - 1] += forces[faces]
     spring = options.spring * UNITS[UNIT].length
     weak = [list(outcome.node_displacements[f"BALL{i + 1}_WEAK"].values()) for i in range(count)]
     held = np.array([mirror * spring * np.sum(nodes, axis=0) for nodes in weak])
     loose = np.linalg.norm(resultant - held, axis=1)  # what is printed acts on the slave, the ball
+    worst = meshed.smallest_jacobians
+    meshes = (results.BodyMesh(b.name, len(b.points), len(b.cells), worst[b.name]) for b in meshed.deck.bodies)
     return results.CalculixRun(
         **vars(options),
         fine=meshed.contact_element_size,
         deck=deck,
-        meshes=tuple(
-            results.BodyMesh(b.name, len(b.points), len(b.cells), meshed.smallest_jacobians[b.name])
-            for b in meshed.deck.bodies
-        ),
+        meshes=tuple(meshes),
         load=load,
         weak=float(np.linalg.norm(held, axis=1).max()),
         unbalanced=float(loose.max()),
@@ -368,28 +362,24 @@ def nut_decks_loaded_at_one_contact(scene: Scene, options: DeckOptions = NUT_MES
     whole = build_deck(scene, options).deck
     nut = next(b for b in whole.bodies if b.name == "NUT")
     layout = ball_layout(scene)
-    names, centres, normals = [], [], []
-    for name, corners in nut.face_sets.items():
-        ball, middle = int(name.rsplit("_", 1)[1]) - 1, nut.points[np.unique(corners)].mean(axis=0)
+    patches = {name: np.unique(corners) for name, corners in nut.face_sets.items()}
+    centres, normals = [], []
+    for name, nodes in patches.items():
+        ball, middle = int(name.rsplit("_", 1)[1]) - 1, nut.points[nodes].mean(axis=0)
         phi = float(layout.azimuth[ball])
         away = middle - [*(scene.track.pitch_radius * np.array([np.cos(phi), np.sin(phi)])), float(layout.z[ball])]
-        names.append(name)
         centres.append(middle)
         normals.append(away / np.linalg.norm(away))
-    patches = {name: np.unique(corners) for name, corners in nut.face_sets.items()}
     body = replace(nut, node_sets={**nut.node_sets, **patches}, face_sets={})
+    alone = replace(whole, bodies=(body,), contact_pairs=(), symmetry_node_sets=())
     decks = []
-    for pushed in names:
+    for pushed in patches:
         sections = tuple(
             RigidSection(name, "NUT", name, centre, (), np.append(SECTION_FORCE * n, np.zeros(3)) * (name == pushed))
-            for name, centre, n in zip(names, centres, normals, strict=True)
+            for name, centre, n in zip(patches, centres, normals, strict=True)
         )
         head = (f"The nut alone, {SECTION_FORCE:g} N on {pushed}.",)
-        decks.append(
-            replace(
-                whole, bodies=(body,), rigid_sections=sections, contact_pairs=(), comment_lines=head, symmetry_node_sets=()
-            )
-        )
+        decks.append(replace(alone, rigid_sections=sections, comment_lines=head))
     return decks, np.array(normals)
 
 
@@ -419,15 +409,14 @@ def _matrix_of_rigid_sections(
     The last columns belong to the six degrees of freedom of each rigid section. ``number``: number in the
     finite-element mesh of each node of the body; ``fixed``: names of the fixed node sets.
     """
+    freedoms_of = {name: degrees_of_freedom_of_nodes(number[nodes]) for name, nodes in body.node_sets.items()}
     free = np.ones(3 * len(body.points), dtype=bool)
     for name in (*fixed, *(s.node_set for s in sections)):
-        free[(3 * number[body.node_sets[name]][:, None] + np.arange(3)).ravel()] = False
+        free[freedoms_of[name]] = False
     parts = [sp.eye_array(free.size, format="csc")[:, np.flatnonzero(free)]]
     for s in sections:
-        freedoms = (3 * number[body.node_sets[s.node_set]][:, None] + np.arange(3)).ravel()
-        modes = sp.coo_array(
-            nodal_displacements_of_rigid_motions(body.points[body.node_sets[s.node_set]], s.reference_point)
-        )
+        freedoms, points = freedoms_of[s.node_set], body.points[body.node_sets[s.node_set]]
+        modes = sp.coo_array(nodal_displacements_of_rigid_motions(points, s.reference_point))
         parts.append(sp.csc_array((modes.data, (freedoms[modes.row], modes.col)), (free.size, 6)))
     return sp.hstack(parts, format="csc")
 
@@ -447,13 +436,7 @@ def compare_nut_compliance(
         try:
             found = solve_deck_or_read_result(deck_text(deck, "mm"), deck_folder / f"{scene.name}-nut-{k + 1}")
         except ValueError as error:
-            raise InputError(
-                scene.name,
-                "deck of the nut",
-                str(error),
-                "a deck that CalculiX solves",
-                f"see the output files in {deck_folder}",
-            ) from None
+            raise _unsolved_deck_error(scene, "deck of the nut", error, str(deck_folder)) from None
         date, version = found.date, found.version
         for i, s in enumerate(deck.rigid_sections):
             (moved,) = found.node_displacements[f"{s.name}_MOVE"].values()

@@ -14,7 +14,7 @@ from rollbench.compare.models.friction_sums import friction_results_json, motion
 from rollbench.compare.quantities import json_number
 from rollbench.compare.text.printing import Column
 from rollbench.lowfi.friction.whole.feedback import JAMMED
-from rollbench.lowfi.friction.whole.losses import CAUSES, WIDE
+from rollbench.lowfi.friction.whole.losses import CAUSES
 from rollbench.lowfi.friction.whole.state import FrictionState
 from rollbench.lowfi.friction.whole.torque import FrictionSums
 from rollbench.lowfi.rating.catalogue_checks import warn_of_overall_friction_coefficient
@@ -130,7 +130,7 @@ NOTHING = 1e-6
 #: Text line that the terminal shows: label and text.
 Line = tuple[str, str]
 
-#: Labels of the lines on solver and friction law, shown below the results.
+#: Labels of the text lines on the unbalanced forces of the solver and on the friction law, which --verbose shows.
 BEHIND = ("solver", "law")
 
 #: Relative difference between two computations of a loss that counts as round-off.
@@ -168,9 +168,9 @@ def json_entries_of_all_kinds(
 ) -> dict[str, Any]:
     """Return the JSON entries that friction results of every kind of scene have: names, status, neglected effects etc.
 
-    ``scene``: scene of single parts; ``status``: status in words; ``converged``: whether loads and friction converged;
-    ``coupling``: for a screw, which balance of loads includes friction, see `neglected_effects_of_kind`; None for other
-    kinds of scenes.
+    ``scene``: scene of single parts; ``status``: "converged", or why not; ``converged``: whether loads and friction
+    converged; ``coupling``: for a screw, which balance of loads includes friction, see `neglected_effects_of_kind`; None
+    for other kinds of scenes.
     """
     named = {"scene": scene.name, "title": scene.title, "kind": scene.kind}
     return named | {
@@ -277,9 +277,8 @@ def loss_increase_percent(loss: float, reference_loss: float, round_off: float) 
     """
     if not reference_loss > NOTHING * round_off:
         return None
-    return json_number(
-        float(error_percent(reference_loss + zero_if_round_off(loss - reference_loss, reference_loss), reference_loss))
-    )
+    change = zero_if_round_off(loss - reference_loss, reference_loss)
+    return json_number(float(error_percent(reference_loss + change, reference_loss)))
 
 
 def ball_to_ball_contact_effect_json(
@@ -291,12 +290,11 @@ def ball_to_ball_contact_effect_json(
     [W]; ``loss_between_balls``: the part of ``loss`` in the contacts between balls [W]; ``full_sliding_loss``: loss that
     the contacts would have if all of them slid fully [W], the scale of the round-off.
     """
+    rubs = loss_apart > NOTHING * full_sliding_loss
     return {
         "loss_apart_W": json_number(loss_apart),
         "friction_increase_percent": loss_increase_percent(loss, loss_apart, full_sliding_loss),
-        "ball_to_ball_percent": json_number(100.0 * loss_between_balls / loss_apart)
-        if loss_apart > NOTHING * full_sliding_loss
-        else None,
+        "ball_to_ball_percent": json_number(100.0 * loss_between_balls / loss_apart) if rubs else None,
         "ball_to_ball_loss_W": json_number(loss_between_balls),
         "energy": power_balance_percent_json(power, loss, full_sliding_loss),
     }
@@ -343,31 +341,15 @@ def sentence_on_jammed_states(state: FrictionState) -> str:
     """
     start = "at this coefficient of friction a ball may have a second, jammed state"
     if state.jammed_balls is None:
-        along = "without lead friction runs along the grooves and moves no ball across them"
-        why = (
-            along
-            if state.friction_sums.advance_per_radian == 0.0
-            else "it takes friction that moves balls in grooves, feedback = true"
-        )
+        why = "it takes friction that moves balls in grooves, feedback = true"
+        if state.friction_sums.advance_per_radian == 0.0:
+            why = "without lead friction runs along the grooves and moves no ball across them"
         return f"{start}; none was searched for: {why}"
     if not state.jammed_balls:
         return f"{start}; none was found from four displaced starts of every ball"
     numbers = ", ".join(str(k + 1) for k in state.jammed_balls[:8])
     what = "1 ball has" if len(state.jammed_balls) == 1 else f"{len(state.jammed_balls)} balls have"
     return f"{what} a second, jammed state: {numbers}; this is the one that rolls on"
-
-
-def heathcote_slip_warnings(loss_increase: float) -> list[ResultWarning]:
-    """Return a warning if Heathcote slip (over curved contacts), which is neglected, would add much to the losses.
-
-    The list is empty otherwise. ``loss_increase``: ratio of the additional losses by Heathcote slip to the losses
-    without it.
-    """
-    return (
-        [ResultWarning("slip", f"the contacts are so wide that {heathcote_slip_clause(loss_increase)}")]
-        if loss_increase > WIDE
-        else []
-    )
 
 
 def heathcote_slip_clause(loss_increase: float) -> str:
@@ -426,16 +408,15 @@ def terminal_ball_rows(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
     """
     out = []
     for row in rows:
-        flat = {k: row[k] for k in ("index", "azimuth_deg", "orbit_rad_s", "closing_mm_s")}
-        flat |= {f"omega {n}": w for n, w in zip("xyz", row["rotation_rad_s"], strict=True)}
-        for side in SIDES:
-            held = row["load_N"][side] > 0.0
-            flat |= {f"{side} N": row["load_N"][side] if held else None}
-            flat |= {f"{side} mW": row["loss_mW"][side] if held else None}
+        flat = terminal_ball_row(SIDES, row)
+        for side, load in row["load_N"].items():
+            shown = (load, row["loss_mW"][side]) if load > 0.0 else (None, None)
+            flat |= dict(zip((f"{side} N", f"{side} mW"), shown, strict=True))
         out.append(flat)
     return out
 
 
+#: Columns of the terminal's table of balls; N stands for the contact load, mW for the friction loss on a flank.
 BALL_COLUMNS: tuple[Column, ...] = (
     ("index", "ball", "s"),
     ("azimuth_deg", "azimuth deg", ".2f"),
@@ -446,6 +427,19 @@ BALL_COLUMNS: tuple[Column, ...] = (
     *((f"{s} mW", f"{s} mW", ".4g") for s in SIDES),
 )
 
+#: Columns of the table over the coefficient of friction: the coefficient, two torques, then what only a screw has.
+OVER_COLUMNS: tuple[Column, ...] = (
+    ("screw", "coefficient", ".4g"),
+    ("friction_torque_Nmm", "friction torque N mm", ".5g"),
+    ("drag_torque_Nmm", "drag torque N mm", ".5g"),
+    ("forward_torque_Nmm", "driving torque forward N mm", ".6g"),
+    ("backward_torque_Nmm", "braking torque backward N mm", ".6g"),
+    ("efficiency_forward_percent", "efficiency forward %", ".2f"),
+    ("efficiency_backward_percent", "efficiency backward %", ".2f"),
+    ("self_locking", "self-locking", "s"),
+)
+
+#: Columns of the terminal's table of friction losses by contact and cause.
 LOSS_COLUMNS: tuple[Column, ...] = (
     ("contact", "contact", "s"),
     ("loss_W", "loss W", ".5g"),
@@ -474,38 +468,8 @@ def torque_row_for_coefficients(friction: Friction, state: FrictionState, drag: 
     m], None if it is not known.
     """
     found = friction_results_json(state.friction_sums, drag)
-    names = (
-        "friction_torque_Nmm",
-        "drag_torque_Nmm",
-        "forward_torque_Nmm",
-        "backward_torque_Nmm",
-        "efficiency_forward_percent",
-        "efficiency_backward_percent",
-        "self_locking",
-    )
+    names = [name for name, *_ in OVER_COLUMNS[1:]]
     return {"screw": friction.screw, "nut": friction.nut} | {name: found[name] for name in names}
-
-
-def columns_over_friction_coefficient(kind: str) -> tuple[Column, ...]:
-    """Return the columns of the terminal table that shows torques and efficiencies over the coefficient of friction.
-
-    ``kind``: kind of the scene, such as "bearing", for which the table has torques only.
-    """
-    first: tuple[Column, ...] = (
-        ("screw", "coefficient", ".4g"),
-        ("friction_torque_Nmm", "friction torque N mm", ".5g"),
-        ("drag_torque_Nmm", "drag torque N mm", ".5g"),
-    )
-    if kind == "bearing":
-        return first
-    return (
-        *first,
-        ("forward_torque_Nmm", "driving torque forward N mm", ".6g"),
-        ("backward_torque_Nmm", "braking torque backward N mm", ".6g"),
-        ("efficiency_forward_percent", "efficiency forward %", ".2f"),
-        ("efficiency_backward_percent", "efficiency backward %", ".2f"),
-        ("self_locking", "self-locking", "s"),
-    )
 
 
 def warnings_without_pressure_and_size(warnings: Sequence[ResultWarning]) -> list[ResultWarning]:
@@ -533,12 +497,12 @@ def friction_warnings(
     if max(friction.screw, friction.nut) >= JAMMED:
         notes.append(ResultWarning("jam", sentence_on_jammed_states(state)))
     two = (loaded.sum(axis=1) == 2) & (state.ball_friction.total_power_lost > 0.0)
-    if two.any() and state.friction_sums.advance_per_radian != 0.0 and not state.friction_changes_loads:
+    sums = state.friction_sums
+    if two.any() and sums.advance_per_radian != 0.0 and not state.friction_changes_loads:
         text = (
             f"{int(two.sum())} balls touch two flanks only: friction pushes them across the groove, up to "
-            f"{state.friction_sums.cross_groove_friction_ratio:.2g} of their load, onto other contact angles or a third "
-            "flank; without feedback the "
-            "friction torque may be too small by a factor of two or more"
+            f"{sums.cross_groove_friction_ratio:.2g} of their load, onto other contact angles or a third flank; without "
+            "feedback the friction torque may be too small by a factor of two or more"
         )
         notes.append(ResultWarning("feedback", text))
     unsure = state.ball_friction.status.count("regularised")
@@ -565,10 +529,8 @@ def line_on_remaining_imbalance(residual: float, friction_residual: float) -> Li
     ``residual``: relative residual of the static solution; ``friction_residual``: largest unbalanced force of a ball
     over its friction bound, the sum of friction coefficient times contact load.
     """
-    return (
-        "solver",
-        f"contact loads with a residual of {residual:.1e}, friction out of balance by {friction_residual:.1e} of its bound",
-    )
+    loads = f"contact loads with a residual of {residual:.1e}"
+    return "solver", f"{loads}, friction out of balance by {friction_residual:.1e} of its bound"
 
 
 def lines_on_friction_of_screw(motion: Motion, state: FrictionState, drag: tuple[float | None, str]) -> list[Line]:
@@ -579,40 +541,29 @@ def lines_on_friction_of_screw(motion: Motion, state: FrictionState, drag: tuple
     """
     t, ring = state.friction_sums, state.friction_sums.advance_per_radian == 0.0
     inner, outer = ("inner ring", "outer ring") if ring else ("screw", "nut")
+    idle, remark = drag
     without = (
-        "unknown: " + drag[1]
-        if drag[0] is None
-        else f"{format_three_digits(1e3 * drag[0])} N mm" + f" ({drag[1]})" * bool(drag[1])
+        f"unknown: {remark}" if idle is None else f"{format_three_digits(1e3 * idle)} N mm" + f" ({remark})" * bool(remark)
     )
+    torque = f"torque {format_three_digits(1e3 * t.friction_torque)} N mm of {inner} in {outer}"
     lines = [
         _line_on_driving_torque(t, motion, inner if motion.turns == "screw" else outer),
-        (
-            "friction",
-            f"torque {format_three_digits(1e3 * t.friction_torque)} N mm of {inner} in {outer}; drag torque without "
-            f"loads {without}",
-        ),
+        ("friction", f"{torque}; drag torque without loads {without}"),
     ]
     bare = f"{format_three_digits(1e3 * state.sums_without_feedback.friction_torque)} N mm"
     if state.neighbour_friction is not None:
         n = state.neighbour_friction
         text = (
-            f"{n.touching_pair_count} pairs of neighbours touch, with up to {n.force_on_next_ball.max(initial=0.0):.3g} "
-            "N; between balls "
-            f"{n.power_lost_between_balls:.3g} W are lost; without them the friction torque is {bare}"
+            f"{n.touching_pair_count} pairs of neighbours touch, with up to {n.force_on_next_ball.max(initial=0.0):.3g} N; "
+            f"between balls {n.power_lost_between_balls:.3g} W are lost; without them the friction torque is {bare}"
         )
         lines.append(("balls", text))
     elif not ring and t.friction_torque != 0.0:
-        how = (
-            "friction moves the balls in their grooves"
-            if state.friction_changes_loads
-            else "loads are those without friction"
-        )
+        fed = state.friction_changes_loads
+        how = "friction moves the balls in their grooves" if fed else "loads are those without friction"
         text = (
             f"{how}: it pulls the screw along its axis with {t.axial_friction_on_screw:.3g} N and a ball across its path "
-            "with up to "
-            f"{t.cross_groove_friction_ratio:.3g} of its largest load"
-            + f"; without this feedback the friction torque is {bare}"
-            * state.friction_changes_loads
+            f"with up to {t.cross_groove_friction_ratio:.3g} of its largest load"
         )
-        lines.append(("feedback", text))
+        lines.append(("feedback", text + f"; without this feedback the friction torque is {bare}" * fed))
     return lines

@@ -22,7 +22,6 @@ from rollbench.compare.studies.friction.answer import FrictionAnswer
 from rollbench.compare.studies.friction.linear_kinds import solve_friction_of_linear_bearing
 from rollbench.compare.text.printing import Column, format_cell
 from rollbench.lowfi.friction import bearing
-from rollbench.lowfi.friction import bearing as friction_bearing
 from rollbench.lowfi.friction.contact import equilibrium
 from rollbench.lowfi.friction.contact.equilibrium import BodyMotion as BallMotion
 from rollbench.lowfi.friction.contact.laws import EllipticalContacts, RegularisedCoulombLaw
@@ -85,7 +84,7 @@ def status_of_two_screw_balls(result: ScrewPairSolution) -> str:
     return "no balance of the loads or of friction found"
 
 
-def solve_friction_of_two_screw_balls(scene: ScrewPairScene) -> answer.FrictionAnswer:
+def solve_friction_of_two_screw_balls(scene: ScrewPairScene) -> FrictionAnswer:
     """Solve two balls of a ball screw; return forces, losses, and how contact between the balls changes the friction."""
     pair = scene.pair
     r = solve_pair_of_screw_balls(pair)
@@ -112,12 +111,8 @@ def solve_friction_of_two_screw_balls(scene: ScrewPairScene) -> answer.FrictionA
         "solver": solver,
         "warnings": contact_size_warnings_of_screw(pair.groove, r.touching.loads_with_friction.force),
     }
-    return answer.FrictionAnswer(
-        data,
-        [("per ball", PAIR_COLUMNS, [answer.terminal_ball_row(SIDES, row) for row in rows])],
-        lines_on_two_screw_balls(data),
-        r.converged,
-    )
+    table = "per ball", PAIR_COLUMNS, [answer.terminal_ball_row(SIDES, row) for row in rows]
+    return FrictionAnswer(data, [table], lines_on_two_screw_balls(data), r.converged)
 
 
 def lines_on_two_screw_balls(data: dict[str, Any]) -> list[answer.Line]:
@@ -126,12 +121,9 @@ def lines_on_two_screw_balls(data: dict[str, Any]) -> list[answer.Line]:
     ``data``: JSON values of `solve_friction_of_two_screw_balls`.
     """
     (pair,), rise, solver = data["pairs"], data["friction_increase_percent"], data["solver"]
+    force = f"{pair['force_N']:.6g} N from ball to ball, loss there {data['ball_to_ball_loss_W']:.6g} W"
     return [
-        (
-            "force",
-            f"{pair['force_N']:.6g} N from ball to ball, loss there {data['ball_to_ball_loss_W']:.6g} W"
-            + ("" if rise is None else f"; contact changes all losses by {rise:+.4g} %"),
-        ),
+        ("force", force + ("" if rise is None else f"; contact changes all losses by {rise:+.4g} %")),
         ("closing", f"when apart the balls close in at {pair['closing_apart_rad_s']:.6g} rad/s of azimuth"),
         answer.line_on_energy_balance(data["energy"]),
         answer.line_on_solver_residuals(solver, f", {solver['rounds']} rounds"),
@@ -147,6 +139,7 @@ def line_on_friction_law(data: dict[str, Any]) -> answer.Line:
     return "law", f"coulomb, Hertz constants {data['hertz']}, coupling of friction to loads: {data['coupling']}"
 
 
+#: Columns of the terminal's table of two screw balls, apart and touching.
 PAIR_COLUMNS: tuple[Column, ...] = (
     ("index", "ball", "s"),
     ("state", "state", "s"),
@@ -162,11 +155,9 @@ PAIR_COLUMNS: tuple[Column, ...] = (
 
 def balls_keep_their_order(history: TravelHistory) -> bool:
     """Return whether no ball of a simulated screw ever passes or overlaps the next one on its closed track."""
-    ahead = np.diff(
-        np.column_stack([history.azimuths_at_piece_ends, history.azimuths_at_piece_ends[:, 0] + history.setting.ring]),
-        axis=1,
-    )
-    return bool(ahead.min() >= history.setting.groove.pair.spacing - TOUCHING)
+    azimuths, setting = history.azimuths_at_piece_ends, history.setting
+    ahead = np.diff(np.column_stack([azimuths, azimuths[:, 0] + setting.ring]), axis=1)
+    return bool(ahead.min() >= setting.groove.pair.spacing - TOUCHING)
 
 
 def screw_run_summary_json(history: TravelHistory) -> dict[str, Any]:
@@ -176,7 +167,8 @@ def screw_run_summary_json(history: TravelHistory) -> dict[str, Any]:
     contact between balls to the torque by contact with the grooves.
     """
     s, touch, nut = summarise_screw_run(history), np.any(history.presses_on_next, axis=1), np.degrees(history.nut_angle)
-    met = bool(touch.any())
+    met, groove = bool(touch.any()), history.setting.groove
+    step = degrees(abs(groove.speed) * history.span / history.steps)
     torques = {
         "mean_torque_Nmm": history.torque,
         "mean_groove_torque_Nmm": history.groove_torque,
@@ -188,15 +180,13 @@ def screw_run_summary_json(history: TravelHistory) -> dict[str, Any]:
         "largest_at_deg": json_number(s.nut_angle_of_largest_ratio) if met else None,
         "contact_begins_deg": json_number(nut[np.argmax(touch)]) if met else None,
         "contact_ends_deg": json_number(s.nut_angle_without_contact) if met else None,
-        "contact_ends_within_deg": json_number(degrees(abs(history.setting.groove.speed) * history.span / history.steps))
-        if met
-        else None,
+        "contact_ends_within_deg": json_number(step) if met else None,
         "largest_groups": s.most_touching_groups,
         **{name: json_number(1e3 * history.mean_over_time(values)) for name, values in torques.items()},
         "groove_variation_percent": json_number(100.0 * s.groove_variation),
         "largest_ball_force_N": json_number(history.ball_force.max()),
         "order_kept": balls_keep_their_order(history),
-        "smallest_gap_um": json_number(1e6 * history.setting.groove.radius * history.gap.min()),
+        "smallest_gap_um": json_number(1e6 * groove.radius * history.gap.min()),
         "occupation_percent": json_number(100.0 * history.setting.track_occupation),
     }
 
@@ -221,12 +211,10 @@ def screw_run_series_json(history: TravelHistory) -> dict[str, list[Any]]:
     return out | {"converged": history.converged.tolist()}
 
 
-def simulate_screw_over_time(scene: ScrewRunScene) -> answer.FrictionAnswer:
+def simulate_screw_over_time(scene: ScrewRunScene) -> FrictionAnswer:
     """Simulate a whole screw over time; return contacts between balls, torques and energy."""
     run, time = scene.run, scene.time
-    in_time = friction_run.simulation_with_status(
-        *friction_run.simulate_with_several_step_sizes(run, Motion(run.groove.speed), time, scene.name), time
-    )
+    in_time = friction_run.simulate_with_several_step_sizes(run, Motion(run.groove.speed), time, scene.name)
     h, speed = in_time.history, abs(run.groove.speed)
     bound = full_sliding_loss(run.groove, h.load) / h.time.size
     loss = h.torque * speed
@@ -266,11 +254,13 @@ def simulate_screw_over_time(scene: ScrewRunScene) -> answer.FrictionAnswer:
         line_on_friction_law(data),
     ]
     shown = [{"quantity": label, "value": format_cell(summary[name], form)} for name, label, form in RUN_LINES]
-    return answer.FrictionAnswer(data, [("summary", RUN_COLUMNS, shown)], lines, in_time.converged)
+    return FrictionAnswer(data, [("summary", RUN_COLUMNS, shown)], lines, in_time.converged)
 
 
-RUN_COLUMNS = (("quantity", "quantity", "s"), ("value", "value", "s"))
+#: Columns of the terminal's table on a simulation over time.
+RUN_COLUMNS = (("quantity", "quantity with its unit", "s"), ("value", "value in this unit", "s"))
 
+#: Rows of this table: key in the summary, quantity with its unit, and number format.
 RUN_LINES = (
     ("largest_ball_to_groove_percent", "largest ratio of torque by ball-to-ball contact to torque of the grooves %", ".4g"),
     ("largest_at_deg", "nut angle at this largest ratio deg", ".4g"),
@@ -303,11 +293,9 @@ def bearing_ball_motion(scene: BearingBallScene, problem: equilibrium.BodyMotion
         return equilibrium.motion_by_root(problem, RegularisedCoulombLaw(scene.creep), first.unknown_velocities)
     law = lin_sigmoid_law(scene.bearing, scene.sharpness, scene.map_step)
     found = equilibrium.motion_by_root(problem, law, first.unknown_velocities)
-    return (
-        found
-        if found.status == "exact"
-        else equilibrium.motion_by_sharpened_sigmoids(problem, law, first.unknown_velocities)
-    )
+    if found.status == "exact":
+        return found
+    return equilibrium.motion_by_sharpened_sigmoids(problem, law, first.unknown_velocities)
 
 
 def status_of_bearing_ball(loaded: bool, balanced: bool, motion: str) -> str:
@@ -353,13 +341,16 @@ def rows_of_loaded_contacts(ball: dict[str, Any]) -> list[dict[str, Any]]:
     ``ball``: JSON row of `json_row_of_bearing_ball`.
     """
     size = ("load_N", "contact_angle_deg", "semi_axis_across_um", "semi_axis_along_um")
-    rows = []
-    for side in (s for s in bearing.SIDES if ball["load_N"][s] > 0.0):
-        row = {name: ball[name][side] for name in (*size, "spin_rad_s", "moment_Nmm", "loss_mW", "at_rest")}
-        rows.append({"side": side, "slide": ball["sliding_mm_s"][side][1], "along": ball["friction_N"][side][1]} | row)
-    return rows
+    names = (*size, "spin_rad_s", "moment_Nmm", "loss_mW", "at_rest")
+    return [
+        {"side": s, "slide": ball["sliding_mm_s"][s][1], "along": ball["friction_N"][s][1]} | {n: ball[n][s] for n in names}
+        for s in bearing.SIDES
+        if ball["load_N"][s] > 0.0
+    ]
 
 
+#: Columns of the terminal's table of the loaded contacts of one ball; a and b are the semi-axes of the contact ellipse
+#: across and along the groove.
 CONTACT_COLUMNS = (
     ("side", "contact", "s"),
     ("load_N", "force N", ".4f"),
@@ -375,7 +366,7 @@ CONTACT_COLUMNS = (
 )
 
 
-def solve_friction_of_bearing_ball(scene: BearingBallScene) -> answer.FrictionAnswer:
+def solve_friction_of_bearing_ball(scene: BearingBallScene) -> FrictionAnswer:
     """Solve contact loads and friction of one ball of a bearing; also return losses and torque on the inner ring."""
     b = scene.bearing
     load = bearing.contact_loads_of_ball(b, scene.force, scene.displacement)
@@ -386,18 +377,13 @@ def solve_friction_of_bearing_ball(scene: BearingBallScene) -> answer.FrictionAn
         motion = equilibrium.motion_without_friction_forces(motion)
     held = load.force > 0.0
     converged = bool(held.any()) and load.converged and motion.status != "failed"
-    ball, torque, speed = (
-        json_row_of_bearing_ball(load, at, motion),
-        bearing.inner_ring_torque(b, load, motion),
-        b.screw_speed,
-    )
-    power = answer.power_balance_percent_json(
-        torque * speed, motion.loss, float(at.friction_bound.sum()) * abs(speed) * b.pitch_radius
-    )
+    ball, speed = json_row_of_bearing_ball(load, at, motion), b.screw_speed
+    torque = bearing.inner_ring_torque(b, load, motion)
+    bound = float(at.friction_bound.sum()) * abs(speed) * b.pitch_radius
+    power = answer.power_balance_percent_json(torque * speed, motion.loss, bound)
     by_loss = json_number(1e3 * motion.loss / abs(speed)) if speed != 0.0 else None
-    data = answer.json_entries_of_all_kinds(
-        scene, status_of_bearing_ball(bool(held.any()), load.converged, motion.status), converged
-    ) | {
+    status = status_of_bearing_ball(bool(held.any()), load.converged, motion.status)
+    data = answer.json_entries_of_all_kinds(scene, status, converged) | {
         "law": scene.law,
         "hertz": answer.scene_word_for_hertz_constants(b.hertz),
         "coupled": False,
@@ -414,9 +400,8 @@ def solve_friction_of_bearing_ball(scene: BearingBallScene) -> answer.FrictionAn
         },
         "warnings": contact_size_warnings(at.a[held], b.ball_radius),
     }
-    return answer.FrictionAnswer(
-        data, [("per contact", CONTACT_COLUMNS, rows_of_loaded_contacts(ball))], lines_on_bearing_ball(data), converged
-    )
+    table = "per contact", CONTACT_COLUMNS, rows_of_loaded_contacts(ball)
+    return FrictionAnswer(data, [table], lines_on_bearing_ball(data), converged)
 
 
 def lines_on_bearing_ball(data: dict[str, Any]) -> list[answer.Line]:
@@ -425,20 +410,12 @@ def lines_on_bearing_ball(data: dict[str, Any]) -> list[answer.Line]:
     ``data``: JSON values of `solve_friction_of_bearing_ball`.
     """
     (ball,), torque = data["balls"], data["torque"]
-    by_loss = torque["friction_torque_Nmm"]
+    by_loss, (x, y, _) = torque["friction_torque_Nmm"], ball["rotation_rad_s"]
+    turn = f"{torque['driving_torque_on_screw_Nmm']:.6g} N mm turn the inner ring"
     return [
-        (
-            "torque",
-            f"{torque['driving_torque_on_screw_Nmm']:.6g} N mm turn the inner ring"
-            + ("" if by_loss is None else f" (dissipation over speed: {by_loss:.6g} N mm)"),
-        ),
+        ("torque", turn + ("" if by_loss is None else f" (dissipation over speed: {by_loss:.6g} N mm)")),
         ("loads", f"sum of contact loads {data['load_sum_N']:.6g} N; they do not depend on friction"),
-        (
-            "ball",
-            "orbit {:.6g} rad/s, omega_x {:.6g} rad/s, omega_y {:.6g} rad/s".format(
-                ball["orbit_rad_s"], *ball["rotation_rad_s"][:2]
-            ),
-        ),
+        ("ball", f"orbit {ball['orbit_rad_s']:.6g} rad/s, omega_x {x:.6g} rad/s, omega_y {y:.6g} rad/s"),
         answer.line_on_energy_balance(data["energy"]),
         answer.line_on_solver_residuals(data["solver"]),
         ("law", f"{data['law']}, Hertz constants {data['hertz']}"),
@@ -448,7 +425,7 @@ def lines_on_bearing_ball(data: dict[str, Any]) -> list[answer.Line]:
 # --- two designs of a bearing
 
 
-def has_friction_loss(case: friction_bearing.BearingCase, state: friction_bearing.BearingState) -> bool:
+def has_friction_loss(case: bearing.BearingCase, state: bearing.BearingState) -> bool:
     """Return whether the friction loss of a bearing is more than round-off.
 
     ``case``: bearing with its coefficient of friction; ``state``: its solution at one load angle.
@@ -456,7 +433,7 @@ def has_friction_loss(case: friction_bearing.BearingCase, state: friction_bearin
     return float(state.loss.sum()) > answer.NOTHING * full_sliding_loss(case.groove, state.load.force)
 
 
-def bearing_torques_json(case: friction_bearing.BearingCase, states: list[friction_bearing.BearingState]) -> dict[str, Any]:
+def bearing_torques_json(case: bearing.BearingCase, states: list[bearing.BearingState]) -> dict[str, Any]:
     """Return the friction torque [N mm] of a bearing at each load angle, and the ratio of the largest to the smallest.
 
     ``states``: solution for each load angle. The JSON values also have, for each load angle, the number of balls with
@@ -480,14 +457,14 @@ def unresisted_motions(scene: BearingPairScene) -> list[str]:
     out = []
     for name, case in (("four-point", scene.four_point), ("double row", scene.double_row)):
         for angle in scene.angle:
-            free = friction_bearing.describe_unresisted_motion(case, float(angle))
+            free = bearing.describe_unresisted_motion(case, float(angle))
             if free:
                 where = f"load at {np.degrees(angle):.4g} deg"
                 out.append(f"{name} bearing, {where}: {free}: no contact resists it, and the force drives it")
     return out
 
 
-def solve_friction_of_two_bearings(scene: BearingPairScene) -> answer.FrictionAnswer:
+def solve_friction_of_two_bearings(scene: BearingPairScene) -> FrictionAnswer:
     """Solve a four-point and a double-row bearing for several angles of the load; return torques and losses.
 
     The energy balance is the mean over all load angles and both bearings.
@@ -504,20 +481,18 @@ def solve_friction_of_two_bearings(scene: BearingPairScene) -> answer.FrictionAn
     mechanisms = unresisted_motions(scene)
     if mechanisms:
         others = f" (and {len(mechanisms) - 1} more)" if len(mechanisms) > 1 else ""
-        status = f"no equilibrium: {mechanisms[0]}{others}"
-        return answer.FrictionAnswer(
-            answer.json_entries_of_all_kinds(scene, status, False) | common | {"warnings": []}, [], [], False
-        )
+        head = answer.json_entries_of_all_kinds(scene, f"no equilibrium: {mechanisms[0]}{others}", False)
+        return FrictionAnswer(head | common | {"warnings": []}, [], [], False)
     return _answer_on_two_bearings(scene, common)
 
 
-def _answer_on_two_bearings(scene: BearingPairScene, common: dict[str, Any]) -> answer.FrictionAnswer:
+def _answer_on_two_bearings(scene: BearingPairScene, common: dict[str, Any]) -> FrictionAnswer:
     """Return the friction of a four-point and a double-row bearing over the load angle.
 
     ``common``: JSON entries that are known before the solution, such as the load angles.
     """
     cases = scene.four_point, scene.double_row
-    by_case = [friction_bearing.solve_bearing_over_force_angles(case, scene.angle) for case in cases]
+    by_case = [bearing.solve_bearing_over_force_angles(case, scene.angle) for case in cases]
     four, double = (bearing_torques_json(case, states) for case, states in zip(cases, by_case, strict=True))
     good = [f and d for f, d in zip(four["converged"], double["converged"], strict=True)]
     status = "converged" if all(good) else f"{good.count(False)} of {len(good)} load angles did not converge"
@@ -525,15 +500,8 @@ def _answer_on_two_bearings(scene: BearingPairScene, common: dict[str, Any]) -> 
         json_number(f.torque / d.torque) if has_friction_loss(cases[1], d) else None for f, d in zip(*by_case, strict=True)
     ]
     states = [(c, s) for c, one in zip(cases, by_case, strict=True) for s in one]
-    power, loss, bound = (
-        float(np.mean(v))
-        for v in (
-            [s.input_power for _, s in states],
-            [s.loss.sum() for _, s in states],
-            [full_sliding_loss(c.groove, s.load.force) for c, s in states],
-        )
-    )
-    spent = answer.power_balance_percent_json(power, loss, bound)
+    powers = [(s.input_power, s.loss.sum(), full_sliding_loss(c.groove, s.load.force)) for c, s in states]
+    spent = answer.power_balance_percent_json(*(float(np.mean(column)) for column in zip(*powers, strict=True)))
     large = [
         w.with_part_name(name)
         for name, c, one in zip(("four-point", "double row"), cases, by_case, strict=True)
@@ -542,19 +510,11 @@ def _answer_on_two_bearings(scene: BearingPairScene, common: dict[str, Any]) -> 
     solver = {"load_imbalance_N": json_number(max(s.load.largest_unbalanced_force for _, s in states))}
     data = answer.json_entries_of_all_kinds(scene, status, all(good)) | common | {"four_point": four, "double_row": double}
     data |= {"four_over_double": ratios, "energy": spent, "solver": solver, "warnings": large}
-    columns = zip(
-        common["load_angle_deg"],
-        four["friction_torque_Nmm"],
-        double["friction_torque_Nmm"],
-        ratios,
-        four["balls_beyond_two_contacts"],
-        good,
-        strict=True,
-    )
+    torques, beyond = [one["friction_torque_Nmm"] for one in (four, double)], four["balls_beyond_two_contacts"]
+    columns = zip(common["load_angle_deg"], *torques, ratios, beyond, good, strict=True)
     rows = [dict(zip((name for name, _, _ in BEARING_COLUMNS), row, strict=True)) for row in columns]
-    return answer.FrictionAnswer(
-        data, [("over the load's angle", BEARING_COLUMNS, rows)], lines_on_two_bearings(data), all(good)
-    )
+    table = "over the load's angle", BEARING_COLUMNS, rows
+    return FrictionAnswer(data, [table], lines_on_two_bearings(data), all(good))
 
 
 def lines_on_two_bearings(data: dict[str, Any]) -> list[answer.Line]:
@@ -573,6 +533,7 @@ def lines_on_two_bearings(data: dict[str, Any]) -> list[answer.Line]:
     ]
 
 
+#: Columns of the terminal's table of friction torques of both bearings over the angle of the load.
 BEARING_COLUMNS = (
     ("angle", "load angle deg", ".4g"),
     ("four", "four-point N mm", ".5g"),

@@ -51,10 +51,10 @@ def linear_bearing_loads(scene: LinearBearingScene) -> tuple[Array, Array, float
             advice = 'change the forces on the balls, or take distribution = "balanced"'
             raise SceneNotCoveredError(scene.name, "load", str(error), advice) from error
     elif scene.distribution == "balanced":
-        angles, force = (scene.angles, bearing.loads_in_equilibrium(scene.angles, scene.vertical, scene.side))
+        angles, force = scene.angles, bearing.loads_in_equilibrium(scene.angles, scene.vertical, scene.side)
     else:
-        rows = bearing.loads_equal_on_diagonals(scene.vertical, scene.side, scene.bearing.contact_angle)
-        angles, force = scene.angles, rows
+        angles = scene.angles
+        force = bearing.loads_equal_on_diagonals(scene.vertical, scene.side, scene.bearing.contact_angle)
     pushes = force[..., None] * bearing.contact_directions(angles)
     carriage = scene.vertical * np.stack([scene.side, -np.ones_like(scene.side)], axis=-1)
     left = np.stack([pushes.sum(axis=1), pushes[:, 2:].sum(axis=1) + carriage])
@@ -117,16 +117,13 @@ def solve_friction_of_linear_bearing(scene: LinearBearingScene) -> answer.Fricti
     second = linear_chain.find_second_equilibrium(chains[1], near, fast) if near.status == "converged" else None
     loads_good = scene.distribution == "diagonal" or left <= BALANCED
     converged = loads_good and all(r.status == "converged" for r in (apart, near))
-    balls, pairs = (
-        json_rows_of_linear_balls(scene, angles, force, apart, near),
-        json_rows_of_neighbouring_balls(scene, near),
-    )
+    balls = json_rows_of_linear_balls(scene, angles, force, apart, near)
+    pairs = json_rows_of_neighbouring_balls(scene, near)
     bound = scene.bearing.mu * float(force.sum()) * abs(scene.bearing.speed)
     ball_loss = float(near.ball_loss.sum())
     semi = np.asarray(scene.bearing.contact_hertz_constants().C_a * np.cbrt(force))
-    data = answer.json_entries_of_all_kinds(
-        scene, near.status if loads_good else "no balance of the loads found", converged
-    ) | {
+    status = near.status if loads_good else "no balance of the loads found"
+    data = answer.json_entries_of_all_kinds(scene, status, converged) | {
         "law": "coulomb",
         "distribution": scene.distribution,
         "coupled": False,
@@ -198,8 +195,7 @@ def jammed_state_warnings(
     text = (
         f"friction between balls allows a second state: they press on each other by up to {most:.4g} N instead of "
         f"{base:.4g} N, and the carriage needs {jammed.carriage_drive_force:.6g} N instead of "
-        f"{touching.carriage_drive_force:.6g} N; which state occurs "
-        "depends on the motion before"
+        f"{touching.carriage_drive_force:.6g} N; which state occurs depends on the motion before"
     )
     return [ResultWarning("jam", text)]
 
@@ -210,32 +206,28 @@ def lines_on_linear_bearing(data: dict[str, Any]) -> list[answer.Line]:
     ``data``: JSON values of `solve_friction_of_linear_bearing`.
     """
     rise, solver = data["friction_increase_percent"], data["solver"]
+    drive = f"{data['drive_N']:.6g} N drive the carriage, {data['drive_apart_N']:.6g} N with the balls apart"
+    loads = f"loads out of balance by {solver['load_imbalance']:.1e} of the vertical force"
     return [
-        (
-            "force",
-            f"{data['drive_N']:.6g} N drive the carriage, {data['drive_apart_N']:.6g} N with the balls apart"
-            + ("" if rise is None else f": ball-to-ball contact changes it by {rise:+.4g} %"),
-        ),
+        ("force", drive + ("" if rise is None else f": ball-to-ball contact changes it by {rise:+.4g} %")),
         ("states", data["second_state_words"]),
         answer.line_on_energy_balance(data["energy"]),
-        (
-            "solver",
-            f"loads out of balance by {solver['load_imbalance']:.1e} of the vertical force, friction by "
-            f"{solver['residual']:.1e} of its bound",
-        ),
+        ("solver", f"{loads}, friction by {solver['residual']:.1e} of its bound"),
         ("law", f"coulomb, loads {data['distribution']}; loads do not depend on friction"),
     ]
 
 
+#: Columns of the terminal's table of balls; v is the velocity of a ball, "apart" means balls too far apart to touch.
 BALL_COLUMNS: tuple[Column, ...] = (
     ("index", "ball", "s"),
     *((f"{c} N", f"{c} N", ".3f") for c in bearing.CONTACTS),
     ("velocity_apart_mm_s", "v apart mm/s", ".5f"),
-    ("deviation_apart_percent", "epsilon apart %", ".4f"),
+    ("deviation_apart_percent", "v apart above half the carriage's %", ".4f"),
     ("velocity_touching_mm_s", "v mm/s", ".5f"),
     *((f"omega {n}", f"omega_{n} rad/s", ".4f") for n in "xy"),
     ("groove_loss_mW", "groove loss mW", ".5f"),
 )
+#: Columns of the terminal's table of pairs of neighbouring balls.
 PAIR_COLUMNS: tuple[Column, ...] = (
     ("balls", "balls", "s"),
     ("gap_um", "gap um", ".3f"),

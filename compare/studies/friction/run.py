@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,7 +14,7 @@ from rollbench.compare.running import progress_bar
 from rollbench.compare.studies.friction.answer import Line
 from rollbench.lowfi.friction.screw import travel
 from rollbench.lowfi.friction.whole.circuit import balls_in_circuits
-from rollbench.lowfi.friction.whole.run import AGAIN, SceneInMotion, load_solver_for_travelling_balls
+from rollbench.lowfi.friction.whole.run import MODELS_OVER_TIME, SceneInMotion, load_solver_for_travelling_balls
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import draw_errors
 from rollbench.meshes.parts import Friction, Motion, Scene, Time
@@ -40,7 +39,7 @@ COLUMNS = (
 )
 
 
-#: Quantities for which the error of the time steps is estimated, in words.
+#: Quantities whose error due to finite time steps is estimated: key, and name in the texts of the terminal.
 QUANTITIES = {
     "torque": "the torque over the angle",
     "mean": "its mean",
@@ -84,12 +83,10 @@ def simulate_friction_over_time(
     """
     time = scene.time
     if time is None:
-        raise ValueError(
-            f"friction of {scene.name} cannot be simulated over time without a [time] table in the scene: add one"
-        )
-    if model not in AGAIN:
+        raise ValueError(f"friction of {scene.name} cannot be simulated over time: add a table [time] to its scene")
+    if model not in MODELS_OVER_TIME:
         advice = "take another model, or leave [time] out"
-        raise ArgumentError("model", model, f"{' or '.join(AGAIN)} for a scene with [time]", advice)
+        raise ArgumentError("model", model, f"{' or '.join(MODELS_OVER_TIME)} for a scene with [time]", advice)
     drawn = draw_errors(scene, specimen)
     try:
         balls = balls_in_circuits(scene, friction, motion, drawn, specimen)
@@ -99,20 +96,19 @@ def simulate_friction_over_time(
     ahead = float(np.sign(balls.grooves.nominal_orbit - balls.grooves.nut_speed)) or 1.0
     loads = load_solver_for_travelling_balls(model, ahead)
     setting = SceneInMotion(scene, friction, motion, drawn, balls, lambda met, at: loads(scene, met, at, "compiled"))
-    return simulation_with_status(*simulate_with_several_step_sizes(setting, motion, time, scene.name), time)
+    return simulate_with_several_step_sizes(setting, motion, time, scene.name)
 
 
-def simulate_with_several_step_sizes(
-    setting: Any, motion: Motion, time: Time, name: str
-) -> tuple[travel.TravelHistory, travel.TimeStepErrors | None]:
-    """Simulate a screw over time with several step sizes; return the time series, then its error due to finite steps.
+def simulate_with_several_step_sizes(setting: Any, motion: Motion, time: Time, name: str) -> TransientRun:
+    """Simulate a screw over time with several step sizes, from which the error due to finite time steps is estimated.
 
     ``setting``: the screw with its balls, as the transient solver reads it; ``motion``: motion of screw or nut;
     ``time``: duration, number of steps and allowed error of the simulation; ``name``: name of the scene for the
-    progress bar. The error is None if it cannot be estimated.
+    progress bar.
     """
     with progress_bar(f"{name}, simulation over time") as progress:
-        return travel.simulate_with_step_errors(setting, time.span(motion), time.steps, time.goal, progress)
+        found = travel.simulate_with_step_errors(setting, time.span(motion), time.steps, time.goal, progress)
+    return simulation_with_status(*found, time)
 
 
 def simulation_with_status(history: travel.TravelHistory, error: travel.TimeStepErrors | None, time: Time) -> TransientRun:
@@ -126,13 +122,13 @@ def simulation_with_status(history: travel.TravelHistory, error: travel.TimeStep
     if history.fully_converged and error is None:
         status = "not converged in the time step: the error of fewer than 4 steps is not known; take more steps"
     elif error is not None and not error.all_errors_within(time.goal):
-        name = max(error.errors_by_quantity, key=lambda name: error.errors_by_quantity[name].error)
-        unseen = " (no order of convergence observed)" * error.errors_by_quantity[name].no_order_observed
+        of = error.errors_by_quantity
+        name = max(of, key=lambda name: of[name].error)
+        unseen = " (no order of convergence observed)" * of[name].no_order_observed
         status = (
             f"not converged in the time step: the error of {error.step_counts[-1]} steps is some "
-            f"{100.0 * error.largest_error:.2g} % of the "
-            f"mean torque in {QUANTITIES[name]}{unseen}, more than the goal of {100.0 * time.goal:g} %: "
-            f"{'take more steps' if time.steps else 'shorten the run'}"
+            f"{100.0 * error.largest_error:.2g} % of the mean torque in {QUANTITIES[name]}{unseen}, more than the goal of "
+            f"{100.0 * time.goal:g} %: {'take more steps' if time.steps else 'shorten the run'}"
         )
     return TransientRun(history, error, time.goal, time.steps is not None, status, time.output == "balls")
 
@@ -227,17 +223,15 @@ def transient_energy_json(history: travel.TravelHistory) -> dict[str, Any]:
     step, divided by the losses of that step.
     """
     turning, along = history.turning_and_axial_speed
-    loss = history.torque * abs(turning)
-    rubs = bool(np.all(loss > 0.0))
+    loss, power = history.torque * abs(turning), history.power_balance_on_screw
+    ratio = json_number(float(np.abs(power / loss).max())) if np.all(loss > 0.0) else None
     return {
         "torque_work_J": json_number(turning * float(history.lasts @ history.on_screw)),
         "load_work_J": json_number(along * float(history.lasts @ history.axial)),
         "loss_J": json_number(float(history.lasts @ loss)),
-        "balance_J": json_number(float(history.lasts @ history.power_balance_on_screw)),
+        "balance_J": json_number(float(history.lasts @ power)),
         "largest_imbalance": json_number(float(np.abs(history.imbalance).max())),
-        "largest_torque_imbalance": json_number(float(np.abs(history.power_balance_on_screw / loss).max()))
-        if rubs
-        else None,
+        "largest_torque_imbalance": ratio,
     }
 
 
@@ -312,9 +306,8 @@ def lines_on_simulation(run: TransientRun) -> list[Line]:
         format(t[f"{name}_Nmm"], digits) for name in ("mean", "least", "most", "groove_mean", "ball_to_ball_mean")
     )
     text = (
-        f"{far} in {h.begun_step_count} steps: friction torque {mean} N mm in the mean, {least} to {most} N mm; grooves "
-        f"{groove}, "
-        f"ball to ball {between} N mm in the mean"
+        f"{far} in {h.begun_step_count} steps: friction torque {mean} N mm in the mean, {least} to {most} N mm; "
+        f"grooves {groove}, ball to ball {between} N mm in the mean"
     )
     lines = [("run", text)]
     if e is None:
@@ -325,15 +318,13 @@ def lines_on_simulation(run: TransientRun) -> list[Line]:
         seen = "no order observed" if math.isnan(order) else f"order {order:.2g} observed"
         text = (
             f"error of the time steps, as a part of the mean torque: {size}; from "
-            f"{', '.join(str(n) for n in e.step_counts)} steps "
-            f"({seen}); goal {100.0 * run.allowed_error:g} %"
+            f"{', '.join(map(str, e.step_counts))} steps ({seen}); goal {100.0 * run.allowed_error:g} %"
         )
         lines.append(("steps", text))
         if e.quantities_without_order:
             names = ", ".join(QUANTITIES[name] for name in e.quantities_without_order)
-            lines.append(
-                ("", f"no order of convergence in {names}: {travel.UNCLEAR:g} times the change between these is taken")
-            )
+            text = f"no order of convergence in {names}: {travel.UNCLEAR:g} times the change between these is taken"
+            lines.append(("", text))
     return lines if run.converged else [*lines, ("", run.status)]
 
 
@@ -343,13 +334,3 @@ def digits_for_relative_error(error: float | None) -> int:
     ``error``: relative error of the value; None if it is not known.
     """
     return 3 if error is None else int(np.clip(np.ceil(-np.log10(max(error, 1e-6))) + 2, 3, 6))
-
-
-def torque_table_over_angle(
-    run: TransientRun,
-) -> list[tuple[str, Sequence[tuple[str, str, str]], Sequence[dict[str, object]]]]:
-    """Return the table of the friction torque over the angle of rotation: title, columns and rows.
-
-    The list is empty if no time step was begun.
-    """
-    return [("torque over the angle", COLUMNS, torque_rows_over_angle(run.history))] if run.history.begun_step_count else []

@@ -60,8 +60,7 @@ def solve_friction_of_named_scene(
     InputError
         If the scene cannot be read, or the choices do not fit it.
     """
-    scene = catalogue.scene_of_any_kind(name)
-    return solve_friction_of_scene(scene, choices, f"a choice of these for {name}", say)
+    return solve_friction_of_scene(catalogue.scene_of_any_kind(name), choices, name, say)
 
 
 def solve_friction_of_scene(
@@ -76,7 +75,7 @@ def solve_friction_of_scene(
     choices
         Model, coefficients of friction and number of the specimen (draw of random errors).
     origin
-        Name or file of the scene, which an error for unsuitable choices states as the refused value.
+        Name or file of the scene, for an error message.
     say
         Called with a line on the torque as soon as it is known, as in `solve_friction_of_screw_or_bearing`.
 
@@ -101,22 +100,11 @@ def solve_friction_of_scene(
             "leave these arguments out: a scene of single balls, two bearings or a screw over time states its loads and "
             "coefficients of friction"
         )
-        given = "model, mu, member, condensed"
-        raise ArgumentError(given, origin, "the scene of a whole screw or bearing", advice)
+        given = f"a choice of these for {origin}"
+        raise ArgumentError("model, mu, member, condensed", given, "the scene of a whole screw or bearing", advice)
     from rollbench.compare.studies.friction.kinds import solve_friction_of_single_parts
 
     return solve_friction_of_single_parts(scene)
-
-
-def friction_json_for_library(scene: Described, mu: tuple[float, ...], model: str) -> dict[str, Any]:
-    """Return the friction of a scene as JSON values for `rollbench.friction`.
-
-    ``mu``: coefficients of friction that replace the scene's, empty for those of the scene; ``model``: name of the static
-    model, empty for the default.
-    """
-    return friction_answer_json(
-        solve_friction_of_scene(scene, friction_whole.FrictionChoices(model, mu), f"a choice of these for {scene.name}")
-    )
 
 
 def friction_answer_json(found: FrictionAnswer) -> dict[str, Any]:
@@ -175,22 +163,17 @@ def solve_friction_of_shaft(assembly: Assembly, choices: friction_whole.Friction
     head = {"scene": assembly.name, "title": assembly.title, "kind": assembly.kind, "model": result.model}
     if answers is None:
         remarks = {"assumed": list(assembly.assumed), "left_out": [], "warnings": []}
-        return FrictionAnswer(
-            head | {"status": f"contact loads: {result.status}", "converged": False} | remarks, [], [], False
-        )
+        failed = head | {"status": f"contact loads: {result.status}", "converged": False} | remarks
+        return FrictionAnswer(failed, [], [], False)
     if not pairs:
-        solved: SolvedSets = []
-        return _answer_on_shaft(head, assembly, result, answers, (Friction(0.0, 0.0), motion, solved, {}))
+        return _answer_on_shaft(head, assembly, result, answers, (Friction(0.0, 0.0), motion, [], {}))
     each = [_friction_of_nuts_and_bearings(result, friction, motion) for friction in pairs]
-    found = _answer_on_shaft(
-        head,
-        assembly,
-        result,
-        answers,
-        (pairs[0], motion, each[0], _drag_torques_of_nuts_and_bearings(assembly, result, pairs[0], motion)),
-    )
+    drag = _drag_torques_of_nuts_and_bearings(assembly, result, pairs[0], motion)
+    found = _answer_on_shaft(head, assembly, result, answers, (pairs[0], motion, each[0], drag))
     over = [{"screw": f.screw, "nut": f.nut} | _torques_of_shaft(states, {}) for f, states in zip(pairs, each, strict=True)]
-    tables = [*found.tables, *([("over the coefficient of friction", OVER_COLUMNS, over)] if len(pairs) > 1 else [])]
+    tables = list(found.tables)
+    if len(pairs) > 1:
+        tables.append(("over the coefficient of friction", OVER_COLUMNS, over))
     return replace(found, data=found.data | {"over_friction": over}, tables=tables)
 
 
@@ -205,9 +188,8 @@ def _friction_coefficients_of_shaft(assembly: Assembly, mu: Sequence[float]) -> 
         return []
     if not balls:
         given = f"{', '.join(f'{x:g}' for x in mu)} for a shaft without balls"
-        raise ArgumentError(
-            "mu", given, "a shaft with a ball nut or ball bearing", "leave `mu` out: all bearings have rollers"
-        )
+        allowed = "a shaft with a ball nut or ball bearing"
+        raise ArgumentError("mu", given, allowed, "leave `mu` out: all bearings have rollers")
     return friction_whole.friction_coefficients(replace(balls[0], name=assembly.name, friction=assembly.friction), mu)
 
 
@@ -216,12 +198,11 @@ def _friction_of_nuts_and_bearings(result: AxisResult, friction: Friction, motio
 
     ``result``: static solution of the shaft; ``friction``: coefficients of friction; ``motion``: motion of the shaft.
     """
-    out: SolvedSets = []
-    for i, s in enumerate(result.sets):
-        if s.balls is None or not isinstance(s.of.parts, Scene):
-            continue
-        out.append((i, s, friction_state(s.of.parts, s.balls, friction, motion, result.member)))
-    return out
+    return [
+        (i, s, friction_state(s.of.parts, s.balls, friction, motion, result.member))
+        for i, s in enumerate(result.sets)
+        if s.balls is not None and isinstance(s.of.parts, Scene)
+    ]
 
 
 def _drag_torques_of_nuts_and_bearings(
@@ -244,19 +225,6 @@ def _drag_torques_of_nuts_and_bearings(
     }
 
 
-def _friction_row_of_nut_or_bearing(i: int, s: SetResult, state: FrictionState, drag: float | None) -> dict[str, Any]:
-    """Return the JSON row of a nut or ball bearing on a shaft: its number and name, torques, and friction loss.
-
-    ``i``: number of the nut or bearing, from 0; ``s``: its static result; ``state``: its friction; ``drag``: its
-    friction torque without loads [N m], None if not known.
-    """
-    return (
-        {"set": i + 1, "name": s.of.name}
-        | friction_results_json(state.friction_sums, drag)
-        | {"loss_W": json_number(state.friction_sums.power)}
-    )
-
-
 def _answer_on_shaft(
     head: dict[str, str],
     assembly: Assembly,
@@ -274,13 +242,15 @@ def _answer_on_shaft(
     nuts = {
         i: (friction_results_json(x.friction_sums, None) if x.all_balanced else None, "")
         for i, s, x in solved
-        if _lead_of_nut_or_zero(s)
+        if isinstance(s.of.parts, Scene) and s.of.parts.track.lead
     }
     drive = quantities.record_as_json(motor_torques_and_inertias(assembly, result, answers, nuts))
-    rows = [_friction_row_of_nut_or_bearing(i, s, state, drag.get(i)) for i, s, state in solved]
+    rows = []
+    for i, s, state in solved:
+        torques = friction_results_json(state.friction_sums, drag.get(i))
+        rows.append({"set": i + 1, "name": s.of.name} | torques | {"loss_W": json_number(state.friction_sums.power)})
     balls = [{"set": i + 1} | row for i, s, state in solved if s.balls for row in answer.json_rows_of_balls(s.balls, state)]
     losses = [{"set": i + 1} | row for i, _, state in solved for row in answer.losses_by_contact_and_cause(state)]
-    good = all(state.all_balanced for _, _, state in solved)
     failed = next((x for x in solved if not x[2].all_balanced), None)
     torque, power = _torques_of_shaft(solved, drag), _powers_of_shaft(solved)
     of_rollers = tuple(f"{s.of.name}: " for s in result.sets if s.balls is None)  # whose loads friction leaves as they are
@@ -291,7 +261,7 @@ def _answer_on_shaft(
             warnings += [w.with_part_name(s.of.name) for w in answer.friction_warnings(s.of.parts, friction, state, ())]
     data = head | {
         "status": "converged" if failed is None else f"{failed[1].of.name}: {friction_whole.friction_status(failed[2])}",
-        "converged": good,
+        "converged": failed is None,
         "law": "coulomb",
         "friction": {"screw": friction.screw, "nut": friction.nut},
         "motion": {"turns": motion.turns, "speed_rad_s": json_number(motion.speed)},
@@ -313,26 +283,20 @@ def _answer_on_shaft(
     }
     flat = [{"set": b["set"]} | f for b, f in zip(balls, answer.terminal_ball_rows(balls), strict=True)]
     every = [("per ball", (("set", "set", "s"), *answer.BALL_COLUMNS), flat)]
-    of_balls = (
-        "torque",
+    text = (
         f"{torque['driving_torque_on_screw_Nmm']:+.3g} N mm about +z drive the shaft at {motion.speed:.6g} rad/s at its "
-        f"ball nuts and ball bearings; their friction torque {format_three_digits(torque['friction_torque_Nmm'])} N mm",
+        f"ball nuts and ball bearings; their friction torque {format_three_digits(torque['friction_torque_Nmm'])} N mm"
     )
-    left = answer.line_on_remaining_imbalance(
-        result.solver.residual, max((x.ball_friction.largest_imbalance_ratio for _, _, x in solved), default=0.0)
-    )
-    lines = [*([of_balls] if solved else []), left]
+    imbalance = max((x.ball_friction.largest_imbalance_ratio for _, _, x in solved), default=0.0)
+    left = answer.line_on_remaining_imbalance(result.solver.residual, imbalance)
+    lines = [("torque", text), left] if solved else [left]
     tables = [("ball nuts and ball bearings: friction of their contacts", SET_COLUMNS, rows)] if solved else []
     whole = [
         {k: format_range(x[k]) if form == "s" and k.endswith("Nmm") else x[k] for k, _, form in DRIVE_COLUMNS}
         for x in (drive or {}).get("sets", ())
     ]
-    return FrictionAnswer(data, [*tables, ("torque that turns the shaft", DRIVE_COLUMNS, whole)], lines, good, every)
-
-
-def _lead_of_nut_or_zero(s: SetResult) -> float:
-    """Return the lead of a nut [m]; zero for a bearing."""
-    return s.of.parts.track.lead if isinstance(s.of.parts, Scene) else 0.0
+    tables.append(("torque that turns the shaft", DRIVE_COLUMNS, whole))
+    return FrictionAnswer(data, tables, lines, failed is None, every)
 
 
 def _powers_of_shaft(solved: SolvedSets) -> dict[str, Any]:
@@ -360,13 +324,12 @@ def _torques_of_shaft(solved: SolvedSets, drag: dict[int, float]) -> dict[str, A
     ``solved``: nuts and ball bearings with their friction; ``drag``: friction torques without loads [N m] by number of the
     nut or bearing. The sum of the drag torques is None unless all are known.
     """
+    torques = [x.friction_sums for _, _, x in solved]
     known = len(drag) == len(solved)
     return {
-        "friction_torque_Nmm": json_number(1e3 * float(np.sum([x.friction_sums.friction_torque for _, _, x in solved]))),
+        "friction_torque_Nmm": json_number(1e3 * float(np.sum([t.friction_torque for t in torques]))),
         "drag_torque_Nmm": json_number(1e3 * sum(drag.values())) if known else None,
-        "driving_torque_on_screw_Nmm": json_number(
-            1e3 * float(np.sum([x.friction_sums.driving_torque_on_screw for _, _, x in solved]))
-        ),
+        "driving_torque_on_screw_Nmm": json_number(1e3 * float(np.sum([t.driving_torque_on_screw for t in torques]))),
     }
 
 
@@ -388,15 +351,7 @@ def solve_friction_of_duty_cycle(cycle: DutyCycle, choices: friction_whole.Frict
     results of the other load cases are still given, but no mean torque. Raises InputError for inputs that
     `solve_friction_of_screw_or_bearing` or `solve_friction_of_shaft` refuses.
     """
-    each = [
-        (
-            case,
-            solve_friction_of_shaft(scene, choices)
-            if isinstance(scene := case.scene, Assembly)
-            else friction_whole.solve_friction_of_screw_or_bearing(scene, choices),
-        )
-        for case in cycle.cases
-    ]
+    each = [(case, solve_friction_of_scene(case.scene, choices, cycle.name)) for case in cycle.cases]
     rows: list[dict[str, Any]] = []
     for case, one in each:
         torque = one.data.get("torque") or {}
@@ -407,9 +362,9 @@ def solve_friction_of_duty_cycle(cycle: DutyCycle, choices: friction_whole.Frict
     needed = [row["friction_torque_Nmm"] if row["case"] not in failed else None for row in rows if row["share"] > 0.0]
     mean = None if None in needed else sum(row["share"] * row["friction_torque_Nmm"] for row in rows if row["share"] > 0.0)
     words = "" if mean is not None else f"none, because case {failed[0]} has no friction" if failed else "no load"
-    largest = (
-        "none" if worst is None else f"{format_three_digits(worst['friction_torque_Nmm'])} N mm in case {worst['case']}"
-    )
+    largest = "none"
+    if worst is not None:
+        largest = f"{format_three_digits(worst['friction_torque_Nmm'])} N mm in case {worst['case']}"
     known_mean = words if mean is None else f"{format_three_digits(mean)} N mm"
     lines = [("torque", f"largest of friction {largest}; mean over the duty cycle {known_mean}")]
     for case, one in each:
@@ -436,6 +391,8 @@ def solve_friction_of_duty_cycle(cycle: DutyCycle, choices: friction_whole.Frict
         "left_out": entries_of_all_cases("left_out"),
         "warnings": [w.with_part_name(f"case {case.name}") for case, one in each for w in one.data.get("warnings", ())],
     }
-    tables = [(f"case {c.name}: {title}", heads, body) for c, one in each for title, heads, body in one.tables]
-    balls = [(f"case {c.name}: {title}", heads, body) for c, one in each for title, heads, body in one.ball_tables]
+    tables, balls = (
+        [(f"case {case.name}: {title}", *rest) for case, one in each for title, *rest in getattr(one, kind)]
+        for kind in ("tables", "ball_tables")
+    )
     return FrictionAnswer(data, [("load cases", COLUMNS, rows), *tables], lines, not failed, balls)

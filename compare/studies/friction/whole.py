@@ -122,21 +122,16 @@ def torques_at_measured_coefficients(solved: StaticallySolvedPart, result: Stati
     torques are null for a scene without preload. ``solved``: the scene with its static result without loads; ``result``:
     static result under the loads.
     """
-    scene, held = (
-        solved.scene,
-        preload_from_unloaded(solved.scene, solved.unloaded_result) if solved.unloaded_result.converged else None,
-    )
+    scene, idle = solved.scene, solved.unloaded_result
+    preload = preload_from_unloaded(scene, idle).axial if idle.converged else 0.0
+    pressed = preload > 0.0 and scene.track.lead > 0.0
     ends = [replace(solved.friction, screw=mu, nut=mu, balls=None) for mu in MEASURED]
-    pressed = held is not None and held.axial > 0.0 and scene.track.lead > 0.0
-    drags = [1e3 * solved.torque(solved.unloaded_result, end) for end in ends] if pressed else []
     return {
         "coefficients": list(MEASURED),
         "friction_torque_Nmm": [json_number(1e3 * solved.torque(result, end)) for end in ends],
-        "drag_torque_Nmm": [json_number(x) for x in drags] if drags else None,
-        "preload_N": json_number(held.axial) if held is not None and pressed else None,
-        "makers_formula_Nmm": json_number(1e3 * drag_torque_by_makers_formula(scene, held.axial))
-        if held is not None and pressed
-        else None,
+        "drag_torque_Nmm": [json_number(1e3 * solved.torque(idle, end)) for end in ends] if pressed else None,
+        "preload_N": json_number(preload) if pressed else None,
+        "makers_formula_Nmm": json_number(1e3 * drag_torque_by_makers_formula(scene, preload)) if pressed else None,
     }
 
 
@@ -147,23 +142,13 @@ def lines_on_drag_torque(data: dict[str, Any]) -> list[Line]:
     """
     if data["makers_formula_Nmm"] is None:
         return []
+    torques = " to ".join("(none found)" if x is None else f"{x:.3g}" for x in data["drag_torque_Nmm"])
     text = (
-        f"without load {_torques_joined_by_to(data['drag_torque_Nmm'])} N mm at coefficients of friction from "
-        f"{MEASURED[0]:g} "
+        f"without load {torques} N mm at coefficients of friction from {MEASURED[0]:g} "
         f"to {MEASURED[1]:g}; makers' formula 0.05/sqrt(tan(lead angle)) F l/(2 pi) for the preload of "
         f"{data['preload_N']:.4g} N: {format_three_digits(data['makers_formula_Nmm'])} N mm"
     )
     return [("drag", text)]
-
-
-def _torques_joined_by_to(values: list[float | None]) -> str:
-    """Return torques [N mm] as text joined by "to", such as "3 to 90"; None stands for a torque that was not found."""
-    return " to ".join("(none found)" if x is None else f"{x:.3g}" for x in values)
-
-
-def gives_neither_play_nor_preload(scene: Scene) -> bool:
-    """Return whether a screw's scene states no errors of the ball radii (oversize or play) and no preload."""
-    return scene.track.lead > 0.0 and scene.errors.balls == BallErrors() and not scene.errors.lead_offset
 
 
 def torque_with_play(solved: StaticallySolvedPart, state: FrictionState) -> dict[str, Any] | None:
@@ -174,7 +159,8 @@ def torque_with_play(solved: StaticallySolvedPart, state: FrictionState) -> dict
     with its static result without loads; ``state``: friction with the balls of the scene.
     """
     scene = solved.scene
-    if not gives_neither_play_nor_preload(scene) or not state.loaded or (solved.unloaded_result.load > 0.0).any():
+    fits = scene.track.lead > 0.0 and scene.errors.balls == BallErrors() and not scene.errors.lead_offset
+    if not fits or not state.loaded or (solved.unloaded_result.load > 0.0).any():
         return None
     balls = replace(scene.errors.balls, oversize=-SMALLER)
     smaller = replace(scene, errors=replace(scene.errors, balls=balls))
@@ -250,25 +236,21 @@ def onset_of_ball_to_ball_contact(solved: StaticallySolvedPart, result: StaticRe
         return None
     factor = None
     if with_scaled_geometric_errors(solved.scene, 0.0) != solved.scene:
-        factor = (
-            0.0
-            if balls_touch_with_scaled_errors(0.0)
-            else next(
-                (x for x in FACTORS if (standing.touches_under_load if x == 1.0 else balls_touch_with_scaled_errors(x))),
-                None,
-            )
-        )
+        known = {1.0: standing.touches_under_load}
+        tried = (x for x in (0.0, *FACTORS) if (known[x] if x in known else balls_touch_with_scaled_errors(x)))
+        factor = next(tried, None)
     if factor:
         low = 0.5 * factor if factor > FACTORS[0] else 0.0
         for _ in range(HALVINGS):
             middle = 0.5 * (low + factor)
             low, factor = (low, middle) if balls_touch_with_scaled_errors(middle) else (middle, factor)
     meets = bool(np.isfinite(standing.rotation_to_first_meeting))
+    later = rolling.rotation_to_first_meeting
     return FrictionOnset(
         touch=standing.touches_under_load,
         first=standing.rotation_to_first_meeting if meets else None,
         ball=int(standing.neighbour_pairs[standing.rotation_to_meeting.argmin(), 0]) + 1 if meets else None,
-        rolling=rolling.rotation_to_first_meeting if np.isfinite(rolling.rotation_to_first_meeting) else None,
+        rolling=later if np.isfinite(later) else None,
         closing=int(np.isfinite(standing.rotation_to_meeting).sum()),
         pairs=len(standing.neighbour_pairs),
         unloaded=int((standing.contact_load_sums == 0.0).sum()),
@@ -299,13 +281,11 @@ def line_on_ball_to_ball_contact(onset: FrictionOnset, turns: str, errors: bool)
     if onset.unloaded:
         stand, roll = count_with_noun(onset.unloaded, "unloaded ball"), angle_text(onset.rolling)
         text += f"; this holds if the {stand} stand still, {roll} if they roll along"
-    if errors:
-        from_on = (
-            "not up to 16 times the scene's errors"
-            if onset.factor is None
-            else f"from {onset.factor:.2g} times the scene's errors on"
-        )
-        text += f"; they touch {'without errors too' if onset.factor == 0.0 else from_on}"
+    if errors and onset.factor is None:
+        text += "; they touch not up to 16 times the scene's errors"
+    elif errors:
+        where = f"from {onset.factor:.2g} times the scene's errors on" if onset.factor else "without errors too"
+        text += f"; they touch {where}"
     return "touch", text
 
 
@@ -431,20 +411,16 @@ def solve_friction_of_screw_or_bearing(
             scene.name, "balls", str(error), "increase the angles between the balls, or set friction.neighbours = false"
         ) from error
     if states[0].all_balanced and monotonic() - begin > FIRST:
-        say(
-            f"friction torque {format_three_digits(1e3 * states[0].friction_sums.friction_torque)} N mm; drag "
-            "torque and range of torques follow"
-        )
+        torque = format_three_digits(1e3 * states[0].friction_sums.friction_torque)
+        say(f"friction torque {torque} N mm; drag torque and range of torques follow")
     bare = result if not has_external_loads(scene) else run_model(replace(scene, loads=()), model, options)
     drags = drag_torques(scene, states, pairs, bare, options)
-    answer = _build_friction_answer(
-        scene, result, head, (pairs, states, drags), StaticallySolvedPart(scene, model, options, pairs[0], motion, bare)
-    )
+    idle = StaticallySolvedPart(scene, model, options, pairs[0], motion, bare)
+    answer = _build_friction_answer(scene, result, head, (pairs, states, drags), idle)
     if scene.time is None:
         return answer
-    return _add_transient_run(
-        answer, friction_run.simulate_friction_over_time(scene, pairs[0], motion, model, choices.member)
-    )
+    run = friction_run.simulate_friction_over_time(scene, pairs[0], motion, model, choices.member)
+    return _add_transient_run(answer, run)
 
 
 def _add_transient_run(answer: FrictionAnswer, run: friction_run.TransientRun) -> FrictionAnswer:
@@ -456,14 +432,11 @@ def _add_transient_run(answer: FrictionAnswer, run: friction_run.TransientRun) -
     good = answer.converged and run.converged
     if answer.converged and not good:
         data |= {"status": f"simulation over time: {run.status}"}
-    tables = [*answer.tables, *friction_run.torque_table_over_angle(run)]
-    return FrictionAnswer(
-        data | {"converged": good},
-        tables,
-        [*answer.lines, *friction_run.lines_on_simulation(run)],
-        good,
-        answer.ball_tables,
-    )
+    tables = list(answer.tables)
+    if run.history.begun_step_count:
+        tables.append(("torque over the angle", friction_run.COLUMNS, friction_run.torque_rows_over_angle(run.history)))
+    lines = [*answer.lines, *friction_run.lines_on_simulation(run)]
+    return FrictionAnswer(data | {"converged": good}, tables, lines, good, answer.ball_tables)
 
 
 def has_external_loads(scene: Scene) -> bool:
@@ -538,11 +511,9 @@ def drag_torque_of_state(state: FrictionState) -> DragTorque:
 
     ``state``: friction of the screw without axial load.
     """
-    return (
-        DragTorque(state.friction_sums.friction_torque)
-        if state.all_balanced
-        else DragTorque(None, "no balance of friction found")
-    )
+    if not state.all_balanced:
+        return DragTorque(None, "no balance of friction found")
+    return DragTorque(state.friction_sums.friction_torque)
 
 
 def friction_status(state: FrictionState) -> str:
@@ -552,21 +523,9 @@ def friction_status(state: FrictionState) -> str:
         return f"no balance of friction found on {count_with_noun(len(failed), 'ball')}: {', '.join(failed[:8])}"
     if state.unsettled_balls:
         numbers = ", ".join(str(k + 1) for k in state.unsettled_balls[:8])
-        return (
-            f"friction and position do not agree on {count_with_noun(len(state.unsettled_balls), 'ball')}: {numbers}; see "
-            "feedback "
-            "= false"
-        )
+        balls = count_with_noun(len(state.unsettled_balls), "ball")
+        return f"friction and position do not agree on {balls}: {numbers}; see feedback = false"
     return "converged" if state.loaded else "converged: no contact carries load, so that nothing rubs"
-
-
-def _friction_assumptions(scene: Scene, result: StaticResult) -> list[str]:
-    """Return the assumptions of the scene and of the model that computed the contact loads, a sentence each.
-
-    ``result``: static result with the contact loads. An assumption that this model makes and the scene does not state
-    begins with "contact loads:", because the model neglects friction.
-    """
-    return [line if line in scene.assumed else f"contact loads: {line}" for line in result.assumed]
 
 
 #: Coefficients of friction of screw and nut, then for each pair of them the friction, then the drag torque.
@@ -589,11 +548,20 @@ def _build_friction_answer(
     torque = friction_results_json(state.friction_sums, drag.torque)
     rows, losses = output.json_rows_of_balls(result, state), output.losses_by_contact_and_cause(state)
     over = [output.torque_row_for_coefficients(f, s, d.torque) for f, s, d in zip(*solved, strict=True)]
-    assumed = [*friction.assumed, *(() if scene.motion else (NO_SPEED,)), *_friction_assumptions(scene, result)]
+    # assumptions of the model alone are marked, because the model neglects friction
+    of_loads = [line if line in scene.assumed else f"contact loads: {line}" for line in result.assumed]
+    assumed = [*friction.assumed, *(() if scene.motion else (NO_SPEED,)), *of_loads]
     wide, played = torques_at_measured_coefficients(unloaded, result), torque_with_play(unloaded, state)
     near = onset_of_ball_to_ball_contact(unloaded, result) if state.loaded else None
     held = preload_from_unloaded(scene, unloaded.unloaded_result).axial if unloaded.unloaded_result.converged else 0.0
     e, slip = state.friction_sums, heathcote_loss_increase(scene, state.contacts, state.ball_friction, friction, motion)
+    between = 0.0 if state.neighbour_friction is None else state.neighbour_friction.power_lost_between_balls
+    loads = results_of_contact_loads(scene, result.load, result.contact_angle, result.member)
+    warnings = [] if played is None else [play_warning(played)]
+    warnings += [*result.warnings, *validity_warnings(scene, loads, held), *warnings_on_friction_feedback(state)]
+    if slip > WIDE:
+        text = f"the contacts are so wide that {output.heathcote_slip_clause(slip)}"
+        warnings.append(ResultWarning("slip", text))
     data = head | {
         "status": status,
         "converged": good,
@@ -612,9 +580,7 @@ def _build_friction_answer(
         "losses": {
             "total_W": json_number(e.power),
             "by_contact_W": losses,
-            "between_balls_W": json_number(
-                0.0 if state.neighbour_friction is None else state.neighbour_friction.power_lost_between_balls
-            ),
+            "between_balls_W": json_number(between),
             "heathcote_percent": json_number(100.0 * slip),
         },
         "energy": power_balance_json(e.input_power, e.power)
@@ -637,41 +603,21 @@ def _build_friction_answer(
         },
         "assumed": assumed,
         "left_out": output.effects_neglected_at_one_instant(friction),
-        "warnings": output.friction_warnings(
-            scene,
-            friction,
-            state,
-            (
-                *([] if played is None else [play_warning(played)]),
-                *result.warnings,
-                *validity_warnings(
-                    scene, results_of_contact_loads(scene, result.load, result.contact_angle, result.member), held
-                ),
-                *warnings_on_friction_feedback(state),
-                *output.heathcote_slip_warnings(slip),
-            ),
-        ),
+        "warnings": output.friction_warnings(scene, friction, state, warnings),
     }
-    tables: list[tuple[str, Sequence[tuple[str, str, str]], Sequence[dict[str, object]]]] = []
-    if state.loaded:
-        tables = [("losses by contact and cause", output.LOSS_COLUMNS, losses)]
+    tables = [("losses by contact and cause", output.LOSS_COLUMNS, losses)] if state.loaded else []
     if len(over) > 1:
-        tables.append(
-            ("over the coefficient of friction", output.columns_over_friction_coefficient(kind_of_scene(scene)), over)
-        )
+        columns = output.OVER_COLUMNS[:3] if kind_of_scene(scene) == "bearing" else output.OVER_COLUMNS
+        tables.append(("over the coefficient of friction", columns, over))
     every = [("per ball", output.BALL_COLUMNS, output.terminal_ball_rows(rows))] if state.loaded else []
     lines = [
         *output.lines_on_friction_of_screw(motion, state, (drag.torque, drag.reason_without_torque or drag.note)),
         *(lines_on_drag_torque(wide) if state.loaded else ()),
     ]
     if near is not None:
-        lines.append(
-            line_on_ball_to_ball_contact(
-                near,
-                "inner ring" if state.friction_sums.advance_per_radian == 0.0 and motion.turns == "screw" else motion.turns,
-                with_scaled_geometric_errors(scene, 0.0) != scene,
-            )
-        )
+        turns = "inner ring" if e.advance_per_radian == 0.0 and motion.turns == "screw" else motion.turns
+        has_errors = with_scaled_geometric_errors(scene, 0.0) != scene
+        lines.append(line_on_ball_to_ball_contact(near, turns, has_errors))
     lines.append(output.line_on_remaining_imbalance(result.solver.residual, state.ball_friction.largest_imbalance_ratio))
     if e.friction_torque and slip <= WIDE:
         lines.append(("slip", "contacts are not flat: " + output.heathcote_slip_clause(slip)))

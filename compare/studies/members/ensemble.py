@@ -160,12 +160,11 @@ class _RandomDrawBatch:
         self.loads, self.solved = np.full((count, scene.ball_count, 4), np.nan), np.zeros(count, dtype=bool)
         self.residuals, self.works = np.full(count, np.nan), np.full(count, np.nan)
 
-    def _drawn_errors(self, numbers_in_batch: NDArray[np.int64]) -> errors.GeometriesWithErrors:
-        """Return the geometric errors of the random draws with the numbers ``numbers_in_batch`` in this batch."""
-        centre = (
-            self.drawn.groove_centres[numbers_in_batch] if len(self.drawn.groove_centres) > 1 else self.drawn.groove_centres
-        )
-        return errors.GeometriesWithErrors(self.drawn.ball_radii[numbers_in_batch], centre, self.drawn.groove_radii)
+    def _drawn_errors(self, draws: NDArray[np.int64]) -> errors.GeometriesWithErrors:
+        """Return the geometric errors of the random draws with the numbers ``draws`` in this batch."""
+        drawn, centres = self.drawn, self.drawn.groove_centres
+        centres = centres[draws] if len(centres) > 1 else centres
+        return errors.GeometriesWithErrors(drawn.ball_radii[draws], centres, drawn.groove_radii)
 
     def solve(self) -> int:
         """Solve all random draws and store their contact loads; return for how many all flanks had to be included.
@@ -193,38 +192,27 @@ class _RandomDrawBatch:
         """
         problem = statics_problem.build_problem(self.scene, self.mean, self.layout, used_flanks)
         if static.residual_scale(problem).typical_force == 0.0:  # only the random errors press anything together
-            tightest = self._drawn_errors(
-                np.array(
-                    [statics_problem.centre_vectors_and_interference(self.scene, self.drawn)[1].max(axis=(1, 2)).argmax()]
-                )
-            )
+            interference = statics_problem.centre_vectors_and_interference(self.scene, self.drawn)[1]
+            tightest = self._drawn_errors(np.array([interference.max(axis=(1, 2)).argmax()]))
             drawn = replace(self.mean, ball_radii=tightest.ball_radii[0], groove_centres=tightest.groove_centres[0])
             problem = statics_problem.build_problem(self.scene, drawn, self.layout, used_flanks)
         mechanism = find_unresisted_motions(problem)
         return None if mechanism.is_driven_by_loads else static.pin_free_motions(problem, mechanism)
 
-    def _solved_shared_equations(self, problem: statics_problem.Problem) -> static.BeamEquations:
-        """Return the system of equations that all random draws share, solved for the scene without random errors."""
-        prepared = static.beam_equations(problem, static.pick_engine(ENGINE, self.scene.ball_count))
-        prepared.solve_by_newton()
-        prepared.options = prepared.options._replace(tolerance=ENOUGH)
-        return prepared
-
-    def _solve_with_flanks(self, problem: statics_problem.Problem | None, numbers_in_batch: NDArray[np.int64]) -> None:
+    def _solve_with_flanks(self, problem: statics_problem.Problem | None, draws: NDArray[np.int64]) -> None:
         """Solve some random draws with contacts only on those flanks that ``problem`` includes; store accepted solutions.
 
-        ``problem``: static problem, None if it has a free rigid motion; ``numbers_in_batch``: numbers of the specimens in
+        ``problem``: static problem, None if it has a free rigid motion; ``draws``: numbers of the specimens in
         the batch. A solution is accepted only if no ball comes near a flank that the problem leaves out.
         """
         if problem is None:
             return
-        prepared = self._solved_shared_equations(problem)
+        prepared = static.beam_equations(problem, static.pick_engine(ENGINE, self.scene.ball_count))
+        prepared.solve_by_newton()  # without random errors
+        prepared.options = prepared.options._replace(tolerance=ENOUGH)
         near = None if np.all(problem.used_flanks) else _OmittedFlankCheck(prepared, self.layout)
         some = partial(self._solve_draws_in_kernel, prepared, near)
-        trial, rest = (
-            numbers_in_batch[:TRIAL],
-            [numbers_in_batch[k : k + CHUNK] for k in range(TRIAL, numbers_in_batch.size, CHUNK)],
-        )
+        trial, rest = draws[:TRIAL], [draws[k : k + CHUNK] for k in range(TRIAL, draws.size, CHUNK)]
         some(trial)
         if near is not None and 2 * np.count_nonzero(self.solved[trial]) < trial.size:
             return
@@ -232,43 +220,38 @@ class _RandomDrawBatch:
             list((map if self.threads == 1 else pool.map)(some, rest))
 
     def _solve_draws_in_kernel(
-        self,
-        equations: static.BeamEquations,
-        omitted_flank_check: _OmittedFlankCheck | None,
-        numbers_in_batch: NDArray[np.int64],
+        self, equations: static.BeamEquations, check: _OmittedFlankCheck | None, draws: NDArray[np.int64]
     ) -> None:
         """Solve some random draws by one call of compiled code, and store the solutions that are accepted.
 
-        ``equations``: common system of equations; ``omitted_flank_check``: check of the flanks that the system leaves out,
-        None if it has all; ``numbers_in_batch``: numbers of the specimens in the batch.
+        ``equations``: common system of equations; ``check``: check of the flanks that the system leaves out,
+        None if it has all; ``draws``: numbers of the specimens in the batch.
         """
-        state, k = equations.state, numbers_in_batch.size
-        arrays = self._geometry_for_kernel(equations.problem, numbers_in_batch)
+        state, k = equations.state, draws.size
+        arrays = self._geometry_for_kernel(equations.problem, draws)
         forces, status, residual = np.empty(arrays.geometry.shape[:3]), np.empty(k, dtype=np.int64), np.empty(k)
         states = SpecimenSolutions(forces, status, residual, np.empty((k, *state.q.shape)), np.empty((k, *state.p.shape)))
         equations.engine.solve_specimens(equations.kernel_arrays, state, equations.options, arrays, states)
         good = (states.status <= 1) & (states.residual <= ACCEPTED)
-        if omitted_flank_check is not None:
-            shift = states.q.reshape(k, -1) @ omitted_flank_check.rows.T
-            good &= omitted_flank_check.flanks_stay_clear_of_balls(shift, states.p, arrays.geometry, states.force)
-        kept, works = numbers_in_batch[good], np.tensordot(states.q, equations.kernel_arrays.shaft.load, axes=2)
+        if check is not None:
+            shift = states.q.reshape(k, -1) @ check.rows.T
+            good &= check.flanks_stay_clear_of_balls(shift, states.p, arrays.geometry, states.force)
+        kept, works = draws[good], np.tensordot(states.q, equations.kernel_arrays.shaft.load, axes=2)
         self.loads[kept], self.residuals[kept], self.works[kept] = states.force[good], states.residual[good], works[good]
         self.solved[kept] = True
 
-    def _geometry_for_kernel(self, problem: statics_problem.Problem, numbers_in_batch: NDArray[np.int64]) -> SpecimenArrays:
+    def _geometry_for_kernel(self, problem: statics_problem.Problem, draws: NDArray[np.int64]) -> SpecimenArrays:
         """Return the geometry of some random draws as arrays for the compiled solver.
 
-        ``problem``: static problem without random errors; ``numbers_in_batch``: numbers of the specimens in the batch.
+        ``problem``: static problem without random errors; ``draws``: numbers of the specimens in the batch.
         """
-        drawn = self._drawn_errors(numbers_in_batch)
+        drawn = self._drawn_errors(draws)
         offset, closure = statics_problem.centre_vectors_and_interference(self.scene, drawn)
-        geometry = np.empty((numbers_in_batch.size, *problem.geometry.shape))
-        geometry[..., :4], geometry[..., 4], geometry[..., 5:] = offset, self.C[numbers_in_batch], problem.geometry[..., 5:]
-        B = (
-            statics_problem.flank_motions_of_specimens(problem, drawn.groove_centres)
-            if len(drawn.groove_centres) > 1
-            else problem.B[None]
-        )
+        geometry = np.empty((draws.size, *problem.geometry.shape))
+        geometry[..., :4], geometry[..., 4], geometry[..., 5:] = offset, self.C[draws], problem.geometry[..., 5:]
+        B = problem.B[None]
+        if len(drawn.groove_centres) > 1:
+            B = statics_problem.flank_motions_of_specimens(problem, drawn.groove_centres)
         return SpecimenArrays(B, geometry, closure, drawn.ball_radii)
 
 
@@ -543,9 +526,8 @@ def solve_block_of_random_draws(
     contacts = count_nominal_contacts(scene)
     mean = np.array([mean_load(load, contacts) for load in loads])
     lost = (~(loads > 0.0) & (loads_without_errors > 0.0)).sum(axis=(1, 2)).astype(float)
-    kept = np.column_stack(
-        [loads.max(axis=(1, 2)), mean, stiffness, lost, relative_life(loads, loads_without_errors), residuals]
-    )
+    life = relative_life(loads, loads_without_errors)
+    kept = np.column_stack([loads.max(axis=(1, 2)), mean, stiffness, lost, life, residuals])
     kept[~good] = np.nan
     return RandomDrawBlock(loads, kept, statuses)
 
@@ -560,14 +542,13 @@ def _solve_shaft_block_of_draws(
     """
     results = [run_model(assembly, model, ModelOptions(engine=kernels, member=m)) for m in range(first, first + count)]
     where = ball_slices(assembly)
-    loads = np.stack(
-        [contact_loads_of_all_balls(r) if r.converged else np.full(loads_without_errors.shape, np.nan) for r in results]
-    )
-    wide = len(output_names_of_draw(assembly))
-    kept = [
-        outputs_of_shaft_draw(r, loads_without_errors, where) if r.converged else np.full(wide, np.nan) for r in results
-    ]
-    return RandomDrawBlock(loads, np.array(kept), tuple(r.status for r in results))
+    loads = np.full((count, *loads_without_errors.shape), np.nan)
+    kept = np.full((count, len(output_names_of_draw(assembly))), np.nan)
+    for k, result in enumerate(results):
+        if result.converged:
+            loads[k] = contact_loads_of_all_balls(result)
+            kept[k] = outputs_of_shaft_draw(result, loads_without_errors, where)
+    return RandomDrawBlock(loads, kept, tuple(r.status for r in results))
 
 
 def contact_loads_of_all_balls(result: StaticSolution) -> Array:
@@ -594,10 +575,8 @@ def outputs_of_shaft_draw(result: AxisResult, loads_without_errors: Array, ball_
     kept = [largest, stiffness, float(lost.sum()), result.solver.residual]
     for s, place in zip(result.sets, ball_slices, strict=True):
         kept += [float(s.loads.max(initial=0.0)), mean_load(s.loads), float(s.force[2])]
-        known = place is not None
-        kept += (
-            [float(lost[place].sum()), float(relative_life(loads[place], loads_without_errors[place]))]
-            if known
-            else [np.nan] * 2
-        )
+        if place is None:
+            kept += [np.nan] * 2
+        else:
+            kept += [float(lost[place].sum()), float(relative_life(loads[place], loads_without_errors[place]))]
     return np.array(kept)

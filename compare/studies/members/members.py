@@ -15,7 +15,6 @@ import os
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -29,18 +28,7 @@ from rollbench.compare.reference import parallel
 from rollbench.compare.reference.jobs import ComputingSettings, run_jobs_in_fastest_way
 from rollbench.compare.scenes.duty_cycle import Described, DutyCycle
 from rollbench.compare.scenes.scene_file import scenes_to_solve
-from rollbench.compare.studies.members.ensemble import (
-    KEPT,
-    OF_SET,
-    WHOLE,
-    RandomDrawBlock,
-    ball_slices,
-    contact_loads_of_all_balls,
-    output_names_of_draw,
-    solve_block_of_random_draws,
-    with_error_seed,
-    without_random_errors,
-)
+from rollbench.compare.studies.members import ensemble
 from rollbench.lowfi.jit import STATICS, is_machine_code_cached
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
@@ -50,8 +38,8 @@ from rollbench.meshes.parts import SIDES, Scene
 #: and number from which on they are used if they are already compiled.
 BLOCK, LEAST, COMPILE_FROM, USE_FROM = 500, 50, 200, 10
 
-#: Number of bins of the histogram of a contact load, and ratio of the histogram's upper end to the largest load without
-#: random errors.
+#: Number of bins of the histogram of a contact load, and upper end of the histogram over the largest contact load of the
+#: scene without random errors.
 BINS, END = 2000, 10.0
 
 #: Levels of the quantiles of an output.
@@ -193,26 +181,22 @@ def solve_random_draws_of_scene(
     """
     _check_ensemble_request(scene, model, count)
     start, model = perf_counter(), model or default_model_name(scene)
-    kernels = (
-        "compiled" if count >= COMPILE_FROM or (count >= USE_FROM and is_machine_code_cached(STATICS)) else "interpreted"
+    compiled = count >= COMPILE_FROM or (count >= USE_FROM and is_machine_code_cached(STATICS))
+    kernels = "compiled" if compiled else "interpreted"
+    bare = run_model(
+        ensemble.without_random_errors(scene), model, ModelOptions(engine=kernels, estimate_beam_mesh_error=False)
     )
-    bare = run_model(without_random_errors(scene), model, ModelOptions(engine=kernels, estimate_beam_mesh_error=False))
-    nominal = contact_loads_of_all_balls(bare)
+    nominal = ensemble.contact_loads_of_all_balls(bare)
     if not bare.converged or not nominal.max(initial=0.0) > 0.0:
-        reason = (
-            f"{bare.status} (solved without its random errors)"
-            if not bare.converged
-            else "no contact carries load without the random errors"
-        )
-        what = "screw" if isinstance(scene, Scene) else "nuts or bearings"
-        advice = f"load or preload the {what}"
+        reason = "no contact carries load without the random errors"
+        if not bare.converged:
+            reason = f"{bare.status} (solved without its random errors)"
+        advice = f"load or preload the {'screw' if isinstance(scene, Scene) else 'nuts or bearings'}"
         allowed = "a scene that converges with loaded contacts when it is solved without its random errors"
         raise InputError(scene.name, "scene", reason, allowed, advice)
     bands, rows, failed = LoadDistributions(nominal, END * float(nominal.max()) / BINS), list[Array](), dict[int, str]()
-    done = 0
-    for first, block in _solve_blocks_of_random_draws(
-        (scene, model, kernels, nominal), count, engine or ComputingSettings(), show_progress
-    ):
+    done, what, engine = 0, (scene, model, kernels, nominal), engine or ComputingSettings()
+    for first, block in _solve_blocks_of_random_draws(what, count, engine, show_progress):
         bands.add_loads(block.loads)
         rows.append(block.outputs)
         for k, status in enumerate(block.statuses):
@@ -221,7 +205,8 @@ def solve_random_draws_of_scene(
                 failed[first + k] = status
         done += len(block.outputs)
         show_progress(f"[{done}/{count}] {len(failed)} failed")
-    return EnsembleSummary(scene, model, np.concatenate(rows), failed, bands, ball_slices(scene), perf_counter() - start)
+    balls = ensemble.ball_slices(scene)
+    return EnsembleSummary(scene, model, np.concatenate(rows), failed, bands, balls, perf_counter() - start)
 
 
 def _check_ensemble_request(scene: Scene | Assembly, model: str, count: int) -> None:
@@ -233,12 +218,9 @@ def _check_ensemble_request(scene: Scene | Assembly, model: str, count: int) -> 
     if single:
         model_by_name(model, excluded_names=("condensed",))
     if not 2 <= count <= MOST:
-        raise ArgumentError(
-            "members",
-            str(count),
-            f"2 to {MOST} random draws of the geometric errors",
-            "take a thousand: they give the quantiles of the contact loads to within some per cent",
-        )
+        allowed = f"2 to {MOST} random draws of the geometric errors"
+        advice = "take a thousand: they give the quantiles of the contact loads to within some per cent"
+        raise ArgumentError("members", str(count), allowed, advice)
     if not has_random_errors(scene):
         where, table = ("errors", "[errors.balls]") if single else ("sets[].errors", "[sets.errors.balls]")
         advice = f'give a sigma to balls, pitch, roundness or profile, e.g. sigma = "0.04 um" under {table}'
@@ -250,7 +232,7 @@ def _solve_blocks_of_random_draws(
     count: int,
     engine: ComputingSettings,
     show_progress: Callable[[str], None],
-) -> Iterator[tuple[int, RandomDrawBlock]]:
+) -> Iterator[tuple[int, ensemble.RandomDrawBlock]]:
     """Solve random draws of a scene's errors in blocks; yield for each block the number of its first draw, and its results.
 
     Blocks may be finished in any order but are yielded by increasing numbers. ``block_arguments``: scene, model, how
@@ -261,9 +243,9 @@ def _solve_blocks_of_random_draws(
     size = max(least, min(BLOCK, count // 16))  # depends on the count only, as the division into blocks affects round-off
     starts = range(0, count, size)
     jobs: list[parallel.Job] = [
-        (solve_block_of_random_draws, (*block_arguments, first, min(size, count - first))) for first in starts
+        (ensemble.solve_block_of_random_draws, (*block_arguments, first, min(size, count - first))) for first in starts
     ]
-    waiting: dict[int, RandomDrawBlock] = {}
+    waiting: dict[int, ensemble.RandomDrawBlock] = {}
     following = 0
     for place, block in run_jobs_in_fastest_way(jobs, engine, "members", show_progress):
         waiting[place] = block
@@ -287,7 +269,7 @@ def _binomial_quantile(probability: float, trials: int, chance: float) -> int:
 
 
 def output_statistics_with_intervals(values: Array) -> dict[str, Any] | None:
-    """Return statistics of an output over random draws: mean, deviation, extremes, quantiles, with statistical errors.
+    """Return mean, standard deviation, extremes and quantiles of an output over random draws, with their sampling errors.
 
     Parameters
     ----------
@@ -311,26 +293,6 @@ def output_statistics_with_intervals(values: Array) -> dict[str, Any] | None:
         ends = float(y[max(low - 1, 0)]), float(y[min(high, y.size - 1)])
         out["quantiles"].append({"level": level, "value": float(np.quantile(y, level)), "low": ends[0], "high": ends[1]})
     return out
-
-
-def run_ensemble(
-    described: Described,
-    model: str,
-    count: int,
-    seed: int | None,
-    workers: int | None,
-    show_progress: Callable[[str], None],
-) -> dict[str, Any]:
-    """Solve many random draws of a scene's errors for `rollbench.ensemble`, and return the JSON values.
-
-    ``described``: scene or duty cycle; ``count``: number of specimens; ``seed``: seed of the random errors, None for that
-    of the scene; ``workers``: number of processes; ``show_progress``: function that is called with each line of progress.
-    Raises InputError for inputs that `solve_random_draws_of_scene` refuses.
-    """
-    each, cases = solve_random_draws_of_load_cases(
-        described, described.name, model, count, seed, ComputingSettings(parallel_jobs=workers), show_progress
-    )
-    return ensemble_json(described, each, cases)
 
 
 def ensemble_json(scene: Described, summaries: Sequence[EnsembleSummary], load_case_names: Sequence[str]) -> dict[str, Any]:
@@ -364,32 +326,21 @@ def solve_random_draws_of_load_cases(
     if seed is not None and not 0 <= seed < 2**62:
         raise ArgumentError("seed", str(seed), f"0 to {2**62 - 1}", "leave `seed` out for the seed of the scene")
     cases = [case.name for case in described.cases] if isinstance(described, DutyCycle) else []
-    scenes = [scene if seed is None else with_error_seed(scene, seed) for scene in scenes_to_solve(described, name)]
+    scenes = [
+        scene if seed is None else ensemble.with_error_seed(scene, seed) for scene in scenes_to_solve(described, name)
+    ]
     each: list[EnsembleSummary] = []
-    with _csv_row_writer(
-        csv_out, [*(["case"] if cases else []), "member", "status", *output_names_of_draw(scenes[0])]
-    ) as write:
+    headings = [*(["case"] if cases else []), "member", "status", *ensemble.output_names_of_draw(scenes[0])]
+    with _csv_row_writer(csv_out, headings) as write:
         for scene, head in zip(scenes, [[case] for case in cases] or [[]], strict=True):
-            row = partial(_write_csv_row_of_draw, write, head)
-            each.append(
-                solve_random_draws_of_scene(scene, model or default_model_name(scene), count, engine, show_progress, row)
-            )
+
+            def write_row(number: int, status: str, outputs: Array, head: Sequence[str] = head) -> None:
+                """Write the CSV row of one specimen; ``outputs``: its outputs, of which nan becomes an empty cell."""
+                write([*head, number, status, *("" if np.isnan(v) else repr(float(v)) for v in outputs)])
+
+            one = model or default_model_name(scene)
+            each.append(solve_random_draws_of_scene(scene, one, count, engine, show_progress, write_row))
     return each, cases
-
-
-def _write_csv_row_of_draw(
-    write_csv_row: Callable[[list[Any]], None],
-    load_case_cells: Sequence[str],
-    draw_number: int,
-    status: str,
-    outputs: Array,
-) -> None:
-    """Write the CSV row of one random draw: name of the load case if there are several, number, status, outputs.
-
-    ``write_csv_row``: function that writes a row; ``load_case_cells``: list with the name of the load case, or empty;
-    ``draw_number``: number of the draw; ``outputs``: outputs of the draw, of which nan becomes an empty cell.
-    """
-    write_csv_row([*load_case_cells, draw_number, status, *("" if np.isnan(v) else repr(float(v)) for v in outputs)])
 
 
 @contextmanager
@@ -410,10 +361,8 @@ def _csv_row_writer(path: Path | None, names: Sequence[str]) -> Iterator[Callabl
             yield writer.writerow
         os.replace(unfinished, path)
     except OSError as error:
-        reason = error.strerror or str(error)
-        raise ArgumentError(
-            "csv", reason, "a file that can be written", "check the folder and its permissions", str(path)
-        ) from None
+        reason, advice = error.strerror or str(error), "check the folder and its permissions"
+        raise ArgumentError("csv", reason, "a file that can be written", advice, str(path)) from None
     finally:
         unfinished.unlink(missing_ok=True)
 
@@ -440,7 +389,7 @@ def ensemble_statistics_json(summary: EnsembleSummary) -> dict[str, Any]:
         ]
     else:
         seed, balls = scene.errors.seed, [x for one in rows for x in one]
-    names = WHOLE if isinstance(scene, Assembly) else KEPT
+    names = ensemble.WHOLE if isinstance(scene, Assembly) else ensemble.KEPT
     sums = {key: output_statistics_with_intervals(kept[:, k]) for k, key in enumerate(names)}
     head = {"scene": scene.name, "model": summary.model, "seed": seed, **counts, "statistics": sums}
     return {**head, "band_resolution_N": json_number(summary.load_distributions.width), "balls": balls}
@@ -448,36 +397,32 @@ def ensemble_statistics_json(summary: EnsembleSummary) -> dict[str, Any]:
 
 def _output_statistics_by_bearing(summary: EnsembleSummary, assembly: Assembly) -> list[dict[str, Any]]:
     """Return for each nut or bearing on a shaft the statistics of its outputs over many random draws, as JSON values."""
-    by_set = np.split(summary.outputs[:, len(WHOLE) :], len(assembly.sets), axis=1)
-    return [
-        {
-            "set": i + 1,
-            "name": s.name,
-            "statistics": {key: output_statistics_with_intervals(kept[:, k]) for k, key in enumerate(OF_SET)},
-        }
-        for i, (s, kept) in enumerate(zip(assembly.sets, by_set, strict=True))
-    ]
+    by_set, rows = np.split(summary.outputs[:, len(ensemble.WHOLE) :], len(assembly.sets), axis=1), []
+    for i, (s, kept) in enumerate(zip(assembly.sets, by_set, strict=True)):
+        sums = {key: output_statistics_with_intervals(kept[:, k]) for k, key in enumerate(ensemble.OF_SET)}
+        rows.append({"set": i + 1, "name": s.name, "statistics": sums})
+    return rows
 
 
-def _contact_load_rows_by_ball(load_distributions: LoadDistributions) -> list[list[dict[str, Any]]]:
+def _contact_load_rows_by_ball(loads: LoadDistributions) -> list[list[dict[str, Any]]]:
     """Return for every ball a list of JSON rows, one per loaded contact, with mean and quantiles of the contact load [N].
 
-    ``load_distributions``: distributions of the contact loads over many random draws of the geometric errors.
+    ``loads``: distributions of the contact loads over many random draws of the geometric errors.
     """
     found = {
-        "without_random_errors_N": load_distributions.nominal,
-        "mean_N": load_distributions.mean_loads,
-        "standard_deviation_N": load_distributions.standard_deviation,
-        "smallest_N": load_distributions.smallest_loads,
-        **{f"quantile_{level:g}_N": load_distributions.load_quantiles(level) for level in (0.05, 0.5, 0.95)},
-        "largest_N": load_distributions.largest,
-        "loaded_share": load_distributions.loaded_share,
+        "without_random_errors_N": loads.nominal,
+        "mean_N": loads.mean_loads,
+        "standard_deviation_N": loads.standard_deviation,
+        "smallest_N": loads.smallest_loads,
+        **{f"quantile_{level:g}_N": loads.load_quantiles(level) for level in (0.05, 0.5, 0.95)},
+        "largest_N": loads.largest,
+        "loaded_share": loads.loaded_share,
     }
     return [
         [
             {"index": i + 1, "side": side, **{key: json_number(values[i, s]) for key, values in found.items()}}
             for s, side in enumerate(SIDES)
-            if load_distributions.largest[i, s] > 0.0
+            if loads.largest[i, s] > 0.0
         ]
-        for i in range(load_distributions.nominal.shape[0])
+        for i in range(len(loads.nominal))
     ]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,10 +11,10 @@ from rollbench.compare.scenes.friction_kinds.bearings import BearingBallScene, L
 from rollbench.compare.scenes.friction_kinds.common import FrictionScene
 from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene
 from rollbench.hifi.rolling import scenes as rolling_scenes
-from rollbench.hifi.rolling.balls import RollingSettings, copy_without_ball_to_ball_contacts
+from rollbench.hifi.rolling.balls import RollingSettings
 from rollbench.hifi.rolling.kinematics import RollingBalls
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.parts import SIDE_SIGNS
+from rollbench.meshes.parts import SIDE_SIGNS, SIDES
 
 #: Largest number of balls that the 3D model of rolling takes.
 MOST = 4
@@ -73,9 +73,8 @@ def prepare_rolling_case(scene: FrictionScene, choices: RollingSettings) -> Roll
     if isinstance(scene, BearingBallScene):
         return _bearing_ball_as_rolling_case(scene)
     reason = f"the 3D model of rolling takes one to {MOST} balls under given loads, not a scene of the kind {scene.kind}"
-    raise SceneNotCoveredError(
-        scene.name, "kind", reason, "take one of the kind linear pair, linear chain, screw pair or bearing ball"
-    )
+    advice = "take one of the kind linear pair, linear chain, screw pair or bearing ball"
+    raise SceneNotCoveredError(scene.name, "kind", reason, advice)
 
 
 def _refuse_scene(scene: FrictionScene, key: str, reason: str, advice: str) -> None:
@@ -101,9 +100,8 @@ def _linear_bearing_as_rolling_case(scene: LinearBearingScene) -> RollingCase:
     """
     b, count = scene.bearing, len(scene.side)
     if count > MOST:
-        _refuse_scene(
-            scene, "chain", f"{count} balls are more than the {MOST} of the 3D model of rolling", "take fewer balls"
-        )
+        reason = f"{count} balls are more than the {MOST} of the 3D model of rolling"
+        _refuse_scene(scene, "chain", reason, "take fewer balls")
     if b.speed == 0.0:
         _refuse_scene(scene, "motion.carriage", "balls at rest do not roll", "let the carriage move")
     layout = rolling_scenes.place_balls_on_straight_track(
@@ -111,18 +109,15 @@ def _linear_bearing_as_rolling_case(scene: LinearBearingScene) -> RollingCase:
     )
     material = rolling_scenes.RollingMaterial(b.young, b.poisson, b.mu, b.mu_balls)
     normals = _contact_directions(scene.angles, LINEAR)
+    each = [(n, float(ratio)) for n, ratio in zip(normals, scene.side, strict=True)]
     if scene.distribution == "elastic":
-        found = [
-            _loads_with_elastic_angles(scene, layout, material, n, float(r))
-            for n, r in zip(normals, scene.side, strict=True)
-        ]
-        normals, loads = np.array([f[0] for f in found]), np.array([f[1] for f in found])
+        found = [_loads_with_elastic_angles(scene, layout, material, *of_ball) for of_ball in each]
+        normals, loads = (np.array(x) for x in zip(*found, strict=True))
     else:
-        loads = np.array([_loads_at_given_angles(scene, n, float(r)) for n, r in zip(normals, scene.side, strict=True)])
+        loads = np.array([_loads_at_given_angles(scene, *of_ball) for of_ball in each])
     whole = rolling_scenes.create_rolling_balls(layout, material, normals, loads)
-    return RollingCase(
-        scene.name, scene.kind, copy_without_ball_to_ball_contacts(whole), whole, b.speed, ("BL", "BR", "TR", "TL"), False
-    )
+    apart = replace(whole, ball_to_ball_contacts=())
+    return RollingCase(scene.name, scene.kind, apart, whole, b.speed, ("BL", "BR", "TR", "TL"), False)
 
 
 def _loads_at_given_angles(scene: LinearBearingScene, normals: Array, rho: float) -> Array:
@@ -154,18 +149,12 @@ def _loads_with_elastic_angles(
     C = rolling_scenes.hertz_constants(layout, material)
     pull = scene.vertical * np.array([rho, -1.0])
     reach = layout.groove_radius - layout.ball_radius
-    none = np.zeros((1, 2))
-    cell = rolling_scenes.StaticProblem(
-        normals[None], reach, np.zeros((1, 4)), C[None], MOVING, np.eye(2)[None], none, pull, none
-    )
-    found = rolling_scenes.solve_static_problem(cell)
+    none, tight = np.zeros((1, 2)), np.zeros((1, 4))
+    problem = rolling_scenes.StaticProblem(normals[None], reach, tight, C[None], MOVING, np.eye(2)[None], none, pull, none)
+    found = rolling_scenes.solve_static_problem(problem)
     if not found.converged:
-        _refuse_scene(
-            scene,
-            "load",
-            "contact loads do not balance",
-            'change the forces on the balls, or take distribution = "balanced"',
-        )
+        advice = 'change the forces on the balls, or take distribution = "balanced"'
+        _refuse_scene(scene, "load", "contact loads do not balance", advice)
     return found.normal[0], found.force[0]
 
 
@@ -177,12 +166,8 @@ def _screw_balls_as_rolling_case(scene: ScrewPairScene, choices: RollingSettings
     """
     pair, g = scene.pair, scene.pair.groove
     if g.hertz != "right":
-        _refuse_scene(
-            scene,
-            "ingredients.hertz",
-            "the 3D model of rolling cannot use the Hertz constants printed in Lin's thesis",
-            'take hertz = "nominal"',
-        )
+        reason = "the 3D model of rolling cannot use the Hertz constants printed in Lin's thesis"
+        _refuse_scene(scene, "ingredients.hertz", reason, 'take hertz = "nominal"')
     if pair.coupling == "ball and screw":
         reason = "friction does not move the screw in the 3D model of rolling"
         _refuse_scene(scene, "friction.coupling", reason, 'take coupling = "none" or "ball"')
@@ -191,54 +176,40 @@ def _screw_balls_as_rolling_case(scene: ScrewPairScene, choices: RollingSettings
     signs = np.array(SIDE_SIGNS, dtype=float)
     outward = signs[:, 0]
     groove_speeds = np.where(outward < 0.0, g.screw_speed, g.nut_speed)
-    layout = rolling_scenes.place_balls_along_helix(
-        g.ball_radius, g.groove_radius, g.pitch_radius, g.lead, g.contact_angle, outward, groove_speeds, len(pair.theta)
-    )
+    radii, count = (g.ball_radius, g.groove_radius, g.pitch_radius), len(pair.theta)
+    layout = rolling_scenes.place_balls_along_helix(*radii, g.lead, g.contact_angle, outward, groove_speeds, count)
     material = rolling_scenes.RollingMaterial(g.young, g.poisson, g.mu, g.mu if g.mu_balls is None else g.mu_balls)
     angles = g.contact_angle + np.array(pair.theta)[:, None] * np.array(pair.pattern)
     normals = signs * np.stack([np.cos(angles), np.sin(angles)], axis=-1)
-    fixed = {"x": np.eye(3)[0], "y": np.eye(3)[1], "z": np.eye(3)[2]}
-    rows = np.stack(
-        [
-            np.stack(
-                [np.array([1.0, 0.0]) if k == "r" else layout.section_directions @ (f @ fixed[k]) for k in pair.free],
-                axis=1,
-            )
-            for f in layout.ball_axes
-        ]
-    )
-    count = len(layout.ball_axes)
-    cell = rolling_scenes.StaticProblem(
-        normals,
-        layout.groove_radius - layout.ball_radius,
-        np.full((count, 4), pair.oversize),
-        np.tile(rolling_scenes.hertz_constants(layout, material), (count, 1)),
-        outward < 0.0,
-        rows,
-        np.zeros((count, 2)),
-        np.array(pair.force),
-        np.zeros((count, 2)),
+    fixed = dict(zip("xyz", np.eye(3), strict=True))
+    motions = np.empty((count, 2, len(pair.free)))
+    for i, axes in enumerate(layout.ball_axes):
+        for k, name in enumerate(pair.free):
+            motions[i, :, k] = [1.0, 0.0] if name == "r" else layout.section_directions @ (axes @ fixed[name])
+    problem = rolling_scenes.StaticProblem(
+        unloaded_normals=normals,
+        radius_difference=layout.groove_radius - layout.ball_radius,
+        interference=np.full((count, 4), pair.oversize),
+        hertz_constants=np.tile(rolling_scenes.hertz_constants(layout, material), (count, 1)),
+        on_inner_body=outward < 0.0,
+        inner_body_motions=motions,
+        inner_body_displacement=np.zeros((count, 2)),
+        forces_on_inner_body=np.array(pair.force),
+        forces_on_balls=np.zeros((count, 2)),
     )
     coupled = pair.coupling == "ball"
     scenes = []
     for meet in (False, True):
         if coupled:
-            loads, good = rolling_scenes.solve_loads_with_rolling(layout, material, cell, choices, balls_may_touch=meet)
+            loads, good = rolling_scenes.solve_loads_with_rolling(layout, material, problem, choices, balls_may_touch=meet)
         else:
-            loads = rolling_scenes.solve_static_problem(cell)
+            loads = rolling_scenes.solve_static_problem(problem)
             good = loads.converged
         if not good:
             _refuse_scene(scene, "load", "no 3D contact loads balance friction", 'take coupling = "none"')
         scenes.append(rolling_scenes.create_rolling_balls(layout, material, loads.normal, loads.force))
-    return RollingCase(
-        scene.name,
-        scene.kind,
-        copy_without_ball_to_ball_contacts(scenes[0]),
-        scenes[1],
-        g.speed,
-        ("SL", "SR", "NL", "NR"),
-        coupled,
-    )
+    apart = replace(scenes[0], ball_to_ball_contacts=())
+    return RollingCase(scene.name, scene.kind, apart, scenes[1], g.speed, SIDES, coupled)
 
 
 def _bearing_ball_as_rolling_case(scene: BearingBallScene) -> RollingCase:
@@ -249,32 +220,27 @@ def _bearing_ball_as_rolling_case(scene: BearingBallScene) -> RollingCase:
     """
     b = scene.bearing
     if scene.law != "coulomb" or b.hertz != "right":
-        _refuse_scene(
-            scene,
-            "friction.law",
-            "the 3D model of rolling has Coulomb's law and exact geometry only",
-            'take law = "coulomb"',
-        )
+        reason = "the 3D model of rolling has Coulomb's law and exact geometry only"
+        _refuse_scene(scene, "friction.law", reason, 'take law = "coulomb"')
     if b.screw_speed == 0.0:
         _refuse_scene(scene, "motion.speed", "a ball at rest does not roll", "let the ring turn")
     outward = RING[:, 1]
     speeds = np.where(outward < 0.0, b.screw_speed, 0.0)
-    layout = rolling_scenes.place_ball_in_ring(
-        b.ball_radius, b.groove_radius, b.pitch_radius, b.contact_angle, outward, speeds
-    )
+    radii = b.ball_radius, b.groove_radius, b.pitch_radius
+    layout = rolling_scenes.place_ball_in_ring(*radii, b.contact_angle, outward, speeds)
     material = rolling_scenes.RollingMaterial(b.young, b.poisson, b.mu, b.mu)
-    cell = rolling_scenes.StaticProblem(
-        _contact_directions(np.full(4, b.contact_angle), RING)[None],
-        b.groove_radius - b.ball_radius,
-        np.full((1, 4), -b.clearance),
-        rolling_scenes.hertz_constants(layout, material)[None],
-        outward < 0.0,
-        np.array([[[1.0], [0.0]]]),
-        np.array([[0.0, scene.displacement]]),
-        np.array([scene.force]),
-        np.zeros((1, 2)),
+    problem = rolling_scenes.StaticProblem(
+        unloaded_normals=_contact_directions(np.full(4, b.contact_angle), RING)[None],
+        radius_difference=b.groove_radius - b.ball_radius,
+        interference=np.full((1, 4), -b.clearance),
+        hertz_constants=rolling_scenes.hertz_constants(layout, material)[None],
+        on_inner_body=outward < 0.0,
+        inner_body_motions=np.array([[[1.0], [0.0]]]),
+        inner_body_displacement=np.array([[0.0, scene.displacement]]),
+        forces_on_inner_body=np.array([scene.force]),
+        forces_on_balls=np.zeros((1, 2)),
     )
-    loads = rolling_scenes.solve_static_problem(cell)
+    loads = rolling_scenes.solve_static_problem(problem)
     if not loads.converged:
         _refuse_scene(scene, "load", "contact loads do not balance", "take a load that presses the ball")
     whole = rolling_scenes.create_rolling_balls(layout, material, loads.normal, loads.force)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -42,16 +42,14 @@ from rollbench.lowfi.friction.screw.run import solve_pair_of_screw_balls
 def solve_low_order(scene: FrictionScene) -> tuple[dict[str, float], float, str]:
     """Solve a friction scene of rolling balls by the low-order model; return values by name, run time [s] and status.
 
-    The values are forces, speeds and losses by names that end in the unit, such as "force 1-2 N". The run time [s] is that
-    of a second solution, when code and caches are loaded.
+    The values are forces, speeds and losses by names that end in the unit, such as "force 1-2 N". The scene is solved
+    twice; the run time is that of the second solution, for which code is compiled and caches are filled by the first.
     """
-    kinds: dict[type[FrictionScene], Callable[[Any], tuple[dict[str, float], str]]]
-    kinds = {
-        LinearBearingScene: _linear_bearing_values,
-        ScrewPairScene: _screw_pair_values,
-        BearingBallScene: _bearing_ball_values,
-    }
-    solver = next(solver for kind, solver in kinds.items() if isinstance(scene, kind))
+    solver: Callable[[Any], tuple[dict[str, float], str]] = _bearing_ball_values
+    if isinstance(scene, LinearBearingScene):
+        solver = _linear_bearing_values
+    elif isinstance(scene, ScrewPairScene):
+        solver = _screw_pair_values
     solver(scene)
     begin = perf_counter()
     values, status = solver(scene)
@@ -64,10 +62,8 @@ def _linear_bearing_values(scene: LinearBearingScene) -> tuple[dict[str, float],
     The values are in a dictionary by names that end in the unit, such as "force 1-2 N".
     """
     angles, force, _ = linear_bearing_loads(scene)
-    apart, near = (
-        solve_linear_chain(prepare_linear_chain(scene.bearing, angles, force, t), fast=False)
-        for t in (False, scene.gap <= 0.0)
-    )
+    chains = (prepare_linear_chain(scene.bearing, angles, force, touch) for touch in (False, scene.gap <= 0.0))
+    apart, near = (solve_linear_chain(chain, fast=False) for chain in chains)
     out = {f"force {k + 1}-{k + 2} N": float(f) for k, f in enumerate(near.ball_force)}
     out |= {f"deviation {k + 1} apart %": 100.0 * float(v) for k, v in enumerate(apart.velocity_deviation)}
     out |= {"loss apart mW": 1e3 * apart.loss, "loss touching mW": 1e3 * near.loss}
@@ -99,9 +95,8 @@ def _bearing_ball_values(scene: BearingBallScene) -> tuple[dict[str, float], str
     q, loss = found.motion.unknown_velocities, found.motion.friction.loss
     out = {"orbit rad/s": float(q[0]), "omega x rad/s": float(q[1]), "omega y rad/s": float(q[2])}
     out |= {f"loss {n} mW": 1e3 * float(v) for n, v, f in zip(SIDES, loss, found.load.force, strict=True) if f > 0.0}
-    return out | {
-        "torque N mm": 1e3 * found.inner_ring_torque
-    }, "converged" if found.motion.status != "failed" else "failed"
+    out["torque N mm"] = 1e3 * found.inner_ring_torque
+    return out, "failed" if found.motion.status == "failed" else "converged"
 
 
 #: Safety factor on the differences between grids, as in grid convergence indices for three grids.
@@ -253,26 +248,25 @@ def compare_scene_with_rolling_runs(
         share = float(error_percent(value + total_uncertainty, value))
         if max(abs(value), abs(low.get(name, value))) < ROUND_OFF:  # both are round-off
             error, share = 0.0, np.nan
-        flat = value + finest.flat[name] - finest.elastic[name]
         out.append(
             RollingComparisonRow(
-                scene.name,
-                quantity,
-                unit,
-                low.get(name),
-                value,
-                total_uncertainty,
-                printed,
-                ansys,
-                flat,
-                finest.limit[name],
-                error if np.isfinite(error) else None,
-                share if np.isfinite(share) else None,
-                low_seconds,
-                finest.seconds,
-                None if half_space is None else half_space.values[name],
-                interpretation_of_contact_loads(scene.name),
-                str(finest.measured),
+                scene=scene.name,
+                quantity=quantity,
+                unit=unit,
+                low=low.get(name),
+                reference=value,
+                uncertainty=total_uncertainty,
+                printed=printed,
+                printed_ansys=ansys,
+                flat=value + finest.flat[name] - finest.elastic[name],
+                rigid=finest.limit[name],
+                error_percent=error if np.isfinite(error) else None,
+                uncertainty_percent=share if np.isfinite(share) else None,
+                low_seconds=low_seconds,
+                seconds=finest.seconds,
+                half_space=None if half_space is None else half_space.values[name],
+                load_state=interpretation_of_contact_loads(scene.name),
+                measured_with=str(finest.measured),
             )
         )
     return out
@@ -325,9 +319,8 @@ def checks_of_rolling_balls(cache: SceneResultCache, max_error: float) -> list[G
             cause = KNOWN.get((name, row.quantity), "")
             passed = low_order_error_is_within_limit(row) != bool(cause)
             state = f", {row.load_state} load state" if row.load_state else ""
-            label = f"{name}: {row.quantity} [{row.unit}] against 3D rolling{state}" + (
-                f" (known: {cause})" if cause else ""
-            )
+            known = f" (known: {cause})" if cause else ""
+            label = f"{name}: {row.quantity} [{row.unit}] against 3D rolling{state}{known}"
             text = f"uncertainty of the 3D model {row.uncertainty:.2g} {row.unit}"
             out.append(GateCheck(label, "3D rolling", row.low, row.reference, row.error_percent, limit, passed, text))
     return out
@@ -379,8 +372,8 @@ def runs_from_rest() -> tuple[RunFromRest, ...]:
 # --- change of ball-to-ball forces with numerical choices, compared with their stated uncertainty
 
 
-#: A grid (cells along and across the groove) finer than those from which the uncertainty follows. Other sequences of creep
-#: speeds, divided by the largest sliding speed, with which friction is regularised.
+#: A grid (cells along and across the groove) finer than those from which the uncertainty follows. Other sequences of slip
+#: speeds, over the largest slip, by which Coulomb's law is smoothed (`hifi.rolling.friction`).
 BEYOND = (30, 44)
 
 PATHS = {"by threes": tuple(3.0**-k for k in range(14)), "two steps": (PATH[0], PATH[-1])}
@@ -444,12 +437,9 @@ def _force_changes_in_scene(
     near, elastic = (_solve_ball_to_ball_force(case, RollingSettings(BEYOND, share)) for share in (NEARLY_RIGID, 1.0))
     grid = _largest_error_percent([run.limit[key] + elastic - near], run.values[key])
     yield ChoiceEffect(name, "grid", f"{BEYOND[0]} x {BEYOND[1]} cells beyond {run.shape[0]} x {run.shape[1]}", grid, half)
-    values = [
-        v.values[key]
-        for v in sizes
-        if rolling_runs.scenes_and_sizes_of_body_variants()[v.choice][0] == name
-        and rolling_runs.scenes_and_sizes_of_body_variants()[v.choice][1] is not None
-    ]
+    variants = rolling_runs.scenes_and_sizes_of_body_variants()
+    finite_ones = [choice for choice, (scene_name, used) in variants.items() if scene_name == name and used is not None]
+    values = [v.values[key] for v in sizes if v.choice in finite_ones]
     if values and finite is not None:
         tried = f"{len(values) - 1} other sizes, cells, kernels, patches"
         yield ChoiceEffect(name, "finite bodies", tried, _largest_error_percent(values[1:], values[0]), finite)
@@ -457,18 +447,16 @@ def _force_changes_in_scene(
         tried = f"{', '.join(str(s.steps) for s in series)} steps from rest"
         ends = [s.force[-1] / s.steady_force if s.status == "converged" else np.nan for s in series]
         yield ChoiceEffect(name, "time step", tried, _largest_error_percent(ends, 1.0), half)
-    first, *others = (
-        _solve_ball_to_ball_force(case, RollingSettings(rolling_runs.SHAPE), path) for path in (PATH, *PATHS.values())
-    )
+    settings = RollingSettings(rolling_runs.SHAPE)
+    first, *others = (_solve_ball_to_ball_force(case, settings, path) for path in (PATH, *PATHS.values()))
     yield ChoiceEffect(name, "path of regularisation", ", ".join(PATHS), _largest_error_percent(others, first), half)
 
 
 def _solve_ball_to_ball_force(scene: RollingBalls, choices: RollingSettings, path: tuple[float, ...] = PATH) -> float:
     """Solve a system of rolling balls in 3D; return the force between the first two balls [N].
 
-    ``scene``: the system; ``choices``: grid and bodies; ``path``: successive creep speeds (sliding speeds below which
-    the regularised friction law is nearly linear) over the largest sliding speed, in the order in which the solver
-    takes them. Nan if the solver does not converge.
+    ``scene``: the system; ``choices``: grid and bodies; ``path``: slip speeds by which Coulomb's law is smoothed one after
+    the other, over the largest slip. Not a number if the solver does not converge.
     """
     found = solve_rolling(scene, choices, smoothing_ratios=path)
     return float(found.ball_to_ball_forces[0]) if found.converged else np.nan
@@ -485,10 +473,8 @@ def _force_uncertainty_percent(name: str, stores: Sequence[Path], *bodies: str) 
     ``name``: name of the scene; ``stores``: folders with solutions; ``bodies``: bodies of the 3D model, as in
     `compare_scene_with_stored_runs`.
     """
-    return next(
-        (row.uncertainty_percent for row in compare_scene_with_stored_runs(name, stores, *bodies) if row.quantity == FORCE),
-        None,
-    )
+    rows = compare_scene_with_stored_runs(name, stores, *bodies)
+    return next((row.uncertainty_percent for row in rows if row.quantity == FORCE), None)
 
 
 def rolling_comparison(
@@ -510,12 +496,9 @@ def rolling_comparison(
     wanted = rolling_runs.check_rolling_levels(levels or tuple(rolling_runs.LEVELS))
     out: list[RollingComparisonRow] = []
     for scene in scenes:
-        found = rolling_runs.find_or_compute_rolling_runs(scene, wanted, store, engine, fresh=fresh, bodies=bodies)
-        half_space = (
-            None
-            if bodies == HALF_SPACE
-            else rolling_runs.find_or_compute_rolling_runs(scene, wanted[-1:], store, ComputingSettings(), fresh=False)[0]
-        )
+        find = partial(rolling_runs.find_or_compute_rolling_runs, scene)
+        found = find(wanted, store, engine, fresh=fresh, bodies=bodies)
+        half_space = None if bodies == HALF_SPACE else find(wanted[-1:], store, ComputingSettings(), fresh=False)[0]
         out += compare_scene_with_rolling_runs(scene, found, half_space)
     return out
 
@@ -540,18 +523,12 @@ def rolling_mesh_study(
     """
     levels = len(rolling_runs.LEVELS) if levels is None else levels
     if not 1 <= levels <= len(rolling_runs.LEVELS):
-        raise ArgumentError(
-            "levels",
-            str(levels),
-            f"1 to {len(rolling_runs.LEVELS)}",
-            "take three levels, which show how results scatter between grids",
-        )
+        advice = "take three levels, which show how results scatter between grids"
+        raise ArgumentError("levels", str(levels), f"1 to {len(rolling_runs.LEVELS)}", advice)
     out: list[dict[str, Any]] = []
     for scene in scenes:
-        wanted = [
-            *([rolling_runs.SOURCE_LEVEL] if source and scene.kind in rolling_runs.SOURCE_SIZE else []),
-            *range(1, levels + 1),
-        ]
+        coarse = [rolling_runs.SOURCE_LEVEL] if source and scene.kind in rolling_runs.SOURCE_SIZE else []
+        wanted = [*coarse, *range(1, levels + 1)]
         found = rolling_runs.find_or_compute_rolling_runs(scene, wanted, store, engine, fresh=fresh, bodies=bodies)
         grids = [run for run in found if run.level != rolling_runs.SOURCE_LEVEL]
         for key in found[-1].values:

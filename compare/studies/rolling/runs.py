@@ -19,8 +19,6 @@ from functools import lru_cache
 from pathlib import Path
 from time import process_time
 
-import numpy as np
-
 from rollbench.compare.errors import ArgumentError, SceneNotCoveredError
 from rollbench.compare.files import replace_file
 from rollbench.compare.measure import error_percent
@@ -33,9 +31,8 @@ from rollbench.compare.scenes.catalogue import shipped_scene_of_kind as shipped_
 from rollbench.compare.scenes.friction_kinds.common import FrictionScene
 from rollbench.compare.studies.rolling.cases import RollingCase, prepare_rolling_case
 from rollbench.hifi.rolling import balls
-from rollbench.hifi.rolling.balls import FIRST, NEARLY_RIGID, RollingSettings, solve_rigid_rolling, solve_rolling
+from rollbench.hifi.rolling.balls import NEARLY_RIGID, RigidRollingResult, RollingResult, RollingSettings
 from rollbench.hifi.rolling.bodies import Sizes
-from rollbench.hifi.rolling.kinematics import RollingBalls
 from rollbench.hifi.rolling.patch import MARGIN
 from rollbench.meshes.record_keys import digest_of_values
 
@@ -149,10 +146,8 @@ def load_rolling_run(
     """
     key = rolling_run_key(scene, level, bodies)
     for store in stores:
-        for path in (
-            rolling_run_path(store, scene, level, bodies),
-            *sorted(store.glob(f"rolling-*-level{level}-{key}.json")),
-        ):
+        renamed = sorted(store.glob(f"rolling-*-level{level}-{key}.json"))
+        for path in (rolling_run_path(store, scene, level, bodies), *renamed):
             try:
                 stored = json.loads(path.read_text(encoding="utf-8"))
                 return RollingRun(**(stored | {"shape": tuple(stored["shape"])}))
@@ -225,41 +220,41 @@ def _solve_on_grid(scene: FrictionScene, level: int, bodies: str, processes: int
     arguments are those of `compute_run`.
     """
     begin, sizes = process_time(), BODIES[bodies]
-    case = prepare_rolling_case(scene, balls.RollingSettings(LEVELS.get(level, LEVELS[1])))
+    case = prepare_rolling_case(scene, RollingSettings(LEVELS.get(level, LEVELS[1])))
     shape = grid_shape(case, level)
-    elsewhere = balls.cache_kernels_of_scenes((case.apart, case.touching), sizes, processes)
+    systems = (case.apart, case.touching)
+    elsewhere = balls.cache_kernels_of_scenes(systems, sizes, processes)
+    variants = (("elastic", 1.0, True), ("near", NEARLY_RIGID, True), ("flat", 1.0, False))
     pairs = {
-        name: _solve_balls_apart_and_touching(case, balls.RollingSettings(shape, share, curved, sizes))
-        for name, share, curved in (("elastic", 1.0, True), ("near", balls.NEARLY_RIGID, True), ("flat", 1.0, False))
+        name: _solve_balls_apart_and_touching(case, RollingSettings(shape, share, curved, sizes))
+        for name, share, curved in variants
     }
-    limits = [[balls.solve_rigid_rolling(s, n, bodies=sizes) for s in (case.apart, case.touching)] for n in QUADRATURES]
+    limits = [[balls.solve_rigid_rolling(s, n, bodies=sizes) for s in systems] for n in QUADRATURES]
     measured = {name: forces_speeds_and_losses_by_name(case, *pair) for name, pair in pairs.items()}
     fine, other = (forces_speeds_and_losses_by_name(case, *pair) for pair in limits)
     apart, touching = pairs["elastic"]
     states = [r.status for pair in pairs.values() for r in pair if not r.converged]
     return RollingRun(
-        scene.name,
-        level,
-        shape,
-        measured["elastic"],
-        measured["near"],
-        {k: 0.5 * (fine[k] + other[k]) for k in fine},
-        {k: abs(fine[k] - other[k]) for k in fine},
-        measured["flat"],
-        states[0] if states else "converged",
-        max(r.numerical_dissipation / r.driving_power for r in (apart, touching)),
-        max(r.residual for pair in pairs.values() for r in pair),
-        elsewhere + apart.cpu_seconds + touching.cpu_seconds,
-        elsewhere + process_time() - begin,
-        int(sum(int(c.sticks.sum()) for c in touching.contacts)),
-        bodies,
+        scene=scene.name,
+        level=level,
+        shape=shape,
+        elastic=measured["elastic"],
+        near_rigid=measured["near"],
+        limit={k: 0.5 * (fine[k] + other[k]) for k in fine},
+        limit_spread={k: abs(fine[k] - other[k]) for k in fine},
+        flat=measured["flat"],
+        status=states[0] if states else "converged",
+        upwind=max(r.numerical_dissipation / r.driving_power for r in (apart, touching)),
+        residual=max(r.residual for pair in pairs.values() for r in pair),
+        seconds=elsewhere + apart.cpu_seconds + touching.cpu_seconds,
+        all_seconds=elsewhere + process_time() - begin,
+        sticking=int(sum(int(c.sticks.sum()) for c in touching.contacts)),
+        bodies=bodies,
         **asdict(measuring_conditions()),
     )
 
 
-def _solve_balls_apart_and_touching(
-    case: RollingCase, choices: balls.RollingSettings
-) -> tuple[balls.RollingResult, balls.RollingResult]:
+def _solve_balls_apart_and_touching(case: RollingCase, choices: RollingSettings) -> tuple[RollingResult, RollingResult]:
     """Return the 3D solution with balls far apart, then the 3D solution with balls that touch.
 
     ``case``: both systems of balls; if the systems are the same, they are solved only once. ``choices``: grid of the
@@ -270,14 +265,14 @@ def _solve_balls_apart_and_touching(
 
 
 def forces_speeds_and_losses_by_name(
-    case: RollingCase,
-    apart: balls.RollingResult | balls.RigidRollingResult,
-    touching: balls.RollingResult | balls.RigidRollingResult,
+    case: RollingCase, apart: RollingResult | RigidRollingResult, touching: RollingResult | RigidRollingResult
 ) -> dict[str, float]:
     """Return forces, speeds, losses and torque of a 3D solution by names that end with the unit, such as "force 1-2 N".
 
     ``case``: scene in the form that the 3D model needs; ``apart`` and ``touching``: its solutions with balls far apart,
-    and with balls that touch.
+    and with balls that touch. "deviation 1 apart %" is the deviation of the speed of ball 1 from half the speed of the
+    carriage, "orbit" is an angular speed along the track, "drive" the force that moves the carriage, and "increase" that
+    of the friction loss if balls touch.
     """
     out: dict[str, float] = {}
     linear = case.kind.startswith("linear")
@@ -290,26 +285,15 @@ def forces_speeds_and_losses_by_name(
             out[f"orbit {k + 1} apart rad/s" if len(apart.track_speeds) > 1 else "orbit rad/s"] = float(speed)
     if case.apart is case.touching:
         out |= {f"omega {axis} rad/s": float(w) for axis, w in zip("xy", apart.rotations[0][:2], strict=True)}
-        names = [case.contact_names[t] for t in _loaded_contacts_of_first_ball(case.apart)]
-        out |= {f"loss {n} mW": 1e3 * float(v) for n, v in zip(names, _contact_losses(apart), strict=True)}
+        named = zip(case.contact_names, case.apart.balls[0].groove_contacts, strict=True)
+        names = [name for name, contact in named if contact.contact_force > 0.0]
+        out |= {f"loss {n} mW": 1e3 * float(v) for n, v in zip(names, apart.groove_losses, strict=True)}
         return out | {"torque N mm": 1e3 * float(apart.friction_loss) / abs(case.speed)}
     out["loss apart mW"], out["loss touching mW"] = 1e3 * float(apart.friction_loss), 1e3 * float(touching.friction_loss)
     if linear:
         out["drive apart N"], out["drive touching N"] = (r.friction_loss / abs(case.speed) for r in (apart, touching))
     out["increase %"] = 100.0 * (float(touching.friction_loss / apart.friction_loss) - 1.0)
     return out
-
-
-def _loaded_contacts_of_first_ball(scene: RollingBalls) -> list[int]:
-    """Return the indices of the loaded contacts of the first ball in a system of rolling balls."""
-    return [k for k, t in enumerate(scene.balls[0].groove_contacts) if t.contact_force > 0.0]
-
-
-def _contact_losses(result: balls.RollingResult | balls.RigidRollingResult) -> list[float]:
-    """Return the friction loss [W] at each contact of a solution, elastic or rigid."""
-    if isinstance(result, balls.RollingResult):
-        return [c.friction_loss for c in result.contacts]
-    return [float(v) for v in np.asarray(result.groove_losses)]
 
 
 #: Scenes for choices of finite bodies: two balls of a linear bearing on bars, two of a screw on patches of the static 3D
@@ -365,13 +349,13 @@ def compute_body_variant(choice: str) -> BodyChoiceResult:
     scene = shipped_case(name, FrictionScene)
     case = prepare_rolling_case(scene, RollingSettings(SHAPE))
     systems = (case.apart, case.touching)
-    elastic, near = (
-        forces_speeds_and_losses_by_name(
-            case, *(solve_rolling(s, RollingSettings(SHAPE, e, finite_bodies=sizes)) for s in systems)
-        )
-        for e in (1.0, NEARLY_RIGID)
-    )
-    limit = forces_speeds_and_losses_by_name(case, *(solve_rigid_rolling(s, FIRST * 2, bodies=sizes) for s in systems))
+    values = []
+    for share in (1.0, NEARLY_RIGID):
+        choices = RollingSettings(SHAPE, share, finite_bodies=sizes)
+        values.append(forces_speeds_and_losses_by_name(case, *(balls.solve_rolling(s, choices) for s in systems)))
+    elastic, near = values
+    rigid = (balls.solve_rigid_rolling(s, 2 * balls.FIRST, bodies=sizes) for s in systems)
+    limit = forces_speeds_and_losses_by_name(case, *rigid)
     return BodyChoiceResult(choice, {k: limit[k] + elastic[k] - near[k] for k in NAMES})
 
 
@@ -403,10 +387,8 @@ class StoredBodyChoiceResults:
 
 def body_variants_key() -> str:
     """Return a digest of all inputs, except names and remarks, that affect the stored results for finite bodies."""
-    return digest_of_values(
-        *(rolling_run_key(shipped_case(name, FrictionScene), 1, FINITE) for name in SCENES),
-        scenes_and_sizes_of_body_variants(),
-    )
+    keys = (rolling_run_key(shipped_case(name, FrictionScene), 1, FINITE) for name in SCENES)
+    return digest_of_values(*keys, scenes_and_sizes_of_body_variants())
 
 
 def find_body_variants(stores: Sequence[Path], *, fresh: bool) -> StoredBodyChoiceResults:
@@ -434,12 +416,9 @@ def largest_change_by_body_choice(straight: bool) -> float:
     """
     found = json.loads((shipped_store() / FILE).read_text(encoding="utf-8"))["variants"]
     values = {row["choice"]: row["values"] for row in found}
-    choices = [
-        choice
-        for choice, (name, sizes) in scenes_and_sizes_of_body_variants().items()
-        if (name == LINEAR) == straight and sizes is not None
-    ]
-    first, others = values[choices[0]], [values[choice] for choice in choices[1:]]
+    variants = scenes_and_sizes_of_body_variants().items()
+    choices = [x for x, (name, sizes) in variants if (name == LINEAR) == straight and sizes is not None]
+    first, *others = (values[choice] for choice in choices)
     return float(max(abs(other[name] / first[name] - 1.0) for other in others for name in NAMES[:3]))
 
 
@@ -476,14 +455,12 @@ def find_or_compute_rolling_runs(
     found = {} if fresh else {k: run for k in levels if (run := load_rolling_run(scene, k, stores, bodies)) is not None}
     missing = [k for k in levels if k not in found]
     jobs = [(compute_run, (scene, k, bodies, engine.processes_per_job)) for k in missing]
-    for number, run in run_jobs(
-        jobs, engine.backend, engine.scheduler_address, engine.parallel_jobs, engine.worker_wait_seconds
-    ):
+    where = engine.backend, engine.scheduler_address, engine.parallel_jobs, engine.worker_wait_seconds
+    for number, run in run_jobs(jobs, *where):
         save_rolling_run(store, scene, run)
         found[missing[number]] = run
-        show_progress_message(
-            f"{scene.name}: level {run.level}, {run.shape[0]} x {run.shape[1]} cells, {run.all_seconds:.1f} s"
-        )
+        cells = f"{run.shape[0]} x {run.shape[1]} cells"
+        show_progress_message(f"{scene.name}: level {run.level}, {cells}, {run.all_seconds:.1f} s")
     bad = next((found[k] for k in levels if not found[k].converged), None)
     if bad is not None:
         raise SceneNotCoveredError(scene.name, f"level {bad.level}", bad.status, "choose another level of the grid")

@@ -96,10 +96,8 @@ class VariedKey:
     def axis_label(self) -> str:
         """Key with its unit or list of values, for tables and axes."""
         if self.listed_values:
-            return (
-                f"{self.short_name} "
-                f"({', '.join(str(c) for c in self.listed_values[:6])}{', ...' if len(self.listed_values) > 6 else ''})"
-            )
+            shown = [*map(str, self.listed_values[:6]), *(["..."] if len(self.listed_values) > 6 else [])]
+            return f"{self.short_name} ({', '.join(shown)})"
         return f"{self.short_name} / {self.unit}" if self.unit else self.short_name
 
     @property
@@ -125,11 +123,8 @@ def read_varied_keys_of_table(texts: Sequence[str], argument: str = "over") -> t
         keys = read_varied_keys(texts) if texts else ()
         for one in keys:
             if not one.listed_values:
-                raise _error_for_vary_text(
-                    one.stated_text,
-                    "a range with the number of its values, KEY=A:B:N, or a list of values, KEY=v1,v2",
-                    f"write for example {one.key}=1:5:9",
-                )
+                allowed = "a range with the number of its values, KEY=A:B:N, or a list of values, KEY=v1,v2"
+                raise _error_for_vary_text(one.stated_text, allowed, f"write for example {one.key}=1:5:9")
     except ArgumentError as error:
         raise ArgumentError(argument, *error.args[1:]) if error.key == "vary" else error from None
     return keys
@@ -192,14 +187,8 @@ def _read_range(key: str, text: str, values: str) -> VariedKey:
     if not low < high:
         raise _error_for_vary_text(text, "a range A:B with A below B", "exchange A and B, or give a list of values")
     if steps:
-        return VariedKey(
-            key,
-            text,
-            low,
-            high,
-            common,
-            listed_values=_equally_spaced_values(text, low, high, common, [n for n, _ in steps]),
-        )
+        values_of = _equally_spaced_values(text, low, high, common, [n for n, _ in steps])
+        return VariedKey(key, text, low, high, common, listed_values=values_of)
     whole = not common and all(re.fullmatch(r"[+-]?\d+", end) for end in (first, second))
     return VariedKey(key, text, low, high, common, whole)
 
@@ -211,9 +200,8 @@ def _equally_spaced_values(text: str, low: float, high: float, unit: str, count:
     values, as a list with one text.
     """
     if len(count) != 1 or not re.fullmatch(r"\d{1,4}", count[0]) or not 2 <= int(count[0]) <= MOST_VALUES:
-        raise _error_for_vary_text(
-            text, f"A:B:N with N from 2 to {MOST_VALUES}", "write for example nut.position=100:900:9 mm"
-        )
+        allowed = f"A:B:N with N from 2 to {MOST_VALUES}"
+        raise _error_for_vary_text(text, allowed, "write for example nut.position=100:900:9 mm")
     numbers = [float(f"{x:.12g}") for x in np.linspace(low, high, int(count[0]))]
     if unit:
         return tuple(f"{x:.12g} {unit}" for x in numbers)
@@ -402,14 +390,10 @@ def _grid_coordinates(keys: Sequence[VariedKey], largest_count: int) -> Array:
     ranges = sum(not v.listed_values for v in keys)
     steps = int((largest_count / fixed) ** (1.0 / ranges) + 1e-9) if ranges else 1
     if fixed > largest_count or (ranges and steps < 2):
-        least = fixed * 2**ranges
-        raise ArgumentError(
-            "samples", str(largest_count), f"{least} or more for this grid", "allow more samples, or take `method=lhs`"
-        )
-    axes = [
-        (np.arange(len(v.listed_values)) + 0.5) / len(v.listed_values) if v.listed_values else np.linspace(0.0, 1.0, steps)
-        for v in keys
-    ]
+        allowed = f"{fixed * 2**ranges} or more for this grid"
+        raise ArgumentError("samples", str(largest_count), allowed, "allow more samples, or take `method=lhs`")
+    counts = [len(v.listed_values) for v in keys]
+    axes = [(np.arange(n) + 0.5) / n if n else np.linspace(0.0, 1.0, steps) for n in counts]
     return np.array(list(product(*axes)))
 
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 import csv
 import io
 import json
-from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -30,7 +29,6 @@ from rollbench.compare.scenes import catalogue, scene_file, scene_tables
 from rollbench.compare.scenes.scene_file import hash_of_scene_text
 from rollbench.compare.studies.sweep import keys as sweep_keys
 from rollbench.compare.studies.sweep import sample
-from rollbench.compare.studies.sweep import sample as sweep_sample
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 from rollbench.reports.content import Figure, Panel, Series
@@ -75,9 +73,7 @@ class SweepDefinition:
 
         All outputs are stored if ``outputs`` is empty.
         """
-        return tuple(
-            name for name in sweep_sample.OUTPUTS if not self.outputs or name in (sweep_sample.MAIN, *self.outputs)
-        )
+        return tuple(name for name in sample.OUTPUTS if not self.outputs or name in (sample.MAIN, *self.outputs))
 
     def coordinates(self) -> Array:
         """Return the positions of the m samples in the ranges of the d varied keys, (m, d) from 0 to 1."""
@@ -95,8 +91,8 @@ class SweepDefinition:
     def check(self) -> None:
         """Raise InputError if model, output or varied key is unknown, or if the scene does not allow a value of a key."""
         for name in self.outputs:
-            if name not in sweep_sample.OUTPUTS:
-                raise ArgumentError("outputs", name, ", ".join(sweep_sample.OUTPUTS), "give names separated by commas")
+            if name not in sample.OUTPUTS:
+                raise ArgumentError("outputs", name, ", ".join(sample.OUTPUTS), "give names separated by commas")
         raw = scene_file.parse_toml(self.text, self.origin)
         scene = scene_tables.scene_from_tables(raw, self.origin)
         if not isinstance(scene, Assembly):
@@ -129,10 +125,25 @@ def solve_missing_samples(
         have = sample.stored_records_by_sample(folder)
         left = [n for n in range(len(places)) if n not in have]
         show_progress(f"{len(places)} samples, {len(have)} stored in {folder}, {len(left)} to solve")
-        if left:
-            _solve_samples_in_batches(sweep, folder, engine, show_progress, (token, places, left))
-            have = sample.stored_records_by_sample(folder)
-    return have
+        if not left:
+            return have
+        kernels = "compiled" if len(places) >= COMPILE_FROM else "interpreted"
+        what = (sweep.text, sweep.origin, sweep.keys, sweep.model, kernels, sweep.wanted_outputs)
+        workers = engine.parallel_jobs or (MANY if engine.scheduler_address else 1)
+        size = max(1, min(LARGEST_BATCH, len(left) // (BATCHES * workers)))
+        jobs: list[parallel.Job] = []
+        for k in range(0, len(left), size):
+            batch = [(n, sweep_keys.key_values_at_coordinates(sweep.keys, places[n])) for n in left[k : k + size]]
+            jobs.append((sample.solve_and_append_batch, (str(folder.resolve()), token, what, batch)))
+        writer = sample.RecordWriter(folder, token)
+        done = failed = 0
+        for _, (records, stored) in run_jobs_in_fastest_way(jobs, engine, "samples", show_progress):
+            if not stored:
+                writer.append(records)
+            done += len(records)
+            failed += sum(record["status"] != sample.CONVERGED for record in records)
+            show_progress(f"[{done}/{len(left)}] {failed} failed")
+        return sample.stored_records_by_sample(folder)
 
 
 def _check_first_samples_are_accepted(sweep: SweepDefinition, coordinates: Array) -> None:
@@ -144,68 +155,19 @@ def _check_first_samples_are_accepted(sweep: SweepDefinition, coordinates: Array
     refused: list[InputError] = []
     for place in coordinates[:FIRST]:
         try:
-            sweep_sample.solve_sample_or_refuse(
-                sweep.text,
-                sweep.origin,
-                sweep.keys,
-                sweep_keys.key_values_at_coordinates(sweep.keys, place),
-                sweep.model,
-                "interpreted",
-                sweep.wanted_outputs,
-            )
+            values = sweep_keys.key_values_at_coordinates(sweep.keys, place)
+            what = sweep.text, sweep.origin, sweep.keys, values, sweep.model, "interpreted", sweep.wanted_outputs
+            sample.solve_sample_or_refuse(*what)
             return
         except InputError as error:
             refused.append(error)
-    if len({sweep_sample.refusal_reason_without_numbers(error) for error in refused}) > 1:
+    if len({sample.refusal_reason_without_numbers(error) for error in refused}) > 1:
         return
     if isinstance(refused[-1], ProgramError):
         raise refused[-1]
-    few = (
-        f"all of the first {min(FIRST, len(coordinates))} samples (combinations of values) were refused for the same reason"
-    )
-    all_refused = f"{few}; message for the last of them: {refused[-1]}"
-    raise SceneNotCoveredError(sweep.origin, "vary", all_refused, "vary other keys, or other ranges")
-
-
-def _solve_samples_in_batches(
-    sweep: SweepDefinition,
-    folder: Path,
-    engine: ComputingSettings,
-    show_progress: Step,
-    token_coordinates_and_numbers: tuple[str, Array, list[int]],
-) -> None:
-    """Solve the samples of a sweep that are not stored yet, in batches, and store their records.
-
-    ``folder``: folder of the sweep; ``engine``: number of processes, or cluster, that solve the samples; ``show_progress``:
-    function that is called with each line of progress; ``token_coordinates_and_numbers``: token that identifies the present
-    execution of the sweep, positions of all m samples in the ranges of the keys (m, d), and numbers of the missing samples.
-    """
-    token, places, left = token_coordinates_and_numbers
-    kernels = "compiled" if len(places) >= COMPILE_FROM else "interpreted"
-    what = (sweep.text, sweep.origin, sweep.keys, sweep.model, kernels, sweep.wanted_outputs)
-    workers = engine.parallel_jobs or (MANY if engine.scheduler_address else 1)
-    size = max(1, min(LARGEST_BATCH, len(left) // (BATCHES * workers)))
-    batches = [left[k : k + size] for k in range(0, len(left), size)]
-    jobs: list[parallel.Job] = [
-        (
-            sweep_sample.solve_and_append_batch,
-            (
-                str(folder.resolve()),
-                token,
-                what,
-                [(n, sweep_keys.key_values_at_coordinates(sweep.keys, places[n])) for n in batch],
-            ),
-        )
-        for batch in batches
-    ]
-    writer = sample.RecordWriter(folder, token)
-    done = failed = 0
-    for _, (records, stored) in run_jobs_in_fastest_way(jobs, engine, "samples", show_progress):
-        if not stored:
-            writer.append(records)
-        done += len(records)
-        failed += sum(record["status"] != "converged" for record in records)
-        show_progress(f"[{done}/{len(left)}] {failed} failed")
+    few = f"all of the first {len(refused)} samples (combinations of values) were refused for the same reason"
+    given = f"{few}; message for the last of them: {refused[-1]}"
+    raise SceneNotCoveredError(sweep.origin, "vary", given, "vary other keys, or other ranges")
 
 
 #: Number of listed samples with the largest contact loads, number of parts of a range for main effects, and levels of the
@@ -220,37 +182,36 @@ RESAMPLES, CONFIDENCE, LEAST = 200, 0.95, 8
 CONSTANT = 1e-9
 
 
-def sweep_summary_json(sweep: SweepDefinition, records: Mapping[int, sweep_sample.Record]) -> dict[str, Any]:
+def sweep_summary_json(sweep: SweepDefinition, records: Mapping[int, sample.Record]) -> dict[str, Any]:
     """Return the summary of a sweep as JSON values: counts, failures, statistics, main effects and Sobol indices.
 
     ``records``: records of the samples by sample number. Failed samples are counted by reason, with one example each.
     """
     rows = [records[n] for n in sorted(records)]
     good = converged_records(records)
-    failed = [row for row in rows if row["status"] != sweep_sample.CONVERGED]
-    reasons = Counter(row.get("reason", row["status"]) for row in failed)
-    first = {
-        row.get("reason", row["status"]): row["status"] for row in reversed(failed)
-    }  # a refusal says its sample's value
+    failures: dict[str, list[str]] = {}  # statuses by reason; the status of a refused sample also states its value
+    for row in rows:
+        if row["status"] != sample.CONVERGED:
+            failures.setdefault(str(row.get("reason", row["status"])), []).append(row["status"])
     return {
         **{k: v for k, v in sweep.header().items() if k != "text"},
         "scene_hash": hash_of_scene_text(sweep.text),
         "solved": len(rows),
         "converged": len(good),
-        "failures": [{"reason": first[reason], "samples": n} for reason, n in reasons.most_common()],
+        "failures": [{"reason": of[0], "samples": len(of)} for of in sorted(failures.values(), key=len, reverse=True)],
         "outputs": {name: output_statistics(output_values(good, name)) for name in sweep.wanted_outputs},
         "main_effects": main_effects(sweep.keys, good),
-        "worst": sorted(good, key=lambda row: -row[sweep_sample.MAIN])[:WORST],
+        "worst": sorted(good, key=lambda row: -row[sample.MAIN])[:WORST],
         "indices": sobol_indices_by_output(sweep, records),
     }
 
 
-def converged_records(records: Mapping[int, sweep_sample.Record]) -> list[sweep_sample.Record]:
+def converged_records(records: Mapping[int, sample.Record]) -> list[sample.Record]:
     """Return the records of converged samples in the order of their numbers."""
-    return [records[n] for n in sorted(records) if records[n]["status"] == sweep_sample.CONVERGED]
+    return [records[n] for n in sorted(records) if records[n]["status"] == sample.CONVERGED]
 
 
-def output_values(records: Sequence[sweep_sample.Record], name: str) -> Array:
+def output_values(records: Sequence[sample.Record], name: str) -> Array:
     """Return the values of one output in k samples as an array (k,); nan for a sample without this output.
 
     ``records``: records of the samples; ``name``: name of the output, a key of `OUTPUTS`.
@@ -258,7 +219,7 @@ def output_values(records: Sequence[sweep_sample.Record], name: str) -> Array:
     return np.array([np.nan if row[name] is None else row[name] for row in records], dtype=float)
 
 
-def key_values_as_numbers(keys: Sequence[sweep_keys.VariedKey], records: Sequence[sweep_sample.Record]) -> Array:
+def key_values_as_numbers(keys: Sequence[sweep_keys.VariedKey], records: Sequence[sample.Record]) -> Array:
     """Return the values of d varied keys in k samples as an array of numbers (k, d).
 
     ``records``: records of the samples. A value from a list is replaced by its position in the list, from 1.
@@ -282,16 +243,14 @@ def output_statistics(values: Array) -> dict[str, float] | None:
     return found | {f"quantile_{level:g}": float(np.quantile(y, level)) for level in LEVELS}
 
 
-def main_effects(
-    keys: Sequence[sweep_keys.VariedKey], rows: Sequence[sweep_sample.Record]
-) -> dict[str, list[dict[str, float]]]:
+def main_effects(keys: Sequence[sweep_keys.VariedKey], rows: Sequence[sample.Record]) -> dict[str, list[dict[str, float]]]:
     """Return for each varied key the mean largest contact load [N] in groups of samples, a list with one entry per group.
 
     A group consists of the samples in one part of the key's range, or at one value of its list. An entry has "at" (mean
     value of the key in its unit), "mean" and "standard_error" of the load [N], and "samples" (number of samples in the
     group). ``rows``: records of the converged samples.
     """
-    x, y = key_values_as_numbers(keys, rows), output_values(rows, sweep_sample.MAIN)
+    x, y = key_values_as_numbers(keys, rows), output_values(rows, sample.MAIN)
     return {
         vary.key: [_mean_key_and_output_of_group(x[g, k], y[g]) for g in _sample_masks_by_key_range(vary, x[:, k])]
         for k, vary in enumerate(keys)
@@ -315,16 +274,12 @@ def _mean_key_and_output_of_group(key_values: Array, outputs: Array) -> dict[str
 
     ``key_values``: values of the key (k,); ``outputs``: values of the output (k,).
     """
-    error = float(outputs.std(ddof=1) / np.sqrt(outputs.size)) if outputs.size > 1 else 0.0
-    return {
-        "at": float(key_values.mean()),
-        "mean": float(outputs.mean()),
-        "standard_error": error,
-        "samples": int(outputs.size),
-    }
+    at, mean, count = float(key_values.mean()), float(outputs.mean()), outputs.size
+    error = float(outputs.std(ddof=1) / np.sqrt(count)) if count > 1 else 0.0
+    return {"at": at, "mean": mean, "standard_error": error, "samples": count}
 
 
-def sobol_indices_by_output(sweep: SweepDefinition, records: Mapping[int, sweep_sample.Record]) -> dict[str, Any]:
+def sobol_indices_by_output(sweep: SweepDefinition, records: Mapping[int, sample.Record]) -> dict[str, Any]:
     """Return the Sobol indices of every output with confidence intervals of level `CONFIDENCE`, or the reason for none.
 
     For each output and key there is the first-order index with the ends of its interval (first, first_low, first_high) and
@@ -336,7 +291,7 @@ def sobol_indices_by_output(sweep: SweepDefinition, records: Mapping[int, sweep_
         return {"none": f"a design by {sweep.method} gives no Sobol indices: sobol does"}
     d, n = len(sweep.keys), sweep_keys.base_point_count(sweep.samples, len(sweep.keys))
     rows = [records.get(k) for k in range(n * (d + 2))]
-    good = np.array([row is not None and row["status"] == sweep_sample.CONVERGED for row in rows]).reshape(d + 2, n)
+    good = np.array([row is not None and row["status"] == sample.CONVERGED for row in rows]).reshape(d + 2, n)
     whole = np.flatnonzero(good.all(axis=0))
     if whole.size < LEAST:
         return {"none": f"{whole.size} base points of {n} have all their samples; {LEAST} are needed"}
@@ -363,14 +318,12 @@ def _sobol_indices_with_intervals(
     drawn = np.stack([np.stack(_sobol_estimates(outputs[:, rng.integers(0, n, n)])) for _ in range(RESAMPLES)])
     tail = 0.5 * (1.0 - CONFIDENCE)
     low, high = np.quantile(drawn, [tail, 1.0 - tail], axis=0)
-    out = {}
-    for k, vary in enumerate(keys):
-        out[vary.key] = {
-            f"{kind}{end}": float(value[i, k])
-            for i, kind in enumerate(("first", "total"))
-            for end, value in (("", np.stack(_sobol_estimates(outputs))), ("_low", low), ("_high", high))
-        }
-    return out
+    ends = (("", np.stack(_sobol_estimates(outputs))), ("_low", low), ("_high", high))
+    kinds = tuple(enumerate(("first", "total")))
+    return {
+        vary.key: {f"{kind}{end}": float(value[i, k]) for i, kind in kinds for end, value in ends}
+        for k, vary in enumerate(keys)
+    }
 
 
 def _sobol_estimates(outputs: Array) -> tuple[Array, Array]:
@@ -380,9 +333,7 @@ def _sobol_estimates(outputs: Array) -> tuple[Array, Array]:
     the points A with the coordinate of this key from B.
     """
     d = len(outputs) - 2
-    mixtures = (
-        outputs[2:] if d > 1 else np.repeat(outputs[2:], 2, axis=0)
-    )  # scipy 1.17 fails for a single key: it is given twice
+    mixtures = outputs[2:] if d > 1 else np.repeat(outputs[2:], 2, axis=0)  # scipy 1.17 fails for one key: given twice
     found = sobol_indices(func={"f_A": outputs[:1], "f_B": outputs[1:2], "f_AB": mixtures[:, None, :]}, n=outputs.shape[1])
     return np.atleast_1d(found.first_order)[:d], np.atleast_1d(found.total_order)[:d]
 
@@ -393,9 +344,12 @@ PANELS, POINTS = 6, 2000
 #: Key of the seed of random errors.
 SEED = "errors.seed"
 
+#: Axis label of the largest contact load.
+LOAD = sample.OUTPUTS[sample.MAIN]
+
 
 def sweep_figures(
-    name: str, keys: Sequence[sweep_keys.VariedKey], summary: Mapping[str, Any], rows: Sequence[sweep_sample.Record]
+    name: str, keys: Sequence[sweep_keys.VariedKey], summary: Mapping[str, Any], rows: Sequence[sample.Record]
 ) -> list[Figure]:
     """Return the figures of a sweep; the list is empty with fewer than two converged samples.
 
@@ -431,14 +385,16 @@ def figures_from_sweep_summary(
 def _keys_with_largest_effect(keys: Sequence[sweep_keys.VariedKey], summary: Mapping[str, Any]) -> tuple[list[int], str]:
     """Return the indices of the varied keys with the largest effects on the largest load, then a sentence on left-out keys.
 
+    The effect is the difference between the largest and the smallest mean load over the parts of the key's range.
+
     At most `PANELS` keys are returned, as many as a figure has panels. A seed of random errors is left out, because an
     output has no trend over it. ``summary``: summary of the sweep from `sweep_summary_json`.
     """
     ordered = _indices_of_keys_without_seed(keys)
-    shown = sorted(ordered, key=lambda k: -_main_effect_size(summary["main_effects"][keys[k].key]))[:PANELS]
-    return shown, "" if len(shown) == len(
-        ordered
-    ) else f" Shown are the {PANELS} inputs with the largest effects, of {len(ordered)} varied inputs."
+    means = [[group["mean"] for group in summary["main_effects"][vary.key]] for vary in keys]
+    shown = sorted(ordered, key=lambda k: min(means[k]) - max(means[k]))[:PANELS]
+    left = f" Shown are the {PANELS} inputs with the largest effects, of {len(ordered)} varied inputs."
+    return shown, left if len(shown) < len(ordered) else ""
 
 
 def _indices_of_keys_without_seed(keys: Sequence[sweep_keys.VariedKey]) -> list[int]:
@@ -447,15 +403,6 @@ def _indices_of_keys_without_seed(keys: Sequence[sweep_keys.VariedKey]) -> list[
     Values of a seed have no meaningful order.
     """
     return [k for k, vary in enumerate(keys) if vary.key != SEED] or list(range(len(keys)))
-
-
-def _main_effect_size(groups: Sequence[Mapping[str, float]]) -> float:
-    """Return the effect of a varied key: difference between largest and smallest mean output over groups of samples.
-
-    ``groups``: entries of `main_effects` for the key, one for each part of the key's range.
-    """
-    means = [g["mean"] for g in groups]
-    return max(means) - min(means)
 
 
 def _main_effects_figure(
@@ -475,32 +422,23 @@ def _main_effects_figure(
     for vary in keys:
         groups = summary["main_effects"][vary.key]
         at, mean = [g["at"] for g in groups], [g["mean"] for g in groups]
-        bars = [m - g["standard_error"] for m, g in zip(mean, groups, strict=True)]
-        ends = [m + g["standard_error"] for m, g in zip(mean, groups, strict=True)]
-        series = Series("mean", at, mean, "line+markers", error_bars=(bars, ends))
+        low, high = ([g["mean"] + sign * g["standard_error"] for g in groups] for sign in (-1.0, 1.0))
+        series = Series("mean", at, mean, "line+markers", error_bars=(low, high))
         short = short_name(vary)
         label = vary.axis_label if short == vary.short_name or not vary.unit else f"{short} / {vary.unit}"
-        panels.append(
-            Panel(short, label, sweep_sample.OUTPUTS[sweep_sample.MAIN], (series,), integer_x=bool(vary.listed_values))
-        )
+        panels.append(Panel(short, label, LOAD, (series,), integer_x=bool(vary.listed_values)))
+    title = "Mean of the largest contact load of a sample, plotted against the value of each varied input"
     caption = (
         "Each mean is taken over the samples in one part of the range of the input; bars: standard error of this mean."
-        + left_out_sentence
     )
-    return Figure(
-        f"{figure_name}-effects",
-        "Mean of the largest contact load of a sample, plotted against the value of each varied input",
-        tuple(panels),
-        caption,
-        same_y=True,
-    )
+    return Figure(f"{figure_name}-effects", title, tuple(panels), caption + left_out_sentence, same_y=True)
 
 
 def _sample_scatter_figure(
     name: str,
     keys: Sequence[sweep_keys.VariedKey],
     shown: Sequence[int],
-    rows: Sequence[sweep_sample.Record],
+    rows: Sequence[sample.Record],
     left_out_sentence: str,
 ) -> Figure:
     """Return a figure of the largest contact load of single samples over each varied key that is shown.
@@ -509,28 +447,18 @@ def _sample_scatter_figure(
     ``left_out_sentence``: sentence on keys that are left out, empty if there are none.
     """
     some = list(rows[:: max(1, len(rows) // POINTS)])
-    x, y = key_values_as_numbers(keys, some), output_values(some, sweep_sample.MAIN)
-    panels = tuple(
-        Panel(
-            keys[k].short_name,
-            keys[k].axis_label,
-            sweep_sample.OUTPUTS[sweep_sample.MAIN],
-            (Series("samples", list(x[:, k]), list(y), "markers"),),
-        )
-        for k in shown
-    )
-    return Figure(
-        f"{name}-scatter",
-        "Largest contact load of each sample, plotted against the value of each varied input",
-        panels,
-        f"Shown are {len(some)} of {len(rows)} samples.{left_out_sentence}",
-    )
+    x, y = key_values_as_numbers(keys, some), output_values(some, sample.MAIN)
+    points = [Series("samples", list(x[:, k]), list(y), "markers") for k in shown]
+    panels = [Panel(keys[k].short_name, keys[k].axis_label, LOAD, (of,)) for k, of in zip(shown, points, strict=True)]
+    title = "Largest contact load of each sample, plotted against the value of each varied input"
+    caption = f"Shown are {len(some)} of {len(rows)} samples.{left_out_sentence}"
+    return Figure(f"{name}-scatter", title, tuple(panels), caption)
 
 
 def _worst_samples_figure(
     name: str,
     keys: Sequence[sweep_keys.VariedKey],
-    worst: Sequence[sweep_sample.Record],
+    worst: Sequence[sample.Record],
     short_name: Callable[[sweep_keys.VariedKey], str],
 ) -> Figure:
     """Return a figure of the samples with the largest contact loads: position of each varied key in its range.
@@ -545,20 +473,14 @@ def _worst_samples_figure(
     place = (x - low) / (high - low)
     number = [float(k) for k in range(1, len(keys) + 1)]
     series = tuple(
-        Series(f"{row[sweep_sample.MAIN]:.4g} N at {row['at']}", number, list(at))
+        Series(f"{row[sample.MAIN]:.4g} N at {row['at']}", number, list(at))
         for row, at in zip(worst[:5], place[:5], strict=True)
     )
     caption = f"Value of each varied input as position in its range (0: lower end, 1: upper end), in {len(series)} samples."
-    panel = Panel(
-        "samples with the largest loads",
-        "",
-        "position in the range of the input",
-        series,
-        abscissa_names=[short_name(v) for v in keys],
-    )
-    return Figure(
-        f"{name}-worst", "Values of the varied inputs in the samples with the largest contact loads", (panel,), caption
-    )
+    ylabel, names = "position in the range of the input", [short_name(v) for v in keys]
+    panel = Panel("samples with the largest loads", "", ylabel, series, abscissa_names=names)
+    title = "Values of the varied inputs in the samples with the largest contact loads"
+    return Figure(f"{name}-worst", title, (panel,), caption)
 
 
 def _sobol_indices_figure(
@@ -572,43 +494,25 @@ def _sobol_indices_figure(
     ``name``: start of the figure's name; ``indices``: result of `sobol_indices_by_output`; ``short_name``: function that
     returns the short name of a key.
     """
-    main = indices.get("outputs", {}).get(sweep_sample.MAIN)
+    main = indices.get("outputs", {}).get(sample.MAIN)
     if main is None:
         return None
     keys = sorted(keys, key=lambda vary: -main[vary.key]["total"])
     number = [float(k) for k in range(1, len(keys) + 1)]
     series = []
-    for kind, shift in (("first", -0.06), ("total", 0.06)):
+    for kind, label, shift in (("first", "first-order", -0.06), ("total", "total", 0.06)):
         value, low, high = ([main[v.key][f"{kind}{end}"] for v in keys] for end in ("", "_low", "_high"))
         bars = ([min(a, b) for a, b in zip(low, value, strict=True)], [max(a, b) for a, b in zip(high, value, strict=True)])
-        series.append(
-            Series(
-                {"first": "first-order", "total": "total"}[kind],
-                [n + shift for n in number],
-                value,
-                "markers",
-                error_bars=bars,
-            )
-        )
+        series.append(Series(label, [n + shift for n in number], value, "markers", error_bars=bars))
     caption = (
-        f"Sobol indices of the {sweep_sample.OUTPUTS[sweep_sample.MAIN].removesuffix(' / N')}, estimated from "
+        f"Sobol indices of the {LOAD.removesuffix(' / N')}, estimated from "
         f"{indices['base_points']} base points of the design, with {100 * indices['confidence']:g} % confidence intervals. "
         "First-order index: effect of the input alone; total index: including its interactions."
     )
-    panel = Panel(
-        "Sobol indices",
-        "",
-        "share of the variance",
-        tuple(series),
-        include_zero=True,
-        abscissa_names=[short_name(v) for v in keys],
-    )
-    return Figure(
-        f"{name}-indices",
-        "Share of the variance of the largest contact load that each varied input causes",
-        (panel,),
-        caption,
-    )
+    names, shares = [short_name(v) for v in keys], tuple(series)
+    panel = Panel("Sobol indices", "", "share of the variance", shares, include_zero=True, abscissa_names=names)
+    title = "Share of the variance of the largest contact load that each varied input causes"
+    return Figure(f"{name}-indices", title, (panel,), caption)
 
 
 def sweep_definition(
@@ -639,7 +543,7 @@ def sweep_definition(
 def solve_sweep(
     sweep: SweepDefinition, out: Path, engine: ComputingSettings, show_progress: Callable[[str], None]
 ) -> dict[str, Any]:
-    """Solve the missing samples of a sweep, write its tables and figures to its folder, and return the summary.
+    """Solve the missing samples of a sweep, write samples.csv, summary.json and the figures, and return the summary.
 
     ``out``: folder of the sweep; ``engine``: number of processes, or cluster, that solve the samples; ``show_progress``:
     function that is called with each line of progress. Raises InputError in the cases in which `solve_missing_samples`
@@ -647,24 +551,14 @@ def solve_sweep(
     """
     records = solve_missing_samples(sweep, out, engine, show_progress)
     found = sweep_summary_json(sweep, records)
-    write_sweep_files(sweep, records, found, out)
+    replace_file(out / "samples.csv", samples_csv(sweep, records))
+    replace_file(out / "summary.json", json.dumps(found, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
+    for figure in sweep_figures("sweep", sweep.keys, found, converged_records(records)):
+        write_figure(out / f"{figure.name}.svg", figure)
     return found
 
 
-def write_sweep_files(
-    sweep: SweepDefinition, records: Mapping[int, sweep_sample.Record], summary: Mapping[str, Any], out: Path
-) -> None:
-    """Write samples.csv, summary.json and the figures of a sweep to its folder.
-
-    ``records``: records of the samples by sample number; ``summary``: summary of the sweep; ``out``: the folder.
-    """
-    replace_file(out / "samples.csv", samples_csv(sweep, records))
-    replace_file(out / "summary.json", json.dumps(summary, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
-    for figure in sweep_figures("sweep", sweep.keys, summary, converged_records(records)):
-        write_figure(out / f"{figure.name}.svg", figure)
-
-
-def samples_csv(sweep: SweepDefinition, records: Mapping[int, sweep_sample.Record]) -> str:
+def samples_csv(sweep: SweepDefinition, records: Mapping[int, sample.Record]) -> str:
     """Return the samples of a sweep as CSV text, with one row for each sample.
 
     The columns are the number of the sample, the values of the varied keys, the status, the outputs, and "at", which names
@@ -678,24 +572,3 @@ def samples_csv(sweep: SweepDefinition, records: Mapping[int, sweep_sample.Recor
         kept = ["" if row.get(k) is None else row[k] for k in (*sweep.wanted_outputs, "at")]
         writer.writerow([n, *row["values"], row["status"], *kept])
     return text.getvalue()
-
-
-def run_sweep(
-    scene: str,
-    vary: Sequence[str],
-    samples: int,
-    method: sweep_keys.Method,
-    model: str,
-    seed: int,
-    out: Path,
-    outputs: Sequence[str],
-    show_progress: Callable[[str], None],
-) -> dict[str, Any]:
-    """Solve a sweep for `rollbench.sweep`, write its tables and figures to a folder, and return the summary as JSON values.
-
-    ``out``: the folder; ``show_progress``: function that is called with each line of progress; the other arguments are
-    those of `sweep_definition`.
-    """
-    return solve_sweep(
-        sweep_definition(scene, vary, samples, method, seed, model, outputs), out, ComputingSettings(), show_progress
-    )

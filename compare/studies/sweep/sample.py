@@ -29,15 +29,9 @@ import numpy as np
 from rollbench.compare.errors import ArgumentError, InputError
 from rollbench.compare.files import replace_file
 from rollbench.compare.measure import mean_load
-from rollbench.compare.models.answers import unloaded_axial_displacement
+from rollbench.compare.models import loading
+from rollbench.compare.models.answers import displacement_of_unloaded_screw
 from rollbench.compare.models.load_cases import contact_loads_by_nut_or_bearing, rating_life_over_duty_cycle
-from rollbench.compare.models.loading import (
-    axial_preload,
-    displacement_at_scene_position,
-    solve_with_scaled_loads,
-    sum_of_axial_loads,
-    with_scaled_loads,
-)
 from rollbench.compare.models.registry import ModelOptions, run_model
 from rollbench.compare.scenes import scene_file, scene_tables
 from rollbench.compare.scenes.duty_cycle import DutyCycle
@@ -49,7 +43,7 @@ from rollbench.lowfi.statics.nominal import count_nominal_contacts
 from rollbench.lowfi.statics.result import AxisResult, StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, RollerRow
-from rollbench.meshes.parts import SIDES, Friction, Motion, Scene
+from rollbench.meshes.parts import SIDES, Scene
 
 #: Outputs of a sample: name of the output, and its heading in tables.
 OUTPUTS = {
@@ -66,7 +60,7 @@ OUTPUTS = {
     "largest_growth": "largest load over that in the first load case, largest ratio of all nuts and bearings",
     "least_growth": "largest load over that in the first load case, smallest ratio of all nuts and bearings",
 }
-#: Outputs that compare load cases; None for a scene without load cases.
+#: Outputs that compare the contact loads of load cases; a scene without load cases has None for them.
 GROWTH = ("largest_growth", "least_growth")
 
 
@@ -79,7 +73,7 @@ Makers = dict[str, Callable[[], Any]]
 
 
 def outputs_of_scene(
-    scene: Scene, result: StaticResult, model: str, options: ModelOptions, wanted_outputs: Collection[str] = tuple(OUTPUTS)
+    scene: Scene, result: StaticResult, model: str, options: ModelOptions, wanted_outputs: Collection[str]
 ) -> dict[str, Any]:
     """Return the outputs of a sweep's sample by name, and "at": ball and flank of the contact with the largest load.
 
@@ -92,17 +86,17 @@ def outputs_of_scene(
     @cache
     def unloaded_result() -> StaticResult:
         """Return the static result of the sample's scene with all external loads set to zero."""
-        return solve_with_scaled_loads(scene, 0.0, model, options)
+        return loading.solve_with_scaled_loads(scene, 0.0, model, options)
 
     def secant_rigidity() -> float | None:
         """Return the axial force over the screw's axial displacement from the unloaded position [N/um], or None."""
-        moved = screw_displacement_at_nut(scene, result) - unloaded_axial_displacement(scene, unloaded_result())
-        return _secant_rigidity(axial_force(result), moved)
+        start = float(displacement_of_unloaded_screw(scene, unloaded_result())[2])
+        return _secant_rigidity(axial_force(result), screw_displacement_at_nut(scene, result) - start)
 
     makers: Makers = {
         "displacement_um": lambda: _displacement_along_loads(scene, result),
         "rigidity_N_per_um": secant_rigidity,
-        "preload_N": lambda: axial_preload(scene, unloaded_result()) if unloaded_result().converged else None,
+        "preload_N": lambda: loading.axial_preload(scene, unloaded_result()) if unloaded_result().converged else None,
     }
     return _compute_wanted_outputs(
         [("", scene, result)], scene, makers, options, wanted_outputs, lambda: count_nominal_contacts(scene)
@@ -114,7 +108,7 @@ def outputs_of_duty_cycle(
     results: Sequence[StaticResult | AxisResult],
     outputs_by_case: Sequence[dict[str, Any]],
     *,
-    wanted_outputs: Collection[str] = tuple(OUTPUTS),
+    wanted_outputs: Collection[str],
 ) -> dict[str, Any]:
     """Return the outputs of a sweep's sample for a duty cycle, from results and outputs of its load cases.
 
@@ -142,18 +136,13 @@ def outputs_of_duty_cycle(
     case, worst = max(zip(cycle.cases, outputs_by_case, strict=True), key=lambda pair: float(pair[1][MAIN]))
     found = worst | {"at": f"case {case.name}: {worst['at']}"}
     if "torque_Nmm" in wanted_outputs:
-        torques = [
-            (share, one["torque_Nmm"])
-            for share, one in zip(cycle.revolution_shares, outputs_by_case, strict=True)
-            if share > 0.0
-        ]
+        pairs = zip(cycle.revolution_shares, (one["torque_Nmm"] for one in outputs_by_case), strict=True)
+        torques = [(share, torque) for share, torque in pairs if share > 0.0]
         known = all(torque is not None for _, torque in torques)
         found["torque_Nmm"] = sum(share * torque for share, torque in torques) if known else None
     if "life_million_revolutions" in wanted_outputs:
-        lives = [
-            rating_life_over_duty_cycle(cycle, name, [contact_loads_by_nut_or_bearing(one)[name] for one in results])[0]
-            for name in cycle.sets
-        ]
+        loads = [contact_loads_by_nut_or_bearing(one) for one in results]
+        lives = [rating_life_over_duty_cycle(cycle, name, [of[name] for of in loads])[0] for name in cycle.sets]
         rated = [x.revolutions for x in lives if x is not None]
         found["life_million_revolutions"] = min(rated) if len(rated) == len(lives) else None
     if any(name in wanted_outputs for name in GROWTH):
@@ -170,7 +159,7 @@ def _loads_by_nut_or_bearing(result: StaticResult | AxisResult) -> list[Array]:
 
 
 def outputs_of_shaft(
-    assembly: Assembly, result: AxisResult, engine: str, wanted_outputs: Collection[str] = tuple(OUTPUTS)
+    assembly: Assembly, result: AxisResult, engine: str, wanted_outputs: Collection[str]
 ) -> dict[str, Any]:
     """Return the outputs of a sweep's sample for a shaft with several nuts and bearings, by name.
 
@@ -182,38 +171,34 @@ def outputs_of_shaft(
     bearing; preload is the largest axial force on a nut or bearing without external loads.
     """
     sets = [(f"{s.of.name}: ", s.of.parts, s.balls) for s in result.sets if s.balls and isinstance(s.of.parts, Scene)]
-    force, moved, loads = (
-        sum_of_axial_loads(assembly),
-        displacement_at_scene_position(assembly, result)[2],
-        contact_loads_by_nut_or_bearing(result),
-    )
+    force, moved = loading.sum_of_axial_loads(assembly), loading.displacement_at_scene_position(assembly, result)[2]
+    loads = contact_loads_by_nut_or_bearing(result)
 
     @cache
     def unloaded_result() -> AxisResult:
         """Return the result of the shaft without loads."""
-        without = run_model(with_scaled_loads(assembly, 0.0), result.model, ModelOptions(engine=engine))
+        without = run_model(loading.with_scaled_loads(assembly, 0.0), result.model, ModelOptions(engine=engine))
         assert isinstance(without, AxisResult)
         return without
 
     def largest_preload() -> float | None:
         """Return the largest axial force on a nut or bearing without loads [N]; None without equilibrium."""
-        return (
-            max((abs(float(s.force[2])) for s in unloaded_result().sets), default=0.0)
-            if unloaded_result().converged
-            else None
-        )
+        bare = unloaded_result()
+        return max((abs(float(s.force[2])) for s in bare.sets), default=0.0) if bare.converged else None
 
+    def rigidity() -> float | None:
+        """Return the axial force over the displacement from the unloaded position [N/um], or None."""
+        bare = unloaded_result()
+        if not bare.converged:
+            return None
+        return _secant_rigidity(force, moved - loading.displacement_at_scene_position(assembly, bare)[2])
+
+    lives = [(s.of.parts, loads[s.of.name]) for s in result.sets]
     makers: Makers = {
         "displacement_um": lambda: 1e6 * moved if force else None,
-        "rigidity_N_per_um": lambda: (
-            _secant_rigidity(force, moved - displacement_at_scene_position(assembly, unloaded_result())[2])
-            if unloaded_result().converged
-            else None
-        ),
+        "rigidity_N_per_um": rigidity,
         "preload_N": largest_preload,
-        "life_million_revolutions": lambda: _shortest_life_of_bearings(
-            [(s.of.parts, loads[s.of.name]) for s in result.sets]
-        ),
+        "life_million_revolutions": lambda: _shortest_life_of_bearings(lives),
     }
     rollers = [(f"{s.of.name}: roller ", s.loads) for s in result.sets if s.balls is None]
     return _compute_wanted_outputs(sets, assembly, makers, ModelOptions(), wanted_outputs, lambda: 0, rollers)
@@ -256,13 +241,22 @@ def _compute_wanted_outputs(
         name, load = max(named, key=lambda one: float(one[1].max(initial=0.0)))
         one, *side = np.unravel_index(int(load.argmax()), load.shape)
         at = " ".join([f"{name}{one + 1}", *(SIDES[k] for k in side)])
+
+    def friction_torque() -> float | None:
+        """Return the friction torque of all nuts and ball bearings [N mm]; None without friction or convergence."""
+        if friction is None:
+            return None
+        from rollbench.compare.models.friction_sums import total_friction_torque
+
+        return total_friction_torque(solved, friction, scene.motion, options.member)
+
     makers: Makers = {
         MAIN: lambda: float(every.max(initial=0.0)),
         "mean_load_N": lambda: mean_load(every, count_contacts()),
         "loaded_contacts": lambda: int(every.size),
         "idle_balls": lambda: sum(int(np.count_nonzero(~(x.load > 0.0).any(axis=1))) for _, x in solved),
         "largest_approach_um": lambda: max((_largest_hertz_approach(balls) for _, balls in solved), default=None),
-        "torque_Nmm": lambda: None if friction is None else _friction_torque(solved, friction, scene.motion, options),
+        "torque_Nmm": friction_torque,
         "life_million_revolutions": lambda: _shortest_life_of_bearings([(parts, balls.load) for parts, balls in solved]),
         **dict.fromkeys(GROWTH, lambda: None),
         **functions_of_whole_scene,
@@ -313,19 +307,6 @@ def _shortest_life_of_bearings(sets: list[tuple[Scene | RollerRow, Array]]) -> f
     return min((one.revolutions for one in found if one is not None), default=None)
 
 
-def _friction_torque(
-    sets: list[tuple[Scene, StaticResult]], friction: Friction, motion: Motion | None, options: ModelOptions
-) -> float | None:
-    """Return the friction torque of several nuts and ball bearings together [N mm].
-
-    ``sets``: scene and static result of each nut or bearing. None if friction does not converge, or if the friction model
-    does not cover one of the nuts and bearings.
-    """
-    from rollbench.compare.models.friction_sums import total_friction_torque
-
-    return total_friction_torque(sets, friction, motion, options)
-
-
 #: Names of files and folders in the folder of a sweep.
 HEADER, TOKEN, LOCKS, RECORDS = "sweep.json", "token", "locks", "records"
 
@@ -343,17 +324,13 @@ def create_or_check_sweep_folder(folder: Path, header: Mapping[str, Any]) -> Non
     """
     path = folder / HEADER
     text = json.dumps(header, indent=1, ensure_ascii=False) + "\n"
-    advice = "choose another folder for another sweep"
+    allowed, advice = "a new folder, or that of this sweep", "choose another folder for another sweep"
     if path.exists():
         if path.read_text(encoding="utf-8") != text:
-            raise ArgumentError(
-                "out", "the folder of another sweep", "a new folder, or that of this sweep", advice, str(folder)
-            )
+            raise ArgumentError("out", "the folder of another sweep", allowed, advice, str(folder))
     else:
         if folder.exists() and any(folder.iterdir()):
-            raise ArgumentError(
-                "out", "a folder with other files", "a new folder, or that of this sweep", advice, str(folder)
-            )
+            raise ArgumentError("out", "a folder with other files", allowed, advice, str(folder))
         replace_file(path, text)
     (folder / RECORDS).mkdir(exist_ok=True)
     (folder / LOCKS).mkdir(exist_ok=True)
@@ -372,10 +349,8 @@ def reserve_sweep_folder(folder: Path) -> Iterator[str]:
         try:
             held.enter_context(FileLock(folder / "run", timeout=0))
         except Timeout:
-            advice = "wait for that run, or end it"
-            raise ArgumentError(
-                "out", "the folder of a sweep that is running", "a folder in which no run is active", advice, str(folder)
-            ) from None
+            given, allowed = "the folder of a sweep that is running", "a folder in which no run is active"
+            raise ArgumentError("out", given, allowed, "wait for that run, or end it", str(folder)) from None
         token = uuid4().hex
         replace_file(folder / TOKEN, token)
         _wait_for_earlier_runs(folder)
@@ -395,14 +370,9 @@ def _wait_for_earlier_runs(folder: Path) -> None:
             with FileLock(path, timeout=max(until - monotonic(), 0.0), poll_interval=0.02):
                 path.unlink(missing_ok=True)
         except Timeout:
-            advice = "end the processes of the earlier run"
-            raise ArgumentError(
-                "out",
-                "a folder to which processes of an earlier run of the sweep still write",
-                "a folder to which no other process writes",
-                advice,
-                str(folder),
-            ) from None
+            given = "a folder to which processes of an earlier run of the sweep still write"
+            allowed, advice = "a folder to which no other process writes", "end the processes of the earlier run"
+            raise ArgumentError("out", given, allowed, advice, str(folder)) from None
 
 
 @contextmanager
@@ -529,21 +499,19 @@ def solve_sample_or_refuse(
     values: Sequence[Any],
     model: str,
     engine: str,
-    wanted_outputs: Collection[str] = tuple(OUTPUTS),
+    wanted_outputs: Collection[str],
 ) -> dict[str, Any]:
     """Solve one sample of a sweep; return its status and its outputs by name.
 
     The arguments are those of `solve_sample`. Raises InputError if the scene or the model does not allow the sample's
     values.
     """
-    scene = scene_tables.scene_from_tables(
-        tables_with_varied_keys(_cached_toml_tables(scene_text, origin), varied_keys, values), origin
-    )
+    tables = tables_with_varied_keys(_cached_toml_tables(scene_text, origin), varied_keys, values)
+    scene = scene_tables.scene_from_tables(tables, origin)
     if isinstance(scene, DutyCycle):
         return _solve_duty_cycle_sample(scene, model, engine, wanted_outputs)
-    result, kept = solve_load_case_for_outputs(
-        scene_file.scene_or_shaft_or_raise(scene, origin), model, engine, wanted_outputs
-    )
+    one = scene_file.scene_or_shaft_or_raise(scene, origin)
+    result, kept = solve_load_case_for_outputs(one, model, engine, wanted_outputs)
     return {"status": result.status, **kept}
 
 

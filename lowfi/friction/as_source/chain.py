@@ -21,7 +21,6 @@ from scipy.optimize import root
 from rollbench.lowfi.friction.contact import laws
 from rollbench.lowfi.friction.contact.equilibrium import HYBRID
 from rollbench.lowfi.friction.linear.bearing import MOVING, LinearBearing, contact_directions, contact_semi_axes
-from rollbench.lowfi.friction.linear.chain import pair_angles_and_loads
 from rollbench.meshes.arrays import Array, Mask
 
 #: Outcome of a search by Lin's method, see `BallMotionsByLin.status`.
@@ -93,12 +92,11 @@ class LoadedBalls:
     def subset(self, chosen: slice) -> LoadedBalls:
         """Return those of the balls whose indices lie in the range ``chosen``, with their contacts."""
         rows = slice(4 * chosen.start, 4 * chosen.stop)
-        at = laws.EllipticalContacts(
-            self.contacts.a[rows], self.contacts.b[rows], self.contacts.load[rows], self.contacts.mu[rows]
-        )
-        return LoadedBalls(
-            at, self.contact_motion_maps[chosen], self.imposed_contact_motions[chosen], self.ball_to_ball_contact
-        )
+        all_contacts = self.contacts
+        arrays = (all_contacts.a, all_contacts.b, all_contacts.load, all_contacts.mu)
+        at = laws.EllipticalContacts(*(values[rows] for values in arrays))
+        maps, drives = self.contact_motion_maps[chosen], self.imposed_contact_motions[chosen]
+        return LoadedBalls(at, maps, drives, self.ball_to_ball_contact)
 
 
 @dataclass(frozen=True)
@@ -243,9 +241,8 @@ def solve_touching_groups(
     worst, calls = 0.0, 0
     for group in index_ranges_of_touching_groups(touching):
         inner = slice(group.start, group.stop - 1)
-        q[group], force[inner], left, further = solve_touching_group(
-            balls.subset(group), law, start[0][group], start[1][inner]
-        )
+        found = solve_touching_group(balls.subset(group), law, start[0][group], start[1][inner])
+        q[group], force[inner], left, further = found
         worst, calls = max(worst, left), calls + further
     return q, force, worst, calls
 
@@ -258,6 +255,22 @@ def neighbours_not_separating(pair: BallToBallContact, q: Array, tolerance: floa
     """
     rate = (q[:-1, 0] - q[1:, 0]) * pair.surface_speed_per_unit[0] / pair.speed
     return np.asarray(rate >= tolerance)
+
+
+def status_of_solution(
+    pair: BallToBallContact, residual: float, q: Array, ball_force: Array, friction_bound: float, near_but_apart: Mask
+) -> Status:
+    """Return the outcome of a search by Lin's method, as explained at `BallMotionsByLin.status`.
+
+    ``pair``: kinematics of touching balls; ``residual``: largest residual of the scaled equations; ``q``: motions of the
+    balls ``(N, n)``; ``ball_force``: force of each ball on the next one ``(N-1,)`` [N]; ``friction_bound``: largest
+    friction bound of a ball [N]; ``near_but_apart``: whether each ball is near enough to the next one to touch it, but does
+    not count as touching it ``(N-1,)``.
+    """
+    if not residual <= ACCEPTED:
+        return "failed"
+    pulls = np.any(ball_force < -ACCEPTED * friction_bound)
+    return "overlapping" if pulls or np.any(near_but_apart & neighbours_not_separating(pair, q, ACCEPTED)) else "exact"
 
 
 def solve_motions_of_balls_by_root(
@@ -296,11 +309,7 @@ def solve_motions_of_balls_by_root(
         q, force, left, further = solve_touching_groups(balls, law, touch, (free, none) if touching is None else touching)
         calls += further
     balanced = ball_forces_and_losses(balls, law, q, force)
-    wrong = bool(
-        np.any(force < -ACCEPTED * balls.largest_friction_bound)
-        or np.any(may_touch & ~touch & neighbours_not_separating(pair, q, ACCEPTED))
-    )
-    status: Status = "failed" if not left <= ACCEPTED else "overlapping" if wrong else "exact"
+    status = status_of_solution(pair, left, q, force, balls.largest_friction_bound, may_touch & ~touch)
     return BallMotionsByLin(q, free, force, balanced.groove_loss, balanced.ball_loss, left, calls, status)
 
 
@@ -360,18 +369,3 @@ def solve_linear_bearing_by_root(
     balls = balls_of_linear_bearing(bearing, angles, loads)
     near = np.broadcast_to(np.asarray(may_touch, dtype=bool), (balls.count - 1,))
     return solve_motions_of_balls_by_root(balls, laws.CoulombLaw() if law is None else law, near)
-
-
-def solve_linear_pair_by_root(
-    bearing: LinearBearing, theta: float, side_force_ratio: float, vertical: float, law: laws.FrictionLaw | None = None
-) -> BallMotionsByLin:
-    """Return the motion by Lin's method of the two balls in section 3.3.4 of his thesis, which are near enough to touch.
-
-    ``bearing``: the bearing; ``theta``: deviation of the contact angles on the bottom groove [rad]; ``side_force_ratio``:
-    ratio N_x/N_y of side force to vertical force on the first ball; the second has the opposite side force; ``vertical``:
-    vertical force N_y on each ball [N]; ``law``: friction law; None: Coulomb's law. The contact loads are in equilibrium at
-    the given angles, in closed form (`pair_angles_and_loads`).
-    """
-    return solve_linear_bearing_by_root(
-        bearing, *pair_angles_and_loads(bearing, theta, side_force_ratio, vertical), True, law
-    )

@@ -29,7 +29,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import root
 
-from rollbench.lowfi.friction.as_source import chain as as_source_chain
+from rollbench.lowfi.friction.as_source import chain as lin
 from rollbench.lowfi.friction.contact.equilibrium import HYBRID, ContactLoadSolution
 from rollbench.lowfi.friction.contact.laws import FrictionLaw, SigmoidLaw
 from rollbench.lowfi.friction.linear.bearing import LinearBearing
@@ -38,6 +38,7 @@ from rollbench.lowfi.friction.screw import motion as screw_motion
 from rollbench.lowfi.friction.screw.chain import ChainMotion, ScrewBallChain, solve_motion_of_chain
 from rollbench.lowfi.friction.screw.groove import ON_SCREW, SIGN_X, SIGN_Z, ScrewGroove
 from rollbench.lowfi.friction.screw.run import Pair, Run, ScrewPairSolution, balls_at_instant
+from rollbench.lowfi.hertz import contact_force
 from rollbench.meshes.arrays import Array, Mask
 
 
@@ -75,11 +76,8 @@ def contact_loads_at_positions(
     line = line + positions.ball_displacements[:, None, :] - np.where(ON_SCREW[:, None], screw, 0.0)
     normal, tangent = np.stack([SIGN_X * c, SIGN_Z * s], axis=-1), np.stack([-SIGN_X * s, SIGN_Z * c], axis=-1)
     approach = np.sum(line * normal, axis=-1) - g.groove_ball_centre_distance + cell.interference
-    return (
-        (np.maximum(approach, 0.0) / g.contact_hertz_constants.C) ** 1.5,
-        np.sum(line * tangent, axis=-1) / g.groove_ball_centre_distance,
-        normal,
-    )
+    miss = np.sum(line * tangent, axis=-1) / g.groove_ball_centre_distance
+    return contact_force(approach, g.contact_hertz_constants.C), miss, normal
 
 
 def load_per_ball_and_its_approach(cell: screw_motion.BallsBetweenGrooves) -> tuple[float, float]:
@@ -102,9 +100,8 @@ def starting_positions(cell: screw_motion.BallsBetweenGrooves) -> BallPositions:
     total, (_, size) = float(np.linalg.norm(cell.external_screw_force)), load_per_ball_and_its_approach(cell)
     size += max(0.0, -float(np.min(cell.interference)))
     screw = np.zeros(cell.external_screw_force.size) if total == 0.0 else 4.0 * size * cell.external_screw_force / total
-    return BallPositions(
-        0.5 * (cell.section_displacement_maps @ screw + cell.given_screw_displacement), cell.angle.copy(), screw
-    )
+    at_balls = cell.section_displacement_maps @ screw + cell.given_screw_displacement
+    return BallPositions(0.5 * at_balls, cell.angle.copy(), screw)
 
 
 def solve_contact_loads_by_root(
@@ -129,34 +126,30 @@ def solve_contact_loads_by_root(
         """Return the residuals of the equations: scaled forces on the balls, contact conditions, forces on the screw."""
         force, bent, normal = contact_loads_at_positions(cell, positions_from_unknowns(x))
         pull = force[..., None] * normal
-        on_screw = (
-            np.einsum("nim,ni->m", cell.section_displacement_maps, pull[:, ON_SCREW].sum(axis=1))
-            + cell.external_screw_force
-            + cell.screw_friction_forces
-        )
-        return np.concatenate(
-            [((cell.ball_friction_forces - pull.sum(axis=1)) / scale).ravel(), bent.ravel(), on_screw / (n * scale)]
-        )
+        on_screw = np.einsum("nim,ni->m", cell.section_displacement_maps, pull[:, ON_SCREW].sum(axis=1))
+        on_screw = on_screw + cell.external_screw_force + cell.screw_friction_forces
+        on_balls = cell.ball_friction_forces - pull.sum(axis=1)
+        return np.concatenate([(on_balls / scale).ravel(), bent.ravel(), on_screw / (n * scale)])
 
     x = np.concatenate([(at.ball_displacements / size).ravel(), at.contact_angles.ravel(), at.screw_displacements / size])
     solution = root(residual, x, method="hybr", options=HYBRID)
     places = positions_from_unknowns(solution.x)
     force, _, _ = contact_loads_at_positions(cell, places)
     left = float(np.max(np.abs(solution.fun))) * scale
-    good = left <= as_source_chain.ACCEPTED * (scale * n + float(force.sum()))
+    good = left <= lin.ACCEPTED * (scale * n + float(force.sum()))
     return ContactLoadSolution(
         force, places.contact_angles, places.ball_displacements, places.screw_displacements, left, int(solution.nfev), good
     )
 
 
-def ball_to_ball_contact_of_screw(groove: ScrewGroove) -> as_source_chain.BallToBallContact:
+def ball_to_ball_contact_of_screw(groove: ScrewGroove) -> lin.BallToBallContact:
     """Return kinematics and friction of touching balls of a screw, on the exact helix.
 
     The unknowns of a ball are its angular speeds omega_B around the axis and omega_x, omega_y, omega_z [rad/s]. The exact
     helix corrects equations 3.73 to 3.75 of Lin's thesis.
     """
     p, r = groove.pair, groove.ball_radius
-    return as_source_chain.BallToBallContact(
+    return lin.BallToBallContact(
         p.first_ball_surface_speeds,
         p.second_ball_surface_speeds,
         p.closing_speed_factor,
@@ -178,16 +171,15 @@ def least_sliding_motion(groove: ScrewGroove) -> Array:
     return np.asarray(x / units)
 
 
-def balls_of_screw(groove: ScrewGroove, force: Array, angle: Array) -> as_source_chain.LoadedBalls:
+def balls_of_screw(groove: ScrewGroove, force: Array, angle: Array) -> lin.LoadedBalls:
     """Return N balls of a screw at given contact loads, with the kinematics of their contacts.
 
     ``force``: contact loads ``(N, 4)`` [N]; ``angle``: contact angles ``(N, 4)`` [rad], both in the order SL, SR, NL, NR
     (screw or nut, left or right).
     """
     maps, drives = groove.contact_kinematics(groove.normals(angle))
-    return as_source_chain.LoadedBalls(
-        screw_motion.contact_ellipses_of_screw(groove, force), maps, drives, ball_to_ball_contact_of_screw(groove)
-    )
+    ellipses = screw_motion.contact_ellipses_of_screw(groove, force)
+    return lin.LoadedBalls(ellipses, maps, drives, ball_to_ball_contact_of_screw(groove))
 
 
 @dataclass(frozen=True)
@@ -213,14 +205,12 @@ class BallStateByLin:
 class ScrewSolutionByLin:
     """Contact loads and motions of the balls of a screw by the method of Lin's thesis."""
 
-    #: Contact loads without friction.
-    frictionless_loads: ContactLoadSolution
     #: Contact forces with friction ``(N, 4)`` [N].
     force: Array
     #: Contact angles with friction ``(N, 4)`` [rad].
     angle: Array
     #: Motion of the balls with friction, and forces between balls.
-    motion: as_source_chain.BallMotionsByLin
+    motion: lin.BallMotionsByLin
 
 
 def solve_loads_and_motion_of_group(
@@ -239,11 +229,8 @@ def solve_loads_and_motion_of_group(
     def positions_motions_and_forces(x: Array) -> tuple[BallPositions, Array, Array]:
         """Return positions, then motions, then forces between the balls, from the scaled unknowns x."""
         by_ball = x[: 10 * n].reshape(n, 10)
-        return (
-            BallPositions(by_ball[:, :2] * size, by_ball[:, 2:6], start.positions.screw_displacements),
-            by_ball[:, 6:] / turn,
-            x[10 * n :] * bound,
-        )
+        positions = BallPositions(by_ball[:, :2] * size, by_ball[:, 2:6], start.positions.screw_displacements)
+        return positions, by_ball[:, 6:] / turn, x[10 * n :] * bound
 
     def residual(x: Array) -> Array:
         """Return the residuals of the scaled equations of all balls, then the differences of the speeds of neighbours."""
@@ -251,22 +238,19 @@ def solve_loads_and_motion_of_group(
             return np.full_like(x, 1e3)
         places, q, between = positions_motions_and_forces(x)
         force, bent, normal = contact_loads_at_positions(cell, places)
-        rolling = as_source_chain.ball_forces_and_losses(balls_of_screw(g, force, places.contact_angles), law, q, between)
-        friction = screw_motion.friction_wrench_at_contacts(
-            g.normals(places.contact_angles), rolling.force, rolling.moment
-        )[..., [0, 2]]
+        rolling = lin.ball_forces_and_losses(balls_of_screw(g, force, places.contact_angles), law, q, between)
+        normals = g.normals(places.contact_angles)
+        friction = screw_motion.friction_wrench_at_contacts(normals, rolling.force, rolling.moment)[..., [0, 2]]
         pull = cell.ball_friction_forces + (friction - force[..., None] * normal).sum(axis=1)
         bite = (pair.mu * between)[:, None] * rolling.sliding_directions
         pull[:-1] += (between[:, None] * g.pair.force_directions[0] - bite @ g.pair.tangent_directions[0])[:, [0, 2]]
         pull[1:] += (between[:, None] * g.pair.force_directions[1] + bite @ g.pair.tangent_directions[1])[:, [0, 2]]
-        equations = np.concatenate(
-            [pull / reference_load, bent, rolling.unbalanced_forces / (pair.surface_speed_per_unit * bound)], axis=1
-        )
+        unbalanced = rolling.unbalanced_forces / (pair.surface_speed_per_unit * bound)
+        equations = np.concatenate([pull / reference_load, bent, unbalanced], axis=1)
         return np.append(equations.ravel(), np.diff(q[:, 0]) * turn[0])
 
-    unknowns = np.concatenate(
-        [start.positions.ball_displacements / size, start.positions.contact_angles, start.ball_motions * turn], axis=1
-    )
+    at = start.positions
+    unknowns = np.concatenate([at.ball_displacements / size, at.contact_angles, start.ball_motions * turn], axis=1)
     x = np.append(unknowns.ravel(), start.ball_force / bound)
     solution = root(residual, x, method="hybr", options=HYBRID)
     at, q, between = positions_motions_and_forces(solution.x)
@@ -284,13 +268,11 @@ def solve_loads_and_motion_of_groups(
     searches start; ``reference_load``: sum of the contact loads of one ball [N], a scale by which forces are divided.
     """
     n = cell.angle.shape[0]
-    ball, gamma, q = (
-        start.positions.ball_displacements.copy(),
-        start.positions.contact_angles.copy(),
-        start.ball_motions.copy(),
-    )
+    ball = start.positions.ball_displacements.copy()
+    gamma = start.positions.contact_angles.copy()
+    q = start.ball_motions.copy()
     force, between, left, calls = np.zeros((n, 4)), np.zeros(n - 1), 0.0, 0
-    for group in as_source_chain.index_ranges_of_touching_groups(touching):
+    for group in lin.index_ranges_of_touching_groups(touching):
         inner = slice(group.start, group.stop - 1)
         group_cell = replace(
             cell,
@@ -300,18 +282,12 @@ def solve_loads_and_motion_of_groups(
             given_screw_displacement=cell.given_screw_displacement[group],
             ball_friction_forces=cell.ball_friction_forces[group],
         )
-        at = BallPositions(
-            start.positions.ball_displacements[group],
-            start.positions.contact_angles[group],
-            start.positions.screw_displacements,
-        )
-        begin = BallStateByLin(at, force[group], start.ball_motions[group], start.ball_force[inner], 0.0, 0)
+        at = BallPositions(ball[group], gamma[group], start.positions.screw_displacements)
+        begin = BallStateByLin(at, force[group], q[group], start.ball_force[inner], 0.0, 0)
         solved = solve_loads_and_motion_of_group(group_cell, law, begin, reference_load)
-        ball[group], gamma[group], force[group] = (
-            solved.positions.ball_displacements,
-            solved.positions.contact_angles,
-            solved.contact_forces,
-        )
+        ball[group] = solved.positions.ball_displacements
+        gamma[group] = solved.positions.contact_angles
+        force[group] = solved.contact_forces
         q[group], between[inner] = solved.ball_motions, solved.ball_force
         left, calls = max(left, solved.largest_residual), calls + solved.calls
     return BallStateByLin(BallPositions(ball, gamma, start.positions.screw_displacements), force, q, between, left, calls)
@@ -339,9 +315,8 @@ def solve_motion_of_separate_balls(
     """
     n, pair = cell.angle.shape[0], ball_to_ball_contact_of_screw(cell.groove)
     none, first = np.zeros(n - 1), np.tile(pair.nominal_rolling_motion, (n, 1))
-    q, _, left, calls = as_source_chain.solve_touching_groups(
-        balls_of_screw(cell.groove, load.force, load.angle), law, none > 0.0, (first, none)
-    )
+    balls = balls_of_screw(cell.groove, load.force, load.angle)
+    q, _, left, calls = lin.solve_touching_groups(balls, law, none > 0.0, (first, none))
     return BallStateByLin(BallPositions(load.ball_displacements, load.angle, np.zeros(0)), load.force, q, none, left, calls)
 
 
@@ -378,39 +353,16 @@ def solve_loads_and_motion_by_root(
     none = np.zeros(cell.angle.shape[0] - 1)
     free = solved = solve_loads_and_motion_of_groups(held, law, none > 0.0, replace(begin, ball_force=none), scale)
     calls = begin.calls + free.calls
-    touch = np.asarray(may_touch, dtype=bool) & as_source_chain.neighbours_not_separating(pair, free.ball_motions)
-    if free.largest_residual <= as_source_chain.ACCEPTED and np.any(touch):
+    touch = np.asarray(may_touch, dtype=bool) & lin.neighbours_not_separating(pair, free.ball_motions)
+    if free.largest_residual <= lin.ACCEPTED and np.any(touch):
         solved = solve_loads_and_motion_of_groups(held, law, touch, free if touching is None else touching, scale)
         calls += solved.calls
-    sums = as_source_chain.ball_forces_and_losses(
-        balls_of_screw(cell.groove, solved.contact_forces, solved.positions.contact_angles),
-        law,
-        solved.ball_motions,
-        solved.ball_force,
-    )
-    bad = np.any(solved.ball_force < -as_source_chain.ACCEPTED * cell.groove.mu * scale)
-    wrong = bool(
-        bad
-        or np.any(
-            may_touch
-            & ~touch
-            & as_source_chain.neighbours_not_separating(pair, solved.ball_motions, as_source_chain.ACCEPTED)
-        )
-    )
-    status: as_source_chain.Status = (
-        "failed" if not solved.largest_residual <= as_source_chain.ACCEPTED else "overlapping" if wrong else "exact"
-    )
-    motion = as_source_chain.BallMotionsByLin(
-        solved.ball_motions,
-        free.ball_motions,
-        solved.ball_force,
-        sums.groove_loss,
-        sums.ball_loss,
-        solved.largest_residual,
-        calls,
-        status,
-    )
-    return ScrewSolutionByLin(load, solved.contact_forces, solved.positions.contact_angles, motion)
+    balls = balls_of_screw(cell.groove, solved.contact_forces, solved.positions.contact_angles)
+    sums = lin.ball_forces_and_losses(balls, law, solved.ball_motions, solved.ball_force)
+    left, q, between = solved.largest_residual, solved.ball_motions, solved.ball_force
+    status = lin.status_of_solution(pair, left, q, between, cell.groove.mu * scale, may_touch & ~touch)
+    motion = lin.BallMotionsByLin(q, free.ball_motions, between, sums.groove_loss, sums.ball_loss, left, calls, status)
+    return ScrewSolutionByLin(solved.contact_forces, solved.positions.contact_angles, motion)
 
 
 def solve_screw_pair_by_root(
@@ -435,10 +387,8 @@ def solve_screw_pair_by_root(
             'Lin\'s method for two balls: coupling (effect of friction) must be "none" or "ball" (the contact loads), '
             'got "ball and screw": the method keeps the screw in its position without friction'
         )
-    cell, law = (
-        pair.balls_with_loads(),
-        screw_motion.lin_sigmoid_law(pair.groove, as_source_chain.SHARPNESS) if law is None else law,
-    )
+    cell = pair.balls_with_loads()
+    law = screw_motion.lin_sigmoid_law(pair.groove, lin.SHARPNESS) if law is None else law
     load, reach = solve_contact_loads_by_root(cell), np.array([True])
     if not load.converged:
         raise RuntimeError(
@@ -447,14 +397,10 @@ def solve_screw_pair_by_root(
         )
     if pair.coupling == "ball":
         return solve_loads_and_motion_by_root(cell, load, reach, law, start, touching)
-    motion = as_source_chain.solve_motions_of_balls_by_root(
-        balls_of_screw(pair.groove, load.force, load.angle),
-        law,
-        reach,
-        None if start is None else start.ball_motions,
-        None if touching is None else (touching.ball_motions, touching.ball_force),
-    )
-    return ScrewSolutionByLin(load, load.force, load.angle, motion)
+    balls, first = balls_of_screw(pair.groove, load.force, load.angle), None if start is None else start.ball_motions
+    second = None if touching is None else (touching.ball_motions, touching.ball_force)
+    motion = lin.solve_motions_of_balls_by_root(balls, law, reach, first, second)
+    return ScrewSolutionByLin(load.force, load.angle, motion)
 
 
 @dataclass(frozen=True)
@@ -534,7 +480,7 @@ def simulate_by_root(run: Run, steps: int | None = None) -> ScrewHistoryByLin:
             'of friction (coupling = "none")'
         )
     g, n, dt = run.groove, run.count, run.duration / run.steps
-    law = screw_motion.lin_sigmoid_law(g, as_source_chain.SHARPNESS)
+    law = screw_motion.lin_sigmoid_law(g, lin.SHARPNESS)
     azimuth = run.ring * (np.arange(n) + run.first) / n - np.pi * run.turns
     gap = np.full(n, run.ring / n - g.pair.spacing)
     before: _PreviousStep | None = None
@@ -542,18 +488,15 @@ def simulate_by_root(run: Run, steps: int | None = None) -> ScrewHistoryByLin:
     for k in range(steps or run.steps):
         turned = g.speed * dt * k
         azimuths, loaded = run.fold_into_track(azimuth, turned)
-        load = solve_contact_loads_by_root(
-            balls_at_instant(run, azimuths, loaded, turned), None if before is None else before.positions
-        )
+        cell = balls_at_instant(run, azimuths, loaded, turned)
+        load = solve_contact_loads_by_root(cell, None if before is None else before.positions)
         at = BallPositions(load.ball_displacements, load.angle, load.inner_body_displacements)
         motion, order = _solve_motion_of_step(run, load.force, load.angle, gap <= 0.0, law, before)
         good = load.converged and motion.status != "failed"
         force, q, free = np.zeros(n), np.empty((n, 4)), np.empty((n, 4))
-        force[order[:-1]], q[order], free[order] = (
-            motion.ball_force,
-            motion.ball_motions,
-            motion.motions_without_ball_forces,
-        )
+        force[order[:-1]] = motion.ball_force
+        q[order] = motion.ball_motions
+        free[order] = motion.motions_without_ball_forces
         if good:
             before, omega = _PreviousStep(at, free, q, force), q[:, 0] - g.screw_speed
         gap = gap + dt * (np.roll(omega, -1) - omega)
@@ -567,8 +510,8 @@ def simulate_by_root(run: Run, steps: int | None = None) -> ScrewHistoryByLin:
 
 
 def _solve_motion_of_step(
-    run: Run, force: Array, angle: Array, may_touch: NDArray[np.bool_], law: FrictionLaw, previous: _PreviousStep | None
-) -> tuple[as_source_chain.BallMotionsByLin, NDArray[np.intp]]:
+    run: Run, force: Array, angle: Array, may_touch: Mask, law: FrictionLaw, previous: _PreviousStep | None
+) -> tuple[lin.BallMotionsByLin, NDArray[np.intp]]:
     """Return the motion of the balls in one time step, and the indices of the balls in the order of this motion ``(N,)``.
 
     The order begins after a ball that cannot touch the next one: there the ring of balls is cut open. ``force`` [N],
@@ -584,14 +527,11 @@ def _solve_motion_of_step(
     balls = balls_of_screw(run.groove, force[order], angle[order])
     near = may_touch[order[:-1]]
     if previous is None:
-        return as_source_chain.solve_motions_of_balls_by_root(balls, law, near), order
+        return lin.solve_motions_of_balls_by_root(balls, law, near), order
     free = previous.motions_without_ball_forces[order]
-    motion = as_source_chain.solve_motions_of_balls_by_root(
-        balls, law, near, free, (previous.ball_motions[order], previous.force[order[:-1]])
-    )
-    return (
-        motion if motion.status != "failed" else as_source_chain.solve_motions_of_balls_by_root(balls, law, near, free)
-    ), order
+    touching = (previous.ball_motions[order], previous.force[order[:-1]])
+    motion = lin.solve_motions_of_balls_by_root(balls, law, near, free, touching)
+    return (motion if motion.status != "failed" else lin.solve_motions_of_balls_by_root(balls, law, near, free)), order
 
 
 def randomly_perturbed_motions(q: Array, units: Array, rng: np.random.Generator, largest_deviation: float) -> Array:
@@ -608,7 +548,7 @@ def randomly_perturbed_motions(q: Array, units: Array, rng: np.random.Generator,
 
 def linear_solutions_from_starts(
     bearing: LinearBearing, angles: Array, loads: Array, rng: np.random.Generator, count: int, largest_deviation: float
-) -> Iterator[as_source_chain.BallMotionsByLin]:
+) -> Iterator[lin.BallMotionsByLin]:
     """Yield motions of N balls of a linear bearing by Lin's method, from nominal rolling and then from random starts.
 
     All neighbours are near enough to touch. The random starts are motions that deviate from the solution by rollbench,
@@ -633,24 +573,18 @@ def linear_solutions_from_starts(
     apart, together = (
         solve_linear_chain(prepare_linear_chain(bearing, angles, loads, touching)) for touching in (False, True)
     )
-    balls = as_source_chain.balls_of_linear_bearing(bearing, angles, loads)
-    law = (
-        as_source_chain.linear_bearing_friction_law(bearing, as_source_chain.SHARPNESS)
-        if bearing.speed
-        else SigmoidLaw(as_source_chain.SHARPNESS, 1.0)
-    )
+    balls = lin.balls_of_linear_bearing(bearing, angles, loads)
+    law = lin.linear_bearing_friction_law(bearing, lin.SHARPNESS) if bearing.speed else SigmoidLaw(lin.SHARPNESS, 1.0)
     reach, units = np.ones(balls.count - 1, dtype=bool), balls.ball_to_ball_contact.surface_speed_per_unit
-    yield as_source_chain.solve_motions_of_balls_by_root(balls, law, reach)
+    motions = [np.column_stack([r.velocity, r.rotation]) for r in (apart, together)]
+    yield lin.solve_motions_of_balls_by_root(balls, law, reach)
     for _ in range(count):
-        free, near = (
-            randomly_perturbed_motions(np.column_stack([r.velocity, r.rotation]), units, rng, largest_deviation)
-            for r in (apart, together)
-        )
+        free, near = (randomly_perturbed_motions(q, units, rng, largest_deviation) for q in motions)
         force = together.ball_force * rng.uniform(0.0, 2.0, together.ball_force.size)
-        yield as_source_chain.solve_motions_of_balls_by_root(balls, law, reach, free, (near, force))
+        yield lin.solve_motions_of_balls_by_root(balls, law, reach, free, (near, force))
 
 
-def sigmoid_of_moving_or_resting_screw(groove: ScrewGroove, sharpness: float = as_source_chain.SHARPNESS) -> SigmoidLaw:
+def sigmoid_of_moving_or_resting_screw(groove: ScrewGroove, sharpness: float = lin.SHARPNESS) -> SigmoidLaw:
     """Return Lin's sigmoid friction law for a screw, also for a screw at rest.
 
     For a screw at rest the reference spin of the sigmoid would be zero; it is then set to 1 rad/s.
@@ -667,7 +601,7 @@ def sigmoid_of_moving_or_resting_screw(groove: ScrewGroove, sharpness: float = a
 
 def pair_solutions_from_starts(
     pair: Pair, solved: ScrewPairSolution, rng: np.random.Generator, count: int, largest_deviation: float
-) -> Iterator[as_source_chain.BallMotionsByLin | None]:
+) -> Iterator[lin.BallMotionsByLin | None]:
     """Yield motions of two balls of a screw by Lin's method, from nominal rolling and then from random starts.
 
     None is yielded where the method finds no contact loads. The random starts are states that deviate from the solution by
@@ -687,22 +621,15 @@ def pair_solutions_from_starts(
         Largest relative deviation of each motion of a start from the motion in the solution by rollbench
         (`randomly_perturbed_motions`).
     """
-    free, touching, units = (
-        lin_start_from_rollbench_solution(solved, False),
-        lin_start_from_rollbench_solution(solved, True),
-        ball_to_ball_contact_of_screw(pair.groove).surface_speed_per_unit,
-    )
+    free = lin_start_from_rollbench_solution(solved, False)
+    touching = lin_start_from_rollbench_solution(solved, True)
+    units = ball_to_ball_contact_of_screw(pair.groove).surface_speed_per_unit
     starts: list[tuple[BallStateByLin | None, BallStateByLin | None]] = [(None, None)]
     for _ in range(count):
         force = touching.ball_force * rng.uniform(0.0, 2.0, 1)
-        near = replace(
-            touching,
-            ball_motions=randomly_perturbed_motions(touching.ball_motions, units, rng, largest_deviation),
-            ball_force=force,
-        )
-        starts.append(
-            (replace(free, ball_motions=randomly_perturbed_motions(free.ball_motions, units, rng, largest_deviation)), near)
-        )
+        q_near = randomly_perturbed_motions(touching.ball_motions, units, rng, largest_deviation)
+        q_free = randomly_perturbed_motions(free.ball_motions, units, rng, largest_deviation)
+        starts.append((replace(free, ball_motions=q_free), replace(touching, ball_motions=q_near, ball_force=force)))
     for start in starts:
         try:
             yield solve_screw_pair_by_root(pair, sigmoid_of_moving_or_resting_screw(pair.groove), *start).motion
@@ -712,7 +639,7 @@ def pair_solutions_from_starts(
 
 def chain_motions_from_random_starts(
     chain: ScrewBallChain, angle: Array, solved: ChainMotion, rng: np.random.Generator, count: int, largest_deviation: float
-) -> Iterator[as_source_chain.BallMotionsByLin]:
+) -> Iterator[lin.BallMotionsByLin]:
     """Yield motions of an open chain of balls of a screw by Lin's method, from nominal rolling and then from random starts.
 
     The contact loads are known. Only neighbours without a gap count as near enough to touch: if a gap closes within a
@@ -736,13 +663,9 @@ def chain_motions_from_random_starts(
     """
     alone = solve_motion_of_chain(replace(chain, allowed_closing_rate=np.full(chain.allowed_closing_rate.shape, np.inf)))
     balls, law = balls_of_screw(chain.groove, chain.force, angle), sigmoid_of_moving_or_resting_screw(chain.groove)
-    reach, force = chain.allowed_closing_rate[:-1] <= 0.0, solved.ball_force[:-1]
-    yield as_source_chain.solve_motions_of_balls_by_root(balls, law, reach)
+    reach, units = chain.allowed_closing_rate[:-1] <= 0.0, balls.ball_to_ball_contact.surface_speed_per_unit
+    yield lin.solve_motions_of_balls_by_root(balls, law, reach)
     for _ in range(count):
-        free, near = (
-            randomly_perturbed_motions(q, balls.ball_to_ball_contact.surface_speed_per_unit, rng, largest_deviation)
-            for q in (alone.q, solved.q)
-        )
-        yield as_source_chain.solve_motions_of_balls_by_root(
-            balls, law, reach, free, (near, force * rng.uniform(0.0, 2.0, force.size))
-        )
+        free, near = (randomly_perturbed_motions(q, units, rng, largest_deviation) for q in (alone.q, solved.q))
+        force = solved.ball_force[:-1] * rng.uniform(0.0, 2.0, solved.ball_force.size - 1)
+        yield lin.solve_motions_of_balls_by_root(balls, law, reach, free, (near, force))

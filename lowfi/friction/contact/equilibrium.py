@@ -19,12 +19,11 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rollbench.lowfi.friction.contact.kernel_types import BallContactArrays, BallContactState
 from rollbench.lowfi.friction.contact.laws import ContactFriction, EllipticalContacts, FrictionLaw, SigmoidLaw
 from rollbench.lowfi.jit import CONTACT, load_kernel_package
-from rollbench.meshes.arrays import Array
+from rollbench.meshes.arrays import Array, Mask
 
 #: Largest unbalanced force, divided by the sum of all forces, at which the search for contact loads ends, and up to which
 #: its result counts as converged.
@@ -51,6 +50,11 @@ class ContactLoadSolution:
     steps: int
     #: Whether the largest unbalanced force is at most 1e-8 times the sum of all forces.
     converged: bool
+
+    @property
+    def displacements(self) -> tuple[Array, Array]:
+        """Displacements of the balls ``(N, 2)``, then of the inner body ``(m,)`` [m]."""
+        return self.ball_displacements, self.inner_body_displacements
 
 
 def zero_contact_state_arrays(cell: BallContactArrays) -> BallContactState:
@@ -90,15 +94,10 @@ def solve_contact_loads(
         Whether to use compiled kernels.
     """
     state = zero_contact_state_arrays(cell)
-    steps = int(
-        load_kernel_package(CONTACT, compiled=fast).minimise_energy(cell, total_force, ball, inner, state, GOAL, STEPS)
-    )
-    left = float(
-        max(
-            np.max(np.abs(state.ball_unbalanced_forces), initial=0.0),
-            np.max(np.abs(state.inner_unbalanced_forces), initial=0.0),
-        )
-    )
+    kernels = load_kernel_package(CONTACT, compiled=fast)
+    steps = int(kernels.minimise_energy(cell, total_force, ball, inner, state, GOAL, STEPS))
+    unbalanced = (state.ball_unbalanced_forces, state.inner_unbalanced_forces)
+    left = max(float(np.max(np.abs(forces), initial=0.0)) for forces in unbalanced)
     good = left <= ACCEPTED * (total_force + float(np.sum(state.force)))
     return ContactLoadSolution(state.force, angles(state.normal), ball, inner, left, steps, good)
 
@@ -141,9 +140,8 @@ def solve_contact_loads_of_each_ball(
     x, n = starting_displacements.copy(), len(starting_displacements)
     force, normal, left = np.zeros((n, 4)), np.zeros((n, 4, 2)), np.zeros(n)
     given_arrays = (np.ascontiguousarray(a, dtype=float) for a in (start, interference, C, inner_direction, applied_forces))
-    load_kernel_package(CONTACT, compiled=fast).minimise_energy_of_each_ball(
-        *given_arrays, x, force, normal, left, GOAL, STEPS
-    )
+    kernels = load_kernel_package(CONTACT, compiled=fast)
+    kernels.minimise_energy_of_each_ball(*given_arrays, x, force, normal, left, GOAL, STEPS)
     return x, force, normal, left
 
 
@@ -181,28 +179,18 @@ class BodyMotionProblem:
 
         The value is 1 for an unknown velocity that moves no loaded contact. Solvers scale the unknowns by these values.
         """
-        rows = (
-            self.contact_motion_maps
-            * np.stack([np.ones_like(self.contacts.a), np.ones_like(self.contacts.a), self.contacts.a], axis=1)[:, :, None]
-        )
+        one = np.ones_like(self.contacts.a)
+        rows = self.contact_motion_maps * np.stack([one, one, self.contacts.a], axis=1)[:, :, None]
         size = np.sqrt(np.sum(rows[self.contacts.friction_bound > 0.0] ** 2, axis=(0, 1)))
         return np.asarray(np.where(size > 0.0, size, 1.0))
 
-    def largest_unbalanced_force(self, friction: ContactFriction) -> float:
-        """Return the largest unbalanced force on the body [N] under given friction and the other forces.
+    def unbalanced_forces(self, friction: ContactFriction) -> Array:
+        """Return the sum of friction and other forces on the body as generalised forces ``(n,)`` [W per unit of unknown].
 
-        ``friction``: friction at the contacts. The generalised force on each unknown is divided by its surface speed
-        per unit (`surface_speed_per_unknown`), so that it is a force.
+        ``friction``: friction at the contacts.
         """
         wrench = np.column_stack([friction.force, friction.moment])
-        return float(
-            np.max(
-                np.abs(
-                    (np.einsum("ir,irj->j", wrench, self.contact_motion_maps) + self.other_forces)
-                    / self.surface_speed_per_unknown()
-                )
-            )
-        )
+        return np.asarray(np.einsum("ir,irj->j", wrench, self.contact_motion_maps) + self.other_forces)
 
 
 @dataclass(frozen=True)
@@ -216,7 +204,7 @@ class BodyMotion:
     #: Friction on the body at each contact; for contacts at rest, the reactions.
     friction: ContactFriction
     #: Whether each contact is at rest ``(m,)``.
-    sticking_contacts: NDArray[np.bool_]
+    sticking_contacts: Mask
     #: Largest unbalanced force on the body [N].
     imbalance: float
     #: Lower and upper bound of the least value of dissipated power less power of the other forces, eq. (1) of this module
@@ -255,10 +243,8 @@ def least_dissipation(problem: BodyMotionProblem, start: Array | None = None, fa
     q = np.zeros(n) if start is None else np.array(start, dtype=float)
     forces, rest, bounds = np.zeros((m, 3)), np.zeros(m), np.zeros(2)
     shape = np.column_stack([at.a, at.b, at.friction_bound])
-    maps, drives = (
-        np.ascontiguousarray(problem.contact_motion_maps, dtype=float),
-        np.ascontiguousarray(problem.imposed_contact_motions, dtype=float),
-    )
+    maps = np.ascontiguousarray(problem.contact_motion_maps, dtype=float)
+    drives = np.ascontiguousarray(problem.imposed_contact_motions, dtype=float)
     push = np.ascontiguousarray(problem.other_forces, dtype=float)
     used = load_kernel_package(CONTACT, compiled=fast)
     begin = used.ROLLING if start is None else used.GIVEN
@@ -290,9 +276,8 @@ def motion_without_friction_forces(motion: BodyMotion) -> BodyMotion:
     motion
         Motion of a body with its friction forces.
     """
-    none = ContactFriction(
-        *(np.zeros_like(v) for v in (motion.friction.force, motion.friction.moment, motion.friction.loss))
-    )
+    f = motion.friction
+    none = ContactFriction(np.zeros_like(f.force), np.zeros_like(f.moment), np.zeros_like(f.loss))
     return replace(motion, friction=none, imbalance=0.0, dissipation_bounds=(0.0, 0.0))
 
 
@@ -318,11 +303,8 @@ def motion_by_root(problem: BodyMotionProblem, law: FrictionLaw, start: Array, f
 
     def residual(p: Array) -> Array:
         """Return the unbalanced generalised forces over the sum of friction bounds, for scaled unknowns p ``(n,)``."""
-        f = law.friction(problem.contacts, problem.contact_motions_at(p / units), fast)
-        wrench = np.column_stack([f.force, f.moment])
-        return np.asarray(
-            (np.einsum("ir,irj->j", wrench, problem.contact_motion_maps) + problem.other_forces) / (units * scale)
-        )
+        friction = law.friction(problem.contacts, problem.contact_motions_at(p / units), fast)
+        return np.asarray(problem.unbalanced_forces(friction) / (units * scale))
 
     from scipy.optimize import root
 
@@ -330,7 +312,7 @@ def motion_by_root(problem: BodyMotionProblem, law: FrictionLaw, start: Array, f
     q = np.asarray(solution.x / units)
     motion = problem.contact_motions_at(q)
     friction = law.friction(problem.contacts, motion, fast)
-    left = problem.largest_unbalanced_force(friction)
+    left = float(np.max(np.abs(problem.unbalanced_forces(friction) / units)))
     loss = float(np.sum(friction.loss))
     return BodyMotion(
         unknown_velocities=q,

@@ -136,9 +136,8 @@ def dissipated_power(
     """
     out = np.empty((contacts.a.shape[0], 11))
     motion = np.ascontiguousarray(motion, dtype=float)
-    load_kernel_package(CONTACT, compiled=fast).dissipation_of_contacts(
-        contacts.a, contacts.b, motion, float(regularising_speed), out
-    )
+    kernels = load_kernel_package(CONTACT, compiled=fast)
+    kernels.dissipation_of_contacts(contacts.a, contacts.b, motion, float(regularising_speed), out)
     out *= contacts.friction_bound[:, None]
     return ContactDissipation(
         power=out[:, 0],
@@ -250,9 +249,8 @@ def error_of_linear_friction_force(axis_ratio: ArrayLike, force_slope: ArrayLike
         )
     start = linear_friction_force_factor(axis_ratio)
     end = start - cubic_friction_force_factor(axis_ratio) * reach**2
-    return np.asarray(
-        np.maximum(np.abs(np.asarray(force_slope) / start - 1.0), np.abs(np.asarray(force_slope) / end - 1.0))
-    )
+    slope = np.asarray(force_slope)
+    return np.asarray(np.maximum(np.abs(slope / start - 1.0), np.abs(slope / end - 1.0)))
 
 
 class FrictionLaw(Protocol):

@@ -127,33 +127,25 @@ def contact_semi_axes(bearing: LinearBearing, loads: Array) -> tuple[Array, Arra
 
 
 def contact_angle_deviations(theta: Array, *, mated: bool = False) -> Array:
-    """Return deviations of a ball's four contact angles ``(..., 4)`` [rad]: -theta and theta on the bottom groove.
+    """Return by how much a ball's four contact angles differ from the nominal contact angle ``(..., 4)`` [rad].
 
-    The order is bottom left, bottom right, top right, top left. These are the deviations in the case study of Lin's
-    thesis.
+    The order is bottom left, bottom right, top right, top left. The differences are those in the case study of Lin's
+    thesis: -theta and theta on the bottom groove.
 
     Parameters
     ----------
     theta
-        Deviation theta of the contact angles on the bottom groove [rad], any shape ``(...)``.
+        Contact angle at the bottom right contact less the nominal contact angle [rad], any shape ``(...)``.
     mated
-        Whether the top groove deviates so as to match the bottom groove (see `top_deviations_matching_bottom`), as in
-        design (b) of section 3.3.4.2 of Lin's thesis; otherwise it has no deviation.
+        Whether the contact angles on the top groove differ from the nominal one by the same amounts as those opposite to
+        them on the bottom groove, as in design (b) of section 3.3.4.2 of Lin's thesis: the two contacts of each diagonal
+        then remain opposite to each other, so that the deviation of the velocity by eq. (3.43) of the thesis is zero under
+        any load. Otherwise both contact angles on the top groove are the nominal one.
     """
     t = np.asarray(theta, dtype=float)
     bottom = np.stack([-t, t], axis=-1)
-    top = top_deviations_matching_bottom(bottom) if mated else np.zeros_like(bottom)
+    top = bottom if mated else np.zeros_like(bottom)
     return np.concatenate([bottom, top], axis=-1)
-
-
-def top_deviations_matching_bottom(bottom: Array) -> Array:
-    """Return deviations of the top contact angles (right, left) [rad] that make a ball's velocity independent of the loads.
-
-    ``bottom``: deviations of the contact angles at the bottom left and the bottom right ``(..., 2)`` [rad]. By the rule
-    of section 3.3.4.2 of Lin's thesis, the two contacts of each diagonal remain opposite to each other, so that the
-    deviation of the velocity, eq. (3.43) of the thesis, is zero under any load.
-    """
-    return np.asarray(bottom, dtype=float).copy()
 
 
 def loads_equal_on_diagonals(vertical: float, side_ratio: Array, contact_angle: float = 0.25 * np.pi) -> Array:
@@ -265,16 +257,12 @@ def _elastic_loads_and_angles(
     [rad]; ``vertical``: vertical force N_y on the carriage [N]; ``side_force_ratio``: ratio N_x/N_y of side force to
     vertical force. The method is described in `loads_of_elastic_contacts`.
     """
-    n, slack, C = (
-        contact_directions(angles),
-        bearing.ball_radius * (2.0 * bearing.conformity - 1.0),
-        float(bearing.contact_hertz_constants().C),
-    )
+    n = contact_directions(angles)
+    slack = bearing.ball_radius * (2.0 * bearing.conformity - 1.0)
+    C = float(bearing.contact_hertz_constants().C)
     # the carriage, with contacts 2 and 3, is the inner body of the cell
-    pull, place = (
-        vertical * np.array([side_force_ratio, -1.0]),
-        np.array([side_force_ratio, -1.0]) * C * vertical ** (2.0 / 3.0),
-    )
+    pull = vertical * np.array([side_force_ratio, -1.0])
+    place = np.array([side_force_ratio, -1.0]) * C * vertical ** (2.0 / 3.0)
     cell = BallContactArrays(
         groove_to_ball_vectors=np.ascontiguousarray(slack * n[None, TOP_FIRST]),
         interference=np.zeros((1, 4)),
@@ -360,13 +348,8 @@ def ball_force_by_formula(bearing: LinearBearing, loads: Array, difference: Arra
     """
     stiff = np.cbrt(np.square(loads)).sum(axis=-1)
     in_series = stiff[..., 0] * stiff[..., 1] / (stiff[..., 0] + stiff[..., 1])
-    factor = (
-        2.0
-        * k_f
-        * bearing.mu
-        * np.cbrt(bearing.ball_radius**2)
-        / (bearing.semi_axis_constant() * np.tan(bearing.contact_angle))
-    )
+    factor = 2.0 * k_f * bearing.mu * np.cbrt(bearing.ball_radius**2)
+    factor /= bearing.semi_axis_constant() * np.tan(bearing.contact_angle)
     return np.asarray(factor * in_series * np.maximum(difference, 0.0))
 
 

@@ -28,6 +28,7 @@ import numpy as np
 
 from rollbench.lowfi.friction.contact.laws import cubic_friction_force_factor, linear_friction_force_factor
 from rollbench.lowfi.friction.linear import bearing as linear_bearing
+from rollbench.lowfi.friction.linear.bearing import LinearBearing, Loads
 from rollbench.lowfi.friction.linear.kernel import FILLED, WIDTH
 from rollbench.lowfi.friction.linear.kernel_types import ChainArrays, ChainSearchState, NewtonArrays
 from rollbench.lowfi.jit import LINEAR, load_kernel_package
@@ -126,7 +127,7 @@ class LinearChain:
     """
 
     #: Bearing with the speed of its carriage and the coefficients of friction.
-    bearing: linear_bearing.LinearBearing
+    bearing: LinearBearing
     #: Contacts and neighbours of the balls; speeds are in units of the carriage's speed, forces in units of ``force_unit``.
     kernel_arrays: ChainArrays
     #: Largest friction bound of a ball, the sum of mu F over its contacts [N].
@@ -140,9 +141,7 @@ class LinearChain:
         return int(self.kernel_arrays.contacts.shape[0])
 
 
-def prepare_linear_chain(
-    bearing: linear_bearing.LinearBearing, angles: Array, loads: Array, touching: Mask | bool = True
-) -> LinearChain:
+def prepare_linear_chain(bearing: LinearBearing, angles: Array, loads: Array, touching: Mask | bool = True) -> LinearChain:
     """Return a row of N balls in a linear bearing under given contact loads, prepared for `solve_linear_chain`.
 
     Parameters
@@ -188,7 +187,7 @@ def prepare_linear_chain(
     return LinearChain(bearing, arrays, scale, sign)
 
 
-def contact_friction_constants(bearing: linear_bearing.LinearBearing) -> Array:
+def contact_friction_constants(bearing: LinearBearing) -> Array:
     """Return the constants (b/a, q0, k1, k3) of formulas for the friction of the bearing's contacts ``(4,)``.
 
     b/a is the ratio of the semi-axes of the contact ellipse. Consider a contact with load F and coefficient of friction
@@ -206,14 +205,8 @@ def contact_friction_constants(bearing: linear_bearing.LinearBearing) -> Array:
     ratio = float(constants.C_b / constants.C_a)
     if not ratio >= NARROWEST:
         raise ValueError(f"the ratio b/a of the contacts' semi-axes must lie in [{NARROWEST}, 1], got {ratio}")
-    return np.array(
-        [
-            ratio,
-            0.375 * linear_bearing.elliptic_integral_second_kind(ratio),
-            linear_friction_force_factor(ratio),
-            cubic_friction_force_factor(ratio),
-        ]
-    )
+    q0 = 0.375 * linear_bearing.elliptic_integral_second_kind(ratio)
+    return np.array([ratio, q0, linear_friction_force_factor(ratio), cubic_friction_force_factor(ratio)])
 
 
 def solve_linear_chain(chain: LinearChain, start: Array | None = None, fast: bool = True) -> LinearChainSolution:
@@ -249,9 +242,8 @@ def solve_linear_chain(chain: LinearChain, start: Array | None = None, fast: boo
         point.motion_less_nominal[:] = np.asarray(start, dtype=float) - chain.kernel_arrays.nominal_motion
     if chain.force_unit == 0.0 or chain.carriage_speed_sign == 0.0:
         return _solution_in_si_units(chain, point, (0, 0.0), fast)
-    done = load_kernel_package(LINEAR, compiled=fast).solve_motion_of_ball_row(
-        chain.kernel_arrays, point, work, CREEP, TOLERANCE, STEPS
-    )
+    kernels = load_kernel_package(LINEAR, compiled=fast)
+    done = kernels.solve_motion_of_ball_row(chain.kernel_arrays, point, work, CREEP, TOLERANCE, STEPS)
     return _solution_in_si_units(chain, point, done, fast)
 
 
@@ -346,15 +338,14 @@ def _solution_in_si_units(
     radius = chain.bearing.ball_radius
     lam = np.maximum(push, 0.0)
     iterations, residual = steps_and_residual
+    spin = np.divide(slips[..., 1], contacts[..., 4], out=np.zeros_like(force), where=contacts[..., 3] > 0.0)
     lag = float(np.max(np.abs(pair[lam > 0.0, 0]), initial=0.0)) / CREEP
     good = max(residual, lag) <= ACCEPTED
     return LinearChainSolution(
         velocity=x[:, 0],
         rotation=x[:, 1:] / radius,
         sliding=slips[..., 0] * speed,
-        spin=np.divide(slips[..., 1], contacts[..., 4], out=np.zeros_like(force), where=contacts[..., 3] > 0.0)
-        * speed
-        / radius,
+        spin=spin * speed / radius,
         friction=-bound * force,
         groove_loss=bound * (slips[..., 0] * force + slips[..., 1] * moment) * speed,
         ball_force=scale * lam,
@@ -405,13 +396,13 @@ class LinearPairSolution:
 
 
 def pair_angles_and_loads(
-    bearing: linear_bearing.LinearBearing,
+    bearing: LinearBearing,
     theta: float,
     side_force_ratio: float,
     vertical: float,
     *,
     mated: bool = False,
-    loads: linear_bearing.Loads = "balanced",
+    loads: Loads = "balanced",
 ) -> tuple[Array, Array]:
     """Return the contact angles [rad], then the contact loads [N] of the two balls of Lin's case study, ``(2, 4)`` each.
 
@@ -423,14 +414,15 @@ def pair_angles_and_loads(
     bearing
         Bearing with the Hertz constants of its contacts.
     theta
-        Deviation theta of the contact angles on the bottom groove, -theta at its left and +theta at its right contact
-        [rad].
+        Angle theta by which the contact angles on the bottom groove differ from the nominal one: by -theta at the left, by
+        +theta at the right contact [rad].
     side_force_ratio
         Ratio N_x/N_y of side force to vertical force.
     vertical
         Vertical force N_y on each ball [N].
     mated
-        Whether the top groove is made to match the bottom groove, design (b) of section 3.3.4.2 of Lin's thesis.
+        Whether the contact angles on the top groove differ from the nominal one by the same amounts as those opposite to
+        them on the bottom groove, design (b) of section 3.3.4.2 of Lin's thesis; otherwise they are the nominal one.
     loads
         How the contact loads are computed, see `solve_pair_of_linear_balls`.
     """
@@ -445,13 +437,13 @@ def pair_angles_and_loads(
 
 
 def solve_pair_of_linear_balls(
-    bearing: linear_bearing.LinearBearing,
+    bearing: LinearBearing,
     theta: float,
     side_force_ratio: float,
     vertical: float,
     *,
     mated: bool = False,
-    loads: linear_bearing.Loads = "balanced",
+    loads: Loads = "balanced",
     fast: bool = True,
 ) -> LinearPairSolution:
     """Return the states of two balls of a linear bearing without and with contact (section 3.3.4 of Lin's thesis).
@@ -461,14 +453,15 @@ def solve_pair_of_linear_balls(
     bearing
         Bearing with speed and coefficients of friction.
     theta
-        Deviation theta of the contact angles on the bottom groove, -theta at its left and +theta at its right contact
-        [rad].
+        Angle theta by which the contact angles on the bottom groove differ from the nominal one: by -theta at the left, by
+        +theta at the right contact [rad].
     side_force_ratio
         Ratio N_x/N_y of side force to vertical force on the first ball; the second has the opposite side force.
     vertical
         Vertical force N_y on each ball [N].
     mated
-        Whether the top groove is made to match the bottom groove, design (b) of section 3.3.4.2 of Lin's thesis.
+        Whether the contact angles on the top groove differ from the nominal one by the same amounts as those opposite to
+        them on the bottom groove, design (b) of section 3.3.4.2 of Lin's thesis; otherwise they are the nominal one.
     loads
         How the contact loads are computed. ``"balanced"``: from equilibrium at the given contact angles, which yields the
         deviations epsilon printed in Lin's Table 3.4; ``"diagonal"``: equal loads on each diagonal as in Lin's text before
@@ -483,9 +476,10 @@ def solve_pair_of_linear_balls(
 
 
 class ModelAndFormula(NamedTuple):
-    """One quantity by the numerical model and by a closed formula, for T deviations theta and R side force ratios rho.
+    """One quantity by the numerical model and by a closed formula, for T angles theta and R side force ratios rho.
 
-    theta is the deviation of the contact angles on the bottom groove, rho the ratio of side force to vertical force.
+    theta is the angle by which the contact angles on the bottom groove differ from the nominal one, rho the ratio of side
+    force to vertical force.
     """
 
     #: Quantity by the numerical model ``(T, R)``.
@@ -501,12 +495,13 @@ class ModelAndFormula(NamedTuple):
 
 @dataclass(frozen=True)
 class LinearPairResultsOverGrid:
-    """Results for two balls over a grid of T deviations theta and R side force ratios rho (Lin Figures 3.14 and 3.15).
+    """Results for two balls over a grid of T angles theta and R side force ratios rho (Lin Figures 3.14 and 3.15).
 
-    theta is the deviation of the contact angles on the bottom groove, rho the ratio of side force to vertical force.
+    theta is the angle by which the contact angles on the bottom groove differ from the nominal one, rho the ratio of side
+    force to vertical force.
     """
 
-    #: Deviations of the contact angles on the bottom groove ``(T,)`` [rad].
+    #: Angles theta by which the contact angles on the bottom groove differ from the nominal one ``(T,)`` [rad].
     contact_angle_deviation: Array
     #: Ratios of side force to vertical force ``(R,)``.
     side_force_ratio: Array
@@ -523,11 +518,11 @@ class LinearPairResultsOverGrid:
 
 
 def pair_results_over_grid(
-    bearing: linear_bearing.LinearBearing, theta: Array, rho: Array, vertical: float, k_f: float
+    bearing: LinearBearing, theta: Array, rho: Array, vertical: float, k_f: float
 ) -> LinearPairResultsOverGrid:
-    """Return the results of numerical model and closed formulas for two balls, for T deviations and R side force ratios.
+    """Return the results of numerical model and closed formulas for two balls, for T angles theta and R side force ratios.
 
-    The deviations theta are those of the contact angles on the bottom groove. The results are those in Figures 3.14 and
+    The contact angles on the bottom groove differ from the nominal one by theta. The results are those in Figures 3.14 and
     3.15 of Lin's thesis.
 
     Parameters
@@ -535,7 +530,7 @@ def pair_results_over_grid(
     bearing
         Bearing with speed and coefficients of friction.
     theta
-        Deviations of the contact angles on the bottom groove ``(T,)`` [rad].
+        Angles theta by which the contact angles on the bottom groove differ from the nominal one ``(T,)`` [rad].
     rho
         Ratios of side force to vertical force on the first ball ``(R,)``; the second has the opposite side force.
     vertical
@@ -549,24 +544,15 @@ def pair_results_over_grid(
     for i, j in np.ndindex(len(theta), len(rho)):
         result = solve_pair_of_linear_balls(bearing, float(theta[i]), float(rho[j]), vertical)
         failures += sum(r.status != "converged" for r in (result.apart, result.touching))
-        values[:, 0, i, j] = (
-            result.velocity_deviation_difference,
-            result.ball_to_ball_force,
-            result.groove_and_ball_loss_ratio,
-        )
+        losses = result.groove_and_ball_loss_ratio
+        values[:, 0, i, j] = result.velocity_deviation_difference, result.ball_to_ball_force, losses
         values[:, 1, i, j] = pair_results_by_formulas(bearing, float(theta[i]), float(rho[j]), vertical, k_f)
     difference, force, ratio = (ModelAndFormula(*both) for both in values)
     return LinearPairResultsOverGrid(theta, rho, difference, force, ratio, failures)
 
 
 def pair_results_by_formulas(
-    bearing: linear_bearing.LinearBearing,
-    theta: float,
-    side_force_ratio: float,
-    vertical: float,
-    k_f: float,
-    *,
-    mated: bool = False,
+    bearing: LinearBearing, theta: float, side_force_ratio: float, vertical: float, k_f: float, *, mated: bool = False
 ) -> tuple[float, float, float]:
     """Return the results of Lin's closed formulas for two balls, with equal contact loads on each diagonal.
 
@@ -575,8 +561,8 @@ def pair_results_by_formulas(
     bearing
         Bearing with speed and coefficients of friction.
     theta
-        Deviation theta of the contact angles on the bottom groove, -theta at its left and +theta at its right contact
-        [rad].
+        Angle theta by which the contact angles on the bottom groove differ from the nominal one: by -theta at the left, by
+        +theta at the right contact [rad].
     side_force_ratio
         Ratio of side force to vertical force on the first ball; the second has the opposite side force.
     vertical
@@ -586,7 +572,8 @@ def pair_results_by_formulas(
         reads off a figure; c is the distance of the centre of rotation from the centre of the contact ellipse along its
         semi-axis a.
     mated
-        Whether the top groove is made to match the bottom groove, design (b) of section 3.3.4.2 of Lin's thesis.
+        Whether the contact angles on the top groove differ from the nominal one by the same amounts as those opposite to
+        them on the bottom groove, design (b) of section 3.3.4.2 of Lin's thesis; otherwise they are the nominal one.
 
     Returns
     -------
@@ -598,9 +585,8 @@ def pair_results_by_formulas(
     ----------
     Lin (2019), 3.43, 3.51 and 3.53 at the loads of the text before 3.54.
     """
-    loads = linear_bearing.loads_equal_on_diagonals(
-        vertical, np.array([side_force_ratio, -side_force_ratio]), bearing.contact_angle
-    )
+    side = np.array([side_force_ratio, -side_force_ratio])
+    loads = linear_bearing.loads_equal_on_diagonals(vertical, side, bearing.contact_angle)
     turn = linear_bearing.contact_angle_deviations(np.array([theta, theta]), mated=mated)
     epsilon = linear_bearing.relative_velocity_deviation(bearing.contact_angle, turn, loads[:, 0], loads[:, 1])
     difference = float(epsilon[0] - epsilon[1])

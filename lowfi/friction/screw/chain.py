@@ -23,20 +23,7 @@ import numpy as np
 from rollbench.lowfi.friction.contact.equilibrium import ContactLoadSolution, zero_contact_state_arrays
 from rollbench.lowfi.friction.screw import groove as screw_groove
 from rollbench.lowfi.friction.screw import kernel_types
-from rollbench.lowfi.friction.screw.motion import (
-    AGREED,
-    ROUNDS,
-    AndersonAcceleration,
-    BallsBetweenGrooves,
-    Coupling,
-    balls_with_fixed_screw,
-    contact_ellipses_of_screw,
-    friction_on_balls_and_screw,
-    friction_wrench_at_contacts,
-    kernel_arrays_for_contact_loads,
-    power_of_helical_motion,
-    solve_screw_contact_loads,
-)
+from rollbench.lowfi.friction.screw import motion as screw_motion
 from rollbench.lowfi.jit import CONTACT, SCREW, load_kernel_package
 from rollbench.meshes.arrays import Array
 
@@ -120,7 +107,7 @@ class BallChain(ABC):
         x3 is radial, y3 along the track and z3 the binormal. ``pull``: friction on the balls in the axes of each
         contact ``(N, 4, 3)``: force along x and along z [N], moment about y [N m].
         """
-        return friction_wrench_at_contacts(self.normals, pull[..., :2], pull[..., 2])
+        return screw_motion.friction_wrench_at_contacts(self.normals, pull[..., :2], pull[..., 2])
 
     @abstractmethod
     def input_power(self, wrench: Array) -> float:
@@ -141,7 +128,7 @@ class ScrewBallChain(BallChain):
     @property
     def friction_contacts(self) -> FrictionContacts:
         """Ellipses, friction bounds and kinematics of the contacts of all N balls with the grooves."""
-        at = contact_ellipses_of_screw(self.groove, self.force)
+        at = screw_motion.contact_ellipses_of_screw(self.groove, self.force)
         maps, drives = self.groove.contact_kinematics(self.normals)
         shape = np.stack([at.a, at.b, at.friction_bound], axis=1).reshape(-1, 4, 3)
         return FrictionContacts(shape, maps, np.broadcast_to(drives, (*maps.shape[:2], 3)))
@@ -157,7 +144,7 @@ class ScrewBallChain(BallChain):
         ``wrench``: force (first three components) and moment of friction on the balls at each contact in x3 (radial),
         y3 (along the track), z3 (binormal) ``(N, 4, 6)`` [N, N m].
         """
-        return power_of_helical_motion(self.groove, self.normals, wrench)
+        return screw_motion.power_of_helical_motion(self.groove, self.normals, wrench)
 
 
 @dataclass(frozen=True)
@@ -208,13 +195,6 @@ class ChainMotion:
         return sum(self.losses_by_cause)
 
 
-def zero_residual_arrays(count: int) -> kernel_types.BalanceResiduals:
-    """Return zero arrays for ``count`` balls, to which kernels write unbalanced forces and their derivatives."""
-    return kernel_types.BalanceResiduals(
-        np.zeros((count, 4)), np.zeros(count), np.zeros((count, 2)), np.zeros((count, 4, 4))
-    )
-
-
 class BalanceSearch:
     """Search for motions and ball-to-ball forces that balance the friction on all balls of one chain, in scaled units.
 
@@ -236,11 +216,10 @@ class BalanceSearch:
         loaded = total > NEGLIGIBLE * float(total.max())
         self.chain, self.count, self.loaded = chain, chain.force.shape[0], loaded
         self.kernels = load_kernel_package(SCREW, compiled=fast)
-        self.units, self.speed, self.groove = (
-            screw_groove.surface_speed_levers(g),
-            screw_groove.nut_speed_along_path(g),
-            screw_groove.kernel_groove_arrays(g),
-        )
+        floats = screw_groove.contiguous_floats
+        self.units = screw_groove.surface_speed_levers(g)
+        self.speed = screw_groove.nut_speed_along_path(g)
+        self.groove = screw_groove.kernel_groove_arrays(g)
         shape = contacts.semi_axes_and_bound
         self.rubbing = bool(np.any(shape[..., 2] > 0.0))
         if not self.rubbing:
@@ -251,20 +230,19 @@ class BalanceSearch:
         self.mu = np.where(loaded & np.append(loaded[1:], loaded[:1]), chain.mu_balls, 0.0)
         ones = np.ones(self.count)
         self.balls = kernel_types.BallArrays(
-            force=screw_groove.contiguous_floats(np.where(loaded[:, None], chain.force, 0.0)),
-            normal=screw_groove.contiguous_floats(chain.normals[..., [0, 2]]),
+            force=floats(np.where(loaded[:, None], chain.force, 0.0)),
+            normal=floats(chain.normals[..., [0, 2]]),
             holding_stiffness=np.where(loaded, HOLD, HOLD_IDLE),
             allowed_closing_rate=slack,
             can_touch_next=self.allowed.astype(float),
             mu=self.mu,
             scaled_groove_mu=(g.mu or 1.0) / self.bound,
-            semi_axes_and_bound=screw_groove.contiguous_floats(
-                shape * np.stack([ones, ones, loaded / self.bound], axis=1)[:, None]
-            ),
-            contact_motion_maps=screw_groove.contiguous_floats(contacts.contact_motion_maps / self.units),
-            imposed_contact_motions=screw_groove.contiguous_floats(contacts.imposed_contact_motions / self.speed),
+            semi_axes_and_bound=floats(shape * np.stack([ones, ones, loaded / self.bound], axis=1)[:, None]),
+            contact_motion_maps=floats(contacts.contact_motion_maps / self.units),
+            imposed_contact_motions=floats(contacts.imposed_contact_motions / self.speed),
         )
-        self.parts = zero_residual_arrays(self.count)
+        n = self.count  # unbalanced forces and their derivatives, written by kernels
+        self.parts = kernel_types.BalanceResiduals(*map(np.zeros, ((n, 4), n, (n, 2), (n, 4, 4))))
 
     def motions_without_neighbours(self) -> Array:
         """Return the scaled motions ``(N, 4)`` of the balls if neighbours exert no forces on each other.
@@ -392,13 +370,11 @@ def _chain_motion_in_si_units(s: BalanceSearch, x: Array, f: Array, steps: int, 
     ahead = np.append(x[1:, 0], x[0, 0])
     gap = np.where(s.allowed, s.groove.closing_rate_factor * (ahead - x[:, 0]) + s.balls.allowed_closing_rate, 0.0)
     ball_force = bound * np.where(s.allowed & (f > gap), np.maximum(f, 0.0), 0.0)
-    motion, pull, loss, push, ball_loss = (
-        np.empty((n, 4, 3)),
-        np.empty((n, 4, 3)),
-        np.empty((n, 4)),
-        np.zeros((n, 3)),
-        np.zeros(n),
-    )
+    motion = np.empty((n, 4, 3))
+    pull = np.empty((n, 4, 3))
+    loss = np.empty((n, 4))
+    push = np.zeros((n, 3))
+    ball_loss = np.zeros(n)
     s.kernels.write_contact_friction(s.balls, x, eps, motion, pull, loss)
     wrench = chain.contact_wrenches(bound * pull)
     s.kernels.write_neighbour_forces(
@@ -465,7 +441,7 @@ class LoadsAndMotionSolution:
 
 
 def solve_loads_and_motion(
-    cell: BallsBetweenGrooves,
+    cell: screw_motion.BallsBetweenGrooves,
     slack: Array,
     start: tuple[Array, Array],
     similar_start: tuple[Array, Array] | None = None,
@@ -513,24 +489,24 @@ def solve_loads_and_motion(
 
 
 def kernel_arrays_for_loads_and_motion(
-    cell: BallsBetweenGrooves, search: BalanceSearch
+    cell: screw_motion.BallsBetweenGrooves, search: BalanceSearch
 ) -> kernel_types.LoadsAndMotionSystem:
     """Return the arrays with which the kernels solve contact loads and motions of balls as one system of equations.
 
     ``cell``: balls between screw and nut; ``search``: arrays of the chain of these balls, scaled at the present contact
     loads.
     """
-    pair, total = cell.groove.pair, float(search.balls.force.sum())
+    pair, total, floats = cell.groove.pair, float(search.balls.force.sum()), screw_groove.contiguous_floats
     length = float(np.max(cell.groove.contact_hertz_constants.C)) * max(total, 1e-30) ** (2.0 / 3.0)
     return kernel_types.LoadsAndMotionSystem(
-        cell=kernel_arrays_for_contact_loads(cell),
+        cell=screw_motion.kernel_arrays_for_contact_loads(cell),
         groove=search.groove,
         balls=search.balls,
         force_unit=search.bound,
         position_unit=length,
-        ball_force_directions=screw_groove.contiguous_floats(pair.force_directions[:, [0, 2]]),
-        tangent_directions=screw_groove.contiguous_floats(pair.tangent_directions[..., [0, 2]]),
-        screw_displacement_maps=screw_groove.contiguous_floats(cell.screw_displacement_maps),
+        ball_force_directions=floats(pair.force_directions[:, [0, 2]]),
+        tangent_directions=floats(pair.tangent_directions[..., [0, 2]]),
+        screw_displacement_maps=floats(cell.screw_displacement_maps),
     )
 
 
@@ -541,7 +517,9 @@ class _LoadsAndMotionPath:
     ``ball_force`` become fields of `LoadsAndMotionSolution`.
     """
 
-    def __init__(self, cell: BallsBetweenGrooves, slack: Array, start: tuple[Array, Array], fast: bool) -> None:
+    def __init__(
+        self, cell: screw_motion.BallsBetweenGrooves, slack: Array, start: tuple[Array, Array], fast: bool
+    ) -> None:
         """Begin at given positions, with the motion of the balls at the contact loads there.
 
         ``cell``: balls between screw and nut; ``slack``: largest rate at which ball k may approach ball k + 1 ``(N,)``
@@ -556,7 +534,7 @@ class _LoadsAndMotionPath:
 
     def compute_loads_and_scales(self) -> None:
         """Compute and store the contact loads at the present positions, and the scales of the equations there."""
-        g, arrays = self.cell.groove, kernel_arrays_for_contact_loads(self.cell)
+        g, arrays = self.cell.groove, screw_motion.kernel_arrays_for_contact_loads(self.cell)
         self.state = zero_contact_state_arrays(arrays)
         load_kernel_package(CONTACT, compiled=self.fast).contact_energy(arrays, self.ball, self.screw, self.state)
         n = self.state.normal
@@ -594,9 +572,8 @@ class _LoadsAndMotionPath:
         Motions are surface speeds divided by the nut's speed along the path. The forces are not scaled, because the
         unit of force of the kernels changes with the contact loads.
         """
-        return kernel_types.LoadsAndMotionUnknowns(
-            self.ball, self.screw, self.q * self.search.units / self.search.speed, self.ball_force
-        )
+        motions = self.q * self.search.units / self.search.speed
+        return kernel_types.LoadsAndMotionUnknowns(self.ball, self.screw, motions, self.ball_force)
 
     def solve_at_fraction_of_friction(
         self, guess: kernel_types.LoadsAndMotionUnknowns, share: float, eps: float
@@ -611,9 +588,8 @@ class _LoadsAndMotionPath:
         s = self.search
         p, u, x, f = (screw_groove.contiguous_floats(a).copy() for a in guess)
         f /= s.bound
-        left, used = s.kernels.solve_loads_and_motion_by_newton(
-            self.system, kernel_types.LoadsAndMotionUnknowns(p, u, x, f), share, eps, COUPLED_GOAL, COUPLED_STEPS
-        )
+        start = kernel_types.LoadsAndMotionUnknowns(p, u, x, f)
+        left, used = s.kernels.solve_loads_and_motion_by_newton(self.system, start, share, eps, COUPLED_GOAL, COUPLED_STEPS)
         self.steps += int(used)
         if not left <= PASSED:
             return None
@@ -657,11 +633,11 @@ class IterationStart:
 
 
 def solve_coupled_chain(
-    cell: BallsBetweenGrooves,
+    cell: screw_motion.BallsBetweenGrooves,
     slack: Array,
-    coupling: Coupling,
-    similar_solution: CoupledChainSolution | None = None,
-    rounds: int = ROUNDS,
+    coupling: screw_motion.Coupling,
+    similar: CoupledChainSolution | None = None,
+    rounds: int = screw_motion.ROUNDS,
     guess: IterationStart | None = None,
 ) -> CoupledChainSolution:
     """Return contact loads and motion of N balls, with the loads in balance with friction and ball-to-ball forces.
@@ -679,80 +655,67 @@ def solve_coupled_chain(
         What friction and ball-to-ball forces may change. ``"none"``: nothing; ``"ball"``: the contact loads of the balls,
         while the screw stays where it is without these forces (section 3.4.1 of Lin's thesis); ``"ball and screw"``: also
         the position of the screw, which is then in equilibrium with these forces.
-    similar_solution
+    similar
         Solution of a similar chain from which the search begins; None to begin from loads without friction.
     rounds
         Largest number of rounds, in each of which the loads are solved at given friction, then the friction at these loads.
     guess
-        Forces and motions to begin from, in place of those of ``similar_solution``; None to use these.
+        Forces and motions to begin from, in place of those of ``similar``; None to use these.
 
     Returns
     -------
     CoupledChainSolution
         The solution; if no agreement is found, its ``converged`` is False.
     """
-    bare = solve_screw_contact_loads(
-        cell,
-        None
-        if similar_solution is None
-        else (
-            similar_solution.loads_without_friction.ball_displacements,
-            similar_solution.loads_without_friction.inner_body_displacements,
-        ),
+    bare = screw_motion.solve_screw_contact_loads(
+        cell, None if similar is None else similar.loads_without_friction.displacements
     )
-    held = balls_with_fixed_screw(cell, bare) if coupling == "ball" else cell
+    held = screw_motion.balls_with_fixed_screw(cell, bare) if coupling == "ball" else cell
     m = held.screw_displacement_maps.shape[2]
     if guess is None:
-        guess = _starting_forces_and_motion(held, coupling, similar_solution)
+        guess = _starting_forces_and_motion(held, coupling, similar)
     push, drag, start = guess.ball_friction_forces, guess.screw_friction_forces[:m], (guess.ball_motions, guess.ball_force)
-    place, mixer, count = (bare.ball_displacements, bare.inner_body_displacements[:m]), AndersonAcceleration(), 0
+    place, mixer, count = (
+        (bare.ball_displacements, bare.inner_body_displacements[:m]),
+        screw_motion.AndersonAcceleration(),
+        0,
+    )
     while True:
-        alike = (
-            held is cell
-            and np.array_equal(push, cell.ball_friction_forces)
-            and np.array_equal(drag, cell.screw_friction_forces)
+        same_push = np.array_equal(push, cell.ball_friction_forces)
+        if held is cell and same_push and np.array_equal(drag, cell.screw_friction_forces):
+            load = bare
+        else:
+            load = screw_motion.solve_screw_contact_loads(
+                replace(held, ball_friction_forces=push, screw_friction_forces=drag), place
+            )
+        balls = ScrewBallChain(cell.groove, load.force, cell.groove.normals(load.angle), slack)
+        moved = solve_motion_of_chain(balls, start)
+        new_push, new_drag = screw_motion.friction_on_balls_and_screw(
+            held, moved.wrench, moved.neighbour_forces[:, [0, 2]], coupling
         )
-        load = (
-            bare
-            if alike
-            else solve_screw_contact_loads(replace(held, ball_friction_forces=push, screw_friction_forces=drag), place)
-        )
-        moved = solve_motion_of_chain(
-            ScrewBallChain(cell.groove, load.force, cell.groove.normals(load.angle), slack), start
-        )
-        new_push, new_drag = friction_on_balls_and_screw(held, moved.wrench, moved.neighbour_forces[:, [0, 2]], coupling)
         x, g = np.append(push, drag), np.append(new_push, new_drag)
         change, count = float(np.max(np.abs(g - x))), count + 1
-        agreed = change <= AGREED * float(np.sum(load.force))
+        agreed = change <= screw_motion.AGREED * float(np.sum(load.force))
         if agreed or count == rounds:
             return CoupledChainSolution(bare, load, moved, change, count, agreed and load.converged and moved.converged)
         if count == PATIENCE:
-            like = (
-                None
-                if similar_solution is None
-                else (
-                    similar_solution.loads_with_friction.ball_displacements,
-                    similar_solution.loads_with_friction.inner_body_displacements,
-                )
-            )
+            like = None if similar is None else similar.loads_with_friction.displacements
             joint = solve_loads_and_motion(held, slack, (bare.ball_displacements, bare.inner_body_displacements[:m]), like)
             if joint.reached_full_friction:
-                push, drag, place = (
-                    joint.ball_friction_forces,
-                    joint.screw_friction_forces,
-                    (joint.ball_displacements, joint.screw_displacements),
-                )
+                push = joint.ball_friction_forces
+                drag = joint.screw_friction_forces
+                place = (joint.ball_displacements, joint.screw_displacements)
                 start = (joint.q, joint.ball_force)
                 continue
         x = mixer.next_iterate(x, g)
         push, drag = x[: push.size].reshape(push.shape), x[push.size :]
         # no friction on a ball without load: what the mixer makes of it would push the ball about
         push = np.where(np.any(moved.wrench != 0.0, axis=(1, 2))[:, None], push, new_push)
-        place, start = (load.ball_displacements, load.inner_body_displacements), (moved.q, moved.ball_force)
+        place, start = load.displacements, (moved.q, moved.ball_force)
 
 
 def _starting_forces_and_motion(
-    cell: BallsBetweenGrooves, coupling: Coupling, near: CoupledChainSolution | None
+    cell: screw_motion.BallsBetweenGrooves, coupling: screw_motion.Coupling, near: CoupledChainSolution | None
 ) -> IterationStart:
     """Return the friction forces and motions from which the iteration of contact loads and friction begins.
 
@@ -765,7 +728,6 @@ def _starting_forces_and_motion(
         return IterationStart(cell.ball_friction_forces, cell.screw_friction_forces, np.zeros((n, 4)), np.zeros(n))
     push, drag = cell.ball_friction_forces, cell.screw_friction_forces
     if coupling != "none":
-        push, drag = friction_on_balls_and_screw(
-            cell, near.motion.wrench, near.motion.neighbour_forces[:, [0, 2]], coupling
-        )
+        neighbour_forces = near.motion.neighbour_forces[:, [0, 2]]
+        push, drag = screw_motion.friction_on_balls_and_screw(cell, near.motion.wrench, neighbour_forces, coupling)
     return IterationStart(push, drag, near.motion.q, near.motion.ball_force)

@@ -355,12 +355,11 @@ def touching_balls_geometry(screw: HelicalMotion) -> TouchingBallsGeometry:
     length L.
     """
     spacing = azimuth_between_touching_balls(screw)
-    frames = [section_axes(screw, -0.5 * spacing), section_axes(screw, 0.5 * spacing)]
-    centres = [
-        screw.pitch_radius * f[0] + np.array([0.0, 0.0, screw.advance_per_radian * s * 0.5 * spacing])
-        for f, s in zip(frames, (-1.0, 1.0), strict=True)
-    ]
-    line = centres[1] - centres[0]
+    azimuths = (-0.5 * spacing, 0.5 * spacing)
+    frames = [section_axes(screw, azimuth) for azimuth in azimuths]
+    heights = [np.array([0.0, 0.0, screw.advance_per_radian * azimuth]) for azimuth in azimuths]
+    first, second = (screw.pitch_radius * f[0] + height for f, height in zip(frames, heights, strict=True))
+    line = second - first
     line /= np.linalg.norm(line)
     across = np.cross(line, [0.0, 0.0, 1.0])
     across /= np.linalg.norm(across)
@@ -388,12 +387,8 @@ def kernel_groove_arrays(groove: GroovesInMotion) -> GrooveArrays:
     In these arrays the motions of a ball are surface speeds divided by the speed of the nut along the path. ``groove``:
     the grooves with the speeds of screw and nut.
     """
-    unit, speed, pair, h = (
-        surface_speed_levers(groove),
-        nut_speed_along_path(groove),
-        groove.pair,
-        groove.contact_hertz_constants,
-    )
+    unit, speed = surface_speed_levers(groove), nut_speed_along_path(groove)
+    pair, h = groove.pair, groove.contact_hertz_constants
     scale = speed / unit
     ends = np.array([[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
     at = groove.contact_kinematics(np.repeat(ends[:, None, :], 4, axis=1))[0][:, 0] * scale
@@ -401,18 +396,9 @@ def kernel_groove_arrays(groove: GroovesInMotion) -> GrooveArrays:
     affine = np.stack([middle, at[0] - middle, at[2] - middle])
     ride = np.where(ON_SCREW, groove.screw_speed, groove.nut_speed) / scale[0]
     nominal = np.array([groove.nominal_orbit, 0.0, 0.0, 0.0]) / scale
-    affine, ride, C_a, C_b, nominal, first, second = map(
-        contiguous_floats,
-        (
-            affine,
-            ride,
-            h.C_a,
-            h.C_b,
-            nominal,
-            pair.first_ball_surface_speeds / unit,
-            pair.second_ball_surface_speeds / unit,
-        ),
-    )
+    first, second = pair.first_ball_surface_speeds / unit, pair.second_ball_surface_speeds / unit
+    affine, ride, nominal, first, second = map(contiguous_floats, (affine, ride, nominal, first, second))
+    C_a, C_b = map(contiguous_floats, (h.C_a, h.C_b))
     closing = float(pair.closing_speed_factor / groove.radius)
     return GrooveArrays(affine, ride, C_a, C_b, nominal, first, second, closing, float(speed))
 

@@ -72,20 +72,16 @@ def kernel_arrays_for_contact_loads(cell: BallsBetweenGrooves) -> BallContactArr
     start = cell.groove.groove_ball_centre_distance * np.stack(
         [screw_groove.SIGN_X * np.cos(cell.angle), screw_groove.SIGN_Z * np.sin(cell.angle)], axis=-1
     )
-    start, interference, C, section, offset, push, pull = map(
-        screw_groove.contiguous_floats,
-        (
-            start,
-            cell.interference,
-            cell.groove.contact_hertz_constants.C,
-            cell.section_displacement_maps,
-            cell.given_screw_displacement,
-            cell.ball_friction_forces,
-            cell.external_screw_force + cell.screw_friction_forces,
-        ),
-    )
+    floats = screw_groove.contiguous_floats
     return BallContactArrays(
-        start, interference, C, section, offset, push, pull, float(cell.groove.groove_ball_centre_distance)
+        groove_to_ball_vectors=floats(start),
+        interference=floats(cell.interference),
+        C=floats(cell.groove.contact_hertz_constants.C),
+        inner_displacement_maps=floats(cell.section_displacement_maps),
+        given_inner_displacement=floats(cell.given_screw_displacement),
+        ball_forces=floats(cell.ball_friction_forces),
+        inner_body_forces=floats(cell.external_screw_force + cell.screw_friction_forces),
+        groove_ball_centre_distance=float(cell.groove.groove_ball_centre_distance),
     )
 
 
@@ -129,11 +125,8 @@ def solve_screw_contact_loads(
         + np.linalg.norm(cell.screw_friction_forces)
         + np.sum(np.abs(cell.ball_friction_forces))
     )
-    p, u = (
-        _starting_displacements(cell)
-        if start is None
-        else (screw_groove.contiguous_floats(start[0]).copy(), screw_groove.contiguous_floats(start[1]).copy())
-    )
+    begin = _starting_displacements(cell) if start is None else start
+    p, u = (screw_groove.contiguous_floats(displacements).copy() for displacements in begin)
     settled = equilibrium.solve_contact_loads(kernel_arrays_for_contact_loads(cell), load, p, u, contact_angles, fast)
     # from a distant start a nearly unloaded ball may creep along a flat energy
     return settled if settled.converged or start is None else solve_screw_contact_loads(cell, None, fast)
@@ -219,9 +212,8 @@ def power_of_helical_motion(groove: screw_groove.ScrewGroove, normals: Array, wr
     in the same axes ``(..., 4, 6)`` [N, N m].
     """
     body = np.where(screw_groove.ON_SCREW, groove.screw_speed, groove.nut_speed)
-    surface = groove.ball_radius * (normals @ groove.cross_product_matrices[0].T) + groove.radius * np.array(
-        [0.0, 1.0, 0.0]
-    )
+    along_path = groove.radius * np.array([0.0, 1.0, 0.0])
+    surface = groove.ball_radius * (normals @ groove.cross_product_matrices[0].T) + along_path
     per_speed = np.sum(surface * wrench[..., :3], axis=-1) + wrench[..., 3:] @ groove.screw_axis_direction
     return float(np.sum(body * per_speed))
 
@@ -240,9 +232,8 @@ def contact_ellipses_of_screw(groove: screw_groove.ScrewGroove, force: Array) ->
     """
     h, four = groove.contact_hertz_constants, np.reshape(force, (-1, 4)).astype(float)
     a, b = np.empty_like(four), np.empty_like(four)
-    load_kernel_package(SCREW, compiled=True).write_semi_axes(
-        four, screw_groove.contiguous_floats(h.C_a), screw_groove.contiguous_floats(h.C_b), a, b
-    )
+    C_a, C_b = screw_groove.contiguous_floats(h.C_a), screw_groove.contiguous_floats(h.C_b)
+    load_kernel_package(SCREW, compiled=True).write_semi_axes(four, C_a, C_b, a, b)
     return contacts_from_values(a.ravel(), b.ravel(), four.ravel(), groove.mu)
 
 
@@ -276,9 +267,8 @@ def solve_ball_motion(
     normals = groove.normals(angle)
     maps, drives = groove.contact_kinematics(normals)
     at = contact_ellipses_of_screw(groove, np.asarray(force, dtype=float))
-    problem = equilibrium.BodyMotionProblem(
-        at, maps, drives, np.zeros(4) if push is None else np.asarray(push, dtype=float)
-    )
+    forces = np.zeros(4) if push is None else np.asarray(push, dtype=float)
+    problem = equilibrium.BodyMotionProblem(at, maps, drives, forces)
     return BallMotion(groove, at, normals, problem, equilibrium.least_dissipation(problem, start, fast))
 
 
@@ -380,11 +370,11 @@ def balls_with_fixed_screw(cell: BallsBetweenGrooves, load: equilibrium.ContactL
 
     The screw then has no free motions, so that the arrays of forces on it are empty.
     """
+    moved = cell.section_displacement_maps @ load.inner_body_displacements
     return replace(
         cell,
         screw_displacement_maps=np.zeros((cell.angle.shape[0], 3, 0)),
         external_screw_force=np.zeros(0),
         screw_friction_forces=np.zeros(0),
-        given_screw_displacement=cell.given_screw_displacement
-        + cell.section_displacement_maps @ load.inner_body_displacements,
+        given_screw_displacement=cell.given_screw_displacement + moved,
     )

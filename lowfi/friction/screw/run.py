@@ -14,19 +14,18 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rollbench.lowfi.friction.screw import motion as screw_motion
 from rollbench.lowfi.friction.screw.chain import CoupledChainSolution, IterationStart, solve_coupled_chain
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.lowfi.friction.screw.travel import BallState, ClosedTrack, InstantSolution, TravelHistory, simulate
-from rollbench.meshes.arrays import Array
+from rollbench.meshes.arrays import Array, Index, Mask
 from rollbench.meshes.numerics import brentq
 from rollbench.meshes.record_keys import frozen_default, register_frozen_defaults
 
-#: Factors by which the deviation theta of the contact angles is multiplied at the contacts SL, SR, NL, NR (screw or nut,
-#: left or right): both contact angles on the screw deviate by the same amount, or by opposite amounts, as on a groove that
-#: is shifted sideways.
+#: Factors by which theta, the angle by which contact angles differ from the nominal one, is multiplied at the contacts SL,
+#: SR, NL, NR (screw or nut, left or right): both contact angles on the screw differ by the same amount, or by opposite
+#: amounts, as on a groove that is shifted sideways.
 BOTH, SHIFTED = (1.0, 1.0, 0.0, 0.0), (1.0, -1.0, 0.0, 0.0)
 
 
@@ -37,7 +36,7 @@ class Pair:
 
     #: Grooves of screw and nut with their speeds.
     groove: ScrewGroove
-    #: Deviation theta of the contact angles of each ball from the nominal contact angle [rad].
+    #: Angle theta by which the contact angles of each ball differ from the nominal contact angle [rad].
     theta: tuple[float, float]
     #: Factors by which theta is multiplied at the contacts SL, SR, NL, NR (screw or nut, left or right) of the first and of
     #: the second ball.
@@ -59,13 +58,9 @@ class Pair:
         """
         half = 0.5 * self.groove.pair.spacing
         angle = self.groove.contact_angle + np.array(self.theta)[:, None] * np.array(self.pattern)
-        return screw_motion.balls_without_friction(
-            self.groove,
-            angle,
-            np.full((2, 4), self.oversize),
-            screw_motion.screw_displacement_maps(self.groove, np.array([-half, half]), self.free),
-            np.array(self.force),
-        )
+        maps = screw_motion.screw_displacement_maps(self.groove, np.array([-half, half]), self.free)
+        interference = np.full((2, 4), self.oversize)
+        return screw_motion.balls_without_friction(self.groove, angle, interference, maps, np.array(self.force))
 
 
 @dataclass(frozen=True)
@@ -208,14 +203,9 @@ def results_over_oversize_and_force(pair: Pair, oversize: Array, axial: Array) -
         Magnitudes of the force on the screw, ``(n,)`` [N].
     """
     total = float(np.linalg.norm(pair.force)) or 1.0
+    forces = [tuple(f / total * float(a) for f in pair.force) for a in axial]
     solved = [
-        [
-            solve_pair_of_screw_balls(
-                replace(pair, oversize=float(o), force=tuple(f / total * float(a) for f in pair.force))
-            )
-            for a in axial
-        ]
-        for o in oversize
+        [solve_pair_of_screw_balls(replace(pair, oversize=float(o), force=force)) for force in forces] for o in oversize
     ]
     force, increase, converged = (
         np.array([[getattr(r, name) for r in row] for row in solved])
@@ -248,14 +238,14 @@ class Run:
     steps: int
     #: Oversize of the ball radii, which is the interference at each contact [m]; negative for clearance.
     oversize: float = frozen_default(0.0)
-    #: Amplitude of the deviation theta of the contact angles from the nominal one; theta is a sine function of the azimuth
+    #: Amplitude of theta, the angle by which the contact angles differ from the nominal one, a sine function of the azimuth
     #: [rad].
     amplitude: float = frozen_default(0.0)
-    #: Number of periods, per turn, of the deviation theta of the contact angles.
+    #: Number of periods of theta per turn.
     cycles: float = frozen_default(2.0)
-    #: Phase of the deviation theta of the contact angles at azimuth 0 [rad].
+    #: Phase of theta at azimuth 0 [rad].
     phase: float = frozen_default(0.0)
-    #: Factors by which the deviation theta is multiplied at the contacts SL, SR, NL, NR (screw or nut, left or right).
+    #: Factors by which theta is multiplied at the contacts SL, SR, NL, NR (screw or nut, left or right).
     pattern: tuple[float, ...] = frozen_default(BOTH)
     #: Length of the return tube as an angle of the track [rad]; balls in it bear no load.
     tube: float = frozen_default(0.0)
@@ -268,8 +258,7 @@ class Run:
     #: Largest number of rounds of contact loads and friction in each time step; with one round the loads are those under
     #: the friction of the previous step.
     rounds: int = frozen_default(1)
-    #: Body, screw or nut, whose groove causes the deviation theta of the contact angles, so that theta turns with this
-    #: body.
+    #: Body, screw or nut, whose groove is the cause of theta, so that theta turns with this body.
     follows: Literal["screw", "nut"] = frozen_default("screw")
 
     def __post_init__(self) -> None:
@@ -297,7 +286,7 @@ class Run:
         return np.full(self.count, self.groove.pair.spacing)
 
     @property
-    def number(self) -> NDArray[np.int64]:
+    def number(self) -> Index:
         """Numbers of the balls, 0 to N - 1 ``(N,)``."""
         return np.arange(self.count)
 
@@ -311,7 +300,7 @@ class Run:
         """Ratio of the length of all balls in a row to that of the loaded turns (97.8 % in Lin's section 3.4.4)."""
         return self.count * self.groove.pair.spacing / (2.0 * np.pi * self.turns)
 
-    def fold_into_track(self, azimuth: Array, nut_angle: float) -> tuple[Array, NDArray[np.bool_]]:
+    def fold_into_track(self, azimuth: Array, nut_angle: float) -> tuple[Array, Mask]:
         """Return the balls' azimuths, reduced to one passage of the closed track, then which balls are in the loaded turns.
 
         ``azimuth``: azimuths of the balls, measured on the screw, which increase without bound ``(N,)`` [rad];
@@ -351,9 +340,8 @@ class Run:
         """
         turned = self.groove.speed * time
         azimuths, loaded = self.fold_into_track(azimuth, turned)
-        near = solve_coupled_chain(
-            balls_at_instant(self, azimuths, loaded, turned), slack, self.coupling, memory, self.rounds
-        )
+        cell = balls_at_instant(self, azimuths, loaded, turned)
+        near = solve_coupled_chain(cell, slack, self.coupling, memory, self.rounds)
         m = near.motion
         return InstantSolution(
             omega=m.q[:, 0] - self.groove.screw_speed,
@@ -384,9 +372,7 @@ def contact_angle_deviation(run: Run, azimuth: Array, nut_angle: float = 0.0) ->
     return np.asarray(run.amplitude * np.sin(run.cycles * own + run.phase))
 
 
-def balls_at_instant(
-    run: Run, azimuth: Array, loaded: NDArray[np.bool_], nut_angle: float
-) -> screw_motion.BallsBetweenGrooves:
+def balls_at_instant(run: Run, azimuth: Array, loaded: Mask, nut_angle: float) -> screw_motion.BallsBetweenGrooves:
     """Return the balls of a simulated screw at one instant and the force on it, as argument of `solve_coupled_chain`.
 
     ``run``: the simulated screw; ``azimuth``: azimuths of the balls, measured on the screw ``(N,)`` [rad]; ``loaded``:
@@ -440,12 +426,11 @@ def summarise_screw_run(result: TravelHistory) -> ScrewRunSummary:
     top = int(np.argmax(result.ball_to_groove_ratio))
     later = np.flatnonzero(~result.presses_on_next.any(axis=1) & (np.arange(angle.size) > top))
     torque = result.groove_torque
+    mean = result.mean_over_time(torque)
     return ScrewRunSummary(
         largest_ball_to_groove_ratio=float(result.ball_to_groove_ratio[top]),
         nut_angle_of_largest_ratio=float(angle[top]),
         nut_angle_without_contact=float(angle[later[0]]) if later.size else float("nan"),
         most_touching_groups=int(np.max(result.touching_group_counts)),
-        groove_variation=float(np.ptp(torque) / result.mean_over_time(torque))
-        if result.mean_over_time(torque) > 0.0
-        else float("nan"),
+        groove_variation=float(np.ptp(torque) / mean) if mean > 0.0 else float("nan"),
     )

@@ -16,10 +16,9 @@ from functools import cached_property
 from typing import Any, Literal, NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rollbench.lowfi.friction.screw.groove import HelicalMotion
-from rollbench.meshes.arrays import Array, Mask
+from rollbench.meshes.arrays import Array, Index, Mask
 
 
 class ClosedTrack(NamedTuple):
@@ -142,7 +141,7 @@ class SimulatedSystem(Protocol):
         """Difference of the azimuths of each ball and the next one if they touch ``(N,)`` [rad]."""
 
     @property
-    def number(self) -> NDArray[np.int64]:
+    def number(self) -> Index:
         """Numbers of the balls in the scene ``(N,)``; -1 for a ball that is in the return at the start."""
 
     def state_at_start(self) -> BallState:
@@ -184,7 +183,7 @@ class TravelHistory:
     #: Duration of each piece ``(T,)`` [s].
     lasts: Array
     #: Number of the step, from 0, to which each piece belongs ``(T,)``.
-    step: NDArray[np.int64]
+    step: Index
     #: Azimuths of the balls at ``time``, unwrapped ``(T, N)`` [rad].
     azimuth: Array
     #: Which balls are on a loaded arc ``(T, N)``.
@@ -432,10 +431,8 @@ def simulate(
         while left > 0.0:
             piece, begin, count = left, k * dt + (dt - left), count + 1
             if located and count < PIECES:
-                event = min(
-                    setting.time_to_next_arc_end(place.azimuth, place.omega, begin),
-                    _time_until_neighbours_meet(place, setting.tracks),
-                )
+                arc_end = setting.time_to_next_arc_end(place.azimuth, place.omega, begin)
+                event = min(arc_end, _time_until_neighbours_meet(place, setting.tracks))
                 piece, after = _next_piece_of_step(left, dt, event, after)
             ahead = 0.5 * piece if located else 0.0
             azimuth, time = place.azimuth + ahead * place.omega, begin + ahead
@@ -444,9 +441,8 @@ def simulate(
                 slack = np.where(slack > FASTEST * np.abs(place.omega).max(), np.inf, slack)
             instant = setting.solve_at_instant(azimuth, time, slack, place.memory)
             if isinstance(instant, str):
-                return _history_from_pieces(
-                    rows, setting, duration, steps, f"at a rotation of {np.degrees(speed * time):.6g} deg: {instant}"
-                )
+                ended = f"at a rotation of {np.degrees(speed * time):.6g} deg: {instant}"
+                return _history_from_pieces(rows, setting, duration, steps, ended)
             place = _state_after_piece(setting, place, instant, piece)
             loss = sum(instant.losses)
             rows.append(
@@ -568,11 +564,6 @@ class TimeStepErrors:
     step_counts: tuple[int, ...]
 
     @property
-    def torque_error(self) -> float:
-        """Mean absolute error of the friction torque over the simulated time, as a ratio to the mean torque."""
-        return self.errors_by_quantity["torque"].error
-
-    @property
     def largest_error(self) -> float:
         """Largest of the estimated errors of all quantities, as a ratio to the mean torque."""
         return max(q.error for q in self.errors_by_quantity.values())
@@ -616,9 +607,8 @@ def extrapolated_error(first_change: float, last_change: float, jumps: bool = Fa
     if first_change * last_change < 0.0 or order < LEAST:
         return TimeStepErrorEstimate(UNCLEAR * most, order, float("nan"))
     used = min(order, SMOOTH if not jumps or order > SMOOTH - 0.5 else OF_JUMPS)
-    return TimeStepErrorEstimate(
-        SAFETY * max(abs(last_change), abs(first_change) / 2.0**used) / (2.0**used - 1.0), order, used
-    )
+    error = SAFETY * max(abs(last_change), abs(first_change) / 2.0**used) / (2.0**used - 1.0)
+    return TimeStepErrorEstimate(error, order, used)
 
 
 def estimate_time_step_errors(levels: Sequence[TravelHistory]) -> TimeStepErrors | None:
@@ -637,9 +627,8 @@ def estimate_time_step_errors(levels: Sequence[TravelHistory]) -> TimeStepErrors
     size = abs(float(three.mean()))
     if size == 0.0:
         return TimeStepErrors({"torque": TimeStepErrorEstimate(0.0)}, steps)
-    over = extrapolated_error(
-        mean_torque_difference(one, two) / size, mean_torque_difference(two, three) / size, jumps=True
-    )
+    changes = (mean_torque_difference(one, two) / size, mean_torque_difference(two, three) / size)
+    over = extrapolated_error(*changes, jumps=True)
     least = 0.5 * float(np.abs(np.diff(three)).max(initial=0.0)) / (steps[-1] * size)
     errors = {"torque": replace(over, error=max(over.error, least))}
     numbers = [

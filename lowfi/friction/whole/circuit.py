@@ -10,25 +10,17 @@ from dataclasses import asdict, dataclass, field
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rollbench.lowfi.friction.screw import groove
 from rollbench.lowfi.friction.screw.chain import BallChain, ChainMotion, FrictionContacts, solve_motion_of_chain
 from rollbench.lowfi.friction.screw.travel import ClosedTrack
+from rollbench.lowfi.friction.whole import losses
 from rollbench.lowfi.friction.whole.contacts import StaticContacts, contacts_of_result
-from rollbench.lowfi.friction.whole.losses import (
-    BallKinematics,
-    ball_friction,
-    ball_kinematics,
-    friction_contacts,
-    relative_friction_coefficients,
-    rotate_to_groove_axes,
-)
 from rollbench.lowfi.friction.whole.torque import ONE_TURN, axial_forces_and_moments
 from rollbench.lowfi.jit import CONTACT, is_copy_loaded
 from rollbench.lowfi.statics.contacts import hertz_without_errors
 from rollbench.lowfi.statics.result import StaticResult
-from rollbench.meshes.arrays import Array
+from rollbench.meshes.arrays import Array, Index, Mask
 from rollbench.meshes.errors import ErrorsAfterDrawing, draw_ball_radii
 from rollbench.meshes.helix import BallLayout, ball_layout_at_positions, lead_per_radian
 from rollbench.meshes.parts import Circulation, Friction, Scene
@@ -68,7 +60,7 @@ class Circuit(NamedTuple):
     #: ``(n,)`` [rad].
     azimuth: Array
     #: Numbers in the scene of the balls of the circuit ``(n,)``; -1 for a ball in the return.
-    ball_numbers: NDArray[np.int64]
+    ball_numbers: Index
 
 
 def circuits_of_scene(scene: Scene) -> tuple[Circuit, ...]:
@@ -90,7 +82,7 @@ def circuits_of_scene(scene: Scene) -> tuple[Circuit, ...]:
     loop = scene.circulation or Circulation()
     azimuths = np.sort(np.asarray(scene.balls.azimuths, dtype=float))
     ring = scene.track.lead == 0.0
-    path = ball_kinematics(scene, scene.motion or ONE_TURN, scene.balls.radius)
+    path = losses.ball_kinematics(scene, scene.motion or ONE_TURN, scene.balls.radius)
     spacing = groove.azimuth_between_touching_balls(path)
     if azimuths.size % loop.circuits:
         allowed = f"a number by which the {azimuths.size} balls of a thread start can be divided"
@@ -120,7 +112,7 @@ def circuits_of_scene(scene: Scene) -> tuple[Circuit, ...]:
     return tuple(out)
 
 
-def _first_balls_after_gaps(azimuths: Array) -> NDArray[np.int64]:
+def _first_balls_after_gaps(azimuths: Array) -> Index:
     """Return the indices of the balls that follow a gap which separates two circuits.
 
     ``azimuths``: azimuths of the balls, in increasing order [rad].
@@ -169,10 +161,8 @@ def _track_length(loop: Circulation, loaded_count: int, arc: float, spacing: flo
         "its loaded arc and for a return that holds its balls"
     )
     if loop.filling is not None:
-        largest = f"up to {count * spacing / least:.4g}"
-        raise CircuitError(
-            "filling", f"{largest} (fraction of a circuit's length that its balls would fill if they touched)", advice
-        )
+        meaning = "fraction of a circuit's length that its balls would fill if they touched"
+        raise CircuitError("filling", f"up to {count * spacing / least:.4g} ({meaning})", advice)
     smallest = f"{1e6 * path_length_per_angle * (least / count - spacing):.4g} um"
     raise CircuitError("gap", f"at least {smallest} between neighbouring balls on average", advice)
 
@@ -194,7 +184,7 @@ def nut_positions_at_start_and_end(scene: Scene) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
-class SceneGrooves(BallKinematics, groove.GroovesInMotion):
+class SceneGrooves(losses.BallKinematics, groove.GroovesInMotion):
     """Grooves of a scene without geometric errors, with the speeds of screw and nut and with friction.
 
     One object is used in a whole simulation, because the arrays for the compiled functions are cached for it
@@ -218,10 +208,9 @@ def grooves_of_scene(scene: Scene, friction: Friction, drive: Drive) -> SceneGro
     The coefficient of friction of the result is the larger one of the screw's and the nut's grooves. ``friction``:
     coefficients of friction; ``drive``: motion of the screw or nut that turns.
     """
-    path, h = ball_kinematics(scene, drive, scene.balls.radius), hertz_without_errors(scene)
-    return SceneGrooves(
-        **asdict(path), mu=max(friction.screw, friction.nut), hertz=groove.GrooveHertzConstants(h.C, h.C_a, h.C_b)
-    )
+    path, h = losses.ball_kinematics(scene, drive, scene.balls.radius), hertz_without_errors(scene)
+    constants = groove.GrooveHertzConstants(h.C, h.C_a, h.C_b)
+    return SceneGrooves(**asdict(path), mu=max(friction.screw, friction.nut), hertz=constants)
 
 
 @dataclass(frozen=True)
@@ -252,7 +241,7 @@ class SceneBallChain(BallChain):
         two forces [N] and the moment about the normal [N m].
         """
         turned = pull.copy()
-        rotate_to_groove_axes(self.static_contacts, turned)
+        losses.rotate_to_groove_axes(self.static_contacts, turned)
         return super().contact_wrenches(turned)
 
     def input_power(self, wrench: Array) -> float:
@@ -306,16 +295,12 @@ def solve_motion_on_track(
     ChainMotion
         The motion; its field ``converged`` is False if no solution was found.
     """
-    share, top = relative_friction_coefficients(friction)
-    rubs = friction_contacts(scene, contacts, top * share, drive)
-    motion = solve_motion_of_chain(
-        SceneBallChain(grooves, contacts.force, contacts.normals, slack, contacts, rubs, friction.between_balls),
-        start,
-        fast,
-        True,
-    )
+    share, top = losses.relative_friction_coefficients(friction)
+    rubs = losses.friction_contacts(scene, contacts, top * share, drive)
+    chain = SceneBallChain(grooves, contacts.force, contacts.normals, slack, contacts, rubs, friction.between_balls)
+    motion = solve_motion_of_chain(chain, start, fast, True)
     for rows in (motion.contact_motions, motion.contact_friction):
-        rotate_to_groove_axes(contacts, rows)
+        losses.rotate_to_groove_axes(contacts, rows)
     return motion
 
 
@@ -333,7 +318,7 @@ class BallsInCircuits:
     #: Radii of the balls ``(N,)`` [m].
     radius: Array
     #: Number of each ball in the scene ``(N,)``, -1 for a ball in the return.
-    number: NDArray[np.int64]
+    number: Index
     #: Azimuth of each ball in the nut's frame at the start ``(N,)`` [rad].
     azimuth: Array
     #: Difference of the azimuths of each ball and the next one of its circuit when the two touch ``(N,)`` [rad].
@@ -352,7 +337,7 @@ class BallsInCircuits:
             out[balls] = np.diff(azimuth[balls], append=azimuth[balls.start] + track.ring)
         return np.asarray(out - self.touching_spacing)
 
-    def fold_into_circuits(self, azimuth: Array) -> tuple[Array, NDArray[np.bool_]]:
+    def fold_into_circuits(self, azimuth: Array) -> tuple[Array, Mask]:
         """Return the azimuths of all balls within one revolution of their circuits, then which are on a loaded arc.
 
         ``azimuth``: azimuths in the nut's frame ``(N,)`` [rad], which increase without bound as balls circulate.
@@ -453,7 +438,7 @@ class ContactOnset:
     #: Sum of the contact loads of each ball ``(N,)`` [N].
     contact_load_sums: Array
     #: Numbers of the two balls of each pair of neighbours; the second ball is at the larger azimuth ``(M, 2)``.
-    neighbour_pairs: NDArray[np.int64]
+    neighbour_pairs: Index
     #: Gap between the two balls of a pair ``(M,)`` [rad].
     pair_gaps: Array
     #: Rotation of screw or nut after which the two balls of a pair meet at their present speeds ``(M,)`` [rad]; infinite if
@@ -502,8 +487,10 @@ def contact_onset(
     ValueError
         The static loads did not converge, balls overlap, or the circuits cannot hold their balls.
     """
-    path = ball_kinematics(scene, drive, scene.balls.radius)
-    balls = ball_friction(scene, contacts_of_result(scene, result), Friction(1.0, 1.0), drive, fast=is_copy_loaded(CONTACT))
+    path = losses.ball_kinematics(scene, drive, scene.balls.radius)
+    balls = losses.ball_friction(
+        scene, contacts_of_result(scene, result), Friction(1.0, 1.0), drive, fast=is_copy_loaded(CONTACT)
+    )
     carrying = result.load.sum(axis=1)
     orbit = np.where(carrying > 0.0, balls.orbital_speed, unloaded_speed_ratio * path.nominal_orbit)
     spacing, ring = groove.azimuth_between_touching_balls(path), scene.track.lead == 0.0
@@ -513,9 +500,8 @@ def contact_onset(
         after = np.append(here[1:], here[0] + 2.0 * np.pi)[: here.size if ring else -1]
         pair = np.column_stack([number, np.roll(number, -1)])[: after.size]
         along = orbit[pair] - path.nut_speed  # in the nut's frame, where the arcs are
-        left = np.where(
-            along[:, 1] > 0.0, track.loaded_arc_start + track.arc - after, here[: after.size] - track.loaded_arc_start
-        )
+        begin = track.loaded_arc_start
+        left = np.where(along[:, 1] > 0.0, begin + track.arc - after, here[: after.size] - begin)
         leader = np.abs(np.where(along[:, 1] > 0.0, along[:, 1], along[:, 0]))
         pairs.append(pair)
         gaps.append(after - here[: after.size] - spacing)

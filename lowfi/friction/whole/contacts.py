@@ -6,14 +6,13 @@ from dataclasses import dataclass, fields, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rollbench.lowfi.friction.screw.groove import SIGN_X, SIGN_Z
 from rollbench.lowfi.hertz import contact_modulus, hertz_constants_as_printed
 from rollbench.lowfi.statics import contacts as statics_contacts
 from rollbench.lowfi.statics.nominal import ContactLoads
 from rollbench.lowfi.statics.result import StaticResult
-from rollbench.meshes.arrays import Array
+from rollbench.meshes.arrays import Array, Index, Mask
 from rollbench.meshes.errors import GeometryWithErrors, draw_geometry_with_errors
 from rollbench.meshes.helix import BallLayout, ball_layout, nominal_groove_radii
 from rollbench.meshes.parts import Errors, Scene
@@ -42,7 +41,7 @@ class StaticContacts:
     #: Short semi-axes of the contact ellipses ``(N, 4)`` [m].
     b: Array
     #: Whether the long semi-axis of each contact ellipse lies across the groove ``(N, 4)``.
-    across: NDArray[np.bool_]
+    across: Mask
     #: Azimuths, centres and section axes of the balls.
     layout: BallLayout
 
@@ -64,21 +63,14 @@ class StaticContacts:
         """Largest Hertz pressures of the contacts ``(N, 4)`` [Pa]."""
         return np.asarray(1.5 * self.force / (np.pi * self.a * self.b))
 
-    def subset(self, balls: NDArray[np.int64] | slice) -> StaticContacts:
+    def subset(self, balls: Index | slice) -> StaticContacts:
         """Return the contacts of chosen balls only.
 
         ``balls``: indices of these balls, or a range of indices.
         """
         layout = BallLayout(*(getattr(self.layout, f.name)[balls] for f in fields(self.layout)))
-        return StaticContacts(
-            self.ball_radius[balls],
-            self.force[balls],
-            self.angle[balls],
-            self.a[balls],
-            self.b[balls],
-            self.across[balls],
-            layout,
-        )
+        arrays = {f.name: getattr(self, f.name)[balls] for f in fields(self) if f.name != "layout"}
+        return replace(self, layout=layout, **arrays)
 
     @property
     def axial_force(self) -> float:
@@ -144,7 +136,7 @@ def contacts_with_loads(contacts: StaticContacts, force: Array, angle: Array) ->
 
 
 def contacts_of_all_balls(
-    contacts: StaticContacts | None, layout: BallLayout, balls: NDArray[np.int64], ball_radius: Array, unloaded_angle: float
+    contacts: StaticContacts | None, layout: BallLayout, balls: Index, ball_radius: Array, unloaded_angle: float
 ) -> StaticContacts:
     """Return the contacts of all N balls of a scene from those of balls that may carry load; all other balls have no load.
 
@@ -163,22 +155,15 @@ def contacts_of_all_balls(
     """
     n = ball_radius.size
     least = 1e-30 ** (1.0 / 3.0)
-    full = StaticContacts(
-        ball_radius,
-        np.zeros((n, 4)),
-        np.full((n, 4), unloaded_angle),
-        np.full((n, 4), least),
-        np.full((n, 4), least),
-        np.ones((n, 4), dtype=bool),
-        layout,
-    )
+    force, angle, across = np.zeros((n, 4)), np.full((n, 4), unloaded_angle), np.ones((n, 4), dtype=bool)
+    full = StaticContacts(ball_radius, force, angle, np.full((n, 4), least), np.full((n, 4), least), across, layout)
     if contacts is not None:
         for name in ("force", "angle", "a", "b", "across"):
             getattr(full, name)[balls] = getattr(contacts, name)
     return full
 
 
-def _ellipse_constants(scene: Scene, drawn: GeometryWithErrors, angle: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
+def _ellipse_constants(scene: Scene, drawn: GeometryWithErrors, angle: Array) -> tuple[Array, Array, Mask]:
     """Return the Hertz constants of long and short semi-axes, then whether the long semi-axis lies across the groove.
 
     Each array is ``(N, 4)``; the semi-axes [m] are the constants times the cube root of the force [N]. The scene's
@@ -190,16 +175,12 @@ def _ellipse_constants(scene: Scene, drawn: GeometryWithErrors, angle: Array) ->
         c_a, c_b = _printed_ellipse_constants(scene)
         return np.broadcast_to(c_a, shape), np.broadcast_to(c_b, shape), np.ones(shape, dtype=bool)
     if kind == "actual":
-        h, curvature = (
-            statics_contacts.hertz_at_contact_angles(scene, drawn, angle),
-            statics_contacts.relative_curvatures(scene, drawn, angle),
-        )
+        h = statics_contacts.hertz_at_contact_angles(scene, drawn, angle)
+        curvature = statics_contacts.relative_curvatures(scene, drawn, angle)
     else:
-        h = (
-            statics_contacts.hertz_without_errors(scene)
-            if kind == "error-free"
-            else statics_contacts.hertz_with_errors_if_distinct(scene, drawn, drawn.ball_radii)
-        )
+        h = statics_contacts.hertz_without_errors(scene)
+        if kind != "error-free":
+            h = statics_contacts.hertz_with_errors_if_distinct(scene, drawn, drawn.ball_radii)
         curvature = statics_contacts.nominal_curvatures(scene)
     # curvatures are in ascending order; the one that equals the groove profile's belongs to the semi-axis across
     profile = 1.0 / drawn.ball_radii[:, None] - 1.0 / nominal_groove_radii(scene)

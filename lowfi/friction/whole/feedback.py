@@ -9,19 +9,18 @@ the balls therefore remains that of the static model.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rollbench.lowfi.friction.contact.equilibrium import solve_contact_loads_of_each_ball
 from rollbench.lowfi.friction.screw.groove import ON_SCREW
 from rollbench.lowfi.friction.screw.motion import AndersonAcceleration
 from rollbench.lowfi.friction.whole.contacts import StaticContacts, contacts_with_loads
 from rollbench.lowfi.friction.whole.losses import BallFriction, ball_friction
-from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.settle import contact_angles
-from rollbench.meshes.arrays import Array
-from rollbench.meshes.errors import GeometryWithErrors, draw_geometry_with_errors
+from rollbench.meshes.arrays import Array, Index, Mask
+from rollbench.meshes.errors import GeometryWithErrors
 from rollbench.meshes.parts import Friction, Scene
 from rollbench.meshes.parts import Motion as Drive
 
@@ -76,19 +75,6 @@ def positions_in_grooves(contacts: StaticContacts, C: Array, reach: Array, centr
     return PositionsInGrooves(away, reach, C, np.asarray(contacts.section_axes[0, :, 2]))
 
 
-def positions_in_grooves_of_result(
-    scene: Scene, result: StaticResult, contacts: StaticContacts, member: int = 0
-) -> PositionsInGrooves:
-    """Return the positions of the balls of a statically solved scene relative to their grooves.
-
-    ``scene``: the scene; ``result``: its static result; ``contacts``: contacts of this result; ``member``: number of
-    the draw of random errors (specimen) that was solved.
-    """
-    return positions_in_grooves_with_errors(
-        contacts, draw_geometry_with_errors(scene, contacts.layout, member), result.hertz_C
-    )
-
-
 def positions_in_grooves_with_errors(contacts: StaticContacts, drawn: GeometryWithErrors, C: Array) -> PositionsInGrooves:
     """Return the positions of N balls relative to grooves with geometric errors.
 
@@ -128,7 +114,7 @@ class FrictionEquilibrium:
     #: Motion and friction of the balls in these contacts.
     friction: BallFriction
     #: Whether each ball failed to reach an equilibrium ``(N,)``.
-    failed_balls: NDArray[np.bool_]
+    failed_balls: Mask
     #: Number of rounds of the iteration between contact loads and friction.
     rounds: int
     #: Largest unbalanced force on a ball, as a ratio to the sum of its contact loads.
@@ -184,11 +170,10 @@ def solve_friction_equilibrium(
     still = _unbalanced_forces(static_contacts.force, static_contacts.normals[..., [0, 2]], along, np.zeros((count, 3)))
     guess, shift, mixer = np.zeros((count, 3)), np.zeros((count, 3)), AndersonAcceleration(2, ROUNDS)
     contacts, active, rounds = static_contacts, np.flatnonzero(loaded), 0
+    settle = partial(_contacts_under_forces, place=positions, frictionless=static_contacts, fast=fast)
     if starting_friction is not None and active.size:
         guess[active] = starting_friction[active]
-        contacts, shift[active], _ = _contacts_under_forces(
-            static_contacts, positions, active, still[active] + guess[active], shift[active], static_contacts, fast
-        )
+        contacts, shift[active], _ = settle(static_contacts, active, still[active] + guess[active], shift[active])
     failed = np.zeros(count, dtype=bool)
     q = np.full((count, 4), np.nan) if starting_motions is None else starting_motions.copy()
     while active.size and rounds < ROUNDS:
@@ -201,39 +186,29 @@ def solve_friction_equilibrium(
         active = active[unsettled]
         mixer.keep_vectors(unsettled)
         guess[active] = mixer.next_iterate(guess[active], answer[unsettled])
-        contacts, shift[active], failed[active] = _contacts_under_forces(
-            contacts, positions, active, still[active] + guess[active], shift[active], static_contacts, fast
-        )
+        contacts, shift[active], failed[active] = settle(contacts, active, still[active] + guess[active], shift[active])
     for ball in active:
         from scipy.optimize import root  # few states come here
 
         one, size = np.array([ball]), float(contacts.force[ball].sum())
 
-        def change_of_friction(x: Array, one: NDArray[np.int64] = one, size: float = size) -> Array:
+        def change_of_friction(x: Array, one: Index = one, size: float = size) -> Array:
             """Return the resulting less the assumed friction, divided by the sum of the contact loads ``(3,)``.
 
             ``x``: assumed friction on ball and screw divided by the sum of the contact loads ``(3,)``; ``one``: index
             of the ball ``(1,)``; ``size``: sum of its contact loads [N].
             """
-            there, _, _ = _contacts_under_forces(
-                static_contacts, positions, one, still[one] + size * x, shift[one], static_contacts, fast
-            )
+            there, _, _ = settle(static_contacts, one, still[one] + size * x, shift[one])
             chosen = there.subset(one)
             by_ball = ball_friction(scene, chosen, friction, drive, fast, q[one])
             return np.asarray(_friction_on_balls_and_screw(by_ball, chosen, positions.screw_axis_direction)[0] / size - x)
 
         options = {"xtol": SOLVED, "eps": DIFFERENCE**2, "maxfev": TRIALS}
         guess[ball] = size * root(change_of_friction, guess[ball] / size, options=options).x
-        contacts, shift[one], failed[one] = _contacts_under_forces(
-            contacts, positions, one, still[one] + guess[one], shift[one], static_contacts, fast
-        )
+        contacts, shift[one], failed[one] = settle(contacts, one, still[one] + guess[one], shift[one])
     final = ball_friction(scene, contacts, friction, drive, fast, q)
-    off = _unbalanced_forces(
-        contacts.force,
-        contacts.normals[..., [0, 2]],
-        along,
-        still + _friction_on_balls_and_screw(final, contacts, positions.screw_axis_direction),
-    )
+    applied = still + _friction_on_balls_and_screw(final, contacts, positions.screw_axis_direction)
+    off = _unbalanced_forces(contacts.force, contacts.normals[..., [0, 2]], along, applied)
     change = np.abs(off).max(axis=1) / np.maximum(contacts.force.sum(axis=1), 1e-300)
     return FrictionEquilibrium(contacts, final, failed | (change > ACCEPTED), rounds, float(change.max(initial=0.0)), guess)
 
@@ -272,29 +247,28 @@ def balls_with_jammed_state(
             push = np.zeros((size.size, 3))
             push[:, axis] = sign * DISPLACED * size
             again = solve_friction_equilibrium(scene, static_contacts, positions, friction, drive, fast, push)
-            apart = np.abs(again.contacts.force - rolling_state.contacts.force).max(axis=1) > ANOTHER * np.maximum(
-                size, 1e-300
-            )
+            difference = np.abs(again.contacts.force - rolling_state.contacts.force).max(axis=1)
+            apart = difference > ANOTHER * np.maximum(size, 1e-300)
             other |= apart & ~again.failed_balls & ~rolling_state.failed_balls & (size > 0.0)
     return tuple(int(k) for k in np.flatnonzero(other))
 
 
 def _contacts_under_forces(
     contacts: StaticContacts,
-    place: PositionsInGrooves,
-    balls: NDArray[np.int64],
+    balls: Index,
     forces: Array,
     start: Array,
+    *,
+    place: PositionsInGrooves,
     frictionless: StaticContacts,
     fast: bool,
-) -> tuple[StaticContacts, Array, NDArray[np.bool_]]:
+) -> tuple[StaticContacts, Array, Mask]:
     """Return the contacts of N balls after k of them are brought into equilibrium with given forces.
 
-    ``contacts``: contacts of all balls, of which those of ``balls`` (indices ``(k,)``) are replaced; ``place``:
-    positions of all balls without friction; ``forces``: forces on each of the k balls along x3 (radial) and z3
-    (binormal) and on the screw ``(k, 3)`` [N]; ``start``: displacements to begin from ``(k, 3)`` [m]; ``frictionless``:
-    contacts without friction, whose loads give the scale of the tolerance; ``fast``: whether to use the compiled
-    functions.
+    ``contacts``: contacts of all balls, of which those of ``balls`` (indices ``(k,)``) are replaced; ``forces``: forces on
+    each of the k balls along x3 (radial) and z3 (binormal) and on the screw ``(k, 3)`` [N]; ``start``: displacements to
+    begin from ``(k, 3)`` [m]; ``place``: positions of all balls without friction; ``frictionless``: contacts without
+    friction, whose loads give the scale of the tolerance; ``fast``: whether to use the compiled functions.
 
     Returns
     -------

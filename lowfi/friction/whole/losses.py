@@ -16,7 +16,6 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rollbench.lowfi.friction.contact.equilibrium import STATUS
 from rollbench.lowfi.friction.screw.chain import FrictionContacts
@@ -24,7 +23,7 @@ from rollbench.lowfi.friction.screw.groove import ON_SCREW, HelicalMotion, conta
 from rollbench.lowfi.friction.screw.motion import friction_wrench_at_contacts
 from rollbench.lowfi.friction.whole.contacts import StaticContacts
 from rollbench.lowfi.jit import CONTACT, load_kernel_package
-from rollbench.meshes.arrays import Array
+from rollbench.meshes.arrays import Array, Mask
 from rollbench.meshes.helix import lead_per_radian, nominal_groove_radii
 from rollbench.meshes.parts import Friction, Scene
 from rollbench.meshes.parts import Motion as Drive
@@ -89,7 +88,7 @@ class BallFriction:
     #: Power lost in each contact by each of the three ``CAUSES`` ``(N, 4, 3)`` [W].
     loss: Array
     #: Whether each contact sticks ``(N, 4)``.
-    sticking_contacts: NDArray[np.bool_]
+    sticking_contacts: Mask
     #: Status of the solution for each ball, such as ``"exact"`` or ``"failed"``; ``"no load"`` for a ball without contact
     #: forces.
     status: tuple[str, ...]
@@ -121,12 +120,7 @@ class BallFriction:
 
 
 def ball_friction(
-    scene: Scene,
-    contacts: StaticContacts,
-    friction: Friction,
-    drive: Drive,
-    fast: bool = False,
-    starting_motions: Array | None = None,
+    scene: Scene, contacts: StaticContacts, friction: Friction, drive: Drive, fast: bool = False, start: Array | None = None
 ) -> BallFriction:
     """Return the motion of least dissipation and the friction of every ball at given contact loads.
 
@@ -147,7 +141,7 @@ def ball_friction(
         Motion of the screw or nut that turns.
     fast
         Whether to use the compiled functions instead of plain Python.
-    starting_motions
+    start
         First estimates of the motions ``(N, 4)`` [rad/s], from a similar state (``BallFriction.ball_motions``); nan for
         balls without an estimate. If None, there are no estimates.
 
@@ -164,7 +158,7 @@ def ball_friction(
     share, top = relative_friction_coefficients(friction)
     rubs = friction_contacts(scene, pressed, share, drive)
     n = loaded.size
-    q = np.full((n, 4), np.nan) if starting_motions is None else starting_motions[loaded]
+    q = np.full((n, 4), np.nan) if start is None else start[loaded]
     forces, rests, outcome = np.zeros((n, 4, 3)), np.zeros((n, 4)), np.zeros((n, 2))
     load_kernel_package(CONTACT, compiled=fast).least_dissipation_of_bodies(
         rubs.semi_axes_and_bound, rubs.contact_motion_maps, rubs.imposed_contact_motions, q, forces, rests, outcome
@@ -184,13 +178,7 @@ def ball_friction(
 
 
 def ball_friction_from_motions(
-    contacts: StaticContacts,
-    motions: Array,
-    motion: Array,
-    pull: Array,
-    rest: NDArray[np.bool_],
-    status: list[str],
-    imbalance: float,
+    contacts: StaticContacts, motions: Array, motion: Array, pull: Array, rest: Mask, status: list[str], imbalance: float
 ) -> BallFriction:
     """Return motion, friction and losses of N balls as one record; the losses are friction times motion.
 
@@ -230,9 +218,8 @@ def friction_contacts(
     four flanks (screw left, screw right, nut left, nut right) ``(4,)``, or their ratios to the largest one; the friction
     bounds in the result are the products of these values and the forces. ``drive``: motion of the screw or nut that turns.
     """
-    maps, drives = ball_kinematics(scene, drive, scene.balls.radius).contact_kinematics(
-        contacts.normals, contacts.ball_radius
-    )
+    path = ball_kinematics(scene, drive, scene.balls.radius)
+    maps, drives = path.contact_kinematics(contacts.normals, contacts.ball_radius)
     for rows in (maps, drives):
         rows[~contacts.across] = _rotate_quarter_turn(rows[~contacts.across])
     return FrictionContacts(
@@ -275,9 +262,10 @@ def closing_speeds_of_neighbours(scene: Scene, contacts: StaticContacts, by_ball
     for k in range(starts):
         balls = np.arange(k * per_start, (k + 1) * per_start)
         order = balls[np.argsort(contacts.layout.azimuth[balls], kind="stable")]
-        closing[order[:-1]] = path.radius * (by_ball.orbital_speed[order[:-1]] - by_ball.orbital_speed[order[1:]])
-        if scene.track.lead == 0.0 and per_start > 1:
-            closing[order[-1]] = path.radius * (by_ball.orbital_speed[order[-1]] - by_ball.orbital_speed[order[0]])
+        speed = by_ball.orbital_speed[order]
+        closing[order] = path.radius * (speed - np.roll(speed, -1))
+        if scene.track.lead != 0.0 or per_start == 1:
+            closing[order[-1]] = np.nan
     return closing
 
 
@@ -329,9 +317,8 @@ def surface_speeds_in_contacts(
     path = ball_kinematics(scene, drive, scene.balls.radius)
     maps, drives = path.contact_kinematics(contacts.normals, contacts.ball_radius)
     body = np.where(ON_SCREW, path.screw_speed, path.nut_speed)
-    rolling = np.einsum(
-        "nsi,ji->nsj", contact_axes(contacts.normals)[:, :, 0], path.ball_rotation_axes
-    )  # Omega = rolling @ q - body part
+    # angular speed Omega of a ball about the axis across the groove: rolling @ q less the part of screw or nut
+    rolling = np.einsum("nsi,ji->nsj", contact_axes(contacts.normals)[:, :, 0], path.ball_rotation_axes)
     bend = 0.25 * curvature_factor * (1.0 / contacts.ball_radius[:, None] + 1.0 / nominal_groove_radii(scene))
     x, z, _ = hertz_pressure_quadrature()
     px = np.where(contacts.across, contacts.a, contacts.b)[..., None] * x
@@ -427,15 +414,11 @@ def heathcote_loss_increase(
         return float("nan")
     pressed, share = contacts.subset(balls), relative_friction_coefficients(friction)[0]
     strength = share * pressed.force
-    start = np.column_stack([by_ball.orbital_speed, by_ball.rotation])[balls]
+    start = by_ball.ball_motions[balls]
     seen = np.nan_to_num(by_ball.contact_motions[balls])
     slide = float(np.sqrt(np.max(seen[..., 0] ** 2 + seen[..., 1] ** 2 + (pressed.a * seen[..., 2]) ** 2)))
     if slide == 0.0:
         return float("nan")
-    flat, curved = (
-        float(
-            least_dissipated_power(*surface_speeds_in_contacts(scene, pressed, drive, factor), strength, start, slide).sum()
-        )
-        for factor in (0.0, 1.0)
-    )
+    speeds = (surface_speeds_in_contacts(scene, pressed, drive, factor) for factor in (0.0, 1.0))
+    flat, curved = (float(least_dissipated_power(*speed, strength, start, slide).sum()) for speed in speeds)
     return curved / flat - 1.0

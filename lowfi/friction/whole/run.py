@@ -12,7 +12,6 @@ from functools import partial
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rollbench.lowfi.compliance.bodies import compliance_between_contacts
 from rollbench.lowfi.compliance.parts import ComplianceModel
@@ -24,7 +23,7 @@ from rollbench.lowfi.friction.whole.feedback import positions_in_grooves_with_er
 from rollbench.lowfi.friction.whole.torque import axial_forces_and_moments, friction_displaces_balls
 from rollbench.lowfi.statics.nominal import ContactLoads, contact_loads_by_beam_model, contact_loads_with_elastic_bodies
 from rollbench.lowfi.statics.result import StaticResult
-from rollbench.meshes.arrays import Array
+from rollbench.meshes.arrays import Array, Index, Mask
 from rollbench.meshes.errors import ErrorsAfterDrawing, GeometryWithErrors
 from rollbench.meshes.helix import BallLayout, ball_layout_at_positions, lead_per_radian
 from rollbench.meshes.parts import Friction, Scene, Track
@@ -84,12 +83,8 @@ class TravellingCompliance:
             if apart <= APART and -BEYOND <= share <= 1.0 + BEYOND:
                 break
         else:
-            share, window = (
-                0.0,
-                self.new_window(
-                    layout, track, lambda place: compliance_between_contacts(scene, place, screw, backend, flanks)
-                ),
-            )
+            compute = partial(compliance_between_contacts, scene, screw=screw, backend=backend, flanks=flanks)
+            share, window = 0.0, self.new_window(layout, track, compute)
             known.append(window)
         first, second, third = window.compliances
         left = 1.0 - share
@@ -105,18 +100,15 @@ class TravellingCompliance:
         """
         rate, length = lead_per_radian(track), self.window_angle
         while True:
-            places = (
-                ball_layout_at_positions(track, layout.azimuth + s, layout.z + s * rate)
-                for s in (length, 0.5 * length, 0.0)
-            )
+            steps = (length, 0.5 * length, 0.0)
+            places = (ball_layout_at_positions(track, layout.azimuth + s, layout.z + s * rate) for s in steps)
             try:
                 third, second, first = map(compute, places)
+                return ComplianceWindow(layout.azimuth, layout.z, length, (first, second, third))
             except ValueError:
                 if abs(length) < LEAST:
                     raise
                 length /= 8.0
-                continue
-            return ComplianceWindow(layout.azimuth, layout.z, length, (first, second, third))
 
 
 def load_solver_for_travelling_balls(model: str, travel_sense: float) -> Callable[..., ContactLoads]:
@@ -129,16 +121,13 @@ def load_solver_for_travelling_balls(model: str, travel_sense: float) -> Callabl
     travel_sense
         Sense in which the balls travel in the nut: 1.0 towards larger azimuths, -1.0 towards smaller ones.
     """
-    if model != "refined":
-        return AGAIN[model]
+    if model == "lin":
+        return contact_loads_by_beam_model
     return partial(contact_loads_with_elastic_bodies, whole=TravellingCompliance(WINDOW * travel_sense))
 
 
-#: Functions that compute the contact loads at each instant of a simulation over time, by the name of the static model.
-AGAIN: dict[str, Callable[..., ContactLoads]] = {
-    "lin": contact_loads_by_beam_model,
-    "refined": contact_loads_with_elastic_bodies,
-}
+#: Names of the static models with which contact loads can be computed at each instant of a simulation over time.
+MODELS_OVER_TIME = ("lin", "refined")
 
 #: A static model: function that returns the contact loads of balls with given errors at given positions.
 Solve = Callable[[GeometryWithErrors, BallLayout], StaticResult | ContactLoads]
@@ -182,9 +171,7 @@ class SceneInMotion:
         turned = self.drive.speed * time
         return (turned, 0.0) if self.drive.turns == "screw" else (0.0, turned)
 
-    def solve_contacts(
-        self, azimuth: Array, time: float, push: Array, q: Array
-    ) -> tuple[StaticContacts, NDArray[np.bool_], str]:
+    def solve_contacts(self, azimuth: Array, time: float, push: Array, q: Array) -> tuple[StaticContacts, Mask, str]:
         """Return the contacts of all N balls at one instant; friction changes the contact loads if the scene requests it.
 
         Parameters
@@ -211,24 +198,19 @@ class SceneInMotion:
         layout, on_arc = self.balls.layout(scene, folded, on_nut), np.flatnonzero(loaded)
         space, station = layout.azimuth[on_arc], layout.z[on_arc]
         arc_layout = ball_layout_at_positions(track, space, station)
-        met = self.random_errors.geometry_at_balls(
-            scene, space - on_screw, space - on_nut - scene.nut.azimuth, station, self.balls.radius[on_arc]
-        )
+        in_screw, in_nut = space - on_screw, space - on_nut - scene.nut.azimuth
+        met = self.random_errors.geometry_at_balls(scene, in_screw, in_nut, station, self.balls.radius[on_arc])
         result = self.solve_contact_loads(met, arc_layout)
         at, status = None, "converged" if result.converged else f"contact loads: {result.status}"
         if result.converged:
             at = contacts_of_solution(scene, result, met, arc_layout)
             if friction_displaces_balls(scene, self.friction):
                 place = positions_in_grooves_with_errors(at, met, result.hertz_C)
-                fed = solve_friction_equilibrium(
-                    scene, at, place, self.friction, self.drive, self.fast, push[on_arc], q[on_arc]
-                )
+                start = (push[on_arc], q[on_arc])
+                fed = solve_friction_equilibrium(scene, at, place, self.friction, self.drive, self.fast, *start)
                 push[on_arc], at = fed.friction_on_balls_and_screw, fed.contacts
-                status = (
-                    f"friction and position do not agree on {int(fed.failed_balls.sum())} balls"
-                    if fed.failed_balls.any()
-                    else status
-                )
+                if fed.failed_balls.any():
+                    status = f"friction and position do not agree on {int(fed.failed_balls.sum())} balls"
         return contacts_of_all_balls(at, layout, on_arc, self.balls.radius, track.contact_angle), loaded, status
 
     @property
@@ -247,7 +229,7 @@ class SceneInMotion:
         return self.balls.touching_spacing
 
     @property
-    def number(self) -> NDArray[np.int64]:
+    def number(self) -> Index:
         """Numbers of the balls in the scene ``(N,)``; -1 for a ball that is in the return tube at the start."""
         return self.balls.number
 
@@ -280,24 +262,18 @@ class SceneInMotion:
         at, loaded, status = self.solve_contacts(azimuth, time, push, memory.ball_motions)
         if status != "converged":
             return status
-        moved = [
-            solve_motion_on_track(
-                self.scene,
-                at.subset(members),
-                slack[members] if members.stop - members.start > 1 else np.array([np.inf]),
-                self.friction,
-                self.drive,
-                self.groove,
-                (memory.ball_motions[members], memory.ball_forces[members]),
-                self.fast,
+        moved = []
+        for members in (track.balls for track in self.tracks):
+            rates = slack[members] if members.stop - members.start > 1 else np.array([np.inf])
+            start = (memory.ball_motions[members], memory.ball_forces[members])
+            balls, grooves = at.subset(members), self.groove
+            moved.append(
+                solve_motion_on_track(self.scene, balls, rates, self.friction, self.drive, grooves, start, self.fast)
             )
-            for members in (track.balls for track in self.tracks)
-        ]
         q, force, wrench = (np.concatenate([getattr(m, name) for m in moved]) for name in ("q", "ball_force", "wrench"))
         axial = -at.axial_force
-        if friction_displaces_balls(
-            self.scene, self.friction
-        ):  # contact loads that know of friction balance its axial force
+        if friction_displaces_balls(self.scene, self.friction):
+            # contact loads that friction has changed balance its axial force
             axial += float(np.einsum("nsi,ni->", wrench[:, ON_SCREW, :3], at.section_axes[:, :, 2]))
         groove, ball, closing = (sum(parts) for parts in zip(*(m.losses_by_cause for m in moved), strict=True))
         return InstantSolution(

@@ -7,20 +7,14 @@ from functools import partial
 
 import numpy as np
 
-from rollbench.lowfi.friction.whole import feedback
+from rollbench.lowfi.friction.whole import feedback, losses
 from rollbench.lowfi.friction.whole import torque as whole_torque
 from rollbench.lowfi.friction.whole.circuit import balls_in_circuits, solve_motion_on_track
 from rollbench.lowfi.friction.whole.contacts import StaticContacts, contacts_of_all_balls, contacts_of_result
-from rollbench.lowfi.friction.whole.losses import (
-    BallFriction,
-    ball_friction,
-    ball_friction_from_motions,
-    closing_speeds_of_neighbours,
-)
 from rollbench.lowfi.jit import CONTACT, is_copy_loaded, is_machine_code_cached, register_compile_job
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.errors import draw_errors
+from rollbench.meshes.errors import draw_errors, draw_geometry_with_errors
 from rollbench.meshes.parts import Friction, Scene
 from rollbench.meshes.parts import Motion as Drive
 
@@ -37,7 +31,7 @@ class NeighbourFriction:
     """Friction of N balls, in the order of the scene, where neighbours that touch press on each other."""
 
     #: Motion of the balls, friction on them and losses at the grooves.
-    ball_friction: BallFriction
+    ball_friction: losses.BallFriction
     #: Force of each ball on the next one, which is the neighbour at the larger azimuth ``(N,)`` [N].
     force_on_next_ball: Array
     #: Power lost between all touching balls together [W].
@@ -96,7 +90,7 @@ def friction_with_neighbours(
             status[k] = "balanced" if moved.converged else "failed"
     rest = np.zeros(contacts.force.shape, dtype=bool)
     scale = max(max(friction.screw, friction.nut) * float(contacts.force.sum(axis=1).max(initial=0.0)), 1e-30)
-    by_ball = ball_friction_from_motions(contacts, q, motion, pull, rest, status, left / scale)
+    by_ball = losses.ball_friction_from_motions(contacts, q, motion, pull, rest, status, left / scale)
     return NeighbourFriction(by_ball, force, power, touching, least)
 
 
@@ -107,7 +101,7 @@ class FrictionState:
     #: Contacts of all balls, with their loads, angles and ellipses.
     contacts: StaticContacts
     #: Motion and friction of every ball.
-    ball_friction: BallFriction
+    ball_friction: losses.BallFriction
     #: Torque, axial force and power of the friction, as sums over all balls.
     friction_sums: whole_torque.FrictionSums
     #: Speed at which each ball approaches the next one ``(N,)`` [m/s]; negative if they separate, nan if there is no next
@@ -177,13 +171,8 @@ def friction_state(
     at = contacts_of_result(scene, result, member)
     coupled = whole_torque.friction_displaces_balls(scene, friction)
     pushed = friction.neighbours
-    first = (
-        fast is None
-        and not is_machine_code_cached(CONTACT)
-        and not is_copy_loaded(CONTACT)
-        and not pushed
-        and scene.ball_count <= UNCOMPILED
-    )
+    compiled = is_machine_code_cached(CONTACT) or is_copy_loaded(CONTACT)
+    first = fast is None and not compiled and not pushed and scene.ball_count <= UNCOMPILED
     if first and whole_torque.compiling_saves_time(scene, friction):
         register_compile_job(CONTACT, partial(friction_state, scene, result, friction, drive, member, fast=True))
     if fast is None:
@@ -192,40 +181,35 @@ def friction_state(
             or is_copy_loaded(CONTACT)
             or (coupled and is_machine_code_cached(CONTACT))
         )
-    balls = ball_friction(scene, at, friction, drive, fast)
+    balls = losses.ball_friction(scene, at, friction, drive, fast)
     torque = bare = whole_torque.sum_friction_over_contacts(scene, at, balls, drive)
     unsettled: tuple[int, ...] = ()
-    second: tuple[int, ...] | None
-    change, second, at_back = 0.0, None, at
+    second: tuple[int, ...] | None = None
+    change, at_back = 0.0, at
     if coupled:
-        place = feedback.positions_in_grooves_of_result(scene, result, at, member)
-        there, back = (
-            feedback.solve_friction_equilibrium(scene, at, place, friction, d, fast)
-            for d in (drive, reversed_motion(drive))
-        )
+        drawn = draw_geometry_with_errors(scene, at.layout, member)
+        place = feedback.positions_in_grooves_with_errors(at, drawn, result.hertz_C)
+        both_ways = (drive, reversed_motion(drive))
+        there, back = (feedback.solve_friction_equilibrium(scene, at, place, friction, d, fast) for d in both_ways)
         still, at, at_back, balls = at, there.contacts, back.contacts, there.friction
-        torque = replace(
-            whole_torque.sum_friction_over_contacts(scene, at, balls, drive, coupled=True),
-            reverse_power=back.friction.total_power_lost,
-        )
+        sums = whole_torque.sum_friction_over_contacts(scene, at, balls, drive, coupled=True)
+        torque = replace(sums, reverse_power=back.friction.total_power_lost)
         change = max(there.largest_imbalance_ratio, back.largest_imbalance_ratio)
         unsettled = tuple(int(k) for k in np.flatnonzero(there.failed_balls | back.failed_balls))
         if max(friction.screw, friction.nut) >= feedback.JAMMED:
             second = feedback.balls_with_jammed_state(scene, place, still, there, friction, drive, fast)
-    touching: NeighbourFriction | None = None
+    touching = None
     if pushed:
         ways = ((at, drive), (at_back, reversed_motion(drive)))
-        touching, back_again = (
-            friction_with_neighbours(scene, contacts, friction, d, member, fast) for contacts, d in ways
-        )
+        touching, again = (friction_with_neighbours(scene, contacts, friction, d, member, fast) for contacts, d in ways)
         balls = touching.ball_friction
         sums = whole_torque.sum_friction_over_contacts(scene, at, balls, drive, coupled=coupled)
         torque = replace(
             sums,
             power=sums.power + touching.power_lost_between_balls,
-            reverse_power=back_again.ball_friction.total_power_lost + back_again.power_lost_between_balls,
+            reverse_power=again.ball_friction.total_power_lost + again.power_lost_between_balls,
         )
-    closing = closing_speeds_of_neighbours(scene, at, balls, drive)
+    closing = losses.closing_speeds_of_neighbours(scene, at, balls, drive)
     return FrictionState(at, balls, torque, closing, bare, unsettled, change, coupled, touching, second)
 
 

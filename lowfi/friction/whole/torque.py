@@ -147,13 +147,13 @@ def sum_friction_over_contacts(
     most = contacts.force.max(axis=1, initial=0.0)
     loaded = most > 0.0
     tilt = np.hypot(plane[loaded, 0], plane[loaded, 1]) / most[loaded]
-    pull = -np.einsum("nsi,ni->", friction[:, ON_SCREW, :3], frames[:, :, 2])
+    pull = float(-np.einsum("nsi,ni->", friction[:, ON_SCREW, :3], frames[:, :, 2]))
     return FrictionSums(
         speed=speed,
         advance_per_radian=ratio,
-        axial_load=-contacts.axial_force - (float(pull) if coupled else 0.0),
+        axial_load=-contacts.axial_force - (pull if coupled else 0.0),
         power=by_ball.total_power_lost,
-        axial_friction_on_screw=float(pull),
+        axial_friction_on_screw=pull,
         reverse_power=by_ball.total_power_lost,
         helical_work_per_radian=(float(helical[:, ON_SCREW].sum()), float(helical[:, ~ON_SCREW].sum())),
         cross_groove_friction_ratio=float(tilt.max(initial=0.0)),
@@ -170,10 +170,8 @@ def axial_forces_and_moments(contacts: StaticContacts, wrench: Array) -> tuple[A
     turn = contacts.section_axes
     force = np.einsum("nsi,nij->nsj", wrench[..., :3], turn)
     moment = np.einsum("nsi,nij->nsj", wrench[..., 3:], turn)
-    arm = (
-        np.einsum("nsi,nij->nsj", contacts.ball_radius[:, None, None] * contacts.normals, turn)
-        + contacts.layout.centre[:, None]
-    )
+    arm = np.einsum("nsi,nij->nsj", contacts.ball_radius[:, None, None] * contacts.normals, turn)
+    arm += contacts.layout.centre[:, None]
     return force[..., 2], moment[..., 2] + arm[..., 0] * force[..., 1] - arm[..., 1] * force[..., 0]
 
 

@@ -23,27 +23,16 @@ from rollbench.lowfi.compliance.parts import REFINED, ComplianceModel, grooved_s
 from rollbench.lowfi.statics import response
 from rollbench.lowfi.statics import shaft as statics_shaft
 from rollbench.lowfi.statics.axis import solve
+from rollbench.lowfi.statics.axis import system as axis_system
 from rollbench.lowfi.statics.axis.structure import Structure, first_ball_nut
-from rollbench.lowfi.statics.axis.system import (
-    AssemblyArrays,
-    BallSet,
-    RollerElements,
-    assembly_residual_scale,
-    body_of_reported_stiffness,
-    contact_states_of_sets,
-    pad_coefficients_to_two_bodies,
-    replace_lever_arms,
-    roller_elements,
-    starting_spring_factors_of_rollers,
-    typical_contact_force,
-)
+from rollbench.lowfi.statics.axis.system import AssemblyArrays, BallSet, RollerElements, roller_elements
 from rollbench.lowfi.statics.contacts import hertz_without_errors, oblique_pressure_coefficient
 from rollbench.lowfi.statics.elastic import CONDENSED
 from rollbench.lowfi.statics.kernel_types import BallContacts, BodySystem, ElasticBodies, ForceState, MotionState
 from rollbench.lowfi.statics.problem import Problem
 from rollbench.lowfi.statics.result import AxisResult
 from rollbench.lowfi.statics.settle import ContactState, ModelDescription, residual_by_round_off, solver_options
-from rollbench.lowfi.statics.shape import independent_columns
+from rollbench.lowfi.statics.shape import independent_columns, rigid_motion_transfer_matrix
 from rollbench.lowfi.statics.static import Engine
 from rollbench.lowfi.statics.summary import ELASTIC_ASSUMPTIONS
 from rollbench.meshes.arrays import Array
@@ -110,27 +99,27 @@ class ElasticAssemblyEquations(solve.AssemblyEquations):
     state: ForceState
     #: Method by which the compliance of screws, nuts and balls is computed.
     backend: ComplianceModel
-    #: All balls and rollers as one contact problem on the shaft.
-    combined_problem: Problem
-    #: The shaft as a beam on its supports.
+    #: The shaft as a beam on its supports, with all balls and rollers as one contact problem.
     shaft: statics_shaft.ShaftBeam
     #: The moving housings with the springs that hold them.
     housings: Housings
     #: Motions ``(4 N, 6 m)`` of the flanks of nuts and outer rings per unit motion of the housings.
-    outer_flank_motions_by_housings: Array
+    outer_by_housings: Array
     #: Motions ``(4 N, 6 m)`` of the flanks of inner rings that housings carry, per unit motion of the housings.
-    inner_flank_motions_by_housings: Array
+    inner_by_housings: Array
     #: For each ball bearing or nut, the compliance matrices of its screw (or inner ring) and nut (or outer ring) under its
     #: own contact forces, ``(4 n, 4 n)`` [m/N] for its n balls.
-    own_compliances_of_sets: list[tuple[Array, Array]]
+    own_compliances: list[tuple[Array, Array]]
     #: Assumptions about the bodies, as sentences for the report.
     assumed: tuple[str, ...]
     #: Coupling by which the shaft's section forces change the contacts' approach; None: not modelled.
-    section_force_coupling: statics_shaft.SectionForceCoupling | None
+    coupling: statics_shaft.SectionForceCoupling | None
 
     def contact_states(self) -> Sequence[ContactState]:
         """Return contact forces, ball centres and flank motions of each bearing and nut, as the iteration has them now."""
-        return contact_states_of_sets(self.assembly_arrays, self.motions_and_reactions()[0], self.flank_motions())
+        return axis_system.contact_states_of_sets(
+            self.assembly_arrays, self.motions_and_reactions()[0], self.flank_motions()
+        )
 
     def with_lever_arms(self, arms: Sequence[Array]) -> Self:
         """Return equations with new lever arms of the contact forces, which start from the present state.
@@ -138,18 +127,16 @@ class ElasticAssemblyEquations(solve.AssemblyEquations):
         ``arms``: for each bearing or nut with N balls, the shifts ``(N, 4, 2)`` [m] of the flanks' centres of curvature by
         profile errors; contact forces act through these centres.
         """
-        longer: Any = elastic_assembly_equations(
-            replace_lever_arms(self.assembly_arrays, arms), self.backend, self.engine
-        ).copy_state_from(self)
+        system = axis_system.replace_lever_arms(self.assembly_arrays, arms)
+        longer: Any = elastic_equations(system, self.engine, self.backend).copy_state_from(self)
         return longer  # type: ignore[no-any-return]
 
     def round_off_residual(self) -> float:
         """Return the relative residual that rounding errors leave, from the largest motion and the stiffest contact."""
         state, v0 = self.state, self.kernel_arrays.bodies.v0
         motion = 2.0 * float(np.abs(v0).max(initial=0.0)) + float(np.abs(state.ball_unknowns[:, :2]).max(initial=0.0))
-        return residual_by_round_off(
-            motion, float(state.contact[..., 3].max(initial=0.0)), self.residual_force_scale, self.problems
-        )
+        stiffest = float(state.contact[..., 3].max(initial=0.0))
+        return residual_by_round_off(motion, stiffest, self.residual_force_scale, self.problems)
 
     def model_description(self) -> ModelDescription:
         """Return the formulation, number of unknowns and assumptions of the model for the record of the solution."""
@@ -181,37 +168,26 @@ class ElasticAssemblyEquations(solve.AssemblyEquations):
 
         The reactions ``(r, 6)`` [N, N m] act on the r shaft nodes and housings and are zero at free degrees of freedom.
         """
-        system, shaft = self.assembly_arrays, self.shaft
-        structure, forces = system.structure, self.forces_on_flanks()
+        system, shaft, h, a = self.assembly_arrays, self.shaft, self.housings, self.state.a
+        structure, forces, coupling = system.structure, self.forces_on_flanks(), self.coupling
         n, k = structure.nodes.size, shaft.work_on_free_motions.size
         pushes = forces[:, :2].transpose(1, 0, 2).reshape(-1, 2)
-        q = np.zeros((structure.body_positions.size, 6))
-        by_flanks = statics_shaft.nodal_loads_of_flank_forces(self.combined_problem, pushes, [0, 1])
-        if self.section_force_coupling is not None:
-            by_flanks += self.section_force_coupling.nodal_loads_of_jumps(pushes.ravel())
-        q[:n] = statics_shaft.nodal_motions_under_loads(shaft, by_flanks, self.state.a[:k])
-        on_outer = (
-            self.outer_flank_motions_by_housings.T @ forces[:, 2:].ravel()
-            + self.inner_flank_motions_by_housings.T @ forces[:, :2].ravel()
-        )
-        h = self.housings
-        outer = (
-            h.motions_by_external_loads
-            + h.motions_under_loads(on_outer[:, None])[:, 0]
-            + h.free_rigid_motions @ self.state.a[k:]
-        )
-        q[n:] = outer.reshape(-1, 6)
-        loads = structure.load.copy()
-        loads[:n] += by_flanks.reshape(-1, 6)
-        loads[n:] += on_outer.reshape(-1, 6)
-        taken = np.concatenate(
-            [statics_shaft.nodal_forces_under_loads(shaft, by_flanks), (h.stiffness @ outer).reshape(-1, 6)]
-        )
+        by_flanks = statics_shaft.nodal_loads_of_flank_forces(shaft.problem, pushes, [0, 1])
+        if coupling is not None:
+            by_flanks += coupling.nodal_loads_of_jumps(pushes.ravel())
+        on_inner, on_outer = forces[:, :2].ravel(), forces[:, 2:].ravel()
+        on_housings = self.outer_by_housings.T @ on_outer + self.inner_by_housings.T @ on_inner
+        elastic = h.motions_under_loads(on_housings[:, None])[:, 0]
+        outer = h.motions_by_external_loads + elastic + h.free_rigid_motions @ a[k:]
+        q = np.concatenate([statics_shaft.nodal_motions_under_loads(shaft, by_flanks, a[:k]), outer.reshape(-1, 6)])
+        loads = structure.load + np.concatenate([by_flanks, on_housings]).reshape(-1, 6)
+        on_nodes = statics_shaft.nodal_forces_under_loads(shaft, by_flanks)
+        taken = np.concatenate([on_nodes, (h.stiffness @ outer).reshape(-1, 6)])
         held = np.where(structure.fixed, taken - loads, 0.0)
-        slices = np.zeros((system.roller_slice_arrays.gap.size, 2))
-        self.engine.add_roller_forces(system.roller_slice_arrays, q, slices, np.zeros_like(q))
-        if self.section_force_coupling is not None:
-            q[:n] = self.section_force_coupling.add_jumps_inside_stretches(q[:n], pushes, structure.fixed[:n])
+        slices = np.zeros((system.slice_arrays.gap.size, 2))
+        self.engine.add_roller_forces(system.slice_arrays, q, slices, np.zeros_like(q))
+        if coupling is not None:
+            q[:n] = coupling.add_jumps_inside_stretches(q[:n], pushes, structure.fixed[:n])
         state = MotionState(q, np.zeros((n - 1, 6)), self.state.ball_unknowns[:, :2], self.state.contact, slices)
         return state, held
 
@@ -222,9 +198,9 @@ class ElasticAssemblyEquations(solve.AssemblyEquations):
         some motion there (`stiffness_of_elastic_assembly`).
         """
         S = square_root_stiffness_of_balls(self)
-        return [
-            stiffness_of_elastic_nut_or_bearing(self, i, b, S) for i, b in enumerate(self.assembly_arrays.ball_sets)
-        ], stiffness_of_elastic_assembly(self, S)
+        sets = zip(self.assembly_arrays.ball_sets, self.own_compliances, strict=True)
+        own = [stiffness_of_elastic_nut_or_bearing(self, b, G, S[b.ball_indices]) for b, G in sets]
+        return own, stiffness_of_elastic_assembly(self, S)
 
 
 def build_housings(structure: Structure, arm: float) -> Housings:
@@ -240,9 +216,7 @@ def build_housings(structure: Structure, arm: float) -> Housings:
     """
     n, m = structure.nodes.size, structure.housing_positions.size
     K = np.zeros((6 * m, 6 * m))
-    for ends, reach, stiffness in zip(
-        structure.spring_bodies, structure.spring_end_matrices, structure.springs, strict=True
-    ):
+    for ends, reach, stiffness in structure.each_spring():
         J = np.zeros((6, 6 * m))
         for e, row in enumerate(ends):
             if row >= 0:
@@ -250,7 +224,7 @@ def build_housings(structure: Structure, arm: float) -> Housings:
         K += J.T @ stiffness @ J
     held, prescribed = structure.fixed[n:].ravel(), structure.prescribed[n:].ravel()
     load, free = structure.load[n:].ravel(), np.flatnonzero(~structure.fixed[n:].ravel())
-    scale = np.tile([1.0, 1.0, 1.0, 1.0 / arm, 1.0 / arm, 1.0 / arm], m)
+    scale = np.tile(np.repeat([1.0, 1.0 / arm], 3), m)
     motions = np.zeros((6 * m, 0))
     if free.size:
         value, vector = np.linalg.eigh(scale[free, None] * K[np.ix_(free, free)] * scale[None, free])
@@ -263,19 +237,6 @@ def build_housings(structure: Structure, arm: float) -> Housings:
     factor = cho_factor(K[np.ix_(free, free)], lower=True) if free.size else None
     found = Housings(free, factor, K, motions, given, motions.T @ load)
     return replace(found, motions_by_external_loads=given + found.motions_under_loads((load - K @ given)[:, None])[:, 0])
-
-
-def problem_with_flanks_moved_by_shaft(ball_set: BallSet) -> Problem:
-    """Return the contact problem of a ball nut or bearing, in which only the shaft moves the flanks of screw or inner ring.
-
-    If a housing in place of the shaft carries the inner ring, the coefficients of its flanks' motions are zero.
-    """
-    p = ball_set.problem
-    return (
-        p
-        if ball_set.rolling_set.carrier is None
-        else replace(p, first_nodes=np.zeros_like(p.first_nodes), B=np.zeros_like(p.B))
-    )
 
 
 def grooved_shaft_section(assembly: Assembly, backend: ComplianceModel) -> BeamSection | None:
@@ -299,11 +260,14 @@ def combined_problem(system: AssemblyArrays, rollers: RollerElements) -> Problem
     first ball bearing or nut and are not valid for the others. ``system``: arrays of the assembly; ``rollers``: its rollers
     as elements between rigid rings.
     """
-    s, problems = system.structure, [problem_with_flanks_moved_by_shaft(b) for b in system.ball_sets]
+    s, problems = system.structure, [b.problem for b in system.ball_sets]
+    for i, p in enumerate(problems):  # the shaft does not move the flanks of an inner ring that a housing carries
+        if system.ball_sets[i].of.carrier is not None:
+            problems[i] = replace(p, first_nodes=np.zeros_like(p.first_nodes), B=np.zeros_like(p.B))
     first = problems[0]
     on_cones = np.stack([rollers.B[:, 0], np.zeros((rollers.count, 2, 6))], axis=1)
     at_cones = np.repeat(rollers.cone_nodes[:, None], 2, axis=1)
-    at_cones, on_cones = pad_coefficients_to_two_bodies(at_cones, on_cones, first.B.shape[3], s.nodes.size)
+    at_cones, on_cones = axis_system.pad_coefficients_to_two_bodies(at_cones, on_cones, first.B.shape[3], s.nodes.size)
     return replace(
         first,
         fixed=s.fixed[: s.nodes.size],
@@ -318,7 +282,7 @@ def combined_problem(system: AssemblyArrays, rollers: RollerElements) -> Problem
 
 def compliance_of_screw_and_nut(
     ball_set: BallSet, backend: ComplianceModel, force: float
-) -> tuple[tuple[Array, Array], Array, Array, Array, tuple[str, ...]]:
+) -> tuple[tuple[Array, Array], Array, list[str]]:
     """Return the compliance of screw and nut of one ball nut, or of the rings of one bearing, and terms of the contact law.
 
     The terms are added to Hertz's approach of a contact.
@@ -334,40 +298,28 @@ def compliance_of_screw_and_nut(
 
     Returns
     -------
-    tuple[tuple[Array, Array], Array, Array, Array, tuple[str, ...]]
-        Compliance matrices ``(4 N, 4 N)`` of screw and nut [m/N]; coefficients e [m/N] and h [m/N^(4/3)] ``(N, 4)`` of the
-        terms e F and h F^(4/3) in the approach of each contact; decrease of the approach at each flank by a unit amplitude
-        of the ball's deformation ``(4,)``, which couples opposite contacts; assumptions as sentences.
+    tuple[tuple[Array, Array], Array, list[str]]
+        Compliance matrices ``(4 N, 4 N)`` of screw and nut [m/N]; terms of the contact law ``(N, 4, 3)``, see
+        `BallContacts`; assumptions as sentences.
     """
-    problem, scene = ball_set.problem, ball_set.problem.scene
-    N, layout = problem.layout.z.size, problem.layout
+    problem, scene, layout = ball_set.problem, ball_set.problem.scene, ball_set.problem.layout
+    N = layout.z.size
     axes, size = response.typical_ellipse_semi_axes(problem, force), float(np.cbrt(force))
     ball = ball_compliance(scene, axes, backend)
-    oblique = (
-        oblique_pressure_coefficient(hertz_without_errors(scene), scene.balls.radius)
-        if backend.ball == "sphere"
-        else np.zeros(4)
-    )
-    e, h, blocks, assumed = np.zeros((N, 4)), np.zeros((N, 4)), [], []
-    for screw in (True, False):
-        sides = (0, 1) if screw else (2, 3)
-        carried = screw and ball_set.rolling_set.carrier is not None
+    terms, blocks, assumed = np.zeros((N, 4, 3)), [], list[str]()
+    terms[..., 1] = ball.pair_coupling_root * np.array([1.0, ball.pair_coupling_sign, ball.pair_coupling_sign, 1.0])
+    if backend.ball == "sphere":
+        terms[..., 2] = oblique_pressure_coefficient(hertz_without_errors(scene), scene.balls.radius)
+    order = response.permutation_to_ball_by_ball_order(N, 2)
+    for screw, sides in ((True, slice(2)), (False, slice(2, 4))):
+        carried = screw and ball_set.of.carrier is not None
         body = body_compliance(scene, layout, screw, replace(backend, screw="beam") if carried else backend, axes)
         assumed += [x for x in body.assumed_dimensions if x not in assumed]
         slope = body.contact_compliance_slope + ball.contact_compliance_slope
-        e[:, sides], h[:, sides] = (
-            body.contact_compliance + ball.contact_compliance - slope,
-            oblique[list(sides)] + slope / size,
-        )
-        order = response.permutation_to_ball_by_ball_order(N, 2)
+        terms[:, sides, 0] = body.contact_compliance + ball.contact_compliance - slope
+        terms[:, sides, 2] += slope / size
         blocks.append(body.G[np.ix_(order, order)])
-    return (
-        (blocks[0], blocks[1]),
-        e,
-        h,
-        ball.pair_coupling_root * np.array([1.0, ball.pair_coupling_sign, ball.pair_coupling_sign, 1.0]),
-        tuple(assumed),
-    )
+    return (blocks[0], blocks[1]), terms, assumed
 
 
 def flank_motions_by_housings(system: AssemblyArrays, rollers: RollerElements) -> tuple[Array, Array]:
@@ -380,7 +332,7 @@ def flank_motions_by_housings(system: AssemblyArrays, rollers: RollerElements) -
     n, m, balls = system.structure.nodes.size, system.structure.housing_positions.size, system.ball_arrays.r_ball.size
     outer, inner = np.zeros((2, balls + rollers.count, 2, 2, 6 * m))
     for b in system.ball_sets:
-        carrier = -1 if b.rolling_set.carrier is None else int(b.problem.first_nodes[0, 0])
+        carrier = -1 if b.of.carrier is None else int(b.problem.first_nodes[0, 0])
         for rows, row, flanks in ((outer, b.outer_body_row, slice(2, 4)), (inner, carrier, slice(2))):
             if row >= 0:
                 rows[b.ball_indices, :, :, 6 * (row - n) : 6 * (row - n) + 6] = b.flank_motions_per_body_motion(flanks)
@@ -390,9 +342,7 @@ def flank_motions_by_housings(system: AssemblyArrays, rollers: RollerElements) -
     return outer.reshape(4 * len(outer), 6 * m), inner.reshape(4 * len(inner), 6 * m)
 
 
-def elastic_assembly_equations(
-    system: AssemblyArrays, backend: ComplianceModel, engine: ModuleType
-) -> ElasticAssemblyEquations:
+def elastic_equations(system: AssemblyArrays, engine: ModuleType, backend: ComplianceModel) -> ElasticAssemblyEquations:
     """Return the equations of an assembly with elastic bodies.
 
     Parameters
@@ -400,10 +350,10 @@ def elastic_assembly_equations(
     system
         Arrays of the assembly, with at least one ball nut or ball bearing, and the shaft section of
         `grooved_shaft_section`.
-    backend
-        Method by which the compliance of screws, nuts and balls is computed.
     engine
         Module of the numerical kernels, compiled or interpreted.
+    backend
+        Method by which the compliance of screws, nuts and balls is computed.
 
     Raises
     ------
@@ -411,106 +361,76 @@ def elastic_assembly_equations(
         If an inner ring sits on a housing that stands on springs, there are more than `LARGEST` rolling elements, or a
         body has impossible dimensions.
     """
-    rollers = roller_elements(system.roller_sets)
-    balls = system.ball_arrays.r_ball.size
+    rollers, given, sets = roller_elements(system.roller_sets), system.ball_arrays, system.ball_sets
+    balls = given.r_ball.size
     N = balls + rollers.count
     if N > response.LARGEST:
         raise ValueError(
             f"elastic bodies are allowed with at most {response.LARGEST} balls and rollers, got {N}; use the model lin"
         )
-    whole, s = combined_problem(system, rollers), system.structure
-    shaft, housings = statics_shaft.build_shaft(whole), build_housings(s, system.moment_arm)
+    whole, both = combined_problem(system, rollers), [0, 1]
+    shaft, housings = statics_shaft.build_shaft(whole), build_housings(system.structure, system.moment_arm)
     order = response.permutation_to_ball_by_ball_order(N, 2)
-    (beam, rigid), moved = (
-        statics_shaft.flank_compliance_and_free_motions(shaft, [0, 1]),
-        statics_shaft.flank_motions_by_loads(shaft, [0, 1]),
-    )
-    stretches = [
-        statics_shaft.build_shaft_stretch(whole, b.problem.scene, b.problem.layout, backend, [0, 1], b.ball_indices)
-        for b in system.ball_sets
-        if b.rolling_set.carrier is None
-    ]
-    squeeze = statics_shaft.couple_section_forces(
-        shaft, [0, 1], [x for x in stretches if x is not None], system.assembly.thermal_strain
-    )
-    if squeeze is not None:
-        beam, moved = beam + squeeze.added_compliance, moved + squeeze.flank_motions_by_loads
-    forces = [typical_contact_force(system, b) for b in system.ball_sets]
-    parts = [compliance_of_screw_and_nut(b, backend, x) for b, x in zip(system.ball_sets, forces, strict=True)]
-    flat, carried = flank_motions_by_housings(system, rollers)
-    if np.any(carried @ housings.motions_under_loads(carried.T)):
+    beam, rigid = statics_shaft.flank_compliance_and_free_motions(shaft, both)
+    moved = statics_shaft.flank_motions_by_loads(shaft, both)
+    on_shaft = ((b.problem, b.ball_indices) for b in sets if b.of.carrier is None)
+    stretches = [statics_shaft.build_shaft_stretch(whole, p.scene, p.layout, backend, both, i) for p, i in on_shaft]
+    coupling = statics_shaft.couple_section_forces(shaft, both, stretches, system.assembly.thermal_strain)
+    if coupling is not None:
+        beam, moved = beam + coupling.added_compliance, moved + coupling.flank_motions_by_loads
+    forces = [axis_system.typical_contact_force(system, b) for b in sets]
+    parts = [compliance_of_screw_and_nut(b, backend, x) for b, x in zip(sets, forces, strict=True)]
+    outer, inner = flank_motions_by_housings(system, rollers)
+    if np.any(inner @ housings.motions_under_loads(inner.T)):
         raise ValueError(
             "an inner ring sits on a housing that stands on springs: the motion of the housing couples inner and outer "
             "flanks, which the model with elastic bodies cannot represent; use the model lin"
         )
     rigid_rings = np.zeros((4 * rollers.count,) * 2)
-    compliance = min(
-        response.tangent_compliance_of_contact(b.problem, x) for b, x in zip(system.ball_sets, forces, strict=True)
+    tangent = min(response.tangent_compliance_of_contact(b.problem, x) for b, x in zip(sets, forces, strict=True))
+    normals = np.concatenate([response.contact_normals(given.geometry), np.zeros((rollers.count, 4, 2))])
+    carriers = (beam[np.ix_(order, order)], normals[:, :2]), (outer @ housings.motions_under_loads(outer.T), normals[:, 2:])
+    bodies = (
+        response.ContactCompliance(G + block_diag(*(own[k] for own, _, _ in parts), rigid_rings), n.reshape(-1, 2))
+        for k, (G, n) in enumerate(carriers)
     )
-    normals = np.concatenate([response.contact_normals(system.ball_arrays.geometry), np.zeros((rollers.count, 4, 2))])
-    (first, on_inner, low), (second, on_outer, high) = (
-        response.without_negative_eigenvalues(
-            G + block_diag(*(p[0][k] for p in parts), rigid_rings), n.reshape(-1, 2), compliance
-        )
-        for k, (G, n) in enumerate(
-            ((beam[np.ix_(order, order)], normals[:, :2]), (flat @ housings.motions_under_loads(flat.T), normals[:, 2:]))
-        )
-    )
+    (first, on_inner, low), (second, on_outer, high) = (x.without_negative_eigenvalues(tangent) for x in bodies)
     v0, k = np.zeros((N, 4, 2)), shaft.work_on_free_motions.size
     R = np.zeros((N, 4, 2, k + housings.work_on_free_motions.size))
     v0[:, :2], R[:, :2, :, :k] = moved[order].reshape(N, 2, 2), rigid[order].reshape(N, 2, 2, -1)
-    v0[:, :2] += (carried @ housings.motions_by_external_loads).reshape(N, 2, 2)
-    R[:, :2, :, k:] = (carried @ housings.free_rigid_motions).reshape(N, 2, 2, -1)
-    v0[:, 2:] = (flat @ housings.motions_by_external_loads).reshape(N, 2, 2)
-    v0[:balls, 2:] += system.ball_arrays.v0[:, 2:]
-    R[:, 2:, :, k:] = (flat @ housings.free_rigid_motions).reshape(N, 2, 2, -1)
-    local = np.zeros((balls, 4, 3))
-    for b, p in zip(system.ball_sets, parts, strict=True):
-        local[b.ball_indices, :, 0], local[b.ball_indices, :, 2], local[b.ball_indices, :, 1] = p[1], p[2], p[3]
-    local[..., 0] -= np.concatenate([on_inner.reshape(N, 2), on_outer.reshape(N, 2)], axis=1)[:balls]
+    v0[:, :2] += (inner @ housings.motions_by_external_loads).reshape(N, 2, 2)
+    v0[:, 2:] = (outer @ housings.motions_by_external_loads).reshape(N, 2, 2)
+    v0[:balls, 2:] += given.v0[:, 2:]
+    R[:, :2, :, k:] = (inner @ housings.free_rigid_motions).reshape(N, 2, 2, -1)
+    R[:, 2:, :, k:] = (outer @ housings.free_rigid_motions).reshape(N, 2, 2, -1)
+    terms = np.concatenate([x for _, x, _ in parts])
+    terms[..., 0] -= np.concatenate([on_inner.reshape(N, 2), on_outer.reshape(N, 2)], axis=1)[:balls]
     work = np.concatenate([shaft.work_on_free_motions, housings.work_on_free_motions])
-    bodies = ElasticBodies(first, second, R.reshape(N, 8, -1), v0.reshape(N, 8), work)
-    scale = assembly_residual_scale(system)
-    used = system.ball_arrays.geometry[..., 5] > 0.0
-    springs = np.concatenate(
-        [
-            response.starting_spring_factors(whole, None, scale.stiffness) * used[:, None, :].repeat(2, axis=2),
-            starting_spring_factors_of_rollers(rollers.count, scale.stiffness),
-        ]
-    )
-    options = solver_options(scale, system.moment_arm, float(system.ball_arrays.r_ball.max()))
-    contacts = BallContacts(
-        geometry=system.ball_arrays.geometry,
-        interference=system.ball_arrays.interference,
-        compliance_terms=local,
-        r_ball=system.ball_arrays.r_ball,
-        profile=system.ball_arrays.profile,
-        flank_pair_data=np.zeros((balls, 7)),
-        rollers=rollers.roller_contacts,
-        unloaded_force_limit=scale.unloaded_force_limit,
-    )
-    state = ForceState(np.zeros((N, 8)), np.zeros(work.size), np.zeros((N, 3)), np.zeros((N, 4, 5)))
-    cut = max(low, high) / compliance
+    scale, used = axis_system.assembly_residual_scale(system), given.geometry[..., 5] > 0.0
+    of_balls = response.starting_spring_factors(whole, None, scale.stiffness) * used[:, None, :].repeat(2, axis=2)
+    springs = np.concatenate([of_balls, axis_system.starting_spring_factors_of_rollers(rollers.count, scale.stiffness)])
+    contact_data = given.geometry, given.interference, terms, given.r_ball, given.profile, np.zeros((balls, 7))
+    cut = max(low, high) / tangent
     clipped = f"negative compliance of the bodies, up to {100 * cut:.2g} % of a contact's, is set to zero"
-    notes = (clipped,) if cut > 1e-6 else ()
-    assumed = tuple(
-        dict.fromkeys(f"{b.rolling_set.name}: {x}" for b, p in zip(system.ball_sets, parts, strict=True) for x in p[4])
-    )
+    assumed = dict.fromkeys(f"{b.of.name}: {x}" for b, (_, _, texts) in zip(sets, parts, strict=True) for x in texts)
     return ElasticAssemblyEquations(
         engine=engine,
-        kernel_arrays=BodySystem(bodies, contacts, np.ascontiguousarray(springs)),
-        state=state,
-        options=options,
+        kernel_arrays=BodySystem(
+            ElasticBodies(first.G, second.G, R.reshape(N, 8, -1), v0.reshape(N, 8), work),
+            BallContacts(*contact_data, rollers.roller_contacts, scale.unloaded_force_limit),
+            np.ascontiguousarray(springs),
+        ),
+        state=ForceState(np.zeros((N, 8)), np.zeros(work.size), np.zeros((N, 3)), np.zeros((N, 4, 5))),
+        options=solver_options(scale, system.moment_arm, float(given.r_ball.max())),
         assembly_arrays=system,
         backend=backend,
-        combined_problem=whole,
         shaft=shaft,
         housings=housings,
-        outer_flank_motions_by_housings=flat,
-        inner_flank_motions_by_housings=carried,
-        own_compliances_of_sets=[p[0] for p in parts],
-        assumed=(*assumed, *notes),
-        section_force_coupling=squeeze,
+        outer_by_housings=outer,
+        inner_by_housings=inner,
+        own_compliances=[own for own, _, _ in parts],
+        assumed=(*assumed, *((clipped,) if cut > 1e-6 else ())),
+        coupling=coupling,
     )
 
 
@@ -525,16 +445,6 @@ def square_root_stiffness_of_balls(elastic: ElasticAssemblyEquations) -> list[Ar
     S, counts = np.zeros((N, 6, 8)), np.zeros(N, dtype=np.int64)
     elastic.engine.write_stiffness_factors(elastic.kernel_arrays.contacts, elastic.state.contact, S, counts)
     return [S[i, : counts[i]] for i in range(N)]
-
-
-def block_diagonal(S: list[Array]) -> Array:
-    """Return one matrix ``(rows, 8 N)`` whose diagonal blocks are the matrices ``S`` ``(rows_i, 8)`` of N balls."""
-    out = np.zeros((sum(len(s) for s in S), 8 * len(S)))
-    row = 0
-    for i, s in enumerate(S):
-        out[row : row + len(s), 8 * i : 8 * i + 8] = s
-        row += len(s)
-    return out
 
 
 def compliance_ordered_ball_by_ball(first: Array, second: Array) -> Array:
@@ -555,7 +465,7 @@ def compliance_ordered_ball_by_ball(first: Array, second: Array) -> Array:
 
 
 def stiffness_of_elastic_nut_or_bearing(
-    elastic: ElasticAssemblyEquations, i: int, ball_set: BallSet, S: list[Array]
+    elastic: ElasticAssemblyEquations, ball_set: BallSet, own: tuple[Array, Array], S: list[Array]
 ) -> Array:
     """Return the stiffness ``(6, 6)`` [N/m, N, N m] of one ball nut or bearing with elastic screw and nut, or rings.
 
@@ -566,18 +476,18 @@ def stiffness_of_elastic_nut_or_bearing(
     ----------
     elastic
         Solved assembly.
-    i
-        Number of the ball nut or bearing among those with balls, from 0.
     ball_set
-        The ball nut or bearing.
+        The ball nut or bearing, with N balls.
+    own
+        Compliance matrices ``(4 N, 4 N)`` [m/N] of its screw (or inner ring) and nut (or outer ring).
     S
-        Square roots of the stiffness of all balls and rollers, from `square_root_stiffness_of_balls`.
+        Square roots of the stiffness of its balls, from `square_root_stiffness_of_balls`.
     """
-    root = block_diagonal(S[ball_set.ball_indices])
-    rows = np.zeros((ball_set.problem.layout.z.size, 8, 6))
+    root = block_diag(*S)
+    rows = np.zeros((len(S), 8, 6))
     rows[:, :4] = solve.screw_flank_motions_per_rigid_motion(ball_set, elastic.assembly_arrays.structure.body_positions)
     moved = root @ rows.reshape(-1, 6)
-    compliance = compliance_ordered_ball_by_ball(*elastic.own_compliances_of_sets[i])
+    compliance = compliance_ordered_ball_by_ball(*own)
     return np.asarray(moved.T @ np.linalg.solve(np.eye(len(root)) + root @ compliance @ root.T, moved))
 
 
@@ -588,46 +498,32 @@ def stiffness_of_elastic_assembly(elastic: ElasticAssemblyEquations, S: list[Arr
     square roots of the balls' stiffness, from `square_root_stiffness_of_balls`. `stiffness_of_rigid_assembly` is the
     counterpart for rigid bodies (model lin).
     """
-    system, structure = elastic.assembly_arrays, elastic.assembly_arrays.structure
-    row = body_of_reported_stiffness(system)
+    system, shaft, housings, coupling = elastic.assembly_arrays, elastic.shaft, elastic.housings, elastic.coupling
+    structure, row = system.structure, axis_system.body_of_reported_stiffness(system)
     if row < 0:
         return None
-    n, k, N = structure.nodes.size, elastic.shaft.work_on_free_motions.size, len(S)
+    n, k, N = structure.nodes.size, shaft.work_on_free_motions.size, len(S)
     v, work = np.zeros((N, 4, 2, 6)), np.zeros((elastic.state.a.size, 6))
     unit = np.zeros((6 * (n if row < n else structure.housing_positions.size), 6))
     at = 6 * (row if row < n else row - n)
     unit[at : at + 6] = np.diag((~structure.fixed[row]).astype(float))
     if row < n:
-        answer = elastic.shaft.motions_under_loads(unit)
-        B = elastic.combined_problem.B
-        v[:, :2] = np.einsum(
-            "nsak,nskj->nsaj", B, answer[6 * elastic.combined_problem.first_nodes[..., None] + np.arange(B.shape[3])]
-        )
-        if elastic.section_force_coupling is not None:
-            added, besides = elastic.section_force_coupling.motions_by_loads(unit, answer)
+        answer = shaft.motions_under_loads(unit)
+        B, nodes = shaft.problem.B, shaft.problem.first_nodes
+        v[:, :2] = np.einsum("nsak,nskj->nsaj", B, answer[6 * nodes[..., None] + np.arange(B.shape[3])])
+        if coupling is not None:
+            added, besides = coupling.motions_by_loads(unit, answer)
             v[:, :2] += added.reshape(2, N, 2, 6).transpose(1, 0, 2, 3)
             answer = answer + besides
-        rigid = np.eye(6)
-        z = float(structure.nodes[row] - structure.nodes[elastic.shaft.pinned_node])
-        rigid[0, 4], rigid[1, 3] = z, -z
-        work[:k] = (rigid @ elastic.shaft.free_rigid_motions).T @ unit[at : at + 6]
+        rigid = rigid_motion_transfer_matrix(float(structure.nodes[row] - structure.nodes[shaft.pinned_node]))
+        work[:k] = (rigid @ shaft.free_rigid_motions).T @ unit[at : at + 6]
     else:
-        answer = elastic.housings.motions_under_loads(unit)
-        v[:, 2:] = (elastic.outer_flank_motions_by_housings @ answer).reshape(N, 2, 2, 6)
-        work[k:] = elastic.housings.free_rigid_motions.T @ unit
-    root, load = block_diagonal(S), v.reshape(8 * N, 6)
-    bodies = elastic.kernel_arrays.bodies
-    SR = root @ bodies.R.reshape(8 * N, -1)
-    matrix = np.block(
-        [
-            [
-                np.eye(len(root))
-                + root @ compliance_ordered_ball_by_ball(bodies.first_compliance, bodies.second_compliance) @ root.T,
-                -SR,
-            ],
-            [SR.T, np.zeros((SR.shape[1],) * 2)],
-        ]
-    )
+        answer = housings.motions_under_loads(unit)
+        v[:, 2:] = (elastic.outer_by_housings @ answer).reshape(N, 2, 2, 6)
+        work[k:] = housings.free_rigid_motions.T @ unit
+    root, load, bodies = block_diag(*S), v.reshape(8 * N, 6), elastic.kernel_arrays.bodies
+    SR, G = root @ bodies.R.reshape(8 * N, -1), compliance_ordered_ball_by_ball(*bodies[:2])
+    matrix = np.block([[np.eye(len(root)) + root @ G @ root.T, -SR], [SR.T, np.zeros((SR.shape[1],) * 2)]])
     try:
         x = np.linalg.solve(matrix, np.concatenate([root @ load, work]))
     except np.linalg.LinAlgError:
@@ -672,14 +568,9 @@ def solve_assembly_with_elastic_bodies(
         result = solve.solve_assembly(assembly, engine=engine, member=member)
         return replace(result, model=name, left_out=(*result.left_out, *rigid))
 
-    def equations_with_elastic_bodies(system: AssemblyArrays, kernels: ModuleType) -> ElasticAssemblyEquations:
-        """Return the equations of an assembly with elastic bodies; ``system``: arrays; ``kernels``: numerical kernels."""
-        return elastic_assembly_equations(system, backend, kernels)
-
     again = partial(solve_assembly_with_elastic_bodies, engine=engine, member=member, backend=backend, name=name)
-    model = solve.AssemblyModel(
-        name, ASSUMPTIONS, rigid, equations_with_elastic_bodies, grooved_shaft_section(assembly, backend), False
-    )
+    build, section = partial(elastic_equations, backend=backend), grooved_shaft_section(assembly, backend)
+    model = solve.AssemblyModel(name, ASSUMPTIONS, rigid, build, section, False)
     return solve.solve_assembly_by_model(assembly, model, engine, member, again)
 
 

@@ -55,33 +55,23 @@ def unrestrained_motions(system: AssemblyArrays) -> UnrestrainedMotions:
     for b in system.ball_sets:
         layout = b.problem.layout
         moved = np.zeros((2 * layout.z.size, motions.shape[1]))
-        for row, sign in (
-            (0 if b.rolling_set.carrier is None else int(b.problem.first_nodes[0, 0]), 1.0),
-            (b.outer_body_row, -1.0),
-        ):
+        for row, sign in ((0 if b.of.carrier is None else int(b.problem.first_nodes[0, 0]), 1.0), (b.outer_body_row, -1.0)):
             if row >= 0:
                 arm = layout.centre - np.array([0.0, 0.0, s.body_positions[row]])
                 moved += sign * (point_motion_matrix(layout, arm) @ by_row[row]).reshape(len(moved), -1)
         rows.append(moved)
-    for roller in system.roller_sets:
-        a = roller.slice_arrays
-        moved = np.zeros((a.gap.size, motions.shape[1]))
-        for end in range(2):
-            if a.ring_bodies[0, end] >= 0:
-                moved += a.B[:, end] @ by_row[a.ring_bodies[0, end]]
-        rows.append(moved)
+    rows += _approach_change_of_rollers(system, by_row)
     null = null_space_of_constraints(np.concatenate(rows))
     if not null.shape[0]:
         return UnrestrainedMotions(False, "")
     free = (motions @ null.T).reshape(-1, 6, null.shape[0])
     text = describe_rigid_motions(system, free)
     if held.loads_do_work_on(np.einsum("rkc,rk->c", free, s.load), s.load, system.moment_arm):
-        return UnrestrainedMotions(
-            True, f"{text}: no support, spring or rolling element resists it, and the loads drive it"
-        )
+        why = f"{text}: no support, spring or rolling element resists it, and the loads drive it"
+        return UnrestrainedMotions(True, why)
     rows_of = [0, *range(n, s.body_positions.size)]
     flat = free[rows_of].reshape(-1, null.shape[0])
-    arms = np.tile([1.0, 1.0, 1.0, system.moment_arm, system.moment_arm, system.moment_arm], len(rows_of))
+    arms = np.tile(np.repeat([1.0, system.moment_arm], 3), len(rows_of))
     chosen = independent_columns((flat * arms[:, None]).T)
     return UnrestrainedMotions(False, text, tuple((rows_of[k // 6], k % 6) for k in chosen))
 
@@ -99,7 +89,7 @@ def describe_rigid_motions(system: AssemblyArrays, free: Array) -> str:
     free = free.reshape(len(free), 6, -1)
     s, n = system.structure, system.structure.nodes.size
     names = {row: name for name, row in s.housing_numbers.items() if row >= 0}
-    arms = np.array([1.0, 1.0, 1.0, system.moment_arm, system.moment_arm, system.moment_arm])
+    arms = np.repeat([1.0, system.moment_arm], 3)
     motions = []
     for row in (0, *range(n, s.body_positions.size)):
         size = np.abs(free[row] * arms[:, None]).max(axis=1)
@@ -176,12 +166,11 @@ def _approach_change_of_balls(ball_set: BallSet, system: AssemblyArrays, by_row:
         Rigid motions of all shaft nodes and housings ``(r, 6, k)``.
     """
     beta = ball_set.problem.scene.track.contact_angle
-    angles = (beta, -beta) if ball_set.rolling_set.thrust == "deep groove" else (beta,)
+    angles = (beta, -beta) if ball_set.of.thrust == "deep groove" else (beta,)
     moved, balls = ball_set.flank_motions(by_row), system.ball_arrays.r_ball.size
     used = [(int(side), angle) for side in np.flatnonzero(ball_set.problem.used_flanks) for angle in angles]
-    return np.concatenate(
-        [held.approach_change_by_motions(s, angle, moved[:, s], ball_set.ball_indices.start, balls) for s, angle in used]
-    )
+    first, change = ball_set.ball_indices.start, held.approach_change_by_motions
+    return np.concatenate([change(s, angle, moved[:, s], first, balls) for s, angle in used])
 
 
 def _approach_change_of_rollers(system: AssemblyArrays, by_row: Array) -> list[Array]:
@@ -196,11 +185,8 @@ def _approach_change_of_rollers(system: AssemblyArrays, by_row: Array) -> list[A
     """
     out = []
     for a in (x.slice_arrays for x in system.roller_sets):
-        ends = [
-            np.einsum("mk,mkj->mj", a.B[:, e], by_row[a.ring_bodies[:, e]]) * (a.ring_bodies[:, e] >= 0)[:, None]
-            for e in range(2)
-        ]
-        out.append(ends[0] + ends[1])
+        moved = np.einsum("mek,mekj->mej", a.B, by_row[a.ring_bodies]) * (a.ring_bodies >= 0)[..., None]
+        out.append(moved.sum(axis=1))
     return out
 
 
@@ -211,10 +197,9 @@ def status_of_runaway_assembly(system: AssemblyArrays) -> Status:
     converged".
     """
     opens = "the loads open every contact that could carry them (linear program: {})"
+    search = partial(find_opening_motion, system)
     return held.status_of_runaway_body(
-        partial(find_opening_motion, system),
-        "the shaft or a ring",
-        lambda motion: opens.format(describe_rigid_motions(system, motion)),
+        search, "the shaft or a ring", lambda motion: opens.format(describe_rigid_motions(system, motion))
     )
 
 

@@ -41,7 +41,7 @@ class _PreloadTask:
     """
 
     #: Assembly without loads and without thermal expansion.
-    unloaded_assembly: Assembly
+    unloaded: Assembly
     #: Solver function and its arguments, by which the cache tells different solvers apart.
     solver_identification: tuple[object, ...]
     #: Function that computes the equilibrium of an assembly.
@@ -74,9 +74,8 @@ def replace_preload_forces_by_offsets(
         return assembly, (), None
     idle = tuple(replace(h, force=(0.0, 0.0, 0.0), moment=(0.0, 0.0, 0.0)) for h in assembly.housings)
     bare = replace(assembly, loads=(), housings=idle, thermal_strain=0.0)
-    shift, notes, unmet = _find_axial_preload_shifts(
-        _PreloadTask(bare, (solve.func, solve.args, *sorted(solve.keywords.items())), solve)
-    )
+    solver = solve.func, solve.args, *sorted(solve.keywords.items())
+    shift, notes, unmet = _find_axial_preload_shifts(_PreloadTask(bare, solver, solve))
     return assembly if shift is None else _with_offsets_for_preload_forces(assembly, numbers, np.array(shift)), notes, unmet
 
 
@@ -86,9 +85,7 @@ def _sets_with_preload_force(assembly: Assembly) -> list[int]:
 
 
 @lru_cache(maxsize=4)
-def _find_axial_preload_shifts(
-    preload_search: _PreloadTask,
-) -> tuple[tuple[float, ...] | None, tuple[str, ...], Status | None]:
+def _find_axial_preload_shifts(task: _PreloadTask) -> tuple[tuple[float, ...] | None, tuple[str, ...], Status | None]:
     """Find the axial shifts [m] of outer rings and nuts that press them onto their balls with the prescribed preloads.
 
     First the outer rings and nuts are free to slide along the axis and are pushed by their preload forces. As the energy is
@@ -103,7 +100,7 @@ def _find_axial_preload_shifts(
         Axial shifts [m], None if there is no equilibrium; notes for the report; and a status with the reason if preloads
         are not reached, else None.
     """
-    bare, solve = preload_search.unloaded_assembly, preload_search.solve_assembly
+    bare, solve = task.unloaded, task.solve_assembly
     numbers = _sets_with_preload_force(bare)
     goal = np.log([bare.sets[i].preload for i in numbers])
 
@@ -151,13 +148,13 @@ def _find_axial_preload_shifts(
 
 
 def _shifts_of_sliding_parts(
-    unloaded_assembly: Assembly, numbers: Sequence[int], solve: Callable[[Assembly], AxisResult]
+    unloaded: Assembly, numbers: Sequence[int], solve: Callable[[Assembly], AxisResult]
 ) -> tuple[Array | None, Status]:
     """Return the axial shifts [m] of outer rings and nuts that can slide along the axis, pushed by their preload forces.
 
     Parameters
     ----------
-    unloaded_assembly
+    unloaded
         Assembly without loads and thermal expansion.
     numbers
         Indices of the preloaded bearings and nuts.
@@ -169,11 +166,7 @@ def _shifts_of_sliding_parts(
     tuple[Array | None, Status]
         Shifts towards the rolling elements, None if there is no equilibrium; and the status of the solution.
     """
-    sets, joints, bodies = (
-        list(unloaded_assembly.sets),
-        list(unloaded_assembly.joints),
-        {h.name: h for h in unloaded_assembly.housings},
-    )
+    sets, joints, bodies = list(unloaded.sets), list(unloaded.joints), {h.name: h for h in unloaded.housings}
     seats: list[tuple[str, str | None, float]] = []
     for i in numbers:
         rolling = sets[i]
@@ -187,7 +180,7 @@ def _shifts_of_sliding_parts(
         bodies[seat] = Housing(seat, rolling.position, sliding, None, (0.0, 0.0, push))
         sets[i] = replace(rolling, housing=seat, preload=0.0)
         seats.append((seat, None if on is None else on.name, np.sign(push)))
-    result = solve(replace(unloaded_assembly, sets=tuple(sets), joints=tuple(joints), housings=tuple(bodies.values())))
+    result = solve(replace(unloaded, sets=tuple(sets), joints=tuple(joints), housings=tuple(bodies.values())))
     if not result.converged:
         return None, result.status
     moved = {h.name: float(h.motion[2]) for h in result.housings}

@@ -21,27 +21,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.lowfi.hertz import contact_approach, contact_force
+from rollbench.lowfi.statics import settle
 from rollbench.lowfi.statics.axis import summary
 from rollbench.lowfi.statics.axis import system as axis_system
 from rollbench.lowfi.statics.axis.held import pin_unrestrained_motions, status_of_runaway_assembly, unrestrained_motions
 from rollbench.lowfi.statics.axis.mount import replace_preload_forces_by_offsets
 from rollbench.lowfi.statics.axis.structure import largest_spring_force_term
+from rollbench.lowfi.statics.axis.system import AssemblyArrays, BallSet
 from rollbench.lowfi.statics.contacts import hertz_without_errors
 from rollbench.lowfi.statics.kernel_types import AxisSystem, EnergyDerivatives, MotionState
 from rollbench.lowfi.statics.problem import Problem, centre_vectors_and_interference
 from rollbench.lowfi.statics.result import AxisResult, Status
 from rollbench.lowfi.statics.selection import groove_arc_motions_in_section_planes, solutions_clear_of_left_out_flanks
-from rollbench.lowfi.statics.settle import (
-    NO_LOADS,
-    ContactState,
-    ModelDescription,
-    StaticEquations,
-    residual_by_round_off,
-    solve_with_updated_contacts,
-    solver_options,
-    solver_report,
-    status_of_solve,
-)
 from rollbench.lowfi.statics.shape import initial_motions_with_supports, rigid_motion_transfer_matrix
 from rollbench.lowfi.statics.static import Engine, pick_engine
 from rollbench.meshes.arrays import Array, Mask
@@ -72,9 +63,8 @@ def guess_loaded_flanks(assembly: Assembly, places: Sequence[axis_system.Placed]
     if len(sets) < len(assembly.sets) or any(s.carrier is not None for s, _ in sets):
         return flanks_by_thrust_direction(assembly)
     along = estimate_axial_displacement(assembly, sets)
-    return [
-        _flanks_in_contact(s, scene, along - s.offset, drawn) for (s, scene), (_, drawn) in zip(sets, places, strict=True)
-    ]
+    drawn = (parts for _, parts in places)
+    return [_flanks_in_contact(s, scene, along - s.offset, x) for (s, scene), x in zip(sets, drawn, strict=True)]
 
 
 def estimate_axial_displacement(assembly: Assembly, sets: Sequence[tuple[RollingSet, Scene]]) -> float:
@@ -112,61 +102,43 @@ def _flanks_in_contact(rolling: RollingSet, scene: Scene, shift: float, drawn: G
     use = axis_system.USE[rolling.thrust]
     if rolling.thrust != "both" or drawn.profile_coefficients.shape[1]:
         return use
-    closed = centre_vectors_and_interference(scene, drawn)[1] + shift * np.sin(scene.track.contact_angle) * np.array(
-        [1.0, -1.0]
-    )
+    closure = centre_vectors_and_interference(scene, drawn)[1]
+    closed = closure + shift * np.sin(scene.track.contact_angle) * np.array([1.0, -1.0])
     if closed[:, 0].max() > 0.0 >= closed[:, 1].max():
         return axis_system.USE["+z"]
     return axis_system.USE["-z"] if closed[:, 1].max() > 0.0 >= closed[:, 0].max() else use
 
 
-def are_balls_clear_of_left_out_flanks(system: axis_system.AssemblyArrays, state: MotionState) -> bool:
+def are_balls_clear_of_left_out_flanks(system: AssemblyArrays, state: MotionState) -> bool:
     """Return whether no ball of the solved assembly touches a flank that was left out of its equations.
 
     A flank is examined only if thrust in the direction which its nut or bearing carries can load it. ``system``: arrays
     of the assembly; ``state``: solved motions, ball centres and contacts.
     """
-    return all(
-        _is_set_clear_of_left_out_flanks(system, b, state)
-        for b in system.ball_sets
-        if np.any(axis_system.USE[b.rolling_set.thrust] & ~b.problem.used_flanks)
-    )
+    for b in system.ball_sets:
+        problem, used = b.problem, b.problem.used_flanks
+        if not np.any(axis_system.USE[b.of.thrust] & ~used):
+            continue
+        shift = axis_system.flank_motions_of_set(b, state.q)
+        for s in np.flatnonzero(~used[:2]) if b.of.carrier is None else ():
+            shift[:, s] = _left_out_flank_motion(system, b, int(s), state.q)
+        load, centres = state.contact[None, b.ball_indices, :, 0], state.p[None, b.ball_indices]
+        if not solutions_clear_of_left_out_flanks(centres, shift[None], problem.geometry[None], load, used)[0]:
+            return False
+    return True
 
 
-def _is_set_clear_of_left_out_flanks(
-    system: axis_system.AssemblyArrays, ball_set: axis_system.BallSet, state: MotionState
-) -> bool:
-    """Return whether no ball of one nut or bearing touches a flank that was left out of the solved equations.
-
-    ``ball_set``: the ball nut or bearing; ``system``: arrays of the assembly; ``state``: solved motions and ball centres.
-    """
-    contact = state.contact[ball_set.ball_indices]
-    shift = axis_system.flank_motions_of_set(ball_set, state.q)
-    for s in range(2):
-        if not ball_set.problem.used_flanks[s] and ball_set.rolling_set.carrier is None:
-            shift[:, s] = _left_out_flank_motion(system, ball_set, s, state.q)
-    place, load = state.p[None, ball_set.ball_indices], contact[None, ..., 0]
-    return bool(
-        solutions_clear_of_left_out_flanks(
-            place, shift[None], ball_set.problem.geometry[None], load, ball_set.problem.used_flanks
-        )[0]
-    )
-
-
-def _left_out_flank_motion(
-    system: axis_system.AssemblyArrays, ball_set: axis_system.BallSet, flank: int, q: Array
-) -> Array:
+def _left_out_flank_motion(system: AssemblyArrays, ball_set: BallSet, flank: int, q: Array) -> Array:
     """Return the motion ``(N, 2)`` [m] of a screw flank that the solved equations leave out, at each of N balls.
 
     ``flank``: 0 for the left flank of the screw, 1 for the right one; ``q`` ``(r, 6)``: solved motions of shaft nodes and
     housings [m, rad], interpolated between the nodes; ``ball_set``: the ball nut or bearing.
     """
-    stations = contact_force_positions(ball_set.problem.scene, ball_set.problem.layout)[:, flank]
+    problem = ball_set.problem
+    stations = contact_force_positions(problem.scene, problem.layout)[:, flank]
     j, m = axis_system.interpolate_shaft_motions(system.structure, stations)
     moved = np.einsum("nab,nb->na", m, np.concatenate([q[j], q[j + 1]], axis=1))
-    return groove_arc_motions_in_section_planes(
-        ball_set.problem.layout, ball_set.problem.drawn.groove_centres[:, flank], stations, moved
-    )
+    return groove_arc_motions_in_section_planes(problem.layout, problem.drawn.groove_centres[:, flank], stations, moved)
 
 
 def flanks_by_thrust_direction(assembly: Assembly) -> list[Mask]:
@@ -177,17 +149,7 @@ def flanks_by_thrust_direction(assembly: Assembly) -> list[Mask]:
     return [axis_system.USE[s.thrust] for s in assembly.sets if isinstance(s.parts, Scene)]
 
 
-def uses_all_flanks(uses: Sequence[Mask], assembly: Assembly) -> bool:
-    """Return whether the equations contain all flanks that thrust in the direction of their nut or bearing can load.
-
-    ``uses``: for each ball nut or ball bearing, which of its four flanks the equations contain.
-    """
-    return all(np.array_equal(a, b) for a, b in zip(uses, flanks_by_thrust_direction(assembly), strict=True))
-
-
-def stiffness_of_rigid_assembly(
-    system: axis_system.AssemblyArrays, engine: ModuleType, given: AxisSystem, state: MotionState, hessians: Array
-) -> Array | None:
+def stiffness_of_rigid_assembly(equations: BeamAssemblyEquations, hessians: Array) -> Array | None:
     """Return the tangent stiffness ``(6, 6)`` [N/m, N, N m] of the assembly at the reported shaft node or housing.
 
     It is the force and moment per unit motion of that node or housing while all other bodies follow freely. Rows and
@@ -196,17 +158,12 @@ def stiffness_of_rigid_assembly(
 
     Parameters
     ----------
-    system
-        Arrays of the assembly.
-    engine
-        Module of the numerical kernels.
-    given
-        Arrays of shaft, balls and rollers with which the equilibrium was solved.
-    state
-        Solved motions, ball centres and contacts.
+    equations
+        Solved equations.
     hessians
         Second derivatives of each ball's energy by the motions of its four flanks ``(N, 8, 8)`` [N/m].
     """
+    system, engine, given = equations.assembly_arrays, equations.engine, equations.kernel_arrays
     row = axis_system.body_of_reported_stiffness(system)
     if row < 0:
         return None
@@ -214,13 +171,13 @@ def stiffness_of_rigid_assembly(
     size = given.shaft.row_offsets[-1]
     base, values, step = np.zeros(size), np.empty(size), np.empty((r, 6))
     engine.add_structure_stiffness(base, given.shaft)
-    if not engine.factor_tangent_stiffness(given, state, hessians, base, values, np.zeros(6)):
+    if not engine.factor_tangent_stiffness(given, equations.state, hessians, base, values, np.zeros(6)):
         return None
     compliance = np.empty((6, 6))
     for k in range(6):
         load = np.zeros((r, 6))
         load[row, k] = 1.0
-        engine.solve_for_motions_under_loads(given.shaft, values, load, step)
+        engine.solve_for_motions(given.shaft, values, load, step)
         compliance[:, k] = step[row]
     return stiffness_from_compliance(compliance, ~system.structure.fixed[row], system.moment_arm)
 
@@ -255,7 +212,7 @@ def stiffness_from_compliance(compliance: Array, free: NDArray[np.bool_], arm: f
     return out
 
 
-def screw_flank_motions_per_rigid_motion(ball_set: axis_system.BallSet, stations: Array) -> Array:
+def screw_flank_motions_per_rigid_motion(ball_set: BallSet, stations: Array) -> Array:
     """Return the motions ``(N, 4, 6)`` of the screw's flanks at N balls per unit of the screw's six rigid motions.
 
     The four rows of a ball are the left flank, radial and along the helix's binormal, then the right flank likewise. In a
@@ -268,12 +225,10 @@ def screw_flank_motions_per_rigid_motion(ball_set: axis_system.BallSet, stations
     stations
         Axial positions of all shaft nodes and moving housings [m].
     """
-    return ball_set.flank_motions(rigid_motion_transfer_matrix(stations - ball_set.rolling_set.position))[:, :2].reshape(
-        -1, 4, 6
-    )
+    return ball_set.flank_motions(rigid_motion_transfer_matrix(stations - ball_set.of.position))[:, :2].reshape(-1, 4, 6)
 
 
-def stiffness_of_nut_or_bearing(ball_set: axis_system.BallSet, stations: Array, hessians: Array) -> Array:
+def stiffness_of_nut_or_bearing(ball_set: BallSet, stations: Array, hessians: Array) -> Array:
     """Return the stiffness ``(6, 6)`` [N/m, N, N m] between screw and nut, or between the rings of a bearing.
 
     Screw or inner ring move as a rigid body, while nut or outer ring are fixed.
@@ -297,11 +252,11 @@ FAR = 0.1
 
 
 @dataclass(kw_only=True)
-class AssemblyEquations(StaticEquations):
+class AssemblyEquations(settle.StaticEquations):
     """Equations of an assembly for the numerical kernels: base class for rigid and for elastic bodies."""
 
     #: Shaft, housings, bearings and nuts of the assembly as arrays.
-    assembly_arrays: axis_system.AssemblyArrays
+    assembly_arrays: AssemblyArrays
 
     @property
     def problems(self) -> Sequence[Problem]:
@@ -333,7 +288,7 @@ class BeamAssemblyEquations(AssemblyEquations):
     #: Motions, element deformations and contacts: the unknowns of the iteration.
     state: MotionState
 
-    def contact_states(self) -> Sequence[ContactState]:
+    def contact_states(self) -> Sequence[settle.ContactState]:
         """Return contact forces, ball centres and flank motions of each bearing and nut, as the iteration has them now."""
         return axis_system.contact_states_of_sets(self.assembly_arrays, self.state)
 
@@ -355,16 +310,16 @@ class BeamAssemblyEquations(AssemblyEquations):
         state, v0 = self.state, self.kernel_arrays.balls.v0
         motion = float(np.abs(state.q[:, :3]).max(initial=0.0)) + float(np.abs(v0).max(initial=0.0))
         stiff = float(state.contact[..., 3].max(initial=0.0)) + float(state.slices[:, 1].max(initial=0.0))
-        contacts = residual_by_round_off(motion, stiff, self.residual_force_scale, self.problems)
+        contacts = settle.residual_by_round_off(motion, stiff, self.residual_force_scale, self.problems)
         springs = largest_spring_force_term(self.assembly_arrays.structure, state.q, self.assembly_arrays.moment_arm)
-        return max(contacts, residual_by_round_off(springs, 1.0, self.residual_force_scale, ()))
+        return max(contacts, settle.residual_by_round_off(springs, 1.0, self.residual_force_scale, ()))
 
-    def model_description(self) -> ModelDescription:
+    def model_description(self) -> settle.ModelDescription:
         """Return the formulation and the number of unknowns for the record of the solution.
 
         Its list of assumptions is empty; `AssemblyModel` states those of the model.
         """
-        return ModelDescription("convex energy", int(np.count_nonzero(~self.assembly_arrays.structure.fixed)), ())
+        return settle.ModelDescription("convex energy", int(np.count_nonzero(~self.assembly_arrays.structure.fixed)), ())
 
     def energy_derivatives(self) -> EnergyDerivatives:
         """Return the first and second derivatives of the energy in the present state of the iteration."""
@@ -382,14 +337,12 @@ class BeamAssemblyEquations(AssemblyEquations):
         The assembly's stiffness is taken at the shaft node or housing for which it is reported; None if there is none.
         """
         system, hessians = self.assembly_arrays, self.energy_derivatives().ball_hessians
-        sets = [
-            stiffness_of_nut_or_bearing(b, system.structure.body_positions, hessians[b.ball_indices, :4, :4])
-            for b in system.ball_sets
-        ]
-        return sets, stiffness_of_rigid_assembly(system, self.engine, self.kernel_arrays, self.state, hessians)
+        at, inner = system.structure.body_positions, hessians[:, :4, :4]
+        sets = [stiffness_of_nut_or_bearing(b, at, inner[b.ball_indices]) for b in system.ball_sets]
+        return sets, stiffness_of_rigid_assembly(self, hessians)
 
 
-def moved_too_far(q: Array, system: axis_system.AssemblyArrays) -> bool:
+def moved_too_far(q: Array, system: AssemblyArrays) -> bool:
     """Return whether a body moved so far that the linear kinematics of the contacts no longer hold.
 
     Parameters
@@ -402,7 +355,7 @@ def moved_too_far(q: Array, system: axis_system.AssemblyArrays) -> bool:
     return not float((np.abs(q) / np.repeat([system.moment_arm, 1.0], 3)).max()) <= FAR
 
 
-def build_beam_assembly_equations(system: axis_system.AssemblyArrays, engine: ModuleType) -> BeamAssemblyEquations:
+def build_beam_assembly_equations(system: AssemblyArrays, engine: ModuleType) -> BeamAssemblyEquations:
     """Return the equations of an assembly (model lin), with an initial state that has the prescribed displacements.
 
     ``system``: arrays of the assembly; ``engine``: module of the numerical kernels, compiled or interpreted.
@@ -412,11 +365,11 @@ def build_beam_assembly_equations(system: axis_system.AssemblyArrays, engine: Mo
     q = np.zeros((s.body_positions.size, 6))
     q[:n], d = initial_motions_with_supports(s.nodes, s.fixed[:n], s.prescribed[:n])
     q[n:] = np.where(s.fixed[n:], s.prescribed[n:], 0.0)
-    N, M = system.ball_arrays.r_ball.size, system.roller_slice_arrays.gap.size
+    N, M = system.ball_arrays.r_ball.size, system.slice_arrays.gap.size
     state = MotionState(q, d, np.zeros((N, 2)), np.zeros((N, 4, 5)), np.zeros((M, 2)))
     system.ball_arrays = system.ball_arrays._replace(unloaded_force_limit=scale.unloaded_force_limit)
-    options = solver_options(scale, system.moment_arm, furthest)
-    given = AxisSystem(system.structure_arrays, system.ball_arrays, system.roller_slice_arrays)
+    options = settle.solver_options(scale, system.moment_arm, furthest)
+    given = AxisSystem(system.structure_arrays, system.ball_arrays, system.slice_arrays)
     return BeamAssemblyEquations(engine=engine, kernel_arrays=given, state=state, options=options, assembly_arrays=system)
 
 
@@ -430,7 +383,7 @@ class AssemblyModel(NamedTuple):
     #: Effects that the model neglects, as sentences.
     left_out: tuple[str, ...]
     #: Function that builds the equations for the kernels from the arrays of an assembly and the module of the kernels.
-    build_equations: Callable[[axis_system.AssemblyArrays, ModuleType], AssemblyEquations]
+    build_equations: Callable[[AssemblyArrays, ModuleType], AssemblyEquations]
     #: Cross-section of the threaded shaft; None: computed from the assembly's dimensions.
     threaded_shaft_section: BeamSection | None
     #: Whether the equations leave out flanks that loads and axial offsets lift off the balls.
@@ -496,34 +449,32 @@ def solve_assembly_by_model(
     kernels, places = kernels_for_assembly(assembly, engine), axis_system.ball_positions_with_errors(mounted, member)
     uses = guess_loaded_flanks(mounted, places) if model.leaves_out_lifted_flanks else flanks_by_thrust_direction(mounted)
     while True:
-        system = axis_system.build_assembly_arrays(mounted, member, uses, places, model.threaded_shaft_section)
+        system = axis_system.build_assembly_arrays(mounted, uses, places, model.threaded_shaft_section)
         loose = unrestrained_motions(system)
         if loose.is_driven_by_loads:
             return result_without_equilibrium(Status("not held", loose.description))
         prepared = model.build_equations(pin_unrestrained_motions(system, loose), kernels)
         ready = perf_counter()
-        prepared, outcome = solve_with_updated_contacts(prepared)
-        if uses_all_flanks(uses, mounted) or (
-            outcome.status == 0 and are_balls_clear_of_left_out_flanks(prepared.assembly_arrays, prepared.state)
-        ):
+        prepared, outcome = settle.solve_with_updated_contacts(prepared)
+        every, good = flanks_by_thrust_direction(mounted), outcome.status == 0
+        if all(map(np.array_equal, uses, every)):
             break
-        uses = flanks_by_thrust_direction(mounted)
+        if good and are_balls_clear_of_left_out_flanks(prepared.assembly_arrays, prepared.state):
+            break
+        uses = every
         notes = (*notes, "balls touch flanks that loads or offsets should lift off them: solved again with all flanks")
     state, held = prepared.motions_and_reactions()
-    proven = (
-        system if model.leaves_out_lifted_flanks else prepared.assembly_arrays
-    )  # elastic bodies: loose motions stay fixed in the proof
-    status = status_of_solve(
-        outcome, prepared.round_off_residual(), partial(status_of_runaway_assembly, proven), moved_too_far(state.q, proven)
-    )
-    if outcome.status in NO_LOADS:
+    # with elastic bodies, loose motions stay fixed in the proof
+    proven = system if model.leaves_out_lifted_flanks else prepared.assembly_arrays
+    prove, far = partial(status_of_runaway_assembly, proven), moved_too_far(state.q, proven)
+    status = settle.status_of_solve(outcome, prepared.round_off_residual(), prove, far)
+    if outcome.status in settle.NO_LOADS:
         return result_without_equilibrium(status)
     description, (sets, whole) = prepared.model_description(), prepared.stiffness_of_sets_and_assembly()
+    elements = prepared.assembly_arrays.structure.nodes.size - 1
     ending = summary.SolveRecord(
         status=status,
-        report=solver_report(
-            outcome, prepared, description, prepared.assembly_arrays.structure.nodes.size - 1, (start, ready), notes
-        ),
+        report=settle.solver_report(outcome, prepared, description, elements, (start, ready), notes),
         pinned_motions_text=loose.description,
         support_reactions=held,
         set_stiffnesses=sets,

@@ -5,17 +5,20 @@ Each shaft node and each moving housing has six motions, which form one row of t
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import chain
 
 import numpy as np
 from numpy.typing import NDArray
 
+from rollbench.lowfi.statics.problem import fixed_motions
 from rollbench.lowfi.statics.shape import rigid_motion_transfer_matrix
 from rollbench.meshes import section as meshes_section
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, Housing
-from rollbench.meshes.parts import FREEDOMS, Scene
+from rollbench.meshes.parts import Scene
 
 Ints = NDArray[np.int64]
 
@@ -54,6 +57,10 @@ class Structure:
         """Return the axial positions ``(r,)`` [m] of the shaft nodes, then those of the moving housings."""
         return np.concatenate([self.nodes, self.housing_positions])
 
+    def each_spring(self) -> Iterator[tuple[Ints, Array, Array]]:
+        """Iterate over the springs: their entries of ``spring_bodies``, ``spring_end_matrices`` and ``springs``."""
+        return zip(self.spring_bodies, self.spring_end_matrices, self.springs, strict=True)
+
 
 def shaft_nodes(assembly: Assembly, stations: Array) -> Array:
     """Return the axial positions of the shaft's nodes [m].
@@ -78,27 +85,19 @@ def shaft_nodes(assembly: Assembly, stations: Array) -> Array:
     if assembly.ingredients.partition != "nodal" and on_shaft:
         extra = [*needed[len(stations) :], *(s.position for s in assembly.sets if not isinstance(s.parts, Scene)), *steps]
         scenes = [replace(x, screw=replace(x.screw, length=assembly.screw.length)) for x in on_shaft]
-        return meshes_section.nodes_enclosing_positions(
-            meshes_section.merge_close_positions(
-                np.concatenate([meshes_section.nodes_of_whole_beam(*scenes), extra]), held
-            ),
-            np.array(needed),
-        )[0]
+        every = np.concatenate([meshes_section.nodes_of_whole_beam(*scenes), extra])
+        merged = meshes_section.merge_close_positions(every, held)
+        return meshes_section.nodes_enclosing_positions(merged, np.array(needed))[0]
     nodes = meshes_section.merge_close_positions(np.array([*needed, *steps]), held)
     if nodes.size == 1:  # a beam needs one element
-        away = (
-            low - meshes_section.MERGE * 100.0 if low > 0.5 * assembly.screw.length else low + meshes_section.MERGE * 100.0
-        )
-        nodes = np.sort(np.array([low, away]))
+        step = meshes_section.MERGE * 100.0
+        nodes = np.sort(np.array([low, low - step if low > 0.5 * assembly.screw.length else low + step]))
     return nodes
 
 
 def first_ball_nut(assembly: Assembly) -> Scene | None:
     """Return the first ball nut of an assembly, whose thread determines the shaft's cross-section; None: no ball nut."""
-    for s in assembly.sets:
-        if isinstance(s.parts, Scene) and s.parts.track.lead > 0.0:
-            return s.parts
-    return None
+    return next((s.parts for s in assembly.sets if isinstance(s.parts, Scene) and s.parts.track.lead > 0.0), None)
 
 
 def element_sections(
@@ -143,19 +142,9 @@ def build_structure(assembly: Assembly, stations: Array, section: meshes_section
     nodes = shaft_nodes(assembly, stations)
     moving = [h for h in assembly.housings if not h.is_fixed]
     r = nodes.size + len(moving)
-    fixed, prescribed, load = np.zeros((r, 6), dtype=bool), np.zeros((r, 6)), np.zeros((r, 6))
-    holds = [(int(np.abs(nodes - s.at).argmin()), s.fixed, s.at) for s in assembly.supports]
-    holds += [(nodes.size + i, h.fixed, h.at) for i, h in enumerate(moving)]
-    for j, held, at in holds:
-        for name, value in held:
-            k = FREEDOMS.index(name)
-            if fixed[j, k]:
-                where = f"at {1e3 * at:g} mm"
-                raise ValueError(
-                    f"got two supports that fix {name} {where}; allowed: one support for each degree of freedom within "
-                    f"{1e6 * meshes_section.MERGE:g} um; remove one of them"
-                )
-            fixed[j, k], prescribed[j, k] = True, value
+    holds = ((int(np.abs(nodes - s.at).argmin()), s) for s in assembly.supports)
+    fixed, prescribed = fixed_motions(r, chain(holds, enumerate(moving, nodes.size)))
+    load = np.zeros((r, 6))
     for x in assembly.loads:
         j = int(np.abs(nodes - x.at).argmin())
         load[j] += rigid_motion_transfer_matrix(x.at - nodes[j]).T @ np.concatenate([x.force, x.moment])
@@ -220,9 +209,8 @@ def largest_spring_force_term(structure: Structure, q: Array, arm: float) -> flo
         Length [m] by which moments are divided where they are compared with forces.
     """
     worst, per = 0.0, np.repeat([1.0, arm], 3)
-    for ends, reach, K in zip(
-        structure.spring_bodies, np.abs(structure.spring_end_matrices), structure.springs, strict=True
-    ):
+    for ends, matrices, K in structure.each_spring():
+        reach = np.abs(matrices)
         moved = sum((reach[e] @ np.abs(q[row]) for e, row in enumerate(ends) if row >= 0), start=np.zeros(6))
         force = np.abs(K) @ moved
         worst = max([worst, *(float((reach[e].T @ force / per).max()) for e, row in enumerate(ends) if row >= 0)])
@@ -244,7 +232,7 @@ def rigid_motions_of_shaft_and_housings(structure: Structure, arm: float) -> Arr
     Array
         ``(6 r, 6 (1 + m))``: six motions of the shaft, then of each housing.
     """
-    scale = np.diag([1.0, 1.0, 1.0, 1.0 / arm, 1.0 / arm, 1.0 / arm])
+    scale = np.diag(np.repeat([1.0, 1.0 / arm], 3))
     n, m = structure.nodes.size, structure.housing_positions.size
     out = np.zeros((n + m, 6, 6 * (1 + m)))
     out[:n, :, :6] = rigid_motion_transfer_matrix(structure.nodes - structure.nodes[0]) @ scale
@@ -267,8 +255,8 @@ def restraints_on_rigid_motions(structure: Structure, motions: Array) -> Array:
     """
     arms = motions.reshape(-1, 6, motions.shape[1])
     rows = [arms[i, k] for i, k in np.argwhere(structure.fixed)]
-    for (a, b), near, K in zip(structure.spring_bodies, structure.spring_end_matrices, structure.springs, strict=True):
-        moved = sum((near[e] @ arms[i] for e, i in enumerate((a, b)) if i >= 0), start=np.zeros((6, motions.shape[1])))
+    for ends, near, K in structure.each_spring():
+        moved = sum((near[e] @ arms[i] for e, i in enumerate(ends) if i >= 0), start=np.zeros((6, motions.shape[1])))
         size = np.sqrt(np.where(np.diag(K) > 0.0, np.diag(K), 1.0))
         value, vector = np.linalg.eigh(K / size[:, None] / size[None, :])
         rows += [(v * size) @ moved for v, x in zip(vector.T, value, strict=True) if x > 1e-12 * value.max(initial=0.0)]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 
@@ -12,6 +11,7 @@ from rollbench.lowfi.rollers import half_widths_and_pressures_of_slices, tapered
 from rollbench.lowfi.statics import summary
 from rollbench.lowfi.statics.axis import system as axis_system
 from rollbench.lowfi.statics.axis.held import APEX, status_of_reversed_thrust
+from rollbench.lowfi.statics.axis.system import AssemblyArrays, RollerSet
 from rollbench.lowfi.statics.kernel_types import MotionState
 from rollbench.lowfi.statics.problem import SolvedState
 from rollbench.lowfi.statics.result import AxisResult, Equilibrium, HousingResult, SetResult, SolverReport, Status
@@ -20,7 +20,7 @@ from rollbench.lowfi.statics.shape import rigid_motion_transfer_matrix
 from rollbench.lowfi.statics.validity import contact_warnings, large_tilt_warning, rotation_warning
 from rollbench.lowfi.warned import ResultWarning
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.axis import Assembly, RollerRow
+from rollbench.meshes.axis import Assembly, RollerRow, RollingSet
 
 #: Assumptions of every result of Lin's low-order model on a shaft with several bearings and nuts.
 AXIS_ASSUMPTIONS = (
@@ -68,9 +68,7 @@ class SolveRecord:
     residual_force_scale: float
 
 
-def result_of_solved_assembly(
-    system: axis_system.AssemblyArrays, state: MotionState, solve_record: SolveRecord
-) -> AxisResult:
+def result_of_solved_assembly(system: AssemblyArrays, state: MotionState, record: SolveRecord) -> AxisResult:
     """Return the result of a solved assembly: bearings, housings, reactions, equilibrium check, stiffness and status.
 
     Parameters
@@ -79,38 +77,28 @@ def result_of_solved_assembly(
         Arrays of the assembly.
     state
         Motions of shaft nodes and housings, and all contacts.
-    solve_record
+    record
         Data of the finished solve: its status, effort, stiffness, assumptions.
     """
     assembly, structure = system.assembly, system.structure
     r, n = structure.body_positions.size, structure.nodes.size
-    by_name = {
-        b.rolling_set.name: result_of_ball_set(system, i, state, solve_record) for i, b in enumerate(system.ball_sets)
-    }
-    by_name |= {
-        x.rolling_set.name: result_of_roller_bearing(x, state, structure.body_positions) for x in system.roller_sets
-    }
+    by_name = {b.of.name: result_of_ball_set(system, i, state, record) for i, b in enumerate(system.ball_sets)}
+    by_name |= {x.of.name: result_of_roller_bearing(x, state, structure.body_positions) for x in system.roller_sets}
     sets = tuple(by_name[s.name] for s in assembly.sets)
-    balance = _check_shaft_equilibrium(system, state, solve_record, sets)
-    housings = tuple(_result_of_housing(system, i, sets, state.q, solve_record) for i in range(r - n))
-    of_rollers = partial(roller_warnings, z=structure.nodes, motion=state.q[:n])
-    warnings = tuple(
-        w.with_part_name(s.of.name) for s in sets for w in (s.balls.warnings if s.balls is not None else of_rollers(s))
-    )
-    status = summary.add_reason_not_unique(
-        status_after_assembly_check(solve_record.status, system, balance, housings), warnings
-    )
+    balance = _check_shaft_equilibrium(system, state, record, sets)
+    housings = tuple(_result_of_housing(system, i, sets, state.q, record) for i in range(r - n))
+    found = ((s, s.balls.warnings if s.balls else roller_warnings(s, structure.nodes, state.q[:n])) for s in sets)
+    warnings = tuple(w.with_part_name(s.of.name) for s, of_set in found for w in of_set)
+    checked = status_after_assembly_check(record.status, system, balance, housings)
+    status = summary.add_reason_not_unique(checked, warnings)
     if status == "converged":
-        status = status_of_reversed_bearing(system, sets, solve_record.residual_force_scale) or status
-    held = (
-        (f"{solve_record.pinned_motions_text}: fixed at its initial position, as no load drives and nothing resists it",)
-        if solve_record.pinned_motions_text
-        else ()
-    )
+        status = status_of_reversed_bearing(system, sets, record.residual_force_scale) or status
+    pins = record.pinned_motions_text
+    pinned = (f"{pins}: fixed at its initial position, as no load drives and nothing resists it",) if pins else ()
     at = axis_system.location_of_reported_stiffness(assembly)
     station = None if isinstance(at, str) else float(structure.nodes[axis_system.body_of_reported_stiffness(system)])
     return AxisResult(
-        model=solve_record.model,
+        model=record.model,
         status=status,
         sets=sets,
         housings=housings,
@@ -119,17 +107,17 @@ def result_of_solved_assembly(
         equilibrium=balance,
         stiffness_at=f"shaft at {1e3 * station:.6g} mm" if station is not None else str(at),
         station=station,
-        stiffness=solve_record.assembly_stiffness,
-        solver=solve_record.report,
-        assumed=(*assembly.assumed, *solve_record.assumed, *((ROLLERS,) if system.roller_sets else ())),
-        left_out=(*held, *solve_record.left_out, *axis_system.describe_left_out_flanks(system)),
+        stiffness=record.assembly_stiffness,
+        solver=record.report,
+        assumed=(*assembly.assumed, *record.assumed, *((ROLLERS,) if system.roller_sets else ())),
+        left_out=(*pinned, *record.left_out, *axis_system.describe_left_out_flanks(system)),
         warnings=warnings,
-        reactions=summary.nodal_reactions(structure.nodes, assembly.supports, solve_record.support_reactions[:n]),
+        reactions=summary.nodal_reactions(structure.nodes, assembly.supports, record.support_reactions[:n]),
     )
 
 
 def status_after_assembly_check(
-    status: Status, system: axis_system.AssemblyArrays, balance: Equilibrium, housings: Sequence[HousingResult]
+    status: Status, system: AssemblyArrays, balance: Equilibrium, housings: Sequence[HousingResult]
 ) -> Status:
     """Return the status of an assembly after the check of equilibrium of shaft, balls and housings.
 
@@ -150,7 +138,7 @@ def status_after_assembly_check(
     frozen, ball = system.assembly.ingredients.arm == "nominal", ""
     for b in system.ball_sets:
         if b.ball_indices.start < balance.worst_ball <= b.ball_indices.stop:
-            ball = f"ball {balance.worst_ball - b.ball_indices.start} of {b.rolling_set.name}"
+            ball = f"ball {balance.worst_ball - b.ball_indices.start} of {b.of.name}"
     status = summary.status_after_equilibrium_check(status, balance, frozen, "the shaft", ball)
     worst = max(housings, key=lambda h: h.residual, default=None)
     if status == "converged" and worst is not None and not frozen and not worst.residual <= summary.BALANCE:
@@ -159,9 +147,7 @@ def status_after_assembly_check(
     return status
 
 
-def status_of_reversed_bearing(
-    system: axis_system.AssemblyArrays, sets: Sequence[SetResult], scale: float
-) -> Status | None:
+def status_of_reversed_bearing(system: AssemblyArrays, sets: Sequence[SetResult], scale: float) -> Status | None:
     """Return the status if a bearing for one direction of thrust is loaded against this direction; None if none is.
 
     Parameters
@@ -183,9 +169,7 @@ def status_of_reversed_bearing(
     return None
 
 
-def result_of_ball_set(
-    system: axis_system.AssemblyArrays, i: int, state: MotionState, solve_record: SolveRecord
-) -> SetResult:
+def result_of_ball_set(system: AssemblyArrays, i: int, state: MotionState, record: SolveRecord) -> SetResult:
     """Return the result of one ball nut or ball bearing: contacts, and force and moment on the shaft and on nut or ring.
 
     Parameters
@@ -196,30 +180,27 @@ def result_of_ball_set(
         Number of the nut or bearing among those with balls.
     state
         Motions of shaft nodes and housings, and all contacts.
-    solve_record
+    record
         Data of the finished solve: its status, effort, stiffness, assumptions.
     """
     b = system.ball_sets[i]
     problem = b.problem
     contact = state.contact[b.ball_indices]
     force, normal, p = contact[..., 0].copy(), contact[..., 1:3].copy(), state.p[b.ball_indices].copy()
-    shifts = solve_record.flank_motions[i] if problem.drawn.profile_coefficients.shape[1] else None
+    shifts = record.flank_motions[i] if problem.drawn.profile_coefficients.shape[1] else None
     motion = state.q[: problem.nodes.size]
     largest = float(force.max(initial=0.0))
     solved = SolvedState(problem, motion, p, force, normal, np.zeros(motion.shape), shifts, largest)
-    result = summary.contact_result(
-        solved, problem.nodes, motion, solve_record.report, arc_on_both_sides=b.rolling_set.thrust == "deep groove"
-    )
+    deep = b.of.thrust == "deep groove"
+    result = summary.contact_result(solved, problem.nodes, motion, record.report, arc_on_both_sides=deep)
     forces = -result.force_direction * force[..., None]
-    on_shaft, back = (
-        _resultant_about_axis_point(result.contact_point[:, half], forces[:, half], b.rolling_set.position)
-        for half in (slice(2), slice(2, 4))
-    )
-    outer = _outer_part_motion(b, state, system.structure.body_positions)
-    return SetResult(b.rolling_set, *on_shaft, np.concatenate(back), solve_record.set_stiffnesses[i], outer, result)
+    points, at = result.contact_point, b.of.position
+    on_shaft, back = (_resultant_about_axis_point(points[:, x], forces[:, x], at) for x in (slice(2), slice(2, 4)))
+    outer = _outer_part_motion(b.of, b.outer_body_row, state, system.structure.body_positions)
+    return SetResult(b.of, *on_shaft, np.concatenate(back), record.set_stiffnesses[i], outer, result)
 
 
-def result_of_roller_bearing(roller_set: axis_system.RollerSet, state: MotionState, stations: Array) -> SetResult:
+def result_of_roller_bearing(roller_set: RollerSet, state: MotionState, stations: Array) -> SetResult:
     """Return the result of one tapered roller bearing: roller loads, force and moment on the shaft, and stiffness.
 
     Parameters
@@ -233,50 +214,32 @@ def result_of_roller_bearing(roller_set: axis_system.RollerSet, state: MotionSta
     """
     slices = state.slices[roller_set.slice_indices]
     inner = float(stations[roller_set.slice_arrays.ring_bodies[0, 0]])
-    B = roller_set.slice_arrays.B[:, 0] @ rigid_motion_transfer_matrix(inner - roller_set.rolling_set.position)
+    B = roller_set.slice_arrays.B[:, 0] @ rigid_motion_transfer_matrix(inner - roller_set.of.position)
     wrench, K = -slices[:, 0] @ B, (B.T * slices[:, 1]) @ B
-    loads = slices[:, 0].reshape(roller_set.roller_row.count, roller_set.roller_row.slices)
-    lines = loads * roller_set.roller_row.slices / roller_set.roller_row.length
-    outer = _outer_part_motion(roller_set, state, stations)
-    return SetResult(
-        roller_set.rolling_set,
-        wrench[:3],
-        wrench[3:],
-        -wrench,
-        K,
-        outer,
-        None,
-        roller_set.roller_azimuths,
-        loads.sum(axis=1),
-        lines,
-    )
+    row = roller_set.row
+    loads = slices[:, 0].reshape(row.count, row.slices)
+    lines = loads * row.slices / row.length
+    outer = _outer_part_motion(roller_set.of, int(roller_set.slice_arrays.ring_bodies[0, 1]), state, stations)
+    of_rollers = roller_set.roller_azimuths, loads.sum(axis=1), lines
+    return SetResult(roller_set.of, wrench[:3], wrench[3:], -wrench, K, outer, None, *of_rollers)
 
 
-def _outer_part_motion(
-    rolling_set: axis_system.BallSet | axis_system.RollerSet, state: MotionState, stations: Array
-) -> Array:
+def _outer_part_motion(of: RollingSet, row: int, state: MotionState, stations: Array) -> Array:
     """Return the motion ``(6,)`` [m, rad] of an outer ring or nut at its axial position, its prescribed offset included.
 
     Parameters
     ----------
-    rolling_set
+    of
         Bearing or nut.
+    row
+        Motion row of the housing of its outer ring or nut; -1 if the housing is fixed.
     state
         Motions of shaft nodes and housings.
     stations
         Axial positions of shaft nodes and moving housings [m].
     """
-    row = (
-        rolling_set.outer_body_row
-        if isinstance(rolling_set, axis_system.BallSet)
-        else int(rolling_set.slice_arrays.ring_bodies[0, 1])
-    )
-    moved = (
-        rigid_motion_transfer_matrix(rolling_set.rolling_set.position - float(stations[row])) @ state.q[row]
-        if row >= 0
-        else np.zeros(6)
-    )
-    return np.asarray(moved + np.array([0.0, 0.0, rolling_set.rolling_set.offset, 0.0, 0.0, 0.0]))
+    offset = np.array([0.0, 0.0, of.offset, 0.0, 0.0, 0.0])
+    return rigid_motion_transfer_matrix(of.position - float(stations[row])) @ state.q[row] + offset if row >= 0 else offset
 
 
 def _resultant_about_axis_point(points: Array, forces: Array, station: float) -> tuple[Array, Array]:
@@ -296,16 +259,16 @@ def _resultant_about_axis_point(points: Array, forces: Array, station: float) ->
 
 
 def _check_shaft_equilibrium(
-    system: axis_system.AssemblyArrays, state: MotionState, solve_record: SolveRecord, sets: tuple[SetResult, ...]
+    system: AssemblyArrays, state: MotionState, record: SolveRecord, sets: tuple[SetResult, ...]
 ) -> Equilibrium:
     """Return the check of equilibrium of the shaft: external loads, support reactions, and forces of bearings and nuts.
 
-    ``state``: solved motions; ``solve_record``: data of the finished solve; ``sets``: results of the bearings and nuts.
+    ``state``: solved motions; ``record``: data of the finished solve; ``sets``: results of the bearings and nuts.
     """
     nodes = system.structure.nodes
     applied, contact = summary.resultant_of_loads(system.assembly.loads), np.zeros(6)
-    reaction = summary.resultant_about_origin(nodes, solve_record.support_reactions[: nodes.size])
-    largest = solve_record.residual_force_scale
+    reaction = summary.resultant_about_origin(nodes, record.support_reactions[: nodes.size])
+    largest = record.residual_force_scale
     for s in (x for x in sets if x.of.carrier is None):
         contact += rigid_motion_transfer_matrix(s.of.position).T @ np.concatenate([s.force, s.moment])
         contacts = 0.0 if s.balls is None else float(s.balls.load.max(initial=0.0))
@@ -313,13 +276,12 @@ def _check_shaft_equilibrium(
     size = max(largest, float(np.abs(np.concatenate([applied[:3], reaction[:3]])).max()))
     noise = summary.round_off_forces(np.diff(nodes), system.structure_arrays.sections, state.q[: nodes.size])
     net = summary.magnitudes_of_net_ball_forces(state.contact[..., 0], state.contact[..., 1:3])
-    return summary.check_equilibrium(
-        (applied, reaction, contact, np.zeros(6)), size, system.moment_arm, noise, net[: system.ball_arrays.r_ball.size]
-    )
+    sums, net_on_balls = (applied, reaction, contact, np.zeros(6)), net[: system.ball_arrays.r_ball.size]
+    return summary.check_equilibrium(sums, size, system.moment_arm, noise, net_on_balls)
 
 
 def _result_of_housing(
-    system: axis_system.AssemblyArrays, i: int, sets: tuple[SetResult, ...], q: Array, solve_record: SolveRecord
+    system: AssemblyArrays, i: int, sets: tuple[SetResult, ...], q: Array, record: SolveRecord
 ) -> HousingResult:
     """Return the result of one housing: its motion, the forces of supports and springs on it, and the unbalanced force.
 
@@ -336,17 +298,15 @@ def _result_of_housing(
         Results of bearings and nuts.
     q
         Motions of shaft nodes and moving housings ``(r, 6)`` [m, rad].
-    solve_record
+    record
         Data of the finished solve: its status, effort, stiffness, assumptions.
     """
     structure = system.structure
     row = structure.nodes.size + i
     at = float(structure.housing_positions[i])
     springs = np.zeros(6)
-    for (first, second), reach, K in zip(
-        structure.spring_bodies, structure.spring_end_matrices, structure.springs, strict=True
-    ):
-        ends = [(e, x) for e, x in enumerate((first, second)) if x >= 0]
+    for bodies, reach, K in structure.each_spring():
+        ends = [(e, x) for e, x in enumerate(bodies) if x >= 0]
         force = K @ sum((reach[e] @ q[x] for e, x in ends), start=np.zeros(6))
         springs -= sum((reach[e].T @ force for e, x in ends if x == row), start=np.zeros(6))
     name = next(name for name, k in structure.housing_numbers.items() if k == row)
@@ -357,12 +317,10 @@ def _result_of_housing(
             carried += reach @ s.reaction
         if s.of.carrier == name:
             carried += reach @ np.concatenate([s.force, s.moment])
-    wrench = solve_record.support_reactions[row] + springs
+    wrench = record.support_reactions[row] + springs
     balance = structure.load[row] + carried + wrench
-    pushes = [s.force for s in sets if name in (s.of.housing, s.of.carrier)]
-    size = max(
-        solve_record.residual_force_scale, *(float(np.abs(x[:3]).max()) for x in (structure.load[row], wrench, *pushes))
-    )
+    forces = structure.load[row], wrench, *(s.force for s in sets if name in (s.of.housing, s.of.carrier))
+    size = max(record.residual_force_scale, *(float(np.abs(x[:3]).max()) for x in forces))
     left = max(float(np.abs(balance[:3]).max()), float(np.abs(balance[3:]).max()) / system.moment_arm)
     return HousingResult(name, q[row].copy(), wrench, left / size if size else 0.0)
 
@@ -386,16 +344,7 @@ def axis_result_without_equilibrium(
         Assumptions of the model.
     """
     report = SolverReport(0, 0, float("nan"), seconds, 0, 0, "none", "none")
-    return AxisResult(
-        model=model,
-        status=status,
-        centreline_z=np.zeros(0),
-        centreline=np.zeros((0, 6)),
-        equilibrium=None,
-        solver=report,
-        assumed=(*assembly.assumed, *assumed),
-        left_out=(),
-    )
+    return AxisResult(model=model, status=status, solver=report, assumed=(*assembly.assumed, *assumed))
 
 
 def roller_warnings(set_result: SetResult, z: Array, motion: Array) -> tuple[ResultWarning, ...]:

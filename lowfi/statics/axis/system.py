@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from itertools import accumulate
 from typing import Any
 
 import numpy as np
@@ -21,7 +22,6 @@ from rollbench.lowfi.hertz import contact_force
 from rollbench.lowfi.rollers import slice_middles, tapered_bearing_of_row
 from rollbench.lowfi.statics import problem as statics_problem
 from rollbench.lowfi.statics.axis.structure import Structure, build_structure
-from rollbench.lowfi.statics.contacts import hertz_constants_by_scene_choice
 from rollbench.lowfi.statics.kernel.beam import element_constants
 from rollbench.lowfi.statics.kernel_types import AxisArrays, AxisBalls, AxisRollers, MotionState, RollerContacts
 from rollbench.lowfi.statics.settle import ContactState, ResidualScale
@@ -55,7 +55,7 @@ class BallSet:
     """
 
     #: The bearing row or ball nut.
-    rolling_set: RollingSet
+    of: RollingSet
     #: Contact problem of the balls of this row or nut, with the beam nodes of the whole shaft.
     problem: statics_problem.Problem
     #: Indices of the balls of this row or nut among the balls of the whole assembly.
@@ -79,9 +79,8 @@ class BallSet:
         helix's binormal. Flanks of a fixed housing do not move; prescribed offsets are not included.
         """
         flat = motions.reshape(-1, *motions.shape[2:])
-        found = np.einsum(
-            "nsak,nsk...->nsa...", self.B, flat[6 * self.first_body_rows[..., None] + np.arange(self.B.shape[3])]
-        )
+        moved = flat[6 * self.first_body_rows[..., None] + np.arange(self.B.shape[3])]
+        found = np.einsum("nsak,nsk...->nsa...", self.B, moved)
         found[self.first_body_rows < 0] = 0.0
         return np.asarray(found)
 
@@ -100,9 +99,9 @@ class RollerSet:
     """Rollers of one tapered roller bearing of an assembly, divided into slices across their axes."""
 
     #: The bearing as a rolling set of the assembly, with its position, housing and direction of thrust.
-    rolling_set: RollingSet
+    of: RollingSet
     #: Dimensions of the rollers and raceways.
-    roller_row: RollerRow
+    row: RollerRow
     #: Indices of the roller slices of this bearing among those of all roller bearings.
     slice_indices: slice
     #: Azimuths of the rollers ``(count,)`` [rad].
@@ -130,7 +129,7 @@ class AssemblyArrays:
     #: Arrays of all balls for the kernels.
     ball_arrays: AxisBalls = field(repr=False)
     #: Arrays of the slices of all rollers for the kernels.
-    roller_slice_arrays: AxisRollers = field(repr=False)
+    slice_arrays: AxisRollers = field(repr=False)
 
 
 def ball_positions_with_errors(assembly: Assembly, member: int = 0) -> list[Placed]:
@@ -150,9 +149,8 @@ def ball_positions_with_errors(assembly: Assembly, member: int = 0) -> list[Plac
 
 def build_assembly_arrays(
     assembly: Assembly,
-    member: int = 0,
-    flanks_in_use: Sequence[NDArray[np.bool_]] | None = None,
-    positions_and_errors: Sequence[Placed] | None = None,
+    flanks: Sequence[NDArray[np.bool_]] | None = None,
+    places: Sequence[Placed] | None = None,
     section: BeamSection | None = None,
 ) -> AssemblyArrays:
     """Return an assembly (shaft, bearings, ball nuts and housings) as arrays for the numerical kernels.
@@ -161,13 +159,11 @@ def build_assembly_arrays(
     ----------
     assembly
         Shaft with bearings and ball nuts.
-    member
-        Number of the specimen: each number gives other random errors.
-    flanks_in_use
+    flanks
         For each ball nut or ball bearing, which of its four flanks get contacts ``(4,)``. None: all flanks that can be
         loaded by thrust in the direction which the nut or bearing carries.
-    positions_and_errors
-        Result of `ball_positions_with_errors`; None: computed here.
+    places
+        Result of `ball_positions_with_errors`; None: that of specimen 0.
     section
         Cross-section of the threaded shaft; None: computed from the assembly's dimensions.
 
@@ -178,43 +174,38 @@ def build_assembly_arrays(
     """
     parts = [(s, s.parts) for s in assembly.sets if isinstance(s.parts, Scene)]
     rows = [(s, s.parts) for s in assembly.sets if isinstance(s.parts, RollerRow)]
-    built = [USE[s.thrust] for s, _ in parts] if flanks_in_use is None else list(flanks_in_use)
-    placements = ball_positions_with_errors(assembly, member) if positions_and_errors is None else positions_and_errors
+    used = [USE[s.thrust] for s, _ in parts] if flanks is None else flanks
+    placed = ball_positions_with_errors(assembly) if places is None else places
     stations = [
-        contact_force_positions(scene, x)[:, u[:2]]
-        for (s, scene), (x, _), u in zip(parts, placements, built, strict=True)
+        contact_force_positions(scene, layout)[:, use[:2]].ravel()
+        for (s, scene), (layout, _), use in zip(parts, placed, used, strict=True)
         if s.carrier is None
     ]
-    rings = np.array([s.position for s, _ in rows])
-    structure = build_structure(assembly, np.concatenate([rings, *(x.ravel() for x in stations)]), section)
-    balls: list[BallSet] = []
-    first = 0
-    for (rolling, scene), use, place in zip(parts, built, placements, strict=True):
-        balls.append(_build_ball_set(rolling, scene, structure, use, place, first))
-        first = balls[-1].ball_indices.stop
-    rollers: list[RollerSet] = []
-    first = 0
-    for rolling, row in rows:
-        rollers.append(_build_roller_set(rolling, row, structure, first))
-        first = rollers[-1].slice_indices.stop
+    structure = build_structure(assembly, np.concatenate([[s.position for s, _ in rows], *stations]), section)
+    first_balls = accumulate((layout.z.size for layout, _ in placed), initial=0)
+    balls = [
+        _build_ball_set(of, scene, structure, use, place, first)
+        for (of, scene), use, place, first in zip(parts, used, placed, first_balls, strict=False)
+    ]
+    first_slices = accumulate((row.count * row.slices for _, row in rows), initial=0)
+    rollers = [_build_roller_set(of, row, structure, first) for (of, row), first in zip(rows, first_slices, strict=False)]
     arm = max(
-        [b.problem.scene.track.pitch_radius for b in balls]
-        + [tapered_bearing_of_row(r.roller_row).pitch_diameter / 2.0 for r in rollers]
+        [scene.track.pitch_radius for _, scene in parts]
+        + [tapered_bearing_of_row(row).pitch_diameter / 2.0 for _, row in rows]
     )
     contacts, slices = _concatenate_balls(balls), _concatenate_rollers(rollers)
-    return AssemblyArrays(
-        assembly, structure, balls, rollers, arm, _kernel_arrays_of_structure(structure, contacts, slices), contacts, slices
-    )
+    shaft = _kernel_arrays_of_structure(structure, contacts, slices)
+    return AssemblyArrays(assembly, structure, balls, rollers, arm, shaft, contacts, slices)
 
 
 def _build_ball_set(
     rolling: RollingSet,
     scene: Scene,
     structure: Structure,
-    used_flanks: NDArray[np.bool_],
-    positions_and_errors: Placed,
+    used: NDArray[np.bool_],
+    place: Placed,
     first_ball: int,
-    centre_of_curvature_shifts: Array | None = None,
+    arms: Array | None = None,
 ) -> BallSet:
     """Return the balls of one ball nut or bearing row, with the motions of their flanks by shaft nodes and housing.
 
@@ -226,66 +217,45 @@ def _build_ball_set(
         Dimensions of the ball nut or bearing.
     structure
         Shaft, housings and springs.
-    used_flanks
+    used
         Which of the four flanks (screw left, screw right, nut left, nut right) get contacts ``(4,)``.
-    positions_and_errors
+    place
         Positions of the balls, and dimensions with their random manufacturing errors.
     first_ball
         Index of the first ball among all balls of the assembly.
-    centre_of_curvature_shifts
+    arms
         Shifts of the flanks' centres of curvature by profile errors ``(N, 4, 2)`` [m]; None: zero.
     """
-    layout, drawn = positions_and_errors
-    parts = (scene, drawn, layout, centre_of_curvature_shifts)
-    geometry, closure = statics_problem.pack_contact_data(
-        scene, drawn, hertz_constants_by_scene_choice(scene, drawn), used_flanks
-    )
+    layout, drawn = place
+    parts = (scene, drawn, layout, arms)
+    geometry, closure = statics_problem.pack_contact_data(scene, drawn, used)
     n, nodes, N = structure.nodes.size, structure.nodes, layout.z.size
     stations = contact_force_positions(scene, layout)
-    nodal, built = scene.ingredients.partition == "nodal", int(np.argmax(used_flanks[:2]))
+    nodal, built = scene.ingredients.partition == "nodal", int(np.argmax(used[:2]))
     if rolling.carrier is not None:
         node = np.full((N, 2), structure.housing_numbers[rolling.carrier])
     elif nodal:
         node = np.abs(nodes[None, None, :] - stations[:, :, None]).argmin(axis=2)
-        node[:, ~used_flanks[:2]] = node[:, [built]]
+        node[:, ~used[:2]] = node[:, [built]]
     outer = -1 if rolling.housing is None else structure.housing_numbers[rolling.housing]
     at = float(structure.housing_positions[outer - n]) if outer >= 0 else scene.nut.position
     on_nut = np.stack([statics_problem.flank_motion_matrix(parts, s, np.full(N, at)) for s in (2, 3)], axis=1)
     v0 = np.zeros((N, 4, 2))
     v0[:, 2:] = rolling.offset * on_nut[..., 2]
     if nodal or rolling.carrier is not None:
-        on_screw = np.stack(
-            [statics_problem.flank_motion_matrix(parts, s, structure.body_positions[node[:, s]]) for s in range(2)], axis=1
-        )
+        points = structure.body_positions[node]
+        on_screw = [statics_problem.flank_motion_matrix(parts, s, points[:, s]) for s in range(2)]
     else:
-        sides = [s if used_flanks[s] else built for s in range(2)]
+        sides = [s if used[s] else built for s in range(2)]
         around = [interpolate_shaft_motions(structure, stations[:, s]) for s in range(2)]
         node = np.stack([around[s][0] for s in sides], axis=1)
-        on_screw = np.stack(
-            [statics_problem.flank_motion_matrix(parts, s, stations[:, s]) @ around[s][1] for s in sides], axis=1
-        )
+        on_screw = [statics_problem.flank_motion_matrix(parts, s, stations[:, s]) @ around[s][1] for s in sides]
     width, r = (6 if nodal else 12), structure.body_positions.size
-    pieces = (
-        pad_coefficients_to_two_bodies(node, on_screw, width, r),
-        pad_coefficients_to_two_bodies(np.full((N, 2), outer), on_nut, width, r),
-    )
+    inner = pad_coefficients_to_two_bodies(node, np.stack(on_screw, axis=1), width, r)
+    pieces = inner, pad_coefficients_to_two_bodies(np.full((N, 2), outer), on_nut, width, r)
     row, B = (np.concatenate(x, axis=1) for x in zip(*pieces, strict=True))
-    problem = statics_problem.Problem(
-        scene=scene,
-        layout=layout,
-        drawn=drawn,
-        nodes=nodes,
-        section=structure.sections[0],
-        fixed=structure.fixed[:n],
-        prescribed=structure.prescribed[:n],
-        load=structure.load[:n],
-        first_nodes=node,
-        B=B[:, :2],
-        geometry=geometry,
-        interference=closure,
-        used_flanks=used_flanks,
-        left_out_elements=0,
-    )
+    shaft = nodes, structure.sections[0], structure.fixed[:n], structure.prescribed[:n], structure.load[:n], node, B[:, :2]
+    problem = statics_problem.Problem(scene, layout, drawn, *shaft, geometry, closure, used, 0)
     return BallSet(rolling, problem, slice(first_ball, first_ball + N), outer, row, B, v0)
 
 
@@ -335,30 +305,25 @@ def pad_coefficients_to_two_bodies(body: Ints, B: Array, width: int, body_count:
     return body - last, np.where(last[..., None, None], second, first)
 
 
-def replace_lever_arms(system: AssemblyArrays, centre_of_curvature_shifts: Sequence[Array]) -> AssemblyArrays:
+def replace_lever_arms(system: AssemblyArrays, arms: Sequence[Array]) -> AssemblyArrays:
     """Return the arrays of an assembly with new lever arms of the contact forces and unchanged Hertz constants.
 
     Parameters
     ----------
     system
         Arrays of the assembly.
-    centre_of_curvature_shifts
+    arms
         For each ball nut or ball bearing, the shifts ``(N, 4, 2)`` [m] of its flanks' centres of curvature by profile
         errors; contact forces act through these centres.
     """
     balls = []
-    for b, m in zip(system.ball_sets, centre_of_curvature_shifts, strict=True):
-        p = b.problem
-        longer = _build_ball_set(
-            b.rolling_set, p.scene, system.structure, p.used_flanks, (p.layout, p.drawn), b.ball_indices.start, m
-        )
+    for b, arm in zip(system.ball_sets, arms, strict=True):
+        p, first = b.problem, b.ball_indices.start
+        longer = _build_ball_set(b.of, p.scene, system.structure, p.used_flanks, (p.layout, p.drawn), first, arm)
         longer.problem.C[:] = p.C
         balls.append(longer)
-    return replace(
-        system,
-        ball_sets=balls,
-        ball_arrays=_concatenate_balls(balls)._replace(unloaded_force_limit=system.ball_arrays.unloaded_force_limit),
-    )
+    limit = system.ball_arrays.unloaded_force_limit
+    return replace(system, ball_sets=balls, ball_arrays=_concatenate_balls(balls)._replace(unloaded_force_limit=limit))
 
 
 def contact_states_of_sets(system: AssemblyArrays, state: MotionState, shifts: Array | None = None) -> list[ContactState]:
@@ -374,9 +339,8 @@ def contact_states_of_sets(system: AssemblyArrays, state: MotionState, shifts: A
         Motions ``(N, 4, 2)`` [m] of the flanks of all balls; None: computed from the motions in ``state``.
     """
     moved = [flank_motions_of_set(b, state.q) if shifts is None else shifts[b.ball_indices] for b in system.ball_sets]
-    contact, centre = state.contact, state.p
     return [
-        ContactState(b.problem, contact[b.ball_indices], centre[b.ball_indices], m)
+        ContactState(b.problem, state.contact[b.ball_indices], state.p[b.ball_indices], m)
         for b, m in zip(system.ball_sets, moved, strict=True)
     ]
 
@@ -400,30 +364,29 @@ def _concatenate_balls(sets: list[BallSet]) -> AxisBalls:
     The contact data ``geometry`` of each problem in ``sets`` is replaced by a view of the joint array, so that both see an
     update of the Hertz constants. The polynomials of the flanks' profile errors are padded with zeros to the same degree.
     """
-    degree = max((b.problem.drawn.profile_coefficients.shape[1] for b in sets), default=0)
-    row, profile = [], []
-    for b in sets:
-        N = b.problem.layout.z.size
-        row.append(b.first_body_rows)
-        terms = np.zeros((4, degree))
-        terms[:, : b.problem.drawn.profile_coefficients.shape[1]] = b.problem.drawn.profile_coefficients
-        profile.append(np.broadcast_to(terms, (N, 4, degree)))
+    problems = [b.problem for b in sets]
+    degree = max((p.drawn.profile_coefficients.shape[1] for p in problems), default=0)
+    profiles = []
+    for p in problems:
+        terms = np.zeros((len(p.C), 4, degree))
+        terms[..., : p.drawn.profile_coefficients.shape[1]] = p.drawn.profile_coefficients
+        profiles.append(terms)
 
     def concatenated(arrays: Sequence[NDArray[Any]], shape: tuple[int, ...]) -> NDArray[Any]:
         """Return arrays ``(N_i, *shape)`` concatenated along the first axis, also if there are none."""
         return np.ascontiguousarray(np.concatenate([np.zeros((0, *shape)), *arrays]))
 
-    geometry = concatenated([b.problem.geometry for b in sets], (4, 9))
+    geometry = concatenated([p.geometry for p in problems], (4, 9))
     for b in sets:  # a view, so that an update of Hertz constants is seen in both places
         b.problem = replace(b.problem, geometry=geometry[b.ball_indices])
     return AxisBalls(
-        first_bodies=concatenated(row, (4,)).astype(np.int64),
+        first_bodies=concatenated([b.first_body_rows for b in sets], (4,)).astype(np.int64),
         B=concatenated([b.B for b in sets], (4, 2, sets[0].B.shape[3] if sets else 6)),
         v0=concatenated([b.v0 for b in sets], (4, 2)),
         geometry=geometry,
-        interference=concatenated([b.problem.interference for b in sets], (2,)),
-        r_ball=concatenated([b.problem.drawn.ball_radii for b in sets], ()),
-        profile=concatenated(profile, (4, degree)),
+        interference=concatenated([p.interference for p in problems], (2,)),
+        r_ball=concatenated([p.drawn.ball_radii for p in problems], ()),
+        profile=concatenated(profiles, (4, degree)),
         unloaded_force_limit=0.0,
     )
 
@@ -450,23 +413,16 @@ def _build_roller_set(rolling: RollingSet, row: RollerRow, structure: Structure,
     mean = bearing.apex_distance * sin * np.stack([c, s, 0.0 * c], axis=1)[:, None, :]
     point = mean + place[None, :, None] * along + np.array([0.0, 0.0, rolling.position])
     normal = np.broadcast_to(normal, point.shape)
-    stations = (
-        float(structure.nodes[inner]),
-        float(structure.housing_positions[outer - n]) if outer >= 0 else rolling.position,
-    )
+    at_cup = float(structure.housing_positions[outer - n]) if outer >= 0 else rolling.position
     B = np.empty((row.count, row.slices, 2, 6))
-    for end, (at, direction) in enumerate(zip(stations, (1.0, -1.0), strict=True)):
+    for end, (at, direction) in enumerate(((float(structure.nodes[inner]), 1.0), (at_cup, -1.0))):
         arm = point - np.array([0.0, 0.0, at])
         B[:, :, end, :3], B[:, :, end, 3:] = direction * normal, direction * np.cross(arm, normal)
     law, count = bearing.approach_law(), row.count * row.slices
-    arrays = AxisRollers(
-        np.tile([inner, outer], (count, 1)).astype(np.int64),
-        B.reshape(count, 2, 6),
-        np.tile(place**2 / row.crown, row.count) + sign * sin * rolling.offset,
-        np.full(count, row.length / row.slices),
-        np.full(count, float(law.g)),
-        np.full(count, float(law.s)),
-    )
+    bodies = np.tile([inner, outer], (count, 1)).astype(np.int64)
+    gap = np.tile(place**2 / row.crown, row.count) + sign * sin * rolling.offset
+    width, g, s = (np.full(count, float(x)) for x in (row.length / row.slices, law.g, law.s))
+    arrays = AxisRollers(bodies, B.reshape(count, 2, 6), gap, width, g, s)
     return RollerSet(rolling, row, slice(first_slice, first_slice + count), azimuths, arrays)
 
 
@@ -475,9 +431,8 @@ def _concatenate_rollers(sets: list[RollerSet]) -> AxisRollers:
     if not sets:
         none = np.zeros(0)
         return AxisRollers(np.zeros((0, 2), dtype=np.int64), np.zeros((0, 2, 6)), none, none, none, none)
-    return AxisRollers(
-        *(np.ascontiguousarray(np.concatenate(x)) for x in zip(*(r.slice_arrays for r in sets), strict=True))
-    )
+    fields = zip(*(r.slice_arrays for r in sets), strict=True)
+    return AxisRollers(*(np.ascontiguousarray(np.concatenate(x)) for x in fields))
 
 
 def _kernel_arrays_of_structure(structure: Structure, contacts: AxisBalls, slices: AxisRollers) -> AxisArrays:
@@ -488,12 +443,9 @@ def _kernel_arrays_of_structure(structure: Structure, contacts: AxisBalls, slice
     numbered right after the last shaft node with which it shares a contact.
     """
     n, r = structure.nodes.size, structure.body_positions.size
-    pairs = np.array([(a, b) for a in range(4) for b in range(a)])
-    used = contacts.geometry[..., 5] > 0.0
-    joined = [
-        contacts.first_bodies[:, p][(used[:, p].all(axis=1)) & (contacts.first_bodies[:, p] >= 0).all(axis=1)]
-        for p in pairs
-    ]
+    used, movers = contacts.geometry[..., 5] > 0.0, contacts.first_bodies
+    pairs = ([a, b] for a in range(4) for b in range(a))
+    joined = [movers[:, p][used[:, p].all(axis=1) & (movers[:, p] >= 0).all(axis=1)] for p in pairs]
     if contacts.B.shape[3] > 6:
         joined = [x + np.array(step) for x in joined for step in np.ndindex(2, 2)]
     met = np.concatenate([*joined, slices.ring_bodies[(slices.ring_bodies >= 0).all(axis=1)]])
@@ -515,36 +467,19 @@ def _kernel_arrays_of_structure(structure: Structure, contacts: AxisBalls, slice
     start = np.concatenate([np.cumsum(size) - size - first, [size.sum()]]).astype(np.int64)
     sections = np.array([(s.EA, s.EI, s.GJ, s.kGA) for s in structure.sections])
     lengths = np.diff(structure.nodes)
-    return AxisArrays(
-        lengths=lengths,
-        sections=sections,
-        constants=np.array([element_constants(*x) for x in zip(lengths, sections, strict=True)]),
-        fixed=structure.fixed,
-        load=structure.load,
-        spring_bodies=structure.spring_bodies,
-        spring_end_matrices=structure.spring_end_matrices,
-        springs=structure.springs,
-        body_order=place,
-        first_columns=first,
-        row_offsets=start,
-    )
+    constants = np.array([element_constants(*x) for x in zip(lengths, sections, strict=True)])
+    beam = lengths, sections, constants, structure.fixed, structure.load
+    joints = structure.spring_bodies, structure.spring_end_matrices, structure.springs
+    return AxisArrays(*beam, *joints, body_order=place, first_columns=first, row_offsets=start)
 
 
-def sum_of_applied_loads(system: AssemblyArrays) -> float:
-    """Return the sum of the magnitudes of all external loads on shaft and housings [N], without thermal loads.
-
-    Moments count as moment divided by the largest pitch radius.
-    """
-    bodies: tuple[Load | Housing, ...] = (*system.assembly.loads, *system.assembly.housings)
-    return float(sum(np.abs(x.force).sum() + np.abs(x.moment).sum() / system.moment_arm for x in bodies))
-
-
-def mean_hertz_constant_in_series(ball_set: BallSet) -> float:
+def mean_pair_constant(ball_set: BallSet) -> float:
     """Return the Hertz constant C [m/N^(2/3)] of a ball's contacts with two opposite flanks in series, mean of all balls.
 
     At a contact force Q, screw and nut (or the rings) approach each other by C Q^(2/3) across the ball.
     """
-    return float(np.mean(ball_set.problem.C[:, 0] + ball_set.problem.C[:, 3]))
+    C = ball_set.problem.C
+    return float(np.mean(C[:, 0] + C[:, 3]))
 
 
 def preload_approach(ball_set: BallSet) -> float:
@@ -553,23 +488,19 @@ def preload_approach(ball_set: BallSet) -> float:
     Preload comes from oversized balls, or from the prescribed axial offset of the nut or outer ring. The approach is the
     sum of both contacts of a ball.
     """
-    shift = {"+z": -ball_set.rolling_set.offset, "-z": ball_set.rolling_set.offset}.get(
-        ball_set.rolling_set.thrust, abs(ball_set.rolling_set.offset)
-    )
-    return max(
-        statics_problem.largest_interference(ball_set.problem),
-        shift * float(np.sin(ball_set.problem.scene.track.contact_angle)),
-    )
+    problem, offset = ball_set.problem, ball_set.of.offset
+    shift = {"+z": -offset, "-z": offset}.get(ball_set.of.thrust, abs(offset))
+    return max(statics_problem.largest_interference(problem), shift * float(np.sin(problem.scene.track.contact_angle)))
 
 
 def mean_load_per_rolling_element(system: AssemblyArrays) -> float:
     """Return the sum of the magnitudes of all external loads, divided by the number of balls and rollers [N].
 
-    Moments count as moment divided by the largest pitch radius (`sum_of_applied_loads`).
+    Loads on shaft and housings count, thermal loads do not. Moments count as moment divided by the largest pitch radius.
     """
-    return sum_of_applied_loads(system) / max(
-        1, system.ball_arrays.r_ball.size + sum(r.roller_row.count for r in system.roller_sets)
-    )
+    bodies: tuple[Load | Housing, ...] = (*system.assembly.loads, *system.assembly.housings)
+    applied = sum(np.abs(x.force).sum() + np.abs(x.moment).sum() / system.moment_arm for x in bodies)
+    return float(applied) / max(1, system.ball_arrays.r_ball.size + sum(r.row.count for r in system.roller_sets))
 
 
 def typical_contact_force(system: AssemblyArrays, ball_set: BallSet) -> float:
@@ -578,7 +509,7 @@ def typical_contact_force(system: AssemblyArrays, ball_set: BallSet) -> float:
     The force is the larger of the mean load of a rolling element and the preload of a contact. If there are neither loads
     nor preload but prescribed displacements, it is the force at an approach of 1 um.
     """
-    pair = mean_hertz_constant_in_series(ball_set)
+    pair = mean_pair_constant(ball_set)
     force = max(mean_load_per_rolling_element(system), float(contact_force(preload_approach(ball_set), pair)))
     if force == 0.0 and np.any(system.structure.prescribed):
         force = float(contact_force(1e-6, pair))
@@ -594,27 +525,21 @@ def assembly_residual_scale(system: AssemblyArrays) -> ResidualScale:
     load, share = system.structure.load, mean_load_per_rolling_element(system)
     stiffness, squeezed = 1.0, 0.0
     for b in system.ball_sets:
-        pair = mean_hertz_constant_in_series(b)
+        pair = mean_pair_constant(b)
         squeezed = max(squeezed, float(contact_force(preload_approach(b), pair)))
         if share == 0.0 and squeezed == 0.0 and np.any(system.structure.prescribed):
             squeezed = float(contact_force(1e-6, pair))
     force = max(share, squeezed)
     for b in system.ball_sets:
-        stiffness = max(stiffness, float(np.cbrt(force) / mean_hertz_constant_in_series(b)) if force > 0.0 else 1.0)
+        stiffness = max(stiffness, float(np.cbrt(force) / mean_pair_constant(b)) if force > 0.0 else 1.0)
     for r in system.roller_sets:
-        per_length = max(force, 1.0) / r.roller_row.length
-        law = r.slice_arrays
-        stiffness = max(
-            stiffness, r.roller_row.length / r.roller_row.slices / float(law.g[0] - law.s[0] * np.log(per_length))
-        )
+        law, length = r.slice_arrays, r.row.length
+        stiffness = max(stiffness, length / r.row.slices / float(law.g[0] - law.s[0] * np.log(max(force, 1.0) / length)))
     floor = max(float(np.abs(load[:, :3]).max()), float(np.abs(load[:, 3:]).max()) / system.moment_arm, squeezed)
     none = 1e-14 * force
     if force == 0.0:
-        pressed = (
-            contact_force(statics_problem.round_off_approach(b.problem), mean_hertz_constant_in_series(b))
-            for b in system.ball_sets
-        )
-        none = max(map(float, pressed), default=0.0)
+        touch = statics_problem.round_off_approach
+        none = max((float(contact_force(touch(b.problem), mean_pair_constant(b))) for b in system.ball_sets), default=0.0)
     return ResidualScale(force, stiffness, floor, none)
 
 
@@ -644,17 +569,17 @@ def roller_elements(sets: list[RollerSet]) -> RollerElements:
 
     ``sets``: the roller bearings.
     """
-    M, K = sum(r.roller_row.count for r in sets), max((r.roller_row.slices for r in sets), default=0)
+    M, K = sum(r.row.count for r in sets), max((r.row.slices for r in sets), default=0)
     node, outer = np.zeros(M, dtype=np.int64), np.full(M, -1, dtype=np.int64)
     B, law = np.zeros((M, 2, 2, 6)), np.zeros((2, M))
     place, width, drop = np.zeros((3, M, K))
     first = 0
     for r in sets:
-        a, n = r.slice_arrays, r.roller_row.slices
-        mine = slice(first, first + r.roller_row.count)
+        a, n, count = r.slice_arrays, r.row.slices, r.row.count
+        mine = slice(first, first + count)
         first = mine.stop
-        x = slice_middles(r.roller_row.length, n) / r.roller_row.length
-        rows = a.B.reshape(r.roller_row.count, n, 2, 6) * np.array([1.0, -1.0])[:, None]  # lin: approach; here: motion
+        x = slice_middles(r.row.length, n) / r.row.length
+        rows = a.B.reshape(count, n, 2, 6) * np.array([1.0, -1.0])[:, None]  # lin: approach; here: motion
         base = np.linalg.pinv(np.column_stack([np.ones(n), x])) if n > 1 else np.array([[1.0], [0.0]])
         B[mine] = np.einsum("ak,ikej->ieaj", base, rows)
         place[mine, :n] = x
@@ -712,9 +637,7 @@ def describe_left_out_flanks(system: AssemblyArrays) -> tuple[str, ...]:
     """Return, for each nut or bearing with flanks that the equations leave out, a sentence that names these flanks."""
     notes = []
     for b in system.ball_sets:
-        idle = [SIDES[k] for k in np.flatnonzero(USE[b.rolling_set.thrust] & ~b.problem.used_flanks)]
+        idle = [SIDES[k] for k in np.flatnonzero(USE[b.of.thrust] & ~b.problem.used_flanks)]
         if idle:
-            notes.append(
-                f"{b.rolling_set.name}: flanks {' and '.join(idle)} left out: load or offset lifts them off every ball"
-            )
+            notes.append(f"{b.of.name}: flanks {' and '.join(idle)} left out: load or offset lifts them off every ball")
     return tuple(notes)

@@ -28,7 +28,7 @@ from rollbench.lowfi.statics.kernel_types import (
     Outcome,
 )
 
-from .ball import FORCE, MX, MZ, SIZE, USE, WX, WZ, find_ball_equilibrium, write_stiffness_against_flank_motions
+from .ball import FORCE, MX, MZ, SIZE, USE, WX, WZ, find_ball_equilibrium, write_ball_stiffness
 from .beam import (  # noqa: F401 - some are only looked up by ``descent``
     add_element_stiffness,
     complete_final_state,
@@ -87,6 +87,7 @@ def add_structure_stiffness(values: Array, axis: AxisArrays) -> None:
                     block[i, j] = band[column, row - column]
             add_stiffness_block(values, axis, e + first // 6, e + second // 6, block)
     for k in range(axis.spring_bodies.shape[0]):
+        ends = axis.spring_end_matrices[k]
         for i in range(2):
             for j in range(i + 1):
                 if axis.spring_bodies[k, i] >= 0 and axis.spring_bodies[k, j] >= 0:
@@ -95,11 +96,7 @@ def add_structure_stiffness(values: Array, axis: AxisArrays) -> None:
                         for b in range(6):
                             for c in range(6):
                                 for d in range(6):
-                                    block[a, b] += (
-                                        axis.spring_end_matrices[k, i, c, a]
-                                        * axis.springs[k, c, d]
-                                        * axis.spring_end_matrices[k, j, d, b]
-                                    )
+                                    block[a, b] += ends[i, c, a] * axis.springs[k, c, d] * ends[j, d, b]
                     add_stiffness_block(values, axis, axis.spring_bodies[k, i], axis.spring_bodies[k, j], block)
 
 
@@ -231,7 +228,7 @@ def evaluate_axis(given: AxisSystem, state: MotionState, out: EnergyDerivatives)
         write_flank_motions_of_ball(balls, q, i, shift)
         ball = balls.geometry[i], balls.interference[i], rigid, balls.r_ball[i], balls.profile[i]
         energy += find_ball_equilibrium(p[i], shift, *ball, balls.unloaded_force_limit, contact[i])
-        write_stiffness_against_flank_motions(contact[i], hessians[i])
+        write_ball_stiffness(contact[i], hessians[i])
         for s in range(4):
             force, row = contact[i, s, FORCE], balls.first_bodies[i, s]
             scale = max(scale, force)
@@ -330,7 +327,7 @@ def factor_tangent_stiffness(
 
 
 @kernel
-def solve_for_motions_under_loads(axis: AxisArrays, values: Array, loads: Array, step: Array) -> None:
+def solve_for_motions(axis: AxisArrays, values: Array, loads: Array, step: Array) -> None:
     """Solve for the motions ``step`` (r, 6) [m, rad] of nodes and bodies under loads (r, 6) [N, N m].
 
     values: factored stiffness matrix, from `factor_tangent_stiffness`. Fixed motions are zero. ``axis``: which motions are
@@ -354,7 +351,7 @@ def energy_and_largest_force(given: AxisSystem, state: MotionState, workspace: M
     ``given``: arrays of shaft, bodies, springs, balls and rollers. The derivatives of the energy are written to the
     ``workspace`` (`evaluate_axis`).
     """
-    return evaluate_axis(given, state, workspace.energy_derivatives)
+    return evaluate_axis(given, state, workspace.derivatives)
 
 
 @kernel
@@ -369,11 +366,10 @@ def write_newton_step(
     """
     diagonal = np.full(6, shift)
     diagonal[3:] *= options.moment_arm * options.moment_arm
-    if not factor_tangent_stiffness(
-        given, state, workspace.energy_derivatives.ball_hessians, workspace.base, workspace.matrix, diagonal
-    ):
+    hessians, base, matrix = workspace.derivatives.ball_hessians, workspace.base, workspace.matrix
+    if not factor_tangent_stiffness(given, state, hessians, base, matrix, diagonal):
         return False
-    solve_for_motions_under_loads(given.shaft, workspace.matrix, -workspace.energy_derivatives.gradient, workspace.step)
+    solve_for_motions(given.shaft, workspace.matrix, -workspace.derivatives.gradient, workspace.step)
     return True
 
 
@@ -399,16 +395,14 @@ minimise: Callable[..., Outcome] = load_solver_copy(__name__, "descent").minimis
 
 
 @kernel
-def start_from_linear_springs(
-    given: AxisSystem, state: MotionState, options: NewtonOptions, workspace: MotionWorkspace
-) -> None:
+def start_from_springs(given: AxisSystem, state: MotionState, options: NewtonOptions, workspace: MotionWorkspace) -> None:
     """Set the state to a first guess: the equilibrium with linear springs in place of balls and rollers.
 
     Leaves the state unchanged if the stiffness matrix with these springs is not positive definite. The step is shortened
-    such that no flank moves further than ``options.max_flank_motion_per_step`` [m]. ``given``: arrays of shaft, bodies,
+    such that no flank moves further than ``options.max_flank_step`` [m]. ``given``: arrays of shaft, bodies,
     springs, balls and rollers; ``workspace``: work arrays, changed.
     """
-    gradient, hessians = workspace.energy_derivatives
+    gradient, hessians = workspace.derivatives
     hessians[:] = 0.0
     for i in range(hessians.shape[0]):
         for a in range(2):
@@ -453,5 +447,5 @@ def solve_axis(given: AxisSystem, state: MotionState, options: NewtonOptions, st
     add_structure_stiffness(base, given.shaft)
     workspace = MotionWorkspace(slopes, base, np.empty(size), np.empty((r, 6)), np.empty((r, 6)), np.empty(state.d.shape))
     if start:
-        start_from_linear_springs(given, state, options, workspace)
+        start_from_springs(given, state, options, workspace)
     return minimise(given, state, options, workspace)

@@ -119,9 +119,8 @@ def ball_contact_forces(
         contact[s, FORCE] = 0.0
         if geometry[s, USE] != 0.0:
             wx, wz, size, approach = geometry[s, WX], geometry[s, WZ], geometry[s, SIZE], geometry[s, APPROACH]
-            delta, contact[s, MX], contact[s, MZ], kt = approach_to_arc(
-                x - shift[s, 0], z - shift[s, 1], wx, wz, size, approach
-            )
+            mx, mz = x - shift[s, 0], z - shift[s, 1]
+            delta, contact[s, MX], contact[s, MZ], kt = approach_to_arc(mx, mz, wx, wz, size, approach)
             if delta > 0.0:
                 force, slope, work = hertz_law(delta, geometry[s, HERTZ])
                 contact[s, FORCE], contact[s, KN], contact[s, KT] = force, slope, force * kt
@@ -282,12 +281,10 @@ def interference_with_flank_pair(a: int, shift: Array, geometry: Array, closure:
 
 
 @kernel
-def solve_opposite_flank_pair(
-    a: int, total_interference: float, p: Array, shift: Array, geometry: Array, contact: Array
-) -> float:
+def solve_opposite_flank_pair(a: int, total: float, p: Array, shift: Array, geometry: Array, contact: Array) -> float:
     """Solve a ball that touches only two opposite circular flanks, with the numbers a and b = 3 - a, in closed form.
 
-    total_interference: interference of the ball between the two flanks [m]; shift (4, 2): motions of the flanks [m];
+    total: interference of the ball between the two flanks [m]; shift (4, 2): motions of the flanks [m];
     geometry (4, 9): contact data, see the module. The forces are equal and opposite, so the contacts share the interference
     in the ratio of their Hertz constants, and the ball's centre lies on the line through the groove centres. Writes the
     centre p (2,) [m] and the contacts (4, 5). Returns the energy [J], or -1 if a third flank would touch the ball.
@@ -299,10 +296,10 @@ def solve_opposite_flank_pair(
     dist0, dist = sqrt(dx * dx + dz * dz), sqrt((dx + vx) * (dx + vx) + (dz + vz) * (dz + vz))
     nx, nz = dx / dist0, dz / dist0
     change = (vx * (2.0 * dx + vx) + vz * (2.0 * dz + vz)) / (dist + dist0)
-    added, size = total_interference * geometry[b, HERTZ] / C_pair - geometry[b, APPROACH], geometry[b, SIZE]
+    added, size = total * geometry[b, HERTZ] / C_pair - geometry[b, APPROACH], geometry[b, SIZE]
     p[0] = shift[b, 0] + ((dx + vx) * added + (vx - nx * change) * size) / dist + (nx * size - geometry[b, WX])
     p[1] = shift[b, 1] + ((dz + vz) * added + (vz - nz * change) * size) / dist + (nz * size - geometry[b, WZ])
-    force, slope, energy = hertz_law(total_interference, C_pair)
+    force, slope, energy = hertz_law(total, C_pair)
     for s in range(4):
         contact[s, FORCE] = 0.0
         if s == a or b == s:
@@ -310,7 +307,7 @@ def solve_opposite_flank_pair(
             contact[s, FORCE] = force
             contact[s, MX], contact[s, MZ] = sign * (dx + vx), sign * (dz + vz)
             contact[s, KN] = slope * C_pair / C
-            contact[s, KT] = force / (geometry[s, SIZE] + total_interference * C / C_pair - geometry[s, APPROACH])
+            contact[s, KT] = force / (geometry[s, SIZE] + total * C / C_pair - geometry[s, APPROACH])
         elif geometry[s, USE] != 0.0:
             wx, wz, reach = geometry[s, WX], geometry[s, WZ], geometry[s, SIZE]
             delta, mx, mz, _ = approach_to_arc(p[0] - shift[s, 0], p[1] - shift[s, 1], wx, wz, reach, geometry[s, APPROACH])
@@ -360,10 +357,8 @@ def find_ball_equilibrium(
     """
     elastic = local.shape[0] > 0
     if profile.shape[1] == 0 and not elastic:
-        first, second = (
-            interference_with_flank_pair(0, shift, geometry, closure),
-            interference_with_flank_pair(1, shift, geometry, closure),
-        )
+        first = interference_with_flank_pair(0, shift, geometry, closure)
+        second = interference_with_flank_pair(1, shift, geometry, closure)
         energy = -1.0
         if first > 0.0 and second <= 0.0:  # the literal 0 lets the compiler compute the offsets of the pair's data
             energy = solve_opposite_flank_pair(0, first, p, shift, geometry, contact)
@@ -434,7 +429,7 @@ def contact_stiffness_entries(contact: Array, s: int) -> tuple[float, float, flo
 
 
 @kernel
-def write_stiffness_against_flank_motions(contact: Array, out: Array) -> None:
+def write_ball_stiffness(contact: Array, out: Array) -> None:
     """Write the stiffness matrix of a ball against motions of its groove flanks, while its centre moves to equilibrium.
 
     contact (4, 5): contacts of the ball; out: (4, 4) for the screw's flanks or (8, 8) for all flanks [N/m], in the order

@@ -34,18 +34,7 @@ from rollbench.lowfi.statics.kernel_types import (
     SpecimenSolutions,
 )
 
-from .ball import (
-    FORCE,
-    MX,
-    MZ,
-    SIZE,
-    USE,
-    WX,
-    WZ,
-    find_ball_equilibrium,
-    largest_net_ball_force,
-    write_stiffness_against_flank_motions,
-)
+from .ball import FORCE, MX, MZ, SIZE, USE, WX, WZ, find_ball_equilibrium, largest_net_ball_force, write_ball_stiffness
 from .matrices import factor_band, substitute_band
 
 
@@ -218,7 +207,7 @@ def evaluate_screw(given: BeamSystem, state: MotionState, out: EnergyDerivatives
         else:
             write_screw_flank_motions(contacts, flat, i, m, shift)
         energy += find_ball_equilibrium(p[i], shift, geometry[i], closure[i], rigid, r_ball[i], profile, tiny, contact[i])
-        write_stiffness_against_flank_motions(contact[i], hessians[i])
+        write_ball_stiffness(contact[i], hessians[i])
         for s in range(4):
             scale = max(scale, contact[i, s, FORCE])
         for s in range(2):
@@ -233,40 +222,36 @@ def evaluate_screw(given: BeamSystem, state: MotionState, out: EnergyDerivatives
 
 
 @kernel
-def add_contact_stiffness(
-    band: Array, b: Array, h: tuple[float, float, float], start: int, m: int, workspace: Array
-) -> None:
+def add_contact_stiffness(band: Array, b: Array, h: tuple[float, float, float], start: int, m: int, work: Array) -> None:
     """Add the stiffness b^T h b of one contact with the screw to ``band``, the lower band of the beam's stiffness matrix.
 
     b (2, m): motion of the groove flank per unit of m nodal motions, the first of which has the index ``start``; h:
-    stiffness (xx, xz, zz) of the contact [N/m]; workspace (2, m): work array.
+    stiffness (xx, xz, zz) of the contact [N/m]; work (2, m): work array.
     """
     for k in range(m):
-        workspace[0, k] = h[0] * b[0, k] + h[1] * b[1, k]
-        workspace[1, k] = h[1] * b[0, k] + h[2] * b[1, k]
+        work[0, k] = h[0] * b[0, k] + h[1] * b[1, k]
+        work[1, k] = h[1] * b[0, k] + h[2] * b[1, k]
     for k in range(m):
-        x, z = workspace[0, k], workspace[1, k]
+        x, z = work[0, k], work[1, k]
         for j in range(k, m):
             band[start + k, j - k] += x * b[0, j] + z * b[1, j]
 
 
 @kernel
-def add_stiffness_between_flanks(
-    band: Array, b: Array, c: Array, h: Array, rows: int, columns: int, workspace: Array
-) -> None:
+def add_stiffness_between_flanks(band: Array, b: Array, c: Array, h: Array, rows: int, columns: int, work: Array) -> None:
     """Add the stiffness b^T h c by which a ball couples the screw's two flanks to ``band``, the lower band of the matrix.
 
     b, c (2, m): motions of the two flanks per unit of m nodal motions each, the first of which have the indices ``rows``
-    and ``columns``; h (2, 2): coupling stiffness of the ball [N/m]; workspace (2, m): work array.
+    and ``columns``; h (2, 2): coupling stiffness of the ball [N/m]; work (2, m): work array.
     """
     m = b.shape[1]
     for a in range(2):
         for k in range(m):
-            workspace[a, k] = h[a, 0] * c[0, k] + h[a, 1] * c[1, k]
+            work[a, k] = h[a, 0] * c[0, k] + h[a, 1] * c[1, k]
     for j in range(m):
         x, z = b[0, j], b[1, j]
         for k in range(min(m, rows - columns + j + 1)):
-            band[columns + k, rows - columns + j - k] += x * workspace[0, k] + z * workspace[1, k]
+            band[columns + k, rows - columns + j - k] += x * work[0, k] + z * work[1, k]
 
 
 @kernel
@@ -282,7 +267,7 @@ def assemble_beam_and_ball_stiffness(
     fixed, node, B = beam.fixed, contacts.first_nodes, contacts.B
     band[:] = beam.band
     m = B.shape[3]
-    workspace = np.empty((2, m))
+    work = np.empty((2, m))
     for i in range(node.shape[0]):
         for s in range(2):
             o, t = 2 * s, 2 - 2 * s  # rows of this flank and of the other one in the ball's Hessian
@@ -290,12 +275,12 @@ def assemble_beam_and_ball_stiffness(
             if stiffness[0] == 0.0 and stiffness[2] == 0.0:
                 continue
             if m == 6:  # the literal 6 lets the compiler unroll the loops
-                add_contact_stiffness(band, B[i, s], stiffness, 6 * node[i, s], 6, workspace)
+                add_contact_stiffness(band, B[i, s], stiffness, 6 * node[i, s], 6, work)
             else:
-                add_contact_stiffness(band, B[i, s], stiffness, 6 * node[i, s], m, workspace)
+                add_contact_stiffness(band, B[i, s], stiffness, 6 * node[i, s], m, work)
             if hessians[i, o, t] != 0.0 or hessians[i, o + 1, t + 1] != 0.0:
                 between, rows, columns = hessians[i, o : o + 2, t : t + 2], 6 * node[i, s], 6 * node[i, 1 - s]
-                add_stiffness_between_flanks(band, B[i, s], B[i, 1 - s], between, rows, columns, workspace)
+                add_stiffness_between_flanks(band, B[i, s], B[i, 1 - s], between, rows, columns, work)
     for i in range(fixed.shape[0]):
         for k in range(6):
             band[6 * i + k, 0] += shift if k < 3 else shift * arm * arm
@@ -346,7 +331,7 @@ def energy_and_largest_force(given: BeamSystem, state: MotionState, workspace: M
 
     ``given``: arrays of the screw as a beam and of its balls; the derivatives are written to the ``workspace``.
     """
-    return evaluate_screw(given, state, workspace.energy_derivatives)
+    return evaluate_screw(given, state, workspace.derivatives)
 
 
 @kernel
@@ -362,9 +347,8 @@ def write_newton_step(
     beam, band = given.shaft, workspace.matrix
     if fresh:
         least = ROUND_OFF * max(0.0, beam.band[:, 0].max())
-        assemble_beam_and_ball_stiffness(
-            band, beam, given.contacts, workspace.energy_derivatives.ball_hessians, max(shift, least), options.moment_arm
-        )
+        hessians = workspace.derivatives.ball_hessians
+        assemble_beam_and_ball_stiffness(band, beam, given.contacts, hessians, max(shift, least), options.moment_arm)
         if not factor_band(band):
             return False
     solve_newton_step(given, workspace)
@@ -377,7 +361,7 @@ def solve_newton_step(given: BeamSystem, workspace: MotionWorkspace) -> None:
 
     ``given``: arrays of the screw as a beam and of its balls; the ``workspace`` holds gradient and factor.
     """
-    fixed, gradient, step = given.shaft.fixed, workspace.energy_derivatives.gradient, workspace.step
+    fixed, gradient, step = given.shaft.fixed, workspace.derivatives.gradient, workspace.step
     for i in range(step.shape[0]):
         for k in range(6):
             step[i, k] = 0.0 if fixed[i, k] else -gradient[i, k]
@@ -394,7 +378,7 @@ def relative_residual(
     0, the result is in newtons. ``given``: arrays of the screw as a beam and of its balls, or of a shaft with several
     nuts and bearings; the ``workspace`` holds the gradient of the energy, which is the unbalanced force.
     """
-    gradient, worst = workspace.energy_derivatives.gradient, 0.0
+    gradient, worst = workspace.derivatives.gradient, 0.0
     for i in range(gradient.shape[0]):
         for k in range(6):
             if not given.shaft.fixed[i, k]:
@@ -409,7 +393,7 @@ def energy_slope_along_step(given: Rows, state: MotionState, workspace: MotionWo
     The ``workspace`` holds the gradient of the energy and the step; ``given`` tells which motions are fixed; ``state`` is
     not used.
     """
-    gradient, step, total = workspace.energy_derivatives.gradient, workspace.step, 0.0
+    gradient, step, total = workspace.derivatives.gradient, workspace.step, 0.0
     for i in range(step.shape[0]):
         for k in range(6):
             if not given.shaft.fixed[i, k]:
@@ -498,18 +482,16 @@ minimise: Callable[..., Outcome] = load_solver_copy(__name__, "descent").minimis
 
 
 @kernel
-def start_from_linear_springs(
-    given: BeamSystem, state: MotionState, options: NewtonOptions, workspace: MotionWorkspace
-) -> None:
+def start_from_springs(given: BeamSystem, state: MotionState, options: NewtonOptions, workspace: MotionWorkspace) -> None:
     """Set the state to a first guess: the equilibrium of the screw on linear springs in the nominal contact directions.
 
     Leaves the state unchanged if the stiffness matrix with these springs cannot be factored. No flank moves further than
-    ``options.max_flank_motion_per_step``, the radius of the largest ball: springs of fixed direction are wrong where the
+    ``options.max_flank_step``, the radius of the largest ball: springs of fixed direction are wrong where the
     contact direction must turn first, for example at a contact angle near zero under an axial load. ``given``: arrays of
     the screw as a beam and of its balls; ``workspace``: work arrays, changed.
     """
-    geometry, hessians, stiffness = given.contacts.geometry, workspace.energy_derivatives.ball_hessians, options.stiffness
-    evaluate_beam(given.shaft, state.q, state.d, workspace.energy_derivatives.gradient)
+    geometry, hessians, stiffness = given.contacts.geometry, workspace.derivatives.ball_hessians, options.stiffness
+    evaluate_beam(given.shaft, state.q, state.d, workspace.derivatives.gradient)
     hessians[:] = 0.0
     for i in range(geometry.shape[0]):
         for s in range(2):
@@ -518,10 +500,9 @@ def start_from_linear_springs(
                 size = max(geometry[i, s, SIZE], 1e-30)
                 own[0, 0], own[1, 1] = stiffness * wx * wx / (size * size), stiffness * wz * wz / (size * size)
                 own[0, 1] = own[1, 0] = stiffness * wx * wz / (size * size)
-    assemble_beam_and_ball_stiffness(
-        workspace.matrix, given.shaft, given.contacts, hessians, 1e-9 * stiffness, options.moment_arm
-    )
-    if factor_band(workspace.matrix):
+    band, arm = workspace.matrix, options.moment_arm
+    assemble_beam_and_ball_stiffness(band, given.shaft, given.contacts, hessians, 1e-9 * stiffness, arm)
+    if factor_band(band):
         solve_newton_step(given, workspace)
         shorten_first_step(given, state, options, workspace, largest_flank_motion_in_step(given, workspace))
 
@@ -532,17 +513,13 @@ def shorten_first_step(
 ) -> None:
     """Take the first Newton step from the state, shortened such that no flank moves further than a limit [m].
 
-    reach [m]: largest displacement of a flank in the full step; the limit is ``options.max_flank_motion_per_step``.
+    reach [m]: largest displacement of a flank in the full step; the limit is ``options.max_flank_step``.
     ``given``: arrays of the screw and its balls, or of a shaft with several nuts and bearings. The ``workspace`` holds
     the step; ``state`` is changed.
     """
     save_line_search_start(state, workspace)
-    move_along_step(
-        given,
-        state,
-        workspace,
-        1.0 if reach <= options.max_flank_motion_per_step else options.max_flank_motion_per_step / reach,
-    )
+    limit = options.max_flank_step
+    move_along_step(given, state, workspace, 1.0 if reach <= limit else limit / reach)
 
 
 @kernel
@@ -563,7 +540,7 @@ def solve_beam(given: BeamSystem, state: MotionState, options: NewtonOptions, st
     """
     workspace = allocate_workspace(given, state)
     if start:
-        start_from_linear_springs(given, state, options, workspace)
+        start_from_springs(given, state, options, workspace)
     return minimise(given, state, options, workspace)
 
 
@@ -581,15 +558,8 @@ def solve_specimens(
     state = MotionState(begin.q.copy(), begin.d.copy(), begin.p.copy(), begin.contact.copy(), begin.slices)
     workspace, shared = allocate_workspace(given, state), members.B.shape[0] == 1
     for m in range(members.r_ball.shape[0]):
-        of_member = BeamContacts(
-            contacts.first_nodes,
-            members.B[0 if shared else m],
-            members.geometry[m],
-            members.interference[m],
-            members.r_ball[m],
-            contacts.profile,
-            contacts.unloaded_force_limit,
-        )
+        flanks = members.B[0 if shared else m], members.geometry[m], members.interference[m], members.r_ball[m]
+        of_member = BeamContacts(contacts.first_nodes, *flanks, contacts.profile, contacts.unloaded_force_limit)
         for to, start in ((state.q, begin.q), (state.d, begin.d), (state.p, begin.p)):
             to[:] = start
         outcome = minimise(BeamSystem(given.shaft, of_member), state, options, workspace)

@@ -123,7 +123,7 @@ def minimise(given: Any, state: Any, options: NewtonOptions, workspace: Any) -> 
             status = SINGULAR
             break
         slope, reach = energy_slope_along_step(given, state, workspace), largest_flank_motion_in_step(given, workspace)
-        limit = options.max_flank_motion_per_step / reach if reach > 0.0 else 1e12
+        limit = options.max_flank_step / reach if reach > 0.0 else 1e12
         whole, used, before, last = residual < WHOLE_STEPS and limit >= 1.0, 0, energy, residual
         save_line_search_start(state, workspace)
         if whole:

@@ -38,7 +38,7 @@ from rollbench.lowfi.statics.kernel_types import (
 
 from .ball import BODY, FORCE, KN, KT, MX, MZ, find_ball_equilibrium, largest_net_ball_force
 from .contact import contact_law
-from .rollers import compute_roller_forces_from_ring_motions, write_stiffness_factors_of_roller
+from .rollers import compute_roller_forces, write_stiffness_factors_of_roller
 
 
 @kernel
@@ -254,15 +254,14 @@ def solve_balls_of_four_flanks(
     balls = r_ball.shape[0]
     for i in range(balls):
         shift = v[i].reshape(4, 2)
-        energy += find_ball_equilibrium(
-            inner[i], shift, geometry[i], closure[i], local[i], r_ball[i], profile[i], tiny, contact[i]
-        )
+        ball = geometry[i], closure[i], local[i], r_ball[i], profile[i]
+        energy += find_ball_equilibrium(inner[i], shift, *ball, tiny, contact[i])
         for s in range(4):
             force = contact[i, s, FORCE]
             scale = max(scale, force)
             f[i, 2 * s] = force * contact[i, s, MX] if force > 0.0 else 0.0
             f[i, 2 * s + 1] = force * contact[i, s, MZ] if force > 0.0 else 0.0
-    stored, largest = compute_roller_forces_from_ring_motions(v[balls:], contacts.rollers, contact[balls:], f[balls:], tiny)
+    stored, largest = compute_roller_forces(v[balls:], contacts.rollers, contact[balls:], f[balls:], tiny)
     return energy + stored, max(scale, largest)
 
 
@@ -488,12 +487,8 @@ def energy_slope_along_step(given: BodySystem, state: ForceState, workspace: Bod
     The ``workspace`` also holds the present flank motions and ball forces; ``state`` is not used.
     ``given``: arrays of bodies, balls and rollers.
     """
-    step = workspace.step
-    return float(
-        np.sum(step.dphi * workspace.g)
-        - np.sum(workspace.f * step.dv)
-        - np.sum(given.bodies.work_on_free_motions * step.da)
-    )
+    step, work = workspace.step, given.bodies.work_on_free_motions
+    return float(np.sum(step.dphi * workspace.g) - np.sum(workspace.f * step.dv) - np.sum(work * step.da))
 
 
 @kernel
@@ -511,12 +506,8 @@ def save_line_search_start(state: ForceState, workspace: BodyWorkspace) -> None:
 
     ``state``: contact forces and free motions of the bodies.
     """
-    workspace.search_start.phi[:], workspace.search_start.a[:], workspace.search_start.g[:], workspace.search_start.v[:] = (
-        state.phi,
-        state.a,
-        workspace.g,
-        workspace.v,
-    )
+    start = workspace.search_start
+    start.phi[:], start.a[:], start.g[:], start.v[:] = state.phi, state.a, workspace.g, workspace.v
 
 
 @kernel
@@ -586,19 +577,17 @@ def solve_forces(given: BodySystem, state: ForceState, options: NewtonOptions, s
     begin = LineSearchStart(np.empty(shape), np.empty(state.a.shape[0]), np.empty(shape), np.empty(shape))
     workspace = BodyWorkspace(np.empty(shape), np.empty(shape), np.empty(shape), step, begin, rows)
     if start:
-        start_from_linear_springs(given, state, options, workspace)
+        start_from_springs(given, state, options, workspace)
     write_flank_motions(given.bodies, state, workspace.g, workspace.v)
     return minimise(given, state, options, workspace)
 
 
 @kernel
-def start_from_linear_springs(
-    given: BodySystem, state: ForceState, options: NewtonOptions, workspace: BodyWorkspace
-) -> None:
+def start_from_springs(given: BodySystem, state: ForceState, options: NewtonOptions, workspace: BodyWorkspace) -> None:
     """Set the state to a first guess: the equilibrium with a linear spring between opposite flanks in place of each ball.
 
     Leaves the state unchanged if the equations cannot be solved. The solution is scaled down such that no flank moves
-    further from the opposite one than ``options.max_flank_motion_per_step`` [m]. It is not scaled if the loads without
+    further from the opposite one than ``options.max_flank_step`` [m]. It is not scaled if the loads without
     contact forces already move flanks further than that, as they do for a shaft that only the contacts support. ``given``:
     arrays of bodies, balls and rollers, with the springs; ``workspace``: work arrays, changed.
     """
@@ -612,12 +601,8 @@ def start_from_linear_springs(
     state.phi[:, :] = 0.0
     subtract_flank_forces(rows, u, state.phi)
     write_flank_motions(bodies, state, workspace.g, v)
-    if (
-        largest_relative_flank_motion(v) > options.max_flank_motion_per_step
-        and largest_relative_flank_motion(bodies.v0) <= options.max_flank_motion_per_step
-    ):
-        shorter = options.max_flank_motion_per_step / max(
-            largest_relative_flank_motion(v - bodies.v0), options.max_flank_motion_per_step
-        )
+    limit = options.max_flank_step
+    if largest_relative_flank_motion(v) > limit and largest_relative_flank_motion(bodies.v0) <= limit:
+        shorter = limit / max(largest_relative_flank_motion(v - bodies.v0), limit)
         state.phi[:] *= shorter
         state.a[:] *= shorter

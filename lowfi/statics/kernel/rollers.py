@@ -2,7 +2,7 @@
 
 The rings are rigid. The approach of each slice follows either from the six motions of the bodies that carry the rings
 (`add_roller_forces`) or, on an elastic shaft, from two motions of each ring at the roller
-(`compute_roller_forces_from_ring_motions`): displacement along the contact normal at the roller's middle, and the slope
+(`compute_roller_forces`): displacement along the contact normal at the roller's middle, and the slope
 along the roller times the roller's length, both in metres. These motions are stored in the arrays of a ball, with the cone
 (inner ring) in place of its flank SL and the cup (outer ring) in place of its flank NL.
 """
@@ -86,9 +86,7 @@ def add_roller_forces(rollers: AxisRollers, q: Array, slices: Array, gradient: A
 
 
 @kernel
-def compute_roller_forces_from_ring_motions(
-    v: Array, rollers: RollerContacts, contact: Array, f: Array, tiny: float
-) -> tuple[float, float]:
+def compute_roller_forces(v: Array, rollers: RollerContacts, contact: Array, f: Array, tiny: float) -> tuple[float, float]:
     """Compute the forces of rollers between rings on an elastic shaft; return energy [J] and the largest roller force [N].
 
     v (M, 8): motions of cone (inner ring) and cup (outer ring) at each of M rollers [m], see the module. Writes the forces
@@ -133,7 +131,7 @@ def compute_roller_forces_from_ring_motions(
 def write_stiffness_factors_of_roller(contact: Array, rows: Array) -> int:
     """Write factors S of a roller's stiffness S^T S against the eight motions of its rings; return the number of rows of S.
 
-    contact (4, 5): stiffness of the roller, from `compute_roller_forces_from_ring_motions`. Writes S to ``rows`` (6, 8), of
+    contact (4, 5): stiffness of the roller, from `compute_roller_forces`. Writes S to ``rows`` (6, 8), of
     which at most two rows are used; the number is 0 for a roller without force.
     """
     if contact[CONE, FORCE] <= 0.0:

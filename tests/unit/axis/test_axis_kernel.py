@@ -76,7 +76,7 @@ def test_gradient_is_the_slope_of_the_energy_and_the_matrix_that_of_the_gradient
     values = np.zeros(arrays.row_offsets[-1])
     axis.add_structure_stiffness(values, arrays)
     axis.add_balls(values, arrays, s.ball_arrays, out.ball_hessians)
-    axis.add_roller_stiffness(values, arrays, s.roller_slice_arrays, ready.state.slices)
+    axis.add_roller_stiffness(values, arrays, s.slice_arrays, ready.state.slices)
     lines = full(values, arrays)
     place = (6 * arrays.body_order[:, None] + np.arange(6)).ravel()
     placed = np.zeros(len(lines))

@@ -143,7 +143,7 @@ def test_contacts_of_one_set_squeeze_those_of_another_through_a_held_bar():
     one, other = nut("one", 0.1, count=6, turns=2.0), nut("other", 0.22, count=4, turns=1.0)  # evenly around
     parts = assembly(one, other, supports=ends)
     system = build_assembly_arrays(parts, section=elastic.grooved_shaft_section(parts, LADDER["refined"]))
-    coupling = elastic.elastic_assembly_equations(system, LADDER["refined"], kernel).section_force_coupling
+    coupling = elastic.elastic_equations(system, kernel, LADDER["refined"]).coupling
     added = coupling.added_compliance.reshape(2, 10, 2, 2, 10, 2)
     tube = smooth_body(reduce_to_compliance_geometry(one.parts), True, LADDER["refined"])
     plain = tube_section(2.0 * tube.outer_radius, 2.0 * tube.bore_radius, tube.material)

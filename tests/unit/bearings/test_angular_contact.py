@@ -107,7 +107,7 @@ def test_energy_of_the_deflection_is_that_of_the_contacts():
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"balls": 0}, "must be > 0"),
+        ({"balls": 0}, "above 0"),
         ({"poisson": 0.5}, "Poisson"),
         ({"inner_groove": 4e-3}, "groove radii"),
         ({"outer_raceway": 63e-3}, "clearance"),

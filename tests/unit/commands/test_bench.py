@@ -11,10 +11,10 @@ from rollbench.compare.studies import run_times
 from rollbench.compare.studies.run_times import load_run_times
 
 
-def test_a_process_is_launched_as_a_users_without_threads_set(monkeypatch):
+def test_a_process_is_launched_as_a_users_without_threads_set(monkeypatch, tmp_path):
     monkeypatch.setenv("OMP_NUM_THREADS", "1")
     code = "import os; print(os.environ.get('OMP_NUM_THREADS'), os.environ['OWN'])"
-    done = run_times.run_timed_python_process(["-c", code], {"OWN": "x"})
+    done = run_times.run_timed_python_process(["-c", code], {"OWN": "x"}, str(tmp_path))
     assert done.seconds >= done.first_line_seconds > 0.0
     assert done.printed_output == "None x\n"
 
@@ -49,8 +49,9 @@ def test_times_of_typed_commands_are_kept_for_the_report(monkeypatch, tmp_path, 
     assert load_run_times([tmp_path]) is None
 
 
-def test_threads_are_compared_with_one():
-    one, two = run_times.time_ensemble_with_threads(20, 1)
+def test_threads_are_compared_with_one(monkeypatch):
+    monkeypatch.setattr(run_times, "MEMBERS", 20)
+    one, two = run_times.time_ensemble_with_threads()
     assert one.ratio == 1.0
     assert two.ratio == pytest.approx(one.seconds / two.seconds)
 

@@ -125,7 +125,7 @@ def test_no_line_is_wider_than_the_terminal(tokens, monkeypatch, tmp_path, comma
 
 def test_a_mesh_study_uses_shipped_runs_and_closes_with_a_sentence(command, tmp_path: Path) -> None:
     out = command.said("mesh-study", "unseen-four-point", "--levels", "4", "--store", tmp_path)
-    assert re.search(r"\nEnough: level 1 for [0-9.]+ % of the mean contact load, by experience with other scenes", out)
+    assert re.search(r" [0-9.]+ % of the mean load with level 1, estimated from other scenes", out)
     assert "load of ball" not in out
     assert "load of ball 12, NR" in (tmp_path / "unseen-four-point-mesh-study.csv").read_text(encoding="utf-8")
 

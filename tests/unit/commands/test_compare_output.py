@@ -9,7 +9,7 @@ import pytest
 
 from rollbench.compare.commands import compare as output
 from rollbench.compare.errors import InputError
-from rollbench.compare.models.comparison import ContactSolution, comparison_options, models_by_name
+from rollbench.compare.models.comparison import ContactSolution, comparison_options
 from rollbench.compare.models.model_form import estimate_model_error, model_errors_on_compared_scenes
 from rollbench.compare.models.registry import MODELS, run_model
 from rollbench.compare.models.uncertainty import LargestChoiceEffects, LoadUncertainty
@@ -61,7 +61,7 @@ def test_every_contact_is_written_beside_its_reference(case, tmp_path) -> None:
 def test_compare_measures_what_solve_expects_by_every_kind_of_model(tmp_path) -> None:
     scene, stores = catalogue.scene("unseen-short-nut"), (tmp_path, store.shipped_store())
     found = reference_of_scene(scene, stores)
-    models = models_by_name(("refined", "condensed"))
+    models = [MODELS["refined"], MODELS["condensed"]]
     whole = found_by.compare_models_with_reference(scene, models, found, stores)
     refined, condensed = whole.models[:2]
     result = run_model(scene, "refined")

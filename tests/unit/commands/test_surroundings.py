@@ -68,11 +68,12 @@ try:
     offscreen.draw_in_child_process("rollbench.reports.nowhere", None, "x.png")
 except RuntimeError as error:
     print(error)
-print(run_timed_python_process(["-c", "import numpy; print(numpy.__file__)"]).output)
+print(run_timed_python_process(["-c", "import numpy; print(numpy.__file__)"], {}, ".").printed_output)
 """
     done = python("-P", "-c", code, cwd=tmp_path, environ={"PYTHONPATH": str(ROOT / "src")})
     assert "working folder ran" not in done.stdout + done.stderr
     assert "rollbench.reports.nowhere" in done.stdout
+    assert "numpy/__init__.py" in done.stdout
     assert str(tmp_path) not in done.stdout
 
 

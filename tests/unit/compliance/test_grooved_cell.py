@@ -21,7 +21,7 @@ KINDS = {"axial": "EA", "torsion": "GJ", "bending": "EI"}
 
 
 def constants(grid):
-    body = BodyOfRevolution(grid, STEEL.youngs_modulus, STEEL.poissons_ratio)
+    body = BodyOfRevolution(grid, STEEL)
     return np.array([tube.half_lead_stiffness(body, kind) * float(grid.z[-1, 0]) for kind in KINDS])
 
 

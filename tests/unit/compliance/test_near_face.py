@@ -48,7 +48,7 @@ def test_a_cut_is_a_body_of_its_own(name, held):
     fixed = np.zeros((*short.shape, 3), dtype=bool)
     fixed[[0, -1] if held else 0] = True
     forces = loads[:, :, k, : cuts[k] + 1].reshape(2 * len(loads), -1)[:, ~fixed.ravel()].T
-    body = BodyOfRevolution(short, flank.material.youngs_modulus, flank.material.poissons_ratio)
+    body = BodyOfRevolution(short, flank.material)
     motions = solve_harmonic_displacements(body.stiffness_bands(~fixed.ravel()), n, forces)
     alone = (forces[:, :4].T @ motions).reshape(2, 2, -1, 2)
     share = np.exp(-((n * width / flank.contact_position()[0]) ** 2))

@@ -105,7 +105,7 @@ def pressed_sphere(count, size):
     rho = fourier.node_positions_with_mid_nodes(RADIUS * (1.0 - 0.97 * np.linspace(1.0, 0.0, count + 1) ** 2.5))
     r, z = rho * np.sin(t)[::-1, None], rho * np.cos(t)[::-1, None]
     r[0] = r[-1] = 0.0
-    body = fourier.BodyOfRevolution(fourier.QuadrilateralGrid(r, z), STEEL.youngs_modulus, STEEL.poissons_ratio)
+    body = fourier.BodyOfRevolution(fourier.QuadrilateralGrid(r, z), STEEL)
     node, weight = np.polynomial.legendre.leggauss(40)
     N = fourier.quadratic_shape_functions(node)[0]
     area, loaded, wave, first = np.zeros_like(t), np.zeros_like(t), np.zeros_like(t), 0.0

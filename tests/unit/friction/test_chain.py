@@ -11,7 +11,7 @@ from rollbench.lowfi.friction.contact.laws import contacts_from_values, friction
 from rollbench.lowfi.friction.linear import bearing as linear_bearing
 from rollbench.lowfi.friction.linear import chain
 
-BEARING = source_cases.linear_ball_pair_scene().bearing
+BEARING = source_cases.linear_pair_scene().bearing
 ANGLES, LOADS = chain.pair_angles_and_loads(BEARING, np.radians(2.0), -0.6, 100.0)
 
 

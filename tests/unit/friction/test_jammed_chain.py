@@ -22,7 +22,7 @@ LIMIT = 0.035
 
 def two_balls(mu_balls):
     """Bearing, contact angles [rad] and loads [N] of both balls."""
-    bearing = replace(source_cases.linear_ball_pair_scene().bearing, mu_balls=mu_balls)
+    bearing = replace(source_cases.linear_pair_scene().bearing, mu_balls=mu_balls)
     angles = bearing.contact_angle + np.radians(DEVIATIONS)
     loads, turned = loads_of_elastic_contacts(bearing, angles, 100.0, np.array(SIDE))
     return bearing, turned, loads

@@ -55,7 +55,7 @@ def test_jumps_are_bounded_by_the_estimate(at, most):
     levels = [jump(n, at) for n in (most // 4, most // 2, most)]
     exact = jump(2**14, at).reshape(most, -1).mean(axis=1)
     error = float(np.mean(np.abs(levels[-1] - exact)) / levels[-1].mean())
-    assert 0.5 * error <= error_of(levels).torque_error <= UNCLEAR * 4.0 / most
+    assert 0.5 * error <= error_of(levels).errors_by_quantity["torque"].error <= UNCLEAR * 4.0 / most
 
 
 @pytest.mark.parametrize("steps", [40, 42, 7, 4])

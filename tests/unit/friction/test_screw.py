@@ -19,7 +19,7 @@ from rollbench.lowfi.friction.screw import motion
 from rollbench.lowfi.friction.screw.chain import ScrewBallChain, solve_motion_of_chain
 from rollbench.lowfi.friction.screw.groove import ON_SCREW, ScrewGroove, section_axes
 
-SCREW = source_cases.groove_of_table_3_6()
+SCREW = source_cases.screw_groove()
 TWO = np.radians(2.0)
 FLIP = [1, 0, 3, 2]  # SL <-> SR, NL <-> NR
 
@@ -103,7 +103,7 @@ def test_contact_spacing_of_3_72_is_exact_for_zero_lead_only() -> None:
 
 def test_loads_are_the_least_energy(rng: np.random.Generator) -> None:
     """Against a search that knows the energy only, and its gradient against differences."""
-    pair = replace(source_cases.screw_pair_with_inferred_oversize(TWO), free="rz", force=(3.0, 50.0))
+    pair = replace(source_cases.oversized_pair(TWO), free="rz", force=(3.0, 50.0))
     cell = replace(pair.balls_with_loads(), ball_friction_forces=np.array([[1.0, -2.0], [0.5, 3.0]]))
     scale, arrays = 1e-6, motion.kernel_arrays_for_contact_loads(cell)
     state, kernels = zero_contact_state_arrays(arrays), jit.load_kernel_package(jit.CONTACT, compiled=True)
@@ -133,7 +133,7 @@ def test_loads_are_the_least_energy(rng: np.random.Generator) -> None:
 @pytest.mark.parametrize("oversize", [-1e-5, 0.0, 1.7e-6])
 @pytest.mark.parametrize("force", [1e-3, 1.0, 1e3])
 def test_loads_from_random_starts(oversize: float, force: float, rng: np.random.Generator) -> None:
-    cell = replace(source_cases.screw_pair_as_printed(TWO), oversize=oversize, force=(force,)).balls_with_loads()
+    cell = replace(source_cases.pair_as_printed(TWO), oversize=oversize, force=(force,)).balls_with_loads()
     reference = motion.solve_screw_contact_loads(cell)
     assert reference.converged
     for _ in range(5):

@@ -35,7 +35,7 @@ def out_of_balance(pair: Pair, state: chain.CoupledChainSolution) -> float:
 @pytest.mark.parametrize("case", WEDGED)
 def test_wedged_pairs_and_balls_converge_and_are_in_equilibrium(case) -> None:
     force, clearance, theta, mu = case
-    groove, deviations = source_cases.groove_of_table_3_6(mu=mu), tuple(np.radians(theta))
+    groove, deviations = source_cases.screw_groove(mu=mu), tuple(np.radians(theta))
     pair = Pair(groove, deviations, oversize=-clearance, force=(force,), coupling="ball")
     r = solve_pair_of_screw_balls(pair)
     assert r.converged
@@ -49,7 +49,7 @@ def test_wedged_pairs_and_balls_converge_and_are_in_equilibrium(case) -> None:
 
 
 @pytest.mark.parametrize("coupling", ["ball", "ball and screw"])
-@pytest.mark.parametrize("make", [source_cases.screw_pair_as_printed, source_cases.screw_pair_with_inferred_oversize])
+@pytest.mark.parametrize("make", [source_cases.pair_as_printed, source_cases.oversized_pair])
 def test_one_system_gives_what_rounds_give(make, coupling: str) -> None:
     """Two ways that share the laws only: rounds and Newton's method on everything at once."""
     pair = replace(make(np.radians(2.0)), coupling=coupling)
@@ -76,7 +76,7 @@ def test_random_pairs_converge(coupling: str, count: int) -> None:
     for _ in range(count):
         force, clearance = 10.0 ** rng.uniform(-3.0, 5.0), 10.0 ** rng.uniform(-7.0, -5.0) * rng.choice([1.0, 1.0, -0.3])
         theta, mu = tuple(np.radians(rng.uniform(-5.0, 5.0, 2))), np.exp(rng.uniform(np.log(1e-3), np.log(0.5)))
-        groove = source_cases.groove_of_table_3_6(mu=mu)
+        groove = source_cases.screw_groove(mu=mu)
         pair = Pair(groove, theta, oversize=-clearance, force=(force,), coupling=coupling)  # type: ignore[arg-type]
         r = solve_pair_of_screw_balls(pair)
         assert r.converged
@@ -93,7 +93,7 @@ def test_a_floating_ball_may_wedge_itself() -> None:
     With 1 um of clearance under 0.01 N the second ball has play; pushed aside once, it stays wedged, at 18 times the
     load of the first. Both states are in balance.
     """
-    pair = replace(source_cases.screw_pair_as_printed(np.radians(2.0)), oversize=-1e-6, force=(0.01,))
+    pair = replace(source_cases.pair_as_printed(np.radians(2.0)), oversize=-1e-6, force=(0.01,))
     floats = solve_pair_of_screw_balls(pair).apart
     load = floats.loads_with_friction.force.sum(axis=1)
     assert load[1] < 1e-9 * load[0]
@@ -110,7 +110,7 @@ def test_a_floating_ball_may_wedge_itself() -> None:
 
 
 def test_a_contact_past_the_apex_keeps_its_sign():
-    groove = replace(source_cases.groove_of_table_3_6(), contact_angle=0.02)
+    groove = replace(source_cases.screw_groove(), contact_angle=0.02)
     cell = ball_cell(groove, np.zeros(4), 2e-6, "z", np.array([200.0]))
     found = motion.solve_screw_contact_loads(cell)
     normal = groove.normals(found.angle)

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.compare.cases.lin.evidence.source_cases import screw_pair_as_printed, screw_pair_with_inferred_oversize
+from rollbench.compare.cases.lin.evidence.source_cases import oversized_pair, pair_as_printed
 from rollbench.lowfi.friction.screw.chain import ScrewBallChain, solve_loads_and_motion, solve_motion_of_chain
 from rollbench.lowfi.friction.screw.motion import balls_with_fixed_screw, solve_screw_contact_loads
 
@@ -16,7 +16,7 @@ SLACK = np.array([0.0, np.inf])
 @pytest.mark.parametrize("free", ["", "z", "rz"])
 @pytest.mark.parametrize("oversize", [-3e-6, 0.0, 1.7e-6])
 def test_both_engines_settle_alike(free: str, oversize: float) -> None:
-    pair = replace(screw_pair_with_inferred_oversize(TWO), oversize=oversize, free=free, force=(3.0, 50.0)[2 - len(free) :])
+    pair = replace(oversized_pair(TWO), oversize=oversize, free=free, force=(3.0, 50.0)[2 - len(free) :])
     push = np.zeros((2, 2)) if oversize < 0.0 else np.array([[1.0, -2.0], [0.5, 3.0]])
     cell = replace(pair.balls_with_loads(), ball_friction_forces=push)
     fast, slow = solve_screw_contact_loads(cell), solve_screw_contact_loads(cell, fast=False)
@@ -26,7 +26,7 @@ def test_both_engines_settle_alike(free: str, oversize: float) -> None:
     assert fast.angle == pytest.approx(slow.angle, rel=1e-13)
 
 
-@pytest.mark.parametrize("make", [screw_pair_as_printed, screw_pair_with_inferred_oversize])
+@pytest.mark.parametrize("make", [pair_as_printed, oversized_pair])
 def test_both_engines_move_balls_and_solve_the_joint_system_alike(make) -> None:
     """Motion, ball-to-ball force and losses, from the same loads; then loads and motion at once."""
     cell = make(TWO).balls_with_loads()

@@ -13,9 +13,9 @@ from rollbench.lowfi.friction.screw import run
 from rollbench.lowfi.friction.screw.chain import BalanceSearch, ScrewBallChain, solve_motion_of_chain
 from rollbench.lowfi.friction.screw.motion import contact_ellipses_of_screw, solve_ball_motion
 
-SCREW = source_cases.groove_of_table_3_6()
+SCREW = source_cases.screw_groove()
 TWO = np.radians(2.0)
-PAIR = source_cases.screw_pair_with_inferred_oversize(TWO)
+PAIR = source_cases.oversized_pair(TWO)
 BACK = replace(SCREW, nut_speed=-SCREW.nut_speed)
 FLIP = [1, 0, 3, 2]  # SL <-> SR, NL <-> NR
 
@@ -25,7 +25,7 @@ def open_chain(screw, force, angle) -> ScrewBallChain:
     return ScrewBallChain(screw, force, screw.normals(angle), np.append(np.zeros(len(force) - 1), np.inf))
 
 
-@pytest.mark.parametrize("make", [source_cases.screw_pair_as_printed, source_cases.screw_pair_with_inferred_oversize])
+@pytest.mark.parametrize("make", [source_cases.pair_as_printed, source_cases.oversized_pair])
 @pytest.mark.parametrize("coupling", ["none", "ball", "ball and screw"])
 def test_pair_in_equilibrium(make, coupling: str) -> None:
     """All balls with ball-to-ball force and friction; energy; complementarity."""
@@ -68,7 +68,7 @@ def test_reversed_motion_parts_the_pair() -> None:
     assert r.force == 0.0
     assert r.touching.motion.q[1, 0] > r.touching.motion.q[0, 0]
     assert r.touching.motion.loss == pytest.approx(r.apart.motion.loss, rel=1e-9)
-    same = run.solve_pair_of_screw_balls(replace(source_cases.screw_pair_with_inferred_oversize(0.0), coupling="none"))
+    same = run.solve_pair_of_screw_balls(replace(source_cases.oversized_pair(0.0), coupling="none"))
     assert same.force == pytest.approx(0.0, abs=1e-6)
 
 

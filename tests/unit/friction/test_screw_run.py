@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from rollbench.compare.cases.lin.evidence.source_cases import simulation_inputs_of_section_3_4_4
+from rollbench.compare.cases.lin.evidence.source_cases import simulation_inputs
 from rollbench.lowfi.friction.screw import run as screw_run
 from rollbench.lowfi.friction.screw.motion import solve_ball_motion
 from rollbench.lowfi.friction.screw.travel import TravelHistory
@@ -17,7 +17,7 @@ pytestmark = pytest.mark.xdist_group("whole run of the source")
 
 @cache
 def result(**changes) -> TravelHistory:
-    return screw_run.simulate_equal_steps(simulation_inputs_of_section_3_4_4(**changes))
+    return screw_run.simulate_equal_steps(simulation_inputs(**changes))
 
 
 CASES = {
@@ -81,7 +81,7 @@ def test_finer_steps_converge() -> None:
 
 
 def test_recirculation_folds_balls_into_the_nut() -> None:
-    run = simulation_inputs_of_section_3_4_4(tube=0.4)
+    run = simulation_inputs(tube=0.4)
     azimuth = np.array([-7.0, -6.0, 0.0, 6.0, 6.4, 6.9])
     there, loaded = run.fold_into_track(azimuth, 0.0)
     assert there == pytest.approx([-7.0 + run.ring, -6.0, 0.0, 6.0, 6.4, -6.9 + 2.0 * 6.9 - run.ring], abs=1e-12)
@@ -114,7 +114,7 @@ def test_reversed_motion_and_mirrored_pattern() -> None:
 @pytest.mark.parametrize(("change", "match"), [({"count": 38}, "38 balls"), ({"steps": 0}, "steps")])
 def test_bad_input(change: dict[str, int], match: str) -> None:
     with pytest.raises(ValueError, match=match):
-        simulation_inputs_of_section_3_4_4(**change)
+        simulation_inputs(**change)
 
 
 def test_summary() -> None:

@@ -11,7 +11,7 @@ from rollbench.lowfi.friction.as_source import chain
 from rollbench.lowfi.friction.linear import chain as linear_chain
 from rollbench.lowfi.friction.linear.bearing import contact_angle_deviations, loads_in_equilibrium
 
-BEARING = replace(source_cases.linear_ball_pair_scene().bearing, mu_balls=0.08)
+BEARING = replace(source_cases.linear_pair_scene().bearing, mu_balls=0.08)
 CASE = (np.radians(2.0), -0.6, 100.0)
 
 
@@ -24,7 +24,7 @@ def ours():
 def by_root(sharpness):
     """The case by the source's method, with Coulomb's law or a sigmoid."""
     law = chain.linear_bearing_friction_law(BEARING, sharpness)
-    return chain.solve_linear_pair_by_root(BEARING, *CASE, law=law)
+    return chain.solve_linear_bearing_by_root(BEARING, *linear_chain.pair_angles_and_loads(BEARING, *CASE), law=law)
 
 
 def both(angles, loads):

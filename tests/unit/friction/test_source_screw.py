@@ -11,12 +11,12 @@ from rollbench.lowfi.friction.screw.motion import lin_sigmoid_law, solve_screw_c
 from rollbench.lowfi.friction.screw.run import Run, simulate_equal_steps, solve_pair_of_screw_balls
 
 TWO = np.radians(2.0)
-PAIR, PRINTED = source_cases.screw_pair_with_inferred_oversize(TWO), source_cases.screw_pair_as_printed(TWO)
+PAIR, PRINTED = source_cases.oversized_pair(TWO), source_cases.pair_as_printed(TWO)
 
 
 def few_balls(count=6, steps=40) -> Run:
     """A screw with few balls that fill its turns as 3.4.4 does."""
-    base = source_cases.simulation_inputs_of_section_3_4_4()
+    base = source_cases.simulation_inputs()
     turns = count * base.groove.pair.spacing / (2.0 * np.pi * 0.978)
     return replace(base, count=count, turns=turns, force=(1500.0 * count / 37,), steps=steps, duration=0.01 * steps)
 
@@ -40,7 +40,7 @@ def test_loads_that_are_not_found_are_not_converged():
 
 @pytest.mark.parametrize("theta", [1.0, 3.0])
 def test_pair_at_given_loads_is_ours(theta):
-    pair = source_cases.screw_pair_with_inferred_oversize(np.radians(theta))
+    pair = source_cases.oversized_pair(np.radians(theta))
     ours, found = solve_pair_of_screw_balls(pair), screw.solve_screw_pair_by_root(pair)
     assert found.motion.status == "exact"
     assert found.motion.ball_force[0] == pytest.approx(ours.force, rel=1e-8)
@@ -61,7 +61,7 @@ def test_pair_goes_to_ours_as_the_sigmoid_sharpens():
 @pytest.mark.parametrize("theta", [1.0, 2.0, 3.0])
 def test_coupled_pair_has_ours_as_a_root(theta):
     """Ten equations a ball and one of contact hold where loads and friction agree by our own way (3.71, 3.75-3.77)."""
-    pair = source_cases.screw_pair_as_printed(np.radians(theta))
+    pair = source_cases.pair_as_printed(np.radians(theta))
     ours = solve_pair_of_screw_balls(pair)
     starts = (screw.lin_start_from_rollbench_solution(ours, touching) for touching in (False, True))
     found = screw.solve_screw_pair_by_root(pair, None, *starts)
@@ -70,7 +70,8 @@ def test_coupled_pair_has_ours_as_a_root(theta):
     np.testing.assert_allclose(found.force, ours.touching.loads_with_friction.force, atol=1e-6)
     np.testing.assert_allclose(found.motion.motions_without_ball_forces, ours.apart.motion.q, atol=1e-6)
     assert found.motion.loss == pytest.approx(ours.touching.motion.loss, rel=1e-7)
-    assert np.abs(found.force - found.frictionless_loads.force).max() > 1.0
+    frictionless = screw.solve_contact_loads_by_root(pair.balls_with_loads())
+    assert np.abs(found.force - frictionless.force).max() > 1.0
 
 
 def test_run_is_ours_until_balls_meet_and_near_it_after():

@@ -8,7 +8,7 @@ from scipy.special import ellipe
 from tests.helpers import ALL_BUT_AXIAL, small_screw, solved, with_ingredients
 from tests.whole_screws import AXIAL, MU, scene_of, single, state
 
-from rollbench.compare.cases.lin.evidence.source_cases import four_point_bearing, groove_of_table_3_6
+from rollbench.compare.cases.lin.evidence.source_cases import four_point_bearing, screw_groove
 from rollbench.lowfi.friction.bearing import solve_bearing
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.lowfi.friction.screw.motion import solve_ball_motion
@@ -19,7 +19,7 @@ from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Load, Motion, Support
 
-HELIX = replace(groove_of_table_3_6(), nut_speed=7.0, screw_speed=0.0)
+HELIX = replace(screw_groove(), nut_speed=7.0, screw_speed=0.0)
 #: Forces [N] of a four-point contact, and what turns its angles [rad].
 FOUR, TURNED = (100.0, 80.0, 75.0, 105.0), np.array([0.02, -0.01, 0.03, 0.0])
 

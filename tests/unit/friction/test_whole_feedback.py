@@ -9,7 +9,7 @@ from tests.friction_runs import setting
 from tests.helpers import mirrored, small_screw
 from tests.whole_screws import SCENES, TURN, scene_of, single, state
 
-from rollbench.compare.cases.lin.evidence.source_cases import groove_of_table_3_6
+from rollbench.compare.cases.lin.evidence.source_cases import screw_groove
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.friction.whole.feedback import positions_in_grooves, solve_friction_equilibrium
 from rollbench.lowfi.friction.whole.losses import ball_friction
@@ -18,7 +18,7 @@ from rollbench.meshes.parts import Friction, Motion
 
 
 def groove_with(mu):
-    return replace(groove_of_table_3_6(), mu=mu, nut_speed=0.0, screw_speed=5.0)
+    return replace(screw_groove(), mu=mu, nut_speed=0.0, screw_speed=5.0)
 
 
 def without_friction(groove, oversize, load):
@@ -46,7 +46,7 @@ def test_torque_by_virtual_work_is_exact_with_feedback_and_of_first_order_withou
         power, axial, moment, scene = coupled(mu, load)
         assert axial == pytest.approx(load, rel=1e-8), "on the balls: what the load presses with, friction included"
         assert moment == pytest.approx(power / 5.0 - ratio * load, rel=1e-8), "T Omega + F r Omega = P"
-        at = without_friction(groove_of_table_3_6(), 2e-6, load)
+        at = without_friction(screw_groove(), 2e-6, load)
         first = sum_friction_over_contacts(scene, at, ball_friction(scene, at, Friction(mu, mu), Motion(5.0)), Motion(5.0))
         assert first.axial_load == pytest.approx(load, rel=1e-8)
         left.append(abs(first.driving_torque_on_screw - moment))

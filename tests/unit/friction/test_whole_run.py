@@ -11,7 +11,7 @@ from tests.friction_runs import MU, TURN, WAVES, crowded, setting, sparse
 from tests.helpers import mirrored, small_screw, solved
 from tests.whole_screws import contacts_in, scene_of
 
-from rollbench.compare.cases.lin.evidence.source_cases import simulation_inputs_of_section_3_4_4
+from rollbench.compare.cases.lin.evidence.source_cases import simulation_inputs
 from rollbench.lowfi.friction.screw.chain import ScrewBallChain, solve_motion_of_chain
 from rollbench.lowfi.friction.screw.motion import solve_screw_contact_loads
 from rollbench.lowfi.friction.screw.run import balls_at_instant
@@ -149,7 +149,7 @@ def test_sizes_belong_to_balls_and_errors_to_places():
 @pytest.mark.parametrize("clearance", [0.0, 1e-3])
 def test_given_loads_move_balls_as_in_the_source_s_module(clearance):
     """The situation of Lin 3.4.4 at one instant: 37 balls, both grooves alike, neighbours that may touch."""
-    case = simulation_inputs_of_section_3_4_4()
+    case = simulation_inputs()
     g, azimuth = case.groove, case.ring * (np.arange(37) + 0.5) / 37 - np.pi * case.turns
     loads = solve_screw_contact_loads(balls_at_instant(case, azimuth, np.ones(37, dtype=bool), 0.0))
     slack = np.append(np.full(36, clearance), np.inf)

@@ -251,11 +251,11 @@ def test_own_compliance_of_a_held_piece_is_that_of_patch_and_body_condensed(rota
     """Same socket, no carrier: C_fine = A + H (K + S)^-1 H^T, dense algebra on the body's freedoms; also in a frame that is
     not the patch's."""
     piece, c = holed("floor"), condensed_cube_patch()
-    at = [coarse.BodySocket(piece.socket_nodes, np.eye(3), 0)]
+    at = [coarse.BodySocket(piece.box_nodes, np.eye(3), 0)]
     K = coarse.assemble_body_stiffness(piece.mesh, at, {0: c}, E, NU).toarray()
     free = np.flatnonzero(np.repeat(node_coordinates(piece.mesh)[:, 2] > 1e-9, 3))
     H = np.zeros((len(c.A), len(K)))
-    H[:, coarse.degrees_of_freedom_of_nodes(piece.socket_nodes)] = c.H
+    H[:, coarse.degrees_of_freedom_of_nodes(piece.box_nodes)] = c.H
     wanted = c.A + H[:, free] @ np.linalg.solve(K[np.ix_(free, free)], H[:, free].T)
     found = coarse.contact_compliance_in_fine_submodel(turned(piece) if rotated else piece, *cube_patch(), E, NU)
     assert relative(found, wanted) < 1e-9
@@ -285,7 +285,7 @@ def test_a_free_piece_is_answered_by_inertia_relief(monkeypatch):
 
     def both():
         """Motions of hats and of modes under all forces, without rigid ones."""
-        rigid = rigid_motions_of_contacts(), rows @ nodal_displacements_of_rigid_motions(points[piece.socket_nodes])
+        rigid = rigid_motions_of_contacts(), rows @ nodal_displacements_of_rigid_motions(points[piece.box_nodes])
         answers = (
             coarse.contact_compliance_in_fine_submodel(piece, *cube_patch(), E, NU),
             coarse.mode_compliance_in_coarse_submodel(piece, condensed_cube_patch(), rows, E, NU),

@@ -8,7 +8,7 @@ import pytest
 from tests.rolling_scenes import linear_pair
 
 from rollbench.hifi.contact.hertz import solve_hertz
-from rollbench.hifi.rolling import balls, bodies, verification
+from rollbench.hifi.rolling import balls, bodies, contact_bodies, verification
 from rollbench.hifi.rolling.contact_bodies import ContactZone, Groove, mesh_grooved_bar, mesh_half_space, mesh_whole_ball
 from rollbench.hifi.rolling.patch import ComplianceKernel, create_cell_grid, displacement_by_rectangle, monomial_values
 from rollbench.hifi.rolling.scenes import relative_radius_along
@@ -77,8 +77,8 @@ def test_bodies_made_by_two_processes_are_those_made_here(monkeypatch):
     bodies.clear_kernel_cache()
     spent = [balls.cache_kernels_of_scenes((scene, scene), COARSE, k) for k in (1, 2, 2)]
     assert spent[0] == spent[2] == 0.0 < spent[1]  # one process makes them later, where they are needed
-    monkeypatch.setattr(bodies, "mesh_whole_ball", None)  # nothing is meshed any more
-    monkeypatch.setattr(bodies, "mesh_grooved_bar", None)
+    monkeypatch.setattr(contact_bodies, "mesh_whole_ball", None)  # nothing is meshed any more
+    monkeypatch.setattr(contact_bodies, "mesh_grooved_bar", None)
     there = np.array([balls.finite_body_kernel_at_contact(scene, t, COARSE).M for t in touches])
     assert there == pytest.approx(np.array(here), rel=0.0, abs=1e-12 * np.abs(here).max())
 

@@ -330,5 +330,3 @@ def test_the_groove_of_a_ring_does_not_end():
     ring = small_screw(5, lead=0.0)
     with pytest.raises(ValueError, match="nut_groove"):
         dimensions_of_3d_parts(replace(ring, solid=replace(ring.solid, nut_groove="loaded")))
-    with pytest.raises(ValueError, match="ring"):
-        GrooveRunOut.from_ball_positions(GrooveMap.from_scene(ring), (), SIZE)

@@ -34,7 +34,7 @@ def test_parts_add_by_squares_and_the_largest_are_named() -> None:
         assert words in WHOLE.uncertainty_text
     less = replace(WHOLE, choices=None, inputs=None, by_experience=True, shared=False)
     assert less.percent == pytest.approx(np.hypot(0.3, 1.2))
-    assert "by experience with other scenes; modelling choices not known; inputs not known" in less.uncertainty_text
+    assert "estimated from other scenes; modelling choices not known; inputs not known" in less.uncertainty_text
     assert (WHOLE.shared_error_sentence == "", less.shared_error_sentence) == (False, "")
     assert record_as_json(less)["modelling_dominated_by"] is None
 

@@ -82,7 +82,7 @@ def test_source_s_implicit_angle(load):
 def axial_force(chain, motion, error, compiled=False):
     """Force of one ball along the axis, by the kernel."""
     kernels = load_kernel_package(RANDOM_ERRORS, compiled=compiled)
-    return kernels.ball_force(motion, error, chains.LAWS.index(chain.law), chain.kernel_parameters)[1]
+    return kernels.ball_force(motion, error, *chain.kernel_parameters[1:])[1]
 
 
 @pytest.mark.parametrize("law", chains.LAWS)

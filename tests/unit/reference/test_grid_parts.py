@@ -29,9 +29,9 @@ def test_parts_of_the_own_levels_are_found(contact: float, bodies: float) -> Non
     h = [LEVELS[3][key] / LEVELS[4][key] for key in ("b_over_h", "fine")]
     assert found.contact_cell_deviation == pytest.approx(contact * np.sqrt(1.0 + h[0] ** 4), abs=0.015)
     assert found.body_cell_deviation == pytest.approx(bodies * np.sqrt(1.0 + h[1] ** -4), abs=0.015)
-    assert found.socket_mesh_deviation == pytest.approx(0.02 * np.sqrt(2.0))
+    assert found.refinement_box_deviation == pytest.approx(0.02 * np.sqrt(2.0))
     assert found.common_deviation == 0.0
-    parts = found.contact_cell_deviation, found.body_cell_deviation, found.socket_mesh_deviation
+    parts = found.contact_cell_deviation, found.body_cell_deviation, found.refinement_box_deviation
     assert found.uncertainty == pytest.approx(estimate.COVER * np.linalg.norm(parts))
     assert not found.is_from_other_scenes
 

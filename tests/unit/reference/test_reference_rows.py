@@ -147,7 +147,7 @@ def test_two_levels_give_parts_and_one_experience(tmp_path) -> None:
     assert one.parts.is_from_other_scenes
     beside_face = estimate.load_error_near_faces(CASE1, coarse, 1)[0, 0]
     assert one.uncertainty[0, :2] == pytest.approx([known.single[0] + beside_face, 0.0])  # of 100 N
-    assert mesh_accuracy_sentence(one).startswith("Enough: level 1 for ")
+    assert " % of the mean load with level 1" in mesh_accuracy_sentence(one)
     store.save_run(tmp_path, CASE1, run_of("lin-case1", 2, finer))
     two = reference_of_scene(CASE1, (tmp_path,))
     shown = 64.0 / 64.0  # mean square of the changes, per cent of a mean load of 100 N within 0.2 %

@@ -195,7 +195,7 @@ def test_pair_of_a_still_screw_spends_nothing():
 
 def test_run_scene_is_the_library_s():
     answer = solved("lin-screw-run", *SHORT)
-    r = simulate(source_cases.simulation_inputs_of_section_3_4_4(), 0.3, 40)
+    r = simulate(source_cases.simulation_inputs(), 0.3, 40)
     s, found, series = summarise_screw_run(r), answer.data["summary"], answer.data["series"]
     assert answer.converged
     assert found["largest_ball_to_groove_percent"] == pytest.approx(100.0 * s.largest_ball_to_groove_ratio, rel=1e-7)

@@ -31,6 +31,14 @@ def test_a_new_scene_goes_round(kind):
     assert scene_file.parse_scene(scene.to_toml(), "40x10") == scene
 
 
+@pytest.mark.parametrize("clearance", ['{ radial = "13 um" }', '{ axial = "0.1 mm" }'])
+def test_a_bearing_with_a_clearance_goes_round(clearance):
+    text = catalogue.shipped_scene_text("bearing-9").replace('contact_angle = "45 deg"', f"clearance = {clearance}")
+    scene = scene_file.parse_scene(text, "bearing.toml")
+    assert "clearance" in scene.to_toml()
+    assert scene_file.parse_scene(scene.to_toml(), "bearing.toml") == scene
+
+
 @pytest.mark.parametrize("drawn", [scene_text, axis_text])
 def test_drawn_screws_and_axes_go_round(drawn):
     """Those of the campaign that can be built: extreme sizes, errors, supports, springs."""

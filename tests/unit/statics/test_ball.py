@@ -33,7 +33,7 @@ class Ball:
         self.scene = replace(scene, errors=replace(PROFILES[profile], balls=BallErrors(oversize=oversize)))
         self.drawn = draw_geometry_with_errors(self.scene, ball_layout(self.scene))
         self.C = hertz_constants_by_scene_choice(self.scene, self.drawn)
-        rows, closure = pack_contact_data(self.scene, self.drawn, self.C, np.ones(4, dtype=bool))
+        rows, closure = pack_contact_data(self.scene, self.drawn, np.ones(4, dtype=bool))
         self.geometry, self.closure, self.C = rows[0], closure[0], self.C[0]
         self.radius = self.scene.balls.radius + oversize
 
@@ -122,7 +122,7 @@ def test_forces_and_balance_of_both_engines(state, profile):
         assert contact[loaded] == pytest.approx(rows[loaded], rel=1e-9)
         hessians = np.empty((2, 4, 4))
         for engine, of_engine, hessian in zip(engines, (contact, rows), hessians, strict=True):
-            engine.ball.write_stiffness_against_flank_motions(of_engine, hessian)
+            engine.ball.write_ball_stiffness(of_engine, hessian)
         assert hessians[0] == pytest.approx(hessians[1], rel=1e-9, abs=1e-9 * np.abs(hessians[1]).max())
         force, normal = contact[:, 0], contact[:, 1:3]
         delta = np.array([b.radius - b.gap(p, shift, s) for s in range(4)])

@@ -39,7 +39,7 @@ def pushed(s, force):
 def like_the_case(name, load):
     """A scene of Liu's screw with the nut that gives the compliance of the case's calibration."""
     s = scene(name)
-    lost = evidence.calibrated_axial_model().compliance / (s.track.lead / 26.0) - 1.0 / screw_section(s).EA
+    lost = evidence.calibrated_model().compliance / (s.track.lead / 26.0) - 1.0 / screw_section(s).EA
     area = 1.0 / (lost * s.nut.material.youngs_modulus)
     bore = 2.0 * (s.track.pitch_radius + s.balls.radius * cos(s.track.contact_angle))
     nut = replace(s.nut, outer_diameter=sqrt(4.0 * area / np.pi + bore**2))

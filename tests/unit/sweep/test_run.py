@@ -246,7 +246,7 @@ def test_outputs_that_are_not_asked_for_are_not_computed(tmp_path, monkeypatch):
     every, _ = run(tmp_path / "every", 4)
     some = sweep_definition(SCENE, VARY, 4, "lhs", 1, "lin", ["life_million_revolutions", "displacement_um"])
     with monkeypatch.context() as patch:
-        patch.setattr(sample, "solve_with_scaled_loads", None)  # the unloaded solution is of rigidity and preload
+        patch.setattr(sample.loading, "solve_with_scaled_loads", None)  # the unloaded solution is of rigidity and preload
         found, _ = solved(tmp_path / "some", some)
     kept = ("largest_load_N", "displacement_um", "life_million_revolutions", "at", "sample", "status", "values")
     assert found == {n: {name: every[n][name] for name in kept} for n in range(4)}

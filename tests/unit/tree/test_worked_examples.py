@@ -44,7 +44,7 @@ def found(done, code=0):
 
 def test_a_key_of_the_scene_takes_two_places(tree, tmp_path):
     """A field of its record, template: read with its unit, refused with another, no stored run lost."""
-    line = '    wear: Deviation = frozen_default(0.0, "depth that the nut\'s lands have lost", "2 um")\n'
+    line = '    wear: ranges.Deviation = frozen_default(0.0, "depth that the nut\'s lands have lost", "2 um")\n'
     change(tree, "meshes/parts.py", r"(class Solid:(?:.|\n)*?)(    nut_inner_diameter: )", rf"\1{line}\2")
     change(tree, "compare/template.toml", r"(?m)^(# hole_diameter = )", r'# wear = "0 um"\n\1')
     assert '"wear"' in rollbench(tree, "schema", cwd=tmp_path).stdout

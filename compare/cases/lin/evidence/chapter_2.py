@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rollbench.compare.cases.lin.reconstruction import readings as combined
-from rollbench.compare.evidence import ComputedEntryValues, count_text_of_mask
+from rollbench.compare.evidence import ComputedEntryValues, count_in_words
 from rollbench.compare.measure import LoadError, error_percent, load_error
 from rollbench.compare.models.comparison import PRINTED
 from rollbench.compare.models.study import SceneResultCache, with_conformity
@@ -123,7 +123,7 @@ def table_2_1(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     findings.add_number("E", 1e-6 * young, f"taken as {1e-9 * young:g} kN/mm²; shown in the unit printed")
 
 
-def beam_element_count_of_lin_partition(cache: SceneResultCache) -> int:
+def lin_beam_element_count(cache: SceneResultCache) -> int:
     """Return the number of beam elements of Lin's screw model: 12 + 12 outside the nut, 3 of 15 mm each inside it.
 
     ``cache``: gives the scenes included with rollbench.
@@ -136,24 +136,21 @@ def table_2_2(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
 
     ``findings``: receives this number; ``cache``: gives the scenes included with rollbench.
     """
-    findings.add_number(
-        "elements_proposed",
-        float(beam_element_count_of_lin_partition(cache)),
-        "12 outside + 3 of 15 mm inside + 12 outside",
-    )
+    words = "12 outside + 3 of 15 mm inside + 12 outside"
+    findings.add_number("elements_proposed", float(lin_beam_element_count(cache)), words)
 
 
 @dataclass(frozen=True)
 class EndSupport:
     """An interpretation of the support of the screw's right end in Lin's case study 3, which his text leaves unclear.
 
-    ``restraint_in_words``: restrained freedoms; ``scene_without_offset``, ``scene_with_offset``: names of the scenes
+    ``restraint``: restrained freedoms; ``plain_scene``, ``offset_scene``: names of the scenes
     without and with a lateral offset of the right end; ``is_stated_by_text``: whether Lin's text states this support.
     """
 
-    restraint_in_words: str
-    scene_without_offset: str
-    scene_with_offset: str
+    restraint: str
+    plain_scene: str
+    offset_scene: str
     is_stated_by_text: bool = False
 
 
@@ -165,10 +162,10 @@ END_SUPPORTS = (
 )
 
 
-CASES = ("lin-case1", "lin-case2", *(name for r in END_SUPPORTS for name in (r.scene_without_offset, r.scene_with_offset)))
+CASES = ("lin-case1", "lin-case2", *(name for r in END_SUPPORTS for name in (r.plain_scene, r.offset_scene)))
 
 
-def largest_over_smallest_load(load: Array) -> float:
+def load_ratio(load: Array) -> float:
     """Return the largest over the smallest ball load on one flank; infinite if a ball carries no load.
 
     ``load``: loads of the n balls on this flank (n,) [N].
@@ -195,7 +192,7 @@ def load_ratio_range_in_words(cache: SceneResultCache) -> str:
         for p in ("nodal", "source")
         for s in ("groove", "groove squared")
     ]
-    ratios = [largest_over_smallest_load(cache.solve_once(v).load[:, 0]) for v in variants]
+    ratios = [load_ratio(cache.solve_once(v).load[:, 0]) for v in variants]
     return f"{min(ratios):.4f} to {max(ratios):.4f} with the beam's partition and the reading of C.8"
 
 
@@ -211,11 +208,8 @@ def section_2_4_1(findings: ComputedEntryValues, cache: SceneResultCache) -> Non
     _compare_with_ansys(cache, findings)
     findings.add_number("elements", printed_value("lin-2.2", "elements_proposed"))
     times = {k: printed_value("lin-2.2", k) for k in ("time_ansys_1", "time_proposed_1")}
-    findings.add_number(
-        "speed_ratio",
-        times["time_ansys_1"] * 3600.0 / times["time_proposed_1"],
-        "arithmetic of Table 2.2, case 1; run times of this project stand in table lin-2.2-times",
-    )
+    words = "arithmetic of Table 2.2, case 1; run times of this project stand in table lin-2.2-times"
+    findings.add_number("speed_ratio", times["time_ansys_1"] * 3600.0 / times["time_proposed_1"], words)
 
 
 def _compute_case_1(cache: SceneResultCache, findings: ComputedEntryValues) -> None:
@@ -227,23 +221,17 @@ def _compute_case_1(cache: SceneResultCache, findings: ComputedEntryValues) -> N
     mei = cache.solve_once("lin-case1", "mei").load[:, 0]
     lateral = 1e6 * float(np.hypot(line[:, 0], line[:, 1]).max())
     run = cache.stored_reference("lin-case1")  # without errors of the grooves, as the case: the one number that it can say
-    in_3d, p = (
-        None if run is None else largest_over_smallest_load(run.load[:, 0]),
-        printed_entry("lin-2.4.1", "case1_ratio"),
-    )
+    in_3d, p = (None if run is None else load_ratio(run.load[:, 0]), printed_entry("lin-2.4.1", "case1_ratio"))
     words = f"Low-order: {load_ratio_range_in_words(cache)}"
     if in_3d is not None:
         side = "within" if (p.low or 0.0) <= in_3d <= (p.high or 0.0) else "outside"
         off = float(error_percent(in_3d, p.value or 0.0))
         words += f". The sentence is on ANSYS too: our 3D reference, {in_3d:.4f}, is {side} the band ({off:+.1f} %)"
-    findings.add_number("case1_ratio", largest_over_smallest_load(load[:, 0]), words, reference=in_3d)
+    findings.add_number("case1_ratio", load_ratio(load[:, 0]), words, reference=in_3d)
     falling = f"{mei[0]:.1f} N at ball 1 falling at every ball to {mei[-1]:.1f} N at ball 32"
     findings.add_claim("case1_mei", bool(np.all(np.diff(mei) < 0.0)), falling)
-    findings.add_claim(
-        "case1_two_point",
-        is_two_point_contact(load),
-        f"SL {count_text_of_mask(load[:, 0] > 0)} loaded, SR {count_text_of_mask(load[:, 1] > 0)}",
-    )
+    words = f"SL {count_in_words(load[:, 0] > 0)} loaded, SR {count_in_words(load[:, 1] > 0)}"
+    findings.add_claim("case1_two_point", is_two_point_contact(load), words)
     words = f"largest lateral displacement of the centreline {lateral:.2f} um; 0 in the axial-only model"
     findings.add_claim("case1_lateral", lateral > 0.1, words)
 
@@ -267,16 +255,13 @@ def _compute_case_3(cache: SceneResultCache, findings: ComputedEntryValues) -> N
     ``cache``: gives the solved scenes. ``findings``: receives the results.
     """
     smallest = [float(cache.solve_once(name).load.min()) for name in CASES[2:]]
-    words = f"smallest load of any contact in all readings {min(smallest):.1f} N"
+    words = f"smallest load of any contact for all supports of the right end {min(smallest):.1f} N"
     findings.add_claim("case3_four_point", min(smallest) > 0.0, words)
-    rise = [
-        cache.solve_once(r.scene_with_offset).load - cache.solve_once(r.scene_without_offset).load for r in END_SUPPORTS
-    ]
+    rise = [cache.solve_once(r.offset_scene).load - cache.solve_once(r.plain_scene).load for r in END_SUPPORTS]
     last = [int(np.argsort(x[:, 1] + x[:, 2])[-3:].min()) + 1 for x in rise]
-    places = ", ".join(f"{ball} and up ({r.restraint_in_words})" for ball, r in zip(last, END_SUPPORTS, strict=True))
-    findings.add_claim(
-        "case3_last_balls", all(x >= 30 for x in last), f"the three largest rises of SR + NL are at balls {places}"
-    )
+    places = ", ".join(f"{ball} and up ({r.restraint})" for ball, r in zip(last, END_SUPPORTS, strict=True))
+    words = f"the three largest rises of SR + NL are at balls {places}"
+    findings.add_claim("case3_last_balls", all(x >= 30 for x in last), words)
 
 
 def _compare_with_ansys(cache: SceneResultCache, findings: ComputedEntryValues) -> None:
@@ -294,11 +279,13 @@ def _compare_with_ansys(cache: SceneResultCache, findings: ComputedEntryValues) 
         e = load_error(cache.solve_once(name).load, found.load, found.contacts)
         for key, error, mean in ((largest, e.own_max_percent, e.max_percent), (rms, e.own_rms_percent, e.rms_percent)):
             words = (
-                "computed here: the source's model against this project's 3D reference, in per cent of each load "
-                f"({mean:.2f} % of the mean load); the source's ANSYS loads are not printed"
+                "computed here: Lin's model against this project's 3D reference, in per cent of each load "
+                f"({mean:.2f} % of the mean load); Lin's ANSYS loads are not printed"
             )
             values = readings[key]
-            others = f"{len(values)} combinations of readings of what the text leaves open give {min(values):.2f} to "
+            others = (
+                f"{len(values)} combinations of interpretations of what the text leaves open give {min(values):.2f} to "
+            )
             findings.add_number(key, error, f"{words}; {others}{max(values):.2f} % (section reconstruction)")
 
 
@@ -328,11 +315,15 @@ def solve_case_1_by_model_choice(cache: SceneResultCache) -> list[Case1WithModel
     small = with_conformity(case, TABLE_CONFORMITY)
     variants: Sequence[tuple[str, Scene, str]] = (
         ("default: node at every contact, C.8 with its root, right Hertz constants", case, "lin"),
-        ("partition of the source (15 mm in the nut)", cache.scene_with_options("lin-case1", partition="source"), "lin"),
+        (
+            "Lin's partition of the beam (elements of 15 mm in the nut)",
+            cache.scene_with_options("lin-case1", partition="source"),
+            "lin",
+        ),
         ("C.8 read without the root", cache.scene_with_options("lin-case1", section="groove squared"), "lin"),
         ("groove ignored in the beam's section", cache.scene_with_options("lin-case1", section="full"), "lin"),
         (
-            "source's partition and C.8 without the root",
+            "Lin's partition of the beam and C.8 without the root",
             cache.scene_with_options("lin-case1", partition="source", section="groove squared"),
             "lin",
         ),
@@ -349,8 +340,12 @@ def solve_case_1_by_model_choice(cache: SceneResultCache) -> list[Case1WithModel
         ),
         ("Hertz constants at each contact's actual geometry", cache.scene_with_options("lin-case1", hertz="actual"), "lin"),
         ("lever arm frozen at the nominal contact point", cache.scene_with_options("lin-case1", arm="nominal"), "lin"),
-        ("force enters the beam at the ball's station", cache.scene_with_options("lin-case1", arm="ball"), "lin"),
-        ("source's own equations (lever arm and station follow the contact angle)", case, "source"),
+        (
+            "contact force acts on the beam at the ball's axial position, not the contact's",
+            cache.scene_with_options("lin-case1", arm="ball"),
+            "lin",
+        ),
+        ("Lin's own equations (lever arm and axial position of the force follow the contact angle)", case, "source"),
         ("axial bars only, rigid nut (Mei)", case, "mei"),
         ("axial bars only, nut an elastic bar (Mei)", case, "mei-nut"),
     )
@@ -402,19 +397,13 @@ def _check_single_error_claims(cache: SceneResultCache, findings: ComputedEntryV
     """
     base, profile, pitch = (cache.solve_once(name).load for name in ("lin-case1", "lin-profile", "lin-pitch"))
     for name, load in (("profile", profile), ("pitch", pitch)):
-        words = f"SL {count_text_of_mask(load[:, 0] > 0)}, SR {count_text_of_mask(load[:, 1] > 0)} loaded"
+        words = f"SL {count_in_words(load[:, 0] > 0)}, SR {count_in_words(load[:, 1] > 0)} loaded"
         findings.add_claim(f"{name}_two_point", is_two_point_contact(load), words)
     little, much = load_error(profile, base), load_error(pitch, base)
-    findings.add_claim(
-        "profile_little",
-        little.max_percent < SIGNIFICANT,
-        f"largest change {little.max_percent:.2f} % of the mean load (pitch errors: {much.max_percent:.1f} %)",
-    )
-    findings.add_claim(
-        "pitch_much",
-        much.max_percent > SIGNIFICANT,
-        f"largest change {much.max_percent:.1f} % of the mean load, ball {much.ball} {much.side}",
-    )
+    words = f"largest change {little.max_percent:.2f} % of the mean load (pitch errors: {much.max_percent:.1f} %)"
+    findings.add_claim("profile_little", little.max_percent < SIGNIFICANT, words)
+    words = f"largest change {much.max_percent:.1f} % of the mean load, ball {much.ball} {much.side}"
+    findings.add_claim("pitch_much", much.max_percent > SIGNIFICANT, words)
 
 
 def _check_random_error_claims(cache: SceneResultCache, findings: ComputedEntryValues) -> None:
@@ -425,17 +414,16 @@ def _check_random_error_claims(cache: SceneResultCache, findings: ComputedEntryV
     base = cache.solve_once("lin-case1").load
     random, combined = (cached_random_draws_of_scene(cache, name).loads for name in ("lin-random", "lin-combined"))
     kept = np.array([is_two_point_contact(load) for load in random])
-    findings.add_claim("random_two_point", bool(kept.mean() > SEEN), f"holds in {count_text_of_mask(kept)} drawn screws")
+    findings.add_claim("random_two_point", bool(kept.mean() > SEEN), f"holds in {count_in_words(kept)} drawn screws")
     changed = np.array([load_error(load, base).max_percent for load in random])
     low, high = np.percentile(changed, [5, 95])
-    findings.add_claim(
-        "random_much",
-        bool((changed > SIGNIFICANT).mean() > SEEN),
+    words = (
         f"largest change {low:.0f} to {high:.0f} % of the mean load in nine of ten drawn screws; significant in "
-        f"{count_text_of_mask(changed > SIGNIFICANT)}",
+        f"{count_in_words(changed > SIGNIFICANT)}"
     )
+    findings.add_claim("random_much", bool((changed > SIGNIFICANT).mean() > SEEN), words)
     four = np.array([bool(np.any(load[:, [1, 2]] > 0.0)) for load in combined])
-    words = f"some ball carries on SR or NL in {count_text_of_mask(four)} drawn screws"
+    words = f"some ball carries on SR or NL in {count_in_words(four)} drawn screws"
     findings.add_claim("combined_four_point", bool(four.mean() > SEEN), words)
 
 
@@ -444,7 +432,7 @@ SCREWS = {"4p1": "Table 4.1", "2p1": "Table 2.1"}
 CLEARANCES = (0.0, -1e-6, -2e-6, -3e-6, -4e-6, -5e-6)
 
 
-def relative_standard_deviation_of_loads(result: StaticResult) -> float:
+def relative_load_scatter(result: StaticResult) -> float:
     """Return the standard deviation of the contact loads on flank SL (left flank of the screw), divided by their mean."""
     return float(result.load[:, 0].std() / result.load[:, 0].mean())
 
@@ -509,23 +497,18 @@ def _check_manufacturing_error_claims(cache: SceneResultCache, findings: Compute
     """
     pitch, roundness = cache.solve_once(f"lin-pitch-{screw}"), cache.solve_once(f"lin-roundness-{screw}")
     third = [float(r.load[:, [1, 2]].max()) for r in (pitch, roundness)]
-    findings.add_claim(
-        f"two_point_{screw}",
-        max(third) == 0.0,
-        f"a third contact carries up to {third[0]:.1f} N (pitch) and {third[1]:.1f} N (roundness); "
-        "with clearance it vanishes, see table manufacturing-readings",
-    )
-    findings.add_claim(
-        f"less_uniform_{screw}",
-        relative_standard_deviation_of_loads(roundness) > relative_standard_deviation_of_loads(pitch),
-        f"standard deviation over mean {relative_standard_deviation_of_loads(roundness):.2f} with roundness, "
-        f"{relative_standard_deviation_of_loads(pitch):.2f} with pitch error",
-    )
-    lost = balls_without_load(roundness)
     words = (
-        f"{count_text_of_mask(lost)} balls without contact; with pitch error "
-        f"{count_text_of_mask(balls_without_load(pitch))}"
+        f"a third contact carries up to {third[0]:.1f} N (pitch) and {third[1]:.1f} N (roundness); "
+        "with clearance it vanishes, see table manufacturing-readings"
     )
+    findings.add_claim(f"two_point_{screw}", max(third) == 0.0, words)
+    words = (
+        f"standard deviation over mean {relative_load_scatter(roundness):.2f} with roundness, "
+        f"{relative_load_scatter(pitch):.2f} with pitch error"
+    )
+    findings.add_claim(f"less_uniform_{screw}", relative_load_scatter(roundness) > relative_load_scatter(pitch), words)
+    lost = balls_without_load(roundness)
+    words = f"{count_in_words(lost)} balls without contact; with pitch error {count_in_words(balls_without_load(pitch))}"
     findings.add_claim(f"lost_{screw}", bool(lost.any()), words)
     count, power = dominant_harmonic_of_unloaded_balls(cache.built_in_scene(f"lin-roundness-{screw}"), lost)
     words = f"{power:.0%} of the pattern's power is at {count} cycles per turn" if lost.any() else "no ball loses contact"

@@ -26,27 +26,18 @@ from rollbench.reports.content import Row, TableColumn
 
 #: Inputs of the rotary bearing (Table 3.1) and the linear bearing (Table 3.3).
 ROTARY, AXIAL = source_cases.rotary_ball_scene("I").bearing, source_cases.rotary_ball_scene("I").force
-LINEAR, VERTICAL, SIDE = (
-    source_cases.linear_ball_pair_scene().bearing,
-    source_cases.linear_ball_pair_scene().vertical,
-    float(source_cases.linear_ball_pair_scene().side[0]),
-)
-THETA, WORST = (
-    source_cases.linear_ball_pair_scene().deviation,
-    source_cases.linear_ball_pair_scene(source_cases.LINEAR_WORST).deviation,
-)
+_PAIR = source_cases.linear_pair_scene()
+LINEAR, VERTICAL, SIDE = _PAIR.bearing, _PAIR.vertical, float(_PAIR.side[0])
+THETA, WORST = _PAIR.deviation, source_cases.linear_pair_scene(source_cases.LINEAR_WORST).deviation
 #: Radial displacements [m] of cases I to III: not printed, inferred from the forces.
 CASES = {name: source_cases.rotary_ball_scene(name).displacement for name in source_cases.ROTARY_SCENES}
-#: Slope that Lin prints: friction force over its largest value, per distance of the spin pole from the contact's centre
-#: over the major semi-axis.
+#: Slope that Lin prints of the friction force (over its largest value), plotted against the distance of the spin pole from
+#: the contact's centre (over the major semi-axis).
 K_F = source_cases.printed_friction_slope_over_spin_pole_offset()
 #: Lin's sigmoid friction law, with the inferred parameters (sharpness, step of its maps).
-PRINTED_LAW = lin_sigmoid_law(
-    ROTARY,
-    source_cases.rotary_ball_scene("I", printed=True).sharpness,
-    source_cases.rotary_ball_scene("I", printed=True).map_step,
-)
-#: Ways in which the contact loads of two balls are computed, see `solve_linear_pair`.
+_PRINTED = source_cases.rotary_ball_scene("I", printed=True)
+PRINTED_LAW = lin_sigmoid_law(ROTARY, _PRINTED.sharpness, _PRINTED.map_step)
+#: Ways in which the contact loads of two balls are computed, see `solve_linear_ball_pair`.
 LOADS: tuple[Loads, ...] = ("balanced", "diagonal", "elastic")
 #: Yield strength [MPa] of appendix G; allowable contact pressure divided by the yield strength.
 YIELD, MULTIPLE = 370.0, 4.2
@@ -56,7 +47,7 @@ YIELD, MULTIPLE = 370.0, 4.2
 
 
 @cache
-def solve_rotary_ball_as_printed(case: str) -> bearing.BearingBallSolution:
+def rotary_ball_as_printed(case: str) -> bearing.BearingBallSolution:
     """Solve the motion of one ball of the rotary bearing in a case of Lin's Table 3.2 by his own method.
 
     Lin's method uses his Hertz constants, his sigmoid friction law, and root finding. ``case``: "I", "II" or "III".
@@ -84,24 +75,23 @@ def solve_linear_ball_pair(
 
     ``theta``: deviation of the contact angle from nominal [rad]; ``loads``: how the contact loads are computed (equal on
     each "diagonal", "balanced" at the stated angles, or "elastic" with angles that follow the loads); ``mated``: whether
-    the top groove is made to match the bottom groove, Lin's case (b), instead of case (a); ``mu_balls``: friction
+    the contact angles of the top groove deviate from nominal as those of the bottom groove do, so that the contacts of each
+    diagonal stay opposite (Lin's case (b)), instead of being nominal (case (a)); ``mu_balls``: friction
     coefficient between the balls.
     """
-    return chain.solve_pair_of_linear_balls(
-        replace(LINEAR, mu_balls=mu_balls), theta, SIDE, VERTICAL, mated=mated, loads=loads
-    )
+    bearing = replace(LINEAR, mu_balls=mu_balls)
+    return chain.solve_pair_of_linear_balls(bearing, theta, SIDE, VERTICAL, mated=mated, loads=loads)
 
 
 @cache
 def ball_force_and_loss_over_grid() -> chain.LinearPairResultsOverGrid:
     """Compute ball-to-ball force and friction losses of two touching balls in the linear bearing, over a grid of inputs.
 
-    The inputs are the deviation theta of the contact angle, from -3 to 3 deg, and the side force over the vertical load,
-    from -0.6 to 0.6.
+    The inputs are the deviation theta of the contact angle from nominal, -3 to 3 deg, and the side force over the vertical
+    load, from -0.6 to 0.6.
     """
-    return chain.pair_results_over_grid(
-        LINEAR, np.radians(np.linspace(-3.0, 3.0, 7)), np.linspace(-0.6, 0.6, 7), VERTICAL, K_F
-    )
+    theta, rho = np.radians(np.linspace(-3.0, 3.0, 7)), np.linspace(-0.6, 0.6, 7)
+    return chain.pair_results_over_grid(LINEAR, theta, rho, VERTICAL, K_F)
 
 
 # --- computed values for printed numbers
@@ -144,9 +134,7 @@ def value_for_table_3_2(solution: bearing.BearingBallSolution, key: str) -> floa
     return 1e3 * solution.inner_ring_torque
 
 
-def increase_between_rotary_cases(
-    first: bearing.BearingBallSolution, raised: bearing.BearingBallSolution, quantity: str
-) -> float:
+def increase_between_cases(first: bearing.BearingBallSolution, raised: bearing.BearingBallSolution, quantity: str) -> float:
     """Return the increase of a quantity between two cases of the rotary bearing.
 
     ``first``, ``raised``: solved motions of the ball in the cases with the smaller and the larger value; ``quantity``:
@@ -170,22 +158,15 @@ def table_3_2(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     ``findings``: receives two values to compare with each printed number: as printed, with Lin's faults, and correct, with
     exact Hertz constants and least dissipation; ``cache``: gives stored results of the 3D rolling model.
     """
-    solid = {
-        case: source_cases.stored_rolling_results_in_3d(cache, name) for case, name in source_cases.ROTARY_SCENES.items()
-    }
+    solid = {case: source_cases.stored_3d_results(cache, name) for case, name in source_cases.ROTARY_SCENES.items()}
     for row in load_printed_table("lin-3.2"):
         key, _, case = row.key.rpartition("_")
+        solve = rotary_ball_as_printed, solve_rotary_ball
         if key.endswith("_increase"):
             what = key.removesuffix("_increase")
-            faulty, true = (
-                increase_between_rotary_cases(solve_rotary_ball_as_printed("I"), solve_rotary_ball_as_printed(case), what),
-                increase_between_rotary_cases(solve_rotary_ball("I"), solve_rotary_ball(case), what),
-            )
+            faulty, true = (increase_between_cases(f("I"), f(case), what) for f in solve)
         else:
-            faulty, true = (
-                value_for_table_3_2(solve_rotary_ball_as_printed(case), key),
-                value_for_table_3_2(solve_rotary_ball(case), key),
-            )
+            faulty, true = (value_for_table_3_2(f(case), key) for f in solve)
         words = f"as printed, the computed forces add to {faulty:.4f} N" if row.entry_class == "open" else ""
         name, unit = IN_3D.get(key, ("", 1.0))
         value = solid[case].get(name)
@@ -225,12 +206,9 @@ def _record_largest_friction_loss_increase(findings: ComputedEntryValues) -> Non
     """
     worst = solve_linear_ball_pair(WORST)
     whole = float(error_percent(worst.touching.loss, worst.apart.loss))
-    findings.add_number(
-        "worst_ratio",
-        float(error_percent(worst.groove_and_ball_loss_ratio, 1.0)),
-        f"Ours is the loss between the balls over the baseline; with the change of the groove losses {whole:.1f} %",
-        as_printed=100.0 * worst.groove_and_ball_loss_ratio,
-    )
+    ratio = worst.groove_and_ball_loss_ratio
+    words = f"Ours is the loss between the balls over the baseline; with the change of the groove losses {whole:.1f} %"
+    findings.add_number("worst_ratio", float(error_percent(ratio, 1.0)), words, as_printed=100.0 * ratio)
 
 
 def _check_claims_on_force_and_loss_grid(findings: ComputedEntryValues, maps: chain.LinearPairResultsOverGrid) -> None:
@@ -238,40 +216,31 @@ def _check_claims_on_force_and_loss_grid(findings: ComputedEntryValues, maps: ch
 
     ``maps``: these quantities by the numerical model and by Lin's formulas. ``findings``: receives the results.
     """
-    difference, force, ratio = (
-        both.numerical for both in (maps.velocity_deviation_difference, maps.force, maps.groove_and_ball_loss_ratio)
-    )
+    quantities = maps.velocity_deviation_difference, maps.force, maps.groove_and_ball_loss_ratio
+    difference, force, ratio = (both.numerical for both in quantities)
     fields = (force[4:, 2::-1], ratio[4:, 2::-1])
     grows = all(bool(np.all(np.diff(f, axis=axis) > 0.0)) for f in fields for axis in (0, 1))
     top = float(error_percent(ratio.max(), 1.0))
     findings.add_claim("worst_increase", grows and top > 50.0, f"grows along both axes, up to {top:.0f} %")
-    pairs = (
-        (difference, maps.velocity_deviation_difference.error),
-        (force, maps.force.error),
-        (ratio - 1.0, maps.groove_and_ball_loss_ratio.error),
-    )
+    pairs = [(v, both.error) for v, both in zip((difference, force, ratio - 1.0), quantities, strict=True)]
     inside = max(float(np.abs(e[2:5, 2:5]).max() / np.abs(v).max()) for v, e in pairs)
     corner = min(float(np.abs(e).max() / np.abs(v).max()) for v, e in pairs)
-    findings.add_claim(
-        "maps_agree",
-        inside < 0.02 and corner > 3.0 * inside,
+    words = (
         f"error of the formulas over the largest value: at most {inside:.1%} within half of both ranges, "
-        f"at least {corner:.1%} at the corners",
+        f"at least {corner:.1%} at the corners"
     )
+    findings.add_claim("maps_agree", inside < 0.02 and corner > 3.0 * inside, words)
     closing = difference > 1e-9
     apart = float(np.abs(force[~closing]).max())
-    findings.add_claim(
-        "sign_region",
-        bool(np.all(force[closing] > 0.0)) and apart < 1e-8,
-        f"{int(closing.sum())} of {closing.size} points close in, each with a force; elsewhere {apart:.0e} N",
-    )
+    words = f"{int(closing.sum())} of {closing.size} points close in, each with a force; elsewhere {apart:.0e} N"
+    findings.add_claim("sign_region", bool(np.all(force[closing] > 0.0)) and apart < 1e-8, words)
 
 
 def velocity_deviations_by_formula(mated: bool) -> Array:
     """Return the relative deviations (2,) of two balls' velocities from nominal by Lin's formula (3.43).
 
     The contact loads are those that Lin states in the text: equal at both contacts of each diagonal. ``mated``: whether
-    the top groove is made to match the bottom one, case (b) instead of case (a).
+    the contact angles of the top groove deviate, too (case (b)), instead of being nominal (case (a)).
     """
     angles, loads = chain.pair_angles_and_loads(LINEAR, THETA, SIDE, VERTICAL, mated=mated, loads="diagonal")
     return relative_velocity_deviation(LINEAR.contact_angle, angles - LINEAR.contact_angle, loads[:, 0], loads[:, 1])
@@ -285,13 +254,13 @@ def table_3_4(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     """
     findings.numbers({"theta": degrees(THETA), "rho": SIDE})
     for case, name in (("a", source_cases.LINEAR_PAIR), ("b", source_cases.LINEAR_MATED)):
-        scene = source_cases.linear_ball_pair_scene(name)
+        scene = source_cases.linear_pair_scene(name)
         top = (scene.angles[0, 2:] - scene.bearing.contact_angle) / scene.deviation  # at TR and TL
         findings.numbers({f"{case}_TR": float(top[0]), f"{case}_TL": float(top[1])})
     for case, ball in product("ab", (1, 2)):
         mated = case == "b"
         found, formula = solve_linear_ball_pair(mated=mated).apart.velocity_deviation, velocity_deviations_by_formula(mated)
-        solid = source_cases.stored_rolling_results_in_3d(cache, f"lin-pair-{case}").get(f"deviation {ball} apart %")
+        solid = source_cases.stored_3d_results(cache, f"lin-pair-{case}").get(f"deviation {ball} apart %")
         findings.add_number(f"{case}_eps{ball}_numerical", 100.0 * float(found[ball - 1]), reference=solid)
         findings.add_number(f"{case}_eps{ball}_analytic", 100.0 * float(formula[ball - 1]), reference=solid)
 
@@ -299,8 +268,8 @@ def table_3_4(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
 def ball_force_with_misprinted_exponents() -> float:
     """Return the ball-to-ball force in the linear bearing by Lin's formula (3.51) with its misprinted exponents -2/3.
 
-    The force is that of case (a), in which the top groove is not made to match the bottom one.
-    With these exponents the result has no unit of force; the loads are inserted in N.
+    The force is that of case (a), in which the contact angles of the top groove are nominal. With these exponents the
+    result has no unit of force; the loads are inserted in N.
     """
     loads = chain.pair_angles_and_loads(LINEAR, THETA, SIDE, VERTICAL, loads="diagonal")[1][:, :2]
     right_way, as_is = (np.cbrt(loads) ** power for power in (2.0, -2.0))
@@ -311,7 +280,7 @@ def ball_force_with_misprinted_exponents() -> float:
 def formula_force(*, mated: bool) -> float:
     """Return the ball-to-ball force [N] in the linear bearing by Lin's formula (3.51).
 
-    ``mated``: whether the top groove is made to match the bottom one, case (b) instead of case (a).
+    ``mated``: whether the contact angles of the top groove deviate from nominal, too (case (b)), or are nominal (case (a)).
     """
     return chain.pair_results_by_formulas(LINEAR, THETA, SIDE, VERTICAL, K_F, mated=mated)[1]
 
@@ -324,24 +293,19 @@ def table_3_5(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     """
     spread = ", ".join(f"{loads} {solve_linear_ball_pair(loads=loads).ball_to_ball_force:.2f} N" for loads in LOADS)
     formula = {case: formula_force(mated=case == "b") for case in "ab"}
-    solid = {case: source_cases.stored_rolling_results_in_3d(cache, f"lin-pair-{case}").get("force 1-2 N") for case in "ab"}
+    solid = {case: source_cases.stored_3d_results(cache, f"lin-pair-{case}").get("force 1-2 N") for case in "ab"}
     as_is = f"with the exponents -2/3 as printed the formula gives {ball_force_with_misprinted_exponents():.2g} N"
     for case, of_loads, of_formula in (("a", f"loads {spread}", as_is), ("b", "", "")):
-        findings.add_number(
-            f"{case}_force_numerical",
-            solve_linear_ball_pair(mated=case == "b").ball_to_ball_force,
-            of_loads,
-            reference=solid[case],
-        )
+        numerical = solve_linear_ball_pair(mated=case == "b").ball_to_ball_force
+        findings.add_number(f"{case}_force_numerical", numerical, of_loads, reference=solid[case])
         findings.add_number(f"{case}_force_ansys", None, reference=solid[case])
         findings.add_number(f"{case}_force_analytic", formula[case], of_formula, reference=solid[case])
     ansys = printed_value("lin-3.5", "a_force_ansys")
     for name, ours in (("numerical", solve_linear_ball_pair().ball_to_ball_force), ("analytic", formula["a"])):
         off = [f"{error_percent(ours, other):+.1f} %" for other in (ansys, solid["a"]) if other is not None]
         words = f"computed here: {off[0]} off the printed ANSYS force" + "".join(f", {x} off the 3D force" for x in off[1:])
-        first = (
-            printed_value("lin-3.5", "a_force_numerical") if name == "numerical" else ours
-        )  # arithmetic on printed numbers
+        # arithmetic on printed numbers
+        first = printed_value("lin-3.5", "a_force_numerical") if name == "numerical" else ours
         findings.add_number(f"error_{name}", abs(float(error_percent(first, ansys))), words)
     for model, case in product(("numerical", "analytic", "ansys"), "ab"):
         findings.add_remark(f"{case}_time_{model}", "another machine and language; not compared")
@@ -353,9 +317,8 @@ def contact_ellipse_ratios(conformity: float, pressure: float) -> tuple[float, f
     First: ratio b/a of the minor to the major semi-axis; second: a over the ball's radius at the largest Hertz pressure
     ``pressure`` [Pa]. ``conformity``: groove radius over ball diameter.
     """
-    h = hertz_constants(
-        np.array(1.0), np.array(1.0 - 0.5 / conformity), contact_modulus(*2 * (LINEAR.young, LINEAR.poisson))
-    )
+    modulus = contact_modulus(*2 * (LINEAR.young, LINEAR.poisson))
+    h = hertz_constants(np.array(1.0), np.array(1.0 - 0.5 / conformity), modulus)
     return float(h.C_b / h.C_a), float(h.C_a) * pressure * np.pi * float(h.C_a * h.C_b) / 1.5
 
 
@@ -370,12 +333,11 @@ def appendix_g(findings: ComputedEntryValues, cache: SceneResultCache) -> None: 
     a_over_r = contact_ellipse_ratios(0.52, 1e6 * pressure)[1]
     reach, cut = printed_value("lin-G", "reach"), np.floor(1e3 * a_over_r) / 1e3
     off = 100.0 * float(laws.error_of_linear_friction_force(ratio, K_F))
-    findings.add_number(
-        "k_f",
-        slope,
+    words = (
         f"exact slope at c = 0 for conformity {LINEAR.conformity}; secant to c/a = 0.5 {slope - 0.25 * cubic:.3f}; the "
-        f"printed slope is off by up to {off:.1f} % of the force",
+        f"printed slope is off by up to {off:.1f} % of the force"
     )
+    findings.add_number("k_f", slope, words)
     findings.add_remark("reach", f"a choice: the cubic term is {0.25 * cubic / slope:.1%} of the linear one there")
     findings.add_number("pressure", pressure)
     findings.add_number("a_over_R", a_over_r, "the printed digits are those of the exact value, cut off", as_printed=cut)
@@ -397,10 +359,11 @@ def power_balance_rows() -> list[Row]:
         for label, s in (
             ("right", solve_rotary_ball(case)),
             ("least dissipation at the loads as printed", solve_rotary_ball(case, "as printed")),
-            ("as printed", solve_rotary_ball_as_printed(case)),
+            ("as printed", rotary_ball_as_printed(case)),
         ):
             torque = bearing.inner_ring_torque(ROTARY, s.load, s.motion)
             power = torque * ROTARY.screw_speed
+            balance = float(error_percent(power, s.motion.loss))
             rows.append(
                 {
                     TableColumn("case", "case of Lin's Table 3.2", "", "s"): case,
@@ -409,9 +372,7 @@ def power_balance_rows() -> list[Row]:
                     TableColumn("torque", "friction torque on the inner ring", "N mm", ".4f"): 1e3 * torque,
                     TableColumn("input", "power input", "W", ".6f"): power,
                     TableColumn("loss", "friction losses", "W", ".6f"): s.motion.loss,
-                    TableColumn("balance", "error of the power input against the losses", "%", "g2"): float(
-                        error_percent(power, s.motion.loss)
-                    ),
+                    TableColumn("balance", "error of the power input against the losses", "%", "g2"): balance,
                     TableColumn("rest", "number of contacts that stick", "", "s"): int(s.motion.sticking_contacts.sum()),
                     "status": s.motion.status,
                 }
@@ -428,22 +389,20 @@ def linear_pair_sensitivity_rows() -> list[Row]:
     rows: list[Row] = []
     printed = printed_entry("lin-3.5", "a_force_numerical")
     against = f"error of the force against the printed {printed.number_as_printed} N"
+    loss_ratio = "1 + (loss between the balls)/(losses without ball-to-ball contact), θ = 3°"
     for loads, mu in product(LOADS, (0.1, 0.0)):
         r, worst = solve_linear_ball_pair(loads=loads, mu_balls=mu), solve_linear_ball_pair(WORST, loads, mu_balls=mu)
         increase = float(error_percent(worst.touching.loss, worst.apart.loss))
+        eps = [100.0 * float(x) for x in r.apart.velocity_deviation]
         rows.append(
             {
                 TableColumn("loads", "how contact loads are computed", "", "s"): loads,
                 TableColumn("mu", "friction coefficient between balls", "", "g2"): mu,
-                TableColumn("eps1", "relative velocity deviation ε₁ of ball 1, θ = 2°", "%", ".3f"): 100.0
-                * float(r.apart.velocity_deviation[0]),
-                TableColumn("eps2", "relative velocity deviation ε₂ of ball 2, θ = 2°", "%", ".3f"): 100.0
-                * float(r.apart.velocity_deviation[1]),
+                TableColumn("eps1", "relative velocity deviation ε₁ of ball 1, θ = 2°", "%", ".3f"): eps[0],
+                TableColumn("eps2", "relative velocity deviation ε₂ of ball 2, θ = 2°", "%", ".3f"): eps[1],
                 TableColumn("force", "ball-to-ball force, θ = 2°", "N", ".3f"): r.ball_to_ball_force,
                 TableColumn("error", against, "%", ".2f"): float(error_percent(r.ball_to_ball_force, printed.value or 0.0)),
-                TableColumn(
-                    "ratio", "1 + (loss between the balls)/(losses without ball-to-ball contact), θ = 3°", "%", ".1f"
-                ): 100.0 * worst.groove_and_ball_loss_ratio,
+                TableColumn("ratio", loss_ratio, "%", ".1f"): 100.0 * worst.groove_and_ball_loss_ratio,
                 TableColumn("increase", "increase of all losses by ball-to-ball contact, θ = 3°", "%", ".1f"): increase,
                 "status": r.touching.status,
             }

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cache
 from math import degrees, radians
@@ -39,8 +39,8 @@ from rollbench.lowfi.friction.whole.circuit import ContactOnset, contact_onset
 from rollbench.meshes.arrays import Array
 from rollbench.reports.content import Row, TableColumn
 
-#: Deviations theta [deg] of the second ball's contact angle in Table 3.7, by case; amplitudes [deg] of theta in the
-#: simulations of section 3.4.4, which the thesis does not print.
+#: Deviations theta [deg] of the second ball's contact angle from nominal in Table 3.7, by case; amplitudes [deg] of theta
+#: in the simulations of section 3.4.4, which the thesis does not print.
 THETA = {name: degrees(source_cases.second_ball_angle_deviation(name)) for name in source_cases.PAIR_SCENES}
 AMPLITUDES = tuple(source_cases.RUN_SCENES)
 #: Angles [rad] of the load to the bearing's axis in section 4.3.1.
@@ -63,9 +63,8 @@ def solve_screw_ball_pair(case: str, interpretation: Literal["plain", "inferred"
     ``case``: "a" or "b"; ``interpretation``: "plain" for the text as printed, "inferred" for balls with the oversize that
     was inferred from the printed results. Returns the solutions with and without ball-to-ball contact.
     """
-    return solve_pair_of_screw_balls(
-        case_of(source_cases.PAIR_SCENES[case] + "-inferred" * (interpretation == "inferred"), ScrewPairScene).pair
-    )
+    name = source_cases.PAIR_SCENES[case] + "-inferred" * (interpretation == "inferred")
+    return solve_pair_of_screw_balls(case_of(name, ScrewPairScene).pair)
 
 
 @cache
@@ -107,13 +106,12 @@ def simulate_screw_without_oversize() -> travel.TravelHistory:
     Friction moves balls and screw and so changes the contact loads. The deviation theta of the contact angles has an
     amplitude of 3 deg. Returns motions and torques at each time step.
     """
-    return simulate_equal_steps(
-        replace(source_cases.simulation_with_angle_deviation(3.0), oversize=0.0, coupling="ball and screw")
-    )
+    run = source_cases.simulation_with_angle_deviation(3.0)
+    return simulate_equal_steps(replace(run, oversize=0.0, coupling="ball and screw"))
 
 
 @cache
-def bearing_torque_over_load_angle(bearing: str, free_to_tilt: bool) -> friction_bearing.BearingTorqueCurve:
+def torque_over_load_angle(bearing: str, free_to_tilt: bool) -> friction_bearing.BearingTorqueCurve:
     """Compute the friction torque of a bearing of Lin's Table 4.2 over the angle between the load and the bearing's axis.
 
     ``bearing``: "4P" for the four-point, "DR" for the double-row bearing; ``free_to_tilt``: whether the inner ring is free
@@ -161,7 +159,7 @@ def given_3_6(findings: ComputedEntryValues, cache: SceneResultCache) -> None:  
     ``findings``: receives the value to compare with each number of the table, in the table's unit. ``cache``: not used
     here.
     """
-    g = source_cases.groove_of_table_3_6()
+    g = source_cases.screw_groove()
     values = {
         "R_B": 1e3 * g.ball_radius,
         "conformity": 0.5 * g.groove_radius / g.ball_radius,
@@ -171,8 +169,8 @@ def given_3_6(findings: ComputedEntryValues, cache: SceneResultCache) -> None:  
         "omega_N": g.speed / np.pi,
         "mu": g.mu,
         "nu": g.poisson,
-        "force": source_cases.screw_pair_as_printed(0.0).force[0],
-        "theta_1": degrees(source_cases.screw_pair_as_printed().theta[0]),
+        "force": source_cases.pair_as_printed(0.0).force[0],
+        "theta_1": degrees(source_cases.pair_as_printed().theta[0]),
         "theta_2_a": THETA["a"],
         "theta_2_b": THETA["b"],
     }
@@ -193,7 +191,7 @@ def table_3_7(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     the 3D rolling model.
     """
     for case in THETA:
-        solid = source_cases.stored_rolling_results_in_3d(cache, source_cases.PAIR_SCENES[case])
+        solid = source_cases.stored_3d_results(cache, source_cases.PAIR_SCENES[case])
         _compute_force_and_increase(findings, case, solid)
         force, ansys = (printed_value("lin-3.7", f"{what}_{case}") for what in ("force", "ansys"))
         findings.add_number(f"difference_{case}", float(error_percent(force, ansys)), "from the printed forces alone")
@@ -215,23 +213,20 @@ def _compute_force_and_increase(findings: ComputedEntryValues, case: str, result
     """
     force, percent = (printed_value("lin-3.7", f"{what}_{case}") for what in ("force", "increase"))
     as_text, oversized = solve_screw_ball_pair(case, "plain"), solve_screw_ball_pair(case, "inferred")
-    implied = load_implied_by_ball_force(
-        source_cases.screw_pair_with_inferred_oversize(radians(THETA[case])), force, 1e-2 * percent
-    )
+    implied = load_implied_by_ball_force(source_cases.oversized_pair(radians(THETA[case])), force, 1e-2 * percent)
     off = [float(error_percent(r.force, force)) for r in (as_text, oversized)]
     findings.add_number(
         f"force_{case}",
         as_text.force,
-        f"{_plain_and_inferred_value_in_words(as_text.force, oversized.force)}; the text as printed does not give it "
-        f"({off[0]:+.0f} %): printed force and increase imply {implied:.0f} N of contact load a ball, plainly read "
-        f"it is {as_text.ball_loads.mean():.0f} N, "
-        f"the inferred one {oversized.ball_loads.mean():.0f} N ({off[1]:+.1f} %)",
+        f"{_both_values_in_words(as_text.force, oversized.force)}; the text as printed does not give it ({off[0]:+.0f} %): "
+        f"printed force and increase imply {implied:.0f} N of contact load a ball, plainly read it is "
+        f"{as_text.ball_loads.mean():.0f} N, the inferred one {oversized.ball_loads.mean():.0f} N ({off[1]:+.1f} %)",
         reading=oversized.force,
         reference=results_in_3d.get("force 1-2 N"),
     )
     values = loss_increase_percent(as_text), loss_increase_percent(oversized)
     off = [float(error_percent(value, percent)) for value in values]
-    words = f"{_plain_and_inferred_value_in_words(*values)}; plain {off[0]:+.0f} %, inferred {off[1]:+.1f} % off"
+    words = f"{_both_values_in_words(*values)}; {off[0]:+.0f} % and {off[1]:+.1f} % off the printed increase"
     findings.add_number(f"increase_{case}", values[0], words, reading=values[1], reference=results_in_3d.get("increase %"))
 
 
@@ -242,20 +237,18 @@ def _compare_force_with_ansys(findings: ComputedEntryValues, cache: SceneResultC
     inferred oversize. ``cache``: gives the stored 3D results; ``case``: case of Lin's Table 3.7, "a" or "b".
     """
     scenes = source_cases.PAIR_SCENES[case], f"{source_cases.PAIR_SCENES[case]}-inferred"
-    as_text, oversized = (source_cases.stored_rolling_results_in_3d(cache, scene).get("force 1-2 N") for scene in scenes)
-    words = (
-        "no stored run" if as_text is None or oversized is None else _plain_and_inferred_value_in_words(as_text, oversized)
-    )
+    as_text, oversized = (source_cases.stored_3d_results(cache, scene).get("force 1-2 N") for scene in scenes)
+    words = "no stored run" if as_text is None or oversized is None else _both_values_in_words(as_text, oversized)
     words = f"3D rolling of elastic half spaces: {words}"
     findings.add_number(f"ansys_{case}", None, words, reference=as_text)
 
 
-def _plain_and_inferred_value_in_words(as_text: float, with_oversize: float) -> str:
+def _both_values_in_words(as_text: float, with_oversize: float) -> str:
     """Return in words a value by two interpretations: of the text as printed, and of balls with the inferred oversize."""
-    return f"plain reading {as_text:.4g}, inferred reading {with_oversize:.4g}"
+    return f"text as printed {as_text:.4g}, inferred oversize {with_oversize:.4g}"
 
 
-def groove_torque_after_first_step(history: travel.TravelHistory) -> Array:
+def later_groove_torque(history: travel.TravelHistory) -> Array:
     """Return the friction torque [N m] of the ball-to-groove contacts at each time step from the second on, (steps - 1,).
 
     ``history``: motions and torques of a simulation of the whole screw. The first step is left out because its contact
@@ -264,12 +257,12 @@ def groove_torque_after_first_step(history: travel.TravelHistory) -> Array:
     return history.groove_torque[1:]
 
 
-def relative_groove_torque_variation(history: travel.TravelHistory) -> float:
+def groove_torque_variation(history: travel.TravelHistory) -> float:
     """Return (largest - smallest)/mean of the ball-to-groove friction torque during a simulation of the whole screw.
 
     The first time step is left out. ``history``: motions and torques at each time step.
     """
-    torque = groove_torque_after_first_step(history)
+    torque = later_groove_torque(history)
     return float(np.ptp(torque) / torque.mean())
 
 
@@ -292,10 +285,7 @@ def time_steps_in_words(amplitude: float) -> str:
     (found, error), base = simulate_screw_with_step_errors(amplitude), simulate_screw_in_200_steps(amplitude)
     size = "unknown" if error is None else f"{100.0 * error.largest_error:.2g} %"
     few = 100.0 * summarise_screw_run(base).largest_ball_to_groove_ratio
-    return (
-        f"in {found.steps} steps, whose error is {size} of the mean torque; the source's {base.steps} steps give "
-        f"{few:.1f} %"
-    )
+    return f"in {found.steps} steps, whose error is {size} of the mean torque; Lin's {base.steps} steps give {few:.1f} %"
 
 
 def section_3_4_4(findings: ComputedEntryValues, cache: SceneResultCache) -> None:  # noqa: ARG001 - every table takes the study
@@ -304,7 +294,7 @@ def section_3_4_4(findings: ComputedEntryValues, cache: SceneResultCache) -> Non
     ``findings``: receives the computed value to compare with each printed number, and whether each printed claim holds.
     ``cache``: not used here.
     """
-    base = source_cases.simulation_inputs_of_section_3_4_4()
+    base = source_cases.simulation_inputs()
     inputs = {
         "balls": base.count,
         "turns": base.turns,
@@ -330,7 +320,7 @@ def _compute_ball_contact_torque(findings: ComputedEntryValues) -> None:
         f"{assumed.format(f'{100.0 * low.largest_ball_to_groove_ratio:.1f} %')}: the printed number lies between; "
         f"{time_steps_in_words(3.0)}"
     )
-    near = {key: f"; {nearest_interpretation_in_words(key)}" for key in PRINTED_OF_RUN}
+    near = {key: f"; {nearest_in_words(key)}" for key in PRINTED_OF_RUN}
     findings.add_number("largest", 100.0 * high.largest_ball_to_groove_ratio, words + near["largest"])
     findings.add_number(
         "largest_at",
@@ -353,15 +343,13 @@ def _check_simulation_claims(findings: ComputedEntryValues) -> None:
     findings.add_claim("groups", low.most_touching_groups == high.most_touching_groups == 4, words)
     vary = [low.groove_variation, high.groove_variation]
     loose = simulate_screw_without_oversize()
-    findings.add_claim(
-        "groove_steady",
-        max(vary) < 0.03,
+    words = (
         f"largest less smallest over mean: {vary[0]:.1%} with 2 deg, {vary[1]:.1%} with 3 deg; without oversize, loads "
-        f"coupled to friction, {relative_groove_torque_variation(loose):.1%} from the second step on and "
+        f"coupled to friction, {groove_torque_variation(loose):.1%} from the second step on and "
         f"{summarise_screw_run(loose).groove_variation:.0%} with the first, whose loads are computed without friction: "
-        "mostly "
-        f"the start, not third contacts that come and go",
+        "mostly the start, not third contacts that come and go"
     )
+    findings.add_claim("groove_steady", max(vary) < 0.03, words)
     again = [ball_contact_ends_and_begins_again(simulate_screw(a)) for a in AMPLITUDES]
     findings.add_claim("none_then_again", all(again), "with 2 and with 3 deg")
 
@@ -402,21 +390,15 @@ def section_4_3(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     ``cache``: gives the solved scenes.
     """
     _compute_bearing_torques(findings)
-    first = {
-        (e, i): degrees(compute_ball_contact_onset(cache, e, i).rotation_to_first_meeting)
-        for e in ("pitch", "roundness")
-        for i in (0.0, 0.9)
-    }
-    lost = {
-        e: int((compute_ball_contact_onset(cache, e, 0.0).contact_load_sums == 0.0).sum()) for e in ("pitch", "roundness")
-    }
-    findings.add_claim(
-        "roundness_quicker",
-        all(first["roundness", i] < first["pitch", i] for i in (0.0, 0.9)),
+    onset = {(e, i): compute_ball_contact_onset(cache, e, i) for e in ("pitch", "roundness") for i in (0.0, 0.9)}
+    first = {key: degrees(o.rotation_to_first_meeting) for key, o in onset.items()}
+    lost = {e: int((onset[e, 0.0].contact_load_sums == 0.0).sum()) for e in ("pitch", "roundness")}
+    words = (
         f"first meeting within {first['roundness', 0.0]:.1f} deg of the nut if lost balls stand, "
         f"{first['roundness', 0.9]:.0f} deg at 0.9 of the nominal velocity; with pitch error "
-        f"{first['pitch', 0.0]:.0f} deg; {lost['roundness']} balls lost against {lost['pitch']}",
+        f"{first['pitch', 0.0]:.0f} deg; {lost['roundness']} balls lost against {lost['pitch']}"
     )
+    findings.add_claim("roundness_quicker", all(first["roundness", i] < first["pitch", i] for i in (0.0, 0.9)), words)
 
 
 def _compute_bearing_torques(findings: ComputedEntryValues) -> None:
@@ -425,31 +407,27 @@ def _compute_bearing_torques(findings: ComputedEntryValues) -> None:
     Each ratio is the largest over the smallest friction torque for load angles up to 18 deg. ``findings``: receives the
     ratios.
     """
-    four, double = bearing_torque_over_load_angle("4P", True), bearing_torque_over_load_angle("DR", True)
+    four, double = torque_over_load_angle("4P", True), torque_over_load_angle("DR", True)
     ratios = (
         largest_over_smallest_torque(four, 18.0),
         largest_over_smallest_torque(double, 18.0),
-        largest_over_smallest_torque(bearing_torque_over_load_angle("DR", False), 18.0),
+        largest_over_smallest_torque(torque_over_load_angle("DR", False), 18.0),
     )
     at_18 = int(four.balls_beyond_two_contacts[np.searchsorted(four.angle, radians(18.0) * (1.0 - 1e-12))])
-    still = largest_over_smallest_torque(bearing_torque_over_load_angle("4P", False), 18.0)
+    still = largest_over_smallest_torque(torque_over_load_angle("4P", False), 18.0)
     words = f"load angles of 0 to 18 deg, inner ring free to tilt; {still:.2f} where it cannot tilt"
     findings.add_number("ratio_4p", ratios[0], words)
     findings.add_claim("four_worse", ratios[0] > 3.0 * max(ratios[1:]), f"{ratios[0]:.2f} against {ratios[1]:.2f}")
-    findings.add_claim(
-        "dr_consistent",
-        bool(np.all(double.balls_beyond_two_contacts == 0)) and ratios[1] < 1.28,
-        f"never more than two contacts a ball; ratio {ratios[1]:.2f} with tilt, {ratios[2]:.2f} without",
-    )
-    findings.add_claim(
-        "transition",
-        bool(four.balls_beyond_two_contacts[0] == 0 and at_18 > 0),
+    words = f"never more than two contacts a ball; ratio {ratios[1]:.2f} with tilt, {ratios[2]:.2f} without"
+    findings.add_claim("dr_consistent", bool(np.all(double.balls_beyond_two_contacts == 0)) and ratios[1] < 1.28, words)
+    words = (
         f"{int(four.balls_beyond_two_contacts[0])} balls beyond two contacts at 0 deg, "
-        f"{at_18} of {source_cases.four_point_bearing().count} at 18 deg",
+        f"{at_18} of {source_cases.four_point_bearing().count} at 18 deg"
     )
+    findings.add_claim("transition", bool(four.balls_beyond_two_contacts[0] == 0 and at_18 > 0), words)
 
 
-#: Ends of the ranges of load angles [deg] over which the largest over the smallest torque of section 4.3.1 is taken.
+#: Largest load angles [deg] of the ranges over which the torques of section 4.3.1 are compared (largest over smallest).
 ENDS = (10.0, 18.0, 30.0)
 #: Steps and duration [s] of the simulations in the sensitivity table: one turn of the nut, 7.2 degrees per step.
 SHORT = {"steps": 50, "duration": 1.0}
@@ -457,12 +435,12 @@ SHORT = {"steps": 50, "duration": 1.0}
 IDLE = (0.0, 0.5, 0.9, 1.0)
 #: Labels of rows of the table of two balls, which the introduction of the report quotes.
 AS_TEXT, UNCOUPLED = "text as it stands, friction moves the balls", "loads not coupled to friction"
-AS_CASE, SOURCE_RULE = "as the case study", "the source's rule of contact"
-#: Oversizes [m] of the ball radius and axial loads [N] in the maps of two balls.
+AS_CASE, SOURCE_RULE = "as the case study", "Lin's rule by which neighbouring balls touch"
+#: Oversizes [m] of the ball radius and axial loads [N] over which force and loss of two balls are computed.
 OVERSIZE, AXIAL = tuple(np.linspace(-1e-6, 3e-6, 17)), (25.0, 50.0, 100.0, 200.0)
 
 
-def inferred_oversize_in_words() -> str:
+def oversize_in_words() -> str:
     """Return the inferred oversize of the ball radius with its unit as text, such as "1.7 µm".
 
     It is inferred from ball-to-ball force and friction loss in Lin's Table 3.7.
@@ -472,7 +450,7 @@ def inferred_oversize_in_words() -> str:
 
 def label_of_inferred_oversize() -> str:
     """Return the label of the table row for balls with the inferred oversize, whose loads friction does not change."""
-    return f"{inferred_oversize_in_words()} oversize, not coupled"
+    return f"{oversize_in_words()} oversize, not coupled"
 
 
 def contact_load_interpretations() -> list[tuple[str, str, Callable[[float], Pair]]]:
@@ -482,69 +460,34 @@ def contact_load_interpretations() -> list[tuple[str, str, Callable[[float], Pai
     deviation theta [rad] of the second ball's contact angle from nominal.
     """
 
-    def pair_maker_with_changes(make_pair: Callable[[float], Pair], **changes: object) -> Callable[[float], Pair]:
+    def changed(make_pair: Callable[[float], Pair], changes: dict[str, Any]) -> Callable[[float], Pair]:
         """Return a function of theta [rad] that makes a ball pair by ``make_pair``, with the pair's fields ``changes``."""
-        return lambda theta: replace(make_pair(theta), **changes)  # type: ignore[arg-type]
+        return lambda theta: replace(make_pair(theta), **changes)
 
-    radial = pair_maker_with_changes(source_cases.screw_pair_as_printed, free="r", force=(100.0,), coupling="none")
-    smaller, larger = 0.5 * source_cases.inferred_oversize(), 1.5 * source_cases.inferred_oversize()
-    size = inferred_oversize_in_words()
-    one, faulty = (1.0, 0.0, 0.0, 0.0), source_cases.groove_of_table_3_6(hertz="as printed")
+    oversize, size = source_cases.inferred_oversize(), oversize_in_words()
+    both, one = "friction moves balls and screw", (1.0, 0.0, 0.0, 0.0)
+    plain: dict[str, dict[str, Any]] = {
+        UNCOUPLED: {"coupling": "none"},
+        both: {"coupling": "ball and screw"},
+        "50 N radially on each ball, not coupled": {"free": "r", "force": (100.0,), "coupling": "none"},
+    }
+    inferred: dict[str, dict[str, Any]] = {
+        f"{size}, friction moves the balls": {"coupling": "ball"},
+        f"{size}, {both}": {"coupling": "ball and screw"},
+        "half the oversize": {"oversize": 0.5 * oversize},
+        "one and a half times the oversize": {"oversize": 1.5 * oversize},
+        f"{size}, 25 N instead of 50 N": {"force": (25.0,)},
+        f"{size}, 100 N instead of 50 N": {"force": (100.0,)},
+        f"{size}, theta on one contact of the screw": {"pattern": (one, one)},
+        f"{size}, screw's groove shifted sideways": {"pattern": (SHIFTED, SHIFTED)},
+        f"{size}, Hertz constants of Table B.1": {"groove": source_cases.screw_groove(hertz="as printed")},
+    }
+    as_printed, oversized = source_cases.pair_as_printed, source_cases.oversized_pair
     return [
-        ("plain", AS_TEXT, source_cases.screw_pair_as_printed),
-        ("plain, varied", UNCOUPLED, pair_maker_with_changes(source_cases.screw_pair_as_printed, coupling="none")),
-        (
-            "plain, varied",
-            "friction moves balls and screw",
-            pair_maker_with_changes(source_cases.screw_pair_as_printed, coupling="ball and screw"),
-        ),
-        ("plain, varied", "50 N radially on each ball, not coupled", radial),
-        ("inferred", label_of_inferred_oversize(), source_cases.screw_pair_with_inferred_oversize),
-        (
-            "inferred, varied",
-            f"{size}, friction moves the balls",
-            pair_maker_with_changes(source_cases.screw_pair_with_inferred_oversize, coupling="ball"),
-        ),
-        (
-            "inferred, varied",
-            f"{size}, friction moves balls and screw",
-            pair_maker_with_changes(source_cases.screw_pair_with_inferred_oversize, coupling="ball and screw"),
-        ),
-        (
-            "inferred, varied",
-            "half the oversize",
-            pair_maker_with_changes(source_cases.screw_pair_with_inferred_oversize, oversize=smaller),
-        ),
-        (
-            "inferred, varied",
-            "one and a half times the oversize",
-            pair_maker_with_changes(source_cases.screw_pair_with_inferred_oversize, oversize=larger),
-        ),
-        (
-            "inferred, varied",
-            f"{size}, 25 N instead of 50 N",
-            pair_maker_with_changes(source_cases.screw_pair_with_inferred_oversize, force=(25.0,)),
-        ),
-        (
-            "inferred, varied",
-            f"{size}, 100 N instead of 50 N",
-            pair_maker_with_changes(source_cases.screw_pair_with_inferred_oversize, force=(100.0,)),
-        ),
-        (
-            "inferred, varied",
-            f"{size}, theta on one contact of the screw",
-            pair_maker_with_changes(source_cases.screw_pair_with_inferred_oversize, pattern=(one, one)),
-        ),
-        (
-            "inferred, varied",
-            f"{size}, screw's groove shifted sideways",
-            pair_maker_with_changes(source_cases.screw_pair_with_inferred_oversize, pattern=(SHIFTED, SHIFTED)),
-        ),
-        (
-            "inferred, varied",
-            f"{size}, Hertz constants of Table B.1",
-            pair_maker_with_changes(source_cases.screw_pair_with_inferred_oversize, groove=faulty),
-        ),
+        ("plain", AS_TEXT, as_printed),
+        *(("plain, varied", words, changed(as_printed, changes)) for words, changes in plain.items()),
+        ("inferred", label_of_inferred_oversize(), oversized),
+        *(("inferred, varied", words, changed(oversized, changes)) for words, changes in inferred.items()),
     ]
 
 
@@ -564,20 +507,13 @@ def contact_load_interpretation_rows() -> list[Row]:
         for case, theta in THETA.items():
             r = solve_pair_of_screw_balls(make(radians(theta)))
             off = float(error_percent(r.force, printed_value("lin-3.7", f"force_{case}")))
+            increase, load = loss_increase_percent(r), float(r.ball_loads.mean())
+            at, error = f"angle deviation θ = {theta:g}°", "error of the ball-to-ball force against the printed one"
             row |= {
-                TableColumn(f"force_{case}", f"ball-to-ball force, angle deviation θ = {theta:g}°", "N", ".3f"): r.force,
-                TableColumn(
-                    f"error_{case}",
-                    f"error of the ball-to-ball force against the printed one, angle deviation θ = {theta:g}°",
-                    "%",
-                    ".1f",
-                ): off,
-                TableColumn(
-                    f"increase_{case}", f"increase of friction loss, angle deviation θ = {theta:g}°", "%", ".1f"
-                ): loss_increase_percent(r),
-                TableColumn(f"load_{case}", f"contact load of a ball, angle deviation θ = {theta:g}°", "N", ".0f"): float(
-                    r.ball_loads.mean()
-                ),
+                TableColumn(f"force_{case}", f"ball-to-ball force, {at}", "N", ".3f"): r.force,
+                TableColumn(f"error_{case}", f"{error}, {at}", "%", ".1f"): off,
+                TableColumn(f"increase_{case}", f"increase of friction loss, {at}", "%", ".1f"): increase,
+                TableColumn(f"load_{case}", f"contact load of a ball, {at}", "N", ".0f"): load,
             }
             good = good and r.converged
         rows.append(row | {"status": "converged" if good else "not converged"})
@@ -587,13 +523,11 @@ def contact_load_interpretation_rows() -> list[Row]:
 def contact_load_implied_by_table_3_7() -> float:
     """Return the contact load [N] of a ball implied by the printed force and loss increase of case (a), Lin's Table 3.7."""
     force, increase = (printed_value("lin-3.7", f"{what}_a") for what in ("force", "increase"))
-    return load_implied_by_ball_force(
-        source_cases.screw_pair_with_inferred_oversize(radians(THETA["a"])), force, 1e-2 * increase
-    )
+    return load_implied_by_ball_force(source_cases.oversized_pair(radians(THETA["a"])), force, 1e-2 * increase)
 
 
 @cache
-def pair_results_over_oversize_and_load(case: str, coupling: Coupling) -> ScrewPairResultGrid:
+def pair_results_over_oversize(case: str, coupling: Coupling) -> ScrewPairResultGrid:
     """Compute ball-to-ball force and loss increase of two balls of the screw over the balls' oversize and the axial load.
 
     The loss increase is the rise of the balls' friction loss by ball-to-ball contact.
@@ -602,9 +536,7 @@ def pair_results_over_oversize_and_load(case: str, coupling: Coupling) -> ScrewP
     screw".
     """
     return results_over_oversize_and_force(
-        replace(source_cases.screw_pair_with_inferred_oversize(radians(THETA[case])), coupling=coupling),
-        np.array(OVERSIZE),
-        np.array(AXIAL),
+        replace(source_cases.oversized_pair(radians(THETA[case])), coupling=coupling), np.array(OVERSIZE), np.array(AXIAL)
     )
 
 
@@ -619,12 +551,12 @@ def simulation_input_variations() -> list[tuple[str, str, dict[str, object]]]:
     changes += [("oversize", f"{o:g} µm", {"oversize": 1e-6 * o}) for o in (0.0, 1.0, 2.5)]
     changes += [
         ("oversize and coupling", "0 µm, friction moves balls and screw", {"oversize": 0.0, "coupling": "ball and screw"}),
-        ("coupling", f"{inferred_oversize_in_words()}, friction moves balls and screw", {"coupling": "ball and screw"}),
+        ("coupling", f"{oversize_in_words()}, friction moves balls and screw", {"coupling": "ball and screw"}),
         ("phase of theta", "90°", {"phase": 0.5 * np.pi}),
         ("phase of theta", "180°", {"phase": np.pi}),
         ("pattern", "groove shifted sideways", {"pattern": SHIFTED}),
         ("first ball", "an eighth of a distance back", {"first": 0.375}),
-        ("return tube", "one ball long", {"tube": source_cases.groove_of_table_3_6().pair.spacing}),
+        ("return tube", "one ball long", {"tube": source_cases.screw_groove().pair.spacing}),
         ("time step", "3.6° of the nut", {"steps": 100}),
     ]
     return changes
@@ -647,76 +579,73 @@ TRIED: tuple[Interpretation, ...] = (
     ("screw", 3.0, 1.7, "one"),
     ("nut", 3.0, 2.5, "one"),
 )
-#: Part that theta moves with and amplitude of theta [deg], for the simulations with Lin's rule of ball contact.
+#: Part that theta moves with and amplitude of theta [deg], for the simulations with Lin's rule by which neighbouring balls
+#: touch.
 BY_SOURCE = (("screw", 3.0), ("nut", 2.5))
 
 
-def simulation_inputs_of_interpretation(part_of_theta: str, amplitude: float, oversize: float, pattern: str) -> Run:
+def inputs_of_interpretation(part_of_theta: str, amplitude: float, oversize: float, pattern: str) -> Run:
     """Return inputs of the whole-screw simulation of Lin's section 3.4.4, with assumptions where his text leaves them open.
 
-    ``part_of_theta``: part with which the deviation theta of the contact angles moves, "screw" or "nut"; ``amplitude``:
-    amplitude of theta [deg]; ``oversize``: oversize of the ball radius [um]; ``pattern``: whether theta acts on "one" or
-    "both" of a ball's contacts with the screw.
+    ``part_of_theta``: part with which theta, the deviation of the contact angles from nominal, moves, "screw" or "nut";
+    ``amplitude``: amplitude of theta [deg]; ``oversize``: oversize of the ball radius [um]; ``pattern``: whether theta acts
+    on "one" or "both" of a ball's contacts with the screw.
     """
-    flanks = (1.0, 0.0, 0.0, 0.0) if pattern == "one" else source_cases.simulation_inputs_of_section_3_4_4().pattern
-    return source_cases.simulation_inputs_of_section_3_4_4(
+    flanks = (1.0, 0.0, 0.0, 0.0) if pattern == "one" else source_cases.simulation_inputs().pattern
+    return source_cases.simulation_inputs(
         follows=part_of_theta, amplitude=radians(amplitude), oversize=1e-6 * oversize, pattern=flanks
     )
 
 
 @cache
-def simulation_interpretation_results() -> tuple[ScrewRunSummary, ...]:
+def interpretation_results() -> tuple[ScrewRunSummary, ...]:
     """Simulate the whole screw of Lin's section 3.4.4 for each interpretation of its unprinted inputs, listed in `TRIED`.
 
     Each simulation has 200 equal time steps. Returns a summary of each simulation, with the largest ball-to-ball torque and
     the nut angles at which it occurs and at which contact ends.
     """
-    return tuple(
-        summarise_screw_run(simulate_equal_steps(simulation_inputs_of_interpretation(*reading))) for reading in TRIED
-    )
+    return tuple(summarise_screw_run(simulate_equal_steps(inputs_of_interpretation(*reading))) for reading in TRIED)
 
 
 PRINTED_OF_RUN = ("largest", "largest_at", "none_at")
 
 
-def nearest_interpretation_in_words(key: str) -> str:
+def _printed_results_of_run(s: ScrewRunSummary) -> tuple[float, float, float]:
+    """Return the three results of a whole-screw simulation that Lin prints, in the order of `PRINTED_OF_RUN`.
+
+    First: largest ball-to-ball over ball-to-groove torque [%]; then the nut angles [deg] at which it occurs and from which
+    no balls touch.
+    """
+    return 100.0 * s.largest_ball_to_groove_ratio, s.nut_angle_of_largest_ratio, s.nut_angle_without_contact
+
+
+def nearest_in_words(key: str) -> str:
     """Return in words the interpretation of Lin's text whose simulation comes closest to a printed number, with results.
 
     ``key``: key of the printed number in section 3.4.4 of Lin's thesis, one of `PRINTED_OF_RUN`.
     """
-    found = np.array(
-        [
-            (100.0 * s.largest_ball_to_groove_ratio, s.nut_angle_of_largest_ratio, s.nut_angle_without_contact)
-            for s in simulation_interpretation_results()
-        ]
-    )[:, PRINTED_OF_RUN.index(key)]
+    results = interpretation_results()
+    found = np.array([_printed_results_of_run(s)[PRINTED_OF_RUN.index(key)] for s in results])
     k = int(np.nanargmin(np.abs(found - printed_value("lin-3.4.4", key))))
-    (follows, amplitude, oversize, pattern), s = TRIED[k], simulation_interpretation_results()[k]
+    (follows, amplitude, oversize, pattern), (largest, at, none_at) = TRIED[k], _printed_results_of_run(results[k])
     text = f"theta of {amplitude:g} deg on {pattern} of the screw's contacts, with the {follows}, {oversize:g} um oversize"
-    numbers = (
-        f"{100.0 * s.largest_ball_to_groove_ratio:.1f} % at {s.nut_angle_of_largest_ratio:.0f}°, no contact from "
-        f"{s.nut_angle_without_contact:.0f}°"
-    )
+    numbers = f"{largest:.1f} % at {at:.0f}°, no contact from {none_at:.0f}°"
     return f"nearest of {len(TRIED)} interpretations: {text}: {numbers} (table friction-run-readings)"
 
 
 def simulation_interpretation_rows() -> list[Row]:
     """Return table rows of the whole-screw simulation, one for each interpretation of section 3.4.4 of Lin's thesis.
 
-    Columns: rule of contact and interpretation, the three results that Lin prints, and the differences from the printed
-    values. The last rows are computed with Lin's rule for contact between balls.
+    Columns: rule by which neighbouring balls touch, interpretation, the three results that Lin prints, and the differences
+    from the printed values. The last rows are computed with Lin's rule for contact between balls.
     """
-    found: list[tuple[str, Interpretation, list[Any]]] = [
-        (
-            "neighbours never overlap",
-            reading,
-            [100.0 * s.largest_ball_to_groove_ratio, s.nut_angle_of_largest_ratio, s.nut_angle_without_contact],
-        )
-        for reading, s in zip(TRIED, simulation_interpretation_results(), strict=True)
+    found: list[tuple[str, Interpretation, Sequence[Any]]] = [
+        ("neighbours never overlap", reading, _printed_results_of_run(s))
+        for reading, s in zip(TRIED, interpretation_results(), strict=True)
     ]
     for follows, amplitude in BY_SOURCE:
         reading = follows, amplitude, 1e6 * source_cases.inferred_oversize(), "both"
-        of_source = simulation_row_by_lin_method(simulation_inputs_of_interpretation(*reading))
+        of_source = simulation_row_by_lin_method(inputs_of_interpretation(*reading))
         found.append((SOURCE_RULE, reading, [of_source[q] for q in RUN[2:5]]))
     off = [TableColumn(f"{q.key}_off", f"{q.label}, computed minus printed", q.unit, "+.1f") for q in RUN[2:5]]
     printed = [printed_value("lin-3.4.4", key) for key in PRINTED_OF_RUN]
@@ -759,25 +688,12 @@ def simulation_result_row(label: str, assumed_value: str, history: travel.Travel
     """
     s: ScrewRunSummary = summarise_screw_run(history)
     touches = s.largest_ball_to_groove_ratio > 0.0
-    at, none_at = (
-        s.nut_angle_of_largest_ratio if touches else None,
-        s.nut_angle_without_contact if touches and np.isfinite(s.nut_angle_without_contact) else None,
-    )
-    torque, steps = (
-        1e3 * float(groove_torque_after_first_step(history).mean()),
-        f"{int(history.converged.sum())} of {history.converged.size}",
-    )
-    values = (
-        label,
-        assumed_value,
-        100.0 * s.largest_ball_to_groove_ratio,
-        at,
-        none_at,
-        s.most_touching_groups,
-        100.0 * relative_groove_torque_variation(history),
-        torque,
-        steps,
-    )
+    largest, angle, end = _printed_results_of_run(s)
+    at, none_at = angle if touches else None, end if touches and np.isfinite(end) else None
+    groups, variation = s.most_touching_groups, 100.0 * groove_torque_variation(history)
+    torque = 1e3 * float(later_groove_torque(history).mean())
+    steps = f"{int(history.converged.sum())} of {history.converged.size}"
+    values = label, assumed_value, largest, at, none_at, groups, variation, torque, steps
     return dict(zip(RUN, values, strict=True))
 
 
@@ -796,10 +712,8 @@ def simulation_row_by_lin_method(run: Run) -> Row:
     value = (
         f"as the case study, 3°; balls overlap in {r.overlapping_step_count} steps, by up to {overlap:.1f} % of their size"
     )
-    spread, steps = (
-        100.0 * float(np.ptp(torque) / torque.mean()),
-        f"{len(r.status) - r.failed_step_count} of {len(r.status)}",
-    )
+    spread = 100.0 * float(np.ptp(torque) / torque.mean())
+    steps = f"{len(r.status) - r.failed_step_count} of {len(r.status)}"
     first = SOURCE_RULE, value, 100.0 * float(ratio[top]), float(angle[top]), none_at
     values = *first, int(np.max(travel.count_touching_groups(touching))), spread, 1e3 * float(torque.mean()), steps
     return dict(zip(RUN, values, strict=True))
@@ -811,20 +725,15 @@ def simulation_sensitivity_rows() -> list[Row]:
     The columns are `RUN`. The first rows are the case study with each amplitude of theta in `AMPLITUDES`. The next row
     uses Lin's rule for contact between balls, and each further row one of `simulation_input_variations`.
     """
-    names = [f"theta of {a:g}°" for a in AMPLITUDES]
-    rows = [
-        simulation_result_row(
-            AS_CASE, f"{n}, {inferred_oversize_in_words()}, {simulate_screw(a).steps} steps", simulate_screw(a)
-        )
-        for n, a in zip(names, AMPLITUDES, strict=True)
-    ]
-    rows.append(simulation_row_by_lin_method(source_cases.simulation_inputs_of_section_3_4_4()))
-    rows += [
-        simulation_result_row(
-            name, value, simulate_equal_steps(source_cases.simulation_inputs_of_section_3_4_4(**(SHORT | new)))
-        )
-        for name, value, new in simulation_input_variations()
-    ]
+    rows = []
+    for a in AMPLITUDES:
+        history = simulate_screw(a)
+        words = f"theta of {a:g}°, {oversize_in_words()}, {history.steps} steps"
+        rows.append(simulation_result_row(AS_CASE, words, history))
+    rows.append(simulation_row_by_lin_method(source_cases.simulation_inputs()))
+    for name, value, new in simulation_input_variations():
+        run = source_cases.simulation_inputs(**(SHORT | new))
+        rows.append(simulation_result_row(name, value, simulate_equal_steps(run)))
     return rows
 
 
@@ -833,29 +742,25 @@ def bearings_under_varied_assumptions() -> list[tuple[str, str, friction_bearing
 
     Each entry: kind of bearing ("four-point" or "double row"); assumption in words; inputs of the friction model.
     """
-    face = (
-        friction_bearing.BallRow(-6e-3, friction_bearing.DIAGONAL),
-        friction_bearing.BallRow(6e-3, friction_bearing.OTHER),
-    )
-    four = source_cases.four_point_bearing(tilt=True)
+    tilting, held = source_cases.four_point_bearing(tilt=True), source_cases.four_point_bearing(tilt=False)
+    diagonal, other = friction_bearing.DIAGONAL, friction_bearing.OTHER
+    face = friction_bearing.BallRow(-6e-3, diagonal), friction_bearing.BallRow(6e-3, other)
     faulty: Mode = "as printed"
-    out = [
-        ("four-point", "tilt free, no clearance", four),
-        ("four-point", "tilt held", source_cases.four_point_bearing(tilt=False)),
-    ]
-    out += [
-        ("four-point", f"ball {100 * p:.0f} % of a distance off the load's plane", replace(four, phase=p))
-        for p in (0.25, 0.5)
-    ]
-    out += [("four-point", f"clearance {1e6 * c:g} µm", replace(four, clearance=c)) for c in (-1e-6, 2e-6, 5e-6)]
-    out += [
-        ("four-point", "Hertz constants as Table B.1", replace(four, groove=replace(four.groove, hertz=faulty))),
-        ("four-point", "force 2 mm off the middle", replace(four, arm=2e-3)),
-        ("double row", "tilt free, back to back", source_cases.double_row_bearing(tilt=True)),
-        ("double row", "tilt held", source_cases.double_row_bearing(tilt=False)),
-        ("double row", "tilt free, face to face", source_cases.double_row_bearing(tilt=True, rows=face)),
-    ]
-    return out
+    four = {
+        "tilt free, no clearance": tilting,
+        "tilt held": held,
+        **{f"ball {100 * p:.0f} % of a distance off the load's plane": replace(tilting, phase=p) for p in (0.25, 0.5)},
+        **{f"clearance {1e6 * c:g} µm": replace(tilting, clearance=c) for c in (-1e-6, 2e-6, 5e-6)},
+        "Hertz constants as Table B.1": replace(tilting, groove=replace(tilting.groove, hertz=faulty)),
+        "force 2 mm off the middle": replace(tilting, arm=2e-3),
+    }
+    double = {
+        "tilt free, back to back": source_cases.double_row_bearing(tilt=True),
+        "tilt held": source_cases.double_row_bearing(tilt=False),
+        "tilt free, face to face": source_cases.double_row_bearing(tilt=True, rows=face),
+    }
+    kinds = {"four-point": four, "double row": double}
+    return [(kind, words, case) for kind, cases in kinds.items() for words, case in cases.items()]
 
 
 def bearing_torque_rows() -> list[Row]:
@@ -867,18 +772,14 @@ def bearing_torque_rows() -> list[Row]:
     rows = list[Row]()
     for bearing, label, case in bearings_under_varied_assumptions():
         found = friction_bearing.bearing_torque_over_force_angles(case, ANGLES)
-        torque = TableColumn("torque", "friction torque at load angle 0°", "N mm", ".1f")
         row: Row = {
             "bearing": bearing,
             TableColumn("assumption", "varied assumption", "", "s"): label,
-            torque: 1e3 * float(found.torque[0]),
+            TableColumn("torque", "friction torque at load angle 0°", "N mm", ".1f"): 1e3 * float(found.torque[0]),
         }
-        row |= {
-            TableColumn(
-                f"to_{end:g}", f"ratio of largest to smallest torque, load angles 0 to {end:g}°", "", ".3f"
-            ): largest_over_smallest_torque(found, end)
-            for end in ENDS
-        }
+        for end in ENDS:
+            heading = f"ratio of largest to smallest torque, load angles 0 to {end:g}°"
+            row[TableColumn(f"to_{end:g}", heading, "", ".3f")] = largest_over_smallest_torque(found, end)
         upto = found.angle <= radians(18.0) * (1.0 + 1e-12)
         status = "converged" if found.converged.all() else "not converged"
         four = TableColumn("four", "largest number of balls with over two loaded contacts, load angles to 18°", "", "s")
@@ -896,19 +797,17 @@ def ball_contact_onset_rows(cache: SceneResultCache) -> list[Row]:
     for errors in SCREWS:
         for idle in IDLE:
             o = compute_ball_contact_onset(cache, errors, idle)
-            meet, first = (
-                int(np.isfinite(o.rotation_to_meeting).sum()),
-                degrees(o.rotation_to_first_meeting) if np.isfinite(o.rotation_to_first_meeting) else None,
-            )
+            lost, approach = int((o.contact_load_sums == 0.0).sum()), np.isfinite(o.rotation_to_meeting)
+            meet, first = f"{int(approach.sum())} of {approach.size}", degrees(o.rotation_to_first_meeting)
             rows.append(
                 {
                     TableColumn("errors", "kind of geometric error", "", "s"): errors,
                     TableColumn("idle", "speed of unloaded balls divided by the nominal speed", "", "g2"): idle,
-                    TableColumn("lost", "number of balls without load", "", "s"): int((o.contact_load_sums == 0.0).sum()),
-                    TableColumn(
-                        "meet", "pairs of neighbours that approach each other", "", "s"
-                    ): f"{meet} of {o.rotation_to_meeting.size}",
-                    TableColumn("first", "nut angle of the first ball-to-ball contact", "°", "g4"): first,
+                    TableColumn("lost", "number of balls without load", "", "s"): lost,
+                    TableColumn("meet", "pairs of neighbours that approach each other", "", "s"): meet,
+                    TableColumn("first", "nut angle of the first ball-to-ball contact", "°", "g4"): first
+                    if np.isfinite(first)
+                    else None,
                     "status": "converged" if o.converged else "not converged",
                 }
             )

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.printed import printed_value
@@ -20,10 +21,13 @@ from rollbench.lowfi.friction.bearing import BearingCase
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.lowfi.friction.screw.run import Pair, Run
 
+if TYPE_CHECKING:
+    from rollbench.compare.studies.rolling.runs import RollingRun
+
 #: Scenes of the cases of section 3.2, by number; of the cases of Table 3.7.
 ROTARY_SCENES = {"I": "lin-rotary-1", "II": "lin-rotary-2", "III": "lin-rotary-3"}
 PAIR_SCENES = {"a": "lin-screw-pair-a", "b": "lin-screw-pair-b"}
-#: Scenes of 3.4.4 by the amplitude of theta [deg].
+#: Scenes of 3.4.4 by the amplitude [deg] of theta, the deviation of the contact angles from nominal.
 RUN_SCENES = {2.0: "lin-screw-run-2deg", 3.0: "lin-screw-run"}
 LINEAR_PAIR, LINEAR_MATED, LINEAR_WORST = "lin-pair-a", "lin-pair-b", "lin-pair-worst"
 BEARINGS = "lin-bearing-pairs"
@@ -37,7 +41,7 @@ def rotary_ball_scene(name: str, *, printed: bool = False) -> BearingBallScene:
     return shipped_scene_of_kind(ROTARY_SCENES[name] + "-printed" * printed, BearingBallScene)
 
 
-def linear_ball_pair_scene(name: str = LINEAR_PAIR) -> LinearPairScene:
+def linear_pair_scene(name: str = LINEAR_PAIR) -> LinearPairScene:
     """Return a scene of two neighbouring balls in the linear bearing of Lin's Table 3.3; ``name``: name of the scene."""
     return shipped_scene_of_kind(name, LinearPairScene)
 
@@ -51,63 +55,69 @@ def printed_friction_slope_over_spin_pole_offset() -> float:
     return printed_value("lin-G", "k_f")
 
 
-def stored_rolling_results_in_3d(cache: SceneResultCache, name: str) -> Mapping[str, float]:
+def finest_rolling_run(cache: SceneResultCache, name: str) -> RollingRun | None:
+    """Return the stored result of the 3D rolling model for a scene on the finest grid; None if none is stored.
+
+    ``cache``: gives the folders of stored results; ``name``: name of the scene.
+    """
+    from rollbench.compare.studies.rolling.runs import LEVELS, load_rolling_run
+
+    stores = cache.reference_folders or (shipped_store(),)
+    return load_rolling_run(shipped_scene_of_kind(name, FrictionScene), max(LEVELS), stores)
+
+
+def stored_3d_results(cache: SceneResultCache, name: str) -> Mapping[str, float]:
     """Return the results of a scene by the 3D rolling model on its finest stored grid.
 
     The keys are quantities with unit, such as "force 1-2 N". The mapping is empty if no result is stored. ``cache``: gives
     the folders of stored results; ``name``: name of the scene.
     """
-    from rollbench.compare.studies.rolling.runs import LEVELS, load_rolling_run
-
-    run = load_rolling_run(
-        shipped_scene_of_kind(name, FrictionScene), max(LEVELS), cache.reference_folders or (shipped_store(),)
-    )
+    run = finest_rolling_run(cache, name)
     return {} if run is None else run.values
 
 
-def screw_pair_as_printed(theta: float | None = None) -> Pair:
+def pair_as_printed(theta: float | None = None) -> Pair:
     """Return two balls of the screw of section 3.4.3 as Lin states them: no clearance, friction changes the contact loads.
 
-    ``theta``: deviation of the second ball's contact angle [rad], if it differs from the scene's.
+    ``theta``: deviation of the second ball's contact angle from nominal [rad]; None: that of the scene.
     """
     return _replace_second_angle_deviation(shipped_scene_of_kind(PAIR_SCENES["a"], ScrewPairScene).pair, theta)
 
 
-def screw_pair_with_inferred_oversize(theta: float | None = None) -> Pair:
-    """Return two balls of the screw of section 3.4.3 with the inferred oversize, so that all four contacts are loaded.
+def oversized_pair(theta: float | None = None) -> Pair:
+    """Return two balls of the screw of section 3.4.3 with the inferred oversize of the ball radius.
 
-    The oversize is not printed. ``theta``: deviation of the second ball's contact angle [rad], if it differs from the
-    scene's.
+    The oversize is not printed; with it, all four contacts of each ball are loaded. ``theta``: deviation of the second
+    ball's contact angle from nominal [rad], if it differs from the scene's.
     """
-    return _replace_second_angle_deviation(
-        shipped_scene_of_kind(f"{PAIR_SCENES['a']}-inferred", ScrewPairScene).pair, theta
-    )
+    scene = shipped_scene_of_kind(f"{PAIR_SCENES['a']}-inferred", ScrewPairScene)
+    return _replace_second_angle_deviation(scene.pair, theta)
 
 
 def _replace_second_angle_deviation(pair: Pair, theta: float | None) -> Pair:
-    """Return the ball pair with ``theta``, the second ball's deviation of the contact angle [rad], unless it is None."""
+    """Replace the second ball's deviation of the contact angle from nominal by ``theta`` [rad], unless it is None."""
     return pair if theta is None else replace(pair, theta=(pair.theta[0], theta))
 
 
 def second_ball_angle_deviation(name: str) -> float:
-    """Return the deviation of the second ball's contact angle [rad] in a case of Lin's Table 3.7; ``name``: "a" or "b"."""
+    """Return the second ball's contact angle less nominal [rad] in a case of Lin's Table 3.7; ``name``: "a" or "b"."""
     return shipped_scene_of_kind(PAIR_SCENES[name], ScrewPairScene).pair.theta[1]
 
 
 def inferred_oversize() -> float:
     """Return the oversize of the ball radius [m] that was inferred from force and friction loss in Lin's Table 3.7."""
-    return screw_pair_with_inferred_oversize().oversize
+    return oversized_pair().oversize
 
 
-def groove_of_table_3_6(**changes: object) -> ScrewGroove:
+def screw_groove(**changes: object) -> ScrewGroove:
     """Return grooves, speed, friction and material of the ball screw of Lin's Table 3.6.
 
     ``changes``: new values of fields of `ScrewGroove`, by name.
     """
-    return replace(screw_pair_as_printed().groove, **changes)  # type: ignore[arg-type]
+    return replace(pair_as_printed().groove, **changes)  # type: ignore[arg-type]
 
 
-def simulation_inputs_of_section_3_4_4(**changes: object) -> Run:
+def simulation_inputs(**changes: object) -> Run:
     """Return the inputs of the whole-screw simulation of section 3.4.4, with an amplitude of theta of 3 deg.
 
     Theta is the deviation of the contact angles from nominal. ``changes``: new values of fields of `Run`, by name.

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, partial
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -252,9 +252,8 @@ def _compute_lash(findings: ComputedEntryValues, cache: SceneResultCache) -> Non
     words = f"lateral force at {1e3 * REACH:.0f} mm; by direction {by_direction} %"
     findings.add_number("axial", found.axial_percent, "screw kept from turning only")
     findings.add_number("conical", max(found.conical_percent), words)
-    findings.add_claim(
-        "robust", found.axial_percent < min(found.conical_percent), f"{found.axial_percent:.1f} % against {by_direction} %"
-    )
+    words = f"{found.axial_percent:.1f} % against {by_direction} %"
+    findings.add_claim("robust", found.axial_percent < min(found.conical_percent), words)
 
 
 def _compute_load_ratios(findings: ComputedEntryValues) -> None:
@@ -267,13 +266,10 @@ def _compute_load_ratios(findings: ComputedEntryValues) -> None:
     loads = np.array([largest_screw_and_bearing_loads(r) for r in results])
     bands = load_ratio_ranges(gear)
     for k, key in enumerate(("screw", "bearing")):
-        by_input = "; ".join(
-            f"{b.changed_input} {_load_ratio_range_in_words(getattr(b, key), findings.printed(f'ratio_{key}'))}"
-            for b in bands
-        )
-        findings.add_number(
-            f"ratio_{key}", float(loads[-1, k] / loads[0, k]), f"over what is not printed, one at a time: {by_input}"
-        )
+        printed = findings.printed(f"ratio_{key}")
+        by_input = "; ".join(f"{b.changed_input} {_load_ratio_range_in_words(getattr(b, key), printed)}" for b in bands)
+        words = f"over what is not printed, one at a time: {by_input}"
+        findings.add_number(f"ratio_{key}", float(loads[-1, k] / loads[0, k]), words)
     over = ", ".join(f"{a:.0f} and {b:.0f} N at {t:.0f} deg" for (a, b), t in zip(loads, TIE_ROD, strict=True))
     findings.add_claim("grows", bool(np.all(np.diff(loads, axis=0) > 0.0)), f"ball screw and bearing {over}")
     even, ring = (_nonzero_contact_loads(results[0], i) for i in range(2))
@@ -404,9 +400,8 @@ def load_ratios_of_all_layouts(gear: Assembly) -> Iterator[GearLayoutLoadRatios]
             for offset in OFFSETS:
                 for pinion in PINIONS:
                     layout = change_gear_layout(gear, pinion, hold, offset)
-                    yield GearLayoutLoadRatios(
-                        pinion, hold, opposed, offset, *load_ratios_at_18_degrees(layout, side_forces_opposed=opposed)
-                    )
+                    screw, bearing = load_ratios_at_18_degrees(layout, side_forces_opposed=opposed)
+                    yield GearLayoutLoadRatios(pinion, hold, opposed, offset, screw, bearing)
 
 
 @dataclass(frozen=True)
@@ -469,50 +464,37 @@ def gears_with_unprinted_inputs_varied(gear: Assembly) -> Iterator[tuple[str, st
     rods have opposite directions.
     """
     (pinion,), (held, pinned) = gear.supports, PINION_HOLDS
-    yield (
-        "axial position of the pinion",
-        "350 to 750 mm",
-        [(change_gear_layout(gear, z, held, 0.0), False) for z in PINIONS],
-    )
+
+    def screw(changed: Assembly, change: Callable[..., Scene], **values: Any) -> Assembly:
+        """Return the gear ``changed`` with its ball screw changed by the function ``change``, called with ``values``."""
+        return _change_screw_or_bearing(changed, True, partial(change, **values))
+
+    def bearing(change: Callable[..., Scene], **values: Any) -> Assembly:
+        """Return the gear with its bearing changed by the function ``change``, called with ``values``."""
+        return _change_screw_or_bearing(gear, False, partial(change, **values))
+
+    def alike(gears: Iterable[Assembly]) -> list[tuple[Assembly, bool]]:
+        """Return each gear with the information that its tie rods' lateral forces have the same direction."""
+        return [(one, False) for one in gears]
+
+    at_pinions = alike(change_gear_layout(gear, z, held, 0.0) for z in PINIONS)
+    yield "axial position of the pinion", "350 to 750 mm", at_pinions
     across = change_gear_layout(gear, pinion.at, pinned, 0.0)
-    yield (
-        "restraint by the pinion, directions of the lateral forces",
-        f"{held}; {pinned}, alike or opposed",
-        [*((gear, False), (across, False), (across, True))],
-    )
-    yield (
-        "distance of the bearing from the nut's centre",
-        "-20 to 20 mm",
-        [(change_gear_layout(gear, pinion.at, held, x), False) for x in OFFSETS],
-    )
-    yield (
-        "outer diameter of the rack",
-        "26 to 30 mm",
-        [
-            (_change_screw_or_bearing(_set_outer_diameter(gear, d), True, partial(_set_outer_diameter, diameter=d)), False)
-            for d in DIAMETERS
-        ],
-    )
-    yield (
-        "oversize of the bearing's ball radius",
-        "-10 to 2 um",
-        [(_change_screw_or_bearing(gear, False, partial(_enlarge_balls, excess=x)), False) for x in BEARING_FITS],
-    )
-    yield (
-        "oversize of the screw's ball radius",
-        "-5 to 5 um",
-        [(_change_screw_or_bearing(gear, True, partial(_enlarge_balls, excess=x)), False) for x in SCREW_FITS],
-    )
-    yield (
-        "azimuth of the bearing's first ball",
-        "0 to 30 deg from the lateral force",
-        [(_change_screw_or_bearing(gear, False, partial(_rotate_balls_about_axis, angle=x)), False) for x in FIRST],
-    )
-    yield (
-        "pattern of the screw's balls",
-        ", ".join(PATTERNS),
-        [(_change_screw_or_bearing(gear, True, partial(arrange_balls_in_pattern, pattern=p)), False) for p in PATTERNS],
-    )
+    held_otherwise = [*alike((gear, across)), (across, True)]
+    words = f"{held}; {pinned}, alike or opposed"
+    yield "restraint by the pinion, directions of the lateral forces", words, held_otherwise
+    moved = alike(change_gear_layout(gear, pinion.at, held, x) for x in OFFSETS)
+    yield "distance of the bearing from the nut's centre", "-20 to 20 mm", moved
+    thick = alike(screw(_set_outer_diameter(gear, d), _set_outer_diameter, diameter=d) for d in DIAMETERS)
+    yield "outer diameter of the rack", "26 to 30 mm", thick
+    fits = alike(bearing(_enlarge_balls, excess=x) for x in BEARING_FITS)
+    yield "oversize of the bearing's ball radius", "-10 to 2 um", fits
+    fits = alike(screw(gear, _enlarge_balls, excess=x) for x in SCREW_FITS)
+    yield "oversize of the screw's ball radius", "-5 to 5 um", fits
+    turned = alike(bearing(_rotate_balls_about_axis, angle=x) for x in FIRST)
+    yield "azimuth of the bearing's first ball", "0 to 30 deg from the lateral force", turned
+    arranged = alike(screw(gear, arrange_balls_in_pattern, pattern=p) for p in PATTERNS)
+    yield "pattern of the screw's balls", ", ".join(PATTERNS), arranged
 
 
 @cache
@@ -524,9 +506,8 @@ def load_ratio_ranges(gear: Assembly) -> tuple[LoadRatioRange, ...]:
     """
     out = []
     for changed, values, gears in gears_with_unprinted_inputs_varied(gear):
-        screw, bearing = zip(
-            *(load_ratios_at_18_degrees(one, side_forces_opposed=opposed) for one, opposed in gears), strict=True
-        )
+        ratios = (load_ratios_at_18_degrees(one, side_forces_opposed=opposed) for one, opposed in gears)
+        screw, bearing = zip(*ratios, strict=True)
         out.append(LoadRatioRange(changed, values, (min(screw), max(screw)), (min(bearing), max(bearing))))
     return tuple(out)
 

@@ -15,7 +15,6 @@ from typing import Literal
 import numpy as np
 
 from rollbench.compare.cases.lin.evidence import chapter_2
-from rollbench.compare.cases.lin.evidence import chapter_2 as evidence_chapter_2
 from rollbench.compare.measure import error_percent, load_error
 from rollbench.compare.models.load_cases import solve_scene_with_results
 from rollbench.compare.models.registry import DEFAULT, ModelOptions
@@ -48,20 +47,16 @@ def end_support_table(cache: SceneResultCache) -> Table:
     ``cache``: gives solved scenes and stored 3D references.
     """
     rows: list[Row] = []
+    change = "largest change of a contact load against the first support"
     for reading in chapter_2.END_SUPPORTS:
-        for name, first in (
-            (reading.scene_without_offset, chapter_2.END_SUPPORTS[0].scene_without_offset),
-            (reading.scene_with_offset, chapter_2.END_SUPPORTS[0].scene_with_offset),
-        ):
+        for which in ("plain_scene", "offset_scene"):
+            name, first = (getattr(one, which) for one in (reading, chapter_2.END_SUPPORTS[0]))
+            level, stated = reference_mesh_level_in_words(cache, name), "yes" if reading.is_stated_by_text else "no"
             row: Row = {
                 "scene": name,
-                TableColumn("held", "freedoms restrained at the right end", "", "s"): reading.restraint_in_words,
-                TableColumn("text", "whether Lin's text states this support", "", "s"): "yes"
-                if reading.is_stated_by_text
-                else "no",
-                TableColumn("reference", "finest mesh level of the 3D reference", "", "s"): reference_mesh_level_in_words(
-                    cache, name
-                ),
+                TableColumn("held", "freedoms restrained at the right end", "", "s"): reading.restraint,
+                TableColumn("text", "whether Lin's text states this support", "", "s"): stated,
+                TableColumn("reference", "finest mesh level of the 3D reference", "", "s"): level,
             }
             for model, words in (("lin", "Lin's model"), (DEFAULT, "refined model")):
                 result = cache.solve_once(name, model)
@@ -70,12 +65,7 @@ def end_support_table(cache: SceneResultCache) -> Table:
                 row |= {
                     TableColumn(f"{model}_max", f"largest contact load, {words}", "N", ".1f"): float(result.load.max()),
                     TableColumn(f"{model}_min", f"smallest contact load, {words}", "N", ".1f"): float(result.load.min()),
-                    TableColumn(
-                        f"{model}_change",
-                        f"largest change of a contact load against the first support, {words}",
-                        "% of mean load",
-                        ".2f",
-                    ): e.max_percent,
+                    TableColumn(f"{model}_change", f"{change}, {words}", "% of mean load", ".2f"): e.max_percent,
                     TableColumn(f"{model}_where", f"ball and flank with the largest change, {words}", "", "s"): where,
                 }
             rows.append(row)
@@ -105,7 +95,7 @@ def model_choice_rows(found: Sequence[chapter_2.Case1WithModelChoice]) -> list[R
             TableColumn("choice", "modelling choice", "", "s"): c.choice_in_words,
             TableColumn("max", "largest contact load", "N", ".2f"): float(c.solution.load.max()),
             TableColumn("min", "smallest contact load", "N", ".2f"): float(c.solution.load[:, 0].min()),
-            TableColumn("ratio", "ratio of largest to smallest load", "", ".4f"): chapter_2.largest_over_smallest_load(
+            TableColumn("ratio", "ratio of largest to smallest load", "", ".4f"): chapter_2.load_ratio(
                 c.solution.load[:, 0]
             ),
             TableColumn("error", "largest change of a contact load", "% of mean load", ".3f"): c.load_change.max_percent,
@@ -152,10 +142,13 @@ def largest_and_smallest_loads_table(cache: SceneResultCache) -> Table:
 
     ``cache``: gives the solved scenes.
     """
+    by_force = "divided by the largest force"
+    of_moments = "sum of all moments on the screw divided by the largest moment"
     rows: list[Row] = []
     for name in chapter_2.CASES:
         r = cache.solve_once(name)
-        assert r.equilibrium is not None
+        sums = r.equilibrium
+        assert sums is not None
         for s, side in enumerate(SIDES):
             load = r.load[:, s]
             if (load > 0.0).any():
@@ -165,29 +158,19 @@ def largest_and_smallest_loads_table(cache: SceneResultCache) -> Table:
                         TableColumn("side", "flank", "", "s"): side,
                         TableColumn("max", "largest contact load", "N", ".2f"): float(load.max()),
                         TableColumn("min", "smallest contact load", "N", ".2f"): float(load.min()),
-                        TableColumn(
-                            "ratio", "ratio of largest to smallest load", "", ".4f"
-                        ): chapter_2.largest_over_smallest_load(load),
+                        TableColumn("ratio", "ratio of largest to smallest load", "", ".4f"): chapter_2.load_ratio(load),
                         TableColumn("ball", "ball with the largest load", "", "s"): int(load.argmax()) + 1,
                         TableColumn(
-                            "residual", "residual of the solved equations divided by the largest force", "", "g2"
+                            "residual", f"residual of the solved equations {by_force}", "", "g2"
                         ): r.solver.residual,
-                        TableColumn(
-                            "force", "sum of all forces on the screw divided by the largest force", "", "g2"
-                        ): r.equilibrium.force_residual,
-                        TableColumn(
-                            "moment", "sum of all moments on the screw divided by the largest moment", "", "g2"
-                        ): r.equilibrium.moment_residual,
+                        TableColumn("force", f"sum of all forces on the screw {by_force}", "", "g2"): sums.force_residual,
+                        TableColumn("moment", of_moments, "", "g2"): sums.moment_residual,
                         "status": r.status,
                     }
                 )
     note = "Sums of forces and moments: loads, reactions and contact forces on the screw; zero in exact equilibrium."
-    return Table.from_rows(
-        "cases-summary",
-        "Lin's case studies: smallest and largest contact loads on each flank, and balance of forces",
-        rows,
-        note,
-    )
+    title = "Lin's case studies: smallest and largest contact loads on each flank, and balance of forces"
+    return Table.from_rows("cases-summary", title, rows, note)
 
 
 def largest_difference_of_opposite_loads(cache: SceneResultCache) -> float:
@@ -195,9 +178,8 @@ def largest_difference_of_opposite_loads(cache: SceneResultCache) -> float:
 
     Opposite contacts are SL and NR, and SR and NL (screw or nut, left or right). ``cache``: gives the solved scenes.
     """
-    return max(
-        float(np.abs(cache.solve_once(n).load[:, :2] - cache.solve_once(n).load[:, :1:-1]).max()) for n in chapter_2.CASES
-    )
+    loads = [cache.solve_once(name).load for name in chapter_2.CASES]
+    return max(float(np.abs(load[:, :2] - load[:, :1:-1]).max()) for load in loads)
 
 
 def case_study_figures(cache: SceneResultCache) -> tuple[Figure, ...]:
@@ -221,11 +203,11 @@ def case_study_figures(cache: SceneResultCache) -> tuple[Figure, ...]:
     )
     panels = []
     for reading in chapter_2.END_SUPPORTS:
-        plain, offset = cache.solve_once(reading.scene_without_offset), cache.solve_once(reading.scene_with_offset)
-        moved = f"offset {1e6 * largest_prescribed_displacement(cache.built_in_scene(reading.scene_with_offset)):g} µm"
+        plain, offset = cache.solve_once(reading.plain_scene), cache.solve_once(reading.offset_scene)
+        moved = f"offset {1e6 * largest_prescribed_displacement(cache.built_in_scene(reading.offset_scene)):g} µm"
         panels.append(
             contact_load_panel(
-                f"case 3, {reading.restraint_in_words} at the right end"
+                f"case 3, {reading.restraint} at the right end"
                 + (" (as the text says)" if reading.is_stated_by_text else ""),
                 contact_load_curve(f"SL, {moved}", offset, 0, emphasis=True),
                 contact_load_curve("SL, no offset", plain, 0),
@@ -235,26 +217,18 @@ def case_study_figures(cache: SceneResultCache) -> tuple[Figure, ...]:
         )
     axes = "z / mm", "displacement / µm"
     straight = Series("Mei (both)", [0.0, 1e3 * float(case1.centreline_z[-1])], [0.0, 0.0], "line")
-    line = Panel(
-        "case 1: lateral displacement of the centreline",
-        *axes,
-        (*lateral_displacement_curves(case1.centreline_z, case1.centreline), straight),
-    )
-    three = cache.solve_once("lin-case3-offset")
-    bend = Panel(
-        "case 3 with offset: lateral displacement of the centreline",
-        *axes,
-        lateral_displacement_curves(three.centreline_z, three.centreline),
-    )
+    title, three = "lateral displacement of the centreline", cache.solve_once("lin-case3-offset")
+    curves = (*lateral_displacement_curves(case1.centreline_z, case1.centreline), straight)
+    line = Panel(f"case 1: {title}", *axes, curves)
+    bend = Panel(f"case 3 with offset: {title}", *axes, lateral_displacement_curves(three.centreline_z, three.centreline))
     return (
         Figure("cases-12", "Lin's case studies 1 and 2: contact load of each ball", (first, second)),
         Figure(
             "cases-3",
             "Lin's case study 3: contact load of each ball, for each interpretation of the support at the right end",
             tuple(panels),
-            "SL, SR: left and right flank of the screw; NL, NR: left and right flank of the nut. Opposite "
-            "contacts (SL and NR, SR and NL) have equal loads within "
-            f"{largest_difference_of_opposite_loads(cache):.2f} N.",
+            "SL, SR: left and right flank of the screw; NL, NR: left and right flank of the nut. Opposite contacts (SL and "
+            f"NR, SR and NL) have equal loads within {largest_difference_of_opposite_loads(cache):.2f} N.",
         ),
         Figure("cases-centreline", "Lin's case studies 1 and 3: displacement of the screw's centreline", (line, bend)),
     )
@@ -367,7 +341,9 @@ def errors_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sect
             load = e.loads[:, :, s]
             largest = load.max(axis=1)
             low, mid, high = np.percentile(largest, [5, 50, 95])
-            ratios = [evidence_chapter_2.largest_over_smallest_load(one) for one in load]
+            ratio = float(np.median([chapter_2.load_ratio(one) for one in load]))
+            lost = float((load == 0.0).sum(axis=1).mean())
+            failed = sum(x != "converged" for x in e.statuses)
             rows.append(
                 {
                     "scene": name,
@@ -376,34 +352,25 @@ def errors_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sect
                     TableColumn("low", "5th percentile of the largest contact load", "N", ".1f"): float(low),
                     TableColumn("mid", "median of the largest contact load", "N", ".1f"): float(mid),
                     TableColumn("high", "95th percentile of the largest contact load", "N", ".1f"): float(high),
-                    TableColumn("ratio", "median ratio of largest to smallest load", "", ".3f"): float(np.median(ratios))
-                    if s == 0
-                    else None,
-                    TableColumn("lost", "mean number of unloaded balls", "", ".2f"): float(
-                        (load == 0.0).sum(axis=1).mean()
-                    ),
-                    TableColumn("bad", "number of screws not converged", "", "s"): sum(
-                        x != "converged" for x in e.statuses
-                    ),
+                    TableColumn("ratio", "median ratio of largest to smallest load", "", ".3f"): ratio if s == 0 else None,
+                    TableColumn("lost", "mean number of unloaded balls", "", ".2f"): lost,
+                    TableColumn("bad", "number of screws not converged", "", "s"): failed,
                 }
             )
     changes: list[Row] = []
+    ratio_on_sl = "ratio of largest to smallest load on the left flank of the screw (SL)"
     for name in ("lin-case2", "lin-profile", "lin-pitch", "lin-random", "lin-combined"):
         r = cache.solve_once(name)
-        e2 = load_error(r.load, base.load)
+        e2, third = load_error(r.load, base.load), int((r.load[:, 1] > 0).sum())
         changes.append(
             {
                 "scene": name,
                 TableColumn("max", "largest contact load", "N", ".1f"): float(r.load.max()),
-                TableColumn(
-                    "ratio", "ratio of largest to smallest load on the left flank of the screw (SL)", "", ".3f"
-                ): evidence_chapter_2.largest_over_smallest_load(r.load[:, 0]),
+                TableColumn("ratio", ratio_on_sl, "", ".3f"): chapter_2.load_ratio(r.load[:, 0]),
                 TableColumn("change", "largest change of a contact load", "% of mean load", ".2f"): e2.max_percent,
                 TableColumn("rms", "RMS change of the contact loads", "% of mean load", ".2f"): e2.rms_percent,
                 TableColumn("ball", "ball and flank of the largest change", "", "s"): f"{e2.ball} {e2.side}",
-                TableColumn("third", "number of balls loaded on the right flank of the screw (SR)", "", "s"): int(
-                    (r.load[:, 1] > 0).sum()
-                ),
+                TableColumn("third", "number of balls loaded on the right flank of the screw (SR)", "", "s"): third,
             }
         )
     return Section(
@@ -440,13 +407,14 @@ def hertz_section(cache: SceneResultCache, step: Callable[[str], None]) -> Secti
     case = cache.built_in_scene("lin-case1")
     compared = [
         ("Table 2.1's groove, 3.254 mm", case),
-        ("Table B.1's groove, 0.56 x diameter", with_conformity(case, evidence_chapter_2.TABLE_CONFORMITY)),
+        ("Table B.1's groove, 0.56 x diameter", with_conformity(case, chapter_2.TABLE_CONFORMITY)),
     ]
     constants: list[Row] = []
     for label, scene in compared:
         right, faulty = hertz_without_errors(scene), misprinted_hertz_of_flanks(scene)
         for name, side, printed in zip(("screw", "nut"), (0, 3), faulty, strict=True):
-            C = float(right.C[side])
+            C, cube_root = float(right.C[side]), 225.0 ** (1 / 3)
+            pressure = float(right.pressure(np.array(225.0))[side])
             constants.append(
                 {
                     TableColumn("groove", "groove radius", "", "s"): label,
@@ -455,14 +423,9 @@ def hertz_section(cache: SceneResultCache, step: Callable[[str], None]) -> Secti
                     TableColumn("faulty", "Hertz constant C, as Lin computes it", "m/N^(2/3)", "g5"): printed.C,
                     TableColumn("error", "error of C as Lin computes it", "%", ".1f"): float(error_percent(printed.C, C)),
                     TableColumn("approach", "approach under 225 N", "µm", ".3f"): 1e6 * C * 225.0 ** (2 / 3),
-                    TableColumn("a", "semi-axis a under 225 N", "mm", ".4f"): 1e3
-                    * float(right.C_a[side])
-                    * 225.0 ** (1 / 3),
-                    TableColumn("b", "semi-axis b under 225 N", "mm", ".4f"): 1e3
-                    * float(right.C_b[side])
-                    * 225.0 ** (1 / 3),
-                    TableColumn("p0", "largest pressure under 225 N", "MPa", ".1f"): 1e-6
-                    * float(right.pressure(np.array(225.0))[side]),
+                    TableColumn("a", "semi-axis a under 225 N", "mm", ".4f"): 1e3 * float(right.C_a[side]) * cube_root,
+                    TableColumn("b", "semi-axis b under 225 N", "mm", ".4f"): 1e3 * float(right.C_b[side]) * cube_root,
+                    TableColumn("p0", "largest pressure under 225 N", "MPa", ".1f"): 1e-6 * pressure,
                 }
             )
     return Section(
@@ -515,37 +478,30 @@ def manufacturing_section(cache: SceneResultCache, step: Callable[[str], None]) 
     ``cache``: gives the solved scenes; ``step``: function that receives a message before each step.
     """
     panels = [equivalent_errors_panel(cache.built_in_scene("lin-pitch-4p1"))]
+    on_sl, which = "contact load on the left flank of the screw (SL)", "(flank SR or NL)"
+    spread = "standard deviation divided by mean of the loads on SL"
     rows: list[Row] = []
-    for screw, label in evidence_chapter_2.SCREWS.items():
+    for screw, label in chapter_2.SCREWS.items():
         step(f"pitch and roundness errors on the screw of {label}")
         curves = []
         for kind in ("pitch", "roundness"):
             scene = cache.built_in_scene(f"lin-{kind}-{screw}")
             curves.append(contact_load_curve(f"{kind} error", cache.solve_once(scene), 0, emphasis=True))
-            for reading, variant in evidence_chapter_2.scenes_with_unprinted_inputs_varied(scene):
+            for reading, variant in chapter_2.scenes_with_unprinted_inputs_varied(scene):
                 r = cache.solve_once(variant)
                 third = r.load[:, [1, 2]]
+                lost, balls = int(chapter_2.balls_without_load(r).sum()), int((third > 0.0).any(axis=1).sum())
                 rows.append(
                     {
                         TableColumn("screw", "screw of Lin's thesis", "", "s"): label,
                         TableColumn("error", "geometric error", "", "s"): kind,
                         TableColumn("reading", "assumption on unprinted inputs", "", "s"): reading,
-                        TableColumn("max", "largest contact load on the left flank of the screw (SL)", "N", ".1f"): float(
-                            r.load[:, 0].max()
-                        ),
-                        TableColumn("min", "smallest contact load on the left flank of the screw (SL)", "N", ".1f"): float(
-                            r.load[:, 0].min()
-                        ),
-                        TableColumn(
-                            "spread", "standard deviation divided by mean of the loads on SL", "", ".3f"
-                        ): evidence_chapter_2.relative_standard_deviation_of_loads(r),
-                        TableColumn("lost", "number of balls without contact", "", "s"): int(
-                            evidence_chapter_2.balls_without_load(r).sum()
-                        ),
-                        TableColumn("third", "number of balls with a third loaded contact (flank SR or NL)", "", "s"): int(
-                            (third > 0.0).any(axis=1).sum()
-                        ),
-                        TableColumn("third_max", "largest load of a third contact (flank SR or NL)", "N", ".1f"): float(
+                        TableColumn("max", f"largest {on_sl}", "N", ".1f"): float(r.load[:, 0].max()),
+                        TableColumn("min", f"smallest {on_sl}", "N", ".1f"): float(r.load[:, 0].min()),
+                        TableColumn("spread", spread, "", ".3f"): chapter_2.relative_load_scatter(r),
+                        TableColumn("lost", "number of balls without contact", "", "s"): lost,
+                        TableColumn("third", f"number of balls with a third loaded contact {which}", "", "s"): balls,
+                        TableColumn("third_max", f"largest load of a third contact {which}", "N", ".1f"): float(
                             third.max()
                         ),
                         "status": r.status,
@@ -553,15 +509,8 @@ def manufacturing_section(cache: SceneResultCache, step: Callable[[str], None]) 
                 )
         bare = replace(cache.built_in_scene(f"lin-pitch-{screw}"), errors=Errors())
         curves.append(contact_load_curve("no errors", cache.solve_once(bare), 0))
-        panels.append(
-            Panel(
-                f"screw of {label}, 1000 N: contact loads on flank SL",
-                "ball",
-                "contact load / N",
-                tuple(curves),
-                integer_x=True,
-            )
-        )
+        title = f"screw of {label}, 1000 N: contact loads on flank SL"
+        panels.append(Panel(title, "ball", "contact load / N", tuple(curves), integer_x=True))
     return Section(
         "manufacturing",
         "Lin 4.3.2: contact loads with pitch errors and with roundness errors",
@@ -621,7 +570,7 @@ def solver_agreement_row(cache: SceneResultCache, name: str) -> Row:
     kinds: tuple[tuple[Literal["arc", "source"], str, str, str], ...] = (
         (
             "arc",
-            "largest load difference, both methods on the energy solver's equations",
+            "largest load difference between both methods on the energy solver's equations",
             "g2",
             "iterations of Lin's Newton method on the energy solver's equations",
         ),
@@ -638,8 +587,8 @@ def solver_agreement_row(cache: SceneResultCache, name: str) -> Row:
         row[TableColumn(kinematics, heading, "% of mean load", form)] = off
         row[TableColumn(f"{kinematics}_iterations", counted, "", "s")] = by_source.iterations
     for arm, heading in (
-        ("nominal", "largest load change if lever arms end at the nominal contact points"),
-        ("ball", "largest load change if contact forces act at the axial positions of the balls"),
+        ("nominal", "largest load change if lever arms end at the nominal contact points instead of the current ones"),
+        ("ball", "largest load change if contact forces act at the axial positions of the balls instead of the contacts'"),
     ):
         frozen = cache.solve_once(cache.scene_with_options(name, arm=arm))
         row[TableColumn(arm, heading, "% of mean load", ".3f")] = load_error(frozen.load, by_energy.load).max_percent

@@ -17,7 +17,7 @@ from rollbench.compare.cases.lin.extremes import extreme_linear_pair_rows, root_
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.printed import printed_entry, printed_value
-from rollbench.compare.sections.curves import scale_to_python_floats
+from rollbench.compare.sections.curves import scale_to_python_floats as floats
 from rollbench.lowfi.friction.bearing import SIDES, BearingBallSolution, BearingTorqueCurve, solve_ball_over_displacements
 from rollbench.lowfi.friction.linear.chain import LinearPairResultsOverGrid, ModelAndFormula, pair_results_over_grid
 from rollbench.lowfi.friction.screw.motion import Coupling
@@ -85,12 +85,8 @@ def solver_residuals_table() -> Table:
     The last columns are the energy error and the difference of the ball-to-ball force between several starts of the solver.
     """
     note = "Contact angles follow the loads. Residual and difference are divided by the largest friction force on a ball."
-    return Table.from_rows(
-        "friction-stability",
-        "Two balls of a linear bearing: residuals and energy errors of the friction solver on extreme cases",
-        extreme_linear_pair_rows(),
-        note,
-    )
+    title = "Two balls of a linear bearing: residuals and energy errors of the friction solver on extreme cases"
+    return Table.from_rows("friction-stability", title, extreme_linear_pair_rows(), note)
 
 
 def root_finding_table() -> Table:
@@ -103,12 +99,8 @@ def root_finding_table() -> Table:
         "k_S times the spin; the larger k_S, the nearer a spinning contact to Coulomb's law; here without interpolation in "
         "maps. Least dissipation succeeds if it finds the minimum of the loss; it uses Coulomb friction for all k_S."
     )
-    return Table.from_rows(
-        "friction-roots",
-        "Rotary bearing: random starts from which root finding and least dissipation find the motion of the ball",
-        root_finding_rows(),
-        note,
-    )
+    title = "Rotary bearing: random starts from which root finding and least dissipation find the motion of the ball"
+    return Table.from_rows("friction-roots", title, root_finding_rows(), note)
 
 
 # --- figures
@@ -117,12 +109,11 @@ def root_finding_table() -> Table:
 def rotary_bearing_torque_figure() -> Figure:
     """Draw Lin's Figure 3.7: forces, torque, losses and ball rotation over the ring's radial displacement."""
     u = 1e-6 * np.concatenate([np.linspace(0.0, 4.0, 9), np.linspace(4.05, 6.0, 40), np.linspace(6.2, 10.0, 20)])
-    true, printed = (
-        solve_ball_over_displacements(rotary_linear.ROTARY, rotary_linear.AXIAL, u),
-        solve_ball_over_displacements(rotary_linear.ROTARY, rotary_linear.AXIAL, u, rotary_linear.PRINTED_LAW),
-    )
+    laws_of_solver = (), (rotary_linear.PRINTED_LAW,)
+    bearing, axial = rotary_linear.ROTARY, rotary_linear.AXIAL
+    true, printed = (solve_ball_over_displacements(bearing, axial, u, *law) for law in laws_of_solver)
     good = np.array([s.motion.status == "exact" for s in printed])
-    x, label = scale_to_python_floats(u, 1e6), "u_y / µm"
+    x, label = floats(u, 1e6), "u_y / µm"
     marks = [1e6 * v for v in rotary_linear.CASES.values()]
     laws = (("correct", true, np.ones(u.size, dtype=bool)), ("as printed", printed, good))
 
@@ -134,59 +125,35 @@ def rotary_bearing_torque_figure() -> Figure:
         ``quantity_of_solution``: function that returns the quantity from a ball's solution; ``key``: first part of the keys
         of the printed values; ``factor``: factor from the quantity's unit to the panel's.
         """
-        drawn = [
-            Series(
-                name,
-                x,
-                scale_to_python_floats(np.where(ok, [quantity_of_solution(s) for s in found], np.nan), factor),
-                "line",
-                bold=name == "correct",
-            )
-            for name, found, ok in laws
-        ]
+        drawn = []
+        for name, found, ok in laws:
+            values = np.where(ok, [quantity_of_solution(s) for s in found], np.nan)
+            drawn.append(Series(name, x, floats(values, factor), "line", bold=name == "correct"))
         dots = [printed_value("lin-3.2", f"{key}_{case}") for case in rotary_linear.CASES]
         return (*drawn, Series("Table 3.2, cases I to III", marks, dots, "markers"))
 
     losses = [Series(side, x, [float(s.motion.friction.loss[i]) for s in true], "line") for i, side in enumerate(SIDES)]
+    force = curves_of_quantity(lambda s: s.load.force.sum(), "F_sum")
+    torque = curves_of_quantity(lambda s: s.inner_ring_torque, "torque", 1e3)
+    omega_x = curves_of_quantity(lambda s: s.motion.unknown_velocities[1], "omega_x")
     panels = (
-        Panel(
-            "sum of contact loads",
-            label,
-            "force / N",
-            curves_of_quantity(lambda s: s.load.force.sum(), "F_sum"),
-            include_zero=True,
-        ),
-        Panel(
-            "friction torque",
-            label,
-            "torque / N mm",
-            curves_of_quantity(lambda s: s.inner_ring_torque, "torque", 1e3),
-            include_zero=True,
-        ),
+        Panel("sum of contact loads", label, "force / N", force, include_zero=True),
+        Panel("friction torque", label, "torque / N mm", torque, include_zero=True),
         Panel("friction loss of each contact, correct", label, "loss / W", losses, include_zero=True),
-        Panel(
-            "angular velocity ω_x of the ball",
-            label,
-            "ω_x / rad/s",
-            curves_of_quantity(lambda s: s.motion.unknown_velocities[1], "omega_x"),
-        ),
+        Panel("angular velocity ω_x of the ball", label, "ω_x / rad/s", omega_x),
     )
     missing = int(np.sum(~good))
     caption = (
-        "Once all four contacts are loaded, the torque rises faster than the force: the lightly loaded contacts first "
-        "slide; beyond the bend of the curve, all contacts spin. Case II of Lin's Table 3.2 lies beyond the bend with "
-        "exact "
-        "Hertz constants, and just before it with the constants that Lin prints. The sum of forces that he prints for case "
-        "III is a misprint. Gaps in the curves: Lin's root finding fails at "
-        f"{missing} of {u.size} points."
+        "Once all four contacts of the ball are loaded, the torque rises faster than the force: the lightly loaded "
+        "contacts first slide; beyond the bend of the curve, all contacts spin. Case II of Lin's Table 3.2 lies beyond the "
+        "bend with exact Hertz constants, and just before it with the constants that Lin prints. The sum of forces that he "
+        f"prints for case III is a misprint. Gaps in the curves: Lin's root finding fails at {missing} of {u.size} points."
     )
-    return Figure(
-        "friction-torque",
+    title = (
         "Rotary bearing (Lin, Figure 3.7): forces, torque, losses and ball rotation, plotted against the radial "
-        "displacement",
-        panels,
-        caption,
+        "displacement"
     )
+    return Figure("friction-torque", title, panels, caption)
 
 
 def sliding_velocity_panel(case: str, solution: BearingBallSolution, title: str) -> Panel:
@@ -200,7 +167,7 @@ def sliding_velocity_panel(case: str, solution: BearingBallSolution, title: str)
     for i in np.flatnonzero(solution.load.force > 0.0):
         _, vz, spin = (float(v) for v in solution.motion.contact_motions[i])
         velocity = vz - spin * x * float(solution.contacts.a[i])
-        curves.append(Series(SIDES[i], scale_to_python_floats(x), scale_to_python_floats(velocity, 1e3), "line"))
+        curves.append(Series(SIDES[i], floats(x), floats(velocity, 1e3), "line"))
     return Panel(f"sliding velocity, case {case}, {title}", "x / a", "velocity / mm/s", curves)
 
 
@@ -209,25 +176,15 @@ def sliding_velocity_figure() -> Figure:
 
     Three panels have correct values, and three have values computed with Lin's faults.
     """
-    panels = [
-        sliding_velocity_panel(case, rotary_linear.solve_rotary_ball(case), "correct") for case in rotary_linear.CASES
-    ]
-    panels += [
-        sliding_velocity_panel(case, rotary_linear.solve_rotary_ball_as_printed(case), "as printed")
-        for case in rotary_linear.CASES
-    ]
+    ways = ("correct", rotary_linear.solve_rotary_ball), ("as printed", rotary_linear.rotary_ball_as_printed)
+    panels = [sliding_velocity_panel(case, solve(case), words) for words, solve in ways for case in rotary_linear.CASES]
     caption = (
         "Contacts: I inner, O outer ring; L left, R right. Slope of a curve: spin; offset: sliding. Case I: one contact "
         "rolls, the other spins about its centre. Case II: as printed, IR and OL slide and OR is nearly at rest; "
-        "correct: all four contacts spin, as in case III."
+        "correct: all four contacts of the ball spin, as in case III."
     )
-    return Figure(
-        "friction-velocity",
-        "Rotary bearing (Lin, Figure 3.8): sliding velocity along the major axes of the contacts",
-        panels,
-        caption,
-        3,
-    )
+    title = "Rotary bearing (Lin, Figure 3.8): sliding velocity along the major axes of the contacts"
+    return Figure("friction-velocity", title, panels, caption, 3)
 
 
 def panels_over_side_force_ratio(
@@ -235,11 +192,11 @@ def panels_over_side_force_ratio(
 ) -> list[Panel]:
     """Draw a quantity of two balls over the side force ratio: by the numerical model, by Lin's formula, and the difference.
 
-    There is one curve for each deviation theta of the contact angle. ``grid_results``: results over a grid of side force
-    ratios and values of theta; ``by_model_and_formula``: the quantity by numerical model and by formula; ``label``: name of
-    the quantity with unit.
+    There is one curve for each deviation theta of the contact angle from nominal. ``grid_results``: results over a grid of
+    side force ratios and values of theta; ``by_model_and_formula``: the quantity by numerical model and by formula;
+    ``label``: name of the quantity with unit.
     """
-    x = scale_to_python_floats(grid_results.side_force_ratio)
+    x = floats(grid_results.side_force_ratio)
     parts = (
         ("numerical model", by_model_and_formula.numerical),
         ("Lin's formula", by_model_and_formula.formula),
@@ -248,7 +205,7 @@ def panels_over_side_force_ratio(
     panels = []
     for title, values in parts:
         curves = [
-            Series(f"θ = {degrees(t):+.0f}°", x, scale_to_python_floats(row), "line")
+            Series(f"θ = {degrees(t):+.0f}°", x, floats(row), "line")
             for t, row in zip(grid_results.contact_angle_deviation, values, strict=True)
         ]
         panels.append(Panel(title, "side force ratio ρ", label, curves))
@@ -260,13 +217,8 @@ def figures_over_side_force_ratio() -> tuple[Figure, Figure]:
 
     First: difference of the balls' velocities; second: ball-to-ball force and ratio of friction losses.
     """
-    m = pair_results_over_grid(
-        rotary_linear.LINEAR,
-        np.radians([-3.0, -1.0, 1.0, 2.0, 3.0]),
-        np.linspace(-0.6, 0.6, 25),
-        rotary_linear.VERTICAL,
-        rotary_linear.K_F,
-    )
+    theta, rho = np.radians([-3.0, -1.0, 1.0, 2.0, 3.0]), np.linspace(-0.6, 0.6, 25)
+    m = pair_results_over_grid(rotary_linear.LINEAR, theta, rho, rotary_linear.VERTICAL, rotary_linear.K_F)
     short = np.abs(m.velocity_deviation_difference.error).max() / np.abs(m.velocity_deviation_difference.numerical).max()
     first = Figure(
         "friction-difference",
@@ -285,11 +237,10 @@ def figures_over_side_force_ratio() -> tuple[Figure, Figure]:
             *panels_over_side_force_ratio(m, m.groove_and_ball_loss_ratio, "loss ratio"),
         ],
         "θ: deviation of the contact angle. Loss ratio: 1 + (loss between the balls)/(losses without ball-to-ball "
-        "contact). "
-        f"Where the balls approach each other, the force grows up to {m.force.numerical.max():.2f} N and the loss ratio up "
-        f"to {100.0 * m.groove_and_ball_loss_ratio.numerical.max():.1f} % (Lin prints it as an increase of "
-        f"{printed_entry('lin-3.3', 'worst_ratio').number_as_printed} %). Lin's formula gives a force that is too small "
-        f"by up to {-m.force.error.min():.2f} N, and a loss ratio that is wrong by up to "
+        f"contact). Where the balls approach each other, the force grows up to {m.force.numerical.max():.2f} N and the "
+        f"loss ratio up to {100.0 * m.groove_and_ball_loss_ratio.numerical.max():.1f} % (Lin prints it as an increase of "
+        f"{printed_entry('lin-3.3', 'worst_ratio').number_as_printed} %). Lin's formula gives a force that is too small by "
+        f"up to {-m.force.error.min():.2f} N, and a loss ratio that is wrong by up to "
         f"{np.abs(m.groove_and_ball_loss_ratio.error).max():.2f}.",
         3,
     )
@@ -344,13 +295,13 @@ def simulated_torque_panel(title: str, history: TravelHistory) -> Panel:
     The curves are the torque by ball-to-groove contacts, by ball-to-ball contacts, and their sum. ``history``: motions and
     torques at each time step.
     """
-    time = scale_to_python_floats(history.nut_angle, 1.0 / history.setting.groove.speed)
+    time = floats(history.nut_angle, 1.0 / history.setting.groove.speed)
     parts = (
         ("ball-to-groove", history.groove_torque),
         ("ball-to-ball", history.ball_torque + history.closing_torque),
         ("sum", history.torque),
     )
-    curves = [Series(name, time, scale_to_python_floats(v, 1e3), "line", bold=name == "sum") for name, v in parts]
+    curves = [Series(name, time, floats(v, 1e3), "line", bold=name == "sum") for name, v in parts]
     return Panel(title, "time / s", "torque / N mm", curves, include_zero=True)
 
 
@@ -360,12 +311,7 @@ def angle_deviation_panel(case: Run) -> Panel:
     ``case``: inputs of the whole-screw simulation.
     """
     phi = np.linspace(-2.0 * np.pi, 2.0 * np.pi, 201)
-    curve = Series(
-        "assumed",
-        scale_to_python_floats(np.degrees(phi)),
-        scale_to_python_floats(np.degrees(contact_angle_deviation(case, phi))),
-        "line",
-    )
+    curve = Series("assumed", floats(np.degrees(phi)), floats(np.degrees(contact_angle_deviation(case, phi))), "line")
     return Panel("deviation θ of the contact angles over the loaded turns", "azimuth / deg", "θ / deg", (curve,))
 
 
@@ -375,42 +321,23 @@ def touching_balls_panels(history: TravelHistory) -> tuple[Panel, Panel]:
     ``history``: motions, torques and touching balls at each time step. First panel: positions of touching balls along the
     nut's track; second: numbers of touching pairs and of groups of touching balls.
     """
-    along = np.degrees(
-        np.mod(history.azimuth - history.nut_angle[:, None] + np.pi * history.setting.turns, history.setting.ring)
-    )
-    some = (
-        history.presses_on_next & (np.arange(history.nut_angle.size) % max(1, history.nut_angle.size // DOTS) == 0)[:, None]
-    )
-    step, ball = np.nonzero(some)
-    time = history.nut_angle / history.setting.groove.speed
-    dots = Series("touching", scale_to_python_floats(time[step]), scale_to_python_floats(along[step, ball]), "markers")
-    pairs = Series(
-        "touching pairs", scale_to_python_floats(time), scale_to_python_floats(history.presses_on_next.sum(axis=1)), "line"
-    )
-    found = Series(
-        "groups of touching balls",
-        scale_to_python_floats(time),
-        scale_to_python_floats(history.touching_group_counts),
-        "line",
+    setting, angle = history.setting, history.nut_angle
+    along = np.degrees(np.mod(history.azimuth - angle[:, None] + np.pi * setting.turns, setting.ring))
+    shown_steps = np.arange(angle.size) % max(1, angle.size // DOTS) == 0
+    step, ball = np.nonzero(history.presses_on_next & shown_steps[:, None])
+    time, x, theta = angle / setting.groove.speed, "time / s", theta_in_words(history)
+    dots = Series("touching", floats(time[step]), floats(along[step, ball]), "markers")
+    numbers = (
+        Series("touching pairs", floats(time), floats(history.presses_on_next.sum(axis=1)), "line"),
+        Series("groups of touching balls", floats(time), floats(history.touching_group_counts), "line"),
     )
     return (
-        Panel(
-            f"positions of touching balls, {theta_amplitude_in_words(history)}",
-            "time / s",
-            "position along the nut's track / deg",
-            (dots,),
-        ),
-        Panel(
-            f"numbers of touching pairs and groups, {theta_amplitude_in_words(history)}",
-            "time / s",
-            "number",
-            (pairs, found),
-            include_zero=True,
-        ),
+        Panel(f"positions of touching balls, {theta}", x, "position along the nut's track / deg", (dots,)),
+        Panel(f"numbers of touching pairs and groups, {theta}", x, "number", numbers, include_zero=True),
     )
 
 
-def theta_amplitude_in_words(history: TravelHistory) -> str:
+def theta_in_words(history: TravelHistory) -> str:
     """Return as text the amplitude of the contact angles' deviation theta in a simulation, such as "θ of 3°"."""
     return f"θ of {np.degrees(history.setting.amplitude):g}°"
 
@@ -418,38 +345,31 @@ def theta_amplitude_in_words(history: TravelHistory) -> str:
 def screw_simulation_figure() -> Figure:
     """Draw Lin's Figures 3.23 to 3.25: contact-angle deviation, friction torque and touching balls of the whole screw."""
     three, two, open_grooves = screw.simulate_screw(3.0), screw.simulate_screw(2.0), screw.simulate_screw_without_oversize()
+
+    def torque_panel(history: TravelHistory, coupling: str = "") -> Panel:
+        """Draw the friction torque over time; ``coupling``: end of the title."""
+        oversize = f"oversize {1e6 * history.setting.oversize:g} µm"
+        return simulated_torque_panel(f"torque, {theta_in_words(history)}, {oversize}{coupling}", history)
+
     panels = (
         angle_deviation_panel(three.setting),
-        simulated_torque_panel(
-            f"torque, {theta_amplitude_in_words(three)}, oversize {1e6 * three.setting.oversize:g} µm", three
-        ),
-        simulated_torque_panel(f"torque, {theta_amplitude_in_words(two)}, oversize {1e6 * two.setting.oversize:g} µm", two),
+        torque_panel(three),
+        torque_panel(two),
         *touching_balls_panels(three),
-        simulated_torque_panel(
-            f"torque, {theta_amplitude_in_words(open_grooves)}, oversize {1e6 * open_grooves.setting.oversize:g} µm, "
-            "friction coupled",
-            open_grooves,
-        ),
+        torque_panel(open_grooves, ", friction coupled"),
     )
     high, low = summarise_screw_run(three), summarise_screw_run(two)
     caption = (
-        "θ: deviation of the contact angles; its amplitude and phase, and the oversize of the balls, are assumed. "
-        "The torque by ball-to-ball friction rises to "
-        f"{high.largest_ball_to_groove_ratio:.0%} of that by ball-to-groove friction with "
-        f"{theta_amplitude_in_words(three)} "
-        f"(at a nut angle of {high.nut_angle_of_largest_ratio:.0f}°), and to {low.largest_ball_to_groove_ratio:.0%} with "
-        f"{theta_amplitude_in_words(two)} (at {low.nut_angle_of_largest_ratio:.0f}°); then it vanishes, and returns "
-        f"weaker. The touching balls form {high.most_touching_groups} "
-        "groups. Without oversize (last panel) the ball-to-groove torque varies by "
-        f"{screw.relative_groove_torque_variation(open_grooves):.0%} after the first time step."
+        "θ: deviation of the contact angles; its amplitude and phase, and the oversize of the balls, are assumed. The "
+        f"torque by ball-to-ball friction rises to {high.largest_ball_to_groove_ratio:.0%} of that by ball-to-groove "
+        f"friction with {theta_in_words(three)} (at a nut angle of {high.nut_angle_of_largest_ratio:.0f}°), and to "
+        f"{low.largest_ball_to_groove_ratio:.0%} with {theta_in_words(two)} (at {low.nut_angle_of_largest_ratio:.0f}°); "
+        f"then it vanishes, and returns weaker. The touching balls form {high.most_touching_groups} groups. Without "
+        f"oversize (last panel) the ball-to-groove torque varies by {screw.groove_torque_variation(open_grooves):.0%} "
+        "after the first time step."
     )
-    return Figure(
-        "friction-run",
-        "Simulation of a whole ball screw (Lin, Figures 3.23 to 3.25): friction torque and touching balls over time",
-        panels,
-        caption,
-        3,
-    )
+    title = "Simulation of a whole ball screw (Lin, Figures 3.23 to 3.25): friction torque and touching balls over time"
+    return Figure("friction-run", title, panels, caption, 3)
 
 
 def panels_over_ball_oversize(case: str, coupling: Coupling) -> list[Panel]:
@@ -459,15 +379,12 @@ def panels_over_ball_oversize(case: str, coupling: Coupling) -> list[Panel]:
     ``case``: case of Lin's Table 3.7, "a" or "b"; ``coupling``: which parts the friction displaces, so that it changes the
     contact loads: "none", "ball" or "ball and screw".
     """
-    m, x = screw.pair_results_over_oversize_and_load(case, coupling), [1e6 * oversize for oversize in screw.OVERSIZE]
+    m, x = screw.pair_results_over_oversize(case, coupling), [1e6 * oversize for oversize in screw.OVERSIZE]
     words = "loads without friction" if coupling == "none" else "friction moves the balls"
     panels = []
     for key, values, label in (("force", m.force, "force / N"), ("increase", 100.0 * m.friction_increase, "increase / %")):
         values = np.where(m.converged, values, np.nan)
-        curves = [
-            Series(f"{f:g} N", x, scale_to_python_floats(values[:, j]), "line", bold=f == LOAD)
-            for j, f in enumerate(screw.AXIAL)
-        ]
+        curves = [Series(f"{f:g} N", x, floats(values[:, j]), "line", bold=f == LOAD) for j, f in enumerate(screw.AXIAL)]
         printed = printed_value("lin-3.7", f"{key}_{case}")
         curves.append(Series("printed", [x[0], x[-1]], [printed, printed], "line"))
         title = f"{'ball-to-ball force' if key == 'force' else 'friction increase'}, θ = {screw.THETA[case]:g}°, {words}"
@@ -481,7 +398,7 @@ def force_without_oversize_over_printed(case: str, coupling: Coupling) -> float:
     ``case``: case of Lin's Table 3.7, "a" or "b"; ``coupling``: which parts the friction displaces, as in
     `panels_over_ball_oversize`.
     """
-    m = screw.pair_results_over_oversize_and_load(case, coupling)
+    m = screw.pair_results_over_oversize(case, coupling)
     at = int(np.argmin(np.abs(np.array(screw.OVERSIZE))))
     return float(m.force[at, screw.AXIAL.index(LOAD)]) / printed_value("lin-3.7", f"force_{case}")
 
@@ -494,12 +411,10 @@ def oversizes_at_printed_value_in_words(key: str) -> str:
     """
     words = []
     for case in ("a", "b"):
-        m, printed = screw.pair_results_over_oversize_and_load(case, "none"), printed_value("lin-3.7", f"{key}_{case}")
+        m, printed = screw.pair_results_over_oversize(case, "none"), printed_value("lin-3.7", f"{key}_{case}")
         values = (m.force if key == "force" else 100.0 * m.friction_increase)[:, screw.AXIAL.index(LOAD)]
-        words.append(
-            f"{' and '.join(f'{x:.1f}' for x in oversizes_at_crossings(values, printed)) or 'no oversize'} µm in case "
-            f"({case})"
-        )
+        found = " and ".join(f"{x:.1f}" for x in oversizes_at_crossings(values, printed)) or "no oversize"
+        words.append(f"{found} µm in case ({case})")
     return ", ".join(words)
 
 
@@ -530,8 +445,8 @@ def force_over_ball_oversize_figure() -> Figure:
         f"{force_without_oversize_over_printed('a', 'ball'):.2f} times the printed force. The curves of {LOAD:g} N reach "
         f"the printed forces at an oversize of {oversizes_at_printed_value_in_words('force')}, and the printed increases "
         f"of friction at {oversizes_at_printed_value_in_words('increase')}. Inferred from both, and used in the other "
-        f"figures: an oversize of {1000000.0 * source_cases.screw_pair_with_inferred_oversize().oversize:g} µm at "
-        f"{source_cases.screw_pair_with_inferred_oversize().force[0]:g} N."
+        f"figures: an oversize of {1000000.0 * source_cases.oversized_pair().oversize:g} µm at "
+        f"{source_cases.oversized_pair().force[0]:g} N."
     )
     return Figure(
         "friction-pair-maps",
@@ -553,12 +468,12 @@ def first_load_angle_beyond_two_contacts(found: BearingTorqueCurve) -> float:
 def bearing_torque_figure() -> Figure:
     """Draw Lin's Figure 4.7: friction torque of a four-point and a double-row bearing over the load angle."""
     curves = [
-        ("four-point, tilt free", screw.bearing_torque_over_load_angle("4P", True)),
-        ("four-point, tilt held", screw.bearing_torque_over_load_angle("4P", False)),
-        ("double row, tilt free", screw.bearing_torque_over_load_angle("DR", True)),
-        ("double row, tilt held", screw.bearing_torque_over_load_angle("DR", False)),
+        ("four-point, tilt free", screw.torque_over_load_angle("4P", True)),
+        ("four-point, tilt held", screw.torque_over_load_angle("4P", False)),
+        ("double row, tilt free", screw.torque_over_load_angle("DR", True)),
+        ("double row, tilt held", screw.torque_over_load_angle("DR", False)),
     ]
-    x, label = scale_to_python_floats(np.degrees(screw.ANGLES)), "load angle / deg"
+    x, label = floats(np.degrees(screw.ANGLES)), "load angle / deg"
 
     def draw_panel(title: str, unit: str, quantity_of_bearing: Callable[[BearingTorqueCurve], Array]) -> Panel:
         """Draw a quantity of both bearings, with and without tilt of the inner ring, over the load angle.
@@ -567,46 +482,35 @@ def bearing_torque_figure() -> Figure:
         quantity of a bearing.
         """
         drawn = [
-            Series(name, x, scale_to_python_floats(quantity_of_bearing(c)), "line+markers", bold=k == 0)
+            Series(name, x, floats(quantity_of_bearing(c)), "line+markers", bold=k == 0)
             for k, (name, c) in enumerate(curves)
         ]
         return Panel(title, label, unit, drawn, include_zero=True)
 
-    ratio, printed = (
-        draw_panel("friction torque divided by that at load angle 0°", "torque ratio", lambda c: c.torque / c.torque[0]),
-        printed_value("lin-4.3", "ratio_4p"),
-    )
+    title = "friction torque divided by that at load angle 0°"
+    ratio = draw_panel(title, "torque ratio", lambda c: c.torque / c.torque[0])
+    printed = [printed_value("lin-4.3", "ratio_4p")] * 2
+    marked = (*ratio.series, Series("printed ratio of largest to smallest", [0.0, END], printed, "line"))
+    title = "balls with more than two loaded contacts"
     panels = (
         draw_panel("friction torque", "torque / N mm", lambda c: 1e3 * c.torque),
-        replace(
-            ratio, series=(*ratio.series, Series("printed ratio of largest to smallest", [0.0, END], [printed] * 2, "line"))
-        ),
-        draw_panel(
-            "balls with more than two loaded contacts",
-            "number of balls",
-            lambda c: c.balls_beyond_two_contacts.astype(float),
-        ),
+        replace(ratio, series=marked),
+        draw_panel(title, "number of balls", lambda c: c.balls_beyond_two_contacts.astype(float)),
     )
     free, held, last = curves[0][1], curves[1][1], float(np.degrees(screw.ANGLES[-1]))
     caption = (
         "The torque of the four-point bearing rises with the load angle, steeply once balls have more than two loaded "
         f"contacts: from {first_load_angle_beyond_two_contacts(free):.0f}° on if the inner ring is free to tilt. The "
-        "torque of "
-        f"the double-row bearing stays within {screw.largest_over_smallest_torque(curves[2][1], END):.2f} times its "
-        f"smallest value up to {END:g}°. If the inner ring of the four-point bearing cannot tilt, "
+        f"torque of the double-row bearing stays within {screw.largest_over_smallest_torque(curves[2][1], END):.2f} times "
+        f"its smallest value up to {END:g}°. If the inner ring of the four-point bearing cannot tilt, "
         + (
             f"balls have more than two loaded contacts from {first_load_angle_beyond_two_contacts(held):.0f}° on."
             if held.balls_beyond_two_contacts.any()
             else f"no ball has more than two loaded contacts up to {last:.0f}°."
         )
     )
-    return Figure(
-        "friction-load-angle",
-        "Four-point and double-row bearing (Lin 4.3.1): friction torque, plotted against the load angle",
-        panels,
-        caption,
-        3,
-    )
+    title = "Four-point and double-row bearing (Lin 4.3.1): friction torque, plotted against the load angle"
+    return Figure("friction-load-angle", title, panels, caption, 3)
 
 
 # --- Lin 3.4 and 4.3: two balls of a ball screw, a whole screw over time, two bearings
@@ -629,12 +533,13 @@ def pair_interpretations_table() -> Table:
         "Oversize: of the ball's radius, not stated in the thesis; it was chosen so "
         "that the printed force and the printed increase imply the same contact load."
     )
-    return Table.from_rows(
-        "friction-readings",
-        "Lin, Table 3.7: ball-to-ball force and loss increase, for each interpretation of the text",
-        screw.contact_load_interpretation_rows(),
-        note,
-    )
+    title = "Lin, Table 3.7: ball-to-ball force and loss increase, for each interpretation of the text"
+    return Table.from_rows("friction-readings", title, screw.contact_load_interpretation_rows(), note)
+
+
+def _printed_results_of_simulation() -> list[str]:
+    """Return as texts the results that Lin prints for the whole-screw simulation, in the order of `PRINTED_OF_RUN`."""
+    return [printed_entry("lin-3.4.4", key).number_as_printed for key in screw.PRINTED_OF_RUN]
 
 
 def simulation_sensitivity_table() -> Table:
@@ -642,23 +547,16 @@ def simulation_sensitivity_table() -> Table:
 
     The assumptions concern section 3.4.4; in each row, one of them is changed.
     """
-    largest, at, none_at = (
-        printed_entry("lin-3.4.4", key).number_as_printed for key in ("largest", "largest_at", "none_at")
-    )
+    largest, at, none_at = _printed_results_of_simulation()
     note = (
         f"Lin prints {largest} % at {at}°, no contact from {none_at}° on, and four groups. Third row: Lin's root finding, "
         "by which neighbouring balls touch if they are near and would approach without contact (3.77). Rows below: one "
         "assumption changed at a time from theta of 3° (deviation of the contact angles), "
-        f"{source_cases.simulation_inputs_of_section_3_4_4().force[0]:g} N, "
-        f"{screw.inferred_oversize_in_words()} oversize and contact "
-        "loads without friction, over one turn of the nut in steps of 7.2°. Empty: contact does not end within that turn."
+        f"{source_cases.simulation_inputs().force[0]:g} N, {screw.oversize_in_words()} oversize and contact loads without "
+        "friction, over one turn of the nut in steps of 7.2°. Empty: contact does not end within that turn."
     )
-    return Table.from_rows(
-        "friction-run-sensitivity",
-        "Simulation of a whole ball screw (Lin 3.4.4): change of the results with each assumption",
-        screw.simulation_sensitivity_rows(),
-        note,
-    )
+    title = "Simulation of a whole ball screw (Lin 3.4.4): change of the results with each assumption"
+    return Table.from_rows("friction-run-sensitivity", title, screw.simulation_sensitivity_rows(), note)
 
 
 def simulation_interpretations_table() -> Table:
@@ -666,23 +564,17 @@ def simulation_interpretations_table() -> Table:
 
     The table also contains the differences from the printed results.
     """
-    largest, at, none_at = (
-        printed_entry("lin-3.4.4", key).number_as_printed for key in ("largest", "largest_at", "none_at")
-    )
+    largest, at, none_at = _printed_results_of_simulation()
     note = (
-        f"Lin prints {largest} % at {at}° and no contact from {none_at}° on. Theta: deviation of the contact angles. "
-        "Lin's text leaves open whether theta moves with the screw or the nut, its amplitude, whether it acts on one or "
-        "both contacts of the screw, and the oversize of the balls. Last rows: Lin's rule of contact (3.77). No "
-        "interpretation gives all three numbers. With theta on the screw, contact begins and ends too early; with theta on "
-        "the nut, largest torque and its angle come out together, and contact ends too late."
+        f"Lin prints {largest} % at {at}° and no contact from {none_at}° on. Theta: deviation of the contact angles. Lin's "
+        "text leaves open whether theta moves with the screw or the nut, its amplitude, whether it acts on one or both "
+        "contacts of the screw, and the oversize of the balls. Last rows: Lin's rule by which neighbouring balls touch "
+        "(3.77). No interpretation gives all three numbers. With theta on the screw, contact begins and ends too early; "
+        "with theta on the nut, largest torque and its angle come out together, and contact ends too late."
     )
     rows = screw.simulation_interpretation_rows()
-    return Table.from_rows(
-        "friction-run-readings",
-        "Simulation of a whole ball screw (Lin 3.4.4): ball-to-ball torque, for each interpretation of the text",
-        rows,
-        note,
-    )
+    title = "Simulation of a whole ball screw (Lin 3.4.4): ball-to-ball torque, for each interpretation of the text"
+    return Table.from_rows("friction-run-readings", title, rows, note)
 
 
 def bearing_torque_table() -> Table:
@@ -695,12 +587,8 @@ def bearing_torque_table() -> Table:
         f"coefficient {source_cases.four_point_bearing().groove.mu:g} and the freedom to tilt are assumed; the "
         "ratio does not depend on the friction coefficient. Range of load angles read off Lin's figure."
     )
-    return Table.from_rows(
-        "friction-bearings",
-        "Bearings of Lin's Table 4.2: ratio of largest to smallest friction torque, for each assumption",
-        screw.bearing_torque_rows(),
-        note,
-    )
+    title = "Bearings of Lin's Table 4.2: ratio of largest to smallest friction torque, for each assumption"
+    return Table.from_rows("friction-bearings", title, screw.bearing_torque_rows(), note)
 
 
 def ball_contact_onset_table(cache: SceneResultCache) -> Table:
@@ -737,16 +625,14 @@ def _ball_pair_paragraph(pairs: Table) -> str:
         for row in (loose, coupled)
     )
     return (
-        f"Lin does not print the load state of the two balls in 3.4.3. Read literally (no oversize, "
-        f"{source_cases.screw_pair_as_printed().force[0]:g} "
-        f"N along the axis), one diagonal carries nearly all: {uncoupled} of the printed forces (cases a and b), {moved} "
-        "where friction moves the balls and loads a third contact. Printed force and increase together imply a contact "
-        f"load of {screw.contact_load_implied_by_table_3_7():.0f} N per ball, against "
-        f"{float(coupled['load_a'] or 0.0):.0f} N here; "
-        f"{screw.inferred_oversize_in_words()} of oversize would give "
-        f"{float(rows[screw.label_of_inferred_oversize()]['load_a'] or 0.0):.0f} N. The "
-        "literal reading is compared with the printed numbers; the inferred one is shown with it and labelled so, because "
-        "its oversize was inferred from these numbers."
+        "Lin does not print the load state of the two balls in 3.4.3. Read literally (no oversize, "
+        f"{source_cases.pair_as_printed().force[0]:g} N along the axis), one diagonal carries nearly all: {uncoupled} of "
+        f"the printed forces (cases a and b), {moved} where friction moves the balls and loads a third contact. Printed "
+        f"force and increase together imply a contact load of {screw.contact_load_implied_by_table_3_7():.0f} N per ball, "
+        f"against {float(coupled['load_a'] or 0.0):.0f} N here; {screw.oversize_in_words()} of oversize would give "
+        f"{float(rows[screw.label_of_inferred_oversize()]['load_a'] or 0.0):.0f} N. The literal reading is compared with "
+        "the printed numbers; the inferred one is shown with it and labelled so, because its oversize was inferred from "
+        "these numbers."
     )
 
 
@@ -757,7 +643,7 @@ def _simulation_paragraph(simulations: Table) -> str:
     """
     cases = [row for row in simulations.rows if row["assumption"] == screw.AS_CASE]
     source = next(row for row in simulations.rows if row["assumption"] == screw.SOURCE_RULE)
-    at, none_at = (printed_entry("lin-3.4.4", key).number_as_printed for key in ("largest_at", "none_at"))
+    _, at, none_at = _printed_results_of_simulation()
     found = "; ".join(
         f"theta of {a:g}°: largest at {row['at']:.0f}°, none from {row['none_at']:.0f}°"
         for a, row in zip(screw.AMPLITUDES, cases, strict=True)

@@ -9,7 +9,6 @@ import numpy as np
 
 from rollbench.compare.cases.lin.evidence.chapter_2 import END_SUPPORTS
 from rollbench.compare.cases.lin.reconstruction import readings
-from rollbench.compare.cases.lin.reconstruction import readings as combined
 from rollbench.compare.measure import error_percent, mean_load
 from rollbench.compare.models.registry import DEFAULT
 from rollbench.compare.models.study import SceneResultCache
@@ -49,9 +48,8 @@ def model_comparison_statements_table(cache: SceneResultCache) -> Table:
         *(_case_3_support_row(cache, model) for model in ("lin", DEFAULT)),
         *map(_ball_force_row, FORCES),
     ]
-    return Table.from_rows(
-        "reconstruction-others", "Other statements in which Lin compares his model with ANSYS, and computed values", rows
-    )
+    title = "Other statements in which Lin compares his model with ANSYS, and computed values"
+    return Table.from_rows("reconstruction-others", title, rows)
 
 
 def _row_of_lin_statement(location: str, printed: str, computed: str, verdict: str) -> Row:
@@ -75,11 +73,10 @@ def _run_time_row(cache: SceneResultCache) -> Row:
     """
     run = load_stored_run(cache.built_in_scene("lin-case1"), SOURCE_LEVEL, stores=[shipped_store()])
     hours, elements = (printed_value("lin-2.2", key) for key in ("time_ansys_1", "elements_ansys"))
-    time = (
-        "no stored run"
-        if run is None
-        else f"{run.setup_seconds + run.solve_seconds:.0f} s with {run.unknowns:,} unknowns, measured with {run.measured}"
-    )
+    time = "no stored run"
+    if run is not None:
+        seconds = run.setup_seconds + run.solve_seconds
+        time = f"{seconds:.0f} s with {run.unknowns:,} unknowns, measured with {run.measured}"
     return _row_of_lin_statement(
         "Table 2.2",
         f"{hours:g} h with {elements:,.0f} elements",
@@ -116,14 +113,11 @@ def _case_3_support_row(cache: SceneResultCache, model: str) -> Row:
     """
     largest, right = [], []
     for reading in END_SUPPORTS:
-        change = (
-            cache.solve_once(reading.scene_with_offset, model).load
-            - cache.solve_once(reading.scene_without_offset, model).load
-        )
+        change = cache.solve_once(reading.offset_scene, model).load - cache.solve_once(reading.plain_scene, model).load
         ball, side = (int(k) for k in np.unravel_index(int(np.abs(change).argmax()), change.shape))
         shaped = rises_most_at_last_balls(change)
-        right += [reading.restraint_in_words] if shaped else []
-        largest.append(f"{reading.restraint_in_words}: most at {ball + 1} {SIDES[side]} ({change[ball, side]:+.0f} N)")
+        right += [reading.restraint] if shaped else []
+        largest.append(f"{reading.restraint}: most at {ball + 1} {SIDES[side]} ({change[ball, side]:+.0f} N)")
     return _row_of_lin_statement(
         "2.4.1.3, case 3",
         "the offset raises SR and NL of the last few balls most",
@@ -174,8 +168,11 @@ def _ball_force_row(case: str) -> Row:
 # --- origin of the printed errors of 2.4.1: combined interpretations of inputs that the text leaves open
 
 
+#: Columns with the interpretations of both models.
+LOW_ORDER_READINGS = TableColumn("low order", "how the text is interpreted in the low-order model", "", "s")
+READINGS_IN_3D = TableColumn("3D", "how the text is interpreted in the 3D model", "", "s")
 #: Definitions of errors in words.
-WORDS: dict[combined.Definition, str] = {"own": "of the contact's load", "mean": "of the mean load"}
+WORDS: dict[readings.Definition, str] = {"own": "of the contact's load", "mean": "of the mean load"}
 #: Assumed scatters [%] of the approach, besides the measured one.
 TRIED = (1.0, 2.0, 3.0)
 ABOUT_IT = (
@@ -192,7 +189,7 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     ``cache``: gives solved scenes and stored 3D references; ``step``: function that receives a message before each step.
     """
     step("combined interpretations of Lin's section 2.4.1")
-    found = cache.compute_once(combined.evaluate_combinations)
+    found = cache.compute_once(readings.evaluate_combinations)
     return Section(
         "reconstruction",
         "Lin 2.4.1: possible origin of the model error of 5.38 % that the thesis prints",
@@ -236,7 +233,7 @@ def error_fall_and_rise_to_case_2(errors: Sequence[float]) -> tuple[float, float
     return errors[0] - errors[2], errors[3] - errors[1]
 
 
-def origin_of_error_conclusion(found: list[combined.CombinationResult]) -> str:
+def origin_of_error_conclusion(found: list[readings.CombinationResult]) -> str:
     """Return the conclusion that the origin of the largest error that Lin prints, 5.38 %, is not identified.
 
     The error is that of his low-order contact loads against ANSYS in case 1. The conclusion states the range of the
@@ -244,75 +241,67 @@ def origin_of_error_conclusion(found: list[combined.CombinationResult]) -> str:
     the first has all choices by default.
     """
     errors = [c.errors_percent["own"][0] for c in found if not c.contradicts_text]
-    missed = float(np.sqrt(np.mean(combined.combination_nearest_to_print(found).deviations_from_print ** 2)))
+    missed = float(np.sqrt(np.mean(readings.combination_nearest_to_print(found).deviations_from_print ** 2)))
     return (
-        f"The origin of the largest model error that Lin prints, {combined.printed_errors_percent()[0]:.2f} %, is not "
-        f"identified. Computed on level {combined.LEVEL} of the 3D mesh, this error is "
+        f"The origin of the largest model error that Lin prints, {readings.printed_errors_percent()[0]:.2f} %, is not "
+        f"identified. Computed on level {readings.LEVEL} of the 3D mesh, this error is "
         f"{found[0].errors_percent['own'][0]:.2f} % by default, and {min(errors):.2f} to {max(errors):.2f} % by "
-        f"{len(errors)} combinations of interpretations of what the text leaves open; "
-        f"{len(found) - len(errors)} further combinations contradict the text (table "
-        "lin-sentences-compared: finest mesh). The nearest combination misses the two ratios and four errors "
-        f"that are printed by {missed:.2f} % (root mean square)."
+        f"{len(errors)} combinations of interpretations of what the text leaves open; {len(found) - len(errors)} further "
+        "combinations contradict the text (table lin-sentences-compared: finest mesh). The nearest combination misses the "
+        f"two ratios and four errors that are printed by {missed:.2f} % (root mean square)."
     )
 
 
-def origin_of_error_paragraph(found: list[combined.CombinationResult]) -> str:
+def origin_of_error_paragraph(found: list[readings.CombinationResult]) -> str:
     """Return the paragraph on the origin of the printed errors, and on two explanations that nearly yield them.
 
     The errors are those of Lin's low-order contact loads against ANSYS.
     ``found``: results of all combinations of interpretations, of which the first has all choices by default.
     """
-    printed, shown = combined.printed_errors_percent(), combined.explanations_shown_in_report(found)
-    near, soft = (
-        shown["nearest in the ratio, no penalty"],
-        [c for c in shown.values() if not c.low_order_combination and any(r.relative_penalty for r in c.combination_in_3d)],
-    )
+    printed, shown = readings.printed_errors_percent(), readings.explanations_shown_in_report(found)
+    near = shown["nearest in the ratio, no penalty"]
+    penalties = (c for c in shown.values() if not c.low_order_readings)
+    soft = [c for c in penalties if any(r.relative_penalty for r in c.readings_in_3d)]
     errors = ", ".join(
         f"{label} {_first_to_last_in_words([c.errors_percent['own'][k] for c in soft])} %"
         for k, label in enumerate(("largest", "RMS", "largest of case 2", "its RMS"))
     )
     best = shown["nearest in all six"]
     return (
-        f"Where does 5.38 % come from? It is not identified. Printed are errors of {_errors_in_words(printed)}, "
-        f"largest / RMS, and a "
-        f"ratio of largest to smallest load of about {combined.printed_load_ratio():g} in both models. Two explanations "
-        "come near, and each misses a part. The interpretations nearest to this ratio "
-        f"({combination_in_words(near.low_order_combination)}; "
-        f"{combination_in_words(near.combination_in_3d)}) have {_ratios_and_errors_in_words(near)}. "
-        "Contacts of the 3D model that a penalty makes softer, all else by default, have a ratio of "
-        f"{_first_to_last_in_words([c.load_ratio_in_3d for c in soft], 3)} with {soft[0].low_order_load_ratio:.3f} in the "
-        f"low-order model, {errors}, and "
+        f"Where does 5.38 % come from? It is not identified. Printed are errors of {_errors_in_words(printed)}, largest / "
+        f"RMS, and a ratio of largest to smallest load of about {readings.printed_load_ratio():g} in both models. Two "
+        "explanations come near, and each misses a part. The interpretations nearest to this ratio "
+        f"({combination_in_words(near.low_order_readings)}; {combination_in_words(near.readings_in_3d)}) have "
+        f"{_ratios_and_errors_in_words(near)}. Contacts of the 3D model that a penalty makes softer, all else by default, "
+        f"have a ratio of {_first_to_last_in_words([c.ratio_in_3d for c in soft], 3)} with {soft[0].low_order_ratio:.3f} "
+        f"in the low-order model, {errors}, and "
         f"{_first_to_last_in_words([_error_fall_over_printed_percent(c) for c in soft], 0)} % of the printed fall. By "
-        f"default: {_ratios_and_errors_in_words(found[0])}. Nearest in all six "
-        f"numbers ({combination_in_words(best.low_order_combination)}; {combination_in_words(best.combination_in_3d)}): "
+        f"default: {_ratios_and_errors_in_words(found[0])}. Nearest in all six numbers "
+        f"({combination_in_words(best.low_order_readings)}; {combination_in_words(best.readings_in_3d)}): "
         f"{_ratios_and_errors_in_words(best)}."
     )
 
 
-def _ratios_and_errors_in_words(result: combined.CombinationResult) -> str:
+def _ratios_and_errors_in_words(result: readings.CombinationResult) -> str:
     """Return in words load ratios and model errors of a combination of interpretations, ``result``.
 
     The load ratios are largest over smallest load of case 1 by the low-order and by the 3D model; the errors are those of
     the low-order loads against the 3D loads.
     """
     return (
-        f"ratios of {result.low_order_load_ratio:.3f} and {result.load_ratio_in_3d:.3f}, errors of "
-        f"{_errors_in_words(result.errors_percent['own'])}, "
-        f"{_error_fall_over_printed_percent(result):.0f} % of "
-        "the printed fall"
+        f"ratios of {result.low_order_ratio:.3f} and {result.ratio_in_3d:.3f}, errors of "
+        f"{_errors_in_words(result.errors_percent['own'])}, {_error_fall_over_printed_percent(result):.0f} % of the "
+        "printed fall"
     )
 
 
-def _error_fall_over_printed_percent(result: combined.CombinationResult) -> float:
+def _error_fall_over_printed_percent(result: readings.CombinationResult) -> float:
     """Return the fall of the largest error from case 1 to case 2, in per cent of the fall that Lin prints.
 
     The error is that of low-order against 3D contact loads; ``result``: errors of a combination of interpretations.
     """
-    return (
-        100.0
-        * error_fall_and_rise_to_case_2(result.errors_percent["own"])[0]
-        / error_fall_and_rise_to_case_2(combined.printed_errors_percent())[0]
-    )
+    computed, printed = result.errors_percent["own"], readings.printed_errors_percent()
+    return 100.0 * error_fall_and_rise_to_case_2(computed)[0] / error_fall_and_rise_to_case_2(printed)[0]
 
 
 def _first_to_last_in_words(values: Sequence[float], digits: int = 2) -> str:
@@ -325,56 +314,43 @@ def contact_penalty_paragraph(cache: SceneResultCache) -> str:
 
     ``cache``: gives solved scenes and stored 3D results.
     """
-    soft = [(r, combined.penalty_over_hertz_approach(cache, (r,))) for r in readings.SOLID if r.relative_penalty]
+    soft = [(r, readings.penalty_over_hertz_approach(cache, (r,))) for r in readings.SOLID if r.relative_penalty]
     sizes = ", ".join(f"{r.description}: {100.0 * x / (1.0 + x):.0f} %" for r, x in soft)
     levels = readings.PENALTY_LEVEL, readings.PENALTY_LEVEL + 1
-    coarse, fine = (
-        np.array(
-            combined.low_order_errors_percent(
-                combined.low_order_loads(cache, ()), combined.required_loads_in_3d(cache, readings.FINER, level)
-            )["own"]
-        )
-        for level in levels
-    )
-    ratios = [
-        combined.largest_over_smallest_load(combined.required_loads_in_3d(cache, readings.FINER, level)[0])
-        for level in levels
-    ]
+    low = readings.low_order_loads(cache, ())
+    in_3d = [readings.required_loads_in_3d(cache, readings.FINER, level) for level in levels]
+    coarse, fine = (np.array(readings.low_order_errors_percent(low, loads)["own"]) for loads in in_3d)
+    ratios = [readings.load_ratio(loads[0]) for loads in in_3d]
     return (
         "Of the contacts, the text only prints their formulation, an augmented Lagrangian, with all other settings by "
         "default. This formulation leaves a penetration below a tolerance, as a penalty does, so that contacts are softer. "
         "Size of the penalty and tolerance are not printed. In 3D, the penalty is computed as a compliance in series at "
         "every pair of nodes. Under the mean load, the stiffness of a contact is lower by the following fractions: "
         f"{sizes}. The next mesh level changes the errors with {readings.FINER[0].description} by "
-        f"{np.abs(fine - coarse).max():.2f} points at most and the ratio "
-        f"from {ratios[0]:.3f} to {ratios[1]:.3f}."
+        f"{np.abs(fine - coarse).max():.2f} points at most and the ratio from {ratios[0]:.3f} to {ratios[1]:.3f}."
     )
 
 
-def mesh_scatter_paragraph(cache: SceneResultCache, found: list[combined.CombinationResult]) -> str:
+def mesh_scatter_paragraph(cache: SceneResultCache, found: list[readings.CombinationResult]) -> str:
     """Return the paragraph on the scatter of contact stiffness between meshes as a cause of the printed errors.
 
     The paragraph states, for several sizes of the scatter, the probability that the errors of the low-order model change
     from case 1 to case 2 by at least half of the printed change. ``cache``: gives solved scenes and stored 3D results;
     ``found``: results of all combinations of interpretations.
     """
-    falls, rises = error_fall_and_rise_to_case_2(combined.printed_errors_percent())
-    best = combined.combination_nearest_to_print(combined.combinations_without_penalty(found), 2)
-    loads = (
-        combined.low_order_loads(cache, best.low_order_combination),
-        combined.required_loads_in_3d(cache, best.combination_in_3d),
-    )
-    odds = {
-        s: combined.fraction_of_meshes_with_fall_and_rise(
-            combined.low_order_errors_on_random_meshes(*loads, s), 0.5 * falls, 0.5 * rises
-        )
-        for s in (combined.SCATTER, *TRIED)
-    }
+    falls, rises = error_fall_and_rise_to_case_2(readings.printed_errors_percent())
+    best = readings.combination_nearest_to_print(readings.combinations_without_penalty(found), 2)
+    low = readings.low_order_loads(cache, best.low_order_readings)
+    in_3d = readings.required_loads_in_3d(cache, best.readings_in_3d)
+    odds = {}
+    for s in (readings.SCATTER, *TRIED):
+        errors = readings.low_order_errors_on_random_meshes(low, in_3d, s)
+        odds[s] = readings.fraction_of_meshes_with_fall_and_rise(errors, 0.5 * falls, 0.5 * rises)
     chances = ", ".join(f"{s:g} %: {100.0 * p:.1f} %" for s, p in odds.items())
     return (
         f"From case 1 to case 2 the printed largest error falls by {falls:.2f} and the RMS rises by {rises:.2f} points. "
         "With the interpretations nearest to the load ratio, one oversize ball changes both models alike. Tetrahedra of "
-        f"about 0.08 mm make a contact {-combined.BIAS:g} % too stiff, and its approach scatters by {combined.SCATTER:g} % "
+        f"about 0.08 mm make a contact {-readings.BIAS:g} % too stiff, and its approach scatters by {readings.SCATTER:g} % "
         "from mesh to mesh. If both cases have different meshes, half of this fall and of this rise occurs with the "
         f"following probability, for each scatter of the approach: {chances}. The mesh explains fall and rise only if this "
         "scatter is several times the one measured on one contact."
@@ -386,97 +362,72 @@ def friction_in_3d_paragraph(cache: SceneResultCache) -> str:
 
     ``cache``: gives solved scenes and stored 3D results.
     """
-    scene, base = cache.built_in_scene(readings.CASES[0]), combined.required_loads_in_3d(cache, ())
-    changed = {
-        r.short_name: combined.required_loads_in_3d(cache, (r,))
-        for r in readings.SOLID
-        if r.modelling_choice == readings.FRICTION
-    }
-    moved = {
-        key: float(
-            error_percent(combined.largest_over_smallest_load(loads[0]), combined.largest_over_smallest_load(base[0]))
-        )
-        for key, loads in changed.items()
-    }
-    most = max(
-        float(np.abs(error_percent(a, b, mean_load(b))).max()) for a, b in zip(changed["off-line"], base, strict=True)
-    )
+    scene, base = cache.built_in_scene(readings.CASES[0]), readings.required_loads_in_3d(cache, ())
+    friction = [r for r in readings.SOLID if r.modelling_choice == readings.FRICTION]
+    changed = {r.short_name: readings.required_loads_in_3d(cache, (r,)) for r in friction}
+    ratio = readings.load_ratio
+    moved = {key: float(error_percent(ratio(loads[0]), ratio(base[0]))) for key, loads in changed.items()}
+    pairs = zip(changed["off-line"], base, strict=True)
+    most = max(float(np.abs(error_percent(a, b, mean_load(b))).max()) for a, b in pairs)
     mean = {key: float(error_percent(mean_load(loads[0]), mean_load(base[0]))) for key, loads in changed.items()}
-    worst = 100.0 * readings.largest_relative_rise_by_friction(
-        scene, lambda s: combined.largest_over_smallest_load(cache.solve_once(s, "lin").load)
-    )
+    worst = 100.0 * readings.largest_relative_rise_by_friction(scene, lambda s: ratio(cache.solve_once(s, "lin").load))
     slope = float(np.abs(cache.solve_once(scene, "lin").centreline[:, 3:5]).max())
     return (
-        f"Friction of {readings.MU:g} is computed, too. Two contact forces act on a ball, along the line "
-        "through its contacts. On a "
-        "rolling ball friction acts only if the ball lies beside the line through the arcs' centres; it shifts both forces "
-        f"and turns neither. If all balls lie as far beside as {readings.MU:g} can hold them, they change "
-        f"no load by more than {most:.3f} % of the mean and the ratio by {moved['off-line']:+.3f} %; only those that raise "
-        f"the ratio change it by {worst:+.1f} % (low order). "
-        f"For this, the grooves would have to tilt by {1e3 * readings.tilt_at_onset_of_sliding(scene):.1f} mrad "
-        "against each "
-        f"other, but the shaft's largest slope is {1e3 * slope:.2f} mrad: friction hardly acts on rolling balls. In a "
-        f"model whose balls cannot turn, grooves slide on them. Friction then bears {-mean['sliding']:.2f} % of the load "
-        f"where the screw is pushed on, and adds {mean['sliding-back']:.2f} % where it moves back; the ratio changes by "
-        f"{moved['sliding']:+.2f} and {moved['sliding-back']:+.2f} %, less than the 0.5 % from which interpretations "
-        f"are combined."
+        f"Friction of {readings.MU:g} is computed, too. Two contact forces act on a ball, along the line through its "
+        "contacts. On a rolling ball friction acts only if the ball lies beside the line through the arcs' centres; it "
+        f"shifts both forces and turns neither. If all balls lie as far beside as {readings.MU:g} can hold them, they "
+        f"change no load by more than {most:.3f} % of the mean and the ratio by {moved['off-line']:+.3f} %; only those "
+        f"that raise the ratio change it by {worst:+.1f} % (low order). For this, the grooves would have to tilt by "
+        f"{1e3 * readings.tilt_at_onset_of_sliding(scene):.1f} mrad against each other, but the shaft's largest slope is "
+        f"{1e3 * slope:.2f} mrad: friction hardly acts on rolling balls. In a model whose balls cannot turn, grooves slide "
+        f"on them. Friction then bears {-mean['sliding']:.2f} % of the load where the screw is pushed on, and adds "
+        f"{mean['sliding-back']:.2f} % where it moves back; the ratio changes by {moved['sliding']:+.2f} and "
+        f"{moved['sliding-back']:+.2f} %, less than the 0.5 % from which interpretations are combined."
     )
 
 
-def ratios_and_errors_by_explanation_table(found: list[combined.CombinationResult]) -> Table:
+def ratios_and_errors_by_explanation_table(found: list[readings.CombinationResult]) -> Table:
     """Return the table of load ratio and model errors: printed by Lin, and by each possible explanation of these numbers.
 
     Load ratio: largest over smallest load of case 1; model errors: of the low-order loads against the 3D loads.
     ``found``: results of all combinations of interpretations.
     """
-    printed = combined.printed_load_ratio(), combined.printed_load_ratio(), *combined.printed_errors_percent()
+    printed = readings.printed_load_ratio(), readings.printed_load_ratio(), *readings.printed_errors_percent()
     given = {
-        name: (c.low_order_load_ratio, c.load_ratio_in_3d, *c.errors_percent["own"])
-        for name, c in combined.explanations_shown_in_report(found).items()
+        name: (c.low_order_ratio, c.ratio_in_3d, *c.errors_percent["own"])
+        for name, c in readings.explanations_shown_in_report(found).items()
     }
     rows: list[Row] = [
         {TableColumn("explanation", "possible explanation", "", "s"): name, **_ratio_and_error_cells(values, ".3f", ".2f")}
         for name, values in [("printed", printed), *given.items()]
     ]
-    return Table.from_rows(
-        "reconstruction",
-        "Ratio of largest to smallest load, and model errors: printed in Lin 2.4.1, and by each possible explanation",
-        rows,
-    )
+    title = "Ratio of largest to smallest load, and model errors: printed in Lin 2.4.1, and by each possible explanation"
+    return Table.from_rows("reconstruction", title, rows)
 
 
-def deviations_from_print_table(found: list[combined.CombinationResult]) -> Table:
+def deviations_from_print_table(found: list[readings.CombinationResult]) -> Table:
     """Return the table of deviations from the printed load ratio and model errors, a row for each possible explanation.
 
     Load ratio: largest over smallest load of case 1; model errors: of the low-order loads against the 3D loads.
     ``found``: results of all combinations of interpretations.
     """
-    printed = error_fall_and_rise_to_case_2(combined.printed_errors_percent())
+    printed = error_fall_and_rise_to_case_2(readings.printed_errors_percent())
     rows: list[Row] = []
-    for name, c in combined.explanations_shown_in_report(found).items():
-        fall, rise = (
-            float(a - b) for a, b in zip(error_fall_and_rise_to_case_2(c.errors_percent["own"]), printed, strict=True)
-        )
+    for name, c in readings.explanations_shown_in_report(found).items():
+        computed = error_fall_and_rise_to_case_2(c.errors_percent["own"])
+        fall, rise = (float(a - b) for a, b in zip(computed, printed, strict=True))
         row: Row = {
             TableColumn("explanation", "possible explanation", "", "s"): name,
-            TableColumn("low order", "how the text is interpreted in the low-order model", "", "s"): combination_in_words(
-                c.low_order_combination
-            ),
-            TableColumn("3D", "how the text is interpreted in the 3D model", "", "s"): combination_in_words(
-                c.combination_in_3d
-            ),
+            LOW_ORDER_READINGS: combination_in_words(c.low_order_readings),
+            READINGS_IN_3D: combination_in_words(c.readings_in_3d),
         }
         row |= _ratio_and_error_cells(tuple(c.deviations_from_print), "+.1f", "+.2f", "%")
         row[TableColumn("fall_off", "fall of the largest error from case 1 to 2", "percentage points", "+.2f")] = fall
         row[TableColumn("rise_off", "rise of the RMS error from case 1 to 2", "percentage points", "+.2f")] = rise
         rows.append(row)
     note = "Deviations of the load ratios: in per cent of the printed ratio; of the model errors: in percentage points."
-    return Table.from_rows(
-        "reconstruction-missed",
-        "Ratio of largest to smallest load, and model errors: deviations from Lin 2.4.1 by each possible explanation",
-        rows,
-        note,
-    )
+    title = "Ratio of largest to smallest load, and model errors: deviations from Lin 2.4.1 by each possible explanation"
+    return Table.from_rows("reconstruction-missed", title, rows, note)
 
 
 def _error_in_words(key: str) -> str:
@@ -492,126 +443,97 @@ def _ratio_and_error_cells(values: Sequence[float], ratio: str, error: str, unit
     ratios and errors; ``unit``: unit of the ratios, empty for the ratios themselves, "%" for differences.
     """
     start = "deviation from the printed " if unit else ""
+    heading = f"{start}ratio of largest to smallest load"
     row: Row = {
-        TableColumn("low_ratio", f"{start}ratio of largest to smallest load, low-order model", unit, ratio): float(
-            values[0]
-        ),
-        TableColumn("solid_ratio", f"{start}ratio of largest to smallest load, 3D model", unit, ratio): float(values[1]),
+        TableColumn("low_ratio", f"{heading}, low-order model", unit, ratio): float(values[0]),
+        TableColumn("solid_ratio", f"{heading}, 3D model", unit, ratio): float(values[1]),
     }
-    for key, value in zip(combined.ERRORS, values[2:], strict=True):
+    for key, value in zip(readings.ERRORS, values[2:], strict=True):
         heading = f"{start}{_error_in_words(key)}"
         row[TableColumn(f"own_{key}", heading, "percentage points" if unit else f"% {WORDS['own']}", error)] = float(value)
     return row
 
 
-def _ratio_cells_and_errors_by_definition(result: combined.CombinationResult) -> Row:
+def _ratio_cells_and_errors_by_definition(result: readings.CombinationResult) -> Row:
     """Return table cells of a combination of interpretations: largest over smallest load by both models, model errors.
 
     The errors of the low-order loads against the 3D loads are in per cent of each load, then in per cent of the mean load.
     """
     row: Row = {
-        TableColumn(
-            "low_ratio", "ratio of largest to smallest load, low-order model", "", ".3f"
-        ): result.low_order_load_ratio,
-        TableColumn("solid_ratio", "ratio of largest to smallest load, 3D model", "", ".3f"): result.load_ratio_in_3d,
+        TableColumn("low_ratio", "ratio of largest to smallest load, low-order model", "", ".3f"): result.low_order_ratio,
+        TableColumn("solid_ratio", "ratio of largest to smallest load, 3D model", "", ".3f"): result.ratio_in_3d,
     }
-    for definition in combined.DEFINITIONS:
-        for key, value in zip(combined.ERRORS, result.errors_percent[definition], strict=True):
+    for definition in readings.DEFINITIONS:
+        for key, value in zip(readings.ERRORS, result.errors_percent[definition], strict=True):
             row[TableColumn(f"{definition}_{key}", _error_in_words(key), f"% {WORDS[definition]}", ".2f")] = value
     return row
 
 
-def single_interpretation_table(found: list[combined.CombinationResult]) -> Table:
+def single_interpretation_table(found: list[readings.CombinationResult]) -> Table:
     """Return the table of largest over smallest load and model errors for each interpretation, other choices by default.
 
     ``found``: results of all combinations of interpretations, of which the first has all choices by default.
     """
     base, rows = found[0], []
     for c in found:
-        if len(c.low_order_combination) + len(c.combination_in_3d) > 1:
+        if len(c.low_order_readings) + len(c.readings_in_3d) > 1:
             continue
-        ratio, before = (
-            (c.low_order_load_ratio, base.low_order_load_ratio)
-            if c.low_order_combination
-            else (c.load_ratio_in_3d, base.load_ratio_in_3d)
-        )
-        reading = (*c.low_order_combination, *c.combination_in_3d)
+        low_order = bool(c.low_order_readings)
+        ratio, before = (one.low_order_ratio if low_order else one.ratio_in_3d for one in (c, base))
+        reading = (*c.low_order_readings, *c.readings_in_3d)
+        model = "low order" if low_order else "3D" if reading else "both"
+        against, change = reading[0].contradiction if reading else "", float(error_percent(ratio, before))
         row: Row = {
-            TableColumn("model", "model to which the interpretation is applied", "", "s"): "low order"
-            if c.low_order_combination
-            else "3D"
-            if c.combination_in_3d
-            else "both",
+            TableColumn("model", "model to which the interpretation is applied", "", "s"): model,
             TableColumn("reading", "interpretation", "", "s"): combination_in_words(reading),
-            TableColumn("text", "contradiction by Lin's text", "", "s"): reading[0].contradiction_by_text
-            if reading
-            else "",
-            TableColumn("moves", "change of the ratio of largest to smallest load", "%", "+.2f"): float(
-                error_percent(ratio, before)
-            ),
+            TableColumn("text", "contradiction by Lin's text", "", "s"): against,
+            TableColumn("moves", "change of the ratio of largest to smallest load", "%", "+.2f"): change,
         }
         rows.append(row | _ratio_cells_and_errors_by_definition(c))
-    return Table.from_rows(
-        "reconstruction-alone",
-        "Ratio of largest to smallest load, and model errors (Lin 2.4.1), for each interpretation of Lin's text alone",
-        rows,
-    )
+    title = "Ratio of largest to smallest load, and model errors (Lin 2.4.1), for each interpretation of Lin's text alone"
+    return Table.from_rows("reconstruction-alone", title, rows)
 
 
-def combination_table(found: list[combined.CombinationResult]) -> Table:
+def combination_table(found: list[readings.CombinationResult]) -> Table:
     """Return the table of all combinations of interpretations, with the RMS of their deviations from the printed numbers.
 
     ``found``: results of all combinations.
     """
-    rows = [
-        _combination_row(c)
-        | {
-            TableColumn("text", "whether Lin's text contradicts the combination", "", "s"): "against it"
-            if c.contradicts_text
-            else "silent"
-        }
-        | {
-            TableColumn("missed", "RMS of the deviations from the six printed numbers", "", ".2f"): float(
-                np.sqrt(np.mean(c.deviations_from_print**2))
-            )
-        }
-        for c in found
-    ]
+    text = TableColumn("text", "whether Lin's text contradicts the combination", "", "s")
+    missed = TableColumn("missed", "RMS of the deviations from the six printed numbers", "", ".2f")
+    rows = []
+    for c in found:
+        rms = float(np.sqrt(np.mean(c.deviations_from_print**2)))
+        rows.append(_combination_row(c) | {text: "against it" if c.contradicts_text else "silent", missed: rms})
     note = "Short names of interpretations, in the order of the preceding table; base: all choices by default. Six "
     note += "printed numbers: two load ratios (deviations in per cent) and four model errors (in percentage points)."
-    return Table.from_rows(
-        "reconstruction-combinations",
+    title = (
         f"Ratio of largest to smallest load, and model errors (Lin 2.4.1) for all {len(found)} combinations of "
-        "interpretations",
-        rows,
-        note,
+        "interpretations"
     )
+    return Table.from_rows("reconstruction-combinations", title, rows, note)
 
 
-def _combination_row(result: combined.CombinationResult) -> Row:
+def _combination_row(result: readings.CombinationResult) -> Row:
     """Return the table row of a combination of interpretations: short names, largest over smallest load, model errors."""
     row: Row = {
-        TableColumn("low order", "how the text is interpreted in the low-order model", "", "s"): readings.combination_name(
-            result.low_order_combination
-        ),
-        TableColumn("3D", "how the text is interpreted in the 3D model", "", "s"): readings.combination_name(
-            result.combination_in_3d
-        ),
+        LOW_ORDER_READINGS: readings.combination_name(result.low_order_readings),
+        READINGS_IN_3D: readings.combination_name(result.readings_in_3d),
     }
     return row | _ratio_cells_and_errors_by_definition(result)
 
 
-def combinations_figure(found: list[combined.CombinationResult]) -> Figure:
+def combinations_figure(found: list[readings.CombinationResult]) -> Figure:
     """Draw largest over smallest load and model errors of all combinations of interpretations, and the printed values.
 
     ``found``: results of the combinations.
     """
-    shown, aim = [*combined.explanations_shown_in_report(found).values()], combined.printed_load_ratio()
+    shown, aim = [*readings.explanations_shown_in_report(found).values()], readings.printed_load_ratio()
     others = [c for c in found if c not in shown]
-    printed_errors = combined.printed_errors_percent()
+    printed_errors = readings.printed_errors_percent()
 
     def scatter_series(
-        abscissa_and_ordinate: Callable[[combined.CombinationResult], tuple[float, float]], printed: tuple[float, float]
+        abscissa_and_ordinate: Callable[[readings.CombinationResult], tuple[float, float]], printed: tuple[float, float]
     ) -> tuple[Series, ...]:
         """Return markers for all combinations of interpretations, and a marker for the printed values.
 
@@ -624,7 +546,7 @@ def combinations_figure(found: list[combined.CombinationResult]) -> Figure:
             out.append(Series(label, [x for x, _ in points], [y for _, y in points], style="markers", pale=light))
         return (*out, Series("printed", [printed[0]], [printed[1]], style="markers", bold=True))
 
-    def rms_and_largest_error_of_case(k: int) -> Callable[[combined.CombinationResult], tuple[float, float]]:
+    def rms_and_largest_error_of_case(k: int) -> Callable[[readings.CombinationResult], tuple[float, float]]:
         """Return a function that returns RMS, then largest error [%] of low-order against 3D loads in Lin's case ``k`` + 1.
 
         The argument of the returned function is a combination of interpretations.
@@ -636,7 +558,7 @@ def combinations_figure(found: list[combined.CombinationResult]) -> Figure:
             "Ratio of largest to smallest load, case 1",
             "low-order model",
             "3D model",
-            scatter_series(lambda c: (c.low_order_load_ratio, c.load_ratio_in_3d), (aim, aim)),
+            scatter_series(lambda c: (c.low_order_ratio, c.ratio_in_3d), (aim, aim)),
         ),
         *(
             Panel(
@@ -648,10 +570,8 @@ def combinations_figure(found: list[combined.CombinationResult]) -> Figure:
             for k in range(2)
         ),
     )
-    return Figure(
-        "reconstruction",
+    title = (
         "Ratio of largest to smallest load, and model errors (Lin 2.4.1), for all combinations of interpretations of the "
-        "text",
-        panels,
-        columns=3,
+        "text"
     )
+    return Figure("reconstruction", title, panels, columns=3)

@@ -44,10 +44,8 @@ def lash_figure(scene: Scene) -> Figure:
         screw = steering.arrange_balls_in_pattern(scene, pattern)
         axial.append(_lash_displacement_curve(pattern, steering.solve_axial_lash_test(screw, course)))
         conical.append(_lash_displacement_curve(pattern, steering.solve_conical_lash_test(screw, 0.0, REACH, course)))
-        displaced = [
-            steering.peak_to_peak_displacement(steering.solve_conical_lash_test(screw, float(np.radians(d)), REACH))
-            for d in degrees
-        ]
+        tests = (steering.solve_conical_lash_test(screw, float(np.radians(d)), REACH) for d in degrees)
+        displaced = [steering.peak_to_peak_displacement(test) for test in tests]
         peaks.append(Series(pattern, degrees, [1e6 * x for x in displaced], "line"))
     spread = [steering.relative_range_percent([s.y[k] for s in peaks]) for k in range(len(degrees))]
     flat = steering.relative_range_percent([s.y[-1] - s.y[0] for s in axial])
@@ -81,6 +79,8 @@ def lash_difference_rows(scene: Scene) -> list[Row]:
 
     ``scene``: the ball screw with the usual inputs.
     """
+    conical = "difference of the lash in the conical test"
+    ordered = "directions of the force with a smaller difference in the axial than in the conical test"
     return [
         {
             TableColumn("changed", "changed input", "", "s"): p.changed_input,
@@ -89,18 +89,9 @@ def lash_difference_rows(scene: Scene) -> list[Row]:
             TableColumn("reach", "distance of the lateral force from the nut", "mm", ".0f"): 1e3 * p.force_distance,
             TableColumn("restraint", "restraint of the screw's left end", "", "s"): p.left_end_restraint,
             TableColumn("axial", "difference of the lash in the axial test", "%", ".2f"): p.differences.axial_percent,
-            TableColumn("least", "smallest difference of the lash in the conical test", "%", ".1f"): min(
-                p.differences.conical_percent
-            ),
-            TableColumn("most", "largest difference of the lash in the conical test", "%", ".1f"): max(
-                p.differences.conical_percent
-            ),
-            TableColumn(
-                "ordered",
-                "directions of the force with a smaller difference in the axial than in the conical test",
-                "",
-                "s",
-            ): _directions_with_smaller_axial_difference(p.differences),
+            TableColumn("least", f"smallest {conical}", "%", ".1f"): min(p.differences.conical_percent),
+            TableColumn("most", f"largest {conical}", "%", ".1f"): max(p.differences.conical_percent),
+            TableColumn("ordered", ordered, "", "s"): _directions_with_smaller_axial_difference(p.differences),
         }
         for p in steering.lash_differences_by_changed_input(scene)
     ]
@@ -130,37 +121,19 @@ def steering_gear_figure(layout_ratios: list[steering.GearLayoutLoadRatios]) -> 
         for (hold, opposed), layout in _group_ratios_by_layout(layout_ratios).items():
             label = hold + (", side forces opposed" if opposed else "")
             series.append(Series(label, stations, [getattr(p, key) for p in layout], "line"))
-        panels.append(
-            Panel(
-                f"load ratio of the {words}",
-                "position of the pinion / mm",
-                "load at 18 deg over that at 0 deg",
-                series,
-                include_zero=True,
-            )
-        )
+        x, y = "position of the pinion / mm", "load at 18 deg over that at 0 deg"
+        panels.append(Panel(f"load ratio of the {words}", x, y, series, include_zero=True))
     loads = steering.largest_loads_over_tie_rod_angles(gear)
     for k, words in enumerate(("ball screw", "four-point bearing")):
-        values = [pair[k] for pair in loads]
-        panels.append(
-            Panel(
-                f"largest contact load of the {words}",
-                "tie-rod angle / deg",
-                "contact load / N",
-                (Series("usual inputs", steering.ANGLES, values),),
-                include_zero=True,
-            )
-        )
+        curve = Series("usual inputs", steering.ANGLES, [pair[k] for pair in loads])
+        title, x = f"largest contact load of the {words}", "tie-rod angle / deg"
+        panels.append(Panel(title, x, "contact load / N", (curve,), include_zero=True))
     caption = (
         "Load ratio: largest contact load at a tie-rod angle of 18° divided by that at 0°. The four-point bearing is "
         "placed at the nut's centre."
     )
-    return Figure(
-        "rack",
-        "Steering gear (Lin 4.2): largest contact loads, plotted against pinion position and tie-rod angle",
-        panels,
-        caption,
-    )
+    title = "Steering gear (Lin 4.2): largest contact loads, plotted against pinion position and tie-rod angle"
+    return Figure("rack", title, panels, caption)
 
 
 def _group_ratios_by_layout(
@@ -212,12 +185,13 @@ def load_ratio_range_rows(layout_ratios: list[steering.GearLayoutLoadRatios]) ->
         }
         for key, words in (("screw", "ball screw"), ("bearing", "bearing")):
             (low, high), printed = getattr(b, key), printed_value("lin-4.2.1", f"ratio_{key}")
+            inside = f"whether the range contains the printed load ratio {printed:g} of the {words}"
             row |= {
                 TableColumn(f"{key}_low", f"smallest load ratio of the {words}, 18° over 0°", "", ".2f"): low,
                 TableColumn(f"{key}_high", f"largest load ratio of the {words}, 18° over 0°", "", ".2f"): high,
-                TableColumn(
-                    f"{key}_in", f"whether the range contains the printed load ratio {printed:g} of the {words}", "", "s"
-                ): "yes" if steering.rounded_value_lies_in_range((low, high), printed) else "no",
+                TableColumn(f"{key}_in", inside, "", "s"): "yes"
+                if steering.rounded_value_lies_in_range((low, high), printed)
+                else "no",
             }
         rows.append(row)
     return rows

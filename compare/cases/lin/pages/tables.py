@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from rollbench.compare.case import CASES
 from rollbench.compare.cases.lin.evidence import chapter_2
 from rollbench.compare.cases.lin.evidence.rotary_linear import solve_linear_ball_pair
+from rollbench.compare.cases.lin.evidence.source_cases import finest_rolling_run
 from rollbench.compare.cases.lin.pages.friction import bearing_torque_figure, rotary_bearing_torque_figure
 from rollbench.compare.cases.lin.times import LINEAR, SCREW, STATIC, ModelRunTimes, stored_run_times
 from rollbench.compare.evidence import PrintedEntryComparison, evidence
@@ -36,14 +37,11 @@ LOW = (
     TableColumn("cold", "run time computed here, cold start", "s", "g3"),
     TableColumn("further", "run time computed here, further load case", "s", "g3"),
 )
+_OURS = "run time of this package's 3D model/run time of its low-order model"
 RATIO = {
     "printed": TableColumn("r_printed", "printed run time of ANSYS divided by that of Lin's model", "times", "g4"),
-    "cold": TableColumn(
-        "r_cold", "run time of this package's 3D model/run time of its low-order model, cold start", "times", "g3"
-    ),
-    "further": TableColumn(
-        "r_further", "run time of this package's 3D model/run time of its low-order model, further load case", "times", "g3"
-    ),
+    "cold": TableColumn("r_cold", f"{_OURS}, cold start", "times", "g3"),
+    "further": TableColumn("r_further", f"{_OURS}, further load case", "times", "g3"),
 }
 OLDER = TableColumn("older", "run time here by an earlier measurement", "", "s")
 ELEMENTS = (
@@ -51,12 +49,10 @@ ELEMENTS = (
     TableColumn("n_ours", "number of elements, unknowns or cells of this package's model", "", "s"),
 )
 SOURCES_OWN = TableColumn("sources", "printed difference of Lin's model from ANSYS", "%", ".2f")
-DIAGONAL = TableColumn(
-    "diagonal", "low-order value if both contacts on each diagonal of a ball carry equal loads", "", "g5"
-)
-OTHER_GROOVE = TableColumn(
-    "groove", f"correct value with groove radius {chapter_2.TABLE_CONFORMITY:g} x ball diameter", "", "g5"
-)
+_EQUAL_LOADS = "low-order value if both contacts on each diagonal of a ball carry equal loads"
+DIAGONAL = TableColumn("diagonal", _EQUAL_LOADS, "", "g5")
+_OTHER_RADIUS = f"correct value with groove radius {chapter_2.TABLE_CONFORMITY:g} x ball diameter"
+OTHER_GROOVE = TableColumn("groove", _OTHER_RADIUS, "", "g5")
 
 #: Scene and model, by name of the printed run time.
 TIMED = {f"lin-2.2:time_proposed_{k}": (name, "lin") for k, name in STATIC.items()}
@@ -91,12 +87,10 @@ def model_size_in_3d_in_words(cache: SceneResultCache, name: str) -> str:
     """
     if name in STATIC.values():
         found = cache.stored_reference(name)
-        return (
-            "" if found is None else f"{found.best.unknowns:,} unknowns of the equivalent mesh (level {found.best.level})"
-        )
-    run = rolling.load_rolling_run(
-        case_of(name, FrictionScene), max(rolling.LEVELS), cache.reference_folders or (shipped_store(),)
-    )
+        if found is None:
+            return ""
+        return f"{found.best.unknowns:,} unknowns of the equivalent mesh (level {found.best.level})"
+    run = finest_rolling_run(cache, name)
     return "" if run is None else f"{run.shape[0]} x {run.shape[1]} cells a contact"
 
 
@@ -105,11 +99,8 @@ def beam_element_count_in_words(cache: SceneResultCache, name: str) -> str:
 
     ``cache``: gives the scenes included with rollbench; ``name``: name of the scene.
     """
-    return (
-        f"{len(nodes_of_whole_beam(cache.built_in_scene(name))) - 1} "
-        f"({chapter_2.beam_element_count_of_lin_partition(cache)} with "
-        "Lin's partition)"
-    )
+    count = len(nodes_of_whole_beam(cache.built_in_scene(name))) - 1
+    return f"{count} ({chapter_2.lin_beam_element_count(cache)} with Lin's partition)"
 
 
 def printed_and_own_model_size(cache: SceneResultCache, name: str, model: str) -> tuple[str, str]:
@@ -149,15 +140,13 @@ def run_times_table(
     rows: list[Row] = []
     for label, head, name in names:
         scene, way = TIMED[name]
-        own = stored_run_times(cache, scene, way)
+        printed, own = found[name].printed, stored_run_times(cache, scene, way)
         solid, slow = (ModelRunTimes(), None) if way == "3D" else (stored_run_times(cache, scene, "3D"), ansys[scene])
         rows.append(
             {
                 TableColumn("label", "row in the printed table", "", "s"): label,
                 TableColumn("column", "column in the printed table", "", "s"): head,
-                TableColumn(
-                    "printed", "printed run time", "", "s"
-                ): f"{found[name].printed.number_as_printed} {found[name].printed.unit}",
+                TableColumn("printed", "printed run time", "", "s"): f"{printed.number_as_printed} {printed.unit}",
                 RATIO["printed"]: run_time_ratio(slow, printed_run_time_seconds(name)),
                 LOW[0]: own.cold_start_seconds,
                 LOW[1]: own.further_load_case_seconds,
@@ -166,13 +155,12 @@ def run_times_table(
                 RATIO["further"]: run_time_ratio(solid.further_load_case_seconds, own.further_load_case_seconds),
                 **dict(zip(ELEMENTS, printed_and_own_model_size(cache, scene, way), strict=True)),
                 source_tables.REPRODUCED: VERDICT_NAMES[found[name].verdict],
-                "how": f"how-{found[name].printed.table}",
+                "how": f"how-{printed.table}",
             }
         )
     note = f"The text: {SPEED[layout.number]}. {run_times_note(cache)}"
-    return Table.from_rows(
-        layout.stem("times"), f"Lin's Table {layout.number}: printed and measured run times", rows, note, unfolded=True
-    )
+    title = f"Lin's Table {layout.number}: printed and measured run times"
+    return Table.from_rows(layout.stem("times"), title, rows, note, unfolded=True)
 
 
 def error_percent_or_none(value: float | None, reference: float | None) -> float | None:
@@ -204,10 +192,8 @@ def table_3_5_extra_cells(cache: SceneResultCache) -> dict[str, Row]:  # noqa: A
         SOURCES_OWN: printed_value("lin-3.5", "error_numerical"),
         DIAGONAL: solve_linear_ball_pair(loads="diagonal").ball_to_ball_force,
     }
-    return {
-        "lin-3.5:a_force_numerical": numerical,
-        "lin-3.5:a_force_analytic": {SOURCES_OWN: error_percent_or_none(low, ansys)},
-    }
+    formula: Row = {SOURCES_OWN: error_percent_or_none(low, ansys)}
+    return {"lin-3.5:a_force_numerical": numerical, "lin-3.5:a_force_analytic": formula}
 
 
 def table_3_7_extra_cells(cache: SceneResultCache) -> dict[str, Row]:  # noqa: ARG001 - every table takes the study
@@ -246,10 +232,8 @@ NOTES = {
     "3.2": "Case (I), losses P_f,IL and P_f,OR: the contact that sticks between rigid bodies creeps in 3D, as bodies are "
     "elastic, and both contacts share the ball's spin; sum and torque change little (table rolling-ring).",
     "3.4": "Δβ_TR, Δβ_TL: deviation of the contact angle on the right and left flank of the top groove; θ: on the right "
-    "flank "
-    "of the bottom groove, −θ on its left one. Low-order and 3D values computed here: contact loads in equilibrium at the "
-    "stated contact angles, as in Table "
-    "3.5.",
+    "flank of the bottom groove, −θ on its left one. Low-order and 3D values computed here: contact loads in equilibrium "
+    "at the stated contact angles, as in Table 3.5.",
     "3.5": "Low-order and 3D values computed here: contact loads in equilibrium at the stated contact angles, as in Table "
     "3.4.",
     "B.1": "Low-order value computed here: groove radius of Table 2.1, 3.254 mm; the printed values belong to another "
@@ -335,12 +319,8 @@ def case_study_loads_figure(cache: SceneResultCache) -> Figure:
         "SL, SR: left and right flank of the screw; NL, NR: left and right flank of the nut. Opposite contacts (SL and "
         "NR, SR and NL) have equal loads. Markers and straight lines: statements of Lin's text."
     )
-    return Figure(
-        "lin-loads",
-        "Lin's case studies: contact load of each ball, computed, and as Lin's text describes it",
-        tuple(panels),
-        caption,
-    )
+    title = "Lin's case studies: contact load of each ball, computed, and as Lin's text describes it"
+    return Figure("lin-loads", title, tuple(panels), caption)
 
 
 def _case_1_statement_curves(cache: SceneResultCache) -> list[Series]:
@@ -399,34 +379,26 @@ def error_over_cell_size_figure(cache: SceneResultCache) -> Figure:
     static.append(Series("printed: low-order against ANSYS, case 1", [1.0, 4.0], [printed, printed], "line"))
     for name in (LINEAR["a"], *SCREW.values()):
         stores = cache.reference_folders or (shipped_store(),)
-        found_runs = [
-            rolling.load_rolling_run(case_of(name, FrictionScene), level, stores) for level in (0, *rolling.LEVELS)
-        ]
-        good = [run for run in found_runs if run is not None]
+        scene, levels = case_of(name, FrictionScene), (0, *rolling.LEVELS)
+        good = [run for level in levels if (run := rolling.load_rolling_run(scene, level, stores)) is not None]
         if len(good) > 1:
             finest = good[-1].values["force 1-2 N"]
             cells = [1.0 / run.shape[1] * good[-1].shape[1] for run in good[:-1]]
             off = [abs(float(error_percent(run.values["force 1-2 N"], finest))) for run in good[:-1]]
             balls.append(Series(f"{name}, 3D", cells, off))
     axes = "cell size over that of the finest grid", "largest error / % of contact's load"
+    title = "error of the ball-to-ball force in 3D (Tables 3.5, 3.7)"
     panels = (
         Panel("largest error of a contact load in 3D (Table 2.2)", *axes, tuple(static), log_axes="xy"),
-        Panel(
-            "error of the ball-to-ball force in 3D (Tables 3.5, 3.7)",
-            axes[0],
-            "error of the force / %",
-            tuple(balls),
-            log_axes="xy",
-        ),
+        Panel(title, axes[0], "error of the force / %", tuple(balls), log_axes="xy"),
     )
     caption = (
         "Errors against the finest mesh; pale lines: errors of the low-order model. The coarsest point has the element "
         "sizes of Lin's ANSYS models: 0.08 mm at the contacts of his ball screw, 0.13 and 0.05 mm at those of his models "
         "of two balls."
     )
-    return Figure(
-        "lin-mesh", "Lin's case studies: error of the 3D models, plotted against their cell size", panels, caption
-    )
+    title = "Lin's case studies: error of the 3D models, plotted against their cell size"
+    return Figure("lin-mesh", title, panels, caption)
 
 
 def case_study_load_and_error_rows(cache: SceneResultCache) -> Iterator[Row]:
@@ -434,6 +406,7 @@ def case_study_load_and_error_rows(cache: SceneResultCache) -> Iterator[Row]:
 
     ``cache``: gives solved scenes and stored 3D references.
     """
+    ratio = "ratio of largest to smallest contact load on the left flank of the screw (SL)"
     for k, name in STATIC.items():
         found = cache.stored_reference(name)
         if found is None:
@@ -445,24 +418,17 @@ def case_study_load_and_error_rows(cache: SceneResultCache) -> Iterator[Row]:
             apart = model != "3D reference"
             shown = " / ".join(printed_entry("lin-2.4.1", key).number_as_printed for key in keys) if model == "lin" else ""
             loaded = value[value > 0.0]
+            own_max, own_rms, mean_max = (e.own_max_percent, e.own_rms_percent, e.max_percent) if apart else (None,) * 3
             yield {
                 TableColumn("case", "case study", "", "s"): str(k),
                 "scene": name,
                 TableColumn("model", "model", "", "s"): model,
                 TableColumn("max", "largest contact load", "N", ".2f"): float(loaded.max()),
                 TableColumn("min", "smallest contact load", "N", ".2f"): float(loaded.min()),
-                TableColumn(
-                    "ratio", "ratio of largest to smallest contact load on the left flank of the screw (SL)", "", ".4f"
-                ): chapter_2.largest_over_smallest_load(value[:, 0]),
-                TableColumn("own_max", "largest error of a contact load", "% of contact's load", ".2f"): e.own_max_percent
-                if apart
-                else None,
-                TableColumn("own_rms", "RMS error of the contact loads", "% of contact's load", ".2f"): e.own_rms_percent
-                if apart
-                else None,
-                TableColumn("mean_max", "largest error of a contact load", "% of mean load", ".2f"): e.max_percent
-                if apart
-                else None,
+                TableColumn("ratio", ratio, "", ".4f"): chapter_2.load_ratio(value[:, 0]),
+                TableColumn("own_max", "largest error of a contact load", "% of contact's load", ".2f"): own_max,
+                TableColumn("own_rms", "RMS error of the contact loads", "% of contact's load", ".2f"): own_rms,
+                TableColumn("mean_max", "largest error of a contact load", "% of mean load", ".2f"): mean_max,
                 TableColumn("printed", "printed errors against ANSYS (largest error / RMS error)", "%", "s"): shown,
             }
 
@@ -513,31 +479,17 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> tuple[
         (Text((GUIDE,)), source_tables.counts_of_reproduced_numbers_table(list(found.values()))),
         conclusion=printed_results_conclusion(found.values()),
     )
-    last = (
-        Section(
-            "lin-claims",
-            "Claims of Lin's thesis in words, and whether each claim holds",
-            (
-                printed_numbers_table(
-                    "lin-claims", "Claims of Lin's thesis in words: whether each claim holds", claims, with_place=True
-                ),
-            ),
-        ),
-        Section(
-            "lin-others",
-            "Numbers that Lin's thesis prints outside its tables",
-            (
-                printed_numbers_table(
-                    "lin-others", "Numbers that Lin's thesis prints outside its tables and figures", others, with_place=True
-                ),
-            ),
-        ),
-        Section(
-            "lin-how",
-            "How each printed number of Lin's thesis is recomputed",
-            tuple(source_tables.tables_on_computation_of_numbers(names)),
-        ),
-    )
+
+    def section(name: str, title: str, heading: str, entries: list[PrintedEntryComparison]) -> Section:
+        """Return a section with one table of printed numbers or claims; ``heading``: title of the table."""
+        return Section(name, title, (printed_numbers_table(name, heading, entries, with_place=True),))
+
+    title = "Claims of Lin's thesis in words, and whether each claim holds"
+    last = [section("lin-claims", title, "Claims of Lin's thesis in words: whether each claim holds", claims)]
+    title = "Numbers that Lin's thesis prints outside its tables"
+    last.append(section("lin-others", title, f"{title} and figures", others))
+    title = "How each printed number of Lin's thesis is recomputed"
+    last.append(Section("lin-how", title, tuple(source_tables.tables_on_computation_of_numbers(names))))
     return first, *(printed_table_section(cache, layout, found) for layout in every), *last
 
 
@@ -574,11 +526,8 @@ def printed_table_section(
             items.append(source_tables.printed_and_computed_table_in_layout(layout, found, run_time_and_size_texts(cache)))
         more = MORE[layout.number](cache) if layout.number in MORE else {}
         reasons = {name: reason_for_missing_3d_value(name) for name in layout.names}
-        items.append(
-            source_tables.printed_and_computed_table(
-                layout, found, more, reasons, list(TIMED), NOTES.get(layout.number, "")
-            )
-        )
+        note = NOTES.get(layout.number, "")
+        items.append(source_tables.printed_and_computed_table(layout, found, more, reasons, list(TIMED), note))
         if any(name in TIMED for name in layout.names):
             items.append(run_times_table(cache, layout, found))
     items += [draw(cache) for draw in FIGURES.get(layout.number, ())]

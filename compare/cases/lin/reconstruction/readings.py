@@ -85,7 +85,7 @@ def tilt_at_onset_of_sliding(scene: Scene) -> float:
     return 2.0 * MU * groove_radius_less_ball_radius(scene) / scene.screw.groove_radius
 
 
-def with_balls_displaced_by_friction(scene: Scene, balls: Iterable[int] | None = None) -> Scene:
+def with_displaced_balls(scene: Scene, balls: Iterable[int] | None = None) -> Scene:
     """Return a copy of the scene with balls displaced across their grooves as far as friction can hold them.
 
     A ball is displaced from the line through the arcs' centres of both groove sections. The displacement is modelled by an
@@ -104,21 +104,9 @@ def largest_relative_rise_by_friction(scene: Scene, quantity: Callable[[Scene], 
     The displaced balls are those of which each, displaced alone, raises the quantity. ``quantity``: function that returns
     the quantity of a scene.
     """
-    base = quantity(scene)
-    return (
-        quantity(
-            with_balls_displaced_by_friction(
-                scene,
-                [
-                    k
-                    for k in range(1, scene.ball_count + 1)
-                    if quantity(with_balls_displaced_by_friction(scene, (k,))) > base
-                ],
-            )
-        )
-        / base
-        - 1.0
-    )
+    base, balls = quantity(scene), range(1, scene.ball_count + 1)
+    raising = [k for k in balls if quantity(with_displaced_balls(scene, (k,))) > base]
+    return quantity(with_displaced_balls(scene, raising)) / base - 1.0
 
 
 # --- interpretations of inputs that section 2.4.1 leaves open: of Lin's low-order model, and of his 3D model
@@ -148,7 +136,7 @@ class Interpretation:
     #: Mesh level of the 3D model.
     mesh_level: int = LEVEL
     #: Why the text of the thesis contradicts the interpretation; empty if it does not.
-    contradiction_by_text: str = ""
+    contradiction: str = ""
     #: Coefficient of friction with which the grooves slide on balls that do not turn, in 3D; 0: no sliding friction.
     sliding_friction: float = 0.0
     #: Penalty of the contacts in 3D, over E/h (h: size of Lin's elements); 0: contacts without penetration.
@@ -195,14 +183,14 @@ SOLID = (
         HELD,
         "outer surface",
         change_scene=change_solid_model(nut_held="outer surface"),
-        contradiction_by_text="its left end holds the nut",
+        contradiction="its left end holds the nut",
     ),
     Interpretation(
         "right",
         HELD,
         "right face",
         change_scene=change_solid_model(nut_held="right face"),
-        contradiction_by_text="its left end holds the nut",
+        contradiction="its left end holds the nut",
     ),
     Interpretation(
         "narrow",
@@ -225,7 +213,7 @@ SOLID = (
         "off-line",
         FRICTION,
         "0.01, balls roll, as far off their lines as it can hold them",
-        change_scene=with_balls_displaced_by_friction,
+        change_scene=with_displaced_balls,
     ),
     Interpretation("sliding", FRICTION, "0.01, balls kept from turning, screw pushed on", sliding_friction=MU),
     Interpretation("sliding-back", FRICTION, "0.01, balls kept from turning, screw let back", sliding_friction=-MU),
@@ -434,7 +422,7 @@ Definition = Literal["own", "mean"]
 
 DEFINITIONS: tuple[Definition, ...] = ("own", "mean")
 
-#: Keys of the printed errors, in the order of the values of `CombinationResult.errors`.
+#: Keys of the printed errors, in the order of the values of `CombinationResult.errors_percent`.
 ERRORS = ("case1_max_error", "case1_rms_error", "case2_max_error", "case2_rms_error")
 
 
@@ -442,16 +430,16 @@ ERRORS = ("case1_max_error", "case1_rms_error", "case2_max_error", "case2_rms_er
 class CombinationResult:
     """Results of a combination of interpretations: largest over smallest load of case 1, errors of the low-order model.
 
-    ``low_order_combination``, ``combination_in_3d``: interpretations for the low-order and for the 3D model;
-    ``low_order_load_ratio``, ``load_ratio_in_3d``: largest over smallest load of case 1 by these models;
-    ``errors_percent``: errors of the low-order loads against the 3D loads by definition ("own": in per cent of each load,
-    "mean": of the mean load), each as largest and RMS error of case 1, then of case 2.
+    ``low_order_readings``, ``readings_in_3d``: interpretations for the low-order and for the 3D model;
+    ``low_order_ratio``, ``ratio_in_3d``: largest over smallest load of case 1 by these models;
+    ``errors_percent``: errors of the low-order loads against the 3D loads; key "own": in per cent of each load, "mean": in
+    per cent of the mean load; values: largest and RMS error of case 1, then of case 2.
     """
 
-    low_order_combination: Combination
-    combination_in_3d: Combination
-    low_order_load_ratio: float
-    load_ratio_in_3d: float
+    low_order_readings: Combination
+    readings_in_3d: Combination
+    low_order_ratio: float
+    ratio_in_3d: float
     errors_percent: dict[Definition, tuple[float, ...]]
 
     @property
@@ -461,13 +449,13 @@ class CombinationResult:
         The load ratios are those of the low-order, then of the 3D model; the errors: largest and RMS of case 1, then of
         case 2.
         """
-        ratios = error_percent(np.array([self.low_order_load_ratio, self.load_ratio_in_3d]), printed_load_ratio())
+        ratios = error_percent(np.array([self.low_order_ratio, self.ratio_in_3d]), printed_load_ratio())
         return np.concatenate([ratios, np.array(self.errors_percent["own"]) - np.array(printed_errors_percent())])
 
     @property
     def contradicts_text(self) -> bool:
         """Whether one of the interpretations contradicts the text of Lin's thesis."""
-        return any(r.contradiction_by_text for r in (*self.low_order_combination, *self.combination_in_3d))
+        return any(r.contradiction for r in (*self.low_order_readings, *self.readings_in_3d))
 
 
 def printed_load_ratio() -> float:
@@ -475,7 +463,7 @@ def printed_load_ratio() -> float:
     return printed_value("lin-2.4.1", "case1_ratio")
 
 
-def largest_over_smallest_load(load: Array) -> float:
+def load_ratio(load: Array) -> float:
     """Return the largest over the smallest ball load on flank SL, the left flank of the screw.
 
     ``load``: contact loads (n, 4) [N] of n balls on the flanks SL, SR, NL and NR (screw or nut, left or right).
@@ -547,9 +535,7 @@ def evaluate_combinations(cache: SceneResultCache) -> list[CombinationResult]:
     low = [(c, low_order_loads(cache, c)) for c in combinations_for_low_order_model()]
     solid = [(c, required_loads_in_3d(cache, c)) for c in combinations_solved_in_3d()]
     return [
-        CombinationResult(
-            a, b, largest_over_smallest_load(x[0]), largest_over_smallest_load(y[0]), low_order_errors_percent(x, y)
-        )
+        CombinationResult(a, b, load_ratio(x[0]), load_ratio(y[0]), low_order_errors_percent(x, y))
         for a, x in low
         for b, y in solid
     ]
@@ -572,7 +558,7 @@ def combination_nearest_to_print(found: list[CombinationResult], deviation_count
 
 def combinations_without_penalty(found: list[CombinationResult]) -> list[CombinationResult]:
     """Return the combinations in ``found`` whose contacts in 3D have no penalty."""
-    return [c for c in found if not any(r.relative_penalty for r in c.combination_in_3d)]
+    return [c for c in found if not any(r.relative_penalty for r in c.readings_in_3d)]
 
 
 def explanations_shown_in_report(found: list[CombinationResult]) -> dict[str, CombinationResult]:
@@ -584,9 +570,9 @@ def explanations_shown_in_report(found: list[CombinationResult]) -> dict[str, Co
     choices by default.
     """
     softer = {
-        f"penalty of the 3D contacts: {c.combination_in_3d[0].description}": c
+        f"penalty of the 3D contacts: {c.readings_in_3d[0].description}": c
         for c in found
-        if not c.low_order_combination and any(r.relative_penalty for r in c.combination_in_3d)
+        if not c.low_order_readings and any(r.relative_penalty for r in c.readings_in_3d)
     }
     return {
         "all by default": found[0],

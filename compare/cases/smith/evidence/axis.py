@@ -81,7 +81,7 @@ class EndThrustsAndAxisStiffness:
 
 
 @cache
-def thrusts_and_stiffness_by_formulas(
+def solve_by_formulas(
     layout: SupportBearingLayout, nut_position: float, load_on_nut: float = bearings.APPLIED
 ) -> EndThrustsAndAxisStiffness:
     """Return the thrust on both end supports and the stiffness of a screw axis, by closed formulas.
@@ -92,7 +92,7 @@ def thrusts_and_stiffness_by_formulas(
     ``load_on_nut``: axial load on the nut, towards the left end [N]. The screw is stretched as in Smith's thesis, and the
     bearing rows are preloaded.
     """
-    a, first = bearings.screw_as_bar_between_supports(), layout.bearing_rows_at("left")
+    a, first = bearings.screw_bar(), layout.bearing_rows_at("left")
     bars = np.array([nut_position, 1.0 - nut_position]) * a.length / (a.young * a.area)
     if not layout.right_row_directions:
         k = axis.solve_bearing_row_equilibrium(first, -load_on_nut).stiffness
@@ -102,23 +102,19 @@ def thrusts_and_stiffness_by_formulas(
     def stretch_error(left: float) -> float:
         """Return the elongation [m] of supports and screw under a thrust [N] on the left end, less the imposed stretch."""
         forces = left, left + load_on_nut
-        moved = sum(
-            axis.solve_bearing_row_equilibrium(rows, f).displacement
-            for rows, f in zip((first, second), forces, strict=True)
-        )
+        loaded = zip((first, second), forces, strict=True)
+        moved = sum(axis.solve_bearing_row_equilibrium(rows, f).displacement for rows, f in loaded)
         return moved + float(bars @ forces) - bearings.STRETCH
 
     low = 1e-3 if min(layout.left_row_directions) > 0 else -2e4  # tandem rows carry tension only
     left = float(brentq(stretch_error, low, 4e4, xtol=1e-6))
-    ends = [
-        axis.solve_bearing_row_equilibrium(rows, f).stiffness for rows, f in ((first, left), (second, left + load_on_nut))
-    ]
-    return EndThrustsAndAxisStiffness(
-        left, left + load_on_nut, sum(1.0 / (1.0 / k + float(b)) for k, b in zip(ends, bars, strict=True))
-    )
+    right = left + load_on_nut
+    ends = [axis.solve_bearing_row_equilibrium(rows, f).stiffness for rows, f in ((first, left), (second, right))]
+    stiffness = sum(1.0 / (1.0 / k + float(b)) for k, b in zip(ends, bars, strict=True))
+    return EndThrustsAndAxisStiffness(left, right, stiffness)
 
 
-def thrusts_and_stiffness_by_beam_model(
+def solve_by_beam_model(
     cache: SceneResultCache, layout: SupportBearingLayout, nut_position: float
 ) -> EndThrustsAndAxisStiffness:
     """Return the thrust on both end supports and the stiffness of a screw axis, by a beam model with contacts.
@@ -146,7 +142,7 @@ def _solve_layout_scene(
         raise AssertionError(
             f"scene {layout.scene_name}: expected a ball screw with its support bearings, got {type(found).__name__}"
         )
-    at = FIRST + nut_position * bearings.screw_as_bar_between_supports().length
+    at = FIRST + nut_position * bearings.screw_bar().length
     loads = tuple(replace(x, at=at, force=(0.0, 0.0, -bearings.APPLIED)) for x in found.loads)
     result = run_model(replace(found, loads=loads, stiffness_at=at), "lin", ModelOptions(engine="compiled"))
     if not result.converged or result.stiffness is None:
@@ -166,24 +162,24 @@ def axis_stiffness_by_sum_in_series(layout: SupportBearingLayout) -> float:
     """
     if not layout.right_row_directions:
         return float("nan")
-    a, force = bearings.screw_as_bar_between_supports(), thrusts_and_stiffness_by_formulas(layout, 0.5, 0.0).left_thrust
+    a, force = bearings.screw_bar(), solve_by_formulas(layout, 0.5, 0.0).left_thrust
     ends = [axis.solve_bearing_row_equilibrium(layout.bearing_rows_at(end), force).stiffness for end in ("left", "right")]
     return as_printed.axis_stiffness_as_printed(
         ends, float(axis.shaft_and_support_stiffness(a, 0.5 * a.length)), float("inf")
     )
 
 
-def thrusts_and_stiffness_in_words(cache: SceneResultCache, layout: SupportBearingLayout) -> str:
+def results_in_words(cache: SceneResultCache, layout: SupportBearingLayout) -> str:
     """Return in words the thrust on both end supports and the stiffness of a screw axis, by beam model and formulas.
 
     The nut is at mid-length.
 
     ``cache``: gives the solved scenes; ``layout``: support bearings of the axis.
     """
-    scene, closed = thrusts_and_stiffness_by_beam_model(cache, layout, 0.5), thrusts_and_stiffness_by_formulas(layout, 0.5)
+    scene, closed = solve_by_beam_model(cache, layout, 0.5), solve_by_formulas(layout, 0.5)
     ends = [f"{x.left_thrust / bearings.POUND:.0f} and {x.right_thrust / bearings.POUND:.0f} lbf" for x in (scene, closed)]
     stiff = [f"{x.axis_stiffness / bearings.POUND_PER_INCH / 1e6:.3f}e6 lbf/in" for x in (scene, closed)]
-    return f"as a scene the ends carry {ends[0]} ({stiff[0]} without the nut), by formulas {ends[1]} ({stiff[1]})"
+    return f"by the beam model the ends carry {ends[0]} ({stiff[0]} without the nut), by formulas {ends[1]} ({stiff[1]})"
 
 
 def compare_beam_model_with_formulas(
@@ -197,12 +193,7 @@ def compare_beam_model_with_formulas(
     """
     for layout in LAYOUTS:
         for place in PLACES:
-            yield (
-                layout,
-                place,
-                thrusts_and_stiffness_by_beam_model(cache, layout, place),
-                thrusts_and_stiffness_by_formulas(layout, place),
-            )
+            yield layout, place, solve_by_beam_model(cache, layout, place), solve_by_formulas(layout, place)
 
 
 #: Lead [m] and rapid traverse [m/s] of the tested axis, section 5.1 of Smith's thesis.
@@ -217,13 +208,13 @@ STEEL = 7850.0
 KINDS = ("ball", "taper")
 
 
-def tension_of_stretched_screw() -> float:
+def screw_tension() -> float:
     """Return the tension [N] of the stretched screw between rigid supports."""
-    return axis.shaft_tension(bearings.screw_as_bar_between_supports(), bearings.STRETCH)
+    return axis.shaft_tension(bearings.screw_bar(), bearings.STRETCH)
 
 
 @cache
-def bearing_set_state_at_end(kind: str, end: str, state: str, preload: float = bearings.PRELOAD) -> axis.BearingRowsState:
+def bearing_set_state(kind: str, end: str, state: str, preload: float = bearings.PRELOAD) -> axis.BearingRowsState:
     """Return the equilibrium of the bearing rows at one end of the screw axis, under preload, stretch or applied load.
 
     ``kind``: "ball" or "taper"; ``end``: "left" or "right"; ``state``: "preload": only the preload acts; "stretch": the
@@ -233,9 +224,7 @@ def bearing_set_state_at_end(kind: str, end: str, state: str, preload: float = b
     rows = bearings.bearing_rows_at_end(kind, end, preload)
     if state == "preload":
         return axis.solve_bearing_row_equilibrium(rows)
-    force = (
-        tension_of_stretched_screw() if state == "stretch" else _end_thrusts_under_load(tension_of_stretched_screw())[end]
-    )
+    force = screw_tension() if state == "stretch" else _end_thrusts_under_load(screw_tension())[end]
     return axis.solve_bearing_row_equilibrium(rows, force)
 
 
@@ -244,12 +233,8 @@ def _end_thrusts_under_load(tension: float) -> dict[str, float]:
 
     The load acts on the nut at mid-length towards the left end; ``tension``: tension of the screw without it [N].
     """
-    left, right = axis.support_loads(
-        bearings.screw_as_bar_between_supports(),
-        0.5 * bearings.screw_as_bar_between_supports().length,
-        -bearings.APPLIED,
-        tension,
-    )
+    bar = bearings.screw_bar()
+    left, right = axis.support_loads(bar, 0.5 * bar.length, -bearings.APPLIED, tension)
     return {"left": left, "right": right}
 
 
@@ -260,14 +245,12 @@ def row_loads_by_smith_rule_lbf(kind: str, end: str, state: str, preload: tuple[
     preloads of the rows that they load, and also subtracted from the preloads of the opposite rows. ``kind``: "ball" or
     "taper"; ``end``: "left" or "right"; ``state``: "stretch" or "applied"; ``preload``: preload of each row [lbf].
     """
-    loads = as_printed.bearing_row_loads_as_printed(
-        preload, bearings.DIRECTIONS[kind][end], 0.5 * round(tension_of_stretched_screw() / bearings.POUND, -1)
-    )
+    directions = bearings.DIRECTIONS[kind][end]
+    half_tension = 0.5 * round(screw_tension() / bearings.POUND, -1)
+    loads = as_printed.bearing_row_loads_as_printed(preload, directions, half_tension)
     if state == "applied":
-        sign = -1.0 if end == "left" else 1.0
-        loads = as_printed.bearing_row_loads_as_printed(
-            list(loads), bearings.DIRECTIONS[kind][end], sign * 0.5 * bearings.APPLIED / bearings.POUND
-        )
+        half_load = (-0.5 if end == "left" else 0.5) * bearings.APPLIED / bearings.POUND
+        loads = as_printed.bearing_row_loads_as_printed(list(loads), directions, half_load)
     return [float(v) for v in loads]
 
 
@@ -276,7 +259,7 @@ def section_4_1(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
 
     ``findings``: receives the computed value to compare with each printed number. ``cache``: not used here.
     """
-    a = bearings.screw_as_bar_between_supports()
+    a = bearings.screw_bar()
     diameter = 2.0 * float(np.sqrt(a.area / np.pi))
     findings.numbers(
         {
@@ -289,18 +272,12 @@ def section_4_1(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
             "dT": axis.warming_that_removes_tension(a, bearings.STRETCH, bearings.EXPANSION) / bearings.DEG_F,
         }
     )
-    stiff = {kind: bearing_set_state_at_end(kind, "left", "stretch").stiffness for kind in KINDS}
-    elastic = [
-        axis.shaft_tension(bearings.screw_as_bar_between_supports(k, k), bearings.STRETCH) / bearings.POUND
-        for k in stiff.values()
-    ]
+    stiff = {kind: bearing_set_state(kind, "left", "stretch").stiffness for kind in KINDS}
+    elastic = [axis.shaft_tension(bearings.screw_bar(k, k), bearings.STRETCH) / bearings.POUND for k in stiff.values()]
     words = f"{elastic[0]:.0f} and {elastic[1]:.0f} lbf if the stretch is of the ends and the bearings give way"
-    findings.add_number("F", tension_of_stretched_screw() / bearings.POUND, words)
-    findings.add_number(
-        "F_end",
-        tension_of_stretched_screw() / bearings.POUND,
-        as_printed=0.5 * round(tension_of_stretched_screw() / bearings.POUND, -1),
-    )
+    tension = screw_tension() / bearings.POUND
+    findings.add_number("F", tension, words)
+    findings.add_number("F_end", tension, as_printed=0.5 * round(tension, -1))
 
 
 def section_4_2(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
@@ -312,30 +289,25 @@ def section_4_2(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     for kind in KINDS:
         for end in bearings.DIRECTIONS[kind]:
             _compute_bearing_row_loads(findings, kind, end)
-    a = bearings.screw_as_bar_between_supports()
+    a = bearings.screw_bar()
     least = float(axis.shaft_and_support_stiffness(a, 0.5 * a.length))
     findings.numbers({"screw": least / bearings.POUND_PER_INCH, "nut": bearings.NUT / bearings.POUND_PER_INCH})
     findings.add_number("applied", bearings.APPLIED / bearings.POUND)
-    findings.add_number(
-        "package_ball", bearing_set_state_at_end("ball", "left", "stretch").stiffness / bearings.POUND_PER_INCH
-    )
+    findings.add_number("package_ball", bearing_set_state("ball", "left", "stretch").stiffness / bearings.POUND_PER_INCH)
     findings.add_number("package_taper", 2.0 * findings.printed("taper_left_stiffness_1"))
     for kind in KINDS:
         findings.add_number(f"rows_{kind}", 2.0 * sum(len(rows) for rows in bearings.DIRECTIONS[kind].values()))
-    _compute_axis_stiffness(findings, "ball", thrusts_and_stiffness_in_words(cache, TRIPLEX))
-    _compute_axis_stiffness(findings, "taper", thrusts_and_stiffness_in_words(cache, TAPERED))
+    _compute_axis_stiffness(findings, "ball", results_in_words(cache, TRIPLEX))
+    _compute_axis_stiffness(findings, "taper", results_in_words(cache, TAPERED))
     places = np.linspace(0.0, a.length, 53)[1:-1]
-    both_ends, one = (
-        axis.shaft_and_support_stiffness(a, places),
-        axis.shaft_and_support_stiffness(bearings.screw_as_bar_between_supports(right=0.0), places),
-    )
+    both_ends, one = (axis.shaft_and_support_stiffness(bar, places) for bar in (a, bearings.screw_bar(right=0.0)))
     at = float(places[int(np.argmin(both_ends))] / a.length)
     findings.add_claim("middle", abs(at - 0.5) < 0.01, f"least at {at:.2f} L")
     ratio = both_ends / one
     middle = float(ratio[ratio.size // 2])
-    scenes = [thrusts_and_stiffness_by_beam_model(cache, x, 0.5).axis_stiffness for x in (TRIPLEX, SUPPORTED)]
+    scenes = [solve_by_beam_model(cache, x, 0.5).axis_stiffness for x in (TRIPLEX, SUPPORTED)]
     words = f"ratio {ratio.min():.2f} to {ratio.max():.0f}, {middle:.1f} in the middle"
-    words += f"; as scenes, between triplex sets and with one, {scenes[0] / scenes[1]:.2f} in the middle"
+    words += f"; by the beam model, fixed at both ends over fixed at one, {scenes[0] / scenes[1]:.2f} in the middle"
     findings.add_claim("supported", bool(np.all(ratio > 1.0)), words)
 
 
@@ -347,27 +319,25 @@ def _compute_bearing_row_loads(findings: ComputedEntryValues, kind: str, end: st
     count = len(bearings.DIRECTIONS[kind][end])
     preload = tuple(findings.printed(f"{kind}_{end}_preload_{i + 1}") for i in range(count))
     for state in ("preload", "stretch", "applied"):
-        ours = bearing_set_state_at_end(kind, end, state)
+        ours = bearing_set_state(kind, end, state)
         printed = None if state == "preload" else row_loads_by_smith_rule_lbf(kind, end, state, preload)
         for i in range(count):
-            key = f"{kind}_{end}_{state}_{i + 1}"
-            findings.add_number(
-                key, float(ours.row_thrusts[i]) / bearings.POUND, as_printed=None if printed is None else printed[i]
-            )
-    ours = bearing_set_state_at_end(kind, end, "applied")
+            thrust, by_smith = float(ours.row_thrusts[i]) / bearings.POUND, None if printed is None else printed[i]
+            findings.add_number(f"{kind}_{end}_{state}_{i + 1}", thrust, as_printed=by_smith)
+    ours = bearing_set_state(kind, end, "applied")
     for i in range(count):
         findings.add_number(f"{kind}_{end}_stiffness_{i + 1}", float(ours.row_stiffness[i]) / bearings.POUND_PER_INCH)
     total = sum(findings.printed(f"{kind}_{end}_stiffness_{i + 1}") for i in range(count))
-    words = f"equilibrium gives {ours.stiffness / bearings.POUND_PER_INCH / 1e6:.2f}e6 lbf/in"
+    words = f"equilibrium of the rows gives {ours.stiffness / bearings.POUND_PER_INCH / 1e6:.2f}e6 lbf/in"
     findings.add_number(f"{kind}_{end}_package", total, words)
 
 
-def axis_stiffness_at_mid_length(support_stiffness: float) -> float:
+def stiffness_at_mid_length(support_stiffness: float) -> float:
     """Return the axial stiffness [N/m] of the axis with the nut at mid-length, both halves of the screw in parallel.
 
     ``support_stiffness``: stiffness of each support [N/m].
     """
-    a = bearings.screw_as_bar_between_supports(support_stiffness, support_stiffness)
+    a = bearings.screw_bar(support_stiffness, support_stiffness)
     return float(axis.carriage_to_frame_stiffness(a, 0.5 * a.length, bearings.NUT))
 
 
@@ -379,12 +349,11 @@ def _compute_axis_stiffness(findings: ComputedEntryValues, kind: str, beam_model
     """
     package, screw, nut = (findings.printed(k) for k in (f"package_{kind}", "screw", "nut"))
     printed = as_printed.axis_stiffness_as_printed((package, package), screw, nut)
-    right = axis_stiffness_at_mid_length(package * bearings.POUND_PER_INCH) / bearings.POUND_PER_INCH
-    ours = (
-        axis_stiffness_at_mid_length(bearing_set_state_at_end(kind, "left", "stretch").stiffness) / bearings.POUND_PER_INCH
-    )
+    right = stiffness_at_mid_length(package * bearings.POUND_PER_INCH) / bearings.POUND_PER_INCH
+    ours = stiffness_at_mid_length(bearing_set_state(kind, "left", "stretch").stiffness) / bearings.POUND_PER_INCH
     off = float(error_percent(printed, right))
-    words = f"right topology, printed parts {1e-6 * right:.3f}e6, computed bearings {1e-6 * ours:.3f}e6; "
+    words = f"both halves of the screw in parallel: {1e-6 * right:.3f}e6 with the printed stiffness of the bearings, "
+    words += f"{1e-6 * ours:.3f}e6 lbf/in with the computed one; "
     words += f"the sum in series {off:+.0f} %"
     findings.add_number(f"total_{kind}", right, f"{words}; {beam_model_remark}", as_printed=printed)
 
@@ -396,19 +365,14 @@ def section_4_3(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     """
     rows = {"ball": (3, printed_value("smith-2.3", "M")), "taper": (2, printed_value("smith-3", "M"))}
     findings.add_number("nut", 18.0)
-    shaft = axis.shaft_inertia(
-        STEEL,
-        2.0 * float(np.sqrt(bearings.screw_as_bar_between_supports().area / np.pi)),
-        bearings.screw_as_bar_between_supports().length,
-    )
+    shaft = axis.shaft_inertia(STEEL, 2.0 * float(np.sqrt(bearings.screw_bar().area / np.pi)), bearings.screw_bar().length)
     alone = axis.acceleration_torque([shaft], axis.screw_angular_speed(TRAVERSE, LEAD), 1.0) / bearings.INCH_POUND
     words = f"the screw's own inertia takes {alone:.2f} in-lb in 1 s; the rest is not printed"
     findings.add_number("acceleration", None, words)
     for kind, (count, torque) in rows.items():
         ends = (count * torque,) * 2
-        budget = axis.DriveTorqueParts(
-            findings.printed("screw"), findings.printed("nut"), ends, findings.printed("acceleration")
-        )
+        screw, nut, start = (findings.printed(key) for key in ("screw", "nut", "acceleration"))
+        budget = axis.DriveTorqueParts(screw, nut, ends, start)
         findings.add_number(f"bearings_{kind}", ends[0])
         findings.add_number(f"constant_{kind}", budget.constant_speed_torque)
         findings.add_number(f"start_{kind}", budget.accelerating_torque)
@@ -422,10 +386,7 @@ def _record_axis_and_drive_data(findings: ComputedEntryValues) -> None:
 
     ``findings``: receives the results.
     """
-    warming = (
-        axis.warming_that_removes_tension(bearings.screw_as_bar_between_supports(), bearings.STRETCH, bearings.EXPANSION)
-        / bearings.DEG_F
-    )
+    warming = axis.warming_that_removes_tension(bearings.screw_bar(), bearings.STRETCH, bearings.EXPANSION) / bearings.DEG_F
     findings.numbers(
         {
             "lead": 1e3 * LEAD,
@@ -470,13 +431,11 @@ def _compare_stiffness_tests(findings: ComputedEntryValues) -> None:
     """
     off = []
     for kind in KINDS:
-        right = (
-            axis_stiffness_at_mid_length(bearing_set_state_at_end(kind, "left", "stretch").stiffness)
-            / bearings.POUND_PER_INCH
-        )
+        right = stiffness_at_mid_length(bearing_set_state(kind, "left", "stretch").stiffness) / bearings.POUND_PER_INCH
         measured, predicted = findings.printed(f"S_{kind}"), printed_value("smith-4.2", f"total_{kind}")
         off.append(float(error_percent(predicted, measured)))
-        words = f"printed prediction {off[-1]:+.2f} %, right topology {float(error_percent(right, measured)):+.0f} %"
+        parallel = float(error_percent(right, measured))
+        words = f"printed prediction {off[-1]:+.2f} %, both halves of the screw in parallel {parallel:+.0f} %"
         findings.add_number(f"S_{kind}", right, words)
     findings.add_claim("within_2.5", all(abs(v) <= 2.5 for v in off), ", ".join(f"{v:+.2f} %" for v in off))
     findings.add_number("six", float(error_percent(findings.printed("S_ball"), findings.printed("S_taper"))))
@@ -505,12 +464,10 @@ def carriage_load_that_unloads_row(preload: float) -> float:
     ``preload``: preload of the bearing rows [N]. The screw is stretched. The row is unloaded when the part of the
     carriage's load that acts on this end equals the lift-off load of the end's bearing rows less the screw's tension.
     """
-    share = axis.support_loads(
-        bearings.screw_as_bar_between_supports(), 0.5 * bearings.screw_as_bar_between_supports().length, 1.0
-    )[0]
-    return (
-        axis.lift_off_force(bearings.bearing_rows_at_end("taper", "left", preload)) - tension_of_stretched_screw()
-    ) / share
+    bar = bearings.screw_bar()
+    share = axis.support_loads(bar, 0.5 * bar.length, 1.0)[0]
+    lift_off = axis.lift_off_force(bearings.bearing_rows_at_end("taper", "left", preload))
+    return (lift_off - screw_tension()) / share
 
 
 def _compute_loads_at_reduced_preload(findings: ComputedEntryValues) -> None:
@@ -520,11 +477,10 @@ def _compute_loads_at_reduced_preload(findings: ComputedEntryValues) -> None:
     """
     for end in ("left", "right"):
         printed = row_loads_by_smith_rule_lbf("taper", end, "stretch", (REDUCED / bearings.POUND,) * 2)
-        ours = bearing_set_state_at_end("taper", end, "stretch", REDUCED)
+        ours = bearing_set_state("taper", end, "stretch", REDUCED)
         for i in range(2):
-            findings.add_number(
-                f"{end}_stretch_{i + 1}", float(ours.row_thrusts[i]) / bearings.POUND, as_printed=printed[i]
-            )
+            thrust = float(ours.row_thrusts[i]) / bearings.POUND
+            findings.add_number(f"{end}_stretch_{i + 1}", thrust, as_printed=printed[i])
         for load in ("750", "1500"):
             total = sum(findings.printed(f"t{load}_{end}_{i}") for i in (1, 2))
             findings.add_number(f"t{load}_{end}", total)
@@ -540,11 +496,8 @@ def chapter_5(findings: ComputedEntryValues, cache: SceneResultCache) -> None:  
     ``findings``: receives the computed value to compare with each printed number, and whether each printed claim holds.
     ``cache``: not used here.
     """
-    for fill in (
-        _record_axis_and_drive_data,
-        _compare_torque_tests,
-        _compare_stiffness_tests,
-        _compare_temperature_rises,
-        _compute_loads_at_reduced_preload,
-    ):
-        fill(findings)
+    _record_axis_and_drive_data(findings)
+    _compare_torque_tests(findings)
+    _compare_stiffness_tests(findings)
+    _compare_temperature_rises(findings)
+    _compute_loads_at_reduced_preload(findings)

@@ -109,7 +109,7 @@ def bearing_rows_at_end(kind: str, end: str, preload: float = PRELOAD) -> axis.B
     return axis.equal_rows_with_preload(rollers.StraightTaperedRow(smith_tapered_bearing()), directions, preload)
 
 
-def screw_as_bar_between_supports(left: float = np.inf, right: float = np.inf) -> axis.ScrewShaftSprings:
+def screw_bar(left: float = np.inf, right: float = np.inf) -> axis.ScrewShaftSprings:
     """Return the screw of Smith's section 4.1 as a bar between supports.
 
     ``left``, ``right``: axial stiffness of the supports [N/m]; infinite: rigid; 0: free to slide.
@@ -131,7 +131,7 @@ NEARLY_LINE = (1.0 - 1e-4, 1.0 - 1e-7, 1.0 - 1e-10)
 
 
 @cache
-def thrust_state_of_ball_bearing(load: float) -> angular_contact.BallBearingThrustState:
+def ball_bearing_state(load: float) -> angular_contact.BallBearingThrustState:
     """Return contact angle, ball load and stiffness of the ball bearing under a thrust [N], by exact elliptic integrals."""
     return angular_contact.bearing_state_at_displacement(
         smith_ball_bearing(), angular_contact.displacement_under_thrust(smith_ball_bearing(), load)
@@ -139,7 +139,7 @@ def thrust_state_of_ball_bearing(load: float) -> angular_contact.BallBearingThru
 
 
 @cache
-def recompute_ball_spreadsheet(
+def ball_sheet(
     thrust_lbf: float, curvature_difference: float | None = SHEET_DIFFERENCE
 ) -> as_printed.SmithSpreadsheetValues:
     """Return the results of Smith's spreadsheet for the ball bearing (Figure 2-10), recomputed with its errors.
@@ -154,21 +154,14 @@ def recompute_ball_spreadsheet(
     )
 
 
-def ball_spreadsheet_stiffness(thrust_lbf: float) -> float:
+def ball_sheet_stiffness(thrust_lbf: float) -> float:
     """Return the ball bearing's axial stiffness [lbf/in] by Smith's spreadsheet at the thrust ``thrust_lbf`` [lbf].
 
     The stiffness is the difference quotient between thrusts 0.1 % smaller and 0.1 % larger.
     """
     step = 1e-3 * thrust_lbf
-    return (
-        2.0
-        * step
-        * 25.4
-        / (
-            recompute_ball_spreadsheet(thrust_lbf + step).deflection
-            - recompute_ball_spreadsheet(thrust_lbf - step).deflection
-        )
-    )
+    low, high = (ball_sheet(thrust).deflection for thrust in (thrust_lbf - step, thrust_lbf + step))
+    return 2.0 * step * 25.4 / (high - low)
 
 
 def table_2_1(findings: ComputedEntryValues, cache: SceneResultCache) -> None:  # noqa: ARG001 - every table takes the study
@@ -179,9 +172,8 @@ def table_2_1(findings: ComputedEntryValues, cache: SceneResultCache) -> None:  
     """
     for i, difference in enumerate(DIFFERENCES):
         findings.add_number(f"F_{i}", difference)
-        for name, value in zip(
-            ("delta", "a", "b"), angular_contact.dimensionless_hertz_parameters(difference), strict=True
-        ):
+        parameters = angular_contact.dimensionless_hertz_parameters(difference)
+        for name, value in zip(("delta", "a", "b"), parameters, strict=True):
             findings.add_number(f"{name}_{i}", value)
     findings.add_number(f"F_{len(DIFFERENCES)}", 1.0)
     limit = np.array([angular_contact.dimensionless_hertz_parameters(f) for f in NEARLY_LINE])
@@ -209,11 +201,8 @@ def _compute_ball_bearing_dimensions(findings: ComputedEntryValues) -> None:
     findings.numbers({"Z": float(b.balls), "F": SHEET_LOAD / POUND, "F_p": PRELOAD / POUND, "stretch": 2000.0})
     curvature = b.centre_distance / b.ball_diameter
     findings.numbers({"B": curvature, "B_mm": curvature, "alpha_0": degrees(b.free_angle), "alpha_0_rad": b.free_angle})
-    findings.add_number(
-        "alpha_nominal",
-        degrees(b.free_angle),
-        f"{degrees(float(thrust_state_of_ball_bearing(SHEET_LOAD).contact_angle)):.2f} deg under 2040 lbf",
-    )
+    words = f"{degrees(float(ball_bearing_state(SHEET_LOAD).contact_angle)):.2f} deg under 2040 lbf"
+    findings.add_number("alpha_nominal", degrees(b.free_angle), words)
 
 
 def _compute_spreadsheet_cells_under_load(findings: ComputedEntryValues) -> None:
@@ -221,7 +210,7 @@ def _compute_spreadsheet_cells_under_load(findings: ComputedEntryValues) -> None
 
     ``findings``: receives the results.
     """
-    source, s = recompute_ball_spreadsheet(SHEET_LOAD / POUND), thrust_state_of_ball_bearing(SHEET_LOAD)
+    source, s = ball_sheet(SHEET_LOAD / POUND), ball_bearing_state(SHEET_LOAD)
     angle, q = float(s.contact_angle), float(s.ball_load)
     findings.add_number("F_N", SHEET_LOAD, as_printed=SHEET_POUND * SHEET_LOAD / POUND)
     findings.add_number("Q", q / POUND, as_printed=source.ball_load / SHEET_POUND)
@@ -252,12 +241,8 @@ def _compute_spreadsheet_cells_under_load(findings: ComputedEntryValues) -> None
     words = f"pi a b: inner {inner:.6f}, outer {outer:.6f} in2; printed {findings.printed('area') / inner:.1f} times"
     findings.add_number("area", inner, words)
     slope = float(s.stiffness) / POUND_PER_INCH
-    findings.add_number(
-        "S_2040",
-        slope,
-        f"tangent of the sheet's curve {ball_spreadsheet_stiffness(2040.0):.3g} lbf/in",
-        as_printed=ball_spreadsheet_stiffness(2040.0),
-    )
+    words = f"tangent of the sheet's curve {ball_sheet_stiffness(2040.0):.3g} lbf/in"
+    findings.add_number("S_2040", slope, words, as_printed=ball_sheet_stiffness(2040.0))
 
 
 def _compute_triplex_preload(findings: ComputedEntryValues) -> None:
@@ -265,19 +250,17 @@ def _compute_triplex_preload(findings: ComputedEntryValues) -> None:
     for load in (1500.0, 1020.0):
         findings.add_number(
             f"delta_{load:.0f}",
-            float(thrust_state_of_ball_bearing(load * POUND).displacement) / INCH,
-            as_printed=recompute_ball_spreadsheet(load).deflection / 25.4,
+            float(ball_bearing_state(load * POUND).displacement) / INCH,
+            as_printed=ball_sheet(load).deflection / 25.4,
         )
     findings.add_number(
         "gap",
-        2.0 * float(thrust_state_of_ball_bearing(PRELOAD).displacement) / INCH,
-        as_printed=2.0 * recompute_ball_spreadsheet(1500.0).deflection / 25.4,
+        2.0 * float(ball_bearing_state(PRELOAD).displacement) / INCH,
+        as_printed=2.0 * ball_sheet(1500.0).deflection / 25.4,
     )
     triplex = bearing_rows_at_end("ball", "left")
-    ready, pulled = (
-        axis.solve_bearing_row_equilibrium(triplex).row_thrusts / POUND,
-        axis.solve_bearing_row_equilibrium(triplex, 2000.0 * POUND).row_thrusts / POUND,
-    )
+    tensions = 0.0, 2000.0 * POUND
+    ready, pulled = (axis.solve_bearing_row_equilibrium(triplex, force).row_thrusts / POUND for force in tensions)
     findings.numbers({"P_tandem": float(ready[0]), "P_third": float(ready[2]), "ratio": float(ready[2] * POUND / PRELOAD)})
     findings.add_number("stretch_end", 2000.0, as_printed=1000.0)
     shared = as_printed.bearing_row_loads_as_printed((1020.0, 1020.0, 2040.0), (1, 1, -1), 1000.0)
@@ -295,14 +278,8 @@ def range_of_good_approach_fit() -> tuple[float, float, float]:
 
     def approach_fit_error_percent(difference: float) -> float:
         """Return the error [%] of Smith's fit of the approach delta* at a curvature difference F(p)."""
-        return abs(
-            float(
-                error_percent(
-                    as_printed.hertz_parameter_by_smith_polynomial(difference, "approach"),
-                    angular_contact.dimensionless_hertz_parameters(difference)[0],
-                )
-            )
-        )
+        fitted = as_printed.hertz_parameter_by_smith_polynomial(difference, "approach")
+        return abs(float(error_percent(fitted, angular_contact.dimensionless_hertz_parameters(difference)[0])))
 
     low = high = 0.9
     while approach_fit_error_percent(low - 1e-3) <= 2.0:
@@ -322,18 +299,14 @@ def section_2_1(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     _compute_spreadsheet_cells_under_load(findings)
     _compute_triplex_preload(findings)
     low, high, worst = range_of_good_approach_fit()
-    findings.add_claim(
-        "fit_good", worst < 2.0, f"within 2 % for F(p) from {low:.3f} to {high:.3f}; {worst:.0f} % off at 0.5"
-    )
-    f = recompute_ball_spreadsheet(2040.0).curvature_differences[0]
-    minor, exact = (
-        as_printed.hertz_parameter_by_smith_polynomial(f, "minor"),
-        angular_contact.dimensionless_hertz_parameters(f)[2],
-    )
+    words = f"within 2 % for F(p) from {low:.3f} to {high:.3f}; {worst:.0f} % off at 0.5"
+    findings.add_claim("fit_good", worst < 2.0, words)
+    f = ball_sheet(2040.0).curvature_differences[0]
+    minor = as_printed.hertz_parameter_by_smith_polynomial(f, "minor")
+    exact = angular_contact.dimensionless_hertz_parameters(f)[2]
     percent = float(error_percent(minor, exact))
-    findings.add_claim(
-        "fit_minor", abs(percent) < 5.0, f"b* = {minor:.4f} for {exact:.4f}: {percent:+.0f} % at F(p) = {f:.3f}"
-    )
+    words = f"b* = {minor:.4f} for {exact:.4f}: {percent:+.0f} % at F(p) = {f:.3f}"
+    findings.add_claim("fit_minor", abs(percent) < 5.0, words)
 
 
 def section_2_2(findings: ComputedEntryValues, cache: SceneResultCache) -> None:  # noqa: ARG001 - every table takes the study
@@ -344,11 +317,11 @@ def section_2_2(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     """
     loads = [row.key.removeprefix("theory_") for row in load_printed_table(findings.table) if row.key.startswith("theory_")]
     measured, theory = (np.array([findings.printed(f"{k}_{n}") for n in loads]) for k in ("measured", "theory"))
-    right = np.array([float(thrust_state_of_ball_bearing(float(n) * POUND).stiffness) / POUND_PER_INCH for n in loads])
+    right = np.array([float(ball_bearing_state(float(n) * POUND).stiffness) / POUND_PER_INCH for n in loads])
     for n, value in zip(loads, right, strict=True):
         findings.add_number(f"load_{n}", float(n))
         findings.add_number(f"measured_{n}", float(value))
-        findings.add_number(f"theory_{n}", float(value), as_printed=ball_spreadsheet_stiffness(float(n)))
+        findings.add_number(f"theory_{n}", float(value), as_printed=ball_sheet_stiffness(float(n)))
     off = np.array([float(error_percent(t, m)) for t, m in zip(theory, measured, strict=True)])
     bad = [f"{p:+.0f} % at {n} lbf" for n, p in zip(loads, off, strict=True) if abs(p) > 10.0]
     ours = np.array([float(error_percent(r, m)) for r, m in zip(right, measured, strict=True)])
@@ -377,22 +350,21 @@ def section_2_3(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     findings.add_number("M_0", viscous)
     product = 1e6 * VISCOSITY * SPEED / RPM
     findings.add_claim("form", product >= 2000.0, f"v n = {product:.0f} cSt rpm")
-    s = thrust_state_of_ball_bearing(BALL_TORQUE_LOAD)
+    s = ball_bearing_state(BALL_TORQUE_LOAD)
     (across, along), _ = angular_contact.relative_curvatures(b, s.contact_angle)
     rating = torque.palmgren_static_rating(1, b.balls, b.ball_diameter, float(s.contact_angle), float(across), float(along))
-    loaded = torque.load_dependent_torque(BALL_TORQUE_LOAD, 0.0, b.pitch_diameter, rating).torque / INCH_POUND
-    whole = (
-        torque.load_dependent_torque(BALL_TORQUE_LOAD, 0.0, b.pitch_diameter, rating, axial_factor=1.0).torque / INCH_POUND
-    )
-    three = torque.load_dependent_torque(BALL_TORQUE_LOAD, 0.0, b.pitch_diameter, 3.0 * rating).torque / INCH_POUND
+
+    def by_load(static_rating: float, **factors: float) -> float:
+        """Return the torque [in-lbf] by the load, for a static rating [N] and other factors than Palmgren's usual ones."""
+        found = torque.load_dependent_torque(BALL_TORQUE_LOAD, 0.0, b.pitch_diameter, static_rating, **factors)
+        return found.torque / INCH_POUND
+
     radial = 1.25e6 * torque.KILOGRAM_FORCE * b.balls * b.ball_diameter**2 * float(np.cos(b.free_angle))
-    nearest = (
-        torque.load_dependent_torque(BALL_TORQUE_LOAD, 0.0, b.pitch_diameter, radial, axial_factor=0.5).torque / INCH_POUND
-    )
+    loaded, whole, three = by_load(rating), by_load(rating, axial_factor=1.0), by_load(3.0 * rating)
+    nearest = by_load(radial, axial_factor=0.5)
     share = float((s.inner_hertz.pressure(s.ball_load) / DENT_PRESSURE) ** 3)
-    row = torque.ball_bearing_torque(
-        "angular contact", float(s.contact_angle), b.pitch_diameter, (BALL_TORQUE_LOAD, 0.0, share), None
-    )
+    thrust = BALL_TORQUE_LOAD, 0.0, share
+    row = torque.ball_bearing_torque("angular contact", float(s.contact_angle), b.pitch_diameter, thrust, None)
     low, high = (x / INCH_POUND for x in row.load)
     words = f"one row {loaded:.2f} in-lb, with three rows in C_0 {three:.2f}, with P_0 = F_a {whole:.2f}; published "
     words += (
@@ -413,9 +385,8 @@ def section_2_3(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     words = f"from rest {least:.2f} to {most:.2f} in-lb: film and twice the load's part, which fresh grease exceeds"
     findings.add_number("M_test", most, words)
     growth = (2000.0 / 500.0) ** (4.0 / 3.0)
-    findings.add_claim(
-        "insensitive", growth < 1.5, f"by (2.33), (2.34) the load's part grows {growth:.1f} times from 500 to 2000 lbf"
-    )
+    words = f"by (2.33), (2.34) the load's part grows {growth:.1f} times from 500 to 2000 lbf"
+    findings.add_claim("insensitive", growth < 1.5, words)
     findings.add_number("M_test_3", 3.0 * test)
     percent = float(error_percent(findings.printed("M"), test))
     off = float(error_percent(viscous + loaded, test))
@@ -437,19 +408,19 @@ CROWN, SLICES = 2.0, 101
 
 
 @cache
-def state_under_thrust_and_radial_load() -> tapered_roller.ThrustAndRadialState:
+def taper_state() -> tapered_roller.ThrustAndRadialState:
     """Return the equilibrium of Smith's tapered roller bearing under the thrust and the radial load of his Figure 3-6."""
     return tapered_roller.solve_thrust_and_radial_equilibrium(smith_tapered_bearing(), SHEET_LOAD, RADIAL)
 
 
 @cache
-def roller_contacts_under_spreadsheet_thrust() -> rollers.RollerContacts:
+def taper_contacts() -> rollers.RollerContacts:
     """Return half widths, pressures and areas of one tapered roller's contacts under the thrust of Smith's Figure 3-6."""
     b = smith_tapered_bearing()
     return rollers.roller_line_contacts(b, SHEET_LOAD / (b.rollers * float(np.sin(b.cup_angle))))
 
 
-def tapered_bearing_stiffness(thrust_lbf: float, depth: float = RING_DEPTH) -> float:
+def taper_stiffness(thrust_lbf: float, depth: float = RING_DEPTH) -> float:
     """Return the tapered roller bearing's axial stiffness [lbf/in] from the deformation of its line contacts.
 
     ``thrust_lbf``: thrust [lbf]; ``depth``: depth [m] in the rings down to which the contact deformation is counted.
@@ -467,7 +438,7 @@ def crowned_tapered_bearing_stiffness(thrust_lbf: float) -> float:
     return row.stiffness(row.deflection(thrust_lbf * POUND)) / POUND_PER_INCH
 
 
-def tapered_bearing_deflection_as_printed(
+def taper_deflection_as_printed(
     thrust_lbf: float, length: float, diameter: float, cup_angle: float, roller_angle: float
 ) -> float:
     """Return the tapered bearing's axial deflection [in] by Smith's equations 3.17 to 3.21.
@@ -479,18 +450,16 @@ def tapered_bearing_deflection_as_printed(
     return as_printed.roller_approach_as_printed(float(line), diameter, cup_angle, roller_angle) / float(np.sin(cup_angle))
 
 
-def tapered_bearing_spreadsheet_deflection(thrust_lbf: float = SHEET_LOAD / POUND) -> float:
+def taper_sheet_deflection(thrust_lbf: float = SHEET_LOAD / POUND) -> float:
     """Return the tapered bearing's axial deflection [in] by Smith's spreadsheet (Figure 3-6).
 
     ``thrust_lbf``: thrust [lbf].
     """
     b = smith_tapered_bearing()
-    return tapered_bearing_deflection_as_printed(
-        thrust_lbf, b.length / INCH, b.diameter / INCH, b.cup_angle, b.roller_angle
-    )
+    return taper_deflection_as_printed(thrust_lbf, b.length / INCH, b.diameter / INCH, b.cup_angle, b.roller_angle)
 
 
-def tapered_bearing_deflection_range() -> tuple[float, float]:
+def taper_deflection_range() -> tuple[float, float]:
     """Return smallest and largest axial deflection [in] of the tapered bearing within the rounding of Smith's inputs."""
     b = smith_tapered_bearing()
     half = (0.005, 0.005, np.radians(0.05), np.radians(0.005))
@@ -498,15 +467,13 @@ def tapered_bearing_deflection_range() -> tuple[float, float]:
     found = []
     for signs in product((-1.0, 1.0), repeat=4):
         length, diameter, cup, roller = (float(m + s * h) for m, s, h in zip(middle, signs, half, strict=True))
-        found.append(tapered_bearing_deflection_as_printed(SHEET_LOAD / POUND, length, diameter, cup, roller))
+        found.append(taper_deflection_as_printed(SHEET_LOAD / POUND, length, diameter, cup, roller))
     return min(found), max(found)
 
 
-def tapered_bearing_spreadsheet_stiffness(thrust_lbf: float) -> float:
+def taper_sheet_stiffness(thrust_lbf: float) -> float:
     """Return the tapered bearing's axial stiffness [lbf/in] by Smith's spreadsheet at the thrust ``thrust_lbf`` [lbf]."""
-    return 2.0 / (
-        tapered_bearing_spreadsheet_deflection(thrust_lbf + 1.0) - tapered_bearing_spreadsheet_deflection(thrust_lbf - 1.0)
-    )
+    return 2.0 / (taper_sheet_deflection(thrust_lbf + 1.0) - taper_sheet_deflection(thrust_lbf - 1.0))
 
 
 def _compute_taper_spreadsheet(findings: ComputedEntryValues) -> None:
@@ -535,35 +502,27 @@ def _compute_taper_spreadsheet(findings: ComputedEntryValues) -> None:
     findings.add_number("J_a", zone.thrust_integral, words)
     findings.add_number("J_r", zone.radial_integral, words)
     findings.add_number("eps", zone.eps, words)
-    low, high = tapered_bearing_deflection_range()
-    findings.add_number(
-        "delta_a",
-        state_under_thrust_and_radial_load().axial_displacement / INCH,
-        f"3.19 gives {tapered_bearing_spreadsheet_deflection():.6f} in, over the roundings of the inputs {low:.6f} to "
-        f"{high:.6f}; line contacts "
-        f"to the rings' depth {state_under_thrust_and_radial_load().axial_displacement / INCH:.6f}",
-        as_printed=tapered_bearing_spreadsheet_deflection(),
+    low, high = taper_deflection_range()
+    words = (
+        f"3.19 gives {taper_sheet_deflection():.6f} in, over the roundings of the inputs {low:.6f} to {high:.6f}; line "
+        f"contacts to the rings' depth {taper_state().axial_displacement / INCH:.6f}"
     )
-    radial = tapered_bearing_spreadsheet_deflection() * float(np.tan(b.cup_angle)) / (2.0 * findings.printed("eps") - 1.0)
-    findings.add_number(
-        "delta_r",
-        state_under_thrust_and_radial_load().radial_displacement / INCH,
-        f"3.20 with the printed eps {radial:.3g} in",
-        as_printed=radial,
-    )
-    slopes, printed = [tapered_bearing_stiffness(f) for f in ENDS], [tapered_bearing_spreadsheet_stiffness(f) for f in ENDS]
+    findings.add_number("delta_a", taper_state().axial_displacement / INCH, words, as_printed=taper_sheet_deflection())
+    radial = taper_sheet_deflection() * float(np.tan(b.cup_angle)) / (2.0 * findings.printed("eps") - 1.0)
+    words = f"3.20 with the printed eps {radial:.3g} in"
+    findings.add_number("delta_r", taper_state().radial_displacement / INCH, words, as_printed=radial)
+    slopes, printed = [taper_stiffness(f) for f in ENDS], [taper_sheet_stiffness(f) for f in ENDS]
     growth = [float(error_percent(v[1], v[0])) for v in (slopes, printed)]
-    findings.add_claim(
-        "linear",
-        max(growth) < 5.0,
+    words = (
         f"stiffness grows from {ENDS[0]:.0f} to {ENDS[1]:.0f} lbf by {growth[0]:.0f} % (3.19: {growth[1]:.0f} %); "
-        f"that of the ball bearing by {_ball_bearing_stiffness_growth_percent():.0f} %",
+        f"that of the ball bearing by {_ball_bearing_stiffness_growth_percent():.0f} %"
     )
+    findings.add_claim("linear", max(growth) < 5.0, words)
 
 
 def _ball_bearing_stiffness_growth_percent() -> float:
     """Return the growth [%] of the ball bearing's stiffness between the thrusts `ENDS`, 500 and 2500 lbf."""
-    low, high = (float(thrust_state_of_ball_bearing(f * POUND).stiffness) for f in ENDS)
+    low, high = (float(ball_bearing_state(f * POUND).stiffness) for f in ENDS)
     return float(error_percent(high, low))
 
 
@@ -572,7 +531,7 @@ def _compute_taper_contacts(findings: ComputedEntryValues) -> None:
 
     ``findings``: receives the results.
     """
-    b, c = smith_tapered_bearing(), roller_contacts_under_spreadsheet_thrust()
+    b, c = smith_tapered_bearing(), taper_contacts()
     p = as_printed.roller_contact_as_printed(
         SHEET_LOAD / POUND, b.rollers, b.length / INCH, b.diameter / INCH, b.pitch_diameter / INCH, b.cone_angle
     )
@@ -587,16 +546,14 @@ def _compute_taper_contacts(findings: ComputedEntryValues) -> None:
     words = f"printed ellipse and pressure need {load:.0f} lbf, balance of the roller gives {c.rib_load / POUND:.0f}"
     for key in ("rib_a", "rib_b", "rib_sigma"):
         findings.add_number(key, None, words)
-    findings.add_number(
-        "rib_A", np.pi * a_rib * b_rib, "pi a b of the printed semi-axes beside a b", as_printed=a_rib * b_rib
-    )
+    words = "pi a b of the printed semi-axes beside a b"
+    findings.add_number("rib_A", np.pi * a_rib * b_rib, words, as_printed=a_rib * b_rib)
     ours = b.rollers * float(c.areas.sum()) / INCH**2
-    inner, outer = (float(a) / INCH**2 for a in thrust_state_of_ball_bearing(SHEET_LOAD).contact_areas())
+    inner, outer = (float(a) / INCH**2 for a in ball_bearing_state(SHEET_LOAD).contact_areas())
     balls = smith_ball_bearing().balls * (inner + outer)
     findings.add_number("area_taper", ours, as_printed=2.0 * b.rollers * p.contact_area)
-    findings.add_number(
-        "area_ball", balls, "as printed from 0.0065 in2, itself open", as_printed=2.0 * smith_ball_bearing().balls * 0.0065
-    )
+    words = "as printed from 0.0065 in2, itself open"
+    findings.add_number("area_ball", balls, words, as_printed=2.0 * smith_ball_bearing().balls * 0.0065)
     findings.add_number("area_rib", b.rollers * np.pi * a_rib * b_rib, as_printed=b.rollers * area)
     findings.add_claim("less_area", ours < balls, f"{ours:.3f} in2 against {balls:.3f} in2: {ours / balls:.1f} times")
 
@@ -607,22 +564,20 @@ def _compute_taper_tests(findings: ComputedEntryValues) -> None:
     ``findings``: receives the results.
     """
     load = TAPER_TORQUE_LOAD / POUND
-    middle = tapered_bearing_stiffness(load)
+    middle = taper_stiffness(load)
     drop = 1e6 * float(rollers.circular_crown_profile(CROWN)(np.array(0.5 * smith_tapered_bearing().length)))
-    by_depth = [tapered_bearing_stiffness(load, depth) for depth in DEPTHS]
-    model, test = tapered_bearing_spreadsheet_stiffness(load), findings.printed("S_test")
-    findings.add_number(
-        "S_test",
-        middle,
+    by_depth = [taper_stiffness(load, depth) for depth in DEPTHS]
+    model, test = taper_sheet_stiffness(load), findings.printed("S_test")
+    words = (
         f"model as printed {model:.3g}, line contacts {middle:.3g} lbf/in at 1500 lbf: "
         f"{float(error_percent(model, test)):+.0f} and {float(error_percent(middle, test)):+.0f} %; rings "
         f"{1e3 * DEPTHS[0]:g} to {1e3 * DEPTHS[1]:g} mm deep instead of {1e3 * RING_DEPTH:g}: {by_depth[0]:.3g} to "
         f"{by_depth[1]:.3g} lbf/in; a crown of {CROWN:g} m radius, {drop:.0f} um at the ends of both contacts together, "
         f"{crowned_tapered_bearing_stiffness(load):.3g}, but then {crowned_tapered_bearing_stiffness(ENDS[0]):.3g} to "
-        f"{crowned_tapered_bearing_stiffness(ENDS[1]):.3g} "
-        f"from "
-        f"{ENDS[0]:.0f} to {ENDS[1]:.0f} lbf, no straight line as measured",
+        f"{crowned_tapered_bearing_stiffness(ENDS[1]):.3g} from {ENDS[0]:.0f} to {ENDS[1]:.0f} lbf, no straight line as "
+        "measured"
     )
+    findings.add_number("S_test", middle, words)
     findings.add_number("F_torque", load)
     viscosity = VISCOSITY * DENSITY
     implied = torque.timken_factor_from_torque(findings.printed("M") * INCH_POUND, viscosity, SPEED, TAPER_TORQUE_LOAD)

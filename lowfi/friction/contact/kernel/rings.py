@@ -85,12 +85,10 @@ def write_position_newton_step(
     stiffness that `contact_energy` has written; floor: stiffness that is added on the diagonal [N/m], so that balls
     without contact have a finite step.
     """
-    section, ball, inner, stiff = (
-        cell.inner_displacement_maps,
-        state.ball_unbalanced_forces,
-        state.inner_unbalanced_forces,
-        state.stiffness,
-    )
+    section = cell.inner_displacement_maps
+    ball = state.ball_unbalanced_forces
+    inner = state.inner_unbalanced_forces
+    stiff = state.stiffness
     n, m = ball.shape[0], inner.shape[0]
     schur, solved, right = np.zeros((m, m)), np.empty((n, 2, m)), -inner
     for j in range(m):
@@ -134,11 +132,9 @@ def write_position_newton_step(
 @kernel
 def copy_contact_state(source: BallContactState, to: BallContactState) -> None:
     """Copy contact forces, normals, stiffness and unbalanced forces from the state ``source`` to the state ``to``."""
-    to.ball_unbalanced_forces[:], to.inner_unbalanced_forces[:], to.stiffness[:] = (
-        source.ball_unbalanced_forces,
-        source.inner_unbalanced_forces,
-        source.stiffness,
-    )
+    to.ball_unbalanced_forces[:] = source.ball_unbalanced_forces
+    to.inner_unbalanced_forces[:] = source.inner_unbalanced_forces
+    to.stiffness[:] = source.stiffness
     to.force[:], to.normal[:] = source.force, source.normal
 
 
@@ -229,11 +225,9 @@ def minimise_energy_of_each_ball(
         state = BallContactState(np.zeros((1, 2)), np.zeros(1), stiff, force[k : k + 1], normal[k : k + 1])
         ball, inner = x[k : k + 1, :2].copy(), x[k, 2:].copy()
         minimise_energy(cell, float(np.sum(np.abs(given[k]))), ball, inner, state, goal, limit)
-        x[k, :2], x[k, 2:], left[k] = (
-            ball[0],
-            inner,
-            largest_entry(state.ball_unbalanced_forces, state.inner_unbalanced_forces),
-        )
+        x[k, :2] = ball[0]
+        x[k, 2:] = inner
+        left[k] = largest_entry(state.ball_unbalanced_forces, state.inner_unbalanced_forces)
 
 
 @kernel

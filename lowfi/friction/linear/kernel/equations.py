@@ -220,11 +220,9 @@ def write_contact_slips(chain: ChainArrays, point: ChainSearchState) -> None:
     chain: contacts and nominal motion of the N balls; point: search state, whose field ``motion_less_nominal`` gives
     the motions, and whose fields ``groove_contact_slips`` and ``ball_to_ball_slips`` are written.
     """
-    point.groove_contact_slips[:, :, 0], point.groove_contact_slips[:, :, 1], point.ball_to_ball_slips[:] = (
-        -chain.contacts[:, :, 2],
-        0.0,
-        0.0,
-    )
+    point.groove_contact_slips[:, :, 0] = -chain.contacts[:, :, 2]
+    point.groove_contact_slips[:, :, 1] = 0.0
+    point.ball_to_ball_slips[:] = 0.0
     _add_contact_slips(chain.contacts, point, chain.nominal_motion + point.motion_less_nominal)
 
 

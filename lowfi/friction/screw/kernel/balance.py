@@ -14,9 +14,8 @@ from rollbench.lowfi.friction.contact.kernel_types import Array
 from rollbench.lowfi.friction.screw.kernel_types import BalanceResiduals, BallArrays, GrooveArrays
 from rollbench.lowfi.jit import CONTACT, is_compiled_module, kernel, load_kernel_package
 
-_OTHER = load_kernel_package(
-    CONTACT, compiled=is_compiled_module(__name__)
-)  # the kernels of one contact, compiled where these are
+# the kernels of one contact, compiled where these are
+_OTHER = load_kernel_package(CONTACT, compiled=is_compiled_module(__name__))
 
 dissipation, least_dissipation = _OTHER.dissipation, _OTHER.least_dissipation
 
@@ -196,18 +195,14 @@ def write_force_balance_residual(
     divided by the nut's speed. Force f and remaining closing rate g of a gap (`remaining_closing_rate`) are complementary
     where Fischer-Burmeister's function f + g - sqrt(f^2 + g^2) is zero. Derivatives are written to ``parts``, too.
     """
-    hold, shape, maps, drives = (
-        balls.holding_stiffness,
-        balls.semi_axes_and_bound,
-        balls.contact_motion_maps,
-        balls.imposed_contact_motions,
-    )
-    nominal, first, second, closing = (
-        groove.nominal,
-        groove.first_ball_surface_speeds,
-        groove.second_ball_surface_speeds,
-        groove.closing_rate_factor,
-    )
+    hold = balls.holding_stiffness
+    shape = balls.semi_axes_and_bound
+    maps = balls.contact_motion_maps
+    drives = balls.imposed_contact_motions
+    nominal = groove.nominal
+    first = groove.first_ball_surface_speeds
+    second = groove.second_ball_surface_speeds
+    closing = groove.closing_rate_factor
     balance, comp, slopes, hessian = parts
     n = f.shape[0]
     none = np.zeros(4)
@@ -391,8 +386,6 @@ def solve_force_balance_of_balls(
         f += length * df
         size = new
         parts.unbalanced_forces[:], parts.complementarity[:] = trial.unbalanced_forces, trial.complementarity
-        parts.complementarity_slopes[:], parts.dissipation_hessian[:] = (
-            trial.complementarity_slopes,
-            trial.dissipation_hessian,
-        )
+        parts.complementarity_slopes[:] = trial.complementarity_slopes
+        parts.dissipation_hessian[:] = trial.dissipation_hessian
     return size, limit

@@ -220,12 +220,10 @@ def _add_ball_to_ball_force(
     ball, and size of this sliding; f: force between the two balls; mu: coefficient of friction; share: fraction of this
     force and its friction that acts on the loads.
     """
-    first, second, push, slide = (
-        system.groove.first_ball_surface_speeds,
-        system.groove.second_ball_surface_speeds,
-        system.ball_force_directions,
-        system.tangent_directions,
-    )
+    first = system.groove.first_ball_surface_speeds
+    second = system.groove.second_ball_surface_speeds
+    push = system.ball_force_directions
+    slide = system.tangent_directions
     side, K = matrix.ball_residual, matrix.ball_band
     u, v, size = rub
     bite, sliding, joined = mu * max(f, 0.0), mu if f > 0.0 else 0.0, other > row
@@ -265,13 +263,11 @@ def write_loads_and_motion_equations(
     hold, nominal = system.balls.holding_stiffness, system.groove.nominal
     p, u, x, f = at
     side, side_u, K, columns, lines, corner = matrix
-    n, m, section, offset, pull = (
-        f.shape[0],
-        u.shape[0],
-        cell.inner_displacement_maps,
-        cell.given_inner_displacement,
-        cell.inner_body_forces,
-    )
+    n = f.shape[0]
+    m = u.shape[0]
+    section = cell.inner_displacement_maps
+    offset = cell.given_inner_displacement
+    pull = cell.inner_body_forces
     out, by, shift = np.empty(OWN_ROWS), np.empty((OWN_ROWS, OWN_COLUMNS)), np.empty(2)
     side[:], K[:], columns[:], lines[:], corner[:] = 0.0, 0.0, 0.0, 0.0, 0.0
     for q in range(m):

@@ -60,7 +60,7 @@ def stored_ways() -> list[dict[str, Any]]:
 def fixation_rows(monkeypatch: pytest.MonkeyPatch, stored: list[dict[str, Any]]) -> list[dict[str, Any]]:
     """Rows of a size by the cheap model and by these stored runs."""
     monkeypatch.setattr(page, "DEFAULT", "lin")
-    monkeypatch.setattr(page, "stored_results_by_nut_fixation", lambda _: stored)
+    monkeypatch.setattr(page, "stored_fixation_results", lambda _: stored)
     return page.fixation_table_rows(SceneResultCache(), "bnf-4010-5")
 
 
@@ -87,7 +87,7 @@ def test_rows_of_3d_have_the_uncertainty_of_their_meshes(monkeypatch: pytest.Mon
     bars = {(row["by"], row["held"]): row["mesh"] for row in rows if row["mesh"] is not None}
     known = estimate.read_uncertainty_of_other_scenes(shipped_store())
     assert bars["3D, level 1", page.WHOLE] == pytest.approx(known.single[0] + 1.0)  # 0.4 N of a mean of 40 N
-    both = {x["level"]: page.contact_loads_of_stored_result(x) for x in stored if x["held"] == page.WHOLE}
+    both = {x["level"]: page.loads_of_stored_result(x) for x in stored if x["held"] == page.WHOLE}
     bar = estimate.mesh_uncertainty(both, known).uncertainties_of_loads(both).max()
     assert bars["3D, level 2", page.WHOLE] == pytest.approx(bar + 0.4 / mean_load(both[2]) * 100.0, rel=1e-9)
     assert bars["3D, level 2", page.WHOLE] > bars["3D, level 2", "left face"]
@@ -103,7 +103,7 @@ def test_a_level_without_the_left_face_has_no_rows(monkeypatch: pytest.MonkeyPat
     assert page.mesh_uncertainty_sentence(rows) == "Nothing was solved in 3D."
 
 
-STORED = page.stored_results_by_nut_fixation(shipped_store())
+STORED = page.stored_fixation_results(shipped_store())
 SOLVED = sorted({(row["scene"], row["level"]) for row in STORED})
 
 
@@ -116,7 +116,7 @@ def test_the_record_has_annulus_and_left_face_of_a_size(name: str, level: int) -
     if page.BOLTED in kept:
         assert kept[page.BOLTED]["rigidity"] < kept[page.WHOLE]["rigidity"]
     for row in kept.values():
-        load = page.contact_loads_of_stored_result(row)
+        load = page.loads_of_stored_result(row)
         assert row["status"] == "converged"
         assert load.shape == (scene.ball_count, 4)
         assert load.max(axis=1).sum() * approach_per_displacement(scene) == pytest.approx(scene.loads[0].force[2], rel=0.05)
@@ -131,7 +131,7 @@ def test_refined_is_as_near_to_3d_on_a_flange_as_on_a_face(row: dict[str, Any]) 
     far from a face rested on nothing."""
     scene = page.scenes_by_nut_fixation(catalogue.shipped_scene(row["scene"]))[row["held"]]
     found = run_model(scene, "refined", ModelOptions(estimate_beam_mesh_error=False))
-    off = load_error(found.load, page.contact_loads_of_stored_result(row))
+    off = load_error(found.load, page.loads_of_stored_result(row))
     assert off.max_percent < 0.6
     assert off.rms_percent < 0.2
 

@@ -4,7 +4,7 @@ import pytest
 from tests.evidence_study import GROUP, STUDY
 from tests.sources.entries import check, found, keys
 
-from rollbench.compare.cases.lin.evidence.chapter_2 import CASES, largest_over_smallest_load
+from rollbench.compare.cases.lin.evidence.chapter_2 import CASES, load_ratio
 from rollbench.compare.cases.lin.pages import chapter_2
 
 pytestmark = pytest.mark.xdist_group(GROUP)
@@ -37,7 +37,7 @@ def test_source_partition_and_root_free_factor_explain_the_ratio() -> None:
     """1.34 is inside the spread of the open choices: about 1.30 (coarse partition) to 1.34 (C.8 without its root)."""
     for expected, change in ((1.300, {"partition": "source"}), (1.344, {"section": "groove squared"})):
         load = STUDY.solve_once(STUDY.scene_with_options("lin-case1", **change)).load[:, 0]
-        assert largest_over_smallest_load(load) == pytest.approx(expected, abs=2e-3)
+        assert load_ratio(load) == pytest.approx(expected, abs=2e-3)
 
 
 def test_readings_of_case_3_stand_beside_each_other_with_what_they_change():

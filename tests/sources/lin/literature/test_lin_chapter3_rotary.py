@@ -32,7 +32,7 @@ def test_forces_to_every_printed_digit() -> None:
     for case in rotary_linear.CASES:
         for side in SIDES:
             row = table[f"F_{side}_{case}"]
-            value = rotary_linear.value_for_table_3_2(rotary_linear.solve_rotary_ball_as_printed(case), f"F_{side}")
+            value = rotary_linear.value_for_table_3_2(rotary_linear.rotary_ball_as_printed(case), f"F_{side}")
             assert f"{value:.4f}" == row.number_as_printed or (row.number_as_printed == "0" and value == 0.0)
 
 
@@ -62,7 +62,7 @@ def test_step_of_the_maps_is_inferred_from_case_iii(spacing: float | None) -> No
 
 def test_interpolated_maps_break_the_balance_of_power() -> None:
     """Fault of the source: with its maps torque 3.21 is 0.2 % more than the moment friction exerts on the ring."""
-    both = rotary_linear.solve_rotary_ball_as_printed("III"), as_source(rotary_linear.CASES["III"])
+    both = rotary_linear.rotary_ball_as_printed("III"), as_source(rotary_linear.CASES["III"])
     maps, exact = (s.inner_ring_torque / inner_ring_torque(rotary_linear.ROTARY, s.load, s.motion) - 1.0 for s in both)
     assert maps == pytest.approx(1.92e-3, abs=1e-4)
     assert abs(exact) < 1e-9
@@ -87,7 +87,7 @@ def test_right_values_balance_power(case: str, rest: int, force: float, torque: 
 
 def test_transition_of_figure_3_7() -> None:
     """Forces nearly constant before four-point contact, torque then rises much faster than force."""
-    start, end = rotary_linear.solve_rotary_ball_as_printed("I"), rotary_linear.solve_rotary_ball_as_printed("III")
+    start, end = rotary_linear.rotary_ball_as_printed("I"), rotary_linear.rotary_ball_as_printed("III")
     early = as_source(3e-6, rotary_linear.PRINTED_LAW)
     assert early.load.force.sum() == pytest.approx(start.load.force.sum(), rel=5e-3)
     assert np.sum(early.load.force > 0.0) == 2

@@ -20,12 +20,12 @@ THETA = {case: source_cases.second_ball_angle_deviation(case) for case in source
 
 def plain_pair(theta: float, **changes: object) -> screw_run.ScrewPairSolution:
     """Both balls as the text has them, with changes."""
-    return screw_run.solve_pair_of_screw_balls(replace(source_cases.screw_pair_as_printed(theta), **changes))
+    return screw_run.solve_pair_of_screw_balls(replace(source_cases.pair_as_printed(theta), **changes))
 
 
 def inferred_pair(theta: float, **changes: object) -> screw_run.ScrewPairSolution:
     """Both balls with the oversize that is inferred, with changes."""
-    return screw_run.solve_pair_of_screw_balls(replace(source_cases.screw_pair_with_inferred_oversize(theta), **changes))
+    return screw_run.solve_pair_of_screw_balls(replace(source_cases.oversized_pair(theta), **changes))
 
 
 @pytest.mark.parametrize("key", keys("lin-3.6", "lin-3.7", "lin-3.4.4"))
@@ -97,12 +97,12 @@ def test_printed_numbers_imply_four_loaded_contacts() -> None:
     table = rows("lin-3.7")
     for case, theta in THETA.items():
         force, increase = table[f"force_{case}"].value, 1e-2 * table[f"increase_{case}"].value
-        pair = source_cases.screw_pair_with_inferred_oversize(theta)
+        pair = source_cases.oversized_pair(theta)
         implied = screw_run.load_implied_by_ball_force(pair, force, increase)
         assert implied == pytest.approx(141.0, abs=2.0)
         assert reading("inferred", case).ball_loads.mean() == pytest.approx(implied, rel=0.03)
         assert implied > 1.7 * reading("plain", case).ball_loads.mean()
-    both = source_cases.screw_pair_with_inferred_oversize, source_cases.screw_pair_as_printed
+    both = source_cases.oversized_pair, source_cases.pair_as_printed
     with_oversize, without = (screw_run.pair_sliding_speed(pair_of(THETA["a"])) for pair_of in both)
     assert with_oversize == pytest.approx(without, rel=0.02)
 
@@ -118,7 +118,7 @@ def test_oversize_is_what_matters() -> None:
 
 
 def test_hertz_constants_of_the_source_change_little() -> None:
-    groove = source_cases.groove_of_table_3_6(hertz="as printed")
+    groove = source_cases.screw_groove(hertz="as printed")
     assert inferred_pair(THETA["a"], groove=groove).force == pytest.approx(inferred_pair(THETA["a"]).force, rel=0.13)
     b1, h = rows("lin-B1"), groove.contact_hertz_constants
     for key, value in (("C_S", h.C[0]), ("C_N", h.C[2]), ("C_aS", h.C_a[0]), ("C_bN", h.C_b[2])):
@@ -129,14 +129,14 @@ def test_hertz_constants_of_the_source_change_little() -> None:
 def run_summary(amplitude: float, phase: float = 0.0) -> screw_run.ScrewRunSummary:
     if phase == 0.0:
         return screw_run.summarise_screw_run(simulate_screw_in_200_steps(amplitude))
-    run = source_cases.simulation_inputs_of_section_3_4_4(amplitude=np.radians(amplitude), phase=phase)
+    run = source_cases.simulation_inputs(amplitude=np.radians(amplitude), phase=phase)
     return screw_run.summarise_screw_run(screw_run.simulate_equal_steps(run))
 
 
 def test_largest_torque_of_3_4_4_is_not_identifiable() -> None:
     """Amplitudes of 2 and 3 deg at phase zero, and 3 deg at two other phases, no volume of the tube: what is not printed
     moves it by more than a quarter of its middle, and the printed number lies between."""
-    assert source_cases.simulation_inputs_of_section_3_4_4().tube == 0.0
+    assert source_cases.simulation_inputs().tube == 0.0
     row = rows("lin-3.4.4")["largest"]
     runs = [*((a, 0.0) for a in AMPLITUDES), (3.0, 0.5 * np.pi), (3.0, np.pi)]
     values = [100.0 * run_summary(*run).largest_ball_to_groove_ratio for run in runs]
@@ -163,7 +163,7 @@ def test_times_of_3_4_4_are_open_because_nothing_tried_gives_them(key: str, name
 
 def test_without_oversize_only_coupled_friction_makes_contact() -> None:
     """Two contacts leave the balls' speeds nearly alike; the third contact that friction brings makes them differ."""
-    alone = source_cases.simulation_inputs_of_section_3_4_4(oversize=0.0, steps=70, duration=0.7)
+    alone = source_cases.simulation_inputs(oversize=0.0, steps=70, duration=0.7)
     assert not screw_run.simulate_equal_steps(alone).presses_on_next.any()
     coupled = screw_run.simulate_equal_steps(replace(alone, coupling="ball and screw"))
     assert coupled.presses_on_next.any()

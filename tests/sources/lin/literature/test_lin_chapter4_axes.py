@@ -50,15 +50,15 @@ def test_ratios_of_the_steering_gear_depend_on_what_is_not_printed() -> None:
 @pytest.mark.parametrize("layout", axis.LAYOUTS, ids=lambda x: x.scene_name)
 def test_smiths_axis_as_scenes_agrees_with_the_formulas(layout: axis.SupportBearingLayout) -> None:
     """Rows apart from one another on an elastic shaft share less evenly: a few per cent of the tension."""
-    scene = axis.thrusts_and_stiffness_by_beam_model(STUDY, layout, 0.5)
-    closed = axis.thrusts_and_stiffness_by_formulas(layout, 0.5)
+    scene = axis.solve_by_beam_model(STUDY, layout, 0.5)
+    closed = axis.solve_by_formulas(layout, 0.5)
     assert scene.right_thrust - scene.left_thrust == pytest.approx(APPLIED, abs=1e-6)
     assert scene.left_thrust == pytest.approx(closed.left_thrust, abs=0.03 * max(closed.right_thrust, APPLIED))
     assert scene.axis_stiffness == pytest.approx(closed.axis_stiffness, rel=0.015)
 
 
 def test_sum_in_series_is_no_stiffness_of_any_layout() -> None:
-    of = {layout: axis.thrusts_and_stiffness_by_beam_model(STUDY, layout, 0.5).axis_stiffness for layout in axis.LAYOUTS}
+    of = {layout: axis.solve_by_beam_model(STUDY, layout, 0.5).axis_stiffness for layout in axis.LAYOUTS}
     for layout in (axis.TRIPLEX, axis.TAPERED):
         assert axis.axis_stiffness_by_sum_in_series(layout) < 0.75 * of[layout]
     assert np.isnan(axis.axis_stiffness_by_sum_in_series(axis.SUPPORTED))

@@ -42,9 +42,9 @@ def test_readings_that_are_combined_are_those_that_move_the_ratio(study):
         (readings.LOW, readings.low_order_loads, readings.LOW_MOVERS),
         ([r for r in readings.SOLID if not r.relative_penalty], readings.required_loads_in_3d, readings.MOVERS),
     ):
-        base = readings.largest_over_smallest_load(loads(study, ())[0])
-        silent = {r.short_name: r for r in these if not r.contradiction_by_text}
-        ratios = {name: readings.largest_over_smallest_load(loads(study, (r,))[0]) for name, r in silent.items()}
+        base = readings.load_ratio(loads(study, ())[0])
+        silent = {r.short_name: r for r in these if not r.contradiction}
+        ratios = {name: readings.load_ratio(loads(study, (r,))[0]) for name, r in silent.items()}
         assert {name for name, ratio in ratios.items() if abs(ratio / base - 1.0) > 0.005} == set(movers)
 
 
@@ -60,18 +60,18 @@ def test_no_combination_has_all_that_is_printed(found):
     """One has the ratio and not the fall of the largest error, the penalties have more of the fall and too small an RMS."""
     shown, printed = readings.explanations_shown_in_report(found), readings.printed_errors_percent()
     base, near = shown["all by default"], shown["nearest in the ratio, no penalty"]
-    assert (base.low_order_load_ratio, base.load_ratio_in_3d) == pytest.approx((1.308, 1.406), abs=1e-3)
-    assert readings.combination_name(near.low_order_combination) == "squared+source"
-    assert readings.combination_name(near.combination_in_3d) == "plain"
+    assert (base.low_order_ratio, base.ratio_in_3d) == pytest.approx((1.308, 1.406), abs=1e-3)
+    assert readings.combination_name(near.low_order_readings) == "squared+source"
+    assert readings.combination_name(near.readings_in_3d) == "plain"
     assert near.errors_percent["own"] == pytest.approx((5.36, 2.51, 5.32, 2.51), abs=0.02)
-    by_default = [c for c in shown.values() if not c.low_order_combination]
-    soft = [c for c in by_default if any(r.relative_penalty for r in c.combination_in_3d)]
+    by_default = [c for c in shown.values() if not c.low_order_readings]
+    soft = [c for c in by_default if any(r.relative_penalty for r in c.readings_in_3d)]
     falls = [reconstruction.error_fall_and_rise_to_case_2(c.errors_percent["own"])[0] for c in (near, *soft)]
     printed_fall = reconstruction.error_fall_and_rise_to_case_2(printed)[0]
     assert falls == sorted(falls)  # the softer, the more of it
     assert falls[0] < 0.1 * printed_fall
     assert 0.5 * printed_fall < falls[-1] < printed_fall
-    ratios = [c.load_ratio_in_3d for c in soft]
+    ratios = [c.ratio_in_3d for c in soft]
     assert ratios == sorted(ratios, reverse=True)
     assert ratios[-1] < readings.printed_load_ratio() < ratios[0]
     near_max = min(soft, key=lambda c: abs(c.deviations_from_print[2]))
@@ -122,8 +122,8 @@ def test_scatter_of_the_mesh_is_what_is_measured():
 
 def test_drawn_errors_are_those_of_the_loads_without_scatter(study, found):
     best = readings.combination_nearest_to_print(readings.combinations_without_penalty(found), 2)
-    low = readings.low_order_loads(study, best.low_order_combination)
-    solid = readings.required_loads_in_3d(study, best.combination_in_3d)
+    low = readings.low_order_loads(study, best.low_order_readings)
+    solid = readings.required_loads_in_3d(study, best.readings_in_3d)
     for of_load, definition in ((True, "own"), (False, "mean")):
         still = readings.low_order_errors_on_random_meshes(low, solid, 0.0, in_percent_of_each_load=of_load)
         assert np.ptp(still, axis=0) == pytest.approx(0.0, abs=1e-9)
@@ -208,13 +208,13 @@ def test_a_ball_beside_its_line_has_balanced_forces_that_are_not_turned_and_fill
 
 def test_balls_as_far_off_their_lines_as_friction_holds_them_change_loads_as_little_in_both_models(study):
     solid = readings.required_loads_in_3d(study, reading("off-line"))
-    scenes = [readings.with_balls_displaced_by_friction(catalogue.scene(case)) for case in readings.CASES]
+    scenes = [readings.with_displaced_balls(catalogue.scene(case)) for case in readings.CASES]
     low = [study.solve_once(scene, "lin").load for scene in scenes]
     for found, base in ((solid, readings.required_loads_in_3d(study, ())), (low, readings.low_order_loads(study, ()))):
         for loads in zip(found, base, strict=True):
             off_line, on_line = loads
             assert np.abs(off_line - on_line).max() < 1e-4 * on_line[:, 0].mean()
-            ratio, middle = map(readings.largest_over_smallest_load, loads)
+            ratio, middle = map(readings.load_ratio, loads)
             assert ratio / middle - 1.0 == pytest.approx(2e-5, abs=3e-5)
 
 

@@ -67,7 +67,7 @@ def test_bands_are_those_of_the_ensemble(row) -> None:
 
 def test_other_draws_give_the_same_percentiles() -> None:
     """Another seed: every percentile within four standard errors of both samples. All random screws converge."""
-    other = chain.solve_ensemble(liu.calibrated_axial_model(), 2e-6, [500.0, 1000.0, 5000.0], 5000, seed=77)
+    other = chain.solve_ensemble(liu.calibrated_model(), 2e-6, [500.0, 1000.0, 5000.0], 5000, seed=77)
     for load in (500.0, 1000.0, 5000.0):
         row = next(r for r in RANDOM if r.key == f"max_2_{load:.0f}")
         a, b = place(row), chain.percentile_rank(other.values_at("largest", load), row.value, row.tolerance)
@@ -84,7 +84,7 @@ def test_counts_at_1000_newtons_contradict_those_at_500() -> None:
     assert " 0 have at most 43 at 1000 N" in by_key("unloaded_3_1000").remark
     assert all(words in liu.screws_with_printed_counts_in_words(3, 42, 78) for words in ("1707 screws", " 1707 have"))
     for key, half_range in (("unloaded_2_1000", 2), ("unloaded_3_1000", 3)):
-        loaded = float(np.median(liu.quantity_of_random_screws(half_range, "loaded", 1000.0)))
+        loaded = float(np.median(liu.random_screw_values(half_range, "loaded", 1000.0)))
         assert by_key(key).value == 78 - loaded < by_key(key).printed.value
 
 
@@ -92,7 +92,7 @@ def test_counts_at_1000_newtons_contradict_those_at_500() -> None:
 
 
 def test_what_the_calibration_implies() -> None:
-    model = liu.calibrated_axial_model()
+    model = liu.calibrated_model()
     assert model.compliance == pytest.approx(3.874e-12, rel=1e-3)
     assert 1e6 * liu.implied_series_cross_section(26.0) == pytest.approx(387.4, abs=0.1)
     ratio = chain.last_to_first_load_ratio(model, liu.calibration_load())
@@ -103,7 +103,7 @@ def test_only_the_implicit_angle_gives_all_ratios() -> None:
     """Each reading calibrated alike: the printed ratio of Mei's model and at -2 um to half a unit of the last digit."""
     hits = {}
     for law in ("constant", "implicit", "exact"):
-        model = liu.calibrated_axial_model(law)
+        model = liu.calibrated_model(law)
         q = chain.solve_ball_screw(model, liu.ball_errors_with_faulty_ball_33(-2e-6), 1000.0).load
         mei = chain.last_to_first_load_ratio(replace(model, law="constant"), 5000.0)
         hits[law] = abs(q[-1] / q[0] - 0.919) <= 5e-4, abs(mei - 0.87) <= 1e-3
@@ -128,7 +128,7 @@ def test_a_step_of_load_gives_all_stiffnesses_and_the_tangent_does_not() -> None
 
 def test_no_contact_stiffness_mends_the_offset() -> None:
     """K 3.4 % larger gives the printed stiffness without errors, and takes Q33 at -2 um out of its per cent."""
-    stiffer = replace(liu.calibrated_axial_model(), stiffness=1.034 * liu.calibrated_axial_model().stiffness)
+    stiffer = replace(liu.calibrated_model(), stiffness=1.034 * liu.calibrated_model().stiffness)
     stiffer = chain.calibrate_compliance(stiffer, liu.printed_last_over_first_load_ratio(), liu.calibration_load())
     assert chain.solve_ball_screw(stiffer, np.zeros(78), 3000.0).stiffness == pytest.approx(8.196e8, rel=1e-3)
     assert chain.solve_ball_screw(stiffer, liu.ball_errors_with_faulty_ball_33(-2e-6), 5000.0).load[32] < 43.55 * 0.99
@@ -138,7 +138,7 @@ def test_no_contact_stiffness_mends_the_offset() -> None:
 
 def test_single_ball_by_hand() -> None:
     """+2 um, light load: ball 33 alone is a Hertz contact until the others touch, 2 um later."""
-    (first, last), model = liu.axial_loads_where_balls_become_loaded(), liu.calibrated_axial_model()
+    (first, last), model = liu.axial_loads_where_balls_become_loaded(), liu.calibrated_model()
     assert first == pytest.approx(model.approach_per_motion * model.stiffness * 2e-6**1.5, rel=0.02)
     assert first < last
     low, high = liu.load_change_range_of_other_balls(-2.0)

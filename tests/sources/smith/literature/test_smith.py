@@ -47,7 +47,7 @@ def test_table_2_1_is_right_to_four_parts_in_ten_thousand_but_for_one_entry() ->
 
 def test_everything_after_one_cell_of_figure_2_10_hangs_on_it() -> None:
     """With F(p)_o of the geometry the sheet would have given 58.30 deg and 0.000746 in."""
-    faulty, right = bearings.recompute_ball_spreadsheet(2040.0), bearings.recompute_ball_spreadsheet(2040.0, None)
+    faulty, right = bearings.ball_sheet(2040.0), bearings.ball_sheet(2040.0, None)
     assert right.curvature_differences[1] == pytest.approx(0.88444, abs=1e-5)
     assert np.degrees(faulty.contact_angle) == pytest.approx(58.27003, abs=2e-3)
     assert right.deflection / 25.4 == pytest.approx(0.000746, abs=1e-6)
@@ -78,12 +78,12 @@ def test_rib_contact() -> None:
     assert area == pytest.approx(a * b, rel=0.01)
     assert np.pi * a * b == pytest.approx(0.0040, abs=5e-5)
     assert 2.0 / 3.0 * np.pi * a * b * peak == pytest.approx(160.0, abs=1.0)
-    assert bearings.roller_contacts_under_spreadsheet_thrust().rib_load / bearings.POUND == pytest.approx(35.0, abs=0.5)
+    assert bearings.taper_contacts().rib_load / bearings.POUND == pytest.approx(35.0, abs=0.5)
 
 
 def test_first_approximations() -> None:
     """2.24 in pounds and inches: 9 % off the right deflection at the load of the sheets."""
-    right = bearings.thrust_state_of_ball_bearing(bearings.SHEET_LOAD)
+    right = bearings.ball_bearing_state(bearings.SHEET_LOAD)
     sine = float(np.sin(right.contact_angle))
     rough = 1.58e-5 * (2040.0 / (18 * sine)) ** 0.667 / (0.34375**0.333 * sine)
     assert rough * bearings.INCH / float(right.displacement) == pytest.approx(0.914, abs=5e-3)
@@ -100,8 +100,8 @@ def test_source_s_sharing_balances_too_much() -> None:
             assert after == pytest.approx(1290.0)
             sign = -1.0 if end == "left" else 1.0  # a load towards the left relieves the left end of tension
             assert loaded - after == pytest.approx(sign * 1000.0)
-            after, loaded = (s @ axis.bearing_set_state_at_end(kind, end, state).row_thrusts for state in states)
-            assert after == pytest.approx(axis.tension_of_stretched_screw(), rel=1e-10)
+            after, loaded = (s @ axis.bearing_set_state(kind, end, state).row_thrusts for state in states)
+            assert after == pytest.approx(axis.screw_tension(), rel=1e-10)
             assert (loaded - after) / bearings.POUND == pytest.approx(sign * 500.0, rel=1e-9)
 
 
@@ -119,8 +119,8 @@ def test_comparison_of_contact_areas_reverses() -> None:
 
 
 def test_roundings_of_figure_3_6_do_not_explain_its_deflection() -> None:
-    low, high = bearings.tapered_bearing_deflection_range()
-    assert 0.0004660 < low < bearings.tapered_bearing_spreadsheet_deflection() < high
+    low, high = bearings.taper_deflection_range()
+    assert 0.0004660 < low < bearings.taper_sheet_deflection() < high
 
 
 def test_unseating_takes_three_times_the_printed_load() -> None:
@@ -128,14 +128,14 @@ def test_unseating_takes_three_times_the_printed_load() -> None:
     limit = axis.carriage_load_that_unloads_row(axis.REDUCED)
     assert limit / bearings.POUND == pytest.approx(645.5, abs=0.5)
     rows = bearings.bearing_rows_at_end("taper", "left", axis.REDUCED)
-    thrusts = (axis.tension_of_stretched_screw() + 0.5 * limit * share for share in (0.999, 1.001))
+    thrusts = (axis.screw_tension() + 0.5 * limit * share for share in (0.999, 1.001))
     before, after = (solve_bearing_row_equilibrium(rows, thrust).row_thrusts[0] for thrust in thrusts)
     assert before > 0.0 == after
 
 
 def test_assumptions_matter_as_said() -> None:
     """Depth of the rings: 2.5 to 10 mm is 16 % of the tapered bearing's stiffness; nothing makes it 3.60e6."""
-    soft, stiff = (bearings.tapered_bearing_stiffness(1500.0, depth) for depth in reversed(bearings.DEPTHS))
+    soft, stiff = (bearings.taper_stiffness(1500.0, depth) for depth in reversed(bearings.DEPTHS))
     assert stiff / soft == pytest.approx(1.163, abs=5e-3)
     assert soft > 1.4 * 3.60e6
 
