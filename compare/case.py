@@ -22,15 +22,15 @@ GROUP = "rollbench.cases"
 
 @dataclass(frozen=True)
 class Case:
-    """A publication, or a group of similar publications, whose printed results are compared with computed results.
+    """A publication, or several similar ones, whose printed numbers and claims are compared with computed values.
 
     The folder of its Python package contains ``printed/NAME-*.toml`` (numbers and claims with their expected verdicts),
     ``scenes/*.toml``, ``computations.toml`` (how each number is computed) and ``misprints.toml``.
     """
 
-    #: Name of the case; the names of its printed tables begin with it and a hyphen.
+    #: Short name of the publication, such as "lin"; names of its printed tables begin with it and a hyphen ("lin-3.5").
     name: str
-    #: Title of the publication in output; empty if the case has no table of printed numbers.
+    #: Title of the publication in reports and on the terminal; empty if no printed numbers of it are compared.
     title: str
     #: Import name of the Python package in the case's folder.
     package: str

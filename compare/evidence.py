@@ -42,7 +42,8 @@ class PrintedEntryComparison:
     printed: PrintedEntry
     #: Value computed without the mistake of the publication, in the printed unit.
     value: float | None = None
-    #: Value computed with the publication's errors repeated, in the printed unit; None: no error changes the number.
+    #: Value computed with the publication's mistakes repeated, in the printed unit; None: no mistake affects this
+    #: number.
     as_printed: float | None = None
     #: Value computed under an assumption that was inferred from the printed results, so that agreement with these
     #: results confirms nothing.
@@ -58,8 +59,8 @@ class PrintedEntryComparison:
     def compared_value(self) -> float | None:
         """Computed value that is compared with the printed number, in the printed unit.
 
-        It is computed correctly, unless the number is of the class "as-printed", which follows only if a mistake of the
-        publication is repeated.
+        It is computed without the publication's mistakes. Only for numbers of the class "as-printed", which cannot be
+        reproduced otherwise, a mistake is repeated.
         """
         return self.as_printed if self.printed.entry_class == "as-printed" else self.value
 
@@ -240,8 +241,8 @@ class PrintedTableComputation:
     function_path: str
     #: Test file that asserts every number and claim of the table.
     test_file: str
-    #: Pairs of a pattern for keys of the table, and the scenes (or the reason for none) of all keys that match it. For a
-    #: key, the first pattern that matches counts.
+    #: Pairs: a pattern for keys of the table, and the scenes from which the values of all keys that match it are
+    #: computed (or the reason why no scene is used). If several patterns match a key, the first one applies.
     scenes_or_reason_by_key_pattern: tuple[tuple[str, Behind], ...]
 
     def compute(self, cache: SceneResultCache) -> tuple[PrintedEntryComparison, ...]:
@@ -441,7 +442,7 @@ def count_entries_by_verdict(rows: Sequence[PrintedEntryComparison]) -> list[dic
 
     ``rows``: printed numbers and claims with their verdicts. Returned is a row for each publication, and a last one for all
     publications, with the counts by verdict, ``judged`` (count of the entries that test a model: all except input data and
-    numbers that only repeat arithmetic) and ``all`` (count of all entries).
+    arithmetic on other printed numbers) and ``all`` (count of all entries).
     """
     out = []
     for title in (*publication_titles(), "all"):

@@ -90,8 +90,8 @@ class LoadError:
     ball: int
     #: Groove flank with the largest error: SL, SR, NL, NR.
     side: str
-    #: Largest error as `rollbench check` judges it, over the same contacts as ``max_percent`` [% of the load by
-    #: `load_scale_of_check_errors`].
+    #: Largest error as `rollbench check` judges it, over the same contacts as ``max_percent`` [% of each contact's
+    #: reference load, or of the mean load if the reference load is small; see `load_scale_of_check_errors`].
     gate_percent: float
 
 
@@ -161,14 +161,14 @@ def mask_of_loaded_contacts(load: Array) -> Mask:
 
 
 def count_contacts(load: Array, contacts: int = 0) -> int:
-    """Return the number of contacts by which the mean contact load is computed; see `mean_load`.
+    """Return the number of contacts over which the mean contact load is taken; see `mean_load`.
 
     Parameters
     ----------
     load : Array of any shape
         Contact loads [N].
     contacts : int, default 0
-        Number of contacts if it is known, else 0.
+        Number of contacts that carry load in the error-free screw; 0: not known.
 
     Returns
     -------

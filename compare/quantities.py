@@ -24,7 +24,7 @@ class Unit(NamedTuple):
 
     #: Name of the unit in texts.
     text: str
-    #: Factor from the SI unit to this unit (1 for percent, hours and revolutions).
+    #: Factor from the SI unit to this unit; 1 for per cent, hours and revolutions, in which rollbench also computes.
     factor: float = 1.0
 
 
@@ -93,7 +93,7 @@ def quantities_of_record(kind: type) -> dict[str, TableColumn]:
 
 
 def _unit_of_dotted_key(key: str) -> tuple[str, Unit | None]:
-    """Return the last name in a dotted JSON key such as ``loads.max_N``, and the unit of the last name that ends with one.
+    """Return the last name of a dotted JSON key such as ``loads.max_N``, and the last unit that occurs in the key.
 
     The unit is None if no name ends with a unit.
     """
@@ -169,8 +169,8 @@ def json_number(value: float) -> float | None:
 def format_by_error(value: float, error: float | None = None, digits: int = 4) -> str:
     """Format a number with only those significant digits that its error justifies.
 
-    The last digit shown is the second digit of the error if the error's digits are at most 35, otherwise the first, as in
-    the rounding rule of the Particle Data Group.
+    The last digit shown stands at the second significant digit of the error if the error begins with 10 to 35,
+    otherwise at its first significant digit, as in the rounding rule of the Particle Data Group.
 
     Parameters
     ----------

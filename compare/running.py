@@ -110,7 +110,7 @@ ENDED = 1
 
 
 def checked_time_limit(limit: float | None) -> float | None:
-    """Return the time limit ``limit`` [s] (None: no limit) after checking it; InputError if not above 0 and up to 1e9 s."""
+    """Return the time limit ``limit`` [s] (None: no limit); InputError unless it is above 0 s and at most 1e9 s."""
     if limit is not None and not 0.0 < limit <= 1e9:
         raise ArgumentError("time_limit", str(limit), "above 0 to 1e9 seconds", "state a time in seconds, such as 60")
     return limit
@@ -138,7 +138,7 @@ def progress_bar(label: str) -> Iterator[Callable[[str, float], None]]:
     """Show a progress bar on the terminal while the computation ``label`` runs.
 
     Yields a function that updates the bar; its arguments are a text and the share of the work that is done (0 to 1).
-    Nothing is shown if standard error is no terminal, or in the first `FIRST` seconds.
+    Nothing is shown if standard error is no terminal, or in the first two seconds (`FIRST`).
     """
     begin = monotonic()
 

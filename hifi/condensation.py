@@ -80,7 +80,7 @@ def collect_flank_condensation_arguments(
     """Return the arguments of `condense_patches_of_flank`, in their order, for one flank of a ball screw or bearing.
 
     ``m``: geometry of the track; ``dims``: dimensions of the solid parts; ``meshes``: meshes of the parts; ``side``: flank
-    0 to 3; ``settings``: mesh choices.
+    0 to 3; ``settings``: mesh settings.
     """
     part, inner = (scene.screw, dims.hole) if side < 2 else (scene.nut, dims.land)
     radii, materials = (inner, part.outer_diameter / 2.0), (part.material, scene.balls.material)
@@ -176,7 +176,7 @@ def condense_patches_of_flank(
 
 
 def is_left_flank_after_half_turn(m: GrooveMap, side: int) -> bool:
-    """Return whether a right flank coincides with the left flank of its groove after a turn by 180 degrees.
+    """Return whether a flank is a right flank that coincides with its groove's left flank after a turn by 180 degrees.
 
     The axis of the turn is the radius through the ball's centre.
 
@@ -256,7 +256,7 @@ SLICE, LEAST = 0.25, 30
 class CondensedBody:
     """Base class of an elastic body condensed to displacement modes of its contacts, ordered by ball, then by flank."""
 
-    #: By flank, the k displacement modes V of one contact with c contact nodes ``(c, k)``.
+    #: For each flank (0, 1: screw, 2, 3: nut), the k displacement modes V of a contact at its c contact nodes ``(c, k)``.
     modes_by_flank: dict[int, Array]
 
     @property
@@ -299,7 +299,7 @@ class CondensedScrew(CondensedBody):
 
     #: Compliance of this part of the screw at its contacts, upper end, supports and loads.
     stretch: MeshedShaftPart
-    #: By flank, the k displacement modes V of one contact with c contact nodes ``(c, k)``.
+    #: For each flank (0, 1: screw, 2, 3: nut), the k displacement modes V of a contact at its c contact nodes ``(c, k)``.
     modes_by_flank: dict[int, Array]
     #: Displacements of every contact's modes by unit rigid motions of the screw (translations and rotations about the
     #: contact's axial position) ``(contacts, k, 6)``.
@@ -315,11 +315,11 @@ class CondensedScrew(CondensedBody):
 
 @dataclass(frozen=True)
 class CondensedNut(CondensedBody):
-    """Compliance of the nut, condensed to displacement modes of its contacts; the nut is fixed where the scene says."""
+    """Compliance of the nut, condensed to displacement modes of its contacts; the scene defines which surface is fixed."""
 
     #: Compliance matrix between the displacement modes of all contacts of the nut [m/N].
     G: Array
-    #: By flank, the k displacement modes V of one contact with c contact nodes ``(c, k)``.
+    #: For each flank (0, 1: screw, 2, 3: nut), the k displacement modes V of a contact at its c contact nodes ``(c, k)``.
     modes_by_flank: dict[int, Array]
     #: Number of degrees of freedom before condensation.
     degree_of_freedom_count: int
@@ -334,7 +334,7 @@ class CondensedBall(CondensedBody):
 
     #: Compliance matrix between the displacement modes of the ball's contacts, flank after flank [m/N].
     G: Array
-    #: By flank, the k displacement modes V of one contact with c contact nodes ``(c, k)``.
+    #: For each flank (0, 1: screw, 2, 3: nut), the k displacement modes V of a contact at its c contact nodes ``(c, k)``.
     modes_by_flank: dict[int, Array]
     #: Number of degrees of freedom before condensation.
     degree_of_freedom_count: int
@@ -552,7 +552,7 @@ def points_clamped_by_bolts(x: Array, y: Array, seat: tuple[float, float], count
 def nut_freedoms_from_free_ones(mesh: CoarseGroovedBodyMesh, dims: Dimensions) -> sp.csc_array:
     """Return the matrix that gives all degrees of freedom of the nut's mesh from its free degrees of freedom.
 
-    ``dims``: data of the solid parts; its field `Dimensions.nut_held` says which surface of the nut is fixed.
+    ``dims``: dimensions of the solid parts; their field `Dimensions.nut_held` names the fixed surface of the nut.
     """
     surface, _, bolts = dims.nut_held.partition(", ")
     fit = surface.endswith(FIT) or (surface == "outer surface" and "centring" in (mesh.mesh.boundaries or {}))

@@ -49,7 +49,8 @@ def _unit_hertz_approach(setup: CondensedGeometry, side: int) -> float:
 def approaches_with_fixed_bodies(setup: CondensedGeometry, side: int, loads: Array) -> Array:
     """Compute the approach of ball and groove if only the fine meshes around their contact deform.
 
-    The result is the mean over positions of the contact within one cell of its mesh grid.
+    The coarse bodies around the fine meshes are taken as rigid. The result is the mean over positions of the contact within
+    one cell of its mesh grid.
 
     Parameters
     ----------
@@ -84,7 +85,7 @@ def hertz_shares_of_nodes(setup: CondensedGeometry, side: int, load: float) -> A
     Returns
     -------
     (c,) Array
-        Share of each contact node (of its pressure basis function) in the unit force.
+        Fraction of the unit force on each contact node (on its pressure basis function).
     """
     m, material = setup.groove_map, setup.scene.balls.material
     ellipse = solve_hertz(load, *m.relative_curvature_radii(side, m.beta), material.youngs_modulus, material.poissons_ratio)
@@ -107,7 +108,7 @@ def mean_contact_compliance_of_body(setup: CondensedGeometry, side: int, nodal_s
     side : int
         Groove flank: 0, 1 on the screw (left, right), 2, 3 on the nut.
     nodal_shares : (c,) Array
-        Share of each contact node in a unit force on the contact, from `hertz_shares_of_nodes`.
+        Fractions of a unit contact force that act on the contact nodes, from `hertz_shares_of_nodes`.
 
     Returns
     -------
@@ -130,7 +131,7 @@ def ball_compliance_matrix(setup: CondensedGeometry, nodal_shares: dict[int, Arr
     setup : CondensedGeometry
         Meshed and condensed parts of one geometry.
     nodal_shares : dict[int, Array]
-        By flank, the share of each contact node in a unit force on the contact, from `hertz_shares_of_nodes`.
+        For each flank, the fractions of a unit contact force that act on the contact nodes, from `hertz_shares_of_nodes`.
 
     Returns
     -------
@@ -151,7 +152,7 @@ def contact_compliance_of_bodies(setup: CondensedGeometry, nodal_shares: dict[in
     setup : CondensedGeometry
         Meshed and condensed parts of one geometry.
     nodal_shares : dict[int, Array]
-        By flank, the share of each contact node in a unit force on the contact, from `hertz_shares_of_nodes`.
+        For each flank, the fractions of a unit contact force that act on the contact nodes, from `hertz_shares_of_nodes`.
 
     Returns
     -------
@@ -166,15 +167,15 @@ def contact_compliance_of_bodies(setup: CondensedGeometry, nodal_shares: dict[in
 
 
 def unexplained_approach_over_force(setup: CondensedGeometry, nodal_shares: dict[int, Array]) -> tuple[Array, Array]:
-    """Compute the approach that Hertz's law and the bodies' compliance do not explain, divided by the contact force.
+    """Compute the remainder of the approach beyond Hertz's law and the bodies' compliance, divided by the contact force.
 
     Parameters
     ----------
     setup : CondensedGeometry
         Meshed and condensed parts of one geometry.
     nodal_shares : dict[int, Array]
-        By flank, the share of each contact node in a unit force on the contact (`hertz_shares_of_nodes`), with which the
-        compliance matrices were computed.
+        For each flank, the fractions of a unit contact force that act on the contact nodes (`hertz_shares_of_nodes`), with
+        which the compliance matrices were computed.
 
     Returns
     -------
@@ -208,7 +209,7 @@ def body_compliance_matrix(ball_count: int, body: CondensedScrew | CondensedNut,
     body : CondensedScrew | CondensedNut
         Condensed screw or nut.
     nodal_shares : dict[int, Array]
-        By flank, the share of each contact node in a unit force on the contact, from `hertz_shares_of_nodes`.
+        For each flank, the fractions of a unit contact force that act on the contact nodes, from `hertz_shares_of_nodes`.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""Contacts of all balls of a prepared geometry: compliance between them, and gaps and normals as balls and screw move.
+"""Contacts of all balls of a meshed geometry: compliance between them; gaps and normals as balls and screw move.
 
 The compliance combines bodies condensed to modes, balls, and the screw on its supports.
 """
@@ -30,9 +30,9 @@ from rollbench.meshes.surface import groove_radius_with_slopes
 
 @dataclass(frozen=True)
 class PlacedNut:
-    """One nut or bearing with its balls, meshed and condensed, at its place on the shaft and on its housing."""
+    """One nut or bearing with its balls, meshed and condensed, with its position on the shaft and its housing."""
 
-    #: Meshed and condensed parts of the nut or bearing.
+    #: Meshed and condensed bodies of the nut or bearing.
     geometry: CondensedGeometry
     #: Scene of the nut or bearing with its manufacturing errors.
     scene_with_errors: Scene
@@ -78,7 +78,7 @@ def assemble_contact_compliance(
     mounted : SupportedShaft
         Parts of the screw that are meshed in 3D, and nuts on movable housings, under the supports and loads.
     leave_out : frozenset[str], optional
-        Names of the parts of the model that are left out, from `hifi.reference.INGREDIENTS`.
+        Names of the features that are left out of the model, from `hifi.reference.INGREDIENTS`.
 
     Returns
     -------
@@ -182,7 +182,7 @@ def compliance_of_supported_screw(
     scene : Scene
         Supports and loads.
     leave_out : frozenset[str], optional
-        Names of the parts of the model that are left out, from `hifi.reference.INGREDIENTS`.
+        Names of the features that are left out of the model, from `hifi.reference.INGREDIENTS`.
 
     Returns
     -------
@@ -223,7 +223,7 @@ def expected_touching_nodes(p: PlacedNut, gap: Array) -> Array:
     Parameters
     ----------
     p : PlacedNut
-        Nut or bearing with its condensed parts, at its place on the shaft.
+        Nut or bearing with its condensed bodies and its position on the shaft.
     gap : (balls, n) Array
         Gaps at the n contact nodes of each ball [m].
 
@@ -246,7 +246,7 @@ def average_over_pressure_functions(p: PlacedNut, values: Array) -> Array:
     Parameters
     ----------
     p : PlacedNut
-        Nut or bearing with its condensed parts, at its place on the shaft.
+        Nut or bearing with its condensed bodies and its position on the shaft.
     values : (balls, n, ...) Array
         Values at the n contact nodes of each ball.
 
@@ -271,7 +271,7 @@ def grid_position_gap_corrections(p: PlacedNut, forces: Array, normals: Array) -
     Parameters
     ----------
     p : PlacedNut
-        Nut or bearing with its condensed parts, at its place on the shaft.
+        Nut or bearing with its condensed bodies and its position on the shaft.
     forces : (balls, n) Array
         Contact forces at the n contact nodes of each ball [N].
     normals : (balls, n, 3) Array
@@ -301,7 +301,7 @@ def vectors_from_ball_centre_to_nodes(p: PlacedNut, parts_with_errors: GeometryW
     Parameters
     ----------
     p : PlacedNut
-        Nut or bearing with its condensed parts, at its place on the shaft.
+        Nut or bearing with its condensed bodies and its position on the shaft.
     parts_with_errors : GeometryWithErrors
         Radii of balls and grooves with their manufacturing errors.
 
@@ -354,7 +354,7 @@ def normal_motion_by_rigid_motions(p: PlacedNut, normals: Array, origin: float, 
     Parameters
     ----------
     p : PlacedNut
-        Nut or bearing with its condensed parts, at its place on the shaft.
+        Nut or bearing with its condensed bodies and its position on the shaft.
     normals : (balls, n, 3) Array
         Contact normals at the n nodes of each ball.
     origin : float
@@ -386,11 +386,11 @@ def ball_motion_relative_to_grooves(
 ) -> tuple[Array, Array]:
     """Compute the displacement of each ball's centre relative to each of its groove flanks, across and along the track.
 
-    The part across the track turns the contact normals. The part along the track has no effect: a groove is invariant
-    under its helical motion, which changes no gap and in which frictionless contact forces do no work, so that every
-    contact stays in the section of the track in which its ball lies.
+    The component across the track turns the contact normals. The component along the track has no effect, because a groove
+    is invariant under its helical motion: that motion changes no gap, frictionless contact forces do no work in it, and
+    every contact stays in the cross-section of the track in which its ball lies.
 
-    Linear kinematics alone would give wrong normals: a screw that winds up by an angle theta moves its contacts, at the
+    Linear kinematics alone would give wrong normals: a screw that is twisted by an angle theta moves its contacts, at the
     pitch radius R, by R theta/2 along the track and by R theta^2/2 out of the section in which they lie. The motion could
     also be taken from the centre of pressure, but under a light contact that closes few nodes of the grid the centre of
     pressure sticks to them, or jumps.
@@ -398,7 +398,7 @@ def ball_motion_relative_to_grooves(
     Parameters
     ----------
     p : PlacedNut
-        Nut or bearing with its condensed parts, at its place on the shaft.
+        Nut or bearing with its condensed bodies and its position on the shaft.
     ball_displacements : (balls, 3) Array
         Motions of the ball centres [m].
     normal_motions : (balls, n) Array

@@ -159,7 +159,7 @@ def nodal_displacements_of_screw(
     forces : dict[int, Array]
         Normal forces at the contact nodes, by flank, from `contact_node_forces_by_flank`.
     scene : Scene | None, default None
-        Load case; None: the scene of the prepared geometry.
+        Scene with supports and loads; None: the scene with which ``setup`` was made.
 
     Returns
     -------
@@ -198,7 +198,7 @@ def refuse_supports_beyond_low_end(scene: Scene, dims: Dimensions) -> None:
 
 
 def nodal_displacements_of_nut(setup: CondensedGeometry, mesh: CoarseGroovedBodyMesh, forces: dict[int, Array]) -> Array:
-    """Compute the nodal displacements of the nut's coarse mesh under all contact loads, fixed where the scene says.
+    """Compute the nodal displacements of the nut's coarse mesh under all contact loads, supported as in the scene.
 
     Parameters
     ----------
@@ -483,11 +483,11 @@ def pressure_from_nodal_forces(
 def contact_pressures_of_ball(
     scene: Scene, settings: Settings, ball: int, loads: Array, angles: Array
 ) -> dict[int, ContactPressure]:
-    """Compute the contact pressures on one ball that its grooves press with given loads at given contact angles.
+    """Compute the contact pressures between one ball and its grooves for given contact loads and contact angles.
 
-    The whole ball is elastic; each groove is a fine elastic mesh around the contact, fixed where it meets screw or nut,
-    whose compliance hardly changes the curvature at a contact. Each groove mesh moves as a whole until it carries its
-    load. Flanks without load are left out.
+    The whole ball is elastic. Each groove is represented by a fine elastic mesh around the contact, which is fixed on its
+    boundary to screw or nut: the compliance of the body beyond hardly changes the curvature at a contact. Each groove mesh
+    is moved towards the ball until it carries the given load. Flanks without load are left out.
 
     Parameters
     ----------

@@ -236,23 +236,23 @@ class FrontUpdate(NamedTuple):
 
     #: Rows of the matrix to which the Schur complement is added.
     rows: Index
-    #: Indices of the columns of B that load the front.
+    #: Indices of those columns of the load matrix B that have entries in the rows of the front.
     load_columns: Index
     #: Schur complement ``(rows, rows)``, of which only the lower triangle is used.
     schur_complement: Array
-    #: Loads by these columns of B on ``rows``, after the elimination of the front's pivots ``(columns of B, rows)``.
+    #: Entries of these columns of B in ``rows``, after the elimination of the front's pivots ``(columns of B, rows)``.
     load_block: Array
 
 
 class EliminatedFront(NamedTuple):
-    """Columns of the Cholesky factor L that the elimination of one supernode's front gives, and rows of L^-1 B.
+    """Result of eliminating one supernode's front: columns of the Cholesky factor L, and rows of L^-1 B.
 
-    B: loads as columns. The rows are those of the front's pivots.
+    B: matrix with one load case in each column. The rows of L^-1 B are those of the front's pivots.
     """
 
     #: Rows of the front, its pivots first.
     rows: Index
-    #: Indices of the columns of B that load the front.
+    #: Indices of those columns of the load matrix B that have entries in the rows of the front.
     load_columns: Index
     #: Cholesky factor of the pivot block ``(pivots, pivots)``.
     pivot_factor: Array

@@ -1,4 +1,4 @@
-"""3D elastic-contact reference of a ball screw or bearing: solution of the contacts of all balls of a prepared geometry.
+"""3D elastic-contact reference of a ball screw or bearing: contacts of all balls of a meshed and condensed geometry.
 
 Contact is unilateral and frictionless on matching grids of ball and groove; the balls' rigid motions are free. The pressure
 is bilinear on the grid (`hifi.elements.forms`), and the mean of the gap over each of its basis functions may not be
@@ -117,9 +117,10 @@ def solve_reference(
         Largest number of updates of contact normals and gaps to the displaced state; 0: both keep their nominal values,
         except that gaps are corrected for the position of each contact on its mesh grid.
     sides : tuple[int, ...] | None, default None
-        Flanks (0 to 3) whose contacts may close; None: all flanks of the prepared geometry.
+        Flanks (0 to 3) whose contacts may close; None: all flanks that carry contacts in ``setup``.
     leave_out : frozenset[str], optional
-        Names of parts of the model to leave out, from `INGREDIENTS`, such as "elastic nut" (the nut is then rigid).
+        Names of the features to leave out of the model, from `INGREDIENTS`, such as "elastic nut" (the nut is then
+        rigid).
     frozen : bool, default False
         Whether to compute, in addition, the contact loads with nominal contact normals and gaps
         (`ReferenceResult.loads_with_nominal_normals`); both solutions share the first round.
@@ -147,11 +148,11 @@ def solve_reference(
 
 
 class ContactRound(NamedTuple):
-    """Contact forces and rigid motions for given contact normals and gaps: one round of the iteration in `LoadCase`."""
+    """Contact forces and rigid motions for given contact normals and gaps: one iteration (round) of `LoadCase`."""
 
     #: Contact forces, gaps, and rigid motions of shaft and housings.
     contact_solution: ContactResult
-    #: State of the contact solver from which the next round starts.
+    #: State of the contact solver from which the next iteration starts.
     solver_state: SolverState
     #: Contact normals at the n contact nodes of every ball, for each nut or bearing ``(balls, n, 3)``.
     contact_normals: list[Array]
@@ -170,7 +171,7 @@ class ContactRound(NamedTuple):
 
 
 class LoadCase:
-    """Loads on one shaft with its nuts or bearings, solved in rounds that update contact normals and gaps."""
+    """Loads on one shaft with its nuts or bearings, solved by iterations (rounds) that update contact normals and gaps."""
 
     def __init__(
         self,
@@ -339,7 +340,7 @@ class LoadCase:
         return last, done, left
 
     def judge_convergence(self, last: ContactRound, updates: int, remaining_load_change: float) -> tuple[str, float]:
-        """Return whether a solution has converged, in words.
+        """Return whether a solution has converged, or the reason why not.
 
         Parameters
         ----------
@@ -362,7 +363,7 @@ class LoadCase:
         if any(_is_outermost_node_loaded(p, forces) for p, forces in zip(self.sets, last.nodal_forces_by_set, strict=True)):
             return AT_RIM, 0.0
         if remaining_load_change > SETTLED * _mean_of_nonzero_loads(last.contact_loads):
-            change = f"loads may still move by {remaining_load_change:.2g} N after {updates} updates of directions and gaps"
+            change = f"loads may still move by {remaining_load_change:.2g} N after {updates} updates of normals and gaps"
             return f"not settled: {change}", remaining_load_change
         return "converged", 0.0
 
@@ -500,8 +501,8 @@ def make_slow_round_reporter(name: str, begin: float, step: Callable[[str], None
 def remaining_load_change(loads: Sequence[Array]) -> float:
     """Estimate the largest change of any contact load by further rounds, from the changes in the last rounds.
 
-    The estimate is the remainder of a geometric series: last change x ratio / (1 - ratio). The ratio is that of the last
-    two changes, or `SLOWEST` if only one change is known.
+    The estimate is the remainder of a geometric series: last change x ratio / (1 - ratio). The ratio is the last change
+    over the change before it, or `SLOWEST` if only one change is known.
 
     Parameters
     ----------

@@ -44,7 +44,7 @@ TOGETHER = 160
 
 @dataclass
 class CondensedGeometry:
-    """Screw, nut and balls of one geometry, meshed and condensed to compliance matrices, for all load cases of it."""
+    """Screw, nut and balls of one geometry, meshed and condensed to compliance matrices that serve all load cases."""
 
     #: Scene whose geometry was meshed and condensed.
     scene: Scene
@@ -75,8 +75,8 @@ class CondensedGeometry:
     #: Measures of mesh quality by name: number of cells across a contact, smallest scaled Jacobian of each mesh, and
     #: largest deviation of the meshed grooves from their exact surface [m].
     mesh_quality: dict[str, float]
-    #: Time of every stage of meshing and condensing [s]. A cached result counts with the time that its computation took, a
-    #: parallel stage with its share of the elapsed time.
+    #: Time of every stage of meshing and condensing [s]. A cached result counts with the time that its computation once
+    #: took. The elapsed time of stages that run in parallel is divided between them.
     seconds_by_stage: dict[str, float] = field(default_factory=dict)
     #: Sum of the peak memory of all worker processes, without the main process [MB].
     worker_peak_memory_MB: float = 0.0
@@ -151,7 +151,7 @@ def mesh_and_condense_geometry(
     step : Step, optional
         Function that is called with a text on the progress.
     scenes : Sequence[Scene], optional
-        Further scenes of the same parts that will be solved with this set-up; they may differ in loads, supports and
+        Further scenes of the same parts that will be solved with the result; they may differ in loads, supports and
         manufacturing errors.
     cache : Cache | None, default None
         Cache of meshes and condensed parts; None: compute everything.
@@ -161,7 +161,7 @@ def mesh_and_condense_geometry(
     Returns
     -------
     CondensedGeometry
-        The prepared geometry.
+        The meshed and condensed geometry.
 
     Raises
     ------
@@ -246,10 +246,10 @@ def _list_shaft_section_jobs(
 ) -> list[RecordJob]:
     """List the jobs that compute the beam stiffnesses of the shaft outside the part that is meshed in 3D.
 
-    ``stations``: axial positions of all supports and loads [m]. One job computes a plain section; or one job computes a
-    grooved section, and three jobs mesh shafts for `compute_equivalent_beam`. Their arguments are only those on which the
-    result depends, so that other nuts and loads find them in the cache. If no support or load lies outside the 3D part, the
-    section has no effect, and a plain one is used.
+    ``stations``: axial positions of all supports and loads [m]. A smooth shaft needs one job; a grooved shaft needs one job
+    for its section and three jobs that mesh shafts for `compute_equivalent_beam`. The arguments of the jobs are only those
+    on which the result depends, so that scenes with other nuts and loads find it in the cache. If no support or load lies
+    outside the 3D part, the section has no effect, and that of a smooth shaft is used.
     """
     screw, e, (low, high) = scene.screw, scene.screw.material, dims.ends_of_meshed_screw(scene)
     outer, bore = screw.outer_diameter / 2.0, screw.bore / 2.0
@@ -319,7 +319,7 @@ def _are_refinement_boxes_mirrored(meshes: PartMeshes, side: int) -> bool:
 class RecordJob(NamedTuple):
     """One independent computation (such as a mesh or a condensed part) whose result may be cached; can be pickled."""
 
-    #: Name of the stage of meshing and condensing to which the job belongs.
+    #: Name of the stage (such as meshing or condensing) to which the job belongs.
     stage_name: str
     #: Function that computes the result, as for `Cache.get`.
     compute: Callable[..., Any]

@@ -81,7 +81,9 @@ def meshed_geometry_of_each_set(assembly: Assembly) -> tuple[MeshedSetGeometry, 
         if s.carrier is not None:
             raise ValueError(f"{s.name}: the 3D reference cannot model a bearing whose inner ring is on a housing")
     if assembly.thermal_strain:
-        raise ValueError("the 3D reference does not model thermal expansion of the shaft: remove its warming")
+        raise ValueError(
+            "the 3D reference does not model thermal expansion of the shaft: remove the shaft's temperature rise"
+        )
     sets = [(s, s.parts) for s in assembly.sets if isinstance(s.parts, Scene)]
     faces = [(p.nut.position - p.nut.length / 2.0, p.nut.position + p.nut.length / 2.0) for _, p in sets]
     order = sorted(range(len(sets)), key=lambda k: faces[k])
@@ -91,7 +93,7 @@ def meshed_geometry_of_each_set(assembly: Assembly) -> tuple[MeshedSetGeometry, 
         if gap < -NEAR:
             names = f"{sets[a][0].name} and {sets[b][0].name}"
             raise ValueError(
-                f"{names} overlap by {-1e3 * gap:.4g} mm: move them apart, as each needs its part of the shaft"
+                f"{names} overlap by {-1e3 * gap:.4g} mm: move them apart, because each is meshed with a part of the shaft"
             )
         half = round(gap / 2.0, 10)  # equal nuts are equal in their last digit too
         room[a], room[b] = min(room[a], half), min(room[b], half)
@@ -148,7 +150,7 @@ def solve_nuts_on_one_shaft(
     assembly : Assembly
         The shaft with its nuts and bearings.
     setups : Sequence[CondensedGeometry]
-        Prepared bodies of each nut or bearing (`meshed_geometry_of_each_set`), in order.
+        Meshed and condensed geometry of each nut or bearing (`meshed_geometry_of_each_set`), in order.
     frozen : bool, default False
         Whether to compute, in addition, the contact loads with nominal contact normals and gaps.
     step : Step, optional
@@ -205,7 +207,7 @@ def _compliance_of_supported_shaft(assembly: Assembly, placed: Sequence[PlacedNu
 def _shaft_section_by_position(assembly: Assembly, placed: Sequence[PlacedNut]) -> Callable[[float], ShaftSection]:
     """Return a function that gives the shaft's cross-section (its beam stiffnesses) at an axial position [m].
 
-    On a plain segment of the shaft it is that of the segment, elsewhere that of the first threaded part.
+    On a smooth segment of the shaft it is the section of this segment, elsewhere that of the first threaded part.
     """
     screw, threads = assembly.screw, [p.geometry for p in placed if p.geometry.groove_map.rg != 0.0]
     known = [x for x in threads if x.equivalent_beam is not None or x.solid_dimensions.shaft_radius is not None]

@@ -40,13 +40,13 @@ MOST = 60
 
 @dataclass(frozen=True)
 class LinEquationsSolution:
-    """Solution of Lin's equilibrium equations for N balls and n beam nodes; that of the last Newton step on failure."""
+    """Solution of Lin's equilibrium equations for N balls, n nodes; on failure, the state after the last Newton step."""
 
     #: ``"converged"``, or the reason why Newton's method failed.
     status: str
-    #: Normal forces of the balls on the four groove flanks SL, SR, NL, NR ``(N, 4)`` [N].
+    #: Normal forces of the balls on the four groove flanks SL, SR, NL, NR (screw or nut, left or right) ``(N, 4)`` [N].
     contact_loads: Array
-    #: Contact angles of the balls on the four groove flanks ``(N, 4)`` [rad].
+    #: Contact angles of the balls on the four groove flanks SL, SR, NL, NR (screw or nut, left or right) ``(N, 4)`` [rad].
     contact_angles: Array
     #: Displacements of the ball centres from their nominal positions, radial and binormal ``(N, 2)`` [m].
     ball_displacements: Array
@@ -56,8 +56,8 @@ class LinEquationsSolution:
     support_reactions: Array
     #: Number of Newton steps of the solution.
     iterations: int
-    #: Relative residual: largest unbalanced force over the largest force, or largest contact condition over the groove
-    #: radius, whichever is larger.
+    #: Relative residual, the larger of two ratios: largest unbalanced force over the largest contact force or nodal load;
+    #: largest residual of a contact condition (a length) over the groove radius.
     residual: float
     #: Time that the solution took [s].
     seconds: float
@@ -116,12 +116,13 @@ class LinEquations:
 
     #: Arrays of the scene: geometry, loads, supports and the beam of the screw.
     problem: Problem
-    #: Lever arms of the contacts: ``"source"``, dependent on the contact angle as in Lin's thesis; ``"arc"``, constant.
+    #: Lever arms of the contact forces about the nodes of the screw's beam: ``"source"``: they depend on the contact angle,
+    #: as in Lin's thesis; ``"arc"``: they are constant.
     kinematics: Kinematics
     #: Stiffness matrix of the screw's beam of n nodes ``(6 n, 6 n)``.
     K: Array
-    #: Indices of the free unknowns among all 6 N + 6 n (ball centres, contact angles, nodal motions); the others are
-    #: prescribed.
+    #: Indices of the unknowns that are solved for, among all 6 N + 6 n (ball centres, contact angles, nodal motions);
+    #: supports prescribe the others.
     free_unknowns: NDArray[np.int64]
     #: Radial and binormal unit vector of the groove's cross-section at each ball ``(N, 2, 3)``.
     section_axes: Array
@@ -315,7 +316,7 @@ def newton_start_values(system: LinEquations, start: Start, fraction: float) -> 
 
 
 def _problem_with_all_flanks(scene: Scene, everything: bool, member: int) -> Problem:
-    """Return the arrays of a scene with contacts on all four flanks; arguments are those of `solve_by_lin_equations`."""
+    """Return the arrays of a scene, with all four contacts of each ball, as Lin's equations need them."""
     layout = ball_layout(scene)
     drawn = draw_geometry_with_errors(scene, layout, member)
     return build_problem(scene, drawn, layout, np.ones(4, dtype=bool), everything=everything)
@@ -356,9 +357,7 @@ def solve_by_lin_equations(
     """
     begin = perf_counter()
     if scene.ingredients.screw == "rigid":
-        raise ValueError(
-            "Lin's equations cannot be solved for a scene with a rigid screw; allowed: a screw that is modelled as a beam"
-        )
+        raise ValueError("Lin's equations need a screw that is modelled as a beam, got a rigid screw")
     problem = _problem_with_all_flanks(scene, everything, member)
     axes = np.stack([problem.layout.radial, problem.layout.binormal], axis=1)
     free_u = np.flatnonzero(~problem.fixed.ravel())

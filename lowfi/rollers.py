@@ -80,7 +80,7 @@ def line_contact_half_width(line_load: Array | float, curvature: Array | float, 
     """
     k = np.asarray(curvature, dtype=float)
     if np.any(k <= 0.0):
-        raise ValueError(f"relative curvature of a line contact: got {float(k.min()):g} 1/m; allowed: above 0")
+        raise ValueError(f"the relative curvature of a line contact must be positive, got {float(k.min()):g} 1/m")
     return np.sqrt(4.0 * np.asarray(line_load, dtype=float) / (np.pi * modulus * k))
 
 
@@ -110,8 +110,8 @@ class LineContactLaw:
     bodies; steel rollers stay far below.
     """
 
-    #: Constant g of material and radii [m^2/N], for q in N/m under the logarithm; an array for several positions along a
-    #: roller.
+    #: Constant g of material and radii [m^2/N], valid with the line load q in N/m in the logarithm; an array for several
+    #: positions along a roller.
     g: Array
     #: Constant S = 4 (1 - nu^2)/(pi E) [m^2/N], for both contacts together.
     s: float
@@ -349,7 +349,7 @@ class StraightTaperedRow:
         """
         if load < 0.0:
             raise ValueError(
-                f"thrust on a row of tapered rollers: got {load:g} N; allowed: at least 0 N, it carries one direction only"
+                f"a row of tapered rollers carries thrust in one direction only: it must not be negative, got {load:g} N"
             )
         b = self.bearing
         sin = np.sin(b.cup_angle)
@@ -495,7 +495,7 @@ def sliced_roller_approach_under_force(roller: SlicedRoller, force: float) -> fl
         The force is not positive.
     """
     if force <= 0.0:
-        raise ValueError(f"force of the races on a roller: got {force:g} N; allowed: above 0 N (compression)")
+        raise ValueError(f"the force of the races on a roller must be above 0 N (compression), got {force:g} N")
     low = float(roller.profile_drops.min())
     high = float(roller.slice_law.approach(force / roller.length).max() + roller.profile_drops.max()) * (1.0 + 1e-9)
 

@@ -119,9 +119,10 @@ class RollerRow:
     phase: float = frozen_default(0.0)
     #: Radius of the spherical large end of a roller [m]; None where unknown.
     end_radius: Size | None = frozen_default(None)
-    #: Height of the contact with the rib above the raceway of the cone (inner ring) [m]; None for the default.
+    #: Height of the contact with the rib above the raceway of the cone (inner ring) [m]; None: a tenth of the roller
+    #: diameter.
     rib_height: Size | None = frozen_default(None)
-    #: Coefficient of friction at the rib; None for the default.
+    #: Coefficient of friction between the large end of a roller and the rib; None: 0.1.
     rib_friction: float | None = frozen_default(None)
     #: Manufacturer's factor G_1 of Timken's formula for the friction torque; None where unknown.
     torque_factor: float | None = frozen_default(None)
@@ -138,8 +139,8 @@ class RollingSet:
     name: str
     #: Type of the rolling set.
     kind: Literal["ball nut", "bearing", "tapered roller bearing"]
-    #: Track, grooves, balls and errors as a scene without supports and loads, whose screw is the shaft with the inner
-    #: groove of this rolling set; or a row of tapered rollers.
+    #: For balls, a scene without supports and loads: track, grooves, balls and errors; its screw is the shaft with this
+    #: rolling set's inner groove. For tapered rollers, the row of rollers.
     parts: Scene | RollerRow
     #: Axial position of the centre of the outer part, or of the middle of the contact lines on the cup [m].
     position: float
@@ -203,7 +204,7 @@ class Assembly:
     ingredients: Ingredients = frozen_default(Ingredients())
     #: Publication from which the scene is taken.
     source: str = frozen_default("")
-    #: Assumptions about what the scene's source does not state.
+    #: Assumptions on data that the publication `source` does not give, as sentences.
     assumed: tuple[str, ...] = frozen_default(())
     #: Coulomb friction of the balls; None: no friction.
     friction: Friction | None = frozen_default(None)
@@ -215,8 +216,9 @@ class Assembly:
     stiffness_at: float | str | None = frozen_default(None)
     #: Thermal strain of the unconstrained shaft, uniform along it.
     thermal_strain: float = frozen_default(0.0)
-    #: Mass and inertia that the motor moves in addition to the shaft.
+    #: What the motor drives in addition to the shaft: moved mass, inertia, friction torque, and time of acceleration.
     drive: Drive = frozen_default(Drive())
+    #: Kind of the scene, as its file names it.
     kind: ClassVar[str] = "axis"
 
     def to_toml(self) -> str:

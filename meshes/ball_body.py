@@ -42,7 +42,7 @@ class BallRefinementBox:
     side: int
     #: Size of the groove's refinement box at the same contact.
     groove_box_size: sockets.RefinementBoxSize
-    #: Depth of the bottom below the sphere, along the contact normal [m].
+    #: Depth of the box's bottom below the ball's surface, along the contact normal [m].
     depth: float
     #: Fraction of the refinement box's length, about its middle, in which the rays from the ball's centre meet the groove's
     #: surface at the points with the same local coordinates (see `rays_from_ball_centre`).
@@ -94,7 +94,8 @@ def rays_from_ball_centre(m: GrooveMap, box: BallRefinementBox, local_coordinate
 
     In the middle of the refinement box, each ray meets the groove's surface at the point with the same section angle and
     azimuth. Beyond the fraction ``box.exact_length_fraction`` of the length, rays are adjusted so that those at the ends of
-    the refinement box lie in planes through the ball's centre. Otherwise the end faces would be concave in their middle.
+    the refinement box lie in planes through the ball's centre. Without this adjustment the end faces would be concave in
+    their middle.
 
     Parameters
     ----------

@@ -42,7 +42,7 @@ def graded_coordinates(cell_length: float, fine_length: float, block_edge: float
     cell_length : float
         Length of the equal cells [m].
     fine_length : float
-        Smallest length from 0 that the equal cells cover [m].
+        Length, measured from 0, that the equal cells must at least cover [m].
     block_edge : float
         Last coordinate, the edge of the block [m].
     growth_ratio : float

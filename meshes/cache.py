@@ -52,7 +52,9 @@ class StageMessage(str):
     The attribute ``stage`` is the name of the stage; ``cached`` tells whether all its results were read from the cache.
     """
 
+    #: Name of the finished stage.
     stage: str
+    #: Whether all results of the stage were read from the cache.
     cached: bool
 
     def __new__(cls, stage: str, text: str, *, cached: bool = False) -> StageMessage:
@@ -106,10 +108,10 @@ class Cache:
     """Cache on disk for results of functions; a result is found again by the function's name and arguments.
 
     If the folder cannot be written to, if other users may write to it, or if the disk is full, one message is printed on
-    standard error, and the computation continues without the cache. ``hits`` counts the results that `get` read from files,
-    ``misses`` those that it computed. ``cold_seconds`` is the sum of the computing times of all these results, also of
-    those read from files. ``fault`` is the text of the message, empty without an error; if ``quiet`` is True, it is not
-    printed, because another process prints it.
+    standard error, and the computation continues without the cache. ``hits`` is the number of results that `get` read from
+    files, ``misses`` the number that it computed. ``cold_seconds`` is the total time for computing all these results; for a
+    result read from a file it is the time taken when the result was stored. ``fault`` is the text of the message, empty
+    without an error; if ``quiet`` is True, it is not printed, because another process prints it.
 
     Parameters
     ----------

@@ -64,22 +64,23 @@ class CondensedBodies:
     sides: Array
     #: Axial position of the cross-section at which the screw is fixed for its compliance matrix [m].
     base: float
-    #: Compliance of the screw ``(N k', N k')`` [m/N].
+    #: Compliance of the screw between its contacts with the N balls, k' for each ball ``(N k', N k')`` [m/N].
     screw: Array
-    #: Compliance of the nut ``(N k', N k')`` [m/N].
+    #: Compliance of the nut between its contacts with the N balls, k' for each ball ``(N k', N k')`` [m/N].
     nut: Array
     #: Compliance of one ball between its contacts ``(k, k)`` [m/N].
     ball: Array
-    #: Part of the approach of ball and groove at a contact that is neither Hertz's approach C F^(2/3) nor given by the
-    #: three matrices, divided by the contact force F. For each flank at f forces, equal for all balls ``(k, f)`` [m/N].
+    #: Remaining approach of ball and groove at a contact, divided by the contact force F: total approach minus Hertz's C
+    #: F^(2/3) and minus the part from the three compliance matrices. Given for each of k flanks at f forces, the same for
+    #: all balls ``(k, f)`` [m/N].
     local: Array
-    #: Forces at which ``local`` is sampled ``(k, f)`` [N].
+    #: Contact forces for which ``local`` is given, for each flank ``(k, f)`` [N].
     force: Array
     #: Hertz constants C of the flanks, with the approach C F^(2/3) under the force F ``(k,)`` [m/N^(2/3)].
     hertz: Array
 
     def fit_local_approach_over_load(self, side: int) -> tuple[float, float]:
-        """Fit e F + h F^(4/3) to the approach at a contact, without the parts by Hertz and by the compliance matrices.
+        """Fit e F + h F^(4/3) to the approach at a contact minus Hertz's part and the part from the compliance matrices.
 
         F is the contact force. The first term is the linear elasticity of the bodies. The next term for a smooth contact is
         of the order of F times the contact area, that is F^(4/3); a logarithm of the contact's size does not fit better.
@@ -286,7 +287,7 @@ def _check_condensed_bodies(bodies: CondensedBodies) -> None:
     if bodies.sides.ndim != 1 or not k or any(s not in (0.0, 1.0, 2.0, 3.0) for s in sides) or sides != sorted(set(sides)):
         raise ValueError("the numbers of the flanks (sides) are not among 0 to 3 in ascending order")
     if {3.0 - s for s in sides} != set(sides):
-        raise ValueError("a flank (in sides) occurs without the opposite flank")
+        raise ValueError("a flank (in sides) occurs without the flank at the opposite contact of the ball")
     square = all(x.ndim == 2 and x.shape[0] == x.shape[1] for x in (bodies.screw, bodies.nut, bodies.ball))
     fits = bodies.ball.shape[0] == k == len(bodies.local) and bodies.hertz.shape == (k,) and bodies.local.ndim == 2
     if not square or not fits or bodies.local.shape != bodies.force.shape:

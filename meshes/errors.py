@@ -35,8 +35,8 @@ class GeometryWithErrors:
     groove_centre_derivatives: Array
     #: Groove radii of the flanks ``(4,)`` [m].
     groove_radii: Array
-    #: Profile errors of the flanks: the inward offset of the groove radius as coefficients of a polynomial in the section
-    #: angle in rad ``(4, d)`` [m]; d = 0 without profile errors.
+    #: Profile errors of the four flanks: offset of the groove surface towards its arc's centre, as d coefficients [m] of a
+    #: polynomial in the section angle [rad], by ascending powers ``(4, d)``; d = 0 without profile errors.
     profile_coefficients: Array
 
 
@@ -68,8 +68,8 @@ def _series_with_slopes(drawn: list[tuple[float, float, float]], phi: Array) -> 
 def _draw_profile(side: SideErrors, rng: np.random.Generator) -> list[float]:
     """Return the coefficients of a flank's profile error [m], after normal random numbers are added to them.
 
-    The error is an inward offset of the groove's surface, a polynomial in the section angle in rad. Returns its
-    coefficients in ascending powers. ``side``: errors of the flank; ``rng``: generator of random numbers.
+    The error is an offset of the groove's surface towards its arc's centre, a polynomial in the section angle [rad].
+    Returns its coefficients in ascending powers. ``side``: errors of the flank; ``rng``: generator of random numbers.
     """
     terms = zip_longest(side.profile, side.profile_sigma, fillvalue=0.0)
     return [float(m + (rng.normal(0.0, s) if s > 0.0 else 0.0)) for m, s in terms]
@@ -127,7 +127,8 @@ class ErrorsAfterDrawing:
     pitch_terms: tuple[list[tuple[float, float, float]], ...]
     #: Roundness error of each flank: terms (harmonic, amplitude of the sine [m], of the cosine [m]).
     roundness_terms: tuple[list[tuple[float, float, float]], ...]
-    #: Profile error of each flank: coefficients [m] of the inward offset, by ascending powers of the section angle in rad.
+    #: Profile error of each flank: offset of the groove surface towards its arc's centre, as coefficients [m] of a
+    #: polynomial in the section angle [rad], by ascending powers.
     profile_coefficients: tuple[list[float], ...]
 
     def geometry_at_balls(
@@ -275,7 +276,8 @@ class GeometriesWithErrors:
 
     #: Ball radii ``(m, n)`` [m].
     ball_radii: Array
-    #: Groove centres ``(m, n, 4, 2)`` [m], or ``(1, n, 4, 2)`` where they are the same in all specimens.
+    #: Centres of the arcs of the four flanks, at each of n balls of m specimens ``(m, n, 4, 2)`` [m], or ``(1, n, 4, 2)``
+    #: where they are the same in all specimens; coordinates x3 radial, z3 across the track.
     groove_centres: Array
     #: Groove radii ``(4,)`` [m].
     groove_radii: Array

@@ -553,7 +553,7 @@ def move_inner_midside_nodes(mesh: Mesh, fixed_nodes: Index, reference_points: A
 
 
 def straighten_bent_edges(mesh: Mesh, fixed_nodes: Index, reference_points: Array | None = None) -> tuple[Mesh, int]:
-    """Straighten the edges of badly curved P2 tetrahedra: midside nodes are moved midway between the corners.
+    """Straighten edges of badly curved P2 tetrahedra by moving their midside nodes to the middle between the corners.
 
     Parameters
     ----------

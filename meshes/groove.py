@@ -24,7 +24,7 @@ SAME = 1e-8
 
 @dataclass(frozen=True)
 class GrooveRunOut:
-    """Azimuths at which a nut's groove ends beyond its loaded balls, as it does where balls leave it for the return path.
+    """Azimuths at which a nut's groove ends beyond its loaded balls, because balls leave it there for the return path.
 
     The groove has its full depth up to `WHOLE` ball diameters (or the length of a refinement box) beyond the outermost
     balls. Over the next `RUN_OUT` ball diameters its depth below the land decreases to zero, as a smoothstep of the
@@ -74,7 +74,7 @@ class GrooveRunOut:
         return cls(np.array(lines), whole, RUN_OUT * ball, m.rg)
 
     def relative_depth(self, line: float, phi: Array) -> Array:
-        """Return the ratio of a groove's depth to its full depth: 1 where the groove is whole, 0 where none is left.
+        """Return the ratio of a groove's depth to its full depth, at given azimuths: 1 at full depth, 0 beyond its end.
 
         Parameters
         ----------
@@ -357,7 +357,7 @@ def helix_in_plane_coordinates(
 
 
 def azimuth_of_widest_gap(spec: GroovedBodySpec) -> float:
-    """Return the azimuth midway in the widest angular gap between the contacts of a ring, where its closed faces are cut.
+    """Return the azimuth in the middle of the widest gap between contacts of a ring; there its closed faces are cut open.
 
     Parameters
     ----------

@@ -37,9 +37,11 @@ class GrooveMap:
     beta: float
     #: Ball radius [m].
     ball: float
-    #: Signs (s_x, s_z) of the contact direction of each flank ``(4, 2)``.
+    #: Signs of the radial (x3) and the transverse (z3) component of the direction from the ball's centre to the contact,
+    #: for each flank ``(4, 2)``.
     signs: Array
-    #: Centre of each flank's arc ``(4, 2)`` [m]: x3 radial, z3 across the track, in the section normal to the helix.
+    #: Centre of each flank's arc relative to the ball's centre ``(4, 2)`` [m]: x3 radial, z3 across the track, in the
+    #: section normal to the helix.
     centre: Array
     #: Groove radii ``(4,)`` [m].
     radius: Array

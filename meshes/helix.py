@@ -89,7 +89,7 @@ class BallLayout:
 def ball_layout(scene: Scene) -> BallLayout:
     """Compute the nominal centres of all balls of a scene, and at each the frame of the groove section.
 
-    The helix of start k has the azimuth ``phase + 2 pi k / starts`` at the nut's centre.
+    The helix of thread start k, counted from 0, has the azimuth ``phase + 2 pi k / starts`` at the nut's centre.
 
     Parameters
     ----------

@@ -55,14 +55,14 @@ def flanks_of_single_arc_contacts(scene: Scene) -> tuple[int, ...]:
 
 
 def flanks_with_contacts_of_arcs(lead: float, arcs: str, contacts_merge: bool) -> tuple[int, ...]:
-    """Return the flanks that carry the contacts of single-arc grooves, from lead and arcs instead of a scene.
+    """Return the flanks that carry the contacts of single-arc grooves, for a given lead and given arcs.
 
     The groove of a screw is always a gothic arch: with a single arc near the apex its nut would carry no thrust.
 
     Parameters
     ----------
     lead : float
-        Lead [m] or lead per radian [m/rad]; only whether it is zero matters.
+        Lead [m] or lead per radian [m/rad]: zero for a bearing, any other value for a screw.
     arcs : str
         Arcs of each groove, as in ``Track.arcs``: ``"two"``, ``"+z"`` or ``"-z"``.
     contacts_merge : bool
@@ -138,13 +138,14 @@ class InternalClearance:
 
     radial: float = quantity_field(
         "radial_um",
-        "radial internal clearance P_d of the row: total radial displacement of one ring against the other, with the "
-        "balls' oversize",
+        "radial internal clearance P_d of the row: total free radial travel of one ring against the other, for "
+        "balls with their oversize",
         heading="radial clearance",
     )
     axial: float = quantity_field(
         "axial_um",
-        "axial internal clearance P_e = 2 A sin alpha_0 of the row, A and alpha_0 as for rest_angle_deg",
+        "axial internal clearance P_e = 2 A sin alpha_0 of the row, with the contact angle alpha_0 without load "
+        "(rest_angle_deg) and A = r_i + r_o - D: groove radii of both rings minus ball diameter",
         heading="axial clearance",
     )
     angle: float = quantity_field(

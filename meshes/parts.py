@@ -203,7 +203,9 @@ class FourierTerm:
     harmonic: ranges.Harmonic = field(metadata=scene_key_metadata("cycles per turn; may be a fraction"))
     sin: ranges.Deviation = frozen_default(0.0, "amplitude of the sine", "3 um")
     cos: ranges.Deviation = frozen_default(0.0, "amplitude of the cosine", "3 um")
-    sigma: ranges.Spread = frozen_default(0.0, "standard deviation of normal draws added to both amplitudes", "1 um")
+    sigma: ranges.Spread = frozen_default(
+        0.0, "standard deviation of the normally distributed random numbers that are added to both amplitudes", "1 um"
+    )
 
 
 #: Type of the Fourier terms of one manufacturing error along the track.
@@ -219,19 +221,30 @@ class SideErrors:
     """
 
     profile: Annotated[tuple[ranges.Deviation, ...], ranges.ListLength(0, 7)] = frozen_default(
-        (), "inward offset of the groove radius: coefficients of a polynomial in gamma / rad", ["3 um", "-1 um"]
+        (),
+        "profile error: offset of the groove surface towards its arc's centre, as coefficients of a polynomial in "
+        "the section angle gamma [rad], by ascending powers",
+        ["3 um", "-1 um"],
     )
     profile_sigma: Annotated[tuple[ranges.Spread, ...], ranges.ListLength(0, 7)] = frozen_default(
-        (), "standard deviations of normal draws added to the coefficients of profile", ["1 um", "0 um"]
+        (),
+        "standard deviations of the normally distributed random numbers that are added to the coefficients of profile",
+        ["1 um", "0 um"],
     )
-    pitch: Terms = frozen_default((), "displacement of the groove centre along the screw", [{"harmonic": 1, "sin": "3 um"}])
+    pitch: Terms = frozen_default(
+        (),
+        "pitch error: displacement of the centre of the groove's arc along the screw, as Fourier terms over the azimuth",
+        [{"harmonic": 1, "sin": "3 um"}],
+    )
     pitch_along: Literal["section", "axis"] = frozen_default(
         "section",
         "direction of the pitch error: in the section normal to the helix (Lin 2.27), or along the axis (Lin 4.1)",
         "section",
     )
     roundness: Terms = frozen_default(
-        (), "displacement of the groove centre along the radius", [{"harmonic": 2, "cos": "5 um"}]
+        (),
+        "roundness error: radial displacement of the centre of the groove's arc, as Fourier terms over the azimuth",
+        [{"harmonic": 2, "cos": "5 um"}],
     )
 
 
@@ -240,7 +253,7 @@ class SideErrors:
 class BallErrors:
     """Errors of ball radii: an error common to all balls, additional errors of single balls, and random errors."""
 
-    #: Error that all ball radii have in common [m].
+    #: Amount by which all ball radii exceed the nominal radius [m].
     oversize: ranges.Deviation = frozen_default(0.0)
     #: Number of a ball (from 1) and additional error of its radius [m], one pair for each ball that has such an error.
     listed: tuple[tuple[int, float], ...] = frozen_default(())
@@ -334,25 +347,29 @@ class Ingredients:
 
     hertz: Literal["nominal", "error-free", "actual", "as printed"] = frozen_default(
         "nominal",
-        "Hertz constants: from each contact's radii at the nominal angle, error-free parts, or the actual geometry, "
-        "or as in Lin's Table B.1",
+        "Hertz constants: from the radii of each contact, errors included, at the nominal contact angle; from "
+        "dimensions without errors; from the actual geometry at the contact angle under load; or as printed in "
+        "Lin's Table B.1",
         "actual",
     )
     screw: Literal["beam", "rigid"] = frozen_default("beam", "screw as Timoshenko beam or rigid", "rigid")
     partition: Literal["nodal", "source", "uniform"] = frozen_default(
         "nodal",
-        "nodes of the beam: at every contact, as in Lin's thesis (every 15 mm in the nut), or at every element_length",
+        "nodes of the screw's beam elements: at every contact; 15 mm apart in the nut, as in Lin's thesis; or at "
+        "most element_length apart in the nut",
         "source",
     )
     element_length: ranges.Element = frozen_default(1.0e-3, 'length of the elements in the nut, for partition = "uniform"')
     section: Literal["groove", "groove squared", "full"] = frozen_default(
         "groove",
-        "cross-section of the beam: diameter times k_r, root of grooved over full volume (Lin C.8); times k_r^2; or full",
+        "cross-section of the screw as a beam: outer diameter times k_r, the square root of the volume with "
+        "groove divided by the volume without (Lin C.8); outer diameter times k_r^2; or not reduced",
         "full",
     )
     arm: Literal["current", "nominal", "ball"] = frozen_default(
         "current",
-        "lever arm of a contact load: to the current contact point, the nominal contact point, or the ball's centre",
+        "point to which the lever arm of a contact load is measured: current contact point, nominal contact "
+        "point, or ball's centre",
         "nominal",
     )
     load_step: ranges.LoadStep | None = frozen_default(
@@ -371,20 +388,28 @@ class Solid:
         "34 mm",
     )
     hole_diameter: ranges.Size | None = frozen_default(
-        None, "diameter of a hole along the axis of a meshed screw that has no bore", "3 mm"
+        None,
+        "diameter of the hole along the screw's axis in the 3D mesh, at least the bore; if left out, the bore, or "
+        "for a screw without bore an assumed hole",
+        "3 mm",
     )
     shaft: ranges.Station | None = frozen_default(
-        None, "length of the shaft beyond each face of the nut that is meshed in 3D; the rest is a beam", "20 mm"
+        None,
+        "length over which the shaft is meshed in 3D beyond each face of the nut; the rest of the shaft is a beam",
+        "20 mm",
     )
     shaft_diameter: ranges.Size | None = frozen_default(
-        None, "diameter of the plain shaft beyond the 3D mesh; if left out, a homogenised grooved shaft", "31 mm"
+        None,
+        "diameter of the shaft without groove beyond the 3D mesh; if left out, the shaft there is a beam with the "
+        "mean stiffness of the grooved shaft",
+        "31 mm",
     )
     nut_held: NutHeld | None = frozen_default(None, "former key of nut.held.at", "left face")
     screw_held: Literal["ends", "bore"] | None = frozen_default(
-        None, "whether supports and loads act on the screw at its ends or by a stiff shaft in its bore", "ends"
+        None, "where supports and loads act on the screw: at its ends, or in its bore, by a stiff shaft", "ends"
     )
     nut: Literal["elastic", "rigid"] = frozen_default(
-        "elastic", "elastic nut, or nut rigid outside the contact patches", "elastic"
+        "elastic", "whether the nut is elastic, or rigid except in the finely meshed zones at the contacts", "elastic"
     )
     nut_groove: Literal["through", "loaded"] = frozen_default(
         "through",
@@ -431,7 +456,8 @@ class Motion:
     )
     turns: Literal["screw", "nut"] = frozen_default(
         "screw",
-        "part that rotates; the other one does not, and one moves along the axis against the other by one lead per turn",
+        "part that rotates; the other part does not rotate, and the two move along the axis relative to each "
+        "other by one lead per turn",
         "nut",
     )
 
@@ -455,7 +481,10 @@ class Lubricant:
         "grease", "type of lubrication of a ball bearing row, for Palmgren's factor f0", "oil bath"
     )
     factor: ranges.Factor0 | None = frozen_default(
-        None, "manufacturer's factor f0 of a ball bearing row, in place of the published range", 2
+        None,
+        "manufacturer's factor f0 of a ball bearing row; if left out, the published range of f0 for this type of "
+        "lubrication",
+        2,
     )
 
     @property
@@ -479,7 +508,9 @@ class Circulation:
         1, "number of closed circuits of each start; each has the same number of balls", 1
     )
     turns: ranges.Turns | None = frozen_default(
-        None, "loaded turns of each start in all its circuits together; if left out, the turns that its balls fill"
+        None,
+        "number of turns with loaded balls of each thread start, in all its circuits together; if left out, the "
+        "turns that its balls fill",
     )
     returning: Annotated[int, ranges.IntegerRange(0, ranges.MAX_BALLS)] = frozen_default(
         0, "number of balls in the return path of each circuit", 4
@@ -509,7 +540,8 @@ class Time:
     )
     goal: ranges.StepGoal = frozen_default(
         0.01,
-        "largest accepted error of the time steps, as a fraction of the mean friction torque; above it: not converged",
+        "largest accepted error of the friction torque due to the time steps, as a fraction of its mean; with a "
+        "larger error the simulation counts as not converged",
         0.01,
     )
     output: Literal["balls", "torque"] = frozen_default(
@@ -603,7 +635,7 @@ class Scene:
     solid: Solid = frozen_default(Solid())
     #: Publication from which the scene is taken.
     source: str = frozen_default("")
-    #: Assumptions about what the scene's source does not state.
+    #: Assumptions on data that the publication `source` does not give, as sentences.
     assumed: tuple[str, ...] = frozen_default(())
     #: Number of specimens (screws or bearings with different random errors) that are computed.
     members: int = frozen_default(1)

@@ -28,7 +28,7 @@ class QuantityDescription:
     heading: str = ""
     #: Format of a number in tables.
     form: str = "g5"
-    #: Suffix of the key for the parts of a value that is a list or table: ``[]`` for a list, ``.*`` for any keys,
+    #: Suffix of the key for the entries of a value that is a list or table: ``[]`` for a list, ``.*`` for any keys,
     #: ``.FLANK`` for the four flanks.
     parts: str = ""
     #: Function that converts the field's value (SI units) to the value shown; None: the value is shown unchanged.

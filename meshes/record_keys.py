@@ -115,7 +115,7 @@ FORM = 1
 
 @dataclass(frozen=True)
 class RecordFields:
-    """Class and field values of a record as read from a file; its canonical text is that of the record itself."""
+    """Class and field values of a record that is read from a file; it has the same canonical text as the record."""
 
     #: Class of the record.
     record: type

@@ -147,7 +147,7 @@ def scene_file_tables_of_shaft(axis: Assembly) -> Table:
 def load_case_table(
     share: float, time: float | None, speed: float | None, before: Scene | Assembly, after: Scene | Assembly
 ) -> Table:
-    """Return the keys of one load case of a scene file: only those that differ from the scene without load cases.
+    """Return the keys of one load case in a scene file: only values that differ from the scene without load cases.
 
     Parameters
     ----------
@@ -346,7 +346,7 @@ def _friction_table(friction: Friction | None) -> Table:
 def _rolling_set_table(axis: Assembly, rolling_set: RollingSet, shared: Material) -> Table:
     """Return the keys of ``rolling_set``, a bearing or ball nut on the shaft of ``axis``.
 
-    Its inner ring (table ``screw``) is written only where groove, diameter or material differ from those of the shaft.
+    Its inner ring (table ``screw``) is written only if its groove, diameter or material differs from that of the shaft.
     ``shared``: material at the head of the scene file.
     """
     parts, rollers = rolling_set.parts, isinstance(rolling_set.parts, RollerRow)
@@ -451,7 +451,7 @@ def _quantities_in_type(hint: Any) -> Iterator[ranges.QuantityRange]:
 
 
 def keys_of_record(record: Any, *left_out: str) -> Table:
-    """Return those fields of a record that differ from their defaults, as keys of a scene file.
+    """Return the fields of a record whose values differ from the defaults, as keys of a scene file with their values.
 
     Parameters
     ----------

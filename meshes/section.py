@@ -78,8 +78,8 @@ def screw_groove_section(scene: Scene) -> ScrewGrooveSection:
 def section_angle_range_of_nut_groove(scene: Scene) -> tuple[float, float]:
     """Return the section angles between which a flank of the nut's groove extends: from the apex to pi/2.
 
-    A section angle is measured around the centre of a groove arc, from the radial direction.
-    No publication gives the diameter of the nut's lands; so pi/2 is taken instead of the angle at which the flank ends.
+    A section angle is measured around the centre of a groove arc, from the radial direction. The flank ends at the nut's
+    lands; because no publication gives their diameter, pi/2 is taken for this angle.
 
     Parameters
     ----------
@@ -279,14 +279,14 @@ def contact_force_positions(scene: Scene, layout: BallLayout) -> Array:
 
 
 def merge_close_positions(positions: Array, preferred_positions: Array) -> Array:
-    """Sort axial positions, and keep only one of several that are closer together than `MERGE`.
+    """Sort axial positions; of positions closer together than `MERGE` only one remains.
 
     Parameters
     ----------
     positions : (n,) Array
         Axial positions [m], in any order.
     preferred_positions : Array
-        Axial positions [m] that are kept rather than others close to them.
+        Axial positions [m] that remain where other positions are closer to them than `MERGE`.
 
     Returns
     -------

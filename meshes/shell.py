@@ -414,7 +414,7 @@ class ClosedSurfaceMesh:
         return np.concatenate([f.triangles for f in self.faces if name in ("", f.boundary_name)])
 
     def exact_edge_midpoints(self) -> tuple[Index, Array]:
-        """Return the midpoint of each edge on the exact curve or face, where the midside node of the edge is placed.
+        """Return the point of the exact curve or face at the middle of each edge, at which its midside node is placed.
 
         Edges of curves and refinement boxes come first, then those of faces. An edge that lies on a curve or in two
         triangles occurs several times; its first midpoint is the one to use.
@@ -666,7 +666,7 @@ class FilledSurfaceMesh:
         mesh : Mesh
             Improved mesh.
         moved : int
-            Number of midside nodes that were moved off the exact surface or in the interior to straighten edges.
+            Number of midside nodes, on the surface or inside, that were moved to straighten edges.
         quality : MeshQuality
             Quality of the improved mesh.
 
@@ -825,16 +825,16 @@ def edge_length_growing_with_distance(
 
 
 def best_mesh_of_attempts(name: str, attempt: Callable[[Any, int, int, float], tuple[Body, float]]) -> Body:
-    """Mesh a body with gmsh's algorithms and element sizes of `ATTEMPTS` in turn, until a mesh has no fault.
+    """Mesh a body with one of gmsh's algorithms and element sizes of `ATTEMPTS` after another, until a mesh has no fault.
 
     Parameters
     ----------
     name : str
         Name of the body, for the error message.
     attempt : Callable[[Any, int, int, float], tuple[Body, float]]
-        Function that meshes the body once, and returns the mesh and a measure of its fault (0: none). Its arguments: the
-        module gmsh, the number of gmsh's algorithm for faces, that of its algorithm for volumes, and a factor on the
-        element sizes.
+        Function that meshes the body once, and returns the mesh and a measure of its worst fault, such as a badly shaped
+        cell (0: no fault). Its arguments: the module gmsh, the number of gmsh's algorithm for faces, that of its algorithm
+        for volumes, and a factor on the element sizes.
 
     Returns
     -------

@@ -397,9 +397,9 @@ def section_angles_of_flank(m: GrooveMap, side: int, land_radius: float) -> tupl
 
 
 def turns_and_distance_to_groove(m: GrooveMap, phi: float, z: float, helix_constant: float) -> tuple[int, float]:
-    """Return the turns to add to a ball's azimuth to count it along a helical groove, and the distance of ball and groove.
+    """Return the whole turns to add to a ball's azimuth, counted along a groove, and its axial distance from the groove.
 
-    Azimuths along a helical groove are counted on over whole turns.
+    Azimuths along a helical groove increase by 2 pi with each turn.
 
     Parameters
     ----------
@@ -598,9 +598,9 @@ def largest_fitting_refinement_box(
 
     A refinement box is the box around a contact that a body's coarse mesh leaves free for a finer mesh. The default size is
     a half width of 0.30 rad (more if the contacts fill more than 0.6 of it), a depth of 0.43 ball radii and a half length
-    of 0.45 ball radii. The width is reduced next to the groove's edge and apex, but not
-    below what the contacts need; the depth, over a thin wall; the length, between close balls. Next to a flat end or to
-    the next turn of the groove all three are reduced.
+    of 0.45 ball radii. The width is reduced if the groove's edge or apex is near, but not below what the contacts need; the
+    depth is reduced over a thin wall, the length between close balls. Next to a flat end or to the next turn of the groove
+    all three are reduced.
 
     Parameters
     ----------
@@ -627,8 +627,8 @@ def largest_fitting_refinement_box(
     ------
     ValueError
         A contact is wider than the flank between apex and edge allows; or less than 0.4 of the default depth, length or
-        (without ``contact_half_lengths``) width remains, or 0.1 of depth and length next to a flat end. The message gives
-        cause and remedy.
+        width remains (the width is checked only without ``contact_half_lengths``), or next to a flat end less than 0.1 of
+        depth and length. The message gives cause and remedy.
     """
     across, along = contact_half_lengths
     usual = RefinementBoxSize(GAMMA, DEPTH * m.ball, ALONG * m.ball / m.R)

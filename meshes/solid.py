@@ -34,7 +34,7 @@ class Dimensions:
     land: float
     #: Radius of the hole along the screw [m].
     hole: float
-    #: Length of the shaft beyond each face of the nut that is meshed in 3D [m].
+    #: Length over which the shaft is meshed in 3D beyond each face of the nut [m].
     shaft: float
     #: Radius of the shaft beyond the 3D mesh [m]; None for a homogenised grooved shaft.
     shaft_radius: float | None
@@ -42,13 +42,13 @@ class Dimensions:
     nut_held: str
     #: Where supports and loads act on the screw: at its ``"ends"``, or by a stiff shaft in its ``"bore"``.
     screw_held: str
-    #: Inner and outer radius between which a face of the nut is fixed [m].
+    #: Inner and outer radius of the annulus that is fixed on a face of the nut [m].
     held_radii: tuple[float, float]
-    #: Whether the nut's groove ends beyond its loaded balls.
+    #: Whether the nut's groove ends shortly beyond the loaded balls (True), or runs through the whole nut.
     groove_ends: bool
     #: All assumptions, as sentences.
     assumed: tuple[str, ...]
-    #: Those of the assumptions that are needed only for meshing, as sentences.
+    #: Assumptions in ``assumed`` that only the meshing needs, as sentences.
     mesh_only: tuple[str, ...] = frozen_default(())
 
     def ends_of_meshed_screw(self, scene: Scene) -> tuple[float, float]:
@@ -199,7 +199,7 @@ def dimensions_of_3d_parts(scene: Scene) -> Dimensions:
         if groove_ends:
             raise UnfitKey(
                 "solid.nut_groove",
-                'solid.nut_groove of "loaded" says where the groove of a nut ends; that of a bearing ring has no ends: '
+                'solid.nut_groove of "loaded" ends the groove of a nut beyond its balls; the groove of a ring has no ends: '
                 "remove solid.nut_groove",
             )
         assumed.append("Flat ends of the rings, without chamfers.")

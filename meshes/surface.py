@@ -131,7 +131,7 @@ def fundamental_forms(derivatives: dict[str, Array]) -> tuple[Array, Array, Arra
     first : (..., 2, 2) Array
         First fundamental form I (metric) [m2]; the parameters are azimuth and gamma, in this order.
     second : (..., 2, 2) Array
-        Second fundamental form II [m], for the normal S_phi x S_gamma.
+        Second fundamental form II [m], for the normal S_phi x S_gamma (derivatives of the surface point S).
     normal : (..., 3) Array
         Unit normal S_phi x S_gamma / |S_phi x S_gamma|.
 
@@ -155,7 +155,8 @@ def fundamental_forms(derivatives: dict[str, Array]) -> tuple[Array, Array, Arra
 def principal_curvatures(scene: Scene, geometry: GeometryWithErrors, side: int | slice, gamma: Array) -> Array:
     """Compute the principal curvatures of the groove surface at each ball; convex surfaces have positive curvature.
 
-    They are the eigenvalues of I^-1 II, for the normal out of the material. Lin (B.4) uses the eigenvalues of II.
+    They are the eigenvalues of I^-1 II, with the first and second fundamental forms I and II of the surface, for the normal
+    out of the material. Lin (B.4) uses the eigenvalues of II.
 
     Parameters
     ----------
@@ -206,7 +207,7 @@ def printed_principal_radii(scene: Scene, geometry: GeometryWithErrors, side: in
     Returns
     -------
     (n, 2) Array
-        Eigenvalues of II [m], ascending, for the normal of (B.5).
+        Eigenvalues of II [m], ascending, for the direction of the normal in Lin's eq. (B.5).
 
     References
     ----------

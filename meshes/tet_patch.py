@@ -41,7 +41,8 @@ class TetrahedralPatchSizes:
     half_widths: tuple[float, float]
     #: Depth of the patch [m].
     depth: float
-    #: Half widths of the contact zone across and along the groove, as fractions of the half widths of the patch.
+    #: Half widths, across and along the groove, of the zone in which the bodies may touch, as fractions of those of the
+    #: patch.
     contact_zone_fractions: tuple[float, float]
     #: Half widths across and along the groove, and depth, of the inner box at the contact that has the finest cells [m].
     fine_box: tuple[float, float, float]

@@ -197,14 +197,15 @@ class NutOrBearingView:
     thrust: str = "both"
     #: Contact points of n balls with four flanks (n, 4, 3) [m]; None for rollers, or if no equilibrium was found.
     points: NDArray[np.float64] | None = None
-    #: Contact forces on the balls at these points (n, 4, 3) [N].
+    #: Contact forces on n balls at their contacts with four flanks (n, 4, 3) [N]; None as for ``points``.
     forces: NDArray[np.float64] | None = None
     #: Reference solution: its label, its contact loads (n, 4) [N], their uncertainty (n, 4) [N], and the error of the
     #: model's loads (n, 4) [%]. None without a reference.
     reference: tuple[str, NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]] | None = None
-    #: Expected error of the model's contact loads [N]; None: not known.
+    #: Error of the low-order model's contact loads to be expected from its errors on other scenes [N]; None: not known.
     expected: float | None = None
-    #: Reduction of the clearance at each contact by geometric errors of the parts (n, 4) [m]; None: not given.
+    #: Reduction of the clearance at each contact of n balls with four flanks by geometric errors of balls and grooves
+    #: (n, 4) [m]; None: not shown.
     closer: NDArray[np.float64] | None = None
 
 
@@ -248,7 +249,7 @@ class LoadedScrew:
     load: NDArray[np.float64]
     #: Points at which arrows are drawn (m, 3) [m].
     contact_points: NDArray[np.float64]
-    #: Contact forces on the balls at these points (m, 3) [N], drawn as arrows.
+    #: Contact forces on the balls at the points ``contact_points`` (m, 3) [N], drawn as arrows.
     contact_forces: NDArray[np.float64]
     #: Caption below the picture.
     caption: str = ""
@@ -310,7 +311,8 @@ class FieldPicture:
     focus: Sequence[float]
     #: Height of the region that the picture shows [m].
     height: float
-    #: Cutting planes (point, normal); elements whose centre lies in front of all of them are not drawn.
+    #: Cutting planes, each as a point and a normal; elements whose centre lies on the normal's side of all planes are
+    #: not drawn.
     cuts: Sequence[tuple[Sequence[float], Sequence[float]]] = ()
     #: Whether the plane section by the only cutting plane is drawn, in place of the meshes.
     section: bool = False
@@ -338,13 +340,13 @@ class PressurePanel:
     x: Numbers
     #: Ordinates of the contact's nodes, in the unit of the axis label.
     y: Numbers
-    #: Pressure or other field at these nodes, in the unit of the colour scale.
+    #: Pressure or other field at the contact's nodes, in the unit of the colour scale.
     values: Numbers
     #: Ellipse in the plot: x and y of its centre, semi-axes along x and y.
     ellipse: tuple[float, float, float, float]
     #: Text above the plot, such as load and largest pressure.
     text_above: str = ""
-    #: Components (x, y) of arrows at the nodes.
+    #: Components (x, y) of an arrow at each node, such as the tangential traction; None: no arrows.
     arrows: tuple[Numbers, Numbers] | None = None
     #: Step of the nodes at which arrows are drawn: at every ``arrow_step``-th node.
     arrow_step: int = 1

@@ -65,7 +65,8 @@ class _DrawnGrooves:
     track_radius: float
     #: Groove radius: radius of the two arcs of the gothic arch [m].
     groove_radius: float
-    #: Offset of the centres of the two arcs from the ball track [m], equal along the radius and across the groove.
+    #: Offset of the centre of each arc from the centre of the balls [m]; it is equal in radial direction and across the
+    #: groove.
     arc_centre_offset: float
     #: Axial advance of the helix per angle [m/rad].
     advance_per_radian: float
@@ -79,7 +80,8 @@ class _DrawnGrooves:
     def groove_depth(self, phi: Array, z: Array) -> Array:
         """Return the radial distance of the groove surface from the pitch radius [m] at azimuth phi [rad], position z [m].
 
-        The distance is nan outside the groove. Screw and nut have the same distance, inwards and outwards.
+        It is nan outside the groove. It is the same for the screw's groove, where it is measured inwards, and for the
+        nut's groove, where it is measured outwards.
         """
         path = self.axial_offset + self.advance_per_radian * (phi[..., None] - self.start_azimuths)
         away = z[..., None] - path
@@ -159,7 +161,7 @@ def _screw_surfaces_near_nut(scene: Scene, coarsening: float = 1.0, length_beyon
     coarsening
         Step of the grid, as a multiple of the step used in a picture.
     length_beyond_nut
-        Length that is drawn on each side of the nut's centre, in nut lengths.
+        Length of screw that is drawn on each side of the nut's centre, as a multiple of the nut's length.
     """
     grooves, half = _drawn_grooves(scene), length_beyond_nut * scene.nut.length
     low = max(0.0, scene.nut.position - half)
@@ -225,7 +227,7 @@ def screw_and_nut_surfaces_by_colour(scene: Scene, coarsening: float, length_bey
     """Return the surfaces of the screw, of the opened nut and of the nut's cut faces, by their colour.
 
     ``coarsening``: step of the grid, as a multiple of the step used in a picture. ``length_beyond_nut``: length of screw
-    that is drawn on each side of the nut's centre, in nut lengths.
+    that is drawn on each side of the nut's centre, as a multiple of the nut's length.
     """
     body, cuts = _opened_nut_surfaces(scene, coarsening)
     return {STEEL: _screw_surfaces_near_nut(scene, coarsening, length_beyond_nut), _NUT: body, _CUT: cuts}

@@ -159,7 +159,7 @@ def _shaft_range_drawn_with_nut(rolling_set: RollingSet, parts: Scene, length: f
 def _viewer_data_of_nut_or_bearing(one: NutOrBearingView) -> dict[str, Any]:
     """Return the data of one nut or bearing row for the 3D viewer; lengths are in mm.
 
-    Reductions of the clearance at contacts by errors of the parts are in um.
+    Reductions of the clearance at a contact by geometric errors (of ball, shaft groove and outer groove) are in um.
     """
     head = {"name": one.name, "kind": one.kind, "expected": one.expected}
     if isinstance(one.parts, RollerRow):

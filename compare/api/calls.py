@@ -131,8 +131,8 @@ def solve(
     member
         Number of the specimen, from 0, of a scene with random geometric errors; each specimen has its own errors.
     everything
-        Whether the model also has parts that cannot change the contact loads of this scene, such as groove flanks that no
-        ball can touch, and unloaded ends of the shaft.
+        Whether the model also includes parts that cannot change the contact loads of this scene, such as groove flanks that
+        no ball can touch, and unloaded ends of the shaft.
     condensed
         File that ``rollbench condense`` wrote, with the compliance of screw and nut from the 3D mesh. If it is given and
         ``model`` is empty, the model is ``"condensed"``.
@@ -318,8 +318,8 @@ def side_by_side(
     Parameters
     ----------
     scenes
-        At least two scenes, names or files, such as the same axis on ball bearings and on tapered roller bearings. Of
-        several load cases the first is compared; the life is that under all load cases.
+        At least two scenes, each as for `solve`, such as the same feed axis with ball bearings and with tapered roller
+        bearings. Of several load cases the first is compared; the life is that under all load cases.
     model
         Name of the model that solves all scenes, as for `solve`.
     member
@@ -399,7 +399,7 @@ def friction(scene: Described | str | Path, *, mu: Sequence[float] = (), model: 
     Parameters
     ----------
     scene
-        Scene of any kind, its name or the path of its file.
+        Scene of any kind, as `read` returns it, its name, or the path of its file.
     mu
         Coefficients of friction in both grooves, which replace the scene's. If several are given, the fields of the result
         belong to the first; ``to_dict()["over_friction"]`` has a row for each.
@@ -647,7 +647,7 @@ def mesh_study(
         Number of the finest mesh level; all levels from 1 (the coarsest) to this one are compared. An order of convergence
         needs three levels. None: levels 1 and 3.
     spread
-        Whether modelling choices that the scene's source leaves open are also varied, on the coarsest level.
+        Whether modelling choices that the publication of the scene leaves open are also varied, on the coarsest level.
     store
         Folder in which runs of the 3D reference are looked up and stored, in addition to the runs included with rollbench.
         Missing runs are computed, which takes minutes to hours.

@@ -56,7 +56,10 @@ def bench(
     if drawn:
         if names or long or source is not None:
             given = "this option, which times screws drawn at random, with names of scenes, --long or --source"
-            allowed, advice = "only with `store` and no other option", "leave out all options but `drawn` and `store`"
+            allowed, advice = (
+                "`drawn` with `store`, without scenes and other options",
+                "leave out all but `drawn` and `store`",
+            )
             raise ArgumentError("drawn", given, allowed, advice)
         if store is None:
             advice = "add `store` with a folder in which the timed runs are stored"
@@ -64,7 +67,10 @@ def bench(
             raise ArgumentError("drawn", given, "only together with `store`", advice)
         return print_command_output(measure_drawn_screws(store), as_json)
     if source is not None and (names or long):
-        given, allowed = f"{source} with scenes or --long", "only without scenes and `long`"
+        given, allowed = (
+            f"{source} with scenes or --long",
+            "`source` without scenes and `long`: the scenes are those of the publication",
+        )
         raise ArgumentError("source", given, allowed, "leave out scenes and `long`")
     if store is not None and names:
         advice = "leave the names out: the report shows the times of all scenes from one run of this command"
@@ -129,9 +135,9 @@ def measure_drawn_screws(store: Path) -> CommandOutput:
 def measure_default_times(names: Sequence[str], store: Path | None, *, long: bool) -> CommandOutput:
     """Measure computing times of models, commands and threads, and return a table of them.
 
-    ``names``: scenes; if empty, the default scenes. ``store``: folder in which the times are stored; None: not stored.
-    ``long``: time the mesh levels of the 3D reference instead of commands and threads. Raises InputError for a scene
-    without a 3D reference.
+    ``names``: scenes; if empty, lin-case1 or, with ``long``, all scenes that the report compares. ``store``: folder in
+    which the times are stored; None: not stored. ``long``: time the mesh levels of the 3D reference instead of commands
+    and threads. Raises InputError for a scene without a 3D reference.
     """
     from rollbench.compare.sections.reference_time import measure_command_times
     from rollbench.compare.studies.run_times import TYPED, save_run_times, time_ensemble_with_threads

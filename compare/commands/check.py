@@ -315,7 +315,7 @@ def check(
 
 
 def refuse_given_arguments(given: Mapping[str, object], allowed: str, advice: str) -> None:
-    """Raise ArgumentError for the first argument in ``given`` that the user stated, because none of them may be used here.
+    """Raise ArgumentError if the user stated one of the arguments ``given``, none of which may be used here.
 
     ``given``: values by name of the argument. ``allowed``, ``advice``: when the arguments may be used, and what to do, as
     texts of the error.

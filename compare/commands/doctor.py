@@ -51,7 +51,7 @@ class MachineCheck:
     name: str
     #: Outcome: "ok", "missing", or "optional" if the checked item is missing but not needed.
     state: State
-    #: What was found.
+    #: Text on what was found, such as the version of a package, or on what is missing.
     found: str
     #: Effect if the checked item is missing; empty if nothing is missing.
     cost: str = ""

@@ -90,33 +90,38 @@ def export(
     modelica
         Write the table of --ross for Modelica's CombiTable1Ds (one varied key) or CombiTable2Ds (two varied keys).
     rexs
-        Write a REXS file (version 1.7): bearings with rows and rolling elements, shaft and loads of an axis, and their
-        results.
+        Write a scene with several bearings on a shaft to this REXS file (version 1.7): shaft, loads, bearings with their
+        rows and rolling elements, and results.
     model
         With --rexs: low-order model that computes the results. Default: refined.
     """
     from rollbench.compare.scenes import catalogue, scene_file
 
     if model and rexs is None:
-        raise ArgumentError("model", model, "only with `rexs`", "leave `model` out")
+        raise ArgumentError(
+            "model", model, "`model` only together with `rexs`, whose results it computes", "leave `model` out"
+        )
     if rexs is not None and (ross is not None or modelica is not None):
-        allowed = "either `rexs`, which writes a scene, or `ross` and `modelica`, which convert a table of rollbench table"
+        allowed = "either `rexs`, which converts a scene, or `ross` and `modelica`, which convert a file of rollbench table"
         raise ArgumentError("rexs", f"{rexs} with --ross or --modelica", allowed, "run the command once for each file")
     meshing = bool(part) or level != 1 or ball is not None
     if ross is not None or modelica is not None or rexs is not None:
         if meshing or format or out is not None or deck:
-            given = "one of these options with an option for meshes"
-            allowed = "only without the name of a part, and without `format`, `out`, `level`, `ball` and `deck`"
-            raise ArgumentError("ross, modelica, rexs", given, allowed, "leave the options for meshes out")
+            given = "one of these options together with a part or with an option for meshes or decks"
+            allowed = (
+                "`ross`, `modelica` and `rexs` without a part, `format`, `out`, `level`, `ball` and `deck`: they convert a "
+                "whole table or scene and write no mesh"
+            )
+            raise ArgumentError("ross, modelica, rexs", given, allowed, "leave out the part and these options")
         if rexs is not None:
             return print_command_output(write_axis_as_rexs(scene, rexs, model))
         return print_command_output(write_stiffness_tables(scene, ross, modelica))
 
     if deck:
         if meshing or format:
-            given = f"{deck} with an option for meshes"
-            allowed = "only without the name of a part, and without `format`, `level` and `ball`"
-            raise ArgumentError("deck", given, allowed, "leave out the options for meshes")
+            given = f"{deck} together with a part or with an option for meshes"
+            allowed = "`deck` without a part, `format`, `level` and `ball`: the deck contains the whole scene"
+            raise ArgumentError("deck", given, allowed, "leave out the part and these options")
         running.check_packages("scikit-fem")
         from rollbench.compare.studies.export import write_calculix_deck
 
@@ -127,8 +132,9 @@ def export(
         raise ArgumentError("unit, balls, b_over_h, growth, stiffness", given, "only with --deck", "add --deck ccx")
     form = format or ("" if out is None else out.suffix.removeprefix("."))
     if form in ("json", "step") and meshing:
-        allowed = "only without the name of a part, and without `level` and `ball`: this format writes all parts"
-        raise ArgumentError("format", f"{form} with an option for meshes", allowed, "leave these options out")
+        allowed = f"{form} without a part, `level` and `ball`: this format describes the whole scene and has no mesh"
+        given = f"{form} together with a part or with an option for meshes"
+        raise ArgumentError("format", given, allowed, "leave out the part and these options")
     if form == "json":
         return print_command_output(write_scene_json(catalogue.scene(scene), out))
     if form == "step":
@@ -165,9 +171,9 @@ def write_part_mesh(
     ball, from 1; the scene is then solved, and displacement [m], stress and von Mises stress [Pa] are added to the mesh of
     that ball or its patches, or of the screw or nut with sockets.
 
-    Raises InputError for an unknown part, format or level, a missing package, a mesh that cannot be built, a result field
-    that cannot be computed (because supports or loads act on the screw above the low end, in z, of its 3D mesh, and the
-    mesh is fixed at this end), and a file that cannot be written.
+    Raises InputError for an unknown part, format or level, a missing package, a mesh that cannot be built, a file that
+    cannot be written, and a result field that cannot be computed: the screw's 3D mesh is fixed at its end of lower z, so
+    no support or load may act on the screw at larger z.
     """
     running.check_gmsh()
     running.check_packages("scikit-fem")

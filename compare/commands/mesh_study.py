@@ -170,7 +170,7 @@ def are_all_roller_scenes(names: Sequence[str], unused_arguments: Mapping[str, b
         raise ArgumentError("scenes", " ".join(names), allowed, "study them in separate runs")
     for argument, stated in {**unused_arguments, "backend": where is not None}.items():
         if stated and any(have):
-            given, allowed = "this option for scenes with tapered rollers", "only for screws and ball bearings"
+            given, allowed = "this option for scenes with tapered rollers", "this option only for screws and ball bearings"
             raise ArgumentError(argument, given, allowed, "leave it out: it would change nothing")
     return any(have)
 

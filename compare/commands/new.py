@@ -52,8 +52,8 @@ def new(
 
     if rexs is not None:
         if kind or like:
-            allowed = "no `kind` or `like` with `rexs`"
-            raise ArgumentError("rexs", f"{rexs} with another option", allowed, "leave these options out")
+            allowed = "`rexs` without `kind` and `like`: the REXS file determines the kind and size of the scene"
+            raise ArgumentError("rexs", f"{rexs} with `kind` or `like`", allowed, "leave these options out")
         print_command_output(write_scene_from_rexs(file, rexs, shaft, set or []))
         return
     if shaft or set:

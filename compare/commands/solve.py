@@ -38,7 +38,8 @@ class SolveOptions:
 
     #: Name of the low-order model; empty: the default.
     model: str = ""
-    #: Whether all terms of the model are computed, also those that cannot change the loads.
+    #: Whether flanks that no ball can touch and shaft ends that carry no load are modelled, too; the loads do not
+    #: depend on them.
     everything: bool = False
     #: Number of the specimen (random draw of the geometric errors), from 0.
     member: int = 0
@@ -46,7 +47,8 @@ class SolveOptions:
     condensed: Path | None = None
     #: Whether the table of balls is printed.
     balls: bool = False
-    #: Axial position at which the stiffness is computed, with its unit; empty: none.
+    #: Axial position on the screw or shaft at which the 6 x 6 stiffness is computed, with its unit; empty: not
+    #: computed.
     stiffness_at: str = ""
     #: File for the stiffness matrix; None: not written.
     matrix: Path | None = None
@@ -54,9 +56,9 @@ class SolveOptions:
     loads_csv: Path | None = None
     #: Longest computing time [s]; None: no limit.
     time_limit: float | None = None
-    #: Whether the exit code is 1 if there is a warning.
+    #: Whether a warning changes the exit code to 1.
     strict: bool = False
-    #: Whether details are printed.
+    #: Whether further quantities, assumptions, neglected effects and data of the solver are printed, too.
     verbose: bool = False
 
 
@@ -181,7 +183,9 @@ def _check_options(solve_options: SolveOptions) -> tuple[str, float]:
     if solve_options.condensed is not None and model != "condensed":
         given = f"{solve_options.condensed} with the model {model}"
         advice = 'leave `model` out: the file selects the model "condensed"'
-        raise ArgumentError("condensed", given, 'a file of condensed bodies only with the model "condensed"', advice)
+        raise ArgumentError(
+            "condensed", given, '`condensed` only with the model "condensed", which alone reads such a file', advice
+        )
     if not 0 <= solve_options.member < 10**9:
         advice = "state the number of a specimen (one random draw of the geometric errors)"
         raise ArgumentError("member", str(solve_options.member), "0 to 999999999", advice)
@@ -234,8 +238,9 @@ def _requested_stiffness(
 ) -> tuple[Array | None, str]:
     """Return the stiffness matrix (6, 6) [N, m, rad] that the user asked for, and where it applies as text.
 
-    ``solved_case``: solution of a load case. ``tangent``: stiffness of a single nut at the requested axial position. The
-    text states this position and the parts that are held fixed. The matrix is None if it was not computed.
+    ``solved_case``: solution of a load case. ``tangent``: stiffness at the requested axial position, for a scene with a
+    single nut or bearing; not used for a shaft with several, whose solution contains the stiffness. The text names this
+    position and the parts that are held fixed. The matrix is None if it was not computed.
     """
     from rollbench.compare.models.load_cases import ShaftSolution
 
@@ -490,8 +495,8 @@ def ensemble_terminal_parts(members: EnsembleSummary, *, balls: bool = False) ->
 def _contact_load_quantiles_table(data: dict[str, Any], width: float) -> Any:
     """Return the table with quantiles of every contact load over the specimens.
 
-    ``data``: JSON results of the specimens. ``width``: bin width [N] of the histograms of the loads, which is the error of
-    the quantiles.
+    ``data``: JSON results of the specimens. ``width``: bin width [N] of the histograms of the loads, by which the quantiles
+    taken from them may be wrong.
     """
     keys = [key for key in (data["balls"][0] if data["balls"] else ()) if key != "quantile_0.5_N"]
     rows = ([v if isinstance(v := row[key], str) else f"{v:.4g}" for key in keys] for row in data["balls"])

@@ -161,7 +161,7 @@ def solve_extreme_scenes() -> CommandOutput:
 def _stability_tables(
     rows: Sequence[FormulationOutcome], failures: Sequence[FormulationOutcome]
 ) -> Iterator[RenderableType]:
-    """Yield the table of how each solver fared on each extreme scene, counts for each solver, and a line for each failure.
+    """Yield the table of the outcome of each solver on each extreme scene, counts by solver, and a line for each failure.
 
     ``rows``: outcomes of every solver on every scene. ``failures``: outcomes of rollbench's own solvers that did not
     converge as expected, or whose contact loads differ between two solvers.
@@ -194,7 +194,7 @@ def solve_drawn_screws(count: int, folder: Path, workers: int, keep: Path | None
     from rollbench.compare.studies.survey import SCENES, SEED
 
     if not 1 <= count <= SCENES:
-        allowed = f"1 to {SCENES} randomly drawn screws"
+        allowed = f"a number of screws from 1 to {SCENES}"
         raise ArgumentError("survey", str(count), allowed, "choose a number in that range")
     if keep is not None:
         check_writable(keep)

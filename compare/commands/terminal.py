@@ -80,7 +80,7 @@ def model_or_program_name(program: ProgramOptions | None, model: str = "") -> st
 @Parameter(name="*")
 @dataclass(frozen=True)
 class ComputeOptions:
-    """Command-line options that choose this computer or a cluster for the runs, with certificates for the cluster."""
+    """Command-line options that select where 3D runs are computed: on this computer, or on a cluster with certificates."""
 
     backend: Annotated[
         str, Parameter(help="Where runs of the 3D reference are computed: joblib (this computer) or dask (a cluster).")

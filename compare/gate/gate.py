@@ -59,12 +59,12 @@ def sphere_on_flat_by_program_and_formula(scene: Scene, force: float) -> list[tu
 
 
 def rigid_screw_load_by_solver_and_formula(scene: Scene) -> tuple[float, float]:
-    """Compute the ball load of a rigid screw without errors under axial load [N]: by the solver, then in closed form.
+    """Compute the load [N] of a ball of a rigid, axially loaded screw without geometric errors: by solver and closed form.
 
-    Closed form: an axial displacement s of the screw lengthens the distance between the two groove centres of each ball
-    from d to D = |(d cos beta, d sin beta + s cos alpha)|, where beta is the contact angle and alpha the lead angle. The
-    ball load F = ((D - d)/(C_S + C_N))^(3/2) acts along the line of the centres; C_S and C_N are the Hertz constants on
-    screw and nut.
+    Returns the value by the solver, then that in closed form. An axial displacement s of the screw lengthens the distance
+    between the two groove centres of each ball from d to D = |(d cos beta, d sin beta + s cos alpha)|, where beta is the
+    contact angle and alpha the lead angle. The ball load F = ((D - d)/(C_S + C_N))^(3/2) acts along the line of the
+    centres; C_S and C_N are the Hertz constants on screw and nut.
     """
     rigid = replace(
         scene,
@@ -79,7 +79,7 @@ def rigid_screw_load_by_solver_and_formula(scene: Scene) -> tuple[float, float]:
     pair = float(constants[0] + constants[3])
 
     def ball_load_and_axial_share(s: float) -> tuple[float, float]:
-        """Return the load of a ball [N] at an axial screw displacement s [m], and its axial component over the load."""
+        """Return the ball load [N] at an axial screw displacement s [m], and the ratio of its axial component to it."""
         x, z = d * cos(beta), d * sin(beta) + s * cos(alpha)
         size = hypot(x, z)
         return ((size - d) / pair) ** 1.5, z / size * cos(alpha)
@@ -97,7 +97,7 @@ def tip_deflection_by_solver_and_formula(scene: Scene) -> tuple[float, float]:
     """Compute the tip deflection [m] of a cantilever shaft under 1 N transverse force: by the solver, then in closed form.
 
     Closed form of a Timoshenko beam of length L: L^3/(3 E I) + L/(kappa G A), with the bending stiffness E I and the shear
-    stiffness kappa G A. In the solved scene small balls with clearance keep the ball contacts unloaded.
+    stiffness kappa G A. In the solved scene the balls are so small that they have clearance and no contact carries load.
     """
     length = scene.screw.length
     alone = replace(
@@ -112,9 +112,9 @@ def tip_deflection_by_solver_and_formula(scene: Scene) -> tuple[float, float]:
 
 
 def two_ball_load_by_solver_and_formula(scene: Scene) -> tuple[float, float]:
-    """Compute the load of two opposite balls under an axial load F of 100 N [N]: by the solver, then in closed form.
+    """Compute the load [N] on each of two opposite balls that carry an axial load F of 100 N: by solver and closed form.
 
-    Closed form: F / (2 sin gamma), where gamma is the contact angle under load.
+    Returns the value by the solver, then that in closed form: F / (2 sin gamma), with the contact angle gamma under load.
     """
     ring = replace(
         scene,
@@ -146,7 +146,7 @@ def oversize_preload_by_solver_and_formula(scene: Scene, oversize: float) -> tup
     screw, nut = (body.groove_radius - scene.balls.radius for body in (scene.screw, scene.nut))
 
     def contact_load_and_radial_share(x: float, d: float, sign: float, c: float) -> tuple[float, float]:
-        """Return the contact load [N] at a radial displacement x of the ball [m], and its radial component over the load.
+        """Return the contact load [N] at a radial ball displacement x [m], and the ratio of its radial component to it.
 
         ``d``: distance of the groove centre from the unmoved ball centre [m]; ``sign``: -1 on the screw, 1 on the nut;
         ``c``: Hertz constant of the contact [m/N^(2/3)].
@@ -189,13 +189,14 @@ class GateCheck:
     kind: str
     #: Value computed by rollbench.
     value: float | None
-    #: Value that the checked quantity should have, in the same unit.
+    #: Value that the checked quantity should have, in the unit of ``value``.
     reference: float | None
     #: Error of the computed value [%].
     error_percent: float | None
     #: Limit of the error [%].
     limit_percent: float | None
-    #: Whether the absolute error minus the uncertainty of the reference is within the limit.
+    #: Whether the magnitude of the error, less the uncertainty of the reference, is at most the limit; for a claim, whether
+    #: it holds.
     passed: bool
     #: Further explanation.
     detail: str = ""
@@ -303,9 +304,10 @@ def check_closed_forms(cache: SceneResultCache, max_error: float) -> list[GateCh
 
 
 def check_solvers(cache: SceneResultCache, max_error: float) -> list[GateCheck]:
-    """Check the equilibrium of the solution of every built-in scene, and the agreement of both solvers of Lin's model.
+    """Check the equilibrium of the solution of every built-in scene, and that both solvers of Lin's model agree.
 
-    The limit of the errors is `EXACT`, which leaves room for round-off only, or ``max_error`` [%] if that is smaller.
+    These solvers minimise the energy, or use the Newton iteration of Lin's thesis. The limit of the errors is `EXACT`,
+    which leaves room for round-off only, or ``max_error`` [%] if that is smaller.
     """
     rows = []
     limit = min(EXACT, max_error)

@@ -46,9 +46,10 @@ class JudgedQuantity:
     key: str
     #: Name of the quantity in tables, files and options.
     name: str
-    #: Ratio of the default error limit of this quantity to that of the contact loads.
+    #: Ratio of the default error limit of this quantity to the error limit of the contact loads.
     default_limit_ratio: float = 1.0
-    #: Default error limit in the unit of the quantity; None: ``default_limit_ratio`` times that of the contact loads [%].
+    #: Default error limit in the unit of the quantity; None: the default is ``default_limit_ratio`` times the error limit
+    #: of the contact loads, in per cent.
     default_limit: float | None = None
 
     @property
@@ -334,7 +335,7 @@ def read_user_values(path: Path, case: str | None = None) -> tuple[list[UserValu
         given = _user_value_in_row(path, f"line {number}", cells, decimal_comma=table.decimal_comma)
         key = (given.name, given.set)
         if key in out:
-            allowed = "each quantity once, at each load or position"
+            allowed = "one row for each quantity and load or position"
             raise InputError(str(path), f"line {number}", f"{given.name} again", allowed, "delete one of the rows")
         out[key] = given
     if not out and case is None:

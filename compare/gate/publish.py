@@ -36,7 +36,7 @@ HEADINGS = ("verdict", "scene or check", "judged", "quantity", *NUMBERS, "ball",
 
 @dataclass(frozen=True)
 class VerdictFileRow:
-    """Row of the table that output files list: a verdict on a user's scene, or a check of the built-in scenes."""
+    """Row of a table of verdicts in an output file: a verdict on a user's scene, or a check of the built-in scenes."""
 
     #: Whether the verdict counts as passed.
     good: bool
@@ -62,7 +62,8 @@ class VerdictFileRow:
     flank: str = ""
     #: Explanation of the verdict; may be empty.
     note: str = ""
-    #: Loads of this contact and of the contacts of the balls before and after it, on the same flank.
+    #: Judged and reference loads on one flank: at the contact that determines the verdict, and on the balls before and
+    #: after.
     neighbouring_loads: NeighbouringLoads = ()
 
     @property
@@ -307,9 +308,9 @@ class VerdictChange(NamedTuple):
     scene: str
     #: Name of the quantity.
     quantity: str
-    #: Verdict in the earlier file; None if the row is new.
+    #: Verdict in the earlier file; None if the file has none on this quantity.
     before: RoundedVerdict | None
-    #: Present verdict; None if the row no longer exists.
+    #: Present verdict; None if this quantity is no longer judged.
     after: RoundedVerdict | None
 
     def as_json(self) -> dict[str, Any]:

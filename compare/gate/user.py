@@ -206,9 +206,9 @@ class GateRequest:
     model: str = DEFAULT
     #: File of contact loads that are judged instead of a model's.
     loads_file: Path | None = None
-    #: Limit of the errors of contact loads [%]; None: the limit that the scene states, or else `LIMIT`.
+    #: Limit of the errors of contact loads [%]; None: the limit that the scene states, or else 7 (`LIMIT`).
     max_error: float | None = None
-    #: Least number of mesh levels of the 3D reference; None: as many as are stored, but at least `ENOUGH`.
+    #: Least number of mesh levels of the 3D reference; None: as many as are stored, but at least two (`ENOUGH`).
     least_levels: int | None = None
     #: Whether missing runs of the 3D reference are computed.
     compute_missing_runs: bool = True
@@ -389,9 +389,9 @@ def _load_verdicts(one: SceneWithReference, files: UserFiles, limits: ErrorLimit
 
 
 def _add_scene_and_set_names(verdicts: list[Verdict], one: SceneWithReference) -> list[Verdict]:
-    """Return the verdicts with the names of the scene and, if it has several, of its nut or bearing filled in.
+    """Return the verdicts with the name of the scene filled in, and that of the nut or bearing if the scene has several.
 
-    ``one``: the nut or bearing that they judge.
+    ``one``: the nut or bearing to which the verdicts belong.
     """
     return [replace(v, scene=one.described_scene.name, set=one.set_name or None) for v in verdicts]
 
@@ -399,9 +399,9 @@ def _add_scene_and_set_names(verdicts: list[Verdict], one: SceneWithReference) -
 def _add_stored_reference_verdict(
     verdicts: list[Verdict], given: ContactLoadsFromFile, one: SceneWithReference, limits: ErrorLimits, request: GateRequest
 ) -> list[Verdict]:
-    """Return the verdicts, with the verdict by the stored 3D reference added to the explanation of the first one.
+    """Return the verdicts; the explanation of the first now also has the verdict against the stored 3D reference.
 
-    Nothing is added unless ``verdicts`` refer to a user's reference file and a 3D reference is stored, too. ``given``: the
+    This is added only if ``verdicts`` are against a user's reference file and a 3D reference is stored, too. ``given``: the
     user's contact loads; ``one``: the nut or bearing with the reference against which it was judged.
     """
     ours = stored_reference_of_nut_or_bearing(one, request.stores) if one.reference.stated else None
@@ -506,7 +506,7 @@ def nuts_and_bearings_with_row_filter(scene: Solvable, case: str | None) -> list
     for k, s in enumerate(scene.sets):
         if not isinstance(s.parts, Scene):
             advice = "judge a model instead of a file: rollers have no flanks to which loads could be assigned"
-            raise InputError(scene.name, "sets", s.name, "only nuts and bearings with balls", advice)
+            raise InputError(scene.name, "sets", s.name, "a nut or bearing with balls", advice)
         out.append((NutOrBearingOnShaft(scene, k).scene, {**of_case, "set": _accepted_names(scene, k)}))
     return out
 
@@ -596,8 +596,8 @@ def _scene_at_value_load(scene: Solvable, value: UserValue, path: Path) -> Scene
         raise InputError(str(path), "where", given, "an empty cell", advice)
     axial = abs(sum(load.force[2] for load in scene.loads))
     if axial == 0.0:
-        allowed = "an axial load only for a scene with an axial load"
-        advice = "leave the cell empty: the scene has no axial load that could be scaled to this value"
+        allowed = "an empty cell"
+        advice = "leave the cell empty: the scene has no axial load that could be scaled to the load in this cell"
         raise InputError(str(path), "where", given, allowed, advice)
     return with_scaled_loads(scene, value.axial_load / axial)
 

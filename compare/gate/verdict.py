@@ -134,7 +134,8 @@ class Verdict:
     unit: str = "%"
     #: Key of the quantity, its judged value and its value in the reference; None for contact loads.
     pair: tuple[str, float, float] | None = None
-    #: Loads of this contact and of the contacts of the balls before and after it, on the same flank.
+    #: Judged and reference loads on one flank: at the contact that determines the verdict, and on the balls before and
+    #: after.
     near: NeighbouringLoads = ()
 
     @property
@@ -297,8 +298,9 @@ def judge_contact_loads(
     limits
         Error limits of the scene.
     flanks
-        Flanks that are judged; loads on the others are not used. The number of contacts over which the mean load is taken
-        is multiplied by the share of the loaded contacts that lie on the judged flanks.
+        Flanks that are judged; loads on the others are not used. For the mean load, the sum of their loads is divided by
+        the number of contacts `Reference.contacts` times the ratio of loaded contacts on the judged flanks to all loaded
+        contacts of the reference.
     detail
         Text that is added to the explanation of the verdict.
 
@@ -354,7 +356,7 @@ def worst_verdict(words: Sequence[Word]) -> Word:
 
 
 def suspected_cause_text(load: Array, reference: Array, flanks: Sequence[str], limit: float) -> str:
-    """Return the likely cause if loads exceed the error limit: wrong unit, other numbering of balls, or swapped flanks.
+    """Return the likely cause if load errors exceed the limit: wrong unit, other numbering of balls, or swapped flanks.
 
     Parameters
     ----------
@@ -511,5 +513,5 @@ def judge_value(judged: str, given: gate_judged.UserValue, scene: Scene, ref: Re
 
 
 def quantities_without_verdict(verdicts: Sequence[Verdict]) -> list[str]:
-    """Return the names of those judged quantities (`QUANTITIES`) for which the given verdicts contain none."""
+    """Return the names of the quantities (of all in `QUANTITIES`) on which ``verdicts`` contains no verdict."""
     return [name for name in gate_judged.QUANTITIES if not any(v.quantity.split(" at ")[0] == name for v in verdicts)]

@@ -190,9 +190,9 @@ class SceneResults:
     friction: dict[str, Any] | None
     #: Why the friction torques are not computed; empty if they are.
     friction_words: str
-    #: Parts of the loads that each support and the contacts carry; None without loads.
+    #: How the supports and the contacts share the loads of the scene; None without loads.
     load_path: loading.LoadPath | None = None
-    #: Axial secant stiffness over the scene's load step, by the model of Liu et al. only [N/m].
+    #: Axial secant stiffness over the load step that the scene states [N/m]; only the model of Liu et al. computes it.
     load_step_stiffness: float | None = None
     #: Buckling load, critical speed and DN value of the screw.
     shaft_limits: ShaftLimits | None = None
@@ -278,7 +278,7 @@ def tangent_stiffness_at(scene: Scene, station: float, model: str, options: Mode
     step = TANGENT_OF.get(model, model)
     if step not in (*LADDER, "condensed"):
         allowed = ", ".join((*LADDER, "condensed", *TANGENT_OF))
-        raise ArgumentError("stiffness_at", f"the model {model}", f"only the models {allowed}", "choose another model")
+        raise ArgumentError("stiffness_at", f"the model {model}", f"one of the models {allowed}", "choose another model")
     condensed = read_condensed_bodies(scene, options) if step == "condensed" else None
     modelled, backend = MODELS[model].scene_with_settings(scene), LADDER.get(step, REFINED)
     try:
@@ -567,10 +567,10 @@ class ShaftResults:
     #: Displacement, from its unloaded position, of the shaft position or housing that the scene's key ``stiffness_at``
     #: names, (6,) [m, rad]; None if the unloaded shaft has no equilibrium.
     displacement_at_position: Array | None
-    #: Parts of all loads that each support and the contacts carry; None without loads.
+    #: How the supports and the contacts share the loads on all bodies; None without loads.
     load_path: loading.LoadPath | None = None
-    #: Parts that supports and contacts carry of the loads on the shaft and of those on each housing, separately: the sum
-    #: over all loads may hide that the frame carries the load of one body.
+    #: For each loaded body (the shaft or a housing), how supports and contacts share the loads on this body alone.
+    #: ``load_path``, which is for all loads together, may hide that the frame carries the whole load on one body.
     load_paths_by_body: tuple[loading.LoadPath, ...] = ()
 
     @property

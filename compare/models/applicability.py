@@ -35,7 +35,8 @@ class Descriptor:
     name: str
     #: Unit of the descriptor's value and margin; empty without unit.
     unit: str
-    #: Distance outside the range of the compared scenes that still counts as similar [unit].
+    #: Distance by which the value of a scene may lie outside the range of the compared scenes if the scene is still to
+    #: count as similar to them [unit].
     margin: float
     #: Function that computes the descriptor's value for a scene [unit].
     value_of_scene: Callable[[Scene], float]
@@ -65,13 +66,13 @@ def _nut_overhang_in_ball_radii(scene: Scene) -> float:
 
 
 def _poissons_ratio_farthest_from_steel(scene: Scene) -> float:
-    """Return that Poisson's ratio of screw, nut and balls which differs most from 0.3, the value of steel."""
+    """Return, of the Poisson's ratios of screw, nut and balls, the one that differs most from 0.3, the value of steel."""
     ratios = (scene.screw.material, scene.nut.material, scene.balls.material)
     return max((m.poissons_ratio for m in ratios), key=lambda ratio: abs(ratio - 0.3))
 
 
 def _modulus_over_that_of_screw(part: str) -> Callable[[Scene], float]:
-    """Return a function of a scene: Young's modulus of ``part`` ("nut" or "balls") over that of the screw."""
+    """Return a function that computes, for a scene, Young's modulus of ``part`` ("nut" or "balls") over the screw's."""
     return lambda scene: getattr(scene, part).material.youngs_modulus / scene.screw.material.youngs_modulus
 
 

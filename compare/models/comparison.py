@@ -116,7 +116,7 @@ def comparison_options(
         return ModelOptions(estimate_beam_mesh_error=False, engine=engine)
     path = path_of_condensed_bodies(scene, reference, stores)
     if path is None:
-        allowed = f"only with stored condensed bodies of the 3D reference at mesh level {reference.best.level}"
+        allowed = f"condensed only with stored condensed bodies (3D reference, mesh level {reference.best.level})"
         advice = "run mesh-study with `fresh=True`, which computes and stores them"
         raise InputError(scene.name, "model", '"condensed"', allowed, advice)
     return ModelOptions(estimate_beam_mesh_error=False, engine=engine, condensed_bodies_file=path)
@@ -146,11 +146,11 @@ class ComparisonRow:
     reference: float | None
     #: Uncertainty of the value by the 3D reference, in the unit of the value; None: not known.
     reference_error: float | None
-    #: Error of the model in per cent; None: not defined.
+    #: Error of the model against the 3D reference in per cent; None: not defined.
     error_percent: float | None
     #: Computing time of the model or 3D run [s].
     seconds: float | None
-    #: Program version and machine with which the time was measured; empty: in this process.
+    #: Program version and machine with which the time was measured; empty: measured by the running program.
     measured_with: str = ""
 
     def as_json(self) -> dict[str, Any]:
@@ -178,7 +178,7 @@ class ContactSolution:
     line: Array
     #: Computing time of the model or 3D run [s]; None: not measured.
     seconds: float | None
-    #: Program version and machine with which the time was measured; empty: the present ones.
+    #: Program version and machine with which the time was measured; empty: measured by the running program.
     measured: str = ""
     #: Largest pressure of each contact, (n, 4) [Pa]; None: the model gives none, so it is computed from the loads by Hertz.
     pressure: Array | None = None
@@ -385,7 +385,7 @@ def _axis_displacement_rows(make_row: RowOf, solution: ContactSolution, referenc
 
 
 def _error_rows(make_row: RowOf, scene: Scene, solution: ContactSolution, reference: Reference) -> Iterator[ComparisonRow]:
-    """Yield the rows with largest error, RMS error and load ratio of a model, with values printed in Lin's thesis.
+    """Yield the rows with largest error, RMS error and load ratio of a model, and their values printed in Lin's thesis.
 
     ``make_row``: function that returns a row from quantity, values and errors; ``solution``: results of the model.
     """
@@ -393,9 +393,9 @@ def _error_rows(make_row: RowOf, scene: Scene, solution: ContactSolution, refere
     keys = PRINTED.get(scene.name, ("", "", ""))
 
     def value_printed_in_thesis(key: str) -> float | None:
-        """Return the value of the model lin that Lin's thesis prints under ``key``; None without a key or for other models.
+        """Return the error or load ratio of Lin's model as printed in Lin's thesis; None for other models than "lin".
 
-        ``key``: key of the printed number in the table lin-2.4.1.
+        ``key``: key of the number in the printed table lin-2.4.1; for an empty key, None is returned.
         """
         return printed_entry("lin-2.4.1", key).value if key and solution.model.startswith("lin") else None
 
@@ -530,7 +530,7 @@ class NutOrBearingOnShaft:
 
     @property
     def loaded_contact_count(self) -> int:
-        """Number of contacts of the nut or bearing that carry load without geometric errors, but with its preload."""
+        """Number of contacts of the nut or bearing that carry load if it has its preload but no geometric errors."""
         return _loaded_contact_counts(self.assembly)[self.index]
 
 
@@ -621,9 +621,9 @@ def references_from_runs(scene: Solvable, runs: tuple[Run, ...]) -> list[SceneWi
 
 @lru_cache(maxsize=64)
 def _loaded_contact_counts(assembly: Assembly) -> tuple[int, ...]:
-    """Return the number of loaded ball contacts of each nut or bearing by the model "lin", with preload, without errors.
+    """Return how many ball contacts of each nut or bearing carry load if the parts have preload but no geometric errors.
 
-    0 for rollers, and for all if there is no equilibrium.
+    The loads are computed by the model "lin". The number is 0 for rollers, and for all if there is no equilibrium.
     """
     sets = tuple(replace(s, parts=nominal_scene(s.parts)) if isinstance(s.parts, Scene) else s for s in assembly.sets)
     result = run_model(replace(assembly, sets=sets), "lin")

@@ -37,17 +37,17 @@ NutSums = Mapping[int, tuple[dict[str, Any] | None, str]]
 
 @result_record
 class ShaftTorque:
-    """Torque that turns the shaft in one nut or bearing row; ranges of torque are (low, high) [N m], None if not known."""
+    """Torque that one nut or bearing row requires for turning the shaft; ranges (low, high) [N m] are None if not known."""
 
     name: str = quantity_field("name", "name of the nut or bearing row")
     running: Band | None = quantity_field(
         "running_Nmm",
-        "torque, without seals, that keeps the shaft turning in this nut or bearing row: of a nut against its load and its "
-        "friction, of a bearing against its friction; negative where the load drives the shaft",
+        "torque, without seals, that this nut or bearing row requires for turning the shaft steadily: a nut for its load "
+        "and its friction, a bearing for its friction; negative where the load drives the shaft",
         parts="[]",
     )
     starting: Band | None = quantity_field(
-        "starting_Nmm", "torque, without seals, that starts the shaft from rest in this nut or bearing row", parts="[]"
+        "starting_Nmm", "torque, without seals, that this nut or bearing row requires for starting from rest", parts="[]"
     )
     seals: float = quantity_field(
         "seals_Nmm",
@@ -64,7 +64,7 @@ class AxisDrive:
     They follow equations 4.10 to 4.15 of Smith (1994).
     """
 
-    #: Torque that turns the shaft in each nut or bearing row.
+    #: Torque that each nut or bearing row requires for turning the shaft.
     sets: tuple[ShaftTorque, ...] = quantity_field("sets")
     seals: float = quantity_field(
         "seals_Nmm", "friction torque of all seals and wipers on the shaft, as the scene states it"
@@ -89,8 +89,9 @@ class AxisDrive:
     )
     accelerating: Band | None = quantity_field(
         "accelerating_torque_Nmm",
-        "torque of the motor during acceleration: torque at constant speed plus that for the inertias, of which the moved "
-        "mass counts over the efficiency of the nut (Smith 4.11); null without an acceleration time",
+        "torque of the motor during acceleration: torque at constant speed, plus angular acceleration times the moments of "
+        "inertia, of which that of the moved mass is divided by the efficiency of the nut (Smith 4.11); null without an "
+        "acceleration time",
         heading="motor torque, accelerating",
         form="g3",
         error="that of the torque at constant speed",
@@ -260,7 +261,8 @@ class LoadsOfNutOrBearing:
     load: Array
     #: Force of the shaft on the nut or row, (3,) [N].
     force: Array
-    #: Axial preload between both halves of a nut with a lead offset [N]; 0 for all others.
+    #: Axial force with which the two halves of a nut with lead offset are preloaded against each other [N]; 0 for other
+    #: nuts and for bearing rows.
     preload: float = 0.0
 
 
@@ -302,7 +304,7 @@ class ShaftSolution:
     result: AxisResult
     #: Results that follow from the contact loads; None without equilibrium.
     derived_results: models_answers.ShaftResults | None = None
-    #: Always None: expected errors are estimated for scenes with one nut or row only.
+    #: Always None, because expected errors are estimated only for scenes with a single nut or bearing row.
     expected_errors: None = None
     #: Torques and moments of inertia at the motor; None without equilibrium, or if the nuts turn instead of the shaft.
     motor_torques: AxisDrive | None = None
@@ -403,12 +405,13 @@ class LivesOverDutyCycle:
     Equivalent loads are those of the standards for ball screws and bearings.
     """
 
-    #: Life by the contact loads; if None, ``life_words`` states the reason.
+    #: Basic rating life over the duty cycle from the contact loads; if None, ``life_words`` states the reason.
     life: rating_life.BasicRatingLife | None
     life_words: str = quantity_field(
         "life_words", "why no life over the duty cycle can be computed", show=lambda words: words or None
     )
-    #: Life by the equivalent loads of the standards; if None, ``standard_words`` states the reason.
+    #: Basic rating life over the duty cycle from the equivalent loads of the standards; if None, ``standard_words`` states
+    #: the reason.
     standard: rating_life.EquivalentLoadLife | None = quantity_field("standard_life")
     standard_words: str = quantity_field(
         "standard_life_words", "why there is no life by the standard", show=lambda words: words or None
@@ -478,7 +481,7 @@ class DutyCycleResults:
     )
     #: Names of the load cases with equilibrium whose expected error is not known.
     uncovered: tuple[str, ...] = quantity_field("expected_error_not_covered")
-    #: Why there is no equilibrium, by the name of each load case without equilibrium.
+    #: For each load case without equilibrium, by its name, the reason why there is none.
     unsolved: dict[str, str] = quantity_field("unsolved")
     #: Lives of every nut or bearing row.
     lives: tuple[LivesOverDutyCycle, ...]

@@ -216,7 +216,7 @@ def find_lift_off_load(
     unit = axial_force(result)
 
     def smallest_preloaded_load(solution: StaticResult) -> tuple[float, int]:
-        """Return F^(2/3) of the smallest load F [N] of the preloaded contacts, then the flat index of its contact."""
+        """Return F^(2/3) of the least load F [N] of the preloaded contacts, and its index in the flat array of loads."""
         values = np.where(tracked, solution.load, np.inf)
         k = int(values.argmin())
         return float(values.flat[k]) ** (2.0 / 3.0), k
@@ -254,7 +254,7 @@ def find_lift_off_load(
 
 
 def _zero_of_secant(points: Sequence[tuple[float, float]]) -> float:
-    """Return where the line through the last two points (x, y) crosses y = 0; infinite if y does not decrease with x.
+    """Return the x at which the line through the last two points (x, y) reaches y = 0; infinite if y does not fall with x.
 
     ``points``: points in the order in which they were computed; with a single point the result is infinite, too.
     """
@@ -295,7 +295,7 @@ class SupportShare:
 
     #: Name of the support (its axial position) or of the housing.
     name: str = quantity_field("name", "support of the shaft, named by its axial position, or frame that holds a housing")
-    #: Force and moment that the support or frame carries, (6,) [N, N m].
+    #: Force and moment of the external loads that the support or frame carries, (6,) [N, N m].
     carried_load: Array = quantity_field(
         "force_N",
         "share of the loads that this support or frame carries: force on it, less the force on it without the loads",
@@ -335,8 +335,8 @@ class LoadPath:
     load_on_shaft: Array
     #: Shares that the supports of the shaft and the frames of housings carry.
     support_shares: tuple[SupportShare, ...] = quantity_field("supports")
-    #: Force and moment that the contacts carry, about the centre of their nut or ring, (6,) [N, N m]; for several nuts or
-    #: rows the sum of the absolute values.
+    #: Force and moment (6,) [N, N m] of the external loads that the contacts carry, the moment about the centre of their
+    #: nut or ring; for several nuts or rows the sum of the absolute values.
     contact_load: Array = quantity_field(
         "contacts.force_N",
         "change, due to the loads, of the force of the screw on the contacts; of several nuts or bearing rows the sum of "
@@ -420,7 +420,7 @@ def load_path_of_assembly(assembly: Assembly, result: AxisResult, unloaded: Axis
 
 
 def assemblies_by_loaded_body(assembly: Assembly) -> dict[str, tuple[Assembly, Assembly]]:
-    """Split the loads of an assembly by body: return two copies for each loaded shaft or housing, by its name.
+    """Return two copies of an assembly with split loads for each loaded body (shaft or housing), by the name of the body.
 
     In the first copy only the loads on this body act, in the second only the loads on all other bodies.
     """

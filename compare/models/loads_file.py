@@ -76,7 +76,8 @@ EXAMPLE = "write a first line ball,flank,newton and rows such as 1,SL,225.4"
 class Column(NamedTuple):
     """Contact quantity of a column of a CSV file, and the factor from the unit of the column to SI units."""
 
-    #: Name by `WORDS` or `NAMES`; ``uncertain share`` for the relative uncertainty of a load; empty if unknown.
+    #: Name of the quantity as in `WORDS` or `NAMES`; ``uncertain share`` for the uncertainty of a load as a fraction of
+    #: this load; empty if the quantity is unknown.
     name: str
     #: Factor that converts the numbers of the column to SI units.
     factor: float = 1.0
@@ -265,7 +266,7 @@ def _numbered_rows(path: Path, lines: Sequence[str], above: int, separator: str)
             yield above + reader.line_num, [cell.strip() for cell in row]
     except csv.Error as error:
         line, advice = f"line {above + reader.line_num}", "close every quotation mark, or remove them"
-        raise InputError(str(path), line, str(error), "cells of a CSV file", advice) from None
+        raise InputError(str(path), line, str(error), "cells as in a CSV file", advice) from None
 
 
 def _check_cells_are_headed(path: Path, line: int, headings: Sequence[str], cells: Sequence[str], separator: str) -> None:
@@ -336,7 +337,7 @@ def read_loads(path: Path, ball_count: int, scene: Scene | None = None, row_filt
         renumbered |= {ball} if find is not None and cells.text_in_column("ball") != str(ball + 1) else set()
         if not np.isnan(values["load"][ball, side]):
             value = f"a second row of ball {ball + 1} {SIDES[side]}"
-            raise InputError(str(path), f"line {number}", value, "each contact once", "delete one of the rows")
+            raise InputError(str(path), f"line {number}", value, "one row for each contact", "delete one of the rows")
         for name, of in values.items():
             of[ball, side] = cells.non_negative_value(name)
     if row_filter and not cases:
@@ -368,7 +369,7 @@ def _columns_by_heading(path: Path, table: CsvTable) -> dict[str, Column]:
     twice = next((head for k, head in enumerate(table.headings) if names[k] and names[k] in names[:k]), None)
     if twice is not None:
         value = f"a second column for the same quantity, {twice}"
-        raise InputError(str(path), where, value, "each quantity once", "delete one of the columns")
+        raise InputError(str(path), where, value, "one column for each quantity", "delete one of the columns")
     return columns
 
 
@@ -441,7 +442,7 @@ class _ContactLoadRow:
 
 
 class _BallFinder:
-    """Finds the ball of a scene whose azimuth and axial position a row of a file states."""
+    """Finds the ball of a scene that lies at the azimuth and axial position stated in a row of a file."""
 
     def __init__(self, scene: Scene) -> None:
         """Store the positions of the balls of a scene."""

@@ -126,8 +126,8 @@ class ExpectedModelErrors:
     )
     #: Root mean square error of the contact loads [% of the mean contact load].
     rms_percent: float | None = quantity_field("rms_percent_of_mean", "expected RMS error of all contact loads")
-    #: Distance to the nearest compared scene: Euclidean norm of the differences of the features, each divided by its unit
-    #: of difference (`SCALES`).
+    #: Distance to the nearest compared scene: Euclidean norm of the differences of the features, each divided by its scale
+    #: (`SCALES`).
     distance: float = quantity_field(
         "distance", "distance to the most similar compared scene in the features that decide the error, in scaled units"
     )
@@ -135,7 +135,8 @@ class ExpectedModelErrors:
     nearest: str = quantity_field("nearest", "name of the most similar compared scene")
     #: Number of compared scenes of the same kind (screws or bearings).
     compared: int = quantity_field("compared", "number of compared scenes of the same kind (screws or bearings)")
-    #: Sentences on which parts the model contains, and in what the scene differs from the compared scenes.
+    #: Sentences: how the model describes the elasticity of screw, nut and balls, and in what the scene differs from the
+    #: compared scenes.
     words: tuple[str, ...] = quantity_field("words")
     #: Error of the axial displacement of the cross-section on which the axial load acts [%].
     displacement_percent: float | None = quantity_field(
@@ -174,7 +175,8 @@ class MeasuredModelErrors:
     rigidity_percent: float | None = None
     #: Error of the largest contact pressure [%].
     pressure_percent: float | None = None
-    #: Largest error of a contact load in per cent of its own load, as it is compared with the limit (`measure.LoadError`).
+    #: Largest error of a contact load in per cent of the reference load of that contact (of the mean load for small loads),
+    #: which `rollbench check` compares with the error limit.
     gate_percent: float | None = None
 
 
@@ -316,8 +318,9 @@ def is_nut_fixed_at_flange(scene: Scene) -> bool:
 def upper_bound_of_model_error(known: Array, errors: Array, place: Array, least_error: float) -> float:
     """Return an upper bound [%] of a model's error on a scene, estimated from its errors on compared scenes.
 
-    The logarithm of the bound is the linear fit of the logarithms of the errors, plus the quantile `SHARE` of the
-    leave-one-out residuals: for this share of the compared scenes, the error lies below the bound from all other scenes.
+    The logarithm of the error is fitted as a linear function of the features. The logarithm of the bound is the value of
+    this fit on the scene, plus the quantile `SHARE` of the leave-one-out residuals, so that the fraction `SHARE` of the
+    compared scenes have errors below the bound that follows from all other scenes.
 
     Parameters
     ----------
@@ -432,17 +435,18 @@ def _expected_errors(like: Sequence[MeasuredModelErrors], known: Array, place: A
 class MeasuredAndExpectedErrors:
     """Errors of a model on one compared scene: as measured, and as estimated from all other compared scenes."""
 
-    #: Measured errors of the model on the scene.
+    #: Measured errors of the model on the scene, with the features of the scene.
     point: MeasuredModelErrors
-    #: Expected errors [%] by name of the quantity (`QUANTITIES`); None if the scene is outside the range of all others.
+    #: Expected errors [%] by name of the quantity (`QUANTITIES`); None if the scene is outside the range of the other
+    #: compared scenes.
     expected: dict[str, float | None] | None
 
 
 def leave_one_out_errors(measured_errors: Sequence[MeasuredModelErrors], model: str) -> list[MeasuredAndExpectedErrors]:
     """Estimate the error of a model on each compared screw from its errors on all other compared screws.
 
-    ``measured_errors``: measured errors of models on compared scenes; ``model``: name of the model. Screws whose nut is not
-    fixed at a flange are estimated only from other screws whose nut is not fixed at a flange.
+    ``measured_errors``: measured errors of models on compared scenes; ``model``: name of the model. For a screw whose nut
+    is not fixed at a flange, the error is estimated only from other such screws.
     """
     out = []
     for flange, scales in ((False, SCALES), (True, WITH_FLANGE)):

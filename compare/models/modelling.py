@@ -64,7 +64,8 @@ class ModellingChoiceEffect:
     change: Array
     #: Largest change of a contact load and the contact with it, and root mean square change [% of the mean load].
     error: LoadError
-    #: Change of the ratio of largest to smallest load on the flank SL [%]; nan if a smallest load is zero.
+    #: Change of the ratio of largest to smallest contact load on the screw's left flank SL [%]; nan if the smallest load is
+    #: zero with or without the changed choice.
     ratio: float
 
 
@@ -84,9 +85,10 @@ class ModellingUncertainty:
     largest: float
     #: Root mean square of the modelling uncertainty over the loaded contacts [% of the mean load].
     rms: float
-    #: Modelling uncertainty of the ratio of largest to smallest load on the flank SL [%].
+    #: Modelling uncertainty of the ratio of largest to smallest contact load on the screw's left flank SL [%].
     ratio: float
-    #: Largest change of a contact load by each choice, sorted by decreasing root mean square [% of the mean load].
+    #: Largest change of a contact load by each choice, by the name of the choice [% of the mean load]; sorted by decreasing
+    #: root mean square change over all contacts.
     choices: dict[str, float]
 
 
@@ -102,9 +104,9 @@ def run_without_changed_choices(scene: Scene, level: int, stores: Sequence[Path]
 def effects_of_changed_choices(scene: Scene, stores: Sequence[Path] | None = None) -> list[ModellingChoiceEffect]:
     """Return the effects of changed modelling choices of the 3D reference on a scene, from stored runs that converged.
 
-    ``stores``: folders with runs; None: the included one. Outside the 3D part of the shaft, the 3D reference
-    neglects that an axial force twists a grooved shaft. The effect of this twist is computed by the refined model and
-    added. The list is empty if no run of a variant is stored.
+    ``stores``: folders with runs; None: the included one. Outside the part of the shaft that is meshed in 3D, the 3D
+    reference neglects that an axial force twists a grooved shaft. The refined model computes the effect of this twist, and
+    this effect is added to the list. The list is empty if no run of a variant is stored.
     """
     out = []
     for name, variant in VARIANTS.items():
@@ -179,8 +181,9 @@ def combined_modelling_uncertainty(scene: Scene, effects: Sequence[ModellingChoi
 def applicable_modelling_uncertainty(scene: str, by_scene: Mapping[str, ModellingUncertainty]) -> float | None:
     """Return the modelling uncertainty of the 3D reference that applies to the scene named ``scene`` [% of the mean load].
 
-    Returned is the largest modelling uncertainty of a contact load on the scene with the same parts on which choices were
-    varied; None without such a scene. ``by_scene``: modelling uncertainty of each scene with varied choices, by its name.
+    Choices were varied on some scenes only. Returned is the largest modelling uncertainty of a contact load on that of
+    these scenes which has the same parts; None if there is none. ``by_scene``: modelling uncertainty of each scene with
+    varied choices, by its name.
     """
     spoken = by_scene.get(SPOKEN_FOR.get(scene, ""))
     return None if spoken is None else spoken.largest

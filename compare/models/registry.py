@@ -79,7 +79,7 @@ def read_condensed_bodies(scene: Scene, options: ModelOptions) -> CondensedCompl
 
     if options.condensed_bodies_file is None:
         advice = "write such a file with rollbench condense, and pass it as `condensed=FILE`"
-        raise InputError(scene.name, "model", '"condensed"', "only with a file of condensed bodies", advice)
+        raise InputError(scene.name, "model", '"condensed"', "condensed only with a file of condensed bodies", advice)
     try:
         return CondensedCompliance.read_checked(options.condensed_bodies_file, scene)
     except OSError as error:
@@ -92,7 +92,7 @@ def read_condensed_bodies(scene: Scene, options: ModelOptions) -> CondensedCompl
 
 
 def _solve_with_elastic_bodies(scene: Scene, options: ModelOptions, *, name: str) -> StaticResult:
-    """Solve a scene by the model ``name`` with an elastic screw and nut, which "condensed" reads from a file."""
+    """Solve a scene by a model (``name``) with elastic screw and nut, whose stiffness "condensed" reads from a file."""
     from rollbench.lowfi.compliance.parts import LADDER, REFINED
     from rollbench.lowfi.statics.elastic import solve_elastic
     from rollbench.lowfi.statics.static import with_discretisation_error
@@ -113,7 +113,10 @@ def _solve_with_elastic_bodies(scene: Scene, options: ModelOptions, *, name: str
 
 
 def _solve_by_thesis_equations(scene: Scene, options: ModelOptions) -> StaticResult:
-    """Solve a scene by the model "source": equations and Newton iteration of Lin's thesis; InputError for a rigid screw."""
+    """Solve a scene by the model "source", the equations and Newton iteration of Lin's thesis.
+
+    InputError if the scene has a rigid screw.
+    """
     from rollbench.lowfi.as_source import solve_lin_equations_as_static_result
 
     if scene.ingredients.screw == "rigid":
@@ -133,7 +136,7 @@ def _solve_mei(scene: Scene, options: ModelOptions, *, elastic_nut: bool) -> Sta
 
 
 def _solve_liu(scene: Scene, options: ModelOptions) -> StaticResult:
-    """Solve a scene by the model of Liu et al. (2025): balls along the axis whose contact angles turn under load."""
+    """Solve a scene by the model of Liu et al. (2025): balls in a row along the axis, load-dependent contact angles."""
     from rollbench.lowfi.statics.liu import solve_liu
 
     return solve_liu(scene, member=options.member, compiled=options.engine == "compiled")
@@ -158,7 +161,7 @@ def _solve_assembly_elastically(assembly: Assembly, options: ModelOptions, *, na
 
 
 def covers_any_scene(scene: Scene) -> bool:  # noqa: ARG001 - the signature of Model.covers_scene
-    """Return True: the function `Model.covers_scene` of a model that covers every scene with one nut or bearing row."""
+    """Return True for every scene: `Model.covers_scene` of models that cover all scenes with one nut or bearing row."""
     return True
 
 
@@ -205,7 +208,7 @@ class Model:
     covers_scene: Callable[[Scene], bool] = covers_any_scene
     #: Whether ``rollbench compare`` shows the model by default.
     compared: bool = False
-    #: Whether the model solves the hard scenes of the report's table of numerical stability.
+    #: Whether the model is run on the difficult scenes of the report's table of numerical stability.
     solves_hard_scenes: bool = False
     #: Modelling options (scene table [ingredients]) that distinguish this model from another one with the same solver.
     ingredients: tuple[tuple[str, Any], ...] = ()
@@ -405,7 +408,7 @@ def model_by_name(name: str, argument: str = "model", excluded_names: Sequence[s
     user_models.load_user_model(name)
 
     def run_users_model(scene: Scene, options: ModelOptions) -> StaticResult:
-        """Solve a scene by the user's model ``name``: a function of an installed package, or an external program."""
+        """Solve a scene by the user's model whose name `model_by_name` got: function of a package, or external program."""
         return user_models.solve_by_user_model(name, scene, options.member)
 
     reason = "a user's model is a function of a scene with one nut or bearing row"

@@ -125,8 +125,8 @@ def with_conformity(scene: Scene, conformity: float) -> Scene:
 def with_ball_count(base: Scene, count: int) -> Scene:
     """Return a copy of the ball screw ``base`` with ``count`` balls at the same spacing.
 
-    If the nut is too short for the balls, nut and screw are lengthened by the same amount. The nut is at the middle of the
-    screw.
+    If the nut is too short for the balls, nut and screw are lengthened by the same amount. In the copy, the nut is placed
+    at the middle of the screw.
     """
     step = (base.balls.azimuths[-1] - base.balls.azimuths[0]) / (len(base.balls.azimuths) - 1)
     azimuths = tuple((i - (count - 1) / 2.0) * step for i in range(count))

@@ -340,9 +340,9 @@ class ErrorWithUncertainty:
     inputs: float
     #: Validation uncertainty u_val [%]; nan: not known.
     combined: float
-    #: Share of the quantity's values (such as all contact loads) whose error is within u_val [1].
+    #: Fraction of the quantity's values (such as the loads of all contacts) whose error is at most u_val [1].
     within: float
-    #: Share of the quantity's values whose error is within sqrt(u_grid^2 + u_model^2), the part of u_val due to the 3D
+    #: Fraction of the quantity's values whose error is at most sqrt(u_grid^2 + u_model^2), the part of u_val due to the 3D
     #: reference [1].
     within_own: float
     #: Ratio of the value by the model to that by the 3D reference; for contact loads, of every load above a tenth of the
@@ -405,9 +405,9 @@ class BiasAndScatter:
     bias: float
     #: Standard deviation of ln(model / reference) over all values, without the part due to the mesh of the reference [%].
     scatter: float
-    #: Share of values whose error is within u_val [1].
+    #: Fraction of the values whose error is at most the validation uncertainty u_val [1].
     within: float
-    #: Share of values whose error is within the part of u_val that is due to the 3D reference [1].
+    #: Fraction of the values whose error is at most the part of u_val that is due to the 3D reference [1].
     within_own: float
 
 
@@ -420,8 +420,9 @@ def bias_and_scatter(rows: Sequence[ErrorWithUncertainty]) -> list[BiasAndScatte
     -----
     The method is that of NUREG-1824, supplement 1, a validation of fire models. With the ratio M/E of model to reference,
     the bias is delta = exp(mean ln(M/E)), and the scatter sigma_M follows from sigma_M^2 = var(ln(M/E)) - sigma_E^2, at
-    least zero. sigma_E = u_grid / 2, because u_grid is a 95 % bound, that is two standard deviations. Inputs and modelling
-    choices are the same for model and reference and cause no scatter.
+    least zero. sigma_E is the standard deviation of the error of the reference due to its mesh: u_grid / 2, because u_grid
+    is a 95 % bound, that is two standard deviations. Inputs and modelling choices are the same for model and reference and
+    cause no scatter.
     """
     out = []
     for model, name in dict.fromkeys((r.model, r.quantity) for r in rows):
@@ -499,11 +500,12 @@ class LoadUncertainty:
         "large_displacements_percent",
         "change of the largest contact load by large displacements, which the 3D reference neglects",
     )
-    #: Whether all contacts share a further error, because equilibrium does not fix the sum of their loads (`SHARED`).
+    #: Whether a further error (`SHARED`) is common to the loads of all contacts, because equilibrium does not fix their
+    #: sum.
     shared: bool = quantity_field(
         "shared_by_all_percent",
-        "smallest and largest amount by which independent 3D programs obtain a larger sum of the contact loads, where "
-        "preload determines the sum; null for other scenes",
+        "smallest and largest excess of the sum of the contact loads by independent 3D programs over that by the 3D "
+        "reference, for scenes in which preload determines the sum; null for other scenes",
         show=lambda shared: SHARED if shared else None,
     )
     #: Text on the uncertainty of a reference that the user gave, shown instead of the parts; empty for the 3D reference.
@@ -515,8 +517,8 @@ class LoadUncertainty:
         "`uncertainty.beside_free_face_at`; 0 where it is less than the rest",
         default=0.0,
     )
-    #: Contact (ball and flank) whose load has the largest part of uncertainty due to a free face of the nut near the
-    #: contact; empty: there is none.
+    #: Contact (ball and flank) at which the part of the uncertainty that is due to a near free face of the nut is largest;
+    #: empty: there is no such part.
     at_face: str = quantity_field("beside_free_face_at", show=lambda contact: contact or None, default="")
 
     @property
@@ -525,7 +527,7 @@ class LoadUncertainty:
         "part of the uncertainty due to the mesh: from refinement, or, with one mesh level, from other scenes",
     )
     def of_mesh(self) -> float | None:
-        """Uncertainty due to the mesh [% of the mean load]; None for a reference that the user gave, with a total only."""
+        """Uncertainty due to the mesh [% of the mean load]; None for a user's reference, which only states a total."""
         return None if self.stated else self.discretisation
 
     @property
@@ -610,8 +612,8 @@ def uncertainty_of_loads(scene: Scene, reference: Reference, *, inputs: bool = T
 def largest_uncertainty_near_face(reference: Reference) -> tuple[float, str]:
     """Return the largest uncertainty of a contact load due to a near free face of the nut [% of the mean load].
 
-    Also returned is the contact, as text with ball and flank. Zero and an empty text if this part does not exceed the rest
-    of the uncertainty due to the mesh.
+    Also returned is the contact, as text with ball and flank. Zero and an empty text if this part of the uncertainty due to
+    the mesh does not exceed the rest of it.
     """
     share = np.zeros(1) if reference.beside_face is None else error_percent(reference.beside_face, 0.0, reference.mean)
     if share.max() <= reference.parts.uncertainty or not reference.parts.uncertainty:

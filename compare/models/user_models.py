@@ -247,7 +247,7 @@ def solve_by_user_model(name: str, scene: Scene, member: int = 0) -> StaticResul
 def _imbalance_warnings(model_name: str, balance: Equilibrium) -> Iterator[ResultWarning]:
     """Yield a warning if a user model's contact loads do not balance the external loads and support reactions.
 
-    ``balance``: forces and moments on the screw, with the rest that is not in balance.
+    ``balance``: forces and moments on the screw, with their part that is not balanced.
     """
     if balance.largest > UNBALANCED:
         brief = f"loads of {model_name} out of balance by {100.0 * balance.largest:.3g} % of the largest force or moment"

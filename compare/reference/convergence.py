@@ -101,11 +101,11 @@ def relative_cell_size(settings: Mapping[str, Any]) -> float:
 def grid_convergence(values: ArrayLike, sizes: ArrayLike) -> Convergence:
     """Estimate order of convergence, extrapolated value and uncertainty of one quantity on several mesh levels.
 
-    The method deviates from that of Eca and Hoekstra (2014) as follows. The uncertainty is at least that of a fit of first
-    order with the safety factor 1.25, if the values do not contradict first order (F test), because a few noisy values
-    often show too high an order. With three levels, for which Eca and Hoekstra give no estimate, the fit of an order has no
-    degree of freedom; the smallest standard deviation of the fits with fixed order then replaces that of this fit. With two
-    levels, the uncertainty is three times the difference of both values.
+    The method deviates from that of Eca and Hoekstra (2014) as follows. A few noisy values often show too high an order.
+    Therefore the uncertainty is at least that of a fit of first order with the safety factor 1.25, unless an F test rejects
+    first order. With three levels, for which Eca and Hoekstra give no estimate, the fit of an order leaves no degree of
+    freedom, so its standard deviation is not known; the smallest standard deviation of the fits with fixed order replaces
+    it. With two levels, the uncertainty is three times the difference of both values.
 
     Parameters
     ----------
@@ -153,14 +153,15 @@ def grid_convergence(values: ArrayLike, sizes: ArrayLike) -> Convergence:
 def pooled_grid_uncertainty(values: ArrayLike, sizes: ArrayLike) -> Array:
     """Estimate the grid uncertainty of many similar quantities that converge with one common order.
 
-    Each quantity is fitted by limit + coefficient h^p over the cell size h, with a limit and a coefficient of its own and
-    the common order p, for which the data allow an interval (F test, 95 %). On the finest level, delta is the value less
-    its limit, and r_1 the residual of the fit; sigma is the standard deviation of the fit. With so many degrees of freedom
-    sigma is well known, and the formula of Eca and Hoekstra (2014) is changed: the uncertainty is the largest value of
-    1.25 |delta| + sigma + |r_1| over the allowed orders in the credible range `ORDERS`, 0.5 to 2. If all allowed orders are
-    above this range, order 2 is used, with which delta is larger than with the fitted order. If all are below, the best fit
-    with fixed orders is used with the factor 3 instead of 1.25, as by Eca and Hoekstra. sigma of a quantity is its own
-    standard deviation or the common one, whichever is larger, because one or two residuals are often small by chance.
+    Each quantity is fitted by limit + coefficient h^p over the cell size h, with a limit and a coefficient for each
+    quantity, and with one order p for all. An F test (95 %) gives the interval of orders that the data allow. On the finest
+    level, delta is the value less the fitted limit, and r_1 the residual of the fit; sigma is the standard deviation of the
+    residuals. With so many degrees of freedom sigma is well known, and the formula of Eca and Hoekstra (2014) is changed:
+    the uncertainty is the largest value of 1.25 |delta| + sigma + |r_1| over the allowed orders in the credible range
+    `ORDERS`, 0.5 to 2. If all allowed orders are above this range, order 2 is used, with which delta is larger than with
+    the fitted order. If all are below, the best fit with fixed orders is used with the factor 3 instead of 1.25, as by Eca
+    and Hoekstra. For each quantity, sigma is the standard deviation of its residuals or that of the residuals of all
+    quantities, whichever is larger, because one or two residuals are often small by chance.
 
     With two levels, the uncertainty is three times the difference of both values, or three times the RMS difference of all
     quantities if that is larger. Quantities that are equal on all levels have no uncertainty.
@@ -275,11 +276,11 @@ class ConvergenceFit:
     fitted_function: str
     #: Order p; None for a fit with fixed orders.
     order: float | None
-    #: Whether levels are weighted by 1 / h (Eca and Hoekstra).
+    #: Whether the fit weights each mesh level by 1 / h, as by Eca and Hoekstra; otherwise the weights are equal.
     weighted_by_cell_size: bool
-    #: Limits of the quantities at h = 0, (m,); nan for orders without limit.
+    #: Limits of the quantities for h = 0, (m,); nan for a fitted function that has no limit there (order zero or below).
     limits: Array
-    #: Residuals of m quantities on each mesh level, (levels, m).
+    #: Differences of the values of m quantities from the fitted function on each mesh level, (levels, m).
     residuals: Array
     #: Standard deviation of the residuals of all quantities; zero if the fit leaves no degree of freedom.
     standard_deviation: float
@@ -288,7 +289,7 @@ class ConvergenceFit:
 
 
 def fit_searched_order(y: Array, h: Array, weighted: bool = False) -> ConvergenceFit:
-    """Fit m quantities by limit + slope h^p, with the common order p of least squared residuals.
+    """Fit m quantities by limit + slope h^p, with the common order p that makes the sum of squared residuals least.
 
     ``y``: values (levels, m); ``h``: relative cell sizes (levels,); ``weighted``: whether the levels have weights 1 / h
     instead of equal ones. The best order is searched on grids over shrinking intervals.
@@ -307,7 +308,8 @@ def fit_given_order(y: Array, h: Array, p: float, weighted: bool) -> Convergence
     """Fit m quantities by limit + slope h^p, for a given order p.
 
     ``y``: values (levels, m); ``h``: relative cell sizes (levels,); ``p``: the order; ``weighted``: whether the levels have
-    weights 1 / h instead of equal ones. The order counts as one fitted parameter that all quantities share.
+    weights 1 / h instead of equal ones. In the standard deviation of the fit, the order counts as one fitted parameter,
+    common to all quantities.
     """
     x = _box_cox_transform(h, np.array([p]))[0]
     finest, slope, residual = _linear_least_squares(y, x[:, None], weights_of_mesh_levels(h, weighted))
@@ -337,8 +339,8 @@ def range_of_compatible_orders(y: Array, h: Array, best: ConvergenceFit) -> tupl
     """Return the lowest and the highest order of convergence that are compatible with the data.
 
     ``y``: values (levels, m); ``h``: relative cell sizes (levels,); ``best``: fit with the best order. The criterion is an
-    F test of the sums of squared residuals with the confidence `CONFIDENCE`. If the best fit has no degree of freedom, or
-    no searched order, the whole searched range `SEARCH` is returned.
+    F test of the sums of squared residuals with the confidence `CONFIDENCE`. If the best fit leaves no degree of freedom,
+    or combines fixed orders (so that its order is None), the whole range of searched orders, `SEARCH`, is returned.
     """
     from scipy.stats import f as f_ratio
 
@@ -367,7 +369,7 @@ def weights_of_mesh_levels(h: Array, weighted: bool) -> Array:
 
 
 def _residual_squares(y: Array, h: Array, w: Array, p: Array) -> Array:
-    """Return for each order in ``p`` the weighted sum of squared residuals of a fit by limit + slope h^p.
+    """Return, for each order in ``p``, the weighted sum of squared residuals of m quantities fitted by limit + slope h^p.
 
     ``y``: values (levels, m); ``h``: relative cell sizes (levels,); ``w``: weights of the levels.
     """

@@ -104,10 +104,11 @@ class UncertaintyFromOtherScenes:
 
     #: Standard deviation of a contact load due to the mesh of the refinement boxes (blocks below the contacts).
     sockets: float
-    #: Standard deviation of an error that is equal for all contact loads of a scene.
+    #: Standard deviation, over scenes, of the error that is common to all contact loads of a scene.
     common: float
-    #: Uncertainty of a scene that was solved on the coarsest level only, with one and with both flanks of the screw loaded.
-    #: It covers 95 % of the errors (at least 93 % in every scene with one loaded flank).
+    #: Uncertainty of the contact loads of a scene that was solved on the coarsest mesh level only: first for scenes with
+    #: one loaded flank of the screw, then for scenes with both loaded. It covers 95 % of the errors (at least 93 % in every
+    #: scene with one loaded flank).
     single: tuple[float, float]
     #: Names of the scenes from which these values were determined.
     scenes: tuple[str, ...]
@@ -117,9 +118,9 @@ class UncertaintyFromOtherScenes:
 class MeshUncertainty:
     """Uncertainty of a scene's contact loads due to the mesh, and its parts [% of the mean load], RMS over the contacts.
 
-    The parts, such as that of the cells at the contact, are standard deviations of the change of a contact load from the
-    finest level to the next finer one. With a single level only the uncertainty is known, from other scenes, and the parts
-    are None.
+    The parts, such as that due to the cells at the contact, are standard deviations of the change of a contact load that
+    one more level of refinement, beyond the finest level computed, would cause. With a single level only the uncertainty is
+    known, from other scenes, and the parts are None.
     """
 
     #: Uncertainty of a contact load that covers 95 % of the contacts; zero without load.
@@ -130,9 +131,9 @@ class MeshUncertainty:
     body_cell_deviation: float | None = None
     #: Standard deviation of a contact load due to the mesh of the refinement boxes (blocks below the contacts).
     refinement_box_deviation: float | None = None
-    #: Standard deviation of an error that is equal for all contact loads of the scene.
+    #: Standard deviation of the error that is common to all contact loads of the scene.
     common_deviation: float | None = None
-    #: Factor between the root of the sum of squares of the parts and the uncertainty.
+    #: Ratio of the uncertainty to the root of the sum of squares of the parts.
     coverage_factor: float = COVER
 
     @property
@@ -345,13 +346,14 @@ class LipCompliance:
 
     #: Distances from the face [ball radii], increasing.
     relative_distances: Array
-    #: Compliance of the lip times Young's modulus and ball radius, at each of the distances.
+    #: Compliance that the lip adds, multiplied by Young's modulus and ball radius [1], at each of the distances.
     compliance: Array
-    #: For each mesh level, the part of the lip's compliance that the mesh neglects, in the same form.
+    #: For each mesh level, the part of the lip's compliance that the mesh fails to represent, in the same dimensionless
+    #: form.
     missing_compliance_by_level: dict[int, Array]
 
     def interpolate(self, radii: Array, level: int) -> tuple[Array, Array]:
-        """Return the lip's compliance at distances from the nut's face, and the part of it that a mesh level neglects.
+        """Return the lip's compliance at distances from the nut's face, and the part that a mesh level fails to represent.
 
         ``radii``: distances from the face over the ball radius; ``level``: the mesh level. Both compliances are
         dimensionless: multiplied by Young's modulus and by the ball radius.
@@ -365,10 +367,10 @@ class LipCompliance:
 def read_lip_compliance(store: Path) -> LipCompliance:
     """Read the compliance of the lip between a contact and a free face of the nut from the folder ``store``.
 
-    The compliance was computed for one scene on all mesh levels. The part of it that a mesh level neglects is scaled to the
-    worst of the scenes in the file: multiplied by the largest ratio of this part in any of them to that in the first scene.
-    Values are extrapolated from the two smallest distances towards the face, and fall to zero beyond the largest distance.
-    OSError, ValueError or KeyError if the file is missing or damaged.
+    The compliance was computed for one scene on all mesh levels. The part of it that a mesh level fails to represent is
+    multiplied by the largest ratio of this part in any scene of the file to that in the first scene, so that it holds for
+    the worst of these scenes. Values are extrapolated from the two smallest distances towards the face, and fall to zero
+    beyond the largest distance. OSError, ValueError or KeyError if the file is missing or damaged.
     """
     rows = json.loads((store / LIP_FILE).read_text(encoding="utf-8"))
     first = [row for row in rows if row["scene"] == rows[0]["scene"]]
@@ -445,7 +447,8 @@ class Reference:
     contacts: int = 0
     #: Name of the reference; for a user's file, the name of the file.
     label: str = "3D reference"
-    #: Text on a user's file: its name, its source and the uncertainty that it states; empty for a computed reference.
+    #: Text on a user's reference file: its name, the origin of its loads, and the uncertainty that it states; empty for the
+    #: 3D reference.
     stated: str = ""
     #: Contact angles, approaches and pressures that a user's file states, (n, 4) in SI units, by name.
     further: Mapping[str, Array] = field(default_factory=dict)

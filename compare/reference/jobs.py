@@ -111,14 +111,14 @@ def check_memory(tasks: Sequence[ReferenceTask], workers: int) -> float:
     if free is not None and peak > free:
         largest = max(tasks, key=lambda task: expected_time_and_memory(task).memory_GB)
         fewer = f"fewer workers (`workers={workers - 1}`), " if workers > 1 else ""
-        value, allowed = f"{free:.1f} GB free", f"about {peak:.1f} GB for {largest.label}"
+        value, allowed = f"{free:.1f} GB free", f"at least about {peak:.1f} GB for {largest.label}"
         advice = f"end other programs, or use {fewer}a coarser level (`levels=1`) or a cluster (`backend=dask`)"
         raise InputError("this machine", "memory", value, allowed, advice)
     return peak
 
 
 class TaskProgress:
-    """Progress of a running task of the 3D reference: present stage, finished share of its time, expected time left."""
+    """Progress of a running task of the 3D reference: present stage, elapsed fraction of its time, expected time left."""
 
     def __init__(self, task: ReferenceTask, after: float = 0.0) -> None:
         """Start the progress of a task; ``after``: expected time of all tasks that follow it [s]."""

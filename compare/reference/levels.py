@@ -96,7 +96,8 @@ class ReferenceVariant:
     kind: Kind
     #: Function that returns the changed scene.
     change: Change
-    #: Names of the mesh settings that are taken from `BEYOND`, on the level `PRODUCTION`; empty: the mesh is not refined.
+    #: Names of those mesh settings of the finest level (`PRODUCTION`) that the variant replaces by the finer values in
+    #: `BEYOND`; empty: the variant does not refine the mesh.
     refined: tuple[str, ...] = ()
 
     @property
@@ -107,7 +108,7 @@ class ReferenceVariant:
 
 @dataclass(frozen=True)
 class UnvariedChoice:
-    """Modelling choice of the 3D reference whose effect is not computed by any variant."""
+    """Modelling choice of the 3D reference whose effect is not computed, since no variant changes it."""
 
     #: Name of the choice.
     choice: str
@@ -116,7 +117,7 @@ class UnvariedChoice:
 
 
 def unchanged_scene(scene: Scene) -> Scene:
-    """Return the scene unchanged: the change of variants that differ only in the mesh."""
+    """Return the scene unchanged; used as ``change`` of those variants that differ from the reference only in the mesh."""
     return scene
 
 
@@ -164,12 +165,12 @@ def fix_half_of_face(half: Literal["inner", "outer"]) -> Change:
 
 
 def with_plain_shaft(scene: Scene) -> Scene:
-    """Return a copy of the scene whose shaft is plain outside the part meshed in 3D, with the diameter of its lands."""
+    """Return a copy of the scene whose shaft outside the 3D mesh is a cylinder without groove, of the land diameter."""
     return change_solid_model(shaft_diameter=scene.screw.outer_diameter)(scene)
 
 
 def with_shortened_groove(scene: Scene) -> Scene:
-    """Return a copy of the scene whose shaft is meshed in 3D over half the length, and is plain (no groove) beyond."""
+    """Return a copy of the scene whose shaft is meshed in 3D over half the length only, and has no groove outside."""
     return with_plain_shaft(scale_dimension("shaft", lambda d: d.shaft, 0.5)(scene))
 
 
@@ -178,8 +179,9 @@ def with_supports_turned_by_coupling(scene: Scene) -> Scene:
 
     The 3D reference neglects this coupling outside the 3D part of the shaft. Between a support and the nut at the distance
     L, the shaft would twist by |c| F L / sqrt(EA GJ), with the coupling c (`COUPLING`) and the sum F of the axial loads.
-    The stiffnesses EA and GJ are those of a plain shaft with the pitch radius less the groove radius, which twists more
-    than the grooved shaft, or with the radius of the groove's bottom if that core is thinner than the bore.
+    The stiffnesses EA and GJ are those of a shaft without groove whose radius is the pitch radius less the groove radius;
+    this shaft twists more than the grooved one. If the bore reaches that radius, the radius of the bottom of the groove is
+    taken instead.
     """
     e = scene.screw.material
     core = scene.track.pitch_radius - scene.screw.groove_radius

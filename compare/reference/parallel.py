@@ -187,8 +187,8 @@ def _run_on_cluster(
 
     ``requests``: requests to the workers; ``scheduler``: address; None: a cluster is started on this machine; ``workers``:
     number of simultaneous jobs; 0: no limit; ``wait``: time to wait for a worker [s]. The scheduler gets all jobs at once,
-    or as many as may run at the same time. It assigns them to workers as these join, and a cluster with adaptive size knows
-    the amount of work.
+    or as many as may run at the same time. It assigns them to workers as these join. From the number of waiting jobs, a
+    cluster of adaptive size decides how many workers to start.
     """
     with _connect_to_cluster(scheduler, workers) as client:
         from distributed import KilledWorker, as_completed

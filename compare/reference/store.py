@@ -122,7 +122,7 @@ def measuring_conditions() -> MeasuringConditions:
 
 
 def common_measuring_conditions(conditions: Iterable[MeasuringConditions]) -> MeasuringConditions | None:
-    """Return the common conditions under which several computing times were measured; ValueError if they differ.
+    """Return the conditions under which all of several computing times were measured; ValueError if they differ.
 
     ``conditions``: the conditions of each measurement; None is returned if there are none.
     """
@@ -136,7 +136,7 @@ def common_measuring_conditions(conditions: Iterable[MeasuringConditions]) -> Me
 
 
 def most_frequent_measuring_conditions(conditions: Iterable[MeasuringConditions]) -> MeasuringConditions | None:
-    """Return the conditions under which most of several computing times were measured; None without any.
+    """Return the conditions under which the largest number of the given computing times were measured; None without any.
 
     ``conditions``: the conditions of each measurement.
     """
@@ -200,11 +200,12 @@ class Run:
     load: Array
     #: Contact angles, (n, 4) [deg].
     angle: Array
-    #: Contact loads if the contact directions are fixed in the nominal state, (n, 4) [N].
+    #: Contact loads computed with the contact normals of the nominal, unloaded state, (n, 4) [N].
     frozen: Array
     #: Displacement of the screw's axis, rows of z, ux, uy, uz [m].
     centreline: Array
-    #: Contact loads (n, 4) [N] of the model without one of its parts, by the name of this part.
+    #: Contact loads (n, 4) [N] of the 3D model with one of its parts (such as the elastic nut) left out, by the name of the
+    #: part.
     without: dict[str, Array]
     #: Computing times of the solutions in ``without`` [s].
     without_seconds: dict[str, float]
@@ -216,13 +217,14 @@ class Run:
     stages: dict[str, float]
     #: Computing time of the load case on the finished set-up [s].
     solve_seconds: float
-    #: Peak memory of set-up and load cases so far [MB]; None: not measured.
+    #: Peak memory of the set-up and of the load cases solved up to this one [MB]; None: not measured.
     peak_MB: float | None
-    #: Largest unbalanced force on a ball, divided by the largest load.
+    #: Largest unbalanced force on a ball, divided by the largest contact load.
     balance: float
-    #: Largest unbalanced force on a ball along its groove, divided by the largest load.
+    #: Largest unbalanced force on a ball along its groove, divided by the largest contact load.
     along_groove: float
-    #: Unbalanced force on shaft and housings in their free directions, divided by the largest load.
+    #: Unbalanced force on shaft and housings in the directions in which they are free to move, divided by the largest
+    #: contact load.
     screw_balance: float
     #: Measures of mesh quality by name, such as the cells across a contact and the smallest scaled Jacobian of each body.
     quality: dict[str, float]

@@ -39,7 +39,7 @@ class MeshSpecification:
     meshed_flanks: tuple[int, ...]
     #: Sizes of cells and contact patches, and further settings of the mesh.
     mesh_settings: Settings
-    #: Numbers (from 0) of the equal nuts or rows on the shaft that share what is meshed.
+    #: Numbers (from 0) of those nuts or rows on the shaft that are equal and share this mesh.
     set_numbers: tuple[int, ...] = (0,)
 
 
@@ -49,7 +49,7 @@ def stations_of_load_cases(*cases: Solvable) -> tuple[float, ...]:
 
 
 def ball_slices_by_set(described: Solvable) -> list[slice]:
-    """Return, for each nut or ball bearing on a shaft, the slice of its balls in the list of all balls on the shaft."""
+    """Return, for each nut or ball bearing on a shaft, the index range of its balls in the list of all balls."""
     sets = [described] if isinstance(described, Scene) else [s.parts for s in described.sets if isinstance(s.parts, Scene)]
     ends = np.cumsum([0, *(scene.ball_count for scene in sets)])
     return [slice(int(a), int(b)) for a, b in pairwise(ends)]
@@ -238,7 +238,7 @@ def reset_nonstatic_fields(assembly: Assembly, reset_values: Mapping[str, Any]) 
 
 
 def values_that_determine_meshes(scene: Solvable) -> tuple[Any, ...]:
-    """Return the values of a scene (geometry, materials) that must be equal in all scenes that share the same meshes."""
+    """Return the values of a scene (geometry, materials) that determine its meshes; scenes with equal values share them."""
     if isinstance(scene, Assembly):
         each = (
             (s.parts if not isinstance(s.parts, Scene) else values_that_determine_meshes(s.parts), s.position, s.carrier)
@@ -283,7 +283,7 @@ class ReferenceTask:
     cache_folder: Path | None = None
     #: Number of processes that mesh and condense the parts.
     processes: int = 1
-    #: Cell size for the cut ends of the shaft, over the cell size of the mesh level.
+    #: Ratio of the cell size at the two ends where the 3D part of the shaft is cut off to the cell size of the mesh level.
     cut_end_cell_ratio: float = 1.0
 
     @property

@@ -63,7 +63,13 @@ ACCURACY_COLUMNS = (
         "% of mean load",
         ".2f",
     ),
-    ("median_gate_error.error", "gate", "largest contact-load error by the rule of rollbench check, median", "%", ".2f"),
+    (
+        "median_gate_error.error",
+        "gate",
+        "largest contact-load error relative to contact's load (if small: mean load), median",
+        "%",
+        ".2f",
+    ),
     (
         "passed_scene_count",
         "passed",
@@ -90,13 +96,14 @@ class ModelAccuracy:
     name: str
     #: Name of the model or mesh level in tables.
     label: str
-    #: Family of the model, which determines its colour: one of `FAMILIES` or all 3D meshes.
+    #: Name of the family of models to which the model or mesh level belongs; it determines the colour (see
+    #: `model_family`).
     family: str
     #: Number of scenes on which the model or mesh converged.
     scene_count: int
-    #: Largest error of a contact load over all scenes [% of the mean load].
+    #: Largest error of a contact load on any of the scenes [% of the mean load of that scene].
     largest_error_percent: float
-    #: Name of the scene with this error.
+    #: Name of the scene with the largest contact-load error of the model or mesh level.
     scene_of_largest_error: str
     #: Median over the scenes of the largest error [% of the mean load].
     median_error_percent: float
@@ -104,9 +111,11 @@ class ModelAccuracy:
     median_rms_error_percent: float
     #: Largest RMS error over the scenes [% of the mean load].
     largest_rms_error_percent: float
-    #: Median time in a new process with empty caches [s] (cold start); None: not measured.
+    #: Median over the scenes of the time of a solution in a new process with empty caches (cold start) [s]; None: not
+    #: measured.
     cold_start_seconds: float | None
-    #: Median over the scenes of the largest error as ``rollbench check`` judges it [%], and of the ends of its range.
+    #: Median over the scenes of the largest error as ``rollbench check`` judges it, in per cent of the contact's load
+    #: (for nearly unloaded contacts, of the mean load), and medians of the ends of its range.
     median_gate_error: reference_time.LargestErrorWithRange
     #: Number of scenes that pass ``rollbench check`` with its default limit.
     passed_scene_count: int
@@ -317,7 +326,7 @@ def _error_over_time_panel(
     """
 
     def drawn(errors: Iterable[float]) -> list[float]:
-        """Return errors [%] as ordinates of the logarithmic panel, none below the smallest error that it shows."""
+        """Return errors [%] as ordinates of the logarithmic panel; errors below its range are set to its lower end."""
         return [max(error, reference_time.FLOOR) for error in errors]
 
     accuracies = summarise_accuracy_by_model(points)
@@ -357,10 +366,10 @@ def _error_over_time_panel(
 
 
 def _is_drawn_in_family(point: reference_time.ErrorAndRunTime, family: str) -> bool:
-    """Return whether a point of the error-over-time figure is drawn in the colour of a family of models.
+    """Return whether the error-over-time figure shows the result of a model on a scene in the colour of a model family.
 
-    ``point``: error and run time of a model on a scene. It is drawn if the model belongs to ``family`` and converged, and
-    if the error is above zero.
+    ``point``: error and run time of the model on the scene. It is shown if the model belongs to ``family`` and converged,
+    and if the error is above zero.
     """
     return point.status == "converged" and largest_error_or_mesh_uncertainty(point) > 0.0 and model_family(point) == family
 
@@ -409,7 +418,7 @@ def model_accuracy_sentences(
 
 
 def screws_within_limit_text(gate_errors: Mapping[str, Array]) -> str:
-    """Return the clause on the number of screws on which each model's loads are within the limit of ``rollbench check``.
+    """Return the clause on the number of screws on which all load errors of a model are within the default limit of 7 %.
 
     Parameters
     ----------

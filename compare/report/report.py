@@ -159,7 +159,7 @@ def select_report_parts(only: Sequence[str], *, quick: bool = False) -> list[rep
 def report_parts_of_publication(case_name: str) -> list[report_pages.ReportPart]:
     """Return the parts of the report that make up its page on one publication.
 
-    ``case_name``: name of the publication's case, such as "lin". Raises InputError if it has no page.
+    ``case_name``: short name of the publication, such as "lin". Raises InputError if it has no page.
     """
     with_page = [case.name for case in all_cases() if case.page]
     if case_name not in with_page:

@@ -503,7 +503,8 @@ def friction_section(scene: Scene, result: StaticResult, options: ModelOptions) 
 def _friction_time_span(scene: Scene, motion: Motion) -> Time:
     """Return the time span over which friction is computed: that of the scene or, without one, the time of one turn.
 
-    For a bearing (no lead), one turn is replaced by one ball pitch. ``motion``: angular speed of the screw, nut or ring.
+    For a bearing, which has no lead, one turn is replaced by a rotation by one ball pitch. ``motion``: angular speed of the
+    screw, nut or ring.
     """
     angle = 2.0 * np.pi / (scene.ball_count if scene.track.lead == 0.0 else 1.0)
     return scene.time or Time(duration=abs(angle / motion.speed), steps=STEPS, goal=1.0, output="torque")

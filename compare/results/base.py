@@ -301,8 +301,8 @@ def warn_of_deprecation(former_name: str, replacement: str) -> None:
 def _flatten_json_values(value: JSON, name: str, list_name: str = "") -> Iterator[tuple[str, JSON, str]]:
     """Yield name, value and unit of every single value inside a nested JSON value; None and lists of records are left out.
 
-    ``name``: words with which the name of each value begins. ``list_name``: unit of those values whose key does not end
-    with one.
+    ``name``: text with which the name of each value begins. ``list_name``: unit of those values whose key does not end with
+    one.
     """
     if isinstance(value, dict):
         for key, inner in value.items():

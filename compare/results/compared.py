@@ -117,7 +117,8 @@ class NutOrBearingComparison:
     expected: model_form.ExpectedModelErrors | None
     #: Uncertainty of the errors, by its causes: mesh and choices of the reference, inputs of the scene.
     uncertainty: LoadUncertainty
-    #: Axial position of the screw without loads [m], by the default model; displacements are measured from it.
+    #: Axial displacement of the screw without external loads [m], by the default model; displacements under load are
+    #: measured from it.
     unloaded_position: float = 0.0
 
     @property
@@ -209,9 +210,9 @@ def solve_with_and_without_loads(
 
 
 def measured_errors_on_other_scenes(reference: Reference) -> list[model_form.MeasuredModelErrors]:
-    """Return the measured errors of models on all scenes but that of a reference, for estimating the errors to expect.
+    """Return the measured errors of models on all scenes but one, from which the errors to expect on this one follow.
 
-    ``reference``: reference of the scene that is left out.
+    ``reference``: 3D reference of the scene that is left out.
     """
     own = {reference.scene, *(run.scene for run in reference.runs)}
     return [point for point in model_form.model_errors_on_compared_scenes() if point.scene not in own]

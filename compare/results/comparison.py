@@ -142,7 +142,8 @@ class Comparison(Record):
     levels: tuple[int, ...] = ()
     """Mesh levels of the 3D reference; empty for a user's reference."""
     unsettled: str = ""
-    """Sentence on loads of the reference that still change after its last update of normals and gaps; empty: none."""
+    """Sentence on loads of the 3D reference that had not fully converged in its iteration on contact normals and gaps;
+    empty if all had converged."""
     uncertainties: Array | None = None
     """Uncertainty of each contact load of the reference, (n, 4) [N]."""
     uncertainty: Uncertainty | None = None
@@ -158,7 +159,7 @@ class Comparison(Record):
     compared: tuple[Pair, ...] = ()
     """Records of the computation with further details: reference and comparison of each load case and nut or bearing."""
     described: Described | None = None
-    """The compared scene; None for a load case, or for one of several nuts or bearings."""
+    """The compared scene; None in the records for single load cases (`cases`) and for single nuts or bearings (`sets`)."""
 
     @property
     def errors(self) -> dict[str, float]:
@@ -252,10 +253,10 @@ def make_comparison(described: Described, pairs: Sequence[Pair], warnings: Seque
 def _comparison_of_scene(
     name: str, pairs: Sequence[Pair], described: Described | None = None, warnings: Sequence[str] = ()
 ) -> Comparison:
-    """Combine the comparisons of all nuts and bearings of a scene with one load case into one record.
+    """Combine the comparisons of all nuts and bearings of a scene under one load case into one record.
 
     ``name``: name of the scene or load case. ``pairs``: reference and comparison of each nut or bearing. ``described``: the
-    scene; None for one of several load cases.
+    scene to be kept in the record; None if the record is for one of several load cases.
     """
     if pairs[0][0].place_on_shaft is None:
         return _comparison_of_one_nut_or_bearing(name, pairs[0], described, warnings)
@@ -268,8 +269,8 @@ def _comparison_of_one_nut_or_bearing(
 ) -> Comparison:
     """Convert the comparison of one nut or bearing with its reference to a `Comparison`.
 
-    ``name``: name of the result. ``pair``: the reference and the comparison with it. ``described``: the scene; None for a
-    load case, or for one of several nuts or bearings.
+    ``name``: name of the result. ``pair``: the reference and the comparison with it. ``described``: the scene to be kept in
+    the record; None if the record is for one of several load cases, or for one of several nuts or bearings.
     """
     referenced, comparison = pair
     found, t = referenced.reference, comparison.uncertainty
@@ -294,7 +295,8 @@ def _comparison_record(
 ) -> Comparison:
     """Return a `Comparison` with the verdict on all pairs of a reference and a comparison, and with ``further_fields``.
 
-    ``name``: name of the result. ``described``: the scene; None for a load case, or for one of several nuts or bearings.
+    ``name``: name of the result. ``described``: the scene to be kept in the record; None if the record is for one of
+    several load cases, or for one of several nuts or bearings.
     """
     verdict = "\n".join(results_compared.comparison_verdict_sentence(whole, one.reference) for one, whole in pairs)
     further_fields |= {"warnings": tuple(warnings), "compared": tuple(pairs), "described": described}
@@ -541,7 +543,7 @@ def read_user_references(
 
 
 def scene_and_set_keys(referenced: SceneWithReference) -> dict[str, str]:
-    """Return the JSON keys "scene" and "set" (nut or bearing), with names, which identify one of several in a comparison.
+    """Return a JSON object that names the compared nut or bearing: its scene (key "scene") and its name (key "set").
 
     Parameters
     ----------
@@ -617,8 +619,8 @@ def cycle_summaries_json(cycle: DutyCycle, each: ByCase) -> list[dict[str, Any]]
 def _cycle_summary_of_set(cycle: DutyCycle, name: str, each: ByCase) -> dict[str, Any]:
     """Return a JSON summary of load errors and lives over all load cases, for the nut or bearing called ``name``.
 
-    The load error is that of the default model or, if that was not compared, of the first model; the lives [10^6
-    revolutions] are those of all models and of the 3D reference.
+    The load error stated is the one of the default model or, if that model was not compared, of the first model; the lives
+    [10^6 revolutions] are those of all models and of the 3D reference.
 
     ``each``: comparisons, by the name of the load case and the name of the nut or bearing.
     """

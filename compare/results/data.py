@@ -15,7 +15,7 @@ from rollbench.meshes.quantity import QuantityDescription, quantity_field, resul
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Data(Record):
-    """Result of a library function that keeps the JSON output of the command of the same name."""
+    """Result of a library function; it contains the JSON output of the command of the same name."""
 
     values: Mapping[str, JSON]
     """JSON values that the command prints, without the version number of the output."""
@@ -109,7 +109,7 @@ class FrictionBand:
 class FrictionPlay:
     """Effect of axial play on the friction torque of a screw whose scene states neither preload nor play.
 
-    Balls of smaller radius give the screw its play.
+    The play is given to the screw by reducing the radii of its balls.
     """
 
     smaller: float = quantity_field("smaller_by_um", "reduction of the ball radii that gives the play")
@@ -143,8 +143,9 @@ class FrictionOnset:
     unloaded: int = quantity_field("balls_without_load", "number of balls without load")
     factor: float | None = quantity_field(
         "error_factor",
-        "smallest factor on the scene's errors of grooves and single balls at which neighbouring balls touch; 0 if they "
-        "touch without errors; null if the scene has no errors, or if they do not touch up to a factor of 16",
+        "smallest factor by which the scene's geometric errors of grooves and single balls must be multiplied for "
+        "neighbouring balls to touch; 0 if they touch without errors; null if the scene has no such errors, or if balls do "
+        "not touch up to a factor of 16",
         error="3 %",
     )
 
@@ -346,7 +347,7 @@ class MeshLevel:
     level: int
     """Number of the level; 1 is the coarsest."""
     cell_size: float
-    """Size of the cells, relative to the finest level [1]."""
+    """Ratio of the cell size on this level to that on the finest level [1]."""
     unknowns: int
     """Number of unknowns (displacements of nodes) of the whole mesh."""
     seconds: float
@@ -466,12 +467,13 @@ class Ensemble(Data):
     members: int
     """Number of specimens in each load case."""
     converged: int
-    """Number of specimens with an equilibrium; with load cases, that of the case with the fewest."""
+    """Number of specimens with an equilibrium; with load cases, the smallest such number of any case."""
     outputs: Mapping[str, Statistics | None]
     """Statistics of each output, by its name; None if fewer than two specimens have a value. Empty if the scene has load
     cases."""
     failed: Mapping[int, str]
-    """Reason why a specimen has no equilibrium, by the number of the specimen from 0. Empty if the scene has load cases."""
+    """For each specimen without equilibrium, by its number from 0, the reason why it has none. Empty if the scene has load
+    cases."""
     sets: Mapping[str, Mapping[str, Statistics | None]]
     """Statistics by the name of the nut or bearing and the name of the output; empty for a single nut or bearing."""
     contacts: tuple[Mapping[str, float | str], ...] = quantity_field(
@@ -642,6 +644,7 @@ class Written(Data):
     page: Path
     """File of the report's first page."""
     passed: bool
-    """False if a recomputed run of the 3D reference differs from the stored run, otherwise True."""
+    """False if a run of the 3D reference that was computed again for the report differs from the stored run, otherwise
+    True."""
     verdict: str = ""
     """Sentence that judges the scene; empty for the report on all scenes."""

@@ -39,7 +39,8 @@ class DefinitionTable(NamedTuple):
     title: str
     #: Text above the table.
     about: str
-    #: Start of the JSON path, and record class whose fields are defined, for each part of the table.
+    #: For each part of the table, the beginning of the JSON paths of its numbers, and the record class whose fields are
+    #: these numbers.
     records: tuple[tuple[str, type], ...]
 
     def paths(self) -> Iterator[tuple[str, QuantityDescription]]:

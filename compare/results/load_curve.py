@@ -298,7 +298,7 @@ def compute_load_curve(
     lash = None if ends is None else ends[1] - ends[0]
 
     def tangent_stiffness_at_load(value: float) -> float | None:
-        """Return the tangent stiffness [N/m] at a force [N] or load factor; None where the nut is loose."""
+        """Return the tangent stiffness [N/m] at a force [N] or load factor; None if the nut is within its backlash."""
         step = STEP * (abs(value) if abs(value) > STEP * top else top)
         moved = solution_at_load(value + step).displacement - solution_at_load(value - step).displacement
         stiff = math.nan if not moved else 2.0 * step * unit / moved
@@ -348,9 +348,9 @@ def _load_function_and_direction(
     """Return a function that applies one load of a load curve to the scene, and direction and position of this load.
 
     Returns, in this order: the function, which gets a force [N] or load factor and returns the scene under this load; the
-    unit vector of the force; the axial position [m] or housing on which it acts; and the force [N] for a load of 1, which
-    is 1 N or, if the loads are load factors, the magnitude of the force that the scene has on this housing or else of its
-    first force. ``course``: range of loads. Raises ArgumentError if the range does not fit the scene.
+    unit vector of the force; the axial position [m] or housing on which it acts; and the force [N] for a load of 1: 1 N or,
+    if the loads are load factors, the magnitude of the force on this housing in the scene or, without a housing, of the
+    first force of the scene. ``course``: range of loads. Raises ArgumentError if the range does not fit the scene.
     """
     if isinstance(scene, Assembly):
         from rollbench.lowfi.statics.axis.system import location_of_reported_stiffness  # imports the solver of several nuts

@@ -241,7 +241,7 @@ def _quantity_row(
 def _expected_error_of_value(
     value: float, expected: tuple[str, float], expected_errors: ExpectedModelErrors | None, mean_load: float | None
 ) -> tuple[float | None, str]:
-    """Return the expected error of a value, in the unit of the value and as text in per cent.
+    """Return the expected error of a value twice: in the unit of the value, and as text in per cent.
 
     ``expected``: name of the field of `ExpectedModelErrors` with the error in per cent, and a factor by which this error is
     multiplied. ``expected_errors``: errors to expect; None if they are not known. ``mean_load``: mean contact load [N],

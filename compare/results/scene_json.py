@@ -606,7 +606,7 @@ def cycle_results_json(cycle_results: DutyCycleResults) -> dict[str, Any]:
     """
 
     def lives_json(lives: LivesOverDutyCycle) -> dict[str, Any]:
-        """Return the lives of one nut or bearing as JSON, one for each standard that gives a life."""
+        """Return the lives of one nut or bearing over a duty cycle as JSON, one for each standard that gives a life."""
         return {"life": life_json(lives.life, cycle_results.speed), **record_as_json(lives)}
 
     several = len(cycle_results.lives) != 1

@@ -126,7 +126,7 @@ class SideBySide(Record):
         parts=".*[]",
     )
     def difference_percent(self, key: str) -> tuple[float | None, ...]:
-        """Return the difference of one number of each scene from that of the first scene, in per cent of the latter.
+        """Return by how much a number of each scene differs from the same number of the first scene [% of the first].
 
         Parameters
         ----------
@@ -136,7 +136,8 @@ class SideBySide(Record):
         Returns
         -------
         tuple[float | None, ...]
-            Difference for each scene [%]; None if a number is missing or that of the first scene is zero.
+            Difference for each scene [%]; None if the number is missing in this scene or in the first, or zero in the
+            first.
 
         Examples
         --------

@@ -55,7 +55,7 @@ class Status(StrEnum):
 
 @dataclass(frozen=True)
 class Life:
-    """Basic rating life L10 from the computed contact loads (ISO 281, ISO 3408-5): 90 % of equal parts reach this life."""
+    """Life L10 from the contact loads (ISO 281, ISO 3408-5), which 90 % of identical screws or bearings reach."""
 
     L10: float
     """Life L10 [revolutions]."""
@@ -281,7 +281,7 @@ class Result(Record, Balls):
     cycle: DutyCycle | None = None
     """Duty cycle of the scene; None without load cases."""
     together: DutyCycleResults | None = None
-    """Totals over all load cases, such as the life; None without load cases."""
+    """Results over all load cases together, such as extremes and the life; None without load cases."""
 
     @property
     def converged(self) -> bool:
@@ -497,9 +497,9 @@ def result_from_solutions(
     at_nut
         For each load case, the stiffness at the nut's centre; None if it was not computed.
     cycle
-        Duty cycle of the load cases; None for a single scene.
+        Duty cycle to which the load cases belong; None for a scene without load cases.
     cycle_results
-        Totals over the load cases, such as the life; None for a single scene.
+        Results over all load cases together, such as extremes and the life; None for a scene without load cases.
 
     Returns
     -------
@@ -679,7 +679,7 @@ def _worst_contact(name: str, answers: LoadResults) -> WorstContact | None:
 
 
 def _life_record(known: rating.BasicRatingLife | None, speed: float | None) -> Life | None:
-    """Convert a computed basic rating life to the record `Life` of a result; None without a life.
+    """Convert a computed basic rating life to the record `Life` of a result; None if ``known`` is None.
 
     ``speed``: speed of rotation [rad/s], for the running time until the end of the life; None if it is not known.
     """
@@ -690,7 +690,7 @@ def _life_record(known: rating.BasicRatingLife | None, speed: float | None) -> L
 
 
 def _preload_record(known: loading.Preload | None) -> Preload | None:
-    """Convert a computed preload to the record `Preload` of a result; None if there is no preload."""
+    """Convert a computed preload to the record `Preload` of a result; None if ``known`` is None."""
     return None if known is None else Preload(known.mean, known.largest, known.axial, known.loaded)
 
 

@@ -159,7 +159,7 @@ class Table(Data):
     over: tuple[Over, ...]
     """Varied parameters with their values; the value of the last one changes fastest from row to row."""
     stiffness_of: str
-    """Text that names the body, and its axial position, whose stiffness the rows contain."""
+    """Text that names the body whose stiffness the rows contain, and the axial position at which the stiffness is taken."""
     rows: tuple[TableRow, ...]
     """A row for each combination of values. If there is no equilibrium, its status says why."""
 
@@ -176,7 +176,7 @@ class Table(Data):
 
     @property
     def failures(self) -> dict[str, list[str]]:
-        """Parameter values, as texts, for which there is no equilibrium, by the reason."""
+        """Combinations of parameter values without equilibrium, as texts, by the reason why there is none."""
         out: dict[str, list[str]] = {}
         for row, place in zip(self.rows, self.places, strict=True):
             if not row.converged:

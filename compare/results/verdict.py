@@ -144,8 +144,8 @@ class Verdict(Record):
     def table(self) -> Sequence[Sequence[str]]:
         """Return a row of texts for each quantity that was judged.
 
-        The cells for the scene are empty if all rows have the same scene; so are the cells for the model or file if all
-        rows have the same one. `answer` names scenes, models and files.
+        The cells for the scene are left empty if all rows have the same scene, and the cells for the model or file if all
+        rows have the same model or file; `answer` names them.
 
         Returns
         -------

@@ -46,7 +46,7 @@ def collect_view_data(
     stores
         Folders with runs of the 3D reference; None: the runs shipped with rollbench.
     given
-        Reference of the user that replaces the stored runs; None: no such reference.
+        User's reference loads, shown instead of the stored runs; None: there are none.
 
     Returns
     -------
@@ -67,7 +67,7 @@ def _view_data_of_case(
     """Return the data of one solved load case for the 3D view.
 
     ``name``: name of the load case. ``one``: solution of the load case. ``stores``: folders with runs of the 3D reference.
-    ``given``: reference of the user that replaces the stored runs; None: no such reference.
+    ``given``: user's reference loads, shown instead of the stored runs; None: there are none.
     """
     solved = one.derived_results is not None
     if isinstance(one, SceneSolution):

@@ -185,7 +185,9 @@ def _conflicting_key_faults(keys: schema.ShaftSceneKeys) -> Iterator[Fault]:
             advice = "add springs or matrix: a joint needs a stiffness"
             yield Fault((f"joints[{i}].springs",), "springs or a matrix", advice, "nothing")
         if j.between[0] == j.between[1]:
-            yield Fault((f"joints[{i}].between",), "two different housings", "name another housing: each of them is rigid")
+            yield Fault(
+                (f"joints[{i}].between",), "two different housings", "name another housing: a joint connects two housings"
+            )
 
 
 def _drive_faults(keys: schema.ShaftSceneKeys) -> Iterator[Fault]:
@@ -248,8 +250,8 @@ def _nut_or_bearing_faults(number: int, set_keys: schema.NutOrBearingKeys) -> It
         yield Fault((f"{at}.kind",), f'"{found_kind}" with these tables', "correct kind, or track.lead")
     if set_keys.preload and set_keys.thrust not in ONE_WAY and set_keys.arrangement is None:
         advice = (
-            f'write {at}.thrust = "+z" or "-z", the direction of the axial force on the shaft that it carries by its '
-            "preload, as for each nut of a double nut; preload by errors.balls.oversize where both ways are carried"
+            f'write {at}.thrust = "+z" or "-z", the direction of the axial force of the preload on the shaft, as for each '
+            "nut of a double nut; to preload one row in both directions, write errors.balls.oversize instead"
         )
         yield Fault((f"{at}.preload",), 'only together with thrust = "+z" or "-z"', advice)
     if set_keys.preload and set_keys.offset != 0.0:
@@ -492,8 +494,9 @@ def preload_of_arrangement(arrangement: str, pair_preload: float) -> float:
     """Return the preload P [N] of an arrangement of equal bearings, from the preload F of a pair of them.
 
     P is the axial force in each of the two directions. Mounting a pair closes a gap of twice the deflection of one bearing.
-    The gap between opposite rows of any arrangement is the same, and the n_1 or n_2 rows of one direction share P:
-    P^(2/3) (n_1^(-2/3) + n_2^(-2/3)) = 2 F^(2/3), at a constant contact angle.
+    In an arrangement the gap between opposite rows is as large as in a pair; the n_1 rows of one direction carry P
+    together, and so do the n_2 rows of the other direction: P^(2/3) (n_1^(-2/3) + n_2^(-2/3)) = 2 F^(2/3), at a constant
+    contact angle.
 
     Parameters
     ----------

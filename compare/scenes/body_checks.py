@@ -27,7 +27,7 @@ WIDEST_GROOVE = 10.0
 
 
 def geometry_faults(scene: Scene) -> Iterator[Fault]:
-    """Yield the faults of dimensions with which a scene cannot be built, in the order in which users correct them."""
+    """Yield the faults of dimensions with which a scene cannot be built, in the order in which to correct them."""
     radii = ball_radii_without_random_errors(scene)
     small = np.flatnonzero(radii <= 0.0)
     if small.size:
@@ -49,7 +49,7 @@ def geometry_faults(scene: Scene) -> Iterator[Fault]:
 
 
 def _path_error_faults(scene: Scene) -> Iterator[Fault]:
-    """Yield the faults of errors along the track: pitch and roundness errors above the ball radius, and lead offset."""
+    """Yield the faults of pitch and roundness errors (larger than the ball radius) and of the lead offset."""
     radius = scene.balls.radius
     allowed = f"a sum up to {length_text(radius)}, the ball radius (random errors count {SIGMAS:g} sigma)"
     for side, kind in itertools.product(SIDES, ("pitch", "roundness")):
@@ -106,7 +106,7 @@ def hertz_constant_faults(scene: Scene) -> Iterator[Fault]:
 
 
 def _groove_width_faults(scene: Scene, largest_ball_radius: float) -> Iterator[Fault]:
-    """Yield the faults of groove radii, too small for the largest ball or far too large, and of profile errors.
+    """Yield the faults of groove radii (too small for the largest ball, or far too large) and of profile errors.
 
     ``largest_ball_radius``: radius of the largest ball, without random errors [m].
     """
@@ -178,7 +178,7 @@ def _reduced_section_faults(scene: Scene) -> Iterator[Fault]:
     ratio = grooved_volume_ratio(scene)
     if ratio <= 0.0:
         advice = 'enlarge lead or pitch radius, or write screw = "rigid" under [ingredients]: the groove leaves no material'
-        yield Fault(("track.lead",), "a lead at which the groove is smaller than the screw's volume per turn", advice)
+        yield Fault(("track.lead",), "a lead at which one turn of the groove has less volume than the screw", advice)
         return
     factor = {"groove": math.sqrt(ratio), "groove squared": ratio, "full": 1.0}[scene.ingredients.section]
     if scene.screw.bore >= factor * scene.screw.outer_diameter:

@@ -120,7 +120,7 @@ def scene_of_any_kind(name_or_path: str) -> Described:
 
 
 def scene(name_or_path: str) -> Scene:
-    """Return a scene with only one nut or bearing row: one included in rollbench, by its name, or one read from a file.
+    """Return a scene with only one nut or bearing row: a scene included in rollbench, by its name, or one from a file.
 
     InputError if there is no such scene, the file is faulty, or the scene is of another kind.
     """

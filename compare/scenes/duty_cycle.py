@@ -20,25 +20,30 @@ Described: TypeAlias = "Scene | FrictionScene | Assembly | DutyCycle"
 
 @result_record
 class LoadCase:
-    """One load case of a duty cycle: the parts under its loads, and its share of all revolutions of the cycle."""
+    """One load case of a duty cycle: screw, bearing or shaft under its loads, and its fraction of all revolutions."""
 
     #: Name of the load case.
     name: str = quantity_field("case", "name of the load case")
-    #: Share of the revolutions; 0 for a static check.
-    share: float = quantity_field("share", "part of the revolutions; 0 for a static check")
-    #: Angular speed of the rotating part [rad/s]; None if the file states shares instead of times and speeds.
+    #: Fraction of all revolutions of the duty cycle that occur in this load case; 0 for a load case without revolutions,
+    #: which counts only for static safety.
+    share: float = quantity_field(
+        "share", "fraction of all revolutions of the duty cycle that occur in this load case; 0: static check only"
+    )
+    #: Angular speed of the rotating part [rad/s]; None if the file gives fractions of the revolutions instead of times and
+    #: speeds.
     speed: float | None
-    #: Parts under the loads, supports and oversize of the load case.
+    #: Screw, bearing or shaft with the loads, support displacements and ball oversize of this load case.
     scene: Scene | Assembly
-    #: Duration of the load case in one cycle [s]; None if the file states shares instead of times and speeds.
+    #: Duration of the load case in one cycle [s]; None if the file gives fractions of the revolutions instead of times and
+    #: speeds.
     time: float | None = None
 
 
 @dataclass(frozen=True)
 class DutyCycle:
-    """Duty cycle: a scene with several load cases of the same parts, in the order of its file."""
+    """Duty cycle: several load cases of one ball screw, bearing or shaft, in the order of the scene file."""
 
-    #: Scene as the file describes it outside its load cases.
+    #: Screw, bearing or shaft with the loads that the file states outside its load cases.
     parts: Scene | Assembly
     #: Load cases, in the order of the file.
     cases: tuple[LoadCase, ...]
@@ -77,14 +82,14 @@ class DutyCycle:
 
     @property
     def sets(self) -> dict[str, Scene | RollerRow]:
-        """Parts of each nut or bearing row, by its name; the name is empty if the scene has only one."""
+        """Geometry and materials of each nut or bearing row, by its name; the name is empty if there is only one."""
         if isinstance(self.parts, Scene):
             return {"": self.parts}
         return {s.name: s.parts for s in self.parts.sets}
 
     @property
     def revolution_shares(self) -> tuple[float, ...]:
-        """Share of each load case in all revolutions of the cycle; the sum is 1."""
+        """Fraction of the duty cycle's revolutions that occur in each load case; the sum is 1."""
         return tuple(case.share for case in self.cases)
 
 

@@ -144,16 +144,16 @@ WORDS: dict[str, str] = files.read_shipped_toml("words.toml")
 
 @dataclass(frozen=True)
 class KeyFaults:
-    """Faults of a scene file's keys, and the top-level tables or keys that were replaced so that reading could continue."""
+    """Faults of a scene file's keys, and top-level tables and keys in which faulty values were replaced or removed."""
 
     #: Key, value, allowed values and advice for each fault.
     messages: tuple[FaultMessage, ...] = ()
-    #: Names of the replaced top-level tables and keys.
+    #: Names of the top-level tables and keys in which a faulty value was replaced by an example, or removed.
     replaced_names: frozenset[str] = frozenset()
 
     @property
     def bodies_unchanged(self) -> bool:
-        """Whether the bodies, supports and loads that were read are those of the file: no replaced table affects them."""
+        """Whether bodies, supports and loads were read as the file gives them, without any value replaced by an example."""
         return self.replaced_names <= INDEPENDENT_TABLES
 
     def concern_values_of_file(self, keys: Sequence[str]) -> bool:

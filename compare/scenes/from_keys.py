@@ -248,7 +248,7 @@ def with_preload_as_oversize(scene: parts.Scene, keys: schema.PreloadKeys | None
     """Return the scene with the preload of its file's table [preload], converted to an oversize of the balls.
 
     ``keys``: keys of the table. The scene is returned unchanged if these are None or state a lead offset. If they state a
-    force, the conversion to an oversize is added to the scene's assumptions.
+    force, a sentence on its conversion to an oversize is added to the scene's assumptions.
     """
     if keys is None or keys.lead_offset is not None:
         return scene
@@ -368,7 +368,7 @@ def _displaced_support(support: parts.Support, keys: schema.LoadCaseKeys) -> par
 
 
 def load_case_faults(keys: schema.SceneKeys | schema.ShaftSceneKeys) -> Iterator[Fault]:
-    """Yield the faults of the load cases of a scene file: of their names, shares, times, and displaced supports."""
+    """Yield the faults of the load cases of a scene file: names, fractions of revolutions, times, displaced supports."""
     names = [case.name for case in keys.cases]
     for k, case in enumerate(keys.cases):
         where = f"cases[{k}]"
@@ -384,18 +384,18 @@ def load_case_faults(keys: schema.SceneKeys | schema.ShaftSceneKeys) -> Iterator
     timed = [k for k, case in enumerate(keys.cases) if case.time is not None]
     shared = [k for k, case in enumerate(keys.cases) if case.share]
     if timed and shared:
-        advice = "give every load case a share, or each a time and a speed; static ones may have share = 0 besides"
+        advice = "give each load case a share, or each a time and a speed; those checked only statically have share = 0"
         yield Fault((f"cases[{shared[0]}].share",), "0 together with load cases that have a time", advice)
     elif timed and not any(keys.cases[k].time for k in timed):
         yield Fault((f"cases[{timed[0]}].time",), "above 0 s in at least one load case", "correct one of the times")
     elif not timed and abs(sum(case.share or 0.0 for case in keys.cases) - 1.0) > ROUNDED:
         total = sum(case.share or 0.0 for case in keys.cases)
-        advice = "write the fractions of all revolutions, which sum to 1; a share of 0 is a static check only"
+        advice = "write the fractions of all revolutions, which sum to 1; 0 for a load case checked only statically"
         yield Fault((f"cases[{(shared or [0])[-1]}].share",), "shares that sum to 1", advice, f"a sum of {total:.7g}")
 
 
 def _load_case_share_faults(case: schema.LoadCaseKeys, case_path: str) -> Iterator[Fault]:
-    """Yield a fault unless a load case has either a share of the revolutions, or both time and speed.
+    """Yield a fault unless a load case has either a fraction of the revolutions (``share``), or both time and speed.
 
     ``case_path``: path of the case in the file, such as ``cases[0]``.
     """
@@ -416,8 +416,8 @@ def _load_case_support_faults(
 ) -> Iterator[Fault]:
     """Yield the faults of the support displacements that a load case prescribes.
 
-    Faults are a position without support, a degree of freedom that the scene's support does not fix, and one that the load
-    case displaces twice. ``keys``: keys of the scene; ``case``: keys of the load case; ``case_path``: path of the
+    Faults are a position without support, a degree of freedom that the scene's support does not fix, and two displacements
+    of the same degree of freedom. ``keys``: keys of the scene; ``case``: keys of the load case; ``case_path``: path of the
     load case in the file, such as ``cases[0]``.
     """
     seen: set[tuple[int, str]] = set()
@@ -442,7 +442,7 @@ def _load_case_support_faults(
 
 
 def fault_with_keys_of_load_case(fault: Fault, case_number: int) -> Fault:
-    """Return a fault of the scene under a load case, with the keys of this load case added before those of the scene.
+    """Return a fault of the scene under a load case; the keys of this load case are listed before those of the scene.
 
     The message names the first key that the file has, so that it names ``cases[k].KEY`` where the load case states KEY.
     ``case_number``: number k of the load case, from 0.

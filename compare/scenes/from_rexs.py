@@ -52,11 +52,11 @@ class RexsConversion:
     path: Path
     #: Contents of the REXS file.
     model: RexsModel
-    #: Values that the user gives for missing attributes, as text by the keys of the scene file.
+    #: Values that the user gives for attributes missing in the file: text of each value, by its key in the scene file.
     user_values: dict[str, str]
     #: Faults of the REXS file: missing attributes and values that a scene cannot have.
     faults: list[FaultMessage] = field(default_factory=list)
-    #: Sentences on assumptions of the conversion.
+    #: Assumptions made in the conversion, as sentences.
     assumptions: list[str] = field(default_factory=list)
     #: Sentences on parts of the REXS file that the scene omits.
     omitted: list[str] = field(default_factory=list)
@@ -87,7 +87,7 @@ class RexsConversion:
         self.add_fault(where, "", example, advice)
 
     def add_fault(self, where: str, value: str, allowed: str, advice: str) -> None:
-        """Record a fault of the REXS file: place, faulty value (empty: nothing), allowed values, advice to the user."""
+        """Record a fault of the REXS file: its location in the file, faulty value, allowed values, advice to the user."""
         self.faults.append(FaultMessage(where, value or "nothing", allowed, advice))
 
 
@@ -212,7 +212,7 @@ def _scene_tables_of_shaft(reader: RexsConversion, shaft: RexsComponent) -> Tabl
 
 
 def _plain_section_table(reader: RexsConversion, section: RexsComponent) -> Table:
-    """Return the scene-file table of a section of the shaft; a cone becomes a cylinder of its mean diameters."""
+    """Return the scene-file table of a section of the shaft; a cone becomes a cylinder of mean diameter."""
     needed = ("u_coordinate_on_shaft", "length", "outer_diameter_begin")
     for name in needed:
         if section.number(name) is None:

@@ -92,7 +92,7 @@ def groove_definition_faults(groove: GrooveKeys, table: str) -> Iterator[Fault]:
     """Yield a fault unless a groove has either a radius or a conformity; ``table``: name of its table in the file."""
     if (groove.groove_radius is None) == (groove.conformity is None):
         given = "neither" if groove.conformity is None else "both groove_radius and conformity"
-        advice = "give one of the two, as groove radius = conformity x ball diameter"
+        advice = "give one of the two: groove_radius = conformity x ball diameter"
         yield Fault((f"{table}.groove_radius",), "either groove_radius or conformity", advice, given)
 
 

@@ -115,10 +115,10 @@ class SceneFileTable(BaseModel):
 
 
 class MaterialKeys(SceneFileTable):
-    """Isotropic elastic material. If a part gives only one of the two constants, the other is that of [material]."""
+    """Isotropic elastic material; a constant that a part's table does not give is taken from the table [material]."""
 
     name: StandardName | None = key(MATERIAL_NAMES, None, "bearing steel")
-    unusual: bool = key("whether a Young's modulus that no material of machine parts has is intended", False, True)
+    unusual: bool = key("true: accept a Young's modulus outside the range of materials of machine parts", False, True)
     youngs_modulus: ranges.Modulus | None = key("Young's modulus", None)
     poissons_ratio: ranges.Poisson | None = key("Poisson's ratio", None)
 
@@ -147,8 +147,10 @@ class TitleKeys(SceneFileTable):
     """Keys at the beginning of every scene file: title, source of the data, assumptions."""
 
     title: Sentence = key("title of the scene, in one line", example="Screw under 5 kN")
-    source: Annotated[str, Field(max_length=2000)] = key("source of the data", "", "Lin 2019, 2.4.1.1")
-    assumed: Sentences = key("assumptions where the source says nothing, as sentences", [], ["The nut is rigid."])
+    source: Annotated[str, Field(max_length=2000)] = key(
+        "publication or data sheet from which the data are taken", "", "Lin 2019, 2.4.1.1"
+    )
+    assumed: Sentences = key("assumptions on what the source does not state, as sentences", [], ["The nut is rigid."])
 
 
 class BallPathKeys(SceneFileTable):
@@ -168,8 +170,10 @@ class BallHelixKeys(BallPathKeys):
 class GrooveKeys(SceneFileTable):
     """Cross-section of a groove, by its radius or by its conformity (groove radius over ball diameter)."""
 
-    groove_radius: ranges.Radius | None = key("radius of curvature of the groove (or conformity)", None, "3.254 mm")
-    conformity: ranges.Conformity | None = key("groove radius over ball diameter (or groove_radius)", None)
+    groove_radius: ranges.Radius | None = key(
+        "radius of the groove's arc (give either groove_radius or conformity)", None, "3.254 mm"
+    )
+    conformity: ranges.Conformity | None = key("ratio of groove radius to ball diameter (instead of groove_radius)", None)
 
     def radius_for(self, balls: BallSizeKeys) -> float:
         """Return the groove radius [m]: as stated, or as conformity times the diameter of the balls ``balls``."""

@@ -65,7 +65,7 @@ def scene_or_shaft_or_raise(scene: Described, file_name: str) -> Scene | Assembl
 
 
 def scenes_to_solve(scene: Described, file_name: str) -> list[Scene] | list[Assembly]:
-    """Return the scenes to solve: the scene under each load case in order, or the scene itself if it has no load cases.
+    """Return the scenes to solve: one for each load case, in order; or only ``scene`` if it has no load cases.
 
     ``file_name``: name of the file, for messages. SceneError for kinds of scenes of which only friction is computed.
     """
@@ -76,7 +76,7 @@ def scenes_to_solve(scene: Described, file_name: str) -> list[Scene] | list[Asse
 
 
 def single_nut_scene_or_raise(scene: Described, file_name: str) -> Scene:
-    """Return ``scene`` if it is a ball screw or bearing with only one nut or row; SceneError for other kinds.
+    """Return ``scene`` if it is a screw with one nut or a bearing with one row of balls; SceneError for other kinds.
 
     ``file_name``: name of the file, for messages.
     """

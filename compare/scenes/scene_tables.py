@@ -81,8 +81,8 @@ def _describes_shaft_with_several_parts(tables: dict[str, Any]) -> bool:
 def single_nut_scene_from_tables(tables: dict[str, Any], file_name: str) -> Scene | DutyCycle:
     """Return the ball screw or bearing that the tables of a scene file describe, in one load case or several.
 
-    ``tables``: the tables; ``file_name``: name of the file, for messages. SceneError for faults; it lists all faults that
-    can be detected in one reading.
+    ``tables``: the tables; ``file_name``: name of the file, for messages. Raises a SceneError that lists all faults that
+    can be detected in one reading of the file.
     """
     keys, key_faults = fault.validate_and_collect_faults(tables, SceneKeys)
     texts = list(key_faults.messages)

@@ -58,9 +58,7 @@ class TrackKeys(keys.BallHelixKeys):
     pitch_diameter: Annotated[ranges.Size | None, Field(exclude=True)] = key(
         "diameter of the helix of the ball centres (or pitch_radius)", None, "33 mm"
     )
-    starts: Annotated[int, Field(ge=1, le=100)] = key(
-        "number of starts; start k is start 1 turned by k/starts of a revolution", 1, 1
-    )
+    starts: Annotated[int, Field(ge=1, le=100)] = key("number of thread starts, evenly spaced around the axis", 1, 1)
     phase: ranges.Azimuth = key("azimuth of the helix at the nut's centre", "0 deg", "0 deg")
 
     @model_validator(mode="before")
@@ -123,10 +121,12 @@ class NutKeys(keys.GrooveKeys):
     length: ranges.Size = key("length of the nut or outer ring", example="54 mm")
     outer_diameter: ranges.Size = key("outer diameter of the nut or outer ring", example="48 mm")
     azimuth: ranges.Azimuth = key(
-        "angle from the screw's x axis to the nut's, in which the nut's errors are defined", "0 deg", "0 deg"
+        "angle from the screw's x axis to the nut's x axis; the nut's errors are defined in the axes of the nut",
+        "0 deg",
+        "0 deg",
     )
     flange: FlangeKeys | None = key("flange of a nut with a lead", None, {"diameter": "72 mm", "thickness": "11 mm"})
-    held: NutFixingKeys = key("where the nut is fixed", NutFixingKeys(), {"at": "left face"})
+    held: NutFixingKeys = key("surface at which the nut or outer ring is fixed", NutFixingKeys(), {"at": "left face"})
     material: keys.MaterialKeys | None = key("material of this part, if it is not that of [material]", None, keys.MATERIAL)
 
 
@@ -135,7 +135,7 @@ Arc = Annotated[list[ranges.Azimuth], Field(min_length=2, max_length=2)]
 
 
 class BallKeys(keys.BallSizeKeys):
-    """Balls: their size, and their positions by count or filling with turns, by count with arcs, or by single azimuths."""
+    """Balls: size and positions, given by count (or filling) and turns, by count and arcs, or by a list of azimuths."""
 
     model_config = config_requiring_radius_or_diameter("radius", "diameter")
 
@@ -144,18 +144,19 @@ class BallKeys(keys.BallSizeKeys):
     )
     count: keys.Count | None = key("number of balls in all starts and circuits, evenly spaced (with turns)", None, 32)
     filling: ranges.Filling | None = key(
-        "fraction of the turns that the balls would fill if they touched (instead of count)", None, 0.9
+        "fraction of the length of the turns that the balls would fill if they touched (instead of count)", None, 0.9
     )
     turns: ranges.Turns | None = key("turns that the balls of each circuit fill, centred on the nut (a bearing: 1)", None)
     circuits: Annotated[int, Field(ge=1, le=1000)] = key("number of ball circuits of each start, one after the other", 1, 3)
     circuit_gap: Gap | None = key("number of turns without balls between two circuits", None, 0.5)
     azimuths: Annotated[list[ranges.Azimuth], Field(min_length=1, max_length=ranges.MAX_BALLS)] | None = key(
-        "azimuths of the balls of one start, counted on over whole turns (instead of count and turns)",
+        "azimuths of the balls of one thread start, with 360 deg more for each further turn (instead of count and turns)",
         None,
         ["-90 deg", "90 deg"],
     )
     arcs: Annotated[list[Arc], Field(min_length=1, max_length=1000)] | None = key(
-        "angle ranges that the balls of each start fill evenly (instead of turns): circuits with gaps between them",
+        "azimuth ranges, one for each circuit, over which the balls of each thread start are evenly spread "
+        "(instead of turns)",
         None,
         [["-900 deg", "-180 deg"], ["180 deg", "900 deg"]],
     )
@@ -183,10 +184,10 @@ class ManufacturingErrorKeys(keys.SceneFileTable):
 
     seed: Annotated[int, Field(ge=0, le=2**63 - 1)] = key("seed of all random errors", 0, 2019)
     balls: BallErrorKeys = key("errors of the ball radii", BallErrorKeys(), {"oversize": "7 um"})
-    SL: parts.SideErrors = key("screw, left flank", parts.SideErrors(), {"profile": ["3 um"]})
-    SR: parts.SideErrors = key("screw, right flank", parts.SideErrors(), {"profile": ["3 um"]})
-    NL: parts.SideErrors = key("nut, left flank", parts.SideErrors(), {"profile": ["3 um"]})
-    NR: parts.SideErrors = key("nut, right flank", parts.SideErrors(), {"profile": ["3 um"]})
+    SL: parts.SideErrors = key("errors of the screw's left flank", parts.SideErrors(), {"profile": ["3 um"]})
+    SR: parts.SideErrors = key("errors of the screw's right flank", parts.SideErrors(), {"profile": ["3 um"]})
+    NL: parts.SideErrors = key("errors of the nut's left flank", parts.SideErrors(), {"profile": ["3 um"]})
+    NR: parts.SideErrors = key("errors of the nut's right flank", parts.SideErrors(), {"profile": ["3 um"]})
 
 
 class DisplacementKeys(keys.SceneFileTable):
@@ -234,16 +235,24 @@ class FrictionKeys(keys.SceneFileTable):
     coefficient: ranges.Coefficient | None = key(
         "coefficient of friction between balls and grooves; may be zero; needed unless screw and nut are given", None, 0.1
     )
-    screw: ranges.Coefficient | None = key("coefficient at the screw's groove, if it differs", None)
-    nut: ranges.Coefficient | None = key("coefficient at the nut's groove, if it differs", None)
-    balls: ranges.Coefficient | None = key("coefficient between balls, if it is not the larger one of the grooves", None)
+    screw: ranges.Coefficient | None = key(
+        "coefficient of friction at the screw's groove, if it differs from coefficient", None
+    )
+    nut: ranges.Coefficient | None = key(
+        "coefficient of friction at the nut's groove, if it differs from coefficient", None
+    )
+    balls: ranges.Coefficient | None = key(
+        "coefficient of friction between balls; if left out, the larger one of the coefficients at the two grooves", None
+    )
     feedback: bool = key(
-        "whether friction moves each ball across its grooves, at its axial load, and so changes the contact loads",
+        "whether friction displaces each ball across its grooves and so changes its contact loads (the axial load "
+        "of each ball remains that without friction)",
         parts.Friction.feedback,
         False,
     )
     neighbours: bool = key(
-        "whether balls that touch push each other in the quasi-static solution (always in a simulation over time)",
+        "whether touching balls exert forces on each other in the quasi-static solution (in a simulation over "
+        "time they always do)",
         parts.Friction.neighbours,
         True,
     )
@@ -262,15 +271,15 @@ class PreloadKeys(keys.SceneFileTable):
     contact by a lead offset of its halves. Give one of the three."""  # noqa: D205, D209 - a description in the schema
 
     force: Preload | None = key(
-        "axial force of the left flanks against the right ones without load, nut and screw taken as rigid; or in per cent "
-        'of the dynamic load rating as computed: "5 % of C"',
+        "axial force on the left flanks, and the same on the right flanks, without external load and with rigid "
+        'nut and screw; or per cent of the computed dynamic load rating: "5 % of C"',
         None,
         "500 N",
     )
     oversize: ranges.Deviation | None = key("length added to the radius of every ball", None, "3 um")
     lead_offset: ranges.Deviation | None = key(
-        "axial shift of the half of the nut's groove at larger z than the nut's centre; a ball at the centre is in the "
-        "other half (for two nuts: [[sets]] with an offset)",
+        "axial shift of that half of the nut's groove which is at larger z than the nut's centre; a ball exactly "
+        "at the centre is in the half that is not shifted (for two separate nuts use [[sets]] with an offset)",
         None,
     )
 
@@ -283,18 +292,20 @@ class LoadCaseSupportKeys(keys.SceneFileTable):
 
 
 class LoadCaseKeys(keys.SceneFileTable):
-    """One of several load cases of the same parts: its loads, its supports, and its share of all revolutions."""
+    """One of several load cases: its loads, its support displacements, and its fraction of all revolutions."""
 
     name: keys.Sentence = key("name of the load case in all results: letters, digits, . _ and -", example="cutting")
-    share: Share | None = key("fraction of all revolutions (sum over load cases: 1); 0: static check only", None, 0.5)
+    share: Share | None = key(
+        "fraction of all revolutions that occur in this load case (sum over load cases: 1); 0: static check only", None, 0.5
+    )
     time: CaseTime | None = key("duration in one duty cycle, from which the share follows (with speed)", None, "2 s")
     speed: ranges.Turning | None = key("angular speed of the rotating part in this load case (with time)", None, "600 rpm")
-    loads: Loads | None = key("loads on the screw, instead of those of the scene", None, LOADED)
+    loads: Loads | None = key("loads on the screw, instead of those outside [[cases]]", None, LOADED)
     supports: Annotated[list[LoadCaseSupportKeys], Field(max_length=1000)] = key(
         "displacements of the scene's supports in this load case", [], [{"at": "0 mm", "displace": {"ux": "300 um"}}]
     )
     oversize: ranges.Deviation | None = key(
-        "length added to the radius of every ball, instead of that of the scene", None, "3 um"
+        "length added to the radius of every ball, instead of the oversize outside [[cases]]", None, "3 um"
     )
 
 
@@ -305,26 +316,33 @@ class SceneKeys(keys.TitleKeys):
         "what the scene describes; the lead decides if left out", None, "ball screw"
     )
     role: Literal["", "referenced", "unseen, changed parts", "unseen, catalogue size"] = key(
-        "role of an included scene in the validation report: case study with a 3D reference, or unseen by model developers",
+        "role in the validation report of a scene that is included in rollbench: case study with a 3D reference, "
+        "or scene that was not used when the models were developed",
         "",
         "referenced",
     )
     members: Annotated[int, Field(ge=1, le=100_000)] = key("number of specimens, each with its own random errors", 1, 200)
-    material: keys.MaterialKeys = key("material of all parts without their own", keys.MaterialKeys(), keys.MATERIAL)
+    material: keys.MaterialKeys = key(
+        "material of all parts in whose tables no material is given", keys.MaterialKeys(), keys.MATERIAL
+    )
     track: TrackKeys = key("path of the ball centres")
     screw: ScrewKeys = key("screw shaft, or inner ring")
     nut: NutKeys = key("nut, or outer ring")
-    balls: BallKeys = key("balls")
-    errors: ManufacturingErrorKeys = key("geometric errors", ManufacturingErrorKeys(), {"seed": 0})
+    balls: BallKeys = key("size, number and positions of the balls")
+    errors: ManufacturingErrorKeys = key("manufacturing errors of balls and grooves", ManufacturingErrorKeys(), {"seed": 0})
     supports: Supports = key("supports of the screw", [], [{"at": "0 mm", "fix": ["ux", "uy"]}])
     loads: Loads = key("loads on the screw", [], LOADED)
-    cases: Annotated[list[LoadCaseKeys], Field(max_length=1000)] = key("load cases of the same parts", [], CASE)
+    cases: Annotated[list[LoadCaseKeys], Field(max_length=1000)] = key(
+        "load cases of a duty cycle, all with the same bodies", [], CASE
+    )
     ingredients: parts.Ingredients = key("options of the low-order models", parts.Ingredients(), {"screw": "rigid"})
     solid: parts.Solid = key("inputs of the 3D reference only", parts.Solid(), {"nut_groove": "through"})
     friction: FrictionKeys | None = key("friction of balls and grooves", None, {"coefficient": 0.1})
-    motion: parts.Motion | None = key("motion of screw and nut", None, {"speed": "600 rpm"})
+    motion: parts.Motion | None = key("part that rotates, and its angular speed", None, {"speed": "600 rpm"})
     lubricant: parts.Lubricant | None = key("lubricant, for torques that depend on speed", None, {"viscosity": "27 mm2/s"})
-    circulation: parts.Circulation | None = key("circuits of the balls", None, {"returning": 4, "filling": 0.8})
+    circulation: parts.Circulation | None = key(
+        "number of ball circuits, and how far the balls fill them", None, {"returning": 4, "filling": 0.8}
+    )
     time: parts.Time | None = key("simulation over time", None, {"angle": "360 deg"})
     preload: PreloadKeys | None = key("preload of one nut", None, {"force": "500 N"})
     gate: parts.GateLimits = key(
@@ -353,7 +371,7 @@ Entry = Annotated[float, Field(allow_inf_nan=False)]
 
 
 class ShaftKeys(ScrewKeys):
-    """Screw shaft; nuts and bearings without their own groove and diameters have those of its thread."""
+    """Screw shaft; groove and diameter of its thread also apply to nuts and bearings for which no others are given."""
 
     plain: Annotated[list[Segment], Field(max_length=1000)] = key(
         "cylindrical sections of the shaft without groove", [], [{"start": "0 mm", "end": "60 mm", "diameter": "25 mm"}]
@@ -361,7 +379,7 @@ class ShaftKeys(ScrewKeys):
 
 
 class InnerRingKeys(keys.GrooveKeys):
-    """Inner ring of a bearing, or groove of a nut on the shaft, if it differs from the groove of the shaft."""
+    """Inner ring of a bearing; for a nut, the groove on the shaft if it differs from the one in [screw]."""
 
     outer_diameter: ranges.Size | None = key(
         "diameter of the inner ring's shoulders, if not that of the shaft", None, "40 mm"
@@ -382,7 +400,9 @@ class TaperedRollerKeys(keys.SceneFileTable):
     )
     roller_angle: ranges.ContactAngle = key("half included angle of a roller", example="4 deg")
     ring_depth: ranges.Size = key("depth below both raceways down to which deformation is considered", example="5 mm")
-    crown: ranges.Size | None = key("radius of the crowning at both contacts; straight rollers if left out", None, "2 m")
+    crown: ranges.Size | None = key(
+        "radius of curvature of the roller's crowned profile at both raceways; straight rollers if left out", None, "2 m"
+    )
     slices: Annotated[int, Field(ge=1, le=200)] = key("number of slices into which a roller is divided", 15, 15)
     edge_radius: ranges.Size | None = key(
         "radius of the edges at both ends of the effective length, for the roller in 3D; sharp edges if left out",
@@ -410,14 +430,17 @@ class NutOrBearingKeys(keys.SceneFileTable):
 
     name: Name = key("name of the nut or bearing in results", example="nut 1")
     kind: Literal["ball nut", "bearing", "tapered roller bearing"] | None = key(
-        "what it is; its tables decide if left out", None, "ball nut"
+        "type of the nut or bearing; if left out, it follows from the lead and from whether there is a table of rollers",
+        None,
+        "ball nut",
     )
     housing: Name | None = key(
-        "name of the housing to which its nut or outer ring belongs; fixed if left out", None, "carriage"
+        "name of the housing that holds the nut or outer ring; if left out, the nut or ring is fixed", None, "carriage"
     )
     carrier: Name | None = key("name of the housing on which its inner ring sits; the shaft if left out", None, "nut")
     thrust: Literal["both", "+z", "-z", "deep groove"] | None = key(
-        'direction of axial force on the shaft that it carries: "both" for a gothic arch, "+z" or "-z" for a single arc',
+        'direction of the axial force on the shaft that the bearing carries: "both" (gothic arch), "+z" or "-z" '
+        '(single arc), "deep groove" (single arc, either direction)',
         None,
         "+z",
     )
@@ -425,14 +448,16 @@ class NutOrBearingKeys(keys.SceneFileTable):
         "shift of nut or outer ring relative to its housing, along z (spacer, lead offset)", "0 um", "4 um"
     )
     preload: Push = key(
-        "axial force, without loads, up to which the nut or outer ring is shifted before it is fixed; or in per cent of "
-        'the dynamic load rating of balls as computed: "5 % of C"',
+        "axial preload: without external loads, the nut or outer ring is shifted along z until it carries this "
+        "force, and then fixed; or per cent of the computed dynamic load rating of a ball nut or ball bearing: "
+        '"5 % of C"',
         "0 N",
         "500 N",
     )
     arrangement: Arrangement | None = key(
-        "arrangement of equal bearings about the position, ground to equal gaps: DB back to back, DF face to face, DBD two "
-        "against one, DBB two against two, DBT three against one; preload is then that of the arrangement",
+        "arrangement of equal bearings side by side, its middle at the position, with the same gap between "
+        "opposite bearings as in a pair: DB back to back, DF face to face, DBD two against one, DBB two against "
+        "two, DBT three against one; the key preload is then the preload of the arrangement",
         None,
         "DBD",
     )
@@ -448,11 +473,13 @@ class NutOrBearingKeys(keys.SceneFileTable):
         "for rollers: axial position of the middle of the cup's contact lines", None, "30 mm"
     )
     track: TrackKeys | None = key("path of the ball centres", None)
-    screw: InnerRingKeys | None = key("its inner ring, or its groove on the shaft if that differs", None)
+    screw: InnerRingKeys | None = key(
+        "inner ring of the bearing; for a nut, the groove on the shaft if it differs from the one in [screw]", None
+    )
     nut: NutKeys | None = key("nut, or outer ring", None)
     balls: BallKeys | None = key("balls", None)
-    errors: ManufacturingErrorKeys = key("geometric errors", ManufacturingErrorKeys(), {"seed": 0})
-    rollers: TaperedRollerKeys | None = key("tapered rollers", None)
+    errors: ManufacturingErrorKeys = key("manufacturing errors of balls and grooves", ManufacturingErrorKeys(), {"seed": 0})
+    rollers: TaperedRollerKeys | None = key("number and dimensions of tapered rollers, and of their contacts", None)
     seals: ranges.Torque = key(
         "friction torque of the seals or wipers as in catalogues; for an arrangement, of each row", "0 N m", "100 N mm"
     )
@@ -464,9 +491,9 @@ class SpringKeys(keys.SceneFileTable):
     ux: ranges.Spring = key("stiffness along x", "0 N/m", "200 N/um")
     uy: ranges.Spring = key("stiffness along y", "0 N/m", "200 N/um")
     uz: ranges.Spring = key("stiffness along z", "0 N/m", "200 N/um")
-    rx: ranges.Twist = key("stiffness about x, per rad", "0 N m", "5 kN m")
-    ry: ranges.Twist = key("stiffness about y, per rad", "0 N m", "5 kN m")
-    rz: ranges.Twist = key("stiffness about z, per rad", "0 N m", "5 kN m")
+    rx: ranges.Twist = key("rotational stiffness about x: moment per radian", "0 N m", "5 kN m")
+    ry: ranges.Twist = key("rotational stiffness about y: moment per radian", "0 N m", "5 kN m")
+    rz: ranges.Twist = key("rotational stiffness about z: moment per radian", "0 N m", "5 kN m")
 
 
 #: Stiffness matrix of six rows with six entries.
@@ -477,7 +504,9 @@ class StiffnessKeys(keys.SceneFileTable):
     """Stiffness of a housing or joint in six degrees of freedom, by springs or by a matrix."""
 
     springs: SpringKeys | None = key("independent springs", None, {"ux": "200 N/um"})
-    matrix: Matrix | None = key("symmetric 6x6 matrix in N, m and rad (instead of springs)", None)
+    matrix: Matrix | None = key(
+        "symmetric 6x6 stiffness matrix for ux, uy, uz, rx, ry, rz in N, m and rad (instead of springs)", None
+    )
 
 
 class HousingKeys(StiffnessKeys):
@@ -503,8 +532,8 @@ class JointKeys(StiffnessKeys):
 class StiffnessPositionKeys(keys.SceneFileTable):
     """Position at which the stiffness of the whole assembly is reported; if left out, where the loads act."""
 
-    at: ranges.Station | None = key("position along the shaft", None, "400 mm")
-    housing: Name | None = key("name of a housing (instead of at)", None, "carriage")
+    at: ranges.Station | None = key("axial position on the shaft at which the stiffness is reported", None, "400 mm")
+    housing: Name | None = key("name of the housing at which the stiffness is reported (instead of at)", None, "carriage")
 
 
 class ShaftHeatingKeys(keys.SceneFileTable):
@@ -518,15 +547,20 @@ class ShaftModelOptionKeys(keys.SceneFileTable):
     """Options of the low-order models of a shaft with nuts and bearings."""
 
     hertz: Literal["nominal", "error-free", "actual", "as printed"] = key(
-        "Hertz constants: from each contact's radii at the nominal angle, error-free parts, actual geometry, or Table B.1",
+        "Hertz constants: from the radii of each contact, errors included, at the nominal contact angle; from "
+        "dimensions without errors; from the actual geometry at the contact angle under load; or as printed in "
+        "Lin's Table B.1",
         "nominal",
         "actual",
     )
     partition: Literal["nodal", "source"] = key(
-        "nodes of the shaft: at every contact, or as in Lin's thesis (15 mm in every nut)", "nodal", "source"
+        "nodes of the shaft's beam elements: at every contact, or 15 mm apart in every nut as in Lin's thesis",
+        "nodal",
+        "source",
     )
     section: Literal["groove", "groove squared", "full"] = key(
-        "section of threaded shaft: diameter times k_r, root of grooved over full volume (Lin C.8); times k_r^2; or full",
+        "cross-section of the threaded shaft as a beam: outer diameter times k_r, the square root of the volume "
+        "with groove divided by the volume without (Lin C.8); outer diameter times k_r^2; or not reduced",
         "groove",
         "full",
     )
@@ -546,7 +580,7 @@ class ShaftLoadCaseKeys(LoadCaseKeys):
     """One of several load cases of a shaft; its oversize applies to the balls of all nuts and bearings."""
 
     housings: Annotated[list[LoadCaseHousingKeys], Field(max_length=100)] = key(
-        "loads on housings, instead of those of the scene", [], [{"name": "carriage", "force": ["0 N", "0 N", "5 kN"]}]
+        "loads on housings, instead of those outside [[cases]]", [], [{"name": "carriage", "force": ["0 N", "0 N", "5 kN"]}]
     )
 
 
@@ -554,7 +588,9 @@ class ShaftSceneKeys(keys.TitleKeys):
     """One shaft with several nuts and bearings, with or without housings, in one load case or several."""
 
     kind: Literal["axis"] = key("what the scene describes", "axis", "axis")
-    material: keys.MaterialKeys = key("material of all parts without their own", keys.MaterialKeys(), keys.MATERIAL)
+    material: keys.MaterialKeys = key(
+        "material of all parts in whose tables no material is given", keys.MaterialKeys(), keys.MATERIAL
+    )
     screw: ShaftKeys = key("screw shaft")
     sets: Annotated[list[NutOrBearingKeys], Field(min_length=1, max_length=100)] = key(
         "ball nuts and bearings, in any order"
@@ -567,13 +603,19 @@ class ShaftSceneKeys(keys.TitleKeys):
     )
     supports: Supports = key("supports of the shaft other than bearings", [], [{"at": "0 mm", "fix": ["rz"]}])
     loads: Loads = key("loads on the shaft", [], LOADED)
-    cases: Annotated[list[ShaftLoadCaseKeys], Field(max_length=1000)] = key("load cases of the same parts", [], CASE)
+    cases: Annotated[list[ShaftLoadCaseKeys], Field(max_length=1000)] = key(
+        "load cases of a duty cycle, all with the same bodies", [], CASE
+    )
     stiffness: StiffnessPositionKeys = key(
-        "where the stiffness is reported", StiffnessPositionKeys(), {"housing": "carriage"}
+        "position at which the stiffness of the assembly is reported", StiffnessPositionKeys(), {"housing": "carriage"}
     )
     heat: ShaftHeatingKeys | None = key("temperature rise of the shaft", None, {"warming": "10 K", "expansion": 11.5e-6})
     ingredients: ShaftModelOptionKeys = key("options of the low-order models", ShaftModelOptionKeys(), {"section": "full"})
     friction: FrictionKeys | None = key("friction of balls and grooves", None, {"coefficient": 0.1})
-    motion: parts.Motion | None = key("motion of the shaft", None, {"speed": "600 rpm"})
+    motion: parts.Motion | None = key("part that rotates, and its angular speed", None, {"speed": "600 rpm"})
     lubricant: parts.Lubricant | None = key("lubricant, for torques that depend on speed", None, {"viscosity": "27 mm2/s"})
-    drive: Drive = key("what the motor moves", Drive(), {"mass": "200 kg"})
+    drive: Drive = key(
+        "what the motor drives in addition to the shaft: moved mass, inertia, friction torque, and time of acceleration",
+        Drive(),
+        {"mass": "200 kg"},
+    )

@@ -145,7 +145,7 @@ def _table_lines(node: Node, defs: Node, values: Node, path: str) -> Iterator[st
 
 
 def _key_line(name: str, entry: Node, value: Any) -> Iterator[str]:
-    """Yield the line of a key in a template: with its value, or (``value`` None) as a comment with default or example.
+    """Yield the line of a key in a template: with ``value``, or if that is None as a comment with default or example.
 
     ``entry``: part of the JSON Schema for the key.
     """
@@ -216,7 +216,7 @@ def double_nut_text(size: str) -> str:
 def _fill_in_text(name: str, values: Mapping[str, Any], **words: object) -> str:
     """Return the template text ``name`` of the folder ``like_texts``, with its placeholders filled in.
 
-    ``values``, ``words``: values of the placeholders by their names. Title and assumptions of the texts do not repeat
+    ``values``, ``words``: values of the placeholders by their names. Title and assumptions in the template texts contain no
     values that a user may change later.
     """
     return files.shipped_text(f"scenes/like_texts/{name}.txt").format(**values, **words)

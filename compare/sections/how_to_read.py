@@ -121,7 +121,9 @@ def rows_not_reproduced(entries: Sequence[PrintedEntryComparison]) -> list[Row]:
         {
             text_column("entry", "printed number or claim"): p.claim or f"{p.label}: {p.number_as_printed} {p.unit}",
             text_column("place", "place in the publication"): p.place,
-            text_column("class", "class of the printed number (hard, as-printed, band, open or input)"): p.entry_class,
+            text_column(
+                "class", "class: how a number must be reproduced (hard, as-printed, band, open or input)"
+            ): p.entry_class,
             text_column("verdict", "whether reproduced"): VERDICT_NAMES[verdict],
             text_column("why", "best explanation of the difference, and its evidence"): f.remark
             if f.remark and f.agrees_with_printed is not None

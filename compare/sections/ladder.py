@@ -218,7 +218,7 @@ def expected_and_measured_error_items(
                 "model": model,
                 TableColumn("scenes", "number of screws", "", "s"): str(len(of_model)),
                 TableColumn(
-                    "covered", "number of screws whose features are within the range of the other screws", "", "s"
+                    "covered", "number of screws whose sizes, angles and loads lie in the range of the others", "", "s"
                 ): str(len(covered)),
                 TableColumn(
                     "held", "number of screws whose actual error does not exceed the predicted error", "", "s"

@@ -160,7 +160,8 @@ class PicturedSolution:
     meshes: PartMeshes
     #: Solution of the 3D reference.
     result: ReferenceResult
-    #: Nodal forces in the contacts of all balls [N], by index of the flank in SL, SR, NL, NR.
+    #: Contact force at each node of the fine patches of all balls [N], by flank: 0 to 3 for SL, SR, NL, NR (screw or
+    #: nut, left or right).
     nodal_contact_forces: dict[int, Array]
     #: Index (from 0) of the ball around which meshes and stresses are drawn.
     ball_index: int
@@ -416,7 +417,7 @@ def groove_mesh_picture(solution: PicturedSolution, stresses: StressFields) -> c
 
 
 def ball_mesh_picture(solution: PicturedSolution, stresses: StressFields) -> content.FieldPicture:
-    """Return the picture of the mesh of a ball with a fine patch at each contact; the screw's contact faces the viewer.
+    """Return the picture of the mesh of a ball with a fine patch at each contact; the contact with the screw is in front.
 
     ``solution``: solution of the scene. ``stresses``: meshes and stresses around the ball.
     """
@@ -447,9 +448,10 @@ def solve_ball_contact_pressures(cache: SceneResultCache, name: str) -> tuple[in
     """Compute the nodal contact pressures of one ball of a scene on a fine 3D mesh.
 
     The contact loads of the ball are those of the stored 3D reference, or of the default low-order model if no reference is
-    stored. The ball is the one whose least loaded contact carries more load than that of any other ball; flanks that carry
-    no load on any ball do not count. ``name``: name of the scene. Returns the index of the ball, from 0, and the pressures
-    by name of the contact, such as "ball 5, SL" (SL: left flank of the screw's groove).
+    stored. The ball is the one with the largest minimum contact load: of the loads on its flanks, the smallest is larger
+    than on any other ball. Flanks that carry no load on any ball do not count. ``name``: name of the scene. Returns the
+    index of the ball, from 0, and the pressures by name of the contact, such as "ball 5, SL" (SL: left flank of the screw's
+    groove).
     """
     from rollbench.hifi.fields import contact_pressures_of_ball
 

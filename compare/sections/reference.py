@@ -47,9 +47,10 @@ def modelling_uncertainty_by_scene(cache: SceneResultCache) -> dict[str, modelli
 
 
 def _compute_modelling_uncertainty(cache: SceneResultCache) -> dict[str, modelling.ModellingUncertainty]:
-    """Compute the modelling uncertainty of every scene in `VARIED` from stored runs, by name of the scene.
+    """Compute the modelling uncertainty of each scene with varied modelling choices (`VARIED`), by the scene's name.
 
-    Scenes without stored runs with varied modelling choices are left out.
+    It is computed from stored runs of the 3D reference, each with one changed choice. Scenes without such runs are left
+    out.
     """
     found = {}
     for scene in map(cache.built_in_scene, modelling.VARIED):
@@ -127,7 +128,7 @@ def _load_error_row(
     load_ratio_of_flank
         Ratio of the largest to the smallest contact load on flank SL (left flank of the screw's groove).
     printed_errors
-        Errors that Lin's thesis prints for its model, as text.
+        Contact-load errors of the thesis's low-order model against ANSYS, as printed in Lin's thesis.
     uncertainties
         Uncertainty of the 3D reference by its mesh, and by its modelling choices [% of the mean load].
     """

@@ -66,11 +66,15 @@ def mesh_level_table(cache: SceneResultCache, references: References) -> Table:
                 {
                     "scene": name,
                     text_column("level", "mesh level"): "Lin's mesh" if run.level == SOURCE_LEVEL else str(run.level),
-                    TableColumn("across", "elements across the short contact axis 2b", "", ".1f"): run.quality[
+                    TableColumn("across", "elements across the contact ellipse's short axis 2b", "", ".1f"): run.quality[
                         "elements across 2b"
                     ],
-                    text_column("sides", "number of groove flanks with fine meshes"): len(run.sides),
-                    text_column("unknowns", "number of unknowns of one equally fine mesh of all bodies"): run.unknowns,
+                    text_column("sides", "number of groove flanks (of SL, SR, NL, NR) that are finely meshed"): len(
+                        run.sides
+                    ),
+                    text_column(
+                        "unknowns", "number of unknowns of a single mesh of all bodies, equally fine at the contacts"
+                    ): run.unknowns,
                     TableColumn("setup", "run time of the set-up", "s", ".1f"): times[0],
                     TableColumn("solve", "run time of a load case", "s", ".1f"): times[1],
                     TableColumn("memory", "peak memory", "MB", ".0f"): "not measured"
@@ -82,14 +86,15 @@ def mesh_level_table(cache: SceneResultCache, references: References) -> Table:
                     load_percent_column("best", "largest change of a contact load to the finest level"): best.max_percent,
                     load_percent_column("frozen", "largest load change by updating contact normals"): frozen.max_percent,
                     TableColumn(
-                        "balance", "largest unbalanced force on ball or screw, over the largest contact load", "", "g2"
+                        "balance", "largest unbalanced force on a ball or the screw / largest contact load", "", "g2"
                     ): max(run.balance, run.screw_balance),
                     TableColumn(
-                        "along", "largest net force on a ball along the groove, over the largest contact load", "", "g2"
+                        "along", "largest net force on a ball along the groove / largest contact load", "", "g2"
                     ): run.along_groove,
                     TableColumn("jacobian", "smallest scaled Jacobian of the elements", "", ".2f"): jacobian,
-                    TableColumn("deviation", "deviation of coarse meshes from the groove surface", "um", "g2"): 1e6
-                    * run.quality["deviation"],
+                    TableColumn(
+                        "deviation", "largest distance of the coarse meshes from the exact groove surface", "um", "g2"
+                    ): 1e6 * run.quality["deviation"],
                 }
             )
     note = (
@@ -111,16 +116,16 @@ def mesh_uncertainty_table(references: References) -> Table:
             "scene": name,
             text_column("levels", "number of mesh levels"): len(ref.runs),
             load_percent_column(
-                "contact", "standard deviation due to the cell size at the contacts", ".3f"
+                "contact", "standard deviation of loads due to the cell size at the contacts", ".3f"
             ): p.contact_cell_deviation,
             load_percent_column(
-                "bodies", "standard deviation due to the cell size in the bodies", ".3f"
+                "bodies", "standard deviation of loads due to the cell size in the bodies", ".3f"
             ): p.body_cell_deviation,
             load_percent_column(
-                "sockets", "standard deviation due to the refinement boxes", ".3f"
+                "sockets", "standard deviation of loads due to the finely meshed boxes at the contacts", ".3f"
             ): p.refinement_box_deviation,
             load_percent_column(
-                "common", "standard deviation of the error common to all contact loads", ".3f"
+                "common", "standard deviation of the load error that all contacts have in common", ".3f"
             ): p.common_deviation,
             load_percent_column("bar", "mesh uncertainty (95 %), RMS over the contacts", ".3f"): p.uncertainty,
             load_percent_column(
@@ -129,7 +134,7 @@ def mesh_uncertainty_table(references: References) -> Table:
             load_percent_column(
                 "largest", "largest mesh uncertainty of a contact load", ".3f"
             ): largest_uncertainty_percent(ref),
-            text_column("from", "whether estimated from mesh levels of this screw or bearing"): "no"
+            text_column("from", "whether the uncertainty is estimated from mesh levels of this screw or bearing"): "no"
             if p.is_from_other_scenes
             else "yes",
         }
@@ -170,7 +175,7 @@ def mesh_uncertainty_test_table(cache: SceneResultCache) -> Table | None:
         rows.append(_mesh_uncertainty_test_row("all drawn screws", [h for h in found if h.is_random_screw]))
     rows.append(_mesh_uncertainty_test_row("all", found))
     columns = [text_column("scene", "scene"), text_column("contacts", "number of contacts")]
-    columns.append(text_column("judge", "finer mesh level for the test"))
+    columns.append(text_column("judge", "finer mesh level whose loads test the uncertainty"))
     for k in levels:
         words = f"level {k} and other screws" if k == min(LEVELS) else f"levels {min(LEVELS)} to {k}"
         columns.append(load_percent_column(f"bar {k}", f"mesh uncertainty of level {k}, from {words}", ".3f"))
@@ -287,7 +292,7 @@ def mesh_study_tables_and_figures(cache: SceneResultCache, references: Reference
         ]
         if any(row.get("modelling_spread") is not None for row in rows):
             columns.append(TableColumn("modelling_spread", "uncertainty of the value by modelling choices", "", "g2"))
-            words = "largest change due to a single modelling choice, computed on this screw"
+            words = "largest change of the value when one modelling choice is varied on this screw"
             columns.append(TableColumn("scene_choices", words, "", "g2"))
         title, note = (
             f"Contact loads and displacements of {name} on each mesh level",
@@ -325,7 +330,7 @@ def modelling_choice_table(cache: SceneResultCache) -> Table | None:
                 {
                     "scene": name,
                     text_column("choice", "modelling choice or unprinted input that is changed"): e.choice,
-                    text_column("variant", "what it is changed to"): e.label,
+                    text_column("variant", "modelling choice or input after the change"): e.label,
                     text_column("kind", "kind of the change"): KINDS[e.kind],
                     **_load_change_cells(e.error),
                     TableColumn(
@@ -406,7 +411,7 @@ def modelling_uncertainty_table(cache: SceneResultCache) -> Table | None:
     columns = [
         text_column("choice", "modelling choice"),
         *(load_percent_column(name, f"{name}, largest change of a contact load") for name in found),
-        text_column("why", "reason why a modelling choice was not varied"),
+        text_column("why", "reason why this modelling choice was not varied"),
     ]
     note = (
         "The effects of the choices are independent and of unknown sign, so on each contact they are combined as the root "
@@ -443,7 +448,7 @@ def _scenes_with_effects_left_out(cache: SceneResultCache) -> Iterator[tuple[str
 
 
 def left_out_effects_table(cache: SceneResultCache) -> Table | None:
-    """Return the table of how contact loads [%] and run time [s] change if one effect is left out of the 3D reference.
+    """Return the table of changes of contact loads and run time if one effect is left out of the 3D model.
 
     Returns None if no such run is stored.
     """
@@ -460,7 +465,7 @@ def left_out_effects_table(cache: SceneResultCache) -> Table | None:
                 {
                     "scene": name,
                     text_column("without", "effect left out of the 3D reference"): ingredient,
-                    text_column("meaning", "what replaces the effect"): meaning,
+                    text_column("meaning", "simplification that replaces the effect"): meaning,
                     **_load_change_cells(e),
                     TableColumn("seconds", "run time saved", "s", "+.1f"): saved if run.measured == common else None,
                     load_percent_column("before", "largest load error of Lin's model against the full 3D reference"): full,

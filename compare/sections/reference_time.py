@@ -56,7 +56,7 @@ WORK = {
     "meshing": "CPU time of meshing",
     "assembly": "CPU time of assembly",
     "elimination": "CPU time of the elimination of unknowns inside the bodies",
-    "dense": "CPU time of the dense matrix algebra in this elimination",
+    "dense": "CPU time of the dense matrix algebra in the elimination of interior unknowns",
 }
 #: Models that are timed on the scene `FIRST` with interpreted and with compiled kernels.
 SAMPLE = ("lin", "refined")
@@ -74,11 +74,11 @@ PANELS = 6
 class LargestErrorWithRange:
     """Largest contact-load error against the 3D reference, with its range due to the mesh uncertainty of this reference."""
 
-    #: Largest error of a contact load [%].
+    #: Largest error of a contact load [% of the mean load, or of the load by which `rollbench check` divides it].
     error: float
-    #: Lower end of the range in which this largest error lies [%].
+    #: Lower end of the range of ``error`` due to the mesh uncertainty of the 3D reference [%].
     low: float
-    #: Upper end of the range in which this largest error lies [%].
+    #: Upper end of the range of ``error`` due to the mesh uncertainty of the 3D reference [%].
     high: float
 
 
@@ -94,11 +94,13 @@ class ErrorAndRunTime:
     error: float
     #: RMS error of the contact loads [% of the mean load].
     rms: float
-    #: Lower end of the range of ``error`` due to the mesh uncertainty [% of the mean load]; None with one mesh level.
+    #: Lower end of the range of ``error`` due to the mesh uncertainty of the reference [% of the mean load]; None if
+    #: the reference has a single mesh level.
     low: float | None
-    #: Upper end of the range of ``error`` due to the mesh uncertainty [% of the mean load]; None with one mesh level.
+    #: Upper end of the range of ``error`` due to the mesh uncertainty of the reference [% of the mean load]; None if
+    #: the reference has a single mesh level.
     high: float | None
-    #: Time in a new process with empty caches [s] (cold start); None: not measured.
+    #: Time of a solution in a new process with empty caches (cold start) [s]; None: not measured.
     cold: float | None
     #: Time of a further solution of the same geometry in this process [s]; None: not measured.
     warm: float | None
@@ -348,7 +350,7 @@ def error_and_time_table(points_by_scene: Mapping[str, Sequence[ErrorAndRunTime]
             load_percent_column("rms", "RMS error of the contact loads"): p.rms,
             TableColumn("cold", "run time of a cold start", "s", "g3"): p.cold,
             TableColumn("warm", "run time of a further solution", "s", "g3"): p.warm,
-            text_column("older", "run time by an earlier measurement"): p.older,
+            text_column("older", "run time measured with an earlier version or on another machine"): p.older,
             text_column("unknowns", "number of unknowns"): p.unknowns,
             TableColumn("memory", "peak memory", "MB", ".0f"): p.memory if p.memory is not None else "not measured",
             text_column("status", "status of the solver if not converged"): "" if p.status == "converged" else p.status,
@@ -404,7 +406,9 @@ def command_time_table(run_times: StoredRunTimes) -> Table:
     rows: list[Row] = [
         {
             text_column("command", "command"): c.command,
-            text_column("reach", "largest run time wanted, with an empty home directory"): COMMANDS.get(c.command, ""),
+            text_column("reach", "target: upper limit of the run time with an empty home directory"): COMMANDS.get(
+                c.command, ""
+            ),
             TableColumn("seconds", "run time with an empty home directory", "s", "g3"): c.seconds,
             TableColumn("first_line", "time until the first line of output", "s", "g3"): c.first_line,
             TableColumn("cpu", "CPU time with an empty home directory", "s", "g3"): c.cpu,
@@ -459,9 +463,9 @@ def cold_start_time_table_of_mesh_levels(run_times: StoredRunTimes) -> Table:
 
 
 def set_up_time_tables(costs: SetUpCosts) -> list[Table]:
-    """Return tables on the set-up of the 3D reference: processor time of each stage, and cheaper ways that were rejected.
+    """Return tables on the set-up of the 3D reference: processor time of each stage, and rejected faster variants.
 
-    ``costs``: measured processor times and, for each cheaper variant, the saved time and the change of contact loads.
+    ``costs``: measured processor times and, for each faster variant, the saved time and the change of contact loads.
     """
     measured = (
         f"Measured with {store.MeasuringConditions(costs.version, machine=costs.machine)}, {costs.date}, by "
@@ -494,14 +498,14 @@ def set_up_time_tables(costs: SetUpCosts) -> list[Table]:
         for way in costs.ways
     ]
     tried = (
-        "Cheaper variants of the set-up that were tried on level 1 and rejected. A variant may change a load by at most "
+        "Faster variants of the set-up that were tried on level 1 and rejected. A variant may change a load by at most "
         "0.001 % of the mean load, because stored runs must remain valid. The variant with a library of patches "
         "interpolates the patch of one flank between pitch radii 5 % smaller and 5 % larger; a library for any screw would "
         "have five such parameters (two conformities, contact angle, lead angle, ratio of ball and pitch radius) and, with "
         f"ten values of each, 100,000 patches. {measured}"
     )
     by_stage = "Processor time of the set-up of the 3D reference, by stage and kind of work"
-    rejected = "Cheaper variants of the 3D set-up that were rejected: time saved and change of loads"
+    rejected = "Faster variants of the 3D set-up that were tried and rejected: CPU time saved, change of loads"
     return [
         Table.from_rows("reference-set-up-costs", by_stage, rows, note),
         Table.from_rows("reference-set-up-ways", rejected, ways, tried),

@@ -30,7 +30,7 @@ More = Mapping[str, Row]
 class PrintedLayout:
     """Layout of one table of a publication: title, columns, and the name of the printed number in each cell."""
 
-    #: Name of the publication's case, such as "lin".
+    #: Short name of the publication, such as "lin".
     case: str
     #: Number of the table in the publication.
     number: str
@@ -88,7 +88,7 @@ def read_table_layouts(case: Case) -> list[PrintedLayout]:
 def _layout_from_record(case: str, path: str, record: Mapping[str, Any]) -> PrintedLayout:
     """Return the layout of one printed table, made of its record in the file ``layout.toml``.
 
-    ``case``: name of the publication's case. ``path``: path of the file, for error messages. ``record``: the record. Raises
+    ``case``: short name of the publication. ``path``: path of the file, for error messages. ``record``: the record. Raises
     InputError if the record names a printed number that does not exist.
     """
     rows = []
@@ -306,7 +306,7 @@ def _tolerance_band_text(printed_number: PrintedEntry) -> str:
 
 
 def _percent_error_or_none(value: float | None, reference: float | None) -> float | None:
-    """Return the error of a value against a reference [%]; None if one of them is None, or if both are round-off."""
+    """Return the error of a value against a reference [%]; None if one is None, or if both are zero up to round-off."""
     if value is None or reference is None or max(abs(value), abs(reference)) < 1e-9:
         return None
     return error_for_table_cell(float(error_percent(value, reference)))
@@ -444,8 +444,8 @@ def _reproduced_counts_row(place: str, entries: Sequence[PrintedEntryComparison]
         text_column("faulty", "number of results reproduced only with the publication's mistake repeated"): tally[
             "only as printed"
         ],
-        text_column("band", "number of results within a tolerance band"): tally["band"],
-        text_column("contradicted", "number of results that a computation contradicts"): tally["contradicted"],
+        text_column("band", "number of results whose computed value lies within a tolerance band"): tally["band"],
+        text_column("contradicted", "number of results contradicted by a computation"): tally["contradicted"],
         text_column("open", f"number of results {VERDICT_NAMES['not identifiable']}"): tally["not identifiable"],
         text_column("claims", "number of claims in words confirmed"): f"{borne} of {len(claims)}" if claims else "",
     }

@@ -62,8 +62,9 @@ def tolerance_effect_rows(tolerances: Sequence[VariedKey], sweep_summary: Mappin
     """Return table rows on the effect of each tolerance on the largest contact load, the most influential tolerance first.
 
     ``tolerances``: varied tolerances with their ranges. ``sweep_summary``: summary of the sweep. Each row has the range
-    in which the tolerance varies; the smallest and the largest of the mean values that the largest contact load [N] has
-    in single parts of this range; and the first and total Sobol index with confidence intervals.
+    of the tolerance, and the first-order and total Sobol index with confidence intervals. The range is divided into parts,
+    and the largest contact load [N] is averaged over the samples in each; the smallest and the largest of these averages
+    are also in the row.
     """
     indices = sweep_summary["indices"]["outputs"][MAIN]
     rows: list[dict[str, Cell]] = []
@@ -116,8 +117,8 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     columns = (
         text_column("key", "tolerance"),
         text_column("range", "range over which the tolerance is varied"),
-        TableColumn("low", "mean of the largest contact load, lowest over the range of the tolerance", "N", "g4"),
-        TableColumn("high", "mean of the largest contact load, highest over the range of the tolerance", "N", "g4"),
+        TableColumn("low", "lowest mean of the largest contact load over the range of the tolerance", "N", "g4"),
+        TableColumn("high", "highest mean of the largest contact load over the range of the tolerance", "N", "g4"),
         TableColumn("first", "first-order Sobol index of the largest contact load", "", ".2f"),
         text_column("first_band", f"{interval} of the first-order index"),
         TableColumn("total", "total Sobol index of the largest contact load", "", ".2f"),

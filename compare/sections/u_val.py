@@ -95,7 +95,7 @@ class MeshUncertaintyTest:
 
 @cache
 def read_loads_and_scenes_for_tests(store: Path) -> tuple[dict[str, dict[int, Array]], dict[str, Scene]]:
-    """Return contact loads stored only to test the mesh uncertainty, and those of their scenes that were drawn at random.
+    """Return contact loads stored only to test the mesh uncertainty, and those randomly drawn scenes that have some.
 
     ``store``: folder with the file `JUDGES` of these loads. First result: loads of n balls on the four flanks, (n, 4) [N],
     by name of the scene, then by mesh level. Second result: the randomly drawn scenes by name. Both are empty if there is
@@ -310,8 +310,11 @@ def errors_with_u_val_table(validated_errors: Sequence[uncertainty.ErrorWithUnce
             TableColumn("choices", "uncertainty of the model error due to modelling choices", "%", ".2f"): row.choices,
             TableColumn("inputs", "uncertainty of the model error due to input tolerances", "%", ".2f"): row.inputs,
             TableColumn("u_val", "validation uncertainty u_val of the model error", "%", ".2f"): row.combined,
-            text_column("says", "conclusion on the model error"): in_error if abs(row.error) > row.combined else within,
-            TableColumn("within", "share of values with a model error within u_val", "%", ".0f"): 100.0 * row.within,
+            text_column("says", "whether the model error is larger than u_val"): in_error
+            if abs(row.error) > row.combined
+            else within,
+            TableColumn("within", "share of compared values whose model error is within u_val", "%", ".0f"): 100.0
+            * row.within,
             text_column("varied", "screw or bearing on which modelling choices were varied"): row.scene_with_varied_choices
             or "–",
         }
@@ -343,7 +346,8 @@ def bias_and_scatter_table(scatters: Sequence[uncertainty.BiasAndScatter]) -> Ta
             TableColumn("values", "number of compared values", "", "g4"): s.values,
             TableColumn("bias", "mean error (bias) of the model", "%", "+.2f"): s.bias,
             TableColumn("scatter", "standard deviation (scatter) of the error", "%", ".2f"): s.scatter,
-            TableColumn("within", "share of values with a model error within u_val", "%", ".0f"): 100.0 * s.within,
+            TableColumn("within", "share of compared values whose model error is within u_val", "%", ".0f"): 100.0
+            * s.within,
             TableColumn(
                 "within_own", "share of values with an error within the uncertainty by mesh and choices", "%", ".0f"
             ): 100.0 * s.within_own,
@@ -379,7 +383,7 @@ def bias_and_scatter_figure(scatters: Sequence[uncertainty.BiasAndScatter]) -> F
 
 
 def error_bound_coverage_table(cache: SceneResultCache, model_solutions: Sequence[RefinementStepResult]) -> Table:
-    """Return the table of the error bounds that rollbench states, with the share of errors that lie within each.
+    """Return the table of the error bounds that rollbench prints, with the share of actual errors that lie within each.
 
     The bounds are the largest expected error of each model, and the mesh uncertainty of coarser 3D mesh levels.
     ``model_solutions``: solution of each scene by each low-order model.
@@ -395,7 +399,7 @@ def error_bound_coverage_table(cache: SceneResultCache, model_solutions: Sequenc
         counts.append((words, sum(h.covered_contact_count for h in bars), sum(h.contact_count for h in bars)))
     cells: list[Row] = [
         {
-            text_column("bound", "stated error bound"): words,
+            text_column("bound", "error bound"): words,
             text_column("share", "number of errors within the bound"): f"{held} of {total}",
             TableColumn("part", "share of errors within the bound", "%", ".0f"): 100.0 * held / (total or 1),
         }
@@ -406,7 +410,7 @@ def error_bound_coverage_table(cache: SceneResultCache, model_solutions: Sequenc
         "the same share for a new scene; the table shows the share that was observed. The mesh uncertainty is meant to "
         "cover 95 % of the contacts, 19 of 20."
     )
-    title = "Share of errors that lie within the error bounds that rollbench states"
+    title = "Share of the models' actual errors that lie within the error bounds given by rollbench"
     return Table.from_rows("bounds-held", title, cells, note)
 
 

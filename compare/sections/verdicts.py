@@ -20,13 +20,13 @@ SHARED = 2
 
 #: Headings of the columns with the number of printed numbers and claims with each verdict.
 COUNT_HEADINGS: dict[str, str] = {
-    "reproduced": "number reproduced",
-    "only as printed": "number reproduced only with the publication's mistake repeated",
-    "band": "number with a computed value within a tolerance band",
-    "contradicted": "number that a computation, or the publication itself, contradicts",
-    "not identifiable": "number not determined by the data in the publication",
-    "input": "number that are inputs of the computation",
-    "identity": "number that hold by definition or symmetry",
+    "reproduced": "number of printed values and claims reproduced",
+    "only as printed": "number reproduced only by repeating a mistake of the publication",
+    "band": "number whose computed value lies within a tolerance band",
+    "contradicted": "number contradicted by a computation or by the publication itself",
+    "not identifiable": "number that cannot be computed from the data in the publication",
+    "input": "number used as inputs of the computation",
+    "identity": "number true by definition or symmetry",
 }
 
 #: Note on the tolerance bands.
@@ -97,7 +97,7 @@ def _columns_of_printed_table(
         (True, text_column("label", "quantity or claim")),
         (with_place, text_column("place", "place in the publication")),
         (True, text_column("verdict", "whether reproduced")),
-        (True, text_column("class", "class of the printed number or claim (hard, as-printed, band, open or input)")),
+        (True, text_column("class", "class: how a number must be reproduced (hard, as-printed, band, open or input)")),
         (True, text_column("unit", "unit")),
         (True, text_column("printed", "printed value")),
         (faulty, TableColumn("as_printed", "value computed with the publication's mistake repeated", "", form)),
@@ -216,7 +216,7 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     tally = Counter((r.printed.entry_class, r.verdict) for r in audited)
     rows: list[Row] = [
         {
-            text_column("class", "class of the printed number or claim (hard, as-printed, band, open or input)"): c,
+            text_column("class", "class: how numbers must be reproduced (hard, as-printed, band, open or input)"): c,
             text_column("verdict", "whether reproduced"): VERDICT_NAMES[v],
             text_column("count", "number of printed numbers and claims"): n,
         }
@@ -266,7 +266,7 @@ def printed_entry_counts_by_publication_table(entries: Sequence[compare_evidence
 def misprints_table(case_name: str = "") -> Table:
     """Return the table of misprints and errors in one publication or in all publications.
 
-    ``case_name``: name of the publication's case, such as "lin"; empty: all publications.
+    ``case_name``: short name of the publication, such as "lin"; empty: all publications.
     """
     columns = text_columns_of_table(
         *(() if case_name else (("source", "publication"),)),

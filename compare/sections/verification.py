@@ -413,7 +413,7 @@ def calculix_contact_tables(
         "half of each body is meshed; equal balls: one mesh for all balls."
     )
     first = f"Contact loads of {calculix_runs.scene} by the 3D reference and by CalculiX, extrapolated to cell size zero"
-    second = f"Contact loads of {calculix_runs.scene} by the 3D reference and by CalculiX on every mesh"
+    second = f"Contact loads of {calculix_runs.scene} by the 3D reference and by CalculiX: b/h elements across b, growth g"
     return [
         Table(f"crosscheck-{calculix_runs.scene}", first, results.COLUMNS, ends, note),
         Table(f"crosscheck-meshes-{calculix_runs.scene}", second, headings, each, meshes),

@@ -64,10 +64,10 @@ def names_of_exportable_parts(scene: Scene) -> tuple[str, ...]:
 
 
 def nuts_and_bearings_on_shaft(described: Solvable) -> list[PlacedNutOrBearing]:
-    """Return each nut or ball bearing of a scene, with its axial position and the ends of its 3D piece of the shaft [m].
+    """Return each nut or ball bearing of a scene, with its axial position and the ends of the shaft's 3D mesh at it [m].
 
-    Outside these ends the shaft is a beam in the 3D reference. Raises ValueError for a row of rollers, whose geometry
-    cannot be written.
+    Beyond these ends the shaft is a beam in the 3D reference. Raises ValueError for a row of rollers, whose geometry cannot
+    be written.
     """
     from rollbench.hifi.several_sets import meshed_geometry_of_each_set
     from rollbench.meshes.exchange.step_files import PlacedNutOrBearing
@@ -170,7 +170,8 @@ def solve_displacement_and_stress_of_part(
     Raises
     ------
     ValueError
-        If the scene cannot be solved, or if a support or load acts on the screw above the low end (in z) of its 3D mesh.
+        If the scene cannot be solved, or if a support or load acts on the screw at a larger z than the low end of its 3D
+        mesh.
     """
     from rollbench.hifi import fields
     from rollbench.hifi.bodies.coarse import convert_mesh_order
@@ -188,7 +189,7 @@ def solve_displacement_and_stress_of_part(
     forces = fields.contact_node_forces_by_flank(setup, result)
 
     def nodal_displacement_of_body(screw: bool) -> Array:
-        """Return the displacements of the n mesh nodes of the screw, or of the nut if not ``screw``, (n, 3) [m]."""
+        """Return the displacements of the n mesh nodes of the screw (``screw`` true) or of the nut (false), (n, 3) [m]."""
         if screw:
             return fields.nodal_displacements_of_screw(setup, meshes.screw_mesh, forces, scene)
         return fields.nodal_displacements_of_nut(setup, meshes.nut_mesh, forces)
@@ -214,7 +215,7 @@ def solve_displacement_and_stress_of_part(
 def _mesh_whole_body(scene: Scene, part: str, level: int) -> Mesh:
     """Mesh a whole body, without holes for contact patches; its finest elements lie at the expected contacts.
 
-    ``part``: "screw" (its piece that is modelled in 3D), "nut" or "ball"; ``level``: mesh level of the 3D reference.
+    ``part``: "screw" (the length of it that is modelled in 3D), "nut" or "ball"; ``level``: mesh level of the 3D reference.
     """
     from rollbench.hifi.bodies.coarse import convert_mesh_order
     from rollbench.hifi.meshing import part_meshes
@@ -267,14 +268,14 @@ def write_calculix_deck(
     unit
         Unit of length of the deck.
     balls
-        Range of the balls, numbered from 1, that are kept with short pieces of screw and nut, such as ``3:5``; empty: the
-        whole scene.
+        Range of the balls, numbered from 1, to which the scene is reduced, with a shortened screw and nut, such as ``3:5``;
+        empty: the whole scene.
     b_over_h
         Number of elements across the minor semi-axis of the contact ellipse.
     growth
         Increase of the element size per unit of distance from the contacts.
     stiffness
-        Contact stiffness: pressure per depth of penetration [N/mm3].
+        Penalty stiffness of the contact: pressure per depth of penetration [N/mm3].
     scene
         Scene of one nut or bearing.
     out
@@ -325,27 +326,27 @@ def parse_ball_range(range_text: str, scene: Scene) -> tuple[int, int]:
     words = re.fullmatch(r"([0-9]{1,9}):([0-9]{1,9})", range_text)
     first, last = (int(words[1]), int(words[2])) if words else (0, 0)
     if not 1 <= first <= last <= scene.ball_count:
-        raise ArgumentError("balls", range_text, allowed, "give a range such as 3:5, which keeps balls 3, 4 and 5")
+        raise ArgumentError("balls", range_text, allowed, "give a range such as 3:5 for balls 3, 4 and 5")
     return first, last
 
 
 def cut_balls_out_of_screw(scene: Scene, first: int, last: int) -> Scene:
-    """Cut a few neighbouring balls out of a screw with one start, with short pieces of nut and screw around them.
+    """Return the scene of a few neighbouring balls of a screw with one start, between shortened nut and screw.
 
-    Every load and support moves to the nearer end of the piece of screw. Loads are multiplied by the share of the balls
-    that are kept. Geometric errors of single balls stay with these balls.
+    Every load and support moves to the nearer end of the shortened screw. Loads are multiplied by the ratio of the number
+    of these balls to the number of all balls. Geometric errors of single balls stay with these balls.
 
     Parameters
     ----------
     scene
         Scene of one nut or bearing.
     first, last
-        Numbers of the first and last ball that are kept, from 1.
+        Numbers of the first and last ball of the new scene, from 1.
 
     Returns
     -------
     Scene
-        The scene with the kept balls.
+        The scene with only these balls.
 
     Raises
     ------
@@ -375,7 +376,7 @@ def cut_balls_out_of_screw(scene: Scene, first: int, last: int) -> Scene:
     share = (last - first + 1) / scene.ball_count
 
     def nearer_end(at: float) -> float:
-        """Return the axial position [m] of the end of the cut-out piece of screw that is nearer to position ``at`` [m]."""
+        """Return the axial position [m] of the end of the shortened screw that is nearer to the position ``at`` [m]."""
         return low if at <= middle else high
 
     listed = tuple((n - first + 1, e) for n, e in scene.errors.balls.listed if first <= n <= last)

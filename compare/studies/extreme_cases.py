@@ -88,11 +88,12 @@ def _with_scaled_youngs_moduli(base: Scene, screw: float, nut: float, balls: flo
 def with_shaft_stiffness(base: Scene, factor: float) -> Scene:
     """Return a copy of the scene ``base`` whose shaft is stiffer or softer as a beam, with unchanged Hertz contacts.
 
-    Stiffer shaft: the moduli of screw and nut are multiplied by ``factor``, and the balls' modulus is divided by
-    ``2 - 1/factor``; the contact moduli do not change, because all parts of ``base`` have the same material. Softer
-    shaft: the balls would need a negative modulus below a factor of 1/2, so the shaft gets a bore instead. The bore
-    leaves ``factor`` of the area and ``factor (2 - factor)`` of the second moment of area of the section without bore.
-    For factors below about 0.2 the wall is thinner than the groove is deep, which a scene file does not allow.
+    ``factor``: new over old axial stiffness of the shaft, above 1 for a stiffer one. Stiffer shaft: Young's moduli of screw
+    and nut are multiplied by ``factor``, and that of the balls is divided by ``2 - 1/factor``; the contact moduli do not
+    change, because all parts of ``base`` have the same material. Softer shaft: the balls would need a negative modulus
+    below a factor of 1/2, so the shaft gets a bore instead. The bore multiplies the area of the cross-section by
+    ``factor``, and its second moment of area by ``factor (2 - factor)``. For factors below about 0.2 the wall is thinner
+    than the groove is deep, which a scene file does not allow.
     """
     if factor >= 1.0:
         return _with_scaled_youngs_moduli(base, factor, factor, 1.0 / (2.0 - 1.0 / factor))
@@ -109,8 +110,8 @@ def with_groove_radius_ratio(base: Scene, ratio: float) -> Scene:
 def with_lead(base: Scene, lead: float) -> Scene:
     """Return a copy of the screw ``base`` with another lead [m], and with a nut that is long enough for it.
 
-    A lead of zero gives a bearing with 16 balls. At leads of up to 6 mm the balls get a diameter of 3 mm, with the
-    same conformity.
+    A lead of zero gives a bearing with 16 balls. With a lead of at most 6 mm the ball diameter becomes 3 mm, with the same
+    ratio of groove radius to ball radius.
     """
     if lead == 0.0:
         ring = tuple(2.0 * math.pi * i / 16 for i in range(16))
@@ -123,9 +124,9 @@ def with_lead(base: Scene, lead: float) -> Scene:
 
 
 def _free_laterally(base: Scene) -> Scene:
-    """Return a copy of the scene ``base`` whose screw is supported only along and about z.
+    """Return a copy of the scene ``base`` whose screw has supports only along and about its axis z.
 
-    The balls then carry lateral loads and moments.
+    Lateral loads on the screw, and moments about x and y, are then carried by the balls alone.
     """
     return replace(base, supports=(Support(0.0, (("uz", 0.0), ("rz", 0.0))),))
 

@@ -92,15 +92,15 @@ class FormulationOutcome:
     formulation: str
     #: Status that the solver reported, or why the scene was not attempted.
     status: str
-    #: Status that the solver should report: "converged", or the name of a free rigid motion that the loads drive.
+    #: Status that the solver should report: "converged", or the status that names a rigid motion that nothing resists.
     expected: str
     #: Whether the solver converged.
     converged: bool
     #: Number of iterations of the solver.
     iterations: int = 0
-    #: Largest unbalanced force over the largest force; None if the scene was not solved or has no force.
+    #: Largest unbalanced force as a fraction of the largest force; None if the scene was not solved or has no force.
     residual: float | None = None
-    #: Smallest residual that double precision allows (energy solver only).
+    #: Smallest ``residual`` that double precision allows; 0 for all formulations but the energy solver.
     round_off_bound: float = 0.0
     #: Run time of set-up and solution [s].
     seconds: float = 0.0
@@ -109,7 +109,7 @@ class FormulationOutcome:
     #: Largest difference between contact loads by the formulation and by the energy solver with the same beam nodes [% of
     #: the largest load]; None unless both converged.
     difference_percent: float | None = None
-    #: Short form of the status, followed by warnings and remarks.
+    #: Short form of ``status``, followed by warnings and remarks.
     reason: str = ""
 
     @property
@@ -124,8 +124,9 @@ class FormulationOutcome:
 def solve_hard_scene_by_formulation(hard_scene: HardScene, formulation: str) -> FormulationOutcome:
     """Solve one hard-to-solve scene by one formulation; the outcome also states a failure of the solver.
 
-    The energy solver has a beam node at every contact. Newton's method as in Lin's thesis has its nodes every 15 mm, with
-    the energy solver's rigid arcs for the flanks (``kinematics="arc"``), so that both solve the same equations.
+    The energy solver has a beam node at every contact, Newton's method as in Lin's thesis one every 15 mm. For the
+    comparison of their contact loads the energy solver is run with the nodes of the thesis, too, and both methods take the
+    flanks as rigid circular arcs (``kinematics="arc"``), so that they solve the same equations.
 
     Parameters
     ----------
@@ -137,7 +138,7 @@ def solve_hard_scene_by_formulation(hard_scene: HardScene, formulation: str) -> 
     Returns
     -------
     FormulationOutcome
-        Status, residual, time and differences of the solution.
+        Status, residual and run time of the solution, and difference of its contact loads from the energy solver's.
     """
     if formulation == ENERGY:
         return _outcome_by_energy_solver(hard_scene)
@@ -269,11 +270,11 @@ def _why_not_in_equilibrium(result: StaticResult | AxisResult) -> str:
 
 
 def roller_slice_law_residual(row: SetResult, result: AxisResult) -> float:
-    """Return by how much a roller slice's line load differs at most from its load-approach law, over the largest line load.
+    """Return the largest deviation of a roller slice's line load from its load-approach law, over the largest line load.
 
-    ``row``: solved row of tapered rollers; ``result``: solution of the shaft. The approach of a slice follows
-    from the displacements of cone and cup; the difference does not count the round-off of these displacements.
-    Zero for a row of balls, and for rollers without load.
+    ``row``: solved row of tapered rollers; ``result``: solution of the shaft. The approach of a slice follows from the
+    displacements of cone and cup; deviations that round-off of these displacements explains do not count. Zero for a row of
+    balls, and for rollers without load.
     """
     parts, lines = row.of.parts, row.line_loads
     if not isinstance(parts, RollerRow) or lines is None or not lines.any():
@@ -360,7 +361,7 @@ def _clause_on_load_difference(difference_percent: float | None) -> str:
 
 
 def _finite_or_none(value: float) -> float | None:
-    """Return a number as a float; None if the number is not finite, because JSON has no other word for such numbers."""
+    """Return a number as a float; None if the number is not finite, because JSON has neither infinity nor nan."""
     return float(value) if math.isfinite(value) else None
 
 
@@ -422,7 +423,7 @@ def solve_all_hard_scenes(
 
 
 def unexpected_outcomes(outcomes: Sequence[FormulationOutcome]) -> list[FormulationOutcome]:
-    """Return the outcomes of rollbench's own formulations that are not as expected.
+    """Return the outcomes that are not as expected, without those of Newton's method as in Lin's thesis.
 
     Expected is convergence or, if the loads drive a rigid motion that nothing resists, the status that names this motion.
     Outcomes whose contact loads differ from the energy solver's are returned, too.
@@ -519,8 +520,8 @@ def built_in_campaign_records() -> list[Record]:
 def campaign_table_rows(records: Sequence[Record]) -> list[Row]:
     """Return the rows of the report's table of test campaigns, one for each campaign of many random scenes.
 
-    ``records``: records of the campaigns. A row has the command, the version, and the numbers of scenes, damaged files and
-    killed processes with each outcome, by the heading of the column.
+    ``records``: records of the campaigns. A row has, by the heading of the column, the command that ran the campaign, the
+    version of rollbench, and how many scenes, damaged files and killed processes led to each outcome.
     """
     out = []
     for r in records:

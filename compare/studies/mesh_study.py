@@ -112,9 +112,10 @@ def mesh_level_table_rows(reference: estimate.Reference) -> list[dict[str, Any]]
     Returns
     -------
     list of dict
-        For each mesh level: cell size over that of the finest level; number of unknowns that one mesh of all bodies would
-        have; seconds without cached parts, with the conditions of their measurement; largest difference of a contact load
-        from the finest level, and uncertainty by `load_uncertainty_up_to_run`, each in % of the mean load.
+        For each mesh level: ratio of the cell size to that of the finest level; number of unknowns that one mesh of all
+        bodies would have; seconds for set-up and solution without cached parts, with the conditions of their measurement;
+        largest difference of a contact load from the finest level, and uncertainty by `load_uncertainty_up_to_run`, each in
+        % of the mean load.
     """
     return [
         {
@@ -134,14 +135,15 @@ def load_uncertainty_up_to_run(reference: estimate.Reference, run_index: int) ->
     """Estimate the mesh uncertainty of a run's contact loads as if there were no runs on finer meshes [% of the mean load].
 
     ``reference``: 3D reference with its runs; ``run_index``: number of the run from 0, coarsest mesh first. The uncertainty
-    is the root mean square over the contacts. For the coarsest mesh it is the uncertainty found on other scenes.
+    is the root mean square over the contacts. For the coarsest mesh it is the uncertainty of that mesh level on other
+    scenes.
     """
     loads = {run.level: run.load for run in reference.runs[max(0, run_index + 1 - estimate.FITTED) : run_index + 1]}
     return estimate.mesh_uncertainty(loads, estimate.read_uncertainty_of_other_scenes(shipped_store())).uncertainty
 
 
 def mesh_accuracy_sentence(reference: estimate.Reference) -> str:
-    """Return a sentence on accuracy and time of each mesh level, and on levels hardly more accurate than the coarser one.
+    """Return a sentence on accuracy and time of each mesh level, and on levels hardly more accurate than the next coarser.
 
     Percentages are rounded up. Times are given if all were measured together on one machine.
     """
@@ -194,9 +196,10 @@ def mesh_study_table_of_scene(
     Returns
     -------
     list of dict
-        For each quantity that is not fixed at zero: value on each level, order of convergence, extrapolated value, grid
-        uncertainty, and why there is an order or none. If modelling choices were varied: their effect (root of summed
-        squares), and the largest change by boundary conditions that the scene must state, such as how the nut is fixed.
+        For each quantity that is not fixed at zero: value on each level, order of convergence, extrapolated value, mesh
+        uncertainty, and a remark on why the order could or could not be determined. If modelling choices of the 3D
+        reference were varied, also their combined effect (root of the sum of squares), and the largest change due to
+        boundary conditions that the scene file must define, such as how the nut is fixed.
     """
     reference = reference_from_stored_runs(scene, stores, levels)
     if reference is None:

@@ -46,7 +46,7 @@ class RollerRun:
 
     #: Mesh level.
     level: int
-    #: Number of cells across half of the possible contact zone.
+    #: Number of cells across half the width of the zone in which contact is possible.
     across: int
     #: Number of cells of the meshes of roller and races.
     cells: int
@@ -62,7 +62,7 @@ class RollerRun:
     middle_line_load: list[list[float]]
     #: Largest pressure in the middle of the roller on each race, under the largest force [Pa].
     middle_pressure: list[float]
-    #: Largest pressure on each race, which a straight roller has at its ends, under the largest force [Pa].
+    #: Largest pressure on each race under the largest force [Pa]; for a straight roller it lies at the ends.
     largest_pressure: list[float]
     #: Positions along the roller at which line load and pressure are stored [m].
     along: list[float]
@@ -70,11 +70,11 @@ class RollerRun:
     line_load: list[list[float]]
     #: Largest pressure across the contact on each race at each position along the roller, under the largest force [Pa].
     along_pressure: list[list[float]]
-    #: Positions across the contact, at the roller's mean diameter, at which the pressure is stored [m].
+    #: Positions across the contact, in the cross-section with the roller's mean diameter, at which pressure is stored [m].
     across_place: list[float]
     #: Pressure on each race at each position across the contact, under the largest force [Pa].
     across_pressure: list[list[float]]
-    #: Largest difference between the integral of the contact pressure and the force, over the force.
+    #: Largest difference between a force of ``load`` and the integral of the contact pressure, over this force.
     imbalance: float
     #: Wall-clock time of the solution [s].
     seconds: float
@@ -82,7 +82,7 @@ class RollerRun:
     cpu_seconds: float
     #: Versions of the programs by name of the program.
     versions: dict[str, str]
-    #: Digest (hash value) of the program's sources.
+    #: Digest (hash value) of the source files of the program that solved the roller.
     sources: str
     #: Machine on which the roller was solved.
     machine: str
@@ -136,7 +136,7 @@ def roller_kinds_with_largest_load(assembly: Assembly) -> list[RollerKindWithLoa
 
 
 def roller_run_file_name(roller: RollerKindWithLoad, level: int) -> str:
-    """Return the name of the JSON file with the 3D solution of a roller on a mesh level."""
+    """Return the name of the JSON file that stores the 3D solution of a roller on a mesh level."""
     key = digest_of_values("roller", SCHEMA, replace(roller.roller_row, slices=1), roller.largest_load, SHARES)[:16]
     return f"roller-level{level}-{key}.json"
 
@@ -218,7 +218,7 @@ class ApproachAndStiffness:
 def approach_and_stiffness_by_laws(row: RollerRow, load: float) -> ApproachAndStiffness:
     """Return approach and stiffness of a roller pressed between its races, by two low-order laws.
 
-    ``row``: row of the roller; ``load``: force between the races [N].
+    ``row``: bearing row of the roller; ``load``: force that presses it between the races [N].
     """
     roller = rollers.slice_roller(
         rollers.tapered_bearing_of_row(row), row.slices, rollers.circular_crown_profile(row.crown)
@@ -232,7 +232,7 @@ def approach_and_stiffness_by_laws(row: RollerRow, load: float) -> ApproachAndSt
 def line_contact_pressures(row: RollerRow, line_loads: Sequence[float]) -> list[float]:
     """Return Hertz's largest line-contact pressure [Pa] in the middle of a roller on the outer and on the inner race.
 
-    ``row``: row of the roller; ``line_loads``: load per length on each of the races [N/m].
+    ``row``: bearing row of the roller; ``line_loads``: load per length on each of the races [N/m].
     """
     bearing = rollers.tapered_bearing_of_row(row)
     roller, cone, cup = (float(r) for r in bearing.curvature_radii())

@@ -43,13 +43,14 @@ class RunTimeRow:
     job: str
     #: Wall clock [s]; None: not measured.
     seconds: float | None
-    #: Ratio of two times, which ``note`` explains.
+    #: Ratio of two times; ``note`` says of which.
     ratio: float | None = None
-    #: Number of unknowns of one timed solution.
+    #: Number of unknowns of the equations in the timed solution.
     unknowns: int | None = None
     #: Peak memory of the process [MB].
     peak_MB: float | None = None
-    #: Median over the timed scenes of the largest contact-load error as `rollbench check` judges it [%].
+    #: Median over the timed scenes of a scene's largest contact-load error [% of the contact's load; of the mean
+    #: load for a nearly unloaded contact].
     error_percent: float | None = None
     #: Remark on how the time was measured.
     note: str = ""
@@ -74,7 +75,7 @@ def median_seconds(function: Callable[[], object], repeats: int) -> float:
 
 
 def environment_for_timed_process(extra: dict[str, str]) -> dict[str, str]:
-    """Return the environment variables for a timed process: those of this process, without those that set thread counts.
+    """Return the environment variables for a timed process: those of this process, but none that set thread counts.
 
     ``extra``: further environment variables by name, which are added.
     """
@@ -224,7 +225,7 @@ class ColdLevelTime:
     contacts: int | None = None
     #: Wall-clock time of a further load case with the same meshes [s].
     load_case: float | None = None
-    #: Wall clock of each stage of the set-up, such as meshing, by its name [s].
+    #: Wall clock of each stage of the set-up, such as meshing, by name of the stage [s].
     stages: dict[str, float] | None = None
 
 
@@ -328,7 +329,7 @@ class RunTime:
 class StoredRunTimes:
     """Run times that were measured together and stored, with the conditions of the measurement."""
 
-    #: Program version, sources and machine of the measurement.
+    #: Program version, digest of the program's source files, and machine of the measurement.
     measuring_conditions: MeasuringConditions
     #: Date of the measurement.
     date: str
@@ -363,7 +364,7 @@ class SetUpCost:
     level: int
     #: Number of loaded contacts.
     contacts: int
-    #: Processor times [s] of each stage of the set-up, by its name, then by kind of work: "all"; its parts "meshing",
+    #: Processor times [s] by name of the set-up's stage, then by kind of work: "all"; its parts "meshing",
     #: "assembly" and "elimination"; and "dense", the part of the elimination that is dense algebra.
     stages: Mapping[str, Mapping[str, float]]
 
@@ -381,7 +382,7 @@ class SetUpVariant:
 
     #: Name of the scene.
     scene: str
-    #: Description of the variant, which differs from the usual set-up in one respect.
+    #: Description of the one respect in which the variant differs from the usual set-up.
     way: str
     #: Processor time saved against the usual set-up [s].
     saved: float
@@ -397,7 +398,7 @@ class SetUpCosts:
     machine: str
     #: Date of the measurement.
     date: str
-    #: Processor times of usual set-ups with empty caches.
+    #: Processor times of the usual set-up, for each scene and mesh level.
     jobs: Sequence[SetUpCost]
     #: Cheaper variants of the set-up, with the time saved.
     ways: Sequence[SetUpVariant]
@@ -438,8 +439,9 @@ def run_times_file_name(source: str) -> str:
 def save_run_times(store: Path, run_times: StoredRunTimes, source: str = "") -> None:
     """Write run times to a JSON file in a folder.
 
-    ``store``: the folder; ``run_times``: the run times; ``source``: which times these are, and so the name of the file: a
-    publication's name, `TYPED` or empty, as in `run_times_file_name`. Raises InputError if the file cannot be written.
+    ``store``: the folder; ``run_times``: the run times; ``source``: which times these are, on which the file's name
+    depends: a publication's name, `TYPED` or empty, as in `run_times_file_name`. Raises InputError if the file cannot be
+    written.
     """
     times, first = sorted(run_times.times_by_scene_and_model.items()), sorted(run_times.first_solution_times.items())
     lists = {
@@ -535,9 +537,9 @@ class CommandTime:
     again: float | None = None
     #: CPU time of this further run [s].
     again_cpu: float | None = None
-    #: Wall clock in an empty home directory while another process keeps a core busy [s].
+    #: Wall clock to the end in an empty home directory while another process keeps a processor core busy [s].
     beside: float | None = None
-    #: CPU time in an empty home directory while another process keeps a core busy [s].
+    #: CPU time in an empty home directory while another process keeps a processor core busy [s].
     beside_cpu: float | None = None
     #: Remark, such as why a time was not measured.
     note: str = ""

@@ -300,7 +300,7 @@ Record = dict[str, Any]
 def survey_screw(seed: int, number: int, run_folder: Path | None = None) -> Record:
     """Draw a random ball screw, and compare the low-order models with the 3D reference on it.
 
-    A failure becomes part of the returned record; no exception is raised.
+    If a solution fails, the returned record says so; no exception is raised.
 
     Parameters
     ----------
@@ -356,7 +356,7 @@ def stored_run(run_folder: Path | None, scene: Scene) -> Run | None:
 
 
 def screw_properties_for_record(scene: Scene) -> Record:
-    """Return those properties of a screw that affect the error of low-order models and are known without a solution.
+    """Return the properties of a screw that affect the errors of low-order models, as far as known before it is solved.
 
     Their names end in the unit. "low_face_radii" and "high_face_radii" are the distances from the nut's
     faces at low and high z to the nearest ball centre, in ball radii; "offset_um" and "tilt_mrad" are the largest lateral
@@ -393,8 +393,8 @@ def screw_properties_for_record(scene: Scene) -> Record:
 def compare_models_with_reference(scene: Scene, raised: Scene, runs: Sequence[Run]) -> Record:
     """Compare the models with the 3D reference on a randomly drawn screw; return status, loads and errors as JSON values.
 
-    ``raised``: the same screw with raised loads; ``runs``: solutions under the given, then under the raised loads by the 3D
-    reference. Without two converged solutions or without loaded contacts the record has the status only.
+    ``raised``: the same screw with raised loads; ``runs``: solutions by the 3D reference under the drawn loads, then under
+    the raised loads. Without two converged solutions or without loaded contacts the record has the status only.
     """
     run, raised_run = runs
     state = {
@@ -547,12 +547,12 @@ def _valid_records_in_file(path: Path | None, seed: int) -> list[Record]:
 
 
 def records_without_converged_loads(records: Sequence[Record]) -> list[Record]:
-    """Return the survey records of screws on which the 3D reference did not converge under given or raised loads."""
+    """Return the survey records of screws for which the 3D reference did not converge under drawn or raised loads."""
     return [r for r in records if r["status"] != ANSWERED or r.get("raised_status", ANSWERED) != ANSWERED]
 
 
 def survey_records_as_json(seed: int, records: Sequence[Record]) -> str:
-    """Return the records of a survey as JSON text, one screw per line after the numbers of screws asked and solved."""
+    """Return the records of a survey as JSON text, one screw per line after the numbers of requested and solved screws."""
     asked = 1 + max((r["number"] for r in records), default=-1)
     head = {"command": f"rollbench stability --survey {asked}", "seed": seed, "level": LEVEL, "solved": len(records)}
     rows = ",\n".join(json.dumps(r, ensure_ascii=False) for r in records)
@@ -584,11 +584,11 @@ class ModelAccuracy(NamedTuple):
 
     #: Number of randomly drawn screws.
     screw_count: int
-    #: Number of screws whose largest load error is within `WORST_AIM` and whose RMS load error is within `RMS_AIM`.
+    #: Number of screws whose largest and root-mean-square load errors are within the aims `WORST_AIM` and `RMS_AIM`.
     within_aims: int
     #: Largest error of a contact load on any of the screws [% of the mean load of the screw].
     largest_error: float
-    #: Number of screws whose largest load error does not exceed the error that was expected for the screw.
+    #: Number of screws whose largest load error does not exceed the error that was estimated for them beforehand.
     within_expected_error: int
 
 

@@ -117,8 +117,8 @@ def stored_loads() -> dict[int, Row]:
 def reference_from_stored_loads(scene: Scene, number: int) -> Reference | None:
     """Return the 3D reference of a randomly drawn screw from its stored contact loads; None without stored loads.
 
-    ``scene``: the screw; ``number``: number of the screw. The uncertainty of the reference is that found on other scenes
-    with the same mesh level.
+    ``scene``: the screw; ``number``: number of the screw. The uncertainty of the reference is the mesh uncertainty of the
+    same mesh level on other scenes.
     """
     row = stored_loads().get(number)
     if row is None or row["of"] != _scene_digest(scene):
@@ -318,8 +318,8 @@ def median_errors_by_screw_kind(models: Mapping[str, Sequence[Row]]) -> list[Row
 def figure_of_errors_on_random_screws(data: Mapping[str, Any]) -> Figure:
     """Return a figure of the errors of models on randomly drawn screws.
 
-    One panel shows the share of screws whose error is below a value, the other the error on every screw; screws are sorted
-    by the error of the first model. ``data``: JSON values of `compare_models_on_random_screws`.
+    One panel shows the fraction of screws whose error is below a value, the other the error on every screw; screws are
+    sorted by the error of the first model. ``data``: JSON values of `compare_models_on_random_screws`.
     """
     solved = survey.ANSWERED
     models = {model_title(name): [r for r in rows if r["status"] == solved] for name, rows in data["models"].items()}
@@ -401,7 +401,7 @@ class TimedLevelRun:
 class StoredTimedLevelRuns:
     """Timed solutions of random screws on several mesh levels, with version, machine and date of the measurement."""
 
-    #: Version, sources and machine of the measurement.
+    #: Program version, digest of the program's source files, and machine of the measurement.
     measuring_conditions: MeasuringConditions
     #: Date of the last timed solution.
     date: str
@@ -415,9 +415,10 @@ class LoadErrorsAndTimes:
 
     #: Name of the model or mesh level.
     name: str
-    #: Mesh level of the 3D reference with which contact loads are compared, as text; empty without a comparison.
+    #: Mesh level of the 3D reference against which the load errors are taken, as text; empty without a comparison.
     reference_level: str
-    #: Largest contact-load error on each screw, as ``rollbench check`` judges it [%]; an empty array if not known.
+    #: Largest contact-load error on each screw [% of the contact's load; of the mean load for a nearly
+    #: unloaded contact]; an empty array if not known.
     gate_errors: Array
     #: Largest contact-load error on each screw [% of the mean load]; an empty array if not known.
     errors_of_mean_load: Array

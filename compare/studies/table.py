@@ -65,7 +65,7 @@ class SceneTableRequest:
     scene_name: str
     #: Varied keys with their values.
     varied_keys: tuple[sweep_keys.VariedKey, ...]
-    #: Columns of the table with the values of the varied keys.
+    #: Columns of the table that hold the values of the varied keys, one for each key.
     key_columns: tuple[Over, ...]
     #: Name of the model.
     model: str
@@ -74,7 +74,7 @@ class SceneTableRequest:
     #: Axial position [m] at which the stiffness is requested, or name of a nut or bearing; None: centre of the nut or, for
     #: the scene of a shaft, the position that the scene states.
     stiffness_position: float | str | None
-    #: Text that names the body whose stiffness is computed, and the parts that hold this body.
+    #: Text that names the body whose displacement defines the stiffness, and what is held fixed.
     stiffness_body_text: str
 
 
@@ -145,16 +145,14 @@ def _check_model_for_table(scene: Scene | Assembly, model: str, quantities: Sequ
 
 
 def _position_and_body_of_stiffness(given: str | float | None, scene: Scene | Assembly) -> tuple[float | str | None, str]:
-    """Return the axial position at which the stiffness is requested, then a text on what this stiffness moves and holds.
-
-    The text names the body whose stiffness it is, and what is held fixed.
+    """Return the axial position at which the stiffness is requested, then a text on which body moves and which is fixed.
 
     ``given``: the position as the user wrote it. The returned position is a number [m], the name of a nut or bearing, or
     None for the default. Raises InputError for a position that the shaft does not have.
     """
     names = [x.name for x in scene.sets] if isinstance(scene, Assembly) else []
     if given in names:
-        return given, f"set {given}, its inner part moved and its outer part fixed"
+        return given, f"nut or bearing {given}, its inner part moved and its outer part fixed"
     of = "shaft with all bearings and supports" if names else "screw's section against the held nut, without its shaft"
     if given is None or given == "":
         return None, of
@@ -308,7 +306,7 @@ def solve_table(request: SceneTableRequest, engine: ComputingSettings, show_prog
     """
     raw = scene_file.parse_toml(request.scene_text, request.scene_origin)
     for path, other in sweep_keys.varied_and_replaced_keys(raw, request.varied_keys):
-        show_progress(f"{path} takes the place of the scene's {other}")
+        show_progress(f"{path} replaces {other} of the scene")
     places = list(product(*(vary.listed_values for vary in request.varied_keys)))
     kernels = "compiled" if len(places) >= COMPILE_FROM else "auto"
     rows: dict[int, TableRow] = {}

@@ -92,7 +92,7 @@ def table_figure(table: Table) -> Figure | None:
     """Return a figure of each quantity over one varied key, with a curve for each combination of the other keys' values.
 
     The horizontal axis is the key with most values, among the keys whose values are numbers. Error bars show the errors to
-    expect, for quantities whose error is known. None if no key has two numbers or more.
+    expect, for quantities whose error is known. None if no key has at least two numeric values.
     """
     over = [k for k, x in enumerate(table.over) if x.numbers is not None and len(x.values) > 1]
     columns = table.columns()
@@ -158,7 +158,9 @@ def ross_module_text(table: Table) -> str:
     kept = [k for k, matrix in enumerate(matrices) if all(np.isfinite(matrix[at]) for at in ROSS_TERMS.values())]
     if not kept:
         advice = "make the table with the quantity stiffness, at an axial position where no support fixes ux, uy or uz"
-        raise InputError(table.scene, "stiffness", "no stiffness", "a table with a stiffness in one row or more", advice)
+        raise InputError(
+            table.scene, "stiffness", "no stiffness", "a file for ROSS needs a stiffness in at least one row", advice
+        )
     places, lines = table.places, []
     for k in kept:
         terms = {name: float(f"{matrices[k][at]:.9e}") for name, at in ROSS_TERMS.items()}
@@ -198,7 +200,8 @@ def _comment_lines(lines: Iterable[str]) -> str:
 def modelica_table_text(table: Table) -> tuple[str, list[str]]:
     """Return a table as the text of a file for Modelica.Blocks.Tables, then sentences on what the file leaves out.
 
-    Raises InputError unless the table has one or two varied keys with numbers, and enough rows with a result.
+    Raises InputError unless the table has one or two varied keys with numbers, at least two rows with a result, and a
+    column with a number in each of these rows.
     """
     axes = [x.numbers for x in table.over]
     if not 1 <= len(axes) <= 2 or any(x is None or len(x) < 2 for x in axes):
@@ -222,7 +225,10 @@ def modelica_table_text(table: Table) -> tuple[str, list[str]]:
         else:
             columns[name] = np.array(column, dtype=float)
     if len(kept) < 2 or not columns:
-        raise InputError(table.scene, "rows", count_with_noun(len(kept), "result"), "two results or more", "; ".join(left))
+        got = f"{count_with_noun(len(kept), 'row')} with a result, {count_with_noun(len(columns), 'column')} of numbers"
+        allowed = "a table for Modelica needs at least two rows with a result, and one column with a number in each of them"
+        advice = f"choose other values or quantities; left out of the table: {'; '.join(left) or 'columns of text'}"
+        raise InputError(table.scene, "rows", got, allowed, advice)
     head = [
         f"{table.scene} by rollbench, model {table.model}; over {', '.join(x.column for x in table.over)}",
         f"stiffness K_force_freedom in N, m, rad, of: {table.stiffness_of}",

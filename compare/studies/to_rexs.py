@@ -386,8 +386,8 @@ def _bearing_result_attributes(
 ) -> dict[str, Value]:
     """Return forces, deflections, stiffness, ratings and life of one bearing as REXS attributes.
 
-    ``result``: solution of the shaft; ``bearing``: the bearing's part of it; ``answers``: ratings, pressures and life of
-    the bearing; ``speed``: speed of the shaft [rad/s] for the life in hours, None if it is not known.
+    ``result``: solution of the shaft; ``bearing``: solution of the bearing in it; ``answers``: ratings, pressures and life
+    of the bearing; ``speed``: speed of the shaft [rad/s] for the life in hours, None if it is not known.
     """
     at = [float(np.interp(bearing.of.position, result.centreline_z, x)) for x in result.centreline.T]
     relative = np.array(at) - bearing.outer

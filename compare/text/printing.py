@@ -209,7 +209,7 @@ def table_width_without_breaks(table: Table) -> int:
 
 
 def _padding_width(table: Table) -> int:
-    """Return the width [characters] that each column needs in addition to its text, for padding and rule."""
+    """Return the width [characters] that padding and vertical rule add to each column."""
     _, right, _, left = table.padding
     return int(left) + int(right) + (table.box is not None)
 

@@ -110,7 +110,7 @@ def warning_and_note_lines(
 
 
 def solver_lines(solver_report: SolverReport, measured: str = "") -> list[str]:
-    """Return a line on the solver, its iterations and the size of the system; only on time if no solution was attempted.
+    """Return a line with solver, iterations, system size and time; with the time only if no solution was attempted.
 
     ``solver_report``: record of the solver. ``measured``: text on the discretisation error, which is added to the line.
     """
@@ -295,7 +295,7 @@ def _ball_and_roller_tables(result: AxisResult) -> list[RenderableType]:
 
 
 def _axis_stiffness_lines(result: AxisResult) -> list[str]:
-    """Return lines on a shaft's stiffness along each degree of freedom, with the others fixed and with the others free."""
+    """Return lines with a shaft's stiffness in each degree of freedom: with the five others fixed, and with them free."""
     if result.stiffness is None:
         return []
     d = np.diag(result.stiffness)
@@ -404,7 +404,7 @@ def _round_percent(percent: float | None) -> float | None:
 
 
 def _parameter_table_summary_lines(found: Table) -> Iterator[str]:
-    """Yield lines on how many combinations of parameter values have results, on failures, and on errors not known.
+    """Yield lines on how many combinations of parameter values have results, why others have none, and on unknown errors.
 
     ``found``: results over values of scene parameters.
     """

@@ -282,7 +282,8 @@ def assemble_mode_forces(boxes: Sequence[BodySocket], mode_forces: dict[int, Arr
     boxes : Sequence[BodySocket]
         Refinement boxes of the body: pockets of its coarse mesh that the fine patches fill.
     mode_forces : dict[int, Array]
-        By flank, the nodal forces Q of the k modes of a patch on its refinement box's degrees of freedom ``(k, 3 nodes)``.
+        For each flank, the nodal forces Q of a patch's k modes on the degrees of freedom of its refinement box ``(k, 3
+        nodes)``.
     freedom_count : int
         Number of the body's degrees of freedom.
 
@@ -334,7 +335,7 @@ def select_isostatic_freedoms(points: Array, excluded_nodes: Index) -> Index:
 def body_forces_like_rigid_motions(mesh: Mesh) -> Array:
     """Compute the nodal forces of six body-force fields that are distributed over the volume like the six rigid motions.
 
-    Such fields balance the loads on a free body.
+    Such fields balance the loads on a free body (inertia relief).
 
     Parameters
     ----------
@@ -419,8 +420,8 @@ class ContactSubmodel:
     box_nodes: Index
     #: Rotation matrix from the frame of the fine mesh (patch) at the contact to that of ``mesh`` ``(3, 3)``.
     rotation: Array
-    #: Names of the boundaries at which the piece is fixed; if there are none, body forces distributed like rigid motions
-    #: balance the loads.
+    #: Names of the boundaries at which the piece is fixed; without any, the loads are balanced by body forces that vary in
+    #: space like rigid-body motions (inertia relief).
     fixed_boundaries: tuple[str, ...]
 
 
@@ -551,7 +552,7 @@ def scales_of_coarse_submodels() -> list[float]:
 
 
 def local_contact_compliance(fine_compliance: Array, V: Array, coarse_mode_compliances: Sequence[Array]) -> Array:
-    """Compute the local compliance A_own of a contact: that of a finely meshed piece less the part of the coarse mesh.
+    """Compute a contact's local compliance, which its body's coarse mesh lacks: fine less coarse compliance of a piece.
 
     Parameters
     ----------

@@ -276,9 +276,9 @@ def approaches_over_grid_cell(
 ) -> tuple[Array, Array]:
     """Compute the approach of ball and groove for a contact at evenly spaced positions within one cell of its mesh grid.
 
-    The linear trend from cell to cell is subtracted: away from the middle of its zone a contact has another compliance
-    beneath it, which is physical and not an effect of the grid. The trend is the change between positions half a cell away
-    on either side.
+    The linear trend across the cell is subtracted, because it is physical and not an effect of the grid: the compliance of
+    the body varies with the position of the contact. The trend is the change of the approach between positions half a cell
+    away on either side.
 
     Parameters
     ----------
@@ -349,7 +349,7 @@ def mean_approaches_over_grid_cell(
 class GapCorrectionTable:
     """Table of gap corrections that cancel the dependence of a contact's approach on its position on the mesh grid."""
 
-    #: Contact forces of the table ``(f,)`` [N].
+    #: Contact forces at which the gap corrections are tabulated ``(f,)`` [N].
     tabulated_loads: Array
     #: Corrections of the gap for p contact positions across and q along the groove, evenly spaced in a grid cell
     #: ``(p, q, f)`` [m]; the first position is the middle node.
@@ -402,7 +402,8 @@ def tabulate_gap_corrections(
 ) -> GapCorrectionTable:
     """Tabulate the gap corrections of the contacts on one flank over positions in a grid cell and several forces.
 
-    A correction is the approach by the smooth force law less the approach computed at the position.
+    A correction is the approach by a smooth force law, fitted to the approaches, less the approach computed at the
+    position.
 
     Parameters
     ----------

@@ -103,8 +103,8 @@ class CondensedPatch:
     #: Compliance of the contact nodes with the refinement box fixed: mean normal displacements by unit contact loads
     #: ``(c, c)`` [m/N].
     A: Array
-    #: Mean normal displacements of the contact nodes by the motion of the refinement box ``(c, 3 k)``; H^T carries contact
-    #: loads to the refinement box.
+    #: Mean normal displacements of the contact nodes by unit displacements of the refinement box's nodes ``(c, 3 k)``; H^T
+    #: gives the nodal forces on the box by contact loads.
     H: Array
     #: Stiffness of the patch at the nodes of the refinement box ``(3 k, 3 k)`` [N/m].
     S: Array
@@ -497,8 +497,8 @@ def condense_patch(
 ) -> CondensedPatch:
     """Condense the fine mesh (patch) around a contact to its contact nodes and to the nodes of the refinement box it fills.
 
-    The result is exact, unless the mesh of a coarser patch of the same refinement box is used instead. In `CondensedPatch`
-    that hardly changes the matrices H and S at the refinement box, but it changes the compliance A of the contact.
+    The condensation is exact. If the mesh of a coarser patch in the same refinement box is used instead, the matrices H and
+    S of `CondensedPatch` hardly change, but the compliance A of the contact does.
 
     Parameters
     ----------

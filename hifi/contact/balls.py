@@ -439,7 +439,7 @@ def solve_contacts_of_one_ball(
 class NewtonFactor(NamedTuple):
     """Factorised equations of one Newton step for all balls; unknowns: modal forces w and rigid motions y."""
 
-    #: For every ball in contact: the slice c of its amplitudes in w, and the low-rank factor R ``(c, rank)`` of U^T D^-1 U
+    #: For every ball in contact: the slice of its c amplitudes in w, and the low-rank factor R ``(c, rank)`` of U^T D^-1 U
     #: = R R^T, where D is the compliance of the ball's contact pairs and U their coupling modes.
     low_rank_factors: list[tuple[slice, Array]]
     #: Index of the first column of each ball's low-rank factor R among the columns of all balls' factors.

@@ -247,7 +247,7 @@ class HertzContactSolution:
     b_over_h: float
     #: Number of degrees of freedom of the mesh that are not fixed.
     free_degree_of_freedom_count: int
-    #: Number of surface nodes that may touch.
+    #: Number of surface nodes that may come into contact.
     contact_node_count: int
     #: Number of iterations of Newton's method.
     newton_iteration_count: int
@@ -286,7 +286,7 @@ def solve_hertz_contact(
 ) -> HertzContactSolution:
     """Solve a Hertz contact by finite elements, on a mesh that is refined at its contact ellipse.
 
-    With growing ``b_over_h`` meshes of one element type become finer everywhere, so that errors can converge.
+    With growing ``b_over_h`` meshes of one element type become finer everywhere, so that the solution converges.
 
     Parameters
     ----------

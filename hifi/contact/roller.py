@@ -48,7 +48,7 @@ WIDEST = np.pi / 4.0
 
 
 class RollerError(ArithmeticError):
-    """Raised for a tapered roller or load that the 3D model of one roller cannot describe; contains advice to the user."""
+    """Error for a tapered roller or load that the 3D model of one roller cannot describe; its message gives advice."""
 
     def __init__(self, reason: str, advice: str) -> None:
         """Create the error from its reason and the advice to the user."""
@@ -73,7 +73,7 @@ class CondensedRoller:
     compliance: Array
     #: Gaps between the undeformed roller and the cup, then the cone, at the nodes ``(2 m n,)`` [m].
     undeformed_gaps: Array
-    #: Gap that a unit of three motions closes at each contact node ``(2 m n, 3)``: approach of the cup, motion of the
+    #: Reduction of the gap at each contact node by three unit motions ``(2 m n, 3)``: approach of the cup, motion of the
     #: roller towards the cup, tilt of the roller.
     gap_closing_matrix: Array
     #: Area that each contact node carries, in the meshed half of the zone ``(m, n)`` [m2].
@@ -90,7 +90,7 @@ class CondensedRoller:
 
 @dataclass(frozen=True)
 class RollerContactSolution:
-    """Approach, stiffness and contact pressures of a tapered roller that cup and cone press with one force."""
+    """Approach, stiffness and contact pressures of a tapered roller between cup and cone under a given race force."""
 
     #: Force of each race on the roller [N].
     race_force: float
@@ -99,8 +99,8 @@ class RollerContactSolution:
     approach: float
     #: Stiffness of the roller between cup and cone: derivative of the race force by the approach [N/m].
     stiffness: float
-    #: Contact pressures on cup and cone at the nodes `CondensedRoller.positions_along`, `CondensedRoller.positions_across`
-    #: ``(2, m, n)`` [Pa].
+    #: Contact pressures on cup and cone at the contact nodes, m along and n across the roller ``(2, m, n)`` [Pa]
+    #: (`CondensedRoller.positions_along`, `CondensedRoller.positions_across`).
     pressures: Array
     #: Loads per length on cup and cone at the nodes of `CondensedRoller.positions_along` ``(2, m)`` [N/m].
     line_loads: Array
@@ -202,7 +202,7 @@ def condense_roller(row: RollerRow, cells: int, load: float) -> CondensedRoller:
     Returns
     -------
     CondensedRoller
-        Compliance, gaps and closing motions of both contact zones.
+        Compliance, undeformed gaps and gap-closing matrix of both contact zones.
 
     Raises
     ------
@@ -290,7 +290,7 @@ def roller_compliance(body: roller_body.ExtrudedRollerBody, elasticity: object, 
     """Compute the compliance of a roller between the m n contact nodes of its meshed quarter ``(m n, m n)`` [m/N].
 
     ``body``: mesh of the quarter; ``elasticity``: bilinear form of linear elasticity; ``symmetric_loads``: whether the
-    loads of cup and cone are equal, symmetric about the plane between both contacts; otherwise they are opposite.
+    loads of cup and cone are symmetric about the plane midway between both contacts; otherwise they are antisymmetric.
     """
     K, rows = forms.assemble_constant_form(elasticity, body.mesh), _nodal_forces_of_pressure_functions(body)
     side, points = nodes_on_boundaries(body.mesh, "side"), body.points

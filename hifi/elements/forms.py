@@ -477,8 +477,8 @@ def pressure_function_integrals(mesh: Mesh, contact: Index) -> sp.csr_array:
     phat_k are the nodal basis functions of the contact pressure, N_i the shape functions of the displacement. W gives nodal
     forces W^T p from nodal pressures p, and integrals W g of gaps g weighted by the pressure functions. Row sums are the
     areas of the pressure functions, column sums those of the shape functions. On 27-node hexahedra the pressure functions
-    are bilinear on each quarter of a face. First-order tetrahedra, which represent the mesh of Lin's thesis, have nodal
-    forces: W is diagonal (a consistent mass would make so coarse a contact stiffer still).
+    are bilinear on each quarter of a face. First-order tetrahedra, which represent the mesh of Lin's thesis, have
+    concentrated nodal forces: W is diagonal (consistent weights would make such a coarse contact even stiffer).
 
     Parameters
     ----------

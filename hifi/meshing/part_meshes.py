@@ -113,7 +113,7 @@ def choose_refinement_box_size(
 
 
 def reach_of_ellipses_along_groove(m: GrooveMap, side: int, angle: Array, across: Array, along: Array) -> float:
-    """Compute how far contact ellipses reach along the groove from the middle line of the fine mesh (patch).
+    """Compute how far contact ellipses extend along the groove from the middle line of the fine mesh (patch).
 
     The long axis of an ellipse lies across the helix, but the mesh lines of a patch lie at constant azimuth. Because of the
     lead angle, the ends of the long axis therefore lie ahead of the middle line and behind it.

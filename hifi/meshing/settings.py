@@ -1,4 +1,4 @@
-"""Mesh choices of the 3D reference, and the estimated contact sizes from which they follow.
+"""Mesh settings of the 3D reference, and the estimated contact sizes from which they follow.
 
 The contacts are estimated with a simple model that serves only to size the mesh, and needs no finite-element packages. The
 screw is a Timoshenko beam through its supports, loads and balls (or one rigid section, where the scene says so), nuts are
@@ -60,13 +60,14 @@ class Settings:
     cuts: tuple[int, int, int] = frozen_default((3, 2, 3))
     #: Ratio of the sizes of neighbouring cells of a fine mesh (patch) outside the contact zone.
     growth: float = frozen_default(1.6)
-    #: Numbers of subdivisions of the refinement boxes' edges, as ``cuts``, in submodels of one contact.
+    #: Numbers of subdivisions of the refinement box's edges (across, in depth, along the groove) in submodels of one
+    #: contact.
     own_cuts: tuple[int, int, int] = frozen_default((4, 4, 4))
     #: Element sizes of the submodels of grooves, near the refinement box and far from it [m].
     own_sizes: tuple[float, float] = frozen_default((0.5e-3, 2.5e-3))
     #: Element sizes of the submodels of balls, near the refinement box and far from it [m].
     own_ball_sizes: tuple[float, float] = frozen_default((0.3e-3, 0.6e-3))
-    #: Element size of the 3D shafts from which the effect of a cut end is computed [m].
+    #: Element size of the auxiliary 3D shafts by which the additional flexibility of a cut shaft end is computed [m].
     cell: float = frozen_default(4.5e-3)
     #: Number of displacement modes by which each contact of screw and nut is coupled to its body.
     modes: int = frozen_default(16)
@@ -142,10 +143,10 @@ class ExpectedContacts:
     gaps: Array
 
     def typical_semi_axes(self) -> tuple[float, float]:
-        """Return the semi-axes of a typical contact ellipse across and along the groove [m].
+        """Return the semi-axes of a typical loaded contact ellipse, across and along the groove [m].
 
-        Each is a mean over the loaded balls. Of each ball, the contact with the largest load counts, with its ellipse
-        scaled to the mean of these largest loads.
+        Each is a mean over the loaded balls. For every ball the ellipse of its most heavily loaded contact is taken, scaled
+        to the mean of these largest loads over the balls.
         """
         largest = self.loads.max(axis=1)
         ball = np.flatnonzero(largest > LOADED * largest.max(initial=0.0))
@@ -169,12 +170,12 @@ class ExpectedContacts:
 class _ContactEstimateModel:
     """Equations of the simple model (rigid nut, beam, Hertz springs) that estimates the contacts of n balls."""
 
-    #: Stiffness K of shaft, housings, supports and soft springs ``(f, f)``, on all f degrees of freedom: sections of the
-    #: shaft, housings, and two displacements of each ball.
+    #: Stiffness K of shaft, housings, supports and soft springs ``(f, f)``, on all f degrees of freedom: six of each shaft
+    #: section and of each movable housing, and two displacements of each ball in the groove's section.
     K: sp.csc_array
-    #: Loads P on the f degrees of freedom ``(f,)`` [N, N m].
+    #: Loads P on the f degrees of freedom of shaft sections, housings and balls ``(f,)`` [N, N m].
     P: Array
-    #: Change of ``unloaded_centre_vectors`` by unit motions in all degrees of freedom ``(8 n, f)``.
+    #: Change of the ``unloaded_centre_vectors`` by a unit of each of the f degrees of freedom of ``K`` ``(8 n, f)``.
     A: sp.csr_array
     #: Vectors from the centre of each groove flank's arc to the ball's centre in the unloaded state, in the groove's
     #: section ``(n, 4, 2)`` [m].
@@ -185,10 +186,10 @@ class _ContactEstimateModel:
     hertz_constants: Array
     #: Stiffness of a typical Hertz contact, with which Newton's method regularises lightly loaded contacts [N/m].
     typical_stiffness: float
-    #: Stiffness of the soft springs in ``K`` on every degree of freedom ``(f,)`` [N/m, N m].
+    #: Stiffness of the soft springs, contained in ``K``, that prevent unsupported rigid motions ``(f,)`` [N/m, N m].
     soft_springs: Array
-    #: Lengths by which the degrees of freedom are multiplied to become displacements ``(f,)``: 1 for displacements, the
-    #: pitch radius [m] for rotations.
+    #: Factors that turn the degrees of freedom into displacements ``(f,)``: 1 for displacements, a length [m] for
+    #: rotations.
     lengths: Array
 
 
@@ -196,7 +197,7 @@ class _ContactEstimateModel:
 class _EstimatedNut:
     """One nut or bearing on the shaft, as input of the model that estimates its contacts."""
 
-    #: Parts of the nut or bearing.
+    #: Scene with the nut or bearing, its balls and the shaft.
     scene: Scene
     #: Whether each of the four groove flanks can touch a ball.
     touchable_flanks: tuple[bool, ...]
@@ -266,7 +267,7 @@ def estimate_contacts_under_assumed_load(scene: Scene, unloaded: ExpectedContact
     Parameters
     ----------
     scene : Scene
-        Parts of the nut or bearing.
+        Scene with the nut or bearing, its balls and the shaft.
     unloaded : ExpectedContacts
         Estimated contacts of the nut or bearing without load.
     load : float
@@ -300,7 +301,7 @@ def nut_shift_for_axial_force(scene: Scene, force: float) -> float:
     Parameters
     ----------
     scene : Scene
-        Parts of the nut or bearing.
+        Scene with the nut or bearing, its balls and the shaft.
     force : float
         Axial force that all balls carry together [N].
 
@@ -317,8 +318,8 @@ def nut_shift_for_axial_force(scene: Scene, force: float) -> float:
 def _which_flanks_can_touch(scene: Scene, thrust: Thrust) -> tuple[bool, ...]:
     """Return whether each of the four groove flanks can touch a ball, if the nut carries thrust in a given direction.
 
-    ``thrust``: direction of the axial force that the nut can carry, such as "+z" or "both". A groove of a single arc has
-    one flank on each body.
+    ``thrust``: direction of the axial force that the nut can carry, such as "+z" or "both". With grooves of a single arc,
+    only one flank of the screw and one of the nut can touch.
     """
     if (sides := flanks_of_single_arc_contacts(scene)) and thrust in ("both", "deep groove"):
         return tuple(s in sides for s in range(4))
@@ -350,7 +351,7 @@ def hertz_contacts_under_unit_force(scene: Scene) -> tuple[HertzSolution, ...]:
     Parameters
     ----------
     scene : Scene
-        Parts of the nut or bearing.
+        Scene with the nut or bearing, its balls and the shaft.
 
     Returns
     -------
@@ -386,7 +387,7 @@ def _assemble_estimate_model(sets: tuple[_EstimatedNut, ...], frame: ShaftSuppor
         K[shaft:, shaft:] += spring.T @ stiff @ spring
 
     def rigid_motion_at(body: int, z: float) -> sp.csr_array:
-        """Return the matrix ``(6, f)`` that gives the rigid motion of a body at z from the f degrees of freedom.
+        """Return the matrix ``(6, f)`` that gives the rigid motion of a body at z from the f motions of all bodies.
 
         ``body``: 0 for the screw, k for the nut on housing k, from 1; ``z``: axial position [m].
         """

@@ -2,7 +2,7 @@
 
 Steady rolling: of a ball's six equations of equilibrium two fix its position in the section of the track, and with it the
 contact loads, which are prescribed here (`hifi.rolling.scenes`). The other four fix its speed along the track and its
-rotation. Forces across the track that friction adds to the prescribed ones are part of the result.
+rotation. Friction forces across the track, which act in addition to the prescribed contact loads, are part of the result.
 
 Rolling from rest: elastic displacements move along with the material, and gaps between balls close. In a step dt material
 moves by V dt through every contact, so that
@@ -49,9 +49,9 @@ class RollingSettings:
 
     #: Numbers of cells of every contact's grid along and across the groove.
     grid_shape: tuple[int, int] = (24, 24)
-    #: Factor on the tangential compliance of the bodies: 1, or `NEARLY_RIGID`.
+    #: Factor on the tangential compliance of the bodies: 1 for elastic bodies, `NEARLY_RIGID` (0.01) for nearly rigid ones.
     elastic_factor: float = 1.0
-    #: Whether contacts lie on the curved surface that ball and groove share; otherwise they lie on its tangent plane.
+    #: Whether friction acts on the curved surface that ball and groove share; otherwise it acts in its tangent plane.
     curved_contacts: bool = True
     #: Mesh settings of finite bodies; None: half-spaces.
     finite_bodies: Sizes | None = None
@@ -63,7 +63,7 @@ class ContactFriction:
 
     #: Index of the ball.
     ball_index: int
-    #: Index of the contact among those of the ball.
+    #: Index of the contact among the ball's contacts with grooves.
     contact_index: int
     #: Centres of the cells along the contact's axes x and y ``(n, 2)`` [m].
     cell_centres: Array
@@ -79,7 +79,7 @@ class ContactFriction:
     sticks: NDArray[np.bool_]
     #: Unit vectors of the contact's axes x, y and normal as rows, in the ball's axes ``(3, 3)``.
     axes: Array
-    #: Power of friction in the contact [W].
+    #: Power dissipated by friction in the contact [W].
     friction_loss: float
     #: Power dissipated by the error of the finite differences along the flow of material [W].
     numerical_dissipation: float
@@ -287,7 +287,7 @@ def loaded_contacts(scene: RollingBalls) -> list[tuple[int, int, GrooveContact]]
     -------
     list[tuple[int, int, GrooveContact]]
         For each contact whose force exceeds `NEGLIGIBLE` times the ball's largest contact force: the index of the ball, the
-        index of the contact among those of the ball, and the contact.
+        index of the contact among the ball's contacts with grooves, and the contact.
     """
     out = []
     for b, ball in enumerate(scene.balls):
@@ -414,8 +414,8 @@ def solve_rolling(
     start_result : RollingResult | None, default None
         Solution on the same grid, whose motions and forces are the starting values; None: estimated starting values.
     smoothing_ratios : tuple[float, ...], default PATH
-        Slip speeds by which Coulomb's law is smoothed in turn, over the largest slip, in descending order, as for
-        `hifi.rolling.friction.solve_friction`.
+        Slip speeds by which Coulomb's law is smoothed in successive solutions, divided by the largest slip, in descending
+        order, as for `hifi.rolling.friction.solve_friction`.
 
     Returns
     -------
@@ -571,7 +571,7 @@ def solve_rigid_rolling(
     points : int, default POINTS
         Number of quadrature points along each axis of a contact ellipse.
     curved : bool, default True
-        Whether contacts lie on the curved surface that ball and groove share; otherwise they lie on its tangent plane.
+        Whether friction acts on the curved surface that ball and groove share; otherwise it acts in its tangent plane.
     bodies : Sizes | None, default None
         Mesh settings of finite bodies; None: half-spaces. The relative radii at each contact are replaced by those with
         which half-spaces have an equivalent contact (`hifi.rolling.patch.equivalent_half_space_radii`).
@@ -639,7 +639,7 @@ class MotionFromRest:
     losses: Array
     #: Power that the moving grooves put into the balls ``(T,)`` [W].
     driving_power: Array
-    #: Part of ``driving_power`` that elastic displacements store or the error of the time steps consumes ``(T,)`` [W].
+    #: Part of ``driving_power`` that is stored as elastic energy or dissipated by the error of the time steps ``(T,)`` [W].
     stored_power: Array
     #: Processor time of the simulation [s].
     cpu_seconds: float
@@ -656,12 +656,13 @@ class MotionFromRest:
 class _ContactWithoutHistory:
     """Contact for the friction solver in one time step, without the displacements that the preceding step left."""
 
-    #: Friction contact of the bodies taken as rigid.
+    #: Input of the friction solver for the contact between rigid bodies.
     contact: friction.FrictionContact
-    #: Tangential displacements by unit forces over the step, at the present place of the material ``(2 n, 2 n)`` [m/s/N].
+    #: Tangential displacements by unit forces, divided by the duration of the step, at the points where the material is at
+    #: the end of the step ``(2 n, 2 n)`` [m/s/N].
     displacement_at_present_place: Array
-    #: Tangential displacements by unit forces over the step, at the place of the material before the step
-    #: ``(2 n, 2 n)`` [m/s/N].
+    #: Tangential displacements by unit forces, divided by the duration of the step, at the points where the same material
+    #: was at the beginning of the step ``(2 n, 2 n)`` [m/s/N].
     displacement_at_previous_place: Array
 
     def add_displacements_of_last_step(self, forces: Array) -> friction.FrictionContact:
@@ -676,7 +677,7 @@ class _ContactWithoutHistory:
         )
 
     def stored_power(self, before: Array, after: Array) -> float:
-        """Compute the power [W] that elastic displacements store, or the error of the time step consumes.
+        """Compute the power [W] that is stored as elastic energy or dissipated by the error of the time step.
 
         ``before``, ``after``: tangential forces at the beginning and at the end of the step (2 n,) [N].
         """

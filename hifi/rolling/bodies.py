@@ -433,8 +433,8 @@ def half_space_compliance_on_same_nodes(
 ) -> Array:
     """Compute the compliance of a half-space on a mesh whose contact nodes have the coordinates x, y of a body's nodes.
 
-    A contact zone that is wider by a fraction e moves by 2 e to 3 e less under a linear traction. With equal nodes this
-    error is the same in both bodies, and cancels in the difference of their compliances.
+    If the mesh makes the contact zone wider by a fraction e, its displacement under a linear traction is smaller by 2 e to
+    3 e. With equal nodes this error is the same in both bodies and cancels in the difference of their compliances.
 
     Parameters
     ----------
@@ -484,9 +484,10 @@ class Sizes:
     margin: float = frozen_default(1.1)
     #: Degree of the polynomials that describe the compliance of a finite body less that of a half-space.
     degree: int = frozen_default(4)
-    #: Outer radius, from the ball's centre, of grooved bars that represent screw, nut or ring, over the ball's radius.
+    #: Ratio of the outer radius of the grooved bars that represent screw, nut or ring (about the ball's centre) to the
+    #: ball's radius.
     bar: float = frozen_default(5.0)
-    #: Half of the opening angle of the grooves of bars [rad].
+    #: Half of the opening angle of the groove in these bars, seen from the ball's centre [rad].
     opening: float = frozen_default(1.4)
     #: True: grooves of rings and helices are meshed as in the static 3D reference; False: as bent bars.
     patches: bool = frozen_default(True)
@@ -504,7 +505,7 @@ MOST = 32
 
 
 def cache_by_arguments(make: Callable[P, T]) -> Callable[P, T]:
-    """Make a function cache its results in memory by its arguments (a decorator).
+    """Decorate a function so that its results are cached in memory by its arguments.
 
     All functions that are decorated in this way together keep at most `MOST` results.
 
@@ -738,7 +739,7 @@ def _calls_that_compute_kernels(
 def _sum_kernels_of_contact(
     at: ContactGeometry, load: float, young: float, poisson: float, sizes: Sizes
 ) -> ComplianceKernel:
-    """Compute the compliance kernel of one contact: the sum of those of its ball and its groove.
+    """Compute the compliance kernel of one contact: the sum of the kernels of its ball and its groove.
 
     ``at``: position of the contact; ``load``: contact load [N]; ``sizes``: mesh settings of the bodies.
     """

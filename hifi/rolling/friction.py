@@ -97,9 +97,9 @@ class FrictionSolution:
 
 
 def keep_prescribed_motions(y: Array) -> tuple[Array, Array]:
-    """Return trivial equilibrium equations f = 0 with a unit derivative, so that the solver keeps the motions y.
+    """Return zero forces f with a unit derivative df/dy, so that the friction solver leaves the motions y unchanged.
 
-    They replace the equilibrium of the forces on the motions where the motions are prescribed.
+    They replace the equations of equilibrium if the motions are prescribed.
     """
     return np.zeros(y.size), np.eye(y.size)
 
@@ -229,7 +229,7 @@ class _FrictionProblem:
 
     #: Contacts whose friction is solved together.
     contacts: Sequence[FrictionContact]
-    #: Function that returns the forces on all motions besides friction, and their derivatives, at given motions.
+    #: Function of the rigid motions y that returns the generalised forces other than friction, and their derivatives by y.
     equilibrium: Balance
 
     def newton_step(self, parts: list[tuple[Array, Array, Array]], q: list[Array], y: Array) -> tuple[list[Array], Array]:
@@ -247,7 +247,7 @@ class _FrictionProblem:
         return [first + by_y @ dy[c.motion_indices] for c, (_, first, by_y) in zip(self.contacts, parts, strict=True)], dy
 
     def unbalanced_forces(self, q: list[Array], y: Array) -> Array:
-        """Evaluate the unbalanced forces on all motions: friction forces plus the other forces f(y) [N].
+        """Evaluate the unbalanced generalised forces on all rigid motions: friction forces plus the other forces f(y) [N].
 
         ``q``: tangential forces of every contact [N]; ``y``: motions of all bodies.
         """
@@ -336,18 +336,19 @@ def _projection_parameter(c: FrictionContact) -> Array:
 def solve_rigid_friction(
     contacts: Sequence[FrictionContact], balance: Balance, y: Array, smoothing_ratios: tuple[float, ...] = PATH
 ) -> tuple[Array, float]:
-    """Find the motions of rigid bodies at which the friction of all contacts is in equilibrium.
+    """Find the motions of rigid bodies at which friction in all contacts and the other forces are in equilibrium.
 
     Parameters
     ----------
     contacts : Sequence[FrictionContact]
         The contacts.
     balance : Balance
-        Function that returns the forces f other than friction in the directions of the k motions y, and df/dy.
+        Function of the k rigid motions y that returns the generalised forces f other than friction, and df/dy.
     y : (k,) Array
         Starting values of the motions of all bodies.
     smoothing_ratios : tuple[float, ...], default PATH
-        Slip speeds by which Coulomb's law is smoothed in turn, divided by the largest slip; in descending order.
+        Slip speeds by which Coulomb's law is smoothed in successive solutions, divided by the largest slip; in descending
+        order.
 
     Returns
     -------
@@ -395,14 +396,15 @@ def solve_friction(
     contacts : Sequence[FrictionContact]
         The contacts.
     balance : Balance, default keep_prescribed_motions
-        Function that returns the forces f on the k motions besides friction, and df/dy, at the motions y; by default the
-        motions are prescribed.
+        Function of the k rigid motions y that returns the generalised forces f other than friction, and df/dy; by default
+        the motions are prescribed.
     y : (k,) Array, optional, default None
         Starting values of the motions of all bodies; None: there are no motions.
     q : list[Array] | None, default None
         Starting values: tangential forces of every contact ``(2 n,)`` [N] of a similar solution; None: no such values.
     smoothing_ratios : tuple[float, ...], default PATH
-        Slip speeds by which Coulomb's law is smoothed in turn, divided by the largest slip; in descending order.
+        Slip speeds by which Coulomb's law is smoothed in successive solutions, divided by the largest slip; in descending
+        order.
 
     Returns
     -------

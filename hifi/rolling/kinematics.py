@@ -56,8 +56,8 @@ class TrackMotion:
 def velocities_by_ball_motions(track: TrackMotion, radius: float, at: Array) -> Array:
     """Compute the velocity of a ball's material at given points per unit of each of the ball's four motions.
 
-    The motions are that along the track and the rotations about three axes, the latter as speeds of the surface
-    (`MOTIONS`).
+    The four motions are the speed along the track, and the rotations about the ball's three axes times its radius, all in
+    m/s (`MOTIONS`).
 
     Parameters
     ----------
@@ -104,8 +104,8 @@ class BallPairContact:
     first_ball: int
     #: Index of the contact's second ball.
     second_ball: int
-    #: Closing speed (first row) and two sliding speeds of the first ball past the second, by 1 m/s of each of the four
-    #: motions of both balls ``(3, 8)``.
+    #: Closing speed (first row) and two sliding speeds of the first ball past the second, by 1 m/s of each motion of both
+    #: balls ``(3, 8)``: for either ball its speed along the track, and its rotations about three axes times its radius.
     speeds_by_ball_motions: Array
     #: Directions of the three speeds in ``speeds_by_ball_motions`` as rows, in common axes ``(3, 3)``: from the first ball
     #: to the second, and two tangents.
@@ -347,7 +347,7 @@ def elastic_friction_contact(
 def ball_to_ball_contact(
     one: int, two: int, frames: tuple[Array, Array], line: Array, track: TrackMotion, radius: float
 ) -> BallPairContact:
-    """Create the contact of two neighbouring balls without a gap from their axes and the line between their centres.
+    """Create the contact of two touching neighbouring balls from their axes and the line between their centres.
 
     Parameters
     ----------
@@ -382,13 +382,13 @@ def ball_to_ball_contact(
 class BallEquilibrium:
     """Equilibrium of all balls under the forces between them, as equations f(y) for the friction solver.
 
-    The equations give the forces f that act on the motions besides friction at the grooves (`hifi.rolling.friction`). The
-    unknowns y are the motions of all balls, then the force of each ball-to-ball contact [N].
+    The equations give all generalised forces f on the balls' motions except friction at the grooves
+    (`hifi.rolling.friction`). The unknowns y are the motions of all balls, then the force of each ball-to-ball contact [N].
     """
 
     #: Balls, contacts and friction coefficients.
     rolling_balls: RollingBalls
-    #: Factor by which closing speeds of neighbouring balls are multiplied to be compared with forces [N s/m].
+    #: Factor that converts closing speeds of neighbouring balls to forces in the contact condition between them [N s/m].
     force_per_closing_speed: float
 
     def __call__(self, y: Array) -> tuple[Array, Array]:

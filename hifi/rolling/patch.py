@@ -386,7 +386,7 @@ class GridContact:
 
     @property
     def tangential_displacement_rate(self) -> Array:
-        """Tangential slip of the cells that normal forces cause, per length of rolling ``(2 n,)`` [m/m], all x, then y.
+        """Tangential slip of the cells by normal forces, per length of rolling ``(2 n,)`` [m/m], all x and then all y.
 
         The slip is zero for half-spaces of the same material.
         """
@@ -397,7 +397,7 @@ class GridContact:
 
     @property
     def depth_of_contact_centre(self) -> float:
-        """Depth of the contact's centre inside the undeformed ball [m]: half of the approach.
+        """Depth of the contact's centre below the surface of the undeformed ball [m]: half of the approach.
 
         If the bodies are half-spaces, the depth is 0, so that the ball rolls with its own radius.
         """
@@ -421,7 +421,7 @@ class GridContact:
         return half_space + _backward_difference(added, step)
 
     def similar_contact(self, length: float, force: float) -> GridContact:
-        """Return a geometrically similar contact of half-spaces: lengths and normal forces are multiplied by factors.
+        """Return a geometrically similar contact of half-spaces, whose lengths and normal forces are multiplied by factors.
 
         Parameters
         ----------

@@ -356,7 +356,7 @@ class StaticEquilibrium:
     ball: Array
     #: Displacements of the inner body along its free motions ``(m,)`` [m].
     body: Array
-    #: Largest unbalanced force on a ball or the inner body, over the sum of the contact loads.
+    #: Ratio of the largest unbalanced force on a ball or the inner body to the sum of the contact loads.
     left: float
 
     @property
@@ -501,10 +501,10 @@ def solve_loads_with_rolling(
     *,
     balls_may_touch: bool,
 ) -> tuple[StaticEquilibrium, bool]:
-    """Solve contact loads and steady rolling together: friction pushes the balls across the track and changes the loads.
+    """Solve contact loads and steady rolling together, as friction forces across the track change the contact loads.
 
-    The inner body stays at its equilibrium without friction. The friction forces across the track are found by fixed-point
-    iteration with Anderson's acceleration, first on a coarse grid.
+    The inner body stays at its equilibrium without friction. The friction forces on the balls across the track are found by
+    fixed-point iteration with Anderson's acceleration, first on a coarse grid.
 
     Parameters
     ----------
@@ -524,7 +524,7 @@ def solve_loads_with_rolling(
     loads : StaticEquilibrium
         Contact forces with friction.
     converged : bool
-        Whether loads and friction agree (`AGREED`) and both converged.
+        Whether contact loads and friction forces are consistent to the tolerance `AGREED`, and both solutions converged.
     """
     loads = solve_static_problem(problem)
     held = copy_with_fixed_inner_body(problem, loads)

@@ -68,7 +68,7 @@ class RolledContact:
     normal_contact: GridContact
     #: Tangential forces and slips in every cell.
     friction_solution: FrictionSolution
-    #: Power of friction of the contact [W].
+    #: Power dissipated by friction in the contact [W].
     friction_loss: float
     #: Power dissipated by the error of the finite differences along the flow of material [W].
     numerical_dissipation: float
@@ -165,13 +165,13 @@ def _solve_rolling_at_unit_speed(patch: GridContact, transport: Array, slip: Arr
 
 @dataclass(frozen=True)
 class RollingOnsetStep:
-    """State after one step of a contact that is pushed sideways and then begins to roll under the same force."""
+    """State after one step of a contact that is loaded tangentially and then begins to roll under the same force."""
 
     #: Shift of body 1 along x after the push [m], or creepage along x after a step of rolling.
     shift_or_creepage: float
     #: Number of cells of the contact that stick.
     sticking_cell_count: int
-    #: Work of friction in the push [J], or power of friction at 1 m/s in a step of rolling [W].
+    #: Energy dissipated by friction in the push [J], or power dissipated in a step of rolling at 1 m/s [W].
     friction_loss: float
 
 
@@ -188,7 +188,8 @@ def simulate_rolling_onset(patch: GridContact, mu: float, share: float, steps: i
     mu : float
         Coefficient of friction.
     share : float
-        Tangential force over mu P, the normal force times the coefficient of friction.
+        Ratio Q/(mu P) of the tangential force Q to the friction limit, the normal force P times the coefficient of friction
+        mu.
     steps : int
         Number of steps of rolling.
 
@@ -365,7 +366,8 @@ def compare_with_carter(cells: int, share: float) -> tuple[Array, Array]:
     cells : int
         Number of cells across the contact.
     share : float
-        Tangential force Q over mu P, the normal force P times the coefficient of friction.
+        Ratio Q/(mu P) of the tangential force Q to the friction limit, the normal force P times the coefficient of friction
+        mu.
 
     Returns
     -------
@@ -413,7 +415,8 @@ def compare_with_mindlin(cells: int, share: float, finite_balls: Sizes | None = 
     cells : int
         Cells across the contact.
     share : float
-        Tangential force Q over mu P, the normal force P times the coefficient of friction.
+        Ratio Q/(mu P) of the tangential force Q to the friction limit, the normal force P times the coefficient of friction
+        mu.
     finite_balls : Sizes | None, default None
         Numerical settings of finite balls, whose shift is that of half-spaces plus that of the bodies by Q; None:
         half-spaces.
@@ -452,7 +455,7 @@ def compare_with_mindlin(cells: int, share: float, finite_balls: Sizes | None = 
 def kernel_of_two_balls(
     radius: float, semi: float, young: float, poisson: float, sizes: Sizes
 ) -> rolling_patch.ComplianceKernel:
-    """Compute by how much the contact compliance of two equal touching balls exceeds that of two half-spaces.
+    """Compute the contact compliance of two equal touching balls less that of two half-spaces (their kernel).
 
     ``radius``: radius of the balls [m]; ``semi``: radius of the circular contact [m]; ``sizes``: mesh settings of the
     balls.

@@ -59,7 +59,7 @@ class MeshedShaftPart:
     ends: tuple[float, float]
     #: Number of displacement modes of all contacts on this part of the screw together.
     mode_count: int
-    #: Whether all supported and loaded sections move with the base section (a ring on a stiff shaft).
+    #: Whether all supported and loaded sections move rigidly with the base section (as for a ring on a stiff shaft).
     moves_with_base: bool = False
 
     def contains(self, z: float) -> bool:
@@ -106,7 +106,7 @@ class SupportedShaft:
     #: The k rigid motions that no support prevents, of the shaft about ``origin_position`` and of the housings ``(6 (1 +
     #: h), k)``.
     free_motions: Array
-    #: Work of the loads on the ``free_motions`` ``(k,)``.
+    #: Work of the loads in a unit of each of the ``free_motions`` ``(k,)``.
     work_on_free_motions: Array
     #: Axial position of the reference point of the shaft's rigid motion [m].
     origin_position: float
@@ -127,7 +127,7 @@ def subtract_cut_end_flexibility(
 ) -> MeshedShaftPart:
     """Correct the flexibility of the screw's 3D part for its ends, where the mesh is cut but the real shaft continues.
 
-    An end is not corrected if no support or load lies beyond it: there the screw itself counts as ended.
+    An end beyond which no support or load lies is not corrected: the real screw is then taken to end there too.
 
     Parameters
     ----------
@@ -373,7 +373,8 @@ class _ShaftPartContribution(NamedTuple):
     modes_by_node_motions: Array
     #: Displacements of the contact modes by unit forces on them, with the structure's nodes fixed ``(m, m)`` [m/N].
     G: Array
-    #: Motion of the o observers of the 3D part by unit motions of all degrees of freedom ``(6 o, d)``.
+    #: Motion of the 3D part's o observers (sections whose motion is computed) by unit motions of all degrees of freedom
+    #: ``(6 o, d)``.
     observers_by_node_motions: Array
     #: Motion of the observers by unit forces on the contact modes, with the structure's nodes fixed ``(6 o, m)``.
     observers_by_modal_forces: Array

@@ -138,8 +138,8 @@ def fit_flexibility_of_cut_end(m: GrooveMap, flexibilities: Sequence[tuple[float
     """Fit the flexibility E that a cut end adds to a uniform beam to the computed flexibilities of several 3D shafts.
 
     The middle of every shaft lies at ``m.z0``. A flexibility per unit length that couples shear force and bending moment
-    about the same axis, equal for x and y, is fitted together with E, but not returned. The shear flexibility is
-    prescribed: with another one only the rotation of the beam would be defined differently, and E would change to match.
+    about the same axis, equal for x and y, is fitted together with E, but not returned. The shear flexibility of the beam
+    is prescribed; another value would only change the definition of the beam's rotation, and E with it.
 
     Parameters
     ----------
@@ -186,9 +186,10 @@ class EquivalentBeam:
 
     #: Stiffnesses of the beam's cross-section.
     section: ShaftSection
-    #: Radii of three plain shafts: of equal axial, of equal bending and of equal torsional stiffness [m].
+    #: Radii of three smooth shafts that have the same axial, the same bending and the same torsional stiffness [m].
     equivalent_radii: tuple[float, float, float]
-    #: Axial-torsional coupling: twist by a unit axial force, over the geometric mean of axial and torsional flexibility.
+    #: Axial-torsional coupling: ratio of the twist by a unit axial force to the geometric mean of axial and torsional
+    #: flexibility.
     axial_torsional_coupling: float
     #: Flexibility E that a cut end of the shaft adds to the beam ``(6, 6)``, in the frame of the cut.
     cut_end_flexibility: Array

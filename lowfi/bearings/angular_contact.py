@@ -197,7 +197,7 @@ class BallBearingThrustState:
     outer_hertz: hertz.HertzConstants
 
     def contact_areas(self) -> tuple[Array, Array]:
-        """Return the areas pi a b of a ball's contact ellipses, on the inner, then on the outer race [m^2].
+        """Return the areas pi a b of a ball's contact ellipses with inner and outer race [m^2]; a, b: semi-axes.
 
         They follow Smith (1994), eq. 2.27.
         """
@@ -336,9 +336,9 @@ def dimensionless_hertz_parameters(curvature_difference: float) -> tuple[float, 
 
 @dataclass(frozen=True)
 class BallBearingRow:
-    """Load-deflection law of an angular-contact ball bearing, for the equilibrium of several bearings on one shaft."""
+    """Axial load-deflection law of an angular-contact ball bearing, for the equilibrium of several bearings on a shaft."""
 
-    #: Bearing whose law is given.
+    #: The bearing.
     bearing: BallBearing
 
     def thrust(self, deflection: float) -> float:
@@ -387,7 +387,7 @@ def displacement_under_thrust(bearing: BallBearing, load: float) -> float:
             raise ValueError(TOO_LARGE.format(load))
 
     def thrust_above_given(u: float) -> float:
-        """Return the thrust at a displacement u [m] of the inner ring less the given thrust [N]."""
+        """Return the thrust at a displacement u [m] of the inner ring less the required thrust [N]."""
         return float(bearing_state_at_displacement(bearing, u).thrust) - load
 
     return float(brentq(thrust_above_given, 0.0, high, xtol=1e-22, rtol=8.9e-16))

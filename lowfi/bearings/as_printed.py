@@ -53,8 +53,8 @@ def hertz_parameter_by_smith_polynomial(curvature_difference: float, quantity: s
 def curvature_difference(curvatures: Sequence[float]) -> float:
     """Return the curvature difference F of a contact (Smith 1994, eq. 2.16) from its four principal curvatures.
 
-    F = |(rho_11 - rho_12) + (rho_21 - rho_22)| over the sum of all four; the bars of the absolute value are missing in
-    print.
+    F = |(rho_11 - rho_12) + (rho_21 - rho_22)| divided by the sum of all four. The absolute value is taken here; the
+    publication prints the formula without it.
     """
     a, b, c, d = curvatures
     return abs((a - b) + (c - d)) / (a + b + c + d)
@@ -88,7 +88,7 @@ class SmithSpreadsheetValues:
 
     #: Sums of the four principal curvatures at the contacts [1/mm].
     curvature_sums: tuple[float, float]
-    #: Curvature differences F over the curvature sum.
+    #: Curvature differences F, which are already divided by the curvature sum.
     curvature_differences: tuple[float, float]
     #: Dimensionless Hertz approaches delta*.
     dimensionless_approaches: tuple[float, float]
@@ -125,14 +125,14 @@ def compute_smith_spreadsheet(
     grooves, raceways
         Groove radii and raceway diameters (inner, outer) [mm].
     outer_difference
-        Curvature difference of the outer race that the spreadsheet's cell states, which does not follow from the geometry;
+        Curvature difference F of the outer race as printed in the spreadsheet, although the geometry gives another value;
         None: computed from the geometry.
     """
     d, dm, b = diameter, 0.5 * sum(raceways), sum(grooves) - diameter
     rest = float(np.arccos(1.0 - 0.5 * (raceways[1] - raceways[0] - 2.0 * d) / b))
 
     def spreadsheet_values(angle: float) -> SmithSpreadsheetValues:
-        """Return the values of all cells of the spreadsheet for a contact angle [rad]."""
+        """Return the values of all cells of the spreadsheet for a contact angle under load [rad]."""
         path = dm / np.cos(angle)
         four = (
             (-1.0 / grooves[0], 2.0 / (path - d), 2.0 / d, 2.0 / d),
@@ -150,7 +150,7 @@ def compute_smith_spreadsheet(
         )
 
     def ball_load_above_deflection_load(angle: float) -> float:
-        """Return a ball's load by equilibrium less its load by deflection [N], for a contact angle [rad]."""
+        """Return the ball load by equilibrium with the thrust less that by Hertz's law [N], for a contact angle [rad]."""
         state = spreadsheet_values(angle)
         return state.ball_load - state.load_constant * float((b * (np.cos(rest) / np.cos(angle) - 1.0)) ** 1.5)
 
@@ -158,15 +158,16 @@ def compute_smith_spreadsheet(
 
 
 def bearing_row_loads_as_printed(loads: Sequence[float], directions: Sequence[int], force: float) -> Array:
-    """Return the loads of bearing rows under an external force by Smith's method [N], whose sum is twice the force.
+    """Return the loads of bearing rows under an external force [N] by Smith's method, which counts the force twice.
 
-    Smith adds the whole force to the rows of its direction and also subtracts it from the opposite rows. For the stretch of
-    a screw he halves the force over both ends, so that the two errors cancel.
+    Smith adds the whole force to the rows that resist it and also subtracts it from the opposite rows, so that the rows
+    together resist twice the force. When he computes the stretch of a screw, he lets only half of the force act at each
+    end, so that the two errors cancel.
 
     Parameters
     ----------
     loads
-        Loads of the rows by preload, without external force [N].
+        Loads of the rows by preload alone [N].
     directions
         Direction of each row's thrust, 1 or -1.
     force
@@ -199,7 +200,7 @@ def axis_stiffness_as_printed(supports: Sequence[float], screw: float, nut: floa
 
 
 def roller_approach_as_printed(line_load: float, diameter: float, cup_angle: float, roller_angle: float) -> float:
-    """Return the approach of a roller's two races along the contact normal [in] by eq. 3.19 of Smith (1994).
+    """Return the approach of inner and outer race across a roller, along the contact normal [in] (Smith 1994, eq. 3.19).
 
     The logarithm has the base 10. The factor 8.89e-8 is 4 (1 - nu^2)/(pi E) ln 10 for steel, from the law of two line
     contacts. The logarithm's argument has a dimension, 1/(length times line load), so the formula does not scale: a bearing

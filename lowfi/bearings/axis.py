@@ -160,7 +160,7 @@ def carriage_to_frame_stiffness(axis: ScrewShaftSprings, position: Array | float
 
 
 def support_loads(axis: ScrewShaftSprings, position: float, force: float, tension: float = 0.0) -> tuple[float, float]:
-    """Return the axial forces of the shaft on the left and the right support [N], positive towards the other support.
+    """Return the axial forces of the shaft on left and right support [N], positive if the shaft pulls the support inwards.
 
     A force to the right on the nut raises the pull on the left support by the fraction k_l/(k_l + k_r) of the force, and
     lowers the pull on the right support by the rest. k_l and k_r are the stiffnesses from the nut to the frame through the
@@ -421,7 +421,8 @@ class BearingRows:
     row_laws: tuple[BearingRowLaw, ...]
     #: Direction of each row: +1 if it takes thrust in the positive direction, else -1.
     directions: tuple[int, ...]
-    #: Axial deflection g_j of each row by the gap between its rings that the locknut closes [m].
+    #: Axial deflection of each row [m] when the locknut closes the gap between its rings, at displacement 0 of the inner
+    #: rings.
     preload_deflections: tuple[float, ...]
 
     def __post_init__(self) -> None:
@@ -455,7 +456,7 @@ class BearingRowsState:
 
 
 def _evaluate_row_laws(bearings: BearingRows, displacement: float, law: Callable[[BearingRowLaw, float], float]) -> Array:
-    """Return the load [N] or the stiffness [N/m] of each bearing row at a common axial displacement of the inner rings [m].
+    """Return load [N] or stiffness [N/m] of each bearing row at an axial displacement [m] that all inner rings share.
 
     ``law``: method of `BearingRowLaw` that gives the load or the stiffness of a row at its deflection [m]. Equal rows with
     the same deflection are evaluated once.
@@ -470,7 +471,7 @@ def _evaluate_row_laws(bearings: BearingRows, displacement: float, law: Callable
 
 
 def _row_thrusts(bearings: BearingRows, displacement: float) -> Array:
-    """Return the thrust of each bearing row [N] at a common axial displacement of the inner rings [m]."""
+    """Return the thrust of each bearing row [N] at an axial displacement [m] that all inner rings share."""
     return _evaluate_row_laws(bearings, displacement, lambda row, d: row.thrust(d))
 
 

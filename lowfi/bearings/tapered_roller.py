@@ -75,7 +75,7 @@ class LoadZone:
     thrust_integral: float
     #: Sjovall's integral J_r of the radial load, dimensionless.
     radial_integral: float
-    #: Half of the angle of the circumference over which the row is loaded [rad].
+    #: Half of the angle over which the circumference of the row is loaded [rad]; pi if all of it is loaded.
     half_angle: float
 
 
@@ -152,7 +152,7 @@ def load_zone_under_thrust_and_radial_load(axial: float, radial: float, angle: f
         return load_zone_integrals(np.inf, exponent)
 
     def logarithm_of_ratio_over_required(log_eps: float) -> float:
-        """Return the logarithm of the ratio J_r/J_a of Sjovall's integrals over its required value F_r tan(alpha)/F_a.
+        """Return log((J_r/J_a)/ratio): ratio of Sjovall's integrals over its required value F_r tan(alpha)/F_a.
 
         ``log_eps``: logarithm of the load zone parameter, for which the integrals are computed.
         """
@@ -175,11 +175,11 @@ class ThrustAndRadialState:
     axial_displacement: float
     #: Radial displacement of the inner ring [m].
     radial_displacement: float
-    #: Load Q of either race on every roller ``(N,)`` [N].
+    #: Contact load of each of the N rollers, the same on inner and outer race ``(N,)`` [N].
     roller_loads: Array
     #: Derivatives of the axial and radial force with respect to the axial and radial displacement ``(2, 2)`` [N/m].
     stiffness: Array
-    #: Largest unbalanced force on the inner ring over the thrust.
+    #: Largest unbalanced force on the inner ring, as a fraction of the thrust.
     residual: float
     #: Whether the ``residual`` is below 1e-9.
     converged: bool
@@ -277,17 +277,17 @@ class LoadZoneSolution:
     axial_displacement: float
     #: Radial displacement of the inner ring [m].
     radial_displacement: float
-    #: Force of either race on the most heavily loaded roller [N].
+    #: Contact load of the most heavily loaded roller, the same on inner and outer race [N].
     largest_roller_load: float
 
 
 def solve_by_smith_load_zone(bearing: TaperedBearing, axial: float, radial: float) -> LoadZoneSolution:
     """Return displacements and largest roller load of a bearing by Smith's load-zone method.
 
-    The integrals over the load zone and the law of the line contact are exact. A power law distributes the load over the
-    rollers, and the line contact of the most loaded roller gives its compression. The result is exact for pure thrust.
-    Otherwise its accuracy depends on the exponent and on the number of rollers, taken as infinite. Arguments and errors are
-    those of `solve_thrust_and_radial_equilibrium`.
+    The load is distributed over the rollers by a power law, load ~ deflection^1.1; the compression of the most loaded
+    roller then follows from the law of its line contact. The integrals over the load zone and the law of the line contact
+    are evaluated exactly. The result is exact for pure thrust. Otherwise its accuracy depends on the exponent and on the
+    number of rollers, taken as infinite. Arguments and errors are those of `solve_thrust_and_radial_equilibrium`.
 
     References
     ----------
@@ -326,7 +326,7 @@ def rib_relative_curvatures(bearing: TaperedBearing, end_radius: float, height: 
     ValueError
         The sphere does not reach the rib or fits it without gap: R_s must be above the radius of the roller's large end and
         below the distance of this end from the common apex of the races. The message states only the allowed range of
-        ``end_radius``; the check of input files adds the rest.
+        ``end_radius``; the caller adds the name of the input and its value.
     """
     gamma, beta = bearing.roller_angle, bearing.cup_angle - bearing.roller_angle
     g = bearing.apex_distance + 0.5 * bearing.length
@@ -359,7 +359,7 @@ def rib_height(row: RollerRow) -> float:
 class RibContact:
     """Contact of the large end of the most loaded roller of a row with the rib of the cone."""
 
-    #: Number of the roller, from 1.
+    #: Number of the most loaded roller, from 1.
     roller: int = quantity_field("roller", "roller of the largest load on the rib")
     #: Force of the rib on the roller [N].
     load: float = quantity_field(
@@ -388,7 +388,7 @@ class RibContact:
     )
     #: Height of the rib contact above the cone's race [m].
     height: float = quantity_field("height_mm", "height of the rib's contact above the cone's race, as given or assumed")
-    #: Text on assumptions and missing data of the rib contact.
+    #: Text that names assumptions and missing data of the rib contact.
     words: str = quantity_field("words", "what is assumed or not known", show=lambda words: words or None, default="")
 
 
@@ -404,7 +404,7 @@ def rib_contact(row: RollerRow, loads: Array) -> RibContact | None:
     row
         Row of tapered rollers.
     loads
-        Contact load of each roller ``(count,)`` [N], the same on cone and cup.
+        Contact load of each roller ``(count,)`` [N], the same on cone (inner ring) and cup (outer ring).
 
     Returns
     -------

@@ -120,7 +120,7 @@ def load_independent_torque(lubrication_factor: float, pitch_diameter: float, vi
 class BallBearingTorque:
     """Friction torque of a row of balls [N m], as a range (low, high) given by the published coefficients."""
 
-    #: Part M_1 of the friction torque that depends on load, as (low, high) [N m].
+    #: Load-dependent part M_1 of the friction torque, as (low, high) [N m].
     load: Band = quantity_field(
         "load_Nmm",
         "load-dependent part M1 = z (Q/Q0)^y P1 dm, from the computed loads; lowest and highest published z",
@@ -178,7 +178,8 @@ def ball_bearing_torque(
     pitch_diameter
         Pitch diameter d_m [m].
     loads
-        Thrust of all balls, with preload [N]; radial load [N]; largest contact load over that of the static rating, Q/Q_0.
+        Thrust of all balls, with preload [N]; radial load [N]; ratio Q/Q_0 of the largest contact load to the permissible
+        static one.
     viscous
         Load-independent torque M_0 as (low, high) [N m]; None without lubricant or speed.
 
@@ -188,7 +189,8 @@ def ball_bearing_torque(
 
     Examples
     --------
-    An angular-contact row at 1 kN thrust, Q/Q_0 = 1/8, d_m = 40 mm: 0.001 to 0.0013 times 0.5 times 40 N m.
+    An angular-contact row at 1 kN thrust, Q/Q_0 = 1/8, d_m = 40 mm: factors 0.001 to 0.0013, times (1/8)^(1/3), times 40 N
+    m.
 
     >>> torque = ball_bearing_torque("angular contact", np.pi / 6, 40e-3, (1e3, 0.0, 0.125), None)
     >>> [round(x * 1e3, 6) for x in torque.load]  # N mm
@@ -214,7 +216,8 @@ class PalmgrenLoadTorque:
         "without lubricant and seals",
         error="empirical",
     )
-    #: Factor f_1 = 0.0013 (P_0/C_0)^(1/3) of the torque M_1 = f_1 g_1 P_0 d_m.
+    #: Factor f_1 = 0.0013 (P_0/C_0)^(1/3) of the torque M_1 = f_1 g_1 P_0 d_m, with static equivalent load P_0, static load
+    #: rating C_0 and pitch diameter d_m; g_1 P_0 is taken as the thrust.
     factor: float = quantity_field("factor", "factor f1 = 0.0013 (P0/C0)^(1/3) of the starting torque")
     #: Static equivalent load P_0 [N].
     equivalent_load: float = quantity_field("equivalent_load_N", "static equivalent load P0 of the bearing")
@@ -252,7 +255,7 @@ def load_dependent_torque(
     """Return the load-dependent friction torque M_1 = f_1 g_1 P_0 d_m of a ball bearing.
 
     The factor f_1 = 0.0013 (P_0/C_0)^(1/3) of design and load is for contact angles of about 60 deg. The load g_1 P_0 that
-    determines the torque is taken as the thrust F_a, so that Y_0 has an influence only through f_1.
+    determines the torque is taken as the thrust F_a; the factor Y_0 in P_0 therefore has an influence only through f_1.
 
     Parameters
     ----------
@@ -288,7 +291,7 @@ def timken_running_torque(bearing_factor: float, viscosity: float, speed: float,
     Parameters
     ----------
     bearing_factor
-        Timken's bearing factor G_1, from the manufacturer.
+        Bearing factor G_1 of Timken's formula, from the manufacturer's catalogue.
     viscosity
         Dynamic viscosity mu [Pa s].
     speed
@@ -360,13 +363,13 @@ class RollerBearingTorque:
         "friction torque of the rollers' large ends that slide and spin on the rib",
         error="that of the coefficient of friction",
     )
-    #: Friction torque with the lowest coefficient of friction in `FRICTIONS` [N m]; None if the scene gives the
-    #: coefficient.
+    #: Friction torque of the running row [N m] for the lowest coefficient of friction on the rib, 0.03; None if the scene
+    #: gives the coefficient.
     low: float | None = quantity_field(
         "low_Nmm", "torque with a coefficient of friction of 0.03 on the rib (full film); null if rib_friction is given"
     )
-    #: Friction torque with the highest coefficient of friction in `FRICTIONS` [N m]; None if the scene gives the
-    #: coefficient.
+    #: Friction torque of the running row [N m] for the highest coefficient of friction on the rib, 0.15; None if the scene
+    #: gives the coefficient.
     high: float | None = quantity_field(
         "high_Nmm", "torque with a coefficient of friction of 0.15 on the rib (boundary lubrication)"
     )
@@ -485,7 +488,8 @@ def rolling_speed(bearing: rollers.TaperedBearing, along: Array, speed: float) -
 def film_torque(bearing: rollers.TaperedBearing, line_loads: Array, speed: float, lubricant: Lubricant) -> float:
     """Return the friction torque of the lubricant films on both races [N m].
 
-    It is the sum of the power lost by `film_rolling_resistance` in every slice, divided by the speed of the rings.
+    It is the power lost by rolling resistance (`film_rolling_resistance`) in all slices of all rollers, divided by the
+    relative angular speed of the rings.
 
     Parameters
     ----------

@@ -57,8 +57,8 @@ def compliance_of_smooth_body(geometry: Scene, screw: bool, backend: ComplianceM
 def axial_range_of_contacts(geometry: Scene, body: tube.SmoothBody) -> tuple[float, float]:
     """Return the lower and upper end of the axial range [m] that contains all load patches on a smooth body.
 
-    It is the nut's length and `BESIDE` widths of a patch beyond either face. ``geometry``: scene of
-    `reduce_to_compliance_geometry`; ``body``: smooth body, which gives the width of the patches.
+    It reaches beyond both faces of the nut by `BESIDE` times the width (standard deviation) of a patch. ``geometry``: scene
+    of `reduce_to_compliance_geometry`; ``body``: smooth body, which gives the width of the patches.
     """
     half = geometry.nut.length / 2.0 + BESIDE * body.patch_width
     return geometry.nut.position - half, geometry.nut.position + half
@@ -132,10 +132,10 @@ def smooth_body_compliance_beyond_beam(
 def contact_motions_by_section_wrench(
     scene: Scene, layout: BallLayout, screw: bool, backend: ComplianceModel, flanks: Sequence[int] = BOTH
 ) -> Array:
-    """Return the local motions ``(2 c, 6)`` of c contacts, each by a unit wrench that its cross-section transmits.
+    """Return the local motions ``(2 c, 6)`` of c contacts by six unit loads that the contact's cross-section transmits.
 
-    The motions of the smooth body by the same wrench are subtracted. The wrench consists of three forces and three moments.
-    At a groove the body is thinner than on average and therefore strains more
+    The loads are three forces and three moments. The motions of the smooth body under the same loads are subtracted. A
+    difference remains, because at a groove the body is thinner than on average and therefore strains more
     (`GrooveAndFaceCompliance.section_strain_motions`). Arguments, and the c contacts with two axes each, are those of
     `smooth_body_compliance_beyond_beam`.
     """
@@ -195,7 +195,8 @@ def cached_groove_and_face_compliance(
 
     It is that of `compute_groove_and_face_compliance`. ``flank``: groove of the body; ``body``: smooth body; ``section``:
     section of the grooved body's beam; ``fixed_radii``: range of radii in which a face is fixed [m]; ``has_near_face``:
-    whether an end face is so near to a contact that its effect is computed. Ends and flange of the tube have no influence.
+    whether an end face is so near to a contact that its effect is computed. The axial positions of the body's ends and its
+    flange do not influence the result.
     """
     return faces.compute_groove_and_face_compliance(flank, body, section, fixed_radii, has_near_face=has_near_face)
 
@@ -270,17 +271,17 @@ def compute_compliance_between_contacts(
 def screw_motions_by_end_wrench(
     scene: Scene, layout: BallLayout, backend: ComplianceModel
 ) -> tuple[Array, Array, float, float]:
-    """Return the motions of a screw's contacts and high-z end by a unit wrench on that end, less the beam's motions.
+    """Return the motions of a screw's contacts and high-z end face by six unit loads on that face, less the beam's motions.
 
-    The mean motions of the end at low z are fixed. The wrench consists of three forces and three moments.
+    The loads are three forces and three moments. The end face at low z has no mean displacement and no mean rotation.
 
     ``layout``: positions of the N balls; ``backend``: model of the bodies.
 
     Returns
     -------
     tuple
-        Motions of the contacts, all left contacts, then all right contacts, two axes each ``(4 N, 6)``; motions of the high
-        end ``(6, 6)``; axial positions of the low and the high end [m]. These are the fields of
+        Motions of the contacts, all left contacts, then all right contacts, two axes each ``(4 N, 6)``; mean motions of the
+        end face at high z ``(6, 6)``; axial positions of the low and the high end [m]. These are the fields of
         `lowfi.compliance.bodies.EndWrenchMotions`.
     """
     geometry = parts.reduce_to_compliance_geometry(scene)
@@ -296,10 +297,10 @@ def screw_motions_by_end_wrench(
 
 
 def screw_motions_by_section_wrench(scene: Scene, layout: BallLayout, backend: ComplianceModel, section_z: float) -> Array:
-    """Compute the motions ``(4 N, 6)`` of a screw's contacts by a unit wrench on a cross-section, less the beam's motions.
+    """Compute the motions ``(4 N, 6)`` of a screw's contacts by six unit loads on a cross-section, less the beam's motions.
 
-    The rows are all left contacts, then all right contacts, with two axes each. ``layout``: positions of the N balls;
-    ``section_z``: axial position of the cross-section [m]. The function is
+    The columns are for three forces and three moments, the rows for all left contacts, then all right contacts, with two
+    axes each. ``layout``: positions of the N balls; ``section_z``: axial position of the cross-section [m]. The function is
     `lowfi.compliance.bodies.screw_response_to_section_wrench` without a cache, for balls at any positions.
     """
     geometry = parts.reduce_to_compliance_geometry(scene)
@@ -315,11 +316,11 @@ def screw_motions_by_section_wrench(scene: Scene, layout: BallLayout, backend: C
 
 
 def shaft_beam_motions_by_section_wrench(body: tube.SmoothBody, contact_points: Array, axes: Array, z: float) -> Array:
-    """Return the motions ``(2 c + 6, 6)`` of a smooth shaft's beam by a unit wrench on its cross-section at ``z`` [m].
+    """Return the motions ``(2 c + 6, 6)`` of a smooth shaft's beam by six unit loads on its cross-section at ``z`` [m].
 
-    The motions are those of c contacts, along two axes each, then of the loaded cross-section. The springs at the shaft's
-    end at low z are included. ``contact_points`` ``(c, 3)``: contact points [m]; ``axes`` ``(c, 2, 3)``: directions of
-    their motions.
+    The loads are three forces and three moments. The motions are those of c contacts, along two axes each, then the six of
+    the loaded cross-section. The springs at the shaft's end at low z are included. ``contact_points`` ``(c, 3)``: contact
+    points [m]; ``axes`` ``(c, 2, 3)``: directions of their motions.
     """
     low, taken = body.ends[0], tube.move_contacts_to_surface(body, contact_points)
     rows = np.concatenate([tube.contact_motions_by_rigid_motions(taken, axes), np.eye(6)])
@@ -332,12 +333,12 @@ def shaft_beam_motions_by_section_wrench(body: tube.SmoothBody, contact_points: 
 
 
 def section_strain_motions_by_wrench(section_strain_motions: Array, stations: Array, section_z: float) -> Array:
-    """Return the motions ``(2 c, 6)`` of c contacts that a unit wrench on a section causes by local strains at grooves.
+    """Return the motions ``(2 c, 6)`` of c contacts by six unit loads on a section, due to local strains at grooves.
 
-    ``section_strain_motions`` ``(2 c, 6)``: these motions by a unit wrench on the cross-section of the contact;
-    ``stations``: axial positions of the contacts, one for each axis ``(2 c,)`` [m]; ``section_z``: axial position of the
-    loaded cross-section [m]. The wrench passes only through the sections below ``section_z``, so contacts above it do not
-    move.
+    The loads are three forces and three moments. ``section_strain_motions`` ``(2 c, 6)``: the motions if the loads act on
+    the cross-section of the contact itself; ``stations``: axial positions of the contacts, one for each axis ``(2 c,)``
+    [m]; ``section_z``: axial position of the loaded cross-section [m]. The shaft transmits the loads to its end at low z,
+    through the sections below ``section_z``, so contacts above it do not move.
     """
     out, reach = section_strain_motions.copy(), section_z - stations
     out[:, 0] += reach * section_strain_motions[:, 4]
@@ -346,11 +347,11 @@ def section_strain_motions_by_wrench(section_strain_motions: Array, stations: Ar
 
 
 def contact_motions_by_end_wrench(compliance: tube.SmoothBodyCompliance, contact_points: Array, axes: Array) -> Array:
-    """Return the motions ``(2 c, 6)`` of c contacts on a smooth shaft by a unit wrench on its end at high z.
+    """Return the motions ``(2 c, 6)`` of c contacts on a shaft without grooves by six unit loads on its end face at high z.
 
-    The wrench consists of three forces and three moments, which do work on the end's mean motions. ``compliance``:
-    compliance of the smooth shaft; ``contact_points`` ``(c, 3)``: contact points [m]; ``axes`` ``(c, 2, 3)``: directions of
-    their motions.
+    The loads are three forces and three moments. Each is spread over the end face so that its work is the load times the
+    mean motion of the face (displacement or rotation) in its direction. ``compliance``: compliance of the shaft without
+    grooves; ``contact_points`` ``(c, 3)``: contact points [m]; ``axes`` ``(c, 2, 3)``: directions of their motions.
     """
     points = tube.convert_contacts_to_cylindrical(contact_points, axes)
     weights = tube.gaussian_weights_on_line(compliance.z, points.z, compliance.tube.patch_width)
@@ -362,7 +363,7 @@ def contact_motions_by_end_wrench(compliance: tube.SmoothBodyCompliance, contact
 
 
 def high_end_compliance_matrix(compliance: tube.SmoothBodyCompliance) -> Array:
-    """Return the compliance ``(6, 6)`` of a shaft's end at high z: six mean motions by unit forces and moments on it."""
+    """Return the compliance ``(6, 6)`` of a shaft's end face at high z: its six mean motions by six unit loads on it."""
     (axial, twist), (shift, tilt) = compliance.end_compliance
     out = np.zeros((6, 6))
     out[2, 2], out[2, 5], out[5, 2], out[5, 5] = axial[0], axial[1], twist[0], twist[1]

@@ -41,7 +41,8 @@ from rollbench.meshes.solid import dimensions_of_3d_parts
 class StoredMotionMatrix:
     """Matrix of contact motions of screw or nut by unit loads, as cached; it is shared, so it must not be modified."""
 
-    #: Motions of all contacts along two axes each, by loads on the contacts ``(4 N, 4 N)`` [m/N], or by a unit wrench on a
+    #: Motions of all left contacts, then all right contacts, along the radial and the binormal axis each: by unit loads on
+    #: the contacts along the same axes ``(4 N, 4 N)`` [m/N], or by three forces and three moments of unit size on a
     #: cross-section ``(4 N, 6)``.
     G: Array
 
@@ -50,11 +51,14 @@ class StoredMotionMatrix:
 class BodyCompliance:
     """Elastic compliance of the nut, or of the screw in addition to its beam, at c ball contacts."""
 
-    #: Compliance between the contacts, all left contacts, then all right contacts, two axes each ``(2 c, 2 c)`` [m/N].
+    #: Compliance between the contacts: all left contacts, then all right contacts, along the radial and the binormal axis
+    #: each ``(2 c, 2 c)`` [m/N].
     G: Array
-    #: Linear compliance of the flank at each contact under the load on it, in addition to Hertz's law [m/N].
+    #: Local compliance of the flank, the same at all contacts: motion of a contact along its normal by a unit load on this
+    #: contact, in addition to the approach by Hertz's law [m/N].
     contact_compliance: float
-    #: Derivative of ``contact_compliance`` with respect to the logarithm of the contact's size [m/N].
+    #: Derivative of ``contact_compliance`` with respect to the natural logarithm of the contact ellipse's mean semi-axis
+    #: [m/N].
     contact_compliance_slope: float
     #: Sentences on dimensions of the body that the scene does not state and that were assumed.
     assumed_dimensions: tuple[str, ...]
@@ -64,12 +68,15 @@ class BodyCompliance:
 class BallCompliance:
     """Compliance of a ball as an elastic sphere at its four contacts, in addition to Hertz contact."""
 
-    #: Linear compliance of each contact under the load on it, in addition to Hertz's law [m/N].
+    #: Motion of a contact by a unit load on it, in addition to the approach by Hertz's law [m/N]; the load on the opposite
+    #: contact, which is equally large, is included.
     contact_compliance: float
-    #: Derivative of ``contact_compliance`` with respect to the logarithm of the contact's size [m/N].
+    #: Derivative of ``contact_compliance`` with respect to the natural logarithm of the contact ellipse's mean semi-axis
+    #: [m/N].
     contact_compliance_slope: float
-    #: Square root of the compliance that couples the two pairs of opposite contacts, SL-NR and SR-NL (S: screw, N: nut; L:
-    #: left, R: right) [(m/N)^(1/2)].
+    #: Square root of the magnitude of the compliance between the two pairs of opposite contacts, SL-NR and SR-NL (S: screw,
+    #: N: nut; L: left, R: right): mean motion of the contacts of one pair by a unit load on a contact of the other pair
+    #: [(m/N)^(1/2)].
     pair_coupling_root: float
     #: Sign of the compliance that couples the two pairs of opposite contacts, SL-NR and SR-NL.
     pair_coupling_sign: float
@@ -132,8 +139,8 @@ def refuse_small_contact_angle(scene: Scene, screw: bool, backend: ComplianceMod
     """Raise ValueError if the nominal contact angle is so small that the load patch crosses the groove's apex.
 
     The correction for the flank would then grow in inverse proportion to the angle. A bearing ring whose groove is one
-    circular arc is exempt, as it has one patch there instead of two. ``screw``: whether the body is the screw (True) or the
-    nut.
+    circular arc is not checked, as one load patch at its bottom takes the place of two. ``screw``: whether the body is the
+    screw (True) or the nut; ``backend``: model of the bodies.
     """
     angle = scene.track.contact_angle
     radius = (scene.screw if screw else scene.nut).groove_radius
@@ -218,11 +225,12 @@ def ball_compliance(scene: Scene, semi_axes: tuple[float, float], backend: Compl
 
 @dataclass(frozen=True)
 class EndWrenchMotions:
-    """Motions of a screw by a unit wrench (3 forces, 3 moments) on its end at high z, in addition to those of its beam."""
+    """Motions of a screw by six unit loads (3 forces, 3 moments) on its end face at high z, beyond those of its beam."""
 
-    #: Motions of the contacts by the unit wrench, all left contacts, then all right contacts, two axes each ``(4 N, 6)``.
+    #: Motions of the contacts by each of the six loads: all left contacts, then all right contacts, along the radial and
+    #: the binormal axis each ``(4 N, 6)``.
     contact_motions: Array
-    #: Mean motions of the screw's end at high z by the unit wrench ``(6, 6)``.
+    #: Six mean motions (3 displacements, 3 rotations) of the end face at high z by each of the six loads ``(6, 6)``.
     end_motions: Array
     #: Axial position of the screw's end at low z [m].
     low_end: float
@@ -231,7 +239,7 @@ class EndWrenchMotions:
 
 
 def screw_response_to_end_wrench(scene: Scene, layout: BallLayout, backend: ComplianceModel) -> EndWrenchMotions | None:
-    """Return the motions of a screw's contacts and of its high-z end by a unit wrench on that end, less the beam's motions.
+    """Return the motions of a screw's contacts and high-z end face by six unit loads on that face, less the beam's motions.
 
     ``layout``: positions of the balls; ``backend``: model of the bodies' compliance. The result is None for a screw that is
     rigid or only a beam, and for a bearing ring fixed at its bore. The arrays are cached for all load cases of the same
@@ -253,7 +261,7 @@ def _cached_response_to_end_wrench(scene: Scene, backend: ComplianceModel) -> En
 
 
 def screw_response_to_section_wrench(scene: Scene, layout: BallLayout, backend: ComplianceModel, section_z: float) -> Array:
-    """Return the motions ``(4 N, 6)`` of a screw's contacts by a unit wrench on a cross-section, less the beam's.
+    """Return the motions ``(4 N, 6)`` of a screw's contacts by six unit loads on a cross-section, less the beam's motions.
 
     The rows are in the order of `EndWrenchMotions.contact_motions`. The screw must be one for which
     `screw_response_to_end_wrench` is not None. ``layout``: positions of the N balls; ``section_z``: axial position of the
@@ -305,8 +313,8 @@ class CondensedCompliance:
 
     #: Contents of the file: compliance matrices of screw, nut and balls.
     file_contents: CondensedBodies
-    #: Names of the bodies (screw, nut) whose compliance, with that of the contacts in their grooves, is taken from the
-    #: file.
+    #: Names of the bodies (screw, nut) whose compliance is taken from the file, the compliance of the contacts in their
+    #: grooves included.
     parts: tuple[str, ...] = PARTS
 
     @staticmethod
@@ -460,7 +468,7 @@ FEW, INVERSES, SHIFT = 16, 20, 3e-5
 def negative_eigenvalue_part(G: Array) -> tuple[Array, float]:
     """Return the part of a symmetric matrix ``(n, n)`` due to its negative eigenvalues, then the smallest eigenvalue.
 
-    ``G``: the matrix. Without this part it is positive semidefinite.
+    ``G``: the matrix; G less the returned part is positive semidefinite.
     """
     values, vectors = np.linalg.eigh(G) if len(G) <= WHOLE else _smallest_eigenpairs(G)
     below = values < 0.0

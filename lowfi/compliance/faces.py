@@ -40,11 +40,12 @@ SAME = 1e-3
 class PatchResolution(NamedTuple):
     """Size of the Gaussian load patch on a groove flank, with the mesh and the highest harmonic that resolve it."""
 
-    #: Standard deviation of the load patch over the ball's radius.
+    #: Standard deviation of the load patch, divided by the ball's radius.
     width: float
     #: Numbers of elements on a loaded flank (half as many on the other flanks) and in depth.
     mesh: tuple[int, int]
-    #: Highest Fourier harmonic, times the ball's radius over the radius at which the contacts lie.
+    #: Number of the highest Fourier harmonic around the body's axis, multiplied by the ball's radius and divided by the
+    #: distance of the contacts from this axis.
     highest: float
 
 
@@ -55,35 +56,36 @@ FAR, BESIDE_FACE = PatchResolution(NARROW, (4, 4), 4.0), PatchResolution(0.07, (
 
 @dataclass(frozen=True)
 class GrooveAndFaceCompliance:
-    """Compliance that grooves and an end face of screw or nut add between contacts on the flanks of one groove.
+    """Compliance between contacts on the flanks of one groove that grooves and an end face add to the smooth screw or nut.
 
     Arrays are for k distances of the end face from the middle of the groove, n harmonics around the axis, and f loaded
     flanks.
     """
 
-    #: Distances of the end face from the middle of the groove ``(k,)`` [m].
+    #: Distances of the end face from the middle of the groove, for which ``face_gain`` was computed ``(k,)`` [m].
     face_distances: Array
-    #: Compliance added by a face ``(2, n, 2, 2, f, 2, k)`` [m/N]. Axes: face free or fixed; harmonic around the axis; flank
-    #: that moves, the one pressed towards the face or the other one; its motion along the nominal load or across it; loaded
-    #: flank, of this groove (f = 2) or also of the groove behind it (f = 4); direction of the load, along the nominal
-    #: load or across it; distance of the face. The compliance is zero beyond the last distance and constant below the
-    #: first. The effect of a fixed face on motions across the loads, a tenth of the effect of a free face, is
-    #: neglected.
+    #: Compliance added by an end face ``(2, n, 2, 2, f, 2, k)`` [m/N]. Axes of the array: face free or fixed; Fourier
+    #: harmonic around the body's axis, n in all; flank that moves, the one pressed towards the face or the other one; its
+    #: motion along the nominal load or across it; loaded flank, of this groove (f = 2) or also of the groove behind it (f =
+    #: 4); direction of the load, along the nominal load or across it; distance of the face. The compliance is zero beyond
+    #: the last distance and constant below the first. The effect of a fixed face on motions across the loads, a tenth of
+    #: the effect of a free face, is neglected.
     face_gain: Array
     #: Axial distance of the contacts from the middle of the groove [m].
     contact_to_mid_groove: float
-    #: Compliance that grooves add between contacts far from any end face ``(n, 2, f)`` [m/N].
+    #: Compliance that grooves add between contacts far from any end face ``(n, 2, f)`` [m/N]: Fourier harmonic around the
+    #: axis, flank that moves, loaded flank.
     far_gain: Array
     #: Motion of a contact far from any face by a unit load on itself, less the motions by Hertz's law and by the smooth
     #: body, for a narrow load patch; `contact_size_correction` adds the influence of the contact's size [m/N].
     self_compliance: float
-    #: Motions of the contacts by tension and bending moment on their cross-section, as from
-    #: `contact_motions_by_tension_and_moment` ``(2, 2)``; zero for a body without a beam.
+    #: Local motions of a contact along r and z (columns) by a unit tension [m/N], then by a unit bending moment [1/N], on
+    #: its cross-section (rows) ``(2, 2)``, see `contact_motions_by_tension_and_moment`; zero for a body without a beam.
     section_strain_motions: Array
 
     @property
     def coupled_turns(self) -> int:
-        """Number of neighbouring groove turns whose contacts are coupled: one or two."""
+        """Number of groove turns whose contacts are coupled: 1 (the same turn only) or 2 (also the neighbouring turn)."""
         return int(self.far_gain.shape[2]) // 2
 
     def compliance_by_face(self, held: bool, angle: Array, distance: Array) -> Array:
@@ -107,7 +109,7 @@ class GrooveAndFaceCompliance:
         return np.asarray(np.einsum("m...k,mk->m...", cosine_series_values(self.face_gain[int(held)], angle), share))
 
     def compliance_far_from_faces(self, angle: Array) -> Array:
-        """Return the compliance ``(m, 2, f)`` [m/N] between contacts far from any face, less that of the smooth body.
+        """Return the compliance ``(m, 2, f)`` [m/N] between contacts far from any end face, less that of the smooth body.
 
         ``angle`` ``(m,)``: angles around the axis between the contacts of m pairs [rad]. The last two axes are for the
         flank that moves and the loaded flank.
@@ -163,10 +165,10 @@ def compute_groove_and_face_compliance(
     def added_compliances(
         finer: PatchResolution, last: slice, kinds: int, radii: tuple[float, float]
     ) -> tuple[Array, fourier.QuadrilateralGrid, Array]:
-        """Return the compliance added by grooves and end faces, the grid, and the faces' distances from mid groove [m].
+        """Return the compliance added by grooves and end faces, the grid, and distances of the faces from mid groove [m].
 
-        ``finer``: load patch and mesh; ``last``: range of the numbers of the end faces that are computed, whose distances
-        from mid groove are `CUTS` times the ball's radius; ``kinds``: 1 for motions along the loads, 2 also across them;
+        ``finer``: load patch and mesh; ``last``: which end faces are computed, as an index range of `CUTS`, their distances
+        from mid groove divided by the ball's radius; ``kinds``: 1 for motions along the loads, 2 also across them;
         ``radii``: range of radii in which a face is fixed [m].
         """
         grid, cuts = grooved_body_grid(flank, finer.mesh)
@@ -204,12 +206,12 @@ def _check_groove_reaches_contact(flank: HalfGroove) -> None:
 
 
 def average_with_mirror_image(waves: Array) -> Array:
-    """Average the motions of groove flanks far from end faces with those of the mirror image of the body.
+    """Average the motions of groove flanks far from end faces with those in the mirror image of the body.
 
-    ``waves`` ``(n, 2, f)``: motions of 2 flanks by loads on f flanks in n harmonics [m/N]. By symmetry, flank a moves by a
-    load on flank b of the next groove turn at lower z as the flank opposite to b does by a load on the flank opposite to a.
-    The computed body does not have this symmetry, as its ends are equally far from the loaded groove and not from the land
-    between both grooves.
+    ``waves`` ``(n, 2, f)``: motions of 2 flanks by loads on f flanks in n harmonics [m/N]. By symmetry, the motion of flank
+    a by a load on flank b of the next groove turn at lower z equals the motion of the flank opposite to b by a load on the
+    flank opposite to a. In the finite-element body the two motions differ, because its ends are equally far from the loaded
+    groove instead of from the land between both turns.
     """
     pairs = waves.reshape(len(waves), 2, -1, 2)
     return np.asarray(0.5 * (pairs + pairs[:, ::-1, :, ::-1].swapaxes(1, 3))).reshape(waves.shape)
@@ -231,10 +233,10 @@ def append_high_harmonics(flank: HalfGroove, waves: Array) -> Array:
 
 
 def contact_motions_by_own_section_wrench(points: tube.ContactPoints, flank_signs: Array, strains: Array) -> Array:
-    """Return the local motions ``(k c, 6)`` of c contacts, k axes each, by a unit wrench on the contact's cross-section.
+    """Return the local motions ``(k c, 6)`` of c contacts, along k axes each, by six unit loads on the contact's section.
 
-    The wrench consists of three forces and three moments; only tension and bending moments have an effect. ``points``: the
-    contacts; ``flank_signs`` ``(c,)``: -1 for a flank at negative z of its groove, 1 at positive z; ``strains``: see
+    The loads are three forces and three moments; only tension and bending moments have an effect. ``points``: the contacts;
+    ``flank_signs`` ``(c,)``: -1 for a flank at negative z of its groove, 1 at positive z; ``strains``: see
     `contact_motions_by_tension_and_moment`.
     """
     along_r, along_z = points.axes[..., 0], points.axes[..., 2] * flank_signs[:, None]
@@ -282,7 +284,7 @@ def motions_beyond_smooth_body(
     patch: PatchResolution,
     direction_count: int,
 ) -> Array:
-    """Return the motions of unit load patches on grooved flanks, less those on the ungrooved smooth body [m/N].
+    """Return the motions of load patches by unit loads on the grooved flanks, less those on the smooth body [m/N].
 
     The load patches of the two bodies differ in width. ``smooth``: smooth body of revolution, with the width of its
     patches; ``grid``: grid of the grooved body; ``patch``: size of the load patch and fineness of mesh and harmonics for

@@ -100,17 +100,18 @@ def elasticity_matrix(young: float, poisson: float) -> Array:
 class GrooveLayer:
     """Smooth anisotropic elastic layer that replaces the grooves and lands of a nut.
 
-    The lands between grooves are rings. Around the axis the layer's stiffness is that of the solid part of its volume;
-    along the axis it is lower, because the lands are connected only through the material under them.
+    The lands between grooves are rings. Around the axis the layer's stiffness is proportional to the filled fraction of its
+    volume; along the axis it is lower, because the lands are connected only through the material under them.
     """
 
     #: Radii of cylinders through the layer ``(k,)`` [m].
     radii: tuple[float, ...]
-    #: Fraction of each cylinder through the layer that is filled with material ``(k,)``.
+    #: Fraction of the surface of each of these cylinders that lies in the material of the lands, not in a groove ``(k,)``.
     filled_fractions: tuple[float, ...]
-    #: Exponent of the filled fraction in the layer's stiffness along the axis.
+    #: Exponent p of the layer's stiffness across the grooves, nearly along the axis: that of solid material times (filled
+    #: fraction)^p.
     axial_exponent: float
-    #: Exponent of the filled fraction in the layer's shear stiffness along the axis.
+    #: Exponent p of the layer's stiffness against shear along the axis: that of solid material times (filled fraction)^p.
     shear_exponent: float
     #: Lead angle of the groove [rad].
     lead_angle: float
@@ -403,7 +404,7 @@ class OverlappingBlockMatrix:
 
     #: Number of rows of the matrix.
     size: int
-    #: Number of the first row, and values, of each block.
+    #: For each block the number of its first row in the matrix, then its values.
     blocks: tuple[tuple[int, Array], ...]
 
     def full_matrix(self) -> Array:
@@ -444,7 +445,8 @@ def grid_line_compliance(
     line
         Number of the grid line in r.
     rows
-        First, and last + 1, of the grid lines in z that are loaded and observed.
+        Numbers of the first, and of the last + 1, of the grid lines in z whose nodes are loaded and whose motions are
+        returned.
     springs
         Shift, tilt, axial and twist stiffness [N/m, N m] of springs on the low end's mean motions. With springs, harmonics
         0 and 1 have two more rows and columns: the mean motions of the high end (`mean_rigid_motion_matrix`).
@@ -471,14 +473,14 @@ def grid_line_compliance(
 
 @dataclass(frozen=True)
 class CondensedStretch:
-    """Axial part of a body of revolution in h harmonics, condensed to the q degrees of freedom at its two ends."""
+    """Axial part of a body of revolution in h Fourier harmonics, condensed to the q degrees of freedom at its two ends."""
 
     #: Stiffness of the degrees of freedom on the grid lines at both ends ``(h, q, q)``.
     end_stiffness: Array
-    #: Equivalent forces on the end lines of k unit loads on the nodes between them ``(h, q, k)``.
+    #: Forces on the grid lines at both ends that are equivalent to k unit loads on nodes between these lines ``(h, q, k)``.
     end_forces: Array
-    #: Compliance of the loaded nodes with both end lines fixed: diagonal blocks ``(h, w, w)`` for w loads, each after the
-    #: index of its first load.
+    #: Compliance between the loaded nodes while the grid lines at both ends are fixed: for each diagonal block the index of
+    #: its first load, then the block ``(h, w, w)`` for its w loads.
     inner_compliance: tuple[tuple[int, Array], ...] = ()
 
 

@@ -54,7 +54,7 @@ def groove_layer(flank: HalfGroove, section: BeamSection) -> fourier.GrooveLayer
     twist = 2.0 * section.GJ / (np.pi * shear) - (far**4 - root**4)
 
     def stiffness_exponent(weight: Array, wanted: float) -> float:
-        """Return the exponent p for which ``weight`` times (filled fraction)^p integrates to ``wanted`` over the layer."""
+        """Return the exponent p for which ``weight`` (filled fraction)^p, integrated over the layer, gives ``wanted``."""
         exponent = brentq(lambda p: float(np.trapezoid(weight * share**p, r)) - wanted, 1e-3, LARGEST_POWER)
         return float(exponent)
 
@@ -126,8 +126,8 @@ def gaussian_patch_weights(
 def sampled_harmonics(limit: float, step: float = 1.28, first: int = 0) -> Array:
     """Return the numbers of the Fourier harmonics that are computed; the others are interpolated (`interpolate_harmonics`).
 
-    ``first``: lowest harmonic; ``limit``: number that the highest one reaches; ``step``: ratio of successive harmonics
-    above 4, up to which all are computed.
+    ``limit``: number that the highest computed harmonic must reach; ``step``: ratio of successive harmonics above the
+    fourth (up to the fourth all are computed); ``first``: lowest harmonic.
     """
     harmonics = [first]
     while harmonics[-1] < limit:
@@ -238,7 +238,8 @@ def symmetric_and_antisymmetric_loads(
 def motion_unresolved_by_grid(flank: HalfGroove, coarse: fourier.QuadrilateralGrid, last: int) -> float:
     """Return the part of a narrow load patch's motion by its own unit load that a coarse grid does not resolve [m/N].
 
-    It is the difference between the fine and the coarse grid up to the harmonic ``last``, plus all higher harmonics.
+    This part is the difference of the motions on a fine and on the coarse grid, in harmonics up to ``last``, plus the
+    motion in all higher harmonics on the fine grid.
     """
     fine, radius, width = flank.finite_element_grid(), flank.contact_position()[0], NARROW * flank.groove_map.ball
     low, high = np.unique([min(2, last), last // 4, last // 2, last]), sampled_harmonics(2.6 * radius / width, first=last)

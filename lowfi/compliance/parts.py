@@ -41,10 +41,10 @@ CLAMPED = ("low", "high", "both", "flange")
 
 @dataclass(frozen=True)
 class ComplianceModel:
-    """Choice of models for the elastic compliance of screw, nut and balls in addition to Hertz contact."""
+    """Models for the elastic compliance of screw, nut and balls in addition to Hertz contact."""
 
-    #: Cross-section of the screw's beam: that of the scene (eq. C.8 of Lin's thesis), or (``"cell"``) computed by finite
-    #: elements of half a lead with its groove.
+    #: Stiffnesses of the screw's beam: from the cross-section in the scene (``"scene"``, eq. C.8 of Lin's thesis), or by
+    #: finite elements of half a lead with its groove (``"cell"``).
     section: Literal["scene", "cell"] = "cell"
     #: Model of the screw: a beam only, or (``"kernel"``) a beam with an elastic body of revolution added, solved by Fourier
     #: harmonics.
@@ -54,17 +54,19 @@ class ComplianceModel:
     nut: Literal["rigid", "beam", "kernel"] = "kernel"
     #: Model of a ball: two half spaces (Hertz) or an elastic sphere.
     ball: Literal["half space", "sphere"] = "sphere"
-    #: Standard deviation of the Gaussian load patch by which a contact loads the ungrooved smooth body, over the contact's
-    #: radial distance from the ball's centre.
+    #: Standard deviation of the Gaussian load patch by which a contact loads the smooth body without grooves, divided by
+    #: the radial distance of the contact from the ball's centre.
     width: float = 1.0
-    #: Model of the nut's grooves: a ``"layer"`` that is softer along the axis than around it, or a plain bore with the same
-    #: mean cube of the wall thickness (``"ring"``), with the same ``"volume"``, or at the radius of the lands (``"land"``).
+    #: Model of the nut's grooves: a ``"layer"`` that is softer along the axis than around it, or a smooth bore that gives
+    #: the nut the same mean cube of the wall thickness (``"ring"``) or the same ``"volume"`` as with grooves, or that has
+    #: the radius of the lands (``"land"``).
     bore: Literal["layer", "ring", "volume", "land"] = "layer"
     #: Number of Fourier harmonics around the axis, as a multiple of the default number.
     harmonics: float = 1.0
     #: Fineness of the finite elements as a multiple of the default fineness.
     mesh: float = 1.0
-    #: Whether the local compliance of the grooved body at each contact is added; if not, the flank counts as a half space.
+    #: Whether the local compliance of the flank at each contact is added to Hertz's law; if not, the flank deforms as a
+    #: half space.
     flank: bool = True
 
 

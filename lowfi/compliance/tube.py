@@ -138,7 +138,7 @@ def grooved_beam_section(
     """
     if groove_map.rg == 0.0:
         raise ValueError(
-            "lead of a grooved shaft: got 0; allowed: any other value, as its section is computed on half a lead"
+            "the beam section of a grooved shaft is computed on half a lead and needs a lead other than 0, got 0"
         )
     grid = half_lead_cell_grid(groove_map, land_radius, plain_radius, screw)
     young, poisson = material.youngs_modulus, material.poissons_ratio
@@ -229,7 +229,7 @@ class SmoothBody:
     #: Axial positions of the body's ends [m].
     ends: tuple[float, float]
     #: Surface at which the body is fixed: ``"low"``, ``"high"`` or ``"both"`` faces, ``"bore"``, ``"outer"``, ``"flange"``,
-    #: or ``"section"``: springs hold the mean motions of its low end.
+    #: or ``"section"``: springs support the mean motions of its low-z end face.
     held: str
     #: Radius at which contacts load the body [m].
     contact_radius: float
@@ -280,14 +280,15 @@ class SmoothBodyCompliance:
     tube: SmoothBody
     #: Axial positions of the loaded nodes ``(k,)`` [m].
     z: Array
-    #: For each harmonic the symmetric compliance ``(3 k, 3 k)`` [m/N], with r, t, z for each position. For a shaft of which
-    #: the mean motions at the low-z end are fixed, harmonics 0 and 1 have two more rows and columns: the mean motions at
-    #: the high-z end.
+    #: For each harmonic the symmetric compliance ``(3 k, 3 k)`` [m/N], in radial, circumferential and axial direction (r,
+    #: t, z) for each position. For a shaft whose mean motions are fixed at the low-z end, harmonics 0 and 1 have two more
+    #: rows and columns: the mean motions at the high-z end.
     line_compliance: tuple[fourier.OverlappingBlockMatrix, ...]
-    #: Motions (r, t, z) of the k axial positions by unit loads on the mean motions of the high-z end, in harmonics 0 and 1,
-    #: ``(2, 3, k)`` each.
+    #: Motions (r, t, z) of the k axial positions by two unit loads on the high-z end face, ``(2, 3, k)`` each: axial force
+    #: and torque in harmonic 0; lateral force and bending moment in harmonic 1.
     line_motions_by_end: tuple[Array, ...] = ()
-    #: Mean motions of the high-z end by unit loads on these motions, in harmonics 0 and 1, ``(2, 2)`` each.
+    #: Mean motions of the high-z end face by these loads, ``(2, 2)`` each: axial motion and twist in harmonic 0; lateral
+    #: shift and tilt in harmonic 1.
     end_compliance: tuple[Array, ...] = ()
 
 
@@ -430,9 +431,10 @@ def shaft_motions_by_section_loads(
     """Return the motions of a shaft's nodes at the contacts' radius by unit loads on one of its cross-sections.
 
     The motions are in the field ``line_motions_by_end`` of the result; its field ``line_compliance`` is empty. The shaft is
-    fixed by the mean motions of its low-z end. The loads act on the mean rigid motions (by least squares) of the material
-    in a thin slice at the axial position ``section_z`` [m]. ``loaded_range``: lower and upper end of the axial range that
-    contains all contacts [m].
+    supported by springs on the mean motions of its end face at low z (`low_end_spring_stiffnesses`). Each load is spread
+    over the material in a thin slice at the axial position ``section_z`` [m] so that its work is the load times the mean
+    rigid motion of the slice (by least squares) in its direction. ``loaded_range``: lower and upper end of the axial range
+    that contains all contacts [m].
     """
     r_ends, line = radial_element_ends(tube)
     grid = fourier.tube_grid(r_ends, axial_element_ends(tube, loaded_range))

@@ -148,9 +148,9 @@ def contact_kinematics(bearing: Bearing, angles: Array) -> tuple[Array, Array]:
     Returns
     -------
     tuple[Array, Array]
-        Motion of each contact by unit of each unknown ``(4, 3, 4)``: sliding vx across the groove and vz along the
-        ball's path [m/s], and spin about the normal [rad/s]; then the motion of each contact that the inner ring
-        imposes while the ball does not move ``(4, 3)``.
+        Motion of each contact per unit of each unknown ``(4, 3, 4)``: sliding vx across the groove and vz along the ball's
+        path [m/s], and spin about the normal [rad/s]; then the motion of each contact that the inner ring imposes while the
+        ball does not move ``(4, 3)``.
 
     References
     ----------
@@ -315,7 +315,7 @@ class BallRow:
 
     #: Axial position of the row of balls [m].
     place: float
-    #: Whether the grooves of the row have the contacts SL, SR, NL, NR (S: inner ring, N: outer ring; L, R: left or right
+    #: Whether the balls of the row can touch the flanks SL, SR, NL, NR (S: inner ring, N: outer ring; L, R: left or right
     #: flank).
     contacts: tuple[bool, bool, bool, bool]
 
@@ -331,10 +331,10 @@ class BearingCase:
     count: int
     #: Rows of balls with their axial positions.
     rows: tuple[BallRow, ...]
-    #: Magnitude of the force on the inner ring, which lies in the x-z plane [N]; its angle from the axis z is an argument
-    #: of `solve_bearing`.
+    #: Magnitude of the force on the inner ring [N]. The force lies in the x-z plane; its angle from the bearing's axis z is
+    #: an argument of `solve_bearing`.
     force: float
-    #: Clearance of the ball at each contact [m], negative for preload.
+    #: Clearance between ball and groove along the contact normal at each contact [m], negative for preload.
     clearance: float = frozen_default(0.0)
     #: Whether the inner ring may tilt.
     tilt: bool = frozen_default(False)
@@ -360,7 +360,7 @@ class BearingState:
     load: equilibrium.ContactLoadSolution
     #: Friction losses at the contacts ``(N, 4)`` [W].
     loss: Array
-    #: Friction torque on the inner ring, which is the power lost over the angular speed [N m].
+    #: Friction torque on the inner ring [N m]: the power lost, divided by the angular speed of this ring.
     torque: float
     #: Number of loaded contacts of each ball ``(N,)``.
     loaded_contact_counts: Index

@@ -109,7 +109,7 @@ class BallScrewChain:
 
     @property
     def kernel_parameters(self) -> tuple[Array, int, Array]:
-        """Arguments that all numerical kernels take: the segment compliances, the number of the law, and five constants.
+        """Arguments of the numerical kernels: segment compliances, number of the contact-angle law, and five constants.
 
         The constants are, in order, the stiffness K of a ball [N/m^1.5], the distance A of the groove centres [m], sine and
         cosine of the contact angle without load, and the cosine of the lead angle.
@@ -138,7 +138,8 @@ class BallScrewState:
 
     #: Contact loads Q of the M balls ``(M,)`` [N].
     load: Array
-    #: Axial motions u of the nut relative to the screw at the balls ``(M,)`` [m].
+    #: Axial motion of the nut relative to the screw at each of the M balls ``(M,)`` [m]; it differs along the nut because
+    #: both bodies are stretched.
     motion: Array
     #: Axial motion of the nut at which the ball with the largest error comes into contact first [m].
     first_contact_motion: float
@@ -146,9 +147,9 @@ class BallScrewState:
     stiffness: float
     #: Number of Newton steps.
     iterations: int
-    #: Largest error of a ball's axial force in the equilibrium, as a ratio to the axial load.
+    #: Largest unbalanced axial force on a ball at the end of the iteration, as a fraction of the axial load.
     residual: float
-    #: Whether the ``residual`` is below the tolerance.
+    #: Whether the ``residual`` is below the tolerance of Newton's method.
     converged: bool
 
     @property
@@ -278,14 +279,14 @@ def calibrate_compliance(chain: BallScrewChain, ratio: float, load: float) -> Ba
         high *= 4.0
 
     def load_ratio_above_required(scaled: float) -> float:
-        """Return `last_to_first_load_ratio` less the required ratio; ``scaled``: compliance over a typical compliance."""
+        """Return the load ratio of last to first ball less the required one; ``scaled``: compliance over a typical one."""
         return last_to_first_load_ratio(replace(chain, compliance=scaled * size), load) - ratio
 
     return replace(chain, compliance=float(brentq(load_ratio_above_required, 0.0, high / size, xtol=1e-13)) * size)
 
 
 def load_at_which_ball_is_loaded(chain: BallScrewChain, errors: Array, ball: int, largest_load: float) -> float:
-    """Return the axial load of a ball screw above which a given ball carries load [N]; 0 for the ball that touches first.
+    """Return the axial load on a ball screw above which a given ball carries load [N]; 0 for the ball that touches first.
 
     There is only one such load, because the axial motion at each ball increases with the axial load.
 
@@ -306,7 +307,7 @@ def load_at_which_ball_is_loaded(chain: BallScrewChain, errors: Array, ball: int
     e = checked_ball_errors(chain, errors)
 
     def motion_beyond_touch(load: float) -> float:
-        """Return the axial motion at a ball under a load [N] less that at first contact [m]; negative without contact."""
+        """Return the axial motion at the ball under an axial load [N], less the motion at which it touches [m]."""
         return float(solve_ball_screw(chain, e, load).motion[ball]) - start
 
     start = float(axial_motion_at_touch(chain, e[ball]))
@@ -345,13 +346,14 @@ CHUNK = 8192
 class ScrewEnsemble:
     """Results of n ball screws of one design with random ball errors, each solved under L axial loads."""
 
-    #: Axial loads under which each screw is solved ``(L,)`` [N].
+    #: The L axial loads under which each screw is solved ``(L,)`` [N].
     loads: Array
-    #: Six results of each screw under each load ``(n, L, 6)``; the last axis is in the order of ``QUANTITIES``.
+    #: Results of each screw under each load ``(n, L, 6)``; the last axis holds smallest and largest contact load [N],
+    #: number of loaded balls, axial motion at ball 1 and at the first loaded ball [m], and stiffness [N/m].
     kept: Array
-    #: Largest error of a ball's axial force, as a ratio to the axial load, of all screws and loads.
+    #: Largest unbalanced axial force on a ball, as a fraction of the axial load: maximum over all screws and loads.
     residual: float
-    #: Number of screws for which Newton's method did not converge under some load.
+    #: Number of screws for which Newton's method did not converge under at least one of the loads.
     failed: int
 
     def values_at(self, quantity: Quantity, load: float) -> Array:
@@ -400,8 +402,9 @@ def solve_screws_with_errors(chain: BallScrewChain, errors: Array, loads: Array)
     Returns
     -------
     tuple[Array, Array]
-        Quantities in the order of ``QUANTITIES`` ``(n, L, 6)``; and the residual of the equations: the largest unbalanced
-        axial force on a ball, as a fraction of the load ``(n, L)``.
+        Smallest and largest contact load, number of loaded balls, axial motion at ball 1 and at the first loaded ball, and
+        stiffness ``(n, L, 6)``; and the residual of the equations: the largest unbalanced axial force on a ball, as a
+        fraction of the load ``(n, L)``.
 
     Raises
     ------
@@ -431,7 +434,7 @@ def solve_ensemble(
 ) -> ScrewEnsemble:
     """Solve many ball screws of one design with uniformly distributed random ball errors under several axial loads.
 
-    Memory is needed for the errors of one chunk of screws, and for six numbers for each screw and load.
+    The memory needed is that for the ball errors of one chunk of screws, and for six results for each screw and load.
 
     Parameters
     ----------
@@ -474,9 +477,9 @@ def solve_ensemble(
 class PercentileRank:
     """Percentile rank of a given number in a sample of random values."""
 
-    #: Fraction of the sample's values that are below the given number.
+    #: Fraction of the sample's values that are below the number.
     below: float
-    #: Fraction of the sample's values that are below or equal to the given number.
+    #: Fraction of the sample's values that are below or equal to the number.
     at_most: float
     #: Number of values in the sample.
     size: int
@@ -497,7 +500,7 @@ class PercentileRank:
 
     @property
     def tail_probability(self) -> float:
-        """One-sided tail probability: fraction of the sample that is at least as far from the median as the number.
+        """One-sided tail probability: fraction of the sample at least as far from the sample's median as the number.
 
         Only values on the same side of the median as the number are counted.
         """

@@ -38,7 +38,7 @@ class EliminationResult:
 
     #: Contact loads of the M balls ``(M,)`` [N].
     contact_loads: Array
-    #: Number of rounds, in each of which balls without contact are removed.
+    #: Number of rounds of the algorithm; after each round the balls without contact are eliminated.
     rounds: int
     #: Whether Newton's method converged in every round.
     converged: bool

@@ -78,7 +78,7 @@ class ShaftLimits:
     critical: float = quantity_field(
         "critical_speed_rpm", "critical speed of the free length (first whirl)", error="as above"
     )
-    #: Speed of the shaft in the scene's motion [rad/s]; None if the scene states none.
+    #: Speed of the shaft in the scene's motion [rad/s]; None if the scene gives no speed.
     speed: float | None = quantity_field("speed_rpm", "speed of the scene's motion")
     #: DN value, pitch diameter times speed [m rad/s]; None without a speed.
     dn: float | None = quantity_field("dn_mm_rpm", "DN value: pitch diameter times speed")
@@ -124,7 +124,7 @@ def root_diameter(scene: Scene) -> float:
 
 
 def free_lengths_with_supports(scene: Scene) -> list[tuple[float, tuple[str, str]]]:
-    """Return the lengths of a screw shaft between bearings, each with its end supports: "fixed", "supported" or "free".
+    """Return the free lengths of a screw shaft, each with the supports of its ends: "fixed", "supported" or "free".
 
     A bearing that fixes both lateral displacements supports the shaft. The first or last bearing is a fixed end if it also
     fixes both tilting rotations.
@@ -272,7 +272,7 @@ def warn_of_overall_friction_coefficient(track: Track, friction: Friction) -> li
     Parameters
     ----------
     track
-        Track of the balls; the efficiency is stated for a track with a lead.
+        Track of the balls; if it has a lead, the warning also states the efficiency that would follow.
     friction
         Coefficients of friction of the scene.
     """

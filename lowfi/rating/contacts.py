@@ -129,7 +129,8 @@ class EllipseTruncation:
     ball: int = quantity_field("ball", "number of the ball whose contact ellipse comes nearest to an edge of its groove")
     #: Name of the groove flank: SL, SR, NL or NR (S: screw or inner ring, N: nut or outer ring; L: left, R: right).
     side: str = quantity_field("side", "groove flank of this contact ellipse")
-    #: Edge of the groove's arc: ``"land"``, or ``"apex"`` between the two arcs of a groove.
+    #: Edge of the groove's arc: ``"land"``, at the cylindrical surface beside the groove, or ``"apex"``, where the two arcs
+    #: of a groove meet.
     edge: str = quantity_field(
         "edge", "edge of the groove's arc: land, or apex between two arcs; a groove of one arc has lands at both ends"
     )
@@ -139,9 +140,10 @@ class EllipseTruncation:
     half_width_angle: float = quantity_field(
         "ellipse_half_width_deg", "half width of the contact ellipse, as an angle on the groove's arc"
     )
-    #: Angle of the arc's edge, measured as the contact angle [rad].
+    #: Angle of the arc's edge [rad], measured from the groove's bottom like the contact angle.
     edge_angle: float = quantity_field("edge_angle_deg", "angle of the edge on the groove's arc")
-    #: Angle from the ellipse to the edge [rad]; negative where the ellipse is truncated.
+    #: Angle on the groove's arc from the end of the ellipse to the edge of the arc [rad]; negative if the ellipse is
+    #: truncated.
     margin: float = quantity_field(
         "margin_deg",
         "angle from the contact ellipse to the edge of the groove's arc; negative: the ellipse is truncated",
@@ -180,7 +182,7 @@ def contact_of_highest_pressure(
     Parameters
     ----------
     scene, drawn
-        Scene, and its parts with random errors.
+        Scene, and the dimensions of screw, nut and balls with their random errors.
     load
         Contact forces ``(n, 4)`` [N].
     angle
@@ -214,17 +216,17 @@ def contact_of_highest_pressure(
 
 
 def static_safety(scene: Scene, drawn: GeometryWithErrors, worst_contact: BallContact) -> StaticSafety:
-    """Return the static safety of the most highly pressed ball contact, between parts of hardened bearing steel.
+    """Return the static safety of the ball contact with the highest pressure, between parts of hardened bearing steel.
 
-    By pressure, the permissible load of a ball contact is that at 4200 MPa (ISO 76). By permanent indentation (ISO 3408-5),
-    a force Q indents both surfaces together by 1.3e-7 Q^2/D times the relative curvatures across and along the groove, in
-    mm and N. The formula was measured near the elastic limit at a hardness of 63 to 65 HRC. The ball diameter D and the
-    curvatures contain the random errors.
+    The permissible load of a ball contact is the load at which its largest pressure is 4200 MPa (ISO 76). The permanent
+    indentation is also returned (ISO 3408-5): a force Q indents both surfaces together by 1.3e-7 Q^2/D times the relative
+    curvatures across and along the groove, in mm and N. The formula was measured near the elastic limit at a hardness of 63
+    to 65 HRC. The ball diameter D and the curvatures contain the random errors.
 
     Parameters
     ----------
     scene, drawn
-        Scene, and its parts with random errors.
+        Scene, and the dimensions of screw, nut and balls with their random errors.
     worst_contact
         Contact with the highest pressure, see `contact_of_highest_pressure`.
 
@@ -248,7 +250,7 @@ def most_truncated_ellipse(scene: Scene, drawn: GeometryWithErrors, load: Array,
     Parameters
     ----------
     scene, drawn
-        Scene, and its parts with random errors.
+        Scene, and the dimensions of screw, nut and balls with their random errors.
     load
         Contact forces ``(n, 4)`` [N].
     angle
@@ -376,10 +378,10 @@ def roller_contact_of_highest_pressure(row: RollerRow, line_loads: Array) -> Rol
 
 
 def roller_static_safety(worst_contact: RollerContact) -> StaticSafety:
-    """Return the static safety of the most highly pressed roller contact, between parts of hardened bearing steel.
+    """Return the static safety of the roller contact with the highest pressure, between parts of hardened bearing steel.
 
-    The permissible load of a roller contact is that at 4000 MPa (ISO 76); the pressure is proportional to the square root
-    of the load.
+    The permissible load of a roller contact is the load at which its largest pressure is 4000 MPa (ISO 76); the pressure is
+    proportional to the square root of the load.
 
     Parameters
     ----------
@@ -394,7 +396,7 @@ STRIBECK = 5.0
 
 
 def permissible_contact_force(scene: Scene) -> float:
-    """Return the permissible static force Q_0 on a ball contact [N], the smaller of those of both opposite raceways."""
+    """Return the permissible static force Q_0 on a ball [N], the smaller of the values for its two opposite raceways."""
     if scene.track.lead > 0.0:
         dent = contacts.nominal_curvatures(scene)[[0, 3]].prod(axis=1)
         diameter = 2.0 * scene.balls.radius

@@ -165,8 +165,8 @@ def fatigue_load_limit(scene: Scene) -> float:
 
     References
     ----------
-    ISO 281:2007, B.3.3, for bearings. For screws it is the load at which all contacts, equally loaded, have the same
-    pressure of 1500 MPa.
+    ISO 281:2007, B.3.3, for bearings. For screws it is the axial load at which equally loaded contacts reach a pressure of
+    1500 MPa.
     """
     if scene.track.lead == 0.0:
         across = 2.0 * scene.track.pitch_radius
@@ -189,7 +189,7 @@ def modified_life(scene: Scene, life: BasicRatingLife | None) -> ModifiedLife | 
     -------
     ModifiedLife | None
         The modified life; None if the basic life is None, or if the scene gives neither reliability nor viscosity ratio.
-        The life counts a_ISO as 1 if the scene does not give both viscosity ratio and contamination.
+        The factor a_ISO is taken as 1 if the scene does not give both viscosity ratio and contamination.
     """
     of = scene.operation
     if life is None or (of.reliability is None and of.viscosity_ratio is None):
@@ -226,7 +226,8 @@ class ReferenceLife:
         "dynamic equivalent reference load P_ref, C/L10r^(1/3), for rollers C/L10r^(3/10)",
         error="that of the loads",
     )
-    #: Load Q_c [N] that a contact bears for 10^6 revolutions, for each loaded raceway by its name.
+    #: Dynamic capacity Q_c [N] of each loaded raceway, by its name: load that one of its contacts bears for 10^6
+    #: revolutions.
     capacities: dict[str, float] = quantity_field(
         "raceway_capacity_N", "load Q_c that one contact of the raceway bears for 10^6 revolutions", parts=".*"
     )

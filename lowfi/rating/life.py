@@ -171,7 +171,7 @@ class SystemLife:
     shortest: str = quantity_field("shortest_set", "name of the nut or bearing with the shortest life")
     #: Lead of the screw [m]; 0 without a nut.
     lead: float = 0.0
-    #: Speed of the shaft [rad/s]; None if the scene states none.
+    #: Speed of the shaft [rad/s]; None if the scene gives no speed.
     speed: float | None = None
 
     @property
@@ -238,11 +238,11 @@ def is_thrust_bearing(scene: Scene) -> bool:
 
 
 def filled_turns(scene: Scene) -> float:
-    """Return the number of turns of the track that are filled with balls, gaps excluded: the sum over all thread starts.
+    """Return the number of turns of the track that are filled with balls, without gaps: the sum over all thread starts.
 
-    Every ball counts with the median angle between neighbours; a single ball counts as a whole turn. The number is exact
-    for equal spacing within circuits of at least two balls, for any gaps between the circuits. A longer distance between
-    neighbours counts as the median.
+    The number is the number of balls times the median angle between neighbours, over a whole turn; a single ball counts as
+    one turn. It is exact for equal spacing within circuits of at least two balls, for any gaps between the circuits. Where
+    neighbours are further apart than the median, only the median is counted.
 
     Parameters
     ----------
@@ -413,7 +413,7 @@ def damage_equivalent_contact_loads(loads: Sequence[Array], shares: Sequence[flo
     loads
         Contact forces of each case, ``(n, 4)`` [N].
     shares
-        Fractions of the revolutions in each case, with the sum 1; cases with a fraction of zero do not count.
+        Fractions of the revolutions in each case, with the sum 1; cases with a fraction of zero are ignored.
 
     Returns
     -------
@@ -460,8 +460,8 @@ class EquivalentLoadLife:
         heading="life L10 by equivalent loads",
         note="{standard}",
     )
-    #: Equivalent loads [N]: for a screw two, for forces on the nut along +z and along -z (directions or nut halves); for a
-    #: bearing the load P.
+    #: Equivalent loads [N]: for a screw two, one of the flanks or nut half that carry forces on the nut along +z, one of
+    #: those that carry forces along -z; for a bearing its equivalent load P.
     equivalent_loads: tuple[float, ...] = quantity_field(
         "equivalent_loads_N",
         "means of order 3 over the revolutions: axial load of the flanks or nut half that carry forces along +z, then of "
@@ -484,9 +484,9 @@ def life_by_equivalent_loads(
     shares
         Fractions of the revolutions in each case.
     forces
-        Force of the screw on the nut in each case, ``(3,)`` [N].
+        For each load case the force of the screw on the nut (or of the inner on the outer ring) along x, y, z ``(3,)`` [N].
     preload
-        Axial force [N] between two halves of a nut with a lead offset; 0 for a nut with play.
+        Axial force [N] with which a lead offset presses two halves of a nut against each other; 0 for a nut with play.
 
     Returns
     -------
@@ -519,7 +519,8 @@ def life_by_equivalent_loads(
 def forces_on_nut_halves(force: Array, preload: float) -> tuple[Array, Array]:
     """Return the axial forces on the two halves of a preloaded nut.
 
-    Under a force F the loaded half carries F_pr (1 + F/(2^(3/2) F_pr))^(3/2), until the other half loses contact; then F.
+    Under a force F the loaded half carries F_pr (1 + F/(2^(3/2) F_pr))^(3/2), until the other half loses contact. From then
+    on it carries F.
 
     Parameters
     ----------

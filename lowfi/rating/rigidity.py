@@ -67,7 +67,8 @@ class AxialRigidities:
         "secant rigidity with nut and screw as thick tubes, which the contact loads widen and compress",
         error="neglects unequal loads",
     )
-    #: Axial rigidity by a model that solves for unequal contact loads [N/m]; None if its displacement is not known.
+    #: Axial rigidity by a model that computes the unequal contact loads [N/m]; None if the model's axial displacement is
+    #: not known.
     with_unequal_loads: float | None = quantity_field(
         "rigidities_N_per_um.with_unequal_loads",
         "secant rigidity by the model, `axial.rigidity_N_per_um`",
@@ -88,7 +89,7 @@ class AxialRigidities:
 
 
 def approach_per_displacement(scene: Scene) -> float:
-    """Return the approach at a ball's two contacts together per axial displacement of the nut.
+    """Return the sum of the approaches at a ball's two contacts per unit of axial displacement of the nut.
 
     It is sin(alpha) cos(phi), with the contact angle alpha and the lead angle phi.
 
@@ -115,8 +116,8 @@ def displacement_by_contacts_only(scene: Scene, force: float) -> float:
     Returns
     -------
     float
-        Displacement from first contact; for nut halves that a lead offset preloads against each other, from their
-        equilibrium without load.
+        Displacement [m]: for nut halves that a lead offset preloads against each other, counted from their equilibrium
+        without load; otherwise from the first contact.
     """
     layout = ball_layout(scene)
     of_balls = centre_vectors_and_interference(scene, draw_geometry_with_errors(scene, layout))[1]
@@ -129,7 +130,7 @@ def displacement_by_contacts_only(scene: Scene, force: float) -> float:
     s, n = approach_per_displacement(scene), scene.ball_count
 
     def axial_force_above_given(u: float, start: Array, force: float) -> float:
-        """Return the axial force of all balls at a displacement u [m], less ``force`` [N].
+        """Return the axial force of all balls at an axial displacement u [m] of the nut or ring, less ``force`` [N].
 
         ``start``: interference of the balls with each pair of opposite flanks at u = 0 [m], for each half of the nut.
         """
@@ -173,8 +174,8 @@ def axial_compliance_of_bodies(scene: Scene) -> float | None:
     inner, outer = 2.0 * (track.pitch_radius - reach), 2.0 * (track.pitch_radius + reach)
     if scene.nut.outer_diameter <= outer or scene.screw.bore >= inner:
         raise ValueError(
-            "axial compliance: got a nut or screw without a wall behind its contacts; allowed: a nut "
-            f"wider than {1e3 * outer:.4g} mm and a bore narrower than {1e3 * inner:.4g} mm"
+            "axial compliance: got a nut or screw without a wall behind its contacts; allowed: a nut with an "
+            f"outer diameter above {1e3 * outer:.4g} mm and a screw with a bore below {1e3 * inner:.4g} mm"
         )
     length = filled_turns(scene) / track.starts * track.lead
     nut, screw = scene.nut.material, scene.screw.material

@@ -241,7 +241,7 @@ def life_of_row_by_equivalent_loads(row: RollerRow, shares: Sequence[float], for
     shares
         Fractions of the revolutions in each case, with the sum 1.
     forces
-        Force of the shaft on the row in each case, ``(3,)`` [N].
+        For each load case the force of the shaft on the row along x, y, z ``(3,)`` [N].
 
     Returns
     -------

@@ -54,9 +54,9 @@ def curvature_changes(scene: Scene, drawn: GeometryWithErrors, ball_radius: Arra
     Parameters
     ----------
     scene
-        Nominal screw, nut and balls.
+        Scene with the nominal dimensions of screw, nut and balls.
     drawn
-        Dimensions of the parts with their manufacturing errors.
+        Dimensions of screw, nut and balls with their manufacturing errors.
     ball_radius
         Radii of the balls ``(..., N)`` [m].
 
@@ -91,8 +91,8 @@ def oblique_pressure_coefficient(constants: hertz.HertzConstants, ball_radius: f
 
     F is the contact force [N]. On a curved surface, the pressure at the edge of the contact ellipse acts at an angle to the
     contact's normal, which Hertz's theory neglects. With the Hertz constant C, the semi-axes a and b of the contact
-    ellipse and the ball's radius r, the term is C F^(2/3) 7 (a^2 + b^2)/(30 r^2), because a^2 and b^2 are proportional
-    to F^(2/3).
+    ellipse and the ball's radius r, the term is C F^(2/3) 7 (a^2 + b^2)/(30 r^2). It grows with F^(4/3), because a^2 and
+    b^2 grow with F^(2/3).
 
     Parameters
     ----------
@@ -140,7 +140,7 @@ def nominal_curvatures(scene: Scene) -> Array:
 
 @lru_cache(maxsize=64)
 def _scene_of_parts_only(scene: Scene) -> Scene:
-    """Return a scene without loads, supports, errors and nut position, as the key of caches of geometric quantities."""
+    """Return a copy of a scene without loads, supports, errors and nut position, which serves as the key of caches."""
     return replace(reduce_to_compliance_geometry(scene), nut=replace(scene.nut, position=0.0, azimuth=0.0))
 
 
@@ -183,14 +183,15 @@ def _cached_curvatures(bare: Scene) -> Array:
 def hertz_with_errors(scene: Scene, drawn: GeometryWithErrors, ball_radius: Array | None = None) -> hertz.HertzConstants:
     """Return the Hertz constants ``(..., N, 4)`` of every contact from its radii with errors, at the nominal contact angle.
 
-    An oversize e of a ball of radius r thus acts as an approach e with both relative curvatures reduced by e/r^2.
+    For example, an oversize e of a ball of radius r reduces both relative curvatures by e/r^2; the approach e that it
+    causes is not part of the result.
 
     Parameters
     ----------
     scene
-        Nominal screw, nut and balls.
+        Scene with the nominal dimensions of screw, nut and balls.
     drawn
-        Dimensions of the parts with their manufacturing errors.
+        Dimensions of screw, nut and balls with their manufacturing errors.
     ball_radius
         Radii of the balls ``(..., N)`` [m]; None: those in ``drawn``.
     """
@@ -206,9 +207,9 @@ def hertz_with_errors_if_distinct(scene: Scene, drawn: GeometryWithErrors, ball_
     Parameters
     ----------
     scene
-        Nominal screw, nut and balls.
+        Scene with the nominal dimensions of screw, nut and balls.
     drawn
-        Dimensions of the parts with their manufacturing errors.
+        Dimensions of screw, nut and balls with their manufacturing errors.
     ball_radius
         Radii of the balls ``(N,)`` [m].
     """
@@ -230,9 +231,9 @@ def hertz_of_every_contact(scene: Scene, drawn: GeometryWithErrors) -> hertz.Her
     Parameters
     ----------
     scene
-        Nominal screw, nut and balls.
+        Scene with the nominal dimensions of screw, nut and balls.
     drawn
-        Dimensions of the parts with their manufacturing errors.
+        Dimensions of screw, nut and balls with their manufacturing errors.
     """
     h, shape = hertz_with_errors_if_distinct(scene, drawn, drawn.ball_radii), (drawn.ball_radii.size, 4)
     return hertz.HertzConstants(*(np.broadcast_to(x, shape) for x in (h.C, h.C_a, h.C_b, h.eccentricity)))
@@ -244,9 +245,9 @@ def hertz_at_contact_angles(scene: Scene, drawn: GeometryWithErrors, gamma: Arra
     Parameters
     ----------
     scene
-        Nominal screw, nut and balls.
+        Scene with the nominal dimensions of screw, nut and balls.
     drawn
-        Dimensions of the parts with their manufacturing errors.
+        Dimensions of screw, nut and balls with their manufacturing errors.
     gamma
         Contact angles ``(N, 4)`` [rad].
 
@@ -275,9 +276,9 @@ def relative_curvatures(scene: Scene, drawn: GeometryWithErrors, gamma: Array) -
     Parameters
     ----------
     scene
-        Nominal screw, nut and balls.
+        Scene with the nominal dimensions of screw, nut and balls.
     drawn
-        Dimensions of the parts with their manufacturing errors.
+        Dimensions of screw, nut and balls with their manufacturing errors.
     gamma
         Contact angles ``(N, 4)`` [rad] at which curvatures are taken.
     """
@@ -308,7 +309,8 @@ def _contact_modulus(scene: Scene, body: Material) -> float:
 def misprinted_hertz_of_flanks(scene: Scene) -> tuple[hertz.PrintedHertzConstants, hertz.PrintedHertzConstants]:
     """Return the Hertz constants of a screw flank and of a nut flank as misprinted in Table B.1 of Lin's thesis.
 
-    The principal radii of that table are no radii of curvature; see `meshes.surface.printed_principal_radii`.
+    The principal radii in that table are not the radii of curvature of the surfaces; see
+    `meshes.surface.printed_principal_radii`.
 
     Parameters
     ----------
@@ -356,9 +358,9 @@ def hertz_constants_by_scene_choice(scene: Scene, drawn: GeometryWithErrors, bal
     Parameters
     ----------
     scene
-        Nominal screw, nut and balls.
+        Scene with the nominal dimensions of screw, nut and balls.
     drawn
-        Dimensions of the parts with their manufacturing errors.
+        Dimensions of screw, nut and balls with their manufacturing errors.
     ball_radius
         Radii of the balls ``(..., N)`` [m]; None: those in ``drawn``.
     """

@@ -76,7 +76,7 @@ class ElasticEquations(static.SingleNutEquations):
         """Return the numbers of the two flanks if only one pair of diagonally opposite flanks has contacts.
 
         The numbers are 0 screw left, 1 screw right, 2 nut left, 3 nut right; the screw's flank comes first. None if all
-        four flanks have contacts. The position of a ball between two flanks has a closed form.
+        four flanks have contacts. For such a pair the position of the ball follows in closed form.
         """
         return only_flank_pair(self.problem)
 
@@ -86,7 +86,8 @@ class ElasticEquations(static.SingleNutEquations):
         Parameters
         ----------
         from_linear
-            Whether to start from the solution with linear springs for contacts, else from the present state.
+            Whether to start from the solution with linear springs in place of the contacts; otherwise from the present
+            state.
         """
         if self.only_flank_pair is not None:
             self.kernel_arrays.contacts.flank_pair_data[:, 4] = self.problem.C[:, list(self.only_flank_pair)].sum(axis=1)
@@ -178,7 +179,8 @@ class ElasticEquations(static.SingleNutEquations):
     def model_description(self) -> ModelDescription:
         """Return the formulation, number of unknowns and assumptions of the model for the record of the solution.
 
-        The assumptions state how much negative compliance of the bodies was set to zero to make their matrix positive.
+        Among the assumptions is a statement of how much negative compliance of the bodies was set to zero, so that their
+        matrices are positive semidefinite.
         """
         build, clipped = self.problem_input, self.flank_compliance.clipped_share
         assert isinstance(build, ElasticInput)
@@ -460,8 +462,9 @@ class _SharedEquations:
         radii
             Radii of its balls ``(N,)`` [m].
         offset, closure
-            Distances ``(N, 4, 4)`` [m] of ball and groove centres, and interferences ``(N, 2)`` [m], from
-            `centre_vectors_and_interference`.
+            For each ball and flank the vector from groove centre to ball centre (two components), its length and the
+            nominal approach ``(N, 4, 4)`` [m]; for each ball the interference with both pairs of opposite flanks ``(N, 2)``
+            [m]. Both come from `centre_vectors_and_interference`.
         C
             Hertz constants ``(N, 4)`` [m/N^(2/3)].
         start
@@ -518,11 +521,11 @@ class _SharedEquations:
 
 
 def _external_work_coefficients(elastic: ElasticEquations) -> tuple[Array, Array, float]:
-    """Return the coefficients of a linear function for the work [J] of the external loads on their points of action.
+    """Return the coefficients of a linear function that gives the work [J] of the external loads on the moved screw.
 
-    Variables of the function are contact forces and free rigid motions, which no support prevents. Returns the derivative
-    of the work by the forces of the balls on the c screw flanks ``(2 c,)`` [J/N], derivative by the amplitudes of the k
-    free motions ``(k,)`` [N], and constant part [J].
+    Variables of the function are contact forces and amplitudes of the rigid motions that no support prevents (free
+    motions). Returns three values: the derivative of the work by the forces of the balls on the c screw flanks ``(2 c,)``
+    [J/N], the derivative by the amplitudes of the k free motions ``(k,)`` [N], and the constant part [J].
     """
     problem, shaft, coupling = elastic.problem, elastic.shaft, elastic.flank_compliance.coupling
     load = problem.load.ravel()

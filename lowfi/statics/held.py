@@ -33,14 +33,15 @@ class UnresistedMotions:
 
     #: Whether the loads do work on an unresisted motion, so that there is no equilibrium.
     is_driven_by_loads: bool
-    #: Description of the unresisted motion in words, for the user; empty if there is none.
+    #: Text for the user that describes the unresisted motion; empty if there is none.
     description: str
-    #: Pins: numbers (0 to 5) of the degrees of freedom to fix at the first beam node; for a rigid screw, numbers of the
-    #: coordinates to fix (columns of `Problem.rigid_motion_basis`).
+    #: Numbers (0 to 5) of the degrees of freedom at the first beam node that the model fixes against these motions; for a
+    #: rigid screw, numbers of its coordinates (columns of `Problem.rigid_motion_basis`).
     pins: tuple[int, ...] = ()
     #: Whether nothing can twist the shaft: its grooves have no lead, and no moment about the axis acts.
     no_torsion: bool = False
-    #: Degrees of freedom (0 to 5) that could be fixed in place of those in ``pins``; empty if there is no alternative.
+    #: Numbers (0 to 5) of other degrees of freedom that could be fixed instead of those in ``pins``; empty if there are
+    #: none.
     alternative_pins: tuple[int, ...] = ()
 
 

@@ -24,7 +24,8 @@ class BeamArrays(NamedTuple):
     fixed: Array
     #: Loads on the nodes (n, 6) [N, N m].
     load: Array
-    #: Stiffness constants (n - 1, 5) of the beam elements, see `lowfi.statics.kernel.beam.element_constants`.
+    #: Stiffness constants (n - 1, 5) of the beam elements: lateral, coupling, bending, axial and torsional, see
+    #: `lowfi.statics.kernel.beam.element_constants`.
     constants: Array
     #: Lower band of the beam's stiffness matrix (6 n, half bandwidth + 1), see `lowfi.statics.kernel.matrices`.
     band: Array
@@ -33,15 +34,19 @@ class BeamArrays(NamedTuple):
 class BeamContacts(NamedTuple):
     """Arrays of the balls between a screw, modelled as a beam, and a fixed nut."""
 
-    #: Number (N, 2) of the first beam node that moves the screw's flank SL, and the flank SR, at each ball.
+    #: Number (N, 2) of the first beam node that moves the screw's left flank, and of the one that moves its right flank, at
+    #: each ball.
     first_nodes: Array
-    #: Motions (N, 2, 2, m) of the flanks SL and SR, with two components in the ball's section plane (radial, and along the
-    #: helix's binormal), per unit of the six motions of the node in ``first_nodes`` (m = 6), or of this node and
-    #: the next one (m = 12).
+    #: Motions (N, 2, 2, m) of the screw's left and right flank, with two components in the ball's section plane (radial,
+    #: and along the helix's binormal), per unit of the six motions of the node in ``first_nodes`` (m = 6), or of this node
+    #: and the next one (m = 12).
     B: Array
-    #: Geometry and Hertz constant of each contact (N, 4, 9), see `lowfi.statics.kernel.ball`.
+    #: Constants of each contact (N, 4, 9): nominal vector from groove centre to ball centre (two components), its length
+    #: and the nominal approach [m], Hertz constant [m/N^(2/3)], 1 if the flank can carry load (else 0), groove radius [m],
+    #: signs of the contact direction (two).
     geometry: Array
-    #: Nominal interference (N, 2) [m] of ball and grooves across the diagonal pairs of flanks SL-NR and SR-NL.
+    #: Nominal interference (N, 2) [m] of each ball with the two pairs of opposite flanks: screw left and nut right, screw
+    #: right and nut left.
     interference: Array
     #: Radii of the balls (N,) [m].
     r_ball: Array
@@ -63,9 +68,9 @@ class MotionState(NamedTuple):
     d: Array
     #: Displacements of the ball centres in their section planes (N, 2) [m].
     p: Array
-    #: Force, normal and stiffness of each contact (N, 4, 5), see `lowfi.statics.kernel.ball`.
+    #: Force [N], unit normal (two components), normal and tangential stiffness [N/m] of each contact (N, 4, 5).
     contact: Array
-    #: Force [N] and stiffness [N/m] of the M slices into which the rollers are divided (M, 2).
+    #: Contact force [N] and stiffness [N/m] of each of the M slices into which the rollers are divided (M, 2).
     slices: Array
 
 
@@ -74,9 +79,12 @@ class SpecimenArrays(NamedTuple):
 
     #: Motions of the flanks per unit motion of the nodes (m, N, 2, 2, 6); (1, N, 2, 2, 6) if all specimens share them.
     B: Array
-    #: Geometry and Hertz constant of each contact (m, N, 4, 9), see `lowfi.statics.kernel.ball`.
+    #: Constants of each contact of m specimens (m, N, 4, 9): nominal vector from groove centre to ball centre (two
+    #: components), its length and the nominal approach [m], Hertz constant [m/N^(2/3)], 1 if the flank can carry load (else
+    #: 0), groove radius [m], signs of the contact direction (two).
     geometry: Array
-    #: Nominal interference (m, N, 2) [m] of ball and grooves across the diagonal pairs of flanks SL-NR and SR-NL.
+    #: Nominal interference (m, N, 2) [m] of each ball with the two pairs of opposite flanks: screw left and nut right,
+    #: screw right and nut left.
     interference: Array
     #: Radii of the balls (m, N) [m].
     r_ball: Array
@@ -87,9 +95,9 @@ class SpecimenSolutions(NamedTuple):
 
     #: Contact forces (m, N, 4) [N].
     force: Array
-    #: Status of each solve (m,), see `lowfi.statics.kernel.search`.
+    #: How each iteration ended (m,), a number defined in `lowfi.statics.kernel.search`: converged or a kind of failure.
     status: Array
-    #: Relative residuals (m,).
+    #: Largest unbalanced force of each specimen, as a fraction of the largest force in the model (m,).
     residual: Array
     #: Motions of the nodes (m, n, 6) [m, rad].
     q: Array
@@ -127,7 +135,7 @@ class MotionWorkspace(NamedTuple):
 class NewtonOptions(NamedTuple):
     """Parameters of the Newton iteration in `lowfi.statics.kernel.descent`: tolerance, limits and typical values."""
 
-    #: Largest unbalanced force, relative to the largest force, at which the iteration ends.
+    #: Largest unbalanced force, as a fraction of the largest force in the model, at which the iteration ends.
     tolerance: float
     #: Largest number of iterations.
     max_iterations: int
@@ -162,9 +170,10 @@ class AxisArrays(NamedTuple):
     lengths: Array
     #: Section stiffnesses EA [N], EI [N m^2], GJ [N m^2], kGA [N] of the shaft's elements (n - 1, 4).
     sections: Array
-    #: Stiffness constants (n - 1, 5) of the shaft's elements, see `lowfi.statics.kernel.beam.element_constants`.
+    #: Stiffness constants (n - 1, 5) of the shaft's beam elements: lateral, coupling, bending, axial and torsional, see
+    #: `lowfi.statics.kernel.beam.element_constants`.
     constants: Array
-    #: Which degrees of freedom of shaft nodes and housings are fixed, as truth values (r, 6).
+    #: Whether each degree of freedom of shaft nodes and housings is fixed by a support (r, 6).
     fixed: Array
     #: Loads on shaft nodes and housings (r, 6) [N, N m].
     load: Array
@@ -175,7 +184,7 @@ class AxisArrays(NamedTuple):
     spring_end_matrices: Array
     #: Stiffness matrices of the springs (k, 6, 6) [N/m, N, N m].
     springs: Array
-    #: Position (r,) of each body in the order in which the stiffness matrix is factored.
+    #: Position (r,) of each body (shaft node or housing) in the order in which the stiffness matrix is factored.
     body_order: Array
     #: Column (6 r,) of the first stored coefficient in each row of the stiffness matrix, in the order of
     #: ``body_order``.
@@ -196,9 +205,12 @@ class AxisBalls(NamedTuple):
     B: Array
     #: Prescribed motion of the flanks (N, 4, 2) [m] by axial offsets of nuts and outer rings.
     v0: Array
-    #: Geometry and Hertz constant of each contact (N, 4, 9), see `lowfi.statics.kernel.ball`.
+    #: Constants of each contact (N, 4, 9): nominal vector from groove centre to ball centre (two components), its length
+    #: and the nominal approach [m], Hertz constant [m/N^(2/3)], 1 if the flank can carry load (else 0), groove radius [m],
+    #: signs of the contact direction (two).
     geometry: Array
-    #: Nominal interference (N, 2) [m] of ball and grooves across the diagonal pairs of flanks SL-NR and SR-NL.
+    #: Nominal interference (N, 2) [m] of each ball with the two pairs of opposite flanks: screw left and nut right, screw
+    #: right and nut left.
     interference: Array
     #: Radii of the balls (N,) [m].
     r_ball: Array
@@ -234,7 +246,7 @@ class AxisRollers(NamedTuple):
 class IterationProgress(NamedTuple):
     """Progress of a Newton iteration (smallest residual, lowest energy), by which a stalled iteration is recognised."""
 
-    #: Smallest relative residual so far.
+    #: Smallest residual so far: largest unbalanced force as a fraction of the largest force in the model.
     smallest_residual: float
     #: Lowest energy so far [J].
     lowest_energy: float
@@ -271,9 +283,11 @@ class ElasticBodies(NamedTuple):
     first_compliance: Array
     #: Compliance matrix G [m/N] of the flanks of the nut (4 N, 4 N); empty if ``first_compliance`` contains both.
     second_compliance: Array
-    #: Motions of the flanks (N, d, k) per metre of each free rigid motion; a rotation's amplitude is angle times a length.
+    #: Motions of the flanks at each ball or roller per metre of each of k free rigid motions: (N, 8, k) for four flanks,
+    #: (N, 2, k) for one flank pair. A rotation's amplitude is its angle times a length.
     R: Array
-    #: Motions v0 of the flanks (N, d) by external loads and prescribed displacements [m].
+    #: Motions v0 of the flanks by external loads and prescribed displacements [m]: (N, 8) for the four flanks of each ball
+    #: or roller, (N, 2) for one flank pair.
     v0: Array
     #: Work of the external loads on the free rigid motions, per metre of amplitude (k,) [N].
     work_on_free_motions: Array
@@ -301,9 +315,12 @@ class RollerContacts(NamedTuple):
 class BallContacts(NamedTuple):
     """Contact data of the balls between elastic bodies, and of the rollers, which follow the balls in joint arrays."""
 
-    #: Geometry and Hertz constant of each contact (N, 4, 9), see `lowfi.statics.kernel.ball`.
+    #: Constants of each contact (N, 4, 9): nominal vector from groove centre to ball centre (two components), its length
+    #: and the nominal approach [m], Hertz constant [m/N^(2/3)], 1 if the flank can carry load (else 0), groove radius [m],
+    #: signs of the contact direction (two).
     geometry: Array
-    #: Nominal interference (N, 2) [m] of ball and grooves across the diagonal pairs of flanks SL-NR and SR-NL.
+    #: Nominal interference (N, 2) [m] of each ball with the two pairs of opposite flanks: screw left and nut right, screw
+    #: right and nut left.
     interference: Array
     #: Coefficients of the terms that are added to Hertz's approach of each contact (N, 4, 3): e [m/N] of the term e F at
     #: the force F; decrease of the approach per unit amplitude of the ball's deformation; h [m/N^(4/3)] of h F^(4/3).
@@ -312,8 +329,9 @@ class BallContacts(NamedTuple):
     r_ball: Array
     #: Profile errors of the flanks (N, 4, p) [m]: p coefficients of a polynomial of the contact angle, ascending powers.
     profile: Array
-    #: Contact data (N, 7) of balls between one diagonal pair of circular flanks, see
-    #: `lowfi.statics.kernel.elastic.solve_balls_of_flank_pair`; zeros if four flanks are solved instead.
+    #: Contact data (N, 7) of balls between one diagonal pair of circular flanks: vector from one groove centre to the other
+    #: (two components), its length and the interference [m], coefficients C, e, h of approach = C F^(2/3) + e F + h F^(4/3)
+    #: at the force F. Zeros if balls are solved between four flanks instead.
     flank_pair_data: Array
     #: Data of the rollers; in arrays over all rolling elements they come after the balls.
     rollers: RollerContacts
@@ -334,49 +352,56 @@ class ForceState(NamedTuple):
     follow from the unknowns.
     """
 
-    #: Forces on the flanks (N, d) [N].
+    #: Forces on the flanks [N]: (N, 8) for the four flanks of each ball or roller, (N, 2) for one flank pair.
     phi: Array
     #: Amplitudes of the bodies' free rigid motions, which only the contacts resist (k,) [m].
     a: Array
-    #: Displacement of each ball's centre in its section plane [m] (two numbers) and amplitude of its deformation (N, 3).
+    #: Displacement of each ball's centre in its section plane (two components [m]) and amplitude of the ball's deformation
+    #: (N, 3).
     ball_unknowns: Array
-    #: Force, normal and stiffness of each contact (N, 4, 5), or (N, 1, 5) for a diagonal pair, see
-    #: `lowfi.statics.kernel.ball`.
+    #: Force [N], unit normal (two components), normal and tangential stiffness [N/m] of each contact (N, 4, 5), or of the
+    #: single contact that stands for a diagonal pair of flanks (N, 1, 5).
     contact: Array
 
 
 class ForceStep(NamedTuple):
     """Step of Newton's method for the contact forces on elastic bodies, and the motions of the flanks in this step."""
 
-    #: Step of the forces on the flanks (N, d) [N].
+    #: Change of the forces on the flanks in the step [N]: (N, 8) for the four flanks of each ball or roller, (N, 2) for one
+    #: flank pair.
     dphi: Array
-    #: Step of the motions of the flanks (N, d) [m].
+    #: Change of the motions of the flanks in the step [m]: (N, 8) for the four flanks of each ball or roller, (N, 2) for
+    #: one flank pair.
     dv: Array
-    #: Step of the amplitudes of the bodies' free rigid motions (k,) [m].
+    #: Change of the amplitudes of the bodies' k free rigid motions in the step (k,) [m].
     da: Array
 
 
 class LineSearchStart(NamedTuple):
     """Contact forces and flank motions from which a line search along a Newton step starts."""
 
-    #: Forces on the flanks (N, d) [N].
+    #: Forces on the flanks [N]: (N, 8) for the four flanks of each ball or roller, (N, 2) for one flank pair.
     phi: Array
     #: Amplitudes of the bodies' free rigid motions (k,) [m].
     a: Array
-    #: Elastic motions G phi of the flanks (N, d) [m], with the bodies' compliance G.
+    #: Elastic motions G phi of the flanks [m], with the bodies' compliance G and the forces phi on the flanks: (N, 8) for
+    #: the four flanks of each ball or roller, (N, 2) for one flank pair.
     g: Array
-    #: Total motions of the flanks (N, d) [m]: elastic, by external loads and by free rigid motions.
+    #: Total motions of the flanks [m] by elastic deformation, external loads and free rigid motions: (N, 8) for the four
+    #: flanks of each ball or roller, (N, 2) for one flank pair.
     v: Array
 
 
 class StiffnessFactors(NamedTuple):
     """Factors S of the tangent stiffness S^T S [N/m] of balls and rollers against motions of their flanks or rings."""
 
-    #: Factors S of the tangent stiffness S^T S of each ball or roller, row by row (N, 6 or 2, d) [(N/m)^(1/2)].
+    #: Factor S of the tangent stiffness S^T S of each ball or roller [(N/m)^(1/2)]: a matrix of at most six rows, with a
+    #: column for each of the d motions of its flanks (N, 6 or 2, d).
     S: Array
     #: Number of rows of S that are not empty, for each ball or roller (N,).
     counts: Array
-    #: Index (N,) of the first row of each ball or roller if the rows that are not empty are numbered through.
+    #: Number (N,) of the first row of each ball or roller if the rows of all S that are not empty are numbered
+    #: consecutively.
     starts: Array
 
 
@@ -387,19 +412,23 @@ class BodySystem(NamedTuple):
     bodies: ElasticBodies
     #: Contact data of all balls and rollers.
     contacts: BallContacts
-    #: Linear springs between opposite flanks, w for each ball, which replace the contacts in the first solve (N, w, d):
-    #: square root of the stiffness times direction [(N/m)^(1/2)], zero where there is no spring.
+    #: Linear springs between opposite flanks, which replace the contacts in the first solve: for each of w springs of a
+    #: ball, the square root of its stiffness times its direction in the d flank motions (N, w, d) [(N/m)^(1/2)]; zero where
+    #: there is no spring.
     springs: Array
 
 
 class BodyWorkspace(NamedTuple):
     """Work arrays of the Newton iteration whose unknowns are the contact forces on elastic bodies."""
 
-    #: Forces (N, d) [N] that balls and rollers exert on the flanks at the present flank motions.
+    #: Forces [N] that balls and rollers exert on the flanks at the present flank motions: (N, 8) for the four flanks of
+    #: each ball or roller, (N, 2) for one flank pair.
     f: Array
-    #: Elastic motions G phi of the flanks (N, d) [m], with the bodies' compliance G and the forces phi on the flanks.
+    #: Elastic motions G phi of the flanks [m], with the bodies' compliance G and the forces phi on the flanks: (N, 8) for
+    #: the four flanks of each ball or roller, (N, 2) for one flank pair.
     g: Array
-    #: Total motions of the flanks (N, d) [m]: elastic, by external loads and by free rigid motions.
+    #: Total motions of the flanks [m] by elastic deformation, external loads and free rigid motions: (N, 8) for the four
+    #: flanks of each ball or roller, (N, 2) for one flank pair.
     v: Array
     #: Newton step of contact forces, flank motions and free rigid motions.
     step: ForceStep
@@ -438,7 +467,7 @@ class Outcome(NamedTuple):
     iterations: int
     #: Number of evaluations of the energy.
     evaluations: int
-    #: Largest unbalanced force, divided by the field ``scale``.
+    #: Largest unbalanced force, as a fraction of the force in the field ``scale``.
     residual: float
     #: Energy of the model at the end [J].
     energy: float

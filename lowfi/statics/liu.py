@@ -46,9 +46,10 @@ LEFT_OUT = (
 class SpringRow:
     """The M balls of a single nut in Liu's axial model: springs between screw and nut, ordered from the loaded end."""
 
-    #: Stiffness of contacts and of segments of screw and nut, and contact geometry, for Liu's equations.
+    #: Parameters of Liu's equations: stiffness of the contacts, compliance of the segments of screw and nut between balls,
+    #: and contact geometry.
     liu_chain: BallScrewChain
-    #: Numbers of the balls in the scene, ordered from the loaded end ``(M,)``.
+    #: Number in the scene of each ball of the row, which is ordered from the loaded end ``(M,)``.
     ball_order: NDArray[np.int64]
     #: Interference of each ball by errors along the contact normal, ordered from the loaded end ``(M,)`` [m].
     interferences: Array
@@ -60,7 +61,8 @@ class SpringRow:
     loaded_end_position: float
     #: Axial position of the load that is nearest to the balls [m].
     load_position: float
-    #: Tensile compliance of a screw segment, as a fraction of the sum of the compliances of a screw and a nut segment.
+    #: Tensile compliance of a screw segment between two balls, as a fraction of the summed compliances of this segment and
+    #: the nut segment beside it.
     screw_compliance_share: float
     #: Tensile stiffness E A of the screw [N].
     screw_tensile_stiffness: float
@@ -103,10 +105,10 @@ def nut_as_spring_row(scene: Scene, *, member: int = 0, law: Law = "implicit") -
     scene
         Screw, nut, balls and loads.
     member
-        Number of the specimen, for a scene with random errors.
+        Number of the specimen, for a scene with random errors: each number gives other errors.
     law
-        How the contact angle depends on the approach: ``"implicit"``, Liu's equations (10) and (14); ``"constant"``, not at
-        all; ``"exact"``, from the geometry of groove centres that move along the axis only.
+        How the contact angle depends on the approach: ``"implicit"``, by Liu's equations (10) and (14); ``"constant"``, not
+        at all; ``"exact"``, by the geometry of the groove centres, which move along the axis only.
 
     Raises
     ------
@@ -187,18 +189,18 @@ def solve_liu(scene: Scene, *, member: int = 0, law: Law = "implicit", compiled:
     """Compute the contact loads of a single nut by Liu's self-adjusting axial model.
 
     The model is valid if contact approaches are small against the distance of the groove centres, and if the balls are
-    distributed evenly, so that the nut's wall is not widened locally. Reported motions are those of the screw, while the
-    nut is at rest at its loaded end. Without load the screw is at its nominal position.
+    distributed evenly, so that the nut's wall is not widened locally. The result contains motions of the screw relative to
+    the nut's loaded end, which is at rest; without load the screw is at its nominal position.
 
     Parameters
     ----------
     scene
         Screw, nut, balls and loads.
     member
-        Number of the specimen, for a scene with random errors.
+        Number of the specimen, for a scene with random errors: each number gives other errors.
     law
-        How the contact angle depends on the approach: ``"implicit"``, Liu's equations (10) and (14); ``"constant"``, not at
-        all; ``"exact"``, from the geometry of groove centres that move along the axis only.
+        How the contact angle depends on the approach: ``"implicit"``, by Liu's equations (10) and (14); ``"constant"``, not
+        at all; ``"exact"``, by the geometry of the groove centres, which move along the axis only.
     compiled
         Whether to use compiled kernels.
 
@@ -258,7 +260,7 @@ def contact_angle_sines(chain: BallScrewChain, errors: Array, state: BallScrewSt
     Parameters
     ----------
     chain
-        Data of Liu's equations; the field ``law`` is the relation between approach and contact angle.
+        Parameters of Liu's equations; the field ``law`` names the relation between approach and contact angle.
     errors
         Interference of each ball along the contact normal ``(M,)`` [m].
     state

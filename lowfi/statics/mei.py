@@ -47,7 +47,7 @@ class _AxialBarModel:
     K: Array
     #: Axial load [N] on the node of each unknown motion.
     load: Array
-    #: Which unknown motions supports fix.
+    #: Whether a support fixes each of the unknown motions.
     fixed: NDArray[np.bool_]
     #: Prescribed values of the fixed motions [m].
     prescribed: Array
@@ -55,12 +55,14 @@ class _AxialBarModel:
     screw: NDArray[np.int64]
     #: Index of the unknown that is the nut's motion at each ball ``(N,)``; -1 for a rigid nut.
     nut: NDArray[np.int64]
-    #: Approach of screw and nut flank per axial motion of the screw: sine of the contact angle times cosine of the lead
-    #: angle.
+    #: Approach of opposite flanks of screw and nut per axial motion of the screw: sine of the contact angle times cosine of
+    #: the lead angle.
     approach_per_axial_motion: float
-    #: Interference of the flank pairs (SL, NR) and (SR, NL) at each ball by errors and oversize ``(N, 2)`` [m].
+    #: Interference of each ball by manufacturing errors and oversize with the two pairs of opposite flanks (screw left and
+    #: nut right, screw right and nut left) ``(N, 2)`` [m].
     interference: Array
-    #: Hertz constants of the flank pairs (SL, NR) and (SR, NL), both contacts in series ``(N, 2)`` [m/N^(2/3)].
+    #: Hertz constants of the two contacts in series of each ball with a pair of opposite flanks (screw left and nut right,
+    #: screw right and nut left) ``(N, 2)`` [m/N^(2/3)].
     C: Array
 
 
@@ -227,7 +229,7 @@ def solve_mei(scene: Scene, *, member: int = 0, elastic_nut: bool = False) -> St
     scene
         Screw, nut, balls, supports and loads.
     member
-        Number of the specimen, for a scene with random errors.
+        Number of the specimen, for a scene with random errors: each number gives other errors.
     elastic_nut
         Whether the nut is a bar clamped at its left face, as in Mei's model; otherwise it is rigid, as in the model lin.
 
@@ -324,7 +326,7 @@ def axial_equilibrium(applied: float, reaction: float, contact: float, size: flo
     applied, reaction, contact
         Sums of the axial loads, of the supports' reactions and of the contact forces on the screw [N].
     size
-        Force [N] to which the residual is relative.
+        Force [N] by which the unbalanced force is divided for the residual.
     """
     zero = np.zeros(3)
     along = [np.array([0.0, 0.0, x]) for x in (applied, reaction, contact)]

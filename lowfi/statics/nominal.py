@@ -111,9 +111,9 @@ def _contact_loads_of(problem_input: static.StaticInput) -> ContactLoads:
 
 
 def nominal_scene(scene: Scene) -> Scene:
-    """Return a copy of a scene with nominal parts: preload by oversized balls and lead offset, but no other errors.
+    """Return a copy of a scene with nominal dimensions, except for the preload by oversized balls and lead offset.
 
-    Name, title and assumptions are empty, so that scenes with the same nominal parts are equal.
+    Name, title and assumptions are empty, so that scenes with the same nominal dimensions compare as equal.
 
     Parameters
     ----------
@@ -132,8 +132,8 @@ def count_nominal_contacts(scene: Scene, solved: StaticResult | None = None) -> 
     scene
         Screw, nut, balls, supports and loads.
     solved
-        Converged result of the scene. If it is by the model lin, and the scene has no errors except preload, its loaded
-        contacts are counted, which saves a solve.
+        Converged result of the scene, if there is one. Its loaded contacts are counted, without a new solve, if it was
+        computed by the model lin and the scene has no errors except preload.
     """
     bare = nominal_scene(scene)
     if solved is not None and solved.model == "lin" and bare == replace(scene, name="", title="", assumed=()):

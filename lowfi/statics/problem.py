@@ -47,24 +47,28 @@ class Problem:
     prescribed: Array
     #: Loads on the nodes ``(n, 6)`` [N, N m].
     load: Array
-    #: Number of the first node whose motion moves each screw flank (SL, SR) at a ball ``(N, 2)``.
+    #: Number of the first node whose motion moves the screw's left and right flank at each ball ``(N, 2)``.
     first_nodes: NDArray[np.int64]
     #: Motions of the screw's two flanks at each ball, radial and along the helix's binormal, per unit of the six motions of
     #: the node in ``first_nodes`` (m = 6), or of the motions of this node and the next one (m = 12): ``(N, 2, 2, m)``.
     B: Array
-    #: Geometry and Hertz constant of each contact for the kernels ``(N, 4, 9)``, see ``kernel.ball``.
+    #: Constants of each contact ``(N, 4, 9)``: nominal vector from groove centre to ball centre (two components), its
+    #: length and the nominal approach [m], Hertz constant [m/N^(2/3)], 1 if the flank can carry load (else 0), groove
+    #: radius [m], signs of the contact direction (two).
     geometry: Array
-    #: Nominal interference of ball and grooves across the diagonal pairs of flanks SL-NR and SR-NL ``(N, 2)`` [m].
+    #: Nominal interference of each ball with the two pairs of opposite flanks (screw left and nut right, screw right and
+    #: nut left) ``(N, 2)`` [m]; negative for clearance.
     interference: Array
     #: Which of the four flanks (screw left, screw right, nut left, nut right) have contacts ``(4,)``.
     used_flanks: Mask
-    #: Number of beam elements left out because they carry no load.
+    #: Number of beam elements at the ends of the screw that are left out because they carry no load.
     left_out_elements: int
     #: For a rigid screw, the matrix ``(6, 6)`` from its six coordinates (the free ones first, then those that supports fix)
     #: to its three displacements and three rotations; None for a beam.
     rigid_motion_basis: Array | None = None
-    #: Degrees of freedom of the first node (for a rigid screw, columns of the basis) that are fixed although no support
-    #: fixes them, because no load drives and nothing resists them.
+    #: Numbers of the degrees of freedom of the first node (for a rigid screw, of its coordinates, the columns of
+    #: ``rigid_motion_basis``) that the model fixes although no support does, because no load drives these motions and
+    #: nothing resists them.
     pins: tuple[int, ...] = ()
     #: Cross-section of every beam element; None: ``section`` everywhere.
     element_sections: tuple[BeamSection, ...] | None = None
@@ -120,8 +124,9 @@ def pack_contact_data(
 ) -> tuple[Array, Array]:
     """Return the kernels' array of contact data, and the interference of each ball with its diagonal pairs of flanks.
 
-    The first array ``(N, 4, 9)`` is called ``geometry`` and described in ``kernel.ball``. The second ``(N, 2)`` [m] is
-    positive for interference and negative for clearance.
+    The columns of the first array ``(N, 4, 9)`` (nominal vector from groove centre to ball centre, approach, Hertz constant
+    and others) are listed in ``kernel.ball``. The second array ``(N, 2)`` [m] is positive for interference and negative for
+    clearance; its columns are the flank pairs screw left and nut right, screw right and nut left.
 
     Parameters
     ----------
@@ -293,9 +298,10 @@ def flank_motions_of_specimens(problem: Problem, centre: Array) -> Array:
 
 
 def fixed_motions(bodies: int, supports: Iterable[tuple[int, Support | Housing]]) -> tuple[Mask, Array]:
-    """Return which motions of the bodies (shaft nodes, housings) are fixed, and their prescribed values ``(bodies, 6)``.
+    """Return which motions of shaft nodes and housings are fixed, and their values, ``(bodies, 6)`` each [m, rad].
 
-    ``bodies``: number of bodies. ``supports``: number of a body, and the support (or the housing itself) that fixes it.
+    ``bodies``: number of shaft nodes and housings together. ``supports``: pairs of the number of a node or housing and the
+    support that fixes it; a housing with fixed degrees of freedom counts as its own support.
 
     Raises
     ------
@@ -463,7 +469,7 @@ class PrescribedMotion:
 
     #: Number of the support in the scene, from 0.
     support_index: int
-    #: Name of the degree of freedom: "ux", "uy", "uz", "rx", "ry" or "rz".
+    #: Name of the degree of freedom: displacement "ux", "uy", "uz" or rotation "rx", "ry", "rz".
     freedom: str
     #: Prescribed value [m or rad].
     value: float

@@ -43,10 +43,10 @@ LENT = 0.25
 
 
 def permutation_to_ball_by_ball_order(N: int, flank_count: int) -> NDArray[np.int64]:
-    """Return the permutation of flank motions from the order (flank, ball, component) to (ball, flank, component).
+    """Return the permutation of flank motions from the order flank, ball, component to the order ball, flank, component.
 
-    The array ``(2 N flank_count,)`` holds for each place in the new order the index in the old one. ``N``: number of balls;
-    ``flank_count``: number of flanks per ball; component: one of two in the ball's section plane.
+    The array ``(2 N flank_count,)`` holds, for each position in the new order, the index in the old one. ``N``: number of
+    balls; ``flank_count``: number of flanks per ball; component: one of two in the ball's section plane.
     """
     return np.arange(flank_count * N * 2).reshape(flank_count, N, 2).swapaxes(0, 1).ravel()
 
@@ -131,11 +131,11 @@ class ContactCompliance:
     def without_negative_eigenvalues(self, tangent: float) -> tuple[ContactCompliance, Array, float]:
         """Return the compliance of a body without negative eigenvalues, which would make the energy non-convex.
 
-        The matrix holds the compliance in addition to the one that Hertz's law contains; near a fixed face this addition is
-        negative. The compliance that is missing is taken from the contacts: it is added to the matrix along the contact's
-        normal, and the caller subtracts it from the contact's law, so that the sum is exact. At most the fraction `LENT` of
-        the derivative of a contact's approach by its load is moved in this way; eigenvalues that stay negative are set to
-        zero.
+        The matrix holds the body's compliance less the local compliance that Hertz's law contains; near a fixed face this
+        difference is negative. The compliance that is missing is taken from the contacts: it is added to the matrix along
+        the contact's normal, and the caller subtracts it from the contact's law, so that the sum stays the same. At most
+        the fraction `LENT` of the derivative of a contact's approach by its load is moved in this way; eigenvalues that
+        stay negative are set to zero.
 
         Parameters
         ----------
@@ -195,7 +195,7 @@ def contact_normals(geometry: Array) -> Array:
 
 
 def typical_ellipse_semi_axes(problem: Problem, force: float) -> tuple[float, float]:
-    """Return the semi-axes of the mean contact ellipse under a force [N]: across the groove and along it [m]."""
+    """Return the semi-axes [m] of the mean ellipse of all contacts under a force [N]: across, then along the groove."""
     constants, grow = hertz_without_errors(problem.scene), float(np.cbrt(force))
     return float(np.mean(constants.C_a)) * grow, float(np.mean(constants.C_b)) * grow
 
@@ -237,12 +237,13 @@ class ScrewAndNutCompliance:
     coupling: statics_shaft.SectionForceCoupling | None
     #: Compliance of the balls at a force of 1 N.
     ball_compliance: BallCompliance
-    #: Coefficient e of the term e F in the approach of a contact at each flank ``(4,)`` [m/N], for the ellipse under 1 N.
+    #: Coefficient e of the term e F in the approach of a contact at each flank ``(4,)`` [m/N], for the contact ellipse
+    #: under a force of 1 N.
     e: Array
-    #: Coefficient h of the term h F^(4/3) in the approach of a contact at each flank ``(4,)`` [m/N^(4/3)], without the part
-    #: that follows from ``slope_of_e``.
+    #: Coefficient h of the term h F^(4/3) in the approach of a contact at each flank ``(4,)`` [m/N^(4/3)]. The change of e
+    #: with the size of the contact ellipse (``slope_of_e``) is not included; it is added for a given force.
     h: Array
-    #: Derivative of e by the logarithm of the size of the contact ellipse, at each flank ``(4,)`` [m/N].
+    #: Derivative of the coefficient e by the logarithm of the size of the contact ellipse, at each flank ``(4,)`` [m/N].
     slope_of_e: Array
     #: Assumptions about the bodies, as sentences for the report.
     assumed: tuple[str, ...]
@@ -377,16 +378,19 @@ class FlankCompliance:
     e: Array
     #: Coefficient h of the term h F^(4/3) that is added to Hertz's approach of each contact ``(N, 4)`` [m/N^(4/3)].
     h: Array
-    #: Magnitude of the largest negative compliance of a body that was set to zero, relative to the compliance of a contact.
+    #: Largest magnitude of a negative eigenvalue of a body's compliance matrix that was set to zero, as a fraction of the
+    #: compliance of a contact.
     clipped_share: float
     #: Four arrays from which the result computes the flanks' motions: compliance matrices of screw and of nut between
     #: flanks with contacts, and motions of the screw's flanks by loads ``(N, 2, 2)`` and per metre of its free rigid
     #: motions ``(N, 2, 2, k)``.
     flank_motion_terms: tuple[Array, Array, Array, Array]
-    #: Derivative of e by the logarithm of s, the cube root of the typical force, at each flank ``(4,)`` [m/N]; the field h
-    #: contains ``slope_of_e`` / s.
+    #: Derivative of the coefficient e by the logarithm of s at each flank ``(4,)`` [m/N]; s is the cube root of the typical
+    #: contact force, to which the size of the contact ellipse is proportional. The field h contains the term ``slope_of_e``
+    #: / s.
     slope_of_e: Array
-    #: Largest compliance [m/N] that was moved from the law of a contact to the bodies, see `ContactCompliance`.
+    #: Largest compliance [m/N] that was subtracted from the law of a contact and added to the bodies, so that their
+    #: compliance matrices have no negative eigenvalues, see `ContactCompliance`.
     compliance_moved_to_bodies: float
     #: Coupling of contact deformation and section forces of the shaft; None: not modelled.
     coupling: statics_shaft.SectionForceCoupling | None = None

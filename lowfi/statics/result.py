@@ -104,26 +104,28 @@ class Equilibrium:
     moment_residual: float = quantity_field(
         "moment_residual", "sum of the moments of loads, reactions and contact loads over the largest moment"
     )
-    #: Force on the screw by the pin, a degree of freedom that is fixed although no support fixes it ``(3,)`` [N].
+    #: Force on the screw ``(3,)`` [N] at a pin, a degree of freedom that the model fixes although no support does.
     pin_force: Array = quantity_field(
         "pin_force_N",
         "force of the pin that prevents a motion which nothing else resists; not a reaction of a support",
         parts="[]",
         default_factory=lambda: np.zeros(3),
     )
-    #: Moment on the screw by the pin, a degree of freedom fixed without a support, about the origin ``(3,)`` [N m].
+    #: Moment on the screw about the origin ``(3,)`` [N m] at a pin, a degree of freedom that the model fixes although no
+    #: support does.
     pin_moment: Array = quantity_field(
         "pin_moment_Nm", "moment about the origin that the pin exerts", parts="[]", default_factory=lambda: np.zeros(3)
     )
-    #: Largest component of the pin's force or moment, divided by the largest force or moment.
+    #: Largest component of the force or moment at a pin (a degree of freedom that the model fixes although no support
+    #: does), as a fraction of the largest force or moment.
     pin_share: float = quantity_field(
         "pin_share", "largest component of the pin's force or moment over the largest force or moment", default=0.0
     )
-    #: Largest resultant contact force on a ball, divided by the largest force.
+    #: Largest resultant of the contact forces on a ball, which is zero in equilibrium, divided by the largest force.
     ball_residual: float = quantity_field(
         "ball_residual", "largest unbalanced force of a ball over the largest force", default=0.0
     )
-    #: Number of the ball with the largest resultant contact force, from 1; 0: none.
+    #: Number of the ball, from 1, with the largest resultant of its contact forces, which is zero in equilibrium; 0: none.
     worst_ball: int = 0
 
     @property
@@ -154,8 +156,8 @@ class SolverReport:
     formulation: str = quantity_field("formulation")
     #: Relative residual that rounding errors in double precision can leave.
     round_off_bound: float = quantity_field("round_off_bound", "residual that rounding errors can leave", default=0.0)
-    #: Estimated error by the beam's discretisation: largest change of a contact load [N] on halved elements, or (if the
-    #: beam's nodes are not at the contacts) with a node at every contact; None if it was not computed.
+    #: Estimated error by the beam's discretisation [N]: largest change of a contact load if every beam element is halved
+    #: or, if the beam's nodes are not at the contacts, if a node is placed at every contact; None if it was not computed.
     discretisation: float | None = quantity_field(
         "discretisation_percent",
         "largest change of a contact load if every beam element is halved, in per cent of the mean load",
@@ -172,13 +174,13 @@ class SolverReport:
 class NanUnlessConverged:
     """Base class of results, which can replace the fields that are valid only for a converged solution by nan."""
 
-    #: Names of the fields that nan replaces if the solution did not converge.
+    #: Names of the fields whose values are replaced by nan if the solution did not converge.
     ANSWERS: ClassVar[tuple[str, ...]] = ()
 
     def with_nan_answers(self) -> Self:
         """Return a copy of the result with nan in the fields named in ``ANSWERS``, also in nested records.
 
-        The check of equilibrium becomes None.
+        The check of equilibrium (field ``equilibrium``) becomes None.
         """
         return replace(self, **{name: nan_in_place_of(getattr(self, name)) for name in self.ANSWERS})
 
@@ -250,7 +252,8 @@ class StaticResult(StaticSolution):
     centre_shift: Array
     #: Hertz constants C ``(n, 4)`` [m/N^(2/3)]: approach = C load^(2/3).
     hertz_C: Array
-    #: Largest contact pressures ``(n, 4)`` [Pa] of a model that computes them; None: by Hertz from the loads.
+    #: Largest contact pressures ``(n, 4)`` [Pa], if the model computes them; None: they follow from the contact forces by
+    #: Hertz's theory.
     pressure: Array | None = None
     #: Names of the fields that are replaced by nan if the solution did not converge.
     ANSWERS: ClassVar[tuple[str, ...]] = (
@@ -335,12 +338,13 @@ class HousingResult(NanUnlessConverged):
 
     #: Name of the housing.
     name: str = quantity_field("name")
-    #: Displacement and rotation at the housing's reference point ``(6,)`` [m, rad].
+    #: Displacement and rotation of the housing at its reference point, the point of the shaft's axis at the housing's axial
+    #: position ``(6,)`` [m, rad].
     motion: Array = quantity_field(
         "motion", "displacement and rotation of the housing at its axial position", show=motion_in_um_and_mrad, parts=".*"
     )
-    #: Force and moment that fixed degrees of freedom and springs exert on the housing, about its reference point ``(6,)``
-    #: [N, N m].
+    #: Force and moment that supports (fixed degrees of freedom) and springs exert on the housing, about the point of the
+    #: shaft's axis at its axial position ``(6,)`` [N, N m].
     wrench: Array = quantity_field(
         "frame_force_N",
         "force on the housing by its fixed freedoms and its springs, x, y, z",

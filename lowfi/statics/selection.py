@@ -166,8 +166,8 @@ def solutions_clear_of_left_out_flanks(
 ) -> NDArray[np.bool_]:
     """Return for each of k solutions whether all balls are clear of the flanks that were left out ``(k,)``.
 
-    An unloaded ball is clear if it touches no flank, either at its present position or at the mean displacement of its
-    flanks.
+    An unloaded ball, whose position is not determined, is clear if there is a position without contact: its present one, or
+    the mean displacement of its flanks.
 
     Parameters
     ----------
@@ -217,10 +217,10 @@ def _along_last_axis(of_two: np.ufunc, values: Array) -> Array:
 
 
 def touched_flanks(engine: ModuleType, problem: Problem, motion: Array, centres: Array, force: Array) -> Mask:
-    """Return which of the four flanks would touch a ball if all of them had contacts, as booleans ``(4,)``.
+    """Return which of the four flanks touch a ball if all four are given contacts, as booleans ``(4,)``.
 
-    The order is screw left, screw right, nut left, nut right. The screw keeps the motion that was solved without the
-    left-out flanks.
+    The order is screw left, screw right, nut left, nut right. The balls find new positions, while the screw keeps the
+    motion that was solved without the left-out flanks.
 
     Parameters
     ----------
@@ -264,7 +264,8 @@ def describe_left_out_parts(problem: Problem, mechanism: UnresistedMotions, *, e
     problem
         Static problem.
     mechanism
-        Motions of the screw that nothing resists, and the pins that prevent them.
+        Rigid motions of the screw that nothing resists, and the degrees of freedom ("pins") that the model fixes to prevent
+        them.
     everything
         Whether the user asked for all flanks and all parts of the shaft to be modelled.
     """

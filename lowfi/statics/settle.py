@@ -44,7 +44,7 @@ HERTZ_RUNS, ARM_RUNS, SETTLED = 12, 6, 1e-13
 
 
 class ResidualScale(NamedTuple):
-    """Typical force and stiffness of the contacts, by which the static solver scales residuals and tolerances."""
+    """Typical force and stiffness of the contacts, to which the static solver relates residuals and tolerances."""
 
     #: Force of a typical loaded contact [N]: from loads or interference; without either, the force at an approach of 1 um.
     typical_force: float
@@ -58,9 +58,9 @@ class ResidualScale(NamedTuple):
 
     @property
     def typical_force_for_ellipse(self) -> float:
-        """Return the force of a typical loaded contact [N], at least 1e-6 N.
+        """Return the force of a typical loaded contact [N], at least 1e-6 N, at which contact ellipses are evaluated.
 
-        Compliance terms that depend on the size of the contact ellipse are evaluated at this force.
+        Compliance terms that depend on the size of the contact ellipse are evaluated at the ellipse under this force.
         """
         return max(self.typical_force, 1e-6)
 
@@ -101,7 +101,7 @@ class ContactState(NamedTuple):
 
     #: Contact problem of the bearing or nut.
     problem: Problem
-    #: Force, normal, stiffness and other results of the kernels for each contact ``(N, 4, 5)``, see ``kernel.ball``.
+    #: Force [N], unit normal (two components), normal and tangential stiffness [N/m] of each contact ``(N, 4, 5)``.
     contacts: Array
     #: Displacements of the ball centres in their section planes ``(N, 2)`` [m].
     ball_centres: Array
@@ -113,7 +113,7 @@ class ContactState(NamedTuple):
 class StaticEquations(ABC):
     """Equations of one or several bearings and nuts for the numerical kernels, with the state of the iteration."""
 
-    #: Name of the kernel function that solves equations of this kind.
+    #: Name of the function of the numerical kernels that solves equations of this class.
     SOLVER: ClassVar[str]
 
     #: Module of the numerical kernels.
@@ -133,7 +133,8 @@ class StaticEquations(ABC):
         Parameters
         ----------
         from_linear
-            Whether to start from the solution with linear springs for contacts, else from the present state.
+            Whether to start from the solution with linear springs in place of the contacts; otherwise from the present
+            state.
         """
         outcome: Outcome = getattr(self.engine, self.SOLVER)(self.kernel_arrays, self.state, self.options, from_linear)
         self.residual_force_scale = outcome.scale
@@ -187,9 +188,9 @@ def contact_angles(normal: Array) -> Array:
 
 
 def is_solve_unusable(outcome: Outcome) -> bool:
-    """Return whether a solve failed so badly that its state gives no contact loads.
+    """Return whether a solve failed so badly that its last state is no basis for new Hertz constants and lever arms.
 
-    Hertz constants and lever arms are not updated from such a state.
+    The contact loads of such a state have no meaning.
 
     ``outcome``: status and relative residual of the solve.
     """
@@ -222,8 +223,8 @@ def solve_with_updated_contacts(system: P, follow_profile_errors: bool = True) -
 def residual_by_round_off(motions: float, stiffness: float, scale: float, problems: Iterable[Problem]) -> float:
     """Return the relative residual that rounding errors of double precision leave at the solution.
 
-    The residual is eight machine epsilons times the largest length that enters the computed approach of a contact, times
-    the stiffness, divided by the largest force.
+    It is eight machine epsilons times the largest length from which contact approaches are computed, times the stiffness of
+    the stiffest contact or node, divided by the force ``scale``.
 
     Parameters
     ----------
@@ -232,7 +233,7 @@ def residual_by_round_off(motions: float, stiffness: float, scale: float, proble
     stiffness
         Stiffness of the stiffest contact or node [N/m].
     scale
-        Force [N] to which the residual is relative; with 0 the result is 0.
+        Force [N] by which the residual force is divided: the largest force in the model; with 0 the result is 0.
     problems
         Contact problems of the bearings and nuts.
     """

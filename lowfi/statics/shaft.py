@@ -54,7 +54,7 @@ class ShaftBeam:
     """Beam model of a screw with n nodes on its supports.
 
     If the supports leave k rigid motions of the screw free, one node is held against them ("pinned") in the stiffness
-    matrix, and the rigid motions are unknowns of their own.
+    matrix, and the amplitudes of these motions are additional unknowns.
     """
 
     #: Arrays of the static problem.
@@ -201,7 +201,7 @@ def _factor_beam_stiffness(band: Array, free: NDArray[np.bool_]) -> Array:
 
 
 def flank_motion_coefficients(problem: Problem, screw_flanks: list[int]) -> tuple[NDArray[np.int64], Array]:
-    """Return which m motions of nodes move each screw flank at a ball, and the flank's motion per unit of each.
+    """Return which m motions of nodes move each screw flank at each ball, and the flank's motion per unit of each of them.
 
     Parameters
     ----------
@@ -334,32 +334,33 @@ class ShaftStretch:
     flank_motion_indices: Ints
     #: Axial position of the contact to which each of the m flank motions belongs ``(m,)`` [m].
     contact_positions: Array
-    #: D^T of equation (1) of the module: motions of the flanks per unit wrench (force, moment) at the upper cut ``(m, 6)``.
+    #: Motions of the flanks per unit force and moment at the upper end of the stretch, where it is cut from the shaft
+    #: ``(m, 6)``: D^T of equation (1) of the module.
     flank_motions_per_wrench: Array
-    #: H of equation (1) of the module: jump of the motion at the upper cut per unit wrench (force, moment) at it ``(6,
-    #: 6)``.
+    #: Additional motion ("jump") of the shaft at the upper end of the stretch, by deformation of the stretch, per unit
+    #: force and moment at this end ``(6, 6)``: H of equation (1) of the module.
     jump_per_wrench: Array
-    #: Number of the node at the upper cut, above all contacts.
+    #: Number of the node at the upper end of the stretch, at larger z than all its contacts.
     cut_node: int
-    #: For each loaded node below the cut, by its number: motions of the flanks per unit load on the node ``(m, 6)``,
-    #: without those that the section force and moment ("wrench") at the contacts cause.
+    #: For each loaded node within the stretch, by its number: motions of the flanks per unit load on the node ``(m, 6)``,
+    #: without those that the shaft's section force and moment at the contacts cause.
     flank_motions_by_node_load: dict[int, Array]
 
 
 @dataclass(frozen=True)
 class JumpsInsideStretches:
-    """Motions by which contact forces shift those shaft nodes that lie above a contact, but under the same nut or bearing.
+    """Shifts of shaft nodes under a nut or bearing, by the deformation of the shaft under contact forces below the node.
 
-    A contact force deforms the part of the shaft under a nut or bearing ("stretch"). This shifts the sections between the
-    contact and the upper end of the stretch ("cut") by a jump, see the module. If the shaft carries no load above the cut,
-    the nodes above the cut are included.
+    "Below" means at smaller z. A contact force deforms the part of the shaft under a nut or bearing ("stretch"). This
+    shifts the sections between the contact and the upper end of the stretch ("cut") by a jump, see the module. If the shaft
+    carries no load above the cut, the nodes above the cut are included.
     """
 
     #: Arrays of the static problem.
     problem: Problem
     #: Parts of the shaft under nuts and bearings.
     stretches: Sequence[ShaftStretch]
-    #: Number c of screw flanks in use, counted once per ball.
+    #: Number c of screw flanks in use: one or two, times the number of balls.
     flank_count: int
 
     def _motions_per_jump(self, stretch: ShaftStretch) -> tuple[Array, Ints]:
@@ -414,45 +415,50 @@ class JumpsInsideStretches:
 
 @dataclass(frozen=True)
 class SectionForceCoupling:
-    """Coupling between contact deformation and section forces of a shaft: equation (2) of the module.
+    """Coupling of contact deformation and section forces of a shaft, which is cut at the upper ends of nuts and bearings.
 
-    The shaft has n nodes, and c flanks under the balls. Its section forces deform the grooves and so move the flanks;
-    contact forces in turn strain the shaft. A cut is the upper end of the part of the shaft under a nut or bearing; each
-    cut through which load passes contributes 6 components of section force and moment ("wrench"), W in all. A jump is the
-    motion that the deformation of this part adds to the beam's motion at the cut, see the module. Only
-    ``flank_motions_by_loads`` and ``jumps_by_external_loads`` depend on the external loads.
+    It is equation (2) of the module. The shaft has n nodes, and c flanks under the balls. Its section forces deform the
+    grooves and so move the flanks; contact forces in turn strain the shaft. A cut is the upper end of the part of the shaft
+    under a nut or bearing; each cut through which load passes contributes 6 components of section force and moment
+    ("wrench"), W in all. A jump is the motion that the deformation of this part adds to the beam's motion at the cut, see
+    the module. Only ``flank_motions_by_loads`` and ``jumps_by_external_loads`` depend on the external loads.
     """
 
-    #: Compliance ``(2 c, 2 c)`` [m/N] of the flanks by the coupling, in addition to that of beam and bodies.
+    #: Compliance ``(2 c, 2 c)`` [m/N] of the c flanks, two motions each, that the coupling adds to the compliance of beam
+    #: and bodies.
     added_compliance: Array
-    #: Motion of the flanks ``(2 c,)`` [m] by external loads and prescribed displacements, in addition to that of the beam.
+    #: Motions of the c flanks ``(2 c,)`` [m] that the coupling adds to those of the beam under external loads and
+    #: prescribed displacements.
     flank_motions_by_loads: Array
-    #: S of equation (2) of the module: wrenches (force, moment) at the cuts per unit motion of the nodes ``(W, 6 n)``.
+    #: Section forces and moments at the cuts, W components in all, per unit motion of the n nodes ``(W, 6 n)``: S of
+    #: equation (2) of the module.
     wrenches_per_nodal_motion: Array
-    #: Motions of the flanks per unit wrench (force, moment) at the cuts of the beam without coupling ``(2 c, W)``.
+    #: Motions of the c flanks per unit of the W section forces and moments at the cuts, for the beam without coupling
+    #: ``(2 c, W)``.
     flank_motions_per_wrench: Array
-    #: Motions of the nodes per unit wrench (force, moment) at the cuts of the beam without coupling ``(6 n, W)``.
+    #: Motions of the n nodes per unit of the W section forces and moments at the cuts, for the beam without coupling
+    #: ``(6 n, W)``.
     nodal_motions_per_wrench: Array
-    #: Jumps d of the shaft's motion at the cuts per unit force on the flanks ``(W, 2 c)``.
+    #: Jumps of the shaft's motion at the cuts (W components) per unit force on the c flanks ``(W, 2 c)``.
     jumps_per_flank_force: Array
-    #: Jumps d of the shaft's motion at the cuts by external loads ``(W,)`` [m, rad].
+    #: Jumps of the shaft's motion at the cuts (W components) by external loads ``(W,)`` [m, rad].
     jumps_by_external_loads: Array
-    #: Motions of the nodes between contacts and cuts by the forces on the flanks, which equivalent nodal loads on the beam
-    #: do not produce.
+    #: Motions of the nodes under nuts and bearings by the forces on the flanks there; equivalent nodal loads on the beam do
+    #: not include them.
     inner_jumps: JumpsInsideStretches
-    #: Jumps of the shaft's motion at the cuts per unit wrench (force, moment) at the cuts ``(W, W)``.
+    #: Jumps of the shaft's motion at the cuts per unit of the W section forces and moments there ``(W, W)``.
     jumps_per_wrench: Array
 
     def under_loads_of(self, shaft: ShaftBeam, thermal: Array | float = 0.0) -> SectionForceCoupling:
-        """Return a copy of the coupling under the external loads and prescribed displacements of a shaft.
+        """Return a copy of the coupling for the external loads and prescribed displacements of another beam model.
 
         Parameters
         ----------
         shaft
             The beam with its loads.
         thermal
-            Part of the wrenches at the cuts ``(W,)`` [N, N m] that represents free thermal expansion and causes no stress;
-            it is subtracted.
+            Section forces and moments at the cuts ``(W,)`` [N, N m] that stand for free thermal expansion, which causes no
+            stress; they are subtracted.
         """
         wrench = self.wrenches_per_nodal_motion @ shaft.motions_by_loads[1] - thermal
         inside = self.inner_jumps.flank_motions_by_nodal_loads(shaft.problem.load.reshape(-1, 1))[:, 0]
@@ -462,9 +468,9 @@ class SectionForceCoupling:
     def nodal_loads_of_jumps(self, pushes: Array) -> Array:
         """Return the nodal loads ``(6 n,)`` [N, N m] on the beam that are equivalent to the jumps at the cuts.
 
-        A jump is the motion of the shaft above a cut relative to the beam below it, by deformation of the stretch of shaft
-        between them under external loads and under forces on the flanks. ``pushes`` ``(2 c,)`` [N]: these forces, two
-        components for each of the c flanks of the shaft.
+        A cut is the upper end of the part of the shaft under a nut or bearing. A jump is the motion at the cut that the
+        deformation of this part adds to the motion of the beam, under external loads and under forces on the flanks.
+        ``pushes`` ``(2 c,)`` [N]: these forces, two components for each of the c flanks of the shaft.
         """
         jumps = self.jumps_per_flank_force @ pushes + self.jumps_by_external_loads
         return np.asarray(self.wrenches_per_nodal_motion.T @ jumps)
@@ -480,7 +486,7 @@ class SectionForceCoupling:
         motion
             Motions of the nodes ``(n, 6)`` [m, rad] without this shift; the array is not changed.
         pushes
-            Forces on the flanks [N], 2 c components.
+            Forces on the c screw flanks ``(2 c,)`` [N], two components each.
         fixed
             Which degrees of freedom are fixed ``(n, 6)``; nothing is added to them.
         """
@@ -543,7 +549,7 @@ def build_shaft_stretch(
 
 
 def is_loaded_above_node(problem: Problem, cut: int) -> bool:
-    """Return whether a support, load or contact acts on the beam above a cut, so that a wrench passes through the cut.
+    """Return whether a support, load or contact acts on the beam above a cut, so that the cut carries a section force.
 
     Parameters
     ----------
@@ -557,7 +563,7 @@ def is_loaded_above_node(problem: Problem, cut: int) -> bool:
 
 
 def stiffness_at_cut(problem: Problem, cut: int) -> tuple[Array, Array, float]:
-    """Return the stiffness of the beam element above a cut, as force and moment ("wrench") that it exerts at the cut.
+    """Return the stiffness of the beam element above a cut: force and moment ("wrench") at the cut per unit motion.
 
     Parameters
     ----------
@@ -569,9 +575,9 @@ def stiffness_at_cut(problem: Problem, cut: int) -> tuple[Array, Array, float]:
     Returns
     -------
     tuple[Array, Array, float]
-        Decrease k ``(6, 6)`` of the wrench per unit jump, the motion that deformation of the shaft under a nut or bearing
-        adds at the cut; wrench per unit motion of the element's two nodes, S ``(6, 12)``; and tensile stiffness EA [N] of
-        the element.
+        Three values: k ``(6, 6)``, decrease of the wrench per unit jump (a jump is the motion that the deformation of the
+        shaft under a nut or bearing adds at the cut); S ``(6, 12)``, wrench per unit motion of the element's two nodes; and
+        the tensile stiffness EA [N] of the element.
     """
     section = problem.section if problem.element_sections is None else problem.element_sections[cut]
     length = float(problem.nodes[cut + 1] - problem.nodes[cut])
@@ -595,7 +601,8 @@ def couple_section_forces(
     screw_flanks
         Numbers of the screw flanks in use, 0 for the left one and 1 for the right one.
     all_stretches
-        Parts of the shaft under nuts and bearings; None for a rigid part. The coupling is not modelled if all are rigid.
+        Part of the shaft under each nut and bearing; None for a part that is modelled as rigid. If all are rigid, the
+        coupling is not modelled.
     strain
         Free thermal strain of the shaft, dimensionless; it causes no section forces.
     """

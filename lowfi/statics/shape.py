@@ -123,7 +123,7 @@ def beam_shape_functions(xi: Array, length: Array, section: BeamSection, order: 
     powers = derivatives[order]
 
     def polynomial_at_xi(*coefficients: Array | float) -> Array:
-        """Return a polynomial of the relative position in the element, or its derivative, at the given positions ``(n,)``.
+        """Return a polynomial of the relative position xi in the element, or its derivative of ``order``, at xi ``(n,)``.
 
         ``coefficients``: coefficients of the polynomial, lowest power first.
         """
@@ -164,7 +164,7 @@ def right_singular_vectors(matrix: Array) -> tuple[Array, Array]:
 
 
 def null_space_of_constraints(constraints: Array) -> Array:
-    """Return c independent combinations ``(c, k)`` of k motions that no constraint resists: the constraints' null space.
+    """Return c independent combinations ``(c, k)`` of k motions that satisfy all constraints: the constraints' null space.
 
     Parameters
     ----------

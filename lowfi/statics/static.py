@@ -67,9 +67,9 @@ def pick_engine(engine: Engine, balls: int, uneven: bool = False) -> ModuleType:
 def residual_scale(problem: Problem) -> settle.ResidualScale:
     """Return the typical force and stiffness of a problem's contacts, by which the solver scales residuals.
 
-    A contact counts as unloaded if its force is below a limit: the round-off of the typical force. If there are
-    prescribed displacements, but neither loads nor preload, perhaps no contact resists the displacements and all contact
-    forces tend to zero. The limit is then higher, so that such contacts end as unloaded.
+    A contact counts as unloaded if its force is below a limit: the round-off of the typical force. If there are prescribed
+    displacements, but neither loads nor preload, perhaps no contact resists the displacements and all contact forces tend
+    to zero. The limit is then higher, so that such contacts count as unloaded.
 
     Parameters
     ----------
@@ -242,14 +242,14 @@ class StaticInput:
     refine: int = 1
     #: Result of `centre_vectors_and_interference` for these dimensions; None: not computed yet.
     known: tuple[Array, Array] | None = None
-    #: Three entries: which degrees of freedom of the n nodes are fixed ``(n, 6)``; their prescribed values ``(n, 6)``
-    #: [m, rad]; numbers of those that are fixed at the first node although no support fixes them ("pins"). None: the
-    #: supports of the scene, without pins.
+    #: Three entries: which degrees of freedom of the n nodes are fixed ``(n, 6)``; their prescribed values ``(n, 6)`` [m,
+    #: rad]; and the "pins", numbers of the degrees of freedom of the first node that are fixed although no support fixes
+    #: them. None: only those degrees of freedom are fixed that the scene's supports fix.
     fixed_dofs: tuple[NDArray[np.bool_], Array, tuple[int, ...]] | None = None
 
     @property
     def replacement_section(self) -> BeamSection | None:
-        """Return the screw's cross-section to use instead of that by the scene's dimensions; None: use the latter."""
+        """Return the screw's cross-section that replaces the one computed from the scene's dimensions; None: none does."""
         return None
 
     def build_problem(self, arms: Array | None = None) -> Problem:
@@ -297,7 +297,8 @@ class SolvedEquations(NamedTuple):
     outcome: kernel_types.Outcome
     #: Input from which the equations were built.
     build: StaticInput
-    #: Motions of the screw that neither supports nor contacts resist, with the pins that prevent them.
+    #: Rigid motions of the screw that neither supports nor contacts resist, with the degrees of freedom ("pins") that the
+    #: model fixes to prevent them.
     mechanism: UnresistedMotions
     #: Notes on the flanks that were left out.
     notes: tuple[str, ...]

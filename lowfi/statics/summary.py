@@ -257,7 +257,7 @@ def check_equilibrium(
     arm
         Length [m]; ``largest`` times this length counts as the largest moment, unless a moment in ``sums`` is larger.
     noise
-        Force [N] and moment [N m] that rounding errors leave; they are subtracted from the sums.
+        Force [N] and moment [N m] that rounding errors leave; the magnitudes of the sums are reduced by them.
     net
         Magnitude of the resultant force on each ball ``(N,)`` [N].
     """
@@ -312,7 +312,7 @@ def status_after_equilibrium_check(
     body
         Name of the body for the message.
     ball
-        Name for the message of the ball with the largest net force; empty: the ball's number.
+        Name, for the message, of the ball with the largest net force; if empty, the message gives the ball's number.
     """
     if status != "converged" or (balance.ball_residual if nominal_arms else balance.largest) <= BALANCE:
         return status
@@ -323,7 +323,7 @@ def status_after_equilibrium_check(
 
 
 def add_reason_not_unique(status: Status, warnings: Sequence[ResultWarning]) -> Status:
-    """Return the status, with a further reason if the solver did not converge because the contact pattern is not unique.
+    """Return the status, with the reason added if the solver did not converge because several contact patterns exist.
 
     Flanks with profile errors can touch a ball at several places. Warnings of the kind "profile" report this; their texts
     become part of the reason. Without such ``warnings``, ``status`` is returned unchanged.
@@ -401,8 +401,8 @@ def assemble_result(
     assumptions
         Assumptions of the model, as sentences.
     has_own_lever_arms
-        Whether the model uses other lever arms and force directions than the true contacts have, so that forces at the true
-        contacts do not balance. The equilibrium check then does not change the status.
+        Whether the model's lever arms and force directions differ from those of the true contacts, so that forces at the
+        true contacts do not balance. The equilibrium check then does not change the status.
     """
     problem = solved.problem
     result = contact_result(solved, *centreline_motions(problem, solved.nodal_motions), report)

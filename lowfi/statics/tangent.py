@@ -48,7 +48,7 @@ class TangentStiffness:
     status: str
 
     def rigidity(self, freedom: str) -> float:
-        """Return the stiffness along one motion: force or moment per unit of it, with rz fixed and all other motions free.
+        """Return the force or moment per unit of one motion of the cross-section, with rz fixed and all other motions free.
 
         The stiffness is zero if nothing resists the motion.
 
@@ -97,7 +97,7 @@ def tangent_stiffness(
     condensed
         Compliance of the bodies condensed from a 3D model, in place of a computed one.
     member
-        Number of the specimen, for a scene with random errors.
+        Number of the specimen, for a scene with random errors: each number gives other errors.
 
     Raises
     ------

@@ -126,11 +126,11 @@ def _arc_limit_warnings(problem: Problem, force: Array, gamma: Array, half: Arra
 
 
 def _overlapping_contact_warning(force: Array, gamma: Array, half: Array) -> list[ResultWarning]:
-    """Return a warning if a ball's contacts with both flanks of a groove are so close that they are one contact.
+    """Return a warning if a ball's contacts with both flanks of a groove are so close that they merge into one.
 
-    Their distance is less than a semi-axis of the contact ellipse. The groove is a single arc there, and the model counts
-    one contact twice. Since contact angles count from the groove's bottom to either side, the angle between both contacts
-    is the sum of their contact angles.
+    This is the case if their distance is less than a semi-axis of the contact ellipse. The groove is a single arc there,
+    and the model counts one contact twice. Since contact angles count from the groove's bottom to either side, the angle
+    between both contacts is the sum of their contact angles.
 
     Parameters
     ----------

@@ -114,17 +114,19 @@ ANY = (0.53, 0.56)
 def _shaft_displacement_at(found: AxisResult, station: float, freedom: str) -> float:
     """Return the displacement [m] or rotation [rad] of the shaft at the computed section nearest to an axial position.
 
-    ``found``: result of the shaft; ``station``: axial position [m]; ``freedom``: "ux", "uy", "uz", "rx", "ry" or "rz".
+    ``found``: result of the shaft; ``station``: axial position [m]; ``freedom``: displacement "ux", "uy" or "uz" along an
+    axis, or rotation "rx", "ry" or "rz" about it (z: axis of the shaft).
     """
     place = int(np.abs(found.centreline_z - station).argmin())
     return float(found.centreline[place, FREEDOMS.index(freedom)])
 
 
 def deep_groove_bearing(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
-    """Compute displacements and lives of the deep-groove ball bearing that was also computed by the program MASTA.
+    """Compute displacements and rating lives of the deep-groove ball bearing that was also computed by the program MASTA.
 
-    The rings are rigid, and the inner ring moves along each load only. Lives refer to the load rating that MASTA was given.
-    ``findings``: receives the computed value to compare with each published number; ``cache``: gives the solved scenes.
+    The rings are rigid, and under each load the inner ring moves only in the direction of this load. The lives are computed
+    with the load rating that was entered in MASTA. ``findings``: receives the computed value to compare with each published
+    number; ``cache``: gives the solved scenes.
     """
     rated = external_input("masta", "rating", "force")
     for key, name, freedom, unit in (
@@ -178,10 +180,10 @@ def half_load_zone(findings: ComputedEntryValues, cache: SceneResultCache) -> No
 
 
 def _bearing_of_catalogue_row(case: str, row: Sequence[float], conformity: float) -> angular_contact.BallBearing:
-    """Return a spindle bearing with the dimensions of its row in a maker's catalogue.
+    """Return a spindle bearing with the dimensions that a maker's catalogue prints for it.
 
-    ``case``: name of the external case that states contact angle and material; ``row``: pitch diameter [mm], ball diameter
-    [mm] and number of balls; ``conformity``: groove radius over ball diameter.
+    ``case``: name of the case in ``cases.toml`` from which contact angle and material are read; ``row``: pitch diameter
+    [mm], ball diameter [mm] and number of balls; ``conformity``: groove radius over ball diameter.
     """
     d_m, d_w, balls = row[:3]
     angle, young = (external_input(case, "contact_angle", "angle"), external_input(case, "youngs_modulus", "pressure"))
@@ -197,7 +199,7 @@ def _preloaded_bearing_pair(bearing: angular_contact.BallBearing, preload: float
 
 @cache
 def gmn_pair_rigidity(name: str, preload_class: str, conformity: float) -> float:
-    """Return the axial rigidity [N/um] of a preloaded pair of GMN's bearings, which is twice that of one bearing row.
+    """Return the axial rigidity [N/um] of a preloaded pair of GMN's bearings: twice the rigidity of one bearing.
 
     ``name``: size of the bearing; ``preload_class``: preload class "light", "medium" or "strong"; ``conformity``: groove
     radius over ball diameter.
@@ -208,10 +210,10 @@ def gmn_pair_rigidity(name: str, preload_class: str, conformity: float) -> float
 
 
 def gmn_rigidity_growth_over_printed(conformity: float) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
-    """Return computed over printed growth of rigidity from light to strong preload, for GMN's n sizes of bearing, (n,).
+    """Return the computed growth of rigidity from light to strong preload divided by the printed one, for GMN's bearings.
 
-    The growth is the rigidity of a preloaded pair at strong preload over that at light preload. ``conformity``: groove
-    radius over ball diameter.
+    The growth is the rigidity of a preloaded pair at strong preload divided by its rigidity at light preload. The result is
+    an array (n,) for n sizes of bearing. ``conformity``: groove radius over ball diameter.
     """
     out = []
     for name in external_inputs()["gmn"]["rows"]:
@@ -239,7 +241,7 @@ def gmn_rigidities(findings: ComputedEntryValues, cache: SceneResultCache) -> No
 def gmn_rigidity_rms_error_percent() -> float:
     """Return the RMS error [%] of the computed rigidities of bearing pairs against those printed by GMN.
 
-    Only printed values of class "band" count, whose agreement is judged within a stated tolerance band.
+    Only printed values of class "band" count: values that need not agree exactly, but within a tolerance.
     """
     inferred = float(external_inputs()["gmn"]["conformity"])
     banded = [r for r in load_printed_table("external-gmn") if r.entry_class == "band"]
@@ -425,18 +427,18 @@ def _load_and_hertz_constants(case: str) -> tuple[float, HertzConstants]:
 
 @dataclass(frozen=True)
 class RollingExampleResult:
-    """Friction force, moment and power, and numbers of cells, of the program CONTACT's example of steady rolling.
+    """Results for the steady-rolling example of the program CONTACT: friction, numbers of cells in contact and sticking.
 
     The example has lateral creepage and spin.
     """
 
-    #: Lateral friction force over mu P (mu: coefficient of friction, P: contact load).
+    #: Lateral friction force divided by mu P (mu: coefficient of friction, P: contact load).
     lateral: float
     #: Moment of the friction about the contact normal [N mm].
     moment: float
-    #: Number of cells in contact.
+    #: Number of grid cells in the contact area.
     cells_in_contact: int
-    #: Number of cells that stick.
+    #: Number of grid cells in which the surfaces stick.
     sticking_cells: int
     #: Friction power at a rolling speed of 1 m/s [W].
     friction_power: float
@@ -615,11 +617,11 @@ def nut_rigidities(findings: ComputedEntryValues, cache: SceneResultCache) -> No
 
 
 def double_over_single_nut_rigidity(cache: SceneResultCache) -> float:
-    """Return the axial rigidity of a preloaded double nut divided by that of a single nut, contacts and bodies included.
+    """Return the axial rigidity of a preloaded double nut divided by that of a single nut; contacts and bodies are elastic.
 
-    The preload is a third of the single nut's load. The double nut's rigidity is taken at the axial load that just unloads
-    one of its two nuts: the double nut is then displaced by as much as the preload deflects one nut. ``cache``: gives the
-    scenes included with rollbench.
+    The preload is a third of the single nut's load. The double nut's rigidity is the axial load that just unloads one of
+    its two nuts, divided by the displacement at this load, which equals the deflection of one nut by the preload.
+    ``cache``: gives the scenes included with rollbench.
     """
     scene = cache.built_in_scene(scene_name_of_catalogue_size(DOUBLE))
     full = scene.loads[0].force[2]
@@ -628,7 +630,7 @@ def double_over_single_nut_rigidity(cache: SceneResultCache) -> float:
     moved = preload / nut_rigidities_without_and_with_bodies(scene, preload)[1]
 
     def displacement_beyond_lift_off(force: float) -> float:
-        """Return the deflection [m] of one nut under ``force`` [N], less its deflection when the other nut lifts off."""
+        """Return the deflection [m] of one nut under ``force`` [N], less its deflection when the other nut unloads."""
         return force / nut_rigidities_without_and_with_bodies(scene, force)[1] - 2.0 * moved
 
     unloads = float(brentq(displacement_beyond_lift_off, preload, 4.0 * preload, rtol=1e-6))
@@ -638,7 +640,7 @@ def double_over_single_nut_rigidity(cache: SceneResultCache) -> float:
 def _compute_double_nut_drag_torque(cache: SceneResultCache, findings: ComputedEntryValues) -> None:
     """Compute the drag torque of a preloaded double nut by THK's formula, and by sliding balls.
 
-    ``cache``: gives the scenes, and caches the torque; ``findings``: receives the results.
+    ``cache``: gives the scenes and caches the drag torque; ``findings``: receives the results.
     """
     case = external_inputs()["thk"]
     preload, lead, mu = (

@@ -103,7 +103,7 @@ def assumptions_table(cache: SceneResultCache) -> Table:
         rows += [{"case": PREFIX + name, "assumed": text} for text in texts]
     columns = (
         TableColumn("case", "name of the example or of its scene", "", "s"),
-        TableColumn("assumed", "input that is not printed, and assumption for it", "", "s"),
+        TableColumn("assumed", "input that the publication does not print, and value assumed for it", "", "s"),
     )
     title = "Inputs that the publications do not print, and what is assumed for them"
     return Table("external-assumed", title, columns, rows)
@@ -123,7 +123,10 @@ def agreement_figure(found: Sequence[PrintedEntryComparison]) -> Figure:
     series = (Series("error", [x for x, _ in points], [y for _, y in points], "markers"),)
     title = "error of the computed value against the published one"
     panel = Panel(title, "", "error / %", series, abscissa_names=list(errors))
-    caption = "Only numbers that the same theory must give, or that have a stated tolerance; the tables show all."
+    caption = (
+        "Only published numbers that follow from the theory used here, or that are judged within a tolerance; the tables "
+        "show all."
+    )
     title = "Errors of computed against published values, by publisher"
     return Figure("external-errors", title, (panel,), caption, columns=1)
 
@@ -166,7 +169,7 @@ def nut_rigidity_row(cache: SceneResultCache, name: str) -> dict[str, Cell] | No
 
     ``cache``: gives solved scenes and stored 3D references; ``name``: name of the scene. Returns None without a stored 3D
     reference, without axial load, if a rigidity is not defined, or if the screw is displaced at zero load (the 3D
-    displacement includes that displacement at zero load, so that load over displacement is not the rigidity).
+    displacement includes this displacement, so that load divided by displacement would not be the rigidity).
     """
     scene, found = cache.built_in_scene(name), cache.stored_reference(name)
     if found is None:
@@ -214,14 +217,19 @@ def nut_rigidities_table(
     columns = (
         TableColumn("scene", "scene", "", "s"),
         TableColumn("load", "axial load", "kN", "g3"),
-        TableColumn("contacts", "rigidity of the contacts alone", "N/um", "g4"),
-        TableColumn("bodies", "rigidity of contacts and bodies", "N/um", "g4"),
-        TableColumn("unequal", "rigidity of contacts and bodies with unequal contact loads", "N/um", "g4"),
+        TableColumn("contacts", "computed rigidity, only Hertz contacts elastic", "N/um", "g4"),
+        TableColumn("bodies", "computed rigidity, contacts, nut and screw elastic", "N/um", "g4"),
+        TableColumn("unequal", "computed rigidity, contacts, nut and screw elastic, unequal contact loads", "N/um", "g4"),
         TableColumn("reference", "rigidity by the 3D reference", "N/um", "g4"),
         TableColumn("printed", "rigidity in the catalogue", "N/um", "g4"),
-        TableColumn("share_contacts", "catalogue rigidity divided by that of the contacts alone", "", ".3f"),
-        TableColumn("share_bodies", "catalogue rigidity divided by that of contacts and bodies", "", ".3f"),
-        TableColumn("share_unequal", "catalogue rigidity divided by that with unequal contact loads", "", ".3f"),
+        TableColumn("share_contacts", "catalogue rigidity divided by that with only Hertz contacts elastic", "", ".3f"),
+        TableColumn("share_bodies", "catalogue rigidity divided by that with contacts, nut and screw elastic", "", ".3f"),
+        TableColumn(
+            "share_unequal",
+            "catalogue rigidity divided by that with elastic nut and screw and unequal contact loads",
+            "",
+            ".3f",
+        ),
     )
     note = (
         "Axial load over axial displacement. Contacts alone: equally loaded balls between rigid bodies; contacts and "
@@ -282,14 +290,16 @@ FIXATION_COLUMNS = (
     TableColumn("by", "model or 3D mesh level", "", "s"),
     TableColumn("held", "surface at which the nut is fixed", "", "s"),
     TableColumn("largest", "largest contact load", "N", "g4"),
-    TableColumn("load_change", "change of the largest contact load against the nut fixed at its left face", "%", "+.2f"),
+    TableColumn(
+        "load_change", "change of the largest contact load from that with the nut fixed at its left face", "%", "+.2f"
+    ),
     TableColumn("expected", "expected error of the contact loads", "% of mean load", ".2f"),
     TableColumn("off", f"largest contact-load error against {THREE}", "% of mean load", ".2f"),
     TableColumn("mesh", f"uncertainty of the contact loads in {THREE} by the mesh", "% of mean load", ".2f"),
     TableColumn("life", "rating life L10", "10^6 rev", "g4"),
-    TableColumn("life_change", "change of the life against the nut fixed at its left face", "%", "+.2f"),
+    TableColumn("life_change", "change of the life from that with the nut fixed at its left face", "%", "+.2f"),
     TableColumn("rigidity", "axial rigidity", "N/um", "g4"),
-    TableColumn("rigidity_change", "change of the rigidity against the nut fixed at its left face", "%", "+.2f"),
+    TableColumn("rigidity_change", "change of the rigidity from that with the nut fixed at its left face", "%", "+.2f"),
     TableColumn("share", "catalogue rigidity divided by computed rigidity", "", ".3f"),
 )
 
@@ -346,13 +356,13 @@ class FixationResult(NamedTuple):
 
     #: Name of the model, or of the 3D reference with its mesh level.
     computed_by: str
-    #: Name of the fixation, a key of `scenes_by_nut_fixation`.
+    #: Name of the surface at which the nut is fixed, such as "left face"; keys of `scenes_by_nut_fixation`.
     fixation: str
     #: Contact loads (n, 4) [N] of n balls on the flanks SL, SR, NL and NR.
     contact_loads: Array
-    #: Axial rigidity [N/m]: axial load over the axial displacement of the screw at the nut's centre.
+    #: Axial rigidity [N/m]: axial load divided by the axial displacement of the screw at the nut's centre.
     axial_rigidity: float
-    #: Largest uncertainty of a contact load by the mesh [% of the mean load]; None for models without a mesh.
+    #: Largest uncertainty of any contact load due to the mesh [% of the mean load]; None for models without a mesh.
     mesh_uncertainty_percent: float | None = None
 
 
@@ -369,8 +379,8 @@ def fixation_results_by_level(scene: str, fixation: str) -> dict[int, dict[str, 
 def largest_mesh_uncertainty_percent(scene: Scene, loads: Mapping[int, Array]) -> float:
     """Return the largest mesh uncertainty of any contact load [% of the mean load], on the finest given mesh level.
 
-    The uncertainty is the sum of two parts: the 95 % uncertainty by `compare.reference.estimate`, estimated from other
-    scenes if only one level is given, and the error of the 3D loads due to free end faces of the nut.
+    The uncertainty is the sum of the 95 % uncertainty by `compare.reference.estimate` (estimated from other scenes if only
+    one mesh level is given) and the error of the 3D loads that the free end faces of the nut cause.
 
     Parameters
     ----------
@@ -486,7 +496,7 @@ def mesh_uncertainty_sentence(rows: list[dict[str, Cell]]) -> str:
 
 
 def column_range_in_words(rows: list[dict[str, Cell]], column: str, fixation: str = "", form: str = "+.1f") -> str:
-    """Return in words the smallest and largest value of a table column, over the rows of the default model.
+    """Return in words the smallest and largest value of a table column among the rows of the default model.
 
     ``rows``: table rows from `fixation_table_rows`; ``column``: key of the column; ``fixation``: only fixations whose name
     begins with this text count, all if it is empty; ``form``: format of the numbers.

@@ -34,7 +34,7 @@ NAMES = ("C11", "C22", "C23", "C33")
 class CreepCoefficient:
     """One of Kalker's linear creep coefficients, computed on several grids of cells over the contact ellipse."""
 
-    #: Key in the printed table: name, ratio of semi-axes, Poisson's ratio (``C11_0.2_0.25``).
+    #: Key of the coefficient in Kalker's table, such as ``C11_0.2_0.25``: name, ratio a/b of semi-axes, Poisson's ratio.
     key: str
     #: Values of the coefficient on the grids, from coarse to fine.
     values_by_grid: tuple[float, ...]
@@ -128,7 +128,8 @@ class Verification:
     ``contact_problem``: in words; ``quantity``: name with unit; ``values_by_grid``: value on the coarse, the middle and the
     fine grid; ``exact_value``: exact or printed value; ``permitted_error_percent``: permitted error [%] of the value that
     is compared with it; ``compared_value``: this value; None: the value on the finest grid; ``grid_refinement``: number of
-    cells along an axis of the finest grid over that of the coarsest, None if no order of convergence is expected.
+    cells along an axis of the finest grid divided by the number on the coarsest grid; None if no order of convergence is
+    expected.
     """
 
     contact_problem: str
@@ -154,8 +155,8 @@ class Verification:
     def convergence_order(self) -> float | None:
         """Order of convergence observed from the coarsest grid to the finest.
 
-        None if the error on the finest grid is round-off, or if the error does not fall with each finer grid. It then
-        depends on where the cell boundaries lie in the contact.
+        None if the error on the finest grid is round-off, or if the error does not fall with each finer grid, as happens
+        where it depends on the position of the cell boundaries in the contact.
         """
         errors = np.abs(np.array(self.values_by_grid) - self.exact_value)
         if self.grid_refinement is None or not errors[-1] > 1e-12 * abs(self.exact_value) or (np.diff(errors) >= 0.0).any():
@@ -192,7 +193,7 @@ def most_loaded_contact_by_3d_reference(cells: tuple[int, int] = STATIC_CELLS) -
 
 
 def _most_loaded_contact() -> tuple[ContactGeometry, float, tuple[float, float]]:
-    """Return the contact with the largest load among those of two touching balls of a ball screw with their grooves.
+    """Return the contact with the largest load of all ball-to-groove contacts of two touching balls of a ball screw.
 
     First: its geometry at its position on the groove; second: its load [N]; third: Young's modulus [Pa] and Poisson's
     ratio.
@@ -274,8 +275,9 @@ def _verify_cattaneo_mindlin() -> Iterator[Verification]:
 def _verify_full_slip() -> Iterator[Verification]:
     """Verify friction force and moment of a contact that slips everywhere.
 
-    Force and moment are computed by quadrature, on a grid, and, as in stored 3D results, as the rigid limit plus the
-    difference between elastic and nearly rigid bodies. The exact values are those of a fine quadrature.
+    Force and moment are computed in three ways: by quadrature for rigid bodies; on a grid of cells; and, as in stored 3D
+    results, as the quadrature's value plus the difference between elastic and nearly rigid bodies on the grid. The exact
+    values follow from a fine quadrature.
     """
 
     def by_quadrature(creep: verification.Creep, points: int) -> tuple[float, float]:
@@ -326,10 +328,10 @@ def _grid_corrected_force_and_moment(
 ) -> tuple[float, float]:
     """Return friction force [N], then moment [N mm], of a slipping contact, corrected for the grid error.
 
-    The correction is that of the stored 3D results: to the rigid limit is added the difference between elastic and nearly
-    rigid bodies on the same grid. ``patch``: contact ellipse divided into cells; ``creep``: creepages and spin;
-    ``rigid_limits``: pairs of force [N] and moment [N mm] for rigid bodies, one pair for each of several quadratures; their
-    mean is used.
+    As in the stored 3D results, the corrected value is the value for rigid bodies by quadrature plus the difference between
+    elastic and nearly rigid bodies on the same grid. ``patch``: contact ellipse divided into cells; ``creep``: creepages
+    and spin; ``rigid_limits``: pairs of force [N] and moment [N mm] for rigid bodies, one pair for each of several
+    quadratures; their mean is used.
     """
     elastic, near = (_rolling_force_and_moment(patch, creep, factor) for factor in (STIFF, STIFF * NEARLY_RIGID))
     limit = np.mean(rigid_limits, axis=0)

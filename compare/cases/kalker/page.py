@@ -70,15 +70,15 @@ SHAPE = LEVELS[1]
 class SlipAndTractionField:
     """Slip, traction and stick zone over the n cells of one rolling contact."""
 
-    #: Title of the drawing: scene and name of the contact.
+    #: Title of the drawing: name of the scene, then of the ball's contact.
     title: str
     #: Centres of the cells: coordinates across and along the groove, (n, 2) [m].
     cell_centres: Array
-    #: Slip velocity over the rolling speed, across and along the groove, (n, 2).
+    #: Slip velocity divided by the rolling speed: components across and along the groove, (n, 2).
     relative_slip_velocity: Array
-    #: Tangential traction across and along the groove, (n, 2) [Pa].
+    #: Tangential traction: components across and along the groove, (n, 2) [Pa].
     tangential_traction: Array
-    #: Whether each cell sticks, (n,).
+    #: For each cell, whether the surfaces stick there, (n,).
     sticks: NDArray[np.bool_]
     #: Semi-axes of the contact ellipse across and along the groove [m].
     semi_axes: tuple[float, float]
@@ -123,8 +123,8 @@ def _slip_and_traction_of_contact(title: str, scene: RollingBalls, contact: Cont
 def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Section:
     """Return the report's section on the 3D model of rolling contact.
 
-    ``cache``: gives the folders of stored 3D results; the section names scenes without a stored result. ``step``: function
-    that receives a message before each step.
+    ``cache``: gives the folders of stored 3D results (the section lists the scenes that have none). ``step``: function that
+    receives a message before each step.
     """
     stores = cache.reference_folders or (shipped_store(),)
     step("rolling contacts with known answers")
@@ -180,7 +180,7 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
         _from_rest_figure(series),
         Table.from_rows(
             "rolling-choices",
-            "3D model of rolling contact: change of the ball-to-ball force with grid, time step and other choices",
+            "3D model of rolling contact: change of the ball-to-ball force with grid, time step and other settings",
             [_numerical_choice_row(c) for c in changed],
             "Stated uncertainty: by coarser grids than the compared one; for finite bodies also by their mesh and size. "
             "Runs from rest are compared with steady rolling on the same grid.",
@@ -249,7 +249,7 @@ def _finite_body_results(
 
 
 def _change_by_finite_bodies_percent(row: RollingComparisonRow) -> float | None:
-    """Return the change [%] of a quantity from half spaces to bodies of finite size; None if it is not computed."""
+    """Return the change [%] of a 3D result from elastic half spaces to bodies of finite size; None if not computed."""
     change = None if row.half_space is None else float(error_percent(row.reference, row.half_space))
     return change if change is not None and np.isfinite(change) and row.error_percent != 0.0 else None
 
@@ -406,18 +406,20 @@ def _low_order_against_3d_row(row: RollingComparisonRow) -> Row:
     verdict = f"{'within' if low_order_error_is_within_limit(row) else 'beyond'} {LIMIT:g} %"
     return {
         "scene": row.scene,
-        TableColumn("state", "how unprinted contact loads were found", "", "s"): row.load_state,
+        TableColumn(
+            "state", "assumption by which contact loads that Lin does not print are computed", "", "s"
+        ): row.load_state,
         "quantity": row.quantity,
         "unit": row.unit,
         TableColumn("low", "value by the low-order model", "", "g5"): row.low,
         TableColumn("reference", "value by the 3D model", "", "g5"): row.reference,
         TableColumn("uncertainty", "uncertainty of the 3D value", "", "g2"): uncertainty,
         TableColumn("error", "error of the low-order model against 3D", "%", ".2f"): row.error_percent,
-        TableColumn("share", "uncertainty of the 3D value", "%", ".2f"): row.uncertainty_percent,
+        TableColumn("share", "uncertainty of the 3D value, divided by this value", "%", ".2f"): row.uncertainty_percent,
         TableColumn("printed", "low-order value that Lin prints", "", "g4"): row.printed,
         TableColumn("ansys", "ANSYS value that Lin prints", "", "g4"): row.printed_ansys,
-        TableColumn("flat", "value by the 3D model with plane contact areas", "", "g5"): row.flat,
-        TableColumn("rigid", "3D value with rigid bodies", "", "g5"): row.rigid,
+        TableColumn("flat", "value by the 3D model with plane instead of curved contact areas", "", "g5"): row.flat,
+        TableColumn("rigid", "value by the 3D model without tangential deformation", "", "g5"): row.rigid,
         TableColumn("verdict", f"whether the low-order model's error is within {LIMIT:g} %", "", "s"): verdict,
     }
 
@@ -436,7 +438,7 @@ def _grid_dependence_rows(stores: Sequence[Path]) -> list[Row]:
     """Return a table row for each stored result of the 3D rolling model, to show the influence of the grid of cells.
 
     Columns: scene, grid, force or torque, change of this value by elasticity, numerical loss of power (by the upwind finite
-    differences) over the input power, sticking cells, processor time. ``stores``: folders of the results.
+    differences) divided by the input power, number of sticking cells, processor time. ``stores``: folders of the results.
     """
     out: list[Row] = []
     every = [(name, run) for name in (*PAIRS, *RINGS) for run in _stored_rolling_runs(name, stores)]
@@ -447,19 +449,25 @@ def _grid_dependence_rows(stores: Sequence[Path]) -> list[Row]:
             "source's size" if run.level == SOURCE_LEVEL else str(run.level),
             interpretation_of_contact_loads(name),
         )
-        by_elasticity = "change of force or torque from nearly rigid to elastic bodies"
-        lost = "share of the input power lost by the error of the finite differences"
+        by_elasticity = "force or torque with elastic bodies minus that with nearly rigid ones"
+        lost = "numerical power loss by the finite differences, divided by the input power"
         out.append(
             {
                 "scene": name,
-                TableColumn("state", "how unprinted contact loads were found", "", "s"): state,
+                TableColumn(
+                    "state", "assumption by which contact loads that Lin does not print are computed", "", "s"
+                ): state,
                 TableColumn("level", "grid level", "", "s"): level,
-                TableColumn("cells", "cells along and across the contact", "", "s"): f"{run.shape[0]} x {run.shape[1]}",
-                TableColumn("value", "force or torque, corrected for the grid", "", "g5"): run.values[key],
-                TableColumn("alone", "force or torque without grid correction", "", "g5"): run.elastic[key],
+                TableColumn(
+                    "cells", "number of cells along and across the rolling direction", "", "s"
+                ): f"{run.shape[0]} x {run.shape[1]}",
+                TableColumn("value", "force or torque, corrected for the error by the grid", "", "g5"): run.values[key],
+                TableColumn("alone", "force or torque, not corrected for the error by the grid", "", "g5"): run.elastic[
+                    key
+                ],
                 TableColumn("elasticity", by_elasticity, "", "g3"): run.elastic[key] - run.near_rigid[key],
                 TableColumn("lost", lost, "%", ".3f"): 100.0 * run.upwind,
-                TableColumn("stick", "number of cells that stick", "", "d"): run.sticking,
+                TableColumn("stick", "number of cells in which the surfaces stick", "", "d"): run.sticking,
                 TableColumn("seconds", "processor time", "s", "g3"): run.seconds if run.measured == common else None,
             }
         )
@@ -481,15 +489,15 @@ def _from_rest_row(run: RunFromRest) -> Row:
 
 
 def _numerical_choice_row(effect: ChoiceEffect) -> Row:
-    """Return the table row of a numerical choice, such as the grid: its effect on the ball-to-ball force, uncertainty."""
+    """Return the table row of a numerical setting, such as the grid: change of the ball-to-ball force, its uncertainty."""
     verdict = "within" if effect.is_within_uncertainty else "beyond"
     return {
         "scene": effect.scene,
-        TableColumn("choice", "numerical choice", "", "s"): effect.choice,
-        TableColumn("tried", "variants tried", "", "s"): effect.tried_variants,
-        TableColumn("change", "largest change of the ball-to-ball force", "%", "g2"): effect.change,
-        TableColumn("uncertainty", "stated uncertainty of this force", "%", "g2"): effect.uncertainty,
-        TableColumn("verdict", "whether the change is within the stated uncertainty", "", "s"): verdict,
+        TableColumn("choice", "numerical setting that is varied", "", "s"): effect.choice,
+        TableColumn("tried", "values of the setting", "", "s"): effect.tried_variants,
+        TableColumn("change", "largest change of the ball-to-ball force by the setting", "%", "g2"): effect.change,
+        TableColumn("uncertainty", "uncertainty of this force as reported", "%", "g2"): effect.uncertainty,
+        TableColumn("verdict", "whether the change is within this uncertainty", "", "s"): verdict,
     }
 
 
@@ -514,7 +522,7 @@ def _from_rest_figure(series: Sequence[RunFromRest]) -> Figure:
 
 
 def _error_over_time_figure(stores: Sequence[Path]) -> Figure | None:
-    """Draw the difference of the ball-to-ball force in 3D from that on the finest grid, over processor time.
+    """Draw, over processor time, the difference of the ball-to-ball force in 3D on each grid from the force on the finest.
 
     Returns None if no scene has stored 3D results on every grid. ``stores``: folders of the results.
     """

@@ -86,18 +86,18 @@ class GroupResult:
     model: str
     #: Number of cases in the group.
     cases: int
-    #: Number of solutions by this package's solvers that converged.
+    #: Number of solution runs by this package's solvers that converged.
     ours: int
-    #: Number of solutions attempted by this package's solvers.
+    #: Number of solution runs by this package's solvers, converged or not.
     tries: int
-    #: Largest difference of power input and dissipation, over dissipation.
+    #: Largest difference of power input and dissipation in any solution, divided by the dissipation.
     energy: float
-    #: Largest relative difference of the results from several starts: of the loss (one ball) or of the ball-to-ball forces
-    #: over the friction bound (several balls).
+    #: Largest difference between the results of one case from several starting points. For one ball: of its friction loss,
+    #: divided by the loss; for several balls: of the ball-to-ball force, divided by the largest possible friction force.
     spread: float
-    #: Number of solutions found by Lin's method without overlapping balls; None if it was not used.
+    #: Number of solutions found by Lin's method in which no balls overlap; None if the method was not used.
     source: int | None = None
-    #: Number of solutions attempted by Lin's method; None if it was not used.
+    #: Number of solution runs by Lin's method, successful or not; None if the method was not used.
     source_tries: int | None = None
     #: Remark on the group; empty for none.
     note: str = ""
@@ -108,9 +108,9 @@ class ExtremeGroupTally:
     """Running counts and largest errors of the solutions of one group of extreme cases; each solution updates them.
 
     The fields ``cases`` to ``source_tries`` are those of `GroupResult`. ``random_starts``: number of random starts;
-    ``converged_from_random_starts``: number of those from which the solver converged without changing to its default start;
-    ``roots_with_overlap``, ``roots_with_other_forces``: numbers of roots found by Lin's method with overlapping balls, and
-    with ball-to-ball forces that differ from this package's solution.
+    ``converged_from_random_starts``: number of random starts from which the solver converged without falling back on its
+    default start; ``roots_with_overlap``, ``roots_with_other_forces``: numbers of roots found by Lin's method with
+    overlapping balls, and with ball-to-ball forces that differ from this package's solution.
     """
 
     cases: int = 0
@@ -130,9 +130,9 @@ class ExtremeGroupTally:
 
         ``found``: the motion that Lin's method found, or None if it found no contact loads; ``force``: ball-to-ball forces
         (n,) [N] by this package's solver, for n pairs of neighbouring balls; ``friction_bound``: largest possible friction
-        force between two balls [N], by which differences of forces are divided. A root counts as solved if no two balls
-        overlap or pull at each other; the field ``roots_with_other_forces`` counts solved roots whose forces differ from
-        ``force``.
+        force between two balls [N], by which differences of forces are divided. A root counts as a solution if no two balls
+        overlap and no ball-to-ball force is tensile; the field ``roots_with_other_forces`` counts such roots whose forces
+        differ from ``force``.
         """
         self.source_tries += 1
         if found is None or found.status == "failed":
@@ -542,15 +542,15 @@ def solve_all_groups_of_touching_balls() -> list[GroupResult]:
 ROOT_STARTS = 8
 
 #: Heading of the column with the largest error of the power balance.
-ENERGY = "largest energy error: power input minus dissipation, divided by dissipation"
+ENERGY = "largest error of the power balance: |power input - dissipation|/dissipation"
 
 
 def extreme_linear_pair_rows() -> list[Row]:
     """Return table rows of extreme cases of two balls in the linear bearing, each case solved from three starts.
 
     Each row is one group of cases: numbers of cases and of converged solutions, largest residual, largest relative
-    difference of power input and dissipation, and largest difference of the ball-to-ball force between starts, over the
-    friction bound.
+    difference of power input and dissipation, and largest difference of the ball-to-ball force between starts, divided by
+    the largest possible friction force between the balls.
     """
     rng, rows, sides = np.random.default_rng(3), list[Row](), (-0.6, -0.999)
     groups = {
@@ -573,11 +573,18 @@ def extreme_linear_pair_rows() -> list[Row]:
             {
                 TableColumn("group", "varied inputs", "", "s"): group,
                 TableColumn("cases", "number of cases", "", "s"): len(chains),
-                TableColumn("solved", "solutions found from three starting points of each case", "", "s"): found_of_all,
-                TableColumn("residual", "largest residual of the friction solver", "", "g2"): residual,
+                TableColumn(
+                    "solved", "converged solutions, each case solved from three starting points", "", "s"
+                ): found_of_all,
+                TableColumn(
+                    "residual", "largest relative residual of force balance and of contact between balls", "", "g2"
+                ): residual,
                 TableColumn("energy", ENERGY, "", "g2"): energy,
                 TableColumn(
-                    "spread", "largest difference of the ball-to-ball force between starting points", "", "g2"
+                    "spread",
+                    "largest difference of the ball-to-ball force between starting points/friction bound",
+                    "",
+                    "g2",
                 ): spread,
             }
         )
@@ -601,11 +608,11 @@ def root_finding_rows() -> list[Row]:
         for key, words, off in (("near", "1 %", 0.01), ("far", "50 %", 0.5)):
             begin = [s.motion.unknown_velocities * rng.uniform(1.0 - off, 1.0 + off, 3) for _ in range(ROOT_STARTS)]
             by_root = sum(motion_by_root(s.problem, law, q, fast=True).status == "exact" for q in begin)
-            heading = f"random starts within {words} of the solution from which root finding finds it"
+            heading = f"converged root findings, started up to {words} away from the solution"
             row[TableColumn(key, heading, "", "s")] = f"{by_root} of {ROOT_STARTS}"
         least = [least_dissipation(s.problem, q, fast=True) for q in begin]
         good = sum(m.status == "exact" and abs(m.loss / s.motion.loss - 1.0) < 1e-8 for m in least)
-        heading = "random starts within 50 % of the solution from which least dissipation finds it"
+        heading = "converged minimisations of the dissipation, started up to 50 % away"
         rows.append(row | {TableColumn("ours", heading, "", "s"): f"{good} of {ROOT_STARTS}"})
     return rows
 

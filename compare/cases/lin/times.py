@@ -70,9 +70,8 @@ class ModelRunTimes:
     """Measured run times of one model for one scene.
 
     ``cold_start_seconds``: time [s] of the first load case in a new process, imports included;
-    ``further_load_case_seconds``: time [s] of the next load case in the same process; either is None if it was not
-    measured. ``earlier_measurement``: if both are None, time by an earlier measurement with its conditions, as text; else
-    empty.
+    ``further_load_case_seconds``: time [s] of the next load case in the same process. Each is None if it was not measured.
+    ``earlier_measurement``: if both are None, text with a time measured earlier and its conditions; else empty.
     """
 
     cold_start_seconds: float | None = None

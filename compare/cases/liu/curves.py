@@ -102,7 +102,7 @@ def _percentile_curves_over_load(
 
 
 def _curve_without_errors(quantity_at_load: Callable[[float], float], loads: Sequence[float] = LOADS) -> Series:
-    """Return the curve of a quantity of the screw without errors over the axial load.
+    """Return the curve, over the axial load, of a quantity of the screw without ball errors.
 
     ``quantity_at_load``: function that returns the quantity, in the panel's unit, at an axial load [N]; ``loads``: the
     axial loads [N].
@@ -180,10 +180,10 @@ def displacement_test_table() -> Table:
                 TableColumn("load", "axial load", "N", "s"): f"{force:g}",
                 TableColumn("printed", "printed displacement", "", "s"): "in a figure only",
                 TableColumn("middle", "median displacement with ball errors of ±3 µm", "µm", ".2f"): middle,
-                TableColumn("low", "0.5th percentile of the displacement with these ball errors", "µm", ".2f"): low,
-                TableColumn("high", "99.5th percentile of the displacement with these ball errors", "µm", ".2f"): high,
+                TableColumn("low", "0.5th percentile of the displacement with ball errors of ±3 µm", "µm", ".2f"): low,
+                TableColumn("high", "99.5th percentile of the displacement with ball errors of ±3 µm", "µm", ".2f"): high,
                 TableColumn("none", "displacement without ball errors", "µm", ".2f"): _error_free_response(force)[0],
-                TableColumn("stretch", "elongation of the screw outside the nut", "µm", ".2f"): stretch,
+                TableColumn("stretch", "elongation of the loaded part of the screw outside the nut", "µm", ".2f"): stretch,
                 TableColumn("loaded", "median number of loaded balls", "", ".0f"): loaded,
             }
         )
@@ -196,7 +196,10 @@ def displacement_test_table() -> Table:
 
 
 def liu_and_mei_loads_figure() -> Figure:
-    """Draw Liu's Figure 14: ball loads by Liu's and Mei's models under 5000 N, without and with ball errors of +-2 um."""
+    """Draw Liu's Figure 14: ball loads by Liu's and Mei's models at an axial load of 5000 N.
+
+    Both without ball errors and with random errors of the ball diameters of up to +-2 um.
+    """
     force, panels = liu.calibration_load(), []
     for title, errors in (
         ("no ball errors", np.zeros(liu.ball_count())),
@@ -212,7 +215,7 @@ def liu_and_mei_loads_figure() -> Figure:
             series.append(_printed_markers([liu.ball_count()] * 2, ends, "printed Q78/Q1 times computed Q1"))
         panels.append(Panel(title, BALLS, "normal load / N", series))
     caption = f"Of this figure only the ratios of the last ball's load to the first ball's are printed. {DRAWN}"
-    title = "Liu (2025), Figure 14: contact loads by Liu's and by Mei's model under 5000 N"
+    title = "Liu (2025), Figure 14: contact loads by Liu's and by Mei's model at an axial load of 5000 N"
     return Figure("liu-figure-14", title, panels, caption)
 
 
@@ -348,7 +351,7 @@ def stiffness_figure(found: dict[str, float], caption_end: str) -> Figure:
 
 
 def stiffness_of_three_screws_figure(found: dict[str, float]) -> Figure:
-    """Draw Liu's Figure 21: stiffness of three randomly drawn screws over the axial load, and the range of the three.
+    """Draw Liu's Figure 21: stiffness of three randomly drawn screws over the axial load, and their range.
 
     The ball errors are within ±2 um. ``found``: printed values by key, such as "K_a_1100" for screw a at 1100 N.
     """

@@ -284,7 +284,7 @@ def last_over_first_ball_load_ratio(error_um: float, load: float) -> float:
 
 
 def load_by_other_contact_angle_laws_in_words(error_um: float, load: float) -> str:
-    """Return in words the load [N] of ball 33 by the exact and by the constant contact-angle law.
+    """Return in words the load [N] of ball 33, once with exact contact angles and once with constant contact angles.
 
     The model is calibrated to the printed ratio Q78/Q1 for each law. ``error_um``: error of the diameter of ball 33 [um];
     ``load``: axial load [N].
@@ -296,9 +296,10 @@ def load_by_other_contact_angle_laws_in_words(error_um: float, load: float) -> s
 
 
 def load_change_range_of_other_balls(error_um: float) -> list[float]:
-    """Return the smallest, then the largest change [N] of the loads of all balls but ball 33 by an error of ball 33.
+    """Return the smallest, then the largest change [N] of the other balls' loads that an error of ball 33 causes.
 
-    Both changes are taken over the axial loads `LIGHT` and `HEAVY`. ``error_um``: error of the diameter of ball 33 [um].
+    Both are extremes over all balls but ball 33 and over the axial loads `LIGHT` and `HEAVY`. ``error_um``: error of the
+    diameter of ball 33 [um].
     """
     change = [
         np.delete(solve_with_error_of_ball_33(error_um, f).load - solve_with_error_of_ball_33(0.0, f).load, 32)
@@ -413,7 +414,7 @@ def record_percentile(findings: ComputedEntryValues, key: str, *remarks: str) ->
 
 
 def judge_fraction_of_screws(has_property: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]) -> tuple[bool, str]:
-    """Return whether at least 0.5 % of the randomly drawn screws (`UNLIKELY`) have a property, then a text.
+    """Return whether at least the fraction `UNLIKELY` (0.5 %) of the randomly drawn screws has a property, then a text.
 
     The text states the fraction of the screws with the property, and its standard error. ``has_property``: for each screw,
     whether it has the property.
@@ -496,9 +497,9 @@ def stiffness_spreads_of_triples(load: float) -> Array:
 def relative_stiffness_percentile_in_words(key: str, printed: float, reference: float) -> str:
     """Return in words the percentile of a printed stiffness ratio (with/without ball errors) among randomly drawn screws.
 
-    The ratio is the printed stiffness with random ball errors over that without errors; it does not change if all
-    stiffnesses differ from the publication's by one factor. ``key``: key of the printed stiffness; ``printed``: its value;
-    ``reference``: printed stiffness without errors.
+    The ratio is the printed stiffness with random ball errors over that without errors; a factor common to all computed
+    stiffnesses does not change it. ``key``: key of the printed stiffness; ``printed``: its value; ``reference``: printed
+    stiffness without errors.
     """
     h, load = int(key.split("_")[1]), float(key.split("_")[2])
     without = solve_with_error_of_ball_33(0.0, load).stiffness

@@ -153,7 +153,7 @@ def axial_model_inputs_with_rigid_nut(scene: Scene) -> ModelInputs:
 def compare_models(cache: SceneResultCache) -> tuple[LoadsByThreeModels, ...]:
     """Return the contact loads of Liu's screw by the axial, the beam and the refined model.
 
-    There is an entry for each axial load and each set of ball errors: none, ball 33 too small or too large by 2 um, and
+    There is an entry for each axial load and each of these ball errors: none, ball 33 too small or too large by 2 um, and
     random errors. ``cache``: gives the solved scenes.
     """
     scene = cache.built_in_scene(SCENE)
@@ -195,11 +195,11 @@ class DifferenceFrom3D:
     model: str
     #: RMS difference of the contact loads from those in 3D [% of the mean load].
     rms_percent: float
-    #: Largest difference of a contact load from that in 3D [% of the mean load].
+    #: Largest difference between a ball's contact load by the model and in 3D [% of the mean load].
     largest_percent: float
-    #: Number of the ball with the largest difference, from 1.
+    #: Number of the ball with this largest difference, counted from 1.
     worst_ball: int
-    #: Largest uncertainty of a contact load in 3D by the mesh [% of the mean load]; None if unknown.
+    #: Largest uncertainty of any 3D contact load due to the mesh [% of the mean load]; None if unknown.
     mesh_uncertainty_percent: float | None
     #: Number of balls that carry load by the model.
     loaded_balls: int
@@ -238,7 +238,7 @@ def loads_by_axial_model(scene: Scene) -> Array:
 
 
 def scenes_and_levels_to_solve_again_in_3d(fresh: bool) -> Iterator[tuple[tuple[str, ...], tuple[int, ...]]]:
-    """Yield pairs: names of scenes of Liu's screw; mesh levels on which a report must solve these scenes in 3D again.
+    """Yield names of scenes of Liu's screw, with the mesh levels on which a report must solve them in 3D again.
 
     ``fresh``: whether 3D solutions are to be computed again; else nothing is yielded, and the stored ones are used.
     """

@@ -34,15 +34,15 @@ TORQUE = 4.0 / 3.0
 
 @cache
 def bearing_set_over_pair_ratios(name: str) -> tuple[float, float, float]:
-    """Return preload, tangent rigidity and starting torque of a bearing set, each over its value for a back-to-back pair.
+    """Return preload, rigidity and starting torque of a group of matched bearings, divided by those of a back-to-back pair.
 
-    ``name``: arrangement of the bearings in the set, such as "DBD" (the pair is "DB"). All bearings have a constant contact
-    angle, and equal gaps between the two rings of each bearing, which clamping closes.
+    The rigidity is the tangent rigidity. ``name``: arrangement of the bearings, such as "DBD" (the pair is "DB"). The
+    contact angle is constant; clamping closes an equal gap between the rings of each bearing.
     """
     one = HertzPowerLawRow()
 
     def preload_rigidity_and_torque_of_set(name: str) -> Array:
-        """Return preload, tangent rigidity and starting torque (3,) of the bearing set ``name``, in arbitrary units."""
+        """Return preload, tangent rigidity, starting torque (3,) of the arrangement ``name``, in arbitrary units."""
         rows = tuple(1 if way == "+z" else -1 for way in ARRANGEMENTS[name])
         state = solve_bearing_row_equilibrium(equal_rows_with_gap(one, rows, 1e-6))
         loads = state.row_thrusts

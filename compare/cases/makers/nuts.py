@@ -75,7 +75,7 @@ class CatalogueNut:
 
     @property
     def filled_fraction_range(self) -> tuple[float, float]:
-        """Lowest and highest fraction of the turns that is filled with balls."""
+        """Lowest and highest fraction of the loaded turns' length that balls fill in nuts of this kind."""
         return SHORT if self.has_one_turn_circuits else LONG
 
 
@@ -152,9 +152,9 @@ def read_loaded_turns(row: Mapping[str, str]) -> tuple[float, bool]:
 def nut_of_catalogue_row(source: outside.MakerTable, row: Mapping[str, str]) -> CatalogueNut:
     """Return the dimensions of a nut from its row in a catalogue.
 
-    ``source``: table of the catalogue; ``row``: texts of the nut's row, by column. If the ball is not printed, it is the
-    stock size that fits pitch and root diameter. If the pitch diameter is not printed, it exceeds the nominal diameter by
-    the amount that is usual for the ball.
+    ``source``: table of the catalogue; ``row``: texts of the nut's row, by column. If the ball diameter is not printed, it
+    is the stock size that fits pitch and root diameter. If the pitch diameter is not printed, it is the nominal diameter
+    plus an amount that is usual for the ball diameter.
     """
     pitch = source.parse_number(row["pitch_mm"]) if row["pitch_mm"] else 0.0
     if row["ball_mm"]:
@@ -235,7 +235,7 @@ def compare_nut_rigidity() -> Iterator[outside.PublishedValue]:
                 load: float = load,
                 start_load: float = preload,
             ) -> float:
-                """Return the secant rigidity [N/m] of a nut, ``load`` over the displacement from ``start_load`` to it.
+                """Return the secant rigidity [N/m] of a nut: ``load`` over the displacement between ``start_load`` and it.
 
                 Both are axial loads [N]. ``conformity``: groove radius over ball diameter; ``filled_fraction``: fraction of
                 the turns that is filled with balls; ``nut``: dimensions of the nut.

@@ -55,8 +55,8 @@ class MakerTable:
     def is_listed_as_misprint(self, what: str) -> bool:
         """Return whether the header of the table lists a printed value as a misprint.
 
-        ``what``: name of the part, or name of the part and quantity, such as "SFE1632-3 rigidity". A name that is listed
-        without a quantity stands for all quantities of the part.
+        ``what``: name of a nut or bearing, alone or with a quantity, such as "SFE1632-3 rigidity". A name that is listed
+        without a quantity stands for all its quantities.
         """
         return any(what.startswith(known) for known in self.header.get("misprints", "-").split("; "))
 
@@ -104,7 +104,7 @@ class ComputedBand(NamedTuple):
     def from_relative_half_width(cls, value: float, share: float) -> ComputedBand:
         """Return a computed value, together with a range of plus or minus a fraction of it.
 
-        ``share``: half width of the range over the value.
+        ``share``: half width of the range divided by the value.
         """
         return cls.from_values((value,), abs(value) * share)
 
@@ -114,11 +114,11 @@ class PublishedValue:
     """One published value of a maker, program, textbook or measurement, with the computed value.
 
     ``quantity``: such as "rigidity"; ``law``: name of the model that computes the quantity; ``maker``: publisher; ``part``:
-    part to which the value belongs; ``kind_of_source``: such as "measured"; ``origin``: file and line, or section, of the
-    value in the source. ``value``: published value in ``unit``; ``rounding``: half a step of its last digit, or half of a
-    published range. ``computed``: computed value and its range in the same unit. ``scale``: value that errors in per cent
-    refer to; 0: the published value. ``practice``: computed value reduced as makers reduce it (80 % of a nut's rigidity),
-    or None. ``left``: why the value is not judged, such as a misprint; empty if it is judged.
+    screw, nut or bearing to which the value belongs; ``kind_of_source``: such as "measured"; ``origin``: file and line, or
+    section, of the value in the publication. ``value``: published value in ``unit``; ``rounding``: half a step of its last
+    digit, or half of a published range. ``computed``: computed value and its range in the same unit. ``scale``: value that
+    errors in per cent refer to; 0: the published value. ``practice``: computed value reduced as makers reduce it (80 % of a
+    nut's rigidity), or None. ``left``: why the value is not judged, such as a misprint; empty if it is judged.
     """
 
     quantity: str
@@ -144,7 +144,7 @@ class PublishedValue:
 
     @property
     def verdict(self) -> str:
-        """In words: whether the published value, with its rounding, lies in the computed band; or why it is not judged."""
+        """In words: whether the published value, with its rounding, lies in the computed range; or why it is not judged."""
         if self.left:
             return self.left
         if self.value + self.rounding < self.computed.low:
@@ -170,8 +170,8 @@ def value_of_table_entry(
 
     ``source``: the table; ``row``: printed texts by column; ``line_column``: name of the column with the line number in the
     original file; ``column``: name of the column of the number. ``quantity_model_part_unit``: quantity, name of the model,
-    part, and unit of the number, in this order. ``computed``: computed value and range in that unit. ``others``: values of
-    further fields of `PublishedValue`, by name.
+    screw or bearing, and unit of the number, in this order. ``computed``: computed value and range in that unit.
+    ``others``: values of further fields of `PublishedValue`, by name.
     """
     quantity, law, item, unit = quantity_model_part_unit
     fields: dict[str, Any] = {"maker": source.header["maker"], "rounding": half_step_of_last_digit(row[column])} | others
@@ -306,7 +306,7 @@ def published_values_table(found: Sequence[PublishedValue]) -> Table:
             TableColumn("low", "lower end of the range of computed values", "", "g6"): x.computed.low,
             TableColumn("high", "upper end of the range of computed values", "", "g6"): x.computed.high,
             TableColumn("error", "error of the computed value", "%", ".2f"): x.error_percent,
-            TableColumn("verdict", "published value in the range of computed values", "", "s"): x.verdict,
+            TableColumn("verdict", "whether the published value lies in the range of computed values", "", "s"): x.verdict,
             TableColumn("law", "model with which the value is computed", "", "s"): x.law,
             TableColumn("origin", "file and line of the published value", "", "s"): x.origin,
         }
@@ -353,8 +353,8 @@ OTHERS = {("external-contact", "approach"): "displacement"}
 def published_values_of_external_case(cache: SceneResultCache) -> Iterator[PublishedValue]:
     """Yield every published number of the case ``external`` that has a computed value, together with this value.
 
-    Its printed tables are listed in `PRINTED`. Numbers of class "open", whose basis is not printed, are yielded but not
-    judged. ``cache``: gives the solved scenes.
+    The printed tables of the case are listed in `PRINTED`. Numbers of class "open" (it is not printed how they were
+    obtained) are yielded but not judged. ``cache``: gives the solved scenes.
     """
     for name, (maker, cls) in PRINTED.items():
         if name not in computations_with_function():

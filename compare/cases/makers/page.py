@@ -57,7 +57,7 @@ def first_page(cache: SceneResultCache) -> dict[str, dict[TableColumn, Cell]]:
 def _error_statistics_of_quantity(
     found: Sequence[outside.PublishedValue], quantity: str, model_prefix: str = "", maker_prefix: str = ""
 ) -> outside.ErrorStatistics:
-    """Return bias and scatter of the errors of one quantity, of which at least one value must be judged.
+    """Return bias and scatter of the errors of one quantity; at least one of its published values must be judged.
 
     ``found``: published values with the computed ones; ``quantity``: name of the quantity, such as "rigidity";
     ``model_prefix``, ``maker_prefix``: first characters of the names of the models and makers that count; empty: all.
@@ -103,7 +103,7 @@ def band_and_errors_conclusion(found: Sequence[outside.PublishedValue]) -> str:
 
 
 def clearances_text(found: Sequence[outside.PublishedValue]) -> str:
-    """Return the paragraph on NSK's printed clearances and rigidities, which agree with a contact angle that changes.
+    """Return the paragraph on NSK's printed clearances and rigidities: they agree if the contact angle changes under load.
 
     ``found``: all published values with the computed ones.
     """
@@ -216,12 +216,15 @@ def drag_torque_table() -> Table:
     for one in nuts.drag_torque_ratios_over_lead():
         row: dict[TableColumn | str, Cell] = {
             TableColumn("lead", "lead of the screw", "mm", "g3"): 1e3 * one.lead,
-            TableColumn("single", "torque ratio of a single nut, computed", "1e-3", ".1f"): 1e3 * one.single,
-            TableColumn("double", "torque ratio of a double nut, computed", "1e-3", ".1f"): 1e3 * one.double,
-            TableColumn("least", f"torque ratio of a single nut, {least}", "1e-3", ".2f"): 1e3
+            TableColumn("single", "drag torque/(preload x nominal diameter) of a single nut, computed", "1e-3", ".1f"): 1e3
+            * one.single,
+            TableColumn("double", "drag torque/(preload x nominal diameter) of a double nut, computed", "1e-3", ".1f"): 1e3
+            * one.double,
+            TableColumn("least", f"drag torque/(preload x nominal diameter) of a single nut, {least}", "1e-3", ".2f"): 1e3
             * one.at_smallest_friction[0],
-            TableColumn("least_double", f"torque ratio of a double nut, {least}", "1e-3", ".3f"): 1e3
-            * one.at_smallest_friction[1],
+            TableColumn(
+                "least_double", f"drag torque/(preload x nominal diameter) of a double nut, {least}", "1e-3", ".3f"
+            ): 1e3 * one.at_smallest_friction[1],
         }
         for (name, _), value in zip(nuts.FORMULAS, one.by_makers_formulas, strict=True):
             maker, formula = name.replace("P/2 pi", "P/(2 pi)").split(": ")

@@ -40,7 +40,8 @@ PRINTED = tuple(name for _, names in CHAPTERS.values() for name in names)
 ABOUT = (
     "Support bearings of a ball screw: three angular-contact ball bearings or two tapered roller bearings at either end. "
     "Correct values: exact elliptic integrals, line contacts, equilibrium of the bearing rows, both halves of the screw in "
-    "parallel. As printed: Smith's fits, load sharing and sum in series, computed only to show their effect.",
+    "parallel. As printed: Smith's fits, load sharing and formula for springs in series, computed only to show "
+    "their effect.",
     "Units are Smith's: lb are pounds-force, 4.44822 N (4.448 N in his spreadsheet), in-lb 0.112985 N m, lb/in "
     "175.127 N/m, psi 6894.76 Pa. A number printed in two units is compared twice.",
     (
@@ -126,7 +127,9 @@ def bearing_stiffness_panel(found: Sequence[PrintedEntryComparison]) -> Panel:
 
 
 def axis_stiffness_panel(found: Sequence[PrintedEntryComparison]) -> Panel:
-    """Draw the axis stiffness over the nut's position, for ball and tapered support bearings, and by Smith's sum in series.
+    """Draw the axial stiffness of the screw axis over the nut's position, for ball and tapered support bearings.
+
+    Markers: stiffness by Smith's formula, which treats both supports and the whole screw as springs in series.
 
     ``found``: printed values of Smith's thesis with the computed ones.
     """
@@ -141,10 +144,10 @@ def axis_stiffness_panel(found: Sequence[PrintedEntryComparison]) -> Panel:
             values = carriage_to_frame_stiffness(a, a.length * places, bearings.NUT) / unit
             series.append(Series(f"{kind}, {words}", at, [float(v) for v in values], "line"))
         total = next(f for f in found if f.printed.key == f"total_{kind}")
-        series.append(Series(f"{kind}, Smith's sum in series", [0.5], [1e-6 * (total.as_printed or 0.0)], "markers"))
+        series.append(Series(f"{kind}, Smith's springs in series", [0.5], [1e-6 * (total.as_printed or 0.0)], "markers"))
     return Panel(
         "axial stiffness of the screw axis",
-        "distance of the nut from the left support/distance of the supports",
+        "distance of the nut from the left support, divided by the distance between the supports",
         "stiffness / 10⁶ lbf/in",
         series,
         include_zero=True,
@@ -152,7 +155,7 @@ def axis_stiffness_panel(found: Sequence[PrintedEntryComparison]) -> Panel:
 
 
 def stiffness_figure(found: Sequence[PrintedEntryComparison]) -> Figure:
-    """Draw the stiffness of the support bearings over thrust, and that of the axis over the nut's position.
+    """Draw the stiffness of the support bearings over thrust, and the stiffness of the screw axis over the nut's position.
 
     ``found``: printed values of Smith's thesis with the computed ones.
     """
@@ -161,7 +164,7 @@ def stiffness_figure(found: Sequence[PrintedEntryComparison]) -> Figure:
     caption = (
         "Left: one bearing. The measured stiffness of the ball bearing grows less with thrust than that of Hertz "
         "contacts; the tapered bearing is computed stiffer than tested. Right: the axis. With both ends in parallel, "
-        f"the axis is {min(stiffer):.0f} to {max(stiffer):.0f} % stiffer than by Smith's sum of compliances in series."
+        f"the axis is {min(stiffer):.0f} to {max(stiffer):.0f} % stiffer than by Smith's formula for springs in series."
     )
     title = "Axial stiffness of support bearings and of the screw axis: measured by Smith, and computed"
     return Figure("smith-stiffness", title, (bearing_stiffness_panel(found), axis_stiffness_panel(found)), caption)
@@ -214,11 +217,11 @@ LAYOUT_NOTE = (
 def end_thrusts_and_stiffness_table(cache: SceneResultCache) -> Table:
     """Return the table of the thrust on both end supports and of the axis stiffness, by bearing layout and nut position.
 
-    Thrusts and stiffness are computed by the beam model, by closed formulas, and by Smith's sum in series. ``cache``: gives
-    the solved scenes.
+    Thrusts and stiffness are computed by the beam model, by closed formulas, and by Smith's formula for springs in series.
+    ``cache``: gives the solved scenes.
     """
     unit = 1e6 * bearings.POUND_PER_INCH
-    where = "distance of the nut from the left support/distance of the supports"
+    where = "distance of the nut from the left support, divided by the distance between the supports"
     off = "stiffness difference, beam model against closed formulas"
     rows: list[Row] = []
     for layout, place, beam, closed in axis.compare_beam_model_with_formulas(cache):
@@ -235,7 +238,7 @@ def end_thrusts_and_stiffness_table(cache: SceneResultCache) -> Table:
         for key, model, result in models:
             row[TableColumn(key, f"axial stiffness, {model}", "10⁶ lbf/in", ".3f")] = result.axis_stiffness / unit
         row[TableColumn("difference", off, "%", ".2f")] = float(error_percent(beam.axis_stiffness, closed.axis_stiffness))
-        series, heading = axis.axis_stiffness_by_sum_in_series(layout) / unit, "Smith's sum of compliances in series"
+        series, heading = axis.axis_stiffness_by_sum_in_series(layout) / unit, "Smith's formula for springs in series"
         row[TableColumn("series", f"axial stiffness, {heading}", "10⁶ lbf/in", ".3f")] = (
             series if np.isfinite(series) else None
         )

@@ -53,11 +53,17 @@ class InnerRingLoadKeys(SceneFileTable):
 class FrictionLawKeys(scenes_keys.CoulombFrictionKeys):
     """Coefficient of friction between ball and grooves, and the friction law."""
 
-    law: Law = key("friction law: Coulomb's, Coulomb's regularised, or the sigmoid of Lin (3.20)", "coulomb", "coulomb")
+    law: Law = key(
+        "friction law: Coulomb's; Coulomb's, reduced at small sliding speeds (regularised); or the sigmoid of Lin (3.20)",
+        "coulomb",
+        "coulomb",
+    )
     creep: Creep | None = key('sliding speed below which friction is reduced, for law = "regularised"', None)
     sharpness: Sharpness | None = key('parameter k_S of the law "sigmoid"', None)
     map_step: MapStep | None = key(
-        'step of c/a (centre of rotation over semi-axis) in friction tables of law = "sigmoid"; exact if left out', None
+        'step of c/a in the friction tables of law = "sigmoid" (c: distance of the centre of rotation from the '
+        "centre of the contact; a: semi-axis of the contact); if left out, exact integrals instead of tables",
+        None,
     )
 
 
@@ -180,11 +186,11 @@ class DoubleRowBearingKeys(RotaryBearingKeys):
 
 
 class InnerRingForceKeys(SceneFileTable):
-    """Force on the inner ring midway between its rows, at several angles from the axis, and whether the ring may tilt."""
+    """Force on the inner ring through the bearing's centre, at several angles to the axis; whether the ring may tilt."""
 
     force: common.Pressing = key("magnitude of the force on the inner ring")
     angles: Annotated[list[LoadAngle], Field(min_length=2, max_length=500)] = key(
-        "angles of the force from the axis, in ascending order", example=["0 deg", "10 deg", "18 deg"]
+        "angles between the force and the bearing axis, in ascending order", example=["0 deg", "10 deg", "18 deg"]
     )
     tilt: bool = key("whether the inner ring is free to tilt", True, True)
 
@@ -213,7 +219,7 @@ class BearingPairScene(common.FrictionScene):
     four_point: BearingCase
     #: Double-row bearing with load and friction.
     double_row: BearingCase
-    #: Angles of the force from the axis ``(n,)`` [rad], for each of which the scene is solved.
+    #: Angles between the force and the bearing axis ``(n,)`` [rad]; the scene is solved for each of them.
     angle: Array
 
 
@@ -233,7 +239,7 @@ def bearing_pair_faults(keys: BearingPairKeys) -> Iterator[Fault]:
                 yield Fault((f"{table}.balls.count",), f"1 to {most}", advice)
             yield from common.missing_hertz_constant_faults(_bearing_case_from_keys(keys, b).groove, f"{table}.")
     if np.any(np.diff(keys.load.angles) <= 0.0):
-        advice = "sort the angles and give each once; each solution starts from that of the angle before"
+        advice = "sort the angles and give each once; each solution starts from the one at the previous angle"
         yield Fault(("load.angles",), "angles in ascending order", advice)
     if keys.motion.speed == 0.0:
         yield Fault(("motion.speed",), "not zero", "let the inner ring turn; friction torque is computed for a moving ring")
@@ -272,9 +278,10 @@ class LinearTrackKeys(SceneFileTable):
 class CarriageForceKeys(SceneFileTable):
     """Vertical force of the carriage on each ball of a linear bearing, and how contact loads follow from it."""
 
-    vertical_force: common.Pressing = key("force that presses on each ball")
+    vertical_force: common.Pressing = key("vertical force of the carriage on each ball")
     distribution: Loads = key(
-        "contact loads: balanced at fixed angles, equal on each diagonal, or elastic with changing angles",
+        "how the four contact loads of a ball follow from the forces on it: equilibrium at fixed contact angles; "
+        "equal loads at opposite contacts (one diagonal); or elastic contacts with changing angles",
         "balanced",
         "elastic",
     )
@@ -293,11 +300,14 @@ class CarriageSpeedKeys(SceneFileTable):
 
 
 class BottomAngleDeviationKeys(SceneFileTable):
-    """Deviation of the bottom groove's contact angles from the nominal one: smaller on the left, larger on the right."""
+    """Contact angles at the bottom groove: smaller than nominal on the left, larger by the same amount on the right."""
 
-    deviation: common.Theta = key("deviation theta from the nominal angle: bottom left contacts -theta, bottom right theta")
+    deviation: common.Theta = key(
+        "theta: contact angles are the nominal angle minus theta at bottom left, plus theta at bottom right"
+    )
     mated: bool = key(
-        "whether the top contact angles deviate too, so that the contacts of each diagonal stay opposite (Lin 3.3.4.2)",
+        "whether the contact angles at the top groove deviate too, so that the two contacts on each diagonal of a "
+        "ball stay diametrically opposite (Lin 3.3.4.2)",
         False,
         False,
     )
@@ -308,7 +318,7 @@ class BallOfChainKeys(SceneFileTable):
 
     side_force_ratio: SideRatio = key("side force divided by vertical_force", 0.0)
     angle_deviations: Annotated[list[common.Theta], Field(min_length=4, max_length=4)] = key(
-        "deviations of the contact angles at bottom left, bottom right, top right, top left",
+        "deviations of the contact angles from the nominal angle, at bottom left, bottom right, top right, top left",
         ["0 deg", "0 deg", "0 deg", "0 deg"],
         ["-2 deg", "2 deg", "0 deg", "0 deg"],
     )
@@ -403,7 +413,7 @@ def _linear_ball_faults(keys: LinearPairKeys | LinearChainKeys) -> Iterator[Faul
         if not low <= side[i] <= high:
             where = f"chain[{i}].side_force_ratio" if chain else "load.side_force_ratio"
             least, most = (low, high) if chain or i == 0 else (-high, -low)
-            advice = 'reduce the ratio, at which a contact would have to pull, or write distribution = "elastic"'
+            advice = 'reduce the ratio: a contact would have to carry tension; or write distribution = "elastic"'
             yield Fault((where,), f"{least:.4g} to {most:.4g} at these contact angles", advice)
             return
 

@@ -35,7 +35,7 @@ class FrictionScene:
     name: str
     #: Title of the scene, in one line.
     title: str
-    #: Publication of the data.
+    #: Publication from which the data are taken.
     source: str
     #: Assumptions where the publication gives no value, as sentences.
     assumed: tuple[str, ...]
@@ -83,7 +83,7 @@ Theta = Annotated[float, QuantityRange("angle", "-15 deg", "15 deg", "2 deg")]
 
 
 class BallRadiusErrorKeys(SceneFileTable):
-    """Manufacturing errors of the balls in a scene of a few balls: the oversize that all ball radii have."""
+    """Manufacturing errors of the balls: here only an oversize, which all ball radii have in common."""
 
     balls: scenes_keys.BallOversizeKeys = key(
         "errors of the ball radii", scenes_keys.BallOversizeKeys(), {"oversize": "1.7 um"}
@@ -91,7 +91,7 @@ class BallRadiusErrorKeys(SceneFileTable):
 
 
 class HertzConstantKeys(SceneFileTable):
-    """Choice of the Hertz constants of the contacts: exact ones, or those printed in Lin's Table B.1."""
+    """Source of the Hertz constants of the contacts: exact calculation, or Lin's Table B.1 with its errors."""
 
     hertz: Literal["nominal", "as printed"] = key(
         "Hertz constants: exact at the nominal contact angle, or as printed with the errors of Lin's Table B.1",
@@ -101,14 +101,16 @@ class HertzConstantKeys(SceneFileTable):
 
     @property
     def hertz_mode_of_solver(self) -> Mode:
-        """Name of this choice of Hertz constants in the friction solvers: "right" or "as printed"."""
+        """Name of these Hertz constants in the friction solvers: "right" (exact), or "as printed" in Lin's Table B.1."""
         return "right" if self.hertz == "nominal" else "as printed"
 
 
 class BallFrictionKeys(scenes_keys.CoulombFrictionKeys):
     """Coulomb friction between balls and grooves, and between neighbouring balls."""
 
-    balls: Coefficient | None = key("coefficient between balls, if it is not that of the grooves", None)
+    balls: Coefficient | None = key(
+        "coefficient of friction between balls; if left out, that between balls and grooves", None
+    )
 
 
 class EqualGrooveSceneKeys(FrictionSceneKeys):
@@ -212,9 +214,9 @@ def groove_and_path_faults(keys: BearingOrScrewKeys, prefix: str = "", *, is_bea
         if wrong:
             return
     if abs(keys.nut.radius_for(keys.balls) / radius - 1.0) > 1e-12:
-        advice = "give both grooves the same radius, or describe the whole screw or bearing for different grooves"
+        advice = 'give both grooves the same radius: only the kinds "ball screw" and "bearing" allow different ones'
         where = (f"{prefix}nut.groove_radius", f"{prefix}nut.conformity")
-        yield Fault(where, f"the screw's, {length_text(radius)}", advice)
+        yield Fault(where, f"{length_text(radius)}, as for the groove of the screw or inner ring", advice)
     if is_bearing and track.lead != 0.0:
         yield Fault((f"{prefix}track.lead",), '"0 mm"', "write 0 mm; this kind describes bearing rings, which have no lead")
     if not is_bearing and track.lead == 0.0:
@@ -249,7 +251,9 @@ def missing_hertz_constant_faults(groove: ScrewGroove, prefix: str = "") -> Iter
     except ValueError:
         pass
     if groove.hertz == "as printed":
-        advice = "choose nominal constants; the printed formulas have no solution here, usually as the helix is too steep"
+        advice = (
+            "choose nominal constants; the printed formulas have no solution here, usually because the helix is too steep"
+        )
         yield Fault(("ingredients.hertz",), '"nominal" for these grooves', advice)
         return
     keys = (f"{prefix}screw.groove_radius", f"{prefix}screw.conformity")

@@ -54,7 +54,11 @@ class ScrewFrictionKeys(common.BallFrictionKeys):
     Friction that displaces the balls changes their contact loads; it may also change the position of the screw.
     """
 
-    coupling: Coupling = key("bodies that friction displaces: none, the balls, or balls and screw", "none", "ball")
+    coupling: Coupling = key(
+        "bodies whose displacement by friction changes the contact loads: none, the balls, or balls and screw",
+        "none",
+        "ball",
+    )
 
 
 class BallPairAngleKeys(SceneFileTable):
@@ -74,7 +78,7 @@ class AngleVariationKeys(SceneFileTable):
     phase: Azimuth = key("phase of theta", "0 deg", "90 deg")
     pattern: Pattern = key(_PATTERN, [1, 1, 0, 0], [1, 1, 0, 0])
     follows: Literal["screw", "nut"] = key(
-        "part in which theta is fixed, and in whose axes azimuths are measured", "screw", "nut"
+        "part to which the pattern of theta is attached, and in whose axes the azimuth is measured", "screw", "nut"
     )
 
 
@@ -82,7 +86,7 @@ class CircuitBallKeys(BallSizeKeys):
     """Balls of a closed ball circuit: size, number, and loaded turns."""
 
     count: Annotated[int, Field(ge=2, le=1000)] = key("number of balls", example=37)
-    turns: Turns = key("loaded turns of the nut")
+    turns: Turns = key("number of turns in the nut over which balls carry load")
 
 
 class BallReturnKeys(SceneFileTable):
@@ -100,7 +104,10 @@ class SimulationTimeKeys(Time):
     """
 
     rounds: Annotated[int, IntegerRange(1, 100)] = frozen_default(
-        1, "iterations between loads and friction in each time step; 1: loads with the friction of the step before", 1
+        1,
+        "iterations in each time step, each of the contact loads and then of friction; 1: contact loads under the "
+        "friction of the previous time step",
+        1,
     )
 
 
@@ -179,7 +186,7 @@ def _angle_and_load_faults(keys: ScrewPairKeys | ScrewSimulationKeys) -> Iterato
     try:
         _ = _screw_groove_from_keys(keys).pair
     except ValueError:
-        advice = "choose smaller balls, of which two touch within a quarter of a turn"
+        advice = "choose smaller balls: the centres of touching balls must be less than a quarter of a turn apart"
         yield Fault(("balls.radius",), f"small against the pitch radius, {length_text(keys.track.pitch_radius)}", advice)
     yield from common.missing_hertz_constant_faults(_screw_groove_from_keys(keys))
     if keys.load.force == 0.0 and keys.errors.balls.oversize <= 0.0:

@@ -1,4 +1,4 @@
-"""Contact problem of a small scene as an input deck for another finite-element program.
+"""Contact problem of a small scene as an input deck for the finite-element program CalculiX.
 
 The deck has the bodies, contacts, supports and loads. For each contact it is estimated where it lies and how large it is,
 so that meshes are refined there and the faces of balls and grooves that may touch are known.
@@ -75,11 +75,11 @@ def unit_load_semi_axes(scene: Scene, side: int) -> tuple[float, float]:
 
 
 def expected_contacts(scene: Scene, load: Array, sides: tuple[int, ...]) -> tuple[list[ExpectedContact], float]:
-    """Return the expected contacts of balls and grooves, then the minor semi-axis [m] of a mean-load contact on one flank.
+    """Return the expected contacts of balls and grooves, then the minor semi-axis [m] of a contact at mean contact load.
 
     ``load``: contact loads (N, 4) [N] of a low-order solution for N balls and the flanks SL, SR, NL, NR (screw left and
-    right, nut left and right); ``sides``: numbers, 0 to 3 in this order, of the flanks that may carry load. The returned
-    semi-axis is that of a contact on the first of these flanks.
+    right, nut left and right); ``sides``: numbers, 0 to 3 in this order, of the flanks that may carry load. The semi-axis
+    is computed for the first of these flanks.
     """
     layout, mean = ball_layout(scene), float(load[load > 0.0].mean())
     unit = {s: unit_load_semi_axes(scene, s) for s in sides}
@@ -105,10 +105,10 @@ def groove_contact_face_set_name(contact: ExpectedContact) -> str:
 def _semi_axes_of_contact_zone(
     contact: ExpectedContact, element_size: float, semi_axes: tuple[float, float]
 ) -> tuple[float, float]:
-    """Return the semi-axes [m], across and along the groove, of the elliptic zone whose mesh faces may come into contact.
+    """Return the semi-axes [m], across and along the groove, of an elliptic zone around the expected contact ellipse.
 
-    ``contact``: expected contact; ``element_size``: element size there [m]; ``semi_axes``: factor on the semi-axes of
-    the contact ellipse, and number of element sizes that are then added to each.
+    ``contact``: expected contact; ``element_size``: element size there [m]; ``semi_axes``: factor by which the semi-axes of
+    the contact ellipse are multiplied, and number of element sizes that are then added to each of them.
     """
     across, along = (semi_axes[0] * x + semi_axes[1] * element_size for x in contact.semi_axes)
     return across, along
@@ -198,20 +198,22 @@ FAR_SIZES = (2.0, 0.6)
 class DeckOptions:
     """Mesh sizes and contact options of an input deck for CalculiX."""
 
-    #: Number of elements across the minor semi-axis of a contact with mean load; all contacts have the same element size.
+    #: Number of elements along the minor semi-axis of the contact ellipse at the mean contact load; all contacts have the
+    #: same element size.
     b_over_h: float = 1.5
     #: Increase of the element size per unit of distance from the contacts.
     growth: float = 0.4
     #: Contact stiffness: pressure per overclosure (overlap of the surfaces) [Pa/m].
     stiffness: float = 2e17
-    #: Stiffness of weak springs that hold every ball and every free degree of freedom of the screw [N/m].
+    #: Stiffness of the weak springs that prevent rigid-body motions of the balls and of the screw where no support does
+    #: [N/m].
     spring: float = 1e3
     #: Whether large displacements are taken into account (geometric nonlinearity).
     nlgeom: bool = False
     #: Whether only the half y >= 0 of a pair of rings is meshed, y = 0 being a plane of symmetry.
     half: bool = False
-    #: Whether all balls of one radius have the same mesh, so that loads do not scatter by differences between meshes; half
-    #: balls always have the same mesh.
+    #: Whether all balls of one radius have identical meshes, so that the contact loads do not scatter from ball to ball
+    #: because of different meshes; half balls always have identical meshes.
     alike: bool = False
 
 
@@ -231,10 +233,10 @@ class MeshedDeck:
 
 
 def raise_first_fault(where: str, faults: Iterable[tuple[bool, str, str, str, str]]) -> None:
-    """Raise InputError for the first of several possible faults of a scene that is present; do nothing if none is present.
+    """Raise InputError for the first of several possible faults that a scene has; do nothing if it has none of them.
 
-    ``where``: name of the scene or file in the error message; ``faults``: for each possible fault whether it is present,
-    the key of the scene, the refused value, the allowed values, and advice.
+    ``where``: name of the scene or file in the error message; ``faults``: for each possible fault, whether the scene has
+    it, the key of the scene file, the refused value, the allowed values, and advice.
     """
     for there, key, value, allowed, advice in faults:
         if there:
@@ -242,13 +244,13 @@ def raise_first_fault(where: str, faults: Iterable[tuple[bool, str, str, str, st
 
 
 def _refuse_unsupported_scene(scene: Scene, half: bool) -> None:
-    """Raise InputError if a CalculiX deck cannot describe a scene, or if it has too many balls to mesh all bodies whole.
+    """Raise InputError if a CalculiX deck cannot describe a scene, or if the scene has too many balls to be meshed.
 
-    ``half``: whether only the half y >= 0 is meshed. Then a scene is also refused if y = 0 is no plane of symmetry: if
-    it has a helix, balls outside the plane, loads, or a screw that is not fixed along y and about x and z.
+    ``half``: whether only the half y >= 0 is meshed. Then a scene is also refused if y = 0 is not a plane of symmetry: if
+    the scene has a helix, balls outside this plane, loads, or a screw that can move along y or turn about x or z.
     """
     balls, solid = scene.ball_count, scene.solid
-    large = f"1 to {MOST_BALLS} balls in a deck of whole bodies"
+    large = f"1 to {MOST_BALLS} balls, because a deck has the whole meshes of all bodies"
     cut = "cut the screw to a few neighbouring balls: `balls=3:5` keeps balls 3 to 5"
     half_face = solid.nut_held is not None and solid.nut_held not in HELD
     bolts = scene.nut.flange is not None and bool(scene.nut.flange.bolts)
@@ -264,15 +266,15 @@ def _refuse_unsupported_scene(scene: Scene, half: bool) -> None:
         (solid.nut == "rigid", "solid.nut", '"rigid"', '"elastic"', "leave the key out: bodies of a deck are elastic"),
         (half_face or bolts, "nut.held.at", at, ", ".join(HELD), "choose one of these: a deck can only fix whole surfaces"),
         (solid.nut_groove != "through", "solid.nut_groove", groove, '"through"', whole),
-        (half and unlike, "half", "a scene that is not symmetric to y = 0", pair, "mesh whole bodies"),
+        (half and unlike, "half", "a scene that is not symmetric about the plane y = 0", pair, "leave `half` out"),
     )
     raise_first_fault(scene.name, faults)
 
 
 def geometric_errors_for_deck(scene: Scene) -> GeometryWithErrors:
-    """Return the geometric errors of a scene if a CalculiX deck can describe all of them; raise InputError otherwise.
+    """Return the manufacturing errors of a scene if a CalculiX deck can describe all of them; raise InputError otherwise.
 
-    A deck can describe errors of ball radii and of groove radii, which are meshed as real geometry.
+    A deck can describe errors of ball radii and of groove radii, which are included in the meshed geometry.
     """
     drawn = draw_geometry_with_errors(scene, ball_layout(scene))
     moved = bool((drawn.groove_centres != nominal_groove_centres(scene)).any() or drawn.groove_centre_derivatives.any())
@@ -282,13 +284,13 @@ def geometric_errors_for_deck(scene: Scene) -> GeometryWithErrors:
         (moved, "errors.*.pitch, roundness", "a displaced groove"),
         (uneven, "errors.*.profile", "grooves of two radii"),
     )
-    allowed = "errors of ball radii and, the same on both flanks, of groove radii"
+    allowed = "errors of ball radii, and errors of groove radii that are equal on both flanks of a groove"
     raise_first_fault(scene.name, [(*fault, allowed, "leave this error out of the scene") for fault in faults])
     return drawn
 
 
 def groove_with_real_radius(groove: GrooveMap, errors: GeometryWithErrors, scene: Scene, screw: bool) -> GrooveMap:
-    """Return the geometry of a groove whose radius includes its geometric error.
+    """Return the geometry of a groove whose radius includes its geometric (manufacturing) error.
 
     ``groove``: nominal geometry; ``errors``: geometric errors of the scene; ``screw``: whether it is the groove of the
     screw, else of the nut. The centres of the groove's arcs stay; the groove radius, and the radius of the ball that
@@ -304,8 +306,8 @@ def solve_expected_contact_loads(scene: Scene) -> StaticResult:
     Raises InputError if the scene has no equilibrium or no contact carries load.
     """
     found = run_model(scene, "refined", ModelOptions(estimate_beam_mesh_error=False))
-    allowed = "a scene with loaded contacts that the model refined solves"
-    advice = "load or preload the scene: meshes are refined where that model finds contacts"
+    allowed = 'a scene with loaded contacts that the low-order model "refined" can solve'
+    advice = "load or preload the scene: meshes are refined where that model finds loaded contacts"
     idle = not found.converged or not (found.load > 0.0).any()
     value = "no loaded contact" if found.converged else found.status
     raise_first_fault(scene.name, [(bool(idle), "loads", value, allowed, advice)])
@@ -483,12 +485,11 @@ def half_ball_turning_constraint(points: Array, pair: Index) -> Index:
 def ball_rotation_constraints(points: Array, pairs: Index) -> Index:
     """Return three constraints (3, 3) that keep a ball from turning: in each, two nodes move alike along an axis.
 
-    The entries of a row are the numbers of the two nodes, and the number of the axis.
-
-    A rotation theta [rad] displaces two nodes at a distance vector d by theta x d relative to each other: along axis k
-    by theta . (d x e_k). Three constraints that are as independent as possible allow no rotation. Their forces are
-    couples, so that the balance of forces is not affected. ``points``: nodes of the ball (n, 3) [m]; ``pairs``: numbers
-    of the nodes of each candidate pair (p, 2).
+    Each row holds the numbers of the two nodes and the number of the axis (0, 1, 2: x, y, z). A small rotation vector theta
+    [rad] displaces two nodes at a distance vector d by theta x d relative to each other, whose component along axis k is
+    theta . (d x e_k). The three constraints are chosen among the candidate pairs to be as independent as possible, so that
+    they prevent every rotation. Their forces are couples and do not affect the ball's equilibrium of forces. ``points``:
+    nodes of the ball (n, 3) [m]; ``pairs``: numbers of the nodes of each candidate pair (p, 2).
     """
     found = [(int(a), int(b), k) for a, b in pairs for k in range(3)]
     arms = np.array([np.cross(points[a] - points[b], np.eye(3)[k]) for a, b, k in found])
@@ -497,7 +498,7 @@ def ball_rotation_constraints(points: Array, pairs: Index) -> Index:
 
 
 def _rigid_sections_of_screw(scene: Scene, dims: Dimensions) -> tuple[RigidSection, ...]:
-    """Return the rigid sections of the screw (its ends or its bore) to which supports and loads are applied.
+    """Return those surfaces of the screw (its ends or its bore) that move as rigid sections and carry supports and loads.
 
     ``dims``: dimensions of the bodies. Raises InputError if supports or loads act elsewhere.
     """
@@ -508,8 +509,10 @@ def _rigid_sections_of_screw(scene: Scene, dims: Dimensions) -> tuple[RigidSecti
     else:
         low, high = dims.ends_of_meshed_screw(scene)
         ends = {"SCREW_LOW": low, "SCREW_HIGH": high}
-        allowed = f"the ends of the piece of the screw in 3D, {1e3 * low:.6g} mm and {1e3 * high:.6g} mm"
-    advice = "cut the screw (`balls=3:5`), or set solid.shaft to these positions: a deck has no beams"
+        allowed = f"z = {1e3 * low:.6g} mm and {1e3 * high:.6g} mm, the ends of the meshed part of the screw"
+    advice = (
+        "cut the screw (`balls=3:5`), or set solid.shaft to the positions of the supports and loads: a deck has no beams"
+    )
     for z in stations:
         away = min(abs(z - end) for end in ends.values()) > 1e-9
         value = f"a support or load at {1e3 * z:.6g} mm"
@@ -558,7 +561,7 @@ def _deck_comment_lines(
 
 
 def _clause_on_load_error(scene: Scene, static_result: StaticResult) -> str:
-    """Return a clause for the top of a CalculiX deck on the error to expect in the low-order model's contact loads.
+    """Return a clause for the comments at the top of a CalculiX deck on the expected error of the low-order contact loads.
 
     ``static_result``: static result of the low-order model.
     """

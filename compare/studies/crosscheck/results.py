@@ -1,11 +1,11 @@
 """Stored contact loads by CalculiX, compared with the 3D reference contact by contact, with both uncertainties.
 
-CalculiX's loads are extrapolated to zero element size and to rigid contact, with their uncertainty.
+CalculiX's loads are extrapolated to zero element size and infinite contact (penalty) stiffness, with their uncertainty.
 
 Elements of a deck have size h at the contacts and grow by g per distance d from them. With c the length over which the
-field of a contact changes, the element size at the distance d, divided by the length over which the field changes there, is
-(h + g d) / (c + d). The energy of the field, F^2 / (c + d)^2 per distance, is spread evenly over x = c / (c + d). An error
-of order p of the elements' relative size thus changes a load in proportion to
+elastic field of a contact changes, the element size at the distance d, divided by the length over which the field changes
+there, is (h + g d) / (c + d). The energy of the field, F^2 / (c + d)^2 per distance, is spread evenly over x = c / (c + d).
+An error of order p of the elements' relative size thus changes a load in proportion to
 
     e = int_0^1 (x h / c + (1 - x) g)^p dx.
 
@@ -70,7 +70,7 @@ class CalculixRun:
     growth: float
     #: Contact stiffness: pressure per overclosure (overlap of the surfaces) [Pa/m].
     stiffness: float
-    #: Stiffness of the weak springs that hold the balls [N/m].
+    #: Stiffness of the weak springs that prevent rigid-body motions of the balls [N/m].
     spring: float
     #: Whether large displacements are taken into account (geometric nonlinearity).
     nlgeom: bool
@@ -96,8 +96,8 @@ class CalculixRun:
     date: str
     #: Name and version of the program, CalculiX.
     program: str
-    #: Whether only the half y >= 0 of the bodies was meshed; numbers of nodes are then those of the half, but contact loads
-    #: those of whole bodies.
+    #: Whether only the half y >= 0 of the bodies was meshed; nodes are then counted in this half, but contact loads are
+    #: those of whole balls.
     half: bool = False
     #: Whether all balls have the same mesh.
     alike: bool = False
@@ -206,37 +206,39 @@ COVERED, LEAST = 2.0, 0.1
 
 @dataclass(frozen=True)
 class LoadExtrapolation:
-    """Contact loads by CalculiX, extrapolated to zero element size and rigid contact."""
+    """Contact loads by CalculiX, extrapolated to zero element size and infinite contact (penalty) stiffness."""
 
     #: Extrapolated contact loads, (n, 4) [N].
     load: Array
     #: Uncertainty of the extrapolated contact loads, (n, 4) [N].
     uncertainty: Array
-    #: Order p with which the error of the elements decreases with their size.
+    #: Order p of the discretisation error, which decreases as the element size to the power p.
     error_order: float
     #: Ratio of the length lambda, over which the elastic field of a contact changes, to the minor semi-axis of the contact.
     field_length: float
     #: RMS of the weighted residuals of the fitted contact loads [N]; weights are 1 on the finest mesh.
     misfit: float
-    #: Effect of the finite element size on the contact loads in the run nearest to the limit, (n, 4) [N].
+    #: Error of every contact load by the element size, on the mesh with the smallest such errors, (n, 4) [N].
     element_size_effect: Array
-    #: Effect of the finite contact stiffness on the contact loads in the run nearest to the limit, (n, 4) [N].
+    #: Error of every contact load by the finite contact (penalty) stiffness, at the largest stiffness used on that mesh,
+    #: (n, 4) [N].
     contact_stiffness_effect: Array
-    #: Names of the mesh sizes and contact options that are the same in all solutions, so that their effect is not known.
+    #: Names of those of element size, growth and contact stiffness that do not vary between the solutions, so that their
+    #: effect is unknown.
     unvaried_options: tuple[str, ...]
 
 
 def relative_element_error(size: Array, growth: Array, order: float) -> Array:
-    """Return the relative error of the elements near a contact, e = int_0^1 (x h / c + (1 - x) g)^p dx, by Gauss' rule.
+    """Return the relative discretisation error near a contact, e = int_0^1 (x h / c + (1 - x) g)^p dx, by Gauss' rule.
 
     Parameters
     ----------
     size
-        Element size h at the contact over the length c in which the field of the contact changes, h / c.
+        Ratio h / c of the element size h at the contact to the length c over which the contact's elastic field changes.
     growth
-        Growth g of the element size per distance from the contact, of the same shape as ``size``.
+        Increase g of the element size per unit of distance from the contact, of the same shape as ``size``.
     order
-        Order p of the elements' error.
+        Order p of the discretisation error.
 
     Examples
     --------
@@ -249,11 +251,11 @@ def relative_element_error(size: Array, growth: Array, order: float) -> Array:
 
 
 def contact_compliance_factor(runs: Sequence[CalculixRun]) -> Array | None:
-    """Return the factor B of the contact compliance 1/k in the fit F = F0 + A e + B/k of a contact load F [N Pa/m].
+    """Return the coefficient B [N Pa/m] of the contact compliance 1/k in the fit F = F0 + A e + B/k of a contact load F.
 
-    There is one value for each contact. F0 is the limit of the load, e the relative error of the elements, A the factor of
-    this error, and k the contact stiffness (pressure per overclosure). B is the mean over pairs of solutions with the same
-    mesh and different k; the result is None without such a pair.
+    There is one value for each contact. F0 is the load for zero element size and infinite k, e the relative discretisation
+    error, A the coefficient of this error, and k the contact stiffness (pressure per overclosure). B is the mean over pairs
+    of solutions with the same mesh and different k; the result is None without such a pair.
     """
     factors = [
         (a.load - b.load).ravel() / (1.0 / a.stiffness - 1.0 / b.stiffness)
@@ -266,25 +268,27 @@ def contact_compliance_factor(runs: Sequence[CalculixRun]) -> Array | None:
 def mesh_options_of_run(run: CalculixRun) -> tuple[float, float, bool, bool]:
     """Return those options of a CalculiX solution that determine its mesh.
 
-    In this order: elements across the minor semi-axis, growth of the element size, whether only a half was meshed, and
-    whether all balls have the same mesh.
+    In this order: number of elements along the minor semi-axis of a contact, growth of the element size, whether only the
+    half y >= 0 was meshed, and whether all balls have the same mesh.
     """
     return run.b_over_h, run.growth, run.half, run.alike
 
 
 def extrapolate_calculix_loads(runs: Sequence[CalculixRun]) -> LoadExtrapolation:
-    """Extrapolate the contact loads of CalculiX to zero element size and rigid contact, from runs with small displacements.
+    """Extrapolate the contact loads of CalculiX to zero element size and infinite contact (penalty) stiffness.
 
-    The loads are fitted with many pairs of an order p of the elements' error and a length over which the contact's
-    field changes. The uncertainty of a contact load combines three parts by root of squares:
+    Only runs without geometric nonlinearity are used. The loads are fitted for many combinations of the order p of the
+    discretisation error and the length over which the contact's elastic field changes; the combination with the smallest
+    residuals gives the extrapolated loads (limits). The uncertainty of a contact load is the root of the sum of squares of
+    three contributions:
 
-    - the largest change of the limit over all pairs that fit well: their sum of squares is within two standard
-      deviations of the best pair's (four times the variance of a residual, of the contact or of all contacts, whichever
-      is larger);
-    - two standard errors of the limit, from the residuals of the contact or of all contacts, whichever are larger;
-    - a tenth of the difference between finest mesh and limit.
+    - the largest change of the limit among all combinations that fit about as well as the best one: their sum of squared
+      residuals exceeds the smallest one by at most four times the variance of a residual (that of this contact or of all
+      contacts, whichever is larger);
+    - two standard errors of the limit, from the residuals of this contact or of all contacts, whichever are larger;
+    - a tenth of the difference between the load on the finest mesh and the limit.
 
-    With two meshes only, every pair fits, and the uncertainty covers the whole range of limits.
+    With two meshes only, every combination fits exactly, and the uncertainty covers the whole range of limits.
 
     Parameters
     ----------
@@ -305,13 +309,18 @@ def extrapolate_calculix_loads(runs: Sequence[CalculixRun]) -> LoadExtrapolation
     linear = [r for r in runs if not r.nlgeom]
     B = contact_compliance_factor(linear)
     if B is None and len({r.stiffness for r in linear}) > 1:
-        raise ValueError("no two CalculiX runs differ in the contact stiffness alone: add such a run")
+        raise ValueError(
+            "the effect of contact stiffness is unknown, as no two CalculiX runs differ in the contact stiffness alone: "
+            "add a run on the same mesh with another contact stiffness"
+        )
     B = np.zeros(linear[0].load.size) if B is None else B
     groups: dict[tuple[float, float, bool, bool], list[CalculixRun]] = {}
     for r in linear:
         groups.setdefault(mesh_options_of_run(r), []).append(r)
     if len({m[:2] for m in groups}) < 2:
-        raise ValueError("the CalculiX runs have one mesh only: loads can be extrapolated from two meshes or more")
+        raise ValueError(
+            "the CalculiX runs have one mesh only: the extrapolation of loads to zero element size needs two or more meshes"
+        )
     h, g = (np.array([x[k] for x in groups]) for k in (0, 1))
     h = 1.0 / h
     loads = np.stack([np.mean([r.load.ravel() - B / r.stiffness for r in same], axis=0) for same in groups.values()])
@@ -348,7 +357,7 @@ def extrapolate_calculix_loads(runs: Sequence[CalculixRun]) -> LoadExtrapolation
 def _relative_element_errors_of_contacts(
     element_size: Array, growth: Array, semi_axis: Array, order: float, length: float
 ) -> Array:
-    """Return the relative error e of the elements on each of m meshes at each of c contacts, (m, c).
+    """Return the relative discretisation error e on each of m meshes at each of c contacts, (m, c).
 
     The error is that of `relative_element_error`. ``element_size``: element size at the contacts over the minor semi-axis
     of a contact with mean load (m,); ``growth``: growth of the element size per distance from the contacts (m,);
@@ -361,13 +370,13 @@ def _relative_element_errors_of_contacts(
 
 @dataclass(frozen=True)
 class _LoadFit:
-    """Weighted least-squares fit of all contact loads over the error of the elements, for one order and one length.
+    """Weighted least-squares fit of all contact loads over the discretisation error, for one order p and one length lambda.
 
-    The error falls with the power p (order) of the element size over lambda (length), over which the contact's elastic
-    field changes. m: number of meshes; c: number of contacts.
+    The error is that of `relative_element_error`, which grows as (element size / lambda)^p; lambda is the length over which
+    the contact's elastic field changes. m: number of meshes; c: number of contacts.
     """
 
-    #: Order p with which the error of the elements decreases with their size.
+    #: Order p of the discretisation error, which decreases as the element size to the power p.
     order: float
     #: Ratio of the length lambda, over which the elastic field of a contact changes, to the minor semi-axis of the contact.
     length: float
@@ -379,18 +388,18 @@ class _LoadFit:
     limit_load: Array
     #: Standard errors of the extrapolated contact loads, (c,) [N].
     standard_error: Array
-    #: Effects of the finite element size on the contact loads, for each mesh, (m, c) [N].
+    #: Error of each contact load by the element size, as fitted, on each mesh, (m, c) [N].
     element_size_effect: Array
 
 
 def _fit_loads_over_element_error(
     loads: Array, element_errors: Array, weight: Array, order: float, length: float
 ) -> _LoadFit:
-    """Fit the load of each contact by a straight line over the relative error of the elements, by weighted least squares.
+    """Fit the load of each contact by a straight line over the relative discretisation error, by weighted least squares.
 
-    ``loads``: loads of c contacts on m meshes (m, c) [N]; ``element_errors``: relative error of the elements (m, c);
-    ``weight``: weights of the residuals, 1 on the finest mesh (m, c); ``order`` and ``length``: order p, and length
-    over the minor semi-axis, with which ``element_errors`` was computed.
+    ``loads``: loads of c contacts on m meshes (m, c) [N]; ``element_errors``: relative discretisation error (m, c);
+    ``weight``: weights of the residuals, 1 on the finest mesh (m, c); ``order`` and ``length``: order p and ratio of the
+    length lambda to the contact's minor semi-axis, with which ``element_errors`` was computed.
     """
     w = weight**2 / (weight**2).sum(axis=0)
     middle, mean = (w * element_errors).sum(axis=0), (w * loads).sum(axis=0)
@@ -452,7 +461,7 @@ class ContactLoadComparison:
 
 
 def runs_with_common_contact_stiffness(data: CalculixRunsOfScene) -> list[CalculixRun]:
-    """Return the CalculiX solutions with small displacements and the contact stiffness that most of them have.
+    """Return the CalculiX solutions without geometric nonlinearity that have their most frequent contact stiffness.
 
     The solutions are sorted by number of nodes, fewest first.
     """
@@ -465,8 +474,8 @@ def runs_with_common_contact_stiffness(data: CalculixRunsOfScene) -> list[Calcul
 def deck_label(run: CalculixRun) -> str:
     """Return a short label of the mesh of a CalculiX solution, such as "b/h 0.8, g 0.6, half".
 
-    It states the number of elements across the minor semi-axis (b/h), the growth of the element size (g), whether only a
-    half was meshed, and whether all balls have the same mesh.
+    It gives the number of elements along the minor semi-axis of a contact (b/h), the growth of the element size (g),
+    whether only the half y >= 0 was meshed, and whether all balls have the same mesh.
     """
     return f"b/h {run.b_over_h:g}, g {run.growth:g}" + ", half" * run.half + ", equal balls" * run.alike
 
@@ -495,7 +504,7 @@ def compare_contact_loads(
 
 
 def columns_of_contact_load_table(data: CalculixRunsOfScene, reference: Reference) -> list[TableColumn]:
-    """Return the columns of the table of contact loads by 3D reference and CalculiX: the contact, its load on every mesh.
+    """Return the columns of the table that compares contact loads by 3D reference and CalculiX: contact, loads, difference.
 
     ``data``: solutions by CalculiX; ``reference``: the 3D reference with its solutions on several mesh levels.
     """

@@ -264,7 +264,7 @@ def _unsolved_deck_error(scene: Scene, deck: str, error: ValueError, folder: str
 def calculix_run_record(
     meshed: MeshedDeck, options: DeckOptions, deck: str, outcome: CalculixResult
 ) -> results.CalculixRun:
-    """Return the record of a CalculiX solution in the form in which it is stored.
+    """Return the results of one CalculiX solution as the record that is stored.
 
     ``meshed``: the deck with its meshes; ``options``: options of the deck; ``deck``: digest of the deck's text;
     ``outcome``: results of CalculiX. Raises ValueError if the results of a contact are missing.
@@ -340,7 +340,7 @@ class NutComplianceComparison:
 
     @property
     def difference(self) -> float:
-        """Largest difference of a compliance between both programs [% of the smallest compliance of a loaded contact]."""
+        """Largest difference of a compliance between both programs [% of the smallest diagonal entry of the matrix]."""
         ours, theirs = np.array(self.ours), np.array(self.theirs)
         return float(100.0 * np.abs(ours - theirs).max() / np.diag(theirs).min())
 
@@ -355,7 +355,7 @@ class NutComplianceComparison:
 
 
 def nut_decks_loaded_at_one_contact(scene: Scene, options: DeckOptions = NUT_MESH) -> tuple[list[InputDeck], Array]:
-    """Return one CalculiX deck of the nut for each of k contacts, loaded at this contact only, and contact normals (k, 3).
+    """Return k CalculiX decks of the nut, each loaded at one of its k contacts only, and the contact normals (k, 3).
 
     ``options``: mesh sizes of the decks. Raises InputError for scenes that `build_deck` refuses.
     """

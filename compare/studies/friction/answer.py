@@ -166,7 +166,7 @@ class FrictionAnswer:
 def json_entries_of_all_kinds(
     scene: FrictionScene, status: str, converged: bool, coupling: str | None = None
 ) -> dict[str, Any]:
-    """Return the JSON entries that friction results of every kind of scene have: names, status, neglected effects etc.
+    """Return the JSON entries that friction results of all kinds of scenes have: names, status, neglected effects etc.
 
     ``scene``: scene of single parts; ``status``: "converged", or why not; ``converged``: whether loads and friction
     converged; ``coupling``: for a screw, which balance of loads includes friction, see `neglected_effects_of_kind`; None
@@ -284,7 +284,7 @@ def loss_increase_percent(loss: float, reference_loss: float, round_off: float) 
 def ball_to_ball_contact_effect_json(
     power: float, loss: float, loss_apart: float, loss_between_balls: float, full_sliding_loss: float
 ) -> dict[str, Any]:
-    """Return as JSON how contact between neighbouring balls changes the friction losses.
+    """Return as JSON how the friction losses with touching neighbouring balls differ from those with balls far apart.
 
     ``power`` and ``loss``: input power and loss with balls that touch [W]; ``loss_apart``: loss with the balls far apart
     [W]; ``loss_between_balls``: the part of ``loss`` in the contacts between balls [W]; ``full_sliding_loss``: loss that
@@ -311,7 +311,7 @@ def line_on_solver_residuals(solver: dict[str, Any], suffix: str = "") -> Line:
 
 
 def scene_word_for_hertz_constants(hertz: str) -> str:
-    """Return the word that scene files use for a kind of Hertz constants: "nominal" for "right", others unchanged."""
+    """Return the name of a kind of Hertz constants in scene files: "nominal" for the internal "right", else unchanged."""
     return "nominal" if hertz == "right" else hertz
 
 
@@ -402,7 +402,7 @@ def json_rows_of_balls(result: StaticResult, state: FrictionState) -> list[dict[
 
 
 def terminal_ball_rows(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Return the rows of a terminal table with a row for each ball; unloaded contacts have neither load nor loss there.
+    """Return the rows of a terminal table, one for each ball; cells for load and loss of unloaded contacts are empty.
 
     ``rows``: JSON rows of `json_rows_of_balls`.
     """
@@ -537,7 +537,8 @@ def lines_on_friction_of_screw(motion: Motion, state: FrictionState, drag: tuple
     """Return terminal lines (label, text) on the friction of a whole screw or bearing, the driving torque first.
 
     ``state``: the friction; ``drag``: friction torque without loads [N m], None if it is not known, and a remark on it.
-    Values that depend on the coefficient of friction, which is hardly known to one digit, have three digits.
+    Values that depend on the coefficient of friction are shown with three digits, as that coefficient is hardly known to
+    one.
     """
     t, ring = state.friction_sums, state.friction_sums.advance_per_radian == 0.0
     inner, outer = ("inner ring", "outer ring") if ring else ("screw", "nut")

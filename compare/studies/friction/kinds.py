@@ -39,10 +39,11 @@ TOUCHING = 1e-9
 
 
 def full_sliding_loss(groove: ScrewGroove, force: Array) -> float:
-    """Return the friction loss [W] of a screw if all contacts slid at the groove's speed; infinite for a groove at rest.
+    """Return the friction loss [W] of a screw if all contacts slid at the groove's speed.
 
     ``groove``: groove with its coefficient of friction, speed and radius; ``force``: contact loads [N], of any shape. A
-    computed loss that is tiny compared with this one is round-off.
+    computed loss that is tiny compared with this one is round-off; for a groove at rest the value is infinite, because any
+    computed loss is round-off then.
     """
     if groove.speed == 0.0:
         return np.inf
@@ -61,9 +62,10 @@ def contact_size_warnings_of_screw(groove: ScrewGroove, force: Array) -> list[Re
 
 
 def json_rows_of_two_screw_balls(result: ScrewPairSolution) -> list[dict[str, Any]]:
-    """Return four JSON rows for two balls of a screw: one row for each ball far apart, then one for each ball touching.
+    """Return four JSON rows for two balls of a screw: two with the balls far apart, then two with touching balls.
 
-    A row has contact loads, motion and groove loss. ``result``: solution of the two balls.
+    A row has contact loads and motion of the ball, and its friction loss in the grooves. ``result``: solution of the two
+    balls.
     """
     return [
         {"index": k + 1, "state": state}
@@ -76,7 +78,7 @@ def json_rows_of_two_screw_balls(result: ScrewPairSolution) -> list[dict[str, An
 
 
 def status_of_two_screw_balls(result: ScrewPairSolution) -> str:
-    """Return "converged" for two balls of a screw, or what failed: balance of loads or friction, or their agreement."""
+    """Return "converged" for two balls of a screw, or what failed: a balance, or the agreement of loads and friction."""
     if result.converged:
         return "converged"
     if all(c.loads_with_friction.converged and c.motion.converged for c in (result.apart, result.touching)):
@@ -163,8 +165,8 @@ def balls_keep_their_order(history: TravelHistory) -> bool:
 def screw_run_summary_json(history: TravelHistory) -> dict[str, Any]:
     """Return a summary of a screw's simulation over time as JSON values, whose names end in the units.
 
-    ``history``: history of the simulation. "largest_ball_to_groove_percent" is the largest ratio of the torque by
-    contact between balls to the torque by contact with the grooves.
+    ``history``: history of the simulation. "largest_ball_to_groove_percent" is the largest value over time of the friction
+    torque by contact between balls, in per cent of the friction torque by contact with the grooves.
     """
     s, touch, nut = summarise_screw_run(history), np.any(history.presses_on_next, axis=1), np.degrees(history.nut_angle)
     met, groove = bool(touch.any()), history.setting.groove
@@ -283,8 +285,8 @@ RUN_LINES = (
 def bearing_ball_motion(scene: BearingBallScene, problem: equilibrium.BodyMotionProblem) -> BallMotion:
     """Return the motion of one ball of a bearing under the friction law that the scene chooses.
 
-    ``problem``: equations of the ball's balance of friction forces and moments. For Coulomb friction the motion is that
-    of least dissipation. For other laws it is the root of the equations that the solver finds from that motion.
+    ``problem``: equations of the ball's balance of friction forces and moments. For Coulomb friction the motion is that of
+    least dissipation. For other laws it is the root of the equations that the solver finds if it starts from that motion.
     """
     first = equilibrium.least_dissipation(problem)
     if scene.law == "coulomb":
@@ -450,7 +452,7 @@ def bearing_torques_json(case: bearing.BearingCase, states: list[bearing.Bearing
 
 
 def unresisted_motions(scene: BearingPairScene) -> list[str]:
-    """Return sentences on rigid motions of the inner ring that the load causes and no contact resists.
+    """Return sentences on rigid motions of the inner ring that the load drives and that no contact resists.
 
     There is one sentence for each bearing (four-point, double-row) and load angle with such a motion.
     """
@@ -467,7 +469,7 @@ def unresisted_motions(scene: BearingPairScene) -> list[str]:
 def solve_friction_of_two_bearings(scene: BearingPairScene) -> FrictionAnswer:
     """Solve a four-point and a double-row bearing for several angles of the load; return torques and losses.
 
-    The energy balance is the mean over all load angles and both bearings.
+    Input power and friction loss are means over all load angles and both bearings.
     """
     case, angle = scene.four_point, [json_number(a) for a in np.degrees(scene.angle)]
     common = {

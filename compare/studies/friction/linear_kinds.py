@@ -26,9 +26,9 @@ LONG = 60
 def linear_bearing_loads(scene: LinearBearingScene) -> tuple[Array, Array, float]:
     """Return contact angles and contact loads of the N balls of a linear bearing, then the largest unbalanced force.
 
-    With the scene's distribution "diagonal" opposite contacts of a ball, such as bottom left and top right, carry equal
-    loads, an approximation in Lin's thesis. The unbalanced force that this approximation leaves is reported, but does not
-    count as a failure.
+    If the scene asks for the load distribution "diagonal", opposite contacts of a ball, such as bottom left and top right,
+    carry equal loads, which is an approximation of Lin's thesis. The unbalanced force that this approximation leaves is
+    reported, but does not count as a failure.
 
     Returns
     -------

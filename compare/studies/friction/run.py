@@ -55,11 +55,11 @@ class TransientRun:
 
     #: Time series of contact loads, torques and motions of the balls.
     history: travel.TravelHistory
-    #: Estimated errors of the torque due to the finite time steps; None if not estimated.
+    #: Estimated errors of the friction torque due to the finite time steps; None if not estimated.
     error: travel.TimeStepErrors | None
-    #: Largest allowed error due to the time steps, as a fraction of the mean torque.
+    #: Largest allowed error of the friction torque due to the time steps, as a fraction of the mean torque.
     allowed_error: float
-    #: Whether the scene states the number of time steps.
+    #: Whether the number of time steps was prescribed in the scene file, not chosen by the program.
     step_count_given: bool
     #: "converged" if every step converged and no error is above ``allowed_error``; else the reason why not.
     status: str
@@ -136,8 +136,8 @@ def simulation_with_status(history: travel.TravelHistory, error: travel.TimeStep
 def transient_simulation_as_json(run: TransientRun) -> dict[str, Any]:
     """Return torque, energy and motion of the balls in a simulation over time as JSON.
 
-    Time steps are cut into pieces by events: a ball enters or leaves the loaded arc, or neighbouring balls meet. Time
-    series have their values at the middle of each piece, gaps between balls at its end.
+    A time step is divided into shorter ones where a ball enters or leaves the loaded arc, or where neighbouring balls meet.
+    Time series have the values at the middle of each of these shorter steps, but gaps between balls at its end.
     """
     h, e = run.history, run.error
     reached, asked = (json_number(math.degrees(angle)) for angle in h.reached_and_intended_angle)
@@ -218,9 +218,9 @@ def why_no_step_error(run: TransientRun) -> str | None:
 def transient_energy_json(history: travel.TravelHistory) -> dict[str, Any]:
     """Return the energies of a simulation over time [J], and their largest imbalances, as JSON.
 
-    Energies are the work of torque and axial load on the screw, and the friction losses. There are two imbalances: one
-    of the power that the contacts take in, one of the power of torque and axial load. Each is the largest of any time
-    step, divided by the losses of that step.
+    Energies are the work of torque and axial load on the screw, and the friction losses. Two powers are compared with the
+    friction losses: the power that the contacts take in, and the power of torque and axial load. The imbalance of each is
+    its largest difference from the losses in any time step, divided by the losses of that step.
     """
     turning, along = history.turning_and_axial_speed
     loss, power = history.torque * abs(turning), history.power_balance_on_screw
@@ -323,7 +323,10 @@ def lines_on_simulation(run: TransientRun) -> list[Line]:
         lines.append(("steps", text))
         if e.quantities_without_order:
             names = ", ".join(QUANTITIES[name] for name in e.quantities_without_order)
-            text = f"no order of convergence in {names}: {travel.UNCLEAR:g} times the change between these is taken"
+            text = (
+                f"no order of convergence in {names}: the error is then taken as {travel.UNCLEAR:g} times the change "
+                "between these numbers of steps"
+            )
             lines.append(("", text))
     return lines if run.converged else [*lines, ("", run.status)]
 

@@ -48,7 +48,7 @@ def solve_friction_of_named_scene(
     choices
         Model, coefficients of friction and number of the specimen (draw of random errors).
     say
-        Called with a line on the torque as soon as it is known, as in `solve_friction_of_screw_or_bearing`.
+        Function that is called with a line on the torque once it is known, as in `solve_friction_of_screw_or_bearing`.
 
     Returns
     -------
@@ -77,7 +77,7 @@ def solve_friction_of_scene(
     origin
         Name or file of the scene, for an error message.
     say
-        Called with a line on the torque as soon as it is known, as in `solve_friction_of_screw_or_bearing`.
+        Function that is called with a line on the torque once it is known, as in `solve_friction_of_screw_or_bearing`.
 
     Returns
     -------
@@ -100,15 +100,15 @@ def solve_friction_of_scene(
             "leave these arguments out: a scene of single balls, two bearings or a screw over time states its loads and "
             "coefficients of friction"
         )
-        given = f"a choice of these for {origin}"
-        raise ArgumentError("model, mu, member, condensed", given, "the scene of a whole screw or bearing", advice)
+        given = f"at least one of these arguments for {origin}"
+        raise ArgumentError("model, mu, member, condensed", given, "these only for a whole screw, bearing or shaft", advice)
     from rollbench.compare.studies.friction.kinds import solve_friction_of_single_parts
 
     return solve_friction_of_single_parts(scene)
 
 
 def friction_answer_json(found: FrictionAnswer) -> dict[str, Any]:
-    """Return the JSON values of the friction of a scene, with the short warning that the terminal shows above."""
+    """Return the JSON values of the friction of a scene, with the short warning that the terminal shows above them."""
     return found.data | {"warning": found.warning or None}
 
 
@@ -180,8 +180,9 @@ def solve_friction_of_shaft(assembly: Assembly, choices: friction_whole.Friction
 def _friction_coefficients_of_shaft(assembly: Assembly, mu: Sequence[float]) -> list[Friction]:
     """Return the coefficients of friction for which a shaft is solved: those in ``mu``, else those of the scene.
 
-    ``mu``: coefficients that replace those of the scene; empty: none. A shaft with bearings only needs none.
-    Raises InputError for a nut without coefficient, and if a coefficient is given for a shaft without balls.
+    ``mu``: coefficients that replace those of the scene; empty: none. The list is empty for a shaft without nuts if neither
+    ``mu`` nor the scene has a coefficient. Raises InputError for a nut without coefficient, and if a coefficient is given
+    for a shaft without balls.
     """
     balls = [s.parts for s in assembly.sets if isinstance(s.parts, Scene)]
     if not mu and (not balls or (assembly.friction is None and not any(parts.track.lead for parts in balls))):
@@ -194,9 +195,10 @@ def _friction_coefficients_of_shaft(assembly: Assembly, mu: Sequence[float]) -> 
 
 
 def _friction_of_nuts_and_bearings(result: AxisResult, friction: Friction, motion: Motion) -> SolvedSets:
-    """Compute the friction of every nut and ball bearing on a shaft; return number (from 0), static result and friction.
+    """Compute the friction of every nut and ball bearing on a shaft; return number, static result and friction of each.
 
-    ``result``: static solution of the shaft; ``friction``: coefficients of friction; ``motion``: motion of the shaft.
+    Numbers count nuts and bearings from 0. ``result``: static solution of the shaft; ``friction``: coefficients of
+    friction; ``motion``: motion of the shaft.
     """
     return [
         (i, s, friction_state(s.of.parts, s.balls, friction, motion, result.member))
@@ -211,7 +213,7 @@ def _drag_torques_of_nuts_and_bearings(
     """Return the friction torques [N m] of nuts and ball bearings on an unloaded shaft, by number of the nut or bearing.
 
     All loads on shaft and housings are removed. ``loaded``: static solution under the loads; the solution without loads
-    uses the same model. Nuts and bearings for which no solution is found are left out.
+    uses the same model. Nuts and bearings without a solution are left out.
     """
     idle = tuple(replace(h, force=(0.0, 0.0, 0.0), moment=(0.0, 0.0, 0.0)) for h in assembly.housings)
     bare = replace(assembly, loads=(), housings=idle)
@@ -302,9 +304,9 @@ def _answer_on_shaft(
 def _powers_of_shaft(solved: SolvedSets) -> dict[str, Any]:
     """Return input power, losses and further powers [W], summed over nuts and ball bearings of a shaft, and the efficiency.
 
-    Powers are input power and friction loss of the contacts, power of the driving torque, and power of the axial loads.
-    The efficiency is None unless the torque moves the load, or the load drives the torque. The powers and the
-    efficiency are JSON values.
+    Powers are input power and friction loss of the contacts, power of the driving torque, and power of the axial loads. The
+    efficiency is None unless the torque does work against the axial loads, or the axial loads do work against the torque.
+    The powers and the efficiency are JSON values.
     """
     torques = [x.friction_sums for _, _, x in solved]
     turning = float(np.sum([t.driving_torque_on_screw * t.speed for t in torques]))
@@ -347,9 +349,9 @@ COLUMNS = (
 def solve_friction_of_duty_cycle(cycle: DutyCycle, choices: friction_whole.FrictionChoices) -> FrictionAnswer:
     """Compute the friction of every load case of a duty cycle, and the mean friction torque over all revolutions.
 
-    The mean torque is the work of friction over the angle of all revolutions. If a load case does not converge, the
-    results of the other load cases are still given, but no mean torque. Raises InputError for inputs that
-    `solve_friction_of_screw_or_bearing` or `solve_friction_of_shaft` refuses.
+    The mean torque is the work of friction in all revolutions divided by their angle. If a load case does not converge, the
+    results of the other load cases are returned without a mean torque. Raises InputError for inputs for which
+    `solve_friction_of_screw_or_bearing` or `solve_friction_of_shaft` raises it.
     """
     each = [(case, solve_friction_of_scene(case.scene, choices, cycle.name)) for case in cycle.cases]
     rows: list[dict[str, Any]] = []
@@ -371,7 +373,7 @@ def solve_friction_of_duty_cycle(cycle: DutyCycle, choices: friction_whole.Frict
         lines += [("", ""), ("case", f"{case.name}, share {case.share:.4g}: {one.data['status']}"), *one.lines]
 
     def entries_of_all_cases(key: str) -> list[Any]:
-        """Return the entries of the lists ``key`` in the JSON values of all load cases, each different entry once."""
+        """Return the entries of the lists ``key`` in the JSON values of all load cases, without repeating equal entries."""
         return list(dict.fromkeys(line for _, one in each for line in one.data.get(key, ())))
 
     data: dict[str, Any] = {

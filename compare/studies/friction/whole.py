@@ -76,7 +76,7 @@ class StaticallySolvedPart:
     model: str
     #: Options of the static model.
     options: ModelOptions
-    #: Coefficients of friction.
+    #: Coefficients of friction at the contacts of screw and nut (of inner and outer ring).
     friction: Friction
     #: Motion of screw or nut.
     motion: Motion
@@ -97,7 +97,7 @@ class StaticallySolvedPart:
 
 
 def drag_torque_by_makers_formula(scene: Scene, force: float) -> float:
-    """Return the drag torque of a screw by the makers' formula, 0.05/sqrt(tan(lead angle)) F l/(2 pi), l being the lead.
+    """Return the drag torque of a screw by the formula of screw makers, 0.05/sqrt(tan(lead angle)) F l/(2 pi), l: lead.
 
     Parameters
     ----------
@@ -115,7 +115,7 @@ def drag_torque_by_makers_formula(scene: Scene, force: float) -> float:
 
 
 def torques_at_measured_coefficients(solved: StaticallySolvedPart, result: StaticResult) -> dict[str, Any]:
-    """Return friction torques [N mm] at the smallest and largest measured coefficient of friction (`MEASURED`) as JSON.
+    """Return friction torques [N mm] at the smallest and largest coefficient of friction in measurements (`MEASURED`).
 
     The JSON values have the torques under the scene's loads, the drag torques (friction torques without these loads),
     the axial preload [N], and the drag torque by the makers' formula `drag_torque_by_makers_formula`. Preload and drag
@@ -152,11 +152,11 @@ def lines_on_drag_torque(data: dict[str, Any]) -> list[Line]:
 
 
 def torque_with_play(solved: StaticallySolvedPart, state: FrictionState) -> dict[str, Any] | None:
-    """Return a screw's friction torque with balls whose radius is smaller by `SMALLER`, and with the balls of the scene.
+    """Return a screw's friction torques with the balls of the scene and with smaller balls, which have play, as JSON.
 
-    The JSON values have the reduction of the ball radius [um] and both torques [N mm]. None if the scene states play or
-    preload, if its balls carry no load, or if they carry load even without the scene's loads. ``solved``: the scene
-    with its static result without loads; ``state``: friction with the balls of the scene.
+    The JSON values have the reduction of the ball radius, which is `SMALLER`, in um, and both torques [N mm]. None if the
+    scene states play or preload, if its balls carry no load, or if they carry load even without the scene's loads.
+    ``solved``: the scene with its static result without loads; ``state``: friction with the balls of the scene.
     """
     scene = solved.scene
     fits = scene.track.lead > 0.0 and scene.errors.balls == BallErrors() and not scene.errors.lead_offset
@@ -216,11 +216,11 @@ def with_scaled_geometric_errors(scene: Scene, factor: float) -> Scene:
 
 
 def onset_of_ball_to_ball_contact(solved: StaticallySolvedPart, result: StaticResult) -> FrictionOnset | None:
-    """Return after which rotation of the turning part neighbouring balls touch, and which geometric errors cause this.
+    """Return after which rotation of screw or nut neighbouring balls touch, and how large geometric errors cause it.
 
-    The necessary size of the errors is stated as a factor on the scene's own errors. ``solved``: the scene with its model
-    and motion; ``result``: static result with the contact loads. The returned value is None if the balls overlap, or do not
-    fit into their circuits.
+    The size of the errors is a factor on the geometric errors of the scene. ``solved``: the scene with its model and
+    motion; ``result``: static result with the contact loads. The returned value is None if the balls overlap, or do not fit
+    into their circuits.
     """
 
     def balls_touch_with_scaled_errors(factor: float) -> bool:
@@ -282,7 +282,7 @@ def line_on_ball_to_ball_contact(onset: FrictionOnset, turns: str, errors: bool)
         stand, roll = count_with_noun(onset.unloaded, "unloaded ball"), angle_text(onset.rolling)
         text += f"; this holds if the {stand} stand still, {roll} if they roll along"
     if errors and onset.factor is None:
-        text += "; they touch not up to 16 times the scene's errors"
+        text += "; with up to 16 times the geometric errors of the scene they do not touch"
     elif errors:
         where = f"from {onset.factor:.2g} times the scene's errors on" if onset.factor else "without errors too"
         text += f"; they touch {where}"
@@ -290,7 +290,7 @@ def line_on_ball_to_ball_contact(onset: FrictionOnset, turns: str, errors: bool)
 
 
 def warnings_on_friction_feedback(state: FrictionState) -> list[ResultWarning]:
-    """Return a warning if balls displaced by friction raise the friction torque by a factor of more than `FED_BACK`.
+    """Return a warning if the displacement of balls by friction raises the friction torque by more than factor `FED_BACK`.
 
     The list is empty otherwise. ``state``: friction of a screw or bearing.
     """
@@ -320,9 +320,9 @@ class FrictionChoices:
 
     #: Name of the low-order model that computes the contact loads; empty: the default.
     model: str = ""
-    #: Coefficients of friction instead of the scene's; empty: the scene's.
+    #: Coefficients of friction that replace the scene's; empty: the scene's are used.
     mu: tuple[float, ...] = ()
-    #: Number of the specimen, from 0: which random draw of the scene's geometric errors is taken.
+    #: Number, from 0, of the random draw of the scene's geometric errors (specimen) that is solved.
     member: int = 0
     #: File with the condensed stiffness of screw and nut, which the model "condensed" reads; None: no file.
     condensed: Path | None = None
@@ -332,11 +332,11 @@ class FrictionChoices:
 class DragTorque:
     """Friction torque of a screw or bearing without loads (drag torque), or the reason why there is none."""
 
-    #: Drag torque [N m]; None if a drag torque has no meaning or was not found.
+    #: Drag torque [N m]; None if a drag torque has no meaning or could not be computed.
     torque: float | None
     #: Reason why there is no drag torque; empty if there is one.
     reason_without_torque: str = ""
-    #: Note on how the screw was released axially, if its supports would preload it.
+    #: Note that the screw was left free along its axis, because its supports load it axially; empty if they do not.
     note: str = ""
 
 
@@ -362,7 +362,7 @@ def friction_coefficients(scene: Scene, mu: Sequence[float]) -> list[Friction]:
 def solve_friction_of_screw_or_bearing(
     scene: Scene, choices: FrictionChoices, say: Callable[[str], None] = lambda _: None
 ) -> FrictionAnswer:
-    """Compute the contact loads of a screw or bearing by a static model, then its friction for every coefficient.
+    """Compute contact loads of a screw or bearing by a static model, then its friction for every friction coefficient.
 
     Parameters
     ----------
@@ -424,7 +424,7 @@ def solve_friction_of_screw_or_bearing(
 
 
 def _add_transient_run(answer: FrictionAnswer, run: friction_run.TransientRun) -> FrictionAnswer:
-    """Return the friction result at one instant with status, tables and lines of a simulation over time added.
+    """Add status, tables and lines of a simulation over time to a friction result at one instant, and return both.
 
     ``answer``: friction at the instant that the scene describes; ``run``: simulation over time of the same screw.
     """
@@ -449,8 +449,8 @@ def drag_torques(
 ) -> list[DragTorque]:
     """Compute the friction torque without the scene's loads (drag torque), for each pair of friction coefficients.
 
-    Supports and their prescribed displacements stay. If the supports press the screw axially, which is an axial load
-    too, they are released along the axis, because the drag torque is the friction torque at zero axial load.
+    Supports and their prescribed displacements stay. If the supports load the screw axially, they are released along the
+    axis, because the drag torque is the friction torque at zero axial load.
 
     Parameters
     ----------

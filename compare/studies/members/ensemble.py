@@ -276,12 +276,13 @@ class _OmittedFlankCheck:
         Parameters
         ----------
         flank_displacements
-            Displacements of the screw's two flanks, left and right, at each of N balls, each with a radial and a binormal
-            component in the groove's section at the ball, (k, 4 N) [m].
+            Displacements of the screw's flanks in the groove's section at each of N balls, (k, 4 N) [m]; the four columns
+            of a ball are left flank radial, left flank binormal, right flank radial, right flank binormal.
         ball_centres
             Displacements of the ball centres, radial and binormal, in these sections, (k, N, 2) [m].
         geometry
-            Geometry of each flank of each ball as the kernels read it, (k, N, 4, 4 or more).
+            Nominal ball position and further data of the contact of each ball with each flank, (k, N, 4, 4 or more), with
+            the columns of ``geometry`` in `lowfi.statics.kernel.ball`.
         loads
             Contact loads, (k, N, 4) [N].
         """
@@ -370,7 +371,7 @@ ELASTIC = tuple(name for name in LADDER if name != "lin")
 class RandomDrawBlock:
     """Results of a scene with N balls for k random draws of its geometric errors (specimens), solved in one block."""
 
-    #: Contact loads, (k, N, 4) [N].
+    #: Contact loads of the N balls on the four flanks (screw left, screw right, nut left, nut right), (k, N, 4) [N].
     loads: Array
     #: Outputs of each specimen in the order of `output_names_of_draw`, (k, number of outputs).
     outputs: Array
@@ -402,7 +403,7 @@ def relative_life(load: Array, loads_without_errors: Array) -> Array:
 
 
 def output_names_of_draw(scene: Scene | Assembly) -> list[str]:
-    """Return the names of the outputs that are kept of each random draw of a scene, such as the largest contact load."""
+    """Return the names of the outputs that are stored for each random draw of a scene, such as the largest contact load."""
     if isinstance(scene, Scene):
         return [*KEPT]
     return [*WHOLE, *(f"set {i + 1} {key}" for i in range(len(scene.sets)) for key in OF_SET)]

@@ -58,7 +58,7 @@ class LoadDistributions:
     Parameters
     ----------
     nominal
-        Contact loads without random errors, (N, 4) [N].
+        Contact loads of the scene solved without random errors, (N, 4) [N].
     width
         Width of a bin of the histograms [N]; the first bin is for zero loads, the last for loads above the upper end of the
         histogram.
@@ -111,7 +111,7 @@ class LoadDistributions:
 
     @property
     def loaded_share(self) -> Array:
-        """Share of the random draws in which each contact carries load, (N, 4), for N balls and four flanks."""
+        """Fraction of the random draws in which each contact carries load, (N, 4), for N balls and four flanks."""
         return 1.0 - self.counts[..., 0] / max(self._draw_count, 1)
 
     def load_quantiles(self, level: float) -> Array:
@@ -138,7 +138,7 @@ class EnsembleSummary:
     status_of_failed_draws: dict[int, str]
     #: Distributions of the contact loads over the specimens; the balls of a shaft come one nut or bearing after the other.
     load_distributions: LoadDistributions
-    #: Index range of the balls of each nut or bearing in ``load_distributions``; None for rollers.
+    #: For each nut or bearing, the index range of its balls in the arrays of ``load_distributions``; None for rollers.
     ball_slices: tuple[slice | None, ...]
     #: Wall-clock time of the computation [s].
     seconds: float
@@ -224,7 +224,7 @@ def _check_ensemble_request(scene: Scene | Assembly, model: str, count: int) -> 
     if not has_random_errors(scene):
         where, table = ("errors", "[errors.balls]") if single else ("sets[].errors", "[sets.errors.balls]")
         advice = f'give a sigma to balls, pitch, roundness or profile, e.g. sigma = "0.04 um" under {table}'
-        raise InputError(scene.name, where, "no random error", "at least one sigma above zero", advice)
+        raise InputError(scene.name, where, "no random error", "at least one standard deviation (sigma) above zero", advice)
 
 
 def _solve_blocks_of_random_draws(
@@ -255,10 +255,11 @@ def _solve_blocks_of_random_draws(
 
 
 def _binomial_quantile(probability: float, trials: int, chance: float) -> int:
-    """Return a quantile of a binomial distribution: smallest count not exceeded with probability ``probability``.
+    """Return a quantile of a binomial distribution: the smallest number of successes whose cumulative probability suffices.
 
-    ``trials``: number of trials; ``chance``: probability of success of each trial. Probabilities are summed within about
-    fifteen standard deviations of the mean; scipy.special has such a function, too, but takes long to import.
+    ``probability``: cumulative probability that it must at least have; ``trials``: number of trials; ``chance``:
+    probability of success of each trial. Probabilities are summed within about fifteen standard deviations of the mean;
+    scipy.special has such a function, too, but takes long to import.
     """
     mean, reach = trials * chance, 15.0 * (1.0 + np.sqrt(trials * chance * (1.0 - chance)))
     first = max(0, int(mean - reach))

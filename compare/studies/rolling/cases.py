@@ -28,19 +28,19 @@ MOVING = np.array([False, False, True, True])
 
 @dataclass(frozen=True)
 class RollingCase:
-    """Friction scene as input of the 3D model of rolling: the system of balls far apart, and that of balls that touch."""
+    """Friction scene as input of the 3D model of rolling, once with balls far apart and once with touching balls."""
 
     #: Name of the scene.
     name: str
     #: Kind of the friction scene, such as "linear pair".
     kind: str
-    #: System of balls and grooves with the balls far apart.
+    #: Balls and grooves with the balls far apart.
     apart: RollingBalls
-    #: System of balls and grooves with neighbouring balls that touch.
+    #: The same balls and grooves with neighbouring balls that touch.
     touching: RollingBalls
     #: Speed of the part that drives the balls [m/s] on a straight track, else its angular speed [rad/s].
     speed: float
-    #: Names of the contacts of a ball.
+    #: Names of the contacts of each ball with the grooves.
     contact_names: tuple[str, ...]
     #: Whether the contact loads depend on friction.
     loads_depend_on_friction: bool
@@ -100,7 +100,7 @@ def _linear_bearing_as_rolling_case(scene: LinearBearingScene) -> RollingCase:
     """
     b, count = scene.bearing, len(scene.side)
     if count > MOST:
-        reason = f"{count} balls are more than the {MOST} of the 3D model of rolling"
+        reason = f"the 3D model of rolling solves at most {MOST} balls, got {count}"
         _refuse_scene(scene, "chain", reason, "take fewer balls")
     if b.speed == 0.0:
         _refuse_scene(scene, "motion.carriage", "balls at rest do not roll", "let the carriage move")
@@ -141,7 +141,7 @@ def _loads_with_elastic_angles(
     normals: Array,
     rho: float,
 ) -> tuple[Array, Array]:
-    """Return contact normals (4, 2), then contact loads (4,) [N], of a linear bearing's ball whose angles follow the loads.
+    """Return contact normals (4, 2), then contact loads (4,) [N], of a linear bearing's ball with elastic contact angles.
 
     ``layout``: geometry of the balls; ``normals``: contact normals without load (4, 2); ``rho``: side force over
     vertical force.
@@ -154,7 +154,7 @@ def _loads_with_elastic_angles(
     found = rolling_scenes.solve_static_problem(problem)
     if not found.converged:
         advice = 'change the forces on the balls, or take distribution = "balanced"'
-        _refuse_scene(scene, "load", "contact loads do not balance", advice)
+        _refuse_scene(scene, "load", "the contact loads find no equilibrium with the forces on a ball", advice)
     return found.normal[0], found.force[0]
 
 
@@ -206,7 +206,7 @@ def _screw_balls_as_rolling_case(scene: ScrewPairScene, choices: RollingSettings
             loads = rolling_scenes.solve_static_problem(problem)
             good = loads.converged
         if not good:
-            _refuse_scene(scene, "load", "no 3D contact loads balance friction", 'take coupling = "none"')
+            _refuse_scene(scene, "load", "the contact loads find no equilibrium with friction", 'take coupling = "none"')
         scenes.append(rolling_scenes.create_rolling_balls(layout, material, loads.normal, loads.force))
     apart = replace(scenes[0], ball_to_ball_contacts=())
     return RollingCase(scene.name, scene.kind, apart, scenes[1], g.speed, SIDES, coupled)
@@ -242,6 +242,8 @@ def _bearing_ball_as_rolling_case(scene: BearingBallScene) -> RollingCase:
     )
     loads = rolling_scenes.solve_static_problem(problem)
     if not loads.converged:
-        _refuse_scene(scene, "load", "contact loads do not balance", "take a load that presses the ball")
+        _refuse_scene(
+            scene, "load", "the contact loads find no equilibrium with the load", "take a load that presses the ball"
+        )
     whole = rolling_scenes.create_rolling_balls(layout, material, loads.normal, loads.force)
     return RollingCase(scene.name, scene.kind, whole, whole, b.screw_speed, ("IL", "IR", "OR", "OL"), False)

@@ -1,8 +1,8 @@
 """Rolling balls: low-order models compared with the 3D model and with values of Lin's thesis, and the acceptance check.
 
-This module also computes how ball-to-ball forces change with numerical choices and how they develop from rest, and the
-rows of ``rollbench compare`` and ``rollbench mesh-study`` for scenes of rolling balls. 3D results are read from a
-store, or computed and then stored.
+This module also computes how ball-to-ball forces change with numerical settings and how they develop from rest, and the
+rows of ``rollbench compare`` and ``rollbench mesh-study`` for scenes of rolling balls. 3D results are read from a store, or
+computed and then stored.
 """
 
 from __future__ import annotations
@@ -155,9 +155,10 @@ class RollingComparisonRow:
     printed: float | None
     #: Value that Lin's thesis prints for its finite elements (ANSYS); None without a printed value.
     printed_ansys: float | None
-    #: Value of the 3D model with elastic bodies and flat contacts.
+    #: Value of the 3D model with elastic bodies, if friction acts in the tangent plane instead of on the curved contact
+    #: surface.
     flat: float
-    #: Value of the 3D model with rigid bodies and curved contacts.
+    #: Value of the 3D model with bodies that are rigid under tangential forces, and curved contact surfaces.
     rigid: float
     #: Error of the low-order model [% of the value of the 3D model]; None if that value is zero.
     error_percent: float | None
@@ -167,10 +168,11 @@ class RollingComparisonRow:
     low_seconds: float
     #: Run time of the 3D model [s].
     seconds: float
-    #: Value by the 3D model with half spaces on the finest grid, if ``reference`` is computed with finite bodies.
+    #: Value of the 3D model with half-spaces, on the finest grid, to compare with ``reference`` if that is computed with
+    #: finite bodies; None otherwise.
     half_space: float | None = None
-    #: How the scene's contact loads were found if Lin's thesis does not print them: computed from its printed inputs
-    #: ("plain") or inferred from its printed results ("inferred"); None if it prints the loads.
+    #: Origin of the scene's contact loads if Lin's thesis does not print them: "plain" if computed from its printed inputs,
+    #: "inferred" if deduced from its printed results; None if the thesis prints the loads.
     load_state: str | None = None
     #: Version of rollbench and machine with which the run time of the 3D model was measured.
     measured_with: str = ""
@@ -193,7 +195,7 @@ UNSTATED = ": +- is the scatter of the grids, without the uncertainty of the loa
 
 
 def interpretation_of_contact_loads(name: str) -> str | None:
-    """Return how contact loads that Lin's thesis does not print were found: "plain", "inferred", or None if printed.
+    """Return the origin of contact loads that Lin's thesis does not print: "plain" or "inferred"; None if it prints them.
 
     ``name``: name of the scene. The loads are not printed for the cases of Table 3.7 of Lin's thesis, so that each has
     two scenes: with loads computed from the printed data ("plain"), and with loads inferred from printed results
@@ -208,8 +210,8 @@ def interpretation_of_contact_loads(name: str) -> str | None:
 def quantity_uncertainty(runs: Sequence[rolling_runs.RollingRun], name: str) -> float:
     """Return the uncertainty of a quantity by the 3D model of rolling, in the quantity's unit; infinite with one grid only.
 
-    The uncertainty is `SAFETY` times the largest difference between the value on a grid and that on the finest one, plus
-    the difference between the values for rigid bodies that result from two numbers of quadrature points. ``runs``:
+    The uncertainty is `SAFETY` times the largest difference between the value on a coarser grid and the value on the finest
+    grid, plus the quadrature error of the values for rigid bodies (difference between two numbers of points). ``runs``:
     solutions on several grids, from coarse to fine; ``name``: name of the quantity with its unit.
     """
     values = [r.values[name] for r in runs]
@@ -230,8 +232,8 @@ def compare_scene_with_rolling_runs(
     runs
         Solutions by the 3D model from coarse to fine grid; the last one is the reference.
     half_space
-        Solution with half spaces on the finest grid if ``runs`` have finite bodies, else None. With finite bodies the
-        uncertainty includes the effect of modelling choices.
+        Solution with half-spaces on the finest grid if ``runs`` have finite bodies, else None. With finite bodies the
+        uncertainty includes the effect of the settings with which they are modelled.
     """
     low, low_seconds, _ = solve_low_order(scene)
     finest = runs[-1]
@@ -275,7 +277,7 @@ def compare_scene_with_rolling_runs(
 def low_order_error_is_within_limit(row: RollingComparisonRow) -> bool:
     """Return whether the low-order model's error against the 3D model of rolling is at most `LIMIT`.
 
-    The uncertainty of the 3D model is first deducted from the error, but not more than `LIMIT`.
+    The uncertainty of the 3D model, up to `LIMIT`, is first deducted from the error.
     """
     if row.error_percent is None:
         return row.low == row.reference or (row.low is not None and abs(row.low - row.reference) <= row.uncertainty + 1e-9)
@@ -333,7 +335,7 @@ DURATION, GAP, STEPS = 0.1, 1e-6, (10, 50, 100)
 
 @dataclass(frozen=True)
 class RunFromRest:
-    """Simulation by the 3D model of rolling of two balls of a linear bearing that start from rest."""
+    """Motion of two balls of a linear bearing that start from rest, simulated in time steps by the 3D model of rolling."""
 
     #: Number of time steps.
     steps: int
@@ -343,17 +345,17 @@ class RunFromRest:
     force: tuple[float, ...]
     #: Speeds of both balls at the end of each time step [m/s].
     speed: tuple[tuple[float, ...], ...]
-    #: Force between the balls in steady motion, on the same grid [N].
+    #: Force between the balls in the steady solution on the same grid [N], to which ``force`` should converge.
     steady_force: float
     #: Processor time [s].
     seconds: float
-    #: Status of the solver in words.
+    #: "converged", or the first time step that did not converge, with the reason.
     status: str
 
 
 @lru_cache(maxsize=1)
 def runs_from_rest() -> tuple[RunFromRest, ...]:
-    """Simulate by the 3D model two balls of a linear bearing that start from rest, for each time step number in `STEPS`.
+    """Simulate two balls of a linear bearing that start from rest, with each of the numbers of time steps in `STEPS`.
 
     The results are computed once in a process.
     """
@@ -383,29 +385,29 @@ FORCE = "force 1-2"
 
 @dataclass(frozen=True)
 class ChoiceEffect:
-    """Effect of one numerical choice of the 3D model of rolling (grid, time step, ...) on the ball-to-ball force."""
+    """Effect of one numerical setting of the 3D model of rolling (grid, time step, ...) on the ball-to-ball force."""
 
     #: Name of the scene.
     scene: str
-    #: Name of the numerical choice, such as "grid".
+    #: Name of the numerical setting, such as "grid".
     choice: str
-    #: Variants of the choice that were tried.
+    #: Other values of the setting that were computed for comparison.
     tried_variants: str
-    #: Largest change of the ball-to-ball force by one of the tried variants [%].
+    #: Largest change of the ball-to-ball force by one of these other values [%].
     change: float
-    #: Stated uncertainty of the ball-to-ball force [%].
+    #: Uncertainty of the ball-to-ball force that is reported with the 3D model's results [%].
     uncertainty: float
 
     @property
     def is_within_uncertainty(self) -> bool:
-        """Whether the change of the ball-to-ball force is at most the stated uncertainty of this force."""
+        """Whether the change of the ball-to-ball force is at most the reported uncertainty of this force."""
         return self.change <= self.uncertainty
 
 
 def force_changes_by_numerical_choices(
     stores: Sequence[Path], series: Sequence[RunFromRest], sizes: Sequence[rolling_runs.BodyChoiceResult]
 ) -> tuple[ChoiceEffect, ...]:
-    """Return how numerical choices of the 3D model of rolling change the ball-to-ball force of two scenes.
+    """Return how numerical settings of the 3D model of rolling change the ball-to-ball force of two scenes.
 
     Scenes without stored solutions are left out.
 
@@ -416,7 +418,7 @@ def force_changes_by_numerical_choices(
     series
         Simulations of the linear bearing from rest, with several numbers of time steps.
     sizes
-        Results with other sizes of the finite bodies; empty: this choice is left out.
+        Results with other settings of the finite bodies; empty: their effect is left out.
     """
     return tuple(one for name in rolling_runs.SCENES for one in _force_changes_in_scene(name, stores, series, sizes))
 
@@ -455,8 +457,8 @@ def _force_changes_in_scene(
 def _solve_ball_to_ball_force(scene: RollingBalls, choices: RollingSettings, path: tuple[float, ...] = PATH) -> float:
     """Solve a system of rolling balls in 3D; return the force between the first two balls [N].
 
-    ``scene``: the system; ``choices``: grid and bodies; ``path``: slip speeds by which Coulomb's law is smoothed one after
-    the other, over the largest slip. Not a number if the solver does not converge.
+    ``scene``: the system; ``choices``: grid and bodies; ``path``: slip speeds by which Coulomb's law is smoothed in
+    successive solutions, divided by the largest slip. The result is nan if the solver does not converge.
     """
     found = solve_rolling(scene, choices, smoothing_ratios=path)
     return float(found.ball_to_ball_forces[0]) if found.converged else np.nan
@@ -523,7 +525,7 @@ def rolling_mesh_study(
     """
     levels = len(rolling_runs.LEVELS) if levels is None else levels
     if not 1 <= levels <= len(rolling_runs.LEVELS):
-        advice = "take three levels, which show how results scatter between grids"
+        advice = "take at least two levels: the uncertainty of the results comes from their differences between grids"
         raise ArgumentError("levels", str(levels), f"1 to {len(rolling_runs.LEVELS)}", advice)
     out: list[dict[str, Any]] = []
     for scene in scenes:

@@ -6,8 +6,8 @@ tracks a ball and grooved bars.
 The value on a grid is the rigid limit by quadrature (`hifi.rolling.balls`), plus the value of elastic bodies less that
 of nearly rigid ones on the same grid.
 
-The effect of modelling choices for finite bodies on two balls of a linear bearing and of a screw is stored with the
-package. A report computes one choice again and shows the agreement.
+The effect of assumptions in the models of finite bodies on two balls of a linear bearing and of a screw is stored with the
+package. A report computes one of these models again and shows the agreement.
 """
 
 from __future__ import annotations
@@ -71,15 +71,16 @@ class RollingRun:
     elastic: dict[str, float]
     #: Values of the quantities with nearly rigid bodies on the same grid, by name.
     near_rigid: dict[str, float]
-    #: Values of the quantities for rigid bodies, by name, from quadrature over the contacts.
+    #: Values of the quantities for rigid bodies (without tangential elasticity), by name, from quadrature over the
+    #: contacts.
     limit: dict[str, float]
     #: Difference between the values for rigid bodies by two quadratures, by name of the quantity.
     limit_spread: dict[str, float]
-    #: Values of the quantities with elastic bodies and flat contacts, by name.
+    #: Values of the quantities with elastic bodies and friction in the contacts' tangent planes (flat contacts), by name.
     flat: dict[str, float]
     #: Status of the solver.
     status: str
-    #: Power lost by the upwind difference scheme, over the input power.
+    #: Ratio of the power that the upwind difference scheme dissipates (numerical dissipation) to the input power.
     upwind: float
     #: Largest residual of the equations.
     residual: float
@@ -110,7 +111,7 @@ class RollingRun:
 
     @property
     def values(self) -> dict[str, float]:
-        """Final values by name: for rigid bodies, plus the difference from nearly rigid to elastic bodies on this grid."""
+        """Final values by name: for rigid bodies, plus the change from nearly rigid to elastic bodies on this grid."""
         return {k: self.limit[k] + self.elastic[k] - self.near_rigid[k] for k in self.elastic}
 
 
@@ -140,9 +141,8 @@ def load_rolling_run(
 ) -> RollingRun | None:
     """Return the stored 3D solution of a scene of rolling balls on one grid; None if there is none.
 
-    ``level``: level of the grid; ``stores``: folders, of which the first that has the solution counts; ``bodies``: kind
-    of the bodies, a key of `BODIES`. A solution is also found if the scene had another name when it was stored. Damaged
-    files are ignored.
+    ``level``: level of the grid; ``stores``: folders, which are searched in this order; ``bodies``: kind of the bodies, a
+    key of `BODIES`. A solution is also found if the scene had another name when it was stored. Damaged files are ignored.
     """
     key = rolling_run_key(scene, level, bodies)
     for store in stores:
@@ -269,10 +269,10 @@ def forces_speeds_and_losses_by_name(
 ) -> dict[str, float]:
     """Return forces, speeds, losses and torque of a 3D solution by names that end with the unit, such as "force 1-2 N".
 
-    ``case``: scene in the form that the 3D model needs; ``apart`` and ``touching``: its solutions with balls far apart,
-    and with balls that touch. "deviation 1 apart %" is the deviation of the speed of ball 1 from half the speed of the
-    carriage, "orbit" is an angular speed along the track, "drive" the force that moves the carriage, and "increase" that
-    of the friction loss if balls touch.
+    ``case``: scene in the form that the 3D model needs; ``apart`` and ``touching``: its solutions with balls far apart, and
+    with balls that touch. "deviation 1 apart %" is the deviation of the speed of ball 1 from half the speed of the
+    carriage, "orbit" is the angular speed of a ball along the track, "drive" the force that moves the carriage, and
+    "increase" the relative increase of the friction loss from balls far apart to touching balls.
     """
     out: dict[str, float] = {}
     linear = case.kind.startswith("linear")
@@ -309,18 +309,19 @@ NAMES = ("force 1-2 N", "loss apart mW", "loss touching mW", "increase %")
 
 @dataclass(frozen=True)
 class BodyChoiceResult:
-    """Forces and losses of rolling balls in 3D after one modelling choice of the finite bodies is changed."""
+    """Forces and losses of rolling balls by the 3D model with one modelling assumption on the finite bodies changed."""
 
-    #: Description of the changed modelling choice, such as other sizes of the meshed bodies.
+    #: Description of the changed assumption, such as other sizes of the meshed bodies.
     choice: str
-    #: Forces [N], losses [mW] and the increase of the loss [%], by names such as "force 1-2 N".
+    #: Force between balls [N], friction losses with balls apart and touching [mW], and increase of the loss if balls touch
+    #: [%], by names such as "force 1-2 N".
     values: dict[str, float]
 
 
 def scenes_and_sizes_of_body_variants() -> dict[str, tuple[str, Sizes | None]]:
-    """Return the compared modelling choices of finite bodies: by description, the name of a scene and sizes of its bodies.
+    """Return the compared models of finite bodies: by description, the name of a scene and the settings of its bodies.
 
-    Sizes are None for half spaces.
+    The settings are None for half-spaces.
     """
     sizes = BODIES[FINITE]
     assert sizes is not None
@@ -341,7 +342,7 @@ def scenes_and_sizes_of_body_variants() -> dict[str, tuple[str, Sizes | None]]:
 
 
 def compute_body_variant(choice: str) -> BodyChoiceResult:
-    """Solve rolling balls in 3D with one changed modelling choice of the finite bodies.
+    """Solve rolling balls by the 3D model with one of the compared models of finite bodies.
 
     ``choice``: a description of `scenes_and_sizes_of_body_variants`.
     """
@@ -361,7 +362,7 @@ def compute_body_variant(choice: str) -> BodyChoiceResult:
 
 @lru_cache(maxsize=1)
 def compute_body_variants() -> tuple[BodyChoiceResult, ...]:
-    """Solve rolling balls in 3D with every compared choice of finite bodies; computed once in a process."""
+    """Solve rolling balls by the 3D model with each compared model of finite bodies; computed once in a process."""
     return tuple(compute_body_variant(choice) for choice in scenes_and_sizes_of_body_variants())
 
 
@@ -377,9 +378,9 @@ LIVE = "3 x 3 cells in the contact zone instead of 4 x 4"
 
 @dataclass(frozen=True)
 class StoredBodyChoiceResults:
-    """Results for changed choices of the finite bodies, with a sentence on whether they were stored or computed."""
+    """Results of the compared models of finite bodies, with a sentence on whether they were stored or computed."""
 
-    #: Result for each changed choice.
+    #: Result of each compared model.
     variants: tuple[BodyChoiceResult, ...]
     #: Sentence on whether the results were stored or computed anew.
     origin_sentence: str
@@ -392,7 +393,7 @@ def body_variants_key() -> str:
 
 
 def find_body_variants(stores: Sequence[Path], *, fresh: bool) -> StoredBodyChoiceResults:
-    """Return the stored results for changed choices of finite bodies; compute and store them if inputs have changed.
+    """Return the stored results of the compared models of finite bodies; compute and store them if inputs have changed.
 
     ``stores``: folders, the first of which takes new results; ``fresh``: whether stored results are computed again.
     """
@@ -409,10 +410,10 @@ def find_body_variants(stores: Sequence[Path], *, fresh: bool) -> StoredBodyChoi
 
 
 def largest_change_by_body_choice(straight: bool) -> float:
-    """Return the largest relative change of a force or loss if one modelling choice of the finite bodies is changed.
+    """Return the largest relative change of a force or loss if one assumption on the finite bodies is changed.
 
-    The change is taken from the results that are part of the package. ``straight``: True for the choices on straight
-    rails (linear bearing), False for those on rings and helices (screw).
+    The change is taken from the results that are part of the package. ``straight``: True for straight rails (linear
+    bearing), False for rings and helices (screw).
     """
     found = json.loads((shipped_store() / FILE).read_text(encoding="utf-8"))["variants"]
     values = {row["choice"]: row["values"] for row in found}
@@ -423,7 +424,7 @@ def largest_change_by_body_choice(straight: bool) -> float:
 
 
 def _load_stored_body_variants(stores: Sequence[Path]) -> tuple[BodyChoiceResult, ...] | None:
-    """Return the results for choices of finite bodies from the first folder that has them for the present inputs."""
+    """Return the compared models' results from the first folder that has them for the present inputs; else None."""
     for store in stores:
         try:
             found = json.loads((store / FILE).read_text(encoding="utf-8"))

@@ -56,7 +56,7 @@ class VariedKey:
 
     #: Dotted path of the key with indices from 0, such as ``loads[0].force[2]``; paths of several keys are joined by ``+``.
     key: str
-    #: Key with its range or values, as the user wrote it.
+    #: Key with its range or values as the user wrote it, such as "balls.count=20,24".
     stated_text: str
     #: Low end of the key's range, in ``unit``.
     low: float = 0.0
@@ -227,8 +227,9 @@ def _toml_value_or_text(text: str) -> Any:
 def tables_with_varied_keys(raw: dict[str, Any], keys: Sequence[VariedKey], values: Sequence[Any]) -> dict[str, Any]:
     """Return a copy of a scene's TOML tables in which the varied keys have new values.
 
-    Keys of the tables that state the same quantities in another way are removed. ``raw``: the tables; ``keys``: varied
-    keys; ``values``: a value for each key. Raises InputError for the index of a list entry that does not exist.
+    Other keys for the same quantities, such as a radius where the diameter varies, are removed. ``raw``: the tables;
+    ``keys``: varied keys; ``values``: a value for each key. Raises InputError for the index of a list entry that does not
+    exist.
     """
     out = copy.deepcopy(raw)
     for path in (p for vary in keys for p in vary.key_paths):

@@ -52,7 +52,7 @@ class SweepDefinition:
 
     #: Text of the scene file.
     text: str
-    #: Name of the scene or its file, for error messages.
+    #: Name of the scene or of its file, which error messages show.
     origin: str
     #: Keys of the scene that are varied, with their ranges or values.
     keys: tuple[sweep_keys.VariedKey, ...]
@@ -64,7 +64,7 @@ class SweepDefinition:
     seed: int = 0
     #: Name of the model.
     model: str = "refined"
-    #: Names of the outputs that are computed, keys of `OUTPUTS`; empty: all.
+    #: Names of the outputs that are computed for each sample, keys of `OUTPUTS`; empty: all.
     outputs: tuple[str, ...] = ()
 
     @property
@@ -76,11 +76,11 @@ class SweepDefinition:
         return tuple(name for name in sample.OUTPUTS if not self.outputs or name in (sample.MAIN, *self.outputs))
 
     def coordinates(self) -> Array:
-        """Return the positions of the m samples in the ranges of the d varied keys, (m, d) from 0 to 1."""
+        """Return the positions of the m samples in the ranges of the d varied keys, (m, d), from 0 (low end) to 1."""
         return sweep_keys.sample_coordinates(self.method, self.keys, self.samples, self.seed)
 
     def header(self) -> dict[str, Any]:
-        """Return all inputs on which the results of the samples depend, as JSON values that identify the sweep."""
+        """Return the inputs on which the samples' results depend, as JSON values by which the sweep is recognised."""
         names = ("samples", "method", "seed", "model")
         what = {"scene": self.origin, "text": self.text, "vary": [vary.stated_text for vary in self.keys]}
         some: dict[str, Any] = {"outputs_kept": list(self.wanted_outputs)} if self.outputs else {}
@@ -119,7 +119,7 @@ def solve_missing_samples(
     if not sample.stored_records_by_sample(folder):
         _check_first_samples_are_accepted(sweep, places)
     for path, other in sweep_keys.varied_and_replaced_keys(scene_file.parse_toml(sweep.text, sweep.origin), sweep.keys):
-        show_progress(f"{path} takes the place of the scene's {other}")
+        show_progress(f"{path} replaces {other} of the scene")
     sample.create_or_check_sweep_folder(folder, sweep.header())
     with sample.reserve_sweep_folder(folder) as token:
         have = sample.stored_records_by_sample(folder)

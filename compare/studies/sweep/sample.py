@@ -89,7 +89,7 @@ def outputs_of_scene(
         return loading.solve_with_scaled_loads(scene, 0.0, model, options)
 
     def secant_rigidity() -> float | None:
-        """Return the axial force over the screw's axial displacement from the unloaded position [N/um], or None."""
+        """Return the axial force over the screw's axial displacement from its unloaded position [N/um]; None if unknown."""
         start = float(displacement_of_unloaded_screw(scene, unloaded_result())[2])
         return _secant_rigidity(axial_force(result), screw_displacement_at_nut(scene, result) - start)
 
@@ -165,8 +165,8 @@ def outputs_of_shaft(
 
     ``result``: converged static result; ``engine``: whether numerical kernels run as plain Python ("interpreted") or as
     machine code ("compiled"); ``wanted_outputs``: names of the outputs, keys of `OUTPUTS`. Loads are those of ball contacts
-    and rollers; "at", the place of the largest load, begins with the name of the nut or bearing. The displacement is axial,
-    at the section or housing that the scene names; the rigidity is the force over the displacement from the unloaded
+    and rollers; "at", the contact with the largest load, begins with the name of the nut or bearing. The displacement is
+    axial, at the section or housing that the scene names; the rigidity is the force over the displacement from the unloaded
     position. Hertz approaches and friction torque are of balls only, without rollers. Life is the shortest life of a nut or
     bearing; preload is the largest axial force on a nut or bearing without external loads.
     """
@@ -176,18 +176,18 @@ def outputs_of_shaft(
 
     @cache
     def unloaded_result() -> AxisResult:
-        """Return the result of the shaft without loads."""
+        """Return the static result of the shaft without external loads."""
         without = run_model(loading.with_scaled_loads(assembly, 0.0), result.model, ModelOptions(engine=engine))
         assert isinstance(without, AxisResult)
         return without
 
     def largest_preload() -> float | None:
-        """Return the largest axial force on a nut or bearing without loads [N]; None without equilibrium."""
+        """Return the largest axial force on a nut or bearing without external loads [N]; None without equilibrium."""
         bare = unloaded_result()
         return max((abs(float(s.force[2])) for s in bare.sets), default=0.0) if bare.converged else None
 
     def rigidity() -> float | None:
-        """Return the axial force over the displacement from the unloaded position [N/um], or None."""
+        """Return the axial force over the displacement from the unloaded position [N/um]; None if signs differ."""
         bare = unloaded_result()
         if not bare.converged:
             return None
@@ -218,7 +218,7 @@ def _compute_wanted_outputs(
     Parameters
     ----------
     ball_sets
-        Name, parts and result of each nut and ball bearing.
+        Name, geometry and static result of each nut and ball bearing.
     scene
         Scene of a nut or bearing, or of a shaft with several.
     functions_of_whole_scene

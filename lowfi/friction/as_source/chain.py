@@ -103,7 +103,7 @@ class LoadedBalls:
 class BallForcesAndLosses:
     """Unbalanced forces, friction and losses of N balls in given motions, with n unknowns for each ball."""
 
-    #: Unbalanced generalised forces on each ball: power per unit of each unknown ``(N, n)``.
+    #: Unbalanced generalised forces on each ball ``(N, n)``, one for each of its n unknown speeds: power per unit of speed.
     unbalanced_forces: Array
     #: Friction on the balls along the axes x and z of each contact ``(N, 4, 2)`` [N].
     force: Array
@@ -122,7 +122,7 @@ class BallForcesAndLosses:
 class BallMotionsByLin:
     """Motion of N balls by the method of Lin's thesis, with n unknowns for each ball."""
 
-    #: Motions of the balls, with the forces between touching balls ``(N, n)``.
+    #: Motions of the balls under the forces that touching balls exert on each other ``(N, n)``.
     ball_motions: Array
     #: Motions that the balls would have without forces on each other ``(N, n)``.
     motions_without_ball_forces: Array
@@ -251,7 +251,8 @@ def neighbours_not_separating(pair: BallToBallContact, q: Array, tolerance: floa
     """Return whether each ball approaches the next one or keeps its distance from it ``(N-1,)``.
 
     ``pair``: kinematics of touching balls; ``q``: motions of the balls, n unknowns each ``(N, n)``; ``tolerance``: least
-    speed of approach that counts, as a fraction of the nominal speed; with 0 neighbours of equal speed are included.
+    speed of approach for which the result is True, as a fraction of the nominal speed; with 0, it is also True for
+    neighbours of equal speed.
     """
     rate = (q[:-1, 0] - q[1:, 0]) * pair.surface_speed_per_unit[0] / pair.speed
     return np.asarray(rate >= tolerance)

@@ -57,9 +57,9 @@ class BallPositions:
 def contact_loads_at_positions(
     cell: screw_motion.BallsBetweenGrooves, positions: BallPositions
 ) -> tuple[Array, Array, Array]:
-    """Return the contact loads of N balls in given positions, and by how much the contact angles miss their conditions.
+    """Return the contact loads of N balls in given positions, and the residuals of the conditions for the contact angles.
 
-    Loads and misses follow from the contact conditions in chapter 2 of Lin's thesis: at the contact angle gamma, the
+    Loads and residuals follow from the contact conditions in chapter 2 of Lin's thesis: at the contact angle gamma, the
     tangent of the groove is perpendicular to the line of centres. ``cell``: the balls and their grooves; ``positions``:
     positions of balls and screw.
 
@@ -203,13 +203,13 @@ class BallStateByLin:
 
 @dataclass(frozen=True)
 class ScrewSolutionByLin:
-    """Contact loads and motions of the balls of a screw by the method of Lin's thesis."""
+    """Contact loads and motions of N balls of a screw by the method of Lin's thesis."""
 
     #: Contact forces with friction ``(N, 4)`` [N].
     force: Array
     #: Contact angles with friction ``(N, 4)`` [rad].
     angle: Array
-    #: Motion of the balls with friction, and forces between balls.
+    #: Motions of the balls under friction, and forces between touching balls.
     motion: lin.BallMotionsByLin
 
 
@@ -296,8 +296,8 @@ def solve_loads_and_motion_of_groups(
 def lin_start_from_rollbench_solution(result: ScrewPairSolution, touching: bool) -> BallStateByLin:
     """Return rollbench's solution for two balls of a screw as a state from which searches by Lin's method start.
 
-    ``result``: solution by rollbench; ``touching``: True for its state with ball-to-ball contact, False for that
-    without.
+    ``result``: solution by rollbench; ``touching``: True for its state with contact of the two balls with each other, False
+    for its state without.
     """
     solution = result.touching if touching else result.apart
     at = BallPositions(solution.loads_with_friction.ball_displacements, solution.loads_with_friction.angle, np.zeros(0))
@@ -412,15 +412,16 @@ class ScrewHistoryByLin:
 
     #: Angle of the nut at the beginning of each step ``(T,)`` [rad].
     nut_angle: Array
-    #: Gap between each ball and the next one at the end of each step ``(T, N)`` [rad]; negative if the two overlap.
+    #: Gap between each ball and the next one at the end of each step, as an azimuth ``(T, N)`` [rad]; zero if the two
+    #: touch, negative if they overlap.
     gap: Array
     #: Force of each ball on the next one ``(T, N)`` [N].
     ball_force: Array
-    #: Angular speed of each ball around the axis, relative to the screw ``(T, N)`` [rad/s].
+    #: Angular speed of each ball's centre about the axis, relative to the screw ``(T, N)`` [rad/s].
     omega: Array
-    #: Friction torque of the contacts with the grooves ``(T,)`` [N m].
+    #: Friction torque due to losses at the contacts of balls and grooves ``(T,)`` [N m].
     groove_torque: Array
-    #: Friction torque of the contacts between balls ``(T,)`` [N m].
+    #: Friction torque due to losses at the contacts between balls ``(T,)`` [N m].
     ball_torque: Array
     #: Status of the solution for the motion in each step (`BallMotionsByLin.status`); ``"failed"`` also if no contact loads
     #: were found. After a failure the speeds of the previous step continue.
@@ -448,9 +449,9 @@ class _PreviousStep:
 
     #: Positions of balls and screw in the previous step.
     positions: BallPositions
-    #: Motions of the balls if none touches another ``(N, 4)`` [rad/s].
+    #: Motions that the balls would have without forces on each other ``(N, 4)`` [rad/s].
     motions_without_ball_forces: Array
-    #: Motions of the balls with the forces between them ``(N, 4)`` [rad/s].
+    #: Motions of the balls under the forces that they exert on each other ``(N, 4)`` [rad/s].
     ball_motions: Array
     #: Force of each ball on the next one ``(N,)`` [N].
     force: Array
@@ -472,7 +473,7 @@ def simulate_by_root(run: Run, steps: int | None = None) -> ScrewHistoryByLin:
     Raises
     ------
     ValueError
-        Balls in a return tube, or loads coupled with friction, which the comparison leaves out.
+        ``run`` has a return tube, or friction is to change its contact loads: this simulation covers neither.
     """
     if run.tube > 0.0 or run.coupling != "none":
         raise ValueError(

@@ -40,7 +40,7 @@ class ContactLoadSolution:
     force: Array
     #: Contact angles under load ``(N, 4)`` [rad].
     angle: Array
-    #: Displacements of the balls along x, z of their sections ``(N, 2)`` [m].
+    #: Displacements of the balls along the axes x, z of their groove sections ``(N, 2)`` [m].
     ball_displacements: Array
     #: Displacement of the inner body in each of the m motions in which it is free ``(m,)`` [m].
     inner_body_displacements: Array
@@ -207,8 +207,8 @@ class BodyMotion:
     sticking_contacts: Mask
     #: Largest unbalanced force on the body [N].
     imbalance: float
-    #: Lower and upper bound of the least value of dissipated power less power of the other forces, eq. (1) of this module
-    #: [W].
+    #: Lower, then upper bound of the minimum, over all motions of the body, of the dissipated power less the power of the
+    #: forces other than friction [W].
     dissipation_bounds: tuple[float, float]
     #: ``"exact"``: equilibrium in which contacts rest or slip exactly; ``"regularised"``: equilibrium with regularised
     #: friction, because a contact is on the verge of slip; ``"at rest"``: no motion, for lack of drive and force;
@@ -226,8 +226,8 @@ class BodyMotion:
 def least_dissipation(problem: BodyMotionProblem, start: Array | None = None, fast: bool = False) -> BodyMotion:
     """Return the quasi-static motion of a body on frictional contacts: the motion of least dissipation.
 
-    At this motion the dissipated power less the power of the other forces (eq. (1) of this module) is least, so that
-    all forces are in balance. Unknowns that cause no dissipation keep their values at the start.
+    At this motion the dissipated power less the power of the forces other than friction is least, so that all forces are in
+    balance. Unknowns that cause no dissipation keep their values at the start.
 
     Parameters
     ----------

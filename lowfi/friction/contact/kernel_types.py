@@ -25,17 +25,17 @@ class DissipationTerms(NamedTuple):
     by_spin: float
     #: First derivative of D, the dissipated power over mu F, by the regularising speed, without unit.
     by_speed: float
-    #: Second derivative of D, the dissipated power over mu F, by vx and vx [s/m].
+    #: Second derivative of D, the dissipated power over mu F, by the sliding velocity vx, twice [s/m].
     xx: float
-    #: Second derivative of D, the dissipated power over mu F, by vx and vz [s/m].
+    #: Second derivative of D, the dissipated power over mu F, by the sliding velocities vx and vz [s/m].
     xz: float
-    #: Second derivative of D, the dissipated power over mu F, by vz and vz [s/m].
+    #: Second derivative of D, the dissipated power over mu F, by the sliding velocity vz, twice [s/m].
     zz: float
     #: Second derivative of D, the dissipated power over mu F, by vx and the spin [s].
     x_spin: float
     #: Second derivative of D, the dissipated power over mu F, by vz and the spin [s].
     z_spin: float
-    #: Second derivative of D, the dissipated power over mu F, by the spin, twice, [m s].
+    #: Second derivative of D, the dissipated power over mu F, by the spin, twice [m s].
     spin_spin: float
 
 
@@ -48,19 +48,20 @@ class BallContactArrays(NamedTuple):
 
     #: Vectors from the grooves' centres of curvature to the ball's centre (N, 4, 2) along x, z [m], at zero displacement.
     groove_to_ball_vectors: Array
-    #: Interference of ball and groove at zero displacement, negative for clearance (N, 4) [m].
+    #: Interference of ball and groove at each contact at zero displacement, negative for clearance (N, 4) [m].
     interference: Array
     #: Hertz constants C of the approach C F^(2/3) at the four contacts of a ball (4,) [m/N^(2/3)].
     C: Array
     #: Displacement of the inner body along x, z at each ball per unit of each motion u (N, 2, m).
     inner_displacement_maps: Array
-    #: Given displacement of the inner body along x, z at each ball, which is added to that by its motions u (N, 2) [m].
+    #: Prescribed displacement of the inner body along x, z at each ball, in addition to the displacement by its free
+    #: motions u (N, 2) [m].
     given_inner_displacement: Array
     #: Applied forces on the balls along x, z, other than contact loads (N, 2) [N].
     ball_forces: Array
     #: Applied forces on the inner body along its motions u (m,) [N].
     inner_body_forces: Array
-    #: Distance of a groove's centre of curvature from the ball's centre [m], by which steps are limited.
+    #: Distance of a groove's centre of curvature from the ball's centre [m]; Newton steps are limited to a fraction of it.
     groove_ball_centre_distance: float
 
 

@@ -388,9 +388,9 @@ class LinearPairSolution:
 
     @property
     def groove_and_ball_loss_ratio(self) -> float:
-        """Ratio of groove loss plus loss between balls to the groove loss (Lin Figure 3.15 (c)).
+        """One plus the ratio of the loss between the balls to the loss at the grooves (Lin Figure 3.15 (c)).
 
-        The groove loss is that without ball-to-ball contact.
+        The loss at the grooves is computed without ball-to-ball contact.
         """
         return 1.0 + float(self.touching.ball_loss[0]) / self.apart.loss
 
@@ -505,13 +505,12 @@ class LinearPairResultsOverGrid:
     contact_angle_deviation: Array
     #: Ratios of side force to vertical force ``(R,)``.
     side_force_ratio: Array
-    #: Relative deviation epsilon_1 of the first ball's velocity from the nominal one less that of the second ball,
-    #: epsilon_2, both without ball-to-ball contact.
+    #: Difference epsilon_1 - epsilon_2 of the relative deviations of the first and the second ball's velocities from the
+    #: nominal velocity, without ball-to-ball contact.
     velocity_deviation_difference: ModelAndFormula
     #: Force between the two balls [N].
     force: ModelAndFormula
-    #: Ratio of groove loss plus loss between balls to the groove loss; the groove loss is that without ball-to-ball
-    #: contact.
+    #: One plus the ratio of the loss between the balls to the loss at the grooves without ball-to-ball contact.
     groove_and_ball_loss_ratio: ModelAndFormula
     #: Number of solutions of the numerical model, without or with ball-to-ball contact, that did not converge.
     unconverged_state_count: int

@@ -16,8 +16,9 @@ Array = NDArray[Any]
 class ChainArrays(NamedTuple):
     """Contacts, friction and neighbours of N balls of one row in a linear bearing, with C contacts each."""
 
-    #: For each contact: direction n_x, n_y from the ball's centre, speed of the body in contact (1 carriage, 0 rail, with
-    #: the sign of the carriage's speed), friction bound, semi-axis a divided by the ball radius; (N, C, 5).
+    #: Five values for each contact (N, C, 5): direction n_x, n_y from the ball's centre; speed of the body in contact, 0
+    #: for the rail, 1 or -1 (the sign of its speed) for the carriage; friction bound; semi-axis a divided by the ball
+    #: radius.
     contacts: Array
     #: Constants (b/a, q0, k1, k3) of the formulas for the friction of a contact (4,), see `contact_friction_constants`.
     friction_constants: Array
@@ -27,7 +28,8 @@ class ChainArrays(NamedTuple):
     mu: float
     #: Stiffness of weak springs that draw the motion of each ball to the nominal motion (N,).
     holding_stiffness: Array
-    #: Motion x of balls that roll at the nominal contact angle (N, 3).
+    #: Motion (N, 3) of balls that roll at the nominal contact angle: velocity, and ball radius times two spins, divided by
+    #: the carriage's speed.
     nominal_motion: Array
 
 
@@ -42,17 +44,19 @@ class ChainSearchState(NamedTuple):
     #: For balls k and k + 1: speed at which they approach each other, and two components of their sliding on each other (N
     #: - 1, 3).
     ball_to_ball_slips: Array
-    #: Motion x of the balls less the nominal motion (N, 3).
+    #: Motion of the balls (velocity, and ball radius times two spins, divided by the carriage's speed) less the nominal
+    #: motion (N, 3).
     motion_less_nominal: Array
-    #: Unknown z of each ball-to-ball contact: the force where it is positive, minus the rate at which the gap opens where
-    #: it is negative (N - 1,).
+    #: Unknown z of each ball-to-ball contact (N - 1,): where z > 0, the contact force; where z < 0, the rate at which the
+    #: gap opens, with a minus sign.
     ball_to_ball_unknowns: Array
 
 
 class EquationSmoothing(NamedTuple):
     """Parameters by which the equations are smoothed: Coulomb friction, and the contact condition of neighbours."""
 
-    #: Regularising speed of friction: at lower sliding speeds a contact exerts less than its friction bound.
+    #: Regularising speed of friction: at sliding speeds far below it, friction is proportional to the sliding speed instead
+    #: of equal to the friction bound.
     regularising_speed: float
     #: Fraction of the friction between balls that acts, 0 to 1.
     ball_friction_fraction: float

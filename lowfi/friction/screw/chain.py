@@ -75,7 +75,7 @@ class FrictionContacts:
 
 @dataclass(frozen=True)
 class BallChain(ABC):
-    """Interface of N balls of one track, in the order of azimuth, with their contact loads.
+    """Abstract class for N balls of one track, in the order of azimuth, with their contact loads.
 
     An unloaded ball rolls at the nominal speed unless its neighbours push it. Between its neighbours it turns without
     friction, as a spacer ball does.
@@ -87,8 +87,8 @@ class BallChain(ABC):
     force: Array
     #: Unit vectors from each ball's centre to its contacts in x3, y3, z3 ``(N, 4, 3)``.
     normals: Array
-    #: Largest rate at which ball k may approach ball k + 1 ``(N,)`` [rad/s], inf where they cannot touch; the last element
-    #: is for the last ball against the first one of a closed track.
+    #: Largest rate at which the difference of the azimuths of balls k and k + 1 may decrease ``(N,)`` [rad/s]; inf where
+    #: they cannot touch. The last element is for the last ball and the first one of a closed track.
     allowed_closing_rate: Array
 
     @property
@@ -175,13 +175,15 @@ class ChainMotion:
     input_power: float
     #: Largest unbalanced force on a ball [N].
     largest_unbalanced_force: float
-    #: Largest rate [rad/s] by which a ball approaches the next one faster than their gap allows; 0 if none does.
+    #: Largest excess of the rate at which a ball approaches the next one over the rate that their gap allows [rad/s]; 0 if
+    #: no ball exceeds it.
     largest_gap_violation: float
     #: Number of Newton steps of the search.
     steps: int
     #: Whether the forces on all balls are in balance.
     converged: bool
-    #: Whether the solution was found from the start that the caller passed, not from another one.
+    #: Whether the search from the starting values that the caller passed led to this solution, rather than a search from
+    #: other values.
     found_from_given_start: bool = False
 
     @property
@@ -458,7 +460,8 @@ def solve_loads_and_motion(
         Balls between screw and nut with the external loads; its forces of friction (``ball_friction_forces``,
         ``screw_friction_forces``) are not used, because they are unknown.
     slack
-        Largest rate at which ball k may approach ball k + 1 ``(N,)`` [rad/s], inf where they cannot touch.
+        Largest rate at which the difference of the azimuths of balls k and k + 1 may decrease ``(N,)`` [rad/s], inf where
+        they cannot touch.
     start
         Displacements of the balls ``(N, 2)`` and of the screw ``(m,)`` [m] in balance without friction; m: number of
         motions in which the screw is free.
@@ -612,8 +615,8 @@ class CoupledChainSolution:
     last_friction_change: float
     #: Number of rounds in which contact loads and friction were solved in turn.
     rounds: int
-    #: Whether ``last_friction_change`` is at most ``AGREED`` times the sum of contact loads, and loads and motion are in
-    #: balance.
+    #: Whether ``last_friction_change`` is negligible (at most ``AGREED`` times the sum of contact loads), and the forces
+    #: are in balance for contact loads and for ball motions.
     converged: bool
 
 
@@ -650,7 +653,8 @@ def solve_coupled_chain(
     cell
         Balls between screw and nut, with the external loads.
     slack
-        Largest rate at which ball k may approach ball k + 1 ``(N,)`` [rad/s], inf where they cannot touch.
+        Largest rate at which the difference of the azimuths of balls k and k + 1 may decrease ``(N,)`` [rad/s], inf where
+        they cannot touch.
     coupling
         What friction and ball-to-ball forces may change. ``"none"``: nothing; ``"ball"``: the contact loads of the balls,
         while the screw stays where it is without these forces (section 3.4.1 of Lin's thesis); ``"ball and screw"``: also

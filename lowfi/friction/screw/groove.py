@@ -115,8 +115,8 @@ class HelicalMotion:
         Returns
         -------
         tuple[Array, Array]
-            First ``maps``, motion of the contacts by unit of q ``(..., 4, 3, 4)``; then ``drives``, motion of the
-            contacts at q = 0, which screw and nut impose ``(..., 4, 3)``.
+            First ``maps``, motion of the contacts per unit of q ``(..., 4, 3, 4)``; then ``drives``, motion of the contacts
+            at q = 0, which screw and nut impose ``(..., 4, 3)``.
 
         References
         ----------
@@ -171,9 +171,9 @@ class GrooveHertzConstants:
 
 
 class GroovesInMotion(HelicalMotion, ABC):
-    """Interface of the grooves of screw and nut that move along the helix: kinematics, Hertz constants and friction."""
+    """Abstract class for grooves of screw and nut that move along the helix: kinematics, Hertz constants and friction."""
 
-    #: Largest coefficient of friction of the grooves.
+    #: Coefficient of friction of the grooves; the larger one if screw and nut differ.
     mu: float
 
     @property
@@ -190,7 +190,7 @@ class GroovesInMotion(HelicalMotion, ABC):
 @register_frozen_defaults
 @dataclass(frozen=True)
 class ScrewGroove(GroovesInMotion):
-    """Grooves of a four-point ball screw with friction, and the speeds of screw and nut.
+    """Grooves of a ball screw with four contacts per ball, with coefficients of friction and speeds of screw and nut.
 
     Screw and nut each turn and advance along the helix, so that only the difference of their speeds influences the
     contacts.
@@ -216,7 +216,7 @@ class ScrewGroove(GroovesInMotion):
     nut_speed: float
     #: Angular speed of the screw about the axis [rad/s].
     screw_speed: float = frozen_default(0.0)
-    #: Coefficient of friction from ball to ball; None stands for that of the grooves.
+    #: Coefficient of friction between touching balls; None: the same value as for the grooves.
     mu_balls: float | None = frozen_default(None)
     #: Whether the Hertz constants are exact ("right") or have the errors of Lin's Table B.1 ("as printed").
     hertz: Mode = frozen_default("right")
@@ -238,7 +238,7 @@ class ScrewGroove(GroovesInMotion):
 
     @property
     def ball_to_ball_mu(self) -> float:
-        """Coefficient of friction from ball to ball."""
+        """Coefficient of friction between touching balls."""
         return self.mu if self.mu_balls is None else self.mu_balls
 
     @property
@@ -310,7 +310,7 @@ def azimuth_between_touching_balls(screw: HelicalMotion) -> float:
 
     References
     ----------
-    Lin (2019), 3.72, prints 2 arcsin(R_B/(L/2 pi)) with the length L of one turn of the helix, which is the same for
+    Lin (2019), 3.72, prints 2 arcsin(R_B/(L/2 pi)) with the length L of one turn of the helix. This formula is exact for
     zero lead only.
     """
     pitch, rise, reach = screw.pitch_radius, screw.advance_per_radian, 2.0 * screw.ball_radius

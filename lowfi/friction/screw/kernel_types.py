@@ -20,14 +20,14 @@ class GrooveArrays(NamedTuple):
     #: Three matrices A_0, A_1, A_2 (3, 3, 4). The matrix A_0 + n_x A_1 + n_z A_2 converts the motion x of a ball to sliding
     #: vx, vz [m/s] and spin [rad/s] at a contact with the normal (n_x, n_z).
     contact_map_coefficients: Array
-    #: For each contact of a ball (4,): angular speed, about the axis, of the body on which it lies (screw or nut), in the
-    #: unit of the ball's orbit x[0].
+    #: Angular speed about the axis of the body (screw or nut) on which each of a ball's contacts lies (4,), in the unit of
+    #: the ball's orbital speed x[0].
     body_rotation: Array
     #: Hertz constants (4,) of the semi-axes of the contacts across the groove, a = C_a F^(1/3) [m/N^(1/3)].
     C_a: Array
     #: Hertz constants (4,) of the semi-axes of the contacts along the groove, b = C_b F^(1/3) [m/N^(1/3)].
     C_b: Array
-    #: Motion x (4,) of a ball that rolls at the nominal contact angle.
+    #: Orbit and three spins (4,) of a ball that rolls at the nominal contact angle, as surface speeds divided by ``speed``.
     nominal: Array
     #: Velocity of the first ball's surface at its contact with the second ball, along two tangents, per unit of the first
     #: ball's motion x (2, 4).
@@ -35,8 +35,8 @@ class GrooveArrays(NamedTuple):
     #: Velocity of the second ball's surface at its contact with the first ball, along the same tangents, per unit of the
     #: second ball's motion x (2, 4).
     second_ball_surface_speeds: Array
-    #: Speed at which a ball approaches the next one, per unit of difference of their orbits x[0]; speeds are divided by
-    #: ``speed``.
+    #: Speed at which a ball approaches the next one, per unit of difference of their orbital speeds x[0]; all speeds are
+    #: divided by ``speed``.
     closing_rate_factor: float
     #: Speed of the nut along the path relative to the screw [m/s].
     speed: float
@@ -118,7 +118,8 @@ class LoadsAndMotionUnknowns(NamedTuple):
     ball: Array
     #: Displacement of the screw in each motion u in which it is free (m,) [m].
     screw: Array
-    #: Motions x (N, 4) of the balls, surface speeds divided by the speed of the nut along the path.
+    #: Motions x (N, 4) of the balls: orbit and three spins as surface speeds, divided by the speed of the nut along the
+    #: path.
     motion: Array
     #: Force (N,) of ball k on ball k + 1, in the unit of force.
     ball_force: Array

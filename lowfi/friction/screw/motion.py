@@ -54,7 +54,7 @@ class BallsBetweenGrooves:
     screw_displacement_maps: Array
     #: External force on the screw along each motion u ``(m,)`` [N].
     external_screw_force: Array
-    #: Given displacement of the screw along x3, z3 at each ball, in addition to its motions u ``(N, 2)`` [m].
+    #: Prescribed displacement of the screw along x3, z3 at each ball, in addition to its free motions u ``(N, 2)`` [m].
     given_screw_displacement: Array
     #: Forces other than contact loads on the balls along x3, z3, such as friction ``(N, 2)`` [N].
     ball_friction_forces: Array

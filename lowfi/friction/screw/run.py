@@ -142,7 +142,7 @@ def pair_sliding_speed(pair: Pair) -> float:
 
 
 def load_implied_by_ball_force(pair: Pair, force: float, increase: float) -> float:
-    """Return the sum of contact loads of one ball [N] that a ball-to-ball force and an increase of friction imply.
+    """Return the sum of contact loads of one ball [N] at which a ball-to-ball force increases friction by a given ratio.
 
     The loss mu F v of the balls that slide on each other, divided by the relative increase, is the loss at the grooves
     of both balls. Four equal contact loads of a ball are sought at which the ball has half of this loss; the result is
@@ -163,9 +163,9 @@ def load_implied_by_ball_force(pair: Pair, force: float, increase: float) -> flo
     angle = np.full(4, g.contact_angle)
 
     def relative_loss_excess(log_load: float) -> float:
-        """Return the loss of a ball over the sought loss, less 1, at a load of exp(``log_load``) [N] on each contact.
+        """Return the relative deviation of a ball's loss from the required one, at contact loads of exp(``log_load``) [N].
 
-        The sought loss is half of the loss at the grooves of both balls.
+        The required loss is half of the loss at the grooves of both balls together.
         """
         return screw_motion.solve_ball_motion(g, np.full(4, np.exp(log_load)), angle).motion.loss / loss - 1.0
 
@@ -217,9 +217,9 @@ def results_over_oversize_and_force(pair: Pair, oversize: Array, axial: Array) -
 @register_frozen_defaults
 @dataclass(frozen=True)
 class Run:
-    """Simulation over time of a ball screw (a `SimulatedSystem` for `simulate`); azimuths are measured on the screw.
+    """Ball screw with the data for its simulation over time by `simulate`; azimuths are measured relative to the screw.
 
-    The fields from ``oversize`` on are assumptions that Lin does not print.
+    Lin does not print values for the fields from ``oversize`` on; they are assumptions.
     """
 
     #: Grooves of screw and nut with their speeds.
@@ -241,13 +241,13 @@ class Run:
     #: Amplitude of theta, the angle by which the contact angles differ from the nominal one, a sine function of the azimuth
     #: [rad].
     amplitude: float = frozen_default(0.0)
-    #: Number of periods of theta per turn.
+    #: Number of periods of theta (deviation of the contact angles from the nominal one) per turn of the helix.
     cycles: float = frozen_default(2.0)
-    #: Phase of theta at azimuth 0 [rad].
+    #: Phase, at azimuth 0, of the sine function theta (deviation of the contact angles from the nominal one) [rad].
     phase: float = frozen_default(0.0)
     #: Factors by which theta is multiplied at the contacts SL, SR, NL, NR (screw or nut, left or right).
     pattern: tuple[float, ...] = frozen_default(BOTH)
-    #: Length of the return tube as an angle of the track [rad]; balls in it bear no load.
+    #: Length of the return tube, expressed as an azimuth along the helix [rad]; balls in it bear no load.
     tube: float = frozen_default(0.0)
     #: Distance of the first ball from the beginning of the loaded turns at the start, as a fraction of the distance between
     #: balls.
@@ -255,8 +255,8 @@ class Run:
     #: What friction may change: nothing ("none"), the contact loads of the balls ("ball"), or also the position of the
     #: screw ("ball and screw").
     coupling: screw_motion.Coupling = frozen_default("none")
-    #: Largest number of rounds of contact loads and friction in each time step; with one round the loads are those under
-    #: the friction of the previous step.
+    #: Largest number of rounds in each time step, in which contact loads and friction are solved in turn; with one round
+    #: the contact loads are in balance with the friction of the previous step.
     rounds: int = frozen_default(1)
     #: Body, screw or nut, whose groove is the cause of theta, so that theta turns with this body.
     follows: Literal["screw", "nut"] = frozen_default("screw")
@@ -297,7 +297,7 @@ class Run:
 
     @property
     def track_occupation(self) -> float:
-        """Ratio of the length of all balls in a row to that of the loaded turns (97.8 % in Lin's section 3.4.4)."""
+        """Length of all balls in a row divided by the length of the loaded turns (97.8 % in Lin's section 3.4.4)."""
         return self.count * self.groove.pair.spacing / (2.0 * np.pi * self.turns)
 
     def fold_into_track(self, azimuth: Array, nut_angle: float) -> tuple[Array, Mask]:
@@ -335,8 +335,8 @@ class Run:
         """Return the contact loads and ball motions of the simulated screw at one instant.
 
         ``azimuth``: azimuths of the balls, measured on the screw ``(N,)`` [rad]; ``time``: time since the start [s];
-        ``slack``: largest rate at which each ball may approach the next one ``(N,)`` [rad/s]; ``memory``: solution at
-        the previous instant, None at the start.
+        ``slack``: largest rate at which the difference of the azimuths of each ball and the next one may decrease ``(N,)``
+        [rad/s]; ``memory``: solution at the previous instant, None at the start.
         """
         turned = self.groove.speed * time
         azimuths, loaded = self.fold_into_track(azimuth, turned)
@@ -399,14 +399,14 @@ def simulate_equal_steps(run: Run) -> TravelHistory:
 
 @dataclass(frozen=True)
 class ScrewRunSummary:
-    """Results of a simulated ball screw, the same as section 3.4.4 of Lin's thesis states for its case study."""
+    """Those results of a simulated ball screw for which section 3.4.4 of Lin's thesis prints values."""
 
     #: Largest ratio of the friction torque between balls to that in the grooves.
     largest_ball_to_groove_ratio: float
     #: Nut angle at which the ratio of the friction torque between balls to that in the grooves is largest [deg].
     nut_angle_of_largest_ratio: float
-    #: Nut angle of the first instant, after that of the largest ratio, at which no balls press on each other [deg]; nan if
-    #: there is none.
+    #: Nut angle of the first instant at which no balls press on each other, after the instant of the largest ratio [deg];
+    #: nan if there is none.
     nut_angle_without_contact: float
     #: Largest number of groups of touching balls at any instant.
     most_touching_groups: int
@@ -415,7 +415,7 @@ class ScrewRunSummary:
 
 
 def summarise_screw_run(result: TravelHistory) -> ScrewRunSummary:
-    """Return those results of a simulated ball screw that section 3.4.4 of Lin's thesis states for its case study.
+    """Return those results of a simulated ball screw for which section 3.4.4 of Lin's thesis prints values.
 
     Parameters
     ----------

@@ -83,13 +83,13 @@ STEPS_PER_PITCH, FIRST_STEPS = 2.0, (8, 400)
 
 
 class BallState(NamedTuple):
-    """Azimuths, gaps and angular speeds of N balls at one time of a simulation."""
+    """Azimuths and orbital speeds of N balls at one time of a simulation, with the gaps between neighbours."""
 
     #: Azimuths of the balls ``(N,)`` [rad].
     azimuth: Array
-    #: Gap between each ball and the next one of its track ``(N,)`` [rad].
+    #: Gap between each ball and the next ball on its track, as an azimuth: zero if the two touch ``(N,)`` [rad].
     gap: Array
-    #: Angular speeds of the balls in the frame in which azimuths are measured ``(N,)`` [rad/s].
+    #: Angular speeds of the ball centres about the axis, in the frame in which azimuths are measured ``(N,)`` [rad/s].
     omega: Array
     #: Solution at the previous instant, from which the search at the next instant begins; None at the start.
     memory: Any
@@ -99,16 +99,16 @@ class BallState(NamedTuple):
 class InstantSolution:
     """Contact loads, ball motions and friction losses of N balls at one instant of a simulation."""
 
-    #: Angular speeds of the balls in the frame in which azimuths are measured ``(N,)`` [rad/s].
+    #: Angular speeds of the ball centres about the axis, in the frame in which azimuths are measured ``(N,)`` [rad/s].
     omega: Array
-    #: Force of each ball on the next one of its track ``(N,)`` [N].
+    #: Force of each ball on the next ball on its track ``(N,)`` [N].
     ball_force: Array
     #: Forces at the contacts of the balls with the grooves ``(N, 4)`` [N].
     load: Array
-    #: Which balls are on a loaded arc ``(N,)``.
+    #: Whether each ball is on a loaded arc ``(N,)``.
     loaded: Mask
-    #: Power lost by friction in the grooves, by balls that slide on each other, and by gaps that close while the balls
-    #: press on each other [W].
+    #: Power lost by friction [W]: in the grooves, by balls that slide on each other, and by gaps between balls that close
+    #: while these balls press on each other.
     losses: tuple[float, float, float]
     #: Power that screw and nut supply [W].
     input_power: float
@@ -116,8 +116,8 @@ class InstantSolution:
     converged: bool
     #: Solution from which the search at the next instant begins.
     memory: Any
-    #: Change of the friction forces on balls and screw in the last round of the iteration between contact loads and
-    #: friction [N].
+    #: Largest change of a friction force on a ball or the screw in the last round of the iteration between contact loads
+    #: and friction [N].
     change: float = 0.0
     #: External axial load on the screw [N]; nan if it is not computed.
     axial: float = float("nan")
@@ -157,9 +157,9 @@ class SimulatedSystem(Protocol):
     def solve_at_instant(self, azimuth: Array, time: float, slack: Array, memory: Any) -> InstantSolution | str:
         """Return contact loads and ball motions at one instant, or a text that says why no loads are found.
 
-        ``azimuth``: azimuths of the balls ``(N,)`` [rad]; ``time``: time since the start [s]; ``slack``: largest rate
-        at which each ball may approach the next one ``(N,)`` [rad/s], inf where they cannot touch; ``memory``:
-        attribute ``memory`` of the solution at the previous instant.
+        ``azimuth``: azimuths of the balls ``(N,)`` [rad]; ``time``: time since the start [s]; ``slack``: largest rate at
+        which the difference of the azimuths of each ball and the next one may decrease ``(N,)`` [rad/s], inf where they
+        cannot touch; ``memory``: attribute ``memory`` of the solution at the previous instant.
         """
 
 
@@ -178,30 +178,31 @@ class TravelHistory:
     span: float
     #: Number of equal time steps into which ``span`` is divided.
     steps: int
-    #: Times at which loads and motions are solved, one in each piece ``(T,)`` [s].
+    #: Times at which contact loads and ball motions are solved, one in each of the T pieces of time steps ``(T,)`` [s].
     time: Array
-    #: Duration of each piece ``(T,)`` [s].
+    #: Duration of each piece of a time step ``(T,)`` [s].
     lasts: Array
-    #: Number of the step, from 0, to which each piece belongs ``(T,)``.
+    #: Number of the time step, from 0, to which each of the T pieces belongs ``(T,)``.
     step: Index
     #: Azimuths of the balls at ``time``, unwrapped ``(T, N)`` [rad].
     azimuth: Array
-    #: Which balls are on a loaded arc ``(T, N)``.
+    #: Which balls are on a loaded arc at ``time`` ``(T, N)``.
     loaded: Mask
-    #: Gap of each ball to the next one at the end of the piece ``(T, N)`` [rad].
+    #: Gap from each ball to the next ball on its track at the end of each piece of a time step, as an azimuth: zero if the
+    #: two touch ``(T, N)`` [rad].
     gap: Array
-    #: Force of each ball on the next one ``(T, N)`` [N].
+    #: Force of each ball on the next ball on its track ``(T, N)`` [N].
     ball_force: Array
-    #: Angular speeds of the balls in the frame in which azimuths are measured ``(T, N)`` [rad/s].
+    #: Angular speeds of the ball centres about the axis, in the frame in which azimuths are measured ``(T, N)`` [rad/s].
     omega: Array
     #: Forces at the contacts of the balls with the grooves ``(T, N, 4)`` [N].
     load: Array
-    #: Friction torque by losses in the grooves, which is the power lost over the angular speed of the nut relative to the
-    #: screw ``(T,)`` [N m].
+    #: Friction torque due to losses in the grooves ``(T,)`` [N m]: the power lost, divided by the angular speed of the nut
+    #: relative to the screw.
     groove_torque: Array
-    #: Friction torque by balls that slide on each other ``(T,)`` [N m].
+    #: Friction torque due to balls that slide on each other ``(T,)`` [N m].
     ball_torque: Array
-    #: Friction torque by gaps that close while the balls press on each other ``(T,)`` [N m].
+    #: Friction torque due to gaps between balls that close while these balls press on each other ``(T,)`` [N m].
     closing_torque: Array
     #: External axial load on the screw ``(T,)`` [N]; nan if ``setting`` does not compute it.
     axial: Array
@@ -210,10 +211,10 @@ class TravelHistory:
     #: Power that screw and nut supply less all losses, divided by the losses ``(T,)``; where there are no losses, the
     #: supplied power [W].
     imbalance: Array
-    #: Change of the friction forces on balls and screw in the last round of the iteration between contact loads and
-    #: friction ``(T,)`` [N].
+    #: Largest change of a friction force on a ball or the screw in the last round of the iteration between contact loads
+    #: and friction ``(T,)`` [N].
     change: Array
-    #: Whether loads and motions of each piece converged ``(T,)``.
+    #: Whether contact loads and ball motions converged in each piece of a time step ``(T,)``.
     converged: Mask
     #: ``"converged"``, or a text with the angle at which the simulation ended early or at which no balance of friction was
     #: found.
@@ -221,7 +222,7 @@ class TravelHistory:
 
     @cached_property
     def torque(self) -> Array:
-        """Friction torque by all losses ``(T,)`` [N m] (Figure 3.25 of Lin's thesis)."""
+        """Friction torque due to all losses of the balls ``(T,)`` [N m] (Figure 3.25 of Lin's thesis)."""
         return np.asarray(self.groove_torque + self.ball_torque + self.closing_torque)
 
     def mean_over_time(self, values: Array) -> float:
@@ -254,7 +255,7 @@ class TravelHistory:
 
     @property
     def nut_angle(self) -> Array:
-        """Angle by which the nut has turned on the screw ``(T,)`` [rad]."""
+        """Angle by which the nut has turned relative to the screw ``(T,)`` [rad]."""
         return np.asarray(self.setting.groove.speed * self.time)
 
     @property
@@ -270,7 +271,7 @@ class TravelHistory:
 
     @property
     def reached_end(self) -> bool:
-        """Whether the simulation covers the whole time ``span`` that was asked for."""
+        """Whether the simulation covers the whole time ``span`` that was to be simulated."""
         return bool(abs(float(self.lasts.sum()) - self.span) <= TINY * self.span)
 
     @property
@@ -302,7 +303,7 @@ class TravelHistory:
     def ball_to_groove_ratio(self) -> Array:
         """Ratio of the friction torque between balls to that in the grooves ``(T,)``; nan without friction in the grooves.
 
-        The torque between balls contains the losses by sliding and by gaps that close under force.
+        The torque between balls is due to the losses by sliding on each other and by gaps that close under force.
         """
         groove, between = self.groove_torque, self.ball_torque + self.closing_torque
         return np.divide(between, groove, out=np.full_like(groove, np.nan), where=groove > 0.0)
@@ -412,7 +413,7 @@ def simulate(
     Raises
     ------
     ValueError
-        No time step, or no time to simulate.
+        ``steps`` is below 1, or ``duration`` is not above zero.
 
     References
     ----------
@@ -479,8 +480,8 @@ def simulate_with_step_errors(
     duration
         Time to simulate [s].
     steps
-        Largest number of equal time steps; two simulations with about a quarter and half of this number are made for
-        comparison. With None the number of steps is doubled until no estimated error is above ``goal``.
+        Number of equal time steps of the simulation that is returned; two simulations with about a quarter and half of this
+        number are made for comparison. With None the number of steps is doubled until no estimated error is above ``goal``.
     goal
         Largest error that finite time steps may cause, as a ratio to the mean friction torque; only used if ``steps`` is
         None.
@@ -505,7 +506,7 @@ def simulate_with_step_errors(
 
 
 def _state_after_piece(setting: SimulatedSystem, place: BallState, instant: InstantSolution, piece: float) -> BallState:
-    """Return azimuths, gaps and speeds of the balls after one piece of a time step.
+    """Return azimuths, gaps and orbital speeds of the balls after one piece of a time step.
 
     ``setting``: screw or bearing with its tracks; ``place``: state before the piece; ``instant``: solution whose speeds
     the balls keep during the piece; ``piece``: duration [s].
@@ -557,8 +558,9 @@ class TimeStepErrorEstimate:
 class TimeStepErrors:
     """Estimated errors of the results of a simulation due to its finite time steps."""
 
-    #: Estimated errors by the name of the quantity: "torque" (its course over the angle), "mean", "largest" and "least"
-    #: (see `TravelHistory.torque_statistics`), and "share" (see `TravelHistory.largest_ball_to_groove_ratio`).
+    #: Estimated errors by the name of the quantity: "torque" (friction torque as a function of the angle), "mean",
+    #: "largest" and "least" (mean, largest and least friction torque), and "share" (largest ratio of the friction torque
+    #: between balls to that in the grooves).
     errors_by_quantity: dict[str, TimeStepErrorEstimate]
     #: Numbers of time steps of the three simulations that are compared, in increasing order.
     step_counts: tuple[int, ...]
@@ -646,10 +648,10 @@ def simulate_until_accurate(
 ) -> tuple[TravelHistory, TimeStepErrors | None]:
     """Simulate with ever more time steps; return the last simulation and its estimated errors due to finite time steps.
 
-    ``simulate``: function that returns the simulation with a given number of steps; ``steps``: largest number of steps,
-    to which simulations with about a quarter and half of this number are added. If ``steps`` is None, the series begins
-    with ``first_count`` steps and doubles them until no error is above ``goal``, a fraction of the mean torque. The
-    errors are None where a simulation ended early, or for fewer than four steps.
+    ``simulate``: function that returns the simulation with a given number of steps; ``steps``: number of steps of the last
+    simulation, before which simulations with about a quarter and half of this number are made. If ``steps`` is None, the
+    series of simulations begins with ``first_count`` steps and doubles them until no error is above ``goal``, a fraction of
+    the mean torque. The errors are None where a simulation ended early, or for fewer than four steps.
     """
     if steps is not None:
         counts = sorted({max(1, steps // 4), max(1, steps // 2), steps})

@@ -124,10 +124,10 @@ def _first_balls_after_gaps(azimuths: Array) -> Index:
 def _loaded_arc_length(group: Array, given_length: float | None, spacing: float) -> float:
     """Return the angular length of the loaded arc of one circuit, on which balls carry load [rad].
 
-    The result is ``given_length``, the length that the scene states [rad]. If this is None, the result is the length
-    that the balls fill, with half a distance between neighbours outside the first and the last ball. ``group``: sorted
-    azimuths of the balls on the arc [rad]; ``spacing``: difference of the azimuths of two balls that touch [rad], which
-    is the length of an arc with a single ball. Raises CircuitError if the given arc is too short for its balls.
+    The result is ``given_length``, the length that the scene states [rad]. If this is None, the result is the length that
+    the balls fill, plus half the distance between neighbours beyond the first and beyond the last ball. ``group``: sorted
+    azimuths of the balls on the arc [rad]; ``spacing``: difference of the azimuths of two balls that touch [rad], which is
+    the length of an arc with a single ball. Raises CircuitError if the given arc is too short for its balls.
     """
     span = float(group[-1] - group[0])
     if given_length is None:
@@ -141,10 +141,10 @@ def _loaded_arc_length(group: Array, given_length: float | None, spacing: float)
 def _track_length(loop: Circulation, loaded_count: int, arc: float, spacing: float, path_length_per_angle: float) -> float:
     """Return the length of a closed track, loaded arc and return together, as an azimuth [rad].
 
-    ``loop``: table [circulation], whose filling or gap determines the length; ``loaded_count``: number of balls on the
-    loaded arc; ``arc``: length of the loaded arc [rad]; ``spacing``: difference of the azimuths of two balls that touch
-    [rad]; ``path_length_per_angle``: length of the track per angle [m]. Raises CircuitError if the loaded arc and the
-    return cannot hold their balls.
+    ``loop``: contents of the scene's table [circulation], whose filling or gap determines the length; ``loaded_count``:
+    number of balls on the loaded arc; ``arc``: length of the loaded arc [rad]; ``spacing``: difference of the azimuths of
+    two balls that touch [rad]; ``path_length_per_angle``: length of the track per angle [m]. Raises CircuitError if the
+    loaded arc and the return cannot hold their balls.
     """
     count = loaded_count + loop.returning
     if loop.filling is not None:
@@ -206,7 +206,7 @@ def grooves_of_scene(scene: Scene, friction: Friction, drive: Drive) -> SceneGro
     """Return the grooves of a scene without geometric errors, with the speeds of screw and nut.
 
     The coefficient of friction of the result is the larger one of the screw's and the nut's grooves. ``friction``:
-    coefficients of friction; ``drive``: motion of the screw or nut that turns.
+    coefficients of friction; ``drive``: which part turns, screw or nut, and its angular speed.
     """
     path, h = losses.ball_kinematics(scene, drive, scene.balls.radius), hertz_without_errors(scene)
     constants = groove.GrooveHertzConstants(h.C, h.C_a, h.C_b)
@@ -221,7 +221,7 @@ class SceneBallChain(BallChain):
     static_contacts: StaticContacts
     #: Ellipses, friction bounds and kinematics of the contacts of the same balls.
     groove_contacts: FrictionContacts
-    #: Coefficient of friction from ball to ball.
+    #: Coefficient of friction between touching balls.
     ball_to_ball_mu: float
 
     @property
@@ -277,11 +277,12 @@ def solve_motion_on_track(
     contacts
         Contact loads, angles and ellipses of the N balls of this track.
     slack
-        Largest rate at which each ball may approach the next one ``(N,)`` [rad/s], infinite where they cannot touch.
+        Largest rate at which the difference of the azimuths of each ball and the next one may decrease ``(N,)`` [rad/s],
+        infinite where they cannot touch.
     friction
         Coefficients of friction.
     drive
-        Motion of the screw or nut that turns.
+        Which part turns, screw or nut, and its angular speed.
     grooves
         Grooves without errors, from `grooves_of_scene`.
     start
@@ -321,13 +322,13 @@ class BallsInCircuits:
     number: Index
     #: Azimuth of each ball in the nut's frame at the start ``(N,)`` [rad].
     azimuth: Array
-    #: Difference of the azimuths of each ball and the next one of its circuit when the two touch ``(N,)`` [rad].
+    #: Difference of the azimuths that each ball and the next ball of its circuit have if the two touch ``(N,)`` [rad].
     touching_spacing: Array
     #: Grooves of screw and nut without geometric errors.
     grooves: SceneGrooves
 
     def gaps_to_next_balls(self, azimuth: Array) -> Array:
-        """Return the gap between each ball and the next one of its circuit ``(N,)`` [rad]; negative if they overlap.
+        """Return the gap between each ball and the next one of its circuit, as an azimuth ``(N,)`` [rad]; < 0: overlap.
 
         ``azimuth``: azimuths of the balls in the nut's frame ``(N,)`` [rad].
         """
@@ -380,7 +381,7 @@ def balls_in_circuits(
     friction
         Coefficients of friction.
     drive
-        Motion of the screw or nut that turns.
+        Which part turns, screw or nut, and its angular speed.
     drawn
         Random geometric errors of the balls and grooves.
     member
@@ -433,13 +434,13 @@ class ContactOnset:
     There are N balls and M pairs of neighbours.
     """
 
-    #: Angular speeds of the balls around the axis ``(N,)`` [rad/s]; for unloaded balls an assumed value.
+    #: Angular speeds of the ball centres about the axis ``(N,)`` [rad/s]; for unloaded balls an assumed value.
     orbital_speeds: Array
     #: Sum of the contact loads of each ball ``(N,)`` [N].
     contact_load_sums: Array
     #: Numbers of the two balls of each pair of neighbours; the second ball is at the larger azimuth ``(M, 2)``.
     neighbour_pairs: Index
-    #: Gap between the two balls of a pair ``(M,)`` [rad].
+    #: Gap between the two balls of a pair, as an azimuth: zero if they touch ``(M,)`` [rad].
     pair_gaps: Array
     #: Rotation of screw or nut after which the two balls of a pair meet at their present speeds ``(M,)`` [rad]; infinite if
     #: they never meet.
@@ -464,7 +465,7 @@ class ContactOnset:
 def contact_onset(
     scene: Scene, result: StaticResult, unloaded_speed_ratio: float = 0.0, drive: Drive = NUT
 ) -> ContactOnset:
-    """Return after which rotation neighbouring balls begin to touch, estimated from a static load distribution.
+    """Return the rotation after which neighbouring balls begin to touch, estimated from a static load distribution.
 
     The method is that of section 4.3.2 of Lin's thesis, who argues from the loads: balls that lose contact stay behind,
     so that others run into them. Here each loaded ball moves with least dissipation at its static loads. The speeds are
@@ -480,7 +481,7 @@ def contact_onset(
         Angular speed of unloaded balls around the axis, as a ratio to the nominal one: with 0 they do not move, as Lin
         assumes; with 1 they roll along with the others.
     drive
-        Motion of the screw or nut that turns.
+        Which part turns, screw or nut, and its angular speed.
 
     Raises
     ------

@@ -103,7 +103,7 @@ def _unbalanced_forces(force: Array, normal: Array, along: Array, applied: Array
 
 @dataclass(frozen=True)
 class FrictionEquilibrium:
-    """Contacts of N balls, with contact loads in equilibrium with the friction that acts in the same contacts.
+    """Contacts of N balls whose contact loads are in equilibrium with the friction at these contacts.
 
     A ball fails if its forces, or the axial load that it carried without friction, are out of balance by more than
     ``ACCEPTED`` times the sum of its contact loads.
@@ -117,10 +117,10 @@ class FrictionEquilibrium:
     failed_balls: Mask
     #: Number of rounds of the iteration between contact loads and friction.
     rounds: int
-    #: Largest unbalanced force on a ball, as a ratio to the sum of its contact loads.
+    #: Largest ratio, over all balls, of the unbalanced force on a ball to the sum of its contact loads.
     largest_imbalance_ratio: float
-    #: Friction on each ball along x3 and z3 and on the screw along its axis, which the contact loads balance ``(N, 3)``
-    #: [N].
+    #: Friction forces, in balance with the contact loads: on each ball along x3 (radial) and z3 (binormal), and on the
+    #: screw along its axis ``(N, 3)`` [N].
     friction_on_balls_and_screw: Array
 
 
@@ -150,7 +150,7 @@ def solve_friction_equilibrium(
     friction
         Coefficients of friction.
     drive
-        Motion of the screw or nut that turns.
+        Which part turns, screw or nut, and its angular speed.
     fast
         Whether to use the compiled functions instead of plain Python.
     starting_friction
@@ -239,7 +239,7 @@ def balls_with_jammed_state(
     either direction, with ``DISPLACED`` times their largest contact load. The search may miss such an equilibrium.
     ``scene``: the screw; ``positions``, ``static_contacts``: positions and contacts of the balls without friction;
     ``rolling_state``: equilibrium that the balls reach by rolling from there; ``friction``: coefficients of friction;
-    ``drive``: motion of the screw or nut that turns; ``fast``: whether to use the compiled functions.
+    ``drive``: which part turns, screw or nut, and its angular speed; ``fast``: whether to use the compiled functions.
     """
     size, other = rolling_state.contacts.force.max(axis=1), np.zeros(static_contacts.force.shape[0], dtype=bool)
     for axis in range(2):

@@ -59,8 +59,8 @@ class BallKinematics(HelicalMotion):
 def ball_kinematics(scene: Scene, drive: Drive, ball_radius: float) -> BallKinematics:
     """Return the helix, contact angle and body speeds that determine the motion of a ball; results are cached.
 
-    ``scene``: screw or bearing; ``drive``: motion of the screw or nut that turns; ``ball_radius``: radius of the ball
-    [m].
+    ``scene``: screw or bearing; ``drive``: which part turns, screw or nut, and its angular speed; ``ball_radius``: radius
+    of the ball [m].
     """
     screw = drive.speed if drive.turns == "screw" else 0.0
     track = scene.track
@@ -72,8 +72,8 @@ def ball_kinematics(scene: Scene, drive: Drive, ball_radius: float) -> BallKinem
 class BallFriction:
     """Motion, friction and losses of N balls; four contacts each, in the order SL, SR, NL, NR (screw, nut; left, right)."""
 
-    #: Angular speed of each ball's centre around the axis ``(N,)`` [rad/s], seen from the part (screw or nut) that does not
-    #: rotate; nan for a ball without load.
+    #: Angular speed of each ball's centre about the screw's axis, relative to the part (screw or nut) that does not rotate
+    #: ``(N,)`` [rad/s]; nan for a ball without load.
     orbital_speed: Array
     #: Angular speeds of each ball about x3, y3, z3, relative to these axes, which go round with the ball ``(N, 3)``
     #: [rad/s]; nan for a ball without load.
@@ -85,14 +85,15 @@ class BallFriction:
     force: Array
     #: Moment of friction on the ball about the normal of each contact ``(N, 4)`` [N m].
     moment: Array
-    #: Power lost in each contact by each of the three ``CAUSES`` ``(N, 4, 3)`` [W].
+    #: Power lost in each contact by sliding across the groove, by sliding along it, and by spin ``(N, 4, 3)`` [W].
     loss: Array
     #: Whether each contact sticks ``(N, 4)``.
     sticking_contacts: Mask
     #: Status of the solution for each ball, such as ``"exact"`` or ``"failed"``; ``"no load"`` for a ball without contact
     #: forces.
     status: tuple[str, ...]
-    #: Largest unbalanced force on a ball, as a fraction of the sum of its friction bounds mu F: largest value of all balls.
+    #: Largest ratio, over all balls, of the unbalanced force on a ball to the sum of its friction bounds mu F (coefficient
+    #: of friction times contact force).
     largest_imbalance_ratio: float
 
     @property
@@ -138,7 +139,7 @@ def ball_friction(
     friction
         Coefficients of friction.
     drive
-        Motion of the screw or nut that turns.
+        Which part turns, screw or nut, and its angular speed.
     fast
         Whether to use the compiled functions instead of plain Python.
     start
@@ -216,7 +217,8 @@ def friction_contacts(
 
     ``contacts``: contact forces and ellipses; ``friction_coefficients``: coefficients of friction of the contacts with the
     four flanks (screw left, screw right, nut left, nut right) ``(4,)``, or their ratios to the largest one; the friction
-    bounds in the result are the products of these values and the forces. ``drive``: motion of the screw or nut that turns.
+    bounds in the result are the products of these values and the forces. ``drive``: which part turns, screw or nut, and its
+    angular speed.
     """
     path = ball_kinematics(scene, drive, scene.balls.radius)
     maps, drives = path.contact_kinematics(contacts.normals, contacts.ball_radius)
@@ -230,9 +232,9 @@ def friction_contacts(
 
 
 def rotate_to_groove_axes(at: StaticContacts, values: Array) -> None:
-    """Rotate components from the axes of the contact ellipses to axes x across the groove and z along it.
+    """Rotate components from axes x, z along the semi-axes of each contact ellipse to axes x across the groove, z along it.
 
-    The given axis x is the long axis of each ellipse, as in `friction_contacts`. ``at``: contacts of the N balls;
+    On input, x lies along the long semi-axis of each ellipse, as in `friction_contacts`. ``at``: contacts of the N balls;
     ``values`` ``(N, 4, 3)``: components along x and z and about the normal for each contact, which are overwritten.
     """
     values[~at.across] = _rotate_quarter_turn(values[~at.across], -1.0)
@@ -250,10 +252,10 @@ def _rotate_quarter_turn(components: Array, sign: float = 1.0) -> Array:
 def closing_speeds_of_neighbours(scene: Scene, contacts: StaticContacts, by_ball: BallFriction, drive: Drive) -> Array:
     """Return the speed at which each ball approaches the next one of the same thread start ``(N,)`` [m/s].
 
-    The speed is negative if the balls separate. The next ball is the neighbour at the larger azimuth; in a ring, the
-    last ball is followed by the first. The speed is nan for a ball without a next one, and where one of the two balls
-    has no load. ``contacts``: contacts of the N balls; ``by_ball``: their motions; ``drive``: motion of the screw or
-    nut that turns.
+    The speed is negative if the balls separate. The next ball is the neighbour at the larger azimuth; in a ring, the last
+    ball is followed by the first. The speed is nan for a ball without a next one, and where one of the two balls has no
+    load. ``contacts``: contacts of the N balls; ``by_ball``: their motions; ``drive``: which part turns, screw or nut, and
+    its angular speed.
     """
     path = ball_kinematics(scene, drive, scene.balls.radius)
     count, starts = contacts.force.shape[0], scene.track.starts
@@ -304,9 +306,9 @@ def surface_speeds_in_contacts(
 ) -> tuple[Array, Array]:
     """Return the sliding velocities of k points in each contact, as a linear function of the motions of the N balls.
 
-    ``contacts``: contacts of the balls, each with the k points of `hertz_pressure_quadrature`; ``drive``: motion of the
-    screw or nut that turns; ``curvature_factor``: factor by which the curvature of the contacts across the groove is
-    multiplied, 1 for the actual one and 0 for flat contact ellipses.
+    ``contacts``: contacts of the balls, each with the k points of `hertz_pressure_quadrature`; ``drive``: which part turns,
+    screw or nut, and its angular speed; ``curvature_factor``: factor by which the curvature of the contacts across the
+    groove is multiplied, 1 for the actual one and 0 for flat contact ellipses.
 
     Returns
     -------
@@ -407,7 +409,7 @@ def heathcote_loss_increase(
     friction
         Coefficients of friction.
     drive
-        Motion of the screw or nut that turns.
+        Which part turns, screw or nut, and its angular speed.
     """
     balls = np.flatnonzero(np.isfinite(by_ball.orbital_speed))
     if balls.size == 0:

@@ -140,7 +140,8 @@ class LastInstant(NamedTuple):
     ball_motions: Array
     #: Force of each ball on the next one ``(N,)`` [N].
     ball_forces: Array
-    #: Friction that displaces the balls: on each ball along x3 and z3, and on the screw along its axis ``(N, 3)`` [N].
+    #: Friction forces that displace the balls across their grooves: on each ball along x3 and z3, and on the screw along
+    #: its axis ``(N, 3)`` [N].
     displacing_friction: Array
 
 
@@ -152,7 +153,7 @@ class SceneInMotion:
     scene: Scene
     #: Coefficients of friction.
     friction: Friction
-    #: Motion of the screw or nut that turns.
+    #: Which part turns, screw or nut, and its angular speed.
     drive: Drive
     #: Random geometric errors of balls and grooves.
     random_errors: ErrorsAfterDrawing
@@ -254,9 +255,9 @@ class SceneInMotion:
     def solve_at_instant(self, azimuth: Array, time: float, slack: Array, memory: LastInstant) -> InstantSolution | str:
         """Return the contact loads and ball motions at one instant, or a text that says why no loads were found.
 
-        ``azimuth``: azimuths of the balls in the nut's frame ``(N,)`` [rad]; ``time``: time since the start [s];
-        ``slack``: largest rate at which each ball may approach the next one ``(N,)`` [rad/s], inf where they cannot
-        touch; ``memory``: results at the previous instant, from which the searches begin.
+        ``azimuth``: azimuths of the balls in the nut's frame ``(N,)`` [rad]; ``time``: time since the start [s]; ``slack``:
+        largest rate at which the difference of the azimuths of each ball and the next one may decrease ``(N,)`` [rad/s],
+        inf where they cannot touch; ``memory``: results at the previous instant, from which the searches begin.
         """
         push = memory.displacing_friction.copy()
         at, loaded, status = self.solve_contacts(azimuth, time, push, memory.ball_motions)

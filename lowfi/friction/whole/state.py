@@ -48,9 +48,9 @@ def friction_with_neighbours(
     """Return the friction of all balls at given contact loads, with forces between neighbours that touch.
 
     Neighbours touch if their gap is at most ``TOUCHING``; balls in the return tube touch no other ball. ``scene``: screw or
-    bearing; ``contacts``: contacts of its balls; ``friction``: coefficients of friction; ``drive``: motion of the screw or
-    nut that turns; ``member``: number of the draw of random errors (specimen); ``fast``: whether to use the compiled
-    functions.
+    bearing; ``contacts``: contacts of its balls; ``friction``: coefficients of friction; ``drive``: which part turns, screw
+    or nut, and its angular speed; ``member``: number of the draw of random errors (specimen); ``fast``: whether to use the
+    compiled functions.
 
     Raises
     ------
@@ -113,8 +113,8 @@ class FrictionState:
     #: Indices of balls for which no equilibrium of friction and position was found, in the motion of the scene or in the
     #: reversed motion.
     unsettled_balls: tuple[int, ...]
-    #: Largest unbalanced force on a ball after friction has changed its contact loads, as a ratio to the sum of these
-    #: loads; 0 if friction does not change them.
+    #: Largest ratio, over all balls, of the unbalanced force on a ball, after friction has changed its contact loads, to
+    #: the sum of these loads; 0 if friction does not change contact loads.
     change: float
     #: Whether friction displaces the balls in their grooves and so changes the contact loads.
     friction_changes_loads: bool
@@ -153,13 +153,12 @@ def friction_state(
     friction
         Coefficients of friction, and whether feedback and forces between neighbours are requested.
     drive
-        Motion of the screw or nut that turns.
+        Which part turns, screw or nut, and its angular speed.
     member
         Number of the draw of random geometric errors (specimen) for which ``result`` was solved.
     fast
-        Whether to use the compiled functions instead of plain Python; None: where the compiled functions save time; a
-        scene with few balls does not wait until they are compiled, because `register_compile_job` has them compiled
-        later.
+        Whether to use the compiled functions instead of plain Python; None: only if the scene has so many balls that
+        compiling them first saves time; otherwise `register_compile_job` has them compiled after this computation.
 
     Raises
     ------

@@ -49,17 +49,17 @@ class FrictionSums:
     speed: float
     #: Advance per angle, lead/(2 pi) [m/rad], negative for a left-hand thread.
     advance_per_radian: float
-    #: External axial load on the screw that the contacts balance [N].
+    #: External axial load on the screw, in balance with the forces at the contacts [N].
     axial_load: float
     #: Power lost by friction in all contacts [W].
     power: float
     #: Axial force of friction on the screw [N], which the contact loads of the static model do not balance.
     axial_friction_on_screw: float
-    #: Work per angle [N m] that the drive of the screw, then the drive of the nut, does in a helical motion. The work
-    #: contains the moments about the axis and the axial forces at all contacts, those of the normal forces included.
+    #: Work per angle of rotation that the drive of the screw, then the drive of the nut, does in a helical motion [N m]. It
+    #: is done against the moments about the axis and the axial forces of both normal forces and friction at all contacts.
     helical_work_per_radian: tuple[float, float]
-    #: Friction on a ball in the plane of its groove section, divided by the largest contact load of this ball: largest
-    #: value of all balls.
+    #: Largest ratio, over all balls, of the friction on a ball in the plane of its groove section (across the groove) to
+    #: the largest contact load of this ball.
     cross_groove_friction_ratio: float
     #: Sum of all contact loads [N].
     contact_load_sum: float
@@ -131,9 +131,9 @@ def sum_friction_over_contacts(
 ) -> FrictionSums:
     """Return torque, axial force and power of the friction of a scene, as sums over all contacts.
 
-    ``scene``: screw or bearing; ``contacts``: contacts of its balls; ``by_ball``: friction of each ball; ``drive``: motion
-    of the screw or nut that turns; ``coupled``: whether contact loads and friction together balance the axial load (True),
-    or the contact loads alone (False).
+    ``scene``: screw or bearing; ``contacts``: contacts of its balls; ``by_ball``: friction of each ball; ``drive``: which
+    part turns, screw or nut, and its angular speed; ``coupled``: whether contact loads and friction together balance the
+    axial load (True), or the contact loads alone (False).
     """
     normals, frames = contacts.normals, contacts.section_axes
     friction = by_ball.contact_wrenches(normals)

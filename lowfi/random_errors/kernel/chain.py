@@ -98,8 +98,8 @@ TOLERANCE = 1e-10
 def _motion_of_rigid_bodies(errors: Array, load: float, p: Array) -> float:
     """Return the axial motion of the nut [m] if screw and nut are rigid and the contact angle is constant.
 
-    The forces at this motion sum up to the load or at most 1 % more, so that at least one ball is loaded. errors (M,):
-    oversize of the balls [m]; load: axial load [N]; p: constants as in `ball_force`.
+    At this motion the axial forces of the balls add up to the load or at most 1 % more, so that at least one ball is
+    loaded. errors (M,): oversize of the balls [m]; load: axial load [N]; p: constants as in `ball_force`.
     """
     slope = p[2] * p[4]
     u = ((load / (slope * p[0] * errors.size)) ** (2.0 / 3.0) - errors.min()) / slope

@@ -59,8 +59,8 @@ RIGID_INNER = "elastic inner ring: apart from its contacts it is rigid, like the
 class Housings:
     """The m moving housings of an assembly and the springs between them, as one linear elastic system.
 
-    If k rigid motions of the housings meet no resistance by springs, k degrees of freedom are fixed in the stiffness
-    matrix, and these motions are unknowns of their own.
+    If no spring resists k rigid motions of the housings, k degrees of freedom are fixed in the stiffness matrix, and the
+    amplitudes of these motions are additional unknowns.
     """
 
     #: Indices of the degrees of freedom that are free in the stiffness matrix: neither supported nor fixed against a rigid
@@ -103,16 +103,17 @@ class ElasticAssemblyEquations(solve.AssemblyEquations):
     shaft: statics_shaft.ShaftBeam
     #: The moving housings with the springs that hold them.
     housings: Housings
-    #: Motions ``(4 N, 6 m)`` of the flanks of nuts and outer rings per unit motion of the housings.
+    #: Motions of the flanks of nuts and outer rings (two flanks with two components for each of N balls and rollers) per
+    #: unit motion of the m housings ``(4 N, 6 m)``.
     outer_by_housings: Array
-    #: Motions ``(4 N, 6 m)`` of the flanks of inner rings that housings carry, per unit motion of the housings.
+    #: Motions of the flanks of those inner rings that sit on housings, per unit motion of the m housings ``(4 N, 6 m)``.
     inner_by_housings: Array
-    #: For each ball bearing or nut, the compliance matrices of its screw (or inner ring) and nut (or outer ring) under its
-    #: own contact forces, ``(4 n, 4 n)`` [m/N] for its n balls.
+    #: For each ball bearing or nut with n balls, two compliance matrices ``(4 n, 4 n)`` [m/N]: motions of the flanks of its
+    #: screw (or inner ring), and of its nut (or outer ring), per unit contact force of the same bearing or nut.
     own_compliances: list[tuple[Array, Array]]
     #: Assumptions about the bodies, as sentences for the report.
     assumed: tuple[str, ...]
-    #: Coupling by which the shaft's section forces change the contacts' approach; None: not modelled.
+    #: Coupling of the shaft's section forces, which deform its grooves, with the contacts' approaches; None: not modelled.
     coupling: statics_shaft.SectionForceCoupling | None
 
     def contact_states(self) -> Sequence[ContactState]:
@@ -145,8 +146,8 @@ class ElasticAssemblyEquations(solve.AssemblyEquations):
     def forces_on_flanks(self) -> Array:
         """Return the ball forces on the flanks ``(N, 4, 2)`` [N] with which the elastic bodies are in equilibrium.
 
-        They differ by the residual of the iteration from the forces of the contact law, which must not be used instead:
-        even a small difference moves a long, compliant shaft noticeably.
+        They differ from the forces by the contact law by the residual of the iteration. The forces by the contact law must
+        not be used instead: even so small an error moves a long, compliant shaft noticeably.
         """
         return self.state.phi.reshape(-1, 4, 2)
 
@@ -575,6 +576,6 @@ def solve_assembly_with_elastic_bodies(
 
 
 def describe_rigid_rings(assembly: Assembly) -> tuple[str, ...]:
-    """Return a sentence for each roller bearing, and each inner ring on a housing, that the model takes as rigid."""
+    """Return a sentence for each roller bearing and each inner ring on a housing; the model takes their rings as rigid."""
     rollers = tuple(f"{s.name}: {RIGID_RINGS}" for s in assembly.sets if isinstance(s.parts, RollerRow))
     return rollers + tuple(f"{s.name}: {RIGID_INNER}" for s in assembly.sets if s.carrier is not None)

@@ -35,9 +35,9 @@ class UnrestrainedMotions:
 
     #: Whether the loads do work on an unrestrained motion, so that there is no equilibrium.
     is_driven_by_loads: bool
-    #: Description of the unrestrained motions in words, for the user; empty if there are none.
+    #: Text for the user that describes the unrestrained motions; empty if there are none.
     description: str
-    #: Each pin: number of the shaft node or housing, and of its degree of freedom to fix.
+    #: For each pin the number of the shaft node or housing, and the number (0 to 5) of its degree of freedom that is fixed.
     pins: tuple[tuple[int, int], ...] = ()
 
 
@@ -153,8 +153,8 @@ def find_opening_motion(system: AssemblyArrays) -> Array | None:
 def _approach_change_of_balls(ball_set: BallSet, system: AssemblyArrays, by_row: Array) -> Array:
     """Return the change of approach of each contact of one nut or bearing, per unit motion of bodies and ball centres.
 
-    A row is a contact. The columns are the k rigid motions of shaft and housings, then two coordinates of every ball centre
-    of the assembly. The single arc of a deep groove has contacts at its contact angle on both sides.
+    Each row of the result is a contact. The columns are the k rigid motions of shaft and housings, then two coordinates of
+    every ball centre of the assembly. The single arc of a deep groove has contacts at its contact angle on both sides.
 
     Parameters
     ----------
@@ -206,10 +206,10 @@ def status_of_runaway_assembly(system: AssemblyArrays) -> Status:
 def status_of_reversed_thrust(system: AssemblyArrays, name: str, thrust: str, angle: float, load: float) -> Status:
     """Return the status "not held" of an assembly in which a bearing for one direction of thrust is loaded in the other.
 
-    The bearing carries thrust in one direction only, but the model continues its groove arcs beyond the bottom. The proof
-    holds even if forces at the nominal contacts could balance the loads: with continued arcs the energy is convex, so that
-    its equilibrium is unique. An equilibrium with every loaded ball on the proper side would also be one of the continued
-    arcs, hence the one that was found.
+    The bearing carries thrust in one direction only, but the model continues its groove arcs beyond the bottom, so that the
+    solver can find a ball loaded on the wrong side. Such a solution proves that the real bearing has no equilibrium: with
+    continued arcs the energy is convex and the equilibrium unique. An equilibrium with every loaded ball on the proper side
+    would also be an equilibrium of the continued arcs, and the solver would have found it instead.
 
     Parameters
     ----------

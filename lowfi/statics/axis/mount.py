@@ -42,7 +42,7 @@ class _PreloadTask:
 
     #: Assembly without loads and without thermal expansion.
     unloaded: Assembly
-    #: Solver function and its arguments, by which the cache tells different solvers apart.
+    #: Function that solves the assembly, with its arguments: part of the key under which the found offsets are cached.
     solver_identification: tuple[object, ...]
     #: Function that computes the equilibrium of an assembly.
     solve_assembly: Callable[[Assembly], AxisResult] = field(compare=False)
@@ -90,9 +90,10 @@ def _find_axial_preload_shifts(task: _PreloadTask) -> tuple[tuple[float, ...] | 
 
     First the outer rings and nuts are free to slide along the axis and are pushed by their preload forces. As the energy is
     convex also in their positions, they come to rest where the preloads are reached, or the solution proves that there is
-    no equilibrium. A ring or nut on a moving housing is joined to it by springs that are not quite rigid; Newton's method
-    on the logarithms of the forces then corrects the shifts. If all rings and nuts can be shifted together without change
-    of the forces, the mean shift is set to zero. The result is cached, since all load cases of an assembly share it.
+    no equilibrium. In this solution a ring or nut on a moving housing is joined to it by stiff springs instead of rigidly;
+    Newton's method on the logarithms of the forces corrects the shifts for that. If all rings and nuts can be shifted
+    together without change of the forces, the mean shift is set to zero. The result is cached, since all load cases of an
+    assembly share it.
 
     Returns
     -------
@@ -105,7 +106,7 @@ def _find_axial_preload_shifts(task: _PreloadTask) -> tuple[tuple[float, ...] | 
     goal = np.log([bare.sets[i].preload for i in numbers])
 
     def log_force_ratios(shift: Array) -> Array:
-        """Return the logarithm of computed over prescribed preload force for each outer ring or nut; nan without force.
+        """Return log(computed/prescribed preload force) for each outer ring or nut; nan for one that carries no force.
 
         ``shift``: axial shifts of the outer rings and nuts [m].
         """

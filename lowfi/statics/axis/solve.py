@@ -96,8 +96,9 @@ def _flanks_in_contact(rolling: RollingSet, scene: Scene, shift: float, drawn: G
     The flanks are SL, SR, NL, NR: screw left, screw right, nut left, nut right. ``shift``: displacement of the shaft along
     z [m] relative to the nut or outer ring; a positive one closes the flank pair SL-NR and opens SR-NL by the shift times
     the sine of the contact angle. ``rolling``: the ball nut or bearing in the assembly; ``scene``: its dimensions;
-    ``drawn``: dimensions with manufacturing errors. If one pair touches balls and the other does not, only the first is
-    returned; otherwise all flanks that can be loaded by thrust in the direction which the nut or bearing carries.
+    ``drawn``: dimensions with manufacturing errors. If one pair touches balls and the other does not, only the flanks of
+    the first pair are returned; otherwise all flanks that can be loaded by thrust in the direction which the nut or bearing
+    carries.
     """
     use = axis_system.USE[rolling.thrust]
     if rolling.thrust != "both" or drawn.profile_coefficients.shape[1]:
@@ -185,7 +186,7 @@ def stiffness_of_rigid_assembly(equations: BeamAssemblyEquations, hessians: Arra
 def stiffness_from_compliance(compliance: Array, free: NDArray[np.bool_], arm: float) -> Array | None:
     """Return the stiffness ``(6, 6)`` [N/m, N, N m] of the free degrees of freedom of a body; nan for the fixed ones.
 
-    None if the matrix is not a positive compliance but round-off, as happens if no contact carries load.
+    None if the matrix is not positive definite but consists of round-off, as happens if no contact carries load.
 
     Parameters
     ----------
@@ -240,7 +241,8 @@ def stiffness_of_nut_or_bearing(ball_set: BallSet, stations: Array, hessians: Ar
     stations
         Axial positions of all shaft nodes and moving housings [m].
     hessians
-        Second derivatives of each ball's energy by the motions of its inner flanks ``(N, 4, 4)`` [N/m].
+        Second derivatives of each ball's energy by the motions of its two flanks on the screw or inner ring ``(N, 4, 4)``
+        [N/m].
     """
     rows = screw_flank_motions_per_rigid_motion(ball_set, stations)
     return np.asarray(np.einsum("nai,nab,nbj->ij", rows, hessians, rows))
@@ -274,7 +276,8 @@ class AssemblyEquations(settle.StaticEquations):
     def stiffness_of_sets_and_assembly(self) -> tuple[Sequence[Array], Array | None]:
         """Return the tangent stiffness ``(6, 6)`` [N/m, N, N m] of each ball nut or bearing, and of the assembly.
 
-        The assembly's stiffness is taken at the shaft node or housing for which it is reported; None if there is none.
+        The assembly's stiffness is taken at the shaft node or housing for which it is reported; it is None if this housing
+        is fixed or nothing resists its motion.
         """
 
 
@@ -334,7 +337,8 @@ class BeamAssemblyEquations(AssemblyEquations):
     def stiffness_of_sets_and_assembly(self) -> tuple[Sequence[Array], Array | None]:
         """Return the tangent stiffness ``(6, 6)`` [N/m, N, N m] of each ball nut or bearing, and of the assembly.
 
-        The assembly's stiffness is taken at the shaft node or housing for which it is reported; None if there is none.
+        The assembly's stiffness is taken at the shaft node or housing for which it is reported; it is None if this housing
+        is fixed or nothing resists its motion.
         """
         system, hessians = self.assembly_arrays, self.energy_derivatives().ball_hessians
         at, inner = system.structure.body_positions, hessians[:, :4, :4]
@@ -343,7 +347,7 @@ class BeamAssemblyEquations(AssemblyEquations):
 
 
 def moved_too_far(q: Array, system: AssemblyArrays) -> bool:
-    """Return whether a body moved so far that the linear kinematics of the contacts no longer hold.
+    """Return whether a shaft node or housing moved so far that the linear kinematics of the contacts no longer hold.
 
     Parameters
     ----------
@@ -386,7 +390,7 @@ class AssemblyModel(NamedTuple):
     build_equations: Callable[[AssemblyArrays, ModuleType], AssemblyEquations]
     #: Cross-section of the threaded shaft; None: computed from the assembly's dimensions.
     threaded_shaft_section: BeamSection | None
-    #: Whether the equations leave out flanks that loads and axial offsets lift off the balls.
+    #: Whether flanks that are expected to lift off the balls, by loads and axial offsets, are left out of the equations.
     leaves_out_lifted_flanks: bool
 
 
@@ -434,8 +438,8 @@ def solve_assembly_by_model(
     member
         Number of the specimen: each number gives other random errors.
     solve_same_model
-        Function that solves another assembly by the same model. It serves to find the axial offsets that give the required
-        preloads, where preloads are prescribed as forces.
+        Function that solves another assembly by the same model. If preloads are prescribed as forces, it is used to find
+        the axial offsets of outer rings and nuts that produce them.
     """
     start = perf_counter()
 

@@ -36,20 +36,22 @@ class Structure:
     housing_positions: Array
     #: Cross-section of each beam element of the shaft.
     sections: tuple[meshes_section.BeamSection, ...]
-    #: Which degrees of freedom of the r bodies are fixed ``(r, 6)``.
+    #: Whether each degree of freedom of the r bodies (shaft nodes, then moving housings) is fixed ``(r, 6)``.
     fixed: NDArray[np.bool_]
-    #: Prescribed values of the fixed degrees of freedom ``(r, 6)`` [m, rad].
+    #: Prescribed values of the fixed degrees of freedom of shaft nodes and moving housings ``(r, 6)`` [m, rad].
     prescribed: Array
-    #: Loads on the r bodies ``(r, 6)`` [N, N m], with the forces that represent thermal expansion.
+    #: Loads on the r bodies (shaft nodes, then moving housings) ``(r, 6)`` [N, N m], with the forces that represent thermal
+    #: expansion.
     load: Array
-    #: Numbers of the two bodies joined by each of k springs, -1 for the fixed frame ``(k, 2)``.
+    #: Numbers of the two bodies (shaft nodes, then moving housings) that each of k springs joins ``(k, 2)``; -1 for the
+    #: fixed frame.
     spring_bodies: Ints
     #: Matrices ``(k, 2, 6, 6)`` from the motions of the two bodies that a spring joins to the motions of its two ends. The
     #: second matrix has a negative sign, so that the sum of both end motions is the spring's deformation.
     spring_end_matrices: Array
     #: Stiffness matrices of the springs ``(k, 6, 6)`` [N/m, N, N m].
     springs: Array
-    #: For each housing, by its name, its number among the r bodies; -1 for a fixed housing.
+    #: Number of each housing, by its name, among the shaft nodes and moving housings; -1 for a fixed housing.
     housing_numbers: dict[str, int]
 
     @property
@@ -242,9 +244,10 @@ def rigid_motions_of_shaft_and_housings(structure: Structure, arm: float) -> Arr
 
 
 def restraints_on_rigid_motions(structure: Structure, motions: Array) -> Array:
-    """Return how supports and springs restrain rigid motions of shaft and housings: a normalised row for each restraint.
+    """Return the constraints by supports and springs on rigid motions of shaft and housings, as normalised rows.
 
-    The product of the result with the amplitudes of the motions is zero if no support or spring resists their combination.
+    Each row is one constraint, each column one rigid motion. The product of the result with the amplitudes of the motions
+    is zero if no support or spring resists their combination.
 
     Parameters
     ----------

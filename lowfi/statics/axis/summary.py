@@ -41,13 +41,14 @@ NOTHING = 10.0 * ACCEPTED
 
 @dataclass(frozen=True)
 class SolveRecord:
-    """Status, effort, reactions and stiffness of a solved assembly, which its result needs besides motions and contacts."""
+    """Data of a solved assembly that its result needs besides motions and contacts: status, reactions, stiffness, texts."""
 
     #: Status that the solver reported.
     status: Status
     #: Effort and accuracy of the solve.
     report: SolverReport
-    #: Description in words of the motions that are pinned because nothing resists them; empty if there are none.
+    #: Text that names the rigid motions which the model prevents by fixing degrees of freedom, because no support or
+    #: contact resists them; empty if there are none.
     pinned_motions_text: str
     #: Forces and moments at the fixed degrees of freedom of shaft nodes and moving housings ``(r, 6)`` [N, N m].
     support_reactions: Array
@@ -232,7 +233,8 @@ def _outer_part_motion(of: RollingSet, row: int, state: MotionState, stations: A
     of
         Bearing or nut.
     row
-        Motion row of the housing of its outer ring or nut; -1 if the housing is fixed.
+        Number of the housing of its outer ring or nut among the bodies (shaft nodes, then moving housings); -1 if it is
+        fixed.
     state
         Motions of shaft nodes and housings.
     stations
@@ -261,7 +263,7 @@ def _resultant_about_axis_point(points: Array, forces: Array, station: float) ->
 def _check_shaft_equilibrium(
     system: AssemblyArrays, state: MotionState, record: SolveRecord, sets: tuple[SetResult, ...]
 ) -> Equilibrium:
-    """Return the check of equilibrium of the shaft: external loads, support reactions, and forces of bearings and nuts.
+    """Return the check of the shaft's equilibrium under external loads, reactions, and forces of bearings and nuts.
 
     ``state``: solved motions; ``record``: data of the finished solve; ``sets``: results of the bearings and nuts.
     """

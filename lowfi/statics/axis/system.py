@@ -51,7 +51,7 @@ USE = {
 class BallSet:
     """The N balls of one bearing row or ball nut of an assembly, with the motions of their four flanks.
 
-    A row of the array of motions holds the six motions of one body: a shaft node or a moving housing, see `Structure`.
+    The bodies whose motions move the flanks are the shaft nodes and the moving housings, numbered as in `Structure`.
     """
 
     #: The bearing row or ball nut.
@@ -60,7 +60,8 @@ class BallSet:
     problem: statics_problem.Problem
     #: Indices of the balls of this row or nut among the balls of the whole assembly.
     ball_indices: slice
-    #: Motion row of the housing of the nut or outer ring; -1 if the housing is fixed.
+    #: Number of the housing of the nut or outer ring among the bodies (shaft nodes, then moving housings); -1 if it is
+    #: fixed.
     outer_body_row: int
     #: Number of the first body (shaft node or moving housing) that moves each flank ``(N, 4)``; -1 if the flank is fixed.
     first_body_rows: Ints
@@ -98,7 +99,7 @@ class BallSet:
 class RollerSet:
     """Rollers of one tapered roller bearing of an assembly, divided into slices across their axes."""
 
-    #: The bearing as a rolling set of the assembly, with its position, housing and direction of thrust.
+    #: The bearing with its position, its housing and the direction of thrust that it carries.
     of: RollingSet
     #: Dimensions of the rollers and raceways.
     row: RollerRow
@@ -485,8 +486,8 @@ def mean_pair_constant(ball_set: BallSet) -> float:
 def preload_approach(ball_set: BallSet) -> float:
     """Return the contact approach [m] that preload alone causes in a ball nut or bearing while all bodies are fixed.
 
-    Preload comes from oversized balls, or from the prescribed axial offset of the nut or outer ring. The approach is the
-    sum of both contacts of a ball.
+    Preload comes from oversized balls, or from the prescribed axial offset of the nut or outer ring. The approaches of both
+    contacts of a ball are added up.
     """
     problem, offset = ball_set.problem, ball_set.of.offset
     shift = {"+z": -offset, "-z": offset}.get(ball_set.of.thrust, abs(offset))
@@ -517,7 +518,7 @@ def typical_contact_force(system: AssemblyArrays, ball_set: BallSet) -> float:
 
 
 def assembly_residual_scale(system: AssemblyArrays) -> ResidualScale:
-    """Return the typical force and stiffness of the assembly's contacts, and the force that counts as zero.
+    """Return typical force and stiffness of the assembly's contacts, and the force below which a contact is unloaded.
 
     The solver scales residuals by these values. A contact counts as unloaded below 1e-14 of the typical force. If neither
     loads nor preload press any contact, this limit is the force at an approach of the size of the coordinates' round-off.
@@ -547,9 +548,10 @@ def assembly_residual_scale(system: AssemblyArrays) -> ResidualScale:
 class RollerElements:
     """The M rollers of all roller bearings, each as one element between rigid cone (inner ring) and cup (outer ring)."""
 
-    #: Shaft node of each roller's cone ``(M,)``.
+    #: Number of the shaft node on which each roller's cone sits ``(M,)``.
     cone_nodes: NDArray[np.int64]
-    #: Motion row of the housing of each roller's cup ``(M,)``; -1 if the housing is fixed.
+    #: Number of the housing of each roller's cup among the bodies (shaft nodes, then moving housings) ``(M,)``; -1 if it is
+    #: fixed.
     cup_body_rows: NDArray[np.int64]
     #: Motions of cone and cup at each roller per unit motion of shaft node or housing ``(M, 2, 2, 6)``. The axes are:
     #: roller; cone or cup; displacement along the contact normal at the roller's middle, or its slope along the roller

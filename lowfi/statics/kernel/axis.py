@@ -132,7 +132,7 @@ def add_ball_stiffness_in_loops(values: Array, axis: AxisArrays, balls: AxisBall
 
 @kernel
 def write_coupling_block(left: Array, h: Array, right: Array, block: Array) -> None:
-    """Write to ``block`` the part (6, 6) = left^T h right of a ball's stiffness that couples the motions of two bodies.
+    """Write to ``block`` the part left^T h right (6, 6) of a ball's stiffness that couples the motions of two bodies.
 
     left, right (2, 6 or more): motion of a groove flank by the motion of its body (or shaft node), in the first six
     columns; h (2, 2): stiffness of the ball between these two flanks [N/m].
@@ -166,7 +166,7 @@ def add_roller_stiffness(values: Array, axis: AxisArrays, rollers: AxisRollers, 
 
 @kernel
 def fix_prescribed_motions(values: Array, axis: AxisArrays, shift: Array) -> None:
-    """Fix the supported motions in a stiffness matrix: replace their rows and columns by those of a unit matrix.
+    """Fix the motions that supports prescribe: replace their rows and columns of a stiffness matrix by unit ones.
 
     Before that, ``shift`` (6,) [N/m, N m] is added to the diagonal of the matrix ``values`` for every node and body.
     ``axis``: which motions are fixed, and the positions of the rows in ``values``, which stores the matrix as an envelope.
@@ -213,7 +213,7 @@ KEPT = 0.0
 
 @kernel
 def evaluate_axis(given: AxisSystem, state: MotionState, out: EnergyDerivatives) -> tuple[float, float]:
-    """Compute energy, gradient and ball stiffness of shaft, bodies and balls; return energy [J] and largest force [N].
+    """Compute energy of shaft, bodies and balls with its derivatives; return energy [J] and largest force in the model [N].
 
     Writes the nodal motions, ball centres, contacts and roller slices to ``state``, and the gradient of the energy and the
     stiffness of the balls to ``out``. ``given``: arrays of shaft, bodies, springs, balls and rollers.
@@ -346,7 +346,7 @@ def solve_for_motions(axis: AxisArrays, values: Array, loads: Array, step: Array
 
 @kernel
 def energy_and_largest_force(given: AxisSystem, state: MotionState, workspace: MotionWorkspace) -> tuple[float, float]:
-    """Return the energy [J] of shaft, bodies and rolling elements at the state, and the largest force [N].
+    """Return the energy [J] of shaft, bodies and rolling elements at the state, and the largest force in the model [N].
 
     ``given``: arrays of shaft, bodies, springs, balls and rollers. The derivatives of the energy are written to the
     ``workspace`` (`evaluate_axis`).
@@ -375,7 +375,7 @@ def write_newton_step(
 
 @kernel
 def largest_flank_motion_in_step(given: AxisSystem, workspace: MotionWorkspace) -> float:
-    """Return the largest relative displacement [m] of two opposite flanks of a ball in the full Newton step.
+    """Return the largest displacement [m] of two opposite flanks of a ball relative to each other in the full Newton step.
 
     The ``workspace`` holds the step. ``given``: arrays of shaft, bodies, springs, balls and rollers.
     """

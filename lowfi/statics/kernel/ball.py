@@ -38,14 +38,14 @@ SETTLING, HALVINGS = 60, 30
 
 @kernel
 def guess_ball_centre(p: Array, shift: Array, geometry: Array, closure: Array) -> int:
-    """Write a first guess of the ball's centre p (2,) [m] for Newton's method; return from how many flank pairs it follows.
+    """Write a first guess of the ball's centre p (2,) [m] for Newton's method; return the number of flank pairs used.
 
     p is the displacement from the nominal position of the centre. A diagonal pair is two opposite flanks a, b of screw and
     nut. The guess is the mean of the two-contact solutions of all pairs with interference, or the mean motion of the flanks
-    if there is none. A pair that is the only one is used even with clearance. With D from the groove centre of b to that of
-    a, and the motions v_a, v_b of both flanks, the interference is its nominal value in ``closure`` (2,) [m] plus |D + v_a
-    - v_b| - |D|. The contacts share it in the ratio of their Hertz constants, which is exact for circular flanks. shift (4,
-    2): motions of the flanks [m]; geometry (4, 9): contact data, see the module.
+    if there is none. If only one pair can carry load, it is used even with clearance. With D from the groove centre of b to
+    that of a, and the motions v_a, v_b of both flanks, the interference is its nominal value in ``closure`` (2,) [m] plus
+    |D + v_a - v_b| - |D|. The contacts share it in the ratio of their Hertz constants, which is exact for circular flanks.
+    shift (4, 2): motions of the flanks [m]; geometry (4, 9): contact data, see the module.
     """
     count = 0
     x, z = 0.0, 0.0
@@ -105,7 +105,7 @@ def approach_to_flank(
 def ball_contact_forces(
     x: float, z: float, y: float, shift: Array, geometry: Array, local: Array, r_ball: float, profile: Array, contact: Array
 ) -> float:
-    """Compute forces and stiffnesses of a ball's four contacts, for its centre at (x, z) [m] and the amplitude y.
+    """Compute forces and stiffnesses of a ball's four contacts, for its centre displaced by (x, z) [m] and deformed by y.
 
     y is the amplitude of the ball's deformation. Writes force, normal and stiffness to ``contact`` (4, 5) and returns the
     contact energy [J]: the integral of Hertz's law, equation 2.14 of Lin's thesis. shift (4, 2): motions of the flanks [m];
@@ -134,10 +134,10 @@ def general_ball_contact_forces(
 ) -> float:
     """Compute contact forces and energy of a ball, also for non-circular flanks and for an elastic ball.
 
-    (x, z): position of the ball's centre [m]; y: amplitude of its deformation; shift (4, 2): motions of the flanks [m];
-    geometry (4, 9): contact data; local (4, 3): compliance terms of the contacts, empty for a rigid ball; r_ball: ball
-    radius [m]; profile (4, d): deviations of the flanks from circular arcs. Writes the contacts to ``contact`` (4, 5) and
-    returns the energy [J]. The arrays are described in the module.
+    (x, z): displacement of the ball's centre, radial and along the helix's binormal [m]; y: amplitude of its deformation;
+    shift (4, 2): motions of the flanks [m]; geometry (4, 9): contact data; local (4, 3): compliance terms of the contacts,
+    empty for a rigid ball; r_ball: ball radius [m]; profile (4, d): deviations of the flanks from circular arcs. Writes the
+    contacts to ``contact`` (4, 5) and returns the energy [J]. The arrays are described in the module.
     """
     energy = 0.5 * y * y  # energy of the ball's deformation; its amplitude is scaled to a stiffness of one
     for s in range(4):
@@ -319,7 +319,7 @@ def solve_opposite_flank_pair(a: int, total: float, p: Array, shift: Array, geom
 
 @kernel
 def clear_negligible_forces(contact: Array, tiny: float, energy: float) -> float:
-    """Set all contact forces of a ball to zero if none exceeds ``tiny`` [N]; return the ball's energy [J].
+    """Set all contact forces of a ball to zero if none exceeds ``tiny`` [N]; return the ball's contact energy [J].
 
     contact (4, 5): contacts of the ball, changed in place. The result is ``energy``, or zero if the forces are set to zero.
     """

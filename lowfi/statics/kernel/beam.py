@@ -40,7 +40,7 @@ from .matrices import factor_band, substitute_band
 
 @kernel
 def element_constants(length: float, section: Array) -> tuple[float, float, float, float, float]:
-    """Return the five stiffness constants of a Timoshenko beam element: k_uu, k_uu L/2, k_rr, axial, torsional.
+    """Return the stiffness constants of a Timoshenko beam element: k_uu, k_uu L/2, k_rr, EA/L, GJ/L.
 
     They relate the force and moment at the element's second node to its deformation, the motion of this node minus the
     rigid-body motion of the first node transferred to it. k_uu [N/m] (lateral force by displacement) is
@@ -437,12 +437,12 @@ def move_along_step(given: Rows, state: MotionState, workspace: MotionWorkspace,
 
 @kernel
 def complete_final_state(given: Rows, state: MotionState, options: NewtonOptions, workspace: MotionWorkspace) -> None:
-    """Do nothing: the last evaluation completed the state. Only the model with elastic bodies completes its state here."""
+    """Do nothing: the state is complete. Only the model with elastic bodies has something to compute at this point."""
 
 
 @kernel
 def least_residual_force_scale(given: Rows, state: MotionState, options: NewtonOptions) -> float:
-    """Return the smallest force [N] that relative residuals may be divided by.
+    """Return the lower bound of the force [N] by which unbalanced forces are divided for relative residuals.
 
     It is the larger of ``options.least_force_scale`` and the largest element moment divided by ``options.moment_arm``.
     Without this limit, a screw that is bent by moments only, or that has lost its last contact, would have no force to
@@ -513,9 +513,9 @@ def shorten_first_step(
 ) -> None:
     """Take the first Newton step from the state, shortened such that no flank moves further than a limit [m].
 
-    reach [m]: largest displacement of a flank in the full step; the limit is ``options.max_flank_step``.
-    ``given``: arrays of the screw and its balls, or of a shaft with several nuts and bearings. The ``workspace`` holds
-    the step; ``state`` is changed.
+    reach [m]: largest displacement of a flank in the full Newton step; the limit is ``options.max_flank_step``. ``given``:
+    arrays of the screw and its balls, or of a shaft with several nuts and bearings. The ``workspace`` holds the step;
+    ``state`` is changed.
     """
     save_line_search_start(state, workspace)
     limit = options.max_flank_step

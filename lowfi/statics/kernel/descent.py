@@ -81,7 +81,7 @@ def search_along_step(
 def force_scale_and_residual(
     given: Any, state: Any, options: NewtonOptions, workspace: Any, scale: float, first_force: float
 ) -> tuple[float, float]:
-    """Return the force [N] by which unbalanced forces are divided, and the relative residual that results.
+    """Return the force [N] by which the largest unbalanced force is divided, and the quotient: the relative residual.
 
     That force is the largest force in the model, ``scale`` [N], but at least the result of `least_residual_force_scale`.
     Where only displacements are prescribed (``options.least_force_scale`` is zero), it is at least ``first_force`` [N]

@@ -242,7 +242,7 @@ def reflect_by_householder(direction: Array, x: Array, first: int, last: int, si
 def solve_balls_of_four_flanks(
     v: Array, contacts: BallContacts, inner: Array, contact: Array, f: Array
 ) -> tuple[float, float]:
-    """Find the equilibrium of every ball between its four flanks, and the forces of every roller, at given flank motions.
+    """Find the equilibrium of each ball between four flanks, and the forces of each roller, at known flank motions.
 
     v (N, 8): motions of the flanks [m] of N balls and rollers; the rollers come after the balls. Writes the forces f (N, 8)
     [N] on the flanks, the ball centres [m] and deformation amplitudes ``inner`` (N, 3), and ``contact`` (N, 4, 5): force,
@@ -542,7 +542,7 @@ def complete_final_state(given: BodySystem, state: ForceState, options: NewtonOp
 
 @kernel
 def least_residual_force_scale(given: BodySystem, state: ForceState, options: NewtonOptions) -> float:
-    """Return the smallest force [N] that relative residuals may be divided by.
+    """Return the lower bound of the force [N] by which unbalanced forces are divided for relative residuals.
 
     It is ``options.least_force_scale``; ``given`` and ``state`` are not used.
     """
@@ -551,7 +551,7 @@ def least_residual_force_scale(given: BodySystem, state: ForceState, options: Ne
 
 @kernel
 def largest_displacement(given: BodySystem, state: ForceState) -> float:
-    """Return the largest amplitude [m] of a free motion of the bodies, which only the contacts resist; 0 without any.
+    """Return the largest amplitude [m] of those rigid motions of the bodies that only the contacts resist; 0 without any.
 
     ``state``: amplitudes of the free motions; ``given`` is not used.
     """

@@ -74,11 +74,12 @@ def next_line_search_trial(trial: LineSearchTrial, trial_energy: float, trial_sl
 def record_progress(
     progress: IterationProgress, residual: float, unbalanced: float, energy: float, tried: int
 ) -> tuple[IterationProgress, bool]:
-    """Update the record of a Newton iteration's progress; return it and whether the iteration ends for lack of progress.
+    """Update the record of a Newton iteration's progress; return it, and whether to end the iteration for lack of progress.
 
     residual: largest unbalanced force relative to the largest force; unbalanced: the same force relative to the applied
-    loads; energy: energy [J] after the step; tried: number of step lengths that the last line search tried. The iteration
-    ends after several steps that neither halved the residual nor lowered the energy, or after two exhausted line searches.
+    loads; energy: energy of the model [J] after the step; tried: number of step lengths that the last line search tried.
+    The iteration ends after several steps that neither halved the residual nor lowered the energy, or after two exhausted
+    line searches.
     """
     falls = progress.lowest_energy - energy > FALLS * abs(energy)
     stalled = 0 if residual < 0.5 * progress.smallest_residual or falls else progress.stalled_iterations + 1

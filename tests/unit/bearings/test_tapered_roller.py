@@ -227,7 +227,7 @@ REFUSED = [
     (load_zone_integrals, (0.0, 1.1), "above zero"),
     *((tapered_roller.load_zone_under_thrust_and_radial_load, (*loads, 1.1), "F_r tan") for loads in SEPARATING),
     (solve_thrust_and_radial_equilibrium, (B, THRUST, 1.01 * RADIAL_LIMIT), "F_r tan"),
-    (ROW.deflection, (-1.0,), "at least 0 N"),
+    (ROW.deflection, (-1.0,), "must not be negative"),
 ]
 
 

@@ -68,10 +68,10 @@ def test_a_users_own_variable_wins(tmp_path):
 
 def test_a_call_of_the_library_has_one_thread_and_leaves_the_rest_to_its_user(tmp_path):
     code = (
-        f"{COUNT}\nimport numpy, rollbench\nfrom rollbench.lowfi.statics import static\n"
-        "settled = static.solve_with_updated_contacts\n"
+        f"{COUNT}\nimport numpy, rollbench\nfrom rollbench.lowfi.statics import settle\n"
+        "settled = settle.solve_with_updated_contacts\n"
         "def counted(*given, **named):\n    count()\n    return settled(*given, **named)\n"
-        "static.solve_with_updated_contacts = counted\nrollbench.solve('lin-case1', 'lin')\n"
+        "settle.solve_with_updated_contacts = counted\nrollbench.solve('lin-case1', 'lin')\n"
     )
 
     def inside_and_after(**variables):

@@ -211,7 +211,7 @@ def test_one_reference_and_one_file_of_loads_are_read_by_case_and_set(command, t
 MISSING = [
     (("case,set,", "case,note,"), "no rows of set 1 of case rapid"),
     (("warm,2,", "warm,3,"), "no rows of set 2 of case warm"),
-    (("rapid,1,2,SL", "rapid,1,2,SR"), "each contact once"),
+    (("rapid,1,2,SL", "rapid,1,2,SR"), "one row for each contact"),
 ]
 
 

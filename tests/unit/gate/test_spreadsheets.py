@@ -81,7 +81,7 @@ FAULTY = [
     (GOOD, "ball,flank,newton\n", "file", "no loads"),
     (GOOD, "newton,ball,flank\n489,1\n", "line 2: flank", "no cell after 489,1"),
     (GOOD, "ball;flank;newton\n1;SL;489;517\n", "line 2", "4 cells"),
-    (GOOD, "ball,flank,newton,load_kN\n1,SL,100,0.1\n", "line 1", "each quantity once"),
+    (GOOD, "ball,flank,newton,load_kN\n1,SL,100,0.1\n", "line 1", "one column for each quantity"),
     (GOOD, "ball,flank,newton,angle_deg\n1,SL,100,\n2,SL,100,\n", "rows", "no angle of ball 1 SL"),
     (GOOD, "ball,flank,newton,approach_um\n1,SL,100,-1\n", "line 2: approach_um", "at least 0"),
     (GOOD, "ball,flank,newton,pressure_MPa\n1,SL,100,inf\n", "line 2: pressure_MPa", "at least 0"),

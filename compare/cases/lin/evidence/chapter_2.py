@@ -144,8 +144,9 @@ def table_2_2(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
 class EndSupport:
     """An interpretation of the support of the screw's right end in Lin's case study 3, which his text leaves unclear.
 
-    ``restraint``: restrained freedoms; ``plain_scene``, ``offset_scene``: names of the scenes
-    without and with a lateral offset of the right end; ``is_stated_by_text``: whether Lin's text states this support.
+    ``restraint``: displacements and rotations that the support restrains; ``plain_scene``, ``offset_scene``: names of the
+    scenes without and with a lateral offset of the right end; ``is_stated_by_text``: whether Lin's text states this
+    support.
     """
 
     restraint: str
@@ -166,7 +167,7 @@ CASES = ("lin-case1", "lin-case2", *(name for r in END_SUPPORTS for name in (r.p
 
 
 def load_ratio(load: Array) -> float:
-    """Return the largest over the smallest ball load on one flank; infinite if a ball carries no load.
+    """Return the ratio of the largest to the smallest ball load on one flank; infinite if a ball carries no load.
 
     ``load``: loads of the n balls on this flank (n,) [N].
     """
@@ -182,7 +183,7 @@ def is_two_point_contact(load: Array) -> bool:
 
 
 def load_ratio_range_in_words(cache: SceneResultCache) -> str:
-    """Return in words the range of largest over smallest load in Lin's case 1, over two modelling choices.
+    """Return in words the range of the ratio of largest to smallest load in Lin's case 1, for two modelling choices varied.
 
     The modelling choices are the partition of the beam into elements, and whether equation C.8 for the beam's section is
     read with a square root. ``cache``: gives the solved scenes.
@@ -213,7 +214,7 @@ def section_2_4_1(findings: ComputedEntryValues, cache: SceneResultCache) -> Non
 
 
 def _compute_case_1(cache: SceneResultCache, findings: ComputedEntryValues) -> None:
-    """Compute largest over smallest load of Lin's case study 1; check two-point contact and lateral displacement.
+    """Compute the ratio of largest to smallest load in Lin's case study 1; check two-point contact, lateral displacement.
 
     ``cache``: gives solved scenes and stored 3D references; ``findings``: receives the results.
     """
@@ -267,8 +268,8 @@ def _compute_case_3(cache: SceneResultCache, findings: ComputedEntryValues) -> N
 def _compare_with_ansys(cache: SceneResultCache, findings: ComputedEntryValues) -> None:
     """Compute the errors of Lin's model against the 3D reference, to compare with those that he prints against ANSYS.
 
-    The loads by ANSYS are not printed. ``findings``: receives the results; ``cache``: gives solved scenes and stored 3D
-    references.
+    Lin prints only the errors against ANSYS, not its loads. ``findings``: receives the results; ``cache``: gives solved
+    scenes and stored 3D references.
     """
     every = [c.errors_percent["own"] for c in cache.compute_once(combined.evaluate_combinations) if not c.contradicts_text]
     readings = dict(zip(combined.ERRORS, zip(*every, strict=True), strict=True))
@@ -447,8 +448,8 @@ def dominant_harmonic_of_unloaded_balls(
 ) -> tuple[int, float]:
     """Return the strongest Fourier harmonic in the pattern of unloaded balls around the screw.
 
-    First: number of its cycles per turn, 1 to 4 (0 if no ball is unloaded); second: its share of the power of these four
-    harmonics. ``scene``: the screw with its balls; ``unloaded``: for each ball (n,), whether it is unloaded.
+    First: number of its cycles per turn, 1 to 4 (0 if no ball is unloaded); second: its power divided by the power of all
+    four harmonics. ``scene``: the screw with its balls; ``unloaded``: for each ball (n,), whether it is unloaded.
     """
     phi = ball_layout(scene).azimuth
     x = unloaded.astype(float) - unloaded.mean()
@@ -459,7 +460,7 @@ def dominant_harmonic_of_unloaded_balls(
 
 
 def scenes_with_unprinted_inputs_varied(scene: Scene) -> list[tuple[str, Scene]]:
-    """Return copies of a scene with other supports, errors and clearances, which Lin does not print, each with a label."""
+    """Return copies of a scene, each with a label: unchanged, then with one input changed that Lin does not print."""
     rotation = (Support(0.0, (("rz", 0.0),)),)
     lateral = (Support(0.0, (("ux", 0.0), ("uy", 0.0), ("rz", 0.0))),)
     no_right = replace(scene.errors, SR=SideErrors())

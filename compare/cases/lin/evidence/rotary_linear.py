@@ -48,7 +48,7 @@ YIELD, MULTIPLE = 370.0, 4.2
 
 @cache
 def rotary_ball_as_printed(case: str) -> bearing.BearingBallSolution:
-    """Solve the motion of one ball of the rotary bearing in a case of Lin's Table 3.2 by his own method.
+    """Solve the motion of one ball of the rotary bearing in a case of Lin's Table 3.2 by the method of his thesis.
 
     Lin's method uses his Hertz constants, his sigmoid friction law, and root finding. ``case``: "I", "II" or "III".
     """
@@ -87,8 +87,8 @@ def solve_linear_ball_pair(
 def ball_force_and_loss_over_grid() -> chain.LinearPairResultsOverGrid:
     """Compute ball-to-ball force and friction losses of two touching balls in the linear bearing, over a grid of inputs.
 
-    The inputs are the deviation theta of the contact angle from nominal, -3 to 3 deg, and the side force over the vertical
-    load, from -0.6 to 0.6.
+    The inputs are the deviation theta of the contact angle from nominal, -3 to 3 deg, and the ratio of side force to
+    vertical load, from -0.6 to 0.6.
     """
     theta, rho = np.radians(np.linspace(-3.0, 3.0, 7)), np.linspace(-0.6, 0.6, 7)
     return chain.pair_results_over_grid(LINEAR, theta, rho, VERTICAL, K_F)
@@ -138,8 +138,8 @@ def increase_between_cases(first: bearing.BearingBallSolution, raised: bearing.B
     """Return the increase of a quantity between two cases of the rotary bearing.
 
     ``first``, ``raised``: solved motions of the ball in the cases with the smaller and the larger value; ``quantity``:
-    "force" for the sum of the contact forces, whose increase is in per cent; any other text for the friction torque, whose
-    increase is a fraction.
+    "force": increase of the sum of the contact forces [%]; any other text: increase of the friction torque, divided by its
+    smaller value.
     """
     if quantity == "force":
         return float(error_percent(raised.load.force.sum(), first.load.force.sum()))
@@ -176,7 +176,7 @@ def table_3_2(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
 
 
 def table_3_3(findings: ComputedEntryValues, cache: SceneResultCache) -> None:  # noqa: ARG001 - every table takes the study
-    """Compute inputs and worst case of the linear bearing, and check claims: Table 3.3, section 3.3.4.1 of Lin's thesis.
+    """Compute inputs and largest friction of the linear bearing, and check claims: Lin's Table 3.3 and section 3.3.4.1.
 
     ``findings``: receives the computed value to compare with each printed number, and whether each printed claim holds.
     ``cache``: not used here.
@@ -202,7 +202,8 @@ def table_3_3(findings: ComputedEntryValues, cache: SceneResultCache) -> None:  
 def _record_largest_friction_loss_increase(findings: ComputedEntryValues) -> None:
     """Compute the largest increase of friction loss in Lin's section 3.3.4.1; ``findings`` receives the results.
 
-    The increase is the friction loss between two touching balls over the loss of both balls without ball-to-ball contact.
+    The increase is the friction loss between two touching balls, divided by the loss of both balls without ball-to-ball
+    contact.
     """
     worst = solve_linear_ball_pair(WORST)
     whole = float(error_percent(worst.touching.loss, worst.apart.loss))
@@ -314,8 +315,8 @@ def table_3_5(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
 def contact_ellipse_ratios(conformity: float, pressure: float) -> tuple[float, float]:
     """Return the proportions of the contact ellipse of a ball in a straight groove.
 
-    First: ratio b/a of the minor to the major semi-axis; second: a over the ball's radius at the largest Hertz pressure
-    ``pressure`` [Pa]. ``conformity``: groove radius over ball diameter.
+    First: ratio b/a of the minor to the major semi-axis; second: major semi-axis a divided by the ball's radius, at the
+    largest Hertz pressure ``pressure`` [Pa]. ``conformity``: groove radius over ball diameter.
     """
     modulus = contact_modulus(*2 * (LINEAR.young, LINEAR.poisson))
     h = hertz_constants(np.array(1.0), np.array(1.0 - 0.5 / conformity), modulus)
@@ -323,7 +324,7 @@ def contact_ellipse_ratios(conformity: float, pressure: float) -> tuple[float, f
 
 
 def appendix_g(findings: ComputedEntryValues, cache: SceneResultCache) -> None:  # noqa: ARG001 - every table takes the study
-    """Compute slope and linear range of the friction force over the offset of the spin pole: appendix G of Lin's thesis.
+    """Compute slope and linear range of the friction force against the offset of the spin pole: appendix G of Lin's thesis.
 
     ``findings``: receives the computed value to compare with each printed number. ``cache``: not used here.
     """
@@ -368,11 +369,13 @@ def power_balance_rows() -> list[Row]:
                 {
                     TableColumn("case", "case of Lin's Table 3.2", "", "s"): case,
                     TableColumn("model", "friction model", "", "s"): label,
-                    TableColumn("force", "sum of the contact forces", "N", ".3f"): float(s.load.force.sum()),
+                    TableColumn("force", "sum of the normal forces at the contacts of the ball", "N", ".3f"): float(
+                        s.load.force.sum()
+                    ),
                     TableColumn("torque", "friction torque on the inner ring", "N mm", ".4f"): 1e3 * torque,
                     TableColumn("input", "power input", "W", ".6f"): power,
                     TableColumn("loss", "friction losses", "W", ".6f"): s.motion.loss,
-                    TableColumn("balance", "error of the power input against the losses", "%", "g2"): balance,
+                    TableColumn("balance", "power input minus friction losses, divided by the losses", "%", "g2"): balance,
                     TableColumn("rest", "number of contacts that stick", "", "s"): int(s.motion.sticking_contacts.sum()),
                     "status": s.motion.status,
                 }
@@ -388,8 +391,8 @@ def linear_pair_sensitivity_rows() -> list[Row]:
     """
     rows: list[Row] = []
     printed = printed_entry("lin-3.5", "a_force_numerical")
-    against = f"error of the force against the printed {printed.number_as_printed} N"
-    loss_ratio = "1 + (loss between the balls)/(losses without ball-to-ball contact), θ = 3°"
+    against = f"error of the ball-to-ball force against the printed {printed.number_as_printed} N"
+    loss_ratio = "loss without ball contact plus loss between the balls, in % of the former, contact angle 3° off nominal"
     for loads, mu in product(LOADS, (0.1, 0.0)):
         r, worst = solve_linear_ball_pair(loads=loads, mu_balls=mu), solve_linear_ball_pair(WORST, loads, mu_balls=mu)
         increase = float(error_percent(worst.touching.loss, worst.apart.loss))
@@ -398,12 +401,27 @@ def linear_pair_sensitivity_rows() -> list[Row]:
             {
                 TableColumn("loads", "how contact loads are computed", "", "s"): loads,
                 TableColumn("mu", "friction coefficient between balls", "", "g2"): mu,
-                TableColumn("eps1", "relative velocity deviation ε₁ of ball 1, θ = 2°", "%", ".3f"): eps[0],
-                TableColumn("eps2", "relative velocity deviation ε₂ of ball 2, θ = 2°", "%", ".3f"): eps[1],
-                TableColumn("force", "ball-to-ball force, θ = 2°", "N", ".3f"): r.ball_to_ball_force,
+                TableColumn(
+                    "eps1",
+                    "relative deviation ε₁ of the velocity of ball 1 from nominal, contact angle 2° off nominal",
+                    "%",
+                    ".3f",
+                ): eps[0],
+                TableColumn(
+                    "eps2",
+                    "relative deviation ε₂ of the velocity of ball 2 from nominal, contact angle 2° off nominal",
+                    "%",
+                    ".3f",
+                ): eps[1],
+                TableColumn("force", "ball-to-ball force, contact angle 2° off nominal", "N", ".3f"): r.ball_to_ball_force,
                 TableColumn("error", against, "%", ".2f"): float(error_percent(r.ball_to_ball_force, printed.value or 0.0)),
-                TableColumn("ratio", loss_ratio, "%", ".1f"): 100.0 * worst.groove_and_ball_loss_ratio,
-                TableColumn("increase", "increase of all losses by ball-to-ball contact, θ = 3°", "%", ".1f"): increase,
+                TableColumn("ratio", loss_ratio, "", ".1f"): 100.0 * worst.groove_and_ball_loss_ratio,
+                TableColumn(
+                    "increase",
+                    "increase of the total loss by ball-to-ball contact, contact angle 3° off nominal",
+                    "%",
+                    ".1f",
+                ): increase,
                 "status": r.touching.status,
             }
         )

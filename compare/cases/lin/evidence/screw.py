@@ -81,9 +81,9 @@ def simulate_screw(amplitude: float) -> travel.TravelHistory:
 def simulate_screw_with_step_errors(amplitude: float) -> tuple[travel.TravelHistory, travel.TimeStepErrors | None]:
     """Simulate the whole screw of Lin's section 3.4.4, with a time-step error below 0.3 %, and estimate this error.
 
-    The permitted error over the mean torque is `STEP_GOAL`. ``amplitude``: amplitude of theta, the deviation of the contact
-    angles from nominal, 2 or 3 [deg]. Returns the history of motions and torques, then the error by the time step over the
-    mean torque, None if it is unknown.
+    The permitted error, divided by the mean torque, is `STEP_GOAL`. ``amplitude``: amplitude of theta, the deviation of the
+    contact angles from nominal, 2 or 3 [deg]. Returns the history of motions and torques, then the error by the time step
+    over the mean torque, None if it is unknown.
     """
     run = source_cases.simulation_with_angle_deviation(amplitude)
     return travel.simulate_with_step_errors(run, run.duration, None, STEP_GOAL)
@@ -93,7 +93,7 @@ def simulate_screw_with_step_errors(amplitude: float) -> tuple[travel.TravelHist
 def simulate_screw_in_200_steps(amplitude: float) -> travel.TravelHistory:
     """Simulate the whole screw of section 3.4.4 of Lin's thesis in 200 equal time steps, as Lin does.
 
-    Loads and motions are constant over a step, with their values at its start. ``amplitude``: amplitude of theta, the
+    During a step, loads and motions keep their values at the start of the step. ``amplitude``: amplitude of theta, the
     deviation of the contact angles from nominal, 2 or 3 [deg]. Returns motions and torques at each time step.
     """
     return simulate_equal_steps(source_cases.simulation_with_angle_deviation(amplitude))
@@ -122,7 +122,7 @@ def torque_over_load_angle(bearing: str, free_to_tilt: bool) -> friction_bearing
 
 
 def largest_over_smallest_torque(found: friction_bearing.BearingTorqueCurve, largest_angle: float) -> float:
-    """Return the largest over the smallest friction torque of a bearing, for load angles of 0 to ``largest_angle`` [deg].
+    """Return the ratio of largest to smallest friction torque of a bearing for load angles of 0 to ``largest_angle`` [deg].
 
     ``found``: friction torque of the bearing over the angle between its load and its axis.
     """
@@ -279,8 +279,8 @@ def ball_contact_ends_and_begins_again(history: travel.TravelHistory) -> bool:
 def time_steps_in_words(amplitude: float) -> str:
     """Return in words the number of time steps of a simulation, its time-step error, and a result with Lin's 200 steps.
 
-    The result is the largest friction torque by ball-to-ball contacts over the torque by ball-to-groove contacts [%].
-    ``amplitude``: amplitude of theta, the deviation of the contact angles from nominal, 2 or 3 [deg].
+    The result is the largest friction torque by ball-to-ball contacts, divided by the torque by ball-to-groove contacts
+    [%]. ``amplitude``: amplitude of theta, the deviation of the contact angles from nominal, 2 or 3 [deg].
     """
     (found, error), base = simulate_screw_with_step_errors(amplitude), simulate_screw_in_200_steps(amplitude)
     size = "unknown" if error is None else f"{100.0 * error.largest_error:.2g} %"
@@ -311,8 +311,8 @@ def section_3_4_4(findings: ComputedEntryValues, cache: SceneResultCache) -> Non
 def _compute_ball_contact_torque(findings: ComputedEntryValues) -> None:
     """Compute the largest torque by ball-to-ball contact, and the nut angles at which it occurs and at which contact ends.
 
-    The values are recorded in ``findings``: the torque by ball-to-ball contacts over the torque by ball-to-groove contacts
-    [%], and the angles in degrees.
+    The values are recorded in ``findings``: the torque by ball-to-ball contacts divided by the torque by ball-to-groove
+    contacts [%], and the angles in degrees.
     """
     low, high = (summarise_screw_run(simulate_screw(a)) for a in AMPLITUDES)
     assumed = f"assumed: theta of 3 deg (with 2 deg {{}}), balls {1e6 * source_cases.inferred_oversize():g} µm oversize"
@@ -404,8 +404,8 @@ def section_4_3(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
 def _compute_bearing_torques(findings: ComputedEntryValues) -> None:
     """Compute the torque ratios of the four-point and the double-row bearing: section 4.3.1 of Lin's thesis.
 
-    Each ratio is the largest over the smallest friction torque for load angles up to 18 deg. ``findings``: receives the
-    ratios.
+    Each ratio is the largest friction torque for load angles up to 18 deg divided by the smallest. ``findings``: receives
+    the ratios.
     """
     four, double = torque_over_load_angle("4P", True), torque_over_load_angle("DR", True)
     ratios = (
@@ -449,7 +449,7 @@ def oversize_in_words() -> str:
 
 
 def label_of_inferred_oversize() -> str:
-    """Return the label of the table row for balls with the inferred oversize, whose loads friction does not change."""
+    """Return the label of the table row for balls with the inferred oversize and without influence of friction on loads."""
     return f"{oversize_in_words()} oversize, not coupled"
 
 
@@ -508,7 +508,7 @@ def contact_load_interpretation_rows() -> list[Row]:
             r = solve_pair_of_screw_balls(make(radians(theta)))
             off = float(error_percent(r.force, printed_value("lin-3.7", f"force_{case}")))
             increase, load = loss_increase_percent(r), float(r.ball_loads.mean())
-            at, error = f"angle deviation θ = {theta:g}°", "error of the ball-to-ball force against the printed one"
+            at, error = f"contact angle {theta:g}° off nominal", "error of the ball-to-ball force against the printed one"
             row |= {
                 TableColumn(f"force_{case}", f"ball-to-ball force, {at}", "N", ".3f"): r.force,
                 TableColumn(f"error_{case}", f"{error}, {at}", "%", ".1f"): off,
@@ -587,9 +587,9 @@ BY_SOURCE = (("screw", 3.0), ("nut", 2.5))
 def inputs_of_interpretation(part_of_theta: str, amplitude: float, oversize: float, pattern: str) -> Run:
     """Return inputs of the whole-screw simulation of Lin's section 3.4.4, with assumptions where his text leaves them open.
 
-    ``part_of_theta``: part with which theta, the deviation of the contact angles from nominal, moves, "screw" or "nut";
-    ``amplitude``: amplitude of theta [deg]; ``oversize``: oversize of the ball radius [um]; ``pattern``: whether theta acts
-    on "one" or "both" of a ball's contacts with the screw.
+    ``part_of_theta``: "screw" or "nut", with which the pattern of theta, the deviation of the contact angles from nominal,
+    rotates; ``amplitude``: amplitude of theta [deg]; ``oversize``: oversize of the ball radius [um]; ``pattern``: whether
+    theta acts on "one" or "both" of a ball's contacts with the screw.
     """
     flanks = (1.0, 0.0, 0.0, 0.0) if pattern == "one" else source_cases.simulation_inputs().pattern
     return source_cases.simulation_inputs(
@@ -613,8 +613,8 @@ PRINTED_OF_RUN = ("largest", "largest_at", "none_at")
 def _printed_results_of_run(s: ScrewRunSummary) -> tuple[float, float, float]:
     """Return the three results of a whole-screw simulation that Lin prints, in the order of `PRINTED_OF_RUN`.
 
-    First: largest ball-to-ball over ball-to-groove torque [%]; then the nut angles [deg] at which it occurs and from which
-    no balls touch.
+    First: largest ratio of ball-to-ball to ball-to-groove torque [%]; second: nut angle [deg] at which it occurs; third:
+    nut angle [deg] from which no balls touch.
     """
     return 100.0 * s.largest_ball_to_groove_ratio, s.nut_angle_of_largest_ratio, s.nut_angle_without_contact
 
@@ -636,8 +636,8 @@ def nearest_in_words(key: str) -> str:
 def simulation_interpretation_rows() -> list[Row]:
     """Return table rows of the whole-screw simulation, one for each interpretation of section 3.4.4 of Lin's thesis.
 
-    Columns: rule by which neighbouring balls touch, interpretation, the three results that Lin prints, and the differences
-    from the printed values. The last rows are computed with Lin's rule for contact between balls.
+    Columns: rule that decides which neighbouring balls touch, interpretation, the three results that Lin prints, and the
+    differences from the printed values. The last rows are computed with Lin's rule for contact between balls.
     """
     found: list[tuple[str, Interpretation, Sequence[Any]]] = [
         ("neighbours never overlap", reading, _printed_results_of_run(s))
@@ -659,11 +659,11 @@ def simulation_interpretation_rows() -> list[Row]:
 
 #: Columns on the interpretation of Lin's text in a simulation of the whole screw.
 READING = (
-    TableColumn("rule of contact", "rule for ball-to-ball contact", "", "s"),
-    TableColumn("theta stays with", "part (screw or nut) with which theta rotates", "", "s"),
-    TableColumn("amplitude / °", "amplitude of the contact-angle deviation theta", "°", "s"),
+    TableColumn("rule of contact", "rule that decides which balls touch", "", "s"),
+    TableColumn("theta stays with", "screw or nut, with which the pattern of contact-angle deviations θ moves", "", "s"),
+    TableColumn("amplitude / °", "amplitude of θ, the deviation of the contact angles from nominal", "°", "s"),
     TableColumn("oversize / µm", "oversize of the ball radius", "µm", "s"),
-    TableColumn("contacts of the screw", "contacts of a ball with the screw whose angle deviates by theta", "", "s"),
+    TableColumn("contacts of the screw", "whether θ acts on one or on both contacts of a ball with the screw", "", "s"),
 )
 
 #: Columns of the results of one whole-screw simulation.
@@ -671,10 +671,12 @@ RUN = (
     TableColumn("assumption", "varied assumption", "", "s"),
     TableColumn("value", "assumed value", "", "s"),
     TableColumn("largest", "largest ratio of ball-to-ball to ball-to-groove torque", "%", ".1f"),
-    TableColumn("at", "nut angle of the largest ratio of both torques", "°", ".0f"),
+    TableColumn("at", "nut angle at the largest ratio of ball-to-ball to ball-to-groove torque", "°", ".0f"),
     TableColumn("none_at", "nut angle where ball-to-ball contact ends", "°", ".0f"),
     TableColumn("groups", "largest number of groups of touching balls", "", "s"),
-    TableColumn("variation", "variation of the ball-to-groove torque from step 2 on", "%", ".1f"),
+    TableColumn(
+        "variation", "(largest - smallest)/mean of the ball-to-groove torque, time steps from the second on", "%", ".1f"
+    ),
     TableColumn("torque", "mean ball-to-groove torque", "N mm", ".2f"),
     TableColumn("steps", "number of time steps that converged", "", "s"),
 )
@@ -766,8 +768,8 @@ def bearings_under_varied_assumptions() -> list[tuple[str, str, friction_bearing
 def bearing_torque_rows() -> list[Row]:
     """Return table rows of the friction torque of the bearings of Lin's section 4.3.1, one for each assumption.
 
-    Columns: friction torque [N mm] at a load angle of 0 deg; then, for each angle of `ENDS`, the largest over the
-    smallest torque up to this load angle.
+    Columns: friction torque [N mm] at a load angle of 0 deg; then, for each angle of `ENDS`, the largest torque up to this
+    load angle divided by the smallest.
     """
     rows = list[Row]()
     for bearing, label, case in bearings_under_varied_assumptions():
@@ -782,7 +784,9 @@ def bearing_torque_rows() -> list[Row]:
             row[TableColumn(f"to_{end:g}", heading, "", ".3f")] = largest_over_smallest_torque(found, end)
         upto = found.angle <= radians(18.0) * (1.0 + 1e-12)
         status = "converged" if found.converged.all() else "not converged"
-        four = TableColumn("four", "largest number of balls with over two loaded contacts, load angles to 18°", "", "s")
+        four = TableColumn(
+            "four", "largest number of balls with more than two loaded contacts, load angles 0 to 18°", "", "s"
+        )
         rows.append(row | {four: int(found.balls_beyond_two_contacts[upto].max()), "status": status})
     return rows
 
@@ -804,8 +808,8 @@ def ball_contact_onset_rows(cache: SceneResultCache) -> list[Row]:
                     TableColumn("errors", "kind of geometric error", "", "s"): errors,
                     TableColumn("idle", "speed of unloaded balls divided by the nominal speed", "", "g2"): idle,
                     TableColumn("lost", "number of balls without load", "", "s"): lost,
-                    TableColumn("meet", "pairs of neighbours that approach each other", "", "s"): meet,
-                    TableColumn("first", "nut angle of the first ball-to-ball contact", "°", "g4"): first
+                    TableColumn("meet", "pairs of neighbouring balls that approach each other", "", "s"): meet,
+                    TableColumn("first", "nut angle at which two balls first touch", "°", "g4"): first
                     if np.isfinite(first)
                     else None,
                     "status": "converged" if o.converged else "not converged",

@@ -26,7 +26,7 @@ from rollbench.meshes.parts import BallErrors, Errors, Scene, Support
 ENDS = "-200N:200N:2"
 #: Length of the loaded track of Table 4.1 [turns]; directions of the lateral force [rad], each also reversed.
 TURNS, DIRECTIONS = 3.75, np.radians([0.0, 45.0, 90.0, 135.0])
-#: Restrained freedoms of the screw's left end: rotation about its axis only.
+#: Motions that are restrained at the screw's left end: rotation about its axis only.
 TURNING = ("rz",)
 PATTERNS = ("evenly distributed", "stacked on one end", "stacked on one side", "half-half")
 
@@ -71,7 +71,7 @@ def solve_axial_lash_test(scene: Scene, loads: str = ENDS, restrained: Sequence[
     loads
         Axial loads at the screw's left end: first, last and number of loads, such as "-200N:200N:2".
     restrained
-        Names of the freedoms that are restrained at the left end, such as "rz".
+        Displacements and rotations that are restrained at the left end, such as "rz" (rotation about the axis).
     """
     return _solve_lash_test(scene, f"{loads}:0mm", restrained)
 
@@ -92,7 +92,7 @@ def solve_conical_lash_test(
     loads
         Lateral loads: first, last and number of loads, such as "-200N:200N:2".
     restrained
-        Names of the freedoms that are restrained at the left end, such as "rz".
+        Displacements and rotations that are restrained at the left end, such as "rz" (rotation about the axis).
     """
     return _solve_lash_test(scene, f"{loads}:{direction!r}rad:{scene.nut.position + force_distance!r}m", restrained)
 
@@ -101,7 +101,8 @@ def _solve_lash_test(scene: Scene, load_range: str, restrained: Sequence[str]) -
     """Return the load curve of a lash test: displacement over a force that reverses.
 
     ``scene``: the ball screw; ``load_range``: range of the loads, direction and position of the force, in the form of
-    ``rollbench solve --curve``; ``restrained``: freedoms that are restrained at the screw's left end, such as "rz".
+    ``rollbench solve --curve``; ``restrained``: displacements and rotations that are restrained at the screw's left end,
+    such as "rz" (rotation about the axis).
     """
     scene = replace(scene, supports=(Support(0.0, tuple((name, 0.0) for name in restrained)),))
     return compute_load_curve(scene, read_load_range(load_range), "lin", ModelOptions(engine="compiled"))
@@ -144,7 +145,7 @@ def relative_lash_differences(
     """Return the relative differences of a ball screw's lash between its ball patterns, by the axial and the conical test.
 
     ``scene``: the ball screw; ``force_distance``: distance of the lateral force from the nut's centre [m]; ``restrained``:
-    freedoms that are restrained at the screw's left end, such as "rz".
+    displacements and rotations that are restrained at the screw's left end, such as "rz" (rotation about the axis).
     """
     screws = [arrange_balls_in_pattern(scene, p) for p in PATTERNS]
     cones = [
@@ -197,7 +198,8 @@ def solve_gear_at_tie_rod_angle(gear: Assembly, angle: float, *, side_forces_opp
 def largest_screw_and_bearing_loads(result: AxisResult) -> tuple[float, float]:
     """Return the largest contact load [N] of the steering gear's ball screw, then that of its bearing.
 
-    ``result``: solution of the steering gear. The load of a part without contact loads is zero.
+    ``result``: solution of the steering gear. The load is zero if no contact loads were computed for the ball screw or the
+    bearing.
     """
     screw, bearing = (0.0 if s.balls is None else float(s.balls.load.max()) for s in result.sets)
     return screw, bearing
@@ -206,7 +208,7 @@ def largest_screw_and_bearing_loads(result: AxisResult) -> tuple[float, float]:
 def load_ratios_at_18_degrees(gear: Assembly, *, side_forces_opposed: bool = False) -> tuple[float, float]:
     """Return the load ratio of the steering gear's ball screw, then that of its bearing, for tie-rod angles 18 and 0 deg.
 
-    A load ratio is the largest contact load at 18 deg over that at 0 deg. ``gear``: the steering gear;
+    A load ratio is the largest contact load at 18 deg divided by its value at 0 deg. ``gear``: the steering gear;
     ``side_forces_opposed``: whether the lateral forces of both tie rods have opposite directions.
     """
     low, high = (
@@ -257,7 +259,7 @@ def _compute_lash(findings: ComputedEntryValues, cache: SceneResultCache) -> Non
 
 
 def _compute_load_ratios(findings: ComputedEntryValues) -> None:
-    """Compute contact loads of the steering gear's ball screw and bearing over the tie-rod angle: Lin's section 4.2.2.
+    """Compute contact loads of the steering gear's ball screw and bearing at several tie-rod angles: Lin's section 4.2.2.
 
     ``findings``: receives the results.
     """
@@ -294,10 +296,10 @@ def rounded_value_lies_in_range(band: tuple[float, float], printed: float) -> bo
 
 
 def _nonzero_contact_loads(result: AxisResult, part: int) -> Array:
-    """Return the nonzero contact loads [N] of one part of the steering gear; ``part``: 0 for ball screw, 1 for bearing."""
+    """Return the nonzero contact loads [N] of the steering gear's ball screw (``part`` 0) or its bearing (``part`` 1)."""
     balls = result.sets[part].balls
     if balls is None:
-        raise AssertionError(f"steering gear: no contact loads were computed for part {part} (0: ball screw, 1: bearing)")
+        raise AssertionError(f"steering gear: no contact loads were computed for the {('ball screw', 'bearing')[part]}")
     return np.asarray(balls.load[balls.load > 0.0])
 
 
@@ -354,7 +356,7 @@ def lash_differences_by_changed_input(scene: Scene) -> Iterator[LashDifferencesW
 
 @dataclass(frozen=True)
 class GearLayoutLoadRatios:
-    """Load ratios of the steering gear for one layout: largest contact load at 18 deg over that at 0 deg of the tie rods.
+    """Largest contact load of the steering gear at a tie-rod angle of 18 deg divided by that at 0 deg, for one layout.
 
     ``pinion_position``: axial position of the pinion [m]; ``pinion_restraint``: what the pinion restrains, a key of
     `PINION_HOLDS`; ``side_forces_opposed``: whether the lateral forces of both tie rods have opposite directions;
@@ -391,9 +393,8 @@ def load_ratios_of_all_layouts(gear: Assembly) -> Iterator[GearLayoutLoadRatios]
     """Yield the load ratios of the steering gear for every layout: largest contact load at 18 deg over that at 0 deg.
 
     The angles are those of the tie rods. A layout has a position and a restraint of the pinion, directions of both lateral
-    forces, and an offset of the bearing. A pinion that restrains the rack's tilting keeps the lateral force of the tie rod
-    on its other side away from the nut. The direction of this force then has no influence, so that only one direction is
-    solved.
+    forces, and an offset of the bearing. If the pinion restrains tilting of the rack, the lateral force of the tie rod
+    beyond the pinion does not reach the nut, and only one direction of this force is solved.
     """
     for hold in PINION_HOLDS:
         for opposed in (False, True)[: 1 if "rx" in PINION_HOLDS[hold] else 2]:
@@ -411,13 +412,13 @@ class LoadRatioRange:
     A load ratio is the largest contact load at a tie-rod angle of 18 deg over that at 0 deg.
     """
 
-    #: Name of the varied input.
+    #: Name of the input that is varied.
     changed_input: str
     #: Range over which the input is varied, in words.
     input_range: str
-    #: Smallest and largest load ratio of the ball screw.
+    #: Smallest and largest load ratio of the ball screw over the range of the input.
     screw: tuple[float, float]
-    #: Smallest and largest load ratio of the bearing.
+    #: Smallest and largest load ratio of the bearing over the range of the input.
     bearing: tuple[float, float]
 
 
@@ -428,8 +429,8 @@ BEARING_FITS, SCREW_FITS, FIRST = (-10e-6, -5e-6, 0.0, 2e-6), (-5e-6, 0.0, 5e-6)
 def _change_screw_or_bearing(gear: Assembly, of_nut: bool, change: Callable[[Scene], Scene]) -> Assembly:
     """Return a copy of the steering gear in which either the ball screw or the bearing is changed.
 
-    ``of_nut``: whether the ball screw is changed instead of the bearing; ``change``: function that returns the changed
-    part.
+    ``of_nut``: True: the ball screw is changed; False: the bearing; ``change``: function that returns the changed ball
+    screw or bearing.
     """
     sets = tuple(
         replace(s, parts=change(s.parts)) if isinstance(s.parts, Scene) and (s.parts.track.lead > 0.0) == of_nut else s
@@ -460,7 +461,7 @@ def _rotate_balls_about_axis(scene: Scene, angle: float) -> Scene:
 def gears_with_unprinted_inputs_varied(gear: Assembly) -> Iterator[tuple[str, str, list[tuple[Assembly, bool]]]]:
     """Yield each input that Lin does not print and that changes the steering gear's load ratios, with gears over its range.
 
-    Each entry: name of the input; its range in words; list of gears, each with whether the lateral forces of both tie
+    Each entry: name of the input; its range in words; list of pairs: the gear, and whether the lateral forces of both tie
     rods have opposite directions.
     """
     (pinion,), (held, pinned) = gear.supports, PINION_HOLDS
@@ -474,7 +475,7 @@ def gears_with_unprinted_inputs_varied(gear: Assembly) -> Iterator[tuple[str, st
         return _change_screw_or_bearing(gear, False, partial(change, **values))
 
     def alike(gears: Iterable[Assembly]) -> list[tuple[Assembly, bool]]:
-        """Return each gear with the information that its tie rods' lateral forces have the same direction."""
+        """Return pairs of each gear and False: the lateral forces of its two tie rods are not opposed."""
         return [(one, False) for one in gears]
 
     at_pinions = alike(change_gear_layout(gear, z, held, 0.0) for z in PINIONS)
@@ -513,7 +514,7 @@ def load_ratio_ranges(gear: Assembly) -> tuple[LoadRatioRange, ...]:
 
 
 def load_ratio_range_over_layouts(points: Sequence[GearLayoutLoadRatios]) -> LoadRatioRange:
-    """Return the range of the steering gear's load ratios over all layouts together; ``points``: ratios by layout."""
+    """Return the range of the steering gear's load ratios over all its layouts; ``points``: load ratios of each layout."""
     screw, bearing = [p.screw for p in points], [p.bearing for p in points]
     words = "pinion position and restraint, force directions, bearing position, all combined"
     return LoadRatioRange("layout as a whole", words, (min(screw), max(screw)), (min(bearing), max(bearing)))

@@ -47,14 +47,14 @@ def end_support_table(cache: SceneResultCache) -> Table:
     ``cache``: gives solved scenes and stored 3D references.
     """
     rows: list[Row] = []
-    change = "largest change of a contact load against the first support"
+    change = "largest change of a contact load from that with the support in the first line"
     for reading in chapter_2.END_SUPPORTS:
         for which in ("plain_scene", "offset_scene"):
             name, first = (getattr(one, which) for one in (reading, chapter_2.END_SUPPORTS[0]))
             level, stated = reference_mesh_level_in_words(cache, name), "yes" if reading.is_stated_by_text else "no"
             row: Row = {
                 "scene": name,
-                TableColumn("held", "freedoms restrained at the right end", "", "s"): reading.restraint,
+                TableColumn("held", "displacements and rotations restrained at the right end", "", "s"): reading.restraint,
                 TableColumn("text", "whether Lin's text states this support", "", "s"): stated,
                 TableColumn("reference", "finest mesh level of the 3D reference", "", "s"): level,
             }
@@ -71,8 +71,8 @@ def end_support_table(cache: SceneResultCache) -> Table:
             rows.append(row)
     note = (
         "Lin's text prescribes only the x-displacement of the last node (2.4.1.3). A bearing there also restrains the "
-        "y-displacement, as the 3D reference does; whether it restrains rotations is open. Changes are against the first "
-        "support in the table, with the same displacement of the right end."
+        "y-displacement, as the 3D reference does; whether it restrains rotations is open. Changes are from "
+        "the loads with the support in the first line, with the same displacement of the right end."
     )
     return Table.from_rows(
         "cases-readings",
@@ -100,7 +100,8 @@ def model_choice_rows(found: Sequence[chapter_2.Case1WithModelChoice]) -> list[R
             ),
             TableColumn("error", "largest change of a contact load", "% of mean load", ".3f"): c.load_change.max_percent,
             TableColumn("rms", "RMS change of the contact loads", "% of mean load", ".3f"): c.load_change.rms_percent,
-            TableColumn("uz", "axial displacement at the load", "µm", ".2f"): 1e6 * float(c.solution.centreline[0, 2]),
+            TableColumn("uz", "axial displacement of the screw where the load acts", "µm", ".2f"): 1e6
+            * float(c.solution.centreline[0, 2]),
             "status": c.solution.status,
         }
         for c in found
@@ -352,9 +353,11 @@ def errors_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sect
                     TableColumn("low", "5th percentile of the largest contact load", "N", ".1f"): float(low),
                     TableColumn("mid", "median of the largest contact load", "N", ".1f"): float(mid),
                     TableColumn("high", "95th percentile of the largest contact load", "N", ".1f"): float(high),
-                    TableColumn("ratio", "median ratio of largest to smallest load", "", ".3f"): ratio if s == 0 else None,
-                    TableColumn("lost", "mean number of unloaded balls", "", ".2f"): lost,
-                    TableColumn("bad", "number of screws not converged", "", "s"): failed,
+                    TableColumn("ratio", "ratio of largest to smallest load, median of all random screws", "", ".3f"): ratio
+                    if s == 0
+                    else None,
+                    TableColumn("lost", "number of unloaded balls, mean of all random screws", "", ".2f"): lost,
+                    TableColumn("bad", "number of random screws whose solution did not converge", "", "s"): failed,
                 }
             )
     changes: list[Row] = []
@@ -369,7 +372,7 @@ def errors_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sect
                 TableColumn("ratio", ratio_on_sl, "", ".3f"): chapter_2.load_ratio(r.load[:, 0]),
                 TableColumn("change", "largest change of a contact load", "% of mean load", ".2f"): e2.max_percent,
                 TableColumn("rms", "RMS change of the contact loads", "% of mean load", ".2f"): e2.rms_percent,
-                TableColumn("ball", "ball and flank of the largest change", "", "s"): f"{e2.ball} {e2.side}",
+                TableColumn("ball", "ball and flank with the largest change of load", "", "s"): f"{e2.ball} {e2.side}",
                 TableColumn("third", "number of balls loaded on the right flank of the screw (SR)", "", "s"): third,
             }
         )
@@ -386,7 +389,7 @@ def errors_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sect
             ),
             Table.from_rows(
                 "errors-changes",
-                "Lin 2.4.2: change of the contact loads by each kind of geometric error, against case study 1",
+                "Lin 2.4.2: change of the contact loads from case study 1 by each kind of geometric error",
                 changes,
             ),
             Table.from_rows(
@@ -418,14 +421,18 @@ def hertz_section(cache: SceneResultCache, step: Callable[[str], None]) -> Secti
             constants.append(
                 {
                     TableColumn("groove", "groove radius", "", "s"): label,
-                    TableColumn("side", "part in contact with the ball", "", "s"): name,
+                    TableColumn("side", "screw or nut, with which the ball is in contact", "", "s"): name,
                     TableColumn("right", "Hertz constant C, correct", "m/N^(2/3)", "g5"): C,
                     TableColumn("faulty", "Hertz constant C, as Lin computes it", "m/N^(2/3)", "g5"): printed.C,
                     TableColumn("error", "error of C as Lin computes it", "%", ".1f"): float(error_percent(printed.C, C)),
-                    TableColumn("approach", "approach under 225 N", "µm", ".3f"): 1e6 * C * 225.0 ** (2 / 3),
-                    TableColumn("a", "semi-axis a under 225 N", "mm", ".4f"): 1e3 * float(right.C_a[side]) * cube_root,
-                    TableColumn("b", "semi-axis b under 225 N", "mm", ".4f"): 1e3 * float(right.C_b[side]) * cube_root,
-                    TableColumn("p0", "largest pressure under 225 N", "MPa", ".1f"): 1e-6 * pressure,
+                    TableColumn("approach", "approach at a contact load of 225 N", "µm", ".3f"): 1e6 * C * 225.0 ** (2 / 3),
+                    TableColumn("a", "semi-axis a at a contact load of 225 N", "mm", ".4f"): 1e3
+                    * float(right.C_a[side])
+                    * cube_root,
+                    TableColumn("b", "semi-axis b at a contact load of 225 N", "mm", ".4f"): 1e3
+                    * float(right.C_b[side])
+                    * cube_root,
+                    TableColumn("p0", "largest pressure at a contact load of 225 N", "MPa", ".1f"): 1e-6 * pressure,
                 }
             )
     return Section(
@@ -442,8 +449,8 @@ def hertz_section(cache: SceneResultCache, step: Callable[[str], None]) -> Secti
             ),
             Table.from_rows(
                 "hertz-grooves",
-                "Hertz constant C, as printed and correct, for two groove radii; size and pressure of the contact under "
-                "225 N",
+                "Hertz constant C, as printed and correct, for two groove radii; size and pressure of the contact at a "
+                "load of 225 N",
                 constants,
             ),
         ),
@@ -451,7 +458,7 @@ def hertz_section(cache: SceneResultCache, step: Callable[[str], None]) -> Secti
 
 
 def equivalent_errors_panel(scene: Scene) -> Panel:
-    """Draw pitch and roundness errors in the direction of the contact normal over the azimuth (Lin's equations 4.2, 4.4).
+    """Draw, over the azimuth, pitch and roundness errors along the contact normal (Lin's equations 4.2 and 4.4).
 
     ``scene``: screw whose lead and contact angle are used.
     """
@@ -570,15 +577,15 @@ def solver_agreement_row(cache: SceneResultCache, name: str) -> Row:
     kinds: tuple[tuple[Literal["arc", "source"], str, str, str], ...] = (
         (
             "arc",
-            "largest load difference between both methods on the energy solver's equations",
+            "largest load difference, Lin's Newton method applied to the equations of the energy solver",
             "g2",
-            "iterations of Lin's Newton method on the energy solver's equations",
+            "iterations of Lin's Newton method applied to the equations of the energy solver",
         ),
         (
             "source",
-            "largest load difference, Lin's Newton method with the kinematics of his thesis",
+            "largest load difference, Lin's Newton method applied to the equations of his thesis",
             "g3",
-            "iterations of Lin's Newton method with the kinematics of his thesis",
+            "iterations of Lin's Newton method applied to the equations of his thesis",
         ),
     )
     for kinematics, heading, form, counted in kinds:
@@ -587,8 +594,8 @@ def solver_agreement_row(cache: SceneResultCache, name: str) -> Row:
         row[TableColumn(kinematics, heading, "% of mean load", form)] = off
         row[TableColumn(f"{kinematics}_iterations", counted, "", "s")] = by_source.iterations
     for arm, heading in (
-        ("nominal", "largest load change if lever arms end at the nominal contact points instead of the current ones"),
-        ("ball", "largest load change if contact forces act at the axial positions of the balls instead of the contacts'"),
+        ("nominal", "largest load change if lever arms use the nominal contact points, not the displaced ones"),
+        ("ball", "largest load change if contact forces act on the beam at the balls' axial positions, not the contacts'"),
     ):
         frozen = cache.solve_once(cache.scene_with_options(name, arm=arm))
         row[TableColumn(arm, heading, "% of mean load", ".3f")] = load_error(frozen.load, by_energy.load).max_percent
@@ -596,7 +603,7 @@ def solver_agreement_row(cache: SceneResultCache, name: str) -> Row:
 
 
 def formulations_section(cache: SceneResultCache, step: Callable[[str], None]) -> Section:
-    """Return the report's section on two solvers and two kinematic forms of Lin's static model.
+    """Return the report's section that compares Lin's Newton method with an energy solver, for two forms of his equations.
 
     ``cache``: gives the solved scenes; ``step``: function that receives a message before each step.
     """

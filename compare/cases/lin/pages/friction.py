@@ -224,9 +224,9 @@ def figures_over_side_force_ratio() -> tuple[Figure, Figure]:
         "friction-difference",
         "Linear bearing (Lin, Figure 3.14): velocity difference of two balls, plotted against side force/vertical load",
         panels_over_side_force_ratio(m, m.velocity_deviation_difference, "velocity difference ε₁ − ε₂"),
-        "θ: deviation of the contact angle; ε₁, ε₂: relative deviations of both balls' velocities from nominal. The balls "
-        "approach each other where the curve is above zero. Lin's formula gives velocity differences that "
-        f"are too small by up to {short:.0%} of the largest difference.",
+        "θ: deviation of the contact angle from nominal; ε₁, ε₂: relative deviations of both balls' velocities "
+        "from nominal. The balls approach each other where the curve is above zero. Lin's formula gives velocity "
+        f"differences that are too small by up to {short:.0%} of the largest difference.",
         3,
     )
     second = Figure(
@@ -236,8 +236,9 @@ def figures_over_side_force_ratio() -> tuple[Figure, Figure]:
             *panels_over_side_force_ratio(m, m.force, "ball-to-ball force / N"),
             *panels_over_side_force_ratio(m, m.groove_and_ball_loss_ratio, "loss ratio"),
         ],
-        "θ: deviation of the contact angle. Loss ratio: 1 + (loss between the balls)/(losses without ball-to-ball "
-        f"contact). Where the balls approach each other, the force grows up to {m.force.numerical.max():.2f} N and the "
+        "θ: deviation of the contact angle from nominal. Loss ratio: groove losses without ball-to-ball contact plus loss "
+        "between the balls, divided by the former. "
+        f"Where the balls approach each other, the force grows up to {m.force.numerical.max():.2f} N and the "
         f"loss ratio up to {100.0 * m.groove_and_ball_loss_ratio.numerical.max():.1f} % (Lin prints it as an increase of "
         f"{printed_entry('lin-3.3', 'worst_ratio').number_as_printed} %). Lin's formula gives a force that is too small by "
         f"up to {-m.force.error.min():.2f} N, and a loss ratio that is wrong by up to "

@@ -38,7 +38,7 @@ FORCES = {
 
 
 def model_comparison_statements_table(cache: SceneResultCache) -> Table:
-    """Return the table of further statements in which Lin compares his model with ANSYS, with computed values and verdicts.
+    """Return the table of further comparisons of Lin's model with ANSYS in his text, with computed values and verdicts.
 
     ``cache``: gives solved scenes and stored 3D references.
     """
@@ -59,7 +59,7 @@ def _row_of_lin_statement(location: str, printed: str, computed: str, verdict: s
     it; ``verdict``: conclusion.
     """
     return {
-        TableColumn("place", "place in the thesis", "", "s"): location,
+        TableColumn("place", "section, table or figure of the thesis", "", "s"): location,
         TableColumn("printed", "statement of the thesis", "", "s"): printed,
         "computed here": computed,
         TableColumn("verdict", "conclusion", "", "s"): verdict,
@@ -108,8 +108,8 @@ def _lateral_displacement_row(cache: SceneResultCache) -> Row:
 def _case_3_support_row(cache: SceneResultCache, model: str) -> Row:
     """Return the table row on Lin's case 3, in which the right end of the screw is displaced laterally.
 
-    The row names the supports of this end for which the displacement changes the contact loads as printed. ``model``: name
-    of the model by which the contact loads are computed. ``cache``: gives the solved scenes.
+    The row lists the supports of this end with which the displacement changes the contact loads as Lin describes.
+    ``model``: name of the model by which the contact loads are computed. ``cache``: gives the solved scenes.
     """
     largest, right = [], []
     for reading in END_SUPPORTS:
@@ -285,8 +285,8 @@ def origin_of_error_paragraph(found: list[readings.CombinationResult]) -> str:
 def _ratios_and_errors_in_words(result: readings.CombinationResult) -> str:
     """Return in words load ratios and model errors of a combination of interpretations, ``result``.
 
-    The load ratios are largest over smallest load of case 1 by the low-order and by the 3D model; the errors are those of
-    the low-order loads against the 3D loads.
+    The load ratio is the largest load of case 1 divided by its smallest load, by the low-order and by the 3D model; the
+    errors are those of the low-order loads against the 3D loads.
     """
     return (
         f"ratios of {result.low_order_ratio:.3f} and {result.ratio_in_3d:.3f}, errors of "
@@ -310,7 +310,7 @@ def _first_to_last_in_words(values: Sequence[float], digits: int = 2) -> str:
 
 
 def contact_penalty_paragraph(cache: SceneResultCache) -> str:
-    """Return the paragraph on contacts with a penalty in 3D: how much softer they are, and the influence of the mesh.
+    """Return the paragraph on 3D contacts with a penalty: how much softer they are than Hertz contacts; effect of the mesh.
 
     ``cache``: gives solved scenes and stored 3D results.
     """
@@ -332,7 +332,7 @@ def contact_penalty_paragraph(cache: SceneResultCache) -> str:
 
 
 def mesh_scatter_paragraph(cache: SceneResultCache, found: list[readings.CombinationResult]) -> str:
-    """Return the paragraph on the scatter of contact stiffness between meshes as a cause of the printed errors.
+    """Return the paragraph on whether a contact stiffness that differs between meshes can cause the printed errors.
 
     The paragraph states, for several sizes of the scatter, the probability that the errors of the low-order model change
     from case 1 to case 2 by at least half of the printed change. ``cache``: gives solved scenes and stored 3D results;
@@ -422,8 +422,19 @@ def deviations_from_print_table(found: list[readings.CombinationResult]) -> Tabl
             READINGS_IN_3D: combination_in_words(c.readings_in_3d),
         }
         row |= _ratio_and_error_cells(tuple(c.deviations_from_print), "+.1f", "+.2f", "%")
-        row[TableColumn("fall_off", "fall of the largest error from case 1 to 2", "percentage points", "+.2f")] = fall
-        row[TableColumn("rise_off", "rise of the RMS error from case 1 to 2", "percentage points", "+.2f")] = rise
+        row[
+            TableColumn(
+                "fall_off",
+                "fall of the largest error from case 1 to 2, computed minus printed",
+                "percentage points",
+                "+.2f",
+            )
+        ] = fall
+        row[
+            TableColumn(
+                "rise_off", "rise of the RMS error from case 1 to 2, computed minus printed", "percentage points", "+.2f"
+            )
+        ] = rise
         rows.append(row)
     note = "Deviations of the load ratios: in per cent of the printed ratio; of the model errors: in percentage points."
     title = "Ratio of largest to smallest load, and model errors: deviations from Lin 2.4.1 by each possible explanation"
@@ -437,10 +448,11 @@ def _error_in_words(key: str) -> str:
 
 
 def _ratio_and_error_cells(values: Sequence[float], ratio: str, error: str, unit: str = "") -> Row:
-    """Return table cells of largest over smallest load by two models, and of four errors of the low-order model.
+    """Return table cells: ratio of largest to smallest load by both models, four errors of the low-order model against 3D.
 
-    ``values``: load ratio of the low-order and of the 3D model, then the errors `ERRORS`; ``ratio``, ``error``: formats of
-    ratios and errors; ``unit``: unit of the ratios, empty for the ratios themselves, "%" for differences.
+    ``values``: load ratio of the low-order and of the 3D model, then the errors `ERRORS`, or the deviations of all six from
+    the printed numbers; ``ratio``, ``error``: number formats of ratios and errors; ``unit``: empty for the values, "%" for
+    deviations.
     """
     start = "deviation from the printed " if unit else ""
     heading = f"{start}ratio of largest to smallest load"
@@ -455,7 +467,7 @@ def _ratio_and_error_cells(values: Sequence[float], ratio: str, error: str, unit
 
 
 def _ratio_cells_and_errors_by_definition(result: readings.CombinationResult) -> Row:
-    """Return table cells of a combination of interpretations: largest over smallest load by both models, model errors.
+    """Return table cells of a combination of interpretations: ratio of largest to smallest load by both models, errors.
 
     The errors of the low-order loads against the 3D loads are in per cent of each load, then in per cent of the mean load.
     """
@@ -470,7 +482,7 @@ def _ratio_cells_and_errors_by_definition(result: readings.CombinationResult) ->
 
 
 def single_interpretation_table(found: list[readings.CombinationResult]) -> Table:
-    """Return the table of largest over smallest load and model errors for each interpretation, other choices by default.
+    """Return the table of load ratios and model errors with one interpretation at a time, all other choices by default.
 
     ``found``: results of all combinations of interpretations, of which the first has all choices by default.
     """
@@ -484,13 +496,15 @@ def single_interpretation_table(found: list[readings.CombinationResult]) -> Tabl
         model = "low order" if low_order else "3D" if reading else "both"
         against, change = reading[0].contradiction if reading else "", float(error_percent(ratio, before))
         row: Row = {
-            TableColumn("model", "model to which the interpretation is applied", "", "s"): model,
+            TableColumn("model", "model that is changed by the interpretation", "", "s"): model,
             TableColumn("reading", "interpretation", "", "s"): combination_in_words(reading),
-            TableColumn("text", "contradiction by Lin's text", "", "s"): against,
-            TableColumn("moves", "change of the ratio of largest to smallest load", "%", "+.2f"): change,
+            TableColumn("text", "why Lin's text contradicts the interpretation", "", "s"): against,
+            TableColumn(
+                "moves", "change of the ratio of largest to smallest load by the interpretation", "%", "+.2f"
+            ): change,
         }
         rows.append(row | _ratio_cells_and_errors_by_definition(c))
-    title = "Ratio of largest to smallest load, and model errors (Lin 2.4.1), for each interpretation of Lin's text alone"
+    title = "Ratio of largest to smallest load, and model errors (Lin 2.4.1), with one interpretation changed at a time"
     return Table.from_rows("reconstruction-alone", title, rows)
 
 
@@ -515,7 +529,7 @@ def combination_table(found: list[readings.CombinationResult]) -> Table:
 
 
 def _combination_row(result: readings.CombinationResult) -> Row:
-    """Return the table row of a combination of interpretations: short names, largest over smallest load, model errors."""
+    """Return the table row of a combination of interpretations: short names, load ratios by both models, model errors."""
     row: Row = {
         LOW_ORDER_READINGS: readings.combination_name(result.low_order_readings),
         READINGS_IN_3D: readings.combination_name(result.readings_in_3d),
@@ -524,7 +538,7 @@ def _combination_row(result: readings.CombinationResult) -> Row:
 
 
 def combinations_figure(found: list[readings.CombinationResult]) -> Figure:
-    """Draw largest over smallest load and model errors of all combinations of interpretations, and the printed values.
+    """Draw ratios of largest to smallest load and model errors for all combinations of interpretations, and as printed.
 
     ``found``: results of the combinations.
     """
@@ -547,9 +561,9 @@ def combinations_figure(found: list[readings.CombinationResult]) -> Figure:
         return (*out, Series("printed", [printed[0]], [printed[1]], style="markers", bold=True))
 
     def rms_and_largest_error_of_case(k: int) -> Callable[[readings.CombinationResult], tuple[float, float]]:
-        """Return a function that returns RMS, then largest error [%] of low-order against 3D loads in Lin's case ``k`` + 1.
+        """Return a function that returns RMS and largest error [%] of the low-order loads in Lin's case ``k`` + 1.
 
-        The argument of the returned function is a combination of interpretations.
+        The errors are against the 3D loads. The returned function takes a combination of interpretations.
         """
         return lambda c: (c.errors_percent["own"][2 * k + 1], c.errors_percent["own"][2 * k])
 

@@ -80,7 +80,7 @@ def lash_difference_rows(scene: Scene) -> list[Row]:
     ``scene``: the ball screw with the usual inputs.
     """
     conical = "difference of the lash in the conical test"
-    ordered = "directions of the force with a smaller difference in the axial than in the conical test"
+    ordered = "lateral force directions for which the axial test has the smaller difference"
     return [
         {
             TableColumn("changed", "changed input", "", "s"): p.changed_input,
@@ -158,14 +158,14 @@ def load_ratio_rows(layout_ratios: list[steering.GearLayoutLoadRatios]) -> list[
     """
     return [
         {
-            TableColumn("hold", "restraint by the pinion", "", "s"): p.pinion_restraint,
-            TableColumn("sense", "directions of the two lateral forces", "", "s"): "opposed"
+            TableColumn("hold", "restraint of the rack by the pinion", "", "s"): p.pinion_restraint,
+            TableColumn("sense", "directions of the lateral forces of both tie rods", "", "s"): "opposed"
             if p.side_forces_opposed
             else "alike",
             TableColumn("offset", "distance of the bearing from the nut's centre", "mm", ".0f"): 1e3 * p.bearing_offset,
             TableColumn("pinion", "axial position of the pinion", "mm", ".0f"): 1e3 * p.pinion_position,
-            TableColumn("screw", "load ratio of the ball screw, 18° over 0°", "", ".2f"): p.screw,
-            TableColumn("bearing", "load ratio of the bearing, 18° over 0°", "", ".2f"): p.bearing,
+            TableColumn("screw", "largest load of the ball screw at 18° divided by that at 0°", "", ".2f"): p.screw,
+            TableColumn("bearing", "largest load of the bearing at 18° divided by that at 0°", "", ".2f"): p.bearing,
         }
         for p in layout_ratios
     ]
@@ -187,8 +187,12 @@ def load_ratio_range_rows(layout_ratios: list[steering.GearLayoutLoadRatios]) ->
             (low, high), printed = getattr(b, key), printed_value("lin-4.2.1", f"ratio_{key}")
             inside = f"whether the range contains the printed load ratio {printed:g} of the {words}"
             row |= {
-                TableColumn(f"{key}_low", f"smallest load ratio of the {words}, 18° over 0°", "", ".2f"): low,
-                TableColumn(f"{key}_high", f"largest load ratio of the {words}, 18° over 0°", "", ".2f"): high,
+                TableColumn(
+                    f"{key}_low", f"smallest ratio of the largest loads of the {words} at 18° and at 0°", "", ".2f"
+                ): low,
+                TableColumn(
+                    f"{key}_high", f"largest ratio of the largest loads of the {words} at 18° and at 0°", "", ".2f"
+                ): high,
                 TableColumn(f"{key}_in", inside, "", "s"): "yes"
                 if steering.rounded_value_lies_in_range((low, high), printed)
                 else "no",

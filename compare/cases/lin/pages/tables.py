@@ -37,19 +37,19 @@ LOW = (
     TableColumn("cold", "run time computed here, cold start", "s", "g3"),
     TableColumn("further", "run time computed here, further load case", "s", "g3"),
 )
-_OURS = "run time of this package's 3D model/run time of its low-order model"
+_OURS = "run time of this package's 3D model divided by that of its low-order model"
 RATIO = {
     "printed": TableColumn("r_printed", "printed run time of ANSYS divided by that of Lin's model", "times", "g4"),
     "cold": TableColumn("r_cold", f"{_OURS}, cold start", "times", "g3"),
     "further": TableColumn("r_further", f"{_OURS}, further load case", "times", "g3"),
 }
-OLDER = TableColumn("older", "run time here by an earlier measurement", "", "s")
+OLDER = TableColumn("older", "run time of this package, measured earlier", "", "s")
 ELEMENTS = (
     TableColumn("n_printed", "number of elements, printed", "", "s"),
     TableColumn("n_ours", "number of elements, unknowns or cells of this package's model", "", "s"),
 )
 SOURCES_OWN = TableColumn("sources", "printed difference of Lin's model from ANSYS", "%", ".2f")
-_EQUAL_LOADS = "low-order value if both contacts on each diagonal of a ball carry equal loads"
+_EQUAL_LOADS = "low-order value if opposite contacts of a ball carry equal loads"
 DIAGONAL = TableColumn("diagonal", _EQUAL_LOADS, "", "g5")
 _OTHER_RADIUS = f"correct value with groove radius {chapter_2.TABLE_CONFORMITY:g} x ball diameter"
 OTHER_GROOVE = TableColumn("groove", _OTHER_RADIUS, "", "g5")
@@ -144,7 +144,7 @@ def run_times_table(
         solid, slow = (ModelRunTimes(), None) if way == "3D" else (stored_run_times(cache, scene, "3D"), ansys[scene])
         rows.append(
             {
-                TableColumn("label", "row in the printed table", "", "s"): label,
+                TableColumn("label", "line of the printed table", "", "s"): label,
                 TableColumn("column", "column in the printed table", "", "s"): head,
                 TableColumn("printed", "printed run time", "", "s"): f"{printed.number_as_printed} {printed.unit}",
                 RATIO["printed"]: run_time_ratio(slow, printed_run_time_seconds(name)),
@@ -344,7 +344,7 @@ def _case_2_statement_curves(cache: SceneResultCache) -> list[Series]:
 
 
 def _case_3_statement_curves(cache: SceneResultCache) -> list[Series]:
-    """Return, as a list of one, the curve of contact loads that Lin's statement on case 3 without lateral offset describes.
+    """Return, in a list, the curve of contact loads that Lin's text describes for case 3 without lateral offset.
 
     ``cache``: gives the solved scenes.
     """

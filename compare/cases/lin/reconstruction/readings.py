@@ -101,8 +101,8 @@ def with_displaced_balls(scene: Scene, balls: Iterable[int] | None = None) -> Sc
 def largest_relative_rise_by_friction(scene: Scene, quantity: Callable[[Scene], float]) -> float:
     """Return the largest relative rise of a quantity that friction can cause by displacing some of the balls of a scene.
 
-    The displaced balls are those of which each, displaced alone, raises the quantity. ``quantity``: function that returns
-    the quantity of a scene.
+    A ball is displaced if displacing it alone raises the quantity. ``quantity``: function that returns the quantity of a
+    scene.
     """
     base, balls = quantity(scene), range(1, scene.ball_count + 1)
     raising = [k for k in balls if quantity(with_displaced_balls(scene, (k,))) > base]
@@ -123,23 +123,23 @@ PENALTY_LEVEL = 2
 class Interpretation:
     """One interpretation of one modelling choice that Lin's thesis leaves open, for his low-order or his 3D model."""
 
-    #: Short name, for names of scenes and tables.
+    #: Short name of the interpretation, used in names of scenes and in tables.
     short_name: str
-    #: Modelling choice that the thesis leaves open.
+    #: Modelling choice that the thesis leaves open and that is interpreted here, in words.
     modelling_choice: str
-    #: Interpretation of the choice in words.
+    #: The interpretation, in words.
     description: str
-    #: Modelling options of the low-order model that the interpretation changes: new values by name of the option.
+    #: New values of the low-order model's options that the interpretation changes, by name of the option.
     low_order_options: dict[str, Any] = field(default_factory=dict, hash=False)
-    #: Function that returns the changed copy of a scene for the 3D model; None: the scene is unchanged.
+    #: Function that returns a copy of a scene as changed by the interpretation for the 3D model; None: no change.
     change_scene: Any = None
     #: Mesh level of the 3D model.
     mesh_level: int = LEVEL
     #: Why the text of the thesis contradicts the interpretation; empty if it does not.
     contradiction: str = ""
-    #: Coefficient of friction with which the grooves slide on balls that do not turn, in 3D; 0: no sliding friction.
+    #: Coefficient of friction between grooves and balls in 3D, where the grooves slide on balls that do not turn; 0: none.
     sliding_friction: float = 0.0
-    #: Penalty of the contacts in 3D, over E/h (h: size of Lin's elements); 0: contacts without penetration.
+    #: Contact penalty in 3D divided by E/h (E: Young's modulus, h: size of Lin's elements); 0: no penetration.
     relative_penalty: float = 0.0
 
 
@@ -373,7 +373,7 @@ def relative_load_rise_per_hertz_approach(loads_in_3d: tuple[Array, ...]) -> flo
 def low_order_errors_on_random_meshes(
     low_order: tuple[Array, ...], in_3d: tuple[Array, ...], scatter_percent: float, *, in_percent_of_each_load: bool = True
 ) -> Array:
-    """Return the errors [%] of the low-order model against 3D loads as they scatter over random meshes, (DRAWN, 4).
+    """Return the errors [%] of the low-order loads against 3D loads that scatter with the mesh, as an array (DRAWN, 4).
 
     Rows: pairs of random meshes, one mesh for each of Lin's cases 1 and 2. Columns: largest and RMS error of case 1,
     largest and RMS error of case 2. Only flank SL (left flank of the screw) counts, since both contacts of a ball carry the
@@ -386,7 +386,7 @@ def low_order_errors_on_random_meshes(
     in_3d
         The same loads by the 3D model.
     scatter_percent
-        Standard deviation of every contact's Hertz approach between meshes [%].
+        Standard deviation [%] of the Hertz approach of each contact, at the same load, over the random meshes.
     in_percent_of_each_load
         Whether errors are in per cent of each load instead of the mean load.
     """
@@ -403,7 +403,7 @@ def low_order_errors_on_random_meshes(
 
 
 def fraction_of_meshes_with_fall_and_rise(errors: Array, least_fall: float, least_rise: float) -> float:
-    """Return the fraction of random mesh pairs with a lower largest and a higher RMS error in case 2 than in case 1.
+    """Return the fraction of random mesh pairs with a fall of the largest and a rise of the RMS error from case 1 to 2.
 
     ``errors``: errors [%] from `low_order_errors_on_random_meshes`; ``least_fall``, ``least_rise``: smallest fall of the
     largest error and smallest rise of the RMS error that count [percentage points].
@@ -428,12 +428,12 @@ ERRORS = ("case1_max_error", "case1_rms_error", "case2_max_error", "case2_rms_er
 
 @dataclass(frozen=True)
 class CombinationResult:
-    """Results of a combination of interpretations: largest over smallest load of case 1, errors of the low-order model.
+    """Results of a combination of interpretations: ratios of largest to smallest load, errors of the low-order loads.
 
-    ``low_order_readings``, ``readings_in_3d``: interpretations for the low-order and for the 3D model;
-    ``low_order_ratio``, ``ratio_in_3d``: largest over smallest load of case 1 by these models;
-    ``errors_percent``: errors of the low-order loads against the 3D loads; key "own": in per cent of each load, "mean": in
-    per cent of the mean load; values: largest and RMS error of case 1, then of case 2.
+    ``low_order_readings``, ``readings_in_3d``: interpretations for the low-order and for the 3D model; ``low_order_ratio``,
+    ``ratio_in_3d``: ratio of largest to smallest load in case 1 by these models; ``errors_percent``: errors of the
+    low-order loads against the 3D loads; key "own": in per cent of each load, "mean": in per cent of the mean load; values:
+    largest and RMS error of case 1, then of case 2.
     """
 
     low_order_readings: Combination
@@ -464,7 +464,7 @@ def printed_load_ratio() -> float:
 
 
 def load_ratio(load: Array) -> float:
-    """Return the largest over the smallest ball load on flank SL, the left flank of the screw.
+    """Return the ratio of the largest to the smallest ball load on flank SL, the left flank of the screw.
 
     ``load``: contact loads (n, 4) [N] of n balls on the flanks SL, SR, NL and NR (screw or nut, left or right).
     """
@@ -527,10 +527,10 @@ def _required_runs_in_3d(cache: SceneResultCache, combination: Combination, leve
 
 
 def evaluate_combinations(cache: SceneResultCache) -> list[CombinationResult]:
-    """Return load ratios and model errors for each pair: interpretations for the low-order model, and for the 3D model.
+    """Return load ratios and model errors for each combination of interpretations for the low-order and for the 3D model.
 
-    A load ratio is the largest over the smallest load of case 1. The first result has all choices by default. Raises
-    LookupError if a 3D result is not stored. ``cache``: gives solved scenes and stored 3D results.
+    A load ratio is the largest load of case 1 divided by its smallest load. The first result has all choices by default.
+    Raises LookupError if a 3D result is not stored. ``cache``: gives solved scenes and stored 3D results.
     """
     low = [(c, low_order_loads(cache, c)) for c in combinations_for_low_order_model()]
     solid = [(c, required_loads_in_3d(cache, c)) for c in combinations_solved_in_3d()]
@@ -583,7 +583,7 @@ def explanations_shown_in_report(found: list[CombinationResult]) -> dict[str, Co
 
 
 def penalty_over_hertz_approach(cache: SceneResultCache, combination: Combination) -> float:
-    """Return the approach that a contact penalty adds in Lin's case 1, over the Hertz approach; both under the mean load.
+    """Return the approach that a contact penalty adds in Lin's case 1, divided by the Hertz approach, at the mean load.
 
     ``cache``: caches the results; ``combination``: combination of interpretations that contains the penalty.
     """

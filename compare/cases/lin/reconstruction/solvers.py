@@ -29,7 +29,7 @@ LARGER = 1.45
 
 
 def add_penalty_springs(setup: CondensedGeometry, penalty: float) -> CondensedGeometry:
-    """Return the set-up of 3D contacts with a spring in series at each pair of contact nodes.
+    """Return the 3D contact problem with a penalty spring added in series at each pair of contact nodes.
 
     ``setup``: prepared 3D contacts without penalty. The stiffness of a spring is ``penalty`` [N/m3] times the area that
     belongs to its node.
@@ -85,9 +85,9 @@ class SlidingLoadCase(LoadCase):
 
     ``mu``: coefficient of friction. Friction resists an axial motion of the screw in the direction of its load; with
     negative ``mu``, an axial motion against its load. The friction forces at both contacts of a ball balance each other. On
-    each body, friction is applied as a force perpendicular to the contact load, through the centre of the groove's arc, by
-    normal forces on the contact's nodes. The moment of the friction about that centre (arc radius times mu times contact
-    load) is neglected.
+    each body, the friction of a contact is applied by normal forces on the contact's nodes, whose resultant is
+    perpendicular to the contact load and passes through the centre of the groove's arc. The moment of the friction about
+    this centre (arc radius times mu times contact load) is neglected.
     """
 
     def __init__(self, setup: CondensedGeometry, scene: Scene, mu: float) -> None:

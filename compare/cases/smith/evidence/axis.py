@@ -1,7 +1,7 @@
 """Smith (1994), chapters 4 and 5: stiffness of a ball-screw axis with its support bearings, tests, reduced preload.
 
 Several layouts of the axis are also solved as scenes over the nut's position, and compared with closed formulas and with
-Smith's sum of compliances in series.
+Smith's formula for springs in series.
 """
 
 from __future__ import annotations
@@ -119,7 +119,7 @@ def solve_by_beam_model(
 ) -> EndThrustsAndAxisStiffness:
     """Return the thrust on both end supports and the stiffness of a screw axis, by a beam model with contacts.
 
-    Each bearing row is at its own position.
+    Each bearing row acts at its actual axial position.
 
     ``cache``: caches the result; ``layout``: support bearings of the axis; ``nut_position``: position of the nut over the
     length between the supports.
@@ -155,10 +155,10 @@ def _solve_layout_scene(
 
 
 def axis_stiffness_by_sum_in_series(layout: SupportBearingLayout) -> float:
-    """Return the axis stiffness [N/m] without the nut by Smith's equation (4.6), a sum of compliances in series.
+    """Return the axis stiffness [N/m] without the nut by Smith's equation (4.6) for springs in series.
 
-    The sum contains the compliances of both supports and of the whole screw. ``layout``: support bearings of the axis; the
-    result is nan if the screw is fixed at one end only, for which Smith gives no sum.
+    The springs are both supports and the whole screw. ``layout``: support bearings of the axis; the result is nan if the
+    screw is fixed at one end only, for which Smith gives no formula.
     """
     if not layout.right_row_directions:
         return float("nan")
@@ -241,9 +241,10 @@ def _end_thrusts_under_load(tension: float) -> dict[str, float]:
 def row_loads_by_smith_rule_lbf(kind: str, end: str, state: str, preload: tuple[float, ...]) -> list[float]:
     """Return the loads [lbf] of the bearing rows at one end of the axis by Smith's rule, which violates equilibrium.
 
-    By this rule, half of the screw's tension and half of the carriage's load act at each end. Both halves are added to the
-    preloads of the rows that they load, and also subtracted from the preloads of the opposite rows. ``kind``: "ball" or
-    "taper"; ``end``: "left" or "right"; ``state``: "stretch" or "applied"; ``preload``: preload of each row [lbf].
+    By this rule, half of the screw's tension and half of the carriage's load act at each end. They are added to the
+    preloads of the rows that they load, and subtracted from the preloads of the rows of opposite direction. ``kind``:
+    "ball" or "taper"; ``end``: "left" or "right"; ``state``: "stretch" or "applied"; ``preload``: preload of each row
+    [lbf].
     """
     directions = bearings.DIRECTIONS[kind][end]
     half_tension = 0.5 * round(screw_tension() / bearings.POUND, -1)
@@ -342,7 +343,7 @@ def stiffness_at_mid_length(support_stiffness: float) -> float:
 
 
 def _compute_axis_stiffness(findings: ComputedEntryValues, kind: str, beam_model_remark: str) -> None:
-    """Compute the axis stiffness by Smith's sum of compliances, and with both halves of the screw in parallel.
+    """Compute the axis stiffness by Smith's formula for springs in series, and with both halves of the screw in parallel.
 
     ``kind``: "ball" or "taper"; ``beam_model_remark``: remark with the thrust on both end supports and the axis stiffness
     by the beam model. ``findings``: receives the results.
@@ -354,7 +355,7 @@ def _compute_axis_stiffness(findings: ComputedEntryValues, kind: str, beam_model
     off = float(error_percent(printed, right))
     words = f"both halves of the screw in parallel: {1e-6 * right:.3f}e6 with the printed stiffness of the bearings, "
     words += f"{1e-6 * ours:.3f}e6 lbf/in with the computed one; "
-    words += f"the sum in series {off:+.0f} %"
+    words += f"the formula for springs in series {off:+.0f} %"
     findings.add_number(f"total_{kind}", right, f"{words}; {beam_model_remark}", as_printed=printed)
 
 
@@ -403,7 +404,7 @@ def _record_axis_and_drive_data(findings: ComputedEntryValues) -> None:
 
 
 def _compare_torque_tests(findings: ComputedEntryValues) -> None:
-    """Compare predicted torques, sums of printed parts, with the tests: section 5.2.1 of Smith (1994).
+    """Compare predicted torques of the axis (sums of printed contributions) with the tests: section 5.2.1 of Smith (1994).
 
     ``findings``: receives the results.
     """
@@ -461,8 +462,8 @@ def _compare_temperature_rises(findings: ComputedEntryValues) -> None:
 def carriage_load_that_unloads_row(preload: float) -> float:
     """Return the load [N] on the carriage at mid-length that unloads the outer tapered-bearing row of one end of the axis.
 
-    ``preload``: preload of the bearing rows [N]. The screw is stretched. The row is unloaded when the part of the
-    carriage's load that acts on this end equals the lift-off load of the end's bearing rows less the screw's tension.
+    ``preload``: preload of the bearing rows [N]. The screw is stretched. The row is unloaded when the fraction of the
+    carriage's load that acts on this end equals the lift-off load of its bearing rows less the tension of the screw.
     """
     bar = bearings.screw_bar()
     share = axis.support_loads(bar, 0.5 * bar.length, 1.0)[0]

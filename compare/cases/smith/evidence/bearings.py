@@ -246,7 +246,7 @@ def _compute_spreadsheet_cells_under_load(findings: ComputedEntryValues) -> None
 
 
 def _compute_triplex_preload(findings: ComputedEntryValues) -> None:
-    """Compute the preload of the triplex bearing set: section 2.1.2 of Smith (1994); ``findings`` receives the results."""
+    """Compute the preload of three matched bearings: section 2.1.2 of Smith (1994); ``findings`` receives the results."""
     for load in (1500.0, 1020.0):
         findings.add_number(
             f"delta_{load:.0f}",
@@ -270,10 +270,10 @@ def _compute_triplex_preload(findings: ComputedEntryValues) -> None:
 
 
 def range_of_good_approach_fit() -> tuple[float, float, float]:
-    """Return the range of the curvature difference F(p) where Smith's fit of the approach, equation (2.18), is within 2 %.
+    """Return the range of the curvature difference F(p) in which Smith's fit (2.18) of the approach has errors below 2 %.
 
-    First: lower end; second: upper end; third: error of the fit at F(p) = 0.5 [%]. The fit is that of the dimensionless
-    approach delta*.
+    First: lower end; second: upper end; third: error of the fit at F(p) = 0.5 [%]. The fit gives the dimensionless approach
+    delta*.
     """
 
     def approach_fit_error_percent(difference: float) -> float:
@@ -355,7 +355,7 @@ def section_2_3(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     rating = torque.palmgren_static_rating(1, b.balls, b.ball_diameter, float(s.contact_angle), float(across), float(along))
 
     def by_load(static_rating: float, **factors: float) -> float:
-        """Return the torque [in-lbf] by the load, for a static rating [N] and other factors than Palmgren's usual ones."""
+        """Return Palmgren's load-dependent torque [in-lbf] with changed ``factors``; ``static_rating``: in N."""
         found = torque.load_dependent_torque(BALL_TORQUE_LOAD, 0.0, b.pitch_diameter, static_rating, **factors)
         return found.torque / INCH_POUND
 

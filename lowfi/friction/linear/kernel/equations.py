@@ -265,7 +265,7 @@ def copy_chain_state(point: ChainSearchState) -> ChainSearchState:
 
 @kernel
 def restore_chain_state(point: ChainSearchState, kept: ChainSearchState) -> None:
-    """Overwrite all motions and forces of ``point`` by those of its copy ``kept``.
+    """Overwrite all motions and forces of ``point`` by the values in ``kept``, an earlier copy of it.
 
     Moving back by increments would leave round-off in the relative motions of sticking contacts.
     """

@@ -307,9 +307,9 @@ def write_force_balance_jacobian(
 def ball_after_open_gap(groove: GrooveArrays, balls: BallArrays, x: Array, f: Array) -> int:
     """Return the number of the ball after the widest open gap, where the equations of a closed track are cut open.
 
-    The gap is the one whose remaining closing rate exceeds its ball-to-ball force most. x (N, 4): motions of the balls
-    (orbit and three spins), surface speeds divided by the nut's speed along the path; f (N,): force of ball k on ball k
-    + 1, divided by the unit of force of ``balls``.
+    For this gap the remaining closing rate (`remaining_closing_rate`) exceeds the ball-to-ball force by the largest amount,
+    both in the scaled units of the kernels. x (N, 4): motions of the balls (orbit and three spins), surface speeds divided
+    by the nut's speed along the path; f (N,): force of ball k on ball k + 1, divided by the unit of force of ``balls``.
     """
     start, most = 0, -np.inf
     for k in range(f.shape[0]):

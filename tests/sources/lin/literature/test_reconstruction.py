@@ -81,7 +81,7 @@ def test_no_combination_has_all_that_is_printed(found):
 def test_no_error_against_ansys_comes_out(study):
     found = {e.printed.key: e for e in evidence(study, "lin-2.4.1")}
     assert {found[key].verdict for key in readings.ERRORS} == {"not identifiable"}
-    assert all("combinations of readings" in found[key].remark for key in readings.ERRORS)
+    assert all("combinations of " in found[key].remark for key in readings.ERRORS)
 
 
 def test_a_little_penalty_adds_what_hertz_pressure_makes_it(study):
