@@ -85,7 +85,7 @@ def cases_of_other_packages() -> tuple[Case, ...]:
         if folder is None:
             raise InputError(place, point.value, repr(one), allowed, advice)
         if one.name in found or one.name in (case.name for case in CASES):
-            raise InputError(place, "name", f'"{one.name}"', "a name that the case of no other publication has", advice)
+            raise InputError(place, "name", f'"{one.name}"', "a name that no other case has", advice)
         found[one.name] = one
     return tuple(found.values())
 

@@ -499,10 +499,11 @@ def make_slow_round_reporter(name: str, begin: float, step: Callable[[str], None
 
 
 def remaining_load_change(loads: Sequence[Array]) -> float:
-    """Estimate the largest change of any contact load by further rounds, from the changes in the last rounds.
+    """Estimate how much any contact load would still change if normals and gaps were updated further.
 
-    The estimate is the remainder of a geometric series: last change x ratio / (1 - ratio). The ratio is the last change
-    over the change before it, or `SLOWEST` if only one change is known.
+    The contacts are solved in rounds, each with updated normals and gaps. The estimate is the remainder of a geometric
+    series: last change x ratio / (1 - ratio). The ratio is the last change over the change before it, or the assumed
+    `SLOWEST` if only one change is known.
 
     Parameters
     ----------

@@ -34,7 +34,7 @@ def bench(
     store: Annotated[Path | None, Parameter(show_default=False)] = None,
     as_json: Json = False,
 ) -> int:
-    """Measure computing times on this computer: of models (with their errors), of whole commands, and of several threads.
+    """Measure computing times on this computer: of models (with their errors), of whole commands, and with several threads.
 
     Parameters
     ----------
@@ -42,7 +42,8 @@ def bench(
         Scenes with a 3D reference, on which the models are timed. Default: lin-case1; with --long all scenes that the
         report compares.
     long
-        Also time every mesh level of the 3D reference, which takes about an hour on idle cores; threads are not timed.
+        Also time every mesh level of the 3D reference, which takes about an hour on idle cores, but
+        not the effect of several threads.
     source
         Measure only the times that the page of this publication shows (such as lin), which takes ten to fifteen minutes on
         two idle cores.
@@ -50,8 +51,8 @@ def bench(
         Instead, solve 24 of the randomly drawn screws of rollbench survey on mesh levels 1 and 2 of the 3D reference,
         in one and a half hours of processor time; needs --store. An interrupted run resumes.
     store
-        Folder of stored runs in which the times are stored for the report. Without --long, --source and --drawn, these are
-        the times of commands in an empty home folder.
+        Folder of stored runs in which the times are stored for the report. Without --long, --source and --drawn, only the
+        times of commands are stored, run in an empty home folder and so without caches.
     """
     if drawn:
         if names or long or source is not None:

@@ -97,7 +97,7 @@ def compare_and_report(
     described = [catalogue.scene_of_any_kind(name) for name in names]
     for name, beside in (("levels", levels is not None), ("fresh", fresh)) if reference is not None else ():
         if beside:
-            advice = "leave one of the two options out: the file replaces the 3D reference"
+            advice = "leave one of the two out, because the file of `reference` replaces the 3D reference"
             raise ArgumentError(name, "this option with `reference`", "only without `reference`", advice)
     how: dict[str, Any] = {"store": store, "levels": levels, "fresh": fresh, "reference": reference}
     found = prepare_comparison(described, names, chosen, engine, show_progress_message, **how)

@@ -444,7 +444,7 @@ def cold_start_time_table_of_mesh_levels(run_times: StoredRunTimes) -> Table:
             text_column("level", "mesh level"): c.level,
             TableColumn("cold", "run time of a new process with empty caches", "s", "g3"): c.process,
             TableColumn("cpu", "CPU time of all processes", "s", "g3"): c.cpu,
-            TableColumn("load_case", "run time of a further load case", "s", "g3"): c.load_case,
+            TableColumn("load_case", "run time of each load case after the first", "s", "g3"): c.load_case,
             text_column("stages", "longest stages of the set-up and their times"): _longest_stages_text(c),
             TableColumn("memory", "peak memory", "MB", ".0f"): c.memory,
             text_column("status", "status of the solver"): c.status,
@@ -538,11 +538,14 @@ def run_time_ratio_table(points_by_scene: Mapping[str, Sequence[ErrorAndRunTime]
                 {
                     "scene": scene,
                     TableColumn("low", "run time of Lin's model, cold start", "s", "g3"): low.cold,
-                    TableColumn("low_warm", "run time of Lin's model, further load case", "s", "g3"): low.warm,
+                    TableColumn("low_warm", "run time of Lin's model, each load case after the first", "s", "g3"): low.warm,
                     TableColumn("ref", "run time of the 3D reference, cold start", "s", ".1f"): best.cold,
-                    TableColumn("ref_warm", "run time of the 3D reference, further load case", "s", ".2f"): best.warm,
+                    TableColumn(
+                        "ref_warm", "run time of the 3D reference, each load case after the first", "s", ".2f"
+                    ): best.warm,
                     TableColumn("cold", "ratio of the run times, cold start", "", ".0f"): best.cold / low.cold,
-                    TableColumn("warm", "ratio of the run times, further load case", "", ".0f"): best.warm / low.warm,
+                    TableColumn("warm", "ratio of the run times, each load case after the first", "", ".0f"): best.warm
+                    / low.warm,
                 }
             )
     printed = printed_entry("lin-2.4.1", "speed_ratio").number_as_printed

@@ -82,7 +82,7 @@ class MeshUncertaintyTest:
     contact_count: int
     #: Tested uncertainty, as RMS over the loaded contacts [% of the mean load].
     uncertainty_percent: float
-    #: Number of contacts whose load on the finer level differs by less than its uncertainty.
+    #: Number of contacts whose load on this level differs from that on the finer level by less than the stated uncertainty.
     covered_contact_count: int
     #: Whether the scene is a randomly drawn screw; if not, it comes with rollbench.
     is_random_screw: bool

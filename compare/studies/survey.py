@@ -447,7 +447,7 @@ def _round_or_none(value: float | None, factor: float = 1.0) -> float | None:
 def _record_of_model_errors(
     scene: Scene, result: StaticResult, run: Run, measured_errors: model_form.MeasuredModelErrors
 ) -> Record:
-    """Return a model's errors on a randomly drawn screw [%], with the errors that are expected from other scenes.
+    """Return a model's errors on a randomly drawn screw [%], and the errors predicted for it from those on other scenes.
 
     ``result``: the model's solution; ``run``: solution of the 3D reference; ``measured_errors``: the model's errors against
     it.

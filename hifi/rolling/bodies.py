@@ -318,10 +318,10 @@ def nodal_forces_of_tractions(
     frame = frame or ContactAxes()
     at = contact_node_coordinates(body, frame)
     c = len(at)
-    hats = pressure_function_integrals(body.mesh, body.contact_nodes)
-    root = np.sqrt(np.asarray(hats.sum(axis=1))[:, None])
+    integrals = pressure_function_integrals(body.mesh, body.contact_nodes)
+    root = np.sqrt(np.asarray(integrals.sum(axis=1))[:, None])
     to_coefficients = np.linalg.pinv(root * monomial_values(at, zone.half_lengths, degree))
-    fit = to_coefficients @ (root * normalise_weight_rows(hats).toarray())
+    fit = to_coefficients @ (root * normalise_weight_rows(integrals).toarray())
     tilt = -body.normal_sense * at * np.array(curvatures)  # rise of the surface into the body, per length
     frames = np.zeros((c, 3, 3))  # rows: local x, y, inward
     frames[:, 0, 0] = frames[:, 1, 1] = frames[:, 2, 2] = 1.0

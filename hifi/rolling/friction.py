@@ -235,7 +235,7 @@ class _FrictionProblem:
     def newton_step(self, parts: list[tuple[Array, Array, Array]], q: list[Array], y: Array) -> tuple[list[Array], Array]:
         """Compute Newton's step dq of the forces of every contact ``(2 n,)`` [N], and dy of the motions of all bodies.
 
-        ``parts``: for every contact the residual, first and rest with dq = first + rest @ dy; ``q``: tangential forces of
+        ``parts``: for every contact three arrays: the residual, and a and B of dq = a + B @ dy; ``q``: tangential forces of
         every contact [N]; ``y``: motions of all bodies.
         """
         f, S = self.equilibrium(y)

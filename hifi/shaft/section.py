@@ -135,7 +135,7 @@ def flexibility_of_upper_cut_end(cut_end_flexibility: Array, m: GrooveMap, z: fl
 
 
 def fit_flexibility_of_cut_end(m: GrooveMap, flexibilities: Sequence[tuple[float, Array]], per_length: Array) -> Array:
-    """Fit the flexibility E that a cut end adds to a uniform beam to the computed flexibilities of several 3D shafts.
+    """Find the flexibility E that a cut end adds to a uniform beam, by a fit to the flexibilities of several 3D shafts.
 
     The middle of every shaft lies at ``m.z0``. A flexibility per unit length that couples shear force and bending moment
     about the same axis, equal for x and y, is fitted together with E, but not returned. The shear flexibility of the beam

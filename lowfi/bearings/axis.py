@@ -569,7 +569,7 @@ def equal_rows_with_preload(row: BearingRowLaw, directions: Sequence[int], force
     forward, back = sum(s == 1 for s in directions), sum(s == -1 for s in directions)
     if not forward or not back:
         raise ValueError(
-            f"preload: got bearing rows of the directions {list(directions)}; allowed: rows of both directions"
+            f"preload: got bearing rows with thrust directions {list(directions)}; allowed: rows for both directions"
         )
     depth = {1: row.deflection(force / forward), -1: row.deflection(force / back)}
     return BearingRows((row,) * len(directions), tuple(directions), tuple(depth[s] for s in directions))

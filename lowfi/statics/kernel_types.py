@@ -286,8 +286,8 @@ class ElasticBodies(NamedTuple):
     #: Motions of the flanks at each ball or roller per metre of each of k free rigid motions: (N, 8, k) for four flanks,
     #: (N, 2, k) for one flank pair. A rotation's amplitude is its angle times a length.
     R: Array
-    #: Motions v0 of the flanks by external loads and prescribed displacements [m]: (N, 8) for the four flanks of each ball
-    #: or roller, (N, 2) for one flank pair.
+    #: Motions v0 of the flanks by external loads and prescribed displacements [m]: (N, 8), two components for each of the
+    #: four flanks of a ball or roller, or (N, 2), two components for one pair of opposite flanks.
     v0: Array
     #: Work of the external loads on the free rigid motions, per metre of amplitude (k,) [N].
     work_on_free_motions: Array
@@ -352,7 +352,8 @@ class ForceState(NamedTuple):
     follow from the unknowns.
     """
 
-    #: Forces on the flanks [N]: (N, 8) for the four flanks of each ball or roller, (N, 2) for one flank pair.
+    #: Forces on the flanks [N]: (N, 8), two components for each of the four flanks of a ball or roller, or (N, 2), two
+    #: components for one pair of opposite flanks.
     phi: Array
     #: Amplitudes of the bodies' free rigid motions, which only the contacts resist (k,) [m].
     a: Array
@@ -367,11 +368,11 @@ class ForceState(NamedTuple):
 class ForceStep(NamedTuple):
     """Step of Newton's method for the contact forces on elastic bodies, and the motions of the flanks in this step."""
 
-    #: Change of the forces on the flanks in the step [N]: (N, 8) for the four flanks of each ball or roller, (N, 2) for one
-    #: flank pair.
+    #: Change of the forces on the flanks in the step [N]: (N, 8), two components for each of the four flanks of a ball or
+    #: roller, or (N, 2), two components for one pair of opposite flanks.
     dphi: Array
-    #: Change of the motions of the flanks in the step [m]: (N, 8) for the four flanks of each ball or roller, (N, 2) for
-    #: one flank pair.
+    #: Change of the motions of the flanks in the step [m]: (N, 8), two components for each of the four flanks of a ball or
+    #: roller, or (N, 2), two components for one pair of opposite flanks.
     dv: Array
     #: Change of the amplitudes of the bodies' k free rigid motions in the step (k,) [m].
     da: Array
@@ -380,15 +381,17 @@ class ForceStep(NamedTuple):
 class LineSearchStart(NamedTuple):
     """Contact forces and flank motions from which a line search along a Newton step starts."""
 
-    #: Forces on the flanks [N]: (N, 8) for the four flanks of each ball or roller, (N, 2) for one flank pair.
+    #: Forces on the flanks [N]: (N, 8), two components for each of the four flanks of a ball or roller, or (N, 2), two
+    #: components for one pair of opposite flanks.
     phi: Array
     #: Amplitudes of the bodies' free rigid motions (k,) [m].
     a: Array
-    #: Elastic motions G phi of the flanks [m], with the bodies' compliance G and the forces phi on the flanks: (N, 8) for
-    #: the four flanks of each ball or roller, (N, 2) for one flank pair.
+    #: Elastic motions G phi of the flanks [m], with the bodies' compliance G and the forces phi on the flanks: (N, 8), two
+    #: components for each of the four flanks of a ball or roller, or (N, 2), two components for one pair of opposite
+    #: flanks.
     g: Array
-    #: Total motions of the flanks [m] by elastic deformation, external loads and free rigid motions: (N, 8) for the four
-    #: flanks of each ball or roller, (N, 2) for one flank pair.
+    #: Total motions of the flanks [m] by elastic deformation, external loads and free rigid motions: (N, 8), two components
+    #: for each of the four flanks of a ball or roller, or (N, 2), two components for one pair of opposite flanks.
     v: Array
 
 
@@ -421,14 +424,15 @@ class BodySystem(NamedTuple):
 class BodyWorkspace(NamedTuple):
     """Work arrays of the Newton iteration whose unknowns are the contact forces on elastic bodies."""
 
-    #: Forces [N] that balls and rollers exert on the flanks at the present flank motions: (N, 8) for the four flanks of
-    #: each ball or roller, (N, 2) for one flank pair.
+    #: Forces [N] that balls and rollers exert on the flanks at the present flank motions: (N, 8), two components for each
+    #: of the four flanks of a ball or roller, or (N, 2), two components for one pair of opposite flanks.
     f: Array
-    #: Elastic motions G phi of the flanks [m], with the bodies' compliance G and the forces phi on the flanks: (N, 8) for
-    #: the four flanks of each ball or roller, (N, 2) for one flank pair.
+    #: Elastic motions G phi of the flanks [m], with the bodies' compliance G and the forces phi on the flanks: (N, 8), two
+    #: components for each of the four flanks of a ball or roller, or (N, 2), two components for one pair of opposite
+    #: flanks.
     g: Array
-    #: Total motions of the flanks [m] by elastic deformation, external loads and free rigid motions: (N, 8) for the four
-    #: flanks of each ball or roller, (N, 2) for one flank pair.
+    #: Total motions of the flanks [m] by elastic deformation, external loads and free rigid motions: (N, 8), two components
+    #: for each of the four flanks of a ball or roller, or (N, 2), two components for one pair of opposite flanks.
     v: Array
     #: Newton step of contact forces, flank motions and free rigid motions.
     step: ForceStep

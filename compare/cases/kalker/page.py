@@ -496,7 +496,9 @@ def _numerical_choice_row(effect: ChoiceEffect) -> Row:
         TableColumn("choice", "numerical setting that is varied", "", "s"): effect.choice,
         TableColumn("tried", "values of the setting", "", "s"): effect.tried_variants,
         TableColumn("change", "largest change of the ball-to-ball force by the setting", "%", "g2"): effect.change,
-        TableColumn("uncertainty", "uncertainty of this force as reported", "%", "g2"): effect.uncertainty,
+        TableColumn(
+            "uncertainty", "uncertainty of the ball-to-ball force that the 3D model states", "%", "g2"
+        ): effect.uncertainty,
         TableColumn("verdict", "whether the change is within this uncertainty", "", "s"): verdict,
     }
 

@@ -178,7 +178,7 @@ def ball_forces_and_losses(balls: LoadedBalls, law: laws.FrictionLaw, q: Array, 
 
 
 def index_ranges_of_touching_groups(touching: Mask) -> list[slice]:
-    """Return the index range of each group of touching balls; a ball that touches no other one is a group by itself.
+    """Return the index range of each group of touching balls; a ball that touches no other one forms a group of one.
 
     ``touching``: whether each ball touches the next one ``(N-1,)``.
     """

@@ -123,7 +123,7 @@ class ElasticAssemblyEquations(solve.AssemblyEquations):
         )
 
     def with_lever_arms(self, arms: Sequence[Array]) -> Self:
-        """Return equations with new lever arms of the contact forces, which start from the present state.
+        """Return these equations with other lever arms of the contact forces; the next solution starts from this state.
 
         ``arms``: for each bearing or nut with N balls, the shifts ``(N, 4, 2)`` [m] of the flanks' centres of curvature by
         profile errors; contact forces act through these centres.

@@ -105,7 +105,7 @@ def first_ball_nut(assembly: Assembly) -> Scene | None:
 def element_sections(
     assembly: Assembly, nodes: Array, section: meshes_section.BeamSection | None = None
 ) -> tuple[meshes_section.BeamSection, ...]:
-    """Return the cross-section of each beam element of the shaft, which is a plain segment or threaded.
+    """Return the cross-section of each beam element of the shaft: that of a plain segment or of the thread.
 
     Parameters
     ----------

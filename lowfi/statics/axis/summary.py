@@ -52,7 +52,7 @@ class SolveRecord:
     pinned_motions_text: str
     #: Forces and moments at the fixed degrees of freedom of shaft nodes and moving housings ``(r, 6)`` [N, N m].
     support_reactions: Array
-    #: Tangent stiffness ``(6, 6)`` [N/m, N, N m] of each ball nut and ball bearing by itself.
+    #: Tangent stiffness ``(6, 6)`` [N/m, N, N m] of each ball nut and ball bearing, without shaft and housing.
     set_stiffnesses: Sequence[Array]
     #: Tangent stiffness of the whole assembly at the reported shaft node or housing ``(6, 6)`` [N/m, N, N m]; None if the
     #: assembly has no stiffness there.

@@ -52,7 +52,7 @@ def power_balance_table() -> Table:
 
 
 def linear_pair_sensitivity_table() -> Table:
-    """Return the table of ball-to-ball force and friction losses in the linear bearing, for each pair of assumptions.
+    """Return the table of force between two balls and friction losses in the linear bearing, for each assumption.
 
     The assumptions concern the contact loads of two balls and the friction between them.
     """

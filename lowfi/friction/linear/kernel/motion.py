@@ -60,8 +60,8 @@ def smoothing_on_solution_path(s: float, eps: float) -> EquationSmoothing:
     """Return how much the equations are smoothed at parameter s of the solution path, 0 to 1.
 
     As s increases, the friction between balls rises to its full value, early on the path, and the regularising speed of
-    friction falls to ``eps``, which it reaches at s = 1. Springs hold balls in motions without resistance, because
-    forces on the path are accurate to ``ON_PATH`` only.
+    friction falls to ``eps``, which it reaches at s = 1. Balls that could move without resistance are held by weak springs,
+    whose stiffness falls too.
     """
     rest = (1.0 - s) ** 4
     creep = FIRST * exp(s * log(eps / FIRST))

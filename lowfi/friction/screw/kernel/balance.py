@@ -277,12 +277,13 @@ def write_ball_to_ball_derivatives(
 def write_force_balance_jacobian(
     groove: GrooveArrays, balls: BallArrays, x: Array, f: Array, parts: BalanceResiduals, eps: float, start: int, K: Array
 ) -> None:
-    """Write the banded Jacobian of the force balance of N balls to K (5 N, 3 HALF + 1), in the form of `solve_with_pivots`.
+    """Write the banded Jacobian of the force balance of N balls to K (5 N, 3 HALF + 1), half bandwidth HALF.
 
     x (N, 4): motions of the balls (orbit and three spins), surface speeds divided by the nut's speed along the path; f
     (N,): force of ball k on ball k + 1, divided by the unit of force of ``balls``; eps: regularising speed of friction
     divided by the nut's speed; parts: derivatives that `write_force_balance_residual` has written at x and f; start: ball
-    whose rows come first. The closed track is cut open before it: the coupling of the last ball with this one is left out.
+    whose rows come first. The closed track is cut open before ball start: its coupling with the last ball is left out. K
+    has the form that `solve_with_pivots` needs.
     """
     n, out = f.shape[0], np.empty((4, 5, 5))
     K[:] = 0.0

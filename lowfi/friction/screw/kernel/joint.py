@@ -74,13 +74,14 @@ def _write_dissipation_derivatives(
 def _write_force_effects(
     n_x: float, n_z: float, rows: Array, speed: float, share: float, along: float, on: bool, load: Array, pull: Array
 ) -> None:
-    """Write how normal force and friction of one contact enter the nine rows of `write_ball_equations`.
+    """Write the effects of a contact's normal force and friction on the nine equations of its ball.
 
-    Written are load (9,), the effect of a unit normal force, and pull (9, 3), the effect of each component (vx, vz,
-    spin) of the friction. n_x, n_z: contact normal; rows (3, 4): map of the contact (`write_contact_map`); speed: speed
-    of the nut along the path [m/s]; share: fraction of the friction that acts on the loads; along: fraction of the
-    friction along the path that acts on the screw; on: whether the contact is on the screw. The result is linear in
-    (n_x, n_z, rows, along).
+    The equations are the force on the ball in x3 and z3 (2), the gradient of the dissipation by the ball's motion (4) and
+    the force on the screw in x3, y3, z3 (3). load (9,) is the effect of a unit normal force, pull (9, 3) that of each
+    component (vx, vz, spin) of the friction. n_x, n_z: contact normal; rows (3, 4): contact's sliding by the ball's motion
+    (`write_contact_map`); speed: speed of the nut along the path [m/s]; share: 0 to 1, by which friction is multiplied in
+    the force equations, raised during the search; along: the same for the friction along the path on the screw (0 in
+    derivatives by the normal); on: whether the contact is on the screw. The result is linear in (n_x, n_z, rows, along).
     """
     load[:] = 0.0
     pull[:] = 0.0
