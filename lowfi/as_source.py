@@ -431,7 +431,6 @@ def solve_lin_equations_as_static_result(scene: Scene, *, everything: bool = Fal
         solution.seconds,
         solution.unknown_count,
         problem.nodes.size - 1,
-        "numpy, dense",
         "equilibrium equations of Lin's thesis",
     )
     left_out = ("nothing: all four flanks are built",)

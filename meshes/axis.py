@@ -12,6 +12,7 @@ from typing import ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from rollbench.meshes import parts as parts_records
 from rollbench.meshes.parts import FREEDOMS, Friction, Ingredients, Load, Lubricant, Material, Motion, Scene, Screw, Support
 from rollbench.meshes.ranges import Bore, ContactAngle, Density, Duration, Efficiency, Inertia, Mass, Size, Station, Torque
 from rollbench.meshes.record_keys import frozen_default, register_frozen_defaults, scene_key_metadata
@@ -128,6 +129,8 @@ class RollerRow:
     torque_factor: float | None = frozen_default(None)
     #: Radius of the rounded edges at both ends of the contact line [m]; None for sharp edges.
     edge_radius: Size | None = frozen_default(None)
+    #: Load ratings by the maker.
+    rating: parts_records.MakerRating = frozen_default(parts_records.MakerRating())
 
 
 @register_frozen_defaults

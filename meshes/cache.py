@@ -31,7 +31,7 @@ import struct
 import sys
 import time
 import zlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from functools import lru_cache, wraps
 from importlib import import_module
@@ -170,6 +170,46 @@ class Cache:
         if path is not None and not self.fault:
             self._write_result(path, _SECONDS.pack(spent) + record_to_bytes(value))
         return value
+
+    def get_each(
+        self, build: Callable[[Sequence[Any]], Sequence[T]], arguments: Sequence[tuple[object, ...]], type_: type[T]
+    ) -> list[T]:
+        """Read results of a function from their files, or compute and store them: all that are missing in one call.
+
+        Parameters
+        ----------
+        build : Callable[[Sequence[Any]], Sequence[T]]
+            Function at module level that returns a result for each of several tuples of arguments; each result depends
+            only on its own arguments.
+        arguments : Sequence[tuple[object, ...]]
+            Arguments of each result.
+        type_ : type[T]
+            Class of the results.
+
+        Returns
+        -------
+        list[T]
+            Results in the order of their arguments.
+
+        Raises
+        ------
+        TypeError
+            The name of a file cannot be computed, see `Cache.get`.
+        """
+        paths = [self._path_of_result(build, each, type_) for each in arguments]
+        records = [None if path is None else _read_stored_result(path, type_) for path in paths]
+        missing = [k for k, record in enumerate(records) if record is None]
+        start = time.perf_counter()
+        values = build([arguments[k] for k in missing]) if missing else ()
+        spent = (time.perf_counter() - start) / max(1, len(missing))
+        for k, value in zip(missing, values, strict=True):
+            records[k], path = (value, spent), paths[k]
+            if path is not None and not self.fault:
+                self._write_result(path, _SECONDS.pack(spent) + record_to_bytes(value))
+        self.hits, self.misses = self.hits + len(records) - len(missing), self.misses + len(missing)
+        found = [record for record in records if record is not None]
+        self.cold_seconds += sum(seconds for _, seconds in found)
+        return [value for value, _ in found]
 
     def report_fault_and_stop(self, fault: str) -> None:
         """Stop the use of the cache because of ``fault``, a reason in words, and print it once on standard error."""
@@ -371,6 +411,33 @@ def cached_on_disk(result_class: type[T]) -> Callable[[Callable[P, T]], Callable
             if not _stores or kwargs:
                 return build(*args, **kwargs)
             return _stores[0].get(build, args, result_class)
+
+        return cached
+
+    return decorate_function
+
+
+def each_cached_on_disk(
+    result_class: type[T],
+) -> Callable[[Callable[[Sequence[Any]], Sequence[T]]], Callable[[Sequence[Any]], list[T]]]:
+    """Return a decorator as `cached_on_disk`, for a function that returns a result for each of several tuples of arguments.
+
+    Parameters
+    ----------
+    result_class : type[T]
+        Class of each result: a number, or a record of this package.
+
+    Returns
+    -------
+    decorator
+        Decorator for a function whose argument is a sequence of tuples of plain records. It is called with those tuples
+        whose results are not stored.
+    """
+
+    def decorate_function(build: Callable[[Sequence[Any]], Sequence[T]]) -> Callable[[Sequence[Any]], list[T]]:
+        @wraps(build)
+        def cached(arguments: Sequence[Any]) -> list[T]:
+            return _stores[0].get_each(build, arguments, result_class) if _stores else list(build(arguments))
 
         return cached
 

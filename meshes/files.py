@@ -3,7 +3,7 @@
 A temporary file is in the same folder as its target. Its name contains machine and process, so that the next process which
 writes the same target recognises abandoned ones.
 
-A cache needs a folder to which only this user can write, because its files are trusted, and machine code in it is run.
+A cache needs a folder to which only this user can write, because its files are trusted.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ def temporary_path(path: Path, ending: str = "tmp") -> Path:
         Path of the temporary file, which is not created.
     """
     remove_abandoned_files(path, ending)
-    return path.with_name(f".{path.name}.{_machine_code()}-{os.getpid()}-{os.urandom(4).hex()}.{ending}")
+    return path.with_name(f".{path.name}.{machine_code()}-{os.getpid()}-{os.urandom(4).hex()}.{ending}")
 
 
 def make_readable_for_group(path: Path) -> None:
@@ -99,7 +99,7 @@ def _is_abandoned(path: Path, machine: str, process: int) -> bool:
     ``path``: the file; ``machine``: code of the machine in the file's name; ``process``: id of the process that wrote it.
     """
     try:
-        if machine != _machine_code():
+        if machine != machine_code():
             return time.time() - path.lstat().st_mtime > OLD
         os.kill(process, 0)
     except ProcessLookupError:
@@ -109,7 +109,7 @@ def _is_abandoned(path: Path, machine: str, process: int) -> bool:
     return False
 
 
-def _machine_code() -> str:
+def machine_code() -> str:
     """Return eight hexadecimal digits, computed from this machine's network name, that identify the machine."""
     return hashlib.sha256(platform.node().encode()).hexdigest()[:8]
 

@@ -23,7 +23,6 @@ MESHING = {
 PICTURES = {"libEGL.so.1": "libegl1", "libGL.so.1": "libgl1", "libXrender.so.1": "libxrender1"}
 #: Python packages that are optional, and the extra of rollbench that installs each; all commands need the other packages.
 EXTRA = {
-    "numba": "fast",
     **dict.fromkeys(("gmsh", "scikit-fem", "meshio", "h5py", "pymetis"), "reference"),
     **dict.fromkeys(("matplotlib", "pillow", "jinja2", "pyvista"), "report"),
     **dict.fromkeys(("dask", "distributed"), "cluster"),
@@ -46,7 +45,6 @@ ONLY_FOR = {
     "pyarrow": "no tables as Parquet",
     "xarray": "no tables as netCDF",
     "matplotlib": "no report; compare, mesh-study, sweep and the curve of solve write tables without figures",
-    "numba": "kernels are interpreted: friction, large screws and ensembles take some hundred times as long",
 }
 #: Optional Python packages that are needed to compute a run of the 3D reference.
 REFERENCE = ("gmsh", "scikit-fem", "pymetis")
@@ -71,6 +69,23 @@ def pip_command(package: str) -> str:
     """
     extra = EXTRA.get(package)
     return f"pip install 'rollbench[{extra}]'" if extra else f"pip install {package}"
+
+
+def optional_package_of_module(module: str | None) -> str:
+    """Return the optional Python package to which a module belongs; an empty text for a module of no such package.
+
+    Parameters
+    ----------
+    module
+        Name of the module, with or without those that contain it, such as ``ImportError.name``.
+
+    Examples
+    --------
+    >>> optional_package_of_module("skfem.helpers"), optional_package_of_module("numpy"), optional_package_of_module(None)
+    ('scikit-fem', '', '')
+    """
+    top = (module or "").partition(".")[0]
+    return next((package for package in EXTRA if _MODULES.get(package, package) == top), "")
 
 
 @cache

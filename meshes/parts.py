@@ -6,7 +6,7 @@ The low-order models and the 3D reference both read these records, and share not
 from __future__ import annotations
 
 from dataclasses import dataclass, field, fields
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from rollbench.meshes import ranges
 from rollbench.meshes.record_keys import frozen_default, register_frozen_defaults, scene_key_metadata
@@ -71,6 +71,19 @@ class Material:
 
 @register_frozen_defaults
 @dataclass(frozen=True)
+class Washers:
+    """Dimensions of both washers of a thrust ball bearing, whose grooves open in their faces; the models assume others."""
+
+    bore: ranges.Size | None = frozen_default(None, "bore of both washers", "20 mm")
+    outer_diameter: ranges.Size | None = frozen_default(None, "outer diameter of both washers", "35 mm")
+    thickness: ranges.Size | None = frozen_default(
+        None, "thickness of both washers beside the groove, from face to back", "3.8 mm"
+    )
+    groove_depth: ranges.Size | None = frozen_default(None, "depth of the groove below the washer's face", "1.2 mm")
+
+
+@register_frozen_defaults
+@dataclass(frozen=True)
 class Track:
     """Nominal path of the ball centres in a screw or bearing, and number of arcs of each groove.
 
@@ -82,7 +95,7 @@ class Track:
     #: Lead of the helix [m]; 0 for a bearing.
     lead: ranges.Lead
     #: Nominal contact angle beta [rad].
-    contact_angle: ranges.ContactAngle
+    contact_angle: ranges.TrackAngle
     #: Hand of the helix.
     hand: Literal["right", "left"] = frozen_default("right")
     #: Number of starts of the screw thread.
@@ -92,6 +105,8 @@ class Track:
     #: Arcs of each groove: ``"two"`` for a gothic arch. A bearing may also have one arc, which carries thrust on the shaft
     #: in the direction ``"+z"`` or ``"-z"``.
     arcs: Literal["two", "+z", "-z"] = frozen_default("two")
+    #: Dimensions of the washers of a thrust ball bearing.
+    washers: Washers = frozen_default(Washers())
 
 
 @register_frozen_defaults
@@ -200,6 +215,9 @@ class FourierTerm:
     Amplitudes and standard deviation are in metres; phi is the azimuth.
     """
 
+    #: Keys of which a scene file states at least one.
+    ONE_OF: ClassVar = ("sin", "cos", "sigma")
+
     harmonic: ranges.Harmonic = field(metadata=scene_key_metadata("cycles per turn; may be a fraction"))
     sin: ranges.Deviation = frozen_default(0.0, "amplitude of the sine", "3 um")
     cos: ranges.Deviation = frozen_default(0.0, "amplitude of the cosine", "3 um")
@@ -209,7 +227,7 @@ class FourierTerm:
 
 
 #: Type of the Fourier terms of one manufacturing error along the track.
-Terms = Annotated[tuple[FourierTerm, ...], ranges.ListLength(0, 1000)]
+Terms = Annotated[tuple[Annotated[FourierTerm, ranges.OneKeyNeeded(1)], ...], ranges.ListLength(0, 1000)]
 
 
 @register_frozen_defaults
@@ -326,6 +344,9 @@ class Load:
 
     Position in m, force in N, moment in N m.
     """
+
+    #: Keys of which a scene file states at least one.
+    ONE_OF: ClassVar = ("force", "moment")
 
     at: ranges.Station = field(metadata=scene_key_metadata("axial position along the screw, from its left end", "0 mm"))
     force: ranges.Forces = frozen_default((0.0, 0.0, 0.0), "force along x, y, z", ["0 N", "0 N", "5 kN"])
@@ -608,6 +629,30 @@ class Operation:
 
 @register_frozen_defaults
 @dataclass(frozen=True)
+class Calibration:
+    """Values that were fitted to a measured or published result of the screw; that result then confirms no model."""
+
+    segment_stiffness: ranges.SegmentStiffness | None = frozen_default(
+        None,
+        "axial stiffness of screw and nut in series over the mean distance of two neighbouring balls, for the model liu "
+        "only; if left out, it follows from the cross-sections of screw and nut",
+        "258 kN/um",
+    )
+
+
+@register_frozen_defaults
+@dataclass(frozen=True)
+class MakerRating:
+    """Load ratings of a nut or bearing as its maker gives them, beside which the computed ones stand."""
+
+    dynamic: ranges.Rating | None = frozen_default(
+        None, "the maker's basic dynamic load rating C: axial for nuts and thrust bearings, radial for others", "23.2 kN"
+    )
+    static: ranges.Rating | None = frozen_default(None, "the maker's basic static load rating C0, likewise", "41 kN")
+
+
+@register_frozen_defaults
+@dataclass(frozen=True)
 class Scene:
     """One load case of one ball screw or bearing, in SI units; the input of every model."""
 
@@ -655,6 +700,10 @@ class Scene:
     operation: Operation = frozen_default(Operation(), compare=False)
     #: Properties of the oil, or of the base oil of a grease; None where not given.
     lubricant: Lubricant | None = frozen_default(None)
+    #: Values that were fitted to a result, for the model that needs them.
+    calibration: Calibration = frozen_default(Calibration())
+    #: Load ratings by the maker.
+    rating: MakerRating = frozen_default(MakerRating())
 
     def __hash__(self) -> int:
         """Return a hash of the fields that ``==`` compares; it is computed once, because many caches look up scenes."""

@@ -224,6 +224,7 @@ class RateRange(QuantityRange):
         unit = units.standard_unit_spelling(parts[1]) if parts else ""
         if parts is None or unit not in rates:
             advice = f"write a number and one of {', '.join(rates)}, e.g. {units.toml_text(self.example)}"
+            advice = units.number_advice(value, advice) if isinstance(value, str) else advice
             article = "an" if self.dimension[0] == "a" else "a"
             raise self._refused_value_error(f"{article} {self.dimension}, {self.allowed_range_text}", advice)
         return float(parts[0]) * rates[unit]
@@ -260,6 +261,35 @@ class ListLength:
 
         items = handler.generate_schema(get_args(source)[0])
         return core_schema.tuple_variable_schema(items, min_length=self.low or None, max_length=self.high, strict=False)
+
+
+@dataclass(frozen=True)
+class OneKeyNeeded:
+    """Table of scene files that must state a key of its class attribute ``ONE_OF``; used to annotate the table's type."""
+
+    #: Number of other keys that the table must have.
+    others: int = 0
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> Any:
+        """Return pydantic's schema, which refuses a table without any of the keys."""
+        from pydantic_core import PydanticCustomError, core_schema
+
+        keys: tuple[str, ...] = source.ONE_OF
+
+        def checked(table: Any, validate: Any) -> Any:
+            """Return the validated table; pydantic's error if it states none of the keys."""
+            found = validate(table)
+            if isinstance(table, dict) and not table.keys() & {*keys}:
+                allowed = f"a table with {' or '.join((', '.join(keys[:-1]), keys[-1]))}"
+                advice = f"add {keys[0]}, or delete the table: without these keys it does nothing"
+                raise PydanticCustomError("quantity", "{advice}", {"allowed": allowed, "advice": advice})
+            return found
+
+        return core_schema.no_info_wrap_validator_function(checked, handler(source))
+
+    def __get_pydantic_json_schema__(self, schema: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        """Return the JSON schema of the table, with one key more than those that it must have."""
+        return handler(schema) | {"minProperties": self.others + 1}
 
 
 def quantity_of_type(annotated_type: Any) -> QuantityRange:
@@ -301,6 +331,8 @@ Azimuth = Annotated[float, QuantityRange("angle", "-1000000 deg", "1000000 deg",
 ContactAngle = Annotated[
     float, QuantityRange("angle", "0 deg", "90 deg", "45 deg", lower_limit_excluded=True, upper_limit_excluded=True)
 ]
+#: Contact angle of a screw or bearing; 90 deg is a thrust ball bearing with washers.
+TrackAngle = Annotated[float, QuantityRange("angle", "0 deg", "90 deg", "45 deg", lower_limit_excluded=True)]
 #: Young's modulus and Poisson's ratio of a material.
 Modulus = Annotated[float, QuantityRange("pressure", "1 MPa", "5000 GPa", "210 GPa")]
 Poisson = Annotated[float, QuantityRange("number", 0, 0.5, 0.28, upper_limit_excluded=True)]
@@ -311,6 +343,8 @@ Harmonic = Annotated[float, QuantityRange("number", 0, 10_000, 1)]
 #: Component of a force; component of a moment.
 Force = Annotated[float, QuantityRange("force", "-1000 MN", "1000 MN", "5 kN")]
 Moment = Annotated[float, QuantityRange("moment", "-1000000 kN m", "1000000 kN m", "3 N m")]
+#: Load rating by a maker.
+Rating = Annotated[float, QuantityRange("force", "1 N", "1000 MN", "23.2 kN")]
 #: Components x, y, z of a force and of a moment.
 Forces = Annotated[tuple[Force, Force, Force], ListLength(3, 3)]
 Moments = Annotated[tuple[Moment, Moment, Moment], ListLength(3, 3)]
@@ -326,6 +360,7 @@ Element = Annotated[float, QuantityRange("length", "0.01 mm", "1 m", "1 mm")]
 #: Coefficient of friction; clearance of a bearing or between balls; fraction of a ball circuit that is filled.
 Coefficient = Annotated[float, QuantityRange("number", 0, 2, 0.1)]
 Clearance = Annotated[float, QuantityRange("length", "0 mm", "1 m", "50 um")]
+RadialClearance = Annotated[float, QuantityRange("length", "-1 mm", "1 m", "13 um")]
 Filling = Annotated[float, QuantityRange("number", 0, 1, 0.8, lower_limit_excluded=True)]
 #: Computation over time: angle of rotation, duration, and largest accepted error of the time steps (a fraction).
 Travel = Annotated[float, QuantityRange("angle", "0.001 deg", "1000000 deg", "360 deg")]
@@ -338,6 +373,10 @@ Percent = Annotated[float, QuantityRange("number", 0, 100, 7, lower_limit_exclud
 #: Stiffness of a spring for a displacement; stiffness of a spring for a rotation, as a moment per radian.
 Spring = Annotated[float, QuantityRange("stiffness", "0 N/m", "1000000 kN/um", "200 N/um")]
 Twist = Annotated[float, QuantityRange("moment", "0 N m", "1000000 kN m", "5 kN m")]
+#: Axial stiffness of screw and nut between two neighbouring balls.
+SegmentStiffness = Annotated[
+    float, QuantityRange("stiffness", "0 N/m", "1000000 kN/um", "258 kN/um", lower_limit_excluded=True)
+]
 #: Properties of lubricants and materials: kinematic viscosity, density, pressure-viscosity coefficient.
 Viscosity = Annotated[float, RateRange("kinematic viscosity", "0.1 mm2/s", "100000 mm2/s", "27 mm2/s")]
 Density = Annotated[float, RateRange("density", "100 kg/m3", "30000 kg/m3", "900 kg/m3")]

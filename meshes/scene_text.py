@@ -77,6 +77,7 @@ def scene_file_tables(scene: Scene) -> Table:
         loads=[*map(keys_of_record, scene.loads)],
         cases=[],
         ingredients=keys_of_record(scene.ingredients),
+        calibration=keys_of_record(scene.calibration),
         solid=keys_of_record(scene.solid, "nut_held"),
         friction=_friction_table(scene.friction),
         motion=scene.motion and keys_of_record(scene.motion),
@@ -86,6 +87,7 @@ def scene_file_tables(scene: Scene) -> Table:
         preload={"lead_offset": with_unit(ranges.Deviation, offset)} if offset else {},
         gate=keys_of_record(scene.gate),
         operation=keys_of_record(scene.operation),
+        rating=keys_of_record(scene.rating),
     )
 
 
@@ -110,11 +112,7 @@ def scene_file_tables_of_shaft(axis: Assembly) -> Table:
     expansion = STEEL if strain / STEEL == round(strain / STEEL, 9) else abs(strain)
     ask = {"housing": at} if isinstance(at, str) else {} if at is None else {"at": with_unit(ranges.Size, at)}
     joints = [
-        {
-            "between": [j.first, j.second],
-            "at": with_unit(ranges.Size, j.at),
-            **(_stiffness_table(j.stiffness) or {"springs": {}}),
-        }
+        {"between": [j.first, j.second], "at": with_unit(ranges.Size, j.at), **_stiffness_table(j.stiffness)}
         for j in axis.joints
     ]
     return without_empty_values(
@@ -126,7 +124,7 @@ def scene_file_tables_of_shaft(axis: Assembly) -> Table:
                 name=h.name,
                 **_support_table(Support(h.at, h.fixed)),
                 **_stiffness_table(h.stiffness),
-                **_force_and_moment_keys(h.force, h.moment),
+                **(_force_and_moment_keys(h.force, h.moment) if any((*h.force, *h.moment)) else {}),
             )
             for h in axis.housings
         ],
@@ -229,11 +227,11 @@ def _track_table(scene: Scene, *, by_thrust: bool = False) -> Table:
     the angle. ``by_thrust``: whether the key ``thrust`` of a rolling set states the direction of the single arcs; then the
     angle is written, and no clearance.
     """
-    track = scene.track
+    track, washers = scene.track, keys_of_record(scene.track.washers)
     if track.arcs == "two" or by_thrust:
-        return keys_of_record(track, "arcs")
+        return keys_of_record(track, "arcs", "washers") | ({"washers": washers} if washers else {})
     apart, angle = distance_of_groove_centres(scene), track.contact_angle
-    table = keys_of_record(track, "arcs", "contact_angle")
+    table = keys_of_record(track, "arcs", "contact_angle", "washers")
     ways = {"radial": 2.0 * apart * (1.0 - cos(angle)), "axial": 2.0 * apart * sin(angle)}
     for digits in range(2, 18):
         for way, size in ways.items():
@@ -361,9 +359,10 @@ def _rolling_set_table(axis: Assembly, rolling_set: RollingSet, shared: Material
         preload=with_unit(ranges.Force, rolling_set.preload) if rolling_set.preload else "",
         position=with_unit(ranges.Size, rolling_set.position) if rollers else "",
         seals=with_unit(ranges.Torque, rolling_set.seals) if rolling_set.seals else "",
+        rating=keys_of_record(parts.rating),
     )
     if isinstance(parts, RollerRow):
-        row = keys_of_record(parts, "material", "phase", "depth", "crown")
+        row = keys_of_record(parts, "material", "phase", "depth", "crown", "rating")
         row["ring_depth"] = with_unit(ranges.Size, parts.depth)
         if parts.crown != float("inf"):
             row["crown"] = with_unit(ranges.Size, parts.crown)
@@ -383,7 +382,7 @@ def _rolling_set_table(axis: Assembly, rolling_set: RollingSet, shared: Material
 
 
 def _force_and_moment_keys(force: Sequence[float], moment: Sequence[float]) -> Table:
-    """Return the keys ``force`` and ``moment`` of a load [N, N m], with units; a zero vector is left out."""
+    """Return the keys ``force`` and ``moment`` of a load [N, N m], with units; of two zero vectors the force is there."""
     return keys_of_record(Load(0.0, tuple(force), tuple(moment)), "at")  # type: ignore[arg-type]
 
 
@@ -453,6 +452,8 @@ def _quantities_in_type(hint: Any) -> Iterator[ranges.QuantityRange]:
 def keys_of_record(record: Any, *left_out: str) -> Table:
     """Return the fields of a record whose values differ from the defaults, as keys of a scene file with their values.
 
+    Of keys of which a file states at least one (class attribute ``ONE_OF``) the first is there even so.
+
     Parameters
     ----------
     record : Any
@@ -472,6 +473,9 @@ def keys_of_record(record: Any, *left_out: str) -> Table:
         value = getattr(record, each.name)
         if each.name not in left_out and repr(value) != repr(each.default):  # -0 is not 0
             out[each.name] = _value_with_unit(value, quantities.get(each.name))
+    needed = getattr(of, "ONE_OF", ())
+    if needed and not out.keys() & {*needed}:
+        out[needed[0]] = _value_with_unit(getattr(record, needed[0]), quantities[needed[0]])
     return out
 
 

@@ -389,7 +389,7 @@ def beam_nodes(scene: Scene, contact_positions: Array, *, whole_screw: bool = Fa
     held = np.array([s.at for s in scene.supports])
     if scene.ingredients.partition == "nodal":
         ends = np.array([0.0, scene.screw.length])
-        nodes = merge_close_positions(np.concatenate([needed, ends]), held)
+        nodes = merge_close_positions(np.concatenate([needed, ends, [scene.nut.position]]), held)
     else:
         nodes = merge_close_positions(np.concatenate([nodes_of_whole_beam(scene), scene.stations]), held)
     return (nodes, 0) if whole_screw else nodes_enclosing_positions(nodes, needed)

@@ -59,7 +59,8 @@ def gmsh_session(options: Mapping[str, float] = MappingProxyType({})) -> Iterato
         import gmsh
     except (ImportError, OSError) as error:
         raise ImportError(
-            f"gmsh cannot be loaded ({error}); install rollbench[reference]; rollbench doctor names the system libraries"
+            f"gmsh cannot be loaded ({error}); install rollbench[reference]; rollbench doctor names the system libraries",
+            name="gmsh",
         ) from error
     started = not gmsh.isInitialized()
     if started:

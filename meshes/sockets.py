@@ -392,7 +392,7 @@ def section_angles_of_flank(m: GrooveMap, side: int, land_radius: float) -> tupl
     raise ValueError(
         f"the {SIDES[side]} flank ends before its contact at {np.degrees(m.beta):.3g} deg: with a land radius of "
         f"{1e3 * land_radius:.4g} mm the groove does not reach that angle; move the land towards the pitch radius "
-        f"{1e3 * m.R:.4g} mm"
+        f"{1e3 * m.R:.4g} mm (washers, whose grooves open in their faces, are not meshed)"
     )
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from rollbench.meshes.helix import nominal_groove_centres, nominal_groove_radii
 from rollbench.meshes.parts import Scene, UnfitKey
 from rollbench.meshes.record_keys import frozen_default, register_frozen_defaults
+from rollbench.meshes.washers import has_washers, washer_of_ring
 
 #: Radius of the hole that is assumed along the axis of a solid screw, as a ratio to the pitch radius. The mesh needs a
 #: hole; its effect is part of the modelling uncertainty.
@@ -145,11 +146,13 @@ def dimensions_of_3d_parts(scene: Scene) -> Dimensions:
         The radius of the lands or of the screw's axial hole leaves no groove or no wall, or keys of ``[solid]`` contradict
         the parts.
     """
-    solid, assumed, mesh_only = scene.solid, [], []
+    solid, assumed, mesh_only, washers = scene.solid, [], [], has_washers(scene)
     R, outer = scene.track.pitch_radius, scene.screw.outer_diameter / 2.0
     if solid.nut_inner_diameter is None:
         land = 2.0 * R - outer
-        assumed.append(f"Nut lands of {2e3 * land:.4g} mm diameter: the screw's lands mirrored about the pitch cylinder.")
+        if not washers:
+            line = f"Nut lands of {2e3 * land:.4g} mm diameter: the screw's lands mirrored about the pitch cylinder."
+            assumed.append(line)
     else:
         land = solid.nut_inner_diameter / 2.0
     if solid.hole_diameter is not None:
@@ -164,7 +167,7 @@ def dimensions_of_3d_parts(scene: Scene) -> Dimensions:
     flange = scene.nut.flange
     if held is None:
         held = "flange face" if flange else "outer surface" if scene.track.lead == 0.0 else "left face"
-        assumed.append(f"The nut is held at its {held}.")
+        assumed.append("The washers are held at their backs." if washers else f"The nut is held at its {held}.")
     held, _, half = held.partition(", ")
     wall = scene.nut.outer_diameter / 2.0
     if flange and held in (f"{flange.side} face", "both faces"):
@@ -185,7 +188,7 @@ def dimensions_of_3d_parts(scene: Scene) -> Dimensions:
     screw_held = solid.screw_held
     if screw_held is None:
         screw_held = "bore" if scene.ingredients.screw == "rigid" and scene.screw.bore > 0.0 else "ends"
-        if screw_held == "bore":
+        if screw_held == "bore" and not washers:
             assumed.append("The bore of the inner ring moves as a rigid shaft.")
     shaft = solid.shaft
     if screw_held == "bore":
@@ -202,6 +205,8 @@ def dimensions_of_3d_parts(scene: Scene) -> Dimensions:
                 'solid.nut_groove of "loaded" ends the groove of a nut beyond its balls; the groove of a ring has no ends: '
                 "remove solid.nut_groove",
             )
+        lines = (washer_of_ring(scene, inner).assumed for inner in (True, False)) if washers else ()
+        assumed.extend(dict.fromkeys(line for line in lines if line))
         assumed.append("Flat ends of the rings, without chamfers.")
     elif groove_ends:
         assumed.append(
@@ -211,7 +216,8 @@ def dimensions_of_3d_parts(scene: Scene) -> Dimensions:
     else:
         assumed.append("The groove runs through the whole nut and the whole 3D stretch of the screw; flat nut faces.")
     of_screw, of_nut = largest_groove_depths(scene)
-    _check_nut_land(scene, land, of_nut)
+    if not washers:
+        _check_nut_land(scene, land, of_nut)
     if not 0.0 < hole < R - of_screw:
         raise UnfitKey(
             "solid.hole_diameter",

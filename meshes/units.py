@@ -25,7 +25,7 @@ DIMENSIONS = {
 
 #: Common units of each dimension, which error messages suggest.
 COMMON = {
-    "length": ("m", "cm", "mm", "um", "nm", "in", "inch"),
+    "length": ("m", "cm", "mm", "um", "nm", "in", "inch", "thou"),
     "force": ("N", "kN", "MN", "lbf"),
     "pressure": ("Pa", "kPa", "MPa", "GPa", "psi"),
     "angle": ("rad", "mrad", "deg"),
@@ -87,7 +87,6 @@ _TABLE = {
         "arcsec arcsecond": f"{_PI}/648000",
         "gon grad grade gradian": f"{_PI}/200",
         "turn revolution cycle circle": f"{_PI}/0.5",
-        "mil": f"{_PI}/3200",
     },
     "moment": {"J joule": "1", "erg": "1e-7", "ft_lb foot_pound": "1.3558179483314004"},
     "temperature difference": {
@@ -123,8 +122,15 @@ _FACTOR = re.compile(r"([A-Za-zµ°Å_]+)(?:(?:\^|\*\*)?(-?[1-9]))?")
 _COMMA = re.compile(r"\s*[+-]?[0-9.]*[0-9],[0-9]")
 #: Largest number of characters of a text that is read as a quantity.
 _LONGEST = 64
-#: Advice in error messages about a number that is written with a comma.
+_UNDERSCORE = re.compile(r"\s*[+-]?[0-9][0-9.]*_[0-9_]")
+_FORTRAN = re.compile(r"\s*[+-]?(?:[0-9.]+[dDqQ][+-]?[0-9]|[0-9]*\.[0-9]*[+-][0-9]{3})")
+_MIL = re.compile(r"(?<![A-Za-z])mils?(?![A-Za-z])")
+#: Advice in error messages about a number that is written with a comma, an underscore, or an exponent as in Fortran.
 COMMA = "is it a decimal comma? write a point, and nothing between thousands"
+UNDERSCORE = "leave the underscore out: nothing stands between thousands"
+FORTRAN = "is it an exponent as Fortran writes it, with D or without a letter? write E, such as 1.5E+03"
+#: Advice in error messages about the unit mil, a length in the USA and an angle elsewhere.
+MIL = "mil has two meanings: write thou for 0.001 inch, and mrad for an angle"
 
 
 class UnitError(ValueError):
@@ -241,7 +247,8 @@ def _parse_text_cached(value: str, dimension: str) -> float:
     if kind != dimension:
         if kind:
             raise UnitError(value, dimension, f"is {dimension_description(kind).split(',')[0]}")
-        raise UnitError(value, dimension, "has an unknown unit", _nearest_unit_advice(unit, dimension))
+        advice = number_advice(value, MIL if _MIL.search(unit) else _nearest_unit_advice(unit, dimension))
+        raise UnitError(value, dimension, "has an unknown unit", advice)
     result = math.radians(float(number)) if unit == "deg" else float(number * above / below)
     if not math.isfinite(result):
         raise UnitError(value, dimension, "is too large for a floating-point number")
@@ -251,7 +258,8 @@ def _parse_text_cached(value: str, dimension: str) -> float:
 def _plain_number(value: object) -> float:
     """Return a value without unit as a float, or raise UnitError where it is not a finite number."""
     if isinstance(value, bool) or not isinstance(value, (int, float)):
-        advice = COMMA if isinstance(value, str) and has_comma_in_number(value) else "write a number without quotes or unit"
+        advice = "write a number without quotes or unit"
+        advice = number_advice(value, advice) if isinstance(value, str) else advice
         raise UnitError(value, "number", "is not a plain number", advice)
     try:
         number = float(value)
@@ -299,6 +307,42 @@ def has_comma_in_number(text: str) -> bool:
     (True, False)
     """
     return _COMMA.match(text) is not None
+
+
+def number_of_text(text: str) -> float:
+    """Return the number that a text is: decimal digits with or without sign, point and exponent; nan for any other text.
+
+    Parameters
+    ----------
+    text
+        Text, such as a cell of a file.
+
+    Examples
+    --------
+    >>> [number_of_text(text) for text in ("1000", " -1.5E+03 ", "1_000", "1.5D+03", "nan")]
+    [1000.0, -1500.0, nan, nan, nan]
+    """
+    text = text.strip()
+    return float(text) if re.fullmatch(_NUMBER, text) else math.nan
+
+
+def number_advice(text: str, advice: str) -> str:
+    """Return advice for a text that should begin with a number, on what is wrong with the way in which that is written.
+
+    Parameters
+    ----------
+    text
+        Text that cannot be read.
+    advice
+        Advice where the text has no decimal comma, no underscore and no exponent as in Fortran.
+
+    Examples
+    --------
+    >>> number_advice("489,5", "write a number"), number_advice("x", "write a number")
+    ('is it a decimal comma? write a point, and nothing between thousands', 'write a number')
+    """
+    known = ((_COMMA, COMMA), (_UNDERSCORE, UNDERSCORE), (_FORTRAN, FORTRAN))
+    return next((found for pattern, found in known if pattern.match(text)), advice)
 
 
 def _split_number_and_unit(value: str, dimension: str) -> tuple[Decimal, str]:

@@ -371,7 +371,8 @@ class RollerBearingTorque:
     #: Friction torque of the running row [N m] for the highest coefficient of friction on the rib, 0.15; None if the scene
     #: gives the coefficient.
     high: float | None = quantity_field(
-        "high_Nmm", "torque with a coefficient of friction of 0.15 on the rib (boundary lubrication)"
+        "high_Nmm",
+        "torque with a coefficient of friction of 0.15 on the rib (boundary lubrication); null if rib_friction is given",
     )
     #: Running torque by Timken's formula [N m]; None if one of its inputs is missing.
     timken: float | None = quantity_field(
@@ -394,6 +395,17 @@ class RollerBearingTorque:
     def torque(self) -> float:
         """Friction torque of the running row: film, hysteresis and rib [N m]."""
         return (self.film or 0.0) + self.start
+
+    @property
+    @QuantityDescription(
+        "band_Nmm",
+        "range of `torque_Nmm`: from `low_Nmm` to `high_Nmm`, one value twice if rib_friction is given",
+        error="the range itself, and that of the formulas",
+        parts="[]",
+    )
+    def band(self) -> Band:
+        """Friction torque of the running row, (low, high) [N m]."""
+        return (self.torque, self.torque) if self.low is None or self.high is None else (self.low, self.high)
 
     @property
     @QuantityDescription(

@@ -16,12 +16,14 @@ from rollbench.lowfi.compliance import faces, parts, tube
 from rollbench.lowfi.compliance.beyond_hertz import NARROW, HalfGroove, half_space_compliance
 from rollbench.lowfi.compliance.groove import GrooveRingCompliance, compliance_between_ring_contacts, ring_compliance
 from rollbench.lowfi.compliance.parts import BOTH, REFINED, ComplianceModel
+from rollbench.lowfi.compliance.washer import washer_compliance
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.cache import cached_on_disk
 from rollbench.meshes.helix import BallLayout, nominal_contact_points
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.section import BeamSection
 from rollbench.meshes.solid import dimensions_of_3d_parts
+from rollbench.meshes.washers import has_washers, washer_of_ring
 
 #: Length by which the loaded zone of a smooth body extends beyond either face of the nut, in widths of a load patch;
 #: patches near a face are then complete.
@@ -77,7 +79,10 @@ def grooved_ring_compliance(geometry: Scene, screw: bool) -> GrooveRingComplianc
     ``geometry``: scene of `reduce_to_compliance_geometry`; ``screw``: whether the ring is the inner ring (True) or the
     outer ring.
     """
-    return ring_compliance(parts.half_groove_of_body(geometry, screw), parts.fixed_surface(geometry, screw))
+    flank = parts.half_groove_of_body(geometry, screw)
+    if has_washers(geometry):
+        return washer_compliance(flank, washer_of_ring(geometry, screw))
+    return ring_compliance(flank, parts.fixed_surface(geometry, screw))
 
 
 def flank_self_compliance(geometry: Scene, screw: bool, backend: ComplianceModel) -> float:

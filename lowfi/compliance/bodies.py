@@ -35,6 +35,7 @@ from rollbench.meshes.helix import BallLayout, ball_layout
 from rollbench.meshes.one_arc import NEAR, has_single_arc_grooves
 from rollbench.meshes.parts import SIDE_SIGNS, SIDES, Scene
 from rollbench.meshes.solid import dimensions_of_3d_parts
+from rollbench.meshes.washers import has_washers
 
 
 @dataclass(frozen=True)
@@ -217,7 +218,8 @@ def ball_compliance(scene: Scene, semi_axes: tuple[float, float], backend: Compl
     sphere = partial(beyond_hertz.sphere_compliance, radius=radius, material=material)
     alone = beyond_hertz.sphere_self_compliance(semi_axes, radius, material)
     cosine = float(np.cos(2.0 * scene.track.contact_angle))
-    across = 0.5 * (sphere(cosine) + sphere(-cosine))
+    # a ball between two washers has one pair of contacts only; the contacts of both pairs would meet at 90 deg
+    across = 0.0 if has_washers(scene) else 0.5 * (sphere(cosine) + sphere(-cosine))
     alone += sphere(-1.0) - 2.0 * abs(across)
     slope = beyond_hertz.sphere_self_compliance_slope(radius, material)
     return BallCompliance(alone, slope, float(np.sqrt(abs(across))), float(np.sign(across)))
@@ -253,7 +255,7 @@ def screw_response_to_end_wrench(scene: Scene, layout: BallLayout, backend: Comp
     return EndWrenchMotions(*between.screw_motions_by_end_wrench(geometry, layout, backend))
 
 
-@lru_cache(maxsize=8)
+@lru_cache(maxsize=64)
 @cached_on_disk(EndWrenchMotions)
 def _cached_response_to_end_wrench(scene: Scene, backend: ComplianceModel) -> EndWrenchMotions:
     """Return the result of `screw_response_to_end_wrench` for the balls of a scene, cached in memory and on disk."""
@@ -273,7 +275,7 @@ def screw_response_to_section_wrench(scene: Scene, layout: BallLayout, backend: 
     return between.screw_motions_by_section_wrench(geometry, layout, backend, section_z)
 
 
-@lru_cache(maxsize=8)
+@lru_cache(maxsize=64)
 @cached_on_disk(StoredMotionMatrix)
 def _cached_response_to_section_wrench(scene: Scene, backend: ComplianceModel, section_z: float) -> StoredMotionMatrix:
     """Return the result of `screw_response_to_section_wrench` for the balls of a scene, cached in memory and on disk."""

@@ -21,6 +21,7 @@ from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Ingredients, Scene
 from rollbench.meshes.section import BeamSection, screw_section, tube_section
 from rollbench.meshes.solid import dimensions_of_3d_parts
+from rollbench.meshes.washers import has_washers
 
 #: Least standard deviation of the load patch on smooth bodies, over the ball's radius; it applies to steep contact angles.
 LEAST = 0.5
@@ -156,9 +157,11 @@ def fixed_surface(scene: Scene, screw: bool) -> str:
 
     The names are those of `SmoothBody.held`. ``screw``: whether the body is the screw (True) or the nut.
     """
-    dims = dimensions_of_3d_parts(scene)
+    dims, washers = dimensions_of_3d_parts(scene), has_washers(scene)
     if not screw:
-        return "rigid" if scene.solid.nut == "rigid" else HELD[dims.nut_held.partition(", ")[0]]
+        return "rigid" if scene.solid.nut == "rigid" else "back" if washers else HELD[dims.nut_held.partition(", ")[0]]
+    if washers:
+        return "back"
     if dims.screw_held == "bore":
         return "bore"
     return "rigid" if scene.ingredients.screw == "rigid" else "section"

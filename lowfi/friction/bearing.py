@@ -13,14 +13,15 @@ dissipation.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from rollbench.lowfi.friction.contact import equilibrium
-from rollbench.lowfi.friction.contact.kernel_types import BallContactArrays
 from rollbench.lowfi.friction.contact.laws import EllipticalContacts, SigmoidLaw, contacts_from_values
+from rollbench.lowfi.friction.contact.normal_force import BallContactArrays
 from rollbench.lowfi.friction.screw import motion as screw_motion
 from rollbench.lowfi.friction.screw.groove import ON_SCREW, SIGN_X, SIGN_Z, GrooveHertzConstants, ScrewGroove, section_axes
 from rollbench.lowfi.hertz import contact_modulus, hertz_constants
@@ -222,9 +223,7 @@ def inner_ring_torque(bearing: Bearing, load: equilibrium.ContactLoadSolution, m
     return float(np.sum(moments[INNER]))
 
 
-def solve_ball_of_bearing(
-    bearing: Bearing, axial_force: float, radial_displacement: float, fast: bool = False
-) -> BearingBallSolution:
+def solve_ball_of_bearing(bearing: Bearing, axial_force: float, radial_displacement: float) -> BearingBallSolution:
     """Return the contact loads and the motion of least dissipation of one ball of a bearing, with Coulomb friction.
 
     Parameters
@@ -235,22 +234,28 @@ def solve_ball_of_bearing(
         Axial force on the inner ring [N].
     radial_displacement
         Radial displacement of the inner ring towards the ball [m].
-    fast
-        Whether to use the compiled functions instead of plain Python.
 
     References
     ----------
     Lin (2019), 3.2, with exact Coulomb friction in place of the sigmoid 3.20.
     """
-    load = contact_loads_of_ball(bearing, axial_force, radial_displacement)
-    at = ball_contacts(bearing, load)
-    problem = ball_motion_problem(bearing, load, at)
-    motion = equilibrium.least_dissipation(problem, fast=fast)
-    return BearingBallSolution(bearing, load, at, problem, motion, inner_ring_torque(bearing, load, motion))
+    return solve_balls_of_bearing(bearing, axial_force, [radial_displacement])[0]
+
+
+def solve_balls_of_bearing(
+    bearing: Bearing, axial_force: float, radial_displacements: Iterable[float]
+) -> list[BearingBallSolution]:
+    """Return what `solve_ball_of_bearing` returns, for several radial displacements of the inner ring [m]."""
+    loads = [contact_loads_of_ball(bearing, axial_force, float(u)) for u in radial_displacements]
+    problems = [ball_motion_problem(bearing, load, ball_contacts(bearing, load)) for load in loads]
+    return [
+        BearingBallSolution(bearing, load, problem.contacts, problem, motion, inner_ring_torque(bearing, load, motion))
+        for load, problem, motion in zip(loads, problems, equilibrium.least_dissipations(problems), strict=True)
+    ]
 
 
 def solve_ball_by_lin_method(
-    bearing: Bearing, axial_force: float, radial_displacement: float, law: SigmoidLaw, fast: bool = False
+    bearing: Bearing, axial_force: float, radial_displacement: float, law: SigmoidLaw
 ) -> BearingBallSolution:
     """Return the contact loads and the motion of one ball of a bearing by Lin's method, errors in its equations included.
 
@@ -268,13 +273,11 @@ def solve_ball_by_lin_method(
         Radial displacement of the inner ring towards the ball [m].
     law
         Lin's sigmoid friction law.
-    fast
-        Whether to use the compiled functions instead of plain Python.
     """
-    least = solve_ball_of_bearing(replace(bearing, hertz="as printed"), axial_force, radial_displacement, fast)
-    motion = equilibrium.motion_by_root(least.problem, law, least.motion.unknown_velocities, fast)
+    least = solve_ball_of_bearing(replace(bearing, hertz="as printed"), axial_force, radial_displacement)
+    motion = equilibrium.motion_by_root(least.problem, law, least.motion.unknown_velocities)
     if motion.status != "exact":
-        motion = equilibrium.motion_by_sharpened_sigmoids(least.problem, law, least.motion.unknown_velocities, fast)
+        motion = equilibrium.motion_by_sharpened_sigmoids(least.problem, law, least.motion.unknown_velocities)
     return replace(least, motion=motion, inner_ring_torque=motion.loss / bearing.screw_speed)
 
 
@@ -296,8 +299,8 @@ def solve_ball_over_displacements(
         with Coulomb friction.
     """
     if law is None:
-        return [solve_ball_of_bearing(bearing, axial_force, float(u), fast=True) for u in radial_displacements]
-    return [solve_ball_by_lin_method(bearing, axial_force, float(u), law, fast=True) for u in radial_displacements]
+        return solve_balls_of_bearing(bearing, axial_force, radial_displacements)
+    return [solve_ball_by_lin_method(bearing, axial_force, float(u), law) for u in radial_displacements]
 
 
 #: Names of the inner ring's degrees of freedom (translations, then rotations) in the order of the unknowns; relative size
@@ -430,32 +433,9 @@ def describe_unresisted_motion(case: BearingCase, force_angle: float) -> str:
     return f"rigid motion of the inner ring in {', '.join(parts)}"
 
 
-def solve_bearing(case: BearingCase, force_angle: float, near: BearingState | None = None) -> BearingState:
-    """Return contact loads, friction losses and friction torque of a bearing under a force on its inner ring.
-
-    Parameters
-    ----------
-    case
-        Bearing under a force.
-    force_angle
-        Angle of the force from the axis [rad].
-    near
-        State under a force at a similar angle, from which the search starts; None to start without such a state.
-
-    References
-    ----------
-    Lin (2019), 4.3.1.
-    """
-    cell = bearing_geometry_and_load(case, force_angle)
-    load = screw_motion.solve_screw_contact_loads(cell, None if near is None else near.load.displacements)
-    loss, good, power = np.zeros_like(load.force), load.converged, 0.0
-    for k in np.flatnonzero(load.force.sum(axis=1) > 0.0):
-        ball = screw_motion.solve_ball_motion(case.groove, load.force[k], load.angle[k])
-        loss[k] = ball.motion.friction.loss
-        power += ball.input_power
-        good = good and ball.motion.status != "failed"
-    speed = abs(case.groove.speed)
-    return BearingState(load, loss, float(loss.sum()) / speed, np.sum(load.force > 0.0, axis=1), power, good)
+def solve_bearing(case: BearingCase, force_angle: float) -> BearingState:
+    """Return contact loads and friction of a bearing under a force at one angle; see `solve_bearing_over_force_angles`."""
+    return solve_bearing_over_force_angles(case, np.array([force_angle]))[0]
 
 
 @dataclass(frozen=True)
@@ -478,9 +458,9 @@ class BearingTorqueCurve:
 
 
 def solve_bearing_over_force_angles(case: BearingCase, force_angles: Array) -> list[BearingState]:
-    """Return contact loads and friction of a bearing at each of several angles of the force from its axis.
+    """Return contact loads, friction losses and torque of a bearing at several angles of the force on its inner ring.
 
-    The search at each angle starts from the state at the angle before.
+    The search for the loads at each angle starts from those at the angle before; all balls are then moved together.
 
     Parameters
     ----------
@@ -488,10 +468,29 @@ def solve_bearing_over_force_angles(case: BearingCase, force_angles: Array) -> l
         Bearing under a force.
     force_angles
         Angles of the force from the axis, ``(n,)`` [rad].
+
+    References
+    ----------
+    Lin (2019), 4.3.1.
     """
-    states: list[BearingState] = []
-    for a in force_angles:
-        states.append(solve_bearing(case, float(a), states[-1] if states else None))
+    loads: list[equilibrium.ContactLoadSolution] = []
+    for angle in force_angles:
+        cell = bearing_geometry_and_load(case, float(angle))
+        loads.append(screw_motion.solve_screw_contact_loads(cell, loads[-1].displacements if loads else None))
+    pressed = [load.force.sum(axis=1) > 0.0 for load in loads]
+    force, contact_angle = (
+        np.concatenate([values[on] for values, on in zip(of_loads, pressed, strict=True)])
+        for of_loads in ([load.force for load in loads], [load.angle for load in loads])
+    )
+    moved, states = iter(screw_motion.solve_ball_motions(case.groove, force, contact_angle)), []
+    for load, on in zip(loads, pressed, strict=True):
+        balls, loss = [next(moved) for _ in range(int(on.sum()))], np.zeros_like(load.force)
+        for k, ball in zip(np.flatnonzero(on), balls, strict=True):
+            loss[k] = ball.motion.friction.loss
+        power = sum(ball.input_power for ball in balls)
+        good = load.converged and all(ball.motion.status != "failed" for ball in balls)
+        torque = float(loss.sum()) / abs(case.groove.speed)
+        states.append(BearingState(load, loss, torque, np.sum(load.force > 0.0, axis=1), power, good))
     return states
 
 

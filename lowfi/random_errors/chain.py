@@ -31,19 +31,17 @@ exact: the centres move along the axis only, d = e - A + sqrt((A sin a_0 + v)^2 
 this: it also scales the offset across the axis by (A - e)/A, and takes the secant of the motion for its tangent. In all
 three the axial force is Q sin a cos(lead).
 
-In an ensemble many screws of one design with numbered random errors are solved in chunks; only a few quantities of each
-screw are stored.
+S screws, or states of one screw, are solved together: in all arrays the axes are screw, then ball.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Literal, get_args
+from typing import Literal, NamedTuple
 
 import numpy as np
 
 from rollbench.lowfi.hertz import contact_approach
-from rollbench.lowfi.jit import RANDOM_ERRORS, load_kernel_package
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.numerics import brentq
 
@@ -106,17 +104,6 @@ class BallScrewChain:
     def segment_compliances(self) -> Array:
         """Compliance of screw and nut between each ball and the preceding one ``(M,)`` [m/N]; zero for the first ball."""
         return self.compliance * np.array([0.0, *(self.spacing or (1.0,) * (self.balls - 1))])
-
-    @property
-    def kernel_parameters(self) -> tuple[Array, int, Array]:
-        """Arguments of the numerical kernels: segment compliances, number of the contact-angle law, and five constants.
-
-        The constants are, in order, the stiffness K of a ball [N/m^1.5], the distance A of the groove centres [m], sine and
-        cosine of the contact angle without load, and the cosine of the lead angle.
-        """
-        a = self.contact_angle
-        constants = np.array([self.stiffness, self.groove_distance, np.sin(a), np.cos(a), np.cos(self.lead_angle)])
-        return self.segment_compliances, LAWS.index(self.law), constants
 
     @property
     def C(self) -> float:
@@ -192,7 +179,163 @@ def checked_ball_errors(chain: BallScrewChain, errors: Array) -> Array:
     return e
 
 
-def solve_ball_screw(chain: BallScrewChain, errors: Array, load: float, *, compiled: bool = False) -> BallScrewState:
+class ForceOfBalls(NamedTuple):
+    """Forces of balls at given motions, arrays of the shape of the motions; all are zero at a ball without contact."""
+
+    #: Contact loads Q [N].
+    contact_load: Array
+    #: Axial forces f(u) = Q sin(contact angle) cos(lead angle) [N].
+    axial: Array
+    #: Derivatives f'(u) of the axial forces by the motions [N/m].
+    slope: Array
+
+
+def force_of_balls(chain: BallScrewChain, motion: Array, error: Array) -> ForceOfBalls:
+    """Return contact loads and axial forces of balls, by the law of the contact angle of ``chain``.
+
+    ``motion``: axial motion u of the nut at each ball [m]; ``error``: oversize of each ball [m]; both in any shape.
+
+    References
+    ----------
+    Liu et al. (2025), equations (10) and (14) for the law "implicit".
+    """
+    K, A, a0, lead = chain.stiffness, chain.groove_distance, chain.contact_angle, np.cos(chain.lead_angle)
+    v, e = motion * lead, np.broadcast_to(error, np.shape(motion))
+    sine, approach = np.full(v.shape, np.sin(a0)), e + v * np.sin(a0)
+    by_v = sine  # d(approach)/dv
+    if chain.law == "exact":
+        along, across = A * np.sin(a0) + v, A * np.cos(a0)
+        distance = np.hypot(along, across)
+        sine = by_v = along / distance
+        approach = v * (2.0 * A * np.sin(a0) + v) / (distance + A) + e  # distance - A + e without cancellation
+    elif chain.law == "implicit":
+        touch = approach > 0.0  # in (10) the approach has the sign of that at a constant angle
+        by_v = sine.copy()
+        approach[touch], sine[touch], by_v[touch] = _implicit_approach(chain, v[touch], e[touch])
+    d = np.maximum(approach, 0.0)
+    root = np.sqrt(d)
+    load = K * d * root
+    turn = 0.0 if chain.law == "constant" else (1.0 - sine**2) * by_v / (sine * (A - e + d))  # d(sine)/dv
+    return ForceOfBalls(load, load * sine * lead, (1.5 * K * root * by_v * sine + load * turn) * lead**2)
+
+
+def _implicit_approach(chain: BallScrewChain, v: Array, error: Array) -> tuple[Array, Array, Array]:
+    """Return approach [m], sine of the contact angle, and d(approach)/dv of k balls by Liu's equations (10) and (14).
+
+    The equation solved is approach = error + v sin(angle(approach)). ``v``: axial motion of the groove times the cosine
+    of the lead angle ``(k,)`` [m]; ``error``: oversize of the balls ``(k,)`` [m].
+    """
+    free = chain.groove_distance - error
+    approach = error + v * np.sin(chain.contact_angle)
+    for _ in range(8):
+        apart = free + approach
+        cosine = free * np.cos(chain.contact_angle) / apart
+        sine = np.sqrt(1.0 - cosine**2)
+        turn = cosine**2 / (sine * apart)  # d(sine)/d(approach)
+        step = (approach - error - v * sine) / (1.0 - v * turn)
+        approach = approach - step
+        if np.all(np.abs(step) <= 1e-15 * chain.groove_distance):
+            break
+    return approach, sine, sine / (1.0 - v * turn)
+
+
+#: Number of Newton steps after which the iteration ends without convergence.
+MAX_ITERATIONS = 60
+
+#: Largest error of a ball's axial force, as a ratio to the axial load of the screw, that counts as converged.
+TOLERANCE = 1e-10
+
+
+class SolvedScrews(NamedTuple):
+    """Loads and motions of the M balls of S screws, each under an axial load of its own."""
+
+    #: Contact loads Q ``(S, M)`` [N].
+    contact_load: Array
+    #: Axial motions u of the nut relative to the screw at each ball ``(S, M)`` [m].
+    motion: Array
+    #: Derivatives dF/du_1 of the axial load by the motion at ball 1 ``(S,)`` [N/m].
+    stiffness: Array
+    #: Largest unbalanced axial force on a ball, as a fraction of the axial load ``(S,)``.
+    residual: Array
+    #: Number of Newton steps ``(S,)``.
+    steps: Array
+
+
+def solve_screws(chain: BallScrewChain, errors: Array, loads: Array) -> SolvedScrews:
+    """Solve the axial equilibrium of the balls of S screws by Newton's method, with the equations of this module.
+
+    The method starts from the motions of rigid bodies, plus the stretch if all balls carried the same load. Screws that
+    have converged leave the iteration. ``errors``: oversize of each ball ``(S, M)`` [m]; ``loads``: axial load F > 0 of
+    each screw ``(S,)`` [N].
+    """
+    c, (count, balls) = chain.segment_compliances, errors.shape
+    behind = np.append(c[1:] * np.arange(balls - 1, 0, -1) / balls, 0.0)  # stretch of the segment behind each ball over F
+    stretch = np.cumsum(behind[::-1])[::-1]
+    e, F = errors, loads[:, None]
+    u = _motion_of_rigid_bodies(chain, e, F) + F * stretch
+    out = SolvedScrews(np.empty_like(e), np.empty_like(e), np.empty(count), np.empty(count), np.empty(count, dtype=int))
+    screw, expected = np.arange(count), np.full(e.shape, np.inf)
+    for step in range(MAX_ITERATIONS + 1):
+        f = force_of_balls(chain, u, e)
+        left = np.abs(f.axial - expected).max(axis=1) / F[:, 0]
+        s, t = _forces_of_balls_behind(c, f, u)
+        done = (left <= TOLERANCE) | (step == MAX_ITERATIONS)
+        for kept, value in zip(out, (f.contact_load, u, s[:, 0], left, step), strict=True):
+            kept[screw[done]] = value if np.ndim(value) == 0 else value[done]
+        if done.all():
+            break
+        screw, e, F, s, t = (x[~done] for x in (screw, e, F, s, t))
+        u, expected = _newton_motions(c, s, t, F[:, 0])
+    return out
+
+
+def _motion_of_rigid_bodies(chain: BallScrewChain, errors: Array, loads: Array) -> Array:
+    """Return the axial motion of the nut ``(S, 1)`` [m] if screw and nut are rigid and the contact angle is constant.
+
+    At this motion the axial forces of the balls add up to the load or at most 1 % more, so that at least one ball is
+    loaded. ``errors``: oversize of the balls ``(S, M)`` [m]; ``loads``: axial loads ``(S, 1)`` [N].
+    """
+    k, K, M = chain.approach_per_motion, chain.stiffness, chain.balls
+    u = ((loads / (k * K * M)) ** (2.0 / 3.0) - errors.min(axis=1, keepdims=True)) / k
+    for _ in range(MAX_ITERATIONS):
+        d = np.maximum(errors + k * u, 0.0)
+        excess = k * K * (d * np.sqrt(d)).sum(axis=1, keepdims=True) - loads
+        far = excess > 0.01 * loads
+        if not far.any():
+            break
+        u = np.where(far, u - excess / (1.5 * k * k * K * np.sqrt(d).sum(axis=1, keepdims=True)), u)
+    return np.asarray(u)
+
+
+def _forces_of_balls_behind(c: Array, f: ForceOfBalls, u: Array) -> tuple[Array, Array]:
+    """Return s [N/m] and t [N], ``(S, M)`` each, of the linear law T_j = s_j u_j + t_j of the balls from j on.
+
+    ``c``: compliance of the segment before each ball ``(M,)`` [m/N]; ``f``: forces of the balls at the motions ``u``
+    ``(S, M)`` [m].
+    """
+    s, t = f.slope.copy(), f.axial - f.slope * u
+    for j in range(c.size - 2, -1, -1):
+        yields = 1.0 + c[j + 1] * s[:, j + 1]
+        s[:, j] += s[:, j + 1] / yields
+        t[:, j] += t[:, j + 1] / yields
+    return s, t
+
+
+def _newton_motions(c: Array, s: Array, t: Array, loads: Array) -> tuple[Array, Array]:
+    """Return the motions of the balls by Newton's step [m], and the axial forces [N] it expects there, ``(S, M)`` each.
+
+    The motion of ball 1 follows from the whole load, those of the others ball by ball. ``c``: compliance of the segment
+    before each ball ``(M,)`` [m/N]; ``s``, ``t``: law by `_forces_of_balls_behind`; ``loads``: axial loads ``(S,)`` [N].
+    """
+    u, T = np.empty_like(s), np.zeros((len(s), c.size + 1))
+    u[:, 0], T[:, 0] = (loads - t[:, 0]) / s[:, 0], loads
+    for j in range(1, c.size):
+        T[:, j] = (s[:, j] * u[:, j - 1] + t[:, j]) / (1.0 + c[j] * s[:, j])
+        u[:, j] = u[:, j - 1] - c[j] * T[:, j]
+    return u, T[:, :-1] - T[:, 1:]
+
+
+def solve_ball_screw(chain: BallScrewChain, errors: Array, load: float) -> BallScrewState:
     """Return contact loads, motions and stiffness of a ball screw with errors under an axial load.
 
     The results are valid for approaches that are small against the distance of the groove centres.
@@ -205,8 +348,6 @@ def solve_ball_screw(chain: BallScrewChain, errors: Array, load: float, *, compi
         Oversize of each ball in its grooves along the contact normal, negative for clearance ``(M,)`` [m].
     load
         Axial load F > 0 on nut and screw at the end of ball 1 [N].
-    compiled
-        Whether to use the compiled functions instead of plain Python.
 
     Raises
     ------
@@ -228,11 +369,10 @@ def solve_ball_screw(chain: BallScrewChain, errors: Array, load: float, *, compi
     """
     if not 0.0 < load < np.inf:
         raise ValueError(f"the axial load on the ball screw must be positive and finite, got {load} N")
-    e, u, work = checked_ball_errors(chain, errors), np.empty(chain.balls), np.empty((3, chain.balls))
-    k = load_kernel_package(RANDOM_ERRORS, compiled=compiled)
-    steps, residual, stiffness = k.solve_by_newton(e, float(load), *chain.kernel_parameters, u, work)
-    touch = float(axial_motion_at_touch(chain, e.max()))
-    return BallScrewState(work[0], u, touch, float(stiffness), int(steps), float(residual), bool(residual <= k.TOLERANCE))
+    e = checked_ball_errors(chain, errors)
+    q, u, stiffness, residual, steps = (values[0] for values in solve_screws(chain, e[None], np.array([float(load)])))
+    touch, good = float(axial_motion_at_touch(chain, e.max())), bool(residual <= TOLERANCE)
+    return BallScrewState(q, u, touch, float(stiffness), int(steps), float(residual), good)
 
 
 def last_to_first_load_ratio(chain: BallScrewChain, load: float) -> float:
@@ -329,204 +469,3 @@ def axial_motion_at_touch(chain: BallScrewChain, error: Array | float) -> Array:
         return -e / chain.approach_per_motion
     a, angle = chain.groove_distance, chain.contact_angle
     return np.asarray((np.sqrt((a - e) ** 2 - (a * np.cos(angle)) ** 2) - a * np.sin(angle)) / np.cos(chain.lead_angle))
-
-
-#: Quantities that are stored for each screw of an ensemble: smallest and largest contact load [N], number of loaded balls,
-#: axial motion since the first contact at ball 1 and at the first loaded ball (Liu's equation 19) [m], stiffness dF/du_1
-#: [N/m].
-Quantity = Literal["smallest", "largest", "loaded", "displacement", "displacement_first_loaded", "stiffness"]
-
-QUANTITIES: tuple[Quantity, ...] = get_args(Quantity)
-
-#: Number of screws solved at a time; their errors take 5 MB for 78 balls.
-CHUNK = 8192
-
-
-@dataclass(frozen=True)
-class ScrewEnsemble:
-    """Results of n ball screws of one design with random ball errors, each solved under L axial loads."""
-
-    #: The L axial loads under which each screw is solved ``(L,)`` [N].
-    loads: Array
-    #: Results of each screw under each load ``(n, L, 6)``; the last axis holds smallest and largest contact load [N],
-    #: number of loaded balls, axial motion at ball 1 and at the first loaded ball [m], and stiffness [N/m].
-    kept: Array
-    #: Largest unbalanced axial force on a ball, as a fraction of the axial load: maximum over all screws and loads.
-    residual: float
-    #: Number of screws for which Newton's method did not converge under at least one of the loads.
-    failed: int
-
-    def values_at(self, quantity: Quantity, load: float) -> Array:
-        """Return one quantity of all n screws under one of the axial loads ``(n,)``, in the unit that `Quantity` states.
-
-        Raises KeyError if the ensemble was not solved under this load.
-        """
-        at = np.flatnonzero(self.loads == load)
-        if at.size != 1:
-            raise KeyError(f"the ensemble of ball screws was not solved at an axial load of {load} N")
-        return np.asarray(self.kept[:, at[0], QUANTITIES.index(quantity)])
-
-
-def draw_uniform_errors(seed: int, first: int, count: int, balls: int, half_range: float) -> Array:
-    """Return independent, uniformly distributed random errors ``(count, balls)`` [m] of the balls of several screws.
-
-    Screw i uses the random numbers i M to (i + 1) M - 1 of the stream that ``seed`` starts, so that its errors do not
-    depend on the number of screws.
-
-    Parameters
-    ----------
-    seed
-        Seed of the random numbers.
-    first, count
-        Number of the first screw, from 0, and number of screws.
-    balls
-        Number of balls M of a screw.
-    half_range
-        Largest absolute value of an error [m]; the errors lie between -half_range and +half_range.
-
-    References
-    ----------
-    Liu et al. (2025), 2.1: e - 2 e rand(1, 78). The printed plus sign, which would exceed the range, is corrected.
-    """
-    stream = np.random.PCG64(seed)
-    stream.advance(first * balls)
-    return half_range * (1.0 - 2.0 * np.random.Generator(stream).random((count, balls)))
-
-
-def solve_screws_with_errors(chain: BallScrewChain, errors: Array, loads: Array) -> tuple[Array, Array]:
-    """Solve n ball screws with errors of their M balls under L axial loads each, by compiled functions.
-
-    ``chain``: ball screw without errors; ``errors``: oversize of each ball ``(n, M)`` [m]; ``loads``: axial loads ``(L,)``
-    [N].
-
-    Returns
-    -------
-    tuple[Array, Array]
-        Smallest and largest contact load, number of loaded balls, axial motion at ball 1 and at the first loaded ball, and
-        stiffness ``(n, L, 6)``; and the residual of the equations: the largest unbalanced axial force on a ball, as a
-        fraction of the load ``(n, L)``.
-
-    Raises
-    ------
-    ValueError
-        A load is not positive, or the errors have the wrong number or size.
-    """
-    f = np.ascontiguousarray(loads, dtype=float)
-    if f.ndim != 1 or f.size == 0 or not np.all((f > 0.0) & np.isfinite(f)):
-        raise ValueError(f"all axial loads on the ball screws must be positive and finite, got {f.tolist()} N")
-    e = checked_ball_errors(chain, errors)
-    out = np.empty((len(e), f.size, len(QUANTITIES) + 1))
-    k = load_kernel_package(RANDOM_ERRORS, compiled=True)
-    k.solve_batch(e, f, *chain.kernel_parameters, out)
-    at = QUANTITIES.index("displacement")
-    out[..., at : at + 2] -= np.asarray(axial_motion_at_touch(chain, e.max(axis=1)))[:, None, None]
-    return out[..., :-1], out[..., -1]
-
-
-def solve_ensemble(
-    chain: BallScrewChain,
-    half_range: float,
-    loads: Array | list[float],
-    screw_count: int,
-    *,
-    seed: int = 0,
-    chunk: int = CHUNK,
-) -> ScrewEnsemble:
-    """Solve many ball screws of one design with uniformly distributed random ball errors under several axial loads.
-
-    The memory needed is that for the ball errors of one chunk of screws, and for six results for each screw and load.
-
-    Parameters
-    ----------
-    chain
-        Ball screw as a sequence of balls.
-    half_range
-        Largest absolute value of the random errors, which are uniformly distributed [m].
-    loads
-        Axial loads ``(L,)`` [N].
-    screw_count
-        Number of screws.
-    seed
-        Seed of the random numbers.
-    chunk
-        Number of screws that are solved together, which limits the memory; the result does not depend on it.
-
-    Raises
-    ------
-    ValueError
-        The number of screws or the chunk is not positive, or errors as in `solve_screws_with_errors`.
-    """
-    if screw_count < 1 or chunk < 1 or half_range < 0.0:
-        raise ValueError(
-            "`screw_count` and `chunk`, numbers of screws, must be positive; `half_range` of errors must not be negative, "
-            f"got screw_count {screw_count}, chunk {chunk}, half_range {half_range} m"
-        )
-    f = np.asarray(loads, dtype=float)
-    kept, worst, failed = np.empty((screw_count, f.size, len(QUANTITIES))), 0.0, 0
-    tolerance = load_kernel_package(RANDOM_ERRORS, compiled=False).TOLERANCE
-    for first in range(0, screw_count, chunk):
-        count = min(chunk, screw_count - first)
-        errors = draw_uniform_errors(seed, first, count, chain.balls, half_range)
-        kept[first : first + count], residual = solve_screws_with_errors(chain, errors, f)
-        worst = max(worst, float(residual.max()))
-        failed += int(np.count_nonzero((residual > tolerance).any(axis=1)))
-    return ScrewEnsemble(f, kept, worst, failed)
-
-
-@dataclass(frozen=True)
-class PercentileRank:
-    """Percentile rank of a given number in a sample of random values."""
-
-    #: Fraction of the sample's values that are below the number.
-    below: float
-    #: Fraction of the sample's values that are below or equal to the number.
-    at_most: float
-    #: Number of values in the sample.
-    size: int
-
-    @property
-    def percent(self) -> float:
-        """Percentile rank of the number [%], for which values of the sample equal to it count half."""
-        return 50.0 * (self.below + self.at_most)
-
-    @property
-    def standard_error(self) -> float:
-        """Standard error of the percentile rank [%].
-
-        By the rule of succession, it is never zero.
-        """
-        p = (0.01 * self.percent * self.size + 1.0) / (self.size + 2.0)
-        return float(100.0 * np.sqrt(p * (1.0 - p) / self.size))
-
-    @property
-    def tail_probability(self) -> float:
-        """One-sided tail probability: fraction of the sample at least as far from the sample's median as the number.
-
-        Only values on the same side of the median as the number are counted.
-        """
-        return min(self.at_most, 1.0 - self.below)
-
-    @property
-    def tail_bound(self) -> float:
-        """Upper 95 % confidence bound of ``tail_probability`` by Wilson's score interval.
-
-        It is 2.7/size if no value of the sample is as extreme as the number.
-        """
-        z, n, p = 1.645, self.size, self.tail_probability
-        return float((p + z * z / (2 * n) + z * np.sqrt(p * (1 - p) / n + z * z / (4 * n * n))) / (1 + z * z / n))
-
-
-def percentile_rank(sample: Array, value: float, rounding_error: float = 0.0) -> PercentileRank:
-    """Return the percentile rank of a given number in a sample of values.
-
-    Parameters
-    ----------
-    sample
-        Values of the sample ``(n,)``.
-    value
-        The given number, in the unit of the sample.
-    rounding_error
-        Rounding error of the number; values of the sample that differ from the number by no more count as equal.
-    """
-    below, at_most = np.mean(sample < value - rounding_error), np.mean(sample <= value + rounding_error)
-    return PercentileRank(float(below), float(at_most), sample.size)

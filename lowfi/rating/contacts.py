@@ -113,6 +113,15 @@ class StaticSafety:
         error="twice that of the load",
         default=None,
     )
+    #: The same factor by the maker's C0 in place of the computed one; None: the scene gives no such C0.
+    by_maker: float | None = quantity_field(
+        "maker_factor",
+        "static safety times the maker's C0 (key `rating.static`) over the computed C0; null if it is not given",
+        error="that of the load",
+        heading="static safety by the maker's C0",
+        form="g3",
+        default=None,
+    )
 
     @property
     @QuantityDescription("allowed_over_diameter", "permissible permanent indentation over the ball's diameter, 1e-4")
@@ -239,7 +248,9 @@ def static_safety(scene: Scene, drawn: GeometryWithErrors, worst_contact: BallCo
     across, along = (contacts.nominal_curvatures(scene) + changes)[i, s]
     diameter = 2.0 * float(drawn.ball_radii[i])
     permanent = PALMGREN * worst_contact.force**2 / diameter * float(across * along)
-    return StaticSafety((DENT_PRESSURE / worst_contact.pressure) ** 3, DENT_PRESSURE, permanent / diameter)
+    factor, given = (DENT_PRESSURE / worst_contact.pressure) ** 3, scene.rating.static
+    by_maker = None if given is None else factor * given / static_rating(scene)
+    return StaticSafety(factor, DENT_PRESSURE, permanent / diameter, by_maker)
 
 
 def most_truncated_ellipse(scene: Scene, drawn: GeometryWithErrors, load: Array, angle: Array) -> EllipseTruncation | None:
@@ -377,7 +388,7 @@ def roller_contact_of_highest_pressure(row: RollerRow, line_loads: Array) -> Rol
     )
 
 
-def roller_static_safety(worst_contact: RollerContact) -> StaticSafety:
+def roller_static_safety(worst_contact: RollerContact, maker_over_computed: float | None = None) -> StaticSafety:
     """Return the static safety of the roller contact with the highest pressure, between parts of hardened bearing steel.
 
     The permissible load of a roller contact is the load at which its largest pressure is 4000 MPa (ISO 76); the pressure is
@@ -387,8 +398,12 @@ def roller_static_safety(worst_contact: RollerContact) -> StaticSafety:
     ----------
     worst_contact
         Line contact with the highest pressure, see `roller_contact_of_highest_pressure`.
+    maker_over_computed
+        The maker's static load rating over the computed one; None if it is not given.
     """
-    return StaticSafety((ROLLER_DENT_PRESSURE / worst_contact.pressure) ** 2, ROLLER_DENT_PRESSURE)
+    factor = (ROLLER_DENT_PRESSURE / worst_contact.pressure) ** 2
+    by_maker = None if maker_over_computed is None else factor * maker_over_computed
+    return StaticSafety(factor, ROLLER_DENT_PRESSURE, by_maker=by_maker)
 
 
 #: Stribeck's factor: largest contact load over F_r/Z for Z balls under a radial load F_r without clearance (ISO 76).
@@ -460,6 +475,22 @@ class Ratings:
     dynamic_standard: str = quantity_field("dynamic_standard", "standard of the dynamic load rating")
     #: Standard whose formulas give the static rating.
     static_standard: str = quantity_field("static_standard", "standard of the static load rating")
+    #: Dynamic load rating as the maker gives it [N]; None: not given.
+    maker_dynamic: float | None = quantity_field(
+        "maker_dynamic_N",
+        "the maker's basic dynamic load rating C, as the scene gives it (key `rating.dynamic`); null if not given",
+        heading="dynamic load rating C, maker",
+        note="{direction}, as given",
+        default=None,
+    )
+    #: Static load rating as the maker gives it [N]; None: not given.
+    maker_static: float | None = quantity_field(
+        "maker_static_N",
+        "the maker's basic static load rating C0, as the scene gives it (key `rating.static`); null if not given",
+        heading="static load rating C0, maker",
+        note="{direction}, as given",
+        default=None,
+    )
 
 
 def dynamic_and_static_ratings(scene: Scene) -> Ratings:
@@ -477,4 +508,5 @@ def dynamic_and_static_ratings(scene: Scene) -> Ratings:
     """
     axial = is_thrust_bearing(scene) or scene.track.lead > 0.0
     static_standard = "ISO 3408-5" if scene.track.lead > 0.0 else "ISO 76"
-    return Ratings(dynamic_rating(scene), static_rating(scene), axial, name_life_standard(scene), static_standard)
+    ours, maker = (dynamic_rating(scene), static_rating(scene)), (scene.rating.dynamic, scene.rating.static)
+    return Ratings(*ours, axial, name_life_standard(scene), static_standard, *maker)

@@ -1,8 +1,8 @@
 """Modified rating life (ISO 281) of bearings and ball screws, and basic reference rating life (ISO/TS 16281) of bearings.
 
-The modified life L_nm = a_1 a_ISO L_10 (ISO 281:2007) accounts for reliability, lubricant and contamination. The factor a_1
-for the reliability S (90 to 99.95 %) is the three-parameter Weibull law of ISO/TR 1281-2, which the table of ISO 281
-rounds,
+The modified life L_nm = a_1 a_ISO L_10 (ISO 281:2007; of bearings L_nmr = a_1 a_ISO L_10r of ISO/TS 16281) accounts for
+reliability, lubricant and contamination. The factor a_1 for the reliability S (90 to 99.95 %) is the three-parameter
+Weibull law of ISO/TR 1281-2, which the table of ISO 281 rounds,
 
     a_1 = 0.95 (ln(1/S)/ln(1/0.9))^(2/3) + 0.05.                                                                        (1)
 
@@ -28,19 +28,20 @@ large.
 The basic reference life L_10r (ISO/TS 16281:2008) follows from the loads of a bearing's rolling elements. For every raceway
 the standard has the load Q_c that a contact bears for 10^6 revolutions, and the dynamic equivalent load
 Q_e, a mean over all Z rolling elements. The mean is of order 3 (balls) or 4 (rollers) for the raceway that rotates relative
-to the load (inner), and of order 10/3 or 9/2 for the stationary raceway (outer).
+to the load, that of the ring that turns, and of order 10/3 or 9/2 for the stationary raceway.
 
 Balls: Q_c is that of `lowfi.rating.life` (2), which the standard expresses by C_r,
 
     L_10r = ((Q_ci/Q_ei)^(-10/3) + (Q_ce/Q_ee)^(-10/3))^(-9/10),   P_ref = C/L_10r^(1/3).                             (3)
 
 This is the life that `lowfi.rating.life.basic_rating_life` returns; for four-point contact the sum includes all four
-flanks. If the rating C of a catalogue replaces the computed one, L_10r changes by the cube of their ratio.
+flanks. If the rating C of a catalogue replaces the computed one, L_10r changes by the cube of their ratio, for rollers by
+the fourth power.
 
 Rollers are cut into n_s >= 30 laminae; lamina k of roller j carries q_jk, and at the roller's edges the stress is higher:
 
     q_c = Q_c n_s^(-7/9),   f_k = 1 - 0.01/ln(1.985 |2 k - n_s - 1|/(2 n_s - 2)),
-    q_ek = (sum_j (f_k q_jk)^m/Z)^(1/m),   m = 4 (inner), 9/2 (outer),                                                (4)
+    q_ek = (sum_j (f_k q_jk)^m/Z)^(1/m),   m = 4 (turning), 9/2 (standing),                                             (4)
     L_10r = (sum_k (q_ci/q_eik)^(-9/2) + (q_ce/q_eek)^(-9/2))^(-8/9),   P_ref = C/L_10r^(3/10).                         (5)
 
 Q_c is here that of `lowfi.rating.roller_life` (1) without the factor lambda (0.83; thrust bearings 0.73), because f_k
@@ -54,8 +55,8 @@ motions of both rings, so that a tilt of the rings affects every lamina. A lamin
 races in series, in place of the standard's spring of 35948 N/mm^(10/9) L^(8/9), so that the tilt of the roller between the
 races is included. If there are fewer than 30 slices, each is divided into equal laminae of the same line load.
 
-The reference life is valid as `lowfi.rating.life` and `roller_life`, if the inner ring rotates relative to the load. ISO/TS
-16281 covers radial and thrust bearings, not screws. Equations (4) and (5) are ISO/TS 16281:2008, (47) to (65), as
+The reference life is valid as `lowfi.rating.life` and `roller_life`, if one ring rotates relative to the load. ISO/TS 16281
+covers radial and thrust bearings, not screws. Equations (4) and (5) are ISO/TS 16281:2008, (47) to (65), as
 github.com/minzhun/ISO16281 implements them; the standard itself was not consulted.
 
 It was compared with lives that MASTA prints for a deep-groove bearing (`external-masta`), and in limiting cases with ISO
@@ -64,11 +65,11 @@ It was compared with lives that MASTA prints for a deep-groove bearing (`externa
 
 from __future__ import annotations
 
-from math import log
+from math import log, pi
 
 import numpy as np
 
-from rollbench.lowfi.rating import roller_life
+from rollbench.lowfi.rating import life, roller_life
 from rollbench.lowfi.rating.contacts import RACES, static_rating
 from rollbench.lowfi.rating.life import BasicRatingLife, contact_capacity, is_thrust_bearing
 from rollbench.lowfi.rating.rigidity import approach_per_displacement
@@ -76,7 +77,7 @@ from rollbench.lowfi.statics.contacts import hertz_without_errors
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import RollerRow
 from rollbench.meshes.parts import SIDES, Scene
-from rollbench.meshes.quantity import quantity_field, result_record
+from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record
 
 #: Pressure [Pa] up to which clean, well lubricated contacts do not fatigue (ISO 281); ratio C_0/C_u of bearings.
 FATIGUE_PRESSURE, STATIC_OVER_FATIGUE = 1.5e9, 22.0
@@ -92,8 +93,8 @@ class ModifiedLife:
     #: Modified rating life L_nm [10^6 revolutions].
     revolutions: float = quantity_field(
         "Lnm_million_revolutions",
-        "modified life a_1 a_ISO L10",
-        error="that of L10, and that of a_ISO by the contamination, which is an estimate",
+        "modified life: a_1 a_ISO times the life by the contact loads, L10 of a nut, L10r of a bearing (L_nmr)",
+        error="that of the life by the contact loads, and that of a_ISO by the contamination, which is an estimate",
         heading="modified life",
         note="for {reliability_percent} %",
     )
@@ -175,15 +176,15 @@ def fatigue_load_limit(scene: Scene) -> float:
     return float(scene.ball_count * approach_per_displacement(scene) * (FATIGUE_PRESSURE / of_one_newton) ** 3)
 
 
-def modified_life(scene: Scene, life: BasicRatingLife | None) -> ModifiedLife | None:
+def modified_life(scene: Scene, by_loads: BasicRatingLife | ReferenceLife | None) -> ModifiedLife | None:
     """Return the modified rating life for the reliability, lubricant and contamination that a scene states.
 
     Parameters
     ----------
     scene
         Scene whose table [operation] may state reliability, viscosity ratio and contamination.
-    life
-        Basic rating life under the contact loads; None if it is not known.
+    by_loads
+        Rating life under the contact loads, L10 of a screw or L10r of a bearing; None if it is not known.
 
     Returns
     -------
@@ -192,16 +193,16 @@ def modified_life(scene: Scene, life: BasicRatingLife | None) -> ModifiedLife | 
         The factor a_ISO is taken as 1 if the scene does not give both viscosity ratio and contamination.
     """
     of = scene.operation
-    if life is None or (of.reliability is None and of.viscosity_ratio is None):
+    if by_loads is None or (of.reliability is None and of.viscosity_ratio is None):
         return None
     limit = fatigue_load_limit(scene)
     share = 90.0 if of.reliability is None else of.reliability
     a_1, a_iso = reliability_factor(share), None
     if of.viscosity_ratio is not None and of.contamination is not None:
         thrust = is_thrust_bearing(scene) or scene.track.lead > 0.0
-        clean = of.contamination * limit / life.equivalent
+        clean = of.contamination * limit / by_loads.equivalent
         a_iso = life_factor_for_lubrication(of.viscosity_ratio, clean, is_thrust_bearing=thrust)
-    return ModifiedLife(a_1 * (1.0 if a_iso is None else a_iso) * life.revolutions, share, a_1, a_iso, limit)
+    return ModifiedLife(a_1 * (1.0 if a_iso is None else a_iso) * by_loads.revolutions, share, a_1, a_iso, limit)
 
 
 #: Least number of laminae of a roller (ISO/TS 16281).
@@ -215,8 +216,8 @@ class ReferenceLife:
     #: Basic reference rating life L_10r [10^6 revolutions].
     revolutions: float = quantity_field(
         "L10r_million_revolutions",
-        "basic reference rating life by ISO/TS 16281; for balls the same as L10",
-        error="that of L10; for rollers also that of the standard's formula for the stress at their edges",
+        "basic reference rating life by ISO/TS 16281, from the loads of all rolling elements and the ring that turns",
+        error="about three times that of the loads; for rollers also that of the formula for the stress at their edges",
         heading="life L10r, ISO/TS 16281",
         expected=("rms_percent", 3.0),
     )
@@ -238,29 +239,58 @@ class ReferenceLife:
         error="that of the loads",
         parts=".*",
     )
+    #: Life of each loaded raceway [10^6 revolutions], by its name.
+    raceways: dict[str, float] = quantity_field(
+        "raceways_million_revolutions",
+        "life of one raceway, (Q_c/Q_e)^3 for balls, (Q_c/Q_e)^4 for rollers",
+        error="as L10r",
+        parts=".*",
+    )
+    #: Ring that turns relative to the load.
+    turning: life.TurningRing = quantity_field("turning_ring", "ring that turns: inner or outer")
+    #: The same life with the maker's C in place of the computed one [10^6 revolutions]; None: the scene gives no such C.
+    by_maker: float | None = quantity_field(
+        "maker_L10r_million_revolutions",
+        "life L10r with the maker's C (key `rating.dynamic`) in place of the computed one; null if it is not given",
+        heading="life L10r by the maker's C",
+        error="as L10r",
+        default=None,
+    )
+
+    @QuantityDescription(
+        "L10r_hours", "life L10r in hours, if the scene states a speed", heading="life L10r, ISO/TS 16281", error="as L10r"
+    )
+    def hours(self, speed: float) -> float:
+        """Return the life in hours; ``speed``: speed of the turning ring [rad/s]."""
+        return 1e6 * self.revolutions * 2.0 * pi / abs(speed) / 3600.0
 
 
-def ball_reference_life(scene: Scene, life: BasicRatingLife | None) -> ReferenceLife | None:
+def ball_reference_life(
+    scene: Scene, by_loads: BasicRatingLife | None, turning: life.TurningRing = "inner"
+) -> ReferenceLife | None:
     """Return the basic reference rating life of a ball bearing by eq. (3) of this module.
 
     Parameters
     ----------
     scene
         Scene of the bearing.
-    life
-        Basic rating life under its contact loads (`lowfi.rating.life.basic_rating_life`).
+    by_loads
+        Rating life under its contact loads (`lowfi.rating.life.basic_rating_life`).
+    turning
+        Ring that turns, for which ``by_loads`` was computed.
 
     Returns
     -------
     ReferenceLife | None
-        The life; None for a screw, and without load.
+        The life; None for a screw, without load, and if both rings stand still.
     """
-    if life is None or scene.track.lead:
+    if by_loads is None or scene.track.lead:
         return None
     rated = dict(zip(SIDES, contact_capacity(scene), strict=True))
-    capacities = {side: float(rated[side]) for side in life.raceways}
-    loads = {side: Q / float(np.cbrt(life.raceways[side])) for side, Q in capacities.items()}
-    return ReferenceLife(life.revolutions, life.equivalent, capacities, loads)
+    capacities = {side: float(rated[side]) for side in by_loads.raceways}
+    loads = {side: Q / float(np.cbrt(by_loads.raceways[side])) for side, Q in capacities.items()}
+    x = by_loads
+    return ReferenceLife(x.revolutions, x.equivalent, capacities, loads, x.raceways, turning, x.by_maker)
 
 
 def edge_stress_factors(laminae: int) -> Array:
@@ -289,7 +319,7 @@ def edge_stress_factors(laminae: int) -> Array:
         return np.asarray(1.0 - 0.01 / np.log(1.985 * place))
 
 
-def roller_reference_life(row: RollerRow, line_loads: Array) -> ReferenceLife | None:
+def roller_reference_life(row: RollerRow, line_loads: Array, turning: life.TurningRing = "inner") -> ReferenceLife | None:
     """Return the basic reference rating life of a row of rollers by eqs. (4) and (5) of this module.
 
     Parameters
@@ -298,25 +328,27 @@ def roller_reference_life(row: RollerRow, line_loads: Array) -> ReferenceLife | 
         Row of tapered rollers.
     line_loads
         Loads per length ``(count, slices)`` [N/m] of each roller in equal slices.
+    turning
+        Ring that turns, see `lowfi.rating.life.turning_ring`.
 
     Returns
     -------
     ReferenceLife | None
-        The life; None without load.
+        The life; None without load, and if both rings stand still.
     """
     top = float(line_loads.max(initial=0.0))
-    if top <= 0.0:
+    if top <= 0.0 or turning == "none":
         return None
     pieces = -(-LAMINAE // line_loads.shape[-1])
     q = np.repeat(line_loads, pieces, axis=-1) / top  # loads over the largest: no overflow
     n = q.shape[-1]
     reduced = roller_life.THRUST if roller_life.is_thrust_bearing_row(row) else roller_life.RADIAL
     stress, capacities, loads = edge_stress_factors(n), {}, {}
-    rated, orders = roller_life.race_capacities(row) / reduced, (roller_life.TURNING, roller_life.STANDING)
-    for race, Q, order in zip(RACES, rated, orders, strict=True):
+    for race, Q in zip(RACES, roller_life.race_capacities(row) / reduced, strict=True):
+        order = roller_life.TURNING if race == turning else roller_life.STANDING
         mean = stress * np.mean(q**order, axis=0) ** (1.0 / order)
         capacities[race] = float(Q)
         loads[race] = top * row.length * float(np.mean(mean**4.5)) ** (2.0 / 9.0)
-    damage = sum((loads[race] / capacities[race]) ** 4.5 for race in RACES)
-    found = damage ** (-8.0 / 9.0)
-    return ReferenceLife(found, roller_life.dynamic_rating_of_row(row) / found**0.3, capacities, loads)
+    races = {race: (capacities[race] / loads[race]) ** 4 for race in RACES}
+    found, C = sum(x ** (-9.0 / 8.0) for x in races.values()) ** (-8.0 / 9.0), roller_life.dynamic_rating_of_row(row)
+    return ReferenceLife(found, C / found**0.3, capacities, loads, races, turning, life.by_maker(row, C, found, 4.0))

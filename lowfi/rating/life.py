@@ -1,9 +1,10 @@
-"""Fatigue life under computed contact loads: ball bearings by ISO 281 and ISO/TS 16281, ball screws by ISO 3408-5.
+"""Fatigue life of ball bearings by ISO 281 (L10) and ISO/TS 16281 (L10r), and of ball screws by ISO 3408-5 (L10).
 
 All three standards rest on Lundberg and Palmgren (1947). Each flank of a groove is a raceway. It has a capacity Q_c [N],
 the contact load that it bears for 10^6 revolutions (90 % reliability), and an equivalent contact load Q_e, a mean of the
-forces of its balls. The mean is of order 3 for a raceway that rotates relative to the load (screw, inner ring), and of
-order 10/3 for a stationary one (nut, outer ring):
+forces of its balls. The mean is of order 3 for a raceway that rotates relative to the load (the ring that turns), and of
+order 10/3 for a stationary one (the ring that stands). In a ball screw the axial pattern of the loads stays with the nut,
+whichever of the two turns: the screw's raceways have the order 3, those of the nut 10/3. Then, for the contact loads,
 
     L = (sum over raceways of (Q_c/Q_e)^(-10/3))^(-9/10).                                                              (1)
 
@@ -36,9 +37,10 @@ Valid for grooves with f > 0.5 of hardened bearing steel, balls of up to 25 mm, 
 factors for hardness, accuracy, material, reliability and lubricant are one. The ratings are computed and not those of a
 manufacturer.
 
-The life of a duty cycle can also be computed by the equivalent loads of the standards, ISO 3408-5 for ball screws and
-ISO 281 for bearings. Both take the force on the whole nut or bearing in every case j, with its fraction n_j of the
-revolutions, and a mean of order 3,
+Equation (1) gives the life L10 of a screw (ISO 3408-5) and L10r of a bearing (ISO/TS 16281). The life L10 of a bearing
+(ISO 281), and the life of a screw over a duty cycle by ISO 3408-5, follow from equivalent loads, which know neither the
+distribution nor the ring that turns. They take the force on the whole nut or bearing in every case j, with its fraction n_j
+of the revolutions, and a mean of order 3,
 
     F_m = (sum_j n_j F_j^3)^(1/3),  L = (C/F_m)^3 in 10^6 revolutions.                                               (5)
 
@@ -66,14 +68,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import cos, degrees, hypot, pi, sin, tan
+from typing import Literal
 
 import numpy as np
 
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.axis import Assembly, RollerRow, RollingSet
 from rollbench.meshes.errors import are_in_shifted_half
 from rollbench.meshes.helix import ball_layout, lead_angle, nominal_groove_radii
 from rollbench.meshes.numerics import brentq
-from rollbench.meshes.parts import SIDES, Scene
+from rollbench.meshes.parts import SIDE_SIGNS, SIDES, Scene
 from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record
 
 #: Constant of (2) for mm and N (Lundberg and Palmgren 1947).
@@ -89,6 +93,12 @@ RADIAL_UP_TO = 45.0
 #: Orders of the mean force of a raceway that rotates relative to the load, and of a stationary one.
 TURNING, STANDING = 3.0, 10.0 / 3.0
 
+#: Ring of a bearing that turns; "none" where both stand still.
+TurningRing = Literal["inner", "outer", "none"]
+
+#: Why a bearing has no life whose rings stand still.
+RINGS_STAND = "its rings do not turn"
+
 #: Factors of the rotating and the stationary raceway in the radial rating of a bearing: J_r/J_1 and J_r/J_2 for a load zone
 #: of half the circumference.
 RADIAL = (0.407, 0.389)
@@ -96,35 +106,43 @@ RADIAL = (0.407, 0.389)
 
 @result_record
 class BasicRatingLife:
-    """Basic rating life (reliability 90 %) of one nut or bearing under the loads of its contacts."""
+    """Basic rating life (reliability 90 %) of a nut by its contact loads, or of a bearing by ISO 281."""
 
     #: Basic rating life L10 [10^6 revolutions].
     revolutions: float = quantity_field(
         "L10_million_revolutions",
-        "basic rating life, reached by 90 %, under this load distribution",
-        error="about three times that of the loads; in addition fatigue lives scatter",
+        "basic rating life, reached by 90 %: of a nut under this load distribution (ISO 3408-5), of a bearing (C/P)^p with "
+        "the equivalent load P of its force, p = 3 for balls and 10/3 for rollers (ISO 281)",
+        error="of a nut about three times that of the loads; in addition fatigue lives scatter",
         heading="life L10",
         expected=("rms_percent", 3.0),
+        note="{standard}",
     )
-    #: Basic rating life of each loaded raceway [10^6 revolutions], by the name of the raceway.
+    #: Basic rating life of each loaded raceway [10^6 revolutions], by the name of the raceway; empty for L10 of a bearing.
     raceways: dict[str, float] = quantity_field(
-        "raceways_million_revolutions",
-        "life of one raceway: groove flank for balls, inner or outer race for rollers",
-        error="as above",
-        parts=".*",
+        "raceways_million_revolutions", "life of one raceway of a nut, a groove flank", error="as above", parts=".*"
     )
     #: Basic dynamic load rating C [N]: axial for screws and thrust bearings, radial for other bearings.
     rating: float = quantity_field("rating_as_computed_N", "basic dynamic load rating C")
     #: Equivalent load P [N], at which the rating C gives the same life.
     equivalent: float = quantity_field(
         "equivalent_load_N",
-        "equivalent load, for which the rating C gives the same life: C/L10^(1/3), for rollers C/L10^(3/10)",
+        "equivalent load P: of a nut that for which C gives the same life, C/L10^(1/3); of a bearing that of ISO 281",
         error="that of the loads",
     )
     #: Standard whose formulas give the life.
     standard: str = quantity_field("standard", "standard of the life formulas")
     #: Lead of the screw [m]; 0 for a bearing.
     lead: float = 0.0
+    #: The same life with the maker's C in place of the computed one [10^6 revolutions]; None: the scene gives no such C.
+    by_maker: float | None = quantity_field(
+        "maker_L10_million_revolutions",
+        "life L10 with the maker's C (key `rating.dynamic`) in place of the computed one; null if it is not given",
+        heading="life L10 by the maker's C",
+        error="as in revolutions",
+        note="{standard}",
+        default=None,
+    )
 
     @property
     @QuantityDescription(
@@ -158,13 +176,14 @@ SLOPE = 10.0 / 9.0
 class SystemLife:
     """Life of all nuts and bearings on one shaft together, which ends when the first of them fails."""
 
-    #: Life L10 of the whole system [10^6 revolutions].
+    #: Life of the whole system [10^6 revolutions].
     revolutions: float = quantity_field(
-        "L10_million_revolutions",
-        "revolutions of the shaft that 90 % of equal axes reach without failure of any nut or bearing (set): product of "
-        "the sets' probabilities of survival, each a Weibull distribution",
+        "life_million_revolutions",
+        "revolutions that 90 % of equal axes reach without failure of any nut or bearing (set) that turns: product of the "
+        "sets' probabilities of survival, each a Weibull distribution; lives by contact loads, L10 of nuts and L10r of "
+        "bearings",
         error="that of the lives",
-        heading="life L10 of the whole axis",
+        heading="life of the whole axis, by loads",
         note="shortest life: {shortest_set}",
     )
     #: Name of the nut or bearing with the shortest life.
@@ -173,13 +192,21 @@ class SystemLife:
     lead: float = 0.0
     #: Speed of the shaft [rad/s]; None if the scene gives no speed.
     speed: float | None = None
+    #: The same by the lives L10 of all sets [10^6 revolutions]; None if that of one is not known.
+    basic: float | None = quantity_field(
+        "L10_million_revolutions",
+        "the same by the lives L10 of all nuts (ISO 3408-5) and bearings (ISO 281); null if that of one is not known",
+        error="that of the lives",
+        heading="life L10 of the whole axis",
+        default=None,
+    )
 
     @property
     @QuantityDescription(
-        "L10_km",
-        "life L10 of the whole axis as the distance that the nut travels; null without a nut",
+        "life_km",
+        "life of the whole axis as the distance that the nut travels; null without a nut",
         error="as in revolutions",
-        heading="life L10 of the whole axis",
+        heading="life of the whole axis, by loads",
     )
     def distance(self) -> float | None:
         """Life of the system as the distance that the nut travels [m]; None without a nut."""
@@ -187,10 +214,10 @@ class SystemLife:
 
     @property
     @QuantityDescription(
-        "L10_hours",
-        "life L10 of the whole axis in hours, if a speed is stated",
+        "life_hours",
+        "life of the whole axis in hours, if a speed is stated",
         error="as in revolutions",
-        heading="life L10 of the whole axis",
+        heading="life of the whole axis, by loads",
     )
     def hours(self) -> float | None:
         """Life of the system in hours; None without a speed."""
@@ -352,8 +379,35 @@ def dynamic_rating(scene: Scene) -> float:
     return float((screw ** (-10.0 / 3.0) + nut ** (-10.0 / 3.0)) ** -0.3)
 
 
-def basic_rating_life(scene: Scene, load: Array) -> BasicRatingLife | None:
-    """Return the basic rating life of a ball screw or ball bearing under given contact loads.
+def turning_ring(assembly: Scene | Assembly, row: RollingSet | None = None) -> TurningRing:
+    """Return which ring of a bearing turns, by the scene's table [motion]; without that table the inner ring.
+
+    If the nuts of an axis turn, its shaft and the bearings on it stand still, and bearings around a nut (with a carrier)
+    turn with the nut. If the shaft turns, bearings around a nut stand still. In an axis without nuts, ``turns = "nut"``
+    means the outer rings.
+
+    Parameters
+    ----------
+    assembly
+        Scene of a single bearing, or axis with several nuts and bearings.
+    row
+        Bearing of the axis; None for a single bearing. For a nut, the ring that turns against the pattern of the loads is
+        returned, the screw ("inner"), whichever part turns.
+    """
+    by_nut = assembly.motion is not None and assembly.motion.turns == "nut"
+    if isinstance(assembly, Scene) or row is None:
+        return "outer" if by_nut and isinstance(assembly, Scene) and assembly.track.lead == 0.0 else "inner"
+    if row.kind == "ball nut" or assembly.motion is None:
+        return "inner"
+    if row.carrier is not None:
+        return "inner" if by_nut else "none"
+    if not by_nut:
+        return "inner"
+    return "none" if any(s.kind == "ball nut" for s in assembly.sets) else "outer"
+
+
+def basic_rating_life(scene: Scene, load: Array, turning: TurningRing = "inner") -> BasicRatingLife | None:
+    """Return the rating life of a ball screw (L10) or ball bearing (L10r) under given contact loads.
 
     It is (sum over raceways of (Q_c/Q_e)^(-10/3))^(-9/10), with capacity Q_c and equivalent contact load Q_e of a raceway.
 
@@ -363,11 +417,13 @@ def basic_rating_life(scene: Scene, load: Array) -> BasicRatingLife | None:
         The screw or bearing.
     load
         Contact forces ``(n, 4)`` [N] of the balls on the four flanks.
+    turning
+        Ring of a bearing that turns, see `turning_ring`; "inner" for a screw.
 
     Returns
     -------
     BasicRatingLife | None
-        The life; None without load.
+        The life; None without load, and for a bearing whose rings stand still.
 
     Raises
     ------
@@ -387,20 +443,30 @@ def basic_rating_life(scene: Scene, load: Array) -> BasicRatingLife | None:
     >>> round(found.revolutions / (found.rating / axial) ** 3, 9)
     1.0
     """
-    if not (load > 0.0).any():
+    if not (load > 0.0).any() or turning == "none":
         return None
     capacity = contact_capacity(scene)
     raceways = {}
     for s, side in enumerate(SIDES):
         if (load[:, s] > 0.0).any():
-            order = TURNING if s < 2 else STANDING
+            order = TURNING if (s < 2) == (turning == "inner") else STANDING
             top = float(load[:, s].max())  # forces over the largest: no overflow
             mean = top * float(np.mean((load[:, s] / top) ** order)) ** (1.0 / order)
             raceways[side] = float((capacity[s] / mean) ** 3)
     shares = np.array(list(raceways.values())) ** (-10.0 / 9.0)
     total, rated = float(shares.sum() ** -0.9), dynamic_rating(scene)
     equivalent = rated / float(np.cbrt(total))
-    return BasicRatingLife(total, raceways, rated, equivalent, name_life_standard(scene), scene.track.lead)
+    standard = name_life_standard(scene, by_loads=True)
+    return BasicRatingLife(total, raceways, rated, equivalent, standard, scene.track.lead, by_maker(scene, rated, total))
+
+
+def by_maker(parts: Scene | RollerRow, rating: float, revolutions: float, exponent: float = 3.0) -> float | None:
+    """Return a life with the maker's dynamic load rating in place of the computed one; None if the scene gives no such C.
+
+    ``rating``: computed rating [N]; ``revolutions``: life by it; ``exponent``: of C in the life.
+    """
+    given = parts.rating.dynamic
+    return None if given is None else revolutions * (given / rating) ** exponent
 
 
 def damage_equivalent_contact_loads(loads: Sequence[Array], shares: Sequence[float]) -> Array:
@@ -427,11 +493,14 @@ def damage_equivalent_contact_loads(loads: Sequence[Array], shares: Sequence[flo
     return np.asarray(top * np.cbrt(sum(share * (load / top) ** TURNING for load, share in used)))
 
 
-def name_life_standard(scene: Scene) -> str:
-    """Return the name of the standard, for example "ISO 3408-5", by which a screw's or bearing's life is computed."""
+def name_life_standard(scene: Scene, *, by_loads: bool = False) -> str:
+    """Return the name of the standard, for example "ISO 3408-5", by which a screw's or bearing's life is computed.
+
+    ``by_loads``: whether the life follows from the contact loads, and not from load rating and equivalent load.
+    """
     if scene.track.lead > 0.0:
         return "ISO 3408-5"
-    return "ISO 281, ISO/TS 16281" + (" (thrust bearing)" if is_thrust_bearing(scene) else "")
+    return ("ISO/TS 16281" if by_loads else "ISO 281") + (" (thrust bearing)" if is_thrust_bearing(scene) else "")
 
 
 #: External force over preload at which one of two nut halves, preloaded against each other, loses contact (F ~
@@ -514,6 +583,47 @@ def life_by_equivalent_loads(
     loads = tuple(cubic_mean_force(n, force) for force in cases)
     wear = sum((F / C) ** (10.0 / 3.0) for F, C in zip(loads, rated, strict=True))
     return EquivalentLoadLife(float(wear**-0.9), loads, standard) if wear > 0.0 else None
+
+
+def bearing_life_of_equivalent_loads(
+    scenes: Sequence[Scene], shares: Sequence[float], forces: Sequence[Array]
+) -> BasicRatingLife | None:
+    """Return the life L10 = (C/P)^3 of a ball bearing by ISO 281, with the equivalent load P of one or several load cases.
+
+    Arguments and errors are those of `life_by_equivalent_loads`.
+
+    Returns
+    -------
+    BasicRatingLife | None
+        The life; None without load.
+    """
+    found = life_by_equivalent_loads(scenes, shares, forces, 0.0)
+    if found is None:
+        return None
+    C, standard, (P,) = dynamic_rating(scenes[0]), name_life_standard(scenes[0]), found.equivalent_loads
+    maker = by_maker(scenes[0], C, found.revolutions)
+    return BasicRatingLife(found.revolutions, {}, C, P, standard, by_maker=maker)
+
+
+def force_of_contact_loads(azimuth: Array, load: Array, angle: Array) -> Array:
+    """Return the force of the inner on the outer ring of a ball bearing along x, y and its axis z, from its contacts [N].
+
+    Parameters
+    ----------
+    azimuth
+        Azimuths of the n balls ``(n,)`` [rad].
+    load, angle
+        Contact loads [N] and contact angles [rad] on the four flanks ``(n, 4)``.
+
+    Returns
+    -------
+    Array
+        The force ``(3,)`` [N].
+    """
+    Q, signs = load[:, 2:], np.array(SIDE_SIGNS)[2:]
+    angles = np.where(Q > 0.0, angle[:, 2:], 0.0)
+    radial = (Q * np.cos(angles) * signs[:, 0]).sum(axis=1)
+    return np.array([radial @ np.cos(azimuth), radial @ np.sin(azimuth), (Q * np.sin(angles) * signs[:, 1]).sum()])
 
 
 def forces_on_nut_halves(force: Array, preload: float) -> tuple[Array, Array]:
@@ -622,6 +732,10 @@ def equivalent_load_factors(alpha: float) -> tuple[float, float, float]:
     return e, X, Y
 
 
+#: Axial over radial force up to which a bearing counts as loaded by a radial force alone.
+NO_THRUST = 1e-6
+
+
 def _equivalent_bearing_load(scene: Scene, force: Array) -> float:
     """Return the dynamic equivalent load P of a ball bearing by ISO 281 [N].
 
@@ -629,7 +743,7 @@ def _equivalent_bearing_load(scene: Scene, force: Array) -> float:
     force that ISO 281 does not cover.
     """
     radial, axial, thrust = hypot(force[0], force[1]), abs(float(force[2])), is_thrust_bearing(scene)
-    if not thrust and axial <= 1e-9 * radial:
+    if not thrust and axial <= NO_THRUST * radial:
         return radial
     e, X, Y = equivalent_load_factors(scene.track.contact_angle)
     if axial > e * radial:

@@ -35,7 +35,7 @@ import numpy as np
 from rollbench.lowfi.hertz import contact_approach, contact_force
 from rollbench.lowfi.rating.life import filled_turns
 from rollbench.lowfi.statics.contacts import hertz_without_errors
-from rollbench.lowfi.statics.problem import centre_vectors_and_interference
+from rollbench.lowfi.statics.problem import place_balls
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import are_in_shifted_half, draw_geometry_with_errors
@@ -120,7 +120,7 @@ def displacement_by_contacts_only(scene: Scene, force: float) -> float:
         without load; otherwise from the first contact.
     """
     layout = ball_layout(scene)
-    of_balls = centre_vectors_and_interference(scene, draw_geometry_with_errors(scene, layout))[1]
+    of_balls = place_balls(scene, draw_geometry_with_errors(scene, layout)).interference
     beyond = are_in_shifted_half(scene, layout.z)
     halves = [beyond, ~beyond] if scene.errors.lead_offset else [np.ones_like(beyond)]
     closure = np.array([of_balls[half].mean(axis=0) for half in halves])

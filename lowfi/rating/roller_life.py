@@ -1,4 +1,4 @@
-"""Fatigue life and load ratings of rows of tapered rollers: ISO 281 with the loads of each roller, as in ISO/TS 16281.
+"""Fatigue life L10 and load ratings of rows of tapered rollers by ISO 281 and ISO 76.
 
 The capacity Q_c of a line contact by Lundberg and Palmgren (ISO/TR 1281-1), with lengths in mm, forces in N, gamma = D
 cos(alpha)/D_pw, the upper sign for the inner race, the roller's mean diameter D and effective length L, the pitch diameter
@@ -15,22 +15,13 @@ row are
         = b_m f_c (L cos(alpha))^(7/9) Z^(3/4) D^(29/27),                                                               (2)
     C_a = Z sin(alpha) (Q_ci^(-9/2) + Q_ce^(-9/2))^(-2/9).
 
-The life under the loads q_jk of roller j in slice k, with n equal slices of the capacity q_c = Q_c n^(-7/9) each, and q_e
-the mean over the rollers, of order 4 for the race that rotates relative to the load (inner) and of order 9/2 for the
-stationary race (outer), is
-
-    S = sum over races and slices of (q_e/q_c)^(9/2),   P = C S^(2/9),   L = (C/P)^(10/3) in 10^6 revolutions.          (3)
-
-The exponent 10/3 is that of ISO 281. ISO/TS 16281 uses the exponent 4 of line contacts (S^(-8/9)), which gives (C/P)^(2/3)
-times this life. The stress concentration of ISO/TS 16281 at the ends is neglected together with the factor 1/lambda that
-belongs to it, so that a uniform load has the life of ISO 281. For several load cases the mean of order 4 is taken at every
-position of a race, as in `lowfi.rating.life` (4).
+The life L10 is (C/P)^(10/3) with the equivalent load P of one row under radial and axial force (ISO 281): P = F_r for
+F_a up to e F_r, e = 1.5 tan(alpha), otherwise 0.4 F_r + 0.4 cot(alpha) F_a; above 45 deg P = tan(alpha) F_r + F_a. The
+life L10r under the loads of every slice of every roller is in `lowfi.rating.iso_lives`. For several load cases the mean of
+order 4 is taken at every position of a race, as in `lowfi.rating.life` (4).
 
 Static ratings (ISO 76): Q_0 is the force at which the middle of the cone's contact has a pressure of 4,000 MPa;
 C_0r = Z Q_0 cos(alpha)/5, C_0a = Z Q_0 sin(alpha).
-
-Dynamic equivalent load of one row under radial and axial force (ISO 281): P = F_r for F_a up to e F_r, e = 1.5 tan(alpha),
-otherwise 0.4 F_r + 0.4 cot(alpha) F_a; above 45 deg P = tan(alpha) F_r + F_a.
 
 Valid for rollers of hardened bearing steel with profiled ends that touch their ribs, full lubrication, and no plastic
 contact; factors for material, reliability and lubricant are one. The ratings are computed and not those of a manufacturer.
@@ -44,8 +35,8 @@ from math import cos, degrees, hypot, pi, sin, tan
 import numpy as np
 
 from rollbench.lowfi.hertz import contact_modulus
-from rollbench.lowfi.rating.contacts import RACES, STRIBECK, Ratings
-from rollbench.lowfi.rating.life import RADIAL_UP_TO, BasicRatingLife, EquivalentLoadLife
+from rollbench.lowfi.rating.contacts import STRIBECK, Ratings
+from rollbench.lowfi.rating.life import RADIAL_UP_TO, BasicRatingLife, by_maker
 from rollbench.lowfi.rollers import tapered_bearing_of_row
 from rollbench.lowfi.statics.validity import ROLLER_DENT_PRESSURE
 from rollbench.meshes.arrays import Array
@@ -143,40 +134,11 @@ def dynamic_and_static_ratings_of_row(row: RollerRow) -> Ratings:
     row
         Row of rollers.
     """
-    return Ratings(dynamic_rating_of_row(row), static_rating_of_row(row), is_thrust_bearing_row(row), "ISO 281", "ISO 76")
-
-
-def basic_rating_life_of_row(row: RollerRow, line_loads: Array) -> BasicRatingLife | None:
-    """Return the basic rating life of a row of tapered rollers under given line loads.
-
-    The damage of every slice of every race adds up, see eq. (3) of this module.
-
-    Parameters
-    ----------
-    row
-        Row of tapered rollers.
-    line_loads
-        Loads per length ``(count, slices)`` [N/m] of each roller in equal slices.
-
-    Returns
-    -------
-    BasicRatingLife | None
-        The life; None without load.
-    """
-    top = float(line_loads.max(initial=0.0))
-    if top <= 0.0:
-        return None
-    n = line_loads.shape[-1]
-    force = top * row.length / n  # loads over the largest: no overflow
-    damage = {}
-    for race, capacity, order in zip(RACES, race_capacities(row), (TURNING, STANDING), strict=True):
-        mean = force * np.mean((line_loads / top) ** order, axis=0) ** (1.0 / order)
-        damage[race] = float(((mean / (float(capacity) * n ** (-7.0 / 9.0))) ** 4.5).sum())
-    rated = dynamic_rating_of_row(row)
-    equivalent = rated * sum(damage.values()) ** (2.0 / 9.0)
-    races = {race: S ** (-2.0 / 9.0 * EXPONENT) for race, S in damage.items()}
-    standard = "ISO 281, ISO/TS 16281" + (" (thrust bearing)" if is_thrust_bearing_row(row) else "")
-    return BasicRatingLife((rated / equivalent) ** EXPONENT, races, rated, equivalent, standard)
+    thrust, maker = is_thrust_bearing_row(row), row.rating
+    standard = "ISO 281" + (" (thrust bearing)" if thrust else "")
+    return Ratings(
+        dynamic_rating_of_row(row), static_rating_of_row(row), thrust, standard, "ISO 76", maker.dynamic, maker.static
+    )
 
 
 def damage_equivalent_line_loads(line_loads: Sequence[Array], shares: Sequence[float]) -> Array:
@@ -194,7 +156,7 @@ def damage_equivalent_line_loads(line_loads: Sequence[Array], shares: Sequence[f
     Returns
     -------
     Array
-        Means of order 4 ``(count, slices)`` [N/m], for which `basic_rating_life_of_row` gives the life over all cases.
+        Means of order 4 ``(count, slices)`` [N/m]; their life L10r is that over all cases.
     """
     top = max(float(q.max(initial=0.0)) for q in line_loads) or 1.0
     sums = sum(share * (q / top) ** TURNING for q, share in zip(line_loads, shares, strict=True))
@@ -231,8 +193,10 @@ def equivalent_load_of_row(row: RollerRow, radial: float, axial: float) -> float
     return 0.4 * radial + 0.4 / tan(row.cup_angle) * axial
 
 
-def life_of_row_by_equivalent_loads(row: RollerRow, shares: Sequence[float], forces: Sequence[Array]) -> EquivalentLoadLife:
-    """Return the life of a row of tapered rollers over several load cases by the equivalent loads of ISO 281.
+def life_of_row_by_equivalent_loads(
+    row: RollerRow, shares: Sequence[float], forces: Sequence[Array]
+) -> BasicRatingLife | None:
+    """Return the life L10 of a row of tapered rollers by the equivalent loads of one or several load cases (ISO 281).
 
     Parameters
     ----------
@@ -245,10 +209,14 @@ def life_of_row_by_equivalent_loads(row: RollerRow, shares: Sequence[float], for
 
     Returns
     -------
-    EquivalentLoadLife
-        Life (C/P_m)^(10/3) with the dynamic load rating C, and the mean P_m of order 10/3 of the equivalent loads.
+    BasicRatingLife | None
+        Life (C/P_m)^(10/3) with the dynamic load rating C, and the mean P_m of order 10/3 of the equivalent loads; None
+        without load.
     """
     loads = np.array([equivalent_load_of_row(row, hypot(F[0], F[1]), abs(float(F[2]))) for F in forces])
-    top = float(loads.max())
+    top, C = float(loads.max()), dynamic_rating_of_row(row)
+    if top <= 0.0:
+        return None
     mean = top * float(np.asarray(shares) @ (loads / top) ** EXPONENT) ** (1.0 / EXPONENT)
-    return EquivalentLoadLife((dynamic_rating_of_row(row) / mean) ** EXPONENT, (mean,), "ISO 281")
+    found, standard = (C / mean) ** EXPONENT, dynamic_and_static_ratings_of_row(row).dynamic_standard
+    return BasicRatingLife(found, {}, C, mean, standard, by_maker=by_maker(row, C, found, EXPONENT))

@@ -4,7 +4,8 @@ Numbers in parentheses are equations of Liu et al.; the equations are solved in 
 enters screw and nut at that end of the row of balls which is nearer to it. Seen from this end, a segment of the screw (a
 bar with grooved section) and of the nut (a tube) behind each ball carries the sum of the loads of all balls behind it (5).
 Contact angles change by (10). The error of a ball is its interference with a pair of flanks along the nominal contact
-normal (3).
+normal (3). The stiffness of both segments together may be given in place of their cross-sections, which is how the
+publication's own screw is described: it prints no cross-sections.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from rollbench.lowfi.hertz import contact_approach
 from rollbench.lowfi.random_errors.chain import BallScrewChain, BallScrewState, Law, solve_ball_screw
 from rollbench.lowfi.statics import contacts
 from rollbench.lowfi.statics.mei import axial_equilibrium, axial_result, nut_tensile_stiffness
-from rollbench.lowfi.statics.problem import centre_vectors_and_interference
+from rollbench.lowfi.statics.problem import place_balls
 from rollbench.lowfi.statics.result import SolverReport, StaticResult, Status
 from rollbench.lowfi.statics.validity import contact_warnings
 from rollbench.meshes.arrays import Array
@@ -67,17 +68,9 @@ class SpringRow:
     #: Tensile stiffness E A of the screw [N].
     screw_tensile_stiffness: float
 
-    def solve_under_load(self, force: float, *, compiled: bool = False) -> BallScrewState:
-        """Solve Liu's equations under a positive axial load, and return the loads and motions of the balls.
-
-        Parameters
-        ----------
-        force
-            Magnitude of the axial load [N].
-        compiled
-            Whether to use compiled kernels.
-        """
-        return solve_ball_screw(self.liu_chain, self.interferences, force, compiled=compiled)
+    def solve_under_load(self, force: float) -> BallScrewState:
+        """Return the loads and motions of the balls by Liu's equations under a positive axial load ``force`` [N]."""
+        return solve_ball_screw(self.liu_chain, self.interferences, force)
 
     def stiffness(self, step: float = 0.0) -> float | None:
         """Return the axial stiffness of the nut under the scene's load [N/m]; None without load.
@@ -125,11 +118,12 @@ def nut_as_spring_row(scene: Scene, *, member: int = 0, law: Law = "implicit") -
     screw, nut = 0.0 if rigid else 1.0 / screw_section(scene).EA, 1.0 / nut_tensile_stiffness(scene)
     pair = 0 if force >= 0.0 else 1
     C = contacts.hertz_without_errors(scene).C
-    springs = float((C[pair] + C[3 - pair]) ** -1.5), mean * (screw + nut)
+    given = scene.calibration.segment_stiffness
+    springs = float((C[pair] + C[3 - pair]) ** -1.5), mean * (screw + nut) if given is None else 1.0 / given
     angles = scene.track.contact_angle, abs(lead_angle(scene.track))
     spacing = tuple(float(x) for x in gaps / mean) if mean > 0.0 else ()
     chain = BallScrewChain(scene.ball_count, *springs, distance_of_groove_centres(scene), *angles, law, spacing)
-    errors = centre_vectors_and_interference(scene, draw_geometry_with_errors(scene, layout, member))[1][order, pair]
+    errors = place_balls(scene, draw_geometry_with_errors(scene, layout, member)).interference[order, pair]
     forward = 1 if force >= 0.0 else -1
     bar = np.inf if rigid else 1.0 / screw
     return SpringRow(chain, order, errors, force, forward, float(layout.z[order[0]]), beyond, screw / (screw + nut), bar)
@@ -185,7 +179,7 @@ def is_solvable_by_liu(scene: Scene) -> bool:
     return all(x.force[0] == x.force[1] == 0.0 and not any(x.moment) for x in scene.loads)
 
 
-def solve_liu(scene: Scene, *, member: int = 0, law: Law = "implicit", compiled: bool = False) -> StaticResult:
+def solve_liu(scene: Scene, *, member: int = 0, law: Law = "implicit") -> StaticResult:
     """Compute the contact loads of a single nut by Liu's self-adjusting axial model.
 
     The model is valid if contact approaches are small against the distance of the groove centres, and if the balls are
@@ -201,8 +195,6 @@ def solve_liu(scene: Scene, *, member: int = 0, law: Law = "implicit", compiled:
     law
         How the contact angle depends on the approach: ``"implicit"``, by Liu's equations (10) and (14); ``"constant"``, not
         at all; ``"exact"``, by the geometry of the groove centres, which move along the axis only.
-    compiled
-        Whether to use compiled kernels.
 
     Raises
     ------
@@ -222,7 +214,7 @@ def solve_liu(scene: Scene, *, member: int = 0, law: Law = "implicit", compiled:
     force, sine = np.zeros(m), np.full(m, np.sin(chain.contact_angle))
     moved, state = np.zeros(m), None
     if row.axial_load != 0.0:
-        state = row.solve_under_load(abs(row.axial_load), compiled=compiled)
+        state = row.solve_under_load(abs(row.axial_load))
         force, sine = state.load, contact_angle_sines(chain, row.interferences, state)
         stretch = np.concatenate([[0.0], np.cumsum(-np.diff(state.motion))])  # of screw and nut, from the loaded end
         moved = np.asarray(state.motion[0] - row.screw_compliance_share * stretch)
@@ -235,7 +227,7 @@ def solve_liu(scene: Scene, *, member: int = 0, law: Law = "implicit", compiled:
     residual = 0.0 if state is None else state.residual
     line = _axial_motions_along_screw(scene, row, layout.z[row.ball_order], row.load_direction * moved)
     own = contacts.hertz_of_every_contact(scene, drawn)
-    steps, engine = 0 if state is None else state.iterations, "compiled" if compiled else "interpreted"
+    steps, seconds = 0 if state is None else state.iterations, perf_counter() - start
     return axial_result(
         scene,
         load,
@@ -245,7 +237,7 @@ def solve_liu(scene: Scene, *, member: int = 0, law: Law = "implicit", compiled:
         status=Status("converged") if good else Status("not converged", f"relative residual {residual:.1e}"),
         hertz_C=contacts.hertz_constants_by_scene_choice(contacts.scene_with_error_free_hertz(scene), drawn),
         equilibrium=axial_equilibrium(row.axial_load, 0.0, -axial, max(abs(row.axial_load), 1e-300)),
-        solver=SolverReport(steps, steps, residual, perf_counter() - start, m, m - 1, engine, "axial chain"),
+        solver=SolverReport(steps, steps, residual, seconds, m, m - 1, "axial chain"),
         assumed=(*scene.assumed, *ASSUMPTIONS),
         left_out=LEFT_OUT,
         warnings=tuple(contact_warnings(own.pressure(load), own.C_a * np.cbrt(load), scene.balls.radius)),

@@ -17,7 +17,7 @@ from scipy.linalg import solveh_banded
 
 from rollbench.lowfi.hertz import contact_approach, contact_force, contact_stiffness_at_approach
 from rollbench.lowfi.statics.contacts import hertz_constants_by_scene_choice, scene_with_error_free_hertz
-from rollbench.lowfi.statics.problem import SIGNS, centre_vectors_and_interference
+from rollbench.lowfi.statics.problem import SIGNS, place_balls
 from rollbench.lowfi.statics.result import Equilibrium, SolverReport, StaticResult, Status
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import draw_geometry_with_errors
@@ -253,7 +253,7 @@ def solve_mei(scene: Scene, *, member: int = 0, elastic_nut: bool = False) -> St
     layout = ball_layout(scene)
     drawn = draw_geometry_with_errors(scene, layout, member)
     C = hertz_constants_by_scene_choice(scene_with_error_free_hertz(scene), drawn)
-    closure = centre_vectors_and_interference(scene, drawn)[1]
+    closure = place_balls(scene, drawn).interference
     chain = _build_bar_model(scene, layout, closure, C, elastic_nut=elastic_nut)
     x, iterations, residual = _minimise_by_newton(chain)
     force, _ = _contact_forces_and_stiffness(chain, x)
@@ -278,7 +278,7 @@ def solve_mei(scene: Scene, *, member: int = 0, elastic_nut: bool = False) -> St
         status=Status("converged") if good else Status("not converged", f"relative residual {residual:.1e}"),
         hertz_C=C,
         equilibrium=axial_equilibrium(applied, reaction, -axial, max(abs(applied), abs(axial), 1e-300)),
-        solver=SolverReport(iterations, iterations, residual, seconds, unknowns, n - 1, "interpreted", "axial bars"),
+        solver=SolverReport(iterations, iterations, residual, seconds, unknowns, n - 1, "axial bars"),
         assumed=(*scene.assumed, *ASSUMPTIONS, nut_text),
         left_out=("lateral forces, moments, bending and torsion: the model is axial",),
     )

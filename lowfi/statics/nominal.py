@@ -16,8 +16,8 @@ import numpy as np
 from rollbench.lowfi.compliance.bodies import WholeBody, compliance_between_contacts
 from rollbench.lowfi.compliance.parts import REFINED, ComplianceModel
 from rollbench.lowfi.statics import static
-from rollbench.lowfi.statics.elastic import ElasticInput
-from rollbench.lowfi.statics.problem import centre_vectors_and_interference
+from rollbench.lowfi.statics.equations import StaticInput
+from rollbench.lowfi.statics.problem import place_balls
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.selection import choose_flanks, flanks_of_scene
 from rollbench.lowfi.statics.settle import contact_angles
@@ -46,9 +46,7 @@ class ContactLoads:
         return self.status == "converged"
 
 
-def contact_loads_by_beam_model(
-    scene: Scene, drawn: GeometryWithErrors, layout: BallLayout, engine: static.Engine = "auto"
-) -> ContactLoads:
+def contact_loads_by_beam_model(scene: Scene, drawn: GeometryWithErrors, layout: BallLayout) -> ContactLoads:
     """Return the contact loads of balls at given positions by Lin's model, with the screw as a beam in a rigid nut.
 
     Parameters
@@ -59,20 +57,16 @@ def contact_loads_by_beam_model(
         Dimensions of the parts with their manufacturing errors.
     layout
         Positions of the balls.
-    engine
-        Numerical kernels: ``"interpreted"``, ``"compiled"``, or ``"auto"``, which chooses by the number of balls.
     """
-    known = centre_vectors_and_interference(scene, drawn)
-    use = choose_flanks(scene, drawn, known)
-    parts = scene, drawn, layout, use, static.pick_engine(engine, layout.z.size)
-    return _contact_loads_of(static.StaticInput(*parts, known=known))
+    placed = place_balls(scene, drawn)
+    use = choose_flanks(scene, drawn, placed)
+    return _contact_loads_of(StaticInput(scene, drawn, layout, use, placed=placed))
 
 
 def contact_loads_with_elastic_bodies(
     scene: Scene,
     drawn: GeometryWithErrors,
     layout: BallLayout,
-    engine: static.Engine = "auto",
     backend: ComplianceModel = REFINED,
     whole: WholeBody = compliance_between_contacts,
 ) -> ContactLoads:
@@ -86,27 +80,24 @@ def contact_loads_with_elastic_bodies(
         Dimensions of the parts with their manufacturing errors.
     layout
         Positions of the balls.
-    engine
-        Numerical kernels: ``"interpreted"``, ``"compiled"``, or ``"auto"``, which chooses by the number of balls.
     backend
         Method by which the compliance of screw, nut and balls is computed.
     whole
         Function that computes the compliance of one complete screw or nut between its contacts.
     """
     use = flanks_of_scene(scene) if drawn.profile_coefficients.shape[1] else choose_flanks(scene, drawn)
-    parts = scene, drawn, layout, use, static.pick_engine(engine, layout.z.size)
-    return _contact_loads_of(ElasticInput(*parts, backend=backend, compute_body_compliance=whole))
+    return _contact_loads_of(StaticInput(scene, drawn, layout, use, backend=backend, compute_body_compliance=whole))
 
 
-def _contact_loads_of(problem_input: static.StaticInput) -> ContactLoads:
+def _contact_loads_of(problem_input: StaticInput) -> ContactLoads:
     """Solve a problem and return its contact forces and angles, which are nan for a problem without equilibrium."""
     solved = static.solve_with_chosen_flanks(problem_input)
     if isinstance(solved, static.UnrestrainedProblem):
         C = solved.problem.C.copy()
         return ContactLoads(np.full(C.shape, np.nan), np.full(C.shape, np.nan), C, solved.status)
-    problem, contact, _, _ = solved.system.contact_states()[0]
-    force = contact[..., 0].copy()
-    angle = np.where(force > 0.0, contact_angles(contact[..., 1:3]), np.nan)
+    problem, state = solved.system.problem, solved.system.contact_states()[0]
+    force = state.force.copy()
+    angle = np.where(force > 0.0, contact_angles(state.normal), np.nan)
     return ContactLoads(force, angle, problem.C.copy(), solved.status)
 
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, fields, replace
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +23,44 @@ SIGNS = np.array(SIDE_SIGNS)
 #: Scene; dimensions of the parts with errors; ball positions; and shifts ``(N, 4, 2)`` [m] of the flanks' centres of
 #: curvature by profile errors (None: zero).
 Parts = tuple[Scene, GeometryWithErrors, BallLayout, Array | None]
+
+
+@dataclass(frozen=True)
+class NominalContacts:
+    """Contacts of N balls with their four flanks before anything moves: arrays with the axes ball and flank.
+
+    Further axes may come first.
+    """
+
+    #: Vector from groove centre to ball centre ``(N, 4, 2)`` [m], and its length ``(N, 4)`` [m].
+    to_ball: Array
+    distance: Array
+    #: Approach ``(N, 4)`` [m], negative for a gap.
+    approach: Array
+    #: Hertz constants C ``(N, 4)`` [m/N^(2/3)].
+    C: Array
+    #: Whether each flank can carry load ``(N, 4)``.
+    used: Mask
+
+    def __getitem__(self, index: Any) -> NominalContacts:
+        """Return the contacts with some of the balls or flanks, or with further axes."""
+        arrays: dict[str, Any] = {x.name: getattr(self, x.name)[index] for x in fields(self)}
+        return NominalContacts(**arrays)
+
+    @property
+    def normals(self) -> Array:
+        """Unit vectors ``(N, 4, 2)`` from groove centres to ball centres."""
+        return self.to_ball / np.maximum(self.distance, 1e-30)[..., None]
+
+    @staticmethod
+    def concatenated(contacts: Sequence[NominalContacts]) -> NominalContacts:
+        """Return the contacts of all balls of several nuts and bearings as one record; there may be none."""
+        empty = np.zeros((0, 4))
+        every = (NominalContacts(np.zeros((0, 4, 2)), empty, empty, empty, np.zeros((0, 4), dtype=bool)), *contacts)
+        arrays: dict[str, Any] = {
+            x.name: np.concatenate([getattr(c, x.name) for c in every]) for x in fields(NominalContacts)
+        }
+        return NominalContacts(**arrays)
 
 
 @dataclass(frozen=True)
@@ -52,10 +91,8 @@ class Problem:
     #: Motions of the screw's two flanks at each ball, radial and along the helix's binormal, per unit of the six motions of
     #: the node in ``first_nodes`` (m = 6), or of the motions of this node and the next one (m = 12): ``(N, 2, 2, m)``.
     B: Array
-    #: Constants of each contact ``(N, 4, 9)``: nominal vector from groove centre to ball centre (two components), its
-    #: length and the nominal approach [m], Hertz constant [m/N^(2/3)], 1 if the flank can carry load (else 0), groove
-    #: radius [m], signs of the contact direction (two).
-    geometry: Array
+    #: Contacts of all balls before anything moves. An update of their Hertz constants writes to this record's array.
+    contacts: NominalContacts
     #: Nominal interference of each ball with the two pairs of opposite flanks (screw left and nut right, screw right and
     #: nut left) ``(N, 2)`` [m]; negative for clearance.
     interference: Array
@@ -75,24 +112,45 @@ class Problem:
 
     @property
     def C(self) -> Array:
-        """Return the Hertz constants C ``(N, 4)`` [m/N^(2/3)] (approach = C Q^(2/3) at force Q), a view of ``geometry``."""
-        return self.geometry[:, :, 4]
+        """Return the Hertz constants C ``(N, 4)`` [m/N^(2/3)] (approach = C Q^(2/3) at force Q) of ``contacts``."""
+        return self.contacts.C
+
+    @property
+    def moment_arm(self) -> float:
+        """Return the pitch radius [m], by which moments are divided where they are compared with forces."""
+        return self.scene.track.pitch_radius
+
+    @property
+    def middle(self) -> float:
+        """Return the axial position [m] of the nut's centre."""
+        return self.scene.nut.position
 
     @property
     def unknowns(self) -> int:
         """Return the number of unknown motions of the screw; the balls' positions are eliminated and do not count."""
         return int(np.count_nonzero(~self.fixed))
 
-    @property
-    def half_bandwidth(self) -> int:
-        """Return the half bandwidth of the screw's stiffness matrix, coupling by balls included."""
-        width = 11 if self.nodes.size > 1 else 5
-        used = [s for s in range(2) if self.used_flanks[s]]
-        if used:
-            reach = self.B.shape[3] - 1
-            apart = int(np.abs(self.first_nodes[:, 0] - self.first_nodes[:, 1]).max()) if len(used) == 2 else 0
-            width = max(width, 6 * apart + reach)
-        return width
+
+@dataclass(frozen=True, kw_only=True)
+class BeamProblem:
+    """What the beam of a shaft needs to know of all rolling elements on it; the fields are those of `Problem`.
+
+    In the axes of its arrays rollers follow the balls.
+    """
+
+    nodes: Array
+    fixed: Mask
+    prescribed: Array
+    load: Array
+    first_nodes: NDArray[np.int64]
+    B: Array
+    section: BeamSection
+    element_sections: tuple[BeamSection, ...] | None
+    rigid_motion_basis: Array | None = None
+    #: Length [m] by which moments are divided where they are compared with forces.
+    moment_arm: float
+    #: Axial position [m] near the middle of the contacts.
+    middle: float
 
 
 @dataclass(frozen=True)
@@ -119,14 +177,12 @@ class SolvedState:
     residual_force_scale: float
 
 
-def pack_contact_data(
-    scene: Scene, drawn: GeometryWithErrors, use: Mask, known: tuple[Array, Array] | None = None
-) -> tuple[Array, Array]:
-    """Return the kernels' array of contact data, and the interference of each ball with its diagonal pairs of flanks.
+def nominal_contacts(
+    scene: Scene, drawn: GeometryWithErrors, use: Mask, placed: PlacedBalls | None = None
+) -> tuple[NominalContacts, Array]:
+    """Return the contacts before anything moves, and the interference of each ball with its diagonal pairs of flanks.
 
-    The columns of the first array ``(N, 4, 9)`` (nominal vector from groove centre to ball centre, approach, Hertz constant
-    and others) are listed in ``kernel.ball``. The second array ``(N, 2)`` [m] is positive for interference and negative for
-    clearance; its columns are the flank pairs screw left and nut right, screw right and nut left.
+    The interference ``(N, 2)`` [m] is that of `PlacedBalls`.
 
     Parameters
     ----------
@@ -136,24 +192,35 @@ def pack_contact_data(
         Dimensions of the parts with their manufacturing errors.
     use
         Which of the four flanks (screw left, screw right, nut left, nut right) have contacts ``(4,)``.
-    known
-        Result of `centre_vectors_and_interference` for these parts; None: computed here.
+    placed
+        Result of `place_balls` for these parts; None: computed here.
     """
-    offset, closure = known or centre_vectors_and_interference(scene, drawn)
-    rows = np.empty((len(offset), 4, 9))
-    rows[..., :4] = offset
-    rows[..., 4] = hertz_constants_by_scene_choice(scene, drawn)
-    rows[..., 5] = use
-    rows[..., 6] = drawn.groove_radii
-    rows[..., 7:] = SIGNS
-    return rows, closure
+    balls = placed or place_balls(scene, drawn)
+    C = np.array(hertz_constants_by_scene_choice(scene, drawn))
+    return NominalContacts(*balls[:3], C, np.broadcast_to(use, C.shape).copy()), balls.interference
 
 
-def centre_vectors_and_interference(scene: Scene, drawn: GeometryWithErrors | GeometriesWithErrors) -> tuple[Array, Array]:
-    """Return vectors from groove to ball centres with nominal approaches, and interferences with diagonal pairs of flanks.
+class PlacedBalls(NamedTuple):
+    """Where the balls of one specimen, or of many, lie between their groove flanks before anything moves.
 
-    Nominal approach: overlap of the undeformed ball and flank. It is computed from the differences between actual and
-    nominal dimensions, so that parts without errors have an approach of exactly zero, and small errors lose no digits.
+    Axes: specimen (if there are many), ball, flank, component in the ball's section plane.
+    """
+
+    #: Vector from groove centre to ball centre ``(..., N, 4, 2)`` [m], and its length ``(..., N, 4)`` [m].
+    to_ball: Array
+    distance: Array
+    #: Approach ``(..., N, 4)`` [m]: overlap of the undeformed ball and flank.
+    approach: Array
+    #: Interference ``(..., N, 2)`` [m] with the diagonal pairs of flanks, screw left and nut right, then screw right and
+    #: nut left; negative for clearance.
+    interference: Array
+
+
+def place_balls(scene: Scene, drawn: GeometryWithErrors | GeometriesWithErrors) -> PlacedBalls:
+    """Return where balls lie between their groove flanks.
+
+    Approaches are computed from the differences between actual and nominal dimensions, so that parts without errors have an
+    approach of exactly zero, and small errors lose no digits.
 
     Parameters
     ----------
@@ -161,25 +228,19 @@ def centre_vectors_and_interference(scene: Scene, drawn: GeometryWithErrors | Ge
         Nominal screw, nut and balls.
     drawn
         Dimensions of the parts with their manufacturing errors, of one specimen or many.
-
-    Returns
-    -------
-    tuple[Array, Array]
-        For each ball and flank the vector from groove centre to ball centre (two components), its length and the nominal
-        approach ``(..., N, 4, 4)`` [m]; and for each ball the interference with its diagonal pairs of flanks (screw left
-        and nut right, then screw right and nut left) ``(..., N, 2)`` [m], negative for clearance.
     """
     x, z, radii = drawn.groove_centres[..., 0], drawn.groove_centres[..., 1], nominal_groove_radii(scene)
     size, nominal = _vector_length(x, z), _vector_length(*nominal_groove_centres(scene).T)
     wider = (drawn.groove_radii - radii) + (radii - scene.balls.radius - nominal)
-    offset = np.empty((*drawn.ball_radii.shape, 4, 4))
-    offset[..., 0], offset[..., 1], offset[..., 2] = -x, -z, size
-    approach, closure = offset[..., 3], np.empty((*drawn.ball_radii.shape, 2))
-    approach[...] = (drawn.ball_radii - scene.balls.radius)[..., None] - wider + (size - nominal)
+    shape = (*drawn.ball_radii.shape, 4)
+    approach = (drawn.ball_radii - scene.balls.radius)[..., None] - wider + (size - nominal)
+    to_ball, distance = np.empty((*shape, 2)), np.empty(shape)
+    to_ball[...], distance[...] = -drawn.groove_centres, size
+    closure = np.empty((*drawn.ball_radii.shape, 2))
     for a, b in ((0, 3), (1, 2)):  # pair by pair, over all balls: numpy is slow along short axes
         grown = _vector_length(x[..., a] - x[..., b], z[..., a] - z[..., b]) - size[..., a] - size[..., b]
         closure[..., a] = approach[..., a] + approach[..., b] + grown
-    return offset, closure
+    return PlacedBalls(to_ball, distance, np.asarray(approach), closure)
 
 
 def largest_interference(problem: Problem) -> float:
@@ -349,7 +410,7 @@ def build_problem(
     refine: int = 1,
     arms: Array | None = None,
     section: BeamSection | None = None,
-    known: tuple[Array, Array] | None = None,
+    placed: PlacedBalls | None = None,
 ) -> Problem:
     """Return the arrays of the static problem of a ball screw.
 
@@ -371,8 +432,8 @@ def build_problem(
         Shifts of the flanks' centres of curvature by profile errors ``(N, 4, 2)`` [m]; None: zero.
     section
         Cross-section of the screw; None: computed from the scene's dimensions (Lin C.8).
-    known
-        Result of `centre_vectors_and_interference` for these parts; None: computed here.
+    placed
+        Result of `place_balls` for these parts; None: computed here.
 
     Raises
     ------
@@ -380,12 +441,12 @@ def build_problem(
         If supports contradict each other.
     """
     parts = (scene, drawn, layout, arms)
-    geometry, closure = pack_contact_data(scene, drawn, use, known)
+    contacts, closure = nominal_contacts(scene, drawn, use, placed)
     section = section or screw_section(scene)
     stations = contact_force_positions(scene, layout)
     used = [s for s in range(2) if use[s]]
     if scene.ingredients.screw == "rigid":
-        return _build_rigid_problem(parts, use, geometry, closure, section)
+        return _build_rigid_problem(parts, use, contacts, closure, section)
     nodes, left_out = beam_nodes(scene, stations[:, used], whole_screw=everything)
     if refine > 1:
         steps = np.arange(refine) / refine
@@ -405,7 +466,7 @@ def build_problem(
     for s in range(2):
         if not use[s]:
             node[:, s] = node[:, used[0]] if used else 0
-    return Problem(scene, layout, drawn, nodes, section, fixed, prescribed, load, node, B, geometry, closure, use, left_out)
+    return Problem(scene, layout, drawn, nodes, section, fixed, prescribed, load, node, B, contacts, closure, use, left_out)
 
 
 def _nearest_nodes(nodes: Array, stations: Array) -> NDArray[np.int64]:
@@ -416,12 +477,14 @@ def _nearest_nodes(nodes: Array, stations: Array) -> NDArray[np.int64]:
     return np.where(stations - nodes[j - 1] < nodes[j] - stations, j - 1, j).astype(np.int64)
 
 
-def _build_rigid_problem(parts: Parts, use: Mask, geometry: Array, closure: Array, section: BeamSection) -> Problem:
+def _build_rigid_problem(
+    parts: Parts, use: Mask, contacts: NominalContacts, closure: Array, section: BeamSection
+) -> Problem:
     """Return the static problem of a rigid screw, whose six motions are taken at the nut's centre.
 
     The supports are linear constraints on these motions. ``parts``: scene, dimensions with errors, ball positions, and
     shifts of the flanks' centres of curvature, as for `flank_motion_matrix`; ``use`` ``(4,)``: which flanks get contacts;
-    ``geometry``, ``closure``: result of `pack_contact_data`; ``section``: cross-section of the screw.
+    ``contacts``, ``closure``: result of `nominal_contacts`; ``section``: cross-section of the screw.
 
     Raises
     ------
@@ -453,7 +516,7 @@ def _build_rigid_problem(parts: Parts, use: Mask, geometry: Array, closure: Arra
     fixed = np.arange(6)[None] >= 6 - held
     prescribed, work = np.linalg.solve(to_motion, scale * lift)[None, :], (to_motion.T @ load)[None, :]
     shaft = np.array([z0]), section, fixed, prescribed, work, np.zeros((count, 2), dtype=np.int64), B
-    return Problem(scene, layout, drawn, *shaft, geometry, closure, use, 0, to_motion)
+    return Problem(scene, layout, drawn, *shaft, contacts, closure, use, 0, to_motion)
 
 
 #: Difference between a support's constraint and the best combination of earlier constraints, relative to its norm, above

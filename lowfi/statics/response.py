@@ -1,4 +1,4 @@
-"""Compliance of screw and nut at the contacts, with the shaft as a beam, as arrays for the numerical kernels.
+"""Compliance of screw and nut at the contacts, with the shaft as a beam, as arrays.
 
 The compliance depends neither on the loads nor on the radii of the balls. It is cached, because load cases, sweeps over
 loads and specimens with other ball radii share it.
@@ -26,7 +26,7 @@ from rollbench.lowfi.compliance.parts import ComplianceModel, compliance_geometr
 from rollbench.lowfi.hertz import contact_stiffness_under_force
 from rollbench.lowfi.statics import shaft as statics_shaft
 from rollbench.lowfi.statics.contacts import hertz_without_errors, oblique_pressure_coefficient
-from rollbench.lowfi.statics.kernel_types import ElasticBodies
+from rollbench.lowfi.statics.equilibrium import Compliances, DenseBodies, FreeMotions
 from rollbench.lowfi.statics.problem import Problem
 from rollbench.meshes.arrays import Array
 
@@ -186,14 +186,6 @@ def _is_positive(G: Array) -> bool:
     return True
 
 
-def contact_normals(geometry: Array) -> Array:
-    """Return the unit normals ``(..., 2)`` of the nominal contacts in the ball's section plane.
-
-    ``geometry`` ``(..., 9)``: contact data with the vector from groove centre to ball centre (`lowfi.statics.kernel.ball`).
-    """
-    return np.asarray(geometry[..., :2] / np.maximum(geometry[..., 2:3], 1e-30))
-
-
 def typical_ellipse_semi_axes(problem: Problem, force: float) -> tuple[float, float]:
     """Return the semi-axes [m] of the mean ellipse of all contacts under a force [N]: across, then along the groove."""
     constants, grow = hertz_without_errors(problem.scene), float(np.cbrt(force))
@@ -212,10 +204,6 @@ def only_flank_pair(problem: Problem) -> tuple[int, int] | None:
     return a, 3 - a
 
 
-#: Compliance of a body without contacts: an empty matrix.
-NOTHING = ContactCompliance(np.zeros((0, 0)), np.zeros((0, 2)))
-
-
 @dataclass(frozen=True)
 class ScrewAndNutCompliance:
     """Compliance of screw (with its beam), nut and balls at the contacts of N balls; independent of loads and ball radii.
@@ -227,9 +215,9 @@ class ScrewAndNutCompliance:
     shaft_beam: statics_shaft.ShaftBeam
     #: Compliance matrices of screw and nut between their flanks in use, ordered ball by ball [m/N].
     screw_and_nut: tuple[Array, Array]
-    #: Compliance matrices in the form that the kernels use: if only one diagonal pair of flanks has contacts, the sum of
+    #: Compliance matrices in the form that the solver uses: if only one diagonal pair of flanks has contacts, the sum of
     #: screw and nut (one element); else screw and nut separately, each with both of its flanks (two elements).
-    kernel_compliances: tuple[ContactCompliance, ...]
+    solver_compliances: tuple[ContactCompliance, ...]
     #: Motions of the screw's flanks per metre of the free rigid motions ``(N, 2, 2, k)``.
     R: Array
     #: Coupling of contact deformation and section forces of the shaft, under the loads of the first problem that used this
@@ -342,7 +330,7 @@ def _compute_compliance(
                 e[s] += of_file.contact_compliance
             compliance = condensed.replace_normal_compliance(scene, layout, sides, compliance, backend)
         G.append(compliance)
-    normals, pair = contact_normals(problem.geometry), only_flank_pair(problem)
+    normals, pair = problem.contacts.normals, only_flank_pair(problem)
     if pair is not None:
         solved = [ContactCompliance(G[0] + G[1], normals[:, pair[0]])]
     else:
@@ -368,12 +356,12 @@ LARGEST = 1000
 class FlankCompliance:
     """Compliance of all flanks under N balls, and terms of the contact law besides Hertz's, for given loads.
 
-    The kernels take either the 8 motions of the four flanks of each ball, or the 2 components of the relative motion of one
+    The solver takes either the 8 motions of the four flanks of each ball, or the 2 components of the relative motion of one
     pair of diagonally opposite flanks.
     """
 
-    #: Compliance of the bodies as arrays for the kernels.
-    kernel_bodies: ElasticBodies
+    #: Compliance of the bodies for the solver.
+    bodies: DenseBodies
     #: Coefficient e of the term e F that is added to Hertz's approach of each contact ``(N, 4)`` [m/N].
     e: Array
     #: Coefficient h of the term h F^(4/3) that is added to Hertz's approach of each contact ``(N, 4)`` [m/N^(4/3)].
@@ -392,8 +380,17 @@ class FlankCompliance:
     #: Largest compliance [m/N] that was subtracted from the law of a contact and added to the bodies, so that their
     #: compliance matrices have no negative eigenvalues, see `ContactCompliance`.
     compliance_moved_to_bodies: float
+    #: The same compliance matrices as ``bodies`` holds, as they were computed: negative eigenvalues included.
+    as_computed: tuple[ContactCompliance, ...]
     #: Coupling of contact deformation and section forces of the shaft; None: not modelled.
     coupling: statics_shaft.SectionForceCoupling | None = None
+
+    @property
+    def changes_of_bodies(self) -> tuple[Array, ...]:
+        """Return what was added to each matrix of `as_computed`, so that it has no negative eigenvalues [m/N]."""
+        held = (self.bodies.compliances.first, self.bodies.compliances.second)
+        mended = [x[0] for x in held if x is not None]
+        return tuple(x - raw.G for x, raw in zip(mended, self.as_computed, strict=True))
 
 
 def tangent_compliance_of_contact(problem: Problem, force: float) -> float:
@@ -434,72 +431,20 @@ def flank_compliance_under_loads(
     h[:, used] = (response.h + response.slope_of_e / size)[used]
     pair = only_flank_pair(problem)
     if pair is not None:
-        first, lent, clipped = response.kernel_compliances[0].without_negative_eigenvalues(tangent)
+        first, lent, clipped = response.solver_compliances[0].without_negative_eigenvalues(tangent)
         e[:, pair[0]] -= lent
-        second, most_lent, s = NOTHING, float(lent.max(initial=0.0)), pair[0] % 2
+        second, most_lent, s = None, float(lent.max(initial=0.0)), pair[0] % 2
         start, free = v0[:, s], response.R[:, s]
     else:
-        mended = (body.without_negative_eigenvalues(tangent) for body in response.kernel_compliances)
+        mended = (body.without_negative_eigenvalues(tangent) for body in response.solver_compliances)
         (first, on_screw, low), (second, on_nut, high) = mended
         e -= np.concatenate([on_screw.reshape(N, 2), on_nut.reshape(N, 2)], axis=1)
         clipped, most_lent = max(low, high), float(max(on_screw.max(initial=0.0), on_nut.max(initial=0.0)))
         start, free = np.zeros((N, 4, 2)), np.zeros((N, 4, 2, shaft.work_on_free_motions.size))
         start[:, :2], free[:, :2] = v0, response.R
-    R, moved = np.ascontiguousarray(free.reshape(N, start[0].size, -1)), np.ascontiguousarray(start.reshape(N, -1))
-    bodies = ElasticBodies(first.G, second.G, R, moved, shaft.work_on_free_motions)
+    flanks = (1, N, start.size // (2 * N), 2)
+    motions = FreeMotions(start.reshape(flanks), free.reshape(*flanks, free.shape[-1]), shaft.work_on_free_motions[None])
+    bodies = DenseBodies(motions, Compliances(first.G[None], None if second is None else second.G[None]))
     kept = *response.screw_and_nut, v0, response.R
-    return FlankCompliance(bodies, e, h, clipped / tangent, kept, response.slope_of_e, most_lent, coupling)
-
-
-def flank_pair_data(problem: Problem, pair: tuple[int, int], e: Array, h: Array) -> Array:
-    """Return the contact data ``(N, 7)`` of N balls that touch only two diagonally opposite flanks a and b.
-
-    The columns are the vector D (two components) [m] from the nominal groove centre of b to that of a, its length |D| [m],
-    the nominal interference [m], and the coefficients C, e, h of both contacts in series: approach = C F^(2/3) + e F +
-    h F^(4/3). They are the input of `kernel.elastic.solve_balls_of_flank_pair`.
-
-    Parameters
-    ----------
-    problem
-        Static problem.
-    pair
-        Numbers of the two flanks.
-    e, h
-        Coefficients ``(N, 4)`` of the linear and the F^(4/3) term of each contact's approach.
-    """
-    a, b = pair
-    geometry = problem.geometry
-    D = geometry[:, b, :2] - geometry[:, a, :2]
-    size = np.hypot(D[:, 0], D[:, 1])
-    constant = geometry[:, a, 4] + geometry[:, b, 4]
-    return np.column_stack([D, size, problem.interference[:, a], constant, e[:, a] + e[:, b], h[:, a] + h[:, b]])
-
-
-def starting_spring_factors(problem: Problem, pair: tuple[int, int] | None, stiffness: float) -> Array:
-    """Return factors of the stiffness of linear springs between opposite flanks, which replace balls in the first solve.
-
-    Parameters
-    ----------
-    problem
-        Static problem of N balls.
-    pair
-        Numbers of the two flanks if only one pair of diagonally opposite flanks is in use, else None.
-    stiffness
-        Stiffness of each spring [N/m].
-
-    Returns
-    -------
-    Array
-        Factors S ``(N, 1, 2)`` for one pair, or ``(N, 2, 8)`` for all flanks: square root of the stiffness times the
-        direction of each spring, so that S^T S [N/m] is the stiffness against motions of a ball's flanks. Zero where there
-        is no spring.
-    """
-    w = contact_normals(problem.geometry)
-    root = np.sqrt(stiffness)
-    if pair is not None:
-        return np.ascontiguousarray(root * w[:, pair[0], None, :])
-    rows = np.zeros((w.shape[0], 2, 4, 2))
-    for s in range(2):
-        if problem.used_flanks[s] and problem.used_flanks[3 - s]:
-            rows[:, s, s], rows[:, s, 3 - s] = root * w[:, s], -root * w[:, s]
-    return rows.reshape(-1, 2, 8)
+    terms = clipped / tangent, kept, response.slope_of_e, most_lent
+    return FlankCompliance(bodies, e, h, *terms, response.solver_compliances, coupling)

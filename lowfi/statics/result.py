@@ -23,6 +23,12 @@ Cause = Literal["", "crossed row", "mounting", "not unique"]
 #: Keys of the six motions in JSON results, with their units, and factors from m and rad to these units.
 MOTION = (("ux_um", 1e6), ("uy_um", 1e6), ("uz_um", 1e6), ("rx_mrad", 1e3), ("ry_mrad", 1e3), ("rz_mrad", 1e3))
 
+#: Effect that every model neglects for a shaft with a thermal strain.
+HEAT = (
+    "growth of inner rings and rolling elements by heat, which presses on them: heat lengthens the shaft between the inner "
+    "contact points of its bearings and nuts, and does nothing else"
+)
+
 
 def motion_in_um_and_mrad(motion: Array) -> dict[str, float]:
     """Return three displacements and three rotations as a dictionary in um and mrad with keys such as "ux_um".
@@ -150,8 +156,6 @@ class SolverReport:
     unknowns: int = quantity_field("unknowns", "unknowns of the solve")
     #: Number of beam elements of the shaft.
     elements: int = quantity_field("elements", "beam elements")
-    #: ``"interpreted"`` or ``"compiled"`` kernels.
-    engine: str = quantity_field("engine")
     #: Mathematical formulation that is solved, for example "convex energy".
     formulation: str = quantity_field("formulation")
     #: Relative residual that rounding errors in double precision can leave.

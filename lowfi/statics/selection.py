@@ -5,15 +5,16 @@ The result tells the user which flanks and parts of the shaft were left out, wit
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import hypot
-from types import ModuleType
 
 import numpy as np
 from numpy.typing import NDArray
 
+from rollbench.lowfi.statics.contact_law import lengths
 from rollbench.lowfi.statics.held import UnresistedMotions
-from rollbench.lowfi.statics.kernel_types import RIGID
-from rollbench.lowfi.statics.problem import Problem, centre_vectors_and_interference
+from rollbench.lowfi.statics.problem import NominalContacts, PlacedBalls, Problem, place_balls
+from rollbench.lowfi.statics.rolling_elements import ball_equilibrium, balls_of_problem
 from rollbench.lowfi.statics.shape import beam_interpolation_matrices
 from rollbench.meshes.arrays import Array, Mask
 from rollbench.meshes.errors import GeometryWithErrors
@@ -36,7 +37,7 @@ def flanks_of_scene(scene: Scene) -> Mask:
     return np.isin(np.arange(4), flanks_of_single_arc_contacts(scene) or range(4))
 
 
-def choose_flanks(scene: Scene, drawn: GeometryWithErrors, known: tuple[Array, Array] | None = None) -> Mask:
+def choose_flanks(scene: Scene, drawn: GeometryWithErrors, placed: PlacedBalls | None = None) -> Mask:
     """Return which of the flanks SL, SR, NL, NR (screw left, ..., nut right) get contacts in the equations ``(4,)``.
 
     A diagonal pair of flanks is left out if no ball has interference with it and the axial load opens it. This is a guess:
@@ -49,8 +50,8 @@ def choose_flanks(scene: Scene, drawn: GeometryWithErrors, known: tuple[Array, A
         Screw, nut, balls, supports and loads.
     drawn
         Dimensions of the parts with their manufacturing errors.
-    known
-        Result of `centre_vectors_and_interference` for these parts; None: computed here.
+    placed
+        Result of `place_balls` for these parts; None: computed here.
     """
     use = flanks_of_scene(scene)
     force = sum(load.force[2] for load in scene.loads)
@@ -61,14 +62,14 @@ def choose_flanks(scene: Scene, drawn: GeometryWithErrors, known: tuple[Array, A
     if not np.all(use) or force == 0.0 or bent or across:
         return use
     idle = (1, 2) if force > 0.0 else (0, 3)
-    _, closure = known or centre_vectors_and_interference(scene, drawn)
+    closure = (placed or place_balls(scene, drawn)).interference
     if float(closure[:, min(idle)].max()) <= 0.0:
         use[list(idle)] = False
     return use
 
 
 def screw_flank_motions(problem: Problem, motion: Array) -> Array:
-    """Return the motions of the screw's two flanks at every ball ``(N, 2, 2)`` [m], also of flanks without contacts.
+    """Return the motions of the screw's two flanks at every ball ``(..., N, 2, 2)`` [m], also of flanks without contacts.
 
     The two components lie in the ball's section plane.
 
@@ -77,21 +78,23 @@ def screw_flank_motions(problem: Problem, motion: Array) -> Array:
     problem
         Static problem of N balls and n nodes.
     motion
-        Motions of the nodes ``(n, 6)`` [m, rad].
+        Motions of the nodes ``(..., n, 6)`` [m, rad].
     """
-    layout, flat = problem.layout, motion.ravel()
+    layout, flat = problem.layout, motion.reshape(*motion.shape[:-2], -1)
     m = problem.B.shape[3]
-    out = np.zeros((layout.z.size, 2, 2))
+    out = np.zeros((*motion.shape[:-2], layout.z.size, 2, 2))
     for s in range(2):
         if problem.used_flanks[s] or problem.rigid_motion_basis is not None:
             picks = 6 * problem.first_nodes[:, s, None] + np.arange(m)[None, :]
-            out[:, s] = np.einsum("nak,nk->na", problem.B[:, s], flat[picks])
+            out[..., s, :] = (problem.B[:, s] @ flat[..., picks, None])[..., 0]
             continue
         stations = contact_force_positions(problem.scene, layout)[:, s]
         j, shapes = beam_interpolation_matrices(stations, problem.nodes, problem.section)
-        of_nodes = motion.reshape(-1, 6)
-        moved_at = np.einsum("kab,kb->ka", shapes, np.concatenate([of_nodes[j], of_nodes[j + 1]], axis=1))
-        out[:, s] = groove_arc_motions_in_section_planes(layout, problem.drawn.groove_centres[:, s], stations, moved_at)
+        around = np.concatenate([motion[..., j, :], motion[..., j + 1, :]], axis=-1)
+        moved_at = (shapes @ around[..., None])[..., 0]
+        out[..., s, :] = groove_arc_motions_in_section_planes(
+            layout, problem.drawn.groove_centres[:, s], stations, moved_at
+        )
     return out
 
 
@@ -109,38 +112,34 @@ def groove_arc_motions_in_section_planes(layout: BallLayout, centre: Array, stat
     stations
         Axial position of the shaft's cross-section for each ball ``(N,)`` [m].
     motions
-        Motion of this cross-section ``(N, 6)`` [m, rad].
+        Motion of this cross-section ``(..., N, 6)`` [m, rad].
 
     Returns
     -------
     Array
-        ``(N, 2)`` [m].
+        ``(..., N, 2)`` [m].
     """
     r = layout.centre + centre[:, :1] * layout.radial + centre[:, 1:] * layout.binormal
     r[:, 2] -= stations
-    u = motions[:, :3] + np.cross(motions[:, 3:], r)
-    return np.stack([np.sum(u * layout.radial, axis=1), np.sum(u * layout.binormal, axis=1)], axis=1)
+    u = motions[..., :3] + np.cross(motions[..., 3:], r)
+    return np.stack([np.sum(u * layout.radial, axis=-1), np.sum(u * layout.binormal, axis=-1)], axis=-1)
 
 
-def all_flank_motions_by_screw(problem: Problem, motion: Array) -> Array | None:
-    """Return the motions of all four flanks at every ball ``(N, 4, 2)`` [m] by the screw's motion, with the nut fixed.
-
-    None if all flanks are circular arcs, for which contact points do not depend on these motions.
+def all_flank_motions_by_screw(problem: Problem, motion: Array) -> Array:
+    """Return the motions of all four flanks at every ball ``(..., N, 4, 2)`` [m] by the screw's motion, with the nut fixed.
 
     Parameters
     ----------
     problem
         Static problem of N balls and n nodes.
     motion
-        Motions of the nodes ``(n, 6)`` [m, rad].
+        Motions of the nodes ``(..., n, 6)`` [m, rad].
     """
-    if not problem.drawn.profile_coefficients.shape[1]:
-        return None
     moved = screw_flank_motions(problem, motion)
-    return np.concatenate([moved, np.zeros_like(moved)], axis=1)
+    return np.concatenate([moved, np.zeros_like(moved)], axis=-2)
 
 
-def gaps_to_flanks(centres: Array, shift: Array, geometry: Array) -> Array:
+def gaps_to_flanks(centres: Array, shift: Array, contacts: NominalContacts) -> Array:
     """Return the gap between each ball and each of its four groove arcs in k solutions ``(k, N, 4)`` [m].
 
     A negative gap is an interference of ball and groove.
@@ -151,18 +150,17 @@ def gaps_to_flanks(centres: Array, shift: Array, geometry: Array) -> Array:
         Displacements of the ball centres in their section planes ``(k, N, 2)`` [m].
     shift
         Motions of the flanks ``(k, N, 4, 2)`` [m].
-    geometry
-        Contact data ``(k, N, 4, 9)``: nominal ball positions, approach, Hertz constant, see `lowfi.statics.kernel.ball`.
+    contacts
+        Contacts before anything moves, with k as first axis (one for all solutions, or k).
     """
-    x, z = (centres[:, :, None, k] - shift[..., k] for k in range(2))
-    wx, wz = geometry[..., 0], geometry[..., 1]
-    ax, az = wx + x, wz + z
-    grown = (x * (wx + ax) + z * (wz + az)) / (np.sqrt(ax * ax + az * az) + geometry[..., 2])
-    return np.asarray(-geometry[..., 3] - grown)
+    moved = centres[:, :, None] - shift
+    w = contacts.to_ball + moved
+    grown = (moved * (contacts.to_ball + w)).sum(axis=-1) / (lengths(w) + contacts.distance)
+    return np.asarray(-contacts.approach - grown)
 
 
 def solutions_clear_of_left_out_flanks(
-    centres: Array, shift: Array, geometry: Array, loads: Array, use: Mask, margin: float = 0.0
+    centres: Array, shift: Array, contacts: NominalContacts, loads: Array, use: Mask, margin: float = 0.0
 ) -> NDArray[np.bool_]:
     """Return for each of k solutions whether all balls are clear of the flanks that were left out ``(k,)``.
 
@@ -175,8 +173,8 @@ def solutions_clear_of_left_out_flanks(
         Displacements of the ball centres in their section planes ``(k, N, 2)`` [m].
     shift
         Motions of the flanks ``(k, N, 4, 2)`` [m].
-    geometry
-        Contact data ``(k, N, 4, 9)``: nominal ball positions, approach, Hertz constant, see `lowfi.statics.kernel.ball`.
+    contacts
+        Contacts before anything moves, with k as first axis (one for all solutions, or k).
     loads
         Contact forces ``(k, N, 4)`` [N].
     use
@@ -184,48 +182,26 @@ def solutions_clear_of_left_out_flanks(
     margin
         Least gap [m] between a ball and a left-out flank at which the ball counts as clear of it.
     """
-    left_out = np.flatnonzero(~use)
-    loaded = _along_last_axis(np.maximum, loads) > 0.0
-    if np.all(loaded):
-        named: slice | Mask = ~use
-        if left_out.size == 2:  # a slice gives a view, without a copy
-            named = slice(left_out[0], left_out[1] + 1, left_out[1] - left_out[0])
-        gap = _along_last_axis(np.minimum, gaps_to_flanks(centres, shift[:, :, named], geometry[:, :, named]))
+    left_out, loaded = np.flatnonzero(~use), loads.max(axis=2) > 0.0
+    if loaded.all():
+        gap = gaps_to_flanks(centres, shift[:, :, left_out], contacts[:, :, left_out]).min(axis=2)
         return np.asarray((gap >= margin).all(axis=1))
-    clearance = gaps_to_flanks(centres, shift, geometry)
-    gap = np.where(loaded, _along_last_axis(np.minimum, clearance[..., left_out]), _along_last_axis(np.minimum, clearance))
-    idle = ~loaded.all(axis=1)
-    elsewhere = gaps_to_flanks(shift[idle].mean(axis=2), shift[idle], geometry[idle]).min(axis=2)
-    gap[idle] = np.where(loaded[idle], gap[idle], np.maximum(gap[idle], elsewhere))
+    clearance = gaps_to_flanks(centres, shift, contacts)
+    gap = np.where(loaded, clearance[..., left_out].min(axis=2), clearance.min(axis=2))
+    elsewhere = gaps_to_flanks(shift.mean(axis=2), shift, contacts).min(axis=2)
+    idle = ~loaded.all(axis=1)[:, None] & ~loaded
+    gap = np.where(idle, np.maximum(gap, elsewhere), gap)
     return np.asarray((gap >= margin).all(axis=1))
 
 
-def _along_last_axis(of_two: np.ufunc, values: Array) -> Array:
-    """Return the smallest or the largest value along the last axis, which is short; faster than numpy's reduction.
-
-    Parameters
-    ----------
-    of_two
-        Either ``numpy.minimum`` or ``numpy.maximum``.
-    values
-        Array of any shape.
-    """
-    out: Array = values[..., 0]
-    for s in range(1, values.shape[-1]):
-        out = of_two(out, values[..., s])
-    return out
-
-
-def touched_flanks(engine: ModuleType, problem: Problem, motion: Array, centres: Array, force: Array) -> Mask:
+def touched_flanks(problem: Problem, motion: Array, centres: Array, force: Array) -> Mask:
     """Return which of the four flanks touch a ball if all four are given contacts, as booleans ``(4,)``.
 
     The order is screw left, screw right, nut left, nut right. The balls find new positions, while the screw keeps the
-    motion that was solved without the left-out flanks.
+    motion that was solved without the left-out flanks, and the nut is rigid.
 
     Parameters
     ----------
-    engine
-        Module of the numerical kernels.
     problem
         Static problem of N balls and n nodes.
     motion
@@ -237,23 +213,15 @@ def touched_flanks(engine: ModuleType, problem: Problem, motion: Array, centres:
     """
     if np.array_equal(problem.used_flanks, flanks_of_scene(problem.scene)):
         return np.asarray((force > 0.0).any(axis=0))
-    moved = screw_flank_motions(problem, motion)
+    shift = all_flank_motions_by_screw(problem, motion)
     if not problem.drawn.profile_coefficients.shape[1]:
-        shift = np.concatenate([moved, np.zeros_like(moved)], axis=1)[None]
-        parts = centres[None], shift, problem.geometry[None], force[None]
+        parts = centres[None], shift[None], problem.contacts[None], force[None]
         if solutions_clear_of_left_out_flanks(*parts, problem.used_flanks)[0]:
             return np.asarray((force > 0.0).any(axis=0))
-    touched = np.zeros(4, dtype=bool)
-    p, contact, shift = np.zeros(2), np.zeros((4, 5)), np.zeros((4, 2))
     floor = 1e-9 * float(force.max(initial=0.0))
-    offered = problem.geometry.copy()
-    offered[..., 5] = 1.0
-    for i in range(problem.layout.z.size):
-        shift[:2] = moved[i]
-        ball = offered[i], problem.interference[i], RIGID, problem.drawn.ball_radii[i], problem.drawn.profile_coefficients
-        engine.find_ball_equilibrium(p, shift, *ball, 0.1 * floor, contact)
-        touched |= contact[:, 0] > floor
-    return touched
+    balls = replace(balls_of_problem(problem), used=np.ones((1, len(shift), 4), dtype=bool)).one_by_one()
+    _, contacts, _ = ball_equilibrium(balls, shift, np.full(len(shift), 0.1 * floor))
+    return np.asarray((contacts.force > floor).any(axis=0))
 
 
 def describe_left_out_parts(problem: Problem, mechanism: UnresistedMotions, *, everything: bool) -> tuple[str, ...]:

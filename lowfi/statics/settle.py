@@ -11,26 +11,27 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from time import perf_counter
-from types import ModuleType
-from typing import Any, ClassVar, NamedTuple, Self, TypeVar
+from typing import Any, NamedTuple, Self, TypeVar
 
 import numpy as np
 
-from rollbench.lowfi import jit
 from rollbench.lowfi.statics.contacts import hertz_at_contact_angles
-from rollbench.lowfi.statics.kernel.search import CONVERGED, ITERATIONS, NOT_HELD, SINGULAR
-from rollbench.lowfi.statics.kernel_types import NewtonOptions, Outcome
+from rollbench.lowfi.statics.equilibrium import (
+    CONVERGED,
+    ITERATIONS,
+    NOT_HELD,
+    SINGULAR,
+    ForceState,
+    Limits,
+    Outcome,
+    StaticSystem,
+    find_equilibrium,
+)
 from rollbench.lowfi.statics.problem import SIGNS, Problem
 from rollbench.lowfi.statics.result import SolverReport, Status
 from rollbench.meshes.arrays import Array
 
-#: Largest unbalanced force, relative to the largest force, at which the solver stops.
-TOLERANCE = 1e-14
-#: Motion [m] above which a body counts as not restrained.
-UNRESTRAINED = 1e3
-#: Largest number of Newton iterations of one solve.
-MAX_ITERATIONS = 3000
-#: Outcomes of the kernels' solver after which the state gives no contact loads.
+#: Outcomes of the solver after which the state gives no contact loads.
 NO_LOADS = (NOT_HELD, SINGULAR)
 #: Largest unbalanced force, relative to the largest force, up to which a solution counts as converged.
 ACCEPTED = 1e-10
@@ -41,46 +42,52 @@ ROUND_OFF = 8.0 * float(np.finfo(float).eps)
 #: Largest number of updates of Hertz constants and of lever arms, and the change of Hertz constants (relative) or lever
 #: arms [m] below which no further update follows.
 HERTZ_RUNS, ARM_RUNS, SETTLED = 12, 6, 1e-13
+#: Largest number of updates of the typical contact force, and the relative change below which no further update follows.
+FORCE_RUNS, FORCE_SETTLED = 8, 1e-3
+#: Smallest typical contact force as a share of the mean force of the loaded contacts. Terms with the logarithm of the force
+#: are replaced by their tangent in its cube root at the typical force. The tangent is 8 % of their slope off at three times
+#: the typical force, and off without limit beyond.
+LEAST_SHARE = 1.0 / 3.0
 
 
 class ResidualScale(NamedTuple):
-    """Typical force and stiffness of the contacts, to which the static solver relates residuals and tolerances."""
+    """Typical force and stiffness of the contacts, to which the static solver relates residuals and tolerances.
 
-    #: Force of a typical loaded contact [N]: from loads or interference; without either, the force at an approach of 1 um.
-    typical_force: float
+    Numbers, or arrays ``(M,)`` for M specimens.
+    """
+
+    #: Force of a typical loaded contact [N]: from loads, interference or a solution; without any of them, the force at an
+    #: approach of 1 um.
+    typical_force: Any
     #: Secant stiffness of a contact under the force ``typical_force`` [N/m].
-    stiffness: float
+    stiffness: Any
     #: Lower bound of the force [N] by which residuals are divided: the largest external load (moments divided by the lever
     #: arm), or the contact force of the tightest ball without load.
-    least_force_scale: float
+    least_force_scale: Any
     #: Force [N] below which a contact counts as unloaded.
-    unloaded_force_limit: float
+    unloaded_force_limit: Any
 
     @property
-    def typical_force_for_ellipse(self) -> float:
+    def typical_force_for_ellipse(self) -> Any:
         """Return the force of a typical loaded contact [N], at least 1e-6 N, at which contact ellipses are evaluated.
 
         Compliance terms that depend on the size of the contact ellipse are evaluated at the ellipse under this force.
         """
-        return max(self.typical_force, 1e-6)
+        return np.maximum(self.typical_force, 1e-6)
 
 
-def solver_options(scale: ResidualScale, arm: float, furthest: float, tolerance: float = TOLERANCE) -> NewtonOptions:
-    """Return the parameters of the kernels' Newton iteration: tolerance, limits, and typical stiffness and force.
+def limits_of(scale: ResidualScale, furthest: float) -> Limits:
+    """Return the limits of the solver's iteration for one member.
 
     Parameters
     ----------
     scale
         Typical contact force and stiffness of the problem.
-    arm
-        Length [m] by which moments are divided where they are compared with forces.
     furthest
         Largest motion of a flank that one Newton step may cause [m]; longer steps are shortened. Callers pass the radius of
         the largest ball.
-    tolerance
-        Relative residual at which the iteration ends.
     """
-    return NewtonOptions(tolerance, MAX_ITERATIONS, scale.stiffness, arm, UNRESTRAINED, scale.least_force_scale, furthest)
+    return Limits(np.array([scale.stiffness]), np.array([scale.least_force_scale]), np.array([furthest]))
 
 
 class ModelDescription(NamedTuple):
@@ -101,8 +108,12 @@ class ContactState(NamedTuple):
 
     #: Contact problem of the bearing or nut.
     problem: Problem
-    #: Force [N], unit normal (two components), normal and tangential stiffness [N/m] of each contact ``(N, 4, 5)``.
-    contacts: Array
+    #: Force of each contact ``(N, 4)`` [N].
+    force: Array
+    #: Unit normal of each contact from ball to groove ``(N, 4, 2)``.
+    normal: Array
+    #: Stiffness of each contact across its normal ``(N, 4)`` [N/m]: force times the curvature of the flank.
+    tangential: Array
     #: Displacements of the ball centres in their section planes ``(N, 2)`` [m].
     ball_centres: Array
     #: Motions of all flanks in the balls' section planes ``(N, 4, 2)`` [m].
@@ -111,21 +122,20 @@ class ContactState(NamedTuple):
 
 @dataclass(kw_only=True)
 class StaticEquations(ABC):
-    """Equations of one or several bearings and nuts for the numerical kernels, with the state of the iteration."""
+    """Equations of one or several bearings and nuts, with the state of the solver's iteration."""
 
-    #: Name of the function of the numerical kernels that solves equations of this class.
-    SOLVER: ClassVar[str]
-
-    #: Module of the numerical kernels.
-    engine: ModuleType
-    #: Arrays of the equations for the kernel.
-    kernel_arrays: Any
-    #: Unknowns of the equations, which the kernel changes.
-    state: Any
-    #: Tolerance, limits and typical values of the Newton iteration.
-    options: NewtonOptions
+    #: Bodies and rolling elements as one member for the solver.
+    system: StaticSystem
+    #: Present state of the iteration; before the first solve there is none.
+    _state: ForceState | None = None
     #: Force by which the residual of the last solve was divided [N]: the largest force in the model, or a lower limit.
     residual_force_scale: float = 0.0
+
+    @property
+    def state(self) -> ForceState:
+        """Present state of the iteration."""
+        assert self._state is not None
+        return self._state
 
     def solve_by_newton(self, from_linear: bool = True) -> Outcome:
         """Solve the equilibrium by Newton's method while Hertz constants and lever arms stay constant.
@@ -136,14 +146,16 @@ class StaticEquations(ABC):
             Whether to start from the solution with linear springs in place of the contacts; otherwise from the present
             state.
         """
-        outcome: Outcome = getattr(self.engine, self.SOLVER)(self.kernel_arrays, self.state, self.options, from_linear)
+        start = None if from_linear else (self.state.phi, self.state.a)
+        self._state, found = find_equilibrium(self.system, start)
+        outcome = found.of_member(0)
         self.residual_force_scale = outcome.scale
         return outcome
 
     @property
     @abstractmethod
     def problems(self) -> Sequence[Problem]:
-        """Return the contact problem of each bearing and nut, whose array of Hertz constants the kernels read."""
+        """Return the contact problem of each bearing and nut, whose array of Hertz constants the solver reads."""
 
     @abstractmethod
     def contact_states(self) -> Sequence[ContactState]:
@@ -160,6 +172,13 @@ class StaticEquations(ABC):
             profile errors; contact forces act through these centres.
         """
 
+    def at_forces_of_solution(self) -> Self:
+        """Return equations whose typical contact force fits the present state, from which their next solution starts.
+
+        The same equations are returned if they do already, or if no term of their contact law depends on this force.
+        """
+        return self
+
     @abstractmethod
     def round_off_residual(self) -> float:
         """Return the relative residual that rounding errors of double precision leave at the solution."""
@@ -168,10 +187,9 @@ class StaticEquations(ABC):
     def model_description(self) -> ModelDescription:
         """Return the formulation, number of unknowns and assumptions of the model for the record of the solution."""
 
-    def copy_state_from(self, of: StaticEquations) -> Self:
-        """Copy the unknowns from equations of the same size, ``of``, into these equations, and return these equations."""
-        for mine, known in zip(self.state, of.state, strict=True):
-            mine[:] = known
+    def start_from(self, of: StaticEquations) -> Self:
+        """Return these equations with the state of others of the same size, from which the next solve can start."""
+        self._state = of.state
         return self
 
 
@@ -187,6 +205,15 @@ def contact_angles(normal: Array) -> Array:
     return np.asarray(np.arctan2(SIGNS[:, 1] * normal[..., 1], SIGNS[:, 0] * normal[..., 0]))
 
 
+def least_typical_force(forces: Array) -> float:
+    """Return the least typical contact force [N] for a solution with the contact forces ``forces`` [N]; 0 without any.
+
+    It is the share `LEAST_SHARE` of the mean of all forces above zero.
+    """
+    loaded = forces[forces > 0.0]
+    return LEAST_SHARE * float(loaded.mean()) if loaded.size else 0.0
+
+
 def is_solve_unusable(outcome: Outcome) -> bool:
     """Return whether a solve failed so badly that its last state is no basis for new Hertz constants and lever arms.
 
@@ -197,8 +224,15 @@ def is_solve_unusable(outcome: Outcome) -> bool:
     return outcome.status in NO_LOADS or outcome.residual > LOST
 
 
+def is_solve_accepted(outcome: Outcome, round_off_residual: float) -> bool:
+    """Return whether a solve found the equilibrium, as exactly as ``round_off_residual`` allows."""
+    return outcome.residual <= max(ACCEPTED, round_off_residual) and outcome.status in (CONVERGED, ITERATIONS)
+
+
 def solve_with_updated_contacts(system: P, follow_profile_errors: bool = True) -> tuple[P, Outcome]:
-    """Solve the equilibrium again and again with updated Hertz constants and lever arms, until they no longer change.
+    """Solve the equilibrium again and again with updated properties of the contacts, until they no longer change.
+
+    These are the typical contact force, Hertz constants and lever arms.
 
     Parameters
     ----------
@@ -212,7 +246,7 @@ def solve_with_updated_contacts(system: P, follow_profile_errors: bool = True) -
     tuple[P, Outcome]
         The equations at the last state, and status, residual and effort of the solver.
     """
-    outcome = system.solve_by_newton()
+    system, outcome = update_typical_force(system, system.solve_by_newton())
     if system.problems and system.problems[0].scene.ingredients.hertz == "actual":
         outcome = update_hertz_constants(system, outcome)
     if follow_profile_errors and any(map(has_profile_errors, system.problems)):
@@ -257,7 +291,7 @@ def status_of_solve(
     moved_too_far
         Whether the bodies moved so far that ``prove_status`` has to decide although the solver converged.
     """
-    good = outcome.residual <= max(ACCEPTED, round_off_residual) and outcome.status in (CONVERGED, ITERATIONS)
+    good = is_solve_accepted(outcome, round_off_residual)
     if good and not moved_too_far:
         return Status("converged")
     if outcome.status == NOT_HELD:
@@ -304,12 +338,33 @@ def solver_report(
         seconds=perf_counter() - times[0],
         unknowns=description.unknowns,
         elements=elements,
-        engine="compiled" if jit.is_compiled_module(system.engine.__name__) else "interpreted",
         formulation=description.formulation,
         round_off_bound=system.round_off_residual(),
         setup_seconds=times[1] - times[0],
         notes=notes,
     )
+
+
+def update_typical_force(system: P, outcome: Outcome) -> tuple[P, Outcome]:
+    """Take the typical contact force from the solution and solve again, until it no longer changes.
+
+    Returns the equations with the last typical force at their solution, and the outcome of the last solve.
+
+    Parameters
+    ----------
+    system
+        Solved equations.
+    outcome
+        Outcome of the solve of these equations.
+    """
+    for _ in range(FORCE_RUNS):
+        if is_solve_unusable(outcome):
+            break
+        before, system = system, system.at_forces_of_solution()
+        if system is before:
+            break
+        outcome = add_iteration_counts(outcome, system.solve_by_newton(False))
+    return system, outcome
 
 
 def update_hertz_constants(system: StaticEquations, outcome: Outcome) -> Outcome:
@@ -329,9 +384,9 @@ def update_hertz_constants(system: StaticEquations, outcome: Outcome) -> Outcome
         if is_solve_unusable(outcome):
             break
         change = 0.0
-        for problem, contact, _, _ in system.contact_states():
-            nominal = problem.scene.track.contact_angle
-            gamma = np.where(contact[..., 0] > 0.0, contact_angles(contact[..., 1:3]), nominal)
+        for state in system.contact_states():
+            problem, nominal = state.problem, state.problem.scene.track.contact_angle
+            gamma = np.where(state.force > 0.0, contact_angles(state.normal), nominal)
             updated = hertz_at_contact_angles(problem.scene, problem.drawn, gamma).C
             change = max(change, float(np.abs(updated / problem.C - 1.0).max()))
             problem.C[:] = updated
@@ -389,12 +444,12 @@ def curvature_centre_shifts(contact_state: ContactState) -> Array:
     Array
         ``(N, 4, 2)`` [m]; zero for circular arcs and unloaded contacts.
     """
-    force, normal = contact_state.contacts[..., 0], contact_state.contacts[..., 1:3]
+    force, normal = contact_state.force, contact_state.normal
     if not has_profile_errors(contact_state.problem):
         return np.zeros(normal.shape)
     w = -contact_state.problem.drawn.groove_centres + contact_state.ball_centres[:, None, :] - contact_state.flank_motions
     with np.errstate(divide="ignore", invalid="ignore"):
-        radius = np.where(force > 0.0, force / contact_state.contacts[..., 4], 0.0)
+        radius = np.where(force > 0.0, force / contact_state.tangential, 0.0)
     return np.where(force[..., None] > 0.0, w - normal * radius[..., None], 0.0)
 
 

@@ -21,8 +21,14 @@ q = K^-1 (p + S^T d), and the wrench is F = S q - k d (k: stiffness of the cut e
 where B is the stiffness of the supported shaft against a jump: zero if the shaft is statically determinate. Contacts move
 by L q + G f + D^T F. The energy of a body does not depend on the end at which it is fixed, hence the result does not
 either, for any number of stretches. The jump of each contact is located at the contact's axial position: sections between
-this position and the cut move by it too, and by reciprocity a load on such a section moves the contacts below it. Supports
-between the contacts of one nut or bearing are treated as if they were below these contacts.
+this position and the cut move by it too, and by reciprocity a load on such a section moves the contacts below it.
+
+A load p on a section between the contacts moves them by E p beyond the beam, and contact forces move this section by E^T f.
+E is the same whether the section is loaded, supported or only looked at. A support holds the motion q + E^T f, so the beam
+there moves by -E^T f, and its reaction r moves the contacts by E r. This is one more jump d = D f with D = -E^T, whose
+wrench is F = -r: in equation (2) S is then the support's row of the beam's stiffness matrix with the opposite sign, and H
+is zero. With a statically determinate support G becomes G - E R^T - R E^T, R being the contacts' motions by a unit motion
+of the support.
 """
 
 from __future__ import annotations
@@ -30,21 +36,37 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.lowfi.compliance.bodies import screw_response_to_end_wrench, screw_response_to_section_wrench
 from rollbench.lowfi.compliance.parts import ComplianceModel
-from rollbench.lowfi.statics.kernel.beam import add_element_stiffness, element_constants, write_element_force
-from rollbench.lowfi.statics.kernel.matrices import factor_band, inverted_and_lower_blocks, substitute_blocks
-from rollbench.lowfi.statics.problem import Problem
-from rollbench.lowfi.statics.shape import independent_columns, right_singular_vectors, rigid_motion_transfer_matrix
+from rollbench.lowfi.statics.beam import (
+    BandFactor,
+    beam_stiffness_band,
+    end_stiffness,
+    factor_band,
+    nodal_forces,
+    substitute,
+)
+from rollbench.lowfi.statics.problem import BeamProblem, Problem
+from rollbench.lowfi.statics.shape import (
+    independent_columns,
+    right_singular_vectors,
+    rigid_motion_transfer_matrix,
+    thermal_nodal_loads,
+)
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import BallLayout
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.section import MERGE, contact_force_positions
 
+#: Problem of one nut or bearing, or of all rolling elements on a shaft.
+OnShaft = Problem | BeamProblem
+#: Stiffness matrix of a frame, motions of all flanks by its motions, and the functions between its motions and loads.
+SparseFrame = tuple[Any, Any, Callable[[Array], Array], Callable[[Array], Array]]
 #: Number of load cases of the beam that are solved at a time, to limit memory.
 CHUNK = 512
 
@@ -58,7 +80,7 @@ class ShaftBeam:
     """
 
     #: Arrays of the static problem.
-    problem: Problem
+    problem: OnShaft
     #: Free rigid motions of the screw ``(6, k)``, as motions of the node ``pinned_node`` per metre of amplitude; a
     #: rotation's amplitude is the angle times the pitch radius.
     free_rigid_motions: Array
@@ -68,12 +90,12 @@ class ShaftBeam:
     pinned_node: int
     #: Whether each degree of freedom of the nodes is free: neither fixed by a support nor pinned ``(6 n,)``.
     free_dofs: NDArray[np.bool_]
-    #: Cholesky factor of the stiffness matrix, with inverted diagonal blocks (`kernel.matrices.inverted_and_lower_blocks`).
-    stiffness_factor: tuple[Array, Array] = field(repr=False)
-    #: Lower band of the stiffness matrix ``(12, 6 n)``.
-    stiffness_band: Array = field(repr=False)
+    #: Cholesky factor of the stiffness matrix (`beam.factor_band`).
+    stiffness_factor: BandFactor = field(repr=False)
+    #: EA [N], EI [N m^2], GJ [N m^2], kappa G A [N] of each element ``(4, n - 1)``.
+    element_sections: Array = field(repr=False)
 
-    def with_loads_of(self, problem: Problem) -> ShaftBeam:
+    def with_loads_of(self, problem: OnShaft) -> ShaftBeam:
         """Return a copy of this beam model under the external loads and prescribed displacements of another problem."""
         work = _work_of_external_loads(problem, self.free_rigid_motions, self.pinned_node)
         return replace(self, problem=problem, work_on_free_motions=work)
@@ -81,11 +103,16 @@ class ShaftBeam:
     def motions_under_loads(self, loads: Array) -> Array:
         """Return the motions ``(6 n, c)`` [m, rad] of the n nodes under c cases of nodal ``loads`` ``(6 n, c)`` [N, N m].
 
-        Fixed and pinned degrees of freedom do not move.
+        Fixed and pinned degrees of freedom do not move. The solution is corrected once by its residual, see
+        `beam.nodal_forces`.
         """
         out = np.where(self.free_dofs[:, None], loads, 0.0)
         if self.free_dofs.any():
-            substitute_blocks(self.stiffness_factor, out)
+            applied = out.copy()
+            substitute(self.stiffness_factor, out)
+            rest = np.where(self.free_dofs[:, None], applied - self.nodal_forces(out), 0.0)
+            substitute(self.stiffness_factor, rest)
+            out += rest
         return out
 
     @cached_property
@@ -109,15 +136,11 @@ class ShaftBeam:
         return moved.ravel(), prescribed.ravel() + self.motions_under_loads(loads[:, None])[:, 0]
 
     def nodal_forces(self, q: Array) -> Array:
-        """Return the nodal forces K q ``(6 n,)`` [N, N m]; K: stiffness matrix, q ``(6 n,)``: nodal motions [m, rad]."""
-        out = self.stiffness_band[0] * q
-        for k in range(1, self.stiffness_band.shape[0]):
-            out[k:] += self.stiffness_band[k, : q.size - k] * q[: q.size - k]
-            out[: q.size - k] += self.stiffness_band[k, : q.size - k] * q[k:]
-        return np.asarray(out)
+        """Return the nodal forces K q ``(6 n, ...)`` [N, N m]; K: stiffness matrix, q: nodal motions [m, rad]."""
+        return nodal_forces(np.diff(self.problem.nodes), self.element_sections, q)
 
 
-def rigid_motions_free_of_supports(problem: Problem) -> Array:
+def rigid_motions_free_of_supports(problem: OnShaft) -> Array:
     """Return the k rigid motions of the screw that no support prevents ``(6, k)``.
 
     Each column is the motion of the node nearest to the nut, per metre of amplitude: displacements [m/m] and rotations
@@ -133,21 +156,21 @@ def rigid_motions_free_of_supports(problem: Problem) -> Array:
     return np.asarray(scale[:, None] * vt[rank:].T)
 
 
-def motions_per_metre_of_amplitude(problem: Problem) -> Array:
+def motions_per_metre_of_amplitude(problem: OnShaft) -> Array:
     """Return the factors ``(6,)`` from amplitudes in metres to the screw's displacements [m/m] and rotations [rad/m].
 
     The factors are 1 for the three displacements and 1/pitch radius for the three rotations, because a rotation's amplitude
     is the angle times the pitch radius.
     """
-    return np.repeat([1.0, 1.0 / problem.scene.track.pitch_radius], 3)
+    return np.repeat([1.0, 1.0 / problem.moment_arm], 3)
 
 
-def node_nearest_to_nut(problem: Problem) -> int:
+def node_nearest_to_nut(problem: OnShaft) -> int:
     """Return the number of the node nearest to the nut's centre."""
-    return int(np.abs(problem.nodes - problem.scene.nut.position).argmin())
+    return int(np.abs(problem.nodes - problem.middle).argmin())
 
 
-def build_shaft(problem: Problem) -> ShaftBeam:
+def build_shaft(problem: OnShaft) -> ShaftBeam:
     """Return the beam model of a problem's screw with its factored stiffness matrix.
 
     A rigid screw has no stiffness matrix, only the rigid motions that its supports leave free.
@@ -155,14 +178,11 @@ def build_shaft(problem: Problem) -> ShaftBeam:
     if problem.rigid_motion_basis is not None:
         motions = np.diag(motions_per_metre_of_amplitude(problem))[:, ~problem.fixed[0]]
         work, free, no = _work_of_external_loads(problem, motions, 0), np.zeros(6, dtype=bool), np.zeros((0, 6, 6))
-        return ShaftBeam(problem, motions, work, 0, free, (no, no), np.zeros((1, 6)))
-    n = problem.nodes.size
-    band = np.zeros((6 * n, 12))
+        return ShaftBeam(problem, motions, work, 0, free, (no, no), np.zeros((4, 0)))
     lengths = np.diff(problem.nodes)
     sections = problem.element_sections or (problem.section,) * lengths.size
     constants = np.array([(s.EA, s.EI, s.GJ, s.kGA) for s in sections]).reshape(-1, 4).T
-    add: Callable[..., None] = add_element_stiffness  # as plain Python it takes all elements at once
-    add(band, np.arange(lengths.size), lengths, constants)
+    band = beam_stiffness_band(lengths, constants)
     motions = rigid_motions_free_of_supports(problem)
     pin = node_nearest_to_nut(problem)
     held = problem.fixed.copy()
@@ -170,11 +190,11 @@ def build_shaft(problem: Problem) -> ShaftBeam:
         held[pin, independent_columns(motions.T)] = True
     free = ~held.ravel()
     work = _work_of_external_loads(problem, motions, pin)
-    factor = inverted_and_lower_blocks(_factor_beam_stiffness(band, free))
-    return ShaftBeam(problem, motions, work, pin, free, factor, band.T.copy())
+    factor = _factor_beam_stiffness(band, free)
+    return ShaftBeam(problem, motions, work, pin, free, factor, constants)
 
 
-def _work_of_external_loads(problem: Problem, motions: Array, pin: int) -> Array:
+def _work_of_external_loads(problem: OnShaft, motions: Array, pin: int) -> Array:
     """Return the work of the external loads on the k free rigid motions, per metre of amplitude ``(k,)`` [N].
 
     ``motions`` ``(6, k)``: the motions at the node with the number ``pin``. ``problem``: static problem with the loads.
@@ -185,8 +205,8 @@ def _work_of_external_loads(problem: Problem, motions: Array, pin: int) -> Array
     return np.asarray(motions.T @ at_pin)
 
 
-def _factor_beam_stiffness(band: Array, free: NDArray[np.bool_]) -> Array:
-    """Return the Cholesky factor of a beam's stiffness matrix as lower band ``(6 n, 12)``, see `kernel.matrices`.
+def _factor_beam_stiffness(band: Array, free: NDArray[np.bool_]) -> BandFactor:
+    """Return the Cholesky factor of a beam's stiffness matrix, see `beam.factor_band`.
 
     ``band`` ``(6 n, 12)``: lower band of the matrix; ``free`` ``(6 n,)``: whether a degree of freedom is free. The others
     are decoupled and get a unit diagonal.
@@ -195,12 +215,10 @@ def _factor_beam_stiffness(band: Array, free: NDArray[np.bool_]) -> Array:
     for k in range(1, band.shape[1]):
         kept[: len(free) - k, k] *= free[: len(free) - k] & free[k:]
     kept[~free, 0] = 1.0
-    if not factor_band(kept):
-        raise np.linalg.LinAlgError("the stiffness matrix of the supported shaft is not positive definite")
-    return kept
+    return factor_band(kept)
 
 
-def flank_motion_coefficients(problem: Problem, screw_flanks: list[int]) -> tuple[NDArray[np.int64], Array]:
+def flank_motion_coefficients(problem: OnShaft, screw_flanks: list[int]) -> tuple[NDArray[np.int64], Array]:
     """Return which m motions of nodes move each screw flank at each ball, and the flank's motion per unit of each of them.
 
     Parameters
@@ -244,7 +262,7 @@ def flank_compliance_and_free_motions(shaft: ShaftBeam, screw_flanks: list[int])
     dof, rows = flank_motion_coefficients(problem, screw_flanks)
     count = rows.shape[0]
     if problem.rigid_motion_basis is not None:
-        return np.zeros((2 * count, 2 * count)), rows.reshape(2 * count, -1) @ shaft.free_rigid_motions
+        return np.zeros((2 * count, 2 * count)), flank_motions_by_free_motions(shaft, screw_flanks)
     size = 6 * problem.nodes.size
     G = np.zeros((2 * count, 2 * count))
     for start in range(0, 2 * count, CHUNK):
@@ -253,8 +271,67 @@ def flank_compliance_and_free_motions(shaft: ShaftBeam, screw_flanks: list[int])
         loads[dof[pick // 2].T, np.arange(pick.size)] = rows[pick // 2, pick % 2].T
         q = shaft.motions_under_loads(loads)
         G[:, pick] = np.einsum("cak,ckp->cap", rows, q[dof]).reshape(2 * count, pick.size)
-    R = np.einsum("cak,ckp->cap", rows, nodal_motions_of_rigid_screw(shaft)[dof]).reshape(2 * count, -1)
-    return 0.5 * (G + G.T), R
+    return 0.5 * (G + G.T), flank_motions_by_free_motions(shaft, screw_flanks)
+
+
+def flank_motions_by_free_motions(shaft: ShaftBeam, screw_flanks: list[int]) -> Array:
+    """Return the motions ``(2 c, k)`` of c screw flanks per metre of each free rigid motion, ordered as by loads.
+
+    ``screw_flanks``: numbers of the screw flanks in use (0: left, 1: right).
+    """
+    dof, rows = flank_motion_coefficients(shaft.problem, screw_flanks)
+    if shaft.problem.rigid_motion_basis is not None:
+        return rows.reshape(2 * len(rows), -1) @ shaft.free_rigid_motions
+    moved = np.einsum("cak,ckp->cap", rows, nodal_motions_of_rigid_screw(shaft)[dof])
+    return np.asarray(moved.reshape(2 * len(rows), -1))
+
+
+def sparse_beam(shaft: ShaftBeam, screw_flanks: list[int], flank_count: int) -> SparseFrame:
+    """Return a beam's stiffness matrix and the motions of the flanks by its degrees of freedom, as sparse matrices.
+
+    Parameters
+    ----------
+    shaft
+        The beam.
+    screw_flanks
+        Numbers of the screw flanks in use (0: left, 1: right).
+    flank_count
+        Number of flanks of each ball in the rows of the second matrix: four, or one for a flank pair.
+
+    Returns
+    -------
+    SparseFrame
+        Stiffness matrix of the free degrees of freedom; motions ``(2 N flank_count, ...)`` of all flanks, ordered by ball,
+        flank and component; function from loads on the free degrees of freedom ``(...,)`` to their motions; and function
+        from motions ``(..., c)`` to loads.
+    """
+    from scipy.sparse import coo_array, dia_array
+
+    free, size = np.flatnonzero(shaft.free_dofs), shaft.free_dofs.size
+    band = np.zeros((12, size))
+    if shaft.element_sections.size:
+        band[:] = beam_stiffness_band(np.diff(shaft.problem.nodes), shaft.element_sections).T
+    lower = dia_array((band, -np.arange(len(band))), shape=(size, size)).tocsr()
+    K = (lower + lower.T - dia_array((band[:1], [0]), shape=(size, size))).tocsc()[free][:, free]
+    dof, rows = flank_motion_coefficients(shaft.problem, screw_flanks)
+    N = len(shaft.problem.first_nodes)
+    places = np.array([0] if flank_count == 1 else screw_flanks)
+    flank = (flank_count * np.arange(N)[None, :] + places[:, None]).ravel()
+    at = np.broadcast_to(2 * flank[:, None, None] + np.arange(2)[:, None], rows.shape)
+    columns = np.broadcast_to(dof[:, None, :], rows.shape)
+    L = coo_array((rows.ravel(), (at.ravel(), columns.ravel())), shape=(2 * N * flank_count, size)).tocsc()[:, free]
+
+    def moved(loads: Array) -> Array:
+        every = np.zeros((size, 1))
+        every[free, 0] = loads
+        return np.asarray(shaft.motions_under_loads(every)[free, 0])
+
+    def loads(motions: Array) -> Array:
+        every = np.zeros((size, motions.shape[1]))
+        every[free] = motions
+        return shaft.nodal_forces(every)[free] if free.size else motions
+
+    return K, L.tocsr(), moved, loads
 
 
 def flank_motions_by_loads(shaft: ShaftBeam, screw_flanks: list[int]) -> Array:
@@ -279,23 +356,25 @@ def nodal_motions_of_rigid_screw(shaft: ShaftBeam) -> Array:
 
 
 def nodal_motions_under_loads(shaft: ShaftBeam, loads: Array, amplitudes: Array) -> Array:
-    """Return the nodal motions ``(n, 6)`` [m, rad] by external loads, further nodal loads, and free rigid motions.
+    """Return the nodal motions ``(n, 6, ...)`` [m, rad] by external loads, further nodal loads, and free rigid motions.
 
     Parameters
     ----------
     shaft
         The beam.
     loads
-        Nodal loads ``(6 n,)`` [N, N m] in addition to the external loads.
+        Nodal loads ``(6 n, ...)`` [N, N m] in addition to the external loads; a further axis are load cases.
     amplitudes
-        Amplitudes of the free rigid motions ``(k,)`` [m].
+        Amplitudes of the free rigid motions ``(k, ...)`` [m].
     """
-    problem = shaft.problem
+    problem, cases = shaft.problem, loads.shape[1:]
     if problem.rigid_motion_basis is not None:
-        return np.asarray(np.where(problem.fixed, problem.prescribed, 0.0) + shaft.free_rigid_motions @ amplitudes)
+        given, moved = np.where(problem.fixed, problem.prescribed, 0.0), shaft.free_rigid_motions @ amplitudes
+        return given.reshape(1, 6, *np.ones(len(cases), dtype=int)) + moved.reshape(1, 6, *cases)
     moved, bent = shaft.motions_by_loads
-    q = bent + shaft.motions_under_loads(loads[:, None])[:, 0]
-    return np.asarray((moved + q + nodal_motions_of_rigid_screw(shaft) @ amplitudes).reshape(-1, 6))
+    q = shaft.motions_under_loads(loads.reshape(len(loads), -1)) + bent[:, None]
+    rigid = nodal_motions_of_rigid_screw(shaft) @ amplitudes.reshape(amplitudes.shape[0], q.shape[1])
+    return np.asarray((moved[:, None] + q + rigid).reshape(-1, 6, *cases))
 
 
 def nodal_forces_under_loads(shaft: ShaftBeam, loads: Array) -> Array:
@@ -307,7 +386,7 @@ def nodal_forces_under_loads(shaft: ShaftBeam, loads: Array) -> Array:
     return shaft.nodal_forces(shaft.motions_by_loads[1] + shaft.motions_under_loads(loads[:, None])[:, 0]).reshape(-1, 6)
 
 
-def nodal_loads_of_flank_forces(problem: Problem, forces: Array, screw_flanks: list[int]) -> Array:
+def nodal_loads_of_flank_forces(problem: OnShaft, forces: Array, screw_flanks: list[int]) -> Array:
     """Return the nodal loads ``(6 n,)`` [N, N m] equivalent to the contact forces ``(c, 2)`` [N] on the screw's flanks.
 
     ``screw_flanks``: numbers of the screw flanks in use (0: left, 1: right). Each counts once per ball, which gives c
@@ -342,9 +421,11 @@ class ShaftStretch:
     jump_per_wrench: Array
     #: Number of the node at the upper end of the stretch, at larger z than all its contacts.
     cut_node: int
-    #: For each loaded node within the stretch, by its number: motions of the flanks per unit load on the node ``(m, 6)``,
-    #: without those that the shaft's section force and moment at the contacts cause.
+    #: For each node within the stretch that is loaded, supported or looked at, by its number: motions of the flanks per
+    #: unit load on the node ``(m, 6)``, without those that the shaft's section force and moment at the contacts cause.
     flank_motions_by_node_load: dict[int, Array]
+    #: The same for nodes with supports, with those by section force and moment: E of the module ``(m, 6)``.
+    flank_motions_by_reaction: dict[int, Array]
 
 
 @dataclass(frozen=True)
@@ -357,7 +438,7 @@ class JumpsInsideStretches:
     """
 
     #: Arrays of the static problem.
-    problem: Problem
+    problem: OnShaft
     #: Parts of the shaft under nuts and bearings.
     stretches: Sequence[ShaftStretch]
     #: Number c of screw flanks in use: one or two, times the number of balls.
@@ -401,7 +482,7 @@ class JumpsInsideStretches:
         beam. By Maxwell's reciprocity, the matrix from the loads to these motions is the transpose of the matrix from flank
         forces to nodal motions in `nodal_motions_by_flank_forces`.
         """
-        out, nodal = np.zeros((2 * self.flank_count, loads.shape[1])), loads.reshape(-1, 6, loads.shape[1])
+        out, nodal = np.zeros((2 * self.flank_count, loads.shape[1])), loads.reshape(len(loads) // 6, 6, loads.shape[1])
         for x in self.stretches:
             moves, first = self._motions_per_jump(x)
             wrenches = np.zeros((len(moves) + 1, *nodal.shape[1:]))
@@ -433,6 +514,8 @@ class SectionForceCoupling:
     #: Section forces and moments at the cuts, W components in all, per unit motion of the n nodes ``(W, 6 n)``: S of
     #: equation (2) of the module.
     wrenches_per_nodal_motion: Array
+    #: Wrench components per unit load on the nodes ``(W, 6 n)``: 1 where a support takes a load on its own node, else 0.
+    wrenches_per_nodal_load: Array
     #: Motions of the c flanks per unit of the W section forces and moments at the cuts, for the beam without coupling
     #: ``(2 c, W)``.
     flank_motions_per_wrench: Array
@@ -449,7 +532,9 @@ class SectionForceCoupling:
     #: Jumps of the shaft's motion at the cuts per unit of the W section forces and moments there ``(W, W)``.
     jumps_per_wrench: Array
 
-    def under_loads_of(self, shaft: ShaftBeam, thermal: Array | float = 0.0) -> SectionForceCoupling:
+    def under_loads_of(
+        self, shaft: ShaftBeam, thermal: Array | float = 0.0, thermal_loads: Array | float = 0.0
+    ) -> SectionForceCoupling:
         """Return a copy of the coupling for the external loads and prescribed displacements of another beam model.
 
         Parameters
@@ -459,9 +544,13 @@ class SectionForceCoupling:
         thermal
             Section forces and moments at the cuts ``(W,)`` [N, N m] that stand for free thermal expansion, which causes no
             stress; they are subtracted.
+        thermal_loads
+            Nodal loads ``(n, 6)`` [N, N m] among those of the beam that stand for it; they are subtracted too.
         """
         wrench = self.wrenches_per_nodal_motion @ shaft.motions_by_loads[1] - thermal
-        inside = self.inner_jumps.flank_motions_by_nodal_loads(shaft.problem.load.reshape(-1, 1))[:, 0]
+        wrench += self.wrenches_per_nodal_load @ shaft.problem.load.ravel()
+        real = shaft.problem.load - thermal_loads
+        inside = self.inner_jumps.flank_motions_by_nodal_loads(real.reshape(-1, 1))[:, 0]
         moved = self.flank_motions_per_wrench @ wrench + inside
         return replace(self, flank_motions_by_loads=moved, jumps_by_external_loads=self.jumps_per_wrench @ wrench)
 
@@ -503,13 +592,19 @@ class SectionForceCoupling:
         motions
             Motions of the beam's nodes ``(6 n, k)`` [m, rad] under these loads without the coupling.
         """
-        wrench = self.wrenches_per_nodal_motion @ motions
+        wrench = self.wrenches_per_nodal_motion @ motions + self.wrenches_per_nodal_load @ loads
         inside = self.inner_jumps.flank_motions_by_nodal_loads(loads)
         return self.flank_motions_per_wrench @ wrench + inside, self.nodal_motions_per_wrench @ wrench
 
 
 def build_shaft_stretch(
-    problem: Problem, scene: Scene, layout: BallLayout, backend: ComplianceModel, screw_flanks: Sequence[int], balls: slice
+    problem: OnShaft,
+    scene: Scene,
+    layout: BallLayout,
+    backend: ComplianceModel,
+    screw_flanks: Sequence[int],
+    balls: slice,
+    read: Sequence[float] = (),
 ) -> ShaftStretch | None:
     """Return the part of the shaft under the balls of one nut or bearing; None if it is rigid or no flank is in use.
 
@@ -527,6 +622,8 @@ def build_shaft_stretch(
         Numbers of the screw flanks in use, 0 for the left one and 1 for the right one.
     balls
         Indices of its balls among all balls of the problem.
+    read
+        Further axial positions [m] whose motion is asked for: nodes there respond to contact forces as loaded ones do.
     """
     response = None if problem.rigid_motion_basis is not None else screw_response_to_end_wrench(scene, layout, backend)
     if response is None or not screw_flanks:
@@ -537,18 +634,29 @@ def build_shaft_stretch(
     up = rigid_motion_transfer_matrix(float(problem.nodes[cut]) - response.high_end)
     feel = response.contact_motions.reshape(2, -1, 6)[list(screw_flanks)].reshape(-1, 6) @ up.T
     stations = np.repeat(contact_force_positions(scene, layout)[:, list(screw_flanks)].T.ravel(), 2)
-    sections = {}
-    for node in np.flatnonzero(problem.load[:cut].any(axis=1)).tolist():
+    sections, held = {}, {}
+    looked_at = np.abs(problem.nodes[:cut, None] - np.append(section_positions(scene, layout), read)).min(axis=1) <= MERGE
+    for node in np.flatnonzero(looked_at | problem.load[:cut].any(axis=1) | problem.fixed[:cut].any(axis=1)).tolist():
         at = float(problem.nodes[node])
         if response.low_end < at:
             of_both = screw_response_to_section_wrench(scene, layout, backend, at).reshape(2, -1, 6)
             by_section = of_both[list(screw_flanks)].reshape(-1, 6)
             felt = feel @ rigid_motion_transfer_matrix(at - float(problem.nodes[cut])).T
             sections[node] = by_section - np.where(stations[:, None] - MERGE <= at, felt, 0.0)
-    return ShaftStretch(places.ravel(), stations, feel, up @ response.end_motions @ up.T, cut, sections)
+            if problem.fixed[node].any():
+                held[node] = by_section
+    return ShaftStretch(places.ravel(), stations, feel, up @ response.end_motions @ up.T, cut, sections, held)
 
 
-def is_loaded_above_node(problem: Problem, cut: int) -> bool:
+def section_positions(scene: Scene, layout: BallLayout) -> Array:
+    """Return the axial positions [m] of the screw's sections whose motion is that of the screw in its nut.
+
+    It is the nut's centre; of a bearing, where its contacts load the shaft. ``layout``: positions of the balls.
+    """
+    return np.array([scene.nut.position]) if scene.track.lead else np.unique(contact_force_positions(scene, layout))
+
+
+def is_loaded_above_node(problem: OnShaft, cut: int) -> bool:
     """Return whether a support, load or contact acts on the beam above a cut, so that the cut carries a section force.
 
     Parameters
@@ -562,7 +670,7 @@ def is_loaded_above_node(problem: Problem, cut: int) -> bool:
     return bool(problem.fixed[beyond].any() or problem.load[beyond].any() or (problem.first_nodes > cut).any())
 
 
-def stiffness_at_cut(problem: Problem, cut: int) -> tuple[Array, Array, float]:
+def stiffness_at_cut(problem: OnShaft, cut: int) -> tuple[Array, Array]:
     """Return the stiffness of the beam element above a cut: force and moment ("wrench") at the cut per unit motion.
 
     Parameters
@@ -574,19 +682,15 @@ def stiffness_at_cut(problem: Problem, cut: int) -> tuple[Array, Array, float]:
 
     Returns
     -------
-    tuple[Array, Array, float]
-        Three values: k ``(6, 6)``, decrease of the wrench per unit jump (a jump is the motion that the deformation of the
-        shaft under a nut or bearing adds at the cut); S ``(6, 12)``, wrench per unit motion of the element's two nodes; and
-        the tensile stiffness EA [N] of the element.
+    tuple[Array, Array]
+        Two values: k ``(6, 6)``, decrease of the wrench per unit jump (a jump is the motion that the deformation of the
+        shaft under a nut or bearing adds at the cut); S ``(6, 12)``, wrench per unit motion of the element's two nodes.
     """
     section = problem.section if problem.element_sections is None else problem.element_sections[cut]
     length = float(problem.nodes[cut + 1] - problem.nodes[cut])
-    constants = element_constants(length, np.array([section.EA, section.EI, section.GJ, section.kGA]))
-    k = np.zeros((6, 6))
-    for unit, row in zip(np.eye(6), k, strict=True):
-        write_element_force(unit, constants, row)
+    k = end_stiffness(length, np.array([section.EA, section.EI, section.GJ, section.kGA]))
     T = rigid_motion_transfer_matrix(length)
-    return T.T @ k @ T, T.T @ k @ np.hstack([-T, np.eye(6)]), section.EA
+    return T.T @ k @ T, T.T @ k @ np.hstack([-T, np.eye(6)])
 
 
 def couple_section_forces(
@@ -613,24 +717,40 @@ def couple_section_forces(
     dof, rows = flank_motion_coefficients(problem, list(screw_flanks))
     count, inside = 2 * len(rows), JumpsInsideStretches(problem, stretches, len(rows))
     loaded = [x for x in stretches if is_loaded_above_node(problem, x.cut_node)]
-    W = 6 * len(loaded)
-    S, k, warm = np.zeros((W, 6 * problem.nodes.size)), np.zeros((W, W)), np.zeros(W)
+    held = [
+        (x, node, k) for x in stretches for node in x.flank_motions_by_reaction for k in np.flatnonzero(problem.fixed[node])
+    ]
+    cuts, W = 6 * len(loaded), 6 * len(loaded) + len(held)
+    S, P, k, warm = (
+        np.zeros((W, 6 * problem.nodes.size)),
+        np.zeros((W, 6 * problem.nodes.size)),
+        np.zeros((W, W)),
+        np.zeros(W),
+    )
+    sections = (
+        [problem.section] * (problem.nodes.size - 1) if problem.element_sections is None else problem.element_sections
+    )
     D, H = np.zeros((W, count)), np.zeros((W, W))
     for i, x in enumerate(loaded):
         block = slice(6 * i, 6 * i + 6)
-        stiff, S[block, 6 * x.cut_node : 6 * x.cut_node + 12], EA = stiffness_at_cut(problem, x.cut_node)
+        stiff, S[block, 6 * x.cut_node : 6 * x.cut_node + 12] = stiffness_at_cut(problem, x.cut_node)
         for j, other in enumerate(loaded):  # jumps at the same cut share the stiffness of one element
             if other.cut_node == x.cut_node:
                 k[block, 6 * j : 6 * j + 6] = stiff
         D[block, x.flank_motion_indices], H[block, block] = x.flank_motions_per_wrench.T, x.jump_per_wrench
-        warm[6 * i + 2] = EA * strain
-    X = shaft.motions_under_loads(S.T)
+        warm[6 * i + 2] = sections[x.cut_node].EA * strain
+    for i, (x, node, freedom) in enumerate(held, cuts):
+        P[i, 6 * node + freedom] = 1.0
+        S[i] = -shaft.nodal_forces(P[i])
+        D[i, x.flank_motion_indices] = -x.flank_motions_by_reaction[node][:, freedom]
+    X = shaft.motions_under_loads(S.T) + P.T
     A = np.einsum("cak,ckw->wca", rows, X[dof]).reshape(W, count)
     B = k - S @ X
+    B[:, :cuts] -= P @ S[:cuts].T
     M = np.linalg.inv(np.eye(W) + 0.5 * (B + B.T) @ H)
     per_wrench, by_forces = (D.T + A.T @ H) @ M, A - B @ D
     added = A.T @ D + per_wrench @ by_forces
     compliance, jumps, none = 0.5 * (added + added.T), H @ M, np.zeros(0)
     by_flanks = D + jumps @ by_forces
-    coupling = SectionForceCoupling(compliance, none, S, per_wrench, X @ H @ M, by_flanks, none, inside, jumps)
-    return coupling.under_loads_of(shaft, warm)
+    coupling = SectionForceCoupling(compliance, none, S, P, per_wrench, X @ H @ M, by_flanks, none, inside, jumps)
+    return coupling.under_loads_of(shaft, warm, thermal_nodal_loads(np.array([s.EA for s in sections]), strain))

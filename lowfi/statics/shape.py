@@ -39,36 +39,6 @@ def beam_interpolation_matrices(z: Array, nodes: Array, section: BeamSection) ->
     return j, m
 
 
-def initial_motions_with_supports(nodes: Array, fixed: NDArray[np.bool_], prescribed: Array) -> tuple[Array, Array]:
-    """Return initial node motions that satisfy the supports' prescribed displacements, and the elements' deformations.
-
-    Between the prescribed values, each of the six motions is interpolated linearly along the shaft.
-
-    Parameters
-    ----------
-    nodes
-        Axial positions of the nodes ``(n,)`` [m].
-    fixed
-        Which degrees of freedom are fixed ``(n, 6)``.
-    prescribed
-        Values of the fixed degrees of freedom ``(n, 6)`` [m, rad].
-
-    Returns
-    -------
-    tuple[Array, Array]
-        Motions of the nodes ``(n, 6)``, and for each element the motion of its end relative to its rigidly moved start
-        ``(n - 1, 6)``.
-    """
-    q = np.zeros((nodes.size, 6))
-    if not prescribed.any():
-        return q, q[1:].copy()
-    for k in np.flatnonzero(prescribed.any(axis=0)):
-        held = np.flatnonzero(fixed[:, k])
-        if held.size:
-            q[:, k] = np.interp(nodes, nodes[held], prescribed[held, k])
-    return q, q[1:] - np.einsum("nij,nj->ni", rigid_motion_transfer_matrix(np.diff(nodes)), q[:-1])
-
-
 def rigid_motion_transfer_matrix(reach: float | Array) -> Array:
     """Return the matrix from a rigid body's six motions at one point of the z axis to those at another point of the axis.
 
@@ -194,3 +164,22 @@ def independent_columns(matrix: Array) -> list[int]:
         remainder -= np.outer(along, along @ remainder)
         remainder[:, chosen] = 0.0
     return chosen
+
+
+def thermal_nodal_loads(EA: Array, strain: float) -> Array:
+    """Return nodal loads ``(n, 6)`` [N, N m] in place of free thermal expansion: they push the ends of each element apart.
+
+    The section force of an element is its tension by the motions of its nodes less ``EA`` times ``strain``; these loads are
+    no forces from outside.
+
+    Parameters
+    ----------
+    EA
+        Tensile stiffness of the n - 1 beam elements [N].
+    strain
+        Free thermal strain of the shaft.
+    """
+    out = np.zeros((len(EA) + 1, 6))
+    out[:-1, 2] -= strain * EA
+    out[1:, 2] += strain * EA
+    return out

@@ -430,7 +430,7 @@ def failed_result(problem: Problem, model: str, status: Status, seconds: float) 
     seconds
         Computing time [s].
     """
-    report = SolverReport(0, 0, float("nan"), seconds, problem.unknowns, problem.nodes.size - 1, "none", "none")
+    report = SolverReport(0, 0, float("nan"), seconds, problem.unknowns, problem.nodes.size - 1, "none")
     assumed = (*problem.scene.assumed, *model_assumptions(problem.scene))
     n, layout = problem.layout.z.size, problem.layout
     shapes = {"load": (4,), "contact_angle": (4,), "contact_point": (4, 3), "force_direction": (4, 3), "centre_shift": (2,)}

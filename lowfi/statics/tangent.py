@@ -6,6 +6,12 @@ at this section, the forces and moments at the clamp per unit motion are
 
     K = (S R_z)^T (I + S G S^T)^-1 (S R_z).                                                                            (1)
 
+G contains what the clamped section itself yields (`lowfi.statics.shaft`). S belongs to the contact laws of the solved
+screw, from which compliance was moved to its bodies; G therefore gets the same change as the bodies of the solved screw.
+
+In Lin's model G is the compliance of the clamped beam; where there are many balls, its sparse stiffness takes the place of
+G (`lowfi.statics.equilibrium.BeamBodies`).
+
 K is symmetric and positive semidefinite. It is almost zero for the screw motion along the helix, which no frictionless
 contact resists (a small artefact of the balls' planar sections remains, see `lowfi.statics.held`). In the model of a
 machine K is the stiffness between a node of the screw and a node of the nut; shaft and bearings are modelled separately.
@@ -14,18 +20,19 @@ machine K is the stiffness between a node of the screw and a node of the nut; sh
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from rollbench.lowfi.compliance.parts import REFINED, ComplianceModel
-from rollbench.lowfi.statics.elastic import ElasticInput
-from rollbench.lowfi.statics.kernel.elastic import write_stiffness_factors
+from rollbench.lowfi.statics.equations import SingleNutEquations, StaticInput
+from rollbench.lowfi.statics.equilibrium import Compliances, DenseBodies, small_response
 from rollbench.lowfi.statics.problem import Problem
+from rollbench.lowfi.statics.rolling_elements import stiffness_factors
 from rollbench.lowfi.statics.selection import choose_flanks, flanks_of_scene
 from rollbench.lowfi.statics.shaft import flank_motion_coefficients
 from rollbench.lowfi.statics.shape import rigid_motion_transfer_matrix
-from rollbench.lowfi.statics.static import UnrestrainedProblem, pick_engine, solve_with_chosen_flanks
+from rollbench.lowfi.statics.static import UnrestrainedProblem, solve_with_chosen_flanks
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout
@@ -46,31 +53,6 @@ class TangentStiffness:
     matrix: Array
     #: Whether the solve converged, and if not, the reason.
     status: str
-
-    def rigidity(self, freedom: str) -> float:
-        """Return the force or moment per unit of one motion of the cross-section, with rz fixed and all other motions free.
-
-        The stiffness is zero if nothing resists the motion.
-
-        Parameters
-        ----------
-        freedom
-            Name of the motion: ux, uy, uz, rx or ry.
-        """
-        diagonal = np.diag(self.matrix)
-        known = ~np.isnan(diagonal)
-        free = [k for k, name in enumerate(FREEDOMS) if name != "rz" and known[k]]
-        # rotations are multiplied by a length, to be comparable with displacements
-        force, moment = float(diagonal[:3].max()), float(diagonal[3:].max())
-        arm = float(np.sqrt(moment / force)) if force > 0.0 and moment > 0.0 else 1.0
-        scale = np.where(np.array(free) < 3, 1.0, 1.0 / arm)
-        scaled = self.matrix[np.ix_(free, free)] * scale[:, None] * scale[None, :]
-        lam, V = np.linalg.eigh(scaled)
-        k = free.index(FREEDOMS.index(freedom))
-        if np.any((lam <= 1e-9 * lam[-1]) & (np.abs(V[k]) > 1e-6)):
-            return 0.0
-        kept = lam > 1e-9 * lam[-1]
-        return float(1.0 / np.sum(V[k, kept] ** 2 / lam[kept]) / scale[k] ** 2)
 
 
 def tangent_stiffness(
@@ -111,18 +93,18 @@ def tangent_stiffness(
     drawn = draw_geometry_with_errors(scene, layout, member)
     every = condensed is not None or "kernel" in (backend.screw, backend.nut) or drawn.profile_coefficients.shape[1] > 0
     use = flanks_of_scene(scene) if every else choose_flanks(scene, drawn)  # no negative compliance from beams
-    parts = scene, drawn, layout, use, pick_engine("auto", layout.z.size)
-    solved = solve_with_chosen_flanks(ElasticInput(*parts, backend=backend, condensed_bodies=condensed))
+    asked = StaticInput(scene, drawn, layout, use, backend=backend, condensed_bodies=condensed)
+    solved = solve_with_chosen_flanks(asked)
     status = solved.status
     if isinstance(solved, UnrestrainedProblem) or status != "converged":
         return TangentStiffness(station, np.full((6, 6), np.nan), status)
     clamp = Support(station, tuple((name, 0.0) for name in FREEDOMS))
     held = replace(solved.build, scene=replace(scene, supports=(clamp,), loads=()))
-    clamped = held.build_equations(held.build_problem())
-    return TangentStiffness(station, _stiffness_at_clamp(solved.system, clamped, station), status)
+    matrix = _stiffness_at_clamp(solved.system, held.build_equations(held.build_problem()), station)
+    return TangentStiffness(station, 0.5 * (matrix + matrix.T), status)
 
 
-def _stiffness_at_clamp(equations: Any, clamped_equations: Any, station: float) -> Array:
+def _stiffness_at_clamp(equations: SingleNutEquations, clamped: SingleNutEquations, station: float) -> Array:
     """Return the tangent stiffness K ``(6, 6)`` [N/m, N, N m] between a clamped section of the screw and the fixed nut.
 
     It is given by equation (1) of the module.
@@ -131,30 +113,25 @@ def _stiffness_at_clamp(equations: Any, clamped_equations: Any, station: float) 
     ----------
     equations
         Solved equations, which give the stiffness of the balls.
-    clamped_equations
+    clamped
         Equations with the screw clamped at the section, which give the compliance of the bodies.
     station
         Axial position of the section [m].
     """
-    N, d = equations.state.phi.shape
-    rows, counts = np.zeros((N, 6, d)), np.zeros(N, dtype=np.int64)
-    write_stiffness_factors(equations.kernel_arrays.contacts, equations.state.contact, rows, counts)
-    used = np.arange(6)[None, :] < counts[:, None]
-    ball = np.repeat(np.arange(N), counts)
-    S = np.zeros((ball.size, N, d))
-    S[np.arange(ball.size), ball] = rows[used]
-    bodies, by_clamp = clamped_equations.kernel_arrays.bodies, flank_motions_by_clamp(clamped_equations.problem, station)
-    A = np.eye(ball.size)
-    if equations.only_flank_pair is None:
-        screw, nut = S[:, :, :4].reshape(ball.size, 4 * N), S[:, :, 4:].reshape(ball.size, 4 * N)
-        A += nut @ bodies.second_compliance @ nut.T
+    S, bodies = stiffness_factors(equations.system.elements, equations.state.forces), clamped.system.bodies
+    of_solved, of_clamped = equations.flank_compliance, clamped.flank_compliance
+    if of_solved is not None and of_clamped is not None:
+        changed = zip(of_clamped.as_computed, of_solved.changes_of_bodies, strict=True)
+        bodies = DenseBodies(bodies.free, Compliances(*((x.G + change)[None] for x, change in changed)))
+    by_clamp, pair = flank_motions_by_clamp(clamped.problem, station).reshape(-1, 2, 2, 6), equations.only_flank_pair
+    v = np.zeros((S.shape[1], *S.shape[3:], 6))
+    if pair is None:
+        v[:, :2] = by_clamp
     else:  # the motions are those of the screw's flank relative to the nut's
-        screw = S.reshape(ball.size, 2 * N)
-        by_clamp = by_clamp.reshape(N, 2, 2, 6)[:, equations.only_flank_pair[0]].reshape(2 * N, 6)
-    A += screw @ bodies.first_compliance @ screw.T
-    moved = screw @ by_clamp
-    K = moved.T @ np.linalg.solve(A, moved)
-    return np.asarray(0.5 * (K + K.T))
+        v[:, 0] = by_clamp[:, pair[0]]
+    found = small_response(bodies, S, v, np.zeros((0, 6)))
+    assert found is not None
+    return np.asarray(-v.reshape(-1, 6).T @ found[0].reshape(-1, 6))
 
 
 def flank_motions_by_clamp(problem: Problem, station: float) -> Array:

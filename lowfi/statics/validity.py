@@ -16,6 +16,7 @@ from rollbench.meshes.numerics import pairs_of_close_points
 from rollbench.meshes.one_arc import has_single_arc_grooves
 from rollbench.meshes.parts import SIDES, Scene
 from rollbench.meshes.section import screw_groove_section, section_angle_range_of_nut_groove
+from rollbench.meshes.washers import has_washers, section_angle_limits
 
 Element = Literal["ball", "roller"]
 
@@ -71,8 +72,11 @@ def contact_angle_limits(scene: Scene) -> tuple[Array, Array]:
     """Return the smallest and the largest contact angle that each flank's arc allows, ``(4,)`` each [rad].
 
     The arc of a Gothic groove reaches from the apex at the groove's bottom to the edge of the land, the cylindrical surface
-    beside the groove. A groove of a single arc reaches from one land to the other, with shoulders of equal height.
+    beside the groove. A groove of a single arc reaches from one land to the other, with shoulders of equal height; that of
+    a washer from one side of its face to the other.
     """
+    if has_washers(scene):
+        return section_angle_limits(scene)
     screw, nut = screw_groove_section(scene), section_angle_range_of_nut_groove(scene)
     if has_single_arc_grooves(scene):
         return np.repeat([-screw.edge_angle, -nut[1]], 2), np.repeat([screw.edge_angle, nut[1]], 2)
@@ -106,23 +110,26 @@ def _arc_limit_warnings(problem: Problem, force: Array, gamma: Array, half: Arra
     shift
         Displacements of the loaded balls' centres in their section planes ``(N, 2)`` [m].
     """
-    notes: list[str] = []
+    notes: list[ResultWarning] = []
     loaded = force > 0.0
     low, high = contact_angle_limits(problem.scene)
     radius, ends = problem.scene.balls.radius, arc_end_names(problem.scene)
     off = loaded & ((gamma < low) | (gamma > high))
     if off.any():
-        notes.append(f"{int(off.sum())} contact(s) lie beyond the groove's arc ({ends}), where the model is not valid")
+        text = f"{int(off.sum())} contact(s) lie beyond the groove's arc ({ends}), where the model is not valid"
+        notes.append(ResultWarning("off arc", text, f"{int(off.sum())} contact(s) beyond the groove's arc"))
     cut = loaded & ~off & ((gamma - half < low) | (gamma + half > high))
     if cut.any():
         worst = int(np.argmax(np.where(cut, np.maximum(low - gamma + half, gamma + half - high), -np.inf)))
-        notes.append(
+        text = (
             f"the contact ellipse of {int(cut.sum())} contact(s) reaches beyond the groove's arc ({ends}), farthest on "
             f"ball {worst // 4 + 1}: pressure and approach are higher there than by Hertz"
         )
+        notes.append(ResultWarning("edge", text))
     if float(np.abs(shift).max(initial=0.0)) > 0.1 * radius:
-        notes.append("a ball moves by more than a tenth of its radius: the theory of small displacements is not valid")
-    return [ResultWarning("place", note) for note in notes]
+        brief = "a ball moves by more than a tenth of its radius"
+        notes.append(ResultWarning("motion", f"{brief}: the theory of small displacements is not valid", brief))
+    return notes
 
 
 def _overlapping_contact_warning(force: Array, gamma: Array, half: Array) -> list[ResultWarning]:
@@ -151,13 +158,14 @@ def _overlapping_contact_warning(force: Array, gamma: Array, half: Array) -> lis
     ball, body = np.unravel_index(int(total.argmax()), total.shape)
     left, right = pairs[ball, body]
     place = f"ball {int(ball) + 1} of the {('screw', 'nut')[body]}"
+    brief = f"{int(double.any(axis=1).sum())} ball(s) with two forces that are one contact counted twice"
     text = (
         f"{int(double.any(axis=1).sum())} ball(s) touch both flanks of a groove within one contact ellipse, where the "
         f"flanks are a single arc: the two forces are those of one contact counted twice ({place}: {left:.4g} N and "
         f"{right:.4g} N in place of one force of up to {left + right:.4g} N); its pressure is higher by up to "
         f"{100.0 * (worst - 1.0):.2g} %, its approach by up to {100.0 * (worst**2 - 1.0):.2g} %"
     )
-    return [ResultWarning("two flanks", text)]
+    return [ResultWarning("two flanks", text, brief)]
 
 
 def contact_size_warnings(semi_axis: Array, radius: float, element: Element = "ball") -> list[ResultWarning]:
@@ -231,11 +239,12 @@ def _ball_overlap_warning(problem: Problem, shift: Array) -> list[ResultWarning]
     if overlap[worst] <= OVERLAP:
         return []
     i, j = sorted((int(a[worst]) + 1, int(b[worst]) + 1))
+    brief = f"balls {i} and {j} overlap by {1e6 * overlap[worst]:.3g} um"
     text = (
-        f"balls {i} and {j} overlap by {1e6 * overlap[worst]:.3g} um ({int((overlap > OVERLAP).sum())} pair(s) in all): "
+        f"{brief} ({int((overlap > OVERLAP).sum())} pair(s) in all): "
         "in reality they are wedged against one another; the model neglects contact between balls"
     )
-    return [ResultWarning("wedged", text)]
+    return [ResultWarning("wedged", text, brief)]
 
 
 def profile_warning(solved: SolvedState) -> list[ResultWarning]:
@@ -272,7 +281,8 @@ def profile_warning(solved: SolvedState) -> list[ResultWarning]:
         )
     else:
         return []
-    return [ResultWarning("profile", f"the contact pattern is not unique: at ball {ball + 1} {why}")]
+    brief = "the contact pattern is not unique"
+    return [ResultWarning("profile", f"{brief}: at ball {ball + 1} {why}", f"{brief} at ball {ball + 1}")]
 
 
 def tilt_warning(problem: Problem, force: Array, z: Array, motion: Array) -> list[ResultWarning]:
@@ -319,12 +329,13 @@ def large_tilt_warning(tilt: float, radius: float, approach: float, element: Ele
     if approach == 0.0 or (tilt <= SMALL_TILT and beyond <= SECOND_ORDER * approach):
         return []
     share = f"{100.0 * beyond / approach:.2g} % of" if beyond < approach else "more than"
+    brief = f"the screw tilts by {1e3 * tilt:.2g} mrad at the {element}s"
     text = (
-        f"the screw tilts by {1e3 * tilt:.2g} mrad at the {element}s: the theory of small rotations neglects "
+        f"{brief}: the theory of small rotations neglects "
         f"{1e6 * beyond:.2g} um of a {'groove' if element == 'ball' else 'raceway'}'s motion, {share} the largest contact "
         "approach"
     )
-    return [ResultWarning("tilt", text)]
+    return [ResultWarning("tilt", text, brief)]
 
 
 def rotation_warning(z: Array, motion: Array) -> list[ResultWarning]:

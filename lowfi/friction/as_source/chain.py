@@ -21,7 +21,7 @@ from scipy.optimize import root
 from rollbench.lowfi.friction.contact import laws
 from rollbench.lowfi.friction.contact.equilibrium import HYBRID
 from rollbench.lowfi.friction.linear.bearing import MOVING, LinearBearing, contact_directions, contact_semi_axes
-from rollbench.meshes.arrays import Array, Mask
+from rollbench.meshes.arrays import Array, Index, Mask
 
 #: Outcome of a search by Lin's method, see `BallMotionsByLin.status`.
 Status = Literal["exact", "overlapping", "failed"]
@@ -29,6 +29,9 @@ Status = Literal["exact", "overlapping", "failed"]
 #: Values accepted as zero: largest unbalanced force on a ball, divided by a ball's friction bound, and largest closing
 #: speed of neighbours, divided by the nominal speed.
 ACCEPTED = 1e-8
+
+#: Newton's method for all balls without neighbours at once, from near motions: residual aimed at, and number of steps.
+NEARBY, NEARBY_STEPS = 1e-13, 8
 
 #: Sharpness k_S of Lin's sigmoid in searches for touching balls, for which his thesis prints no value.
 SHARPNESS = 100.0
@@ -89,12 +92,9 @@ class LoadedBalls:
         """Largest sum of friction bounds (coefficient of friction times load) of the four contacts of a ball [N]."""
         return max(float(self.contacts.friction_bound.reshape(-1, 4).sum(axis=1).max()), 1e-300)
 
-    def subset(self, chosen: slice) -> LoadedBalls:
-        """Return those of the balls whose indices lie in the range ``chosen``, with their contacts."""
-        rows = slice(4 * chosen.start, 4 * chosen.stop)
-        all_contacts = self.contacts
-        arrays = (all_contacts.a, all_contacts.b, all_contacts.load, all_contacts.mu)
-        at = laws.EllipticalContacts(*(values[rows] for values in arrays))
+    def subset(self, chosen: Index) -> LoadedBalls:
+        """Return some of the balls, given by their numbers, with their contacts."""
+        at = self.contacts.take((4 * chosen[:, None] + np.arange(4)).ravel())
         maps, drives = self.contact_motion_maps[chosen], self.imposed_contact_motions[chosen]
         return LoadedBalls(at, maps, drives, self.ball_to_ball_contact)
 
@@ -135,7 +135,7 @@ class BallMotionsByLin:
     #: Largest residual of the scaled equations: unbalanced force on a ball divided by the largest friction bound of a ball,
     #: or difference of the speeds of touching balls divided by the nominal speed.
     largest_residual: float
-    #: Number of evaluations of the force balance in all searches.
+    #: Number of evaluations of the force balance in all searches by MINPACK.
     calls: int
     #: ``"exact"``: a root was found; ``"failed"``: no root was found; ``"overlapping"``: a root was found, but balls that
     #: do not count as touching approach each other, or touching balls pull each other. This may occur because the method
@@ -160,7 +160,7 @@ def ball_forces_and_losses(balls: LoadedBalls, law: laws.FrictionLaw, q: Array, 
     """
     n, pair = balls.count, balls.ball_to_ball_contact
     motion = balls.imposed_contact_motions + (balls.contact_motion_maps @ q[:, None, :, None])[..., 0]
-    f = law.friction(balls.contacts, motion.reshape(-1, 3), True)
+    f = law.friction(balls.contacts, motion.reshape(-1, 3))
     wrench = np.column_stack([f.force, f.moment]).reshape(n, 4, 3)
     left = np.einsum("ncr,ncrj->nj", wrench, balls.contact_motion_maps)
     if n == 1:
@@ -222,14 +222,48 @@ def solve_touching_group(
     return *motions_and_forces(solution.x), worst if np.isfinite(worst) else np.inf, int(solution.nfev)
 
 
+def solve_single_balls_nearby(balls: LoadedBalls, law: laws.FrictionLaw, q: Array) -> tuple[Array, Array]:
+    """Return motions ``(N, n)`` of balls without neighbours by Newton's method from near ones, and residuals ``(N,)``.
+
+    All balls are solved at the same time, with a Jacobian by finite differences of the steps that MINPACK takes. Residuals
+    are scaled as in `solve_touching_group`. ``balls``: N balls; ``law``: friction law of their contacts with the grooves;
+    ``q``: motions from which the search starts ``(N, n)``.
+    """
+    pair, (count, n) = balls.ball_to_ball_contact, q.shape
+    turn, contacts = pair.surface_speed_per_unit / pair.speed, balls.contacts.take(np.tile(np.arange(4 * count), n + 1))
+    unit = pair.surface_speed_per_unit * balls.contacts.friction_bound.reshape(count, 4).sum(axis=1)[:, None]
+
+    def residuals(x: Array) -> Array:
+        """Return the scaled unbalanced forces on the balls at n + 1 scaled motions of each ``(n + 1, N, n)``."""
+        motion = balls.imposed_contact_motions + (balls.contact_motion_maps @ (x / turn)[:, :, None, :, None])[..., 0]
+        f = law.friction(contacts, motion.reshape(-1, 3))
+        wrench = np.column_stack([f.force, f.moment]).reshape(motion.shape)
+        return np.asarray(np.einsum("tkcr,kcrj->tkj", wrench, balls.contact_motion_maps) / unit)
+
+    x = q * turn
+    best, worst = x, np.full(count, np.inf)
+    for _ in range(NEARBY_STEPS):
+        step = np.sqrt(np.finfo(float).eps) * np.where(x != 0.0, np.abs(x), 1.0)
+        at, *moved = residuals(x + np.concatenate([np.zeros((1, count, n)), np.eye(n)[:, None] * step]))
+        size = np.abs(at).max(axis=1)
+        best, worst = np.where((size < worst)[:, None], x, best), np.fmin(size, worst)
+        if worst.max() <= NEARBY:
+            break
+        jacobian = (np.stack(moved, axis=-1) - at[..., None]) / step[:, None, :]
+        x = x - (np.linalg.pinv(jacobian) @ at[..., None])[..., 0]
+    return best / turn, worst
+
+
 def solve_touching_groups(
-    balls: LoadedBalls, law: laws.FrictionLaw, touching: Mask, start: tuple[Array, Array]
+    balls: LoadedBalls, law: laws.FrictionLaw, touching: Mask, start: tuple[Array, Array], nearby: bool = False
 ) -> tuple[Array, Array, float, int]:
     """Return the motions of N balls and the forces between them, for known pairs of touching balls.
 
     Each group of touching balls is solved separately. ``balls``: the balls; ``law``: friction law of the contacts with
     the grooves; ``touching``: whether each ball touches the next one ``(N-1,)``; ``start``: motions, n unknowns for
-    each ball ``(N, n)``, and forces of each ball on the next one ``(N-1,)`` [N], from which the search starts.
+    each ball ``(N, n)``, and forces of each ball on the next one ``(N-1,)`` [N], from which the search starts;
+    ``nearby``: whether ``start`` is near the solution, as the instant before: balls that touch no other one are then
+    solved together by Newton's method, and by MINPACK only where this fails.
 
     Returns
     -------
@@ -238,10 +272,17 @@ def solve_touching_groups(
         evaluations.
     """
     q, force = start[0].copy(), np.zeros(balls.count - 1)
-    worst, calls = 0.0, 0
-    for group in index_ranges_of_touching_groups(touching):
-        inner = slice(group.start, group.stop - 1)
-        found = solve_touching_group(balls.subset(group), law, start[0][group], start[1][inner])
+    groups, worst, calls = index_ranges_of_touching_groups(touching), 0.0, 0
+    single = np.array([group.start for group in groups if group.stop - group.start == 1], dtype=int)
+    if nearby and single.size:
+        motions, residuals = solve_single_balls_nearby(balls.subset(single), law, start[0][single])
+        done = residuals <= NEARBY
+        q[single[done]] = motions[done]
+        solved = set(single[done].tolist())
+        groups = [group for group in groups if group.stop - group.start > 1 or group.start not in solved]
+    for group in groups:
+        inner, chosen = slice(group.start, group.stop - 1), np.arange(group.start, group.stop)
+        found = solve_touching_group(balls.subset(chosen), law, start[0][group], start[1][inner])
         q[group], force[inner], left, further = found
         worst, calls = max(worst, left), calls + further
     return q, force, worst, calls
@@ -280,6 +321,7 @@ def solve_motions_of_balls_by_root(
     may_touch: Mask,
     start: Array | None = None,
     touching: tuple[Array, Array] | None = None,
+    nearby: bool = False,
 ) -> BallMotionsByLin:
     """Return the motions of a row of balls and the forces between them by the method of Lin's thesis.
 
@@ -299,15 +341,18 @@ def solve_motions_of_balls_by_root(
     touching
         Motions ``(N, n)`` and forces ``(N-1,)`` [N] from which the search for touching balls starts; None: the motions
         found for balls without forces between them, and no forces.
+    nearby
+        Whether the starts are near the solution, see `solve_touching_groups`.
     """
     pair = balls.ball_to_ball_contact
     none = np.zeros(balls.count - 1)
     first = np.tile(pair.nominal_rolling_motion, (balls.count, 1)) if start is None else np.asarray(start, dtype=float)
-    free, _, left, calls = solve_touching_groups(balls, law, none > 0.0, (first, none))
+    free, _, left, calls = solve_touching_groups(balls, law, none > 0.0, (first, none), nearby)
     touch = np.asarray(may_touch, dtype=bool) & neighbours_not_separating(pair, free)
     q, force = free, none
     if left <= ACCEPTED and np.any(touch):
-        q, force, left, further = solve_touching_groups(balls, law, touch, (free, none) if touching is None else touching)
+        begin = (free, none) if touching is None else touching
+        q, force, left, further = solve_touching_groups(balls, law, touch, begin, nearby)
         calls += further
     balanced = ball_forces_and_losses(balls, law, q, force)
     status = status_of_solution(pair, left, q, force, balls.largest_friction_bound, may_touch & ~touch)

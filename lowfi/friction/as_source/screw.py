@@ -531,7 +531,7 @@ def _solve_motion_of_step(
         return lin.solve_motions_of_balls_by_root(balls, law, near), order
     free = previous.motions_without_ball_forces[order]
     touching = (previous.ball_motions[order], previous.force[order[:-1]])
-    motion = lin.solve_motions_of_balls_by_root(balls, law, near, free, touching)
+    motion = lin.solve_motions_of_balls_by_root(balls, law, near, free, touching, nearby=True)
     return (motion if motion.status != "failed" else lin.solve_motions_of_balls_by_root(balls, law, near, free)), order
 
 

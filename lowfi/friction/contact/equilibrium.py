@@ -15,14 +15,19 @@ The function is convex, so that every equilibrium is a minimum, also with contac
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rollbench.lowfi.friction.contact.kernel_types import BallContactArrays, BallContactState
 from rollbench.lowfi.friction.contact.laws import ContactFriction, EllipticalContacts, FrictionLaw, SigmoidLaw
-from rollbench.lowfi.jit import CONTACT, load_kernel_package
+from rollbench.lowfi.friction.contact.least_dissipation import (
+    FrictionalBodies,
+    least_dissipation_of_bodies,
+    least_dissipation_value,
+)
+from rollbench.lowfi.friction.contact.loads import minimise_energy, one_group
+from rollbench.lowfi.friction.contact.normal_force import BallContactArrays
 from rollbench.meshes.arrays import Array, Mask
 
 #: Largest unbalanced force, divided by the sum of all forces, at which the search for contact loads ends, and up to which
@@ -57,19 +62,8 @@ class ContactLoadSolution:
         return self.ball_displacements, self.inner_body_displacements
 
 
-def zero_contact_state_arrays(cell: BallContactArrays) -> BallContactState:
-    """Return zero arrays, in the sizes of ``cell``, for contact forces, stiffness and unbalanced forces by the kernels."""
-    n, m = cell.interference.shape[0], cell.inner_body_forces.shape[0]
-    return BallContactState(np.zeros((n, 2)), np.zeros(m), np.zeros((n, 4, 3)), np.zeros((n, 4)), np.zeros((n, 4, 2)))
-
-
 def solve_contact_loads(
-    cell: BallContactArrays,
-    total_force: float,
-    ball: Array,
-    inner: Array,
-    angles: Callable[[Array], Array],
-    fast: bool = False,
+    cell: BallContactArrays, total_force: float, ball: Array, inner: Array, angles: Callable[[Array], Array]
 ) -> ContactLoadSolution:
     """Return the contact loads of balls between two rigid bodies, by Newton's method with line search.
 
@@ -86,20 +80,16 @@ def solve_contact_loads(
     total_force
         Sum of the magnitudes of the applied forces [N].
     ball, inner
-        Displacements of the balls ``(N, 2)`` and of the inner body ``(m,)`` [m] from which the search begins; both are
-        overwritten by the result.
+        Displacements of the balls ``(N, 2)`` and of the inner body ``(m,)`` [m] from which the search begins.
     angles
         Function that computes contact angles ``(N, 4)`` [rad] from contact normals ``(N, 4, 2)``.
-    fast
-        Whether to use compiled kernels.
     """
-    state = zero_contact_state_arrays(cell)
-    kernels = load_kernel_package(CONTACT, compiled=fast)
-    steps = int(kernels.minimise_energy(cell, total_force, ball, inner, state, GOAL, STEPS))
-    unbalanced = (state.ball_unbalanced_forces, state.inner_unbalanced_forces)
-    left = max(float(np.max(np.abs(forces), initial=0.0)) for forces in unbalanced)
-    good = left <= ACCEPTED * (total_force + float(np.sum(state.force)))
-    return ContactLoadSolution(state.force, angles(state.normal), ball, inner, left, steps, good)
+    balls, bodies, state, steps = minimise_energy(
+        one_group(cell), np.array([total_force]), ball[None], inner[None], GOAL, STEPS
+    )
+    left, force = float(state.imbalance[0]), state.force[0]
+    good = left <= ACCEPTED * (total_force + float(force.sum()))
+    return ContactLoadSolution(force, angles(state.normal[0]), balls[0], bodies[0], left, steps, good)
 
 
 def solve_contact_loads_of_each_ball(
@@ -109,7 +99,6 @@ def solve_contact_loads_of_each_ball(
     inner_direction: Array,
     applied_forces: Array,
     starting_displacements: Array,
-    fast: bool = False,
 ) -> tuple[Array, Array, Array, Array]:
     """Return the contact loads of N independent balls, each between its own inner body and the fixed outer body.
 
@@ -123,13 +112,11 @@ def solve_contact_loads_of_each_ball(
     C
         Hertz constants C of the approach C F^(2/3) ``(N, 4)`` [m/N^(2/3)].
     inner_direction
-        Direction along x, z in which the inner bodies move ``(2,)``.
+        Directions along x, z in which the inner bodies move ``(N, 2)``.
     applied_forces
         Applied forces: on the ball along x, z, and on the inner body along its motion ``(N, 3)`` [N].
     starting_displacements
         Displacements of ball (x, z) and inner body from which the search begins ``(N, 3)`` [m].
-    fast
-        Whether to use compiled kernels.
 
     Returns
     -------
@@ -137,15 +124,24 @@ def solve_contact_loads_of_each_ball(
         Displacements of ball and inner body ``(N, 3)`` [m], contact loads ``(N, 4)`` [N], contact normals along x, z
         ``(N, 4, 2)``, and largest unbalanced force ``(N,)`` [N].
     """
-    x, n = starting_displacements.copy(), len(starting_displacements)
-    force, normal, left = np.zeros((n, 4)), np.zeros((n, 4, 2)), np.zeros(n)
-    given_arrays = (np.ascontiguousarray(a, dtype=float) for a in (start, interference, C, inner_direction, applied_forces))
-    kernels = load_kernel_package(CONTACT, compiled=fast)
-    kernels.minimise_energy_of_each_ball(*given_arrays, x, force, normal, left, GOAL, STEPS)
-    return x, force, normal, left
+    push, pull = np.split(applied_forces, [2], axis=1)
+    balls = BallContactArrays(
+        groove_to_ball_vectors=start[:, None],
+        interference=interference[:, None],
+        C=C[:, None],
+        inner_displacement_maps=inner_direction[:, None, :, None],
+        given_inner_displacement=np.zeros((len(start), 1, 2)),
+        ball_forces=push[:, None],
+        inner_body_forces=pull,
+        groove_ball_centre_distance=np.linalg.norm(start, axis=-1).min(axis=1),
+    )
+    ball, inner = np.split(starting_displacements, [2], axis=1)
+    load = np.abs(applied_forces).sum(axis=1)
+    ball, inner, state, _ = minimise_energy(balls, load, ball[:, None], inner, GOAL, STEPS)
+    return np.column_stack([ball[:, 0], inner]), state.force[:, 0], state.normal[:, 0], state.imbalance
 
 
-#: Values of ``BodyMotion.status``; the kernel returns their indices.
+#: Values of ``BodyMotion.status``, in the order of the codes in ``least_dissipation``.
 STATUS = ("exact", "regularised", "at rest")
 #: Options of MINPACK's hybrid method, which is similar to Matlab's fsolve. With a short first step it finds more roots for
 #: single balls from random starts than with the default factor of 100.
@@ -223,7 +219,7 @@ class BodyMotion:
         return float(np.sum(self.friction.loss))
 
 
-def least_dissipation(problem: BodyMotionProblem, start: Array | None = None, fast: bool = False) -> BodyMotion:
+def least_dissipation(problem: BodyMotionProblem, start: Array | None = None) -> BodyMotion:
     """Return the quasi-static motion of a body on frictional contacts: the motion of least dissipation.
 
     At this motion the dissipated power less the power of the forces other than friction is least, so that all forces are in
@@ -235,34 +231,62 @@ def least_dissipation(problem: BodyMotionProblem, start: Array | None = None, fa
         Contacts, kinematics and forces, with any number of loaded contacts.
     start
         Values of the unknowns ``(n,)`` from which the search begins; None to begin with the motion nearest to pure rolling.
-    fast
-        Whether to use compiled kernels.
     """
-    at = problem.contacts
-    m, n = at.a.shape[0], problem.contact_motion_maps.shape[2]
-    q = np.zeros(n) if start is None else np.array(start, dtype=float)
-    forces, rest, bounds = np.zeros((m, 3)), np.zeros(m), np.zeros(2)
-    shape = np.column_stack([at.a, at.b, at.friction_bound])
-    maps = np.ascontiguousarray(problem.contact_motion_maps, dtype=float)
-    drives = np.ascontiguousarray(problem.imposed_contact_motions, dtype=float)
-    push = np.ascontiguousarray(problem.other_forces, dtype=float)
-    used = load_kernel_package(CONTACT, compiled=fast)
-    begin = used.ROLLING if start is None else used.GIVEN
-    code, left, steps = used.least_dissipation(shape, maps, drives, push, begin, q, forces, rest, bounds)
-    total = float(np.sum(at.friction_bound))
-    motion = problem.contact_motions_at(q)
-    resting = rest > 0.0
-    motion[resting] = 0.0
-    return BodyMotion(
-        unknown_velocities=q,
-        contact_motions=motion,
-        friction=ContactFriction(force=-forces[:, :2], moment=-forces[:, 2], loss=np.sum(forces * motion, axis=1)),
-        sticking_contacts=resting,
-        imbalance=float(left),
-        dissipation_bounds=(float(bounds[0]), float(bounds[1])),
-        status=STATUS[code] if left <= 1e-6 * total or code == 2 else "failed",
-        steps=int(steps),
+    return least_dissipations([problem], None if start is None else np.asarray(start, dtype=float)[None])[0]
+
+
+def least_dissipations(problems: Sequence[BodyMotionProblem], start: Array | None = None) -> list[BodyMotion]:
+    """Return the motions of least dissipation of K independent bodies with the same numbers of contacts and unknowns.
+
+    Parameters
+    ----------
+    problems
+        Contacts, kinematics and forces of each body.
+    start
+        Values of the unknowns ``(K, n)`` from which the search begins; None to begin near pure rolling.
+    """
+    if not problems:
+        return []
+    bodies = FrictionalBodies(
+        np.array([p.contacts.a for p in problems]),
+        np.array([p.contacts.b for p in problems]),
+        np.array([p.contacts.friction_bound for p in problems]),
+        np.array([p.contact_motion_maps for p in problems], dtype=float),
+        np.array([p.imposed_contact_motions for p in problems], dtype=float),
+        np.array([p.other_forces for p in problems], dtype=float),
     )
+    found = least_dissipation_of_bodies(bodies, start)
+    upper, good = least_dissipation_value(bodies, found.q), found.balanced(bodies)
+    out = []
+    for k, problem in enumerate(problems):
+        motion, forces = problem.contact_motions_at(found.q[k]), found.forces[k]
+        motion[found.rest[k]] = 0.0
+        friction = ContactFriction(force=-forces[:, :2], moment=-forces[:, 2], loss=np.sum(forces * motion, axis=1))
+        out.append(
+            BodyMotion(
+                unknown_velocities=found.q[k],
+                contact_motions=motion,
+                friction=friction,
+                sticking_contacts=found.rest[k],
+                imbalance=float(found.imbalance[k]),
+                dissipation_bounds=(float(found.lower_bound[k]), float(upper[k])),
+                status=STATUS[found.status[k]] if good[k] else "failed",
+                steps=int(found.steps[k]),
+            )
+        )
+    return out
+
+
+def motions_of_least_dissipation(shape: Array, maps: Array, drives: Array) -> Array:
+    """Return the motions of least dissipation ``(N, n)`` of N independent balls on which only friction acts.
+
+    ``shape``: semi-axes a, b [m] and friction bound mu F of the m contacts of each ball ``(N, m, 3)``; ``maps``: motion of
+    the contacts per unit of each of the n unknowns ``(N, m, 3, n)``; ``drives``: motion that the drive imposes ``(N, m,
+    3)``.
+    """
+    a, b, bound = np.moveaxis(shape, -1, 0)
+    none = np.zeros((len(maps), maps.shape[-1]))
+    return least_dissipation_of_bodies(FrictionalBodies(a, b, bound, maps, drives, none)).q
 
 
 def motion_without_friction_forces(motion: BodyMotion) -> BodyMotion:
@@ -281,7 +305,7 @@ def motion_without_friction_forces(motion: BodyMotion) -> BodyMotion:
     return replace(motion, friction=none, imbalance=0.0, dissipation_bounds=(0.0, 0.0))
 
 
-def motion_by_root(problem: BodyMotionProblem, law: FrictionLaw, start: Array, fast: bool = False) -> BodyMotion:
+def motion_by_root(problem: BodyMotionProblem, law: FrictionLaw, start: Array) -> BodyMotion:
     """Return the motion of a body at which its friction balances, as a root found by MINPACK's hybrid method.
 
     This is the method of Lin's thesis, which uses Matlab's fsolve for eq. (3.19). The method fails from many starts
@@ -295,15 +319,13 @@ def motion_by_root(problem: BodyMotionProblem, law: FrictionLaw, start: Array, f
         Friction law.
     start
         Values of the unknowns ``(n,)`` from which the search begins.
-    fast
-        Whether to use compiled kernels.
     """
     units = problem.surface_speed_per_unknown()
     scale = max(float(np.sum(problem.contacts.friction_bound)), 1e-300)
 
     def residual(p: Array) -> Array:
         """Return the unbalanced generalised forces over the sum of friction bounds, for scaled unknowns p ``(n,)``."""
-        friction = law.friction(problem.contacts, problem.contact_motions_at(p / units), fast)
+        friction = law.friction(problem.contacts, problem.contact_motions_at(p / units))
         return np.asarray(problem.unbalanced_forces(friction) / (units * scale))
 
     from scipy.optimize import root
@@ -311,7 +333,7 @@ def motion_by_root(problem: BodyMotionProblem, law: FrictionLaw, start: Array, f
     solution = root(residual, np.asarray(start, dtype=float) * units, method="hybr", options=HYBRID)
     q = np.asarray(solution.x / units)
     motion = problem.contact_motions_at(q)
-    friction = law.friction(problem.contacts, motion, fast)
+    friction = law.friction(problem.contacts, motion)
     left = float(np.max(np.abs(problem.unbalanced_forces(friction) / units)))
     loss = float(np.sum(friction.loss))
     return BodyMotion(
@@ -326,9 +348,7 @@ def motion_by_root(problem: BodyMotionProblem, law: FrictionLaw, start: Array, f
     )
 
 
-def motion_by_sharpened_sigmoids(
-    problem: BodyMotionProblem, law: SigmoidLaw, start: Array, fast: bool = False
-) -> BodyMotion:
+def motion_by_sharpened_sigmoids(problem: BodyMotionProblem, law: SigmoidLaw, start: Array) -> BodyMotion:
     """Return the motion of a body in force balance under Lin's sigmoid law, found over sigmoids of increasing sharpness.
 
     The root for each sigmoid is the start of the next search (`motion_by_root`); the last sigmoid is ``law``. This is
@@ -343,15 +363,13 @@ def motion_by_sharpened_sigmoids(
         Lin's sigmoid, the sharpest of the sequence.
     start
         Values of the unknowns ``(n,)`` from which the search begins.
-    fast
-        Whether to use compiled kernels.
     """
     share, factor, calls = 0.05, 1.4, 0
     q = np.asarray(start, dtype=float)
     while True:
         last = share >= 1.0
         current = law if last else replace(law, sharpness=share * law.sharpness, map_spacing=None)
-        motion = motion_by_root(problem, current, q, fast)
+        motion = motion_by_root(problem, current, q)
         calls += motion.steps
         if motion.status == "exact":
             if last:

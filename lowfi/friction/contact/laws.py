@@ -13,9 +13,9 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
+from rollbench.lowfi.friction.contact.dissipation import dissipation_ratio
 from rollbench.lowfi.hertz import complete_elliptic_integrals
-from rollbench.lowfi.jit import CONTACT, load_kernel_package
-from rollbench.meshes.arrays import Array
+from rollbench.meshes.arrays import Array, Index
 
 
 @dataclass(frozen=True)
@@ -35,6 +35,10 @@ class EllipticalContacts:
     def friction_bound(self) -> Array:
         """Friction bound mu F (coefficient of friction times normal force) of each contact ``(n,)`` [N]."""
         return np.asarray(self.mu * self.load)
+
+    def take(self, contacts: Index) -> EllipticalContacts:
+        """Return some of the contacts, given by their numbers."""
+        return EllipticalContacts(self.a[contacts], self.b[contacts], self.load[contacts], self.mu[contacts])
 
 
 @dataclass(frozen=True)
@@ -108,9 +112,7 @@ def motion_of_rotation_about_point(spin: ArrayLike, c: ArrayLike, d: ArrayLike) 
     return np.stack([-s * z, s * x, s], axis=1)
 
 
-def dissipated_power(
-    contacts: EllipticalContacts, motion: Array, regularising_speed: float = 0.0, fast: bool = False
-) -> ContactDissipation:
+def dissipated_power(contacts: EllipticalContacts, motion: Array, regularising_speed: float = 0.0) -> ContactDissipation:
     """Return the power that friction dissipates in each of n contacts, with its derivatives, in closed form.
 
     The power is mu int p sqrt(|v|^2 + speed^2) dA, with the local sliding velocity v, the Hertz pressure p, the coefficient
@@ -125,8 +127,6 @@ def dissipated_power(
         rest without regularisation has no gradient; zeros are returned.
     regularising_speed
         Regularising speed >= 0 [m/s], which raises the power by at most mu F times this speed, with the normal force F.
-    fast
-        Whether to use compiled kernels.
 
     Examples
     --------
@@ -134,27 +134,21 @@ def dissipated_power(
     >>> round(float(d.power[0]) / 1e-3, 9)  # (3 pi / 16) mu F a spin on a circle
     0.589048623
     """
-    out = np.empty((contacts.a.shape[0], 11))
-    motion = np.ascontiguousarray(motion, dtype=float)
-    kernels = load_kernel_package(CONTACT, compiled=fast)
-    kernels.dissipation_of_contacts(contacts.a, contacts.b, motion, float(regularising_speed), out)
-    out *= contacts.friction_bound[:, None]
+    ratio, bound = dissipation_ratio(contacts.a, contacts.b, motion, regularising_speed), contacts.friction_bound
     return ContactDissipation(
-        power=out[:, 0],
-        gradient=out[:, 1:4],
-        hessian=out[:, [5, 6, 8, 6, 7, 9, 8, 9, 10]].reshape(-1, 3, 3),
-        excess_over_loss=regularising_speed * out[:, 4],
+        power=bound * ratio.value,
+        gradient=bound[:, None] * ratio.gradient,
+        hessian=bound[:, None, None] * ratio.hessian,
+        excess_over_loss=bound * regularising_speed * ratio.by_speed,
     )
 
 
-def friction_forces(
-    contacts: EllipticalContacts, motion: Array, regularising_speed: float = 0.0, fast: bool = False
-) -> ContactFriction:
+def friction_forces(contacts: EllipticalContacts, motion: Array, regularising_speed: float = 0.0) -> ContactFriction:
     """Return friction force, moment and loss of contacts for a given sliding motion.
 
     ``contacts``: ellipses, loads and coefficients of friction of n contacts; ``motion``: their sliding vx, vz along the
     semi-axes a, b [m/s] and spin [rad/s] ``(n, 3)``; ``regularising_speed``: regularising speed >= 0 [m/s], 0 for exact
-    Coulomb friction; ``fast``: whether to use compiled kernels.
+    Coulomb friction.
 
     References
     ----------
@@ -169,7 +163,7 @@ def friction_forces(
     >>> round(float(sliding.force[0, 1]), 9), round(float(sliding.loss[0]), 9)
     (-1.0, 2.0)
     """
-    d = dissipated_power(contacts, motion, regularising_speed, fast)
+    d = dissipated_power(contacts, motion, regularising_speed)
     return ContactFriction(force=-d.gradient[:, :2], moment=-d.gradient[:, 2], loss=d.power - d.excess_over_loss)
 
 
@@ -256,11 +250,11 @@ def error_of_linear_friction_force(axis_ratio: ArrayLike, force_slope: ArrayLike
 class FrictionLaw(Protocol):
     """Interface of a friction law, which gives the friction of contacts that slide and spin."""
 
-    def friction(self, at: EllipticalContacts, motion: Array, fast: bool = False) -> ContactFriction:
+    def friction(self, at: EllipticalContacts, motion: Array) -> ContactFriction:
         """Return the friction on the moving body at each of n contacts.
 
         ``at``: ellipses, loads and coefficients of friction; ``motion``: sliding vx, vz along the semi-axes a, b [m/s]
-        and spin [rad/s] of the contacts ``(n, 3)``; ``fast``: whether to use compiled kernels.
+        and spin [rad/s] of the contacts ``(n, 3)``.
         """
 
 
@@ -271,9 +265,9 @@ class CoulombLaw:
     mu is the coefficient of friction, p the Hertz pressure.
     """
 
-    def friction(self, at: EllipticalContacts, motion: Array, fast: bool = False) -> ContactFriction:
+    def friction(self, at: EllipticalContacts, motion: Array) -> ContactFriction:
         """Return Coulomb friction of n contacts at the given motion by exact integrals over their ellipses."""
-        return friction_forces(at, motion, 0.0, fast)
+        return friction_forces(at, motion, 0.0)
 
 
 @dataclass(frozen=True)
@@ -288,9 +282,9 @@ class RegularisedCoulombLaw:
     #: Regularising speed > 0 [m/s]: at sliding speeds far below it, friction is proportional to the sliding speed.
     regularising_speed: float
 
-    def friction(self, at: EllipticalContacts, motion: Array, fast: bool = False) -> ContactFriction:
+    def friction(self, at: EllipticalContacts, motion: Array) -> ContactFriction:
         """Return regularised friction of n contacts at the given motion by exact integrals over their ellipses."""
-        return friction_forces(at, motion, self.regularising_speed, fast)
+        return friction_forces(at, motion, self.regularising_speed)
 
 
 @dataclass(frozen=True)
@@ -321,24 +315,24 @@ class SigmoidLaw:
         x = np.abs(spin) if self.uses_spin_magnitude else spin
         return np.asarray(np.tanh(0.5 * self.sharpness * x / self.reference_spin))
 
-    def friction(self, at: EllipticalContacts, motion: Array, fast: bool = False) -> ContactFriction:
+    def friction(self, at: EllipticalContacts, motion: Array) -> ContactFriction:
         """Return Coulomb friction of n contacts at the given motion, exact or interpolated, times the sigmoid."""
-        full = friction_forces(at, motion, 0.0, fast)
+        full = friction_forces(at, motion, 0.0)
         if self.map_spacing is not None:
-            full = interpolated_friction(at, motion, self.map_spacing, full, fast)
+            full = interpolated_friction(at, motion, self.map_spacing, full)
         s = self.sigmoid_of_spin(motion[:, 2])
         return ContactFriction(force=full.force * s[:, None], moment=full.moment * s, loss=full.loss * np.abs(s))
 
 
 def interpolated_friction(
-    contacts: EllipticalContacts, motion: Array, spacing: float, exact: ContactFriction, fast: bool
+    contacts: EllipticalContacts, motion: Array, spacing: float, exact: ContactFriction
 ) -> ContactFriction:
     """Return Coulomb friction of n contacts, interpolated linearly in c/a as in section 3.2.1 of Lin's thesis.
 
     c is the distance of the centre of rotation from the centre of the contact ellipse along its semi-axis a. ``motion``:
     sliding vx, vz along the semi-axes a, b [m/s] and spin [rad/s] ``(n, 3)``; ``spacing``: step of c/a in the table;
-    ``exact``: friction without interpolation, which is returned for contacts without spin, whose c/a is not defined;
-    ``fast``: whether to use compiled kernels. Raises ValueError if vx is not 0, because the centre of rotation then does
+    ``exact``: friction without interpolation, which is returned for contacts without spin, whose c/a is not defined.
+    Raises ValueError if vx is not 0, because the centre of rotation then does
     not lie on the semi-axis a.
     """
     if np.any(motion[:, 0] != 0.0):
@@ -355,7 +349,7 @@ def interpolated_friction(
     ends = []
     for k in (low, low + 1.0):
         vz = np.where(turns, spin * contacts.a * k * spacing, motion[:, 1])
-        f = friction_forces(contacts, np.stack([0.0 * vz, vz, spin], axis=1), 0.0, fast)
+        f = friction_forces(contacts, np.stack([0.0 * vz, vz, spin], axis=1), 0.0)
         ends.append(np.column_stack([f.force, f.moment, f.loss]))
     mixed = (1.0 - weight) * ends[0] + weight * ends[1]
     mixed = np.where(turns[:, None], mixed, np.column_stack([exact.force, exact.moment, exact.loss]))

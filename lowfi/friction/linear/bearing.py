@@ -20,7 +20,7 @@ from typing import Literal
 import numpy as np
 
 from rollbench.lowfi.friction.contact.equilibrium import solve_contact_loads
-from rollbench.lowfi.friction.contact.kernel_types import BallContactArrays
+from rollbench.lowfi.friction.contact.normal_force import BallContactArrays
 from rollbench.lowfi.hertz import HertzConstants, contact_modulus, hertz_constants
 from rollbench.meshes.arrays import Array
 

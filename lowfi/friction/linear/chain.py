@@ -1,4 +1,4 @@
-"""Chains of balls in a linear bearing: quasi-static motion with friction, ball-to-ball contact as complementarity.
+"""Chains of balls in a linear bearing: a straight track, on which the carriage moves along the rail.
 
 Each ball moves so that the dissipation at its grooves is least (a convex function, of which Lin 3.25 is the gradient).
 Neighbours that touch add 0 <= F, 0 <= v_(k+1) - v_k, F (v_(k+1) - v_k) = 0 (Lin 3.30, 3.31): this is the constraint v_k <=
@@ -11,45 +11,38 @@ mu G map [0, B]^(N-1) continuously into itself and have a fixed point F(G) = G (
 force. But there may be several solutions (two balls in two-point contact may part or jam, many in four-point contact have
 other states too): friction between balls makes the very forces that cause it.
 The result then is the end of the path that begins without friction between balls, at the one solution of the convex
-problem with smoothed friction, and along which that friction rises and smoothing falls
-(``kernel.motion.follow_solution_path``). Balls that all part without this friction also part with it.
+problem with smoothed friction, and along which that friction rises and smoothing falls (`solve_motion_of_chain`).
 `find_second_equilibrium` looks for other solutions.
 
-Two balls under opposite side forces are the case study of section 3.3.4 of Lin's thesis, by this model and by the formulas.
+Axes of a ball: x3 is y (up), y3 the track's z, z3 is x (across), so that x3 x y3 = z3. Two balls under opposite side forces
+are the case study of section 3.3.4 of Lin's thesis, by this model and by the formulas.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Literal, NamedTuple
 
 import numpy as np
 
-from rollbench.lowfi.friction.contact.laws import cubic_friction_force_factor, linear_friction_force_factor
 from rollbench.lowfi.friction.linear import bearing as linear_bearing
 from rollbench.lowfi.friction.linear.bearing import LinearBearing, Loads
-from rollbench.lowfi.friction.linear.kernel import FILLED, WIDTH
-from rollbench.lowfi.friction.linear.kernel_types import ChainArrays, ChainSearchState, NewtonArrays
-from rollbench.lowfi.jit import LINEAR, load_kernel_package
+from rollbench.lowfi.friction.screw.chain import (
+    STEPS,
+    BalanceSearch,
+    BallChain,
+    ChainMotion,
+    FrictionContacts,
+    chain_motion_in_si_units,
+    solve_motion_of_chain,
+)
+from rollbench.lowfi.friction.screw.groove import TouchingBallsGeometry, TrackInMotion, contact_axes
 from rollbench.meshes.arrays import Array, Mask
 
 #: Outcome of the search for the motion of a row of balls, see `LinearChainSolution.status`.
 Status = Literal["converged", "not converged"]
-
-#: Regularising speed of friction, at which contacts that stick creep under a force, divided by the carriage's speed.
-CREEP = 1e-8
-
-#: Largest unbalanced force on a ball, divided by the largest friction bound of a ball, at which the search ends.
-TOLERANCE = 1e-12
-
-#: Stiffness of a weak spring that draws the motion of a ball to nominal rolling, divided by the ball's friction bound; the
-#: spring fixes motions that no friction resists.
-HOLD = 1e-11
-
-#: Largest unbalanced force on a ball, divided by the largest friction bound of a ball, up to which a result counts as
-#: converged; where contacts stick, round-off limits the accuracy.
-ACCEPTED = 1e-9
 
 #: Least difference of the ball-to-ball forces by which two equilibria of a row count as different, divided by the largest
 #: friction bound of a ball.
@@ -59,8 +52,9 @@ ANOTHER = 1e-3
 #: begins, and the factor by which the coefficient is then reduced step by step.
 RISEN, FALLING = (0.3, 1.0), 0.85
 
-#: Largest number of Newton steps in the search for the motion of a row of balls.
-STEPS = 50_000
+#: Force that presses all pairs together at the start of one search for another equilibrium, over the largest friction bound
+#: of a ball.
+PRESSED = 3.0
 
 #: Least ratio b/a of the semi-axes of a contact ellipse that is allowed, because the friction formulas lose accuracy below
 #: it.
@@ -68,43 +62,183 @@ NARROWEST = 1e-3
 
 
 @dataclass(frozen=True)
-class LinearChainSolution:
-    """Motion, forces and losses of a row of N balls in a linear bearing."""
+class StraightTrack(TrackInMotion):
+    """Track of a linear bearing: the carriage moves along the rail; a ball's first motion is its velocity [m/s]."""
 
-    #: Velocities of the balls along the track ``(N,)`` [m/s].
-    velocity: Array
-    #: Angular velocities omega_x, omega_y of the balls about the two axes across the track ``(N, 2)`` [rad/s].
-    rotation: Array
-    #: Sliding speed along the track at the contacts with the grooves ``(N, 4)`` [m/s].
-    sliding: Array
-    #: Spin about the normal at the contacts with the grooves ``(N, 4)`` [rad/s].
-    spin: Array
-    #: Friction force on the ball along the track at each contact ``(N, 4)`` [N].
-    friction: Array
-    #: Friction loss at the contacts with the grooves ``(N, 4)`` [W].
-    groove_loss: Array
-    #: Force between balls k and k + 1 ``(N-1,)`` [N].
-    ball_force: Array
-    #: Friction loss between balls k and k + 1 ``(N-1,)`` [W].
-    ball_loss: Array
-    #: Force on the carriage along the track that keeps its speed [N].
-    carriage_drive_force: float
-    #: Speed of the carriage [m/s].
-    carriage_speed: float
-    #: Number of Newton steps of the search.
-    iterations: int
-    #: Largest unbalanced force on a ball, divided by the largest friction bound of a ball.
-    largest_imbalance_ratio: float
-    #: Largest speed at which balls that press on each other approach or separate, divided by the regularising speed of
-    #: friction; ideally 0.
-    largest_closing_speed_ratio: float
-    #: "converged" if forces are in balance and balls that press on each other stay together, else "not converged".
-    status: Status
+    #: Bearing with the speed of its carriage.
+    bearing: LinearBearing
+
+    @property
+    def levers(self) -> Array:
+        """One for the velocity, then three times the ball radius [m] ``(4,)``."""
+        radius = self.bearing.ball_radius
+        return np.array([1.0, radius, radius, radius])
+
+    @property
+    def speed_along_path(self) -> float:
+        """Speed of the carriage [m/s], positive; 1 m/s for a carriage at rest."""
+        return abs(self.bearing.speed) or 1.0
+
+    @property
+    def nominal_motion(self) -> Array:
+        """Half the carriage's velocity [m/s], and the spin about x of a ball that rolls at the contact angle ``(4,)``."""
+        half, lever = 0.5 * self.bearing.speed, self.bearing.ball_radius * np.cos(self.bearing.contact_angle)
+        return np.array([half, 0.0, 0.0, half / lever])
+
+    @cached_property
+    def pair(self) -> TouchingBallsGeometry:
+        """Geometry of two touching balls; the tangents of their contact are x (z3) and y (x3)."""
+        radius = self.bearing.ball_radius
+        first = radius * np.array([[0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.0, -1.0]])
+        tangents = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])
+        return TouchingBallsGeometry(
+            spacing=2.0 * radius,
+            closing_speed_factor=1.0,
+            first_ball_surface_speeds=first,
+            second_ball_surface_speeds=-first,
+            force_directions=np.array([[0.0, -1.0, 0.0], [0.0, 1.0, 0.0]]),
+            tangent_directions=np.stack([tangents, tangents]),
+        )
+
+    def contact_kinematics(self, normals: Array) -> tuple[Array, Array]:
+        """Return sliding vx, vz and spin at the contacts per unit of the ball's motion, then those of a resting ball.
+
+        ``normals``: directions from the ball's centre to the contacts in x3, y3, z3 ``(N, 4, 3)``. Returns ``(N, 4, 3,
+        4)`` and ``(N, 4, 3)`` (Lin 3.22-3.24).
+        """
+        surface = np.zeros((*normals.shape, 4))
+        surface[..., 1, 0] = 1.0
+        surface[..., 1:] = self.bearing.ball_radius * np.stack([np.cross(t, normals) for t in np.eye(3)], axis=-1)
+        maps = contact_axes(normals) @ surface
+        maps[..., 2, :] = np.concatenate([np.zeros((*normals.shape[:-1], 1)), -normals], axis=-1)
+        return maps, -self.bearing.speed * linear_bearing.MOVING[:, None] * maps[..., 0]
+
+
+@dataclass(frozen=True)
+class LinearBallChain(BallChain):
+    """Balls of one row in a linear bearing under given contact loads; contacts in the order BL, BR, TR, TL."""
+
+    #: Straight track of the bearing.
+    groove: StraightTrack
+
+    @property
+    def bearing(self) -> LinearBearing:
+        """Bearing with the speed of its carriage and the coefficients of friction."""
+        return self.groove.bearing
+
+    @property
+    def friction_contacts(self) -> FrictionContacts:
+        """Ellipses, friction bounds and kinematics of the contacts of all N balls with the grooves."""
+        least = max(1e-9 * float(self.force.max(initial=0.0)), 1e-30)
+        a, b = linear_bearing.contact_semi_axes(self.bearing, np.maximum(self.force, least))
+        maps, drives = self.groove.contact_kinematics(self.normals)
+        return FrictionContacts(np.stack([a, b, self.bearing.mu * self.force], axis=-1), maps, drives)
+
+    @property
+    def mu_balls(self) -> float:
+        """Coefficient of friction between touching balls."""
+        return self.bearing.mu_balls
+
+    @property
+    def largest_friction_bound(self) -> float:
+        """Largest sum of the friction bounds of a ball's contacts [N]; that for a coefficient of 1 without friction."""
+        return (self.bearing.mu or 1.0) * float(self.force.sum(axis=1).max())
+
+    @property
+    def touching(self) -> Mask:
+        """Whether balls k and k + 1 can press on each other ``(N-1,)``."""
+        return np.isfinite(self.allowed_closing_rate[:-1])
+
+    def input_power(self, wrench: Array) -> float:
+        """Return the power [W] that the carriage supplies; ``wrench``: friction on the balls ``(N, 4, 6)`` [N, N m]."""
+        return self.bearing.speed * carriage_drive_force(wrench)
+
+
+def carriage_drive_force(wrench: Array) -> float:
+    """Return the force on the carriage along the track that keeps its speed [N]; ``wrench``: friction ``(N, 4, 6)`` [N]."""
+    return float((wrench[..., 1] * linear_bearing.MOVING).sum())
+
+
+@dataclass(frozen=True)
+class LinearChainSolution:
+    """Motion, forces and losses of a row of N balls in a linear bearing, in its terms."""
+
+    #: Bearing with the speed of its carriage.
+    bearing: LinearBearing
+    #: Motion of the balls.
+    motion: ChainMotion
+    #: Largest friction bound of a ball [N].
+    force_unit: float
+
+    @property
+    def velocity(self) -> Array:
+        """Velocities of the balls along the track ``(N,)`` [m/s]."""
+        return self.motion.q[:, 0]
+
+    @property
+    def rotation(self) -> Array:
+        """Angular velocities omega_x, omega_y of the balls about the two axes across the track ``(N, 2)`` [rad/s]."""
+        return self.motion.q[:, [3, 1]]
+
+    @property
+    def sliding(self) -> Array:
+        """Sliding speed along the track at the contacts with the grooves ``(N, 4)`` [m/s]."""
+        return self.motion.contact_motions[..., 1]
+
+    @property
+    def spin(self) -> Array:
+        """Spin about the normal out of the ball at the contacts with the grooves ``(N, 4)`` [rad/s]."""
+        return -self.motion.contact_motions[..., 2]
+
+    @property
+    def friction(self) -> Array:
+        """Friction force on the ball along the track at each contact ``(N, 4)`` [N]."""
+        return self.motion.contact_friction[..., 1]
+
+    @property
+    def groove_loss(self) -> Array:
+        """Friction loss at the contacts with the grooves ``(N, 4)`` [W]."""
+        return self.motion.groove_loss
+
+    @property
+    def ball_force(self) -> Array:
+        """Force between balls k and k + 1 ``(N-1,)`` [N]."""
+        return self.motion.ball_force[:-1]
+
+    @property
+    def ball_loss(self) -> Array:
+        """Friction loss between balls k and k + 1 ``(N-1,)`` [W]."""
+        return self.motion.ball_loss[:-1]
+
+    @property
+    def carriage_drive_force(self) -> float:
+        """Force on the carriage along the track that keeps its speed [N]."""
+        return carriage_drive_force(self.motion.wrench)
+
+    @property
+    def iterations(self) -> int:
+        """Number of Newton steps of the search."""
+        return self.motion.steps
+
+    @property
+    def largest_imbalance_ratio(self) -> float:
+        """Largest unbalanced force on a ball, divided by the largest friction bound of a ball."""
+        return self.motion.largest_unbalanced_force / (self.force_unit or 1.0)
+
+    @property
+    def largest_closing_speed_ratio(self) -> float:
+        """Largest speed at which balls that touch approach each other, divided by the carriage's speed; ideally 0."""
+        return self.motion.largest_gap_violation / (abs(self.bearing.speed) or 1.0)
+
+    @property
+    def status(self) -> Status:
+        """Whether forces are in balance, and balls that press on each other stay together."""
+        return "converged" if self.motion.converged else "not converged"
 
     @property
     def velocity_deviation(self) -> Array:
         """Deviation of each ball's velocity from half the carriage's, divided by that half (Lin 3.42) ``(N,)``."""
-        return np.asarray(2.0 * self.velocity / self.carriage_speed - 1.0)
+        return np.asarray(2.0 * self.velocity / self.bearing.speed - 1.0)
 
     @property
     def loss(self) -> float:
@@ -114,35 +248,13 @@ class LinearChainSolution:
     @property
     def power(self) -> float:
         """Input power [W]: force that drives the carriage times its speed."""
-        return self.carriage_drive_force * self.carriage_speed
+        return self.motion.input_power
 
 
-@dataclass(frozen=True)
-class LinearChain:
-    """Row of balls in a linear bearing under given contact loads, with its arrays in the scaled units of the kernels.
-
-    The motion does not depend on the grooves' coefficient of friction mu, and forces and losses are proportional to it.
-    Without friction (mu = 0) the unit of force is the one for mu = 1, so that the motion is the limit for a mu that
-    tends to zero.
-    """
-
-    #: Bearing with the speed of its carriage and the coefficients of friction.
-    bearing: LinearBearing
-    #: Contacts and neighbours of the balls; speeds are in units of the carriage's speed, forces in units of ``force_unit``.
-    kernel_arrays: ChainArrays
-    #: Largest friction bound of a ball, the sum of mu F over its contacts [N].
-    force_unit: float
-    #: Sign of the carriage's speed.
-    carriage_speed_sign: float
-
-    @property
-    def count(self) -> int:
-        """Number of balls."""
-        return int(self.kernel_arrays.contacts.shape[0])
-
-
-def prepare_linear_chain(bearing: LinearBearing, angles: Array, loads: Array, touching: Mask | bool = True) -> LinearChain:
-    """Return a row of N balls in a linear bearing under given contact loads, prepared for `solve_linear_chain`.
+def prepare_linear_chain(
+    bearing: LinearBearing, angles: Array, loads: Array, touching: Mask | bool = True
+) -> LinearBallChain:
+    """Return a row of N balls in a linear bearing under given contact loads.
 
     Parameters
     ----------
@@ -159,7 +271,7 @@ def prepare_linear_chain(bearing: LinearBearing, angles: Array, loads: Array, to
     Raises
     ------
     ValueError
-        Arrays of other shapes, infinite angles or loads, or negative loads.
+        Arrays of other shapes, infinite angles or loads, negative loads, or contact ellipses narrower than 1e-3.
     """
     angles, loads = np.atleast_2d(np.asarray(angles, float)), np.atleast_2d(np.asarray(loads, float))
     count = angles.shape[0]
@@ -170,46 +282,17 @@ def prepare_linear_chain(bearing: LinearBearing, angles: Array, loads: Array, to
         )
     if not (np.all(np.isfinite(angles)) and np.all(np.isfinite(loads)) and np.all(loads >= 0.0)):
         raise ValueError("contact angles must be finite, and contact loads finite and not negative")
-    closed = np.broadcast_to(np.asarray(touching, dtype=bool), (count - 1,)).astype(float)
-    bounds = (bearing.mu or 1.0) * loads
-    scale = float(bounds.sum(axis=1).max())
-    sign = float(np.sign(bearing.speed))
-    n = linear_bearing.contact_directions(angles)
-    a, _ = linear_bearing.contact_semi_axes(bearing, loads)
-    contacts = np.empty((count, 4, 5))
-    contacts[..., :2] = n
-    contacts[..., 2] = linear_bearing.MOVING * sign
-    contacts[..., 3] = bounds / scale if scale > 0.0 else 0.0
-    contacts[..., 4] = a / bearing.ball_radius
-    hold = HOLD * np.maximum(contacts[..., 3].sum(axis=1), HOLD)
-    nominal = np.tile(np.array([0.5, 0.5 / np.cos(bearing.contact_angle), 0.0]) * sign, (count, 1))
-    arrays = ChainArrays(contacts, contact_friction_constants(bearing), closed, float(bearing.mu_balls), hold, nominal)
-    return LinearChain(bearing, arrays, scale, sign)
-
-
-def contact_friction_constants(bearing: LinearBearing) -> Array:
-    """Return the constants (b/a, q0, k1, k3) of formulas for the friction of the bearing's contacts ``(4,)``.
-
-    b/a is the ratio of the semi-axes of the contact ellipse. Consider a contact with load F and coefficient of friction
-    1 that turns about a point on its semi-axis a, at the distance c = t a from the centre. The friction force of this
-    contact is f = F (k1 t - k3 t^3), and the moment about the centre M = a F (q0 - k1 t^2/2 + 3 k3 t^4/4). q0 = 3
-    E(e)/8, with the complete elliptic integral E, is that of eq. (3.32) of Lin's thesis. ``bearing``: the bearing with
-    its Hertz constants.
-
-    Raises
-    ------
-    ValueError
-        Ratio b/a of the semi-axes below 1e-3.
-    """
     constants = bearing.contact_hertz_constants()
     ratio = float(constants.C_b / constants.C_a)
     if not ratio >= NARROWEST:
         raise ValueError(f"the ratio b/a of the contacts' semi-axes must lie in [{NARROWEST}, 1], got {ratio}")
-    q0 = 0.375 * linear_bearing.elliptic_integral_second_kind(ratio)
-    return np.array([ratio, q0, linear_friction_force_factor(ratio), cubic_friction_force_factor(ratio)])
+    slack = np.append(np.where(np.broadcast_to(np.asarray(touching, dtype=bool), (count - 1,)), 0.0, np.inf), np.inf)
+    n = linear_bearing.contact_directions(angles)
+    normals = np.stack([n[..., 1], np.zeros_like(angles), n[..., 0]], axis=-1)
+    return LinearBallChain(StraightTrack(bearing), loads, normals, slack)
 
 
-def solve_linear_chain(chain: LinearChain, start: Array | None = None, fast: bool = True) -> LinearChainSolution:
+def solve_linear_chain(chain: LinearBallChain, start: Array | None = None) -> LinearChainSolution:
     """Return motion, forces and losses of a row of balls in a linear bearing.
 
     For a carriage at rest, or a row without load, motion and friction forces are returned as zero, although any
@@ -221,58 +304,33 @@ def solve_linear_chain(chain: LinearChain, start: Array | None = None, fast: boo
     chain
         Chain of balls under given contact loads.
     start
-        Motions from which the search begins, divided by the carriage's speed ``(N, 3)``: velocity v of each ball and, times
-        the ball radius, its spins about the two axes across the track; they do not influence the result. None for nominal
-        rolling.
-    fast
-        Whether to use compiled kernels.
-
-    Returns
-    -------
-    LinearChainSolution
-        Motion, forces and losses; the ``status`` says whether the forces are in balance.
+        Motions ``(N, 4)`` from which the search for the motion without neighbours begins; they do not influence the
+        result. None to begin near rolling.
 
     References
     ----------
     Lin (2019), 3.25 to 3.31, with exact Coulomb friction in place of the sigmoid 3.20. Tested for 2 to 200 balls at
     mu_balls 0 to 0.5, contacts without load included.
     """
-    point, work = _starting_point_and_work_arrays(chain)
-    if start is not None:
-        point.motion_less_nominal[:] = np.asarray(start, dtype=float) - chain.kernel_arrays.nominal_motion
-    if chain.force_unit == 0.0 or chain.carriage_speed_sign == 0.0:
-        return _solution_in_si_units(chain, point, (0, 0.0), fast)
-    kernels = load_kernel_package(LINEAR, compiled=fast)
-    done = kernels.solve_motion_of_ball_row(chain.kernel_arrays, point, work, CREEP, TOLERANCE, STEPS)
-    return _solution_in_si_units(chain, point, done, fast)
+    s = BalanceSearch(chain)
+    found = s.solve_cold(None if start is None else start * s.units / s.speed)
+    return LinearChainSolution(chain.bearing, chain_motion_in_si_units(s, found), chain.largest_friction_bound)
 
 
-def may_have_several_equilibria(chain: LinearChain) -> bool:
-    """Return whether a row of balls may have several equilibria: neighbours touch, and there is friction between them.
-
-    Parameters
-    ----------
-    chain
-        Chain of balls under given contact loads.
-    """
-    return bool(
-        chain.bearing.mu_balls > 0.0
-        and chain.kernel_arrays.can_touch_next.any()
-        and chain.force_unit > 0.0
-        and chain.carriage_speed_sign != 0.0
-    )
+def may_have_several_equilibria(chain: LinearBallChain) -> bool:
+    """Return whether a row of balls may have several equilibria: neighbours touch, and there is friction between them."""
+    loaded = chain.force.any() and chain.bearing.speed != 0.0
+    return bool(chain.mu_balls > 0.0 and chain.touching.any() and loaded)
 
 
-def find_second_equilibrium(
-    chain: LinearChain, known: LinearChainSolution, fast: bool = True
-) -> LinearChainSolution | None:
+def find_second_equilibrium(chain: LinearBallChain, known: LinearChainSolution) -> LinearChainSolution | None:
     """Return an equilibrium of a row of balls other than a known one; None if none is found, though one may exist.
 
-    The search begins from several states: the end of the path of solutions along which the friction between balls rises
-    to its full value, the motion without this friction, and all pairs pressed together. The search also begins from the
-    end of the path for higher coefficients of friction between balls (``RISEN``), and follows that state while the
-    coefficient falls to that of the chain. If there are several states, the one with the largest ball-to-ball force is
-    returned. Without friction between balls there is only one state.
+    The search begins from several states: the end of the path of solutions along which the friction between balls rises to
+    its full value, the motion of the balls without neighbours, and all pairs pressed together. It also begins from the end
+    of the path for higher coefficients of friction between balls (``RISEN``), and follows that state while the coefficient
+    falls to that of the chain. If there are several states, the one with the largest ball-to-ball force is returned.
+    Without friction between balls there is only one state.
 
     Parameters
     ----------
@@ -280,83 +338,34 @@ def find_second_equilibrium(
         Chain of balls under given contact loads.
     known
         Known state of the chain, as `solve_linear_chain` returns it.
-    fast
-        Whether to use compiled kernels.
     """
-    engine = load_kernel_package(LINEAR, compiled=fast)
+    unit = chain.largest_friction_bound
 
-    def equilibria_from_all_starts() -> Iterator[LinearChainSolution]:
-        """Yield the solutions, converged or not, to which the searches from all starts lead."""
-        for start in range(engine.STARTS):
-            point, work = _starting_point_and_work_arrays(chain)
-            done = engine.solve_motion_from_other_start(chain.kernel_arrays, point, work, CREEP, TOLERANCE, STEPS, start)
-            yield _solution_in_si_units(chain, point, done, fast)
-        for mu in (mu for mu in RISEN if mu > chain.bearing.mu_balls):
-            point, work = _starting_point_and_work_arrays(chain)
-            at = chain.kernel_arrays._replace(mu=mu)
-            done = engine.solve_motion_from_other_start(at, point, work, CREEP, TOLERANCE, STEPS, 0)
-            while at.mu > chain.bearing.mu_balls and done[1] <= ACCEPTED and point.ball_to_ball_unknowns.max() > 0.0:
-                at = at._replace(mu=max(at.mu * FALLING, chain.bearing.mu_balls))
-                done = engine.motion_from_state(at, point, work, CREEP, TOLERANCE)
-            if at.mu == chain.bearing.mu_balls:
-                yield _solution_in_si_units(chain, point, done, fast)
+    def with_friction(mu: float) -> LinearBallChain:
+        """Return the chain with another coefficient of friction between balls."""
+        return replace(chain, groove=StraightTrack(replace(chain.bearing, mu_balls=mu)))
+
+    def states_from_all_starts() -> Iterator[ChainMotion]:
+        """Yield the states, in balance or not, to which the searches from all starts lead."""
+        s = BalanceSearch(chain)
+        alone = s.motions_without_neighbours()
+        yield chain_motion_in_si_units(s, s.solve_by_path(alone))
+        for force in (0.0, PRESSED):
+            yield chain_motion_in_si_units(s, s.solve_at_falling_speeds(s.in_motion(alone), force * s.allowed, STEPS))
+        for mu in (mu for mu in RISEN if mu > chain.mu_balls):
+            s = BalanceSearch(with_friction(mu))
+            at = chain_motion_in_si_units(s, s.solve_by_path(alone))
+            while mu > chain.mu_balls and at.converged and at.ball_force.max() > 0.0:
+                mu = max(mu * FALLING, chain.mu_balls)
+                at = solve_motion_of_chain(with_friction(mu), (at.q, at.ball_force), warm=True)
+            if mu == chain.mu_balls:
+                yield at
 
     if not may_have_several_equilibria(chain):
         return None
-    good = (other for other in equilibria_from_all_starts() if other.status == "converged")
-    others = [s for s in good if np.abs(s.ball_force - known.ball_force).max() > ANOTHER * chain.force_unit]
+    good = (LinearChainSolution(chain.bearing, other, unit) for other in states_from_all_starts() if other.converged)
+    others = [s for s in good if np.abs(s.ball_force - known.ball_force).max() > ANOTHER * unit]
     return max(others, key=lambda other: float(other.ball_force.max()), default=None)
-
-
-def _starting_point_and_work_arrays(chain: LinearChain) -> tuple[ChainSearchState, NewtonArrays]:
-    """Return the nominal motion without ball-to-ball forces as the start of a search, and Newton's work arrays."""
-    count, n = chain.count, 4 * chain.count
-    point = ChainSearchState(np.zeros((count, 4, 2)), np.zeros((count - 1, 3)), np.zeros((count, 3)), np.zeros(count - 1))
-    return point, NewtonArrays(np.empty((n, WIDTH)), np.empty((n, FILLED)), np.empty(n), np.empty(n), np.zeros(n))
-
-
-def _solution_in_si_units(
-    chain: LinearChain, point: ChainSearchState, steps_and_residual: tuple[int, float], fast: bool
-) -> LinearChainSolution:
-    """Return motion, forces and losses of a row of balls in SI units at the ``point`` where a search ended.
-
-    ``steps_and_residual``: number of Newton steps of the search, and its largest unbalanced force divided by the
-    chain's ``force_unit``; ``fast``: whether to use compiled kernels.
-    """
-    contacts, shape, _, mu_balls, _, nominal = chain.kernel_arrays
-    slips, pair, drift, push = point
-    speed = abs(chain.bearing.speed)
-    x = (nominal + drift) * speed
-    force, moment = np.zeros(slips.shape[:2]), np.zeros(slips.shape[:2])
-    law = load_kernel_package(LINEAR, compiled=fast).regularised_friction
-    for j, i in np.ndindex(*force.shape):
-        force[j, i], moment[j, i], *_ = law(slips[j, i, 0], slips[j, i, 1], shape, CREEP)
-    scale = chain.force_unit if chain.bearing.mu > 0.0 else 0.0
-    bound = scale * contacts[..., 3]
-    rub = np.hypot(pair[:, 1], pair[:, 2])
-    bite = np.divide(rub, np.hypot(rub, CREEP))
-    radius = chain.bearing.ball_radius
-    lam = np.maximum(push, 0.0)
-    iterations, residual = steps_and_residual
-    spin = np.divide(slips[..., 1], contacts[..., 4], out=np.zeros_like(force), where=contacts[..., 3] > 0.0)
-    lag = float(np.max(np.abs(pair[lam > 0.0, 0]), initial=0.0)) / CREEP
-    good = max(residual, lag) <= ACCEPTED
-    return LinearChainSolution(
-        velocity=x[:, 0],
-        rotation=x[:, 1:] / radius,
-        sliding=slips[..., 0] * speed,
-        spin=spin * speed / radius,
-        friction=-bound * force,
-        groove_loss=bound * (slips[..., 0] * force + slips[..., 1] * moment) * speed,
-        ball_force=scale * lam,
-        ball_loss=mu_balls * scale * lam * bite * rub * speed,
-        carriage_drive_force=float(-(bound * force * linear_bearing.MOVING).sum()),
-        carriage_speed=chain.bearing.speed,
-        iterations=iterations,
-        largest_imbalance_ratio=residual,
-        largest_closing_speed_ratio=lag,
-        status="converged" if good else "not converged",
-    )
 
 
 @dataclass(frozen=True)
@@ -444,7 +453,6 @@ def solve_pair_of_linear_balls(
     *,
     mated: bool = False,
     loads: Loads = "balanced",
-    fast: bool = True,
 ) -> LinearPairSolution:
     """Return the states of two balls of a linear bearing without and with contact (section 3.3.4 of Lin's thesis).
 
@@ -467,12 +475,10 @@ def solve_pair_of_linear_balls(
         deviations epsilon printed in Lin's Table 3.4; ``"diagonal"``: equal loads on each diagonal as in Lin's text before
         eq. (3.54), with which the epsilons of the two balls are equal and opposite; ``"elastic"``: contact angles follow
         the loads.
-    fast
-        Whether to use compiled kernels.
     """
     angles, force = pair_angles_and_loads(bearing, theta, side_force_ratio, vertical, mated=mated, loads=loads)
     apart, together = (prepare_linear_chain(bearing, angles, force, touching) for touching in (False, True))
-    return LinearPairSolution(solve_linear_chain(apart, fast=fast), solve_linear_chain(together, fast=fast))
+    return LinearPairSolution(solve_linear_chain(apart), solve_linear_chain(together))
 
 
 class ModelAndFormula(NamedTuple):

@@ -1,4 +1,4 @@
-"""A ball between the grooves of two helical bodies with friction: kinematics, Hertz constants, arrays of the kernels.
+"""A ball between the grooves of two helical bodies with friction: kinematics, Hertz constants, scaled units.
 
 Axes at the ball's centre (section 3.4.1 of Lin's thesis): x3 radially outward, y3 along the helical path, z3 the binormal,
 about which the lead angle tilts the screw's axis towards y3. Contacts in the order SL, SR, NL, NR (screw or nut, left or
@@ -10,12 +10,11 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rollbench.lowfi.friction.screw.kernel_types import GrooveArrays
 from rollbench.lowfi.hertz import contact_modulus, hertz_constants_as_printed
 from rollbench.lowfi.statics.contacts import hertz_without_errors
 from rollbench.meshes.arrays import Array
@@ -170,7 +169,65 @@ class GrooveHertzConstants:
     C_b: Array
 
 
-class GroovesInMotion(HelicalMotion, ABC):
+class ScaledTrack(NamedTuple):
+    """Kinematics of the balls of a track in scaled units.
+
+    The motion x (4,) of a ball is its motion along the track and its three spins, as surface speeds divided by the speed of
+    the moving groove along the track.
+    """
+
+    #: Motion x (4,) of a ball that rolls at the nominal contact angle.
+    nominal: Array
+    #: Velocity of the first ball's surface at its contact with the second ball, along two tangents, per unit of the first
+    #: ball's motion x (2, 4).
+    first_ball_surface_speeds: Array
+    #: Velocity of the second ball's surface at its contact with the first ball, along the same tangents, per unit of the
+    #: second ball's motion x (2, 4).
+    second_ball_surface_speeds: Array
+    #: Speed at which a ball approaches the next one, per unit of the difference of their motions x (4,).
+    approach: Array
+
+
+class TrackInMotion(ABC):
+    """Abstract class for a track of balls between two grooves, one of which moves along it.
+
+    The motion q (4,) of a ball is its motion along the track and three spins [rad/s] about the axes x3 (across the track),
+    y3 (along the track) and z3.
+    """
+
+    @property
+    @abstractmethod
+    def levers(self) -> Array:
+        """Surface speed of a ball per unit of each component of its motion ``(4,)``."""
+
+    @property
+    @abstractmethod
+    def speed_along_path(self) -> float:
+        """Speed of the moving groove along the track [m/s], positive; 1 m/s for grooves at rest."""
+
+    @property
+    @abstractmethod
+    def nominal_motion(self) -> Array:
+        """Motion of a ball that rolls at the nominal contact angle ``(4,)``."""
+
+    @property
+    @abstractmethod
+    def pair(self) -> TouchingBallsGeometry:
+        """Geometry of the contact of two touching balls of nominal size."""
+
+    @cached_property
+    def scaled(self) -> ScaledTrack:
+        """Kinematics of the balls in scaled units."""
+        unit, pair = self.levers, self.pair
+        return ScaledTrack(
+            nominal=self.nominal_motion * unit / self.speed_along_path,
+            first_ball_surface_speeds=pair.first_ball_surface_speeds / unit,
+            second_ball_surface_speeds=pair.second_ball_surface_speeds / unit,
+            approach=pair.closing_speed_factor * np.array([1.0, 0.0, 0.0, 0.0]) / unit,
+        )
+
+
+class GroovesInMotion(HelicalMotion, TrackInMotion):
     """Abstract class for grooves of screw and nut that move along the helix: kinematics, Hertz constants and friction."""
 
     #: Coefficient of friction of the grooves; the larger one if screw and nut differ.
@@ -185,6 +242,21 @@ class GroovesInMotion(HelicalMotion, ABC):
     def pair(self) -> TouchingBallsGeometry:
         """Geometry of the contact of two touching balls of nominal size."""
         return touching_balls_geometry(self)
+
+    @property
+    def levers(self) -> Array:
+        """Length of the path per angle, then three times the ball radius ``(4,)`` [m]."""
+        return np.array([self.radius, self.ball_radius, self.ball_radius, self.ball_radius])
+
+    @property
+    def speed_along_path(self) -> float:
+        """Speed of the nut relative to the screw along the helical path [m/s]; 1 m/s if both are at rest."""
+        return float(abs(self.speed) * self.radius) or 1.0
+
+    @property
+    def nominal_motion(self) -> Array:
+        """Motion of a ball that rolls at the nominal contact angle ``(4,)`` [rad/s]."""
+        return np.array([self.nominal_orbit, 0.0, 0.0, 0.0])
 
 
 @register_frozen_defaults
@@ -380,46 +452,50 @@ def touching_balls_geometry(screw: HelicalMotion) -> TouchingBallsGeometry:
     )
 
 
-@lru_cache(maxsize=64)
-def kernel_groove_arrays(groove: GroovesInMotion) -> GrooveArrays:
-    """Return kinematics and Hertz constants of the grooves as arrays for the kernels; results are cached.
+class ScaledGroove(NamedTuple):
+    """Geometry and kinematics of the grooves of screw and nut in scaled units, for the motion of balls.
 
-    In these arrays the motions of a ball are surface speeds divided by the speed of the nut along the path. ``groove``:
-    the grooves with the speeds of screw and nut.
+    The motion x (4,) of a ball is its orbit and its three spins, as surface speeds divided by the speed of the nut
+    along the path.
     """
-    unit, speed = surface_speed_levers(groove), nut_speed_along_path(groove)
-    pair, h = groove.pair, groove.contact_hertz_constants
-    scale = speed / unit
+
+    #: Three matrices A_0, A_1, A_2 (3, 3, 4). The matrix A_0 + n_x A_1 + n_z A_2 converts the motion x of a ball to sliding
+    #: vx, vz [m/s] and spin [rad/s] at a contact with the normal (n_x, n_z).
+    contact_map_coefficients: Array
+    #: Motion, in the terms of a ball's motion x, of the body (screw or nut) on which each contact lies (4, 4).
+    body_motion: Array
+    #: Hertz constants (4,) of the semi-axes of the contacts across the groove, a = C_a F^(1/3) [m/N^(1/3)].
+    C_a: Array
+    #: Hertz constants (4,) of the semi-axes of the contacts along the groove, b = C_b F^(1/3) [m/N^(1/3)].
+    C_b: Array
+    #: Kinematics of the balls along the path.
+    track: ScaledTrack
+    #: Speed of the nut along the path relative to the screw [m/s], by which speeds are divided.
+    speed: float
+
+
+@lru_cache(maxsize=64)
+def scaled_groove(groove: GroovesInMotion) -> ScaledGroove:
+    """Return kinematics and Hertz constants of the grooves in scaled units; results are cached.
+
+    ``groove``: the grooves with the speeds of screw and nut.
+    """
+    unit, speed, h = groove.levers, groove.speed_along_path, groove.contact_hertz_constants
+    scale, orbit = speed / unit, np.array([1.0, 0.0, 0.0, 0.0])
     ends = np.array([[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
     at = groove.contact_kinematics(np.repeat(ends[:, None, :], 4, axis=1))[0][:, 0] * scale
     middle = 0.5 * (at[0] + at[1])  # maps are affine in the normal, so that three directions tell them
-    affine = np.stack([middle, at[0] - middle, at[2] - middle])
-    ride = np.where(ON_SCREW, groove.screw_speed, groove.nut_speed) / scale[0]
-    nominal = np.array([groove.nominal_orbit, 0.0, 0.0, 0.0]) / scale
-    first, second = pair.first_ball_surface_speeds / unit, pair.second_ball_surface_speeds / unit
-    affine, ride, nominal, first, second = map(contiguous_floats, (affine, ride, nominal, first, second))
-    C_a, C_b = map(contiguous_floats, (h.C_a, h.C_b))
-    closing = float(pair.closing_speed_factor / groove.radius)
-    return GrooveArrays(affine, ride, C_a, C_b, nominal, first, second, closing, float(speed))
+    body = np.where(ON_SCREW, groove.screw_speed, groove.nut_speed)
+    return ScaledGroove(
+        contact_map_coefficients=np.stack([middle, at[0] - middle, at[2] - middle]),
+        body_motion=body[:, None] * orbit / scale,
+        C_a=h.C_a,
+        C_b=h.C_b,
+        track=groove.scaled,
+        speed=speed,
+    )
 
 
 def contiguous_floats(values: Array) -> Array:
-    """Return ``values`` as a contiguous array of floats, so that the kernels are compiled for one type of array only."""
+    """Return ``values`` as a contiguous array of floats."""
     return np.ascontiguousarray(values, dtype=float)
-
-
-def surface_speed_levers(groove: HelicalMotion) -> Array:
-    """Return the levers ``(4,)`` [m] that convert a ball's four angular speeds (orbit and three spins) to surface speeds.
-
-    The levers are the length of the path per angle, then the ball radius for each of the three spins. ``groove``: helix
-    and ball radius.
-    """
-    return np.array([groove.radius, groove.ball_radius, groove.ball_radius, groove.ball_radius])
-
-
-def nut_speed_along_path(groove: HelicalMotion) -> float:
-    """Return the speed of the nut relative to the screw along the helical path [m/s]; 1 m/s if both are at rest.
-
-    ``groove``: helix and speeds of screw and nut. Speeds are divided by the result, so that it must not be zero.
-    """
-    return float(abs(groove.speed) * groove.radius) or 1.0

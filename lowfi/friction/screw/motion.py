@@ -2,7 +2,7 @@
 
 The model is that of section 3.4.1 of Lin's thesis. The motion of each ball is that of least dissipation. The friction of a
 ball in the plane of its groove section (the helix turns nut and screw against each other about y3) changes the contact
-loads through the ball's equilibrium: ``chain.solve_coupled_chain`` solves loads and friction in turn.
+loads through the ball's equilibrium: ``coupled.solve_coupled_chain`` solves loads and friction in turn.
 
 Loads are the minimum of a convex energy over all positions. Each ball moves in the plane of its groove section (x3 radial,
 z3 binormal), the screw by its free motions u, the nut is fixed. Friction in this plane is given by forces on balls and
@@ -17,10 +17,9 @@ from typing import Literal
 import numpy as np
 
 from rollbench.lowfi.friction.contact import equilibrium
-from rollbench.lowfi.friction.contact.kernel_types import BallContactArrays
 from rollbench.lowfi.friction.contact.laws import EllipticalContacts, FrictionLaw, SigmoidLaw, contacts_from_values
+from rollbench.lowfi.friction.contact.normal_force import BallContactArrays
 from rollbench.lowfi.friction.screw import groove as screw_groove
-from rollbench.lowfi.jit import SCREW, load_kernel_package
 from rollbench.lowfi.statics.settle import contact_angles
 from rollbench.meshes.arrays import Array, Mask
 
@@ -67,8 +66,8 @@ class BallsBetweenGrooves:
         return self.screw_displacement_maps[:, [0, 2]]
 
 
-def kernel_arrays_for_contact_loads(cell: BallsBetweenGrooves) -> BallContactArrays:
-    """Return geometry, stiffness and applied forces of the balls in ``cell`` as arrays for the kernels."""
+def arrays_for_contact_loads(cell: BallsBetweenGrooves) -> BallContactArrays:
+    """Return geometry, stiffness and applied forces of the balls in ``cell`` as arrays."""
     start = cell.groove.groove_ball_centre_distance * np.stack(
         [screw_groove.SIGN_X * np.cos(cell.angle), screw_groove.SIGN_Z * np.sin(cell.angle)], axis=-1
     )
@@ -101,7 +100,7 @@ def _starting_displacements(cell: BallsBetweenGrooves) -> tuple[Array, Array]:
 
 
 def solve_screw_contact_loads(
-    cell: BallsBetweenGrooves, start: tuple[Array, Array] | None = None, fast: bool = True
+    cell: BallsBetweenGrooves, start: tuple[Array, Array] | None = None
 ) -> equilibrium.ContactLoadSolution:
     """Return the contact loads of balls between screw and nut, in balance with the forces on balls and screw.
 
@@ -117,8 +116,6 @@ def solve_screw_contact_loads(
     start
         Displacements of the balls ``(N, 2)`` and of the screw ``(m,)`` [m] from which the search begins; None for a start
         estimated from the load.
-    fast
-        Whether to use compiled kernels.
     """
     load = float(
         np.linalg.norm(cell.external_screw_force)
@@ -127,9 +124,9 @@ def solve_screw_contact_loads(
     )
     begin = _starting_displacements(cell) if start is None else start
     p, u = (screw_groove.contiguous_floats(displacements).copy() for displacements in begin)
-    settled = equilibrium.solve_contact_loads(kernel_arrays_for_contact_loads(cell), load, p, u, contact_angles, fast)
+    settled = equilibrium.solve_contact_loads(arrays_for_contact_loads(cell), load, p, u, contact_angles)
     # from a distant start a nearly unloaded ball may creep along a flat energy
-    return settled if settled.converged or start is None else solve_screw_contact_loads(cell, None, fast)
+    return settled if settled.converged or start is None else solve_screw_contact_loads(cell)
 
 
 def screw_displacement_maps(groove: screw_groove.ScrewGroove, azimuth: Array, free: str) -> Array:
@@ -231,19 +228,12 @@ def contact_ellipses_of_screw(groove: screw_groove.ScrewGroove, force: Array) ->
         Contact forces, ``(..., 4)`` [N].
     """
     h, four = groove.contact_hertz_constants, np.reshape(force, (-1, 4)).astype(float)
-    a, b = np.empty_like(four), np.empty_like(four)
-    C_a, C_b = screw_groove.contiguous_floats(h.C_a), screw_groove.contiguous_floats(h.C_b)
-    load_kernel_package(SCREW, compiled=True).write_semi_axes(four, C_a, C_b, a, b)
-    return contacts_from_values(a.ravel(), b.ravel(), four.ravel(), groove.mu)
+    root = np.maximum(four, max(1e-9 * float(four.max()), 1e-30)) ** (1.0 / 3.0)
+    return contacts_from_values((h.C_a * root).ravel(), (h.C_b * root).ravel(), four.ravel(), groove.mu)
 
 
 def solve_ball_motion(
-    groove: screw_groove.ScrewGroove,
-    force: Array,
-    angle: Array,
-    push: Array | None = None,
-    start: Array | None = None,
-    fast: bool = True,
+    groove: screw_groove.ScrewGroove, force: Array, angle: Array, push: Array | None = None, start: Array | None = None
 ) -> BallMotion:
     """Return the motion of least dissipation of one ball under given contact loads, with its friction.
 
@@ -261,15 +251,24 @@ def solve_ball_motion(
     start
         Motion omega_B, omega_x, omega_y, omega_z from which the search begins ``(4,)`` [rad/s]; None to begin near pure
         rolling.
-    fast
-        Whether to use compiled kernels.
     """
-    normals = groove.normals(angle)
-    maps, drives = groove.contact_kinematics(normals)
-    at = contact_ellipses_of_screw(groove, np.asarray(force, dtype=float))
-    forces = np.zeros(4) if push is None else np.asarray(push, dtype=float)
-    problem = equilibrium.BodyMotionProblem(at, maps, drives, forces)
-    return BallMotion(groove, at, normals, problem, equilibrium.least_dissipation(problem, start, fast))
+    of_one = (None if values is None else np.asarray(values, dtype=float)[None] for values in (push, start))
+    return solve_ball_motions(groove, np.asarray(force, dtype=float)[None], np.asarray(angle)[None], *of_one)[0]
+
+
+def solve_ball_motions(
+    groove: screw_groove.ScrewGroove, force: Array, angle: Array, push: Array | None = None, start: Array | None = None
+) -> list[BallMotion]:
+    """Return the motions of least dissipation of N independent balls; all arrays as in `solve_ball_motion`, ``(N, 4)``."""
+    normals, pushes = groove.normals(angle), np.zeros(force.shape) if push is None else push
+    ellipses = (contact_ellipses_of_screw(groove, of_ball) for of_ball in force)
+    of_each = zip(ellipses, *groove.contact_kinematics(normals), pushes, strict=True)
+    problems = [equilibrium.BodyMotionProblem(*values) for values in of_each]
+    motions = equilibrium.least_dissipations(problems, start)
+    return [
+        BallMotion(groove, problem.contacts, direction, problem, motion)
+        for problem, direction, motion in zip(problems, normals, motions, strict=True)
+    ]
 
 
 def lin_sigmoid_law(groove: screw_groove.ScrewGroove, sharpness: float, map_spacing: float | None = None) -> SigmoidLaw:
@@ -304,7 +303,7 @@ def solve_ball_motion_by_root(ball: BallMotion, law: FrictionLaw, start: Array |
     contact angle. From many starts near two-point contact the search fails (status "failed").
     """
     first = np.array([ball.groove.nominal_orbit, 0.0, 0.0, 0.0]) if start is None else start
-    return equilibrium.motion_by_root(ball.problem, law, first, fast=True)
+    return equilibrium.motion_by_root(ball.problem, law, first)
 
 
 def friction_on_balls_and_screw(

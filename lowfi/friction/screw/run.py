@@ -16,7 +16,7 @@ from typing import Literal
 import numpy as np
 
 from rollbench.lowfi.friction.screw import motion as screw_motion
-from rollbench.lowfi.friction.screw.chain import CoupledChainSolution, IterationStart, solve_coupled_chain
+from rollbench.lowfi.friction.screw.coupled import CoupledChainSolution, IterationStart, solve_coupled_chain
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.lowfi.friction.screw.travel import BallState, ClosedTrack, InstantSolution, TravelHistory, simulate
 from rollbench.meshes.arrays import Array, Index, Mask

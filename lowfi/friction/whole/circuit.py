@@ -17,7 +17,6 @@ from rollbench.lowfi.friction.screw.travel import ClosedTrack
 from rollbench.lowfi.friction.whole import losses
 from rollbench.lowfi.friction.whole.contacts import StaticContacts, contacts_of_result
 from rollbench.lowfi.friction.whole.torque import ONE_TURN, axial_forces_and_moments
-from rollbench.lowfi.jit import CONTACT, is_copy_loaded
 from rollbench.lowfi.statics.contacts import hertz_without_errors
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array, Index, Mask
@@ -187,8 +186,7 @@ def nut_positions_at_start_and_end(scene: Scene) -> Array:
 class SceneGrooves(losses.BallKinematics, groove.GroovesInMotion):
     """Grooves of a scene without geometric errors, with the speeds of screw and nut and with friction.
 
-    One object is used in a whole simulation, because the arrays for the compiled functions are cached for it
-    (`kernel_groove_arrays`).
+    One object is used in a whole simulation, because its kinematics in scaled units are cached (`scaled_groove`).
     """
 
     #: Larger one of the coefficients of friction of the screw's and the nut's grooves.
@@ -217,6 +215,8 @@ def grooves_of_scene(scene: Scene, friction: Friction, drive: Drive) -> SceneGro
 class SceneBallChain(BallChain):
     """Balls of one closed track of a scene with their contact loads; radii and friction may differ from ball to ball."""
 
+    #: Grooves of screw and nut without errors, with the speeds of both.
+    groove: SceneGrooves
     #: Contact forces, angles and ellipses of the balls.
     static_contacts: StaticContacts
     #: Ellipses, friction bounds and kinematics of the contacts of the same balls.
@@ -263,7 +263,6 @@ def solve_motion_on_track(
     drive: Drive,
     grooves: SceneGrooves,
     start: tuple[Array, Array] | None = None,
-    fast: bool = True,
 ) -> ChainMotion:
     """Return the motion of the balls of one closed track, in order of azimuth, and the forces between them.
 
@@ -288,8 +287,6 @@ def solve_motion_on_track(
     start
         First estimates: motions of the balls ``(N, 4)`` [rad/s], then forces between neighbours ``(N,)`` [N]. If None, the
         solution begins without estimates.
-    fast
-        Whether to use the compiled functions instead of plain Python.
 
     Returns
     -------
@@ -299,7 +296,7 @@ def solve_motion_on_track(
     share, top = losses.relative_friction_coefficients(friction)
     rubs = losses.friction_contacts(scene, contacts, top * share, drive)
     chain = SceneBallChain(grooves, contacts.force, contacts.normals, slack, contacts, rubs, friction.between_balls)
-    motion = solve_motion_of_chain(chain, start, fast, True)
+    motion = solve_motion_of_chain(chain, start, True)
     for rows in (motion.contact_motions, motion.contact_friction):
         losses.rotate_to_groove_axes(contacts, rows)
     return motion
@@ -463,7 +460,11 @@ class ContactOnset:
 
 
 def contact_onset(
-    scene: Scene, result: StaticResult, unloaded_speed_ratio: float = 0.0, drive: Drive = NUT
+    scene: Scene,
+    result: StaticResult,
+    unloaded_speed_ratio: float = 0.0,
+    drive: Drive = NUT,
+    orbital_speeds: Array | None = None,
 ) -> ContactOnset:
     """Return the rotation after which neighbouring balls begin to touch, estimated from a static load distribution.
 
@@ -482,6 +483,9 @@ def contact_onset(
         assumes; with 1 they roll along with the others.
     drive
         Which part turns, screw or nut, and its angular speed.
+    orbital_speeds
+        Orbital speeds of the balls at the static loads ``(N,)`` [rad/s], with friction in balance on every ball and equal
+        coefficients of friction of screw and nut; None if they are not known.
 
     Raises
     ------
@@ -489,11 +493,13 @@ def contact_onset(
         The static loads did not converge, balls overlap, or the circuits cannot hold their balls.
     """
     path = losses.ball_kinematics(scene, drive, scene.balls.radius)
-    balls = losses.ball_friction(
-        scene, contacts_of_result(scene, result), Friction(1.0, 1.0), drive, fast=is_copy_loaded(CONTACT)
-    )
+    speeds, converged = orbital_speeds, True
+    if speeds is None:
+        balls = losses.BallsUnderLoad(scene, contacts_of_result(scene, result, result.member), Friction(1.0, 1.0), drive)
+        moved = losses.ball_friction(balls)
+        speeds, converged = moved.orbital_speed, moved.converged
     carrying = result.load.sum(axis=1)
-    orbit = np.where(carrying > 0.0, balls.orbital_speed, unloaded_speed_ratio * path.nominal_orbit)
+    orbit = np.where(carrying > 0.0, speeds, unloaded_speed_ratio * path.nominal_orbit)
     spacing, ring = groove.azimuth_between_touching_balls(path), scene.track.lead == 0.0
     pairs, gaps, leaving = [], [], []
     for track, azimuth, ball in circuits_of_scene(scene):
@@ -515,4 +521,4 @@ def contact_onset(
     closing = orbit[pair[:, 0]] - orbit[pair[:, 1]]
     meets = closing > CLOSING * speed
     meeting = np.where(meets, np.maximum(gap, 0.0) * speed / np.where(meets, closing, 1.0), np.inf)
-    return ContactOnset(orbit, carrying, pair, gap, meeting, speed * np.concatenate(leaving), balls.converged)
+    return ContactOnset(orbit, carrying, pair, gap, meeting, speed * np.concatenate(leaving), converged)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 
@@ -71,6 +72,13 @@ class StaticContacts:
         layout = BallLayout(*(getattr(self.layout, f.name)[balls] for f in fields(self.layout)))
         arrays = {f.name: getattr(self, f.name)[balls] for f in fields(self) if f.name != "layout"}
         return replace(self, layout=layout, **arrays)
+
+    @classmethod
+    def joined(cls, groups: Sequence[StaticContacts]) -> StaticContacts:
+        """Return the contacts of all balls of several groups, one group after the other."""
+        layout = BallLayout(*(np.concatenate([getattr(g.layout, f.name) for g in groups]) for f in fields(BallLayout)))
+        arrays = {f.name: np.concatenate([getattr(g, f.name) for g in groups]) for f in fields(cls) if f.name != "layout"}
+        return cls(layout=layout, **arrays)
 
     @property
     def axial_force(self) -> float:

@@ -8,8 +8,9 @@ the balls therefore remains that of the static model.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,12 +18,10 @@ from rollbench.lowfi.friction.contact.equilibrium import solve_contact_loads_of_
 from rollbench.lowfi.friction.screw.groove import ON_SCREW
 from rollbench.lowfi.friction.screw.motion import AndersonAcceleration
 from rollbench.lowfi.friction.whole.contacts import StaticContacts, contacts_with_loads
-from rollbench.lowfi.friction.whole.losses import BallFriction, ball_friction
+from rollbench.lowfi.friction.whole.losses import BallFriction, BallsUnderLoad, friction_of_groups
 from rollbench.lowfi.statics.settle import contact_angles
 from rollbench.meshes.arrays import Array, Index, Mask
 from rollbench.meshes.errors import GeometryWithErrors
-from rollbench.meshes.parts import Friction, Scene
-from rollbench.meshes.parts import Motion as Drive
 
 #: Difference between the friction in a ball's contacts and the friction that its contact loads balance, as a fraction of
 #: the sum of these loads: tolerance that the iteration aims at, and largest difference that is accepted.
@@ -41,8 +40,7 @@ DISPLACED, ANOTHER = 3.0, 1e-3
 JAMMED = 0.3
 
 
-@dataclass(frozen=True)
-class PositionsInGrooves:
+class PositionsInGrooves(NamedTuple):
     """Positions of N balls relative to their four grooves in the static state without friction."""
 
     #: Vector from the centre of each groove's profile to the ball's centre, along x3 and z3 ``(N, 4, 2)`` [m].
@@ -52,7 +50,7 @@ class PositionsInGrooves:
     touching_distance: Array
     #: Hertz constants C of the approach C F^(2/3) at a contact force F ``(N, 4)`` [m/N^(2/3)].
     C: Array
-    #: Direction of the screw's axis in the axes x3, y3, z3 of a ball's section ``(3,)``.
+    #: Direction of the screw's axis in the axes x3, y3, z3 of each ball's section ``(N, 3)``.
     screw_axis_direction: Array
 
 
@@ -72,7 +70,7 @@ def positions_in_grooves(contacts: StaticContacts, C: Array, reach: Array, centr
     free = (contacts.force == 0.0) & (contacts.force[:, other] > 0.0)
     away = np.where(free[..., None], by_other, away)
     reach = np.where(free, np.maximum(reach, np.hypot(away[..., 0], away[..., 1])), reach)
-    return PositionsInGrooves(away, reach, C, np.asarray(contacts.section_axes[0, :, 2]))
+    return PositionsInGrooves(away, reach, C, np.asarray(contacts.section_axes[:, :, 2]))
 
 
 def positions_in_grooves_with_errors(contacts: StaticContacts, drawn: GeometryWithErrors, C: Array) -> PositionsInGrooves:
@@ -88,16 +86,15 @@ def positions_in_grooves_with_errors(contacts: StaticContacts, drawn: GeometryWi
     return positions_in_grooves(contacts, C, reach, drawn.groove_centres)
 
 
-def _unbalanced_forces(force: Array, normal: Array, along: Array, applied: Array) -> Array:
+def _unbalanced_forces(contacts: StaticContacts, along: Array, applied: Array) -> Array:
     """Return the unbalanced forces on each ball and on the screw, contact forces less applied forces ``(N, 3)`` [N].
 
     The three values are the forces on the ball along x3 (radial) and z3 (binormal), and on the screw along its axis.
-    ``force``: contact forces ``(N, 4)``; ``normal``: unit vectors from each ball's centre to its contacts in x3, z3
-    ``(N, 4, 2)``; ``along``: direction of the screw's axis in x3, z3 ``(2,)``; ``applied``: applied forces, in the
-    order of the result ``(N, 3)`` [N].
+    ``along``: direction of the screw's axis in x3, z3 ``(N, 2)``; ``applied``: applied forces, in the order of the result
+    ``(N, 3)`` [N].
     """
-    push = force[..., None] * normal
-    screw = -np.einsum("nsi,i->n", push[:, ON_SCREW], along)
+    push = contacts.force[..., None] * contacts.normals[..., [0, 2]]
+    screw = -np.einsum("nsi,ni->n", push[:, ON_SCREW], along)
     return np.column_stack([push.sum(axis=1), screw]) - applied
 
 
@@ -115,8 +112,6 @@ class FrictionEquilibrium:
     friction: BallFriction
     #: Whether each ball failed to reach an equilibrium ``(N,)``.
     failed_balls: Mask
-    #: Number of rounds of the iteration between contact loads and friction.
-    rounds: int
     #: Largest ratio, over all balls, of the unbalanced force on a ball to the sum of its contact loads.
     largest_imbalance_ratio: float
     #: Friction forces, in balance with the contact loads: on each ball along x3 (radial) and z3 (binormal), and on the
@@ -124,165 +119,194 @@ class FrictionEquilibrium:
     friction_on_balls_and_screw: Array
 
 
-def solve_friction_equilibrium(
-    scene: Scene,
-    static_contacts: StaticContacts,
-    positions: PositionsInGrooves,
-    friction: Friction,
-    drive: Drive,
-    fast: bool = False,
-    starting_friction: Array | None = None,
-    starting_motions: Array | None = None,
-) -> FrictionEquilibrium:
+class DisplacedBalls(NamedTuple):
+    """Balls of a screw that friction displaces in their grooves, and from where the search for their equilibrium begins."""
+
+    #: The N balls at the contact loads without friction.
+    still: BallsUnderLoad
+    #: Positions of the balls relative to their grooves without friction.
+    place: PositionsInGrooves
+    #: Motion and friction of the balls at these contact loads; None if they are not known.
+    friction: BallFriction | None = None
+    #: Friction of a similar state ``(N, 3)`` [N] (`FrictionEquilibrium.friction_on_balls_and_screw`), at which the
+    #: iteration begins; None to begin at the static state.
+    starting_friction: Array | None = None
+    #: Motions of the balls in a similar state ``(N, 4)`` [rad/s], which shorten the solution but do not change it; None if
+    #: none are known.
+    starting_motions: Array | None = None
+
+
+#: Function that returns motion and friction of the balls of several groups at given contact loads, such as
+#: `friction_of_groups`; it takes the groups, and first estimates of their motions.
+FrictionLaw = Callable[[Sequence[BallsUnderLoad], Sequence[Array]], list[BallFriction]]
+
+
+class _BallsOfGroups:
+    """All balls of several groups in one row, in search of their equilibria with friction.
+
+    A ball is known by its number in this row. Attributes: ``contacts``, the present contacts of all balls; ``friction``,
+    that on balls and screw which these contacts balance ``(N, 3)``; ``shift``, displacements of balls and screw from the
+    state without friction ``(N, 3)``; ``q``, motions ``(N, 4)``; ``failed``, whether no contact loads were found ``(N,)``.
+    """
+
+    def __init__(self, groups: Sequence[DisplacedBalls], law: FrictionLaw) -> None:
+        """Begin at the state without friction, or at the friction that a group begins from; ``law``: gives the friction."""
+        self.groups, self.law = [group.still for group in groups], law
+        sizes = [balls.contacts.force.shape[0] for balls in self.groups]
+        self.count, self.group_of_ball = sum(sizes), np.repeat(np.arange(len(sizes)), sizes)
+        self.frictionless = self.contacts = StaticContacts.joined([balls.contacts for balls in self.groups])
+        self.place = PositionsInGrooves(*map(np.concatenate, zip(*(group.place for group in groups), strict=True)))
+        self.along, self.loaded = self.place.screw_axis_direction[:, [0, 2]], self.contacts.force.sum(axis=1) > 0.0
+        self.friction, self.shift = np.zeros((self.count, 3)), np.zeros((self.count, 3))
+        self.still = _unbalanced_forces(self.contacts, self.along, self.friction)
+        self.q, self.failed = np.full((self.count, 4), np.nan), np.zeros(self.count, dtype=bool)
+        for part, group in zip(self.parts(np.arange(self.count)), groups, strict=True):
+            if group.starting_friction is not None:
+                self.friction[part] = np.where(self.loaded[part, None], group.starting_friction, 0.0)
+            if group.starting_motions is not None:
+                self.q[part] = group.starting_motions
+        self.settle(np.flatnonzero(self.friction.any(axis=1)))
+        self.failed[:] = False
+
+    def parts(self, balls: Index) -> list[Index]:
+        """Return for each group those of some balls, in ascending order, that belong to it."""
+        return np.split(balls, np.searchsorted(self.group_of_ball[balls], np.arange(1, len(self.groups))))
+
+    def settle(self, balls: Index) -> None:
+        """Bring some balls into equilibrium with the friction that is assumed on them; write contacts and displacements."""
+        forces = self.still[balls] + self.friction[balls]
+        away = self.place.groove_to_ball_vectors[balls]
+        pressed = np.hypot(away[..., 0], away[..., 1]) - self.place.touching_distance[balls]
+        x, force, normal, left = solve_contact_loads_of_each_ball(
+            away, pressed, self.place.C[balls], self.along[balls], forces, self.shift[balls]
+        )
+        scale = np.maximum(force.sum(axis=1), self.frictionless.force[balls].sum(axis=1))
+        self.shift[balls], self.failed[balls] = x, left > 1e-8 * scale
+        new_force, angle = self.contacts.force.copy(), self.contacts.angle.copy()
+        new_force[balls], angle[balls] = force, contact_angles(normal)
+        self.contacts = contacts_with_loads(self.contacts, new_force, angle)
+
+    def rolling(self, balls: Index) -> list[BallsUnderLoad]:
+        """Return for each group those of some balls that belong to it, at their present contacts."""
+        parts = zip(self.groups, self.parts(balls), strict=True)
+        return [group._replace(contacts=self.contacts.subset(part)) for group, part in parts]
+
+    def resulting_friction(self, balls: Index) -> Array:
+        """Return the friction of some balls at their contacts, on each ball and the screw ``(k, 3)`` [N]; note motions."""
+        rolling = self.rolling(balls)
+        found = self.law(rolling, [self.q[part] for part in self.parts(balls)])
+        return self.friction_forces(balls, [balls.contacts for balls in rolling], found)
+
+    def friction_forces(self, balls: Index, contacts: Sequence[StaticContacts], found: Sequence[BallFriction]) -> Array:
+        """Return the friction on some balls and on the screw ``(k, 3)`` [N], and note their motions.
+
+        ``contacts``, ``found``: contacts, and motion and friction of these balls, for each group.
+        """
+        self.q[balls] = np.concatenate([by_ball.ball_motions for by_ball in found])
+        axes = (self.place.screw_axis_direction[part] for part in self.parts(balls))
+        return np.concatenate([friction_on_balls_and_screw(*each) for each in zip(found, contacts, axes, strict=True)])
+
+
+def solve_friction_equilibria(
+    groups: Sequence[DisplacedBalls], law: FrictionLaw = friction_of_groups
+) -> list[FrictionEquilibrium]:
     """Return the contact loads, contact angles and friction of each ball that are in equilibrium with each other.
 
     The iteration begins at the static state without friction. If a ball has several equilibria, the iteration leads to
-    the one that the ball reaches by rolling from the static state.
+    the one that the ball reaches by rolling from the static state. All groups are iterated together.
 
     Parameters
     ----------
-    scene
-        Screw whose friction displaces balls.
-    static_contacts
-        Contacts of its N balls without friction.
-    positions
-        Positions of the balls relative to their grooves without friction.
-    friction
-        Coefficients of friction.
-    drive
-        Which part turns, screw or nut, and its angular speed.
-    fast
-        Whether to use the compiled functions instead of plain Python.
-    starting_friction
-        Friction of a similar state ``(N, 3)`` [N] (`FrictionEquilibrium.friction_on_balls_and_screw`), at which the
-        iteration begins; None to begin at the static state.
-    starting_motions
-        Motions of the balls in a similar state ``(N, 4)`` [rad/s], which shorten the solution but do not change it; None if
-        none are known.
+    groups
+        Groups of balls that do not depend on each other, such as those of several load cases, coefficients of friction and
+        directions of motion.
+    law
+        Function that returns motion and friction of the balls at given contact loads.
 
     Returns
     -------
-    FrictionEquilibrium
-        The equilibrium; its field ``failed_balls`` marks balls for which none was found.
+    list of FrictionEquilibrium
+        The equilibrium of each group; its field ``failed_balls`` marks balls for which none was found.
     """
-    count = static_contacts.force.shape[0]
-    along, loaded = positions.screw_axis_direction[[0, 2]], static_contacts.force.sum(axis=1) > 0.0
-    still = _unbalanced_forces(static_contacts.force, static_contacts.normals[..., [0, 2]], along, np.zeros((count, 3)))
-    guess, shift, mixer = np.zeros((count, 3)), np.zeros((count, 3)), AndersonAcceleration(2, ROUNDS)
-    contacts, active, rounds = static_contacts, np.flatnonzero(loaded), 0
-    settle = partial(_contacts_under_forces, place=positions, frictionless=static_contacts, fast=fast)
-    if starting_friction is not None and active.size:
-        guess[active] = starting_friction[active]
-        contacts, shift[active], _ = settle(static_contacts, active, still[active] + guess[active], shift[active])
-    failed = np.zeros(count, dtype=bool)
-    q = np.full((count, 4), np.nan) if starting_motions is None else starting_motions.copy()
+    if not groups:
+        return []
+    balls, mixer, rounds = _BallsOfGroups(groups, law), AndersonAcceleration(2, ROUNDS), 0
+    active, everyone = np.flatnonzero(balls.loaded), np.arange(balls.count)
+    known = [group.friction for group in groups if group.friction is not None]
     while active.size and rounds < ROUNDS:
         rounds += 1
-        chosen = contacts.subset(active)
-        by_ball = ball_friction(scene, chosen, friction, drive, fast, q[active])
-        q[active] = by_ball.ball_motions
-        answer = _friction_on_balls_and_screw(by_ball, chosen, positions.screw_axis_direction)
-        unsettled = (np.abs(answer - guess[active]).max(axis=1) > AGREED * chosen.force.sum(axis=1)) | failed[active]
+        if rounds == 1 and len(known) == len(groups):
+            answer = balls.friction_forces(everyone, [group.still.contacts for group in groups], known)[active]
+        else:
+            answer = balls.resulting_friction(active)
+        change = np.abs(answer - balls.friction[active]).max(axis=1)
+        unsettled = (change > AGREED * balls.contacts.force[active].sum(axis=1)) | balls.failed[active]
         active = active[unsettled]
         mixer.keep_vectors(unsettled)
-        guess[active] = mixer.next_iterate(guess[active], answer[unsettled])
-        contacts, shift[active], failed[active] = settle(contacts, active, still[active] + guess[active], shift[active])
+        balls.friction[active] = mixer.next_iterate(balls.friction[active], answer[unsettled])
+        balls.settle(active)
     for ball in active:
-        from scipy.optimize import root  # few states come here
-
-        one, size = np.array([ball]), float(contacts.force[ball].sum())
-
-        def change_of_friction(x: Array, one: Index = one, size: float = size) -> Array:
-            """Return the resulting less the assumed friction, divided by the sum of the contact loads ``(3,)``.
-
-            ``x``: assumed friction on ball and screw divided by the sum of the contact loads ``(3,)``; ``one``: index
-            of the ball ``(1,)``; ``size``: sum of its contact loads [N].
-            """
-            there, _, _ = settle(static_contacts, one, still[one] + size * x, shift[one])
-            chosen = there.subset(one)
-            by_ball = ball_friction(scene, chosen, friction, drive, fast, q[one])
-            return np.asarray(_friction_on_balls_and_screw(by_ball, chosen, positions.screw_axis_direction)[0] / size - x)
-
-        options = {"xtol": SOLVED, "eps": DIFFERENCE**2, "maxfev": TRIALS}
-        guess[ball] = size * root(change_of_friction, guess[ball] / size, options=options).x
-        contacts, shift[one], failed[one] = settle(contacts, one, still[one] + guess[one], shift[one])
-    final = ball_friction(scene, contacts, friction, drive, fast, q)
-    applied = still + _friction_on_balls_and_screw(final, contacts, positions.screw_axis_direction)
-    off = _unbalanced_forces(contacts.force, contacts.normals[..., [0, 2]], along, applied)
-    change = np.abs(off).max(axis=1) / np.maximum(contacts.force.sum(axis=1), 1e-300)
-    return FrictionEquilibrium(contacts, final, failed | (change > ACCEPTED), rounds, float(change.max(initial=0.0)), guess)
+        _settle_by_newton(balls, int(ball))
+    rolling = balls.rolling(everyone)
+    final = law(rolling, [balls.q[part] for part in balls.parts(everyone)])
+    out = []
+    for found, at, part in zip(final, rolling, balls.parts(everyone), strict=True):
+        applied = balls.still[part] + friction_on_balls_and_screw(
+            found, at.contacts, balls.place.screw_axis_direction[part]
+        )
+        off = _unbalanced_forces(at.contacts, balls.along[part], applied)
+        change = np.abs(off).max(axis=1) / np.maximum(at.contacts.force.sum(axis=1), 1e-300)
+        failed = balls.failed[part] | (change > ACCEPTED)
+        out.append(FrictionEquilibrium(at.contacts, found, failed, float(change.max(initial=0.0)), balls.friction[part]))
+    return out
 
 
-def _friction_on_balls_and_screw(by_ball: BallFriction, contacts: StaticContacts, axis: Array) -> Array:
+def _settle_by_newton(balls: _BallsOfGroups, ball: int) -> None:
+    """Find the friction on one ball, at which the iteration oscillates, by MINPACK's hybrid method, and its contacts."""
+    from scipy.optimize import root  # few states come here
+
+    one, size, shift = np.array([ball]), float(balls.contacts.force[ball].sum()), balls.shift[ball].copy()
+
+    def assume(x: Array) -> None:
+        """Bring the ball into equilibrium with a friction, over the sum of the contact loads ``(3,)``."""
+        balls.friction[ball], balls.shift[ball] = size * x, shift
+        balls.settle(one)
+
+    def change_of_friction(x: Array) -> Array:
+        """Return the resulting less the assumed friction, over the sum of the contact loads ``(3,)``."""
+        assume(x)
+        q = balls.q[ball].copy()
+        answer = balls.resulting_friction(one)[0] / size - x
+        balls.q[ball] = q
+        return np.asarray(answer)
+
+    options = {"xtol": SOLVED, "eps": DIFFERENCE**2, "maxfev": TRIALS}
+    assume(root(change_of_friction, balls.friction[ball] / size, options=options).x)
+
+
+def friction_on_balls_and_screw(by_ball: BallFriction, contacts: StaticContacts, axis: Array) -> Array:
     """Return the friction on each ball along x3 (radial) and z3 (binormal) and on the screw along its axis ``(N, 3)`` [N].
 
-    ``by_ball``: friction of the balls in the contacts ``contacts``; ``axis`` ``(3,)``: direction of the screw's axis in
-    x3, y3, z3.
+    ``by_ball``: friction of the balls in the contacts ``contacts``; ``axis`` ``(N, 3)``: direction of the screw's axis in
+    x3, y3, z3 of each ball.
     """
     wrench = by_ball.contact_wrenches(contacts.normals)[..., :3]
-    drag = -np.einsum("nsi,i->n", wrench[:, ON_SCREW], axis)
+    drag = -np.einsum("nsi,ni->n", wrench[:, ON_SCREW], axis)
     return np.column_stack([wrench[:, :, [0, 2]].sum(axis=1), drag])
 
 
-def balls_with_jammed_state(
-    scene: Scene,
-    positions: PositionsInGrooves,
-    static_contacts: StaticContacts,
-    rolling_state: FrictionEquilibrium,
-    friction: Friction,
-    drive: Drive,
-    fast: bool = False,
-) -> tuple[int, ...]:
+def balls_with_jammed_state(balls: DisplacedBalls, rolling_state: FrictionEquilibrium) -> tuple[int, ...]:
     """Return the indices of balls for which a second equilibrium is found, in which they are jammed between their grooves.
 
     The search starts from four displaced states, in which the balls are pushed along x3 (radial) or z3 (binormal), in
     either direction, with ``DISPLACED`` times their largest contact load. The search may miss such an equilibrium.
-    ``scene``: the screw; ``positions``, ``static_contacts``: positions and contacts of the balls without friction;
-    ``rolling_state``: equilibrium that the balls reach by rolling from there; ``friction``: coefficients of friction;
-    ``drive``: which part turns, screw or nut, and its angular speed; ``fast``: whether to use the compiled functions.
+    ``balls``: the balls at their contact loads without friction; ``rolling_state``: equilibrium that they reach by rolling
+    from there.
     """
-    size, other = rolling_state.contacts.force.max(axis=1), np.zeros(static_contacts.force.shape[0], dtype=bool)
-    for axis in range(2):
-        for sign in (-1.0, 1.0):
-            push = np.zeros((size.size, 3))
-            push[:, axis] = sign * DISPLACED * size
-            again = solve_friction_equilibrium(scene, static_contacts, positions, friction, drive, fast, push)
-            difference = np.abs(again.contacts.force - rolling_state.contacts.force).max(axis=1)
-            apart = difference > ANOTHER * np.maximum(size, 1e-300)
-            other |= apart & ~again.failed_balls & ~rolling_state.failed_balls & (size > 0.0)
+    size, other = rolling_state.contacts.force.max(axis=1), np.zeros(len(rolling_state.failed_balls), dtype=bool)
+    pushes = [sign * DISPLACED * size[:, None] * np.eye(3)[axis] for axis in range(2) for sign in (-1.0, 1.0)]
+    for again in solve_friction_equilibria([balls._replace(friction=None, starting_friction=push) for push in pushes]):
+        difference = np.abs(again.contacts.force - rolling_state.contacts.force).max(axis=1)
+        apart = difference > ANOTHER * np.maximum(size, 1e-300)
+        other |= apart & ~again.failed_balls & ~rolling_state.failed_balls & (size > 0.0)
     return tuple(int(k) for k in np.flatnonzero(other))
-
-
-def _contacts_under_forces(
-    contacts: StaticContacts,
-    balls: Index,
-    forces: Array,
-    start: Array,
-    *,
-    place: PositionsInGrooves,
-    frictionless: StaticContacts,
-    fast: bool,
-) -> tuple[StaticContacts, Array, Mask]:
-    """Return the contacts of N balls after k of them are brought into equilibrium with given forces.
-
-    ``contacts``: contacts of all balls, of which those of ``balls`` (indices ``(k,)``) are replaced; ``forces``: forces on
-    each of the k balls along x3 (radial) and z3 (binormal) and on the screw ``(k, 3)`` [N]; ``start``: displacements to
-    begin from ``(k, 3)`` [m]; ``place``: positions of all balls without friction; ``frictionless``: contacts without
-    friction, whose loads give the scale of the tolerance; ``fast``: whether to use the compiled functions.
-
-    Returns
-    -------
-    tuple
-        The contacts of all balls; displacements of the k balls along x3, z3 and of the screw along its axis ``(k, 3)`` [m];
-        which of the k balls found no equilibrium ``(k,)``.
-    """
-    away = place.groove_to_ball_vectors[balls]
-    pressed = np.hypot(away[..., 0], away[..., 1]) - place.touching_distance[balls]
-    x, force, normal, left = solve_contact_loads_of_each_ball(
-        away, pressed, place.C[balls], place.screw_axis_direction[[0, 2]], forces, start, fast
-    )
-    failed = left > 1e-8 * np.maximum(force.sum(axis=1), frictionless.force[balls].sum(axis=1))
-    new_force, angle = contacts.force.copy(), contacts.angle.copy()
-    new_force[balls] = force
-    angle[balls] = contact_angles(normal)
-    return contacts_with_loads(contacts, new_force, angle), x, failed

@@ -2,39 +2,36 @@
 
 The motion of each ball is that of least dissipation (``lowfi.friction.screw.motion``); friction does not change the loads.
 The torques and efficiencies that follow from the losses are in ``lowfi.friction.whole.torque``.
-
-Heathcote slip is what the curvature of the contact across the groove adds to the losses of flat contact ellipses. Ball and
-groove meet in a surface of radius R_d across the groove, 1/R_d = (1/R_ball + 1/R_groove)/2. A ball that rolls with the
-angular speed Omega about the axis across the groove moves a point at distance x from the contact's middle by Omega x^2 /(2
-R_d) more along the path than the middle. The motion of least dissipation is found once with that speed and once without,
-both by quadrature over the ellipses, so that each motion suits the contact surface for which it is computed.
 """
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
 from rollbench.lowfi.friction.contact.equilibrium import STATUS
+from rollbench.lowfi.friction.contact.least_dissipation import (
+    FrictionalBodies,
+    LeastDissipation,
+    least_dissipation_of_bodies,
+)
 from rollbench.lowfi.friction.screw.chain import FrictionContacts
-from rollbench.lowfi.friction.screw.groove import ON_SCREW, HelicalMotion, contact_axes
+from rollbench.lowfi.friction.screw.groove import HelicalMotion
 from rollbench.lowfi.friction.screw.motion import friction_wrench_at_contacts
 from rollbench.lowfi.friction.whole.contacts import StaticContacts
-from rollbench.lowfi.jit import CONTACT, load_kernel_package
-from rollbench.meshes.arrays import Array, Mask
-from rollbench.meshes.helix import lead_per_radian, nominal_groove_radii
+from rollbench.meshes.arrays import Array, Index, Mask
+from rollbench.meshes.helix import lead_per_radian
 from rollbench.meshes.parts import Friction, Scene
 from rollbench.meshes.parts import Motion as Drive
 
 #: Causes of the losses of a contact: sliding of its centre across the groove, sliding of its centre along the path, spin
 #: about the normal.
 CAUSES = ("sliding_across", "sliding_along", "spin")
-
-#: Unbalanced force on a ball, as a fraction of the sum of its friction bounds mu F, above which the solution for its motion
-#: counts as failed.
-UNBALANCED = 1e-6
 
 
 @dataclass(frozen=True)
@@ -85,7 +82,8 @@ class BallFriction:
     force: Array
     #: Moment of friction on the ball about the normal of each contact ``(N, 4)`` [N m].
     moment: Array
-    #: Power lost in each contact by sliding across the groove, by sliding along it, and by spin ``(N, 4, 3)`` [W].
+    #: Power lost in each contact by sliding across the groove, by sliding along it, by spin and, in curved contacts, by
+    #: the slip of their curvature ``(N, 4, 3)`` or ``(N, 4, 4)`` [W].
     loss: Array
     #: Whether each contact sticks ``(N, 4)``.
     sticking_contacts: Mask
@@ -120,62 +118,103 @@ class BallFriction:
         return friction_wrench_at_contacts(normals, self.force, self.moment)
 
 
-def ball_friction(
-    scene: Scene, contacts: StaticContacts, friction: Friction, drive: Drive, fast: bool = False, start: Array | None = None
-) -> BallFriction:
-    """Return the motion of least dissipation and the friction of every ball at given contact loads.
+class BallsUnderLoad(NamedTuple):
+    """Balls at given contact loads, with what their motion and friction depend on."""
+
+    #: Screw or bearing.
+    scene: Scene
+    #: Contacts of its N balls.
+    contacts: StaticContacts
+    #: Coefficients of friction.
+    friction: Friction
+    #: Which part turns, screw or nut, and its angular speed.
+    drive: Drive
+
+
+def ball_friction(balls: BallsUnderLoad, start: Array | None = None) -> BallFriction:
+    """Return the motion of least dissipation and the friction of every ball; see `friction_of_groups`.
+
+    ``start``: first estimates of the motions ``(N, 4)`` [rad/s], nan for balls without one; None if there are none.
+    """
+    return friction_of_groups([balls], [start])[0]
+
+
+def friction_of_groups(groups: Sequence[BallsUnderLoad], starts: Sequence[Array | None] = ()) -> list[BallFriction]:
+    """Return the motion of least dissipation and the friction of every ball of several groups at given contact loads.
 
     If all coefficients of friction are zero, the motion is the limit of motions with equal coefficients that tend to
     zero. The function is valid for a helix of any hand and number of starts and for a ring (zero lead). Groove errors
     and the bending of the screw influence the loads and contact angles, but not the directions in which screw and nut
-    move.
+    move. Balls in equal states are solved once.
 
     Parameters
     ----------
-    scene
-        Screw or bearing.
-    contacts
-        Contacts of its N balls.
-    friction
-        Coefficients of friction.
-    drive
-        Which part turns, screw or nut, and its angular speed.
-    fast
-        Whether to use the compiled functions instead of plain Python.
-    start
-        First estimates of the motions ``(N, 4)`` [rad/s], from a similar state (``BallFriction.ball_motions``); nan for
-        balls without an estimate. If None, there are no estimates.
+    groups
+        The groups of balls.
+    starts
+        For each group first estimates of the motions ``(N, 4)`` [rad/s], from a similar state
+        (``BallFriction.ball_motions``), nan for balls without an estimate; None if there are no estimates.
 
     Raises
     ------
     ValueError
         The speed of screw and nut is zero.
     """
-    if drive.speed == 0.0:
+    if any(balls.drive.speed == 0.0 for balls in groups):
         raise ValueError("screw or nut must turn: the speed is zero, and friction at rest is not determined")
-    count = contacts.force.shape[0]
-    loaded = np.flatnonzero(contacts.force.sum(axis=1) > 0.0)
-    pressed = contacts.subset(loaded)
-    share, top = relative_friction_coefficients(friction)
-    rubs = friction_contacts(scene, pressed, share, drive)
-    n = loaded.size
-    q = np.full((n, 4), np.nan) if start is None else start[loaded]
-    forces, rests, outcome = np.zeros((n, 4, 3)), np.zeros((n, 4)), np.zeros((n, 2))
-    load_kernel_package(CONTACT, compiled=fast).least_dissipation_of_bodies(
-        rubs.semi_axes_and_bound, rubs.contact_motion_maps, rubs.imposed_contact_motions, q, forces, rests, outcome
-    )
-    seen = rubs.imposed_contact_motions + np.einsum("nirj,nj->nir", rubs.contact_motion_maps, q)
-    seen[rests > 0.0] = 0.0
+    loaded = [np.flatnonzero(balls.contacts.force.sum(axis=1) > 0.0) for balls in groups]
+    pressed = [balls.contacts.subset(which) for balls, which in zip(groups, loaded, strict=True)]
+    bodies, begin = [], []
+    for k, (balls, which) in enumerate(zip(groups, loaded, strict=True)):
+        share, _ = relative_friction_coefficients(balls.friction)
+        rubs = friction_contacts(balls.scene, pressed[k], share, balls.drive)
+        a, b, bound = np.moveaxis(rubs.semi_axes_and_bound, -1, 0)
+        none, start = np.zeros((which.size, 4)), starts[k] if starts else None
+        bodies.append(FrictionalBodies(a, b, bound, rubs.contact_motion_maps, rubs.imposed_contact_motions, none))
+        begin.append(np.full((which.size, 4), np.nan) if start is None else start[which])
+    found = _motions_of_distinct_bodies(bodies, begin)
+    return [_friction_in_groove_axes(*of_group) for of_group in zip(groups, loaded, pressed, bodies, found, strict=True)]
+
+
+#: Largest number of bodies that are solved at the same time; it limits the memory.
+BLOCK = 4096
+
+
+def _motions_of_distinct_bodies(groups: Sequence[FrictionalBodies], starts: Sequence[Array]) -> list[LeastDissipation]:
+    """Return the motions of least dissipation of the balls of each group; equal balls with equal starts are solved once."""
+    bodies = FrictionalBodies(*map(np.concatenate, zip(*groups, strict=True)))
+    start, count = np.concatenate(starts), len(bodies.a)
+    rows = np.concatenate([values.reshape(count, math.prod(values.shape[1:])) for values in (*bodies, start)], axis=1)
+    first: dict[bytes, int] = {}
+    known = np.array([first.setdefault(row.tobytes(), k) for k, row in enumerate(rows)], dtype=int)
+    distinct, place = np.unique(known, return_inverse=True)
+    blocks = np.split(distinct, range(BLOCK, distinct.size, BLOCK))
+    solved = [least_dissipation_of_bodies(bodies.take(block), start[block], near=True) for block in blocks]
+    parts = np.split(place, np.cumsum([len(group.a) for group in groups])[:-1])
+    whole = [np.concatenate(values) for values in zip(*solved, strict=True)]
+    return [LeastDissipation(*(values[part] for values in whole)) for part in parts]
+
+
+def _friction_in_groove_axes(
+    balls: BallsUnderLoad, loaded: Index, pressed: StaticContacts, bodies: FrictionalBodies, found: LeastDissipation
+) -> BallFriction:
+    """Return motion and friction of all N balls of a group from the motions of its n loaded ones.
+
+    ``loaded``: their numbers ``(n,)``; ``pressed``: their contacts; ``bodies``, ``found``: problem and solution.
+    """
+    count, (_, top) = balls.contacts.force.shape[0], relative_friction_coefficients(balls.friction)
+    seen, forces = bodies.contact_motions(found.q), found.forces.copy()
+    seen[found.rest] = 0.0
     rotate_to_groove_axes(pressed, seen)
     rotate_to_groove_axes(pressed, forces)
     every, motion, pull = np.full((count, 4), np.nan), np.zeros((count, 4, 3)), np.zeros((count, 4, 3))
     rest, status = np.zeros((count, 4), dtype=bool), ["no load"] * count
-    every[loaded], motion[loaded], pull[loaded] = q, seen, -top * forces
-    rest[loaded] = (rests > 0.0) & (pressed.force > 0.0)
-    left = outcome[:, 1] / rubs.semi_axes_and_bound[..., 2].sum(axis=1)
-    for k, code, off in zip(loaded, outcome[:, 0].astype(int), left, strict=True):
-        status[k] = STATUS[code] if off <= UNBALANCED else "failed"
-    return ball_friction_from_motions(contacts, every, motion, pull, rest, status, float(left.max(initial=0.0)))
+    every[loaded], motion[loaded], pull[loaded] = found.q, seen, -top * forces
+    rest[loaded] = found.rest & (pressed.force > 0.0)
+    for k, code, good in zip(loaded, found.status, found.balanced(bodies), strict=True):
+        status[k] = STATUS[code] if good else "failed"
+    left = float((found.imbalance / bodies.bound.sum(axis=1)).max(initial=0.0))
+    return ball_friction_from_motions(balls.contacts, every, motion, pull, rest, status, left)
 
 
 def ball_friction_from_motions(
@@ -269,158 +308,3 @@ def closing_speeds_of_neighbours(scene: Scene, contacts: StaticContacts, by_ball
         if scene.track.lead != 0.0 or per_start == 1:
             closing[order[-1]] = np.nan
     return closing
-
-
-#: Numbers of quadrature points of a contact ellipse: along a radius, and around the ellipse.
-OUTWARDS, ROUND = 10, 20
-
-#: Regularising speeds of friction as fractions of a typical sliding speed, used one after the other; largest number of
-#: Newton steps at each; largest number of halvings of a step.
-SPEEDS, STEPS, HALVINGS = (0.3, 0.1, 0.03, 0.01, 0.003), 12, 12
-
-#: Relative increase of the contact losses by Heathcote slip above which a warning is given.
-WIDE = 0.03
-
-
-def hertz_pressure_quadrature(outwards: int = OUTWARDS, around: int = ROUND) -> tuple[Array, Array, Array]:
-    """Return points x, z, then weights of a quadrature over the unit disc, with the Hertz pressure as weight function.
-
-    ``outwards``, ``around``: numbers of points along a radius and around the disc, k in all.
-
-    Returns
-    -------
-    tuple
-        Coordinates x, then z, of the points ``(k,)`` as fractions of the semi-axes of a contact ellipse, then the weights
-        ``(k,)``, whose sum is 1.
-    """
-    node, weight = np.polynomial.legendre.leggauss(outwards)
-    height, half = 0.5 * (1.0 + node), 0.5 * weight  # radius^2 = 1 - height^2 makes pressure a polynomial
-    radius = np.sqrt(1.0 - height**2)
-    turn = 2.0 * np.pi * (np.arange(around) + 0.5) / around
-    mass = np.repeat(3.0 * half * height**2 / around, around)
-    return np.outer(radius, np.cos(turn)).ravel(), np.outer(radius, np.sin(turn)).ravel(), mass
-
-
-def surface_speeds_in_contacts(
-    scene: Scene, contacts: StaticContacts, drive: Drive, curvature_factor: float
-) -> tuple[Array, Array]:
-    """Return the sliding velocities of k points in each contact, as a linear function of the motions of the N balls.
-
-    ``contacts``: contacts of the balls, each with the k points of `hertz_pressure_quadrature`; ``drive``: which part turns,
-    screw or nut, and its angular speed; ``curvature_factor``: factor by which the curvature of the contacts across the
-    groove is multiplied, 1 for the actual one and 0 for flat contact ellipses.
-
-    Returns
-    -------
-    tuple
-        First the sliding across and along the groove per unit of each ball's four motions ``(N, 4, k, 2, 4)`` [m]; then the
-        sliding by screw and nut while the ball rests ``(N, 4, k, 2)`` [m/s].
-    """
-    path = ball_kinematics(scene, drive, scene.balls.radius)
-    maps, drives = path.contact_kinematics(contacts.normals, contacts.ball_radius)
-    body = np.where(ON_SCREW, path.screw_speed, path.nut_speed)
-    # angular speed Omega of a ball about the axis across the groove: rolling @ q less the part of screw or nut
-    rolling = np.einsum("nsi,ji->nsj", contact_axes(contacts.normals)[:, :, 0], path.ball_rotation_axes)
-    bend = 0.25 * curvature_factor * (1.0 / contacts.ball_radius[:, None] + 1.0 / nominal_groove_radii(scene))
-    x, z, _ = hertz_pressure_quadrature()
-    px = np.where(contacts.across, contacts.a, contacts.b)[..., None] * x
-    pz = np.where(contacts.across, contacts.b, contacts.a)[..., None] * z
-    lift = bend[..., None] * px**2
-    rows = np.stack(
-        [
-            maps[:, :, None, 0] + pz[..., None] * maps[:, :, None, 2],
-            maps[:, :, None, 1] - px[..., None] * maps[:, :, None, 2] + lift[..., None] * rolling[:, :, None],
-        ],
-        axis=3,
-    )
-    roll = -(body * rolling[..., 0])[..., None] * lift
-    added = np.stack(
-        [drives[..., None, 0] + pz * drives[..., None, 2], drives[..., None, 1] - px * drives[..., None, 2] + roll], axis=-1
-    )
-    return rows, added
-
-
-def least_dissipated_power(rows: Array, added: Array, strength: Array, start: Array, typical_sliding_speed: float) -> Array:
-    """Return the power that friction dissipates on each of N balls in its motion of least dissipation ``(N,)``.
-
-    The motion is found by Newton's method. The sliding speed v is regularised as sqrt(v^2 + eps^2), with eps reduced in
-    steps. ``rows``, ``added``: sliding of the points in the contacts per unit of the balls' motions and while the balls
-    rest, the two results of `surface_speeds_in_contacts`; ``strength`` ``(N, 4)``: friction bound of each contact,
-    coefficient times force [N] (if the coefficients are ratios, the power is in the same proportion); ``start`` ``(N,
-    4)``: motions to begin from [rad/s]; ``typical_sliding_speed``: a typical sliding speed [m/s], which sets the scale
-    of eps.
-    """
-    loaded = (strength > 0.0).any(axis=0)
-    weight = (strength[:, loaded, None] * hertz_pressure_quadrature()[2]).reshape(len(strength), -1)
-    rows, added = rows[:, loaded].reshape(len(weight), -1, 4), added[:, loaded].reshape(*weight.shape, 2)
-    q = start.copy()
-
-    def power_and_sliding(motion: Array, eps: float) -> tuple[Array, Array, Array]:
-        """Return the dissipated power of each ball [W], then sliding velocities and regularised speeds in contacts [m/s].
-
-        ``motion`` ``(n, 4)``: motions of the n balls [rad/s]. The regularised speed of a sliding velocity v is
-        sqrt(v^2 + eps^2).
-        """
-        v = (rows @ motion[..., None]).reshape(added.shape) + added
-        size = np.sqrt(v[..., 0] ** 2 + v[..., 1] ** 2 + eps * eps)
-        return (weight * size).sum(axis=1), v, size
-
-    for eps in typical_sliding_speed * np.array(SPEEDS):
-        total, v, size = power_and_sliding(q, eps)
-        for _ in range(STEPS):
-            w = weight / size
-            along = np.einsum("npci,npc->npi", rows.reshape(*v.shape, 4), v)
-            gradient = (w[:, None] @ along)[:, 0]
-            hessian = rows.swapaxes(1, 2) @ (np.repeat(w, 2, axis=1)[..., None] * rows)
-            hessian -= along.swapaxes(1, 2) @ ((w / size**2)[..., None] * along)
-            floor = 1e-10 * np.einsum("nii->n", hessian)
-            step = -np.linalg.solve(hessian + floor[:, None, None] * np.eye(4), gradient[..., None])[..., 0]
-            length = np.ones(q.shape[0])
-            for _ in range(HALVINGS):
-                worse = ~(power_and_sliding(q + length[:, None] * step, eps)[0] <= total)
-                if not worse.any():
-                    break
-                length = np.where(worse, 0.5 * length, length)
-            length[worse] = 0.0
-            before, q = total, q + length[:, None] * step
-            total, v, size = power_and_sliding(q, eps)
-            if float((before - total).max()) <= 1e-12 * float(before.max()):
-                break
-    return power_and_sliding(q, 0.0)[0]
-
-
-def heathcote_loss_increase(
-    scene: Scene, contacts: StaticContacts, by_ball: BallFriction, friction: Friction, drive: Drive
-) -> float:
-    """Return the relative increase of the summed contact losses by Heathcote slip at given loads; nan without any loss.
-
-    Heathcote slip comes from the curvature of the contact surfaces across the groove. The increase is the ratio of the
-    loss with curved contact surfaces to that with flat ones, less 1. Quadrature and regularised friction, which are the
-    same for both, limit its accuracy to about 0.002.
-
-    Parameters
-    ----------
-    scene
-        Screw or bearing.
-    contacts
-        Contacts under the static loads.
-    by_ball
-        Motion and friction of each ball.
-    friction
-        Coefficients of friction.
-    drive
-        Which part turns, screw or nut, and its angular speed.
-    """
-    balls = np.flatnonzero(np.isfinite(by_ball.orbital_speed))
-    if balls.size == 0:
-        return float("nan")
-    pressed, share = contacts.subset(balls), relative_friction_coefficients(friction)[0]
-    strength = share * pressed.force
-    start = by_ball.ball_motions[balls]
-    seen = np.nan_to_num(by_ball.contact_motions[balls])
-    slide = float(np.sqrt(np.max(seen[..., 0] ** 2 + seen[..., 1] ** 2 + (pressed.a * seen[..., 2]) ** 2)))
-    if slide == 0.0:
-        return float("nan")
-    speeds = (surface_speeds_in_contacts(scene, pressed, drive, factor) for factor in (0.0, 1.0))
-    flat, curved = (float(least_dissipated_power(*speed, strength, start, slide).sum()) for speed in speeds)
-    return curved / flat - 1.0

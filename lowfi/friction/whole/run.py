@@ -19,7 +19,12 @@ from rollbench.lowfi.friction.screw.groove import ON_SCREW
 from rollbench.lowfi.friction.screw.travel import BallState, ClosedTrack, InstantSolution
 from rollbench.lowfi.friction.whole.circuit import BallsInCircuits, SceneGrooves, solve_motion_on_track
 from rollbench.lowfi.friction.whole.contacts import StaticContacts, contacts_of_all_balls, contacts_of_solution
-from rollbench.lowfi.friction.whole.feedback import positions_in_grooves_with_errors, solve_friction_equilibrium
+from rollbench.lowfi.friction.whole.feedback import (
+    DisplacedBalls,
+    positions_in_grooves_with_errors,
+    solve_friction_equilibria,
+)
+from rollbench.lowfi.friction.whole.losses import BallsUnderLoad
 from rollbench.lowfi.friction.whole.torque import axial_forces_and_moments, friction_displaces_balls
 from rollbench.lowfi.statics.nominal import ContactLoads, contact_loads_by_beam_model, contact_loads_with_elastic_bodies
 from rollbench.lowfi.statics.result import StaticResult
@@ -161,8 +166,6 @@ class SceneInMotion:
     balls: BallsInCircuits
     #: Function that computes the contact loads of balls with given errors at given positions.
     solve_contact_loads: Solve
-    #: Whether to use the compiled functions instead of plain Python.
-    fast: bool = True
 
     def rotations_of_screw_and_nut(self, time: float) -> tuple[float, float]:
         """Return the angles by which the screw, then the nut, has turned in space after a given time [rad].
@@ -185,7 +188,7 @@ class SceneInMotion:
             Friction on balls and screw in the previous step ``(N, 3)`` [N]
             (`FrictionEquilibrium.friction_on_balls_and_screw`); it is overwritten by the friction of this step.
         q
-            Motions of the balls in the previous step ``(N, 4)`` [rad/s], first estimates for `solve_friction_equilibrium`.
+            Motions of the balls in the previous step ``(N, 4)`` [rad/s], first estimates for `solve_friction_equilibria`.
 
         Returns
         -------
@@ -207,8 +210,8 @@ class SceneInMotion:
             at = contacts_of_solution(scene, result, met, arc_layout)
             if friction_displaces_balls(scene, self.friction):
                 place = positions_in_grooves_with_errors(at, met, result.hertz_C)
-                start = (push[on_arc], q[on_arc])
-                fed = solve_friction_equilibrium(scene, at, place, self.friction, self.drive, self.fast, *start)
+                still, start = BallsUnderLoad(scene, at, self.friction, self.drive), (push[on_arc], q[on_arc])
+                fed = solve_friction_equilibria([DisplacedBalls(still, place, None, *start)])[0]
                 push[on_arc], at = fed.friction_on_balls_and_screw, fed.contacts
                 if fed.failed_balls.any():
                     status = f"friction and position do not agree on {int(fed.failed_balls.sum())} balls"
@@ -268,9 +271,7 @@ class SceneInMotion:
             rates = slack[members] if members.stop - members.start > 1 else np.array([np.inf])
             start = (memory.ball_motions[members], memory.ball_forces[members])
             balls, grooves = at.subset(members), self.groove
-            moved.append(
-                solve_motion_on_track(self.scene, balls, rates, self.friction, self.drive, grooves, start, self.fast)
-            )
+            moved.append(solve_motion_on_track(self.scene, balls, rates, self.friction, self.drive, grooves, start))
         q, force, wrench = (np.concatenate([getattr(m, name) for m in moved]) for name in ("q", "ball_force", "wrench"))
         axial = -at.axial_force
         if friction_displaces_balls(self.scene, self.friction):

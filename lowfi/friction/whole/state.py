@@ -2,26 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 
-from rollbench.lowfi.friction.whole import feedback, losses
+from rollbench.lowfi.friction.whole import feedback, heathcote, losses
 from rollbench.lowfi.friction.whole import torque as whole_torque
 from rollbench.lowfi.friction.whole.circuit import balls_in_circuits, solve_motion_on_track
 from rollbench.lowfi.friction.whole.contacts import StaticContacts, contacts_of_all_balls, contacts_of_result
-from rollbench.lowfi.jit import CONTACT, is_copy_loaded, is_machine_code_cached, register_compile_job
+from rollbench.lowfi.friction.whole.losses import BallsUnderLoad
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import draw_errors, draw_geometry_with_errors
 from rollbench.meshes.parts import Friction, Scene
 from rollbench.meshes.parts import Motion as Drive
 
-#: Number of balls up to which a command does not wait until functions are compiled. The functions in plain Python take
-#: about 0.05 s for each ball, and a command, with drag torque and a range of coefficients of friction, needs up to seven
-#: solutions.
-UNCOMPILED = 120
 #: Gap between neighbouring balls [m] up to which they count as touching.
 TOUCHING = 1e-6
 
@@ -43,14 +40,13 @@ class NeighbourFriction:
 
 
 def friction_with_neighbours(
-    scene: Scene, contacts: StaticContacts, friction: Friction, drive: Drive, member: int = 0, fast: bool = False
+    scene: Scene, contacts: StaticContacts, friction: Friction, drive: Drive, member: int = 0
 ) -> NeighbourFriction:
     """Return the friction of all balls at given contact loads, with forces between neighbours that touch.
 
     Neighbours touch if their gap is at most ``TOUCHING``; balls in the return tube touch no other ball. ``scene``: screw or
     bearing; ``contacts``: contacts of its balls; ``friction``: coefficients of friction; ``drive``: which part turns, screw
-    or nut, and its angular speed; ``member``: number of the draw of random errors (specimen); ``fast``: whether to use the
-    compiled functions.
+    or nut, and its angular speed; ``member``: number of the draw of random errors (specimen).
 
     Raises
     ------
@@ -79,7 +75,7 @@ def friction_with_neighbours(
         limit = np.where(free, np.inf, slack[members])
         least = min(least, float(np.min(np.where(free, np.inf, gap[members]))))
         touching += int(np.sum(limit == 0.0))
-        moved = solve_motion_on_track(scene, full.subset(members), limit, friction, drive, all_balls.grooves, None, fast)
+        moved = solve_motion_on_track(scene, full.subset(members), limit, friction, drive, all_balls.grooves, None)
         kept, to = number >= 0, number[number >= 0]
         pressed = contacts.force[to].sum(axis=1) > 0.0
         q[to] = np.where(pressed[:, None], moved.q[kept], np.nan)
@@ -110,6 +106,8 @@ class FrictionState:
     #: Torque, axial force and power of the friction at the static contact loads, without the effect of friction on the
     #: loads.
     sums_without_feedback: whole_torque.FrictionSums
+    #: Orbital speeds of the balls at the static contact loads ``(N,)`` [rad/s] (`BallFriction.orbital_speed`).
+    orbital_speeds_without_feedback: Array
     #: Indices of balls for which no equilibrium of friction and position was found, in the motion of the scene or in the
     #: reversed motion.
     unsettled_balls: tuple[int, ...]
@@ -118,6 +116,9 @@ class FrictionState:
     change: float
     #: Whether friction displaces the balls in their grooves and so changes the contact loads.
     friction_changes_loads: bool
+    #: Contact loads without friction, and with friction in the reversed motion, each ``(N, 4)`` [N].
+    loads_without_friction: Array
+    loads_in_reverse: Array
     #: Forces and losses between touching balls; None if the scene does not request them.
     neighbour_friction: NeighbourFriction | None = None
     #: Indices of balls for which a second equilibrium was found, jammed between their grooves; None if no search was made.
@@ -134,82 +135,135 @@ class FrictionState:
         return bool(np.any(self.contacts.force > 0.0))
 
 
-def friction_state(
-    scene: Scene, result: StaticResult, friction: Friction, drive: Drive, member: int = 0, *, fast: bool | None = None
-) -> FrictionState:
-    """Return the friction of a screw or bearing at the contact loads of a static result.
+class FrictionCase(NamedTuple):
+    """A statically solved screw or bearing, whose friction is to be computed."""
 
-    If ``friction`` requests it, friction changes the positions of the balls (feedback), and touching neighbours press
-    on each other. If both are requested, neighbours press on each other at the contact loads that result from each
-    ball's own friction, as in a transient simulation. In a bearing ring, friction acts along the groove and displaces
-    no ball.
+    #: Screw or bearing.
+    scene: Scene
+    #: Static result of this scene, with the contact loads.
+    result: StaticResult
+    #: Coefficients of friction, and whether feedback and forces between neighbours are requested.
+    friction: Friction
+    #: Which part turns, screw or nut, and its angular speed.
+    drive: Drive
+    #: Number of the draw of random geometric errors (specimen) for which ``result`` was solved.
+    member: int = 0
+
+
+def friction_state(scene: Scene, result: StaticResult, friction: Friction, drive: Drive, member: int = 0) -> FrictionState:
+    """Return the friction of one screw or bearing at the contact loads of a static result; see `friction_states`.
+
+    The arguments are the fields of `FrictionCase`.
+    """
+    return friction_states([FrictionCase(scene, result, friction, drive, member)])[0]
+
+
+def friction_states(cases: Sequence[FrictionCase]) -> list[FrictionState]:
+    """Return the friction of several screws, bearings or load cases at the contact loads of their static results.
+
+    If a case requests it, friction changes the positions of the balls (feedback), and touching neighbours press on each
+    other. If both are requested, neighbours press on each other at the contact loads that result from each ball's own
+    friction, as in a transient simulation. In a bearing ring, friction acts along the groove and displaces no ball. The
+    balls of all cases, in both directions of motion, are iterated together, and balls in equal states are solved once.
 
     Parameters
     ----------
-    scene
-        Screw or bearing.
-    result
-        Static result of this scene, with the contact loads.
-    friction
-        Coefficients of friction, and whether feedback and forces between neighbours are requested.
-    drive
-        Which part turns, screw or nut, and its angular speed.
-    member
-        Number of the draw of random geometric errors (specimen) for which ``result`` was solved.
-    fast
-        Whether to use the compiled functions instead of plain Python; None: only if the scene has so many balls that
-        compiling them first saves time; otherwise `register_compile_job` has them compiled after this computation.
+    cases
+        The cases.
 
     Raises
     ------
     CircuitError
         Neighbours are requested, and the circuits cannot hold their balls.
     ValueError
-        The static result did not converge, the speed is zero, or balls overlap.
+        A static result did not converge, a speed is zero, or balls overlap.
     """
-    at = contacts_of_result(scene, result, member)
-    coupled = whole_torque.friction_displaces_balls(scene, friction)
-    pushed = friction.neighbours
-    compiled = is_machine_code_cached(CONTACT) or is_copy_loaded(CONTACT)
-    first = fast is None and not compiled and not pushed and scene.ball_count <= UNCOMPILED
-    if first and whole_torque.compiling_saves_time(scene, friction):
-        register_compile_job(CONTACT, partial(friction_state, scene, result, friction, drive, member, fast=True))
-    if fast is None:
-        fast = not first and (
-            whole_torque.compiling_saves_time(scene, friction)
-            or is_copy_loaded(CONTACT)
-            or (coupled and is_machine_code_cached(CONTACT))
-        )
-    balls = losses.ball_friction(scene, at, friction, drive, fast)
-    torque = bare = whole_torque.sum_friction_over_contacts(scene, at, balls, drive)
+    if not cases:
+        return []
+    still = [BallsUnderLoad(c.scene, contacts_of_result(c.scene, c.result, c.member), c.friction, c.drive) for c in cases]
+    fed = [k for k, c in enumerate(cases) if whole_torque.friction_displaces_balls(c.scene, c.friction)]
+    turned = [still[k]._replace(drive=reversed_motion(cases[k].drive)) for k in fed]
+    alone = losses.friction_of_groups([*still, *turned])
+    displaced = []
+    for k, back, friction_back in zip(fed, turned, alone[len(cases) :], strict=True):
+        drawn = draw_geometry_with_errors(cases[k].scene, still[k].contacts.layout, cases[k].member)
+        place = feedback.positions_in_grooves_with_errors(still[k].contacts, drawn, cases[k].result.hertz_C)
+        both_ways = (still[k], alone[k]), (back, friction_back)
+        displaced += [feedback.DisplacedBalls(balls, place, friction) for balls, friction in both_ways]
+    equilibria = feedback.solve_friction_equilibria(displaced)
+    found = dict(zip(fed, zip(displaced[::2], equilibria[::2], equilibria[1::2], strict=True), strict=True))
+    return [_state_of_case(case, still[k].contacts, alone[k], found.get(k)) for k, case in enumerate(cases)]
+
+
+def _state_of_case(
+    case: FrictionCase,
+    at: StaticContacts,
+    by_ball: losses.BallFriction,
+    fed_back: tuple[feedback.DisplacedBalls, feedback.FrictionEquilibrium, feedback.FrictionEquilibrium] | None,
+) -> FrictionState:
+    """Return the friction of one case from the solutions for its single balls.
+
+    ``at``, ``by_ball``: contacts at the static loads, and the friction there; ``fed_back``: balls that friction displaces,
+    with their equilibria in the motion of the case and in the reversed motion; None if friction displaces no ball.
+    """
+    scene, _, friction, drive, member = case
+    without, at_back, orbit = at.force, at, by_ball.orbital_speed
+    torque = bare = whole_torque.sum_friction_over_contacts(scene, at, by_ball, drive)
     unsettled: tuple[int, ...] = ()
     second: tuple[int, ...] | None = None
-    change, at_back = 0.0, at
-    if coupled:
-        drawn = draw_geometry_with_errors(scene, at.layout, member)
-        place = feedback.positions_in_grooves_with_errors(at, drawn, result.hertz_C)
-        both_ways = (drive, reversed_motion(drive))
-        there, back = (feedback.solve_friction_equilibrium(scene, at, place, friction, d, fast) for d in both_ways)
-        still, at, at_back, balls = at, there.contacts, back.contacts, there.friction
-        sums = whole_torque.sum_friction_over_contacts(scene, at, balls, drive, coupled=True)
+    change = 0.0
+    if fed_back is not None:
+        balls, there, back = fed_back
+        at, at_back, by_ball = there.contacts, back.contacts, there.friction
+        sums = whole_torque.sum_friction_over_contacts(scene, at, by_ball, drive, coupled=True)
         torque = replace(sums, reverse_power=back.friction.total_power_lost)
         change = max(there.largest_imbalance_ratio, back.largest_imbalance_ratio)
         unsettled = tuple(int(k) for k in np.flatnonzero(there.failed_balls | back.failed_balls))
         if max(friction.screw, friction.nut) >= feedback.JAMMED:
-            second = feedback.balls_with_jammed_state(scene, place, still, there, friction, drive, fast)
-    touching = None
-    if pushed:
+            second = feedback.balls_with_jammed_state(balls, there)
+    touching, coupled = None, fed_back is not None
+    if friction.neighbours:
         ways = ((at, drive), (at_back, reversed_motion(drive)))
-        touching, again = (friction_with_neighbours(scene, contacts, friction, d, member, fast) for contacts, d in ways)
-        balls = touching.ball_friction
-        sums = whole_torque.sum_friction_over_contacts(scene, at, balls, drive, coupled=coupled)
+        touching, again = (friction_with_neighbours(scene, contacts, friction, d, member) for contacts, d in ways)
+        by_ball = touching.ball_friction
+        sums = whole_torque.sum_friction_over_contacts(scene, at, by_ball, drive, coupled=coupled)
         torque = replace(
             sums,
             power=sums.power + touching.power_lost_between_balls,
             reverse_power=again.ball_friction.total_power_lost + again.power_lost_between_balls,
         )
-    closing = losses.closing_speeds_of_neighbours(scene, at, balls, drive)
-    return FrictionState(at, balls, torque, closing, bare, unsettled, change, coupled, touching, second)
+    closing = losses.closing_speeds_of_neighbours(scene, at, by_ball, drive)
+    loads = (without, at_back.force)
+    return FrictionState(at, by_ball, torque, closing, bare, orbit, unsettled, change, coupled, *loads, touching, second)
+
+
+def friction_of_curved_contacts(
+    case: FrictionCase, state: FrictionState
+) -> tuple[losses.BallFriction, losses.BallFriction]:
+    """Return the friction of a screw or bearing with flat contact ellipses, and with curved ones (Heathcote slip).
+
+    Both are that of every ball by itself, without forces between neighbours. Where friction changes the contact loads, it
+    does so with curved contacts as well. Balls for which no balance was found have the status "failed".
+
+    Parameters
+    ----------
+    case
+        The case.
+    state
+        Its friction with flat contact ellipses.
+    """
+    balls = BallsUnderLoad(case.scene, state.contacts, case.friction, case.drive)
+    flat = losses.ball_friction(balls) if case.friction.neighbours else state.ball_friction
+    if not state.friction_changes_loads:
+        return flat, heathcote.friction_of_curved_contacts([balls], [flat.ball_motions])[0]
+    still = balls._replace(contacts=contacts_of_result(case.scene, case.result, case.member))
+    drawn = draw_geometry_with_errors(case.scene, still.contacts.layout, case.member)
+    place = feedback.positions_in_grooves_with_errors(still.contacts, drawn, case.result.hertz_C)
+    begin = feedback.friction_on_balls_and_screw(flat, state.contacts, place.screw_axis_direction)
+    balls_and_start = feedback.DisplacedBalls(still, place, None, begin, flat.ball_motions)
+    (found,) = feedback.solve_friction_equilibria([balls_and_start], heathcote.friction_of_curved_contacts)
+    status = tuple("failed" if bad else word for word, bad in zip(found.friction.status, found.failed_balls, strict=True))
+    return flat, replace(found.friction, status=status)
 
 
 def reversed_motion(drive: Drive) -> Drive:

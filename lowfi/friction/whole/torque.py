@@ -11,8 +11,7 @@ without friction, T = P/Omega - r F therefore has an error of second order in mu
 contact and large in two-point contact. With feedback (``lowfi.friction.whole.feedback``) P is taken at the loads with
 friction.
 
-Two further functions return whether the friction of a scene displaces its balls (`friction_displaces_balls`), and whether
-compiling the functions saves time for its number of balls (`compiling_saves_time`).
+`friction_displaces_balls` returns whether the friction of a scene displaces its balls.
 """
 
 from __future__ import annotations
@@ -178,10 +177,6 @@ def axial_forces_and_moments(contacts: StaticContacts, wrench: Array) -> tuple[A
 #: Motion that is assumed if the scene gives none: the screw turns once a second.
 ONE_TURN = Motion(2.0 * pi)
 
-#: Numbers of balls above which compiling the functions (20 s, once) saves time in one solution: without, then with the
-#: effect of friction on the contact loads.
-COMPILE_ABOVE, COUPLED_ABOVE = 1000, 8
-
 
 def friction_displaces_balls(scene: Scene, friction: Friction) -> bool:
     """Return whether friction is to displace the balls of a scene in their grooves and so change the contact loads.
@@ -190,19 +185,3 @@ def friction_displaces_balls(scene: Scene, friction: Friction) -> bool:
     ``scene`` has a lead.
     """
     return friction.feedback and scene.track.lead != 0.0 and max(friction.screw, friction.nut) > 0.0
-
-
-def compiling_saves_time(scene: Scene, friction: Friction) -> bool:
-    """Return whether a scene has so many balls that compiling the functions of contact friction first saves time.
-
-    The result does not depend on whether compiled functions are on disk already (`lowfi.jit.is_machine_code_cached`).
-
-    Parameters
-    ----------
-    scene
-        Screw or bearing.
-    friction
-        Coefficients of friction, and whether feedback and forces between neighbours are requested.
-    """
-    often = friction_displaces_balls(scene, friction) or friction.neighbours
-    return scene.ball_count > (COUPLED_ABOVE if often else COMPILE_ABOVE)

@@ -109,8 +109,7 @@ def pin_unrestrained_motions(system: AssemblyArrays, unrestrained_motions: Unres
     fixed = system.structure.fixed.copy()
     for row, k in unrestrained_motions.pins:
         fixed[row, k] = True
-    structure = replace(system.structure, fixed=fixed)
-    return replace(system, structure=structure, structure_arrays=system.structure_arrays._replace(fixed=fixed))
+    return replace(system, structure=replace(system.structure, fixed=fixed))
 
 
 #: Contact angle [rad] below which a contact counts as on or beyond the groove's bottom, in a bearing that carries thrust in
@@ -143,7 +142,7 @@ def find_opening_motion(system: AssemblyArrays) -> Array | None:
     total = float(np.abs(s.load[:, :3]).sum() + np.abs(s.load[:, 3:]).sum() / system.moment_arm)
     if float(np.abs(work).max()) <= 1e-12 * total:
         return None
-    centres = 2 * system.ball_arrays.r_ball.size
+    centres = 2 * system.ball_count
     rows = [csr_array(_approach_change_of_balls(b, system, by_row)) for b in system.ball_sets]
     rows += [hstack([csr_array(x), csr_array((len(x), centres))]) for x in _approach_change_of_rollers(system, by_row)]
     answer = held.find_opening_by_linear_program(work, csr_array(vstack(rows)), restraints_on_rigid_motions(s, motions))
@@ -167,7 +166,7 @@ def _approach_change_of_balls(ball_set: BallSet, system: AssemblyArrays, by_row:
     """
     beta = ball_set.problem.scene.track.contact_angle
     angles = (beta, -beta) if ball_set.of.thrust == "deep groove" else (beta,)
-    moved, balls = ball_set.flank_motions(by_row), system.ball_arrays.r_ball.size
+    moved, balls = ball_set.flank_motions(by_row), system.ball_count
     used = [(int(side), angle) for side in np.flatnonzero(ball_set.problem.used_flanks) for angle in angles]
     first, change = ball_set.ball_indices.start, held.approach_change_by_motions
     return np.concatenate([change(s, angle, moved[:, s], first, balls) for s, angle in used])
@@ -184,7 +183,7 @@ def _approach_change_of_rollers(system: AssemblyArrays, by_row: Array) -> list[A
         Rigid motions of all shaft nodes and housings ``(r, 6, k)``.
     """
     out = []
-    for a in (x.slice_arrays for x in system.roller_sets):
+    for a in (x.slices for x in system.roller_sets):
         moved = np.einsum("mek,mekj->mej", a.B, by_row[a.ring_bodies]) * (a.ring_bodies >= 0)[..., None]
         out.append(moved.sum(axis=1))
     return out

@@ -1,7 +1,5 @@
 """Equilibrium of several bearings and ball nuts on one shaft, as the minimum of one energy, found by Newton's method.
 
-This module contains Lin's model ("lin"); the model with elastic bodies is in `lowfi.statics.axis.elastic`.
-
 Flanks that lift off the balls under load and preload are left out, which saves shaft nodes and rows of the matrix. As
 the energy is convex, the solution without these flanks is also the solution with them, provided that no ball of this
 solution touches them.
@@ -9,38 +7,49 @@ solution touches them.
 
 from __future__ import annotations
 
-from abc import abstractmethod
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 from time import perf_counter
-from types import ModuleType
-from typing import NamedTuple, Self
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rollbench.lowfi.compliance.parts import REFINED, ComplianceModel
 from rollbench.lowfi.hertz import contact_approach, contact_force
 from rollbench.lowfi.statics import settle
 from rollbench.lowfi.statics.axis import summary
 from rollbench.lowfi.statics.axis import system as axis_system
+from rollbench.lowfi.statics.axis.equations import assembly_equations, grooved_shaft_section
 from rollbench.lowfi.statics.axis.held import pin_unrestrained_motions, status_of_runaway_assembly, unrestrained_motions
 from rollbench.lowfi.statics.axis.mount import replace_preload_forces_by_offsets
-from rollbench.lowfi.statics.axis.structure import largest_spring_force_term
-from rollbench.lowfi.statics.axis.system import AssemblyArrays, BallSet
+from rollbench.lowfi.statics.axis.system import AssemblyArrays, BallSet, MountedState
 from rollbench.lowfi.statics.contacts import hertz_without_errors
-from rollbench.lowfi.statics.kernel_types import AxisSystem, EnergyDerivatives, MotionState
-from rollbench.lowfi.statics.problem import Problem, centre_vectors_and_interference
+from rollbench.lowfi.statics.problem import place_balls
 from rollbench.lowfi.statics.result import AxisResult, Status
 from rollbench.lowfi.statics.selection import groove_arc_motions_in_section_planes, solutions_clear_of_left_out_flanks
-from rollbench.lowfi.statics.shape import initial_motions_with_supports, rigid_motion_transfer_matrix
-from rollbench.lowfi.statics.static import Engine, pick_engine
+from rollbench.lowfi.statics.summary import ELASTIC_ASSUMPTIONS
 from rollbench.meshes.arrays import Array, Mask
 from rollbench.meshes.axis import Assembly, RollerRow, RollingSet
 from rollbench.meshes.errors import GeometryWithErrors
 from rollbench.meshes.numerics import brentq
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.section import BeamSection, contact_force_positions
+
+#: Assumptions of every result of the refined model on an assembly.
+ASSUMPTIONS = (
+    "the shaft is a Timoshenko beam between its bearings and nuts; in addition the screw, nut and balls of each bearing or "
+    "nut deform under their own contact forces, and respond to contacts elsewhere only by the section forces of the shaft",
+    "housings are rigid; nuts and outer rings are fixed in them as the nut of a single ball screw is fixed in its scene",
+    *ELASTIC_ASSUMPTIONS,
+)
+#: Effect that the model neglects for tapered roller bearings.
+RIGID_RINGS = (
+    "elastic rings: cone and cup are rigid apart from the line contacts, whose force law includes the local deformation"
+)
+
+#: Effect that the model neglects for an inner ring that a housing carries.
+RIGID_INNER = "elastic inner ring: apart from its contacts it is rigid, like the housing that carries it"
 
 
 def guess_loaded_flanks(assembly: Assembly, places: Sequence[axis_system.Placed]) -> list[Mask]:
@@ -103,14 +112,14 @@ def _flanks_in_contact(rolling: RollingSet, scene: Scene, shift: float, drawn: G
     use = axis_system.USE[rolling.thrust]
     if rolling.thrust != "both" or drawn.profile_coefficients.shape[1]:
         return use
-    closure = centre_vectors_and_interference(scene, drawn)[1]
+    closure = place_balls(scene, drawn).interference
     closed = closure + shift * np.sin(scene.track.contact_angle) * np.array([1.0, -1.0])
     if closed[:, 0].max() > 0.0 >= closed[:, 1].max():
         return axis_system.USE["+z"]
     return axis_system.USE["-z"] if closed[:, 1].max() > 0.0 >= closed[:, 0].max() else use
 
 
-def are_balls_clear_of_left_out_flanks(system: AssemblyArrays, state: MotionState) -> bool:
+def are_balls_clear_of_left_out_flanks(system: AssemblyArrays, state: MountedState) -> bool:
     """Return whether no ball of the solved assembly touches a flank that was left out of its equations.
 
     A flank is examined only if thrust in the direction which its nut or bearing carries can load it. ``system``: arrays
@@ -123,8 +132,8 @@ def are_balls_clear_of_left_out_flanks(system: AssemblyArrays, state: MotionStat
         shift = axis_system.flank_motions_of_set(b, state.q)
         for s in np.flatnonzero(~used[:2]) if b.of.carrier is None else ():
             shift[:, s] = _left_out_flank_motion(system, b, int(s), state.q)
-        load, centres = state.contact[None, b.ball_indices, :, 0], state.p[None, b.ball_indices]
-        if not solutions_clear_of_left_out_flanks(centres, shift[None], problem.geometry[None], load, used)[0]:
+        load, centres = state.contacts.force[:, b.ball_indices], state.centres[None, b.ball_indices]
+        if not solutions_clear_of_left_out_flanks(centres, shift[None], problem.contacts[None], load, used)[0]:
             return False
     return True
 
@@ -150,200 +159,9 @@ def flanks_by_thrust_direction(assembly: Assembly) -> list[Mask]:
     return [axis_system.USE[s.thrust] for s in assembly.sets if isinstance(s.parts, Scene)]
 
 
-def stiffness_of_rigid_assembly(equations: BeamAssemblyEquations, hessians: Array) -> Array | None:
-    """Return the tangent stiffness ``(6, 6)`` [N/m, N, N m] of the assembly at the reported shaft node or housing.
-
-    It is the force and moment per unit motion of that node or housing while all other bodies follow freely. Rows and
-    columns of fixed degrees of freedom are nan. None if the housing is fixed, or the contacts carry too little load to
-    resist. Nuts, rings and housings are rigid.
-
-    Parameters
-    ----------
-    equations
-        Solved equations.
-    hessians
-        Second derivatives of each ball's energy by the motions of its four flanks ``(N, 8, 8)`` [N/m].
-    """
-    system, engine, given = equations.assembly_arrays, equations.engine, equations.kernel_arrays
-    row = axis_system.body_of_reported_stiffness(system)
-    if row < 0:
-        return None
-    r = system.structure.body_positions.size
-    size = given.shaft.row_offsets[-1]
-    base, values, step = np.zeros(size), np.empty(size), np.empty((r, 6))
-    engine.add_structure_stiffness(base, given.shaft)
-    if not engine.factor_tangent_stiffness(given, equations.state, hessians, base, values, np.zeros(6)):
-        return None
-    compliance = np.empty((6, 6))
-    for k in range(6):
-        load = np.zeros((r, 6))
-        load[row, k] = 1.0
-        engine.solve_for_motions(given.shaft, values, load, step)
-        compliance[:, k] = step[row]
-    return stiffness_from_compliance(compliance, ~system.structure.fixed[row], system.moment_arm)
-
-
-def stiffness_from_compliance(compliance: Array, free: NDArray[np.bool_], arm: float) -> Array | None:
-    """Return the stiffness ``(6, 6)`` [N/m, N, N m] of the free degrees of freedom of a body; nan for the fixed ones.
-
-    None if the matrix is not positive definite but consists of round-off, as happens if no contact carries load.
-
-    Parameters
-    ----------
-    compliance
-        Compliance matrix ``(6, 6)`` of the body [m/N, 1/N, 1/(N m)], whose inverse is the result.
-    free
-        Which degrees of freedom are free ``(6,)``.
-    arm
-        Length [m] by which rotations are multiplied to be comparable with displacements when the matrix is inverted.
-    """
-    rows = np.flatnonzero(free)
-    out = np.full((6, 6), np.nan)
-    if rows.size:
-        size = np.where(rows < 3, 1.0, 1.0 / arm)
-        scaled = compliance[np.ix_(rows, rows)] / size[:, None] / size[None, :]
-        if not (np.diag(scaled) > 0.0).all():
-            return None
-        try:
-            stiffness = np.linalg.inv(scaled)
-        except np.linalg.LinAlgError:
-            return None
-        stiffness = stiffness / size[:, None] / size[None, :]
-        out[np.ix_(rows, rows)] = 0.5 * (stiffness + stiffness.T)
-    return out
-
-
-def screw_flank_motions_per_rigid_motion(ball_set: BallSet, stations: Array) -> Array:
-    """Return the motions ``(N, 4, 6)`` of the screw's flanks at N balls per unit of the screw's six rigid motions.
-
-    The four rows of a ball are the left flank, radial and along the helix's binormal, then the right flank likewise. In a
-    bearing, the inner ring takes the screw's place. The rigid motion is taken at the axial position of the nut or bearing.
-
-    Parameters
-    ----------
-    ball_set
-        The ball nut or bearing, with N balls.
-    stations
-        Axial positions of all shaft nodes and moving housings [m].
-    """
-    return ball_set.flank_motions(rigid_motion_transfer_matrix(stations - ball_set.of.position))[:, :2].reshape(-1, 4, 6)
-
-
-def stiffness_of_nut_or_bearing(ball_set: BallSet, stations: Array, hessians: Array) -> Array:
-    """Return the stiffness ``(6, 6)`` [N/m, N, N m] between screw and nut, or between the rings of a bearing.
-
-    Screw or inner ring move as a rigid body, while nut or outer ring are fixed.
-
-    Parameters
-    ----------
-    ball_set
-        The ball nut or bearing, with N balls; motions are taken at its axial position.
-    stations
-        Axial positions of all shaft nodes and moving housings [m].
-    hessians
-        Second derivatives of each ball's energy by the motions of its two flanks on the screw or inner ring ``(N, 4, 4)``
-        [N/m].
-    """
-    rows = screw_flank_motions_per_rigid_motion(ball_set, stations)
-    return np.asarray(np.einsum("nai,nab,nbj->ij", rows, hessians, rows))
-
-
 #: Ratio of a body's displacement to the largest pitch radius, or rotation [rad], above which a linear program decides
 #: whether the contacts can carry the loads.
 FAR = 0.1
-
-
-@dataclass(kw_only=True)
-class AssemblyEquations(settle.StaticEquations):
-    """Equations of an assembly for the numerical kernels: base class for rigid and for elastic bodies."""
-
-    #: Shaft, housings, bearings and nuts of the assembly as arrays.
-    assembly_arrays: AssemblyArrays
-
-    @property
-    def problems(self) -> Sequence[Problem]:
-        """Return the contact problem of each ball nut and ball bearing."""
-        return [b.problem for b in self.assembly_arrays.ball_sets]
-
-    @abstractmethod
-    def motions_and_reactions(self) -> tuple[MotionState, Array]:
-        """Return the present state (motions of shaft nodes and housings, ball centres, contacts), and support reactions.
-
-        The reactions ``(r, 6)`` [N, N m] act on the r shaft nodes and housings and are zero at free degrees of freedom.
-        """
-
-    @abstractmethod
-    def stiffness_of_sets_and_assembly(self) -> tuple[Sequence[Array], Array | None]:
-        """Return the tangent stiffness ``(6, 6)`` [N/m, N, N m] of each ball nut or bearing, and of the assembly.
-
-        The assembly's stiffness is taken at the shaft node or housing for which it is reported; it is None if this housing
-        is fixed or nothing resists its motion.
-        """
-
-
-@dataclass(kw_only=True)
-class BeamAssemblyEquations(AssemblyEquations):
-    """Equations of an assembly whose shaft is a beam and whose nuts, outer rings and housings are rigid (model lin)."""
-
-    SOLVER = "solve_axis"
-    #: Arrays of shaft and rolling elements for the kernels.
-    kernel_arrays: AxisSystem
-    #: Motions, element deformations and contacts: the unknowns of the iteration.
-    state: MotionState
-
-    def contact_states(self) -> Sequence[settle.ContactState]:
-        """Return contact forces, ball centres and flank motions of each bearing and nut, as the iteration has them now."""
-        return axis_system.contact_states_of_sets(self.assembly_arrays, self.state)
-
-    def with_lever_arms(self, arms: Sequence[Array]) -> Self:
-        """Return equations with new lever arms of the contact forces, which start from the present state.
-
-        ``arms``: for each bearing or nut with N balls, the shifts ``(N, 4, 2)`` [m] of the flanks' centres of curvature by
-        profile errors; contact forces act through these centres.
-        """
-        system = axis_system.replace_lever_arms(self.assembly_arrays, arms)
-        return replace(self, assembly_arrays=system, kernel_arrays=self.kernel_arrays._replace(balls=system.ball_arrays))
-
-    def round_off_residual(self) -> float:
-        """Return the relative residual that rounding errors leave at the solution.
-
-        It is the larger of two bounds: one from the largest motion and the stiffest contact, one from the housings'
-        springs.
-        """
-        state, v0 = self.state, self.kernel_arrays.balls.v0
-        motion = float(np.abs(state.q[:, :3]).max(initial=0.0)) + float(np.abs(v0).max(initial=0.0))
-        stiff = float(state.contact[..., 3].max(initial=0.0)) + float(state.slices[:, 1].max(initial=0.0))
-        contacts = settle.residual_by_round_off(motion, stiff, self.residual_force_scale, self.problems)
-        springs = largest_spring_force_term(self.assembly_arrays.structure, state.q, self.assembly_arrays.moment_arm)
-        return max(contacts, settle.residual_by_round_off(springs, 1.0, self.residual_force_scale, ()))
-
-    def model_description(self) -> settle.ModelDescription:
-        """Return the formulation and the number of unknowns for the record of the solution.
-
-        Its list of assumptions is empty; `AssemblyModel` states those of the model.
-        """
-        return settle.ModelDescription("convex energy", int(np.count_nonzero(~self.assembly_arrays.structure.fixed)), ())
-
-    def energy_derivatives(self) -> EnergyDerivatives:
-        """Return the first and second derivatives of the energy in the present state of the iteration."""
-        out = EnergyDerivatives(np.zeros(self.state.q.shape), np.zeros((len(self.state.p), 8, 8)))
-        self.engine.evaluate_axis(self.kernel_arrays, self.state, out)
-        return out
-
-    def motions_and_reactions(self) -> tuple[MotionState, Array]:
-        """Return the present state, and support reactions ``(r, 6)``: the energy's gradient at fixed degrees of freedom."""
-        return self.state, np.where(self.assembly_arrays.structure.fixed, self.energy_derivatives().gradient, 0.0)
-
-    def stiffness_of_sets_and_assembly(self) -> tuple[Sequence[Array], Array | None]:
-        """Return the tangent stiffness ``(6, 6)`` [N/m, N, N m] of each ball nut or bearing, and of the assembly.
-
-        The assembly's stiffness is taken at the shaft node or housing for which it is reported; it is None if this housing
-        is fixed or nothing resists its motion.
-        """
-        system, hessians = self.assembly_arrays, self.energy_derivatives().ball_hessians
-        at, inner = system.structure.body_positions, hessians[:, :4, :4]
-        sets = [stiffness_of_nut_or_bearing(b, at, inner[b.ball_indices]) for b in system.ball_sets]
-        return sets, stiffness_of_rigid_assembly(self, hessians)
 
 
 def moved_too_far(q: Array, system: AssemblyArrays) -> bool:
@@ -359,24 +177,6 @@ def moved_too_far(q: Array, system: AssemblyArrays) -> bool:
     return not float((np.abs(q) / np.repeat([system.moment_arm, 1.0], 3)).max()) <= FAR
 
 
-def build_beam_assembly_equations(system: AssemblyArrays, engine: ModuleType) -> BeamAssemblyEquations:
-    """Return the equations of an assembly (model lin), with an initial state that has the prescribed displacements.
-
-    ``system``: arrays of the assembly; ``engine``: module of the numerical kernels, compiled or interpreted.
-    """
-    s, n = system.structure, system.structure.nodes.size
-    scale, furthest = axis_system.assembly_residual_scale(system), float(system.ball_arrays.r_ball.max(initial=0.0))
-    q = np.zeros((s.body_positions.size, 6))
-    q[:n], d = initial_motions_with_supports(s.nodes, s.fixed[:n], s.prescribed[:n])
-    q[n:] = np.where(s.fixed[n:], s.prescribed[n:], 0.0)
-    N, M = system.ball_arrays.r_ball.size, system.slice_arrays.gap.size
-    state = MotionState(q, d, np.zeros((N, 2)), np.zeros((N, 4, 5)), np.zeros((M, 2)))
-    system.ball_arrays = system.ball_arrays._replace(unloaded_force_limit=scale.unloaded_force_limit)
-    options = settle.solver_options(scale, system.moment_arm, furthest)
-    given = AxisSystem(system.structure_arrays, system.ball_arrays, system.slice_arrays)
-    return BeamAssemblyEquations(engine=engine, kernel_arrays=given, state=state, options=options, assembly_arrays=system)
-
-
 class AssemblyModel(NamedTuple):
     """Mechanical model of an assembly: its name, its assumptions, and the function that makes its equations."""
 
@@ -386,15 +186,15 @@ class AssemblyModel(NamedTuple):
     assumed: tuple[str, ...]
     #: Effects that the model neglects, as sentences.
     left_out: tuple[str, ...]
-    #: Function that builds the equations for the kernels from the arrays of an assembly and the module of the kernels.
-    build_equations: Callable[[AssemblyArrays, ModuleType], AssemblyEquations]
+    #: Method by which the compliance of screws, nuts and balls is computed; None: they are rigid.
+    backend: ComplianceModel | None
     #: Cross-section of the threaded shaft; None: computed from the assembly's dimensions.
     threaded_shaft_section: BeamSection | None
     #: Whether flanks that are expected to lift off the balls, by loads and axial offsets, are left out of the equations.
     leaves_out_lifted_flanks: bool
 
 
-def solve_assembly(assembly: Assembly, *, engine: Engine = "auto", member: int = 0) -> AxisResult:
+def solve_assembly(assembly: Assembly, *, member: int = 0) -> AxisResult:
     """Compute contact forces, stiffness and motions of a shaft with several bearings and nuts in static equilibrium.
 
     The shaft is a beam; nuts, outer rings and housings are rigid (model lin).
@@ -403,8 +203,6 @@ def solve_assembly(assembly: Assembly, *, engine: Engine = "auto", member: int =
     ----------
     assembly
         Shaft with bearings and ball nuts.
-    engine
-        Numerical kernels: ``"interpreted"``, ``"compiled"``, or ``"auto"``, which chooses by the size of the problem.
     member
         Number of the specimen: each number gives other random errors.
 
@@ -418,12 +216,12 @@ def solve_assembly(assembly: Assembly, *, engine: Engine = "auto", member: int =
     ValueError
         If dimensions leave a part without material.
     """
-    model = AssemblyModel("lin", summary.AXIS_ASSUMPTIONS, (), build_beam_assembly_equations, None, True)
-    return solve_assembly_by_model(assembly, model, engine, member, partial(solve_assembly, engine=engine, member=member))
+    model = AssemblyModel("lin", summary.AXIS_ASSUMPTIONS, (), None, None, True)
+    return solve_assembly_by_model(assembly, model, member, partial(solve_assembly, member=member))
 
 
 def solve_assembly_by_model(
-    assembly: Assembly, model: AssemblyModel, engine: Engine, member: int, solve_same_model: partial[AxisResult]
+    assembly: Assembly, model: AssemblyModel, member: int, solve_same_model: partial[AxisResult]
 ) -> AxisResult:
     """Compute the static equilibrium of an assembly by a model, and return forces, stiffness and motions.
 
@@ -433,8 +231,6 @@ def solve_assembly_by_model(
         Shaft with bearings and ball nuts.
     model
         Mechanical model.
-    engine
-        Numerical kernels: ``"interpreted"``, ``"compiled"``, or ``"auto"``, which chooses by the size of the problem.
     member
         Number of the specimen: each number gives other random errors.
     solve_same_model
@@ -450,24 +246,25 @@ def solve_assembly_by_model(
     mounted, notes, unmet = replace_preload_forces_by_offsets(assembly, solve_same_model)
     if unmet:
         return result_without_equilibrium(unmet)
-    kernels, places = kernels_for_assembly(assembly, engine), axis_system.ball_positions_with_errors(mounted, member)
+    places = axis_system.ball_positions_with_errors(mounted, member)
     uses = guess_loaded_flanks(mounted, places) if model.leaves_out_lifted_flanks else flanks_by_thrust_direction(mounted)
     while True:
         system = axis_system.build_assembly_arrays(mounted, uses, places, model.threaded_shaft_section)
         loose = unrestrained_motions(system)
         if loose.is_driven_by_loads:
             return result_without_equilibrium(Status("not held", loose.description))
-        prepared = model.build_equations(pin_unrestrained_motions(system, loose), kernels)
+        prepared = assembly_equations(pin_unrestrained_motions(system, loose), model.backend)
         ready = perf_counter()
         prepared, outcome = settle.solve_with_updated_contacts(prepared)
-        every, good = flanks_by_thrust_direction(mounted), outcome.status == 0
+        every = flanks_by_thrust_direction(mounted)
+        good = settle.is_solve_accepted(outcome, prepared.round_off_residual())
         if all(map(np.array_equal, uses, every)):
             break
-        if good and are_balls_clear_of_left_out_flanks(prepared.assembly_arrays, prepared.state):
+        if good and are_balls_clear_of_left_out_flanks(prepared.assembly_arrays, prepared.mounted_state_and_reactions()[0]):
             break
         uses = every
         notes = (*notes, "balls touch flanks that loads or offsets should lift off them: solved again with all flanks")
-    state, held = prepared.motions_and_reactions()
+    state, held = prepared.mounted_state_and_reactions()
     # with elastic bodies, loose motions stay fixed in the proof
     proven = system if model.leaves_out_lifted_flanks else prepared.assembly_arrays
     prove, far = partial(status_of_runaway_assembly, proven), moved_too_far(state.q, proven)
@@ -492,13 +289,41 @@ def solve_assembly_by_model(
     return summary.result_of_solved_assembly(prepared.assembly_arrays, state, ending)
 
 
-def kernels_for_assembly(assembly: Assembly, engine: Engine) -> ModuleType:
-    """Return the module of numerical kernels, compiled or interpreted, that suits the size of an assembly.
+def solve_assembly_with_elastic_bodies(
+    assembly: Assembly, *, member: int = 0, backend: ComplianceModel = REFINED, name: str = "refined"
+) -> AxisResult:
+    """Compute contact forces, stiffness and motions of an assembly with elastic bodies.
 
-    ``engine``: ``"interpreted"``, ``"compiled"`` or ``"auto"``, see `pick_engine`. The size is the number of balls plus a
-    quarter of the number of roller slices. It is multiplied by one plus the number of preload forces, because each preload
-    force takes further solves.
+    If all bearings are roller bearings, only the shaft's beam and the line contacts are elastic; the model lin is solved.
+
+    Parameters
+    ----------
+    assembly
+        Shaft with bearings and ball nuts.
+    member
+        Number of the specimen: each number gives other random errors.
+    backend
+        Method by which the compliance of screws, nuts and balls is computed.
+    name
+        Name of the model in the result.
+
+    Raises
+    ------
+    ValueError
+        If an inner ring sits on a housing that stands on springs, there are more than `LARGEST` balls and rollers, or a
+        body has impossible dimensions.
     """
-    slices = sum(s.parts.count * s.parts.slices for s in assembly.sets if isinstance(s.parts, RollerRow))
-    preloads = sum(s.preload > 0.0 for s in assembly.sets)
-    return pick_engine(engine, (assembly.ball_count + slices // 4) * (1 + preloads))
+    rigid = describe_rigid_rings(assembly)
+    if not assembly.ball_count:
+        result = solve_assembly(assembly, member=member)
+        return replace(result, model=name, left_out=(*result.left_out, *rigid))
+
+    again = partial(solve_assembly_with_elastic_bodies, member=member, backend=backend, name=name)
+    model = AssemblyModel(name, ASSUMPTIONS, rigid, backend, grooved_shaft_section(assembly, backend), False)
+    return solve_assembly_by_model(assembly, model, member, again)
+
+
+def describe_rigid_rings(assembly: Assembly) -> tuple[str, ...]:
+    """Return a sentence for each roller bearing and each inner ring on a housing; the model takes their rings as rigid."""
+    rollers = tuple(f"{s.name}: {RIGID_RINGS}" for s in assembly.sets if isinstance(s.parts, RollerRow))
+    return rollers + tuple(f"{s.name}: {RIGID_INNER}" for s in assembly.sets if s.carrier is not None)

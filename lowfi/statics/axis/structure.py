@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.lowfi.statics.problem import fixed_motions
-from rollbench.lowfi.statics.shape import rigid_motion_transfer_matrix
+from rollbench.lowfi.statics.shape import rigid_motion_transfer_matrix, thermal_nodal_loads
 from rollbench.meshes import section as meshes_section
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, Housing
@@ -59,6 +59,11 @@ class Structure:
         """Return the axial positions ``(r,)`` [m] of the shaft nodes, then those of the moving housings."""
         return np.concatenate([self.nodes, self.housing_positions])
 
+    @property
+    def section_stiffnesses(self) -> Array:
+        """Return EA [N], EI [N m^2], GJ [N m^2], kappa G A [N] of each beam element ``(n - 1, 4)``."""
+        return np.array([(s.EA, s.EI, s.GJ, s.kGA) for s in self.sections])
+
     def each_spring(self) -> Iterator[tuple[Ints, Array, Array]]:
         """Iterate over the springs: their entries of ``spring_bodies``, ``spring_end_matrices`` and ``springs``."""
         return zip(self.spring_bodies, self.spring_end_matrices, self.springs, strict=True)
@@ -68,8 +73,8 @@ def shaft_nodes(assembly: Assembly, stations: Array) -> Array:
     """Return the axial positions of the shaft's nodes [m].
 
     Nodes lie at supports, loads, changes of cross-section and the position at which the stiffness is reported. They also
-    lie at contacts or at fixed distances, depending on the scene's ``partition``. The shaft beyond the outermost support,
-    load or contact carries no load and is left out.
+    lie at contacts and centres of nuts, or at fixed distances, depending on the scene's ``partition``. The shaft beyond the
+    outermost support, load or contact carries no load and is left out.
 
     Parameters
     ----------
@@ -90,7 +95,8 @@ def shaft_nodes(assembly: Assembly, stations: Array) -> Array:
         every = np.concatenate([meshes_section.nodes_of_whole_beam(*scenes), extra])
         merged = meshes_section.merge_close_positions(every, held)
         return meshes_section.nodes_enclosing_positions(merged, np.array(needed))[0]
-    nodes = meshes_section.merge_close_positions(np.array([*needed, *steps]), held)
+    centres = [s.position for s in assembly.sets if isinstance(s.parts, Scene) and s.parts.track.lead and s.carrier is None]
+    nodes = meshes_section.merge_close_positions(np.array([*needed, *steps, *centres]), held)
     if nodes.size == 1:  # a beam needs one element
         step = meshes_section.MERGE * 100.0
         nodes = np.sort(np.array([low, low - step if low > 0.5 * assembly.screw.length else low + step]))
@@ -153,9 +159,7 @@ def build_structure(assembly: Assembly, stations: Array, section: meshes_section
     for i, body in enumerate(moving):
         load[nodes.size + i] += np.concatenate([body.force, body.moment])
     sections = element_sections(assembly, nodes, section)
-    for e, section in enumerate(sections):  # thermal expansion as forces that push the nodes of an element apart
-        load[e, 2] -= section.EA * assembly.thermal_strain
-        load[e + 1, 2] += section.EA * assembly.thermal_strain
+    load[: nodes.size] += thermal_nodal_loads(np.array([s.EA for s in sections]), assembly.thermal_strain)
     row = {h.name: -1 for h in assembly.housings} | {h.name: nodes.size + i for i, h in enumerate(moving)}
     ends, reach, springs = _spring_arrays(assembly, moving, row)
     places = np.array([h.at for h in moving])

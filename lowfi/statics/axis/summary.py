@@ -11,10 +11,9 @@ from rollbench.lowfi.rollers import half_widths_and_pressures_of_slices, tapered
 from rollbench.lowfi.statics import summary
 from rollbench.lowfi.statics.axis import system as axis_system
 from rollbench.lowfi.statics.axis.held import APEX, status_of_reversed_thrust
-from rollbench.lowfi.statics.axis.system import AssemblyArrays, RollerSet
-from rollbench.lowfi.statics.kernel_types import MotionState
+from rollbench.lowfi.statics.axis.system import AssemblyArrays, MountedState, RollerSet
 from rollbench.lowfi.statics.problem import SolvedState
-from rollbench.lowfi.statics.result import AxisResult, Equilibrium, HousingResult, SetResult, SolverReport, Status
+from rollbench.lowfi.statics.result import HEAT, AxisResult, Equilibrium, HousingResult, SetResult, SolverReport, Status
 from rollbench.lowfi.statics.settle import ACCEPTED
 from rollbench.lowfi.statics.shape import rigid_motion_transfer_matrix
 from rollbench.lowfi.statics.validity import contact_warnings, large_tilt_warning, rotation_warning
@@ -33,7 +32,8 @@ ROLLERS = (
     "rollers are slices with independent line contacts, so that the pressure peaks at straight ends are missing; rollers "
     "touch their ribs; rings do not bend"
 )
-
+#: Force [N] that is round-off in any assembly: without loads, motions of round-off leave such forces.
+NO_FORCE = 1e-15
 #: Share of the largest force in the model below which a contact force counts as zero: ten times the residual up to which a
 #: solution counts as converged.
 NOTHING = 10.0 * ACCEPTED
@@ -69,7 +69,7 @@ class SolveRecord:
     residual_force_scale: float
 
 
-def result_of_solved_assembly(system: AssemblyArrays, state: MotionState, record: SolveRecord) -> AxisResult:
+def result_of_solved_assembly(system: AssemblyArrays, state: MountedState, record: SolveRecord) -> AxisResult:
     """Return the result of a solved assembly: bearings, housings, reactions, equilibrium check, stiffness and status.
 
     Parameters
@@ -111,7 +111,12 @@ def result_of_solved_assembly(system: AssemblyArrays, state: MotionState, record
         stiffness=record.assembly_stiffness,
         solver=record.report,
         assumed=(*assembly.assumed, *record.assumed, *((ROLLERS,) if system.roller_sets else ())),
-        left_out=(*pinned, *record.left_out, *axis_system.describe_left_out_flanks(system)),
+        left_out=(
+            *((HEAT,) if assembly.thermal_strain else ()),
+            *pinned,
+            *record.left_out,
+            *axis_system.describe_left_out_flanks(system),
+        ),
         warnings=warnings,
         reactions=summary.nodal_reactions(structure.nodes, assembly.supports, record.support_reactions[:n]),
     )
@@ -170,7 +175,7 @@ def status_of_reversed_bearing(system: AssemblyArrays, sets: Sequence[SetResult]
     return None
 
 
-def result_of_ball_set(system: AssemblyArrays, i: int, state: MotionState, record: SolveRecord) -> SetResult:
+def result_of_ball_set(system: AssemblyArrays, i: int, state: MountedState, record: SolveRecord) -> SetResult:
     """Return the result of one ball nut or ball bearing: contacts, and force and moment on the shaft and on nut or ring.
 
     Parameters
@@ -186,8 +191,8 @@ def result_of_ball_set(system: AssemblyArrays, i: int, state: MotionState, recor
     """
     b = system.ball_sets[i]
     problem = b.problem
-    contact = state.contact[b.ball_indices]
-    force, normal, p = contact[..., 0].copy(), contact[..., 1:3].copy(), state.p[b.ball_indices].copy()
+    every = state.contacts.force[0], state.contacts.normal[0], state.centres
+    force, normal, p = (x[b.ball_indices].copy() for x in every)
     shifts = record.flank_motions[i] if problem.drawn.profile_coefficients.shape[1] else None
     motion = state.q[: problem.nodes.size]
     largest = float(force.max(initial=0.0))
@@ -201,7 +206,7 @@ def result_of_ball_set(system: AssemblyArrays, i: int, state: MotionState, recor
     return SetResult(b.of, *on_shaft, np.concatenate(back), record.set_stiffnesses[i], outer, result)
 
 
-def result_of_roller_bearing(roller_set: RollerSet, state: MotionState, stations: Array) -> SetResult:
+def result_of_roller_bearing(roller_set: RollerSet, state: MountedState, stations: Array) -> SetResult:
     """Return the result of one tapered roller bearing: roller loads, force and moment on the shaft, and stiffness.
 
     Parameters
@@ -213,19 +218,19 @@ def result_of_roller_bearing(roller_set: RollerSet, state: MotionState, stations
     stations
         Axial positions of shaft nodes and moving housings [m].
     """
-    slices = state.slices[roller_set.slice_indices]
-    inner = float(stations[roller_set.slice_arrays.ring_bodies[0, 0]])
-    B = roller_set.slice_arrays.B[:, 0] @ rigid_motion_transfer_matrix(inner - roller_set.of.position)
-    wrench, K = -slices[:, 0] @ B, (B.T * slices[:, 1]) @ B
+    forces, stiffness = (x[roller_set.slice_indices] for x in (state.slice_forces, state.slice_stiffness))
+    inner = float(stations[roller_set.slices.ring_bodies[0, 0]])
+    B = roller_set.slices.B[:, 0] @ rigid_motion_transfer_matrix(inner - roller_set.of.position)
+    wrench, K = -forces @ B, (B.T * stiffness) @ B
     row = roller_set.row
-    loads = slices[:, 0].reshape(row.count, row.slices)
+    loads = forces.reshape(row.count, row.slices)
     lines = loads * row.slices / row.length
-    outer = _outer_part_motion(roller_set.of, int(roller_set.slice_arrays.ring_bodies[0, 1]), state, stations)
+    outer = _outer_part_motion(roller_set.of, int(roller_set.slices.ring_bodies[0, 1]), state, stations)
     of_rollers = roller_set.roller_azimuths, loads.sum(axis=1), lines
     return SetResult(roller_set.of, wrench[:3], wrench[3:], -wrench, K, outer, None, *of_rollers)
 
 
-def _outer_part_motion(of: RollingSet, row: int, state: MotionState, stations: Array) -> Array:
+def _outer_part_motion(of: RollingSet, row: int, state: MountedState, stations: Array) -> Array:
     """Return the motion ``(6,)`` [m, rad] of an outer ring or nut at its axial position, its prescribed offset included.
 
     Parameters
@@ -261,7 +266,7 @@ def _resultant_about_axis_point(points: Array, forces: Array, station: float) ->
 
 
 def _check_shaft_equilibrium(
-    system: AssemblyArrays, state: MotionState, record: SolveRecord, sets: tuple[SetResult, ...]
+    system: AssemblyArrays, state: MountedState, record: SolveRecord, sets: tuple[SetResult, ...]
 ) -> Equilibrium:
     """Return the check of the shaft's equilibrium under external loads, reactions, and forces of bearings and nuts.
 
@@ -276,9 +281,9 @@ def _check_shaft_equilibrium(
         contacts = 0.0 if s.balls is None else float(s.balls.load.max(initial=0.0))
         largest = max(largest, float(np.abs(s.force).max()), contacts)
     size = max(largest, float(np.abs(np.concatenate([applied[:3], reaction[:3]])).max()))
-    noise = summary.round_off_forces(np.diff(nodes), system.structure_arrays.sections, state.q[: nodes.size])
-    net = summary.magnitudes_of_net_ball_forces(state.contact[..., 0], state.contact[..., 1:3])
-    sums, net_on_balls = (applied, reaction, contact, np.zeros(6)), net[: system.ball_arrays.r_ball.size]
+    noise = summary.round_off_forces(np.diff(nodes), system.structure.section_stiffnesses, state.q[: nodes.size])
+    net = summary.magnitudes_of_net_ball_forces(state.contacts.force[0], state.contacts.normal[0])
+    sums, net_on_balls = (applied, reaction, contact, np.zeros(6)), net
     return summary.check_equilibrium(sums, size, system.moment_arm, noise, net_on_balls)
 
 
@@ -324,7 +329,7 @@ def _result_of_housing(
     forces = structure.load[row], wrench, *(s.force for s in sets if name in (s.of.housing, s.of.carrier))
     size = max(record.residual_force_scale, *(float(np.abs(x[:3]).max()) for x in forces))
     left = max(float(np.abs(balance[:3]).max()), float(np.abs(balance[3:]).max()) / system.moment_arm)
-    return HousingResult(name, q[row].copy(), wrench, left / size if size else 0.0)
+    return HousingResult(name, q[row].copy(), wrench, left / size if size > NO_FORCE else 0.0)
 
 
 def axis_result_without_equilibrium(
@@ -345,7 +350,7 @@ def axis_result_without_equilibrium(
     assumed
         Assumptions of the model.
     """
-    report = SolverReport(0, 0, float("nan"), seconds, 0, 0, "none", "none")
+    report = SolverReport(0, 0, float("nan"), seconds, 0, 0, "none")
     return AxisResult(model=model, status=status, solver=report, assumed=(*assembly.assumed, *assumed))
 
 

@@ -1,11 +1,10 @@
-"""Arrays for the numerical kernels of a shaft with several bearings and ball nuts: balls, rollers, beam and springs.
+"""Arrays of a shaft with several bearings and ball nuts: balls, rollers, beam and springs.
 
 A *set* is one bearing row or one ball nut. A *motion row* holds the six motions (three translations, three rotations) of
 one shaft node or one moving housing; `Structure` numbers these rows.
 
-Where other bodies are elastic, a roller is one element between two rigid rings. The approach of each slice of the roller is
-then the approach at the roller's middle plus the slice's position times the slope along the roller. Two motions at each
-ring therefore determine all slices. The slices follow the same force law as in the model lin.
+A roller is one element between two rigid rings. The approach of each slice of the roller is the approach at the roller's
+middle plus the slice's position times the slope along the roller. Two motions at each ring therefore determine all slices.
 """
 
 from __future__ import annotations
@@ -13,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from itertools import accumulate
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,8 +21,7 @@ from rollbench.lowfi.hertz import contact_force
 from rollbench.lowfi.rollers import slice_middles, tapered_bearing_of_row
 from rollbench.lowfi.statics import problem as statics_problem
 from rollbench.lowfi.statics.axis.structure import Structure, build_structure
-from rollbench.lowfi.statics.kernel.beam import element_constants
-from rollbench.lowfi.statics.kernel_types import AxisArrays, AxisBalls, AxisRollers, MotionState, RollerContacts
+from rollbench.lowfi.statics.rolling_elements import Balls, Contacts, Rollers
 from rollbench.lowfi.statics.settle import ContactState, ResidualScale
 from rollbench.lowfi.statics.shape import beam_interpolation_matrices
 from rollbench.meshes.arrays import Array
@@ -45,6 +43,40 @@ USE = {
     "-z": np.array([False, True, True, False]),
     "deep groove": np.array([True, False, False, True]),
 }
+
+
+class RollerSlices(NamedTuple):
+    """The K slices into which the rollers of bearings are divided across their axes, between rigid rings.
+
+    The line contacts of a slice with both raceways are in series. The approach of the raceways at a slice is B q - gap,
+    with the motions q of the bodies that carry the rings.
+    """
+
+    #: Numbers ``(K, 2)`` of the bodies (shaft node or housing) that carry inner and outer ring; -1 if the ring is fixed.
+    ring_bodies: Ints
+    #: Approach of the raceways at each slice per unit motion of the bodies that carry inner and outer ring ``(K, 2, 6)``.
+    B: Array
+    #: Gap ``(K,)`` [m] between slice and raceways by crowning and by the ring's axial offset, without motions of the rings.
+    gap: Array
+    #: Widths of the slices ``(K,)`` [m].
+    width: Array
+    #: Constants ``(K,)`` [m^2/N] of the slice's law, `contact_law.line_contact_law`.
+    g: Array
+    s: Array
+
+
+class MountedState(NamedTuple):
+    """State of a solved assembly with r bodies (shaft nodes and moving housings), N balls and K roller slices."""
+
+    #: Motions of the bodies ``(r, 6)`` [m, rad].
+    q: Array
+    #: Displacements of the ball centres in their section planes ``(N, 2)`` [m].
+    centres: Array
+    #: Contacts of the balls, of one member.
+    contacts: Contacts
+    #: Force [N] and stiffness [N/m] of each slice ``(K,)``.
+    slice_forces: Array
+    slice_stiffness: Array
 
 
 @dataclass
@@ -107,13 +139,13 @@ class RollerSet:
     slice_indices: slice
     #: Azimuths of the rollers ``(count,)`` [rad].
     roller_azimuths: Array
-    #: Arrays of the roller slices for the kernels: motions, gaps, widths and force law.
-    slice_arrays: AxisRollers
+    #: Its roller slices: motions, gaps, widths and force law.
+    slices: RollerSlices
 
 
 @dataclass
 class AssemblyArrays:
-    """Shaft with its bearings, ball nuts and housings as arrays for the numerical kernels."""
+    """Shaft with its bearings, ball nuts and housings as arrays."""
 
     #: Description of the assembly by the user.
     assembly: Assembly
@@ -125,12 +157,15 @@ class AssemblyArrays:
     roller_sets: list[RollerSet]
     #: Largest pitch radius of the bearings and nuts [m]; moments are divided by it where they are compared with forces.
     moment_arm: float
-    #: Arrays of shaft, housings and springs for the kernels.
-    structure_arrays: AxisArrays = field(repr=False)
-    #: Arrays of all balls for the kernels.
-    ball_arrays: AxisBalls = field(repr=False)
-    #: Arrays of the slices of all rollers for the kernels.
-    slice_arrays: AxisRollers = field(repr=False)
+    #: All balls, as one member and rigid apart from their Hertz contacts.
+    balls: Balls = field(repr=False)
+    #: Prescribed motion of the flanks of all balls ``(N, 4, 2)`` [m] by axial offsets of nuts and outer rings.
+    prescribed_flank_motions: Array = field(repr=False)
+
+    @property
+    def ball_count(self) -> int:
+        """Return the number N of all balls."""
+        return int(self.balls.C.shape[1])
 
 
 def ball_positions_with_errors(assembly: Assembly, member: int = 0) -> list[Placed]:
@@ -154,7 +189,7 @@ def build_assembly_arrays(
     places: Sequence[Placed] | None = None,
     section: BeamSection | None = None,
 ) -> AssemblyArrays:
-    """Return an assembly (shaft, bearings, ball nuts and housings) as arrays for the numerical kernels.
+    """Return an assembly (shaft, bearings, ball nuts and housings) as arrays.
 
     Parameters
     ----------
@@ -194,9 +229,7 @@ def build_assembly_arrays(
         [scene.track.pitch_radius for _, scene in parts]
         + [tapered_bearing_of_row(row).pitch_diameter / 2.0 for _, row in rows]
     )
-    contacts, slices = _concatenate_balls(balls), _concatenate_rollers(rollers)
-    shaft = _kernel_arrays_of_structure(structure, contacts, slices)
-    return AssemblyArrays(assembly, structure, balls, rollers, arm, shaft, contacts, slices)
+    return AssemblyArrays(assembly, structure, balls, rollers, arm, *_all_balls(balls))
 
 
 def _build_ball_set(
@@ -229,7 +262,7 @@ def _build_ball_set(
     """
     layout, drawn = place
     parts = (scene, drawn, layout, arms)
-    geometry, closure = statics_problem.pack_contact_data(scene, drawn, used)
+    contacts, closure = statics_problem.nominal_contacts(scene, drawn, used)
     n, nodes, N = structure.nodes.size, structure.nodes, layout.z.size
     stations = contact_force_positions(scene, layout)
     nodal, built = scene.ingredients.partition == "nodal", int(np.argmax(used[:2]))
@@ -256,7 +289,7 @@ def _build_ball_set(
     pieces = inner, pad_coefficients_to_two_bodies(np.full((N, 2), outer), on_nut, width, r)
     row, B = (np.concatenate(x, axis=1) for x in zip(*pieces, strict=True))
     shaft = nodes, structure.sections[0], structure.fixed[:n], structure.prescribed[:n], structure.load[:n], node, B[:, :2]
-    problem = statics_problem.Problem(scene, layout, drawn, *shaft, geometry, closure, used, 0)
+    problem = statics_problem.Problem(scene, layout, drawn, *shaft, contacts, closure, used, 0)
     return BallSet(rolling, problem, slice(first_ball, first_ball + N), outer, row, B, v0)
 
 
@@ -283,7 +316,7 @@ def interpolate_shaft_motions(structure: Structure, stations: Array) -> tuple[In
 def pad_coefficients_to_two_bodies(body: Ints, B: Array, width: int, body_count: int) -> tuple[Ints, Array]:
     """Pad the coefficients of one body's six motions with zeros to the twelve motions of two consecutively numbered bodies.
 
-    The kernels store for every flank the coefficients of the motions of two bodies, although only one of them moves the
+    The arrays hold for every flank the coefficients of the motions of two bodies, although only one of them moves the
     flank. The body that moves it is the first of the pair; only the last of all bodies is the second of its pair. Returns
     the number of the first body of each pair, and the padded coefficients.
 
@@ -323,27 +356,28 @@ def replace_lever_arms(system: AssemblyArrays, arms: Sequence[Array]) -> Assembl
         longer = _build_ball_set(b.of, p.scene, system.structure, p.used_flanks, (p.layout, p.drawn), first, arm)
         longer.problem.C[:] = p.C
         balls.append(longer)
-    limit = system.ball_arrays.unloaded_force_limit
-    return replace(system, ball_sets=balls, ball_arrays=_concatenate_balls(balls)._replace(unloaded_force_limit=limit))
+    every, motions = _all_balls(balls)
+    return replace(system, ball_sets=balls, balls=every, prescribed_flank_motions=motions)
 
 
-def contact_states_of_sets(system: AssemblyArrays, state: MotionState, shifts: Array | None = None) -> list[ContactState]:
+def contact_states_of_sets(
+    system: AssemblyArrays, contacts: Contacts, centres: Array, motions: Array
+) -> list[ContactState]:
     """Return contact forces, ball centres and flank motions of each ball nut and ball bearing.
 
     Parameters
     ----------
     system
-        Arrays of the assembly.
-    state
-        Solved motions, ball centres and contacts.
-    shifts
-        Motions ``(N, 4, 2)`` [m] of the flanks of all balls; None: computed from the motions in ``state``.
+        Arrays of the assembly with N balls.
+    contacts
+        Contacts of all balls, of one member.
+    centres
+        Displacements of the ball centres ``(N, 2)`` [m].
+    motions
+        Motions ``(N, 4, 2)`` [m] of the flanks of all balls.
     """
-    moved = [flank_motions_of_set(b, state.q) if shifts is None else shifts[b.ball_indices] for b in system.ball_sets]
-    return [
-        ContactState(b.problem, state.contact[b.ball_indices], state.p[b.ball_indices], m)
-        for b, m in zip(system.ball_sets, moved, strict=True)
-    ]
+    of = contacts.force[0], contacts.normal[0], contacts.tangential[0], centres, motions
+    return [ContactState(b.problem, *(x[b.ball_indices] for x in of)) for b in system.ball_sets]
 
 
 def flank_motions_of_set(ball_set: BallSet, q: Array) -> Array:
@@ -359,41 +393,47 @@ def flank_motions_of_set(ball_set: BallSet, q: Array) -> Array:
     return np.asarray(ball_set.v0 + ball_set.flank_motions(q))
 
 
-def _concatenate_balls(sets: list[BallSet]) -> AxisBalls:
-    """Concatenate the arrays of the balls of all nuts and bearings for the kernels.
+def _all_balls(sets: list[BallSet]) -> tuple[Balls, Array]:
+    """Return the balls of all nuts and bearings as one member, and the prescribed motions of their flanks.
 
-    The contact data ``geometry`` of each problem in ``sets`` is replaced by a view of the joint array, so that both see an
-    update of the Hertz constants. The polynomials of the flanks' profile errors are padded with zeros to the same degree.
+    The contacts of each problem in ``sets`` become views of the joint arrays, so that both see an update of the Hertz
+    constants. The polynomials of the flanks' profile errors are padded with zeros to the same degree.
     """
     problems = [b.problem for b in sets]
     degree = max((p.drawn.profile_coefficients.shape[1] for p in problems), default=0)
-    profiles = []
-    for p in problems:
-        terms = np.zeros((len(p.C), 4, degree))
-        terms[..., : p.drawn.profile_coefficients.shape[1]] = p.drawn.profile_coefficients
-        profiles.append(terms)
-
-    def concatenated(arrays: Sequence[NDArray[Any]], shape: tuple[int, ...]) -> NDArray[Any]:
-        """Return arrays ``(N_i, *shape)`` concatenated along the first axis, also if there are none."""
-        return np.ascontiguousarray(np.concatenate([np.zeros((0, *shape)), *arrays]))
-
-    geometry = concatenated([p.geometry for p in problems], (4, 9))
-    for b in sets:  # a view, so that an update of Hertz constants is seen in both places
-        b.problem = replace(b.problem, geometry=geometry[b.ball_indices])
-    return AxisBalls(
-        first_bodies=concatenated([b.first_body_rows for b in sets], (4,)).astype(np.int64),
-        B=concatenated([b.B for b in sets], (4, 2, sets[0].B.shape[3] if sets else 6)),
-        v0=concatenated([b.v0 for b in sets], (4, 2)),
-        geometry=geometry,
-        interference=concatenated([p.interference for p in problems], (2,)),
-        r_ball=concatenated([p.drawn.ball_radii for p in problems], ()),
-        profile=concatenated(profiles, (4, degree)),
-        unloaded_force_limit=0.0,
+    contacts = statics_problem.NominalContacts.concatenated([p.contacts for p in problems])
+    N = len(contacts.C)
+    interference, radius, arcs, motions = np.zeros((N, 2)), np.zeros(N), np.zeros((N, 4)), np.zeros((N, 4, 2))
+    profile, zero = np.zeros((N, 4, degree)), np.zeros((1, N, 4))
+    for b in sets:
+        p, own = b.problem, b.ball_indices
+        b.problem = replace(p, contacts=contacts[own])
+        interference[own], radius[own], arcs[own], motions[own] = (
+            p.interference,
+            p.drawn.ball_radii,
+            p.drawn.groove_radii,
+            b.v0,
+        )
+        profile[own, :, : p.drawn.profile_coefficients.shape[1]] = p.drawn.profile_coefficients
+    balls = Balls(
+        to_ball=contacts.to_ball[None],
+        distance=contacts.distance[None],
+        approach=contacts.approach[None],
+        C=contacts.C[None],
+        used=contacts.used[None],
+        interference=interference[None],
+        e=zero,
+        h=zero,
+        body=zero,
+        radius=radius[None],
+        groove_radius=arcs[None],
+        profile=profile[None],
     )
+    return balls, motions
 
 
 def _build_roller_set(rolling: RollingSet, row: RollerRow, structure: Structure, first_slice: int) -> RollerSet:
-    """Return the roller slices of one tapered roller bearing as arrays for the kernels.
+    """Return the roller slices of one tapered roller bearing as arrays.
 
     ``rolling``: the bearing with its position and housing; ``row``: dimensions of its rollers and raceways;
     ``first_slice``: index of its first slice among the slices of all bearings. The slices lie along the raceway of the
@@ -423,55 +463,8 @@ def _build_roller_set(rolling: RollingSet, row: RollerRow, structure: Structure,
     bodies = np.tile([inner, outer], (count, 1)).astype(np.int64)
     gap = np.tile(place**2 / row.crown, row.count) + sign * sin * rolling.offset
     width, g, s = (np.full(count, float(x)) for x in (row.length / row.slices, law.g, law.s))
-    arrays = AxisRollers(bodies, B.reshape(count, 2, 6), gap, width, g, s)
+    arrays = RollerSlices(bodies, B.reshape(count, 2, 6), gap, width, g, s)
     return RollerSet(rolling, row, slice(first_slice, first_slice + count), azimuths, arrays)
-
-
-def _concatenate_rollers(sets: list[RollerSet]) -> AxisRollers:
-    """Concatenate the arrays of the roller slices of all roller bearings."""
-    if not sets:
-        none = np.zeros(0)
-        return AxisRollers(np.zeros((0, 2), dtype=np.int64), np.zeros((0, 2, 6)), none, none, none, none)
-    fields = zip(*(r.slice_arrays for r in sets), strict=True)
-    return AxisRollers(*(np.ascontiguousarray(np.concatenate(x)) for x in fields))
-
-
-def _kernel_arrays_of_structure(structure: Structure, contacts: AxisBalls, slices: AxisRollers) -> AxisArrays:
-    """Return the kernels' arrays of shaft, housings and springs, with the envelope of their stiffness matrix.
-
-    ``contacts`` (balls) and ``slices`` (of rollers) determine which bodies are coupled. The envelope stores each row
-    of the matrix from its first coefficient that can differ from zero to the diagonal. To keep it small, each housing is
-    numbered right after the last shaft node with which it shares a contact.
-    """
-    n, r = structure.nodes.size, structure.body_positions.size
-    used, movers = contacts.geometry[..., 5] > 0.0, contacts.first_bodies
-    pairs = ([a, b] for a in range(4) for b in range(a))
-    joined = [movers[:, p][used[:, p].all(axis=1) & (movers[:, p] >= 0).all(axis=1)] for p in pairs]
-    if contacts.B.shape[3] > 6:
-        joined = [x + np.array(step) for x in joined for step in np.ndindex(2, 2)]
-    met = np.concatenate([*joined, slices.ring_bodies[(slices.ring_bodies >= 0).all(axis=1)]])
-    springs = structure.spring_bodies[(structure.spring_bodies >= 0).all(axis=1)]
-    last = np.arange(r, dtype=float)
-    last[n:] = 0.0
-    for i in range(n, r):
-        mine = met[(met == i).any(axis=1)]
-        last[i] = float(mine[mine < n].max(initial=0)) + 0.5
-    order = np.argsort(last, kind="stable")
-    place = np.empty(r, dtype=np.int64)
-    place[order] = np.arange(r)
-    links = np.concatenate([met, springs, np.column_stack([np.arange(n - 1), np.arange(1, n)])]).astype(np.int64)
-    low, high = place[links].min(axis=1), place[links].max(axis=1)
-    block = np.arange(r)
-    np.minimum.at(block, high, low)
-    first = np.repeat(6 * block, 6).astype(np.int64)
-    size = np.arange(6 * r) - first + 1
-    start = np.concatenate([np.cumsum(size) - size - first, [size.sum()]]).astype(np.int64)
-    sections = np.array([(s.EA, s.EI, s.GJ, s.kGA) for s in structure.sections])
-    lengths = np.diff(structure.nodes)
-    constants = np.array([element_constants(*x) for x in zip(lengths, sections, strict=True)])
-    beam = lengths, sections, constants, structure.fixed, structure.load
-    joints = structure.spring_bodies, structure.spring_end_matrices, structure.springs
-    return AxisArrays(*beam, *joints, body_order=place, first_columns=first, row_offsets=start)
 
 
 def mean_pair_constant(ball_set: BallSet) -> float:
@@ -501,44 +494,57 @@ def mean_load_per_rolling_element(system: AssemblyArrays) -> float:
     """
     bodies: tuple[Load | Housing, ...] = (*system.assembly.loads, *system.assembly.housings)
     applied = sum(np.abs(x.force).sum() + np.abs(x.moment).sum() / system.moment_arm for x in bodies)
-    return float(applied) / max(1, system.ball_arrays.r_ball.size + sum(r.row.count for r in system.roller_sets))
+    return float(applied) / max(1, system.ball_count + sum(r.row.count for r in system.roller_sets))
 
 
-def typical_contact_force(system: AssemblyArrays, ball_set: BallSet) -> float:
-    """Return the force [N] of a typical contact of the ball nut or bearing ``ball_set``, at least 1e-6 N.
+def typical_contact_forces(system: AssemblyArrays, known: Sequence[float] | None = None) -> list[float]:
+    """Return the force [N] of a typical contact of each ball nut and bearing with balls; 0 where nothing presses it.
 
-    The force is the larger of the mean load of a rolling element and the preload of a contact. If there are neither loads
-    nor preload but prescribed displacements, it is the force at an approach of 1 um.
+    The force is the largest of the mean load of a rolling element, the preload of a contact, and what a solution tells.
+
+    Parameters
+    ----------
+    system
+        Arrays of the assembly.
+    known
+        For each of these nuts and bearings the least typical force [N] by a solution. None: in its place stands the force
+        that heating of a shaft between rigid bearings causes, and that at an approach as large as the largest prescribed
+        displacement. Both are upper bounds, as bodies and supports yield.
     """
-    pair = mean_pair_constant(ball_set)
-    force = max(mean_load_per_rolling_element(system), float(contact_force(preload_approach(ball_set), pair)))
-    if force == 0.0 and np.any(system.structure.prescribed):
-        force = float(contact_force(1e-6, pair))
-    return max(force, 1e-6)
+    structure, share = system.structure, mean_load_per_rolling_element(system)
+    pairs = [mean_pair_constant(b) for b in system.ball_sets]
+    if known is None:
+        push = max((s.EA for s in structure.sections), default=0.0) * abs(system.assembly.thermal_strain)
+        moved = np.abs(structure.prescribed) * np.repeat([1.0, system.moment_arm], 3)
+        given = float(moved.max(initial=0.0))
+        known = [
+            max(push / b.problem.layout.z.size, float(contact_force(given, c)))
+            for b, c in zip(system.ball_sets, pairs, strict=True)
+        ]
+    squeezed = [float(contact_force(preload_approach(b), c)) for b, c in zip(system.ball_sets, pairs, strict=True)]
+    return [max(share, own, found) for own, found in zip(squeezed, known, strict=True)]
 
 
-def assembly_residual_scale(system: AssemblyArrays) -> ResidualScale:
+def assembly_residual_scale(system: AssemblyArrays, known: Sequence[float] | None = None) -> ResidualScale:
     """Return typical force and stiffness of the assembly's contacts, and the force below which a contact is unloaded.
 
     The solver scales residuals by these values. A contact counts as unloaded below 1e-14 of the typical force. If neither
-    loads nor preload press any contact, this limit is the force at an approach of the size of the coordinates' round-off.
+    loads nor preload nor prescribed displacements press any contact, this limit is the force at an approach of the size of
+    the coordinates' round-off. ``known``: see `typical_contact_forces`.
     """
     load, share = system.structure.load, mean_load_per_rolling_element(system)
-    stiffness, squeezed = 1.0, 0.0
-    for b in system.ball_sets:
-        pair = mean_pair_constant(b)
-        squeezed = max(squeezed, float(contact_force(preload_approach(b), pair)))
-        if share == 0.0 and squeezed == 0.0 and np.any(system.structure.prescribed):
-            squeezed = float(contact_force(1e-6, pair))
-    force = max(share, squeezed)
+    squeezed = [float(contact_force(preload_approach(b), mean_pair_constant(b))) for b in system.ball_sets]
+    forces, stiffness = typical_contact_forces(system, known), 1.0
+    force = max([share, *forces])
     for b in system.ball_sets:
         stiffness = max(stiffness, float(np.cbrt(force) / mean_pair_constant(b)) if force > 0.0 else 1.0)
     for r in system.roller_sets:
-        law, length = r.slice_arrays, r.row.length
+        law, length = r.slices, r.row.length
         stiffness = max(stiffness, length / r.row.slices / float(law.g[0] - law.s[0] * np.log(max(force, 1.0) / length)))
-    floor = max(float(np.abs(load[:, :3]).max()), float(np.abs(load[:, 3:]).max()) / system.moment_arm, squeezed)
+    tightest = max(squeezed, default=0.0)
+    floor = max(float(np.abs(load[:, :3]).max()), float(np.abs(load[:, 3:]).max()) / system.moment_arm, tightest)
     none = 1e-14 * force
-    if force == 0.0:
+    if max(share, tightest) == 0.0 and not (force > 0.0 and np.any(system.structure.prescribed)):
         touch = statics_problem.round_off_approach
         none = max((float(contact_force(touch(b.problem), mean_pair_constant(b))) for b in system.ball_sets), default=0.0)
     return ResidualScale(force, stiffness, floor, none)
@@ -558,7 +564,7 @@ class RollerElements:
     #: times the roller's length; the six motions of the shaft node (cone) or housing (cup).
     B: Array
     #: Positions, widths and gaps of the rollers' slices, and their force law.
-    roller_contacts: RollerContacts
+    rollers: Rollers
 
     @property
     def count(self) -> int:
@@ -577,7 +583,7 @@ def roller_elements(sets: list[RollerSet]) -> RollerElements:
     place, width, drop = np.zeros((3, M, K))
     first = 0
     for r in sets:
-        a, n, count = r.slice_arrays, r.row.slices, r.row.count
+        a, n, count = r.slices, r.row.slices, r.row.count
         mine = slice(first, first + count)
         first = mine.stop
         x = slice_middles(r.row.length, n) / r.row.length
@@ -588,26 +594,7 @@ def roller_elements(sets: list[RollerSet]) -> RollerElements:
         width[mine, :n], drop[mine, :n] = a.width.reshape(-1, n), a.gap.reshape(-1, n)
         law[0, mine], law[1, mine] = a.g[0], a.s[0]
         node[mine], outer[mine] = a.ring_bodies[0]
-    return RollerElements(node, outer, B, RollerContacts(place, width, drop, *law))
-
-
-def starting_spring_factors_of_rollers(count: int, stiffness: float) -> Array:
-    """Return factors S ``(count, 2, 8)`` of the stiffness of linear springs that replace the rollers in the first solve.
-
-    S^T S [N/m] is the stiffness of a spring between cone and cup (inner and outer ring), at the middle of a roller,
-    against the eight motions of these two rings. `lowfi.statics.response.starting_spring_factors` returns the springs
-    of balls in the same layout.
-
-    Parameters
-    ----------
-    count
-        Number of rollers.
-    stiffness
-        Stiffness of each spring [N/m].
-    """
-    rows = np.zeros((count, 2, 8))
-    rows[:, 0, 0], rows[:, 0, 4] = np.sqrt(stiffness), -np.sqrt(stiffness)
-    return rows
+    return RollerElements(node, outer, B, Rollers(*(x[None] for x in (place, width, drop, *law))))
 
 
 def location_of_reported_stiffness(assembly: Assembly) -> float | str:
