@@ -4,7 +4,7 @@ import sys
 from types import ModuleType
 from typing import NoReturn
 
-__version__ = "0.15.0"
+__version__ = "0.16.0"
 
 
 class _Package(ModuleType):

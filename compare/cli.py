@@ -20,7 +20,7 @@ from cyclopts import App, CycloptsError, Group
 
 from rollbench.compare.commands.terminal import app
 from rollbench.compare.errors import ArgumentError, InputError, one_line
-from rollbench.compare.running import clear_progress_line
+from rollbench.compare.running import clear_progress_line, input_error_of_failed_import, restart_clock
 from rollbench.compare.text.printing import StandardOutputError, guard_standard_output
 from rollbench.meshes.processes import limit_to_one_thread
 
@@ -47,7 +47,6 @@ COMMANDS = {
         "friction": "friction",
         "view": "report",
         "report": "report",
-        "verify": "report",
         "doctor": "doctor",
     },
     "How far to trust it": {"compare": "compare", "check": "check", "survey": "survey", "mesh-study": "mesh_study"},
@@ -195,24 +194,25 @@ def main(tokens: list[str] | None = None) -> None:
 
         switch_on_geometry_cache()
         warnings.filterwarnings("ignore", "A worker stopped while some jobs were given")  # joblib restarts the worker
-        os.environ.setdefault("NUMBA_OPT", "1")  # compiles in 0.6 of the time of numba's default 3; kernels are as fast
     try:
+        restart_clock()
         asked = sys.argv[1:] if tokens is None else tokens
         run = app_with_commands(asked[0] if asked else "")
         code = run(asked, exit_on_error=False, print_error=False, result_action="return_value")
         with guard_standard_output():
             sys.stdout.flush()
-        if tokens is None and "rollbench.lowfi.jit" in sys.modules:
-            sys.modules["rollbench.lowfi.jit"].run_compile_jobs()
-    except InputError as error:
-        _print_to_stderr(error_with_option_names(error).lines())
-        sys.exit(error.code)
+    except (InputError, ImportError) as error:
+        refusal = error if isinstance(error, InputError) else input_error_of_failed_import(error)
+        if refusal is None:
+            raise
+        _print_to_stderr(error_with_option_names(refusal).lines())
+        sys.exit(refusal.code)
     except CycloptsError as error:
         text = one_line(" ".join(str(error).split()), 400)
-        from rollbench.meshes.units import COMMA, has_comma_in_number
+        from rollbench.meshes.units import number_advice
 
         given = re.search('convert "(.*)" into (?:int|float)', text)
-        advice = COMMA if given and has_comma_in_number(given[1]) else "rollbench --help lists commands and options"
+        advice = number_advice(given[1] if given else "", "rollbench --help lists commands and options")
         _print_to_stderr((f"command line: {text} Advice: {advice}",))
         sys.exit(2)
     except KeyboardInterrupt as stop:

@@ -32,6 +32,7 @@ from rollbench.compare.printed import (
     printed_table_names,
     printed_value,
 )
+from rollbench.meshes.libraries import optional_package_of_module
 
 
 @dataclass(frozen=True)
@@ -48,6 +49,9 @@ class PrintedEntryComparison:
     #: Value computed under an assumption that was inferred from the printed results, so that agreement with these
     #: results confirms nothing.
     value_by_inferred_assumption: float | None = None
+    #: Value that follows from other printed numbers, such as their sum, in the printed unit; None: not computed. It tests
+    #: the publication's arithmetic and no model.
+    follows_from_printed: float | None = None
     #: Value computed by the 3D model, in the printed unit; None: not computed in 3D.
     reference: float | None = None
     #: Whether a claim in words is true; None for a number, or if the claim was not tested.
@@ -57,17 +61,23 @@ class PrintedEntryComparison:
 
     @property
     def compared_value(self) -> float | None:
-        """Computed value that is compared with the printed number, in the printed unit.
+        """Value that is compared with the printed number, in the printed unit.
 
         It is computed without the publication's mistakes. Only for numbers of the class "as-printed", which cannot be
-        reproduced otherwise, a mistake is repeated.
+        reproduced otherwise, a mistake is repeated. For a number of the kind "arithmetic" it is the value that follows from
+        other printed numbers.
         """
+        return self.follows_from_printed if self.printed.kind == "arithmetic" else self.model_value
+
+    @property
+    def model_value(self) -> float | None:
+        """Value of a model, in the printed unit: that without the publication's mistakes, or with them ("as-printed")."""
         return self.as_printed if self.printed.entry_class == "as-printed" else self.value
 
     @property
     def error_percent(self) -> float | None:
-        """Error of the computed value against the printed number [%]; None if there is no value or no number."""
-        return self._error_against_printed_number(self.compared_value)
+        """Error of the model's value against the printed number [%]; None if there is no value or no number."""
+        return self._error_against_printed_number(self.model_value)
 
     @property
     def reading_error_percent(self) -> float | None:
@@ -162,6 +172,7 @@ class ComputedEntryValues:
         *,
         as_printed: float | None = None,
         reading: float | None = None,
+        follows: float | None = None,
         reference: float | None = None,
     ) -> None:
         """Add the values computed for one printed number, in the printed unit.
@@ -171,13 +182,15 @@ class ComputedEntryValues:
         key
             Key of the printed number in its table.
         value
-            Value computed without the mistake of the publication.
+            Value that a model computes without the mistake of the publication; it depends on no printed result. None: none.
         words
             Remark on the value.
         as_printed
             Value computed with the publication's mistakes repeated.
         reading
             Value under an assumption that was inferred from the printed results.
+        follows
+            Value that follows from other printed numbers.
         reference
             Value of the 3D reference.
 
@@ -187,13 +200,24 @@ class ComputedEntryValues:
             If the table has no such key.
         """
         self._set_fields(
-            key, value=value, as_printed=as_printed, value_by_inferred_assumption=reading, reference=reference, remark=words
+            key,
+            value=value,
+            as_printed=as_printed,
+            value_by_inferred_assumption=reading,
+            follows_from_printed=follows,
+            reference=reference,
+            remark=words,
         )
 
     def numbers(self, values: Mapping[str, float]) -> None:
         """Add the correct values computed for several printed numbers, by key; KeyError for an unknown key."""
         for key, value in values.items():
             self.add_number(key, float(value))
+
+    def follow(self, values: Mapping[str, float]) -> None:
+        """Add the values of several printed numbers that follow from other printed ones; KeyError for an unknown key."""
+        for key, value in values.items():
+            self.add_number(key, None, follows=float(value))
 
     def printed(self, key: str) -> float:
         """Return the printed number ``key``, for use in a computation; KeyError for a claim or an unknown key."""
@@ -257,6 +281,8 @@ class PrintedTableComputation:
         try:
             function = self.case.import_object(self.function_path)
         except (ImportError, AttributeError) as error:
+            if isinstance(error, ImportError) and optional_package_of_module(error.name):
+                raise  # the name is right, and what it imports is not installed
             place = f"{self.case.name}: computations.toml"
             allowed = f"module:function in {self.case.package}"
             raise InputError(place, self.table, str(error), allowed, "correct the name of the function") from error

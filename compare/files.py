@@ -13,6 +13,7 @@ import shlex
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from contextvars import ContextVar
 from functools import cache
 from importlib import resources
 from pathlib import Path
@@ -159,18 +160,55 @@ def write_new_file(path: Path, text: str) -> None:
         os.unlink(name)
 
 
-def replace_file(path: Path, text: str) -> None:
-    """Write a text to a file, completely or not at all; an existing file is replaced. InputError if it is not writable."""
+#: Complete temporary files with the files that they will replace, inside `written_together`; None outside.
+_complete: ContextVar[list[tuple[Path, Path]] | None] = ContextVar("complete", default=None)
+
+
+@contextmanager
+def written_together() -> Iterator[None]:
+    """Let all files that the ``with`` block writes by `replaced_file` appear at its end, or none of them if it fails."""
+    if _complete.get() is not None:  # a part of what a caller writes together
+        yield
+        return
+    complete: list[tuple[Path, Path]] = []
+    token = _complete.set(complete)
+    try:
+        yield
+        for name, path in complete:
+            with raise_input_error_if_not_writable(path):
+                os.replace(name, path)
+    finally:
+        _complete.reset(token)
+        for name, _ in complete:
+            name.unlink(missing_ok=True)
+
+
+@contextmanager
+def replaced_file(path: Path) -> Iterator[Path]:
+    """Yield the path of a new file, with the suffix of ``path``, which replaces the file ``path`` if the block succeeds.
+
+    InputError if the file cannot be written.
+    """
     with raise_input_error_if_not_writable(path):
         create_folder_for_group(path.parent)
-        name = temporary_path(path)
+        name = temporary_path(path, path.suffix.removeprefix(".") or "tmp")
+        complete = _complete.get()
         try:
-            with open(name, "x", encoding="utf-8") as file:
-                file.write(text)
+            yield name
             make_readable_for_group(name)
-            os.replace(name, path)
-        finally:
+            if complete is None:
+                os.replace(name, path)
+            else:
+                complete.append((name, path))
+        except BaseException:
             name.unlink(missing_ok=True)
+            raise
+
+
+def replace_file(path: Path, text: str) -> None:
+    """Write a text to a file, completely or not at all; an existing file is replaced. InputError if it is not writable."""
+    with replaced_file(path) as name, open(name, "x", encoding="utf-8") as file:
+        file.write(text)
 
 
 def write_csv(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:

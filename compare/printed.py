@@ -33,7 +33,7 @@ KINDS: dict[Kind, str] = {
     "number": "computed number",
     "claim": "claim in words",
     "arithmetic": "arithmetic on printed numbers",
-    "zero": "zero by symmetry",
+    "zero": "zero by symmetry or definition",
     "input": "input of the publication, used without change",
 }
 
@@ -50,7 +50,7 @@ VERDICTS: dict[Verdict, str] = {
     "not identifiable": "the publication does not state all that is needed: the number is measured, comes from another "
     "program, depends on data that are not printed, or its range is so wide that no wrong number would fall outside",
     "input": "input data of the publication, used without change",
-    "identity": "arithmetic on printed numbers, or zero by symmetry: it tests no model",
+    "identity": "arithmetic on printed numbers, or zero by symmetry or definition: it tests no model",
 }
 
 #: Names of the verdicts in tables and sentences of the report.
@@ -233,9 +233,13 @@ def _parse_row(table: str, data: Mapping[str, Any], raw: Mapping[str, Any], inde
         if not raw.get("origin"):
             raise refuse("origin", "a sentence", "state where the limits of the tolerance band come from")
         if printed:
-            if low is None or high is None or low > high:
-                allowed = "both low and high, with low <= high"
-                raise refuse("low", allowed, "state both limits of the tolerance band", f"low {low} and high {high}")
+            if low is None or high is None or low >= high:
+                allowed, given = "both low and high, with low < high", f"low {low} and high {high}"
+                advice = (
+                    'state both limits of the tolerance band; for a zero that every computation gives, write kind = "zero" '
+                    'and class = "hard"'
+                )
+                raise refuse("low", allowed, advice, given)
             if 0.5 * (high - low) > WIDEST * abs(0.5 * (high + low)):
                 allowed = f"half the width of the band, (high - low)/2, up to {WIDEST:g} times its middle, (low + high)/2"
                 advice = (

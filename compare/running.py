@@ -35,18 +35,31 @@ def gmsh_install_advice() -> str:
 
 def check_gmsh() -> None:
     """Raise InputError if gmsh cannot be loaded."""
-    reason = gmsh_fault()
-    if reason:
-        advice = f"{gmsh_install_advice()}, or use commands without the 3D reference; rollbench doctor lists what works"
-        raise InputError("this computer", "gmsh", reason, "gmsh with its shared libraries", advice)
+    if reason := gmsh_fault():
+        raise _missing_package_error("gmsh", reason)
 
 
 def check_packages(*packages: str) -> None:
     """Raise InputError for the first of the Python packages that cannot be imported."""
     for package in packages:
         if reason := libraries.reason_of_failed_import(package):
-            advice = f"{libraries.pip_command(package)}; rollbench doctor lists what works without it"
-            raise InputError("this computer", package, reason, "an installed package, which this command needs", advice)
+            raise _missing_package_error(package, reason)
+
+
+def input_error_of_failed_import(error: ImportError) -> InputError | None:
+    """Return the InputError for an import that failed because an optional package is missing; None for another import."""
+    package = libraries.optional_package_of_module(error.name)
+    reason = gmsh_fault() if package == "gmsh" else libraries.reason_of_failed_import(package) if package else ""
+    return _missing_package_error(package, reason or str(error)) if package else None
+
+
+def _missing_package_error(package: str, reason: str) -> InputError:
+    """Return the InputError for a missing Python package; ``reason``: why it cannot be imported, in words."""
+    if package == "gmsh":
+        advice = f"{gmsh_install_advice()}, or use commands without the 3D reference; rollbench doctor lists what works"
+        return InputError("this computer", "gmsh", reason, "gmsh with its shared libraries", advice)
+    advice = f"{libraries.pip_command(package)}; rollbench doctor lists what works without it"
+    return InputError("this computer", package, reason, "an installed package, which this command needs", advice)
 
 
 def check_reference_programs() -> None:
@@ -104,6 +117,9 @@ FIRST, AGAIN = 2.0, 1.0
 #: Characters of a full progress bar; control sequence that erases the line; start of the process, for the time left.
 BAR, ERASE, START = 24, "\r\033[K", monotonic()
 _drawn = False
+#: Without a terminal: largest number of stages of which each gets a line, and least time between other lines [s].
+STAGES, SELDOM = 100, 30.0
+_logged, _last = START, ""
 
 #: Exit code of a command that the time limit ends; it is the same as for a scene without equilibrium.
 ENDED = 1
@@ -120,8 +136,8 @@ def checked_time_limit(limit: float | None) -> float | None:
 def watch_running_time(label: str, limit: float | None = None) -> Iterator[None]:
     """Show how long the computation ``label`` has been running, and end the process after ``limit`` [s] (None: never).
 
-    The process ends at once, even inside a compiled kernel, which cannot be interrupted otherwise. So the ``with`` block
-    must not write files.
+    The process ends at once, even inside a function of a library, which cannot be interrupted otherwise. So the ``with``
+    block must not write files.
     """
     done = threading.Event()
     watcher = threading.Thread(target=_show_running_time, args=(label, limit, done), daemon=True)
@@ -154,11 +170,12 @@ def progress_bar(label: str) -> Iterator[Callable[[str, float], None]]:
 
 
 def show_progress_message(text: str) -> None:
-    """Show a progress message on standard error if that is a terminal.
+    """Show a progress message on standard error.
 
-    A text that states a share of work, such as ``[3/12]`` or ``34%``, replaces the progress line, with a bar and the time
-    left; other texts are printed above this line. If standard error is not a terminal, only texts that begin with WARNING
-    are printed.
+    On a terminal, a text that states a share of work, such as ``[3/12]`` or ``34%``, replaces the progress line, with a bar
+    and the time left; other texts are printed above this line. In a file or pipe, texts that begin with WARNING are printed
+    and, after the first two seconds (`FIRST`), a line for each stage. Of texts that are indented, count many steps or
+    differ from the last line in numbers only, one in half a minute is printed.
 
     Parameters
     ----------
@@ -167,7 +184,9 @@ def show_progress_message(text: str) -> None:
     """
     global _drawn
     found = re.search(r"\[(\d+)/(\d+)\]|(\d+)%", text)
-    if not sys.stderr.isatty() and not text.startswith("WARNING"):
+    if not sys.stderr.isatty():
+        if text.startswith("WARNING") or _is_due_in_log(text, found):
+            _write_to_stderr(f"rollbench: {text.strip()}\n")
         return
     if found is None:  # above the line of progress, which another process may have drawn
         _write_to_stderr(f"{ERASE * sys.stderr.isatty()}rollbench: {text}\n")
@@ -176,6 +195,24 @@ def show_progress_message(text: str) -> None:
     done, of, percent = (int(x or 0) for x in found.groups())
     share = done / of if of else percent / 100.0
     _draw_progress_line(text + ("" if " left" in text else _remaining_time_text(monotonic() - START, share)), share)
+
+
+def restart_clock() -> None:
+    """Count the time of the present command from now: called when a command begins."""
+    global START
+    START = monotonic()
+
+
+def _is_due_in_log(text: str, share: re.Match[str] | None) -> bool:
+    """Return whether a progress message is printed in a file or pipe; ``share``: share of work that it states, or None."""
+    global _logged, _last
+    now, words, stage = monotonic(), re.sub(r"[\d.]+", "", text), not text.startswith(" ")
+    if share is not None:
+        stage = share[2] is not None and int(share[2]) <= STAGES
+    if now - START < FIRST or not ((stage and words != _last) or now - _logged >= SELDOM):
+        return False
+    _logged, _last = now, words
+    return True
 
 
 def clear_progress_line() -> None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from numbers import Real
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -158,8 +159,8 @@ def solve(
     >>> result = rollbench.solve("lin-case1", "lin")
     >>> result.loads.shape, round(float(result.loads.max()))
     ((32, 4), 243)
-    >>> round(1e6 * float(result.displacement[2]), 1)  # axial displacement in um
-    21.2
+    >>> round(1e6 * float(result.displacement[2]), 1)  # of the section on which the load acts, along z, in um
+    33.7
     """
     from rollbench.compare.models.registry import ModelOptions
 
@@ -193,8 +194,7 @@ def solve_scene_record(
     name_for_messages
         File or name by which error messages refer to the scene; if empty, the name of the scene.
     stiffness
-        Whether the stiffness at the nut's centre of a single nut or bearing row is computed even if the axial force is
-        zero; if False, it is then left out.
+        Whether the 6 x 6 stiffness at the nut's centre of a single nut or bearing row is computed.
 
     Returns
     -------
@@ -206,7 +206,7 @@ def solve_scene_record(
     rollbench.InputError
         If the model does not cover the scene.
     """
-    from rollbench.compare.models.answers import SceneResults, tangent_stiffness_at, tangent_stiffness_at_nut
+    from rollbench.compare.models.answers import tangent_stiffness_at, tangent_stiffness_at_nut
     from rollbench.compare.models.load_cases import compute_duty_cycle_results, solve_with_results
     from rollbench.compare.models.registry import default_model_name
     from rollbench.compare.results.solved import result_from_solutions
@@ -220,8 +220,8 @@ def solve_scene_record(
             one = solve_with_results(scene, chosen, options)
             if isinstance(scene, Scene) and stiffness_at is not None and one.derived_results is not None:
                 tangent = tangent_stiffness_at(scene, stiffness_at, chosen, options)
-            K = one.derived_results.tangent_at_nut if isinstance(one.derived_results, SceneResults) else None
-            if K is None and stiffness and isinstance(scene, Scene) and one.derived_results is not None:
+            K = None
+            if stiffness and isinstance(scene, Scene) and one.derived_results is not None:
                 K, _ = tangent_stiffness_at_nut(scene, chosen, options)
             solved.append(one)
             tangents.append(tangent)
@@ -241,7 +241,7 @@ def load_curve(scene: Described | str | Path, loads: str, model: str = "", *, me
         Scene, its name or the path of its file, as for `solve`. Of several load cases only the first is solved.
     loads
         Range of loads. ``"LOW:HIGH"`` with a unit, such as ``"-3000N:3000N"``: axial forces that replace the scene's loads
-        and act at the nut's centre (for several nuts or bearings on one shaft: where the scene's loads act). Without a
+        and act where the scene's own load acts (without one: at the nut's centre, or at ``stiffness_at``). Without a
         unit, such as ``"0:1.5"``: factors by which all loads of the scene are multiplied. There may follow, each after a
         colon, the number of points (2 to 1001, 21 if left out), the direction of the force (``x``, ``45deg``), and the
         axial position or the housing on which the force acts (``300mm``): ``"-3kN:3kN:41:x"``.
@@ -265,7 +265,7 @@ def load_curve(scene: Described | str | Path, loads: str, model: str = "", *, me
     >>> import rollbench
     >>> curve = rollbench.load_curve("lin-case1", "-3000N:3000N:5", "lin")
     >>> [round(1e6 * point.displacement, 1) for point in curve.points]
-    [-15.0, -9.2, 0.0, 9.2, 14.9]
+    [-22.4, -12.9, 0.0, 12.9, 22.3]
     """
     from rollbench.compare.models.registry import ModelOptions
 
@@ -342,8 +342,8 @@ def side_by_side(
     --------
     >>> import rollbench
     >>> both = rollbench.side_by_side(["lin-case1", "lin-case2"], model="lin")
-    >>> [round(1e6 * one.displacement, 1) for one in both.scenes]
-    [21.2, 21.1]
+    >>> [round(1e6 * one.load_point_displacement, 1) for one in both.scenes]
+    [33.7, 33.5]
     >>> [round(x, 1) for x in both.difference_percent("largest_load_N")]
     [0.0, 16.0]
     """
@@ -393,7 +393,7 @@ def side_by_side_of_scene_records(
 
 
 @limited_to_one_thread()
-def friction(scene: Described | str | Path, *, mu: Sequence[float] = (), model: str = "") -> Friction:
+def friction(scene: Described | str | Path, *, mu: float | Sequence[float] = (), model: str = "") -> Friction:
     """Compute the motion of the rolling bodies, power loss, friction torque and efficiency of a scene.
 
     Parameters
@@ -401,8 +401,8 @@ def friction(scene: Described | str | Path, *, mu: Sequence[float] = (), model: 
     scene
         Scene of any kind, as `read` returns it, its name, or the path of its file.
     mu
-        Coefficients of friction in both grooves, which replace the scene's. If several are given, the fields of the result
-        belong to the first; ``to_dict()["over_friction"]`` has a row for each.
+        Coefficient of friction in both grooves, or several of them, which replace the scene's. If several are given, the
+        fields of the result belong to the first; ``to_dict()["over_friction"]`` has a row for each.
     model
         Name of the model that computes the contact loads, as for `solve`.
 
@@ -417,11 +417,6 @@ def friction(scene: Described | str | Path, *, mu: Sequence[float] = (), model: 
     rollbench.InputError
         If neither the scene nor ``mu`` states a coefficient of friction, or if scene or model cannot be used (see `solve`).
 
-    Notes
-    -----
-    The computation is slower without the package numba. With it, the first call on a computer takes about 20 s more to
-    compile the kernels.
-
     Examples
     --------
     >>> import rollbench
@@ -433,7 +428,10 @@ def friction(scene: Described | str | Path, *, mu: Sequence[float] = (), model: 
     from rollbench.compare.studies.friction.whole import FrictionChoices
 
     described = _scene_record(scene)
-    found = solve.solve_friction_of_scene(described, FrictionChoices(model, tuple(mu)), described.name)
+    coefficients = (mu,) if isinstance(mu, (Real, float, str)) else tuple(mu)
+    for one in coefficients:
+        _check_numbers(mu=one)
+    found = solve.solve_friction_of_scene(described, FrictionChoices(model, coefficients), described.name)
     return friction_record_from_json(solve.friction_answer_json(found))
 
 
@@ -583,7 +581,8 @@ def check(
     reference
         CSV file with contact loads and their uncertainty, which replaces the 3D reference; columns as for ``loads``.
     strict
-        Whether unknown columns of the files are an error (True) or a warning (False).
+        Whether unknown columns of the files are an error, and a model's result outside its range of validity fails (True);
+        or both are only said (False).
     levels
         Number of mesh levels of the 3D reference, counted from the coarsest; None: those that are stored, at least two.
     store
@@ -594,7 +593,8 @@ def check(
     Returns
     -------
     Verdict
-        A row for each quantity with its judgement, such as pass, undecided or fail, and the worst of these judgements.
+        A row for each quantity with its judgement, such as pass, undecided or fail, and the worst of these judgements. It
+        is true only if all rows pass.
 
     Raises
     ------
@@ -604,8 +604,7 @@ def check(
     Examples
     --------
     >>> import rollbench
-    >>> rollbench.check("lin-case1").passed
-    True
+    >>> assert rollbench.check("lin-case1")  # a verdict is true if it passed; "undecided" is false
     >>> verdict = rollbench.check("lin-case1", model="lin")
     >>> verdict.word, round(verdict.worst.error, 1), verdict.worst.limit
     ('fail', 7.3, 7.0)
@@ -614,6 +613,7 @@ def check(
     from rollbench.compare.results.verdict import judge_scenes
 
     described = _scene_record(scene)
+    _check_numbers(max_error=max_error, levels=levels)
     request = gate_request(
         model=model,
         loads=None if loads is None else Path(loads),
@@ -794,8 +794,8 @@ def table(
 
 
 @limited_to_one_thread()
-def survey(model: str | Sequence[str], *, count: int = 240, max_error: float = 7.0, workers: int | None = None) -> Survey:
-    """Compare models with stored loads of the 3D reference on up to 240 random ball screws.
+def survey(model: str | Sequence[str], *, count: int = 300, max_error: float = 7.0, workers: int | None = None) -> Survey:
+    """Compare models with stored loads of the 3D reference on up to 300 random ball screws.
 
     Parameters
     ----------
@@ -803,7 +803,7 @@ def survey(model: str | Sequence[str], *, count: int = 240, max_error: float = 7
         Name of a model, the model that `model_command` returns, or a list of these. Stored results of the models refined
         and lin are always added for comparison.
     count
-        Number of screws to solve, counted from the first of the 240. Their dimensions are within the range of catalogues.
+        Number of screws to solve, counted from the first of the 300. Their dimensions are within the range of catalogues.
     max_error
         Largest error that passes [% of the mean contact load].
     workers
@@ -828,6 +828,7 @@ def survey(model: str | Sequence[str], *, count: int = 240, max_error: float = 7
     """
     from rollbench.compare.studies.survey_models import compare_models_on_random_screws
 
+    _check_numbers(count=count, max_error=max_error, workers=workers)
     models = [model] if isinstance(model, str) else model
     return survey_from_json(compare_models_on_random_screws(models, count, workers, max_error, LOG.info))
 
@@ -842,7 +843,20 @@ def _computing_settings() -> ComputingSettings:
 
 def _scene_record(scene: Described | str | Path) -> Described:
     """Return the record of a scene that is given as record, name or file."""
-    return read(scene) if isinstance(scene, (str, Path)) else scene
+    if isinstance(scene, (str, Path)):
+        return read(scene)
+    if hasattr(scene, "name") and hasattr(scene, "title"):
+        return scene
+    advice = "read a file by `read`, or make a scene by `new`"
+    raise ArgumentError("scene", repr(scene)[:80], "a scene, its name, or the path of its file", advice)
+
+
+def _check_numbers(**numbers: object) -> None:
+    """Raise ArgumentError for the first of some arguments that is neither a number nor None."""
+    for argument, value in numbers.items():
+        if value is not None and (isinstance(value, bool) or not isinstance(value, Real)):
+            advice = "write a number without a unit and without quotation marks"
+            raise ArgumentError(argument, repr(value)[:80], "a number", advice)
 
 
 def _scene_name_for_messages(scene: Described | str | Path, described: Described) -> str:

@@ -128,7 +128,7 @@ def measure_drawn_screws(store: Path) -> CommandOutput:
             error_percent=float(median(s.gate_errors)) if s.gate_errors.size else None,
             note=f"medians, processor time of one core; a further load case {median(s.further_case_seconds):.3g} s",
         )
-        for s in errors_and_times_of_models(runs, survey.records_for_error_estimates())
+        for s in errors_and_times_of_models(runs, survey.records_of_screws_known_before())
     ]
     return CommandOutput([asdict(job) for job in jobs], _run_time_tables(jobs))
 
@@ -141,14 +141,14 @@ def measure_default_times(names: Sequence[str], store: Path | None, *, long: boo
     and threads. Raises InputError for a scene without a 3D reference.
     """
     from rollbench.compare.sections.reference_time import measure_command_times
-    from rollbench.compare.studies.run_times import TYPED, save_run_times, time_ensemble_with_threads
+    from rollbench.compare.studies.run_times import TYPED, save_run_times, time_ensemble
 
     jobs = [*measure_model_times(names, store if long else None, long=long)]
     if not long:
         kept = measure_command_times(show_progress_message)
         if store is not None:
             save_run_times(store, kept, TYPED)
-        jobs += [*(command.job for command in kept.command_times), *time_ensemble_with_threads()]
+        jobs += [*(command.job for command in kept.command_times), time_ensemble()]
     return CommandOutput([asdict(job) for job in jobs], _run_time_tables(jobs))
 
 

@@ -234,9 +234,9 @@ def check(
         contact_angle_deg, approach_um and pressure_MPa are judged too. The headings state the units: load_kN, angle_rad,
         z_um.
     values
-        Judge values of the whole screw from another program, from a CSV file with the columns quantity (displacement,
-        rigidity, torque, life), value, unit, where (empty: at the scene's loads; an axial load such as 5 kN; for a
-        displacement also an axial position such as 400 mm).
+        Judge values of the whole screw from another program, from a CSV file with the columns quantity (displacement
+        and rigidity of the point on which the load acts, to ground; torque; life), value, unit, where (empty: at the
+        scene's loads; an axial load such as 5 kN; for a displacement also an axial position such as 400 mm).
     max_error
         Largest permitted error of the contact loads in per cent, which replaces the scenes' limits. Default: the limit that
         the scene states, or 7.
@@ -245,7 +245,8 @@ def check(
         repeated. Default: contact angle 1 degree; approach two thirds, pressure one third, life three times the limit of
         the loads; other quantities the limit of the loads. A model is judged on the quantities for which a limit is stated.
     strict
-        Treat an unknown column as an error instead of a warning.
+        Treat an unknown column as an error instead of a warning, and fail a model whose result is outside its range of
+        validity, even if its loads agree with the reference.
     reference
         Judge by this file instead of the 3D reference: reference loads of every flank in the columns of --loads, with a
         column uncertainty_N, or a line "# uncertainty: 0.5 %" and a line "# provenance: ..." above. Default uncertainty:

@@ -444,12 +444,13 @@ def write_contact_loads(scene: Scene, models: Sequence[LoadsWithErrors], referen
 
     ``models``: loads of models and coarser meshes. Returns a line that names both files.
     """
-    from rollbench.compare.files import write_csv, write_figure
+    from rollbench.compare.files import write_csv, write_figure, written_together
 
     rows = contact_load_rows(scene, models, reference)
     stem = store / f"{scene.name}-compare"
-    write_csv(Path(f"{stem}.csv"), rows)
-    figure = write_figure(Path(f"{stem}.svg"), load_figure("compare-loads", models, reference))
+    with written_together():
+        write_csv(Path(f"{stem}.csv"), rows)
+        figure = write_figure(Path(f"{stem}.svg"), load_figure("compare-loads", models, reference))
     return f"wrote {stem}.csv (every contact) and {figure}"
 
 

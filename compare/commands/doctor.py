@@ -22,7 +22,7 @@ from rollbench.compare.text.printing import CommandOutput, guard_standard_output
 State = Literal["ok", "missing", "optional"]
 
 #: Oldest supported version of Python.
-PYTHON = (3, 11)
+PYTHON = (3, 11, 2)
 
 #: Licences of packages that impose conditions on those who distribute the package together with rollbench.
 STRICT = {"gmsh": "GPL-2.0-or-later, with exceptions for linking"}
@@ -92,7 +92,7 @@ def _result_of_check(
 def _check_python() -> Iterator[MachineCheck]:
     """Yield the check whether the version of Python is supported."""
     present, least = platform.python_version(), ".".join(map(str, PYTHON))
-    old = tuple(map(int, platform.python_version_tuple()[:2])) < PYTHON
+    old = sys.version_info[:3] < PYTHON
     lack, advice = present if old else "", f"install Python {least} or newer"
     yield _result_of_check("Python", f"{present}, at least {least}", lack, "not supported", advice)
 
@@ -168,15 +168,9 @@ def _check_programs() -> Iterator[MachineCheck]:
 
 
 def _check_folders(store: Path) -> Iterator[MachineCheck]:
-    """Yield the checks whether compiled kernels, meshes and runs of the 3D reference can be stored in their folders."""
-    from rollbench.lowfi.jit import is_machine_code_cached, machine_code_folder
+    """Yield the checks whether meshes and runs of the 3D reference can be stored in their folders."""
     from rollbench.meshes.cache import default_cache_folder
 
-    folder, slow = machine_code_folder(), "compiles for about 20 s"
-    kept = f"stored in {folder and folder.parent}" + ("" if is_machine_code_cached() else f"; the first use {slow}")
-    lack = "" if folder else "not stored"
-    advice = "name a folder by the environment variable ROLLBENCH_CACHE"
-    yield _result_of_check("compiled kernels", kept, lack, f"every process {slow}", advice)
     root = default_cache_folder()
     name, cost = "cache of meshes", "meshes are built every time"
     if root is None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import shlex
 from collections.abc import Sequence
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
@@ -44,14 +45,12 @@ def export(
     stiffness: float = 2e8,
     ross: Path | None = None,
     modelica: Path | None = None,
-    rexs: Path | None = None,
-    model: Word = "",
 ) -> int:
-    """Write meshes, result fields, CAD parts, a CalculiX deck or the bearings of a shaft to files for other programs.
+    """Write meshes, result fields, CAD parts, a CalculiX deck or a table of stiffnesses to files for other programs.
 
     Meshes and result fields of the 3D reference are written as VTU, MSH, MED or INP, with lengths in m. All parts are
     written as CAD bodies in STEP, with lengths in mm. A small scene is written as a deck that CalculiX can run by --deck
-    ccx, and the bearings of a shaft with their results as REXS by --rexs.
+    ccx.
 
     Parameters
     ----------
@@ -89,32 +88,18 @@ def export(
         file that rollbench table wrote.
     modelica
         Write the table of --ross for Modelica's CombiTable1Ds (one varied key) or CombiTable2Ds (two varied keys).
-    rexs
-        Write a scene with several bearings on a shaft to this REXS file (version 1.7): shaft, loads, bearings with their
-        rows and rolling elements, and results.
-    model
-        With --rexs: low-order model that computes the results. Default: refined.
     """
     from rollbench.compare.scenes import catalogue, scene_file
 
-    if model and rexs is None:
-        raise ArgumentError(
-            "model", model, "`model` only together with `rexs`, whose results it computes", "leave `model` out"
-        )
-    if rexs is not None and (ross is not None or modelica is not None):
-        allowed = "either `rexs`, which converts a scene, or `ross` and `modelica`, which convert a file of rollbench table"
-        raise ArgumentError("rexs", f"{rexs} with --ross or --modelica", allowed, "run the command once for each file")
     meshing = bool(part) or level != 1 or ball is not None
-    if ross is not None or modelica is not None or rexs is not None:
+    if ross is not None or modelica is not None:
         if meshing or format or out is not None or deck:
             given = "one of these options together with a part or with an option for meshes or decks"
             allowed = (
-                "`ross`, `modelica` and `rexs` without a part, `format`, `out`, `level`, `ball` and `deck`: they convert a "
-                "whole table or scene and write no mesh"
+                "`ross` and `modelica` without a part, `format`, `out`, `level`, `ball` and `deck`: they convert a whole "
+                "table and write no mesh"
             )
-            raise ArgumentError("ross, modelica, rexs", given, allowed, "leave out the part and these options")
-        if rexs is not None:
-            return print_command_output(write_axis_as_rexs(scene, rexs, model))
+            raise ArgumentError("ross, modelica", given, allowed, "leave out the part and these options")
         return print_command_output(write_stiffness_tables(scene, ross, modelica))
 
     if deck:
@@ -177,6 +162,7 @@ def write_part_mesh(
     """
     running.check_gmsh()
     running.check_packages("scikit-fem")
+    from rollbench.compare.files import replaced_file
     from rollbench.compare.studies.export import (
         BLOCK,
         BODIES,
@@ -231,12 +217,8 @@ def write_part_mesh(
     except ValueError as error:
         advice = "change the keys of [solid] or the nut's length in the scene"
         raise SceneNotCoveredError(scene.name, part, str(error), advice) from error
-    try:
-        out.parent.mkdir(parents=True, exist_ok=True)
-        write_mesh(out, mesh, fields, region=part, file_format=form)
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise InputError(str(out), "file", reason, "a folder that can be written to", "check the path") from None
+    with replaced_file(out) as file:
+        write_mesh(file, mesh, fields, region=part, file_format=form)
     from rollbench.meshes.fem import element_type_of_mesh
 
     nodes, cells = mesh.doflocs.shape[1], f"{mesh.nelements} {_LABELS[element_type_of_mesh(mesh)]}"
@@ -246,62 +228,27 @@ def write_part_mesh(
     return CommandOutput(texts_and_tables=lines)
 
 
-def write_axis_as_rexs(typed: str, out: Path, model: str = "") -> CommandOutput:
-    """Solve a shaft with several nuts or bearings, and write shaft, loads, bearings and results to a REXS file.
-
-    ``typed``: name or file of the scene. Raises InputError for another kind of scene, SceneNotCoveredError if there is
-    no equilibrium or the REXS format cannot represent the scene.
-    """
-    from rollbench.compare.files import check_writable, replace_file
-    from rollbench.compare.models.load_cases import ShaftSolution, solve_shaft_with_results
-    from rollbench.compare.models.registry import ModelOptions, default_model_name
-    from rollbench.compare.scenes import catalogue
-    from rollbench.compare.scenes.duty_cycle import DutyCycle
-    from rollbench.compare.studies.to_rexs import rexs_file_with_results
-    from rollbench.meshes.axis import Assembly
-
-    described = catalogue.scene_of_any_kind(typed)
-    each = [case.scene for case in described.cases] if isinstance(described, DutyCycle) else [described]
-    solved: list[ShaftSolution] = []
-    check_writable(out)
-    for scene in each:
-        if not isinstance(scene, Assembly):
-            kind = getattr(scene, "kind", "a scene with a single nut or bearing")
-            allowed = 'kind = "axis" (a shaft with its bearings and nuts)'
-            advice = "write a scene of this kind, with a table [[sets]] for each bearing or nut"
-            raise InputError(typed, "kind", kind, allowed, advice)
-        solved.append(solve_shaft_with_results(scene, model or default_model_name(scene), ModelOptions()))
-        if not solved[-1].result.converged:
-            advice = "correct the scene; rollbench solve shows the reason"
-            raise SceneNotCoveredError(scene.name, "loads", str(solved[-1].result.status), advice)
-    assert isinstance(described, Assembly | DutyCycle)
-    text, notes = rexs_file_with_results(described, solved)
-    replace_file(out, text)
-    cases = f"{len(solved)} load cases" if len(solved) > 1 else "its results as load case 1"
-    lines = [f"not in REXS: {note}" for note in notes]
-    return CommandOutput(texts_and_tables=[*lines, f"wrote {out}: REXS 1.7, {cases}"], wrap_always=True)
-
-
 def write_stiffness_tables(scene: str, ross: Path | None, modelica: Path | None) -> CommandOutput:
     """Convert a table of stiffnesses, which ``rollbench table`` wrote as JSON, to files for the programs ROSS and Modelica.
 
     ``scene``: the JSON file. ``ross``, ``modelica``: files to write; None: not written. Raises InputError if ``scene``
     is no such file, or if the table lacks a combination of its parameter values.
     """
-    from rollbench.compare.files import replace_file
+    from rollbench.compare.files import replace_file, written_together
     from rollbench.compare.studies.table_files import ROSS_DROPS, modelica_table_text, read_table_file, ross_module_text
     from rollbench.compare.text.solved import missing_result_lines
 
     table = read_table_file(scene)
     lines = [f"left out: {line}" for line in missing_result_lines(table)]
-    if ross is not None:
-        replace_file(ross, ross_module_text(table))
-        lines.append(f"wrote {ross}. {ROSS_DROPS}")
-    if modelica is not None:
-        text, left = modelica_table_text(table)
-        replace_file(modelica, text)
-        lines += [f"left out: {line}" for line in left[len(table.failures) :]]
-        lines.append(f"wrote {modelica}: all terms, by the definition of the format; not tested with OpenModelica")
+    with written_together():
+        if ross is not None:
+            replace_file(ross, ross_module_text(table))
+            lines.append(f"wrote {ross}. {ROSS_DROPS}")
+        if modelica is not None:
+            text, left = modelica_table_text(table)
+            replace_file(modelica, text)
+            lines += [f"left out: {line}" for line in left[len(table.failures) :]]
+            lines.append(f"wrote {modelica}: all terms, by the definition of the format; not tested with OpenModelica")
     return CommandOutput(texts_and_tables=lines, wrap_always=True)
 
 
@@ -318,16 +265,19 @@ def write_step_bodies(described: Solvable, out: Path | None) -> CommandOutput:
     """
     running.check_gmsh()
     running.check_packages("scikit-fem")
+    from rollbench.compare.files import raise_input_error_if_not_writable
     from rollbench.compare.studies.export import nuts_and_bearings_on_shaft
     from rollbench.meshes.exchange.step_files import write_step
+    from rollbench.meshes.files import create_folder_for_group
 
     out = Path(f"{described.name}.step") if out is None else out
     out = out.with_name(f"{out.name}.step") if out.suffix == "" else out
     try:
-        files = write_step(out, nuts_and_bearings_on_shaft(described))
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise InputError(str(out), "file", reason, "a folder that can be written to", "check the path") from None
+        with raise_input_error_if_not_writable(out):
+            create_folder_for_group(out.parent)
+            with TemporaryDirectory(dir=out.parent) as folder:  # both files or none
+                written = write_step(Path(folder, out.name), nuts_and_bearings_on_shaft(described))
+                files = {path.replace(out.with_name(path.name)): off for path, off in written.items()}
     except ValueError as error:
         advice = "change the keys of [solid] or the nut's length in the scene"
         raise SceneNotCoveredError(described.name, "step", str(error), advice) from error

@@ -9,7 +9,6 @@ from cyclopts import Parameter
 
 from rollbench.compare.commands.terminal import Flag, Json, Verbose, Word, app
 from rollbench.compare.errors import one_line
-from rollbench.compare.running import show_progress_message
 from rollbench.compare.text.printing import CommandOutput, print_command_output, selected_columns_table, text_width
 
 if TYPE_CHECKING:
@@ -59,8 +58,9 @@ def friction(
     time_limit
         Stop after this many seconds, with exit code 1. Default: no limit.
     strict
-        Return exit code 1 if a WARNING is printed: pressure, preload, static safety or rotations are outside the models'
-        range of validity, or the scene states neither play nor preload of a screw, and friction depends on the play.
+        Return exit code 1 if a WARNING is printed: the result is outside the models' range of validity (such as contacts
+        beyond the groove's arc, pressure, a second, jammed state, or neglected feedback of friction), or the scene states
+        neither play nor preload of a screw, and friction depends on the play.
     verbose
         Also print further quantities and explanations, the assumptions, neglected effects, the force balance and data of
         the solver.
@@ -92,7 +92,7 @@ def solve_and_report_friction(
     from rollbench.compare.studies.friction.solve import friction_answer_json, solve_friction_of_named_scene
 
     with watch_running_time(f"{one_line(name)}, friction", checked_time_limit(time_limit)):
-        found = solve_friction_of_named_scene(name, choices, lambda line: show_progress_message(f"rollbench: {line}"))
+        found = solve_friction_of_named_scene(name, choices)
     code = 1 if not found.converged or (strict and found.warning) else 0
     parts = friction_terminal_parts(found, balls=balls, details=details)
     return CommandOutput(add_schema_version(friction_answer_json(found)), parts, code, wrap_always=True)
@@ -106,7 +106,7 @@ def friction_terminal_parts(answer: FrictionAnswer, *, balls: bool = False, deta
     """
     from rollbench.compare.results.base import format_table_as_text
     from rollbench.compare.results.rows import friction_rows
-    from rollbench.compare.studies.friction.answer import BEHIND
+    from rollbench.compare.studies.friction.answer import ALWAYS, BEHIND
     from rollbench.compare.text.solved import warning_and_note_lines
 
     data = answer.data
@@ -115,7 +115,9 @@ def friction_terminal_parts(answer: FrictionAnswer, *, balls: bool = False, deta
     parts += [*filter(None, [answer.warning])]
     if rows := friction_rows(data):
         parts += ["", format_table_as_text(rows, text_width()), ""]
-    if lines := [f"{label:<10}{text}" for label, text in answer.lines if details or not (rows or label in BEHIND)]:
+    if lines := [
+        f"{label:<10}{text}" for label, text in answer.lines if details or label in ALWAYS or not (rows or label in BEHIND)
+    ]:
         parts += ["", *lines, ""]
     for title, columns, body in [*answer.tables, *(answer.ball_tables if balls else ())]:
         parts += [selected_columns_table(title, columns, body), ""]

@@ -116,7 +116,7 @@ def study_mesh_levels(
     Raises InputError for unknown levels, SceneNotCoveredError if no run of a scene converged.
     """
     from rollbench.compare.commands.compare import exit_code_of_references
-    from rollbench.compare.files import reason_without_figure, write_csv, write_figure
+    from rollbench.compare.files import reason_without_figure, write_csv, write_figure, written_together
     from rollbench.compare.reference.store import shipped_store
     from rollbench.compare.scenes import catalogue
     from rollbench.compare.scenes.scene_file import scenes_to_solve
@@ -141,10 +141,11 @@ def study_mesh_levels(
         table, stem = mesh_study_table_of_bearing(one, stores, levels), store / f"{one.scene.name}-mesh-study"
         rows = table if one.place_on_shaft is None else [{"set": one.place_on_shaft.name, **row} for row in table]
         tables[one.scene.name if one.place_on_shaft is None else one.place_on_shaft.assembly.name] += rows
-        write_csv(Path(f"{stem}.csv"), rows)
         figure = mesh_convergence_figure(one.scene.name, table, one.reference)
-        if figure is not None:
-            write_figure(Path(f"{stem}.svg"), figure)
+        with written_together():
+            write_csv(Path(f"{stem}.csv"), rows)
+            if figure is not None:
+                write_figure(Path(f"{stem}.svg"), figure)
         parts += [f"mesh study of {one.reference.scene}", ""]
         parts += [table_of_records(mesh_level_table_rows(one.reference)), ""]
         parts += [table_of_records(mesh_study_rows_for_terminal(table)), ""]
@@ -182,7 +183,7 @@ def study_single_rollers(names: Sequence[str], count: int | None, store: Path, *
     runs. ``fresh``: compute stored runs again. Raises InputError in the cases in which
     `compare.studies.roller.compute_runs_of_roller_kinds` raises it.
     """
-    from rollbench.compare.files import write_csv
+    from rollbench.compare.files import write_csv, written_together
     from rollbench.compare.reference.store import shipped_store
     from rollbench.compare.scenes import catalogue
     from rollbench.compare.scenes.scene_file import scenes_to_solve
@@ -198,8 +199,9 @@ def study_single_rollers(names: Sequence[str], count: int | None, store: Path, *
             said = roller.roller_mesh_study_json(one, runs)
             found.setdefault(scene.name, []).append(said)
             stem = store / f"{scene.name}-{one.bearing_names[0]}-roller".replace(" ", "-")
-            write_csv(Path(f"{stem}.csv"), said["quantities"])
-            write_csv(Path(f"{stem}-profile.csv"), said["profile"])
+            with written_together():
+                write_csv(Path(f"{stem}.csv"), said["quantities"])
+                write_csv(Path(f"{stem}-profile.csv"), said["profile"])
             parts += [f"mesh study of {scene.name}: a roller of {', '.join(one.bearing_names)}", ""]
             parts += [table_of_records(said["levels"]), ""]
             parts += [table_of_records(roller.roller_rows_for_terminal(said["quantities"])), ""]

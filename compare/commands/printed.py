@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -108,6 +109,7 @@ def printed_entry_json(e: PrintedEntryComparison) -> dict[str, Any]:
         "as_printed": e.as_printed,
         "right": e.value,
         "inferred_reading": e.value_by_inferred_assumption,
+        "follows_from_printed": e.follows_from_printed,
         "reference_3d": e.reference,
         "error_percent": e.error_percent,
         "verdict": e.verdict,
@@ -136,11 +138,18 @@ def printed_entries_table(rows: Sequence[PrintedEntryComparison], changed: Seque
     counts = (map(str, row.values()) for row in count_entries_by_verdict(rows))
     table = ruled_table("numbers printed in publications, by verdict", headings, counts)
     entries = Table(title="numbers and claims printed in publications", title_justify="left")
-    for heading in ("table:key", "printed", "with mistakes", "computed", "3D reference", "error %", "verdict", "reason"):
+    values = {
+        "follows from printed": "follows_from_printed",
+        "with mistakes": "as_printed",
+        "computed": "right",
+        "3D reference": "reference_3d",
+        "error %": "error_percent",
+    }
+    for heading in ("table:key", "printed", *values, "verdict", "reason"):
         entries.add_column(heading, overflow="fold")
     for one in rows:
         data = printed_entry_json(one)
-        numbers = (format_cell(data[k], ".5g") for k in ("as_printed", "right", "reference_3d", "error_percent"))
+        numbers = (format_cell(data[k], ".5g") for k in values.values())
         entries.add_row(one.printed.name, f"{data['printed']} {data['unit']}".rstrip(), *numbers, one.verdict, one.reason)
     lines = [reproduction_sentence(row) for row in count_entries_by_verdict(rows)]
     left_out = f"{len(uncompared_number_rows())} groups of numbers that are not compared"
@@ -182,6 +191,22 @@ def audit(*, only: Names = None, write: Path | None = None, as_json: Json = Fals
     return print_command_output(judge_printed_numbers((), only or (), write), as_json)
 
 
+def list_parts_in_catalogues(words: str) -> CommandOutput:
+    """Return the list of the nuts and bearings in makers' catalogues whose maker, name or type has some words.
+
+    The numbers are as printed, in common units. Raises InputError, with similar names, if there is none.
+    """
+    from rollbench.compare.scenes import makers
+    from rollbench.compare.text.printing import table_of_records
+
+    found = makers.parts_named_like(words) or [makers.find_part(words, argument="makers")]
+    rows = {"nuts": [p for p in found if p.is_nut], "bearings": [p for p in found if not p.is_nut]}
+    data = {name: [makers.printed_values(part) for part in parts] for name, parts in rows.items() if parts}
+    tables = [table_of_records(one, title=f"{len(one)} {name}, as printed") for name, one in data.items()]
+    line = "a scene of one: rollbench new FILE --like NAME"
+    return CommandOutput(data, [*tables, line])
+
+
 def list_shipped() -> CommandOutput:
     """Return the lists of scenes, models and printed tables that are shipped with rollbench."""
     data = _shipped_contents_json()
@@ -189,13 +214,14 @@ def list_shipped() -> CommandOutput:
 
 
 def _shipped_contents_json() -> dict[str, dict[str, Any]]:
-    """Return all shipped scenes (by kind) and models with their titles, and printed tables with their numbers of rows."""
+    """Return shipped scenes (by kind) and models with their titles, makers and printed tables with numbers of rows."""
     from rollbench.compare import printed
     from rollbench.compare.models.registry import AXIS_MODELS, MODELS
     from rollbench.compare.models.user_models import entry_points_of_installed_models, origin_of_model
-    from rollbench.compare.scenes import catalogue
+    from rollbench.compare.scenes import catalogue, makers
     from rollbench.compare.scenes.duty_cycle import AXIS, KINDS, WHOLE
 
+    names_with_counts = Counter(part.maker for part in (*makers.nuts_in_catalogues(), *makers.bearings_in_catalogues()))
     titles = {name: catalogue.top_level_keys(name)["title"] for name in catalogue.scene_names()}
     of_users = {name: origin_of_model(name) for name in entry_points_of_installed_models() if name not in MODELS}
     return {
@@ -205,6 +231,7 @@ def _shipped_contents_json() -> dict[str, dict[str, Any]]:
         "models": {model.name: model.description for model in MODELS.values()},
         **({"models of other packages": of_users} if of_users else {}),
         "models of several sets on one shaft": {name: MODELS[name].label for name in AXIS_MODELS},
+        "catalogues": dict(sorted(names_with_counts.items())),
         "printed_tables": {name: len(printed.load_printed_table(name)) for name in printed.printed_table_names()},
     }
 
@@ -215,24 +242,29 @@ def _shipped_contents_lines(data: Mapping[str, Any]) -> Iterator[str]:
     groups |= {group: entries for group, entries in data.items() if group != "scenes"}
     width = max(len(name) for group in groups.values() for name in group)
     for group, entries in groups.items():
-        yield group.replace("_", " ")
+        yield "makers' catalogues, with rollbench list --makers NAME" if group == "catalogues" else group.replace("_", " ")
         for name, text in entries.items():
-            yield f"  {name:{width}}  {f'{text} rows' if group == 'printed_tables' else text}"
+            yield f"  {name:{width}}  {f'{text} rows' if group in ('catalogues', 'printed_tables') else text}"
 
 
 @app.command(name="list")
-def list_(*, trace: Flag = False, table: Word = "", as_json: Json = False) -> None:
+def list_(*, makers: str | None = None, trace: Flag = False, table: Word = "", as_json: Json = False) -> None:
     """List the scenes, models and tables of printed numbers that are shipped with rollbench.
 
     Parameters
     ----------
+    makers
+        List the nuts and bearings in makers' catalogues whose maker, name or type has these words instead, such as R40,
+        "THK double nut" or 7010C; rollbench new FILE --like NAME takes their names.
     trace
         List every printed number and claim instead, with the scenes from which it is computed (or the reason for none), the
         function that computes it, and its test.
     table
         List the numbers and claims of this printed table only, as --trace does.
     """
-    if trace or table:
+    if makers is not None:
+        print_command_output(list_parts_in_catalogues(makers), as_json)
+    elif trace or table:
         print_command_output(list_computations_of_printed_numbers(table), as_json)
     else:
         print_command_output(list_shipped(), as_json)

@@ -1,4 +1,4 @@
-"""Commands ``report``, ``view`` and ``verify``: write HTML pages, show them in the browser, and check their hashes."""
+"""Commands ``report`` and ``view``: write HTML pages, and show them in the browser."""
 
 from __future__ import annotations
 
@@ -38,8 +38,8 @@ def report(
 
     The report uses the shipped runs of the 3D reference. One of them is recomputed and compared with the stored run; exit
     code 1 if they do not agree. Sections that cannot be written on this computer are listed at the end, with what to
-    install for them. The page of a scene has the results, their expected or measured error, the assumptions, and the hashes
-    of all inputs, which rollbench verify checks.
+    install for them. sha256sum -c SHA256SUMS, in the folder of the report, shows whether a file was changed. The page of a
+    scene has the results, their expected or measured error, the assumptions, and the hashes of all inputs.
 
     Parameters
     ----------
@@ -79,8 +79,8 @@ def report(
         from rollbench.meshes.libraries import PAGES
 
         check_packages(*PAGES)  # the next line imports some of them
+        from rollbench.compare.report.changes import write_and_compare_pages
         from rollbench.compare.report.report import refuse_unusable_scene_arguments
-        from rollbench.compare.report.verify import write_and_compare_pages
 
         refuse_unusable_scene_arguments(scene, against=against, reference=reference)
         given: dict[str, Any] = {"only": only, "source": source, "quick": quick, "stored": stored, "fresh": fresh}
@@ -167,26 +167,3 @@ def view(
     replace_file(out, html)
     answer = CommandOutput(texts_and_tables=[*found._notes, f"page: {out}"], exit_code=int(not found.converged))
     return open_written_page(print_command_output(answer), out, open_page)
-
-
-@app.command
-def verify(report: Path, /, *, store: Path = Path("rollbench-reference")) -> int:
-    """Verify that the files and inputs of a report, or of a page on a scene, are unchanged since it was written.
-
-    Compares the hashes that the report states with those of scenes, source code, printed data and runs of the 3D reference.
-    Exit code 1 if one differs.
-
-    Parameters
-    ----------
-    report
-        Page or folder that rollbench report wrote.
-    store
-        Folder of stored runs of the reference, used in addition to the shipped runs.
-    """
-    from rollbench.compare.running import check_packages
-    from rollbench.meshes.libraries import PAGES
-
-    check_packages(*PAGES)  # the next line imports some of them
-    from rollbench.compare.report.verify import verify_report_hashes
-
-    return print_command_output(verify_report_hashes(report, store))

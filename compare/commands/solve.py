@@ -68,6 +68,7 @@ def solve_and_report(name: str, solve_options: SolveOptions) -> CommandOutput:
     Raises InputError if the scene or an option cannot be used.
     """
     from rollbench.compare.api.calls import solve_scene_record
+    from rollbench.compare.files import written_together
     from rollbench.compare.models.registry import ModelOptions, default_model_name
     from rollbench.compare.running import checked_time_limit, watch_running_time
     from rollbench.compare.scenes import catalogue
@@ -86,10 +87,11 @@ def solve_and_report(name: str, solve_options: SolveOptions) -> CommandOutput:
     solved, names = found.solved, [*found.cases]
     of_cases = [_options_of_load_case(solve_options, case) for case in names] or [solve_options]
     written: list[str] = []
-    for one, tangent, files in zip(solved, found.tangents, of_cases, strict=True):
-        written += _write_stiffness_matrix(one, tangent, files)
-    if solve_options.loads_csv is not None:
-        written += _write_contact_loads(solve_options.loads_csv, solved, names)
+    with written_together():
+        for one, tangent, files in zip(solved, found.tangents, of_cases, strict=True):
+            written += _write_stiffness_matrix(one, tangent, files)
+        if solve_options.loads_csv is not None:
+            written += _write_contact_loads(solve_options.loads_csv, solved, names)
     shown = {"balls": solve_options.balls, "details": solve_options.verbose, "stiffness": bool(solve_options.stiffness_at)}
     if found.cycle is None or found.together is None:
         tangent = found.tangents[0]
@@ -300,10 +302,10 @@ def solve(
         File for the stiffness matrix of --stiffness-at: .mtx (Matrix Market) or .dmig (Nastran).
     curve
         Print the displacement over a range of loads (the load curve), the backlash and the stiffness outside the backlash.
-        Forces such as "-3000N:3000N" replace the scene's loads; they act along the axis at the nut's centre (for several
-        nuts or bearings on one shaft: where the scene's loads act). Append ":41" for 41 points (default 21); ":x", ":y" or
-        an angle such as ":45deg" for a transverse force; ":300mm" or the name of a housing for another position. A range
-        without unit, such as "0:1.5", scales all loads of the scene.
+        Forces such as "-3000N:3000N" replace the scene's loads; they act along the axis where the scene's own load acts
+        (without one: at the nut's centre, or where the stiffness of an axis is reported). Append ":41" for 41 points
+        (default 21); ":x", ":y" or an angle such as ":45deg" for a transverse force; ":300mm" or the name of a housing for
+        another position. A range without unit, such as "0:1.5", scales all loads of the scene.
     loads_csv
         File for all contact loads, with the columns that check --loads reads: ball, flank, newton, azimuth_deg, z_mm, and
         case if the scene has load cases.
@@ -320,8 +322,9 @@ def solve(
     time_limit
         Stop after this many seconds, with exit code 1. Default: no limit.
     strict
-        Return exit code 1 if a WARNING is printed: pressure, preload, static safety or rotations are outside the models'
-        range of validity, or the supports carry nearly all of a load, so that little of it reaches the contacts.
+        Return exit code 1 if a WARNING is printed: the result is outside the models' range of validity (such as contacts
+        beyond the groove's arc, pressure, preload, static safety or rotations), the conformity looks wrong, or the supports
+        carry nearly all of a load, so that little of it reaches the contacts.
     verbose
         Also print further quantities, the assumptions, neglected effects, the force balance and data of the solver.
     """
@@ -481,11 +484,7 @@ def ensemble_terminal_parts(members: EnsembleSummary, *, balls: bool = False) ->
     title = "specimens (in brackets: 95 % confidence interval of the quantile)"
     tables = [_statistics_table(title, headings, data["statistics"])]
     tables += [_statistics_table(f"set {s['set']}, {s['name']}", OF_SET, s["statistics"]) for s in data.get("sets", [])]
-    of_nut = (
-        "stiffness at the loads: of shaft and nut, by 0.1 % more load (model liu: by load_step); "
-        "rollbench solve prints the rigidity of the nut only"
-    )
-    stiff = "tangent rigidity: at the equilibrium, for the position that the scene states" if several else of_nut
+    stiff = "tangents: as rollbench solve prints them, for the position that the scene states"
     parts += [*tables, f"life: equivalent loads by ISO/TS 16281, with raceways of equal strength; {stiff}"]
     if balls:
         return [*parts, _contact_load_quantiles_table(data, members.load_distributions.width)]
@@ -561,12 +560,13 @@ def write_load_curve(path: Path, curve: LoadCurve) -> list[str]:
 
     ``path``: the CSV file. InputError if a file cannot be written.
     """
-    from rollbench.compare.files import write_csv, write_figure
+    from rollbench.compare.files import write_csv, write_figure, written_together
     from rollbench.compare.quantities import record_as_json
 
     rows = [record_as_json(point) or {} for point in curve.points]
-    write_csv(path, rows)
-    picture = write_figure(path.with_suffix(".svg"), load_curve_figure(curve, rows))
+    with written_together():
+        write_csv(path, rows)
+        picture = write_figure(path.with_suffix(".svg"), load_curve_figure(curve, rows))
     return [f"wrote {path} and {picture}"]
 
 
@@ -578,8 +578,10 @@ def load_curve_figure(curve: LoadCurve, rows: list[dict[str, Any]]) -> Figure:
     from rollbench.reports.content import Figure, Panel, Series
 
     labels = {
-        "displacement_um": "displacement / µm",
-        "stiffness_N_per_um": "tangent stiffness / (N/µm)",
+        "load_point_displacement_um": "displacement of the load's point / µm",
+        "load_point_tangent_N_per_um": "tangent stiffness of the load's point / (N/µm)",
+        "nut_displacement_um": "displacement of the nut / µm",
+        "nut_tangent_N_per_um": "tangent stiffness of the nut / (N/µm)",
         "largest_load_N": "largest contact load / N",
         "friction_torque_Nmm": "friction torque / (N mm)",
     }

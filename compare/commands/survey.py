@@ -1,6 +1,6 @@
 """Commands ``survey`` and ``stability``: solve many scenes that test the models and the solvers.
 
-``survey`` measures the errors of a model on 240 randomly drawn ball screws with stored 3D references. ``stability`` solves
+``survey`` measures the errors of a model on 300 randomly drawn ball screws with stored 3D references. ``stability`` solves
 extreme scenes to find failures of the solvers; it also draws the ball screws and solves their 3D references.
 """
 
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 def survey(
     *,
     model: Names = None,
-    count: int = 240,
+    count: int = 300,
     max_error: float = 7.0,
     screw: int | None = None,
     out: Path = Path(),
@@ -37,7 +37,7 @@ def survey(
     as_json: Json = False,
     program: ProgramOptions | None = None,
 ) -> int:
-    """Measure the errors of a model on 240 typical ball screws, for which runs of the 3D reference are stored.
+    """Measure the errors of a model on 300 typical ball screws, for which runs of the 3D reference are stored.
 
     The dimensions of the screws were drawn at random within the range of catalogues. Only the model is computed. Prints a
     table that also has the models of rollbench, and writes the results for every screw (CSV) and a figure. Exit code 1 if
@@ -48,7 +48,7 @@ def survey(
     model
         Names of models (rollbench list shows all), or models of an installed package.
     count
-        Number of screws to solve, counted from the first. Default: all 240.
+        Number of screws to solve, counted from the first. Default: all 300.
     max_error
         Largest permitted error of the contact loads for the verdicts, in per cent, as in rollbench check.
     screw
@@ -80,7 +80,7 @@ def judge_models_on_screws(
     solved in parallel. The exit code is 1 if a model fails on a screw. Raises InputError in the cases in which
     `compare_models_on_random_screws` raises it.
     """
-    from rollbench.compare.files import check_writable, write_csv, write_figure
+    from rollbench.compare.files import check_writable, write_csv, write_figure, written_together
     from rollbench.compare.models.programs import model_title
     from rollbench.compare.studies.survey_models import compare_models_on_random_screws, figure_of_errors_on_random_screws
 
@@ -89,10 +89,13 @@ def judge_models_on_screws(
     for path in (table, drawing):
         check_writable(path)
     data = compare_models_on_random_screws(models, count, workers, max_error, show_progress_message)
-    write_csv(table, [{"model": model_title(name)} | dict(row) for name, rows in data["models"].items() for row in rows])
     drawn = "no figure"
-    if any("verdict" in r for r in data["models"][models[0]]):
-        drawn = write_figure(drawing, figure_of_errors_on_random_screws(data))
+    with written_together():
+        write_csv(
+            table, [{"model": model_title(name)} | dict(row) for name, rows in data["models"].items() for row in rows]
+        )
+        if any("verdict" in r for r in data["models"][models[0]]):
+            drawn = write_figure(drawing, figure_of_errors_on_random_screws(data))
     parts = [*_survey_terminal_parts(data, models), f"wrote {table} (every screw) and {drawn}"]
     return CommandOutput(data, parts, 1 if any(data["without_answer"].values()) else 0)
 
@@ -129,10 +132,31 @@ def _survey_terminal_parts(data: Mapping[str, Any], models: Sequence[str]) -> It
         for reason, numbers in reasons.items():
             yield f"no result for {len(numbers)} of {len(rows)} screws, the first is number {numbers[0]}: {reason}"
     yield f"screws with a stored reference: {data['screws']}{missing}"
+    yield from _errors_on_screws_drawn_later(data["models"])
     title = "absolute errors over the screws / %; errors of loads in per cent of the mean load"
     yield table_of_records(data["summary"], ".2f", title)
     title = "median error of the worst contact load by kind of screw / % of the mean load"
     yield table_of_records(median_errors_by_screw_kind(data["models"]), ".2f", title)
+
+
+def _errors_on_screws_drawn_later(models: Mapping[str, Sequence[Mapping[str, Any]]]) -> Iterator[str]:
+    """Yield a sentence for each model on its errors on the screws that were drawn after refined and lin last changed.
+
+    ``models``: errors of each model on each screw.
+    """
+    import numpy as np
+
+    from rollbench.compare.models.applicability import KNOWN_SCREWS
+    from rollbench.compare.models.programs import model_title
+
+    for name, rows in models.items():
+        sizes = [float(r["largest_percent"]) for r in rows if r["screw"] >= KNOWN_SCREWS and "largest_percent" in r]
+        if sizes:
+            yield (
+                f"on {len(sizes)} screws drawn after refined and lin last changed, error of {model_title(name)} on the "
+                f"worst contact: median {median(sizes):.3g} %, 95th percentile {np.percentile(sizes, 95):.3g} %, largest "
+                f"{max(sizes):.3g} % of the mean load"
+            )
 
 
 def write_drawn_screw(number: int, out: Path) -> CommandOutput:
@@ -169,21 +193,20 @@ def _stability_tables(
     from rollbench.compare.studies.extremes import FORMULATIONS, count_expected_outcomes, stability_table_rows
 
     words = ("case", *FORMULATIONS)
-    lines = (
-        [*(str(line[f]) for f in words), format_cell(line["residual"], ".1e"), format_cell(line["difference"], ".0e")]
-        for line in stability_table_rows(rows)
-    )
-    yield ruled_table("outcome of every solver on extreme scenes", (*words, "residual", "difference %"), lines, words)
+    lines = ([*(str(line[f]) for f in words), format_cell(line["residual"], ".1e")] for line in stability_table_rows(rows))
+    yield ruled_table("outcome of every solver on extreme scenes", (*words, "residual"), lines, words)
     for name, (solved, tried, total) in count_expected_outcomes(rows).items():
         yield f"{name}: solved {solved} of {tried} attempted scenes; the table has {total}"
     for row in failures:
         yield f"FAILED: {row.case}: {row.status}; expected outcome: {row.expected}"
 
 
-def solve_drawn_screws(count: int, folder: Path, workers: int, keep: Path | None) -> CommandOutput:
+def solve_drawn_screws(
+    count: int, folder: Path, workers: int, keep: Path | None, kind: str = "ball screw"
+) -> CommandOutput:
     """Compute the 3D reference of randomly drawn screws, and return the errors of the models on them and the failures.
 
-    ``count``: number of screws, counted from the first.
+    ``count``: number of screws, counted from the first. ``kind``: their kind, ball screw or double nut.
 
     ``folder``: folder in which each solved screw is stored. ``workers``: number of screws solved in parallel. ``keep``:
     file for the results that the report reads; None: it is not written. The exit code is 1 if a screw has no result. Raises
@@ -191,20 +214,24 @@ def solve_drawn_screws(count: int, folder: Path, workers: int, keep: Path | None
     """
     from rollbench.compare.files import check_writable, replace_file
     from rollbench.compare.studies import survey
-    from rollbench.compare.studies.survey import SCENES, SEED
+    from rollbench.compare.studies.survey import KINDS, SEED
 
-    if not 1 <= count <= SCENES:
-        allowed = f"a number of screws from 1 to {SCENES}"
+    kind = kind.replace("-", " ")
+    if kind not in KINDS:
+        allowed = ", ".join(name.replace(" ", "-") for name in KINDS)
+        raise ArgumentError("kind", kind, allowed, "choose one of these kinds")
+    if not 1 <= count <= KINDS[kind].scenes:
+        allowed = f"a number of scenes from 1 to {KINDS[kind].scenes}"
         raise ArgumentError("survey", str(count), allowed, "choose a number in that range")
     if keep is not None:
         check_writable(keep)
-    records = survey.solve_screws_of_survey(SEED, count, folder, workers, show_progress_message, keep)
+    records = survey.solve_screws_of_survey(SEED, count, folder, workers, show_progress_message, keep, kind)
     bad = survey.records_without_converged_loads(records)
     if keep is not None:
-        from rollbench.compare.studies.survey_models import LOADS, store_reference_loads
+        from rollbench.compare.studies.survey_models import store_reference_loads
 
-        replace_file(keep, survey.survey_records_as_json(SEED, records))
-        store_reference_loads(keep.with_name(LOADS), folder / "runs", count)
+        replace_file(keep, survey.survey_records_as_json(SEED, records, kind))
+        store_reference_loads(keep.with_name(KINDS[kind].loads), folder / "runs", count, kind)
     found = survey.error_summary_rows_of_all_models(records)
     parts: list[Any] = [table_of_records(found)] if found else []
     parts.append(f"{len(records) - len(bad)} of {len(records)} scenes have a result")
@@ -216,6 +243,7 @@ def solve_drawn_screws(count: int, folder: Path, workers: int, keep: Path | None
 def stability(
     *,
     survey: int | None = None,
+    kind: str | None = None,
     out: Path | None = None,
     workers: int | None = None,
     keep: Path | None = None,
@@ -232,7 +260,9 @@ def stability(
     ----------
     survey
         Number of screws to solve, whose dimensions are drawn at random within the range of catalogues; the report uses
-        300.
+        300, and 24 double nuts.
+    kind
+        Kind of the screws: ball-screw (default) or double-nut.
     out
         Folder for a record of each screw and for the runs of the 3D reference, from which an interrupted survey
         resumes. Default: rollbench-survey.
@@ -243,10 +273,10 @@ def stability(
         survey reads. Screws whose results are in this file already are not solved again.
     """
     if survey is not None:
-        found = solve_drawn_screws(survey, out or Path("rollbench-survey"), workers or 1, keep)
+        found = solve_drawn_screws(survey, out or Path("rollbench-survey"), workers or 1, keep, kind or "ball screw")
         return print_command_output(found, as_json)
-    if (out, workers, keep) != (None, None, None):
+    if (kind, out, workers, keep) != (None, None, None, None):
         given = "one of these options without --survey"
         advice = "add --survey COUNT, the number of randomly drawn screws to solve"
-        raise ArgumentError("out, workers, keep", given, "only with --survey", advice)
+        raise ArgumentError("kind, out, workers, keep", given, "only with --survey", advice)
     return print_command_output(solve_extreme_scenes(), as_json)

@@ -46,7 +46,8 @@ def sweep(
         Name of a shipped scene, or a scene file.
     vary
         Parameter with its range or values, KEY=A:B, KEY=A:B:N or KEY=v1,v2; repeat the option for every parameter. KEY is
-        the key in the scene file with its tables and indices, with units as there, such as "loads[0].force[2]=1 kN:5 kN".
+        the key in the scene file with its tables and indices, with units as there, such as "track.lead=8 mm:12 mm"; the key
+        load is the axial load.
         KEY+KEY=... varies several keys together. A range of whole numbers without unit is sampled in whole numbers
         (errors.seed=1:1000).
     samples
@@ -169,7 +170,7 @@ def table(
         File of the table: .csv, .json, .parquet (needs pyarrow) or .nc (needs xarray). A figure of the same name is
         written as SVG.
     """
-    from rollbench.compare.files import check_writable, write_figure
+    from rollbench.compare.files import check_writable, write_figure, written_together
     from rollbench.compare.studies.table import check_table_request, solve_table
     from rollbench.compare.studies.table_files import check_file_format, table_figure, write_table_file
     from rollbench.compare.text.solved import parameter_table_parts
@@ -188,9 +189,10 @@ def table(
     found = solve_table(asked, terminal.engine_from_options(where), show_progress_message)
     parts = parameter_table_parts(found)
     if out is not None:
-        write_table_file(out, found)
-        drawn = table_figure(found)
-        picture = "no figure" if drawn is None else write_figure(out.with_suffix(".svg"), drawn)
+        with written_together():
+            write_table_file(out, found)
+            drawn = table_figure(found)
+            picture = "no figure" if drawn is None else write_figure(out.with_suffix(".svg"), drawn)
         parts.append(f"wrote {out}: {len(found.rows)} rows; {picture}")
     answer = CommandOutput(found.to_dict(), parts, 0 if found.converged else 1, wrap_always=True)
     return print_command_output(answer, as_json)

@@ -4,15 +4,34 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any, get_args
 
-from cyclopts import App, Parameter
+from cyclopts import App, ArgumentCollection, Group, Parameter
 
 from rollbench.compare import __version__
 from rollbench.compare.errors import ArgumentError
 
 if TYPE_CHECKING:
     from rollbench.compare.reference.jobs import ComputingSettings
+
+
+def _types_of(hint: Any) -> set[Any]:
+    """Return the types that occur in the type ``hint`` of an option."""
+    parts = get_args(hint)
+    return {x for part in parts for x in _types_of(part)} if parts else {hint}
+
+
+def refuse_underscores(arguments: ArgumentCollection) -> None:
+    """Raise ArgumentError for an option with a number that has underscores, as Python's but no other numbers may."""
+    from rollbench.meshes.units import UNDERSCORE
+
+    for argument in arguments:
+        if _types_of(argument.hint) & {int, float}:
+            for token in argument.tokens:
+                if "_" in token.value:
+                    allowed = "a number with digits, point and exponent only"
+                    raise ArgumentError(argument.field_info.name, f'"{token.value}"', allowed, UNDERSCORE)
+
 
 app = App(
     name="rollbench",
@@ -22,6 +41,8 @@ app = App(
     version=__version__,
     help_format="plaintext",
     default_parameter=Parameter(negative_iterable=""),
+    group_arguments=Group("Arguments", validator=refuse_underscores),
+    group_parameters=Group("Parameters", validator=refuse_underscores),
     suppress_keyboard_interrupt=False,
 )
 
@@ -80,7 +101,7 @@ def model_or_program_name(program: ProgramOptions | None, model: str = "") -> st
 @Parameter(name="*")
 @dataclass(frozen=True)
 class ComputeOptions:
-    """Command-line options that select where 3D runs are computed: on this computer, or on a cluster with certificates."""
+    """Command-line options that select where 3D runs are computed: on this computer, or on a cluster."""
 
     backend: Annotated[
         str, Parameter(help="Where runs of the 3D reference are computed: joblib (this computer) or dask (a cluster).")
@@ -88,22 +109,17 @@ class ComputeOptions:
     scheduler: Annotated[str | None, Parameter(help="Address of the Dask scheduler.")] = None
     workers: Annotated[int | None, Parameter(help=WORKERS)] = None
     wait_workers: Annotated[float | None, Parameter(help=WAIT)] = None
-    tls_ca: Annotated[Path | None, Parameter(help="CA certificate for a scheduler at tls://HOST:PORT.")] = None
-    tls_cert: Annotated[Path | None, Parameter(help="Client certificate for a scheduler at tls://HOST:PORT.")] = None
-    tls_key: Annotated[Path | None, Parameter(help="Key of the client certificate.")] = None
 
 
 def engine_from_options(where: ComputeOptions | None, local_workers: int | None = None) -> ComputingSettings:
     """Return the settings for computing runs of the 3D reference on this computer or on the cluster that the options name.
 
     ``where``: options; None: this computer. ``local_workers``: number of parallel runs on this computer, unless the options
-    state it. Raises InputError for certificates that cannot be used.
+    state it.
     """
     from rollbench.compare.reference.jobs import ComputingSettings
-    from rollbench.compare.reference.parallel import set_tls_certificates
 
     where = where or ComputeOptions()
-    set_tls_certificates(*(None if file is None else str(file) for file in (where.tls_ca, where.tls_cert, where.tls_key)))
     workers = local_workers if where.workers is None and where.scheduler is None else where.workers
     return ComputingSettings(where.backend, where.scheduler, workers, cache_folder(), where.wait_workers)
 

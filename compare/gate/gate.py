@@ -255,10 +255,11 @@ def gate_check_of_published_entry(entry: PrintedEntryComparison, max_error: floa
 def check_published_entries(cache: SceneResultCache, max_error: float) -> list[GateCheck]:
     """Check the published numbers and claims that rollbench must reproduce: those of the classes hard, as-printed, input.
 
-    `printed.CLASSES` describes the classes. Entries without a computed value are left out. ``max_error``: upper limit of
-    the error [%].
+    `printed.CLASSES` describes the classes. Entries without a computed value, and numbers that follow from other printed
+    numbers, are left out. ``max_error``: upper limit of the error [%].
     """
-    gated = [e for e in evidence(cache) if e.printed.entry_class in ("hard", "as-printed", "input")]
+    of_models = [e for e in evidence(cache) if e.printed.kind != "arithmetic"]
+    gated = [e for e in of_models if e.printed.entry_class in ("hard", "as-printed", "input")]
     return [gate_check_of_published_entry(e, max_error) for e in gated if e.agrees_with_printed is not None]
 
 
@@ -368,10 +369,10 @@ def check_default_model(cache: SceneResultCache, max_error: float) -> list[GateC
 
 
 def check_known_errors_of_lin_model(cache: SceneResultCache, max_error: float) -> list[GateCheck]:
-    """Report the largest error of Lin's model on every scene with a 3D reference, and check the list of known errors.
+    """Check that Lin's model exceeds the error limit on known contacts only, on every case of Lin with a 3D reference.
 
-    Errors above the limit ``max_error`` [%] do not make a check fail: the contacts with such errors are listed in
-    ``known_exceedances.toml`` with their cause. A check fails only if this list does not match the computed errors.
+    The contacts with errors above the limit ``max_error`` [%] are listed in ``known_exceedances.toml`` with their cause. A
+    check fails if another contact exceeds the limit. A listed contact that no longer does is named, and passes.
     """
     rows: list[GateCheck] = []
     known = {(x.scene, x.ball, x.side) for x in known_exceedances()}
@@ -385,12 +386,12 @@ def check_known_errors_of_lin_model(cache: SceneResultCache, max_error: float) -
         named = {k for k in known if k[0] == name}
         beyond, back = "is above the limit but not listed", "is listed but no longer above the limit"
         wrong = [f"the error of ball {b} {side} {beyond}" for _, b, side in sorted(over - named)]
-        wrong += [f"the error of ball {b} {side} {back}" for _, b, side in sorted(named - over)]
+        better = [f"the error of ball {b} {side} {back}" for _, b, side in sorted(named - over)]
         side = "above" if over else "below"
         label = (
-            f"{name}: contact-load errors of Lin's model, reported only: {side} the limit ({len(over)} of {len(points)} "
-            f"contacts above it; largest error at ball {top.ball} {top.side})"
+            f"{name}: contact-load errors of Lin's model, held to the known exceedances: {side} the limit ({len(over)} of "
+            f"{len(points)} contacts above it; largest error at ball {top.ball} {top.side})"
         )
-        error, words = top.error_percent, "; ".join(wrong[:3])
+        error, words = top.error_percent, "; ".join([*wrong[:3], *better[:3]])
         rows.append(GateCheck(label, "source's model", None, None, error, max_error, not wrong, words, gated=False))
     return rows

@@ -15,12 +15,13 @@ from pathlib import Path
 import numpy as np
 
 from rollbench.compare.errors import ArgumentError, InputError
-from rollbench.compare.models.answers import displacement_of_unloaded_screw, results_of_contact_loads
+from rollbench.compare.models.answers import motion_of_unloaded_screw, results_of_contact_loads
 from rollbench.compare.models.comparison import ContactSolution, mesh_uncertainties, solution_from_run
 from rollbench.compare.models.loading import solve_with_scaled_loads
-from rollbench.compare.models.loads_file import CsvTable, decimal_comma_advice
+from rollbench.compare.models.loads_file import CsvTable
 from rollbench.compare.models.model_form import axial_contact_force
 from rollbench.compare.models.registry import DEFAULT, ModelOptions, run_model
+from rollbench.compare.models.stiffness import place_of_displacement, place_text
 from rollbench.compare.quantities import name_and_unit_of_key, words_and_unit_of_key
 from rollbench.compare.reference.convergence import grid_convergence
 from rollbench.compare.reference.estimate import Reference
@@ -30,10 +31,10 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Scene
-from rollbench.meshes.units import COMMA, UnitError, dimension_description, has_comma_in_number, parse_quantity
+from rollbench.meshes.units import UnitError, dimension_description, number_advice, number_of_text, parse_quantity
 
 #: Options with which the default model computes the unloaded position of the screw and the contacts for the friction.
-INTERPRETED = ModelOptions(estimate_beam_mesh_error=False, engine="interpreted")
+WITHOUT_MESH_ERROR = ModelOptions(estimate_beam_mesh_error=False)
 #: Note on quantities whose reference value is computed from contact loads.
 BY_FORMULA = "reference value computed by rollbench's formula from the reference's loads"
 
@@ -68,9 +69,10 @@ class JudgedQuantity:
 ANGLE = JudgedQuantity("contact_angle_deg", "contact angle", default_limit=1.0)
 APPROACH = JudgedQuantity("approach_um", "approach", 2.0 / 3.0)
 PRESSURE = JudgedQuantity("pressure_MPa", "pressure", 1.0 / 3.0)
-#: Quantities of the whole screw that `rollbench check` judges.
-DISPLACEMENT = JudgedQuantity("displacement_um", "displacement")
-RIGIDITY = JudgedQuantity("rigidity_N_per_um", "rigidity")
+#: Quantities of the whole screw that `rollbench check` judges. Displacement and rigidity (secant) are those of the point on
+#: which the load acts, along z and to ground, as the 3D reference gives them.
+DISPLACEMENT = JudgedQuantity("load_point_displacement_um", "displacement")
+RIGIDITY = JudgedQuantity("load_point_secant_N_per_um", "rigidity")
 TORQUE = JudgedQuantity("torque_Nmm", "torque")
 LIFE = JudgedQuantity("life_million_revolutions", "life", 3.0)
 #: Judged quantities of every contact, by their columns in a CSV file; judged quantities of the whole screw; all by name.
@@ -104,12 +106,9 @@ def parse_error_limits(texts: Sequence[str]) -> dict[str, float]:
         name = ANGLE.name if name == "angle" else name
         allowed = f"NAME=NUMBER with a number above 0, each NAME once, out of the names {', '.join(QUANTITIES)}"
         advice = "state the limit in per cent, of the contact angle in degrees, such as rigidity=10; loads: `max_error`"
-        try:
-            value = float(number)
-        except ValueError:
-            value = float("nan")
+        value = number_of_text(number)
         if name not in QUANTITIES or name in out or not 0.0 < value < float("inf"):
-            raise ArgumentError("limits", f'"{text}"', allowed, COMMA if has_comma_in_number(number) else advice)
+            raise ArgumentError("limits", f'"{text}"', allowed, number_advice(number, advice))
         out[name] = value
     return out
 
@@ -175,26 +174,26 @@ class WholeScrewEvaluation:
 
     @cached_property
     def unloaded_position(self) -> float:
-        """Axial displacement of the screw without external loads by the default model [m].
+        """Axial displacement of the load's point without external loads by the default model [m].
 
         It is also used for the 3D reference, of which no run without loads exists.
         """
-        bare = solve_with_scaled_loads(self.scene, 0.0, DEFAULT, INTERPRETED)
-        return float(displacement_of_unloaded_screw(self.scene, bare)[2])
+        bare = solve_with_scaled_loads(self.scene, 0.0, DEFAULT, WITHOUT_MESH_ERROR)
+        return float(motion_of_unloaded_screw(bare, place_of_displacement(self.scene))[2])
 
     def value_of(self, quantity: JudgedQuantity, answer: ContactSolution, station: float | None = None) -> float | None:
         """Return a quantity of the whole screw in SI units (a life in million revolutions), by a model or a 3D run.
 
         ``answer``: contact loads and displacements by the model or run; ``station``: axial position at which a displacement
-        is taken [m]; None: the nut's centre. None is returned if the quantity is not defined for these loads.
+        is taken [m]; None: where the load acts. None is returned if the quantity is not defined for these loads.
         """
         angle = np.radians(answer.angle)
         if quantity is LIFE:
-            life = results_of_contact_loads(self.scene, answer.load, angle).life
+            life = results_of_contact_loads(self.scene, answer.load, angle).life_by_loads
             return None if life is None else life.revolutions
         if quantity is TORQUE:
             return self._friction_torque(answer.load, angle)
-        at = self.scene.nut.position if station is None else station
+        at = place_of_displacement(self.scene) if station is None else station
         if not answer.stations.size:
             return None
         moved = float(np.interp(at, answer.stations, answer.line[:, 2])) - self.unloaded_position
@@ -208,7 +207,7 @@ class WholeScrewEvaluation:
     ) -> tuple[float | None, float | None]:
         """Return the reference's value of a quantity of the whole screw, and its uncertainty, in SI units; None if unknown.
 
-        ``ref``: the reference; ``station``: axial position of a displacement [m], None: the nut's centre. A life is in
+        ``ref``: the reference; ``station``: axial position of a displacement [m], None: where the load acts. A life is in
         million revolutions.
         """
         answers = [solution_from_run(run, "") for run in ref.runs]
@@ -232,13 +231,18 @@ class WholeScrewEvaluation:
             return f"{ref.label} states no value of it"
         return "the screw does not move in the direction of its load"
 
-    def computation_note(self, quantity: JudgedQuantity) -> str:
-        """Return a note on how the reference's value of a quantity of the whole screw is computed; may be empty."""
+    def computation_note(self, quantity: JudgedQuantity, station: float | None) -> str:
+        """Return a note on how the reference's value of a quantity of the whole screw is computed.
+
+        ``station``: axial position of a displacement [m], None: where the load acts.
+        """
         if quantity in (TORQUE, LIFE):
             return BY_FORMULA
+        at = f"to ground at {place_text(place_of_displacement(self.scene) if station is None else station)}"
         if not self.unloaded_position:
-            return ""
-        return f"measured from the position without loads, {1e6 * self.unloaded_position:.3g} um by the model {DEFAULT}"
+            return at
+        start = f"{1e6 * self.unloaded_position:.3g} um by the model {DEFAULT}"
+        return f"{at}, measured from the position without loads, {start}"
 
     def _friction_torque(self, load: Array, angle: Array) -> float | None:
         """Compute the friction torque [N m] of the screw from contact loads and angles; None if it cannot be computed.
@@ -252,15 +256,16 @@ class WholeScrewEvaluation:
         if self.scene.friction is None or not solved.converged:
             return None
         result = replace(solved, load=load, contact_angle=np.where(np.isfinite(angle), angle, solved.contact_angle))
-        from rollbench.compare.models.friction_sums import total_friction_torque
+        from rollbench.compare.models.friction_sums import UnsolvedTorque, total_friction_torques
 
-        value = total_friction_torque([(self.scene, result)], self.scene.friction, self.scene.motion, INTERPRETED.member)
+        torque = UnsolvedTorque([(self.scene, result)], self.scene.friction, self.scene.motion, WITHOUT_MESH_ERROR.member)
+        (value,) = total_friction_torques([torque])
         return None if value is None else 1e-3 * value
 
     @cached_property
     def _default_solution(self) -> StaticResult:
         """Solution of the scene by the default model; to compute friction, its loads and angles are replaced by others."""
-        return run_model(self.scene, DEFAULT, INTERPRETED)
+        return run_model(self.scene, DEFAULT, WITHOUT_MESH_ERROR)
 
 
 #: Required columns of a user's file with values of the whole screw.
@@ -289,7 +294,7 @@ class UserValue:
     value: float
     #: Axial load at which the value applies [N]; None: the loads of the scene.
     axial_load: float | None = None
-    #: Axial position at which a displacement applies [m]; None: the nut's centre.
+    #: Axial position at which a displacement applies [m]; None: where the load acts.
     station: float | None = None
     #: Text in the file's column ``where``: load or axial position of the value; may be empty.
     load_or_position_text: str = ""
@@ -362,10 +367,10 @@ def _user_value_in_row(path: Path, line: str, cells: dict[str, str], *, decimal_
         else:
             value = parse_quantity(text, DIMENSIONS[quantity])
     except ValueError as error:
-        allowed, advice = f"a number and one of: {', '.join(LIVES)}", decimal_comma_advice(VALUE_EXAMPLE, text)
+        allowed, advice = f"a number and one of: {', '.join(LIVES)}", number_advice(text, VALUE_EXAMPLE)
         if isinstance(error, UnitError):
             allowed = dimension_description(DIMENSIONS[quantity])
-            advice = decimal_comma_advice(error.advice, f"{number},{unit}")
+            advice = number_advice(f"{number},{unit}", error.advice)
         raise InputError(str(path), f"{line}: value, unit", text.strip() or "nothing", allowed, advice) from None
     where = cells.get(WHERE, "")
     plain = where.replace(",", ".") if decimal_comma else where
@@ -373,14 +378,14 @@ def _user_value_in_row(path: Path, line: str, cells: dict[str, str], *, decimal_
     if where and force is None and (station is None or quantity is not DISPLACEMENT):
         position = ", or an axial position such as 400 mm" if quantity is DISPLACEMENT else ""
         allowed = f"an axial load such as 5 kN{position}"
-        advice = decimal_comma_advice("leave the cell empty for the loads of the scene", where)
+        advice = number_advice(where, "leave the cell empty for the loads of the scene")
         raise InputError(str(path), f"{line}: {WHERE}", where, allowed, advice)
     return UserValue(quantity, value, force, station, where, cells.get("set", ""))
 
 
 def _life_in_million_revolutions(number: str, unit: str) -> float:
     """Return a life, written as a number and a unit, in million revolutions; ValueError if either is not valid."""
-    value = float(number) * LIVES.get(unit.lower(), float("nan"))
+    value = number_of_text(number) * LIVES.get(unit.lower(), float("nan"))
     if not 0.0 < value < float("inf"):
         raise ValueError(unit)
     return value

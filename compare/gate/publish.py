@@ -9,6 +9,7 @@ import csv
 import io
 import json
 import os
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,7 +17,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from xml.etree import ElementTree
 
 from rollbench.compare.errors import InputError, one_line
-from rollbench.compare.files import reason_without_figure, replace_file, write_figure
+from rollbench.compare.files import reason_without_figure, replace_file, write_figure, written_together
 from rollbench.compare.gate.verdict import NeighbouringLoads, Verdict, subject_text
 from rollbench.compare.models.loads_file import read_csv_text
 from rollbench.reports.cells import escape_formula
@@ -204,9 +205,19 @@ def _table_line(cells: Sequence[str]) -> str:
     return f"| {' | '.join(map(_escape_markup, cells))} |"
 
 
+#: Characters that are markup in Markdown; an underscore is none inside a word, ">" only at the start.
+_MARKUP = re.compile(r"[\\`*\[\]<|~$&]|\A>|(?<![^\W_])_|_(?![^\W_])")
+#: What GitHub, GitLab, Gitea or Forgejo turn into links, even where it is escaped: mentions of people, references to
+#: issues and the like, addresses.
+_LINKING = re.compile(r"[@#!~%$&](?=\w)|\bGH-(?=\d)|\bwww(?=\.)|\b(?:https?|ftp):(?=//)", re.IGNORECASE)
+#: Character without width, which ends no line and takes part in no link.
+_JOINER = "\u2060"
+
+
 def _escape_markup(text: str) -> str:
-    """Escape the characters of a text that are markup in a Markdown table (backslash, vertical bar, less-than sign)."""
-    return text.replace("\\", "\\\\").replace("|", "\\|").replace("<", "&lt;")
+    """Return a text as Markdown that shows it as it is, also in a table: no markup, link, mention or reference."""
+    plain = _LINKING.sub(lambda found: found[0] + _JOINER, text)
+    return _MARKUP.sub(lambda found: {"<": "&lt;", "&": "&amp;"}.get(found[0], f"\\{found[0]}"), plain)
 
 
 def verdicts_csv(outcomes: Sequence[VerdictFileRow]) -> str:
@@ -218,6 +229,7 @@ def verdicts_csv(outcomes: Sequence[VerdictFileRow]) -> str:
     return text.getvalue()
 
 
+@written_together()
 def write_verdicts(
     outcomes: Sequence[VerdictFileRow],
     notes: Sequence[str] = (),

@@ -20,7 +20,7 @@ from rollbench.compare.measure import error_percent, mean_load
 from rollbench.compare.models import comparison
 from rollbench.compare.models.comparison import NutOrBearingOnShaft, SceneWithReference
 from rollbench.compare.models.loading import with_scaled_loads
-from rollbench.compare.models.loads_file import EVERY, ContactLoadsFromFile, Only, decimal_comma_advice, read_loads
+from rollbench.compare.models.loads_file import EVERY, ContactLoadsFromFile, Only, read_loads
 from rollbench.compare.models.programs import model_title
 from rollbench.compare.models.registry import DEFAULT, model_by_name, run_model
 from rollbench.compare.reference.estimate import MeshUncertainty, Reference
@@ -29,10 +29,11 @@ from rollbench.compare.reference.levels import LEVELS
 from rollbench.compare.reference.store import Run, load_stored_run, shipped_store
 from rollbench.compare.reference.tasks import Solvable, group_scenes_by_geometry
 from rollbench.lowfi.statics.nominal import count_nominal_contacts
+from rollbench.lowfi.warned import OUTSIDE
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import SIDES, Scene
-from rollbench.meshes.units import parse_quantity
+from rollbench.meshes.units import number_advice, parse_quantity
 
 #: Keys of the notes (``# key: text``) above the table of a reference file.
 UNCERTAINTY, PROVENANCE = "uncertainty", "provenance"
@@ -138,7 +139,7 @@ def _load_uncertainty_in_file(path: Path, given: ContactLoadsFromFile, mean: flo
         size = float("nan")
     if not 0.0 <= size < float("inf"):
         allowed = "per cent of the mean contact load, such as 0.5 %, or a force such as 2 N"
-        advice = decimal_comma_advice("or write a column uncertainty_N", note)
+        advice = number_advice(note, "or write a column uncertainty_N")
         raise InputError(str(path), f"line # {UNCERTAINTY}", note or "nothing", allowed, advice)
     return np.full(given.load.shape, size), f"uncertain by {note}{' of the mean load' if share else ''}"
 
@@ -218,8 +219,8 @@ class GateRequest:
     other_limits: Mapping[str, float] = field(default_factory=dict)
     #: File of contact loads that replaces the 3D reference.
     reference_file: Path | None = None
-    #: Whether unknown column headings are an error.
-    refuse_unknown_columns: bool = False
+    #: Whether unknown column headings are an error, and a model outside its range of validity fails.
+    strict: bool = False
 
 
 def gate_request(
@@ -379,7 +380,7 @@ def _load_verdicts(one: SceneWithReference, files: UserFiles, limits: ErrorLimit
     ``request``: model or file to be judged.
     """
     if request.loads_file is None:
-        return _add_scene_and_set_names(_verdicts_on_model(one, request.model, limits, request.stores), one)
+        return _add_scene_and_set_names(_verdicts_on_model(one, limits, request), one)
     given, judged = files.loads[one.index], request.loads_file.name
     detail = "; ".join(filter(None, _explanations_on_user_loads(given, one.reference, limits)))
     verdicts = verdict.judge_contact_loads(judged, given.load, one.reference, limits, given.flanks_with_rows, detail)
@@ -477,7 +478,7 @@ def _read_files(scene: Solvable, request: GateRequest, warn: Callable[[str], Non
     ``warn``: function that is called with each warning; ``case``: load case whose rows are read; None: all rows.
     """
     reference, loads, values = list[SceneWithReference](), [], list[UserValue]()
-    at, strict = dict[float, Scene](), request.refuse_unknown_columns
+    at, strict = dict[float, Scene](), request.strict
     if request.reference_file is not None:
         limit = limits_for_scene(scene, request.max_error).largest_load_error
         reference = references_from_file(request.reference_file, scene, warn, limit, strict=strict, case=case)
@@ -655,12 +656,14 @@ def fraction_limit_warnings(limits: ErrorLimits) -> Iterator[str]:
             yield f"the limit of {name} is {limit:g} %: do you mean {100.0 * limit:g} %? Limits are in per cent"
 
 
-def _verdicts_on_model(one: SceneWithReference, name: str, limits: ErrorLimits, stores: Sequence[Path]) -> list[Verdict]:
+def _verdicts_on_model(one: SceneWithReference, limits: ErrorLimits, request: GateRequest) -> list[Verdict]:
     """Return the verdicts on a model's results for one nut or bearing; one "fail" if the model finds no equilibrium.
 
-    ``one``: the nut or bearing with its reference; ``name``: name of the model; ``stores``: folders with 3D runs.
+    If the model's result is outside its range of validity, the first verdict says so; if ``request.strict``, it is "fail".
+    ``one``: the nut or bearing with its reference; ``request``: name of the model, and folders with 3D runs.
     """
-    scene, ref, title = one.scene, one.reference, model_title(name)
+    scene, ref, name = one.scene, one.reference, request.model
+    title = model_title(name)
     if one.place_on_shaft is not None:
         answer = comparison.solution_of_nut_or_bearing(one.place_on_shaft, name)
         result, status = (None, answer) if isinstance(answer, str) else (answer.loaded_result, "converged")
@@ -669,14 +672,17 @@ def _verdicts_on_model(one: SceneWithReference, name: str, limits: ErrorLimits, 
         if not model.covers_scene(scene):
             advice = "choose another model; the command rollbench list shows which scenes each model can describe"
             raise ArgumentError("model", f'"{name}"', f"a model that can describe {scene.name}", advice)
-        solved = run_model(scene, name, comparison.comparison_options(model, scene, ref, stores))
+        solved = run_model(scene, name, comparison.comparison_options(model, scene, ref, request.stores))
         result, status = solved if solved.converged else None, solved.status
     if result is None:
         limit, why = limits.largest_load_error, f"the model computed no loads: {status}"
         return [Verdict(scene.name, title, LARGEST, "fail", None, None, limit, levels=ref.levels, detail=why)]
     loads = comparison.solution_from_result(result)
     values = verdict.contact_values_by_model(scene, loads, limits.limits_by_quantity)
-    verdicts = verdict.judge_contact_loads(title, result.load, ref, limits)
+    outside = "; ".join(w.brief for w in result.warnings if w.outside_validity)
+    detail = outside and f"{OUTSIDE}: {outside}"
+    first, *verdicts = verdict.judge_contact_loads(title, result.load, ref, limits, detail=detail)
+    verdicts = [replace(first, word="fail") if outside and request.strict else first, *verdicts]
     verdicts += verdict.judge_contact_quantities(title, values, scene, ref, limits)
     whole = [] if one.place_on_shaft else verdict.screw_values_by_model(scene, loads, limits.limits_by_quantity)
     return verdicts + [verdict.judge_value(title, v, scene, ref, limits) for v in whole]

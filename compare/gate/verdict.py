@@ -79,7 +79,10 @@ def subject_text(scene: str, case: str | None, set_: str | None) -> str:
 
 @result_record
 class Verdict:
-    """Verdict on one quantity of a scene, of a load case, or of a nut or bearing, with the error and its limit."""
+    """Verdict on one quantity of a scene, of a load case, or of a nut or bearing, with the error and its limit.
+
+    It is true if its text is "pass".
+    """
 
     #: Name of the scene.
     scene: str
@@ -138,6 +141,10 @@ class Verdict:
     #: after.
     near: NeighbouringLoads = ()
 
+    def __bool__(self) -> bool:
+        """Whether the verdict is "pass"."""
+        return self.word == "pass"
+
     @property
     def error_percent(self) -> float | None:
         """Error that determines the verdict [%]; None if the quantity is judged in another unit."""
@@ -192,8 +199,8 @@ class Verdict:
         if self.of_mean is None:
             return f"{head}: {self.quantity} {self.comparison_text()}{at}{self.pair_text}{tail}"
         e = self.of_mean
-        first = f"{e.max_percent:.2f} % of the mean load on the worst contact (ball {e.ball} {e.side})"
-        return f"{head}: {first}, {e.rms_percent:.2f} % RMS; {self.quantity} {self.comparison_text()}{at}, {RULE}{tail}"
+        whole = f"{e.max_percent:.2f} % of the mean load (ball {e.ball} {e.side}), {e.rms_percent:.2f} % RMS"
+        return f"{head}: {self.quantity} {self.comparison_text()}{at}, {RULE}; {whole}{tail}"
 
     @property
     def pair_text(self) -> str:
@@ -506,7 +513,7 @@ def judge_value(judged: str, given: gate_judged.UserValue, scene: Scene, ref: Re
         return verdict_without_reference(ref, judged, given.name, limit, why)
     error = float(error_percent(given.value, reference))
     share = None if bar is None else float(error_percent(bar, 0.0, reference))
-    detail = "; ".join(filter(None, (whole.computation_note(q), reference_notes(ref))))
+    detail = "; ".join(filter(None, (whole.computation_note(q, given.station), reference_notes(ref))))
     pair = (q.key, q.display_factor * given.value, q.display_factor * reference)
     kind = verdict_on_error(error, share, limit)
     return Verdict(ref.scene, judged, given.name, kind, error, share, limit, levels=ref.levels, detail=detail, pair=pair)

@@ -17,13 +17,15 @@ from rollbench.compare.errors import ArgumentError, SceneNotCoveredError
 from rollbench.compare.measure import mean_load
 from rollbench.compare.models import loading
 from rollbench.compare.models.registry import MODELS, ModelOptions, read_condensed_bodies, run_model, scene_key_of_error
+from rollbench.compare.models.stiffness import NutStiffness, SceneStiffness, place_of_displacement, stiffness_of_scene
 from rollbench.lowfi.bearings import torque as bearings_torque
 from rollbench.lowfi.bearings.tapered_roller import RibContact, rib_contact
 from rollbench.lowfi.compliance.parts import LADDER, REFINED
-from rollbench.lowfi.rating import contacts, iso_lives, roller_life
+from rollbench.lowfi.rating import contacts, iso_lives, life, roller_life
 from rollbench.lowfi.rating.catalogue_checks import ShaftLimits, shaft_limits
+from rollbench.lowfi.rating.displacement import motion_at
 from rollbench.lowfi.rating.iso_lives import ModifiedLife, modified_life
-from rollbench.lowfi.rating.life import BasicRatingLife, basic_rating_life, dynamic_rating
+from rollbench.lowfi.rating.life import BasicRatingLife, dynamic_rating
 from rollbench.lowfi.rating.rigidity import AxialRigidities, axial_force, three_axial_rigidities
 from rollbench.lowfi.statics.result import AxisResult, SetResult, StaticResult
 from rollbench.lowfi.statics.tangent import TangentStiffness, tangent_stiffness
@@ -33,7 +35,7 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, RollerRow, RollingSet
 from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout
-from rollbench.meshes.parts import Lubricant, Scene
+from rollbench.meshes.parts import Load, Lubricant, Scene
 from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record
 
 #: Distance of a ring from the middle of its axial play, over half the play, from which on it counts as at the end [1].
@@ -111,6 +113,12 @@ TANGENT_OF = {"lin-source-partition": "lin", "lin-printed-hertz": "lin", "source
 #: that the groove radius was divided by the ball's radius instead.
 WIDEST = 0.6
 
+#: Life that follows from the loads of all contacts: L10 of a nut, L10r of a bearing.
+LifeByLoads: TypeAlias = BasicRatingLife | iso_lives.ReferenceLife
+
+#: Definition of the reason why there is no life L10.
+WHY_NO_LIFE = "why there is no life L10: what ISO 281 does not cover, or that the rings do not turn; null if there is one"
+
 
 @result_record
 class ContactLoadResults:
@@ -125,7 +133,7 @@ class ContactLoadResults:
     safety: contacts.StaticSafety | None = quantity_field("static_safety")
     #: Contact ellipse that comes closest to the edge of its groove.
     truncation: contacts.EllipseTruncation | None = quantity_field("truncation")
-    #: Basic rating life under the contact loads.
+    #: Basic rating life L10: of a nut under the contact loads, of a bearing by ISO 281; ``life_words`` says why it is None.
     life: BasicRatingLife | None = quantity_field("life")
     #: Dynamic and static load ratings.
     ratings: contacts.Ratings | None = quantity_field("ratings")
@@ -136,6 +144,12 @@ class ContactLoadResults:
     modified: ModifiedLife | None = quantity_field("modified_life", default=None)
     #: Life of a ball bearing by ISO/TS 16281; None for ball nuts.
     reference: iso_lives.ReferenceLife | None = quantity_field("reference_life", default=None)
+    life_words: str = quantity_field("life_words", WHY_NO_LIFE, show=lambda words: words or None, default="")
+
+    @property
+    def life_by_loads(self) -> LifeByLoads | None:
+        """Life that follows from the contact loads: L10 of a nut, L10r of a bearing; None if it is not known."""
+        return self.life if self.reference is None else self.reference
 
 
 @result_record
@@ -151,7 +165,7 @@ class RollerLoadResults:
     safety: contacts.StaticSafety | None = quantity_field("static_safety")
     #: Contact of the most loaded roller with the rib of its ring.
     rib_contact: RibContact | None = quantity_field("rib_contact")
-    #: Basic rating life under the contact loads.
+    #: Basic rating life L10 by ISO 281; if None, ``life_words`` may say why.
     life: BasicRatingLife | None = quantity_field("life")
     #: Dynamic and static load ratings.
     ratings: contacts.Ratings = quantity_field("ratings")
@@ -159,6 +173,12 @@ class RollerLoadResults:
     torque: bearings_torque.RollerBearingTorque | None = quantity_field("roller_torque")
     #: Life of the bearing by ISO/TS 16281.
     reference: iso_lives.ReferenceLife | None = quantity_field("reference_life")
+    life_words: str = quantity_field("life_words", WHY_NO_LIFE, show=lambda words: words or None, default="")
+
+    @property
+    def life_by_loads(self) -> LifeByLoads | None:
+        """Life L10r, which follows from the line loads; None if it is not known."""
+        return self.reference
 
 
 #: Results from the contact loads of a nut or bearing row with balls, or from the line loads of a row of rollers.
@@ -173,15 +193,13 @@ class SceneResults:
     load_results: ContactLoadResults
     #: Axial force of the screw on the nut [N].
     axial_force: float
-    #: Displacement of the screw at the nut's centre from its unloaded position, (6,) [m, rad]; from the nominal position if
-    #: nothing fixes the unloaded screw.
-    screw_displacement: Array
+    #: Displacement and stiffness of the nut or bearing, and of the point on which the load acts.
+    stiffness: SceneStiffness
+    #: Displacement of the screw's section on which the load acts from its unloaded position, (6,) [m, rad]; from the
+    #: nominal position if nothing fixes the unloaded screw.
+    displacement: Array
     #: Axial rigidity by several definitions; None without axial force.
     rigidities: AxialRigidities | None
-    #: Tangent stiffness at the nut's centre; None if it was not computed.
-    tangent_at_nut: TangentStiffness | None
-    #: Why the tangent stiffness was not computed; empty if it was, or if the model never computes one.
-    tangent_words: str
     #: Contact loads that remain when the loads of the scene are removed.
     preload: loading.Preload | None
     #: External load at which the first preloaded contact opens; None without preload.
@@ -199,19 +217,14 @@ class SceneResults:
     #: Friction torque of a bearing by Palmgren's formulas.
     bearing_torque: bearings_torque.BallBearingTorque | None = None
 
-    @property
-    def displacement(self) -> float:
-        """Axial displacement of the screw at the nut's centre from its unloaded position [m]."""
-        return float(self.screw_displacement[2])
-
-    @property
-    def tangent(self) -> float | None:
-        """Axial rigidity at the nut's centre from the tangent stiffness [N/m], with rotation about the axis fixed."""
-        return None if self.tangent_at_nut is None else self.tangent_at_nut.rigidity("uz")
-
 
 def results_of_contact_loads(
-    scene: Scene, load: Array, angle: Array, member: int = 0, pressure: Array | None = None
+    scene: Scene,
+    load: Array,
+    angle: Array,
+    member: int = 0,
+    pressure: Array | None = None,
+    turning: life.TurningRing | None = None,
 ) -> ContactLoadResults:
     """Compute pressure, static safety, rating life and load ratings from contact loads.
 
@@ -227,6 +240,8 @@ def results_of_contact_loads(
         Number of the random draw of the geometric errors, from 0; 0 without random errors.
     pressure
         Largest pressure of each contact, (n, 4) [Pa]; None: computed from the loads by Hertz.
+    turning
+        Ring that turns, of a bearing on a shaft with several; None: as the scene's table [motion] says.
 
     Returns
     -------
@@ -234,20 +249,37 @@ def results_of_contact_loads(
         Pressure, static safety, rating life and load ratings.
     """
     drawn = draw_geometry_with_errors(scene, ball_layout(scene), member)
-    words = ""
+    words, ring = "", life.turning_ring(scene) if turning is None else turning
     rated_life: BasicRatingLife | None = None
     reach: contacts.EllipseTruncation | None = None
     rated: contacts.Ratings | None = None
     try:
         reach = contacts.most_truncated_ellipse(scene, drawn, load, angle)
         rated = contacts.dynamic_and_static_ratings(scene)
-        rated_life = basic_rating_life(scene, load)
+        rated_life = life.basic_rating_life(scene, load, ring)
     except ValueError as error:
         words = str(error)
     worst = contacts.contact_of_highest_pressure(scene, drawn, load, angle, pressure)
     safety = None if worst is None else contacts.static_safety(scene, drawn, worst)
-    modified, basic = modified_life(scene, rated_life), iso_lives.ball_reference_life(scene, rated_life)
-    return ContactLoadResults(worst, safety, reach, rated_life, rated, words, modified, basic)
+    modified, basic = modified_life(scene, rated_life), iso_lives.ball_reference_life(scene, rated_life, ring)
+    why = ""
+    if scene.track.lead == 0.0:
+        rated_life, why = _bearing_life(scene, load, angle, ring) if not words else (None, "")
+    return ContactLoadResults(worst, safety, reach, rated_life, rated, words, modified, basic, why)
+
+
+def _bearing_life(scene: Scene, load: Array, angle: Array, turning: life.TurningRing) -> tuple[BasicRatingLife | None, str]:
+    """Return the life L10 of a ball bearing by ISO 281, and why there is none.
+
+    The arguments are those of `results_of_contact_loads`.
+    """
+    if turning == "none" or not (load > 0.0).any():
+        return None, life.RINGS_STAND if turning == "none" else ""
+    force = life.force_of_contact_loads(ball_layout(scene).azimuth, load, angle)
+    try:
+        return life.bearing_life_of_equivalent_loads([scene], [1.0], [force]), ""
+    except ValueError as error:
+        return None, str(error)
 
 
 def tangent_stiffness_at(scene: Scene, station: float, model: str, options: ModelOptions) -> TangentStiffness:
@@ -323,18 +355,14 @@ def tangent_stiffness_at_nut(scene: Scene, model: str, options: ModelOptions) ->
     return (tangent, "") if tangent.status == "converged" else (None, tangent.status)
 
 
-def displacement_of_unloaded_screw(scene: Scene, unloaded: StaticResult) -> Array:
-    """Return the displacement of the unloaded screw at the nut's centre from its nominal position, (6,) [m, rad].
+def motion_of_unloaded_screw(unloaded: StaticResult, at: float | str) -> Array:
+    """Return the motion (6,) [m, rad] of a section of the unloaded screw from its nominal position.
 
-    ``unloaded``: result of the scene without loads. Displacements under load are measured from this position. It is zero if
-    no contact fixes the unloaded screw.
+    ``unloaded``: result of the scene without loads; ``at``: axial position of the section. Displacements under load are
+    measured from this position. It is zero if no contact fixes the unloaded screw.
     """
-    return screw_displacement_at_nut(scene, unloaded) if unloaded.converged and (unloaded.load > 0.0).any() else np.zeros(6)
-
-
-def screw_displacement_at_nut(scene: Scene, result: StaticResult) -> Array:
-    """Return the displacement of the screw at the nut's centre from its nominal position, (6,) [m, rad]."""
-    return np.array([np.interp(scene.nut.position, result.centreline_z, u) for u in result.centreline.T])
+    held = unloaded.converged and (unloaded.load > 0.0).any()
+    return motion_at(unloaded, at) if held else np.zeros(6)
 
 
 def compute_scene_results(scene: Scene, result: StaticResult, model: str, options: ModelOptions) -> SceneResults:
@@ -361,14 +389,19 @@ def compute_scene_results(scene: Scene, result: StaticResult, model: str, option
     bare = loading.solve_with_scaled_loads(scene, 0.0, model, options)
     held = loading.preload_from_unloaded(scene, bare) if bare.converged else None
     force = axial_force(result)
-    moved = screw_displacement_at_nut(scene, result) - displacement_of_unloaded_screw(scene, bare)
+    stiffness = stiffness_of_scene(scene, result, bare, model, options)
     try:
-        three = three_axial_rigidities(scene, force, float(moved[2]))
+        three = three_axial_rigidities(scene, force, stiffness.nut.displacement)
     except ValueError:
         three = None
     lift = loading.find_lift_off_load(scene, result, bare, model, options) if held is not None else None
-    friction, words = friction_without_compiling(scene, result, options.member)
-    tangent, why = tangent_stiffness_at_nut(scene, model, options) if force != 0.0 else (None, "")
+    friction, words = None, "no coefficient of friction given; rollbench friction takes 0.1"
+    if scene.friction is not None:
+        from rollbench.compare.models.friction_sums import friction_results_of_scenes  # heavy import
+
+        ((friction, words),) = friction_results_of_scenes([(scene, scene.friction, result)], options.member)
+    at = place_of_displacement(scene)
+    moved = motion_at(result, at) - motion_of_unloaded_screw(bare, at)
     loads = results_of_contact_loads(scene, result.load, result.contact_angle, result.member, result.pressure)
     path = loading.load_path_of_scene(scene, result, bare)
     step, stepped = scene.ingredients.load_step, None
@@ -379,7 +412,7 @@ def compute_scene_results(scene: Scene, result: StaticResult, model: str, option
     shaft = shaft_limits(scene, result)
     on_ring = np.zeros(3) if result.equilibrium is None else result.equilibrium.contact_force
     torque = bearing_friction_torque(scene, scene, "deep groove", result, on_ring, loads)
-    return SceneResults(loads, force, moved, three, tangent, why, held, lift, friction, words, path, stepped, shaft, torque)
+    return SceneResults(loads, force, stiffness, moved, three, held, lift, friction, words, path, stepped, shaft, torque)
 
 
 def bearing_friction_torque(
@@ -426,34 +459,13 @@ def bearing_friction_torque(
     return bearings_torque.ball_bearing_torque(kind, parts.track.contact_angle, pitch, (along, radial, share), viscous)
 
 
-def friction_without_compiling(scene: Scene, result: StaticResult, member: int) -> tuple[dict[str, Any] | None, str]:
-    """Return friction torques and efficiencies of a scene, unless a numerical kernel must first be compiled for them.
-
-    Parameters
-    ----------
-    scene
-        Scene with one nut or bearing row.
-    result
-        Its converged result.
-    member
-        Number of the random draw of the geometric errors, from 0; 0 without random errors.
-
-    Returns
-    -------
-    dict or None
-        Torques and efficiencies as JSON values; None without a coefficient of friction, or if a kernel must be compiled.
-    str
-        Why they are not available, with advice; else empty.
-    """
-    if scene.friction is None:
-        return None, "no coefficient of friction given; rollbench friction takes 0.1"
-    from rollbench.compare.models.friction_sums import friction_results_if_compiled
-
-    return friction_results_if_compiled(scene, result, member)
-
-
 def results_of_roller_loads(
-    row: RollerRow, line_loads: Array, speed: float | None, lubricant: Lubricant | None
+    row: RollerRow,
+    line_loads: Array,
+    force: Array,
+    speed: float | None,
+    lubricant: Lubricant | None,
+    turning: life.TurningRing,
 ) -> RollerLoadResults:
     """Compute pressure, safety, life and friction torque from the line loads of a row of rollers.
 
@@ -463,26 +475,41 @@ def results_of_roller_loads(
         The row of rollers.
     line_loads
         Load per length of each slice of each roller, (rollers, slices) [N/m].
+    force
+        Force (x, y, z) between shaft and row, (3,) [N].
     speed
         Relative speed of the rings [rad/s]; None: not known.
     lubricant
         Lubricant of the scene; None: the viscous part of the torque is not computed.
+    turning
+        Ring that turns.
 
     Returns
     -------
     RollerLoadResults
         Pressure, static safety, contact of the rollers with the rib, life, load ratings and friction torque.
     """
-    worst = contacts.roller_contact_of_highest_pressure(row, line_loads)
+    worst, rated = (
+        contacts.roller_contact_of_highest_pressure(row, line_loads),
+        roller_life.dynamic_and_static_ratings_of_row(row),
+    )
+    maker, stands = row.rating.static, turning == "none"
     return RollerLoadResults(
         worst,
-        None if worst is None else contacts.roller_static_safety(worst),
+        None if worst is None else contacts.roller_static_safety(worst, None if maker is None else maker / rated.static),
         rib_contact(row, line_loads.mean(axis=1) * row.length),
-        roller_life.basic_rating_life_of_row(row, line_loads),
-        roller_life.dynamic_and_static_ratings_of_row(row),
+        None if stands else roller_life.life_of_row_by_equivalent_loads(row, [1.0], [force]),
+        rated,
         bearings_torque.roller_bearing_torque(row, line_loads, speed, lubricant),
-        iso_lives.roller_reference_life(row, line_loads),
+        iso_lives.roller_reference_life(row, line_loads, turning),
+        life.RINGS_STAND if stands else "",
     )
+
+
+def parts_under_loads(assembly: Assembly, parts: Scene) -> Scene:
+    """Return a nut or bearing of an assembly as a scene with all loads and supports of the assembly."""
+    on_housings = (Load(h.at, h.force, h.moment) for h in assembly.housings)
+    return replace(parts, name=assembly.name, loads=(*assembly.loads, *on_housings), supports=assembly.supports)
 
 
 def _conformity_warnings(scene: Scene) -> Iterator[ResultWarning]:
@@ -552,6 +579,8 @@ class NutOrBearingResults:
     #: Contact loads, and axial force on the shaft, that remain without the scene's loads; None: no equilibrium without
     #: them.
     preload: loading.Preload | None
+    #: Displacement and stiffness of the nut or row, without the shaft.
+    stiffness: NutStiffness
     #: Friction torque of a loaded ball bearing.
     friction_torque: bearings_torque.BallBearingTorque | None = None
 
@@ -564,9 +593,11 @@ class ShaftResults:
     set_results: tuple[NutOrBearingResults, ...]
     #: Sum of the axial loads on shaft and housings [N].
     axial_load: float
-    #: Displacement, from its unloaded position, of the shaft position or housing that the scene's key ``stiffness_at``
-    #: names, (6,) [m, rad]; None if the unloaded shaft has no equilibrium.
-    displacement_at_position: Array | None
+    #: Displacement and stiffness of the nuts or bearings, and of the point on which the load acts.
+    stiffness: SceneStiffness
+    #: Displacement, from its unloaded position, of the shaft's section or housing on which the load acts, (6,) [m, rad];
+    #: None if the unloaded shaft has no equilibrium.
+    displacement: Array | None
     #: How the supports and the contacts share the loads on all bodies; None without loads.
     load_path: loading.LoadPath | None = None
     #: For each loaded body (the shaft or a housing), how supports and contacts share the loads on this body alone.
@@ -592,11 +623,6 @@ class ShaftResults:
         """Number (from 1) of the nut or row with the largest ratio of highest to allowed pressure; None without load."""
         return next((i + 1 for i in self.set_indices_by_pressure), None)
 
-    @property
-    def displacement(self) -> float | None:
-        """Axial component of `displacement_at_position` [m]; None if the unloaded shaft has no equilibrium."""
-        return None if self.displacement_at_position is None else float(self.displacement_at_position[2])
-
 
 def compute_shaft_results(assembly: Assembly, result: AxisResult) -> ShaftResults:
     """Compute all results that follow from a converged solution of a shaft with several nuts or bearing rows.
@@ -620,11 +646,13 @@ def compute_shaft_results(assembly: Assembly, result: AxisResult) -> ShaftResult
     unloaded: Sequence[SetResult | None] = [None] * len(result.sets)
     moved = None
     if bare.converged:
-        unloaded, reported = bare.sets, loading.displacement_at_scene_position
-        moved = reported(assembly, result) - reported(assembly, bare)
-    sets = tuple(_results_of_set(assembly, *pair, result.member) for pair in zip(result.sets, unloaded, strict=True))
+        unloaded, at = bare.sets, place_of_displacement(assembly)
+        moved = motion_at(result, at) - motion_at(bare, at)
+    stiffness = stiffness_of_scene(assembly, result, bare, result.model, ModelOptions(member=result.member))
+    each = zip(result.sets, unloaded, stiffness.sets, strict=True)
+    sets = tuple(_results_of_set(assembly, *one, result.member) for one in each)
     path, axial = loading.load_path_of_assembly(assembly, result, bare), loading.sum_of_axial_loads(assembly)
-    return ShaftResults(sets, axial, moved, path, _paths_by_body(assembly, result, path))
+    return ShaftResults(sets, axial, stiffness, moved, path, _paths_by_body(assembly, result, path))
 
 
 def _paths_by_body(assembly: Assembly, result: AxisResult, path: loading.LoadPath | None) -> tuple[loading.LoadPath, ...]:
@@ -676,28 +704,34 @@ def solve_assembly_with_results(assembly: Assembly, model: str, member: int = 0)
         for w in validity_warnings(x.parts, x.load_results, loading.absolute_axial_preload(x.preload))
     )
     held = (w for path in answers.load_paths_by_body for w in loading.load_path_warnings(path))
-    further = (*warned, *held, *axial_play_warnings(assembly))
+    lost = loading.lost_preload_warnings(assembly, result, [x.preload for x in answers.set_results])
+    further = (*warned, *held, *lost, *axial_play_warnings(assembly))
     return replace(result, warnings=(*result.warnings, *further)), answers
 
 
-def _results_of_set(assembly: Assembly, s: SetResult, unloaded: SetResult | None, member: int) -> NutOrBearingResults:
+def _results_of_set(
+    assembly: Assembly, s: SetResult, unloaded: SetResult | None, stiffness: NutStiffness, member: int
+) -> NutOrBearingResults:
     """Return pressure, safety, life, preload and friction torque of one nut or bearing row on a shaft.
 
     ``s``: solution of the row under the scene's loads; ``unloaded``: solution of the row without these loads; None if the
-    unloaded shaft has no equilibrium; ``member``: number of the random draw of the geometric errors, from 0.
+    unloaded shaft has no equilibrium; ``stiffness``: of the row; ``member``: number of the random draw of the geometric
+    errors, from 0.
     """
     parts, torque, preload = s.of.parts, None, None
     answers: LoadResults
+    turning = life.turning_ring(assembly, s.of)
     if isinstance(parts, RollerRow):
         assert s.line_loads is not None, "a row of rollers has line loads"
         speed = assembly.motion.speed if assembly.motion is not None and assembly.motion.turns == "screw" else None
-        answers = results_of_roller_loads(parts, s.line_loads, speed, assembly.lubricant)
+        answers = results_of_roller_loads(parts, s.line_loads, s.force, speed, assembly.lubricant, turning)
     else:
         assert s.balls is not None, "a set of balls has contacts"
-        answers = results_of_contact_loads(parts, s.balls.load, s.balls.contact_angle, member)
+        loaded, found = parts_under_loads(assembly, parts), s.balls
+        answers = results_of_contact_loads(loaded, found.load, found.contact_angle, member, None, turning)
         torque = bearing_friction_torque(assembly, parts, s.of.thrust, s.balls, s.force, answers)
     if unloaded is not None:
         loads = unloaded.loads[unloaded.loads > 0.0]
         mean = mean_load(loads) if loads.size else 0.0
         preload = loading.Preload(mean, float(loads.max(initial=0.0)), int(loads.size), float(unloaded.force[2]))
-    return NutOrBearingResults(s.of.name, parts, answers, preload, torque)
+    return NutOrBearingResults(s.of.name, parts, answers, preload, stiffness, torque)

@@ -65,6 +65,17 @@ def _nut_overhang_in_ball_radii(scene: Scene) -> float:
     return min(float(half - np.abs(z).max()) / scene.balls.radius, 4.0)
 
 
+def _shaft_span_over_diameter(scene: Scene) -> float:
+    """Return the length of shaft between the outermost supports, loads and nut faces, over the shaft's diameter.
+
+    Ratios below 12, the least that were drawn, are returned as 12: a shorter shaft bends less.
+    """
+    half = scene.nut.length / 2.0
+    acting = [*(x.at for x in scene.supports), *(x.at for x in scene.loads)]
+    places = [scene.nut.position - half, scene.nut.position + half, *acting]
+    return max((max(places) - min(places)) / scene.screw.outer_diameter, 12.0)
+
+
 def _poissons_ratio_farthest_from_steel(scene: Scene) -> float:
     """Return, of the Poisson's ratios of screw, nut and balls, the one that differs most from 0.3, the value of steel."""
     ratios = (scene.screw.material, scene.nut.material, scene.balls.material)
@@ -98,6 +109,7 @@ DESCRIPTORS = (
         0.02,
         lambda s: min(s.screw.groove_radius, s.nut.groove_radius) / (2.0 * s.balls.radius),
     ),
+    Descriptor("span of the shaft over its diameter", "", 3.0, _shaft_span_over_diameter),
     Descriptor("misalignment of the supports", "um", 300.0, _lateral_misalignment_of_supports),
     Descriptor("nut beyond the last balls over the ball's radius", "", 0.5, _nut_overhang_in_ball_radii),
     Descriptor("Young's modulus of the nut over the screw's", "", 0.2, _modulus_over_that_of_screw("nut")),
@@ -147,26 +159,35 @@ def compared_scenes(*, of_bearings: bool) -> tuple[Scene, ...]:
 #: File with the random screws that were compared (by `rollbench stability`), in a folder of 3D reference runs.
 SURVEY = "survey.json"
 
-#: Number of random screws from which expected errors are estimated. Further screws in the file test the estimate.
+#: File with the double nuts that were compared (by `rollbench stability --kind double-nut`), in the same folder.
+DOUBLE_NUT_SURVEY = "double-nuts.json"
+
+#: Number of random screws that were known when the models were last changed; further screws in the file were drawn later.
 KNOWN_SCREWS = 240
+
+#: Numbers of the random screws that calibrate expected errors, and from which no error is fitted: the second half of the
+#: nuts without a flange, and the nuts with a flange that were drawn after the last change of the models.
+CALIBRATING = (*range(100, 200), *range(KNOWN_SCREWS, 300))
 
 
 @cache
-def survey_records_of_random_screws() -> tuple[dict[str, Any], ...]:
-    """Read the errors of models against the 3D reference on the first `KNOWN_SCREWS` randomly drawn screws, as JSON.
+def survey_records_of_random_screws(file: str = SURVEY) -> tuple[dict[str, Any], ...]:
+    """Read the errors of models against the 3D reference on the randomly drawn screws or double nuts, as JSON.
+
+    ``file``: name of the file with the records.
 
     The tuple is empty if the file with the records cannot be used.
     """
     try:
-        scenes = json.loads(files.shipped_text(f"references/{SURVEY}"))["scenes"]
-        return tuple(row for row in scenes if row["number"] < KNOWN_SCREWS and row.get("points"))
+        scenes = json.loads(files.shipped_text(f"references/{file}"))["scenes"]
+        return tuple(row for row in scenes if row.get("points"))
     except (OSError, ValueError, TypeError, KeyError):
         return ()
 
 
 @cache
 def descriptors_of_random_screws() -> tuple[dict[str, float], ...]:
-    """Return the values of all descriptors, by name, for each of the first `KNOWN_SCREWS` randomly drawn screws."""
+    """Return the values of all descriptors, by name, for each of the randomly drawn screws."""
     return tuple({d.name: float(row["places"][d.name]) for d in DESCRIPTORS} for row in survey_records_of_random_screws())
 
 

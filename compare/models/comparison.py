@@ -82,9 +82,7 @@ def path_of_condensed_bodies(scene: Scene, reference: Reference, stores: Sequenc
     return None
 
 
-def comparison_options(
-    model: Model, scene: Scene, reference: Reference, stores: Sequence[Path] | None, engine: str = "auto"
-) -> ModelOptions:
+def comparison_options(model: Model, scene: Scene, reference: Reference, stores: Sequence[Path] | None) -> ModelOptions:
     """Return the options with which a low-order model is solved for its comparison with the 3D reference.
 
     The model "condensed" gets the stiffness of screw and nut by the finest run of the reference.
@@ -99,8 +97,6 @@ def comparison_options(
         Reference of the scene.
     stores
         Folders with runs of the 3D reference; None: those included with rollbench.
-    engine
-        How numerical kernels run: "interpreted" (plain Python), "compiled" (machine code), or "auto" (by number of balls).
 
     Returns
     -------
@@ -113,13 +109,13 @@ def comparison_options(
         If the model is "condensed" and no folder has the stiffness of screw and nut by the finest run.
     """
     if model.name != "condensed":
-        return ModelOptions(estimate_beam_mesh_error=False, engine=engine)
+        return ModelOptions(estimate_beam_mesh_error=False)
     path = path_of_condensed_bodies(scene, reference, stores)
     if path is None:
         allowed = f"condensed only with stored condensed bodies (3D reference, mesh level {reference.best.level})"
         advice = "run mesh-study with `fresh=True`, which computes and stores them"
         raise InputError(scene.name, "model", '"condensed"', allowed, advice)
-    return ModelOptions(estimate_beam_mesh_error=False, engine=engine, condensed_bodies_file=path)
+    return ModelOptions(estimate_beam_mesh_error=False, condensed_bodies_file=path)
 
 
 @dataclass(frozen=True)
@@ -205,7 +201,7 @@ def solution_from_result(result: StaticResult, seconds: float | None = None) -> 
 
 
 def solve_and_time(model: Model, scene: Scene, ref: Reference, stores: Sequence[Path] | None) -> tuple[StaticResult, float]:
-    """Solve a scene with a low-order model in plain Python (no compiled kernels), and measure the computing time.
+    """Solve a scene with a low-order model, and measure the computing time.
 
     The computing time does not include elastic bodies that are cached from an earlier solution of the same geometry.
 
@@ -232,7 +228,7 @@ def solve_and_time(model: Model, scene: Scene, ref: Reference, stores: Sequence[
     InputError
         If the model needs condensed bodies and no folder has them.
     """
-    options = comparison_options(model, scene, ref, stores, "interpreted")
+    options = comparison_options(model, scene, ref, stores)
     start = perf_counter()
     result = run_model(scene, model.name, options)
     return result, perf_counter() - start
@@ -632,13 +628,13 @@ def _loaded_contact_counts(assembly: Assembly) -> tuple[int, ...]:
 
 
 @lru_cache(maxsize=16)
-def _solve_loaded_and_unloaded(assembly: Assembly, model: str) -> tuple[AxisResult, AxisResult, float]:
+def solve_loaded_and_unloaded(assembly: Assembly, model: str) -> tuple[AxisResult, AxisResult, float]:
     """Solve a shaft with several nuts or bearings by the model ``model`` under its loads and without them.
 
     Returns the result under the loads, the result without them, and the computing time of the first [s]. The most
     recent results are cached.
     """
-    start, options = perf_counter(), ModelOptions(engine="interpreted")
+    start, options = perf_counter(), ModelOptions()
     result = run_model(assembly, model, options)
     seconds = perf_counter() - start
     return result, run_model(with_scaled_loads(assembly, 0.0), model, options), seconds
@@ -664,7 +660,7 @@ def solution_of_nut_or_bearing(set_of_assembly: NutOrBearingOnShaft, model: str)
     InputError
         If the model covers only scenes with one nut or bearing.
     """
-    result, bare, seconds = _solve_loaded_and_unloaded(set_of_assembly.assembly, model)
+    result, bare, seconds = solve_loaded_and_unloaded(set_of_assembly.assembly, model)
     if not result.converged:
         return result.status
     loaded, idle = result.sets[set_of_assembly.index], bare.sets[set_of_assembly.index] if bare.converged else None

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from rollbench.compare.quantities import json_number
-from rollbench.lowfi.friction.whole.torque import ONE_TURN, FrictionSums, compiling_saves_time
-from rollbench.lowfi.jit import CONTACT, is_machine_code_cached
+from rollbench.lowfi.friction.whole.torque import ONE_TURN, FrictionSums
 from rollbench.lowfi.statics.result import StaticResult
-from rollbench.meshes.cache import cached_on_disk
+from rollbench.meshes.cache import each_cached_on_disk
 from rollbench.meshes.parts import Friction, Motion, Scene
+
+if TYPE_CHECKING:
+    from rollbench.lowfi.friction.whole.state import FrictionCase
 
 
 def friction_results_json(torque: FrictionSums, drag_torque: float | None) -> dict[str, Any]:
@@ -26,6 +29,7 @@ def friction_results_json(torque: FrictionSums, drag_torque: float | None) -> di
         "friction_torque_Nmm": json_number(1e3 * torque.friction_torque),
         "friction_torque_on_screw_Nmm": json_number(-math.copysign(1e3 * torque.friction_torque, torque.speed)),
         "friction_torque_on_nut_Nmm": json_number(math.copysign(1e3 * torque.friction_torque, torque.speed)),
+        "reverse_friction_torque_Nmm": json_number(1e3 * torque.reverse_power / abs(torque.speed)),
         "drag_torque_Nmm": None if drag_torque is None else json_number(1e3 * drag_torque),
         "axial_load_N": json_number(torque.axial_load) if screw or not ideal else 0.0,
         "driving_torque_on_screw_Nmm": json_number(1e3 * torque.driving_torque_on_screw),
@@ -49,82 +53,77 @@ def motion_relative_to_load(torque: FrictionSums) -> str | None:
     return "with the load" if torque.axial_load * torque.advance_per_radian * torque.speed > 0.0 else "against the load"
 
 
-@cached_on_disk(FrictionSums)
-def _cached_torque(scene: Scene, result: StaticResult, friction: Friction, motion: Motion, member: int) -> FrictionSums:
-    """Return the friction torque and efficiencies of a screw or bearing under its contact loads; cached on disk.
+@each_cached_on_disk(FrictionSums)
+def _friction_sums(cases: Sequence[FrictionCase]) -> list[FrictionSums]:
+    """Return the friction torques and efficiencies of several cases; cached on disk. ValueError as `friction_states`."""
+    from rollbench.lowfi.friction.whole.state import FrictionCase, friction_states
 
-    ``result``: solution with the contact loads; ``friction``: coefficients of friction; ``motion``: speed of screw or nut;
-    ``member``: number of the random draw of the geometric errors, from 0. ValueError if `friction_state` cannot compute
-    them, or if a kernel must be compiled first.
-    """
-    if compiling_saves_time(scene, friction) and not is_machine_code_cached(CONTACT):
-        raise ValueError("the friction kernels are not compiled yet; run rollbench friction SCENE once")
-    from rollbench.lowfi.friction.whole.state import friction_state
-
-    return friction_state(scene, result, friction, motion, member).friction_sums
+    return [state.friction_sums for state in friction_states([FrictionCase(*case) for case in cases])]
 
 
-def friction_results_if_compiled(scene: Scene, result: StaticResult, member: int) -> tuple[dict[str, Any] | None, str]:
-    """Return friction torques and efficiencies of a scene if no kernel must be compiled for them.
-
-    The results are cached on disk by scene and loads, because loading machine code would take longer than the rest of the
-    solution.
+def friction_results_of_scenes(
+    solved: Sequence[tuple[Scene, Friction, StaticResult]], member: int
+) -> list[tuple[dict[str, Any] | None, str]]:
+    """Return friction torques and efficiencies of several scenes, which are cached on disk by scene and loads.
 
     Parameters
     ----------
-    scene
-        Scene with one nut or bearing row, and with coefficients of friction.
-    result
-        Converged result of the scene.
+    solved
+        Scenes with one nut or bearing row, each with its coefficients of friction and its converged result.
     member
         Number of the random draw of the geometric errors, from 0; 0 without random errors.
 
     Returns
     -------
-    dict or None
-        Torques and efficiencies as JSON values; None if they are not available.
-    str
-        Reason why they are not available; else empty.
+    list
+        For each scene the torques and efficiencies as JSON values, None if they are not determined; then why they are not
+        available, with advice, else an empty text.
     """
-    assert scene.friction is not None
-    loads = replace(result, solver=replace(result.solver, seconds=0.0, setup_seconds=0.0), warnings=())
+    cases = [
+        (scene, without_times_and_warnings(result), friction, scene.motion or ONE_TURN, member)
+        for scene, friction, result in solved
+    ]
     try:
-        torque = _cached_torque(scene, loads, scene.friction, scene.motion or ONE_TURN, member)
-        return friction_results_json(torque, None), ""
+        return [(friction_results_json(sums, None), "") for sums in _friction_sums(cases)]
     except ValueError as error:
-        return None, str(error)
+        if len(solved) == 1:
+            return [(None, str(error))]
+        return [each for one in solved for each in friction_results_of_scenes([one], member)]
 
 
-def total_friction_torque(
-    scenes_with_results: list[tuple[Scene, StaticResult]], friction: Friction, motion: Motion | None, member: int
-) -> float | None:
-    """Compute the sum of the friction torques of several nuts and ball bearings.
+def without_times_and_warnings(result: StaticResult) -> StaticResult:
+    """Return a static result without what its friction does not depend on, so that it is found again on the disk."""
+    return replace(result, solver=replace(result.solver, seconds=0.0, setup_seconds=0.0), warnings=())
 
-    Parameters
-    ----------
-    scenes_with_results
-        Each nut or ball bearing as a separate scene, with its static result.
-    friction
-        Coefficients of friction.
-    motion
-        Motion of the scene; None: the rotation `ONE_TURN`, because the speed is not known.
-    member
-        Number of the random draw of the geometric errors, from 0; 0 without random errors.
 
-    Returns
-    -------
-    float or None
-        Torque [N mm]; None if friction does not converge, or if the friction model does not cover a nut or bearing.
+class UnsolvedTorque(NamedTuple):
+    """Nuts and ball bearings, the sum of whose friction torques is asked for."""
+
+    #: Each nut or ball bearing as a separate scene, with its static result.
+    solved: Sequence[tuple[Scene, StaticResult]]
+    #: Coefficients of friction.
+    friction: Friction
+    #: Motion of the scene; None: the rotation `ONE_TURN`, because the speed is not known.
+    motion: Motion | None
+    #: Number of the random draw of the geometric errors, from 0; 0 without random errors.
+    member: int
+
+
+def total_friction_torques(unsolved: Sequence[UnsolvedTorque]) -> list[float | None]:
+    """Compute sums of friction torques of nuts and ball bearings [N mm], all together.
+
+    A sum is None if friction does not converge, or if the friction model does not cover a nut or bearing.
     """
-    from rollbench.lowfi.friction.whole.state import friction_state
+    from rollbench.lowfi.friction.whole.state import FrictionCase, friction_states
 
-    total = 0.0
-    for scene, result in scenes_with_results:
-        try:
-            state = friction_state(scene, result, friction, motion or ONE_TURN, member)
-        except ValueError:
-            return None
-        if not state.all_balanced:
-            return None
-        total += 1e3 * state.friction_sums.friction_torque
-    return total
+    cases = [[FrictionCase(*each, of.friction, of.motion or ONE_TURN, of.member) for each in of.solved] for of in unsolved]
+    try:
+        states = iter(friction_states([case for group in cases for case in group]))
+    except ValueError:
+        return [None] if len(unsolved) == 1 else [torque for one in unsolved for torque in total_friction_torques([one])]
+    out: list[float | None] = []
+    for group in cases:
+        found = [next(states) for _ in group]
+        balanced = all(state.all_balanced for state in found)
+        out.append(sum(1e3 * state.friction_sums.friction_torque for state in found) if balanced else None)
+    return out

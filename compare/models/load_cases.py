@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models import answers as models_answers
 from rollbench.compare.models.loading import absolute_axial_preload, load_path_warnings
-from rollbench.compare.models.model_form import ExpectedModelErrors, estimate_model_error
+from rollbench.compare.models.model_form import ExpectedModelErrors, estimate_double_nut_error, estimate_model_error
 from rollbench.compare.models.registry import ModelOptions, run_model
 from rollbench.compare.scenes.duty_cycle import DutyCycle, LoadCase
 from rollbench.lowfi.bearings.axis import DriveTorqueParts, acceleration_torque, reflected_inertia, screw_inertia
@@ -23,7 +23,7 @@ from rollbench.lowfi.rating.iso_lives import ModifiedLife, modified_life
 from rollbench.lowfi.statics.result import AxisResult, SetResult, StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, RollerRow
-from rollbench.meshes.parts import Load, Scene
+from rollbench.meshes.parts import Scene
 from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record
 
 #: Smallest and largest efficiency of a nut that accelerates a mass, if the scene states none (Smith 4.3.1) [1].
@@ -123,17 +123,17 @@ def friction_of_nuts(assembly: Assembly, result: AxisResult) -> NutSums:
     dict
         For the number (from 0) of each nut: its friction results as JSON values, or None and the reason.
     """
-    from rollbench.compare.models.friction_sums import friction_results_if_compiled
+    nuts = {
+        i: (replace(s.of.parts, friction=assembly.friction, motion=assembly.motion), s.balls)
+        for i, s in enumerate(result.sets)
+        if isinstance(s.of.parts, Scene) and s.of.parts.track.lead and s.balls is not None
+    }
+    if assembly.friction is None:
+        return dict.fromkeys(nuts, (None, "no coefficient in [friction]"))
+    from rollbench.compare.models.friction_sums import friction_results_of_scenes  # heavy import
 
-    out: dict[int, tuple[dict[str, Any] | None, str]] = {}
-    for i, s in enumerate(result.sets):
-        if isinstance(s.of.parts, Scene) and s.of.parts.track.lead and s.balls is not None:
-            if assembly.friction is None:
-                out[i] = None, "no coefficient in [friction]"
-            else:
-                parts = replace(s.of.parts, friction=assembly.friction, motion=assembly.motion)
-                out[i] = friction_results_if_compiled(parts, s.balls, result.member)
-    return out
+    solved = [(parts, assembly.friction, balls) for parts, balls in nuts.values()]
+    return dict(zip(nuts, friction_results_of_scenes(solved, result.member), strict=True))
 
 
 def motor_torques_and_inertias(
@@ -199,6 +199,18 @@ def motor_torques_and_inertias(
     return AxisDrive(sets, seals, drive.torque, running, starting, accelerating, inertias[0], carried, whole)
 
 
+class LivesOfSet(Protocol):
+    """Lives of one nut or bearing row."""
+
+    @property
+    def life(self) -> rating_life.BasicRatingLife | None:
+        """Life L10; None if it is not known."""
+
+    @property
+    def life_by_loads(self) -> models_answers.LifeByLoads | None:
+        """Life by the loads of the contacts; None if it is not known."""
+
+
 def lead_of_first_nut(assembly: Assembly) -> float:
     """Return the lead [m] of the first nut on a shaft with several nuts or bearing rows; 0 without a nut."""
     return next((s.parts.track.lead for s in assembly.sets if isinstance(s.parts, Scene) and s.parts.track.lead), 0.0)
@@ -235,20 +247,25 @@ def _friction_torque_of_bearing(assembly: Assembly, bearing: SetResult, torque: 
 
 
 def _life_of_turning_sets(
-    assembly: Assembly, lives: Mapping[str, rating_life.BasicRatingLife | None], speed: float | None
+    assembly: Assembly, sets: Iterable[tuple[str, LivesOfSet]], speed: float | None
 ) -> rating_life.SystemLife | None:
-    """Return the combined rating life of all nuts and bearing rows that turn with the shaft; None if no life is known.
+    """Return the combined rating life of all nuts and bearing rows that turn; None if no life is known.
 
-    ``lives``: life of each nut or row by its name; ``speed``: speed of the shaft [rad/s]; None: not known. Bearings on a
-    moving housing, which do not turn with the shaft, are left out.
+    ``sets``: name and lives of each nut or row; bearings whose rings stand still have none, see
+    `lowfi.rating.life.turning_ring`. ``speed``: speed of the turning part [rad/s]; None: not known.
     """
-    turning = {s.name: s.parts for s in assembly.sets if s.carrier is None}
-    slopes = {n: roller_life.SLOPE if isinstance(x, RollerRow) else rating_life.SLOPE for n, x in turning.items()}
-    known = {n: (1e6 * x.revolutions, slopes[n]) for n, x in lives.items() if x is not None and n in turning}
-    if not known:
+    parts = {s.name: s.parts for s in assembly.sets}
+    slopes = {n: roller_life.SLOPE if isinstance(x, RollerRow) else rating_life.SLOPE for n, x in parts.items()}
+    turning = {name: (x.life_by_loads, x.life) for name, x in sets if x.life_by_loads is not None}
+    if not turning:
         return None
-    together, shortest = rating_life.life_of_parts_in_series([*known.values()]), min(known, key=lambda n: known[n][0])
-    return rating_life.SystemLife(1e-6 * together, shortest, lead_of_first_nut(assembly), speed)
+    known = {n: (x.revolutions, slopes[n]) for n, (x, _) in turning.items() if x is not None}
+    basic = [(x.revolutions, slopes[n]) for n, (_, x) in turning.items() if x is not None]
+    in_series, shortest = rating_life.life_of_parts_in_series, min(known, key=lambda n: known[n][0])
+    together, complete = in_series([*known.values()]), len(basic) == len(turning)
+    return rating_life.SystemLife(
+        together, shortest, lead_of_first_nut(assembly), speed, in_series(basic) if complete else None
+    )
 
 
 @dataclass(frozen=True)
@@ -304,8 +321,8 @@ class ShaftSolution:
     result: AxisResult
     #: Results that follow from the contact loads; None without equilibrium.
     derived_results: models_answers.ShaftResults | None = None
-    #: Always None, because expected errors are estimated only for scenes with a single nut or bearing row.
-    expected_errors: None = None
+    #: Expected error of the model's results for a double nut; None without equilibrium, and for other shafts.
+    expected_errors: ExpectedModelErrors | None = None
     #: Torques and moments of inertia at the motor; None without equilibrium, or if the nuts turn instead of the shaft.
     motor_torques: AxisDrive | None = None
     #: Combined life of all nuts and rows that turn with the shaft; None if none of them has a life.
@@ -321,11 +338,10 @@ class ShaftSolution:
         """Contact loads and force of each nut or row by its name; empty without equilibrium."""
         if self.derived_results is None:
             return {}
-        on_housings = (Load(h.at, h.force, h.moment) for h in self.scene.housings)
-        loads, out = (*self.scene.loads, *on_housings), {}
+        out = {}
         for s, answers in zip(self.result.sets, self.derived_results.set_results, strict=True):
             if isinstance(answers.parts, Scene) and s.balls is not None:
-                parts = replace(answers.parts, name=self.scene.name, loads=loads, supports=self.scene.supports)
+                parts = models_answers.parts_under_loads(self.scene, answers.parts)
                 out[s.of.name] = LoadsOfNutOrBearing(parts, s.balls.load, -s.force)
             elif s.line_loads is not None:
                 out[s.of.name] = LoadsOfNutOrBearing(answers.parts, s.line_loads, -s.force)
@@ -369,8 +385,8 @@ def solve_shaft_with_results(scene: Assembly, model: str, options: ModelOptions)
         return ShaftSolution(scene, result)
     drive = motor_torques_and_inertias(scene, result, answers, friction_of_nuts(scene, result))
     speed = None if scene.motion is None else scene.motion.speed
-    life = _life_of_turning_sets(scene, {x.name: x.load_results.life for x in answers.set_results}, speed)
-    return ShaftSolution(scene, result, answers, None, drive, life)
+    life = _life_of_turning_sets(scene, ((x.name, x.load_results) for x in answers.set_results), speed)
+    return ShaftSolution(scene, result, answers, estimate_double_nut_error(scene, result), drive, life)
 
 
 def solve_scene_with_results(scene: Scene, model: str, options: ModelOptions) -> SceneSolution:
@@ -405,13 +421,14 @@ class LivesOverDutyCycle:
     Equivalent loads are those of the standards for ball screws and bearings.
     """
 
-    #: Basic rating life over the duty cycle from the contact loads; if None, ``life_words`` states the reason.
+    #: Basic rating life L10 over the duty cycle: of a nut from the contact loads, of a bearing by ISO 281; if None,
+    #: ``life_words`` states the reason.
     life: rating_life.BasicRatingLife | None
     life_words: str = quantity_field(
         "life_words", "why no life over the duty cycle can be computed", show=lambda words: words or None
     )
-    #: Basic rating life over the duty cycle from the equivalent loads of the standards; if None, ``standard_words`` states
-    #: the reason.
+    #: Basic rating life of a nut over the duty cycle from the equivalent loads of ISO 3408-5; if None, ``standard_words``
+    #: states the reason. None for a bearing, whose ``life`` is that from equivalent loads.
     standard: rating_life.EquivalentLoadLife | None = quantity_field("standard_life")
     standard_words: str = quantity_field(
         "standard_life_words", "why there is no life by the standard", show=lambda words: words or None
@@ -424,16 +441,24 @@ class LivesOverDutyCycle:
     reference: iso_lives.ReferenceLife | None = quantity_field("reference_life", default=None)
 
     @property
+    def life_by_loads(self) -> models_answers.LifeByLoads | None:
+        """Life over the cycle from the contact loads: L10 of a nut, L10r of a bearing; None if it is not known."""
+        return self.life if self.reference is None else self.reference
+
+    @property
     @QuantityDescription(
         "life_difference_percent",
-        "difference of the life over the duty cycle by the contact loads from that by the standard's equivalent loads; a "
-        "result, not an error",
+        "difference of the life over the duty cycle by the contact loads (L10 of a nut, L10r of a bearing) from L10 by the "
+        "standard's equivalent loads; a result, not an error",
     )
     def difference_percent(self) -> float | None:
         """Difference of the life by the contact loads from the life by the standard [%]."""
-        if self.life is None or self.standard is None:
-            return None
-        return float(error_percent(self.life.revolutions, self.standard.revolutions))
+        by_loads, standard = self.life_by_loads, self.standard if self.reference is None else self.life
+        return (
+            None
+            if by_loads is None or standard is None
+            else float(error_percent(by_loads.revolutions, standard.revolutions))
+        )
 
 
 @result_record
@@ -500,8 +525,11 @@ class DutyCycleResults:
 
     @property
     def shortest_lives(self) -> LivesOverDutyCycle:
-        """Lives of the nut or row with the shortest life over the cycle; a life that is not known counts as zero."""
-        return min(self.lives, key=lambda lives: 0.0 if lives.life is None else lives.life.revolutions)
+        """Lives of the nut or row with the shortest life over the cycle by its contact loads.
+
+        A life that is not known counts as zero, that of a bearing whose rings stand still as infinite.
+        """
+        return min(self.lives, key=_life_for_ranking)
 
 
 def compute_duty_cycle_results(cycle: DutyCycle, solutions: Sequence[SceneSolution | ShaftSolution]) -> DutyCycleResults:
@@ -526,7 +554,7 @@ def compute_duty_cycle_results(cycle: DutyCycle, solutions: Sequence[SceneSoluti
     lives = tuple(_lives_of_set(cycle, name, [one.loads_by_set.get(name) for one in solutions]) for name in cycle.sets)
     axis_life = None
     if isinstance(cycle.parts, Assembly):
-        axis_life = _life_of_turning_sets(cycle.parts, {x.set: x.life for x in lives}, cycle.speed)
+        axis_life = _life_of_turning_sets(cycle.parts, ((x.set, x) for x in lives), cycle.speed)
     return DutyCycleResults(
         _extreme_over_cases(max, ((case, a.worst_contact.pressure) for case, a in answers if a.worst_contact)),
         _extreme_over_cases(min, ((case, a.safety.factor) for case, a in answers if a.safety)),
@@ -539,10 +567,16 @@ def compute_duty_cycle_results(cycle: DutyCycle, solutions: Sequence[SceneSoluti
     )
 
 
+def _life_for_ranking(lives: LivesOverDutyCycle) -> float:
+    """Return the life of a nut or row by its contact loads; infinite if its rings stand still, zero if it is not known."""
+    by_loads = lives.life_by_loads
+    return by_loads.revolutions if by_loads else float("inf") if lives.life_words == rating_life.RINGS_STAND else 0.0
+
+
 def rating_life_over_duty_cycle(
     cycle: DutyCycle, set_name: str, loads: Sequence[Array | None]
-) -> tuple[rating_life.BasicRatingLife | None, str]:
-    """Compute the basic rating life of a nut or bearing row over a duty cycle from its loads in every load case.
+) -> tuple[models_answers.LifeByLoads | None, str]:
+    """Compute the rating life of a nut (L10) or bearing row (L10r) over a duty cycle from its loads in every load case.
 
     Parameters
     ----------
@@ -556,7 +590,7 @@ def rating_life_over_duty_cycle(
 
     Returns
     -------
-    BasicRatingLife or None
+    BasicRatingLife or ReferenceLife or None
         The life.
     str
         Why there is no life; empty if there is one.
@@ -564,16 +598,31 @@ def rating_life_over_duty_cycle(
     lacking = [case.name for case, load in zip(cycle.cases, loads, strict=True) if load is None and case.share > 0.0]
     if lacking:
         return None, f"the contact loads of case {lacking[0]} are not known"
-    try:
-        known = [np.zeros((1, 4)) if load is None else load for load in loads]
-        parts, shares = cycle.sets[set_name], cycle.revolution_shares
-        if isinstance(parts, RollerRow):
-            rated = roller_life.basic_rating_life_of_row(parts, roller_life.damage_equivalent_line_loads(known, shares))
-        else:
-            rated = rating_life.basic_rating_life(parts, rating_life.damage_equivalent_contact_loads(known, shares))
-    except ValueError as error:
-        return None, str(error)
+    turning = _turning_ring_of_set(cycle, set_name)
+    if turning == "none":
+        return None, rating_life.RINGS_STAND
+    known = [np.zeros((1, 4)) if load is None else load for load in loads]
+    parts, shares = cycle.sets[set_name], cycle.revolution_shares
+    rated: models_answers.LifeByLoads | None
+    if isinstance(parts, RollerRow):
+        equivalent = roller_life.damage_equivalent_line_loads(known, shares)
+        rated = iso_lives.roller_reference_life(parts, equivalent, turning)
+    else:
+        try:
+            basic = rating_life.basic_rating_life(
+                parts, rating_life.damage_equivalent_contact_loads(known, shares), turning
+            )
+        except ValueError as error:
+            return None, str(error)
+        rated = basic if parts.track.lead else iso_lives.ball_reference_life(parts, basic, turning)
     return rated, "" if rated is not None else "no load"
+
+
+def _turning_ring_of_set(cycle: DutyCycle, set_name: str) -> rating_life.TurningRing:
+    """Return which ring of a bearing row turns, see `lowfi.rating.life.turning_ring`; ``set_name``: its name."""
+    parts = cycle.parts
+    row = None if isinstance(parts, Scene) else next(s for s in parts.sets if s.name == set_name)
+    return rating_life.turning_ring(parts, row)
 
 
 def contact_loads_by_nut_or_bearing(result: StaticResult | AxisResult) -> dict[str, Array]:
@@ -604,22 +653,26 @@ def _lives_of_set(cycle: DutyCycle, set_name: str, loads: Sequence[LoadsOfNutOrB
     """
     rated, words = rating_life_over_duty_cycle(cycle, set_name, [None if s is None else s.load for s in loads])
     if rated is None:
-        return LivesOverDutyCycle(rated, words, None, words, set_name)
+        return LivesOverDutyCycle(None, words, None, words, set_name)
     used = [(s, case.share) for s, case in zip(loads, cycle.cases, strict=True) if s is not None and case.share > 0.0]
-    parts, shares, forces = [s.parts for s, _ in used], [share for _, share in used], [s.force for s, _ in used]
-    row = cycle.sets[set_name]
+    shares, forces, row = [share for _, share in used], [s.force for s, _ in used], cycle.sets[set_name]
     if isinstance(row, RollerRow):
-        equivalent = roller_life.damage_equivalent_line_loads([s.load for s, _ in used], shares)
-        basic = iso_lives.roller_reference_life(row, equivalent)
-        by_standard = roller_life.life_of_row_by_equivalent_loads(row, shares, forces)
-        return LivesOverDutyCycle(rated, words, by_standard, "", set_name, None, basic)
-    modified, basic = modified_life(row, rated), iso_lives.ball_reference_life(row, rated)
+        basic = roller_life.life_of_row_by_equivalent_loads(row, shares, forces)
+        return LivesOverDutyCycle(basic, "", None, "", set_name, None, rated)  # type: ignore[arg-type]
+    scenes = [s.parts for s, _ in used if isinstance(s.parts, Scene)]
+    if isinstance(rated, iso_lives.ReferenceLife):
+        modified = modified_life(row, rated)
+        try:
+            basic = rating_life.bearing_life_of_equivalent_loads(scenes, shares, forces)
+        except ValueError as error:
+            return LivesOverDutyCycle(None, str(error), None, "", set_name, modified, rated)
+        return LivesOverDutyCycle(basic, "" if basic is not None else "no load", None, "", set_name, modified, rated)
+    modified = modified_life(row, rated)
     try:
-        scenes = [x for x in parts if isinstance(x, Scene)]
         standard = rating_life.life_by_equivalent_loads(scenes, shares, forces, max(s.preload for s, _ in used))
     except ValueError as error:
-        return LivesOverDutyCycle(rated, words, None, str(error), set_name, modified, basic)
-    return LivesOverDutyCycle(rated, words, standard, "" if standard is not None else "no load", set_name, modified, basic)
+        return LivesOverDutyCycle(rated, words, None, str(error), set_name, modified)
+    return LivesOverDutyCycle(rated, words, standard, "" if standard is not None else "no load", set_name, modified)
 
 
 def _extreme_over_cases(

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from typing import TypeVar, overload
+from typing import NamedTuple, TypeVar, overload
 
 import numpy as np
 
@@ -222,35 +222,113 @@ def find_lift_off_load(
         return float(values.flat[k]) ** (2.0 / 3.0), k
 
     (approach, nearest), (first, contact) = smallest_preloaded_load(result), smallest_preloaded_load(unloaded)
+
+    def value_at(factor: float) -> tuple[float, int] | str:
+        """Return the same at a factor on the loads, or the solver's status without equilibrium."""
+        trial = solve_with_scaled_loads(scene, factor, model, options)
+        return smallest_preloaded_load(trial) if trial.converged else trial.status
+
+    found = _search_zero_over_loads((first, contact), (approach, nearest), value_at)
+    if found.factor is None:
+        return LiftOff(
+            None, solves=found.solves, words=found.words or f"no contact opens up to {FURTHEST:g} times the loads"
+        )
+    contact = found.place
+    return LiftOff(found.factor, contact // 4 + 1, SIDES[contact % 4], found.factor * unit, found.solves)
+
+
+class _ZeroOverLoads(NamedTuple):
+    """Factor on the loads at which a quantity reaches zero."""
+
+    #: The factor; None if none was found.
+    factor: float | None
+    #: Place at which it does, as the function that was searched names it.
+    place: int
+    #: Number of solutions.
+    solves: int
+    #: Why no factor was found; empty if there is one, or if it lies beyond `FURTHEST`.
+    words: str = ""
+
+
+def _search_zero_over_loads(
+    unloaded: tuple[float, int], loaded: tuple[float, int], value_at: Callable[[float], tuple[float, int] | str]
+) -> _ZeroOverLoads:
+    """Return the factor on the loads at which a quantity, which falls nearly in proportion to the loads, reaches zero.
+
+    ``unloaded``, ``loaded``: quantity and its place without loads and under the loads; ``value_at``: function that returns
+    both at a factor on the loads, zero beyond the factor that is searched, or the solver's status without equilibrium.
+    """
+    (first, place), (now, nearest) = unloaded, loaded
     known, high = [(0.0, first)], np.inf
-    if approach > 0.0:
-        known.append((1.0, approach))
-        contact = nearest
+    if now > 0.0:
+        known.append((1.0, now))
+        place = nearest
     else:
-        high, contact = 1.0, nearest
+        high, place = 1.0, nearest
     before = np.nan
     for solves in range(MOST):
         root = _zero_of_secant(known)
         if root > FURTHEST and high == np.inf and len(known) > 1:
-            return LiftOff(None, solves=solves, words=f"no contact opens up to {FURTHEST:g} times the loads")
+            return _ZeroOverLoads(None, place, solves)
         low = known[-1][0]
         if root < high and abs(root - before) <= TOLERANCE * root:
-            return LiftOff(root, contact // 4 + 1, SIDES[contact % 4], root * unit, solves)
+            return _ZeroOverLoads(root, place, solves)
         if np.isfinite(high) and high - low <= TOLERANCE * high:
-            return LiftOff(high, contact // 4 + 1, SIDES[contact % 4], high * unit, solves)
+            return _ZeroOverLoads(high, place, solves)
         before = root
         factor = low + NEAR * (root - low) if root < high else 0.5 * (low + high)
-        trial = solve_with_scaled_loads(scene, factor, model, options)
-        if not trial.converged:
-            words = f"not found, because the solution at {factor:.3g} times the loads is {trial.status}"
-            return LiftOff(None, solves=solves + 1, words=words)
-        value, nearest = smallest_preloaded_load(trial)
+        trial = value_at(factor)
+        if isinstance(trial, str):
+            words = f"not found, because the solution at {factor:.3g} times the loads is {trial}"
+            return _ZeroOverLoads(None, place, solves + 1, words)
+        value, nearest = trial
         if value > 0.0:
             known.append((factor, value))
-            contact = nearest
+            place = nearest
         else:
-            high, contact = factor, nearest
-    return LiftOff(None, solves=MOST, words=f"not found in {MOST} solutions")
+            high, place = factor, nearest
+    return _ZeroOverLoads(None, place, MOST, f"not found in {MOST} solutions")
+
+
+#: Share of the preload of one of several nuts or bearing rows, below which it counts as lost.
+LOST = 0.1
+
+
+def lost_preload_warnings(
+    assembly: Assembly, result: AxisResult, preloads: Sequence[Preload | None]
+) -> Iterator[ResultWarning]:
+    """Yield a warning for each preloaded nut or row that the loads leave with less than `LOST` of its contact loads.
+
+    The warning has the factor on the loads at which the last contact of the nut or row opens.
+
+    Parameters
+    ----------
+    assembly
+        Shaft with several nuts or bearing rows.
+    result
+        Result of the assembly.
+    preloads
+        Preload of each nut or row, None where it is not known.
+    """
+    loaded_parts: list[Load | Housing] = [*assembly.loads, *assembly.housings]
+    if not any(np.any(vector) for x in loaded_parts for vector in (x.force, x.moment)):
+        return
+    sums = [0.0 if x is None else x.mean * x.loaded for x in preloads]
+    for k, (now, bare, before) in enumerate(zip(result.sets, preloads, sums, strict=True)):
+        left = float(now.loads.sum())
+        if bare is None or not before > NOTHING * max(sums) or left >= LOST * before:
+            continue
+
+        def value_at(factor: float, k: int = k) -> tuple[float, int] | str:
+            """Return (sum of contact loads)^(2/3) of the nut or row at a factor on the loads, and 0; or the status."""
+            trial = run_model(with_scaled_loads(assembly, factor), result.model, ModelOptions(member=result.member))
+            return (float(trial.sets[k].loads.sum()) ** (2.0 / 3.0), 0) if trial.converged else trial.status
+
+        found = _search_zero_over_loads((before ** (2.0 / 3.0), 0), (left ** (2.0 / 3.0), 0), value_at)
+        axial = f"{abs(now.force[2]):.3g} N of {abs(bare.axial):.4g} N are left"
+        opens = "" if found.factor is None else f"; {found.factor:.3g} times the loads open it"
+        brief = f"{now.of.name} has lost its preload: {axial}{opens}"
+        yield ResultWarning("lost preload", f"{brief}; more preload, or smaller loads, keep both sides in contact", brief)
 
 
 def _zero_of_secant(points: Sequence[tuple[float, float]]) -> float:
@@ -267,16 +345,6 @@ def _zero_of_secant(points: Sequence[tuple[float, float]]) -> float:
 def sum_of_axial_loads(assembly: Assembly) -> float:
     """Return the sum of the axial forces of all external loads on the shaft and its housings [N]."""
     return sum(x.force[2] for x in assembly.loads) + sum(h.force[2] for h in assembly.housings)
-
-
-def displacement_at_scene_position(assembly: Assembly, result: AxisResult) -> Array:
-    """Return the displacement (6,) [m, rad] of the shaft position or housing named by the scene's key ``stiffness_at``."""
-    from rollbench.lowfi.statics.axis.system import location_of_reported_stiffness  # heavy import
-
-    at = location_of_reported_stiffness(assembly)
-    if isinstance(at, str):
-        return next((h.motion for h in result.housings if h.name == at), np.zeros(6))
-    return np.array([np.interp(at, result.centreline_z, u) for u in result.centreline.T])
 
 
 #: Share of a load that the contacts carry, below which a warning is shown [1].

@@ -21,7 +21,7 @@ from rollbench.compare.files import ENCODING, NotTextError, decode_text, similar
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import SIDES, Scene
-from rollbench.meshes.units import COMMA, COMMON, UnitError, has_comma_in_number, parse_quantity, standard_unit_spelling
+from rollbench.meshes.units import COMMON, UnitError, number_advice, number_of_text, parse_quantity, standard_unit_spelling
 
 #: Usual headings of the columns for the ball's number, the flank, and the contact load [N].
 COLUMNS = ("ball", "flank", "newton")
@@ -417,7 +417,7 @@ class _ContactLoadRow:
         """Return the azimuth [rad] or the axial position [m] of the row's ball; ``name``: "azimuth" or "z"."""
         value, factor, text = self._number_factor_and_text(name)
         if not np.isfinite(value):
-            advice = decimal_comma_advice("write a number, or delete the column", text)
+            advice = number_advice(text, "write a number, or delete the column")
             raise self.cell_error(self._cells[name][0], text, "a number", advice)
         return value * factor
 
@@ -431,7 +431,7 @@ class _ContactLoadRow:
             return float("nan")
         if not 0.0 <= value < float("inf"):
             advice = "write a number without unit (the heading states the unit), and 0 for a contact without load"
-            advice = decimal_comma_advice(advice, text)
+            advice = number_advice(text, advice)
             raise self.cell_error(self._cells[name][0], text, "a number, at least 0", advice)
         return value * factor
 
@@ -475,28 +475,7 @@ def number_in_cell(text: str, *, decimal_comma: bool) -> float:
     decimal_comma
         Whether a comma is read as the decimal mark.
     """
-    try:
-        return float(text.replace(",", ".") if decimal_comma else text)
-    except ValueError:
-        return float("nan")
-
-
-def decimal_comma_advice(advice: str, text: str) -> str:
-    """Return advice for a CSV cell that should be a number: on the decimal mark if it has a comma, else ``advice``.
-
-    Parameters
-    ----------
-    advice
-        Advice for a text without comma.
-    text
-        Text of the cell.
-
-    Examples
-    --------
-    >>> decimal_comma_advice("write a number", "489,5"), decimal_comma_advice("write a number", "x")
-    ('is it a decimal comma? write a point, and nothing between thousands', 'write a number')
-    """
-    return COMMA if has_comma_in_number(text) else advice
+    return number_of_text(text.replace(",", ".") if decimal_comma else text)
 
 
 def read_csv_text(path: Path) -> str:

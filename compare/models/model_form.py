@@ -3,15 +3,19 @@
 Each scene is described by dimensionless features (`SCALES`). On the compared scenes, which are included with rollbench or
 generated at random, the errors of the model were measured. The logarithm of an error is fitted as a linear function of the
 features, by ridge regression to avoid steep slopes with few scenes. The expected error is the fitted error times a factor.
-This factor is chosen so that a share `SHARE` of the compared scenes has errors below the expected ones, where the expected
-error of a scene follows from a fit without this scene.
 
-This method is the leave-one-out jackknife. No theorem guarantees which share of new scenes lies below the expected error
-(Barber, Candes, Ramdas and Tibshirani 2021: for an unstable fit it may be none), and the scenes of users are not drawn from
-the distribution of the compared scenes. The share is therefore counted: `leave_one_out_errors` estimates every compared
-scene from the others. In each quantity of the models lin and refined, at least nine of ten errors were below the estimate
-(table ladder-estimate of the report; tests/unit/models/test_covered.py). A scene outside the range of the compared scenes
-in any feature is "not covered".
+The factor is calibrated on scenes that the fit does not know (split conformal prediction: Vovk, Gammerman and Shafer 2005;
+Lei, G'Sell, Rinaldo, Tibshirani and Wasserman 2018, theorem 2.2). Of n calibrating scenes, it is the one of rank
+ceil((n + 1) `SHARE`) among the ratios of measured to fitted error. Whatever the fit and the distribution of the errors, the
+error of a new scene is then below the expected one with a probability of at least `SHARE`, if the new scene and the
+calibrating ones are exchangeable, for example drawn independently from the same distribution. The probability is one over
+all draws of the calibrating scenes and the new one together; it is not one for each single kind of screw. Nuts without a
+flange, nuts fixed at their flange, and double nuts are calibrated separately, each on scenes of its own kind; the ratio of
+a double nut is that of its larger error to its larger fitted error. The screws of users are not drawn like the compared
+ones: for them, the share is an assumption. A scene outside the range of the compared scenes is "not covered".
+
+Where too few scenes calibrate (models that were compared on the built-in scenes only), the factor follows from the errors
+that fits without each scene leave on it. No theorem guarantees a share then (Barber, Candes, Ramdas and Tibshirani 2021).
 
 `rollbench report` stores the errors on the built-in scenes in model_form.json; those on random screws are in
 survey.json.
@@ -26,7 +30,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -35,13 +39,16 @@ import numpy as np
 
 from rollbench.compare import files
 from rollbench.compare.measure import error_percent, load_error
-from rollbench.compare.models.applicability import descriptors_outside_range, survey_records_of_random_screws
+from rollbench.compare.models import applicability
+from rollbench.compare.models.applicability import CALIBRATING, descriptors_outside_range
 from rollbench.compare.models.registry import MODELS
 from rollbench.compare.models.user_models import NOT_COMPARED, WORDS
+from rollbench.lowfi.rating.catalogue_checks import shaft_limits
 from rollbench.lowfi.statics.contacts import hertz_without_errors
 from rollbench.lowfi.statics.nominal import count_nominal_contacts
-from rollbench.lowfi.statics.result import StaticResult
+from rollbench.lowfi.statics.result import AxisResult, StaticResult
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.axis import Assembly
 from rollbench.meshes.helix import ball_layout, lead_angle
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record
@@ -59,8 +66,15 @@ FILE = "model_form.json"
 #: axial load acts, error of the largest pressure.
 QUANTITIES = ("percent", "rms_percent", "displacement_percent", "rigidity_percent", "pressure_percent")
 
-#: Share of compared scenes whose measured error is below the expected one, which is estimated from all other scenes.
+#: Probability with which the error of a new scene is at least below the expected one, a little above nine in ten.
 SHARE = 0.92
+
+#: Names of the drawn screws that calibrate the expected errors; no error is fitted from them.
+CALIBRATING_SCREWS = frozenset(f"survey {number}" for number in CALIBRATING)
+
+#: Compression of the shaft over its buckling load (of compared scenes: up to 0.24) from which on no error is expected:
+#: neither the models nor the 3D reference know that a compressed shaft bends more.
+NEAR_BUCKLING = 0.3
 
 #: Least error [%] of each quantity, to which smaller errors are raised before their logarithm is taken.
 LEAST = dict.fromkeys(QUANTITIES[:2], 0.05) | dict.fromkeys(QUANTITIES[2:], 0.1)
@@ -102,6 +116,9 @@ SCALES: dict[str, tuple[str, float]] = {
 #: this feature; errors of other screws are estimated from screws without a flange.
 FLANGE = "flange"
 
+#: Feature that only the nuts of double nuts have. It is not fitted: double nuts only calibrate.
+DOUBLE = "double nut"
+
 #: Definition and scale of each feature, with the feature `FLANGE`.
 WITH_FLANGE = SCALES | {FLANGE: ("nut fixed at its flange", 1.0)}
 
@@ -119,8 +136,8 @@ class ExpectedModelErrors:
         "whether scenes like this one were compared with the 3D reference",
         QuantityDescription(
             "largest_percent_of_mean",
-            "largest error of a contact load to expect, in per cent of the mean load; at least nine of ten compared scenes "
-            "had a smaller one",
+            "largest error of a contact load to expect, in per cent of the mean load; nine in ten new scenes like those "
+            "that calibrate it have a smaller one",
         ),
         show=lambda percent: percent is not None,
     )
@@ -135,6 +152,10 @@ class ExpectedModelErrors:
     nearest: str = quantity_field("nearest", "name of the most similar compared scene")
     #: Number of compared scenes of the same kind (screws or bearings).
     compared: int = quantity_field("compared", "number of compared scenes of the same kind (screws or bearings)")
+    #: Number of compared scenes that calibrate the errors and are not fitted; 0 if too few for this model or kind.
+    calibrated: int = quantity_field(
+        "calibrated_on", "number of the compared scenes, unknown to the fit, that calibrate the errors; 0: no such scenes"
+    )
     #: Sentences: how the model describes the elasticity of screw, nut and balls, and in what the scene differs from the
     #: compared scenes.
     words: tuple[str, ...] = quantity_field("words")
@@ -178,6 +199,22 @@ class MeasuredModelErrors:
     #: Largest error of a contact load in per cent of the reference load of that contact (of the mean load for small loads),
     #: which `rollbench check` compares with the error limit.
     gate_percent: float | None = None
+
+    @property
+    def kind(self) -> str:
+        """Kind of the scene, a key of `NAMES_OF_KINDS`."""
+        kinds = (kind for kind in (FLANGE, DOUBLE) if kind in self.features)
+        return next(kinds, "ring" if self.features["lead"] == 0.0 else "screw")
+
+    @property
+    def described_scene(self) -> str:
+        """Name of the scene, which two nuts of a double nut share."""
+        return self.scene.partition(",")[0] if self.kind == DOUBLE else self.scene
+
+    @property
+    def calibrates(self) -> bool:
+        """Whether the errors calibrate the expected ones, and are not fitted."""
+        return self.kind == DOUBLE or self.scene in CALIBRATING_SCREWS
 
 
 def lateral_force_and_tilting_moment(scene: Scene, result: StaticResult) -> tuple[float, float]:
@@ -273,18 +310,23 @@ def save_model_errors(folder: Path, measured_errors: Sequence[MeasuredModelError
 
 @cache
 def model_errors_on_compared_scenes() -> tuple[MeasuredModelErrors, ...]:
-    """Return the measured errors of the models on the built-in scenes, then on the randomly drawn screws.
+    """Return the measured errors of the models on the built-in scenes, then on the drawn screws, then on the double nuts.
 
     The errors are read from files that are included with rollbench; a missing or damaged file contributes nothing.
     """
     built_in = _measured_errors_from_json(lambda: json.loads(files.shipped_text(f"references/{FILE}")))
-    return (*built_in, *model_errors_on_random_screws())
+    return (*built_in, *model_errors_on_random_screws(), *model_errors_on_random_screws(applicability.DOUBLE_NUT_SURVEY))
 
 
 @cache
-def model_errors_on_random_screws() -> tuple[MeasuredModelErrors, ...]:
-    """Return the stored errors of the models on the randomly drawn screws; empty if their file is missing or damaged."""
-    return _measured_errors_from_json(lambda: [x for scene in survey_records_of_random_screws() for x in scene["points"]])
+def model_errors_on_random_screws(file: str = applicability.SURVEY) -> tuple[MeasuredModelErrors, ...]:
+    """Return the stored errors of the models on the randomly drawn screws; empty if their file is missing or damaged.
+
+    ``file``: name of the file with the screws, or with the double nuts.
+    """
+    return _measured_errors_from_json(
+        lambda: [x for scene in applicability.survey_records_of_random_screws(file) for x in scene["points"]]
+    )
 
 
 def _measured_errors_from_json(read_records: Callable[[], Iterable[dict[str, Any]]]) -> tuple[MeasuredModelErrors, ...]:
@@ -294,7 +336,7 @@ def _measured_errors_from_json(read_records: Callable[[], Iterable[dict[str, Any
     """
     try:
         points = tuple(MeasuredModelErrors(**row) for row in read_records())
-        return tuple(p for p in points if set(p.features) - {FLANGE} == set(SCALES))
+        return tuple(p for p in points if set(p.features) - {FLANGE, DOUBLE} == set(SCALES))
     except (OSError, ValueError, TypeError, KeyError):
         return ()
 
@@ -315,31 +357,73 @@ def is_nut_fixed_at_flange(scene: Scene) -> bool:
     return scene.nut.flange is not None and scene.solid.nut_held in (None, "flange face")
 
 
-def upper_bound_of_model_error(known: Array, errors: Array, place: Array, least_error: float) -> float:
+@dataclass(frozen=True)
+class LogErrorFit:
+    """Fit of the logarithms of a model's errors on n compared scenes as a linear function of their features."""
+
+    #: Mean of each of the k features, (k,).
+    middle: Array
+    #: Coefficients: the constant, then the slope of each feature, (k + 1,).
+    coefficients: Array
+    #: Residual on each scene of a fit without this scene, (n,).
+    residuals_without_scene: Array
+
+    def fitted(self, places: Array) -> Array:
+        """Return the fitted logarithms at m places, given by their k features, (m, k)."""
+        return np.column_stack([np.ones(len(places)), places - self.middle]) @ self.coefficients
+
+
+def fit_log_errors(known: Array, log_errors: Array) -> LogErrorFit:
+    """Fit logarithms of errors on n scenes, (n,), to their k features, each divided by its scale, (n, k)."""
+    middle = known.mean(axis=0)
+    A = np.column_stack([np.ones(len(known)), known - middle])
+    solve = np.linalg.solve(A.T @ A + RIDGE * np.diag([0.0, *np.ones(known.shape[1])]), A.T)
+    coefficients = solve @ log_errors
+    off = (log_errors - A @ coefficients) / (1.0 - np.einsum("ij,ji->i", A, solve))
+    return LogErrorFit(middle, coefficients, off)
+
+
+#: Errors [%] of a model in one quantity on the m nuts of a scene (m = 1 for most), (m,), and their features, (m, k).
+NutErrors: TypeAlias = "tuple[Array, Array]"
+
+
+def upper_bound_of_model_error(
+    known: Array, errors: Array, places: Array, least_error: float, calibrating: Sequence[NutErrors] = ()
+) -> float:
     """Return an upper bound [%] of a model's error on a scene, estimated from its errors on compared scenes.
 
     The logarithm of the error is fitted as a linear function of the features. The logarithm of the bound is the value of
-    this fit on the scene, plus the quantile `SHARE` of the leave-one-out residuals, so that the fraction `SHARE` of the
-    compared scenes have errors below the bound that follows from all other scenes.
+    this fit on the scene plus a quantile of the differences between measured and fitted logarithms: on the calibrating
+    scenes; if these are too few, on the fitted scenes by fits without each.
 
     Parameters
     ----------
     known
-        The k features of the n compared scenes, each divided by its scale, (n, k).
+        The k features of the n fitted scenes, each divided by its scale, (n, k).
     errors
         Errors of the model on these scenes, (n,) [%].
-    place
-        The k features of the scene, each divided by its scale, (k,).
+    places
+        The k features of each of the m nuts of the scene, each divided by its scale, (m, k).
     least_error
         Least error [%], to which smaller errors are raised before their logarithm is taken.
+    calibrating
+        Errors and features of each calibrating scene.
     """
-    middle = known.mean(axis=0)
-    A = np.column_stack([np.ones(len(known)), known - middle])
-    y = np.log(np.maximum(np.abs(errors), least_error))
-    solve = np.linalg.solve(A.T @ A + RIDGE * np.diag([0.0, *np.ones(known.shape[1])]), A.T)
-    off = (y - A @ (solve @ y)) / (1.0 - np.einsum("ij,ji->i", A, solve))  # of a fit without the scene
-    rank = min(int(np.ceil((len(y) + 1) * SHARE)), len(y))
-    return float(np.exp(np.array([1.0, *(place - middle)]) @ (solve @ y) + np.sort(off)[rank - 1]))
+
+    def logarithms(values: Array) -> Array:
+        return np.asarray(np.log(np.maximum(np.abs(values), least_error)))
+
+    fit = fit_log_errors(known, logarithms(errors))
+    off = np.array([logarithms(e).max() - fit.fitted(at).max() for e, at in calibrating])
+    if calibration_rank(off.size) > off.size:
+        off = fit.residuals_without_scene
+    rank = min(calibration_rank(off.size), off.size)
+    return float(np.exp(fit.fitted(places).max() + np.sort(off)[rank - 1]))
+
+
+def calibration_rank(count: int) -> int:
+    """Return the rank of the calibrating ratio that is the factor, of ``count`` in ascending order; above it: too few."""
+    return int(np.ceil((count + 1) * SHARE))
 
 
 def estimate_model_error(
@@ -364,14 +448,72 @@ def estimate_model_error(
     ExpectedModelErrors
         The estimate, without percentages if the scene is not covered.
     """
-    if result.model not in MODELS:
-        return ExpectedModelErrors(None, None, float("inf"), "", 0, (WORDS, NOT_COMPARED))
-    model = MODELS[result.model]
-    ring, flanged = scene.track.lead == 0.0, is_nut_fixed_at_flange(scene)
+    return _estimate_model_error([(scene, result)], result.model, "", measured_errors)
+
+
+def estimate_double_nut_error(
+    assembly: Assembly, result: AxisResult, measured_errors: Iterable[MeasuredModelErrors] | None = None
+) -> ExpectedModelErrors | None:
+    """Estimate the error of a model's result for a double nut, from its errors on compared screws and double nuts.
+
+    Errors of contact loads are in per cent of the mean load of their own nut; displacement and rigidity are those of the
+    shaft's cross-section on which the axial load acts.
+
+    ``result``: converged result of the model; ``measured_errors``: as in `estimate_model_error`. None for a shaft with
+    other sets than two ball nuts, of which none was compared.
+    """
+    if [s.kind for s in assembly.sets] != ["ball nut", "ball nut"]:
+        return None
+    nuts = nuts_of_double_nut(assembly, result)
+    return _estimate_model_error(nuts, result.model, _unlike_compared_double_nuts(assembly), measured_errors)
+
+
+def nuts_of_double_nut(assembly: Assembly, result: AxisResult) -> list[tuple[Scene, StaticResult]]:
+    """Return each nut on a shaft as a scene with the shaft's loads and supports, and the shaft's result for it."""
+    names = ("equilibrium", "reactions", "model", "centreline_z", "centreline")
+    shared: dict[str, Any] = {name: getattr(result, name) for name in names}
+    return [
+        (replace(s.of.parts, supports=assembly.supports, loads=assembly.loads), replace(s.balls, **shared))
+        for s in result.sets
+        if isinstance(s.of.parts, Scene) and s.balls is not None
+    ]
+
+
+def _unlike_compared_double_nuts(assembly: Assembly) -> str:
+    """Return, as text, what a shaft with two nuts has that no compared double nut has; empty: nothing."""
+    first, second = (s.parts for s in assembly.sets)
+    assert isinstance(first, Scene)
+    assert isinstance(second, Scene)
+    alike = {(x.track, replace(x.nut, position=0.0), x.balls) for x in (first, second)}
+    moved = {s.offset for s in assembly.sets}
+    differences = {
+        "its shaft is warmed": assembly.thermal_strain != 0.0,
+        "its shaft has segments without groove": bool(assembly.segments),
+        "its nuts sit in housings that can move": any(s.housing or s.carrier for s in assembly.sets),
+        "its nuts are not braced against each other": not any(s.preload for s in assembly.sets) and len(moved) == 1,
+        "its nuts are not equal": len(alike) > 1,
+    }
+    return "; ".join(words for words, given in differences.items() if given)
+
+
+def _estimate_model_error(
+    nuts: Sequence[tuple[Scene, StaticResult]],
+    model_name: str,
+    unlike_compared: str,
+    measured_errors: Iterable[MeasuredModelErrors] | None,
+) -> ExpectedModelErrors:
+    """Estimate the error of a model on a scene with one nut or bearing, or on a double nut.
+
+    ``nuts``: each nut as a scene, with the model's result for it; ``unlike_compared``: what the scene has that no compared
+    scene has, as text; empty: nothing; ``measured_errors``: as in `estimate_model_error`.
+    """
+    if model_name not in MODELS:
+        return ExpectedModelErrors(None, None, float("inf"), "", 0, 0, (WORDS, NOT_COMPARED))
+    model, scene = MODELS[model_name], nuts[0][0]
+    kind = kind_of_scene(scene, double=len(nuts) > 1)
     points = model_errors_on_compared_scenes() if measured_errors is None else measured_errors
     compared = [p for p in points if p.model == (model.model_with_same_errors or model.name)]
-    scales = WITH_FLANGE if flanged else SCALES
-    like = [p for p in compared if (p.features["lead"] == 0.0) == ring and (flanged or FLANGE not in p.features)]
+    like = ScenesLike.of_kind(kind, compared)
     words: tuple[str, ...] = (model.elasticity_text,)
 
     def estimate_not_covered(why: str, away: float = float("inf"), nearest: str = "") -> ExpectedModelErrors:
@@ -380,30 +522,107 @@ def estimate_model_error(
         ``nearest``: name of the nearest scene compared with the 3D reference; ``away``: distance from it, the root of the
         sum of squared differences of the scaled features.
         """
-        return ExpectedModelErrors(None, None, away, nearest, len(like), (*words, why))
+        return ExpectedModelErrors(None, None, away, nearest, like.count, 0, (*words, why))
 
-    if not (result.load > 0.0).any():
+    if not all((result.load > 0.0).any() for _, result in nuts):
         return estimate_not_covered("no contact carries load, so that errors in per cent of the mean load are not defined")
     try:
-        place = _scaled_features(features_of_scene(scene, result), scales)
+        places = np.array([_scaled_features(features_of_scene(*one), like.scales) for one in nuts])
     except ValueError as error:
         return estimate_not_covered(f"not comparable: {error}")
     if not compared:
         return estimate_not_covered("no scene was compared with the 3D reference")
-    other = why_no_similar_scene_was_compared(scene)
-    if not other and sum(not flanged or FLANGE in p.features for p in like) < FEWEST:
-        what = "bearings" if ring else "nuts held by a flange" if flanged else "screws"
-        other = f"too few {what} were compared with the 3D reference"
+    other = next(filter(None, (why_no_similar_scene_was_compared(one) for one, _ in nuts)), "")
+    if not other and sum(p.kind == kind for p in like.points) < FEWEST:
+        other = f"too few {NAMES_OF_KINDS[kind]} were compared with the 3D reference"
     if other:
         return estimate_not_covered(other)
-    known = np.array([_scaled_features(p.features, scales) for p in like])
-    away = np.hypot.reduce(known - place, axis=1)  # hypot: does not overflow for a moment with nearly zero loads
-    nearest = like[int(away.argmin())].scene
-    unlike = "; ".join([*descriptors_outside_range(scene), *_definitions_of_features_outside_range(known, place)])
+    alike = like.in_range
+    known = np.array([_scaled_features(p.features, like.scales) for p in alike])
+    away = np.array([np.hypot.reduce(known - place, axis=1).min() for place in places])  # hypot: does not overflow
+    farthest = int(away.argmax())
+    nearest = alike[int(np.hypot.reduce(known - places[farthest], axis=1).argmin())].scene
+    outside = [
+        words
+        for (one, _), place in zip(nuts, places, strict=True)
+        for words in (*descriptors_outside_range(one), *_definitions_of_features_outside_range(known, place))
+    ]
+    limits = shaft_limits(*nuts[0])
+    if limits is not None and limits.compression > NEAR_BUCKLING * limits.buckling:
+        share = f"{100.0 * limits.compression / limits.buckling:.0f} % of the load under which it buckles"
+        outside.append(f"the shaft is compressed by {share}, more than {100.0 * NEAR_BUCKLING:.0f} %")
+    unlike = "; ".join(filter(None, dict.fromkeys([unlike_compared, *outside])))
     if unlike:
-        return estimate_not_covered(f"outside the range of the compared scenes: {unlike}", float(away.min()), nearest)
-    expected = _expected_errors(like, known, place)
-    return ExpectedModelErrors(distance=float(away.min()), nearest=nearest, compared=len(like), words=words, **expected)
+        return estimate_not_covered(f"outside the range of the compared scenes: {unlike}", float(away.max()), nearest)
+    expected = _expected_errors(like, places)
+    scenes, count = like.calibrating, like.count
+    enough = calibration_rank(len(scenes)) <= len(scenes)
+    return ExpectedModelErrors(
+        distance=float(away.max()),
+        nearest=nearest,
+        compared=count,
+        calibrated=enough * len(scenes),
+        words=words,
+        **expected,
+    )
+
+
+#: Kinds of scenes whose errors are calibrated separately, with their names in sentences.
+NAMES_OF_KINDS = {"ring": "bearings", "screw": "screws", FLANGE: "nuts held by a flange", DOUBLE: "double nuts"}
+
+
+def kind_of_scene(scene: Scene, *, double: bool = False) -> str:
+    """Return the kind of a scene, a key of `NAMES_OF_KINDS`; ``double``: whether it is a nut of a double nut."""
+    return "ring" if scene.track.lead == 0.0 else DOUBLE if double else FLANGE if is_nut_fixed_at_flange(scene) else "screw"
+
+
+@dataclass(frozen=True)
+class ScenesLike:
+    """Compared scenes from which the errors of scenes of one kind are estimated."""
+
+    #: Kind, a key of `NAMES_OF_KINDS`.
+    kind: str
+    #: Measured errors on all these scenes; several for a scene with several nuts.
+    points: tuple[MeasuredModelErrors, ...]
+
+    @classmethod
+    def of_kind(cls, kind: str, points: Iterable[MeasuredModelErrors]) -> ScenesLike:
+        """Return those of the compared scenes that are fitted for a kind, and those that calibrate it.
+
+        Nuts at their flange and double nuts are fitted from screws too.
+        """
+        fitted = {kind} if kind != FLANGE else {"screw", FLANGE}
+        fitted |= {"screw"} if kind == DOUBLE else set()
+        return cls(kind, tuple(p for p in points if p.kind in fitted and (p.kind == kind or not p.calibrates)))
+
+    @property
+    def scales(self) -> dict[str, tuple[str, float]]:
+        """Definition and scale of each feature that counts for this kind."""
+        return WITH_FLANGE if self.kind == FLANGE else SCALES
+
+    @property
+    def in_range(self) -> tuple[MeasuredModelErrors, ...]:
+        """Errors on the scenes whose features are the range of this kind: double nuts among themselves."""
+        return tuple(p for p in self.points if p.kind == self.kind) if self.kind == DOUBLE else self.points
+
+    @property
+    def fitted(self) -> list[MeasuredModelErrors]:
+        """Errors that are fitted."""
+        return [p for p in self.points if not p.calibrates]
+
+    @property
+    def calibrating(self) -> list[list[MeasuredModelErrors]]:
+        """Errors on each calibrating scene of this kind."""
+        scenes: dict[str, list[MeasuredModelErrors]] = {}
+        for p in self.points:
+            if p.calibrates:
+                scenes.setdefault(p.described_scene, []).append(p)
+        return list(scenes.values())
+
+    @property
+    def count(self) -> int:
+        """Number of scenes."""
+        return len({p.described_scene for p in self.points})
 
 
 def _definitions_of_features_outside_range(known: Array, place: Array) -> list[str]:
@@ -416,18 +635,26 @@ def _definitions_of_features_outside_range(known: Array, place: Array) -> list[s
     return [what for (what, _), beyond in zip(WITH_FLANGE.values(), far, strict=False) if beyond]
 
 
-def _expected_errors(like: Sequence[MeasuredModelErrors], known: Array, place: Array) -> dict[str, float | None]:
-    """Return the expected error [%] of each quantity in `QUANTITIES` on a scene, from the errors on n similar scenes.
+def _expected_errors(like: ScenesLike, places: Array) -> dict[str, float | None]:
+    """Return the expected error [%] of each quantity in `QUANTITIES` on a scene, from the errors on similar scenes.
 
-    ``like``: measured errors on these scenes; ``known``: their k features, each divided by its scale, (n, k); ``place``:
-    those of the scene, (k,). An expected error is None if too few similar scenes have an error of this quantity.
+    ``places``: the k features of each of the scene's m nuts, each divided by its scale, (m, k). An expected error is None
+    if too few similar scenes have an error of this quantity.
     """
     out: dict[str, float | None] = dict.fromkeys(QUANTITIES)
+
+    def errors_and_features(points: Iterable[MeasuredModelErrors], name: str) -> NutErrors:
+        """Return the known errors of the quantity ``name``, and the scaled features of their scenes."""
+        known = [p for p in points if getattr(p, name) is not None]
+        return np.array([getattr(p, name) for p in known]), np.array(
+            [_scaled_features(p.features, like.scales) for p in known]
+        )
+
     for name in QUANTITIES:
-        errors = np.array([np.nan if (e := getattr(p, name)) is None else e for p in like], dtype=float)
-        finite = np.isfinite(errors)
-        if finite.sum() >= FEWEST:
-            out[name] = upper_bound_of_model_error(known[finite], errors[finite], place, LEAST[name])
+        errors, known = errors_and_features(like.fitted, name)
+        calibrating = [pair for nuts in like.calibrating if (pair := errors_and_features(nuts, name))[0].size]
+        if errors.size >= FEWEST:
+            out[name] = upper_bound_of_model_error(known, errors, places, LEAST[name], calibrating)
     return out
 
 
@@ -446,18 +673,18 @@ def leave_one_out_errors(measured_errors: Sequence[MeasuredModelErrors], model: 
     """Estimate the error of a model on each compared screw from its errors on all other compared screws.
 
     ``measured_errors``: measured errors of models on compared scenes; ``model``: name of the model. For a screw whose nut
-    is not fixed at a flange, the error is estimated only from other such screws.
+    is not fixed at a flange, the error is estimated only from other such screws. Double nuts are left out.
     """
+    points = [p for p in measured_errors if p.model == model and p.features["lead"] > 0.0]
     out = []
-    for flange, scales in ((False, SCALES), (True, WITH_FLANGE)):
-        screws = [p for p in measured_errors if p.model == model and p.features["lead"] > 0.0]
-        like = [p for p in screws if flange or FLANGE not in p.features]
-        known = np.array([_scaled_features(p.features, scales) for p in like])
-        for k, point in enumerate(like):
-            if (FLANGE in point.features) == flange:
-                others, rest = [p for p in like if p is not point], np.delete(known, k, axis=0)
-                outside = _definitions_of_features_outside_range(rest, known[k])
-                expected = None if outside else _expected_errors(others, rest, known[k])
+    for kind in ("screw", FLANGE):
+        like = ScenesLike.of_kind(kind, points)
+        known = np.array([_scaled_features(p.features, like.scales) for p in like.points])
+        for k, point in enumerate(like.points):
+            if point.kind == kind:
+                others = ScenesLike(kind, (*like.points[:k], *like.points[k + 1 :]))
+                outside = _definitions_of_features_outside_range(np.delete(known, k, axis=0), known[k])
+                expected = None if outside else _expected_errors(others, known[k : k + 1])
                 out.append(MeasuredAndExpectedErrors(point, expected))
     return out
 
@@ -517,7 +744,12 @@ def axial_contact_force(scene: Scene, load: Array, angle: Array) -> float:
 
 
 def measure_model_error(
-    name: str, scene: Scene, result: StaticResult, run: Run, increased_load_case: Raised | None = None
+    name: str,
+    scene: Scene,
+    result: StaticResult,
+    run: Run,
+    increased_load_case: Raised | None = None,
+    contacts: int | None = None,
 ) -> MeasuredModelErrors:
     """Measure the errors of a model on a scene against a run of the 3D reference.
 
@@ -534,13 +766,15 @@ def measure_model_error(
     increased_load_case
         The same scene under increased loads, with the model's result and the 3D run for it. The rigidities of model and 3D
         reference follow from the differences between the two load states; None: the rigidity is not compared.
+    contacts
+        Number of contacts that carry load without geometric errors; None: that of ``scene`` alone.
 
     Returns
     -------
     MeasuredModelErrors
         Errors of the model, with the features of the scene.
     """
-    error = load_error(result.load, run.load, count_nominal_contacts(scene))
+    error = load_error(result.load, run.load, count_nominal_contacts(scene) if contacts is None else contacts)
     from rollbench.compare.models.comparison import solution_from_result, solution_from_run
 
     answer = state_of_loaded_section(scene, solution_from_result(result))
@@ -563,6 +797,28 @@ def measure_model_error(
         error_percent_or_none(np.cbrt(result.load.max() / heaviest), 1.0) if heaviest > 0.0 else None,  # Hertz
         gate_percent=round(error.gate_percent, 4),
     )
+
+
+def errors_of_shaft_section(
+    assembly: Assembly, raised: Assembly, results: tuple[AxisResult, AxisResult], runs: Sequence[Run]
+) -> dict[str, float | None]:
+    """Return the errors [%] of displacement and tangent rigidity of the section of a shaft on which the axial load acts.
+
+    ``assembly``, ``raised``: the shaft under its loads and under raised loads; ``results``, ``runs``: a model's results,
+    and the runs of the 3D reference, for both. The rigidity is the change of the axial load over that of the displacement.
+    """
+    place = max(assembly.loads, key=lambda load: abs(load.force[2])).at
+    forces = [sum(load.force[2] for load in one.loads) for one in (assembly, raised)]
+    lines = (
+        [(r.centreline_z, r.centreline[:, 2]) for r in results],
+        [(r.centreline[:, 0], r.centreline[:, 3]) for r in runs],
+    )
+    (by_model, by_run) = ([float(np.interp(place, *line)) for line in pair] for pair in lines)
+    stiff = [(forces[1] - forces[0]) / (u[1] - u[0]) if u[1] != u[0] else None for u in (by_model, by_run)]
+    return {
+        "displacement_percent": error_percent_or_none(by_model[0], by_run[0]),
+        "rigidity_percent": error_percent_or_none(*stiff),
+    }
 
 
 def error_percent_or_none(value: float | None, reference: float | None) -> float | None:

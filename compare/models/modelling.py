@@ -30,9 +30,9 @@ from rollbench.compare.reference.levels import TWIST, VARIANTS, Kind, with_suppo
 from rollbench.compare.reference.store import Run, load_stored_run
 from rollbench.compare.scenes.catalogue import names_of_scenes_with_role
 from rollbench.lowfi.compliance.bodies import PARTS, CondensedCompliance
-from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.lowfi.statics.response import clear_compliance_caches
 from rollbench.lowfi.statics.result import StaticResult
+from rollbench.lowfi.statics.static import solve_elastic
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import Scene
 
@@ -228,7 +228,7 @@ def solve_refinement_sequence(scene: Scene, ref: Reference, stores: Sequence[Pat
     """
     rungs = []
     for model in RUNGS:
-        options = ModelOptions(estimate_beam_mesh_error=False, engine="interpreted")
+        options = ModelOptions(estimate_beam_mesh_error=False)
         if model.name == "condensed":
             path = path_of_condensed_bodies(scene, ref, stores)
             if path is None:

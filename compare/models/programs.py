@@ -1,8 +1,8 @@
 """External programs as low-order models: a command that reads a scene as JSON and writes contact loads as CSV.
 
 For every scene, a command such as ``prog {scene.json} {loads.csv}`` is run in the current folder, without a shell, after
-the two placeholders were replaced by paths. A command can be given instead of the name of a model; ``{seconds=600}`` in it
-sets its time limit (see `model_command`).
+the two placeholders were replaced by paths. Only a `ModelCommand`, which `model_command` returns, runs a program, never a
+name; ``{seconds=600}`` in it is its time limit.
 """
 
 from __future__ import annotations
@@ -14,7 +14,8 @@ import re
 import shlex
 import shutil
 import signal
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass
 from functools import cache
 from pathlib import Path
@@ -48,19 +49,25 @@ TAIL = 4096
 MEND = "run the program by hand on a file of `rollbench export SCENE --format json`; for more time, set `model_seconds`"
 
 
+class ModelCommand(str):
+    """Command that runs an external program as a model; `model_command` makes it. A text of the same words runs nothing."""
+
+    __slots__ = ()
+
+
 def is_program_command(name: str) -> bool:
-    """Return whether the name of a model is a command that runs an external program.
+    """Return whether a model is a command that runs an external program.
 
     Parameters
     ----------
     name
-        Name of a model, or a command.
+        Name of a model, or a `ModelCommand`.
     """
-    return SCENE in name or LOADS in name
+    return isinstance(name, ModelCommand)
 
 
-def model_command(command: str, seconds: float = SECONDS) -> str:
-    """Return the model name that stands for an external program; any function with an argument ``model`` takes it.
+def model_command(command: str, seconds: float = SECONDS) -> ModelCommand:
+    """Return the model that runs an external program; any function with an argument ``model`` takes it.
 
     Parameters
     ----------
@@ -72,8 +79,9 @@ def model_command(command: str, seconds: float = SECONDS) -> str:
 
     Returns
     -------
-    str
-        The name: ``rollbench.solve(scene, rollbench.model_command("./mine {scene.json} {loads.csv}"))``.
+    ModelCommand
+        The model: ``rollbench.solve(scene, rollbench.model_command("./mine {scene.json} {loads.csv}"))``. A text of the
+        same words in place of it is refused.
 
     Raises
     ------
@@ -87,7 +95,7 @@ def model_command(command: str, seconds: float = SECONDS) -> str:
     """
     name = command if seconds == SECONDS else f"{command} {{seconds={seconds:g}}}"
     parse_command(name)
-    return name
+    return ModelCommand(name)
 
 
 def model_title(name: str) -> str:
@@ -105,7 +113,7 @@ def model_title(name: str) -> str:
 
     Examples
     --------
-    >>> model_title("awk -f /home/me/share.awk {scene.json} {loads.csv}"), model_title("lin")
+    >>> model_title(model_command("awk -f /home/me/share.awk {scene.json} {loads.csv}")), model_title("lin")
     ('awk -f share.awk', 'lin')
     """
     return parse_command(name).short_name if is_program_command(name) else name
@@ -234,12 +242,13 @@ class ExternalProgram:
             except OSError as error:
                 output_file.unlink()
                 return f"cannot be started: {error.strerror or error}"
-            try:
-                code = process.wait(self.time_limit)
-            except subprocess.TimeoutExpired:
-                return f"was ended after its time limit of {self.time_limit:g} s"
-            finally:
-                _kill_process(process)
+            with _killed_when_this_process_ends(process):
+                try:
+                    code = process.wait(self.time_limit)
+                except subprocess.TimeoutExpired:
+                    return f"was ended after its time limit of {self.time_limit:g} s"
+                finally:
+                    _kill_process(process)
         return "" if code == 0 else f"ended by signal {-code}" if code < 0 else f"ended with exit code {code}"
 
     def _failure_error(self, scene: Scene, reason: str, output_file: Path) -> ProgramError:
@@ -276,6 +285,25 @@ class ExternalProgram:
             allowed = "six numbers ux uy uz [m] rx ry rz [rad]: displacement and rotation of the screw at the nut's centre"
             raise InputError(LOADS, f"line # {DISPLACEMENT}", note, allowed, "")
         return given, moved
+
+
+@contextmanager
+def _killed_when_this_process_ends(process: subprocess.Popen[bytes]) -> Iterator[None]:
+    """While the context lasts, have a program and all that it started killed when this process ends, however it ends.
+
+    A shell waits for the end of a pipe of which this process holds the other end, and then kills the program's group.
+    """
+    import subprocess
+
+    if not hasattr(os, "killpg"):
+        yield
+        return
+    words, none = ["/bin/sh", "-c", "read -r _; kill -s KILL -- -$0", str(process.pid)], subprocess.DEVNULL
+    with subprocess.Popen(words, stdin=subprocess.PIPE, stdout=none, stderr=none, start_new_session=True) as guard:
+        try:
+            yield
+        finally:
+            guard.kill()
 
 
 def _kill_process(process: subprocess.Popen[bytes]) -> None:
@@ -328,11 +356,11 @@ def scene_json(scene: Scene) -> str:
         its contacts, where the approach under the load F is C F^(2/3).
     """
     from rollbench.lowfi.statics.contacts import hertz_constants_by_scene_choice, scene_with_error_free_hertz
-    from rollbench.lowfi.statics.problem import centre_vectors_and_interference
+    from rollbench.lowfi.statics.problem import place_balls
 
     layout = ball_layout(scene)
     drawn = draw_geometry_with_errors(scene, layout)
-    _, closure = centre_vectors_and_interference(scene, drawn)
+    closure = place_balls(scene, drawn).interference
     C = hertz_constants_by_scene_choice(scene_with_error_free_hertz(scene), drawn)
     balls = [
         {"ball": i + 1, "azimuth": float(layout.azimuth[i]), "z": float(layout.z[i])}

@@ -33,9 +33,6 @@ class ModelOptions:
     include_ineffective_terms: bool = False
     #: Number of the random draw of the scene's geometric errors, from 0; 0 without random errors.
     member: int = 0
-    #: How numerical kernels run: ``interpreted`` (plain Python), ``compiled`` (machine code), or ``auto`` (which of both
-    #: depends on the number of balls).
-    engine: str = "auto"
     #: Whether the error due to the division of the screw into beam elements is estimated.
     estimate_beam_mesh_error: bool = True
     #: File with the stiffness of screw and nut condensed to the contacts, for the model "condensed"; None: no file.
@@ -50,7 +47,6 @@ def _solve_lin(scene: Scene, options: ModelOptions) -> StaticResult:
         scene,
         everything=options.include_ineffective_terms,
         member=options.member,
-        engine=options.engine,  # type: ignore[arg-type]
         discretisation=options.estimate_beam_mesh_error,
     )
 
@@ -94,8 +90,7 @@ def read_condensed_bodies(scene: Scene, options: ModelOptions) -> CondensedCompl
 def _solve_with_elastic_bodies(scene: Scene, options: ModelOptions, *, name: str) -> StaticResult:
     """Solve a scene by a model (``name``) with elastic screw and nut, whose stiffness "condensed" reads from a file."""
     from rollbench.lowfi.compliance.parts import LADDER, REFINED
-    from rollbench.lowfi.statics.elastic import solve_elastic
-    from rollbench.lowfi.statics.static import with_discretisation_error
+    from rollbench.lowfi.statics.static import solve_elastic, with_discretisation_error
 
     condensed = read_condensed_bodies(scene, options) if name == "condensed" else None
     solve = partial(
@@ -105,7 +100,6 @@ def _solve_with_elastic_bodies(scene: Scene, options: ModelOptions, *, name: str
         name=name,
         everything=options.include_ineffective_terms,
         member=options.member,
-        engine=options.engine,  # type: ignore[arg-type]
     )
     result = solve(scene)
     wanted = options.estimate_beam_mesh_error and result.converged and scene.ingredients.screw != "rigid"
@@ -139,25 +133,22 @@ def _solve_liu(scene: Scene, options: ModelOptions) -> StaticResult:
     """Solve a scene by the model of Liu et al. (2025): balls in a row along the axis, load-dependent contact angles."""
     from rollbench.lowfi.statics.liu import solve_liu
 
-    return solve_liu(scene, member=options.member, compiled=options.engine == "compiled")
+    return solve_liu(scene, member=options.member)
 
 
 def _solve_assembly_by_lin(assembly: Assembly, options: ModelOptions) -> AxisResult:
     """Solve a shaft with several nuts or bearing rows by the low-order model of Lin's thesis ("lin")."""
     from rollbench.lowfi.statics.axis.solve import solve_assembly
 
-    return solve_assembly(assembly, engine=options.engine, member=options.member)  # type: ignore[arg-type]
+    return solve_assembly(assembly, member=options.member)
 
 
 def _solve_assembly_elastically(assembly: Assembly, options: ModelOptions, *, name: str) -> AxisResult:
     """Solve a shaft with several nuts or bearing rows by the model ``name``, in which shaft and rings are elastic."""
     from rollbench.lowfi.compliance.parts import LADDER
-    from rollbench.lowfi.statics.axis.elastic import solve_assembly_with_elastic_bodies
+    from rollbench.lowfi.statics.axis.solve import solve_assembly_with_elastic_bodies
 
-    engine: Any = options.engine
-    return solve_assembly_with_elastic_bodies(
-        assembly, engine=engine, member=options.member, backend=LADDER[name], name=name
-    )
+    return solve_assembly_with_elastic_bodies(assembly, member=options.member, backend=LADDER[name], name=name)
 
 
 def covers_any_scene(scene: Scene) -> bool:  # noqa: ARG001 - the signature of Model.covers_scene
@@ -378,7 +369,7 @@ def model_by_name(name: str, argument: str = "model", excluded_names: Sequence[s
     Parameters
     ----------
     name
-        Name of the model, or a command.
+        Name of the model, or a `programs.ModelCommand`.
     argument
         Name of the argument that error messages refer to.
     excluded_names
@@ -402,6 +393,8 @@ def model_by_name(name: str, argument: str = "model", excluded_names: Sequence[s
 
         near = difflib.get_close_matches(name.lower(), names, n=1)
         advice = f"did you mean {near[0]}?" if near else "choose one of these; lin is the model of Lin's thesis"
+        if programs.SCENE in name or programs.LOADS in name:
+            advice = "state the command of a program by `model_command`: a name runs no program"
         raise ArgumentError(argument, f'"{name}"', ", ".join(names), advice)
     if name in MODELS:
         return MODELS[name]

@@ -12,7 +12,7 @@ from rollbench.compare.models.registry import ModelOptions, run_model
 from rollbench.compare.reference.estimate import Reference, reference_of_scene
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.statics.result import StaticResult
-from rollbench.meshes.parts import SIDES, Scene
+from rollbench.meshes.parts import Scene
 
 T = TypeVar("T")
 
@@ -84,10 +84,7 @@ class SceneResultCache:
         parts = self.built_in_scene(scene) if isinstance(scene, str) else scene
         key = (parts, model)
         if key not in self.static_results:
-            flanks = [parts.errors.side(side) for side in SIDES]
-            uneven = any(flank.profile or flank.profile_sigma for flank in flanks)
-            engine = "auto" if uneven else "interpreted"  # compiling takes longer than a few solutions in plain Python
-            options = ModelOptions(estimate_beam_mesh_error=False, engine=engine)
+            options = ModelOptions(estimate_beam_mesh_error=False)
             self.static_results[key] = run_model(parts, model, options)
         return self.static_results[key]
 

@@ -44,6 +44,7 @@ from rollbench.compare.models.applicability import descriptors_outside_range
 from rollbench.compare.models.comparison import ContactSolution, solution_from_result, solution_from_run
 from rollbench.compare.models.modelling import SPOKEN_FOR, VARIED, ModellingUncertainty, run_without_changed_choices
 from rollbench.compare.models.registry import MODELS
+from rollbench.compare.models.stiffness import place_of_displacement
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.reference.convergence import grid_convergence
 from rollbench.compare.reference.estimate import Reference, has_both_flanks_loaded, largest_uncertainty_percent
@@ -91,11 +92,11 @@ class ComparedQuantity:
 
 
 def _axial_displacement(scene: Scene, solution: ContactSolution) -> Array:
-    """Return the screw's axial displacement at the nut's centre as an array (1,) [um].
+    """Return the axial displacement of the screw's section on which the load acts, to ground, as an array (1,) [um].
 
     ``solution``: contact loads and displacements by a model or by the 3D reference.
     """
-    return np.array([1e6 * float(np.interp(scene.nut.position, solution.stations, solution.line[:, 2]))])
+    return np.array([1e6 * float(np.interp(place_of_displacement(scene), solution.stations, solution.line[:, 2]))])
 
 
 def _angle_of_most_loaded_contact(scene: Scene, solution: ContactSolution) -> Array:  # noqa: ARG001 - every quantity takes the scene
@@ -110,7 +111,7 @@ def _angle_of_most_loaded_contact(scene: Scene, solution: ContactSolution) -> Ar
 QUANTITIES = (
     ComparedQuantity(CONTACTS, "N", lambda scene, answer: answer.load, in_percent_of_mean_load=True),  # noqa: ARG005
     ComparedQuantity("largest load", "N", lambda scene, answer: np.array([answer.load.max()]), is_largest_load=True),  # noqa: ARG005
-    ComparedQuantity("axial displacement", "um", _axial_displacement),
+    ComparedQuantity("displacement of the load's point", "um", _axial_displacement),
     ComparedQuantity("contact angle of the most loaded contact", "deg", _angle_of_most_loaded_contact),
 )
 
@@ -353,11 +354,12 @@ class ErrorWithUncertainty:
 
     @property
     def uncertainty_text(self) -> str:
-        """Text that states the validation uncertainty u_val in per cent, or why it is not known."""
-        if np.isfinite(self.combined):
-            return f"u_val {self.combined:.2f} %"
-        why = "modelling choices were not varied on similar scenes" if np.isfinite(self.grid) else "only one mesh level"
-        return f"u_val not known ({why})"
+        """Text that states the numerical and the input uncertainty in per cent, or that one of them is not known."""
+
+        def percent(value: float) -> str:
+            return f"{value:.2f} %" if np.isfinite(value) else "not known"
+
+        return f"numerical uncertainty (mesh) {percent(self.grid)}; input uncertainty (tolerances) {percent(self.inputs)}"
 
 
 def error_with_validation_uncertainty(
@@ -548,16 +550,16 @@ class LoadUncertainty:
         """Text that states the total uncertainty of the contact loads and its parts."""
         if self.stated:
             return self.stated
-        grid = f"discretisation {self.discretisation:.2f} %{' estimated from other scenes' * self.by_experience}"
+        grid = f"numerical (mesh) {self.discretisation:.2f} %{' estimated from other scenes' * self.by_experience}"
         if self.at_face:
             grid += f", of which {self.beside_face:.2f} % at {self.at_face} near the nut's free face"
-        modelling, inputs = "modelling choices not known", "inputs not known"
+        modelling, inputs = "modelling choices not known", "input (tolerances) not known"
         if self.choices is not None:
             modelling = f"modelling choices {self.choices.percent:.2f} %, mainly {self.choices.choice}"
         if self.inputs is not None:
-            inputs = f"inputs {self.inputs:.2f} %, mainly {self.input.partition(',')[0]}"
+            inputs = f"input (tolerances) {self.inputs:.2f} %, mainly {self.input.partition(',')[0]}"
         second = f"large displacements {self.second_order:.2f} %"
-        return f"uncertain by {self.percent:.2f} % in total: {grid}; {modelling}; {inputs}; {second}"
+        return f"uncertainties of the contact loads: {grid}; {modelling}; {inputs}; {second}; together {self.percent:.2f} %"
 
     @property
     def shared_error_sentence(self) -> str:

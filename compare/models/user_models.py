@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cache, partial
+from functools import cache, lru_cache, partial
 from math import cos, sin
 from time import perf_counter
 from typing import TYPE_CHECKING
@@ -23,7 +23,7 @@ import numpy as np
 from rollbench.compare.errors import ArgumentError, ProgramError, SceneNotCoveredError
 from rollbench.compare.models import programs
 from rollbench.lowfi.warned import ResultWarning
-from rollbench.meshes.arrays import Array
+from rollbench.meshes.arrays import Array, RecordWithArrays
 from rollbench.meshes.errors import draw_geometry_with_errors, scene_with_drawn_errors
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import FREEDOMS, SIDES, Scene
@@ -44,7 +44,7 @@ ASSUMPTION = "contact angles are nominal, because the model gives loads only"
 
 
 @dataclass(frozen=True)
-class ModelAnswer:
+class ModelAnswer(RecordWithArrays):
     """Contact loads and, optionally, displacement and pressures that a user's model computes for a scene, in SI units.
 
     Parameters
@@ -99,7 +99,7 @@ def origin_of_model(name: str) -> str:
     Parameters
     ----------
     name
-        Name of an installed model, or a command.
+        Name of an installed model, or a `programs.ModelCommand`.
 
     Returns
     -------
@@ -113,14 +113,14 @@ def origin_of_model(name: str) -> str:
     return point.value if point.dist is None else f"{point.value}, {point.dist.name} {point.dist.version}"
 
 
-@cache
+@lru_cache(maxsize=None, typed=True)  # a command is no name, even of equal text
 def load_user_model(name: str) -> UserModel:
     """Return a user's model as a function: imported from its package, or running an external program.
 
     Parameters
     ----------
     name
-        Name of an installed model, or a command.
+        Name of an installed model, or a `programs.ModelCommand`.
 
     Returns
     -------
@@ -175,7 +175,7 @@ def solve_by_user_model(name: str, scene: Scene, member: int = 0) -> StaticResul
     Parameters
     ----------
     name
-        Name of an installed model, or a command.
+        Name of an installed model, or a `programs.ModelCommand`.
     scene
         The scene. If its geometric errors are random, the model gets a copy with the values of one random draw.
     member
@@ -236,7 +236,7 @@ def solve_by_user_model(name: str, scene: Scene, member: int = 0) -> StaticResul
         centreline_z=np.array([scene.nut.position]),
         centreline=moved[None],
         equilibrium=balance,
-        solver=SolverReport(1, 1, balance.largest, seconds, load_of.size, 0, "user", "of the model"),
+        solver=SolverReport(1, 1, balance.largest, seconds, load_of.size, 0, "of the model"),
         assumed=(*scene.assumed, ASSUMPTION),
         left_out=(),
         warnings=tuple(_imbalance_warnings(shown, balance)),

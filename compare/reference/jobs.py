@@ -154,7 +154,7 @@ class TaskProgress:
 #: Function that is called with each line of progress.
 Step = Callable[[str], None]
 
-#: Time of the remaining jobs [s] below which no further processes are started, because each must import and compile first.
+#: Time of the remaining jobs [s] below which no further processes are started, because each must import first.
 WORTH_WORKERS = 10.0
 
 #: Interval between regular messages on the progress of a task [s].

@@ -267,45 +267,6 @@ def _dead_worker_error(error: BaseException) -> InputError:
     return ArgumentError("workers", f"a worker that died ({type(error).__name__})", allowed, advice)
 
 
-def set_tls_certificates(ca: str | None, cert: str | None, key: str | None) -> None:
-    """Set the TLS certificates with which this program connects to a scheduler at tls://HOST:PORT.
-
-    Parameters
-    ----------
-    ca
-        File with the certificate of the authority; None: no certificates.
-    cert
-        File with the certificate of this client.
-    key
-        File with the key of this client.
-
-    Raises
-    ------
-    InputError
-        If a file cannot be read, only some of the three are given, or Dask is missing.
-    """
-    given = {"tls_ca": ca, "tls_cert": cert, "tls_key": key}
-    if not any(given.values()):
-        return
-    for name, value in given.items():
-        if value is None:
-            raise ArgumentError(name, "nothing", "all of `tls_ca`, `tls_cert`, `tls_key`", "give all three")
-        try:
-            with open(value, "rb"):
-                pass
-        except OSError as error:
-            raise ArgumentError(name, f"{value}: {error.strerror}", "a PEM file", "check the path") from None
-    try:
-        import dask
-        import distributed  # noqa: F401 - its defaults would overwrite these
-    except ImportError:
-        advice = "pip install 'rollbench[cluster]'"
-        raise ArgumentError("tls_ca", "certificates without dask", "only with dask installed", advice) from None
-    tls = "distributed.comm.tls"
-    dask.config.set({f"{tls}.ca-file": ca, f"{tls}.client.cert": cert, f"{tls}.client.key": key})
-    dask.config.set({"distributed.comm.require-encryption": True})
-
-
 @contextmanager
 def _connect_to_cluster(scheduler: str | None, workers: int) -> Iterator[Any]:
     """Yield a Dask client that is connected to a scheduler; InputError if that fails.

@@ -27,7 +27,7 @@ from rollbench.hifi.meshing.settings import Settings
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.condensed import digest_of_geometry
-from rollbench.meshes.parts import GateLimits, Operation, Scene
+from rollbench.meshes.parts import Calibration, GateLimits, MakerRating, Operation, Scene
 from rollbench.meshes.record_keys import RecordFields, canonical_text, digest_of_values
 from rollbench.meshes.solid import dimensions_of_3d_parts
 
@@ -177,6 +177,8 @@ UNSAID: dict[str, Any] = {
     "members": 1,
     "gate": GateLimits(),
     "operation": Operation(),
+    "calibration": Calibration(),
+    "rating": MakerRating(),
     **dict.fromkeys(("friction", "motion", "circulation", "time")),
 }
 

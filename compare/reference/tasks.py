@@ -16,7 +16,7 @@ import numpy as np
 from rollbench.compare.errors import ArgumentError, InputError, SceneNotCoveredError
 from rollbench.compare.reference.levels import LEVELS, SOURCE_LEVEL, VARIANTS, mesh_settings_of_level
 from rollbench.meshes.axis import Assembly
-from rollbench.meshes.parts import Scene
+from rollbench.meshes.parts import MakerRating, Scene
 from rollbench.meshes.record_keys import RecordFields, canonical_text
 
 if TYPE_CHECKING:
@@ -230,11 +230,14 @@ def reset_nonstatic_fields(assembly: Assembly, reset_values: Mapping[str, Any]) 
 
     ``reset_values``: new values, by name, of those fields that the records of ball nuts and ball bearings have.
     """
-    reset = [replace(s.parts, **reset_values) if isinstance(s.parts, Scene) else None for s in assembly.sets]
-    pairs = zip(assembly.sets, reset, strict=True)
-    bare = [s if parts is None else replace(s, name="", parts=parts) for s, parts in pairs]
+    bare = [
+        replace(s, name="", parts=replace(s.parts, **reset_values))
+        if isinstance(s.parts, Scene)
+        else replace(s, parts=replace(s.parts, rating=MakerRating()))
+        for s in assembly.sets
+    ]
     words: dict[str, Any] = {"name": "", "title": "", "source": "", "assumed": ()}
-    return replace(assembly, sets=tuple(bare), friction=None, motion=None, stiffness_at=None, **words)
+    return replace(assembly, sets=tuple(bare), friction=None, motion=None, stiffness_at=None, lubricant=None, **words)
 
 
 def values_that_determine_meshes(scene: Solvable) -> tuple[Any, ...]:

@@ -66,7 +66,9 @@ def result_page_of_shaft(scene_name: str, solved_shaft: ShaftSolution, stores: S
         report_parts.source_code_hash_by_name(),
         view=collect_view_data(scene.title, [solved_shaft], data, (), stores),
         table=report_parts.results_table(
-            solution_rows(solved_shaft), f"Results by the model {result.model}", expected_error_sentence(None)
+            solution_rows(solved_shaft),
+            f"Results by the model {result.model}",
+            expected_error_sentence(solved_shaft.expected_errors),
         ),
     )
 

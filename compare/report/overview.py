@@ -22,6 +22,7 @@ from rollbench.compare.reference.estimate import Reference, largest_uncertainty_
 from rollbench.compare.sections import reference_time
 from rollbench.compare.sections.source_tables import counts_of_reproduced_numbers_table
 from rollbench.compare.sections.u_val import validated_errors_of_models
+from rollbench.compare.studies import survey
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDES, Scene
 from rollbench.reports.content import Figure, Panel, Row, Section, Series, Summary, Table, TableColumn, Text, text_column
@@ -411,9 +412,32 @@ def model_accuracy_sentences(
     )
     count = " or ".join(sorted({str(errors.size) for errors in largest_errors.values() if errors.size}))
     return (
-        f"{screws_within_limit_text(gate_errors)}. Median and 95th percentile of the largest contact-load error on all "
-        f"{count} compared screws ({random_screw_count} of them drawn at random): {', '.join(largest)}, in per cent of "
-        f"the mean contact load. {_mesh_uncertainty_clause(mesh_uncertainties)}{whole}."
+        f"{errors_on_screws_drawn_later_text()}{screws_within_limit_text(gate_errors)}. Median and 95th percentile of the "
+        f"largest contact-load error on all {count} compared screws ({random_screw_count} of them drawn at "
+        f"random): {', '.join(largest)}, in per cent of the mean contact load. "
+        f"{_mesh_uncertainty_clause(mesh_uncertainties)}{whole}."
+    )
+
+
+def errors_on_screws_drawn_later_text() -> str:
+    """Return the sentence on the models' errors on screws that were drawn after their last change, with a space at its end.
+
+    It is empty if no such screw is stored.
+    """
+    records = survey.records_of_screws_drawn_later()
+    found = {name: survey.model_accuracy_on_random_screws(records, name) for name in survey.MODELS}
+    texts = [
+        f"{one.median_error:.2g}, {one.percentile_95:.2g} and {one.largest_error:.2g} % with {NAMES[name]}"
+        for name, one in found.items()
+        if one.screw_count
+    ]
+    if not texts:
+        return ""
+    count = found[survey.MODELS[0]].screw_count
+    return (
+        f"On {count} screws that were drawn after the models were last changed, all with a flanged nut, median, 95th "
+        f"percentile and maximum of the largest contact-load error are {', '.join(texts)}, in per cent of the mean contact "
+        "load. "
     )
 
 

@@ -46,8 +46,8 @@ PAGES = {
 #: Names of the parts that summarise results of all other parts, and are therefore made last.
 GATHERING = ("overview", "notes", "verdicts", "audit")
 
-#: Pages that need compiled kernels. If two processes make the report, one of them makes all these pages.
-COMPILED = ("lin", "smith", "liu")
+#: Pages that one process makes if two make the report; the other makes all other pages.
+FIRST_PROCESS = ("lin", "smith", "liu")
 
 #: Verdicts on printed numbers that do not test a model, and the noun for each in a sentence.
 APART = {"input": "inputs", "identity": "identities"}
@@ -87,7 +87,6 @@ class ReportPart:
 #: Parts of the report whose page is chosen in this module.
 PLACED = (
     ReportPart("how-to-read", "reading", "sections.how_to_read", in_quick_report=True, shows_3d_runs=True),
-    ReportPart("sheets", "cases", "sections.sheets", in_quick_report=True, shows_3d_runs=True),
     ReportPart("reference", "cases", "sections.reference", in_quick_report=True, shows_3d_runs=True, needs_gmsh=True),
     ReportPart("lin", "lin", "cases.lin.pages.tables"),
     ReportPart("cases", "lin", "cases.lin.pages.chapter_2:cases_section", in_quick_report=True, shows_3d_runs=True),

@@ -21,7 +21,7 @@ from rollbench.reports.content import Figure, Row, Section, Table, TableColumn, 
 from rollbench.reports.manifest import sha256
 
 #: Libraries whose versions a page states.
-LIBRARIES = ("numpy", "scipy", "numba")
+LIBRARIES = ("numpy", "scipy")
 
 
 def scene_file_text(name: str) -> str:

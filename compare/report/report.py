@@ -22,8 +22,8 @@ from rollbench.compare.provenance import hashes_of_report_inputs, source_commit
 from rollbench.compare.reference.jobs import ComputingSettings
 from rollbench.compare.reference.parallel import run_jobs
 from rollbench.compare.report import pages as report_pages
+from rollbench.compare.report.changes import read_report_tables, report_differences
 from rollbench.compare.report.scene_page import raise_folder_errors_as_input_errors
-from rollbench.compare.report.verify import read_report_tables, report_differences
 from rollbench.compare.results.base import JSON
 from rollbench.compare.results.data import Written
 from rollbench.compare.running import (
@@ -46,7 +46,7 @@ Step = Callable[[str], None]
 
 def report_origin_facts() -> dict[str, str]:
     """Return what the report states about its origin, by label: versions, date, machine, and publications compared."""
-    packages = ("numpy", "scipy", "numba", "gmsh", "scikit-fem", "pymetis", "matplotlib", "pyvista")
+    packages = ("numpy", "scipy", "gmsh", "scikit-fem", "pymetis", "matplotlib", "pyvista")
     return {
         "rollbench": f"{__version__}, commit {source_commit()}",
         "date": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d %H:%M UTC"),
@@ -251,8 +251,8 @@ def make_sections(
 ) -> dict[str, Sequence[Section]]:
     """Make the sections of the report's parts, in one process or in two.
 
-    Of two processes, one makes the pages that use compiled kernels and the other makes the rest, so that nothing is
-    compiled or computed twice. Parts that summarise the results of all others are made last.
+    Of two processes, one makes the pages named in `pages.FIRST_PROCESS` and the other makes the rest. Parts that summarise
+    the results of all others are made last.
 
     Parameters
     ----------
@@ -280,9 +280,9 @@ def make_sections(
         gathered = [(name, one.case.name) for name, one in computations_with_function().items()] if last else []
         given = (study.reference_folders, None, study.quick, study.measures_run_times, study.mesh_cache)
         make, jobs = partial(_make_parts_in_worker, keeping=cache.is_geometry_cache_on()), []
-        for compiled in (True, False):
-            half = [part for part in parts if part not in last and (part.page_name in report_pages.COMPILED) == compiled]
-            tables = [name for name, case in gathered if (case in report_pages.COMPILED) == compiled]
+        for first in (True, False):
+            half = [part for part in parts if part not in last and (part.page_name in report_pages.FIRST_PROCESS) == first]
+            tables = [name for name, case in gathered if (case in report_pages.FIRST_PROCESS) == first]
             if half or tables:
                 jobs.append((make, (half, tables, given, show_worker_progress)))
         for _, (made, used) in run_jobs(jobs, workers=2):

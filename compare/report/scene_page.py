@@ -36,13 +36,18 @@ from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.compare.sections.curves import contact_load_curve, contact_load_panel
 from rollbench.compare.sections.fit import validated_range_figure, validated_range_table
-from rollbench.compare.sections.sheets import sketch_scene
+from rollbench.compare.sections.sketches import sketch_scene
 from rollbench.compare.studies.friction.answer import lines_on_friction_of_screw, losses_by_contact_and_cause
 from rollbench.compare.studies.friction.run import TransientRun, simulate_friction_over_time
-from rollbench.compare.studies.friction.whole import MEASURED, StaticallySolvedPart, drag_torques, friction_status
+from rollbench.compare.studies.friction.whole import (
+    MEASURED,
+    StaticallySolvedPart,
+    drag_torques,
+    friction_status,
+    notes_on_friction_feedback,
+)
 from rollbench.compare.text.solved import load_case_rows
 from rollbench.lowfi.friction.whole.losses import CAUSES
-from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.lowfi.friction.whole.torque import ONE_TURN
 from rollbench.lowfi.statics.contacts import hertz_of_every_contact
 from rollbench.lowfi.statics.result import StaticResult
@@ -140,7 +145,10 @@ def _page_of_highest_pressure_case(
         for row in load_case_rows(data["cases"])
     ]
     answers = duty_cycle_rows(whole)
-    life_said = " or ".join(f"{row.value} {row.unit}" for row in answers if row.quantity == "life L10") or "not known"
+    lives = (
+        f"{row.quantity} {row.value} {row.unit}" for row in answers if row.quantity.startswith("life L10") and row.unit
+    )
+    life_said = ", ".join(lives) or "not known"
     note = "Life: if only this load case acted. The sections below show the load case with the highest pressure."
     table = Table.from_rows("cases", "Contact load, pressure, safety and life of each load case", rows, note)
     lost = "".join(f" Case {one} was not solved: {status}." for one, status in whole.unsolved.items())
@@ -149,7 +157,7 @@ def _page_of_highest_pressure_case(
         page,
         title=cycle.title,
         subtitle=f"{cycle.name}, {cases}: {page.subtitle.partition(': ')[2]}; shown below: case {worst}",
-        verdict=f"Of {cases}, {worst} has the highest pressure. {page.verdict} Life: {life_said}.{lost}",
+        verdict=f"Of {cases}, {worst} has the highest pressure. {page.verdict} Lives: {life_said}.{lost}",
         table=parts.results_table(answers, "Results of all load cases together"),
         parts=(Section("cases", "Load cases", (table, *filter(None, [page.table]))), *page.parts),
         results=data,
@@ -323,12 +331,14 @@ def _stiffness_section(answers: SceneResults, tangent: TangentStiffness) -> Sect
 
     ``answers``: results derived from the contact loads. ``tangent``: stiffness of the screw at the nut's centre.
     """
-    three = answers.rigidities
+    three, at_load = answers.rigidities, answers.stiffness.load_point
     names = (
         "of the contacts alone (R_b/t), by formula at the nominal contact angle",
         "of contacts and bodies (R_nu), by formula at the nominal contact angle",
-        "secant rigidity by the model (R_nu,ar)",
-        "tangent rigidity by the model at this load",
+        f"secant rigidity of the {answers.stiffness.nut.of} by the model (R_nu,ar)",
+        f"tangent rigidity of the {answers.stiffness.nut.of} by the model at this load",
+        f"secant rigidity of the load's point at {at_load.at}, to ground",
+        f"tangent rigidity of the load's point at {at_load.at}, to ground",
     )
     values = (None,) * 3 if three is None else (three.contacts_only, three.with_bodies, three.with_unequal_loads)
     rows: list[Row] = [
@@ -336,7 +346,9 @@ def _stiffness_section(answers: SceneResults, tangent: TangentStiffness) -> Sect
             TableColumn("name", "kind of axial rigidity", "", "s"): name,
             TableColumn("value", "axial rigidity", "N/um"): None if value is None else 1e-6 * value,
         }
-        for name, value in zip(names, (*values, answers.tangent), strict=True)
+        for name, value in zip(
+            names, (*values, answers.stiffness.nut.tangent, at_load.secant, at_load.tangent), strict=True
+        )
     ]
     first = Table.from_rows("rigidity", "Axial rigidity by the formulas of ISO 3408-4 and by the model", rows)
     title = "Axial rigidity and stiffness"
@@ -351,7 +363,7 @@ def _stiffness_section(answers: SceneResults, tangent: TangentStiffness) -> Sect
     ]
     note = (
         "For displacements [m] and rotations [rad] of the screw at the nut's centre; the rows are forces [N] and moments "
-        "[N m]."
+        "[N m]. The supports of the screw are left out, and every other motion is held."
     )
     second = Table.from_rows("tangent", "Tangent stiffness of the screw in the nut, 6 x 6", cells, note)
     return Section("stiffness", title, (first, second))
@@ -465,15 +477,16 @@ def friction_section(scene: Scene, result: StaticResult, options: ModelOptions) 
     bare = run_model(replace(scene, loads=()), DEFAULT, options) if scene.loads else result
     solved = StaticallySolvedPart(scene, DEFAULT, options, scene.friction, motion, bare)
     try:
-        state = friction_state(scene, result, scene.friction, motion, options.member)
+        (state,) = solved.known.states([solved.case(result, scene.friction)])
     except ValueError as error:  # balls that overlap by their random sizes
         return Section("friction", title, (Text((f"Friction was not computed: {error}.",)),))
     if not state.all_balanced:
         return Section("friction", title, (Text((f"Friction was not computed: {friction_status(state)}.",)),))
-    (drag,) = drag_torques(scene, [state], [scene.friction], bare, options)
+    (drag,) = drag_torques(solved, [state], [scene.friction])
     lines = lines_on_friction_of_screw(motion, state, (drag.torque, drag.reason_without_torque or drag.note))
     panels = [_torque_over_coefficient_panel(solved, result), _torque_over_ball_size_panel(solved)]
     notes = [f"{label}: {text}." for label, text in lines]
+    notes += [f"third flank: {text}." for text in notes_on_friction_feedback(solved, result, state)]
     timed = replace(scene, time=_friction_time_span(scene, motion))
     try:
         run = simulate_friction_over_time(timed, scene.friction, motion, DEFAULT, options.member)
@@ -485,6 +498,8 @@ def friction_section(scene: Scene, result: StaticResult, options: ModelOptions) 
     rows: list[Row] = [
         {
             TableColumn("contact", "flank of the contacts", "", "s"): row["contact"],
+            TableColumn("mean_load_N", "mean load of the loaded balls", "N", ".4g"): row["mean_load_N"],
+            TableColumn("bare_N", "mean load without friction", "N", ".4g"): row["mean_load_without_friction_N"],
             TableColumn("loss_W", "whole friction loss", "W", ".3g"): row["loss_W"],
             **{TableColumn(cause, f"loss by {cause.replace('_', ' ')}", "W", ".3g"): row[cause] for cause in CAUSES},
         }
@@ -534,8 +549,9 @@ def _torque_over_coefficient_panel(solved: StaticallySolvedPart, result: StaticR
     """
     given = solved.friction
     values = np.geomspace(*MEASURED, 7)
-    torques = [1e3 * solved.torque(result, replace(given, screw=mu, nut=mu, balls=None)) for mu in values]
-    this_scene = Series("this scene", [max(given.screw, given.nut)], [1e3 * solved.torque(result, given)], "markers")
+    cases = [solved.case(result, replace(given, screw=mu, nut=mu, balls=None)) for mu in values]
+    *torques, here = (1e3 * torque for torque in solved.torques([*cases, solved.case(result, given)]))
+    this_scene = Series("this scene", [max(given.screw, given.nut)], [here], "markers")
     series = (Series("equal coefficient on screw and nut", values.tolist(), torques, bold=True), this_scene)
     title = "torque over the friction coefficient"
     return Panel(title, "coefficient of friction", "friction torque / N mm", series, log_axes="x", include_zero=True)
@@ -546,12 +562,13 @@ def _torque_over_ball_size_panel(solved: StaticallySolvedPart) -> Panel:
 
     ``solved``: the scene with its friction. The static equilibrium is solved again for each radius.
     """
-    scene, torques = solved.scene, []
+    scene, cases = solved.scene, []
     for play in PLAY:
         balls = replace(scene.errors.balls, oversize=scene.errors.balls.oversize + play)
         other = replace(scene, errors=replace(scene.errors, balls=balls))
         found = run_model(other, solved.model, replace(solved.options, estimate_beam_mesh_error=False))
-        torques.append(1e3 * solved.torque(found, solved.friction, other))
+        cases.append(solved.case(found, solved.friction, other))
+    torques = [1e3 * torque for torque in solved.torques(cases)]
     series = (Series("friction coefficient of the scene", [1e6 * play for play in PLAY], torques, bold=True),)
     x, y = "change of the ball radius / um", "friction torque / N mm"
     return Panel("torque over the ball size", x, y, series, include_zero=True)

@@ -150,7 +150,8 @@ def numerical_result_rows(column_headings: Sequence[str], pages: Sequence[SceneP
         for one in page.results.get("cases", [page.results]):
             heading = f"{label}, {one['case']}" if "case" in one else label
             columns[heading] = dict(_numbers_in_results_summary({**one["summary"], "model_form": one["model_form"]}))
-            if "case" in one and (life := page.results["summary"].get("life")):
+            lives = (page.results["summary"].get(group) for group in ("life", "reference_life") if "case" in one)
+            for life in filter(None, lives):
                 columns[heading] |= dict(_numbers_in_results_summary({"life": life}, "life of all cases"))
     keys = sorted(dict.fromkeys(key for column in columns.values() for key in column), key=_position_of_result_group)
     found: list[Row] = []

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 #: A value that the JSON format can represent.
 JSON: TypeAlias = "bool | int | float | str | list[JSON] | dict[str, JSON] | None"
 #: Version of the JSON format of results, at the key ``schema``; it increases when a key is removed or changes its meaning.
-SCHEMA = 1
+SCHEMA = 2
 
 
 #: Headings of the columns of a table of results.

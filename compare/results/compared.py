@@ -13,10 +13,11 @@ from rollbench.compare.errors import SceneNotCoveredError
 from rollbench.compare.gate.verdict import LIMIT
 from rollbench.compare.measure import LoadError, load_error
 from rollbench.compare.models import comparison, model_form
-from rollbench.compare.models.answers import ContactLoadResults, displacement_of_unloaded_screw, results_of_contact_loads
+from rollbench.compare.models.answers import ContactLoadResults, motion_of_unloaded_screw, results_of_contact_loads
 from rollbench.compare.models.loading import solve_with_scaled_loads
 from rollbench.compare.models.programs import model_title
 from rollbench.compare.models.registry import DEFAULT, Model
+from rollbench.compare.models.stiffness import LoadPointStiffness, place_of_displacement, place_text
 from rollbench.compare.models.uncertainty import LoadUncertainty, uncertainty_of_loads
 from rollbench.compare.quantities import record_as_json
 from rollbench.compare.reference.estimate import Reference, largest_uncertainty_percent
@@ -25,6 +26,7 @@ from rollbench.compare.reference.store import load_stored_run
 from rollbench.compare.results.rows import rows_with_reference
 from rollbench.compare.results.scene_json import AxialResults, ball_loads_json, contact_ratings_json, expected_errors_json
 from rollbench.lowfi.statics.nominal import count_nominal_contacts
+from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.parts import Scene
 
 #: Name of the stored 3D reference in tables that compare models with a user's reference.
@@ -41,7 +43,9 @@ class LoadsWithErrors:
     error: LoadError | None
     #: Pressure, static safety and life, computed from the contact loads.
     derived_results: ContactLoadResults
-    #: Axial displacement of the screw at the nut's centre from its unloaded position [m].
+    #: Axial position of the screw's section on which the load acts [m]; without a force, the nut's centre.
+    place: float
+    #: Axial displacement of the screw's section on which the load acts, to ground, from its unloaded position [m].
     axial_displacement: float
     #: Axial force of the screw on the nut [N].
     axial_force: float
@@ -95,14 +99,15 @@ def compare_loads_with_reference(
         The contact loads, their errors, and the quantities that follow from the loads.
     """
     angle = np.radians(answer.angle)
-    moved = float(np.interp(scene.nut.position, answer.stations, answer.line[:, 2])) if answer.stations.size else np.nan
+    at = place_of_displacement(scene)
+    moved = float(np.interp(at, answer.stations, answer.line[:, 2])) if answer.stations.size else np.nan
     error = None if reference is None else load_error(answer.load, reference.load, reference.contacts)
     count = count_nominal_contacts(scene) if contacts is None else contacts
     found = results_of_contact_loads(scene, answer.load, angle, pressure=answer.pressure)
     force = model_form.axial_contact_force(scene, answer.load, angle)
     points = [] if reference is None else comparison.contact_load_errors(reference.scene, reference, LIMIT, answer.load)
     by_gate = max((abs(p.error_percent) for p in points), default=0.0)
-    return LoadsWithErrors(answer, error, found, moved - unloaded_displacement, force, count, by_gate)
+    return LoadsWithErrors(answer, error, found, at, moved - unloaded_displacement, force, count, by_gate)
 
 
 @dataclass(frozen=True)
@@ -173,10 +178,16 @@ def compare_models_with_reference(
             reason, advice = f"{model.name}: {by_model}", "choose another model with --model"
             raise SceneNotCoveredError(reference.scene, "model", reason, advice)
         answers.append(comparison.solution_from_result(by_model.loaded_result, by_model.seconds))
-        starts[answers[-1].model] = float(displacement_of_unloaded_screw(scene, by_model.unloaded_result)[2])
+        starts[answers[-1].model] = _axial_position_without_loads(scene, by_model.unloaded_result)
         if by_model.loaded_result.converged:
             measured = measured_errors_on_other_scenes(reference)
-            expected[model.name] = model_form.estimate_model_error(by_model.scene, by_model.loaded_result, measured)
+            estimate: model_form.ExpectedModelErrors | None
+            if place is None:
+                estimate = model_form.estimate_model_error(by_model.scene, by_model.loaded_result, measured)
+            else:
+                whole = comparison.solve_loaded_and_unloaded(place.assembly, model.name)[0]
+                estimate = model_form.estimate_double_nut_error(place.assembly, whole, measured)
+            expected[model.name] = estimate
     source_mesh_run = None if place is not None else load_stored_run(scene, SOURCE_LEVEL, stores=tuple(stores))
     others = comparison.solutions_of_reference_runs(reference, source_mesh_run)
     finest = f"3D level {reference.best.level}"  # all errors are computed against its loads
@@ -195,6 +206,11 @@ def compare_models_with_reference(
     return replace(compared, expected=expected.get(compared.judged_model.label))
 
 
+def _axial_position_without_loads(scene: Scene, unloaded: StaticResult) -> float:
+    """Return the axial position without loads of the section on which the load acts [m], from the nominal one."""
+    return float(motion_of_unloaded_screw(unloaded, place_of_displacement(scene))[2])
+
+
 def solve_with_and_without_loads(
     model: Model, scene: Scene, reference: Reference, stores: Sequence[Path]
 ) -> comparison.NutOrBearingSolution:
@@ -204,7 +220,7 @@ def solve_with_and_without_loads(
     folders with runs of the 3D reference. The time of the solution with loads is measured.
     """
     result, seconds = comparison.solve_and_time(model, scene, reference, stores)
-    options = comparison.comparison_options(model, scene, reference, stores, "interpreted")
+    options = comparison.comparison_options(model, scene, reference, stores)
     bare = solve_with_scaled_loads(scene, 0.0, model.name, options)
     return comparison.NutOrBearingSolution(result, bare, seconds, scene)
 
@@ -215,7 +231,8 @@ def measured_errors_on_other_scenes(reference: Reference) -> list[model_form.Mea
     ``reference``: 3D reference of the scene that is left out.
     """
     own = {reference.scene, *(run.scene for run in reference.runs)}
-    return [point for point in model_form.model_errors_on_compared_scenes() if point.scene not in own]
+    points = model_form.model_errors_on_compared_scenes()
+    return [point for point in points if not {point.scene, point.described_scene} & own]
 
 
 def loads_and_rigidities_json(one: LoadsWithErrors) -> dict[str, Any]:
@@ -225,10 +242,16 @@ def loads_and_rigidities_json(one: LoadsWithErrors) -> dict[str, Any]:
     rigidities in N/um.
     """
     force, moved = one.axial_force, one.axial_displacement
-    axial = AxialResults(force, moved, force / moved if moved * force > 0.0 else None)
-    unknown = ("tangent_N_per_um", "tangent_words", "stepped_N_per_um", "lost_motion_um_per_100N")
+    secant = force / moved if moved * force > 0.0 else None
     loads = ball_loads_json(one.contact_loads.load, one.nominal_contacts)
-    return {"loads": loads, "axial": record_as_json(axial, *unknown), **contact_ratings_json(one.derived_results)}
+    of_load = LoadPointStiffness(place_text(one.place), "z", force, moved, secant, None)
+    without = ("tangent_N_per_um", "lost_motion_um_per_100N")
+    return {
+        "loads": loads,
+        "axial": record_as_json(AxialResults(force), "stepped_N_per_um"),
+        "load_point": record_as_json(of_load, *without),
+        **contact_ratings_json(one.derived_results),
+    }
 
 
 def comparison_json(compared: NutOrBearingComparison, reference: Reference) -> dict[str, Any]:
@@ -253,16 +276,18 @@ def comparison_json(compared: NutOrBearingComparison, reference: Reference) -> d
 
 
 def reference_uncertainty_text(reference: Reference, total: LoadUncertainty) -> str:
-    """Return a phrase on the uncertainty and the mesh levels of the reference.
+    """Return a phrase on the numerical uncertainty and mesh levels of the reference, and on the input uncertainty.
 
-    ``total``: uncertainty of the comparison. For a reference from a user's file, the text is what the file states.
+    The error of a model is judged by the numerical uncertainty: model and reference have the same inputs. ``total``:
+    uncertainty of the comparison. For a reference from a user's file, the text is what the file states.
     """
     if reference.stated:
         return total.stated
     levels = ", ".join(str(run.level) for run in reference.runs)
     rest = f"; {reference.unsettled}, which is included" if reference.unsettled else ""
     of = f"3D reference on mesh level{'s' * (len(reference.runs) > 1)} {levels}{rest}"
-    return f"uncertain by {total.percent:.2f} % ({of})"
+    inputs = "" if total.inputs is None else f"; input uncertainty (tolerances) {total.inputs:.2f} %"
+    return f"numerical uncertainty (mesh) {total.discretisation:.2f} % of the mean load ({of}){inputs}"
 
 
 def comparison_verdict_sentence(compared: NutOrBearingComparison, reference: Reference) -> str:

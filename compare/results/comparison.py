@@ -55,7 +55,8 @@ class Loads:
     displacement: float
     """Axial displacement of the screw at the nut's centre from its unloaded position [m]; nan if not known."""
     L10: float | None
-    """Life L10 from the loads [revolutions]; None if no contact is loaded, and outside the formulas' range of validity."""
+    """Life from the loads [revolutions], L10 of a nut, L10r of a bearing; None if no contact is loaded, and outside the
+    formulas' range of validity."""
     seconds: float | None
     """Computing time of the model or of the reference [s]; None if not measured."""
     measured: str
@@ -308,7 +309,7 @@ def _loads_record_fields(one: LoadsWithErrors) -> dict[str, Any]:
 
     ``one``: contact loads of the model or reference; their contact angles are converted to radians.
     """
-    contacts, life = one.contact_loads, one.derived_results.life
+    contacts, life = one.contact_loads, one.derived_results.life_by_loads
     return {
         "name": one.label,
         "loads": contacts.load,

@@ -83,10 +83,10 @@ class FrictionBall:
 
 @result_record(kw_only=True)
 class FrictionBand:
-    """Friction torques at the smallest and largest coefficient of friction measured with lubricants, 0.003 and 0.1."""
+    """Friction torques at the smallest and largest coefficient of sliding friction with lubricants, 0.03 and 0.1."""
 
     coefficients: Sequence[float] = quantity_field(
-        "coefficients", "smallest and largest coefficient of friction measured with lubricants, 0.003 and 0.1", parts="[]"
+        "coefficients", "smallest and largest coefficient of sliding friction with lubricants, 0.03 and 0.1", parts="[]"
     )
     torque: Sequence[float | None] = quantity_field(
         "friction_torque_Nmm",
@@ -192,6 +192,13 @@ class Friction(Data):
         heading="friction torque",
         form="g3",
     )
+    reverse_torque: float | None = quantity_field(
+        "torque.reverse_friction_torque_Nmm",
+        "torque of the friction forces in the reversed motion",
+        error="that of the friction torque",
+        heading="friction torque, reversed",
+        form="g3",
+    )
     torque_on_screw: float | None = quantity_field(
         "torque.friction_torque_on_screw_Nmm",
         "friction torque that acts on the screw, with sign",
@@ -259,10 +266,11 @@ class Friction(Data):
     loss: float | None = quantity_field(
         "losses.total_W",
         "power lost in all contacts",
-        QuantityDescription("losses", "power lost between balls, and power that Heathcote slip would add", parts=".*"),
+        QuantityDescription("losses", "power lost between balls, and change of the power by Heathcote slip", parts=".*"),
         QuantityDescription(
             "losses.by_contact_W",
-            "power lost on one groove flank, and the shares of sliding across and along the groove and of spin",
+            "power lost on one groove flank, the shares of sliding across and along the groove and of spin, the power lost "
+            "if the contacts are curved, and mean loads of the flank with and without friction",
             parts="[].*",
         ),
         QuantityDescription(
@@ -277,6 +285,7 @@ class Friction(Data):
         ),
         heading="power lost",
         form="g3",
+        note="at {speed_rpm} rpm",
     )
     imbalance: float | None = quantity_field(
         "solver.friction_imbalance",
@@ -639,7 +648,10 @@ def _statistics_from_json(x: Mapping[str, Any]) -> Statistics:
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Written(Data):
-    """Path of a report that `rollbench.report` wrote, with the verdict that the report gives on the scene."""
+    """Path of a report that `rollbench.report` wrote, with the verdict that the report gives on the scene.
+
+    It is true if the report passed (`passed`).
+    """
 
     page: Path
     """File of the report's first page."""
@@ -648,3 +660,7 @@ class Written(Data):
     True."""
     verdict: str = ""
     """Sentence that judges the scene; empty for the report on all scenes."""
+
+    def __bool__(self) -> bool:
+        """Whether the report passed, for ``assert rollbench.report(...)``."""
+        return self.passed

@@ -12,6 +12,7 @@ from rollbench.compare.models.answers import ContactLoadResults, ShaftResults
 from rollbench.compare.models.load_cases import AxisDrive, DutyCycleResults, LivesOverDutyCycle, ShaftTorque
 from rollbench.compare.models.loading import LiftOff, LoadPath, Preload, SupportShare
 from rollbench.compare.models.model_form import ExpectedModelErrors
+from rollbench.compare.models.stiffness import LoadPointStiffness, NutStiffness
 from rollbench.compare.models.uncertainty import LoadUncertainty
 from rollbench.compare.results import data, scene_json
 from rollbench.compare.results.comparison import CycleSummary, ModelLoads, Uncertainty
@@ -68,8 +69,12 @@ TABLES = (
     ),
     DefinitionTable(
         "Displacement and rigidity",
-        "",
+        "At two points, each with its own names. `nut`: of the nut or bearing between its two parts, without shaft, "
+        "supports and wind-up, to compare with a catalogue. `load_point`: of the point on which the load acts, to ground, "
+        "all of it in.",
         (
+            ("nut.", NutStiffness),
+            ("load_point.", LoadPointStiffness),
             ("axial.", scene_json.AxialResults),
             ("load_path.", LoadPath),
             ("load_path.supports[].", SupportShare),
@@ -133,6 +138,7 @@ TABLES = (
             ("onset.", data.FrictionOnset),
             ("play.", data.FrictionPlay),
             ("bearing_torque.", BallBearingTorque),
+            ("roller_torques[].", RollerBearingTorque),
             ("drive.", AxisDrive),
             ("drive.sets[].", ShaftTorque),
             ("", data.Friction),
@@ -155,9 +161,9 @@ TABLES = (
     DefinitionTable("Balance and solver", "", (("equilibrium.", Equilibrium), ("solver.", SolverReport))),
     DefinitionTable(
         "Several nuts or bearings, and specimens",
-        "For specimens of a single nut or bearing, `statistics.load_stiffness_N_per_um` is the tangent stiffness of shaft "
-        "and nut together at the loaded points: the force of 0.1 % more load, divided by the displacement of the points "
-        "along the load. `axial.tangent_N_per_um` is the stiffness at the nut's centre.",
+        "`statistics.nut_tangent_N_per_um` and `statistics.load_point_tangent_N_per_um` are those of each specimen, as "
+        "`nut.tangent_N_per_um` and `load_point.tangent_N_per_um`; of several nuts or bearings on a shaft the first is "
+        "that of all nuts, or of all bearings where there is no nut.",
         (
             ("sets[].", SetResult),
             ("housings[].", HousingResult),

@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
-from typing import Any
 
 import numpy as np
 
 from rollbench.compare.errors import ArgumentError
-from rollbench.compare.models.answers import friction_without_compiling
-from rollbench.compare.models.loading import displacement_at_scene_position, with_scaled_loads
+from rollbench.compare.models.loading import with_scaled_loads
 from rollbench.compare.models.registry import ModelOptions, default_model_name, run_model
+from rollbench.compare.models.stiffness import displacement_of_nut_alone, place_of_displacement, tangent_of_nuts
 from rollbench.compare.quantities import record_as_json
 from rollbench.compare.results.base import JSON, Record, add_schema_version
+from rollbench.lowfi.rating.displacement import motion_at
 from rollbench.lowfi.statics.result import AxisResult, StaticResult
 from rollbench.lowfi.warned import ResultWarning, join_brief_warnings
 from rollbench.meshes import units
@@ -49,8 +49,8 @@ class LoadRange:
     direction: Vector = AXES["z"]
     """Unit vector of the forces."""
     at: float | str | None = None
-    """Axial position on the shaft [m], or name of the housing, on which the forces act. None: the nut's centre, or for
-    several nuts or bearings on one shaft the point on which the scene's loads act."""
+    """Axial position on the shaft [m], or name of the housing, on which the forces act. None: the point on which the
+    scene's own load acts; without one, the nut's centre, or for several nuts or bearings ``stiffness_at``."""
 
 
 def read_load_range(text: str) -> LoadRange:
@@ -135,16 +135,25 @@ class CurvePoint:
         "load_factor", "factor on all loads of the scene, if the curve is over load factors"
     )
     displacement: float | None = quantity_field(
-        "displacement_um",
-        "displacement of the loaded point along the force, from its position without loads (without preload: from its "
-        "nominal position)",
-        error="that of `displacement_um`",
+        "load_point_displacement_um",
+        "displacement of the loaded point along the force, to ground, from its position without loads (without preload: "
+        "from its nominal position)",
+        error="that of `load_point.displacement_um`",
     )
     stiffness: float | None = quantity_field(
-        "stiffness_N_per_um",
+        "load_point_tangent_N_per_um",
         "tangent of the curve: difference between 0.1 % more and 0.1 % less load, divided by the difference of the "
-        "displacements, with all degrees of freedom free that the scene leaves free",
-        error="that of the rigidity",
+        "displacements of the loaded point",
+        error="that of `load_point.tangent_N_per_um`",
+    )
+    nut_displacement: float | None = quantity_field(
+        "nut_displacement_um",
+        "axial displacement of the nut as `nut.displacement_um`, from the same position; null for several nuts or bearings",
+    )
+    nut_stiffness: float | None = quantity_field(
+        "nut_tangent_N_per_um",
+        "tangent of the nut as `nut.tangent_N_per_um`, between 0.1 % more and 0.1 % less load; of several nuts, or "
+        "bearings where there is no nut, the sum",
     )
     largest: float | None = quantity_field(
         "largest_load_N", "largest load of a contact or roller", error="as `loads.max_N`"
@@ -164,7 +173,7 @@ class LoadCurve(Record):
     >>> import rollbench
     >>> curve = rollbench.load_curve("lin-case1", "-3000N:3000N:5", "lin")
     >>> curve.lash, round(curve.forward / 1e6)  # m, N/um
-    (0.0, 201)
+    (0.0, 135)
     """
 
     scene: str = quantity_field("scene")
@@ -239,6 +248,8 @@ class _SolutionAtLoad:
     displacement: float = math.nan
     #: Largest contact load [N]; nan without equilibrium.
     largest_load: float = math.nan
+    #: Axial displacement of the nut or bearing [m]; nan without equilibrium, and of several.
+    nut_displacement: float = math.nan
 
 
 def compute_load_curve(
@@ -246,9 +257,8 @@ def compute_load_curve(
 ) -> LoadCurve:
     """Solve a scene over a range of loads, for displacement, stiffness and backlash.
 
-    Forces replace the scene's loads. They act at the nut's centre, or for several nuts or bearings on one shaft where the
-    scene's loads act, unless ``course`` states another point. Factors multiply all loads of the scene; the curve is then
-    plotted over the first of these loads.
+    Forces replace the scene's loads. They act where the scene's load acts, unless ``course`` states another point. Factors
+    multiply all loads of the scene; the curve is then plotted over the first of these loads.
 
     Parameters
     ----------
@@ -287,39 +297,45 @@ def compute_load_curve(
         if not result.converged:
             return _SolutionAtLoad(here, result)
         loads = [result.load] if isinstance(result, StaticResult) else [s.loads for s in result.sets]
-        moved = float(np.dot(_displacement_at_load_point(here, result, at)[:3], direction))
-        return _SolutionAtLoad(here, result, moved, max(float(np.max(x, initial=0.0)) for x in loads))
+        moved = float(np.dot(motion_at(result, at)[:3], direction))
+        nut, largest = displacement_of_nut_alone(here, result), max(float(np.max(x, initial=0.0)) for x in loads)
+        return _SolutionAtLoad(here, result, moved, largest, nut)
 
     bare = solution_at_load(0.0)
     pressed = bare.largest_load > 0.0
-    start = bare.displacement if pressed else 0.0
+    start, nut_start = (bare.displacement, bare.nut_displacement) if pressed else (0.0, 0.0)
     top = max(map(abs, course.values))
     ends, words = _backlash_limits(course, lambda f: solution_at_load(f).displacement, top)
     lash = None if ends is None else ends[1] - ends[0]
 
-    def tangent_stiffness_at_load(value: float) -> float | None:
-        """Return the tangent stiffness [N/m] at a force [N] or load factor; None if the nut is within its backlash."""
+    def tangents_at_load(value: float) -> tuple[float | None, float | None]:
+        """Return the tangents of load's point and nut [N/m] at a force [N] or load factor; None within the backlash."""
         step = STEP * (abs(value) if abs(value) > STEP * top else top)
-        moved = solution_at_load(value + step).displacement - solution_at_load(value - step).displacement
-        stiff = math.nan if not moved else 2.0 * step * unit / moved
-        loose = abs(value) <= STEP * top and not (pressed and not lash)
-        return None if loose or not math.isfinite(stiff) else stiff
+        low, high = solution_at_load(value - step), solution_at_load(value + step)
+        if (abs(value) <= STEP * top and not (pressed and not lash)) or not (
+            low.result.converged and high.result.converged
+        ):
+            return None, None
+        moved = high.displacement - low.displacement
+        nut = tangent_of_nuts(low.scene, low.result, high.result)
+        return 2.0 * step * unit / moved if moved and math.isfinite(moved) else None, nut
 
     points = []
+    torques = iter(_friction_torques([solution_at_load(value) for value in course.values], options.member))
     for value in course.values:
         s, free = solution_at_load(value), value == 0.0 and bool(lash)
         status = "displacement not unique: anywhere within the backlash" if free else s.result.status
-        friction = None
-        if isinstance(s.scene, Scene) and isinstance(s.result, StaticResult) and s.largest_load > 0.0:
-            friction, _ = friction_without_compiling(s.scene, s.result, options.member)
+        tangent, nut_tangent = tangents_at_load(value)
         points.append(
             CurvePoint(
                 load=value * unit,
                 factor=value if course.factors else None,
                 displacement=None if free or math.isnan(s.displacement) else s.displacement - start,
-                stiffness=tangent_stiffness_at_load(value),
+                stiffness=tangent,
+                nut_displacement=None if free or math.isnan(s.nut_displacement) else s.nut_displacement - nut_start,
+                nut_stiffness=nut_tangent,
                 largest=None if math.isnan(s.largest_load) else s.largest_load,
-                torque=None if friction is None else 1e-3 * friction["friction_torque_Nmm"],
+                torque=next(torques),
                 status=status,
             )
         )
@@ -352,15 +368,8 @@ def _load_function_and_direction(
     if the loads are load factors, the magnitude of the force on this housing in the scene or, without a housing, of the
     first force of the scene. ``course``: range of loads. Raises ArgumentError if the range does not fit the scene.
     """
-    if isinstance(scene, Assembly):
-        from rollbench.lowfi.statics.axis.system import location_of_reported_stiffness  # imports the solver of several nuts
-
-        at = location_of_reported_stiffness(scene)
-    else:
-        at = scene.nut.position
+    at = place_of_displacement(scene)
     if course.factors:
-        if isinstance(scene, Scene) and scene.loads:
-            at = scene.loads[0].at
         given = [h.force for h in scene.housings if h.name == at] if isinstance(scene, Assembly) else []
         force = (given or [x.force for x in scene.loads] or [(0.0, 0.0, 0.0)])[0]
         size = float(np.linalg.norm(force))
@@ -390,13 +399,6 @@ def _load_function_and_direction(
     return scene_under_force, course.direction, at, 1.0
 
 
-def _displacement_at_load_point(scene: Scene | Assembly, result: StaticResult | AxisResult, at: float | str) -> Any:
-    """Return the displacement (6,) [m, rad] of the axial position or housing ``at``, on which the force acts."""
-    if isinstance(scene, Assembly) and isinstance(result, AxisResult):
-        return displacement_at_scene_position(scene, result)
-    return np.array([np.interp(float(at), result.centreline_z, u) for u in result.centreline.T])
-
-
 def _backlash_limits(
     course: LoadRange, displacement_at: Callable[[float], float], largest_load: float
 ) -> tuple[tuple[float, float] | None, str]:
@@ -419,6 +421,26 @@ def _backlash_limits(
     if abs(ends[1] - ends[0]) <= rough:
         ends = [0.5 * (ends[0] + ends[1])] * 2
     return (ends[0], ends[1]), ""
+
+
+def _friction_torques(solutions: Sequence[_SolutionAtLoad], member: int) -> list[float | None]:
+    """Return the friction torque [N m] at each solution; None without friction, and for an axis or balls without load.
+
+    ``member``: number of the random draw of the geometric errors.
+    """
+    pressed = [
+        (k, (s.scene, s.scene.friction, s.result))
+        for k, s in enumerate(solutions)
+        if isinstance(s.scene, Scene) and isinstance(s.result, StaticResult) and s.scene.friction and s.largest_load > 0.0
+    ]
+    torques: list[float | None] = [None] * len(solutions)
+    if not pressed:
+        return torques
+    from rollbench.compare.models.friction_sums import friction_results_of_scenes  # heavy import
+
+    for (k, _), (found, _) in zip(pressed, friction_results_of_scenes([of for _, of in pressed], member), strict=True):
+        torques[k] = None if found is None else 1e-3 * found["friction_torque_Nmm"]
+    return torques
 
 
 def _secant_stiffness_outside_backlash(end: CurvePoint, backlash_end: float) -> float | None:

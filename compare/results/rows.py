@@ -7,12 +7,14 @@ HTML page, notebooks and the manual show the same table.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from math import pi
 from typing import Any
 
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.load_cases import AxisDrive, DutyCycleResults, SceneSolution, ShaftSolution
 from rollbench.compare.models.loading import COMPONENTS, NOTHING, LiftOff, LoadPath, Preload
 from rollbench.compare.models.model_form import ExpectedModelErrors
+from rollbench.compare.models.stiffness import LoadPointStiffness, NutStiffness
 from rollbench.compare.quantities import format_by_error, format_range, heading_and_unit
 from rollbench.compare.results import scene_json
 from rollbench.compare.results.base import Row
@@ -34,6 +36,8 @@ GROUPS: tuple[tuple[str, type], ...] = (
     ("loads", scene_json.BallLoadSummary),
     ("loads", scene_json.RollerLoadSummary),
     ("axial", scene_json.AxialResults),
+    ("nut", NutStiffness),
+    ("load_point", LoadPointStiffness),
     ("", AxialRigidities),
     ("worst_contact", BallContact),
     ("worst_contact", RollerContact),
@@ -61,17 +65,22 @@ OF_MEAN = ("percent", "rms_percent")
 #: Note in the table of results if the preload is not known.
 UNKNOWN = "no equilibrium was found without the scene's loads"
 #: Groups of the JSON summary of several nuts or bearings that describe the whole shaft, not one nut or bearing.
-OF_ALL = ("axial", "drive", "axis_life")
+OF_ALL = ("axial", "nut", "load_point", "tangent_words", "drive", "axis_life")
 #: Columns of the table of nuts and bearings on a shaft: group in the JSON summary of each, key in this group, heading.
 OF_SETS = (
+    ("nut", "tangent_N_per_um", "rigidity, tangent N/um"),
+    ("nut", "across_um", "across um"),
+    ("nut", "tilt_mrad", "tilt mrad"),
     ("loads", "max_N", "largest load N"),
     ("worst_contact", "pressure_MPa", "peak pressure MPa"),
     ("static_safety", "factor", "static safety"),
     ("preload", "axial_N", "preload N"),
     ("bearing_torque", "starting_Nmm", "starting torque N mm"),
     ("bearing_torque", "running_Nmm", "running torque N mm"),
-    ("roller_torque", "torque_Nmm", "roller torque N mm"),
+    ("roller_torque", "band_Nmm", "roller torque N mm"),
+    ("roller_torque", "timken_Nmm", "by Timken N mm"),
     ("life", "L10_million_revolutions", "L10 1e6 rev"),
+    ("reference_life", "L10r_million_revolutions", "L10r 1e6 rev"),
 )
 
 
@@ -102,8 +111,8 @@ def solution_rows(solved: SceneSolution | ShaftSolution, *, details: bool = Fals
     data = scene_json.axis_summary_json(solved)
     whole = {key: data.pop(key) for key in OF_ALL if key in data}
     names = [solved.derived_results.set_results[i].name for i in solved.derived_results.set_indices_by_pressure[:1]]
-    worst = rows_from_summary_json(data, details=details) if names else []
-    head = rows_from_summary_json(whole, details=details)
+    worst = rows_from_summary_json(data, solved.expected_errors, details=details) if names else []
+    head = rows_from_summary_json(whole, solved.expected_errors, details=details)
     return [*head, *supports, *(Row("nut or bearing, worst contact", name) for name in names), *worst]
 
 
@@ -130,9 +139,10 @@ def rows_from_summary_json(
     mean = (data.get("loads") or {}).get("mean_N")
     for (group, _), (kind, table, stated) in zip(GROUPS, _summary_groups(data), strict=True):
         for key, x in stated if details else [pair for pair in stated if pair[1].heading]:
-            row = _quantity_row(table, key, x, expected_errors, mean)
+            known = expected_errors if table.get("along", "z") == "z" else None  # compared along the axis only
+            row = _quantity_row(table, key, x, known, mean) if key != "of" else None
             if row is not None and (details or row.unit or row.value not in ("0", "no")):
-                of = "" if x.heading or not group else f"{group.replace('_', ' ')}: "
+                of = _part_of(table) or ("" if x.heading or not group else f"{group.replace('_', ' ')}: ")
                 found.append(row._replace(quantity=f"{of}{row.quantity}"))
         found += _missing_value_rows(data, kind)
     return found
@@ -168,7 +178,7 @@ def rows_with_reference(
                 name, unit = _quantity_name_and_unit(x)
                 off = f"{float(error_percent(value, other)):+z.2f} %" if other else ""
                 expected = _expected_error_of_value(value, x.expected, expected_errors, mean)[1]
-                yield name, format_by_error(value), format_by_error(other), unit, off, expected
+                yield f"{_part_of(table)}{name}", format_by_error(value), format_by_error(other), unit, off, expected
 
 
 def _summary_groups(
@@ -195,6 +205,11 @@ def _quantity_name_and_unit(definition: QuantityDescription) -> tuple[str, str]:
     """
     name, unit = heading_and_unit(definition)
     return name, unit.replace("million revolutions", "1e6 rev")
+
+
+def _part_of(table: Mapping[str, Any]) -> str:
+    """Return the part or point to which the quantities of a group belong, as the beginning of their names; often empty."""
+    return f"{table['of']}: " if "of" in table else ""
 
 
 def _json_value_at(table: Mapping[str, Any], key: str) -> Any:
@@ -277,8 +292,8 @@ def _missing_value_rows(data: Mapping[str, Any], kind: type) -> Iterator[Row]:
     preload, lost, drive = (data.get(key) or {} for key in ("preload", "contact_lost", "drive"))
     if kind is scene_json.BallLoadSummary and "loads" in data and data["loads"] is None:
         yield Row("contact loads", "none", note="no contact carries load")
-    elif kind is AxialRigidities and (words := (data.get("axial") or {}).get("tangent_words")):
-        yield Row("axial rigidity, tangent", "none", note=words)
+    elif kind is LoadPointStiffness and (words := data.get("tangent_words")):
+        yield Row("rigidities, tangent", "none", note=words)
     elif kind is Preload and "preload" in data and not preload.get("loaded_contacts"):
         known = "without the loads"
         yield Row("preload", "none" if preload else "not known", note=known if preload else UNKNOWN)
@@ -289,8 +304,10 @@ def _missing_value_rows(data: Mapping[str, Any], kind: type) -> Iterator[Row]:
     elif kind is AxisDrive and drive and drive["running_torque_Nmm"] is None:
         words = "; ".join(dict.fromkeys(x["words"] for x in drive["sets"] if x["words"]))
         yield Row("motor torque, running", "not known", note=words)
+    elif kind is SystemLife and data.get("axis_life") and data["axis_life"]["L10_million_revolutions"] is None:
+        yield Row("life L10 of the whole axis", "–", note="L10 of a nut or bearing is not known")
     elif kind is BasicRatingLife and "life" in data and data["life"] is None:
-        yield Row("life L10", "none", note=data.get("rating_refused") or data.get("life_words") or "no load")
+        yield Row("life L10", "–", note=data.get("rating_refused") or data.get("life_words") or "no load")
 
 
 def _support_load_rows(path: LoadPath | None) -> Iterator[Row]:
@@ -328,7 +345,6 @@ def bearing_and_nut_rows(solved: ShaftSolution) -> list[dict[str, Any]]:
         data = scene_json.nut_or_bearing_summary_json(s, answers, solved.scene.motion)
         row: dict[str, Any] = {"set": f"{k} {s.of.name}", "z mm": f"{1e3 * s.of.position:.1f}"}
         row["axial force N"] = format_by_error(float(s.force[2]))
-        row["axial rigidity N/um"] = format_by_error(1e-6 * float(s.stiffness[2, 2]))
         for group, key, heading in OF_SETS:
             value = (data.get(group) or {}).get(key)
             shown = format_range if isinstance(value, list) else format_by_error
@@ -352,6 +368,8 @@ def friction_rows(data: Mapping[str, Any]) -> list[Row]:
     """
     solved = data.get("torque") and data.get("sets", True)
     torque = data["torque"] | {"losses": data.get("losses")} if solved else {}
+    if torque and data.get("motion"):
+        torque["speed_rpm"] = float(f"{abs(data['motion']['speed_rad_s']) * 30.0 / pi:.6g}")
     band = data.get("band") and data["band"] | dict(zip(("least", "most"), data["band"]["coefficients"], strict=True))
     return rows_from_summary_json({"friction": torque, "band": band, "drive": data.get("drive")})
 
@@ -382,7 +400,8 @@ def expected_error_sentence(expected_errors: ExpectedModelErrors | None) -> str:
     Parameters
     ----------
     expected_errors
-        The errors to expect; None for several nuts or bearings on one shaft, where they are not known.
+        The errors to expect; None for several nuts or bearings on one shaft, where they are not known, but for a double
+        nut.
 
     Returns
     -------
@@ -390,12 +409,18 @@ def expected_error_sentence(expected_errors: ExpectedModelErrors | None) -> str:
         The sentence, without a full stop.
     """
     if expected_errors is None:
-        unknown = "not known for several nuts or bearings on one shaft"
+        unknown = "not known for several nuts or bearings on one shaft other than a double nut"
         return f"error to expect: {unknown}; measure it by: rollbench compare SCENE"
     nearest, words = expected_errors.nearest, "; ".join(expected_errors.words)
     if expected_errors.percent is None:
         away = f" (most similar scene: {nearest})" if nearest else ""
         return f"error to expect: not covered by the comparisons with the 3D reference{away}; {words}"
-    of = f"{expected_errors.compared} similar scene{'s' * (expected_errors.compared != 1)}"
-    smaller = f"in nine of ten of {of} the error was smaller, most similar: {nearest}"
+    if expected_errors.calibrated:
+        like = f"{expected_errors.calibrated} compared scenes that calibrate it"
+        smaller = f"nine in ten new scenes drawn like the {like} have a smaller one, most similar: {nearest}"
+    else:
+        of = f"{expected_errors.compared} similar scene{'s' * (expected_errors.compared != 1)}"
+        smaller = (
+            f"in nine of ten of {of} the error was smaller, without a guarantee for a new one, most similar: {nearest}"
+        )
     return f"error to expect: {smaller}; {words}; measure it by: rollbench compare SCENE"

@@ -8,14 +8,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rollbench.compare.measure import count_contacts, error_percent, mean_load
-from rollbench.compare.models.answers import LoadResults, RollerLoadResults, clearance_of_deep_groove
+from rollbench.compare.models.answers import LifeByLoads, LoadResults, RollerLoadResults, clearance_of_deep_groove
 from rollbench.compare.models.load_cases import DutyCycleResults, LivesOverDutyCycle, SceneSolution, ShaftSolution
 from rollbench.compare.models.model_form import ExpectedModelErrors
 from rollbench.compare.models.registry import has_random_errors
+from rollbench.compare.models.stiffness import SceneStiffness
 from rollbench.compare.quantities import json_number, record_as_json
 from rollbench.compare.scenes.duty_cycle import DutyCycle, LoadCase
 from rollbench.lowfi.rating.contacts import RACES, contact_pressures, race_pressures
-from rollbench.lowfi.rating.life import BasicRatingLife
+from rollbench.lowfi.rating.iso_lives import ReferenceLife
 from rollbench.lowfi.statics.nominal import count_nominal_contacts
 from rollbench.lowfi.statics.result import AxisResult, SetResult, StaticResult
 from rollbench.lowfi.statics.tangent import TangentStiffness
@@ -30,9 +31,7 @@ if TYPE_CHECKING:
     from rollbench.lowfi.bearings.torque import PalmgrenLoadTorque
 
 #: JSON keys in the summary of a nut or bearing that are not repeated in the summary of the whole shaft.
-OF_A_SET = ("sides", "preload", "starting_torque", "bearing_torque", "clearance", "roller_torque")
-#: Friction force [N] whose reversal causes the computed lost motion.
-LOST_BY = 100.0
+OF_A_SET = ("sides", "nut", "preload", "starting_torque", "bearing_torque", "clearance", "roller_torque")
 
 
 def values_by_flank(row: Array) -> dict[str, float | None]:
@@ -171,39 +170,12 @@ class FlankLoadSummary:
 
 @result_record
 class AxialResults:
-    """Axial force [N], axial displacement [m] and axial rigidities [N/m] of a nut, bearing or shaft."""
+    """Axial force [N] on a screw, bearing or shaft, and a stiffness of the model liu [N/m]."""
 
     force: float = quantity_field(
         "force_N",
         "axial force on the screw, from the external loads and the reactions; positive towards larger z",
         heading="axial force",
-    )
-    displacement: float | None = quantity_field(
-        "displacement_um",
-        "axial displacement of the screw at the nut's centre (of an axis: at its loaded cross-section), relative to the "
-        "same scene without external loads",
-        error="`model_form.displacement_percent`",
-        heading="axial displacement",
-        expected=("displacement_percent", 1.0),
-    )
-    secant_rigidity: float | None = quantity_field(
-        "rigidity_N_per_um",
-        "secant stiffness: axial force divided by axial displacement",
-        error="that of the displacement",
-        heading="axial rigidity, secant",
-        expected=("displacement_percent", 1.0),
-    )
-    tangent_rigidity: float | None = quantity_field(
-        "tangent_N_per_um",
-        "tangent stiffness: derivative of the axial force with respect to the axial displacement at the solution, with the "
-        "other degrees of freedom free",
-        error="`model_form.rigidity_percent`",
-        heading="axial rigidity, tangent",
-        expected=("rigidity_percent", 1.0),
-        default=None,
-    )
-    no_tangent_reason: str = quantity_field(
-        "tangent_words", "reason why there is no tangent stiffness", show=lambda words: words or None, default=""
     )
     stiffness_over_load_step: float | None = quantity_field(
         "stepped_N_per_um",
@@ -213,17 +185,6 @@ class AxialResults:
         heading="rigidity over the load step",
         default=None,
     )
-
-    @property
-    @QuantityDescription(
-        "lost_motion_um_per_100N",
-        "axial displacement when a friction force of 100 N reverses: 2 x 100 N divided by the tangent stiffness at rest",
-        heading="lost motion, um by 100 N",
-    )
-    def lost_motion(self) -> float | None:
-        """Lost motion: axial displacement [um] when a friction force of 100 N reverses; None without tangent stiffness."""
-        K = self.tangent_rigidity
-        return None if K is None or K <= 0.0 else 1e6 * (2.0 * LOST_BY / K)
 
 
 @result_record
@@ -241,7 +202,6 @@ class StiffnessAtPosition:
         "matrix",
         "row by row: change of force [N] and moment [N m] for a unit displacement [m] or rotation [rad] of the shaft at "
         "this position, with the nut fixed; null in degrees of freedom that a support fixes",
-        error="`model_form.rigidity_percent`, on its axial term",
         parts="[][]",
     )
 
@@ -302,6 +262,15 @@ def roller_loads_json(load: Array) -> dict[str, Any] | None:
     return record_as_json(RollerLoadSummary(int(load.argmax()) + 1, *ends, int(carried.size), empty))
 
 
+def stiffness_of_scene_json(stiffness: SceneStiffness, *without: str) -> dict[str, Any]:
+    """Return displacement and stiffness of nut or bearing, and of the load's point, as JSON.
+
+    ``without``: keys to leave out.
+    """
+    of_load = record_as_json(stiffness.load_point, *without)
+    return {"nut": record_as_json(stiffness.nut), "load_point": of_load, "tangent_words": stiffness.words or None}
+
+
 def stiffness_json(station: float | None, status: str, matrix: Array) -> dict[str, Any]:
     """Return a stiffness matrix as JSON, with null in fixed degrees of freedom.
 
@@ -311,13 +280,13 @@ def stiffness_json(station: float | None, status: str, matrix: Array) -> dict[st
     return record_as_json(StiffnessAtPosition(station, str(status), FREEDOMS, matrix))
 
 
-def life_json(life: BasicRatingLife | None, speed: float | None) -> dict[str, Any] | None:
-    """Return a basic rating life as JSON, also in hours if the speed is known; None if there is no life.
+def life_json(life: LifeByLoads | None, speed: float | None) -> dict[str, Any] | None:
+    """Return a rating life as JSON, also in hours if the speed is known; None if there is no life.
 
     ``speed``: speed of rotation [rad/s]; None if it is not known.
     """
-    data = record_as_json(life)
-    return data | {"L10_hours": json_number(life.hours(speed))} if data is not None and life and speed else data
+    data, key = record_as_json(life), "L10r_hours" if isinstance(life, ReferenceLife) else "L10_hours"
+    return data | {key: json_number(life.hours(speed))} if data is not None and life and speed else data
 
 
 def contact_ratings_json(answers: LoadResults, motion: Motion | None = None) -> dict[str, Any]:
@@ -331,7 +300,8 @@ def contact_ratings_json(answers: LoadResults, motion: Motion | None = None) -> 
         data = record_as_json(answers) | {"static_safety": safety, "rating_refused": None}
     else:
         data = record_as_json(answers)
-    return data | {"life": life_json(answers.life, None if motion is None else motion.speed)}
+    speed = None if motion is None else motion.speed
+    return data | {"life": life_json(answers.life, speed), "reference_life": life_json(answers.reference, speed)}
 
 
 def single_set_results_json(solved: SceneSolution) -> dict[str, Any]:
@@ -343,13 +313,11 @@ def single_set_results_json(solved: SceneSolution) -> dict[str, Any]:
     if answers is None:
         return {}
     three, step = answers.rigidities, answers.load_step_stiffness
-    secant = None if three is None else three.with_unequal_loads
-    tangent = (answers.tangent, answers.tangent_words)
-    axial = AxialResults(answers.axial_force, answers.displacement, secant, *tangent, step)
-    without = ("lost_motion_um_per_100N", *(("stepped_N_per_um",) if step is None else ()))
+    axial = AxialResults(answers.axial_force, step)
     return {
         "loads": ball_loads_json(solved.result.load, count_nominal_contacts(scene, solved.result)),
-        "axial": record_as_json(axial, *without),
+        "axial": record_as_json(axial, *(("stepped_N_per_um",) if step is None else ())),
+        **stiffness_of_scene_json(answers.stiffness, "lost_motion_um_per_100N"),
         **(record_as_json(three) or {"rigidities_N_per_um": None}),
         **contact_ratings_json(answers.load_results, scene.motion),
         "preload": record_as_json(answers.preload),
@@ -395,8 +363,8 @@ def nut_or_bearing_summary_json(
 ) -> dict[str, Any]:
     """Return the JSON summary of one nut or bearing out of several on a shaft; empty without equilibrium.
 
-    ``set_result``: solution of the nut or bearing. ``answers``: results from its contact loads; None: only the loads on
-    each flank are returned. ``motion``: motion whose speed gives the life in hours.
+    ``set_result``: solution of the nut or bearing. ``answers``: results from its contact loads, and its stiffness; None:
+    only the loads on each flank are returned. ``motion``: motion whose speed gives the life in hours.
     """
     if not np.isfinite(set_result.loads).all():
         return {}
@@ -404,7 +372,7 @@ def nut_or_bearing_summary_json(
     if answers is None:
         return data
     loads = roller_loads_json(set_result.loads) if set_result.balls is None else ball_loads_json(set_result.balls.load)
-    data |= {"loads": loads} | contact_ratings_json(answers.load_results, motion)
+    data |= {"loads": loads, "nut": record_as_json(answers.stiffness)} | contact_ratings_json(answers.load_results, motion)
     data["preload"] = record_as_json(answers.preload)
     if not isinstance(answers.parts, Scene):
         return data
@@ -433,10 +401,8 @@ def axis_summary_json(solved: ShaftSolution) -> dict[str, Any]:
     data: dict[str, Any] = {"sides": flank_loads_json(np.concatenate(loads))} if loads else {}
     if answers is None:
         return data
-    moved, tangent = answers.displacement, None if result.stiffness is None else result.stiffness[2, 2]
-    secant = answers.axial_load / moved if moved and answers.axial_load else None
-    axial = AxialResults(answers.axial_load, moved, secant, tangent)
-    data["axial"] = record_as_json(axial, "tangent_words", "stepped_N_per_um")
+    data["axial"] = record_as_json(AxialResults(answers.axial_load), "stepped_N_per_um")
+    data |= stiffness_of_scene_json(answers.stiffness)
     data["stiffness"] = axis_stiffness_json(result)
     data["load_path"] = record_as_json(answers.load_path)
     data |= {"drive": record_as_json(solved.motor_torques), "axis_life": record_as_json(solved.combined_life)}
@@ -607,7 +573,9 @@ def cycle_results_json(cycle_results: DutyCycleResults) -> dict[str, Any]:
 
     def lives_json(lives: LivesOverDutyCycle) -> dict[str, Any]:
         """Return the lives of one nut or bearing over a duty cycle as JSON, one for each standard that gives a life."""
-        return {"life": life_json(lives.life, cycle_results.speed), **record_as_json(lives)}
+        speed = cycle_results.speed
+        timed = {"reference_life": life_json(lives.reference, speed)}
+        return {"life": life_json(lives.life, speed), **record_as_json(lives), **timed}
 
     several = len(cycle_results.lives) != 1
     data = record_as_json(cycle_results, *([] if several else ["life_set", "axis_life"]))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -42,20 +42,25 @@ class Alternative:
     scene: str = quantity_field("scene")
     """Name of the scene."""
     status: str = quantity_field("status", "converged, or the reason why there is no equilibrium")
-    axial_stiffness: float | None = quantity_field(
-        "axial_stiffness_N_per_um",
-        "axial tangent stiffness: of a single nut or bearing at its centre, with the rotation about the axis fixed; of "
-        "several on one shaft at the position that the scene states, with all other degrees of freedom fixed",
-        error="that of the rigidity",
+    nut_tangent: float | None = quantity_field(
+        "nut_tangent_N_per_um",
+        "`nut.tangent_N_per_um`, without the shaft: of the nuts, or of the bearings without a nut; null where nuts and "
+        "bearings stand side by side",
+    )
+    load_point_tangent: float | None = quantity_field(
+        "load_point_tangent_N_per_um",
+        "`load_point.tangent_N_per_um`, to ground; null where loads along z and across stand side by side",
+        error="that of the rigidity, along z",
     )
     radial_stiffness: float | None = quantity_field(
         "radial_stiffness_N_per_um",
-        "smallest radial tangent stiffness of all directions, at the point of the axial stiffness, with all other degrees "
-        "of freedom fixed",
-        error="that of the rigidity",
+        "smallest radial tangent stiffness of all directions, with all other degrees of freedom fixed: of a single nut or "
+        "bearing at its centre without its shaft, of several with their shaft at the position that the scene states; null "
+        "where scenes of both kinds stand side by side",
     )
-    displacement: float | None = quantity_field(
-        "displacement_um", "axial displacement, under the loads, of the point at which the axial stiffness is taken"
+    nut_displacement: float | None = quantity_field("nut_displacement_um", "`nut.displacement_um`")
+    load_point_displacement: float | None = quantity_field(
+        "load_point_displacement_um", "`load_point.displacement_um`", error="that of the displacement, along z"
     )
     largest: float | None = quantity_field(
         "largest_load_N", "largest load of a contact or roller in any nut or bearing of the scene"
@@ -78,13 +83,20 @@ class Alternative:
     inertia: float | None = quantity_field(
         "inertia_kg_mm2", "moment of inertia of the axis at its motor, the motor's own included"
     )
-    life: float | None = quantity_field(
+    basic: float | None = quantity_field(
         "L10_million_revolutions",
-        "life L10 of all nuts and bearings of an axis as one system, or of a single nut or bearing",
+        "life L10 (ISO 3408-5 of a nut, ISO 281 of a bearing) of all nuts and bearings of an axis as one system, or of a "
+        "single nut or bearing; null if that of one is not known",
+        error="that of the lives",
+    )
+    life: float | None = quantity_field(
+        "life_million_revolutions",
+        "life by the contact loads (L10 of a nut, L10r of a bearing) of all nuts and bearings of an axis as one system, or "
+        "of a single nut or bearing",
         error="that of the lives",
     )
     hours: float | None = quantity_field(
-        "L10_hours", "life L10 in hours, if the scene states a speed", error="that of the life in revolutions"
+        "life_hours", "this life in hours, if the scene states a speed", error="that of the life in revolutions"
     )
     shortest: str | None = quantity_field("shortest_set", "nut or bearing of an axis with the shortest life")
     warnings: tuple[ResultWarning, ...] = quantity_field("warnings")
@@ -143,8 +155,8 @@ class SideBySide(Record):
         --------
         >>> import rollbench
         >>> both = rollbench.side_by_side(["lin-case1", "lin-case2"], model="lin")
-        >>> [round(x, 1) for x in both.difference_percent("displacement_um")]
-        [0.0, -0.5]
+        >>> [round(x, 1) for x in both.difference_percent("nut_displacement_um")]
+        [0.0, -0.6]
         """
         values = [record_as_json(one)[key] for one in self.scenes]
         middles = [None if x is None else float(np.mean(x)) for x in values]
@@ -184,6 +196,13 @@ def compare_results_side_by_side(results: Sequence[Result], names: Sequence[str]
         The comparison.
     """
     scenes = tuple(_alternative_of_result(one, name) for one, name in zip(results, names, strict=True))
+    if len({isinstance(one.solved[0].scene, Assembly) for one in results}) > 1:  # the shaft is in one and not in the other
+        scenes = tuple(replace(one, radial_stiffness=None) for one in scenes)
+    first = [next(iter(one.cases.values()), one) for one in results]
+    if len({x.nut.of.rstrip("s").split()[-1] for x in first if x.nut is not None}) > 1:  # a nut beside bearings
+        scenes = tuple(replace(one, nut_tangent=None, nut_displacement=None) for one in scenes)
+    if len({x.load_point.along for x in first if x.load_point is not None}) > 1:
+        scenes = tuple(replace(one, load_point_tangent=None, load_point_displacement=None) for one in scenes)
     differ = _names_of_differing_inputs([one.solved[0].scene for one in results])
     return SideBySide(model=results[0].model, scenes=scenes, differ=tuple(differ))
 
@@ -196,29 +215,35 @@ def _alternative_of_result(result: Result, name: str) -> Alternative:
     """
     first = next(iter(result.cases.values()), result)
     K, worst, life, system = first.stiffness, first.worst, result.life, result.axis_life
+    speed = None if first.solved[0].scene.motion is None else first.solved[0].scene.motion.speed
     running, starting, inertia = _torque_ranges_and_inertia(first)
     across = None if K is None or not np.isfinite(K[:2, :2]).all() else float(np.linalg.eigvalsh(K[:2, :2])[0])
-    axial = first.axial_stiffness
+    nut, at_load = first.nut, first.load_point
     loads = [x.max() for x in (first.loads, *(s.roller_loads for s in first.sets.values())) if x is not None and x.size]
-    L10: float | None
+    revolutions = hours = None
+    basic = None if life is None else 1e-6 * life.L10
     if system is not None:
-        L10, hours = system.revolutions, system.hours
-    else:
-        L10 = None if life is None else 1e-6 * life.L10
-        hours = None if life is None or life.seconds is None else life.seconds / 3600.0
+        revolutions, hours, basic = system.revolutions, system.hours, system.basic
+    elif (reference := result.reference_life) is not None:
+        revolutions, hours = reference.revolutions, reference.hours(speed) if speed else None
+    elif life is not None:
+        revolutions, hours = 1e-6 * life.L10, None if life.seconds is None else life.seconds / 3600.0
     return Alternative(
         scene=name,
         status=result.status if result.converged else f"{result.status}: {result.reason}",
-        axial_stiffness=axial if axial is not None and np.isfinite(axial) else None,
+        nut_tangent=None if nut is None else nut.tangent,
+        load_point_tangent=None if at_load is None else at_load.tangent,
         radial_stiffness=across,
-        displacement=None if first.displacement is None else float(first.displacement[2]),
+        nut_displacement=None if nut is None else nut.displacement,
+        load_point_displacement=None if at_load is None else at_load.displacement,
         largest=float(max(loads)) if loads else None,
         pressure=None if worst is None else worst.pressure,
         safety=None if worst is None else worst.safety,
         running=running,
         starting=starting,
         inertia=inertia,
-        life=L10,
+        basic=basic,
+        life=revolutions,
         hours=hours,
         shortest=None if system is None else system.shortest,
         warnings=tuple(dict.fromkeys(w for one in result.solved for w in one.result.warnings)),

@@ -13,6 +13,7 @@ import numpy as np
 from rollbench.compare.models.answers import LoadResults, NutOrBearingResults, RollerLoadResults
 from rollbench.compare.models.load_cases import DutyCycleResults, SceneSolution, ShaftSolution
 from rollbench.compare.models.programs import model_title
+from rollbench.compare.models.stiffness import LoadPointStiffness, NutStiffness
 from rollbench.compare.results.base import JSON, Record, Row, add_schema_version, format_table_as_html, warn_of_deprecation
 from rollbench.compare.results.rows import bearing_and_nut_rows, duty_cycle_rows, expected_error_sentence, solution_rows
 from rollbench.compare.results.scene_json import duty_cycle_json, solved_case_json
@@ -55,7 +56,10 @@ class Status(StrEnum):
 
 @dataclass(frozen=True)
 class Life:
-    """Life L10 from the contact loads (ISO 281, ISO 3408-5), which 90 % of identical screws or bearings reach."""
+    """Life L10, which 90 % of identical screws or bearings reach.
+
+    Of a nut by its contact loads (ISO 3408-5), of a bearing (C/P)^p by the equivalent load P of ISO 281.
+    """
 
     L10: float
     """Life L10 [revolutions]."""
@@ -69,6 +73,8 @@ class Life:
     """Equivalent dynamic load [N]: the constant load for which the basic dynamic load rating gives the same life."""
     standard: str
     """Standard whose formulas are used, such as ISO 3408-5."""
+    by_maker: float | None = None
+    """Life L10 with the maker's C of the scene in place of the computed one [revolutions]; None without such a C."""
 
 
 @dataclass(frozen=True)
@@ -123,10 +129,14 @@ class ExpectedError:
     """Largest error of a contact load [% of the mean contact load]."""
     loads_rms: float | None
     """RMS error of the contact loads [% of the mean contact load]."""
-    displacement: float | None = quantity_field("expected_displacement_error_percent", "expected error of the displacement")
-    """Error of the axial displacement [%]."""
-    rigidity: float | None = quantity_field("expected_rigidity_error_percent", "expected error of the rigidity")
-    """Error of the axial rigidity [%]."""
+    displacement: float | None = quantity_field(
+        "expected_displacement_error_percent", "expected error of the displacement of the load's point, along z"
+    )
+    """Error of the axial displacement of the load's point [%]."""
+    rigidity: float | None = quantity_field(
+        "expected_rigidity_error_percent", "expected error of the tangent rigidity of the load's point, along z"
+    )
+    """Error of the axial tangent rigidity of the load's point [%]."""
     pressure: float | None = quantity_field("expected_pressure_error_percent", "expected error of the largest pressure")
     """Error of the largest pressure [%]."""
     nearest: str
@@ -172,12 +182,16 @@ class SetResult(Balls):
     stiffness: Array | None = None
     """Tangent stiffness between shaft and fixed outer part, (6, 6) [N/m, N, N m], in the degrees of freedom ux, uy, uz,
     rx, ry, rz."""
+    nut: NutStiffness | None = None
+    """Axial displacement [m] and stiffness [N/m] of this nut or bearing between its two parts, under the scene's loads."""
     roller_loads: Array | None = None
     """Loads of the rollers, (count,) [N]; None for balls."""
     worst: WorstContact | None = None
     """Contact with the highest pressure; None if no contact is loaded."""
     life: Life | None = None
-    """Basic rating life; None if no contact is loaded, and outside the range of validity of the formulas."""
+    """Life L10; None if no contact is loaded, and where `life_words` gives another reason."""
+    life_words: str = ""
+    """Why there is no life L10, such as a load that ISO 281 does not cover, or rings that do not turn; else empty."""
     rib: RibContact | None = None
     """Contact of the most loaded roller with the rib of its ring; None for balls, and if no contact is loaded."""
     torque: RollerBearingTorque | None = None
@@ -232,25 +246,26 @@ class Result(Record, Balls):
     force: float | None = None
     """Axial force of the screw on the nut [N]; with several nuts or bearings on one shaft, the sum of the axial loads on
     shaft and housings."""
+    nut: NutStiffness | None = None
+    """Displacement [m] and stiffness [N/m] of the nut or bearing between its two parts, without shaft and wind-up; of
+    several nuts, or bearings where there is no nut, together."""
+    load_point: LoadPointStiffness | None = None
+    """Displacement [m] and stiffness [N/m] of the point on which the load acts, to ground: shaft and supports included."""
     displacement: Array | None = None
-    """Displacement of the screw's cross-section at the nut's centre from its unloaded position, (6,) [m, rad], in the
-    degrees of freedom ux, uy, uz, rx, ry, rz. With several nuts or bearings on one shaft: displacement of the axial
-    position or housing that ``stiffness_at`` names, or else of the one on which the first load of the scene acts."""
-    rigidity: float | None = None
-    """Axial force divided by axial displacement [N/m]; None without axial force."""
+    """Displacement of the screw's cross-section or housing on which the load acts from its unloaded position, (6,)
+    [m, rad], in the degrees of freedom ux, uy, uz, rx, ry, rz; without a force, at the nut's centre or ``stiffness_at``."""
     stiffness: Array | None = None
     """Tangent stiffness of the screw's cross-section at the nut's centre, or at ``stiffness_at``, with the nut fixed,
     (6, 6) [N/m, N, N m]. With several nuts or bearings on one shaft: stiffness of the whole axis, nan in fixed degrees of
     freedom. None if the model gives no stiffness."""
-    axial_stiffness: float | None = None
-    """Axial tangent stiffness at the nut's centre [N/m], with the rotation about the axis fixed and all other degrees of
-    freedom free. With several nuts or bearings on one shaft, all other degrees of freedom are fixed."""
     worst: WorstContact | None = None
     """Contact with the highest pressure; with several nuts or bearings on one shaft, the contact with the highest ratio of
     pressure to allowed pressure. None if no contact is loaded."""
     life: Life | None = None
-    """Basic rating life from the contact loads; with several nuts or bearings on one shaft, the shortest of their lives.
-    None if no contact is loaded, and outside the range of validity of the formulas."""
+    """Life L10; with several nuts or bearings on one shaft, the shortest of theirs, None if that of a loaded one is not
+    known. None if no contact is loaded, and where `life_words` gives another reason."""
+    life_words: str = ""
+    """Why there is no life L10, such as a load that ISO 281 does not cover; else empty."""
     modified_life: ModifiedLife | None = None
     """Life modified for reliability, lubricant and contamination [10^6 revolutions]; None if the scene states none of the
     three, and with several nuts or bearings on one shaft."""
@@ -413,7 +428,9 @@ class Result(Record, Balls):
         ValueError
             If there are no loads.
         """
-        Path(path).write_text(self.view_page(), encoding="utf-8")
+        from rollbench.compare.files import replace_file
+
+        replace_file(Path(path), self.view_page())
         return Path(path)
 
     def view_page(self, stores: Sequence[Path] | None = None) -> str:
@@ -467,14 +484,16 @@ class Result(Record, Balls):
 
     def __repr__(self) -> str:
         """Return five lines: scene with model and status, largest load, displacement, largest pressure, and life."""
-        w, u = self.worst, self.displacement
+        w, moved = self.worst, None if self.load_point is None else self.load_point.displacement
         largest = None if self.loads is None or not self.loads.size else float(self.loads.max())
-        lines = (
+        lines = [
             ("loads", "largest", largest, "N"),
-            ("displacement", "axial", None if u is None else 1e6 * float(u[2]), "um"),
+            ("displacement", "load's point", None if moved is None else 1e6 * moved, "um"),
             ("pressure", "largest", None if w is None else 1e-6 * w.pressure, "MPa"),
             ("life", "L10", None if self.life is None else 1e-6 * self.life.L10, "million revolutions"),
-        )
+        ]
+        if self.reference_life is not None:
+            lines.append(("life", "L10r", self.reference_life.revolutions, "million revolutions"))
         told = (f"{name}: none" if x is None else f"{name}: {what} {x:.5g} {unit}" for name, what, x, unit in lines)
         return "\n".join([self._notes[0], *told])
 
@@ -524,6 +543,7 @@ def result_from_solutions(
         left_out=tuple(dict.fromkeys(words for one in each for words in one.left_out)),
         worst=max(worst, key=lambda w: w.pressure, default=None),
         life=_life_record(lives.life, cycle_results.speed),
+        life_words=lives.life_words,
         modified_life=lives.modified,
         reference_life=lives.reference,
         axis_life=cycle_results.axis_life,
@@ -579,12 +599,13 @@ def _add_nut_or_bearing_results(
         head,
         **_ball_fields(solved.scene, solved.result),
         force=answers.axial_force,
-        displacement=answers.screw_displacement,
-        rigidity=None if answers.rigidities is None else answers.rigidities.with_unequal_loads,
+        nut=answers.stiffness.nut,
+        load_point=answers.stiffness.load_point,
+        displacement=None if np.isnan(answers.displacement).all() else answers.displacement,
         stiffness=None if K is None else K.matrix,
-        axial_stiffness=None if at_nut is None else at_nut.rigidity("uz"),
         worst=_worst_contact("", answers.load_results),
         life=_life_record(answers.load_results.life, speed),
+        life_words=answers.load_results.words or answers.load_results.life_words,
         modified_life=answers.load_results.modified,
         reference_life=answers.load_results.reference,
         shaft=answers.shaft_limits,
@@ -611,21 +632,22 @@ def _add_shaft_results(head: Result, solved: ShaftSolution) -> Result:
         name: np.concatenate([getattr(s, name) for s in balls]) if balls else None for name in vars(Balls())
     }
     worst = next((sets[found.sets[i].of.name].worst for i in answers.set_indices_by_pressure), None)
-    lives = [s.life for s in sets.values() if s.life is not None]
-    moved = answers.displacement
+    turning = [s for s in sets.values() if s.life is not None or s.reference_life is not None]
+    lives = [s.life for s in turning if s.life is not None]
     return replace(
         head,
         **joined,
         sets=sets,
         force=answers.axial_load,
-        displacement=answers.displacement_at_position,
-        rigidity=answers.axial_load / moved if moved and answers.axial_load else None,
+        nut=answers.stiffness.nut,
+        load_point=answers.stiffness.load_point,
+        displacement=answers.displacement,
         stiffness=found.stiffness,
-        axial_stiffness=None if found.stiffness is None else float(found.stiffness[2, 2]),
         worst=worst,
-        life=min(lives, key=lambda life: life.L10, default=None),
+        life=min(lives, key=lambda life: life.L10, default=None) if len(lives) == len(turning) else None,
         drive=solved.motor_torques,
         axis_life=solved.combined_life,
+        expected_error=expected_error_record(solved.expected_errors),
     )
 
 
@@ -645,9 +667,11 @@ def _result_of_nut_or_bearing(solved_set: SolvedSet, answers: NutOrBearingResult
         force=solved_set.force,
         moment=solved_set.moment,
         stiffness=solved_set.stiffness,
+        nut=answers.stiffness,
         roller_loads=solved_set.roller_load,
         worst=_worst_contact(bare.name, loads),
         life=_life_record(loads.life, speed),
+        life_words=loads.life_words or ("" if isinstance(loads, RollerLoadResults) else loads.words),
         rib=loads.rib_contact if isinstance(loads, RollerLoadResults) else None,
         torque=loads.torque if isinstance(loads, RollerLoadResults) else None,
         preload=_preload_record(answers.preload),
@@ -686,7 +710,8 @@ def _life_record(known: rating.BasicRatingLife | None, speed: float | None) -> L
     if known is None:
         return None
     seconds = 3600.0 * known.hours(speed) if speed else None
-    return Life(1e6 * known.revolutions, known.distance, seconds, known.rating, known.equivalent, known.standard)
+    maker = None if known.by_maker is None else 1e6 * known.by_maker
+    return Life(1e6 * known.revolutions, known.distance, seconds, known.rating, known.equivalent, known.standard, maker)
 
 
 def _preload_record(known: loading.Preload | None) -> Preload | None:

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rollbench.compare.quantities import fields_from_json
+from rollbench.compare.quantities import fields_from_json, name_and_unit_of_key
 from rollbench.compare.results.data import Data
-from rollbench.meshes.arrays import Array
+from rollbench.meshes.arrays import Array, RecordWithArrays
 from rollbench.meshes.parts import FREEDOMS
 from rollbench.meshes.quantity import quantity_field, result_record
 
@@ -23,8 +23,10 @@ CONVERGED = "converged"
 
 #: Quantities of a table row other than the stiffness matrix, each with the field of `TableRow` that has its expected error.
 ERROR_OF = {
-    "axial_rigidity_N_per_um": "rigidity_error",
-    "displacement_um": "displacement_error",
+    "nut_tangent_N_per_um": "",
+    "load_point_tangent_N_per_um": "rigidity_error",
+    "nut_displacement_um": "",
+    "load_point_displacement_um": "displacement_error",
     "largest_load_N": "load_error",
     "preload_N": "load_error",
     "largest_pressure_MPa": "pressure_error",
@@ -33,7 +35,7 @@ ERROR_OF = {
 
 
 @result_record
-class TableRow:
+class TableRow(RecordWithArrays):
     """Stiffness and other results for one combination of parameter values, in SI units; expected errors are in per cent.
 
     A field is None if the user did not ask for it, or if there is no equilibrium.
@@ -46,22 +48,30 @@ class TableRow:
         "row by row: change of force [N] and moment [N m] for a unit displacement [m] or rotation [rad] of the body that "
         "`stiffness_of` names, at the axial position `station_mm`, or if that is null at the centre of the nut or bearing; "
         "for a whole shaft, at the position that the scene states",
-        error="`expected_error_percent.rigidity`, on its axial term",
         parts="[][]",
         default=None,
     )
-    rigidity: float | None = quantity_field(
-        "axial_rigidity_N_per_um",
-        "axial force per axial displacement of the cross-section that `stiffness` describes, with the rotation about the "
-        "axis fixed and all other degrees of freedom free",
-        error="`expected_error_percent.rigidity`",
-        heading="rigidity",
+    nut_tangent: float | None = quantity_field(
+        "nut_tangent_N_per_um",
+        "`nut.tangent_N_per_um`, without the shaft",
+        heading="nut: axial rigidity, tangent",
         default=None,
     )
-    displacement: float | None = quantity_field(
-        "displacement_um",
-        "displacement of the loaded points along the forces, from their nominal position",
+    load_point_tangent: float | None = quantity_field(
+        "load_point_tangent_N_per_um",
+        "`load_point.tangent_N_per_um`, to ground",
+        error="`expected_error_percent.rigidity`",
+        heading="load's point: rigidity, tangent",
+        default=None,
+    )
+    nut_displacement: float | None = quantity_field(
+        "nut_displacement_um", "`nut.displacement_um`", heading="nut: axial displacement", default=None
+    )
+    load_point_displacement: float | None = quantity_field(
+        "load_point_displacement_um",
+        "`load_point.displacement_um`",
         error="`expected_error_percent.displacement`",
+        heading="load's point: displacement",
         default=None,
     )
     load: float | None = quantity_field(
@@ -82,9 +92,9 @@ class TableRow:
     )
     life: float | None = quantity_field(
         "life_million_revolutions",
-        "life L10 from the computed distribution of contact loads",
+        "life by the contact loads, L10 of a nut, L10r of a bearing",
         error="about three times that of the loads",
-        heading="life L10",
+        heading="life by the contact loads",
         default=None,
     )
     load_error: float | None = quantity_field(
@@ -98,10 +108,10 @@ class TableRow:
         default=None,
     )
     displacement_error: float | None = quantity_field(
-        "expected_error_percent.displacement", "expected error of the axial displacement", default=None
+        "expected_error_percent.displacement", "expected error of the displacement of the load's point", default=None
     )
     rigidity_error: float | None = quantity_field(
-        "expected_error_percent.rigidity", "expected error of the axial rigidity", default=None
+        "expected_error_percent.rigidity", "expected error of the tangent of the load's point", default=None
     )
     pressure_error: float | None = quantity_field(
         "expected_error_percent.pressure", "expected error of the largest pressure", default=None
@@ -146,7 +156,7 @@ class Table(Data):
     >>> import rollbench
     >>> found = rollbench.table("lin-case1", ["load=2:6:3 kN"], quantities=["displacement"], model="lin")
     >>> for place, row in zip(found.places, found.rows):
-    ...     print(place["load_kN"], "kN:", round(1e6 * row.displacement, 1), "um")
+    ...     print(place["load_kN"], "kN:", round(1e6 * row.load_point_displacement, 1), "um")
     2.0 kN: 16.1 um
     4.0 kN: 28.1 um
     6.0 kN: 39.1 um
@@ -201,6 +211,19 @@ class Table(Data):
         names = dict.fromkeys(name for row in flat for name in row)
         return {name: [row.get(name) for row in flat] for name in names}
 
+    def units(self) -> dict[str, str]:
+        """Return the unit of each column of `columns` by its name; columns without unit are left out.
+
+        Returns
+        -------
+        dict
+            Unit of each column, such as "N/m", by the column's name. A stiffness term ``K_a_b`` has the unit of the force
+            or moment of a, divided by that of the displacement or rotation of b.
+        """
+        of_key = {x.column: x.unit for x in self.over}
+        found = {name: of_key.get(name, _unit_of_column(name)) for name in self.columns()}
+        return {name: unit for name, unit in found.items() if unit}
+
     def to_dataframe(self) -> pandas.DataFrame:
         """Return the table as a pandas data frame with the columns of `columns`.
 
@@ -217,6 +240,21 @@ class Table(Data):
         import pandas
 
         return pandas.DataFrame(self.columns())
+
+
+#: Units of the forces and moments, and of the displacements and rotations, in the order of `FREEDOMS`.
+FORCE_UNITS, FREEDOM_UNITS = ("N",) * 3 + ("N m",) * 3, ("m",) * 3 + ("rad",) * 3
+
+
+def _unit_of_column(name: str) -> str:
+    """Return the unit of a column of computed values by its name; empty where it has none."""
+    term = name.removeprefix("K_").split("_")
+    if name.startswith("K_"):
+        return f"{FORCE_UNITS[FREEDOMS.index(term[0])]}/{FREEDOM_UNITS[FREEDOMS.index(term[1])]}"
+    if name.startswith("expected_error_percent_"):
+        return "%"
+    unit = name_and_unit_of_key(name)[1]
+    return "" if unit is None else unit.text
 
 
 def _flatten_table_row(row: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:

@@ -18,7 +18,10 @@ from rollbench.compare.scenes.scene_file import scenes_to_solve
 
 
 class Judgement(StrEnum):
-    """Judgement of a quantity by its error e against a reference, the reference's uncertainty u, and the error's limit."""
+    """Judgement of a quantity by its error e against a reference, the reference's uncertainty u, and the error's limit.
+
+    Only `PASS` is true, so that an ``assert`` of a judgement fails on every other one.
+    """
 
     PASS = "pass"
     """The error is within the limit even with the uncertainty added: e + u <= limit."""
@@ -30,6 +33,10 @@ class Judgement(StrEnum):
     """The limit lies between e - u and e + u: the reference is not accurate enough to decide."""
     NOT_COVERED = "not covered"
     """The reference has no value of the quantity."""
+
+    def __bool__(self) -> bool:
+        """Whether the judgement is `PASS`."""
+        return self is Judgement.PASS
 
 
 #: Advice to the user for each judgement that is not "pass".
@@ -43,7 +50,7 @@ ADVICE = {
 
 @dataclass(frozen=True)
 class VerdictRow:
-    """Judgement of one quantity of a scene, of a load case, or of one nut or bearing out of several."""
+    """Judgement of one quantity of a scene, of a load case, or of one nut or bearing out of several; true if it passes."""
 
     scene: str
     """Name of the scene."""
@@ -80,14 +87,21 @@ class VerdictRow:
     line: str
     """The judgement as one line of text."""
 
+    def __bool__(self) -> bool:
+        """Whether the quantity passes."""
+        return bool(self.judgement)
+
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Verdict(Record):
     """Judgement of contact loads and other quantities of scenes against their reference, with a row for each quantity.
 
+    A verdict is true if all rows pass, and false if one fails, is undecided or is not covered.
+
     Examples
     --------
     >>> import rollbench
+    >>> assert rollbench.check("lin-case1")
     >>> verdict = rollbench.check("lin-case1", model="lin")
     >>> verdict.passed, verdict.worst.ball, verdict.worst.side
     (False, 31, 'SL')
@@ -112,7 +126,11 @@ class Verdict(Record):
     @property
     def passed(self) -> bool:
         """Whether all rows pass."""
-        return self.judgement is Judgement.PASS
+        return bool(self.judgement)
+
+    def __bool__(self) -> bool:
+        """Whether all rows pass (`passed`), for ``assert rollbench.check(...)``."""
+        return self.passed
 
     @property
     def worst(self) -> VerdictRow | None:
@@ -167,9 +185,11 @@ class Verdict(Record):
         counts = ", ".join(f"{n} {word}" for word in CODES if (n := sum(v.word == word for v in self.judged)))
         scenes, models = ([getattr(v, name) for v in self.judged] for name in ("subject", "judged"))
         of = f"{', '.join(dict.fromkeys(scenes))} by {', '.join(dict.fromkeys(models))}"
-        errors = [v.of_mean for v in self.judged if v.of_mean is not None]
-        e = max(errors, key=lambda e: e.max_percent, default=None)
-        where = "" if e is None else f"; worst contact {e.max_percent:.2f} % of the mean load off (ball {e.ball} {e.side})"
+        loads = [v for v in self.judged if v.of_mean is not None and v.error is not None]
+        v = max(loads, key=lambda v: abs(v.error or 0.0), default=None)
+        where = "" if v is None else f"; worst contact {abs(v.error or 0.0):.2f} % off (ball {v.ball} {v.flank})"
+        if v is not None and v.uncertainty is not None:
+            where += f", {'numerical uncertainty (mesh)' if any(v.levels) else 'uncertainty'} {v.uncertainty:.2f} %"
         return f"{self.word.upper()}: {of}{where}; {counts}"
 
     @property

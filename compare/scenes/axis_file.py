@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import chain
+from math import pi
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,7 @@ from rollbench.compare.scenes import from_keys, key_checks, schema
 from rollbench.compare.scenes.body_checks import geometry_faults, position_beyond_end_faults
 from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.compare.scenes.fault import TOLERANCE, Fault, length_text, raise_scene_error_for_faults
+from rollbench.lowfi.rollers import tapered_bearing_of_row
 from rollbench.meshes import axis
 from rollbench.meshes.one_arc import has_single_arc_grooves, with_single_arc_grooves
 from rollbench.meshes.parts import FREEDOMS, Ingredients, Material, Scene, Screw
@@ -27,6 +29,8 @@ from rollbench.meshes.ranges import ShareOfLoadRating
 ONE_WAY = ("+z", "-z")
 #: Conformity (groove radius over ball diameter) with which the search for a conformity from a rigidity starts.
 USUAL_CONFORMITY = 0.52
+#: Least share of the pitch circle that the diameters of tapered rollers fill; usual is 0.75 to 0.95.
+LEAST_FILL = 0.1
 #: 6 x 6 stiffness matrix of zeros.
 NO_STIFFNESS = axis.diagonal_stiffness((0.0,) * 6)
 
@@ -236,6 +240,13 @@ def _nut_or_bearing_faults(number: int, set_keys: schema.NutOrBearingKeys) -> It
         if set_keys.rollers.roller_angle * 2.0 >= set_keys.rollers.cup_angle:
             advice = "check both half angles: the half angle of the cone is cup_angle minus twice roller_angle"
             yield Fault((f"{at}.rollers.roller_angle",), "below half the cup_angle", advice)
+        elif (circle := _pitch_diameter(set_keys.rollers)) > (most := _largest_pitch_diameter(set_keys.rollers)):
+            allowed = f"an angle that gives a pitch circle of at most {length_text(most)}"
+            advice = (
+                f"correct it, or cup_angle or count: the pitch circle would be {length_text(circle)}, of which the rollers "
+                f"fill less than {LEAST_FILL:.0%}"
+            )
+            yield Fault((f"{at}.rollers.roller_angle",), allowed, advice)
         else:
             yield from _roller_end_faults(f"{at}.rollers", set_keys.rollers)
     else:
@@ -269,6 +280,17 @@ def _nut_or_bearing_faults(number: int, set_keys: schema.NutOrBearingKeys) -> It
         yield Fault((f"{at}.carrier",), f"another housing than {at}.housing", "name another housing in one of the two keys")
 
 
+def _pitch_diameter(rollers: schema.TaperedRollerKeys) -> float:
+    """Return the diameter [m] of the pitch circle that follows from the angles and the diameter of tapered rollers."""
+    row = _roller_row_from_keys(rollers, Material(2e11, 0.3))  # the geometry does not depend on the moduli
+    return tapered_bearing_of_row(row).pitch_diameter
+
+
+def _largest_pitch_diameter(rollers: schema.TaperedRollerKeys) -> float:
+    """Return the diameter [m] of the pitch circle of which tapered rollers would fill the least share."""
+    return rollers.count * rollers.diameter / (LEAST_FILL * pi)
+
+
 def _roller_end_faults(table_path: str, rollers: schema.TaperedRollerKeys) -> Iterator[Fault]:
     """Yield the faults of keys for the ends of tapered rollers: edge rounding, rib height, and contact with the rib.
 
@@ -284,7 +306,6 @@ def _roller_end_faults(table_path: str, rollers: schema.TaperedRollerKeys) -> It
         yield Fault((f"{table_path}.rib_height",), f"below {length_text(0.5 * rollers.diameter)}", advice)
     elif rollers.end_radius is not None:
         from rollbench.lowfi.bearings.tapered_roller import rib_height, rib_relative_curvatures
-        from rollbench.lowfi.rollers import tapered_bearing_of_row
 
         row = _roller_row_from_keys(rollers, Material(2e11, 0.3))  # the geometry does not depend on the moduli
         try:
@@ -344,6 +365,7 @@ def _scene_keys_of_nut_or_bearing(keys: schema.ShaftSceneKeys, set_keys: schema.
         balls=set_keys.balls,
         errors=set_keys.errors,
         ingredients=ingredients,
+        rating=set_keys.rating,
     )
 
 
@@ -358,6 +380,7 @@ def _rolling_set_from_keys(keys: schema.ShaftSceneKeys, i: int, raw: Mapping[str
     shared = one.name, kind_of_nut_or_bearing(one)
     if one.rollers is not None:
         row = _roller_row_from_keys(one.rollers, from_keys.material_from_keys(None, keys.material))
+        row = replace(row, rating=one.rating)
         of_rollers = (one.housing, one.offset, one.preload, thrust)
         return axis.RollingSet(*shared, row, one.position or 0.0, *of_rollers, seals=one.seals)  # type: ignore[arg-type]
     scene_keys = _scene_keys_of_nut_or_bearing(keys, one)

@@ -14,9 +14,10 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import are_in_shifted_half, ball_radii_without_random_errors, draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout, lead_angle
 from rollbench.meshes.numerics import pairs_of_close_points
-from rollbench.meshes.parts import SIDES, Flange, Nut, Scene
+from rollbench.meshes.parts import SIDES, Flange, Nut, Scene, UnfitKey, Washers
 from rollbench.meshes.section import grooved_volume_ratio
 from rollbench.meshes.solid import largest_groove_depths
+from rollbench.meshes.washers import THRUST_ABOVE, has_washers, washer_of_ring
 
 #: A ball whose random radius error is this many standard deviations must still be smaller than its groove.
 SIGMAS = 6.0
@@ -231,10 +232,25 @@ def _rigid_screw_support_faults(scene: Scene) -> Iterator[Fault]:
     yield Fault((f"{where}.displace.{held.freedom}", f"{where}.fix"), allowed, advice, value)
 
 
+def _washer_faults(scene: Scene) -> Iterator[Fault]:
+    """Yield the faults of the washers' dimensions, or the fault that a screw or a radial bearing has no washers."""
+    if has_washers(scene):
+        for inner in (True, False):
+            try:
+                washer_of_ring(scene, inner)
+            except UnfitKey as error:
+                yield Fault((error.key,), str(error), "check that diameters are not radii, and the depth of the groove")
+                return
+    elif scene.track.washers != Washers():
+        allowed = f'only for a bearing, lead = "0 mm", with a contact angle above {THRUST_ABOVE:g} deg'
+        yield Fault(("track.washers",), allowed, "leave the dimensions of the washers out")
+
+
 def _solid_table_faults(scene: Scene) -> Iterator[Fault]:
     """Yield the faults of the table ``[solid]``, the dimensions that only the 3D finite-element model uses."""
     solid, R = scene.solid, scene.track.pitch_radius
     of_screw, of_nut = largest_groove_depths(scene)
+    yield from _washer_faults(scene)
     if solid.nut_inner_diameter is not None:
         most = min(2.0 * (R + of_nut), scene.nut.outer_diameter)
         if not 2.0 * R < solid.nut_inner_diameter < most:

@@ -133,7 +133,8 @@ def _value_at_path(raw: Any, path: str) -> Any:
 Keys = TypeVar("Keys", bound=BaseModel)
 
 #: Tables and keys that do not affect bodies, supports or loads: a fault in them does not hide further faults.
-INDEPENDENT_TABLES = {"title", "source", "assumed", "role", "members", "kind", "friction", "motion", "gate", "operation"}
+INDEPENDENT_TABLES = {"title", "source", "assumed", "role", "members", "kind"}
+INDEPENDENT_TABLES |= {"friction", "motion", "gate", "operation", "rating"}
 
 #: Pydantic's names of the error for an unknown key, in a table and in a record.
 UNKNOWN_KEY_ERRORS = ("extra_forbidden", "unexpected_keyword_argument")

@@ -41,7 +41,9 @@ def scene_from_keys(keys: schema.SceneKeys, name: str) -> parts.Scene:
         ),
         balls=parts.Balls(keys.balls.radius, material, _ball_azimuths(keys.balls, track)),
         errors=parts.Errors(
-            balls=parts.BallErrors(e.balls.oversize, listed, e.balls.sigma, e.balls.distribution),
+            balls=parts.BallErrors(
+                e.balls.oversize + oversize_by_press_fit(track), listed, e.balls.sigma, e.balls.distribution
+            ),
             seed=e.seed,
             lead_offset=0.0 if keys.preload is None else keys.preload.lead_offset or 0.0,
             **{side: getattr(e, side) for side in parts.SIDES},
@@ -49,6 +51,7 @@ def scene_from_keys(keys: schema.SceneKeys, name: str) -> parts.Scene:
         supports=tuple(support_from_keys(s) for s in keys.supports),
         loads=tuple(keys.loads),
         ingredients=keys.ingredients,
+        calibration=keys.calibration,
         solid=replace(keys.solid, nut_held=nut.held.at or held),
         source=escape_unprintable(keys.source),
         assumed=(*map(escape_unprintable, keys.assumed), *former),
@@ -61,6 +64,7 @@ def scene_from_keys(keys: schema.SceneKeys, name: str) -> parts.Scene:
         time=keys.time,
         gate=keys.gate,
         operation=keys.operation,
+        rating=keys.rating,
     )
 
 
@@ -70,11 +74,21 @@ def _track_from_keys(keys: schema.SceneKeys) -> parts.Track:
     If the file states a clearance, it is the path of a bearing with one arc per groove, whose contact angle follows from
     the clearance.
     """
-    fields, clearance = keys.track.model_dump(exclude={"clearance"}), keys.track.clearance
+    fields, clearance = keys.track.model_dump(exclude={"clearance", "washers"}), keys.track.clearance
     if clearance is not None:
-        apart = groove_centre_distance(keys)
-        fields |= {"contact_angle": free_contact_angle(apart, clearance.radial, clearance.axial), "arcs": "+z"}
-    return parts.Track(**fields)
+        apart, radial = groove_centre_distance(keys), clearance.radial
+        radial = None if radial is None else max(0.0, radial)
+        fields |= {"contact_angle": free_contact_angle(apart, radial, clearance.axial), "arcs": "+z"}
+    return parts.Track(**fields, washers=keys.track.washers)
+
+
+def oversize_by_press_fit(track: schema.TrackKeys) -> float:
+    """Return the oversize of the ball radius [m] that presses balls like a negative radial clearance; 0 without one.
+
+    The clearance is taken across the bearing, through two balls with two contacts each: a quarter of it for each radius.
+    """
+    clearance = track.clearance
+    return 0.0 if clearance is None or clearance.radial is None else max(0.0, -clearance.radial) / 4.0
 
 
 def groove_centre_distance(keys: schema.SceneKeys) -> float:
@@ -370,8 +384,13 @@ def _displaced_support(support: parts.Support, keys: schema.LoadCaseKeys) -> par
 def load_case_faults(keys: schema.SceneKeys | schema.ShaftSceneKeys) -> Iterator[Fault]:
     """Yield the faults of the load cases of a scene file: names, fractions of revolutions, times, displaced supports."""
     names = [case.name for case in keys.cases]
+    tracks = [keys.track] if isinstance(keys, schema.SceneKeys) else [s.track for s in keys.sets if s.track is not None]
+    pressed = any(oversize_by_press_fit(track) for track in tracks)
     for k, case in enumerate(keys.cases):
         where = f"cases[{k}]"
+        if pressed and case.oversize is not None:
+            advice = "write clearance = 0 in the scene, and an oversize of a quarter of the press fit in each load case"
+            yield Fault((f"{where}.oversize",), "nothing together with a negative track.clearance.radial", advice)
         if not re.fullmatch(r"[\w.-]{1,60}", case.name):
             advice = 'write e.g. name = "rapid-travel": the name becomes a part of file names'
             yield Fault((f"{where}.name",), "up to 60 letters, digits, . _ and -", advice)

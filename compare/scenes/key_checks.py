@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Sequence
+from math import pi
 
 from rollbench.compare.scenes.fault import TOLERANCE, Fault, length_text
 from rollbench.compare.scenes.from_keys import groove_centre_distance, loaded_ball_count
@@ -103,10 +104,13 @@ def _contact_angle_faults(keys: SceneKeys) -> Iterator[Fault]:
     small that the balls can touch both grooves.
     """
     angle, clearance = keys.track.contact_angle, keys.track.clearance
+    if angle is not None and angle >= 0.5 * pi and keys.track.lead != 0.0:
+        advice = 'check the angle: only the washers of a thrust ball bearing, lead = "0 mm", have a contact angle of 90 deg'
+        yield Fault(("track.contact_angle",), "above 0 deg, below 90 deg for a screw", advice)
     if clearance is None:
         if angle is None:
             advice = 'add e.g. contact_angle = "45 deg", or clearance = { radial = "13 um" } for a deep-groove bearing'
-            yield Fault(("track.contact_angle",), "an angle above 0 deg, below 90 deg", advice, "nothing")
+            yield Fault(("track.contact_angle",), "an angle above 0 deg, up to 90 deg", advice, "nothing")
         return
     if keys.track.lead != 0.0:
         advice = "write contact_angle, and the nut's play as errors.balls.oversize below zero"

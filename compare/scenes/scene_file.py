@@ -18,7 +18,7 @@ from rollbench.compare.scenes.duty_cycle import WHOLE, Described, DutyCycle
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.cache import cached_on_disk
 from rollbench.meshes.parts import Scene
-from rollbench.meshes.units import COMMA, has_comma_in_number
+from rollbench.meshes.units import number_advice
 
 #: Largest number of parts of a dotted key, because time and memory of the TOML reader grow with its square.
 MAX_PARTS = 32
@@ -198,6 +198,5 @@ def parse_toml(text: str, file_name: str) -> dict[str, Any]:
     numbered = re.match(r"line (\d+)", place)
     line = text.splitlines()[int(numbered[1]) - 1].strip() if numbered else "text that is not TOML"
     advice = f'correct the line ({reason[:1].lower()}{reason[1:]}); put texts in double quotes, e.g. length = "800 mm"'
-    if has_comma_in_number(line.partition("=")[2]):
-        advice = COMMA
+    advice = number_advice(line.partition("=")[2], advice)
     raise SceneError(file_name, place, line or "an empty line", "TOML: [table] and key = value lines", advice)

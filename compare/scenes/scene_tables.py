@@ -46,6 +46,8 @@ def scene_from_tables(tables: dict[str, Any], file_name: str) -> Described:
     nut = tables.get("nut")
     bodies = isinstance(nut, dict) and "length" in nut  # a ball screw or bearing with a misspelt key
     if kind is None and FOREIGN & tables.keys() and not bodies:
+        if meant := [key for key, value in tables.items() if value in KINDS]:
+            raise SceneError(file_name, meant[0], toml_text(tables[meant[0]]), "kind", "unknown key; did you mean kind?")
         name = sorted(FOREIGN & tables.keys())[0]
         advice = f'write e.g. kind = "{KINDS[0]}"; the table [{name}] exists only in kinds that rollbench friction solves'
         raise SceneError(file_name, "kind", "nothing", ", ".join(map(toml_text, KINDS)), advice)
@@ -86,11 +88,9 @@ def single_nut_scene_from_tables(tables: dict[str, Any], file_name: str) -> Scen
     """
     keys, key_faults = fault.validate_and_collect_faults(tables, SceneKeys)
     texts = list(key_faults.messages)
-    if keys is not None:
-        faults = (*conflicting_key_faults(keys), *load_case_faults(keys))
-        real = [one for one in faults if key_faults.concern_values_of_file(one.keys)]
-        texts += fault.messages_of_faults(tables, real)
-    if keys is None or not key_faults.bodies_unchanged or len(texts) > len(key_faults.messages):
+    faults = () if keys is None else (*conflicting_key_faults(keys), *load_case_faults(keys))
+    texts += fault.messages_of_faults(tables, [one for one in faults if key_faults.concern_values_of_file(one.keys)])
+    if keys is None or not key_faults.bodies_unchanged or faults:
         raise fault.scene_error_of_all_faults(file_name, texts)
     scene = scene_from_keys(keys, escape_unprintable(Path(file_name).stem))
     texts += fault.messages_of_faults(tables, _geometry_or_contact_faults(scene))

@@ -6,7 +6,7 @@ converted to SI units.
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, model_validator
 
@@ -37,7 +37,7 @@ CaseTime = Annotated[float, RateRange("time", "0 s", "1000000000 s", "2 s")]
 class ClearanceKeys(keys.SceneFileTable):
     """Internal clearance of a bearing, as in data sheets: total free travel of one ring relative to the other."""
 
-    radial: ranges.Clearance | None = key("radial clearance", None, "13 um")
+    radial: ranges.RadialClearance | None = key("radial clearance; negative for a press fit", None, "13 um")
     axial: ranges.Clearance | None = key("axial clearance (instead of radial)", None, "96 um")
 
 
@@ -46,13 +46,18 @@ class TrackKeys(keys.BallHelixKeys):
 
     model_config = config_requiring_radius_or_diameter("pitch_radius", "pitch_diameter")
 
-    contact_angle: ranges.ContactAngle | None = key(  # type: ignore[assignment]
+    contact_angle: ranges.TrackAngle | None = key(  # type: ignore[assignment]
         "nominal angle between contact normal and radius; for a bearing clearance may be given instead", None, "45 deg"
     )
     clearance: ClearanceKeys | None = key(
         "clearance of a bearing with single-arc grooves (deep groove, or a row with thrust), instead of contact_angle",
         None,
         {"radial": "13 um"},
+    )
+    washers: parts.Washers = key(
+        "dimensions of the washers of a thrust ball bearing, at contact angles above 45 deg",
+        parts.Washers(),
+        {"bore": "20 mm"},
     )
 
     pitch_diameter: Annotated[ranges.Size | None, Field(exclude=True)] = key(
@@ -193,6 +198,7 @@ class ManufacturingErrorKeys(keys.SceneFileTable):
 class DisplacementKeys(keys.SceneFileTable):
     """Prescribed displacements and small rotations of a support or housing."""
 
+    ONE_OF: ClassVar = parts.FREEDOMS
     ux: ranges.Shift | None = key("displacement along x", None)
     uy: ranges.Shift | None = key("displacement along y", None)
     uz: ranges.Shift | None = key("displacement along z", None)
@@ -223,7 +229,7 @@ class SupportKeys(keys.SceneFileTable):
 Supports = Annotated[list[SupportKeys], Field(max_length=1000)]
 
 #: List of loads of a scene.
-Loads = Annotated[list[parts.Load], Field(max_length=1000)]
+Loads = Annotated[list[Annotated[parts.Load, ranges.OneKeyNeeded(1)]], Field(max_length=1000)]
 
 #: Examples of loads and of load cases.
 LOADED, CASE = [{"at": "0 mm", "force": ["0 N", "0 N", "5 kN"]}], [{"name": "cutting", "share": 1.0}]
@@ -288,7 +294,9 @@ class LoadCaseSupportKeys(keys.SceneFileTable):
     """Prescribed displacements of one of the scene's supports in one load case."""
 
     at: ranges.Station = key("axial position of the support in the scene", example="0 mm")
-    displace: DisplacementKeys = key("displacements of degrees of freedom that the support fixes", example={"ux": "300 um"})
+    displace: Annotated[DisplacementKeys, ranges.OneKeyNeeded()] = key(
+        "displacements of degrees of freedom that the support fixes", example={"ux": "300 um"}
+    )
 
 
 class LoadCaseKeys(keys.SceneFileTable):
@@ -336,6 +344,11 @@ class SceneKeys(keys.TitleKeys):
         "load cases of a duty cycle, all with the same bodies", [], CASE
     )
     ingredients: parts.Ingredients = key("options of the low-order models", parts.Ingredients(), {"screw": "rigid"})
+    calibration: parts.Calibration = key(
+        "values fitted to a measured or published result of this screw",
+        parts.Calibration(),
+        {"segment_stiffness": "258 kN/um"},
+    )
     solid: parts.Solid = key("inputs of the 3D reference only", parts.Solid(), {"nut_groove": "through"})
     friction: FrictionKeys | None = key("friction of balls and grooves", None, {"coefficient": 0.1})
     motion: parts.Motion | None = key("part that rotates, and its angular speed", None, {"speed": "600 rpm"})
@@ -349,6 +362,7 @@ class SceneKeys(keys.TitleKeys):
         "largest accepted errors of contact loads, for rollbench check", parts.GateLimits(), {"max_error": 7}
     )
     operation: parts.Operation = key("reliability, lubrication, speed limit", parts.Operation(), {"reliability": 95})
+    rating: parts.MakerRating = key("load ratings by the maker", parts.MakerRating(), {"dynamic": "23.2 kN"})
 
 
 #: Temperature rise of the shaft [K].
@@ -480,6 +494,9 @@ class NutOrBearingKeys(keys.SceneFileTable):
     balls: BallKeys | None = key("balls", None)
     errors: ManufacturingErrorKeys = key("manufacturing errors of balls and grooves", ManufacturingErrorKeys(), {"seed": 0})
     rollers: TaperedRollerKeys | None = key("number and dimensions of tapered rollers, and of their contacts", None)
+    rating: parts.MakerRating = key(
+        "load ratings by the maker; for an arrangement, of one row", parts.MakerRating(), {"dynamic": "23.2 kN"}
+    )
     seals: ranges.Torque = key(
         "friction torque of the seals or wipers as in catalogues; for an arrangement, of each row", "0 N m", "100 N mm"
     )
@@ -488,6 +505,7 @@ class NutOrBearingKeys(keys.SceneFileTable):
 class SpringKeys(keys.SceneFileTable):
     """Stiffnesses of springs along and about the axes; zero if left out."""
 
+    ONE_OF: ClassVar = parts.FREEDOMS
     ux: ranges.Spring = key("stiffness along x", "0 N/m", "200 N/um")
     uy: ranges.Spring = key("stiffness along y", "0 N/m", "200 N/um")
     uz: ranges.Spring = key("stiffness along z", "0 N/m", "200 N/um")
@@ -503,7 +521,7 @@ Matrix = Annotated[list[Annotated[list[Entry], Field(min_length=6, max_length=6)
 class StiffnessKeys(keys.SceneFileTable):
     """Stiffness of a housing or joint in six degrees of freedom, by springs or by a matrix."""
 
-    springs: SpringKeys | None = key("independent springs", None, {"ux": "200 N/um"})
+    springs: Annotated[SpringKeys, ranges.OneKeyNeeded()] | None = key("independent springs", None, {"ux": "200 N/um"})
     matrix: Matrix | None = key(
         "symmetric 6x6 stiffness matrix for ux, uy, uz, rx, ry, rz in N, m and rad (instead of springs)", None
     )
@@ -569,6 +587,7 @@ class ShaftModelOptionKeys(keys.SceneFileTable):
 class LoadCaseHousingKeys(keys.SceneFileTable):
     """Loads on one of the scene's housings in one load case."""
 
+    ONE_OF: ClassVar = parts.Load.ONE_OF
     name: Name = key("name of the housing in the scene", example="carriage")
     force: ranges.Forces = key("force on the housing along x, y, z", ["0 N", "0 N", "0 N"], ["0 N", "0 N", "5 kN"])
     moment: ranges.Moments = key(
@@ -579,7 +598,7 @@ class LoadCaseHousingKeys(keys.SceneFileTable):
 class ShaftLoadCaseKeys(LoadCaseKeys):
     """One of several load cases of a shaft; its oversize applies to the balls of all nuts and bearings."""
 
-    housings: Annotated[list[LoadCaseHousingKeys], Field(max_length=100)] = key(
+    housings: Annotated[list[Annotated[LoadCaseHousingKeys, ranges.OneKeyNeeded(1)]], Field(max_length=100)] = key(
         "loads on housings, instead of those outside [[cases]]", [], [{"name": "carriage", "force": ["0 N", "0 N", "5 kN"]}]
     )
 

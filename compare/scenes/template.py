@@ -185,8 +185,9 @@ RAPID = 0.3
 #: which is taken as six standard deviations.
 SIGMA = 0.04
 
-#: Length of the spacer in a double nut, over the length of a nut.
-SPACER = 0.1
+#: Length of the spacer in a double nut, over the length of a nut; load of a double nut over that of a nut of its size, so
+#: that both nuts keep preload: about 2.8 times the preload frees one.
+SPACER, OF_DOUBLE = 0.1, 0.45
 
 
 def ball_screw_text(size: str) -> str:
@@ -194,8 +195,7 @@ def ball_screw_text(size: str) -> str:
 
     ``size``: ``DIAMETERxLEAD`` in mm, such as 40x10. InputError for a size out of range.
     """
-    values = typical_dimensions(size)
-    return _without_circuit_gap(_fill_in_text("screw", values), values)
+    return ball_screw_text_of(typical_dimensions(size), 'title = "My ball screw"')
 
 
 def double_nut_text(size: str) -> str:
@@ -203,14 +203,31 @@ def double_nut_text(size: str) -> str:
 
     ``size``: ``DIAMETERxLEAD`` in mm, such as 40x10. InputError for a size out of range.
     """
-    values = typical_dimensions(size)
+    return double_nut_text_of(typical_dimensions(size), 'title = "My double nut"')
+
+
+def ball_screw_text_of(values: Mapping[str, Any], head: str) -> str:
+    """Return the text of a scene file of a ball screw.
+
+    ``values``: its dimensions and texts, by name of the placeholder; ``head``: lines with the keys title and source.
+    """
+    return _without_circuit_gap(_fill_in_text("screw", values, head=head), values)
+
+
+def double_nut_text_of(values: Mapping[str, Any], head: str, rating: str = "") -> str:
+    """Return the text of a scene file of a screw with a double nut.
+
+    ``values``: dimensions and texts of each nut, by name of the placeholder; ``head``: lines with the keys title and
+    source; ``rating``: text that follows each nut.
+    """
     apart = values["nut"] + max(1.0, round(SPACER * values["nut"]))
     places = [values["middle"] - 0.5 * apart, values["middle"] + 0.5 * apart]
     nuts = [
-        _fill_in_text("nut", values, number=k + 1, thrust=thrust, at=at)
+        _fill_in_text("nut", values, number=k + 1, thrust=thrust, at=at) + rating
         for k, (thrust, at) in enumerate(zip(("-z", "+z"), places, strict=True))
     ]
-    return _without_circuit_gap("".join((_fill_in_text("double-nut", values), *nuts)), values)
+    loaded = {**values, "force": float(f"{OF_DOUBLE * values['force']:.2g}")}
+    return _without_circuit_gap("".join((_fill_in_text("double-nut", loaded, head=head), *nuts)), values)
 
 
 def _fill_in_text(name: str, values: Mapping[str, Any], **words: object) -> str:
@@ -222,7 +239,7 @@ def _fill_in_text(name: str, values: Mapping[str, Any], **words: object) -> str:
     return files.shipped_text(f"scenes/like_texts/{name}.txt").format(**values, **words)
 
 
-def _without_circuit_gap(text: str, values: dict[str, Any]) -> str:
+def _without_circuit_gap(text: str, values: Mapping[str, Any]) -> str:
     """Return the text of a scene file without the line ``circuit_gap = ...`` if the nut has only one ball circuit.
 
     ``values``: dimensions from `typical_dimensions`, with the number of circuits.
@@ -239,15 +256,32 @@ def typical_dimensions(size: str) -> dict[str, Any]:
     ball = max(b for b in STOCK if b <= max(STOCK[0], 1.01 * min(PER_LEAD * lead, PER_DIAMETER * outer)))
     pitch = round(outer + 2.0 * BEYOND * ball, 2)
     circuits = 2 if lead <= 0.5 * outer else 1
-    each, gap = (1.5, 0.5) if circuits == 2 else (2.0 if lead <= outer else 1.0, 0.0)
+    each = 1.5 if circuits == 2 else 2.0 if lead <= outer else 1.0
+    usual = f"usual for a screw of nominal size {outer:g}x{lead:g}, by the rules in the comments of the file."
+    return {
+        **dimensions_around_circuits(outer, lead, ball, pitch, circuits, each),
+        "like": f"of nominal size {outer:g}x{lead:g}, as is usual for it",
+        "assumed": f'  "What no drawing said is {usual}",',
+    }
+
+
+def dimensions_around_circuits(
+    outer: float, lead: float, ball: float, pitch: float, circuits: int, each: float, starts: int = 1
+) -> dict[str, Any]:
+    """Return typical dimensions of a screw and nut around given ball circuits, by the names of placeholders.
+
+    ``outer``, ``lead``, ``ball``, ``pitch``: nominal diameter, lead, ball and pitch diameter [mm]; ``circuits``: number of
+    circuits on each of the thread's ``starts``; ``each``: loaded turns of each circuit. Lengths are in mm.
+    """
+    gap = 0.5 if circuits > 1 else 0.0
     reach = circuits * each + (circuits - 1) * gap
-    count = circuits * max(1, floor(FILLING * each * 2.0 * pi / angle_of_touching_balls(pitch / 2.0, lead, ball)))
+    touching = 2.0 * pi / angle_of_touching_balls(pitch / 2.0, lead, ball)
+    count = starts * circuits * max(1, floor(FILLING * each * touching))
     length = 50.0 * ceil(20.0 * outer / 50.0)
     nut, outside = ceil(reach * lead + 3.0 * ball), ceil(pitch + (1.0 + 2.0 * WALL) * ball)
     thick = max(1, min(ceil(THICK * outside), floor(0.4 * nut)))
     force = float(f"{LOAD * ball**2 * count * sin(pi / 4.0) / 1e3:.2g}")
     return {
-        "size": f"{outer:g}x{lead:g}",
         "outer": outer,
         "lead": lead,
         "ball": ball,
@@ -266,14 +300,17 @@ def typical_dimensions(size: str) -> dict[str, Any]:
         "fit": max(1, floor(0.5 * (nut - thick))),
         "bore": floor(0.4 * outer),
         "filling": FILLING,
+        "filling_is": "",
         "preload": PRELOAD,
         "sigma": SIGMA,
         "force": force,
         "rapid": float(f"{RAPID * force:.2g}"),
-        "per_lead": PER_LEAD,
-        "per_diameter": PER_DIAMETER,
-        "beyond": BEYOND,
         "wall": WALL,
+        "pitch_is": f"{BEYOND:g} ball diameters beyond the nominal diameter",
+        "ball_is": f"the largest in stock up to {PER_LEAD:g} of the lead and {PER_DIAMETER:g} of the nominal diameter",
+        "circuits_are": "number and gaps differ from maker to maker",
+        "hand": '# hand = "left"',
+        "starts": "# starts = 2",
     }
 
 

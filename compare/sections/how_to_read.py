@@ -51,8 +51,9 @@ TERMS = (
         "which do not test a model. Section verdicts lists all numbers."
     ),
     (
-        "A reproduced number or claim proves different things: a computed number tests a model, a claim in words "
-        "tests its trend, arithmetic on printed numbers tests the publication, and a zero by symmetry tests a sign."
+        "A reproduced number tests a model, a reproduced claim in words its trend. A number that follows from other "
+        "printed numbers tests the publication's arithmetic, and a zero by symmetry or definition a sign: both are "
+        "identities, stand in columns of their own and are not counted as reproduced."
     ),
     (
         "A table of more than 20 rows is folded; a click on its title shows all rows. Flanks are SL and SR (screw, "

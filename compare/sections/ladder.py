@@ -21,7 +21,7 @@ from rollbench.compare.models.modelling import (
 from rollbench.compare.models.study import SceneResultCache
 from rollbench.lowfi.compliance.bodies import PARTS
 from rollbench.lowfi.compliance.parts import REFINED, ComplianceModel
-from rollbench.lowfi.statics.elastic import solve_elastic
+from rollbench.lowfi.statics.static import solve_elastic
 from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table, TableColumn, Text, load_percent_column
 
 #: Least number of scenes for which a figure of expected against measured errors of a model is drawn.
@@ -71,10 +71,10 @@ def modelling_choice_effects(cache: SceneResultCache, name: str) -> Iterator[Cho
     scene, reference = cache.built_in_scene(name), cache.stored_reference(name)
     if reference is None:
         return
-    base = solve_elastic(scene, engine="interpreted").load
+    base = solve_elastic(scene).load
     mean = mean_load(base, reference.contacts)
     for label, backend in {"unchanged": REFINED, **CHOICES}.items():
-        load = solve_elastic(scene, backend=backend, engine="interpreted").load
+        load = solve_elastic(scene, backend=backend).load
         change = float(np.abs(np.asarray(error_percent(load, base, mean))).max())
         yield ChoiceEffect(name, label, change, load_error(load, reference.load, reference.contacts))
 
@@ -101,8 +101,8 @@ def model_error_table(model_solutions: Sequence[RefinementStepResult]) -> Table:
     note = "; ".join(f"{m.name}: {m.refinement_step[1]}" for m in RUNGS if m.refinement_step) + (
         ". Errors against the finest stored mesh level of the 3D reference. Scenes named unseen were chosen before they "
         "were solved in 3D, and no choice of the models was based on them. With two mesh levels, the mesh uncertainty is "
-        "three times their difference. Times are for a new geometry in a running process, with interpreted kernels; the "
-        "table of run times also has new processes."
+        "three times their difference. Times are for a new geometry in a running process; the table of run times also "
+        "has new processes."
     )
     title = "Contact-load errors of each low-order model on each screw and bearing, from the simplest to the refined model"
     return Table.from_rows("ladder", title, rows, note)

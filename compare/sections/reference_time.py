@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from itertools import product
+from dataclasses import dataclass, replace
 from pathlib import Path
 from time import perf_counter
 from typing import Any, Literal, cast
@@ -25,7 +24,6 @@ from rollbench.compare.studies.run_times import (
     NEW,
     TYPED,
     ColdLevelTime,
-    RunTime,
     SetUpCosts,
     StoredRunTimes,
     load_run_times,
@@ -46,8 +44,6 @@ Step = Callable[[str], None]
 FLOOR = 1e-2
 #: Number of solutions in a running process whose median time is the time of a further solution (warm time).
 WARM_CALLS = 10
-#: Scene whose first solution in a new process is timed with interpreted and with compiled kernels.
-FIRST = "lin-case1"
 #: Number of stages of a set-up, the longest ones, that the table of cold-start times names.
 DEAREST = 3
 #: Column headings of the processor times in a set-up of the 3D reference, by kind of work.
@@ -58,8 +54,6 @@ WORK = {
     "elimination": "CPU time of the elimination of unknowns inside the bodies",
     "dense": "CPU time of the dense matrix algebra in the elimination of interior unknowns",
 }
-#: Models that are timed on the scene `FIRST` with interpreted and with compiled kernels.
-SAMPLE = ("lin", "refined")
 #: Groups of scenes that have a figure of error against run time, by the ending of the figure's name.
 GROUPS = {
     "": "case studies without preload",
@@ -161,7 +155,7 @@ def errors_against_reference(loads: Array, reference: Reference) -> dict[str, An
 
 
 def further_solution_seconds(model: Model, scene: Scene, options: ModelOptions) -> float:
-    """Return the time [s] in which a model solves a scene again, with body compliances and compiled kernels available.
+    """Return the time [s] in which a model solves a scene again, with body compliances available.
 
     The time is the median of `WARM_CALLS` solutions, after a first solution that is not timed.
     """
@@ -187,29 +181,25 @@ def measure_run_times(
     step
         Called with each line of progress.
     with_mesh_levels
-        Whether the mesh levels of the 3D reference are timed too, and the first solution of the scene `FIRST` with
-        interpreted and with compiled kernels.
+        Whether the mesh levels of the 3D reference are timed too.
 
     Returns
     -------
     StoredRunTimes
         Measured times, with program version, machine and date.
     """
-    times, cold_levels, first = {}, [], {}
+    times, cold_levels = {}, []
     for name, found in cache.stored_references(scene_names).items():
         for model, bodies in models_with_body_files(name, found, cache):
             step(f"{name}, {model.label}: cold and warm")
             cold = time_model_in_new_process(name, model.name, condensed=bodies, repeats=1)
-            options = ModelOptions(estimate_beam_mesh_error=False, engine="compiled", condensed_bodies_file=bodies)
+            options = ModelOptions(estimate_beam_mesh_error=False, condensed_bodies_file=bodies)
             warm = further_solution_seconds(model, cache.built_in_scene(name), options)
-            times[name, model.name] = RunTime(cold.process, warm, cold.memory)
+            times[name, model.name] = replace(cold, warm=warm)
         for run in stored_reference_runs(name, found, cache) if with_mesh_levels else ():
             step(f"{name}, level {run.level} of the 3D reference, cold")
             cold_levels.append(time_mesh_level_in_new_process(name, run.level))
-    for name, engine in product(SAMPLE, ("interpreted", "compiled")) if with_mesh_levels else ():
-        step(f"{FIRST}, {name} {engine}: first process")
-        first[name, engine] = time_model_in_new_process(FIRST, name, engine=engine)
-    return StoredRunTimes(store.measuring_conditions(), utc_date_today(), times, first, cold_levels)
+    return StoredRunTimes(store.measuring_conditions(), utc_date_today(), times, cold_levels)
 
 
 def measure_command_times(step: Step) -> StoredRunTimes:
@@ -221,7 +211,7 @@ def measure_command_times(step: Step) -> StoredRunTimes:
     for command in COMMANDS:
         step(f"{command}, with an empty home directory")
         commands.append(time_command_in_empty_home(command))
-    return StoredRunTimes(store.measuring_conditions(), utc_date_today(), {}, {}, command_times=commands)
+    return StoredRunTimes(store.measuring_conditions(), utc_date_today(), {}, command_times=commands)
 
 
 def run_times_to_show(cache: SceneResultCache, step: Step) -> StoredRunTimes | None:
@@ -362,8 +352,8 @@ def error_and_time_table(points_by_scene: Mapping[str, Sequence[ErrorAndRunTime]
         "Errors of all models and mesh levels are against the finest mesh level of the 3D reference, whose own error is "
         "zero by definition. At least and at most: range of the largest error due to the mesh uncertainty of every "
         "contact. Cold start: a new process with empty caches; for low-order models from the start of the interpreter to "
-        "the first solution, with interpreted kernels; for the 3D reference up to its loads, on all cores. Further "
-        "solution: the compliance of the bodies is known and kernels are compiled; for the 3D reference a further load "
+        "the first solution; for the 3D reference up to its loads, on all cores. Further "
+        "solution: the compliance of the bodies is known; for the 3D reference a further load "
         "case. All times are from one measurement; times from earlier measurements are shown in a column of their own, "
         "with their conditions. Peak memory includes interpreter and libraries; for several processes it is the sum of "
         "their peaks. Unknowns of the 3D reference are those of the single mesh that is equivalent to its condensed parts."
@@ -371,31 +361,6 @@ def error_and_time_table(points_by_scene: Mapping[str, Sequence[ErrorAndRunTime]
     )
     title = "Contact-load error and run time of each model and 3D mesh level on each scene"
     return Table.from_rows("reference-time", title, rows, note)
-
-
-def kernel_compilation_table(run_times: StoredRunTimes) -> Table:
-    """Return the table of run times in a new process on the scene `FIRST`, with interpreted and with compiled kernels.
-
-    ``run_times``: measured run times.
-    """
-    rows: list[Row] = [
-        {
-            "model": MODELS[name].label,
-            text_column("engine", "interpreted or compiled kernels"): engine,
-            TableColumn("process", "run time of a new process with empty caches", "s", "g3"): cold.process,
-            TableColumn("first", "time of the first solution in the process", "s", "g3"): cold.first,
-            TableColumn("warm", "time of a further solution", "s", "g3"): cold.warm,
-            TableColumn("memory", "peak memory", "MB", ".0f"): cold.memory,
-        }
-        for (name, engine), cold in run_times.first_solution_times.items()
-    ]
-    note = (
-        "Kernels are compiled once per machine and stored in the user's cache; the command line solves single "
-        "scenes with interpreted kernels. Each row is a separate process; the first solution of the refined model also "
-        f"computes the compliance of the bodies. {run_times}"
-    )
-    title = f"Run times of a new process on {FIRST}, with interpreted and with compiled kernels"
-    return Table.from_rows("reference-cold", title, rows, note)
 
 
 def command_time_table(run_times: StoredRunTimes) -> Table:
@@ -424,7 +389,7 @@ def command_time_table(run_times: StoredRunTimes) -> Table:
     ]
     note = (
         f"Each command is run as typed, without a set number of threads, in a home directory without any cache; rollbench "
-        f"{NEW} wrote my.toml. The second run finds compiled kernels and stored body compliances, so its time is the least "
+        f"{NEW} wrote my.toml. The second run finds stored body compliances, so its time is the least "
         "that caches can achieve. CPU time is the sum over all processes of the command; it depends less on other work on "
         f"the machine. {run_times}"
     )
@@ -637,7 +602,7 @@ def run_time_items(cache: SceneResultCache, step: Step) -> list[Table | Figure]:
     items: list[Table | Figure] = [error_and_time_table(points, run_time_conditions_sentence(cache, step))]
     if not cache.quick:
         costs = load_set_up_costs((*(cache.reference_folders or ()), store.shipped_store()))
-        items += [] if kept is None else [kernel_compilation_table(kept), cold_start_time_table_of_mesh_levels(kept)]
+        items += [] if kept is None else [cold_start_time_table_of_mesh_levels(kept)]
         commands = load_run_times((*(cache.reference_folders or ()), store.shipped_store()), TYPED)
         items += [] if commands is None else [command_time_table(commands)]
         items += [] if costs is None else set_up_time_tables(costs)

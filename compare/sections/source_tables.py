@@ -127,6 +127,7 @@ def format_like_printed_number(value: float | None, printed: str) -> str:
 #: Ends of the column headings of `printed_and_computed_table_in_layout`.
 IN_LAYOUT = {
     "printed": "printed",
+    "follows": "follows from other printed numbers",
     "ours": "computed here",
     "repeated": "computed here, with the publication's mistake repeated",
     "right": "computed here, without the publication's mistake",
@@ -154,7 +155,11 @@ def printed_and_computed_table_in_layout(
     has_labels, columns = any(label for label, _ in layout.rows), list(zip(*layout.across, strict=True))
     across, down = ([_printed_units(names, evidence_by_name) for names in by] for by in (layout.across, columns))
     of_row, of_column = (all(len(several) == 1 for several in by) for by in (across, down))  # else a unit with each number
-    faulty = [any(name and evidence_by_name[name].as_printed is not None for name in names) for names in columns]
+    filled = [[evidence_by_name[name] for name in names if name] for names in columns]
+    shown = {
+        "right": [any(f.as_printed is not None for f in fs) for fs in filled],
+        "follows": [any(f.follows_from_printed is not None for f in fs) for fs in filled],
+    }
     for (label, names), several in zip(layout.rows, across, strict=True):
         row: Row = {text_column("label", "row of the printed table"): label} if has_labels else {}
         if of_row and any("".join(units) for units in across):
@@ -162,23 +167,27 @@ def printed_and_computed_table_in_layout(
         for k, (head, name) in enumerate(zip(layout.columns, names, strict=True)):
             heading = next(iter(down[k])) if of_column and not of_row else ""
             unit = "" if of_row or of_column or not name else evidence_by_name[name].printed.unit
-            texts = {"printed": "", "ours": "", "right": ""}
+            texts = {"printed": "", "follows": "", "ours": "", "right": ""}
             if name:
                 f, p = evidence_by_name[name], evidence_by_name[name].printed
-                texts = {"printed": p.number_as_printed or p.claim, "ours": computed_value_text(f), "right": ""}
+                texts["printed"], texts["ours"] = p.number_as_printed or p.claim, computed_value_text(f)
+                if f.follows_from_printed is not None:
+                    texts["follows"] = format_like_printed_number(f.follows_from_printed, p.number_as_printed)
                 if f.as_printed is not None and f.value is not None:
                     texts["right"] = format_like_printed_number(f.value, p.number_as_printed)
-                texts = {key: f"{text} {unit}".rstrip() if text else "" for key, text in texts.items()}
+                texts = {key: f"{text} {unit}".rstrip() if text not in ("", "–") else text for key, text in texts.items()}
                 texts["ours"] = replacing_texts.get(name, texts["ours"])
             for key, text in texts.items():
-                if key != "right" or faulty[k]:
-                    ending = IN_LAYOUT["repeated" if key == "ours" and faulty[k] else key]
+                if key not in shown or shown[key][k]:
+                    ending = IN_LAYOUT["repeated" if key == "ours" and shown["right"][k] else key]
                     row[TableColumn(f"{key}-{k}", f"{head}, {ending}", heading, "s")] = text
         rows.append(row)
     note = (
         "Computed here: by the low-order model. Where a mistake of the publication changes numbers of a column, two "
         "columns show the value with this mistake repeated, and the correct value."
     )
+    if any(shown["follows"]):
+        note += " What follows from other printed numbers, such as a sum, tests no model; dash: no model gives it."
     if any(f.reference is not None for f in map(evidence_by_name.__getitem__, layout.names)):
         note += " Beside numbers by ANSYS, the value computed here is that of the 3D reference."
     return Table.from_rows(layout.stem(), layout.title, rows, note, unfolded=True)
@@ -207,6 +216,7 @@ def computed_value_text(evidence: PrintedEntryComparison) -> str:
 
 #: Columns of the table of printed and computed values: values, their errors against the printed number, and scenes.
 PRINTED, SOLID = text_column("printed", "printed value"), text_column("solid", "value by the 3D model")
+FOLLOWS = text_column("follows", "follows from other printed numbers")
 OFF = {
     "right": TableColumn("off", "error of the low-order value against the printed value", "%", "+.2f"),
     "faulty": TableColumn(
@@ -285,9 +295,11 @@ def _printed_and_computed_row(layout: PrintedLayout, evidence: PrintedEntryCompa
         "reading": evidence.value_by_inferred_assumption,
         "solid": evidence.reference,
     }
+    identity = evidence.follows_from_printed is not None
     right, faulty, solid = map(_zero_if_round_off, (evidence.value, evidence.as_printed, evidence.reference))
     return {
         PRINTED: f"{p.number_as_printed or p.claim} {p.unit}".rstrip(),
+        FOLLOWS: f"{evidence.follows_from_printed:.{layout.significant_digits}g}" if identity else "",
         TableColumn("right", "value by the low-order model", "", form): right,
         TableColumn("faulty", "value computed with the publication's mistake repeated", "", form): faulty,
         TableColumn(
@@ -416,8 +428,8 @@ def counts_of_reproduced_numbers_table(
             places.setdefault(f.printed.place, []).append(f)
         rows += [_reproduced_counts_row(place, places[place]) for place in sorted(places, key=_sort_key_of_place)]
     note = (
-        "A result is a printed number that is neither an input, nor an identity, nor zero by symmetry; only results can be "
-        "reproduced. The table printed shows every number."
+        "A result is a printed number that is neither an input nor an identity (follows from other printed numbers, or "
+        "is zero by symmetry or definition); only results can be reproduced. The table printed shows every number."
     )
     title = "Number of printed values in each table and section of the publications, and how many are reproduced"
     return Table.from_rows(name, title, rows, note, unfolded=unfolded)
@@ -436,7 +448,9 @@ def _reproduced_counts_row(place: str, entries: Sequence[PrintedEntryComparison]
         text_column("place", "publication, table or section"): place,
         text_column("printed", "number of printed values"): len(numbers),
         text_column("inputs", "number of printed values that are inputs of the computation"): tally["input"],
-        text_column("identities", "number of printed values that hold by definition or symmetry"): tally["identity"],
+        text_column(
+            "identities", "number of printed values that follow from printed values or are zero by definition"
+        ): tally["identity"],
         text_column("results", "number of printed values that are results of a computation or test"): len(numbers)
         - tally["input"]
         - tally["identity"],

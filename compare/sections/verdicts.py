@@ -26,7 +26,7 @@ COUNT_HEADINGS: dict[str, str] = {
     "contradicted": "number contradicted by a computation or by the publication itself",
     "not identifiable": "number that cannot be computed from the data in the publication",
     "input": "number used as inputs of the computation",
-    "identity": "number true by definition or symmetry",
+    "identity": "number that follow from other printed numbers, or are zero by symmetry or definition",
 }
 
 #: Note on the tolerance bands.
@@ -92,7 +92,9 @@ def _columns_of_printed_table(
     """
     form = f"g{digits}"
     faulty = any(f.as_printed is not None for f in entries)
+    identities = any(f.follows_from_printed is not None for f in entries)
     inferred = any(f.value_by_inferred_assumption is not None for f in entries)
+    solid = any(f.reference is not None for f in entries)
     wanted = (
         (True, text_column("label", "quantity or claim")),
         (with_place, text_column("place", "place in the publication")),
@@ -100,8 +102,10 @@ def _columns_of_printed_table(
         (True, text_column("class", "class: how a number must be reproduced (hard, as-printed, band, open or input)")),
         (True, text_column("unit", "unit")),
         (True, text_column("printed", "printed value")),
+        (identities, TableColumn("follows", "follows from other printed numbers", "", form)),
         (faulty, TableColumn("as_printed", "value computed with the publication's mistake repeated", "", form)),
         (True, TableColumn("right", "value computed correctly, without the publication's mistake", "", form)),
+        (solid, TableColumn("solid", "value by the 3D model", "", form)),
         (True, TableColumn("error", "error of the computed against the printed value", "%", "g3")),
         (inferred, TableColumn("reading", "value computed with an input inferred from printed results", "", form)),
         (inferred, TableColumn("reading_error", "error against the printed value, with the inferred input", "%", ".2f")),
@@ -126,8 +130,10 @@ def _cells_of_printed_number(
         "place": section,
         "unit": p.unit,
         "printed": p.number_as_printed or "–",
+        "follows": evidence.follows_from_printed,
         "as_printed": evidence.as_printed,
         "reading": evidence.value_by_inferred_assumption,
+        "solid": evidence.reference,
         "right": 0.0
         if p.value == 0.0 and abs(evidence.value or 0.0) < ROUND_OFF and evidence.value is not None
         else evidence.value,
@@ -165,11 +171,12 @@ def _replace_remarks_by_numbers(rows: Sequence[dict[str, Cell]]) -> list[str]:
 #: Plurals of the kinds of printed entries, for sentences.
 PLURALS = {"computed number": "computed numbers", "claim in words": "claims in words"}
 
-#: Inputs that were inferred from printed results of Lin's thesis, each with the result.
+#: Inputs that were inferred from printed results of the publications, each with the result.
 INFERRED = (
     "the screw's outer diameter of 32 mm (from the groove range of 2.4.2); the helix phase (from the last balls of case "
     "3); u_y of 5.2 and 8.0 um, k_S = 100 and the map step of 0.08 (from Table 3.2); theta and the side force ratio of "
-    "the worst case (from 185.2 % in 3.3.4.1); the balls' oversize of 1.7 um (from Table 3.7), used in 3.4.4 too"
+    "the worst case (from 185.2 % in 3.3.4.1); the balls' oversize of 1.7 um (from Table 3.7), used in 3.4.4 too; the "
+    "stiffness between two balls of Liu's screw (from the load ratio of 4.1)"
 )
 
 
@@ -258,7 +265,8 @@ def printed_entry_counts_by_publication_table(entries: Sequence[compare_evidence
         ("judged", "number of printed numbers and claims that test a model"),
         ("all", "number of printed numbers and claims"),
     )
-    note = f"Inputs, and identities (arithmetic on printed numbers, or zero by symmetry), test no model. {BANDS}"
+    identities = "identities (arithmetic on printed numbers, or zero by symmetry or definition)"
+    note = f"Inputs, and {identities}, test no model. {BANDS}"
     title = "Count of the numbers and claims printed in each publication, by whether they are reproduced"
     return Table("audit-counts", title, columns, compare_evidence.count_entries_by_verdict(entries), note)
 

@@ -15,9 +15,8 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cache
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -26,18 +25,15 @@ import numpy as np
 
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.registry import MODELS
-from rollbench.compare.scenes.catalogue import scene as shipped
 from rollbench.compare.studies.extreme_cases import CONVERGED, HardScene, hard_scenes
 from rollbench.lowfi.as_source import Start, solve_by_lin_equations
 from rollbench.lowfi.compliance.parts import LADDER
 from rollbench.lowfi.rollers import slice_middles, tapered_bearing_of_row
-from rollbench.lowfi.statics.axis.elastic import solve_assembly_with_elastic_bodies
-from rollbench.lowfi.statics.axis.solve import solve_assembly
-from rollbench.lowfi.statics.elastic import solve_elastic
+from rollbench.lowfi.statics.axis.solve import solve_assembly, solve_assembly_with_elastic_bodies
 from rollbench.lowfi.statics.problem import build_problem
 from rollbench.lowfi.statics.result import AxisResult, SetResult, StaticResult
 from rollbench.lowfi.statics.settle import ACCEPTED
-from rollbench.lowfi.statics.static import solve_static
+from rollbench.lowfi.statics.static import solve_elastic, solve_static
 from rollbench.lowfi.statics.summary import BALANCE
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, RollerRow
@@ -57,12 +53,8 @@ SOURCE: dict[str, Start] = {
     "Lin's Newton method, load applied in steps": "load steps",
 }
 
-#: Name of the formulation in contact loads (`lowfi.statics.elastic`) of the same equations: beam, rigid nut, Hertz
-#: contacts.
-FORCES = "equations of the energy solver, solved for the contact loads"
-
 #: Models of elastic bodies by the name of their formulation; all must solve the hard-to-solve scenes.
-BACKENDS = {FORCES: "lin"} | {m.label: m.name for m in MODELS.values() if m.solves_hard_scenes}
+BACKENDS = {m.label: m.name for m in MODELS.values() if m.solves_hard_scenes}
 
 #: Names of all formulations of the equations.
 FORMULATIONS = (ENERGY, *BACKENDS, *SOURCE)
@@ -143,22 +135,15 @@ def solve_hard_scene_by_formulation(hard_scene: HardScene, formulation: str) -> 
     if formulation == ENERGY:
         return _outcome_by_energy_solver(hard_scene)
     if formulation in BACKENDS:
-        return _outcome_by_contact_load_formulation(hard_scene, formulation)
+        return _outcome_with_elastic_bodies(hard_scene, formulation)
     return _outcome_by_thesis_newton(hard_scene, formulation)
 
 
-@cache
-def _compile_kernels_before_timing() -> None:
-    """Load or compile the numerical kernels in this process, so that their compilation is not timed."""
-    solve_static(shipped("lin-case1"), engine="compiled")
-
-
 def _static_result_by_energy_solver(scene: Scene | Assembly) -> StaticResult | AxisResult:
-    """Solve a scene by the energy solver with compiled kernels."""
-    _compile_kernels_before_timing()
+    """Solve a scene by the energy solver."""
     if isinstance(scene, Assembly):
-        return solve_assembly(scene, engine="compiled")
-    return solve_static(scene, engine="compiled")
+        return solve_assembly(scene)
+    return solve_static(scene)
 
 
 def _outcome_by_energy_solver(hard_scene: HardScene, result: StaticResult | AxisResult | None = None) -> FormulationOutcome:
@@ -171,21 +156,19 @@ def _outcome_by_energy_solver(hard_scene: HardScene, result: StaticResult | Axis
     return replace(row, difference_percent=0.0 if row.converged else None)
 
 
-def _outcome_by_contact_load_formulation(
-    hard_scene: HardScene, formulation: str, energy_result: StaticResult | AxisResult | None = None
-) -> FormulationOutcome:
-    """Solve a hard-to-solve scene by a formulation whose unknowns are the contact loads, and return the outcome.
+def _outcome_with_elastic_bodies(hard_scene: HardScene, formulation: str) -> FormulationOutcome:
+    """Solve a hard-to-solve scene by a model with elastic bodies, and return the outcome.
 
-    ``formulation``: a key of `BACKENDS`; ``energy_result``: static result of the energy solver, None to compute it. The
-    formulation is not applied to scenes whose dimensions leave no solid body (no land between grooves, no wall), to scenes
-    with more than `ELASTIC_LIMIT` balls, which would take minutes, and to scenes with rollers only.
+    ``formulation``: a key of `BACKENDS`. The model is not applied to scenes whose dimensions leave no solid body (no land
+    between grooves, no wall), to scenes with more than `ELASTIC_LIMIT` balls, which would take minutes, and to scenes with
+    rollers only.
     """
     begin, scene = perf_counter(), hard_scene.scene
     try:
         if scene.ball_count > ELASTIC_LIMIT:
             raise ValueError(
-                f"the scene has {scene.ball_count} balls: formulations whose unknowns are the contact loads are "
-                f"applied to at most {ELASTIC_LIMIT}, to save time"
+                f"the scene has {scene.ball_count} balls: models with elastic bodies are applied to "
+                f"at most {ELASTIC_LIMIT}, to save time"
             )
         if not scene.ball_count:
             raise ValueError(
@@ -193,18 +176,11 @@ def _outcome_by_contact_load_formulation(
                 "otherwise only the shaft's beam is elastic"
             )
         solve: Any = solve_assembly_with_elastic_bodies if isinstance(scene, Assembly) else solve_elastic
-        result = solve(scene, backend=LADDER[BACKENDS[formulation]], engine="compiled")
+        result = solve(scene, backend=LADDER[BACKENDS[formulation]])
     except ValueError as error:
         status, spent = f"not attempted: {error}", perf_counter() - begin
         return _outcome_with_status(hard_scene, formulation, status, seconds=spent, reason=status)
-    row = _outcome_from_result(hard_scene, formulation, result, begin)
-    if formulation != FORCES or not row.converged:
-        return row
-    energy_result = energy_result or _static_result_by_energy_solver(scene)
-    apart = None
-    if energy_result.converged:
-        apart = _largest_load_difference(_loads_of_all_contacts(result), _loads_of_all_contacts(energy_result))
-    return replace(row, difference_percent=apart, reason=row.reason + _clause_on_load_difference(apart))
+    return _outcome_from_result(hard_scene, formulation, result, begin)
 
 
 def _loads_of_all_contacts(result: StaticResult | AxisResult) -> Array:
@@ -333,7 +309,7 @@ def _outcome_by_thesis_newton(
         found = solve_by_lin_equations(scene, kinematics="arc", start_values=SOURCE[formulation])
         status, iterations, residual, seconds = found.status, found.iterations, found.residual, found.seconds
         if found.converged:
-            energy_result = energy_result or solve_static(scene, engine="compiled")
+            energy_result = energy_result or solve_static(scene)
             if energy_result.converged:
                 difference = _largest_load_difference(found.contact_loads, energy_result.load)
     return _outcome_with_status(
@@ -386,10 +362,10 @@ def _solve_by_all_formulations(hard_scene: HardScene) -> list[FormulationOutcome
     found, ours = _static_result_by_energy_solver(hard_scene.scene), None
     if isinstance(hard_scene.scene, Scene):
         scene = _with_beam_nodes_of_thesis(hard_scene.scene)
-        ours = solve_static(scene, engine="compiled") if unknown_count_of_thesis_equations(scene) <= DENSE_LIMIT else None
+        ours = solve_static(scene) if unknown_count_of_thesis_equations(scene) <= DENSE_LIMIT else None
     return [
         _outcome_by_energy_solver(hard_scene, found),
-        *(_outcome_by_contact_load_formulation(hard_scene, f, found) for f in BACKENDS),
+        *(_outcome_with_elastic_bodies(hard_scene, f) for f in BACKENDS),
         *(_outcome_by_thesis_newton(hard_scene, f, ours) for f in SOURCE),
     ]
 
@@ -446,8 +422,6 @@ def stability_table_rows(outcomes: Sequence[FormulationOutcome]) -> list[dict[st
         if row.formulation == ENERGY:
             line |= {key: getattr(row, key) for key in ("iterations", "residual", "seconds", "unknowns")}
             line["bound"] = row.round_off_bound
-        if row.formulation == FORCES:
-            line["difference"] = row.difference_percent
     return list(by_case.values())
 
 
@@ -538,5 +512,18 @@ def campaign_table_rows(records: Sequence[Record]) -> list[Row]:
             "processes killed while writing": sum(kills.values()),
             "killed processes that left an incomplete file": kills.get("bad", 0),
         }
-        out.append(ended | {heading: scenes.get(verdict, 0) for verdict, heading in BAD_HEADINGS.items()})
+        of_kind = {heading: scenes.get(verdict, 0) for verdict, heading in BAD_HEADINGS.items()}
+        out.append(
+            ended | of_kind | {"what was wrong, and the same case today": "; ".join(map(_bad_case_in_words, r["bad"]))}
+        )
     return out
+
+
+def _bad_case_in_words(bad: Mapping[str, Any]) -> str:
+    """Return in words what was wrong with a bad case of a campaign, and its outcome when it was judged again."""
+    name = f"scene {bad['scene']}" if "scene" in bad else str(bad.get("file"))
+    again = bad.get("again")
+    if again is None:
+        return f"{name}: {bad['words']}; not judged again"
+    outcome = " (".join(filter(None, (again["verdict"], again["words"] and f"{again['words']})")))
+    return f"{name}: {bad['words']}; by {again['version']} on {again['date']}: {outcome}"

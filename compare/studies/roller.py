@@ -23,6 +23,7 @@ from rollbench.compare.scenes.duty_cycle import Described, DutyCycle
 from rollbench.lowfi import rollers
 from rollbench.lowfi.hertz import contact_modulus
 from rollbench.meshes.axis import Assembly, RollerRow
+from rollbench.meshes.parts import MakerRating
 from rollbench.meshes.record_keys import digest_of_values
 
 #: Version of the 3D roller model in the names of stored runs; raise it when the mechanics change.
@@ -113,9 +114,8 @@ def roller_kinds_with_largest_load(assembly: Assembly) -> list[RollerKindWithLoa
 
     Raises SceneNotCoveredError if the shaft has no equilibrium, or if no roller of a kind carries load.
     """
-    without: dict[str, Any] = dict.fromkeys(
-        ("end_radius", "rib_height", "rib_friction", "torque_factor")
-    )  # no effect in 3D
+    without: dict[str, Any] = dict.fromkeys(("end_radius", "rib_height", "rib_friction", "torque_factor"))
+    without |= {"rating": MakerRating()}  # no effect in 3D, like the others
     rows = {s.name: replace(s.parts, phase=0.0, **without) for s in assembly.sets if isinstance(s.parts, RollerRow)}
     if not rows:
         return []

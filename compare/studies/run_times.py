@@ -1,8 +1,8 @@
 """Run times of models, of the 3D reference and of commands: measured in new processes, and stored.
 
 The cold time is that of a first use: a new interpreter, all imports, the set-up of the geometry and one solution, in a
-process with empty folders for meshes and machine code; with compiled kernels it includes their compilation. The warm time
-is that of a further solution in the same process, with the geometry prepared and the kernels compiled.
+process with an empty folder for meshes. The warm time is that of a further solution in the same process, with the
+geometry prepared.
 
 A store holds the times of one measuring run, and the processor times of cold set-ups (measured by
 ``tests/set_up_costs.py``), so that a report need not start every process again.
@@ -18,7 +18,7 @@ import subprocess
 import sys
 import tempfile
 import threading
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from functools import partial
@@ -147,15 +147,15 @@ from rollbench.compare.models.registry import ModelOptions, run_model
 ask = json.loads({ask!r})
 scene = catalogue.scene(ask["scene"])
 path = Path(ask["condensed"]) if ask["condensed"] else None
-options = ModelOptions(estimate_beam_mesh_error=False, engine=ask["engine"], condensed_bodies_file=path)
+options = ModelOptions(estimate_beam_mesh_error=False, condensed_bodies_file=path)
 spent = []
 for _ in range(1 + ask["repeats"]):
     start = perf_counter()
-    result = run_model(scene, ask["model"], options)
+    run_model(scene, ask["model"], options)
     spent.append(perf_counter() - start)
     if len(spent) == 1:
         done, memory = time(), peak_memory_MB()
-print(json.dumps({{"done": done, "first": spent[0], "warm": min(spent[1:]), "memory": memory, "status": result.status}}))
+print(json.dumps({{"done": done, "warm": min(spent[1:]), "memory": memory}}))
 """
 
 
@@ -229,39 +229,17 @@ class ColdLevelTime:
     stages: dict[str, float] | None = None
 
 
-@dataclass(frozen=True)
-class ColdModelTime:
-    """Times of a low-order model on a scene, measured in a new process with empty caches."""
-
-    #: Wall clock of interpreter start, imports and first solution [s].
-    process: float
-    #: Wall clock of the first solution [s].
-    first: float
-    #: Wall clock of the fastest further solution [s].
-    warm: float
-    #: Peak memory of the process [MB]; None: not measured.
-    memory: float | None
-    #: How numerical kernels ran: "interpreted" (plain Python) or "compiled" (machine code).
-    engine: str
-    #: Status of the solution.
-    status: str
-
-
-def time_model_in_new_process(
-    scene: str, model: str, *, engine: str = "interpreted", condensed: Path | None = None, repeats: int = REPEATS
-) -> ColdModelTime:
+def time_model_in_new_process(scene: str, model: str, *, condensed: Path | None = None, repeats: int = REPEATS) -> RunTime:
     """Time a low-order model on a scene of the package, in a new process with empty caches.
 
-    ``scene`` and ``model``: their names; ``engine``: whether the numerical kernels run as plain Python ("interpreted") or
-    as machine code ("compiled"); ``condensed``: file of condensed stiffness matrices that the model reads, None for a model
-    without; ``repeats``: number of further solutions, the fastest of which gives the warm time. Raises RuntimeError if the
-    process fails.
+    ``scene`` and ``model``: their names; ``condensed``: file of condensed stiffness matrices that the model reads, None for
+    a model without; ``repeats``: number of further solutions, the fastest of which gives the warm time. Raises RuntimeError
+    if the process fails.
     """
     path = str(condensed.resolve()) if condensed else ""
-    ask = {"scene": scene, "model": model, "engine": engine, "repeats": repeats, "condensed": path}
+    ask = {"scene": scene, "model": model, "repeats": repeats, "condensed": path}
     begin, printed = _run_with_empty_caches(CHILD, ask, f"{model} on {scene}")
-    known = {name: printed[name] for name in ("first", "warm", "memory", "status")}
-    return ColdModelTime(process=printed["done"] - begin, engine=engine, **known)
+    return RunTime(printed["done"] - begin, printed["warm"], printed["memory"])
 
 
 def time_call_in_new_process(imports: str, call: str, label: str, repeats: int = REPEATS) -> RunTime:
@@ -294,12 +272,9 @@ def _run_with_empty_caches(program: str, arguments: dict[str, Any], label: str) 
     name of the measurement in the message of the RuntimeError that is raised if the process fails.
     """
     with tempfile.TemporaryDirectory() as folder:
-        caches = {name: str(Path(folder) / name.lower()) for name in ("ROLLBENCH_CACHE", "NUMBA_CACHE_DIR")}
-        for place in caches.values():
-            Path(place).mkdir()
         code = program.format(path=[p for p in sys.path if p], ask=json.dumps(arguments))
         begin = time()
-        command, env = [sys.executable, "-I", "-c", code], environment_for_timed_process(caches)
+        command, env = [sys.executable, "-I", "-c", code], environment_for_timed_process({"ROLLBENCH_CACHE": folder})
         process = subprocess.run(command, capture_output=True, text=True, check=False, timeout=PATIENCE, env=env)
     if process.returncode != 0:
         last = process.stderr.strip().splitlines()[-1:] or ["no message"]
@@ -335,8 +310,6 @@ class StoredRunTimes:
     date: str
     #: Run times by names of scene and model.
     times_by_scene_and_model: Mapping[tuple[str, str], RunTime]
-    #: Times of first solutions in new processes, by name of the model and how its kernels run ("interpreted", "compiled").
-    first_solution_times: Mapping[tuple[str, str], ColdModelTime]
     #: Times of a first solution by the 3D reference on single mesh levels, in new processes.
     mesh_level_times: Sequence[ColdLevelTime] = ()
     #: Times of commands typed on a terminal.
@@ -443,10 +416,9 @@ def save_run_times(store: Path, run_times: StoredRunTimes, source: str = "") -> 
     depends: a publication's name, `TYPED` or empty, as in `run_times_file_name`. Raises InputError if the file cannot be
     written.
     """
-    times, first = sorted(run_times.times_by_scene_and_model.items()), sorted(run_times.first_solution_times.items())
+    times = sorted(run_times.times_by_scene_and_model.items())
     lists = {
         "times": [{"scene": scene, "model": model, **asdict(t)} for (scene, model), t in times],
-        "first": [{"model": model, **asdict(c)} for (model, _), c in first],
         "levels": [asdict(c) for c in run_times.mesh_level_times],
         "typed": [asdict(c) for c in run_times.command_times],
     }
@@ -476,11 +448,10 @@ def load_run_times(stores: Sequence[Path], source: str = "") -> StoredRunTimes |
     def run_times_from_json(data: dict[str, Any]) -> StoredRunTimes:
         """Return run times from the JSON values of their file."""
         times = {(r["scene"], r["model"]): RunTime(r["cold"], r["warm"], r["memory"]) for r in data["times"]}
-        first = {(r.pop("model"), r["engine"]): ColdModelTime(**r) for r in data["first"]}
         levels = tuple(ColdLevelTime(**r) for r in data.get("levels", []))
         measured = MeasuringConditions(data.get("version", ""), data.get("sources", ""), data["machine"])
         commands = tuple(CommandTime(**r) for r in data.get("typed", []))
-        return StoredRunTimes(measured, data["date"], times, first, levels, commands)
+        return StoredRunTimes(measured, data["date"], times, levels, commands)
 
     return read_from_first_valid_folder(stores, run_times_file_name(source), run_times_from_json)
 
@@ -517,8 +488,8 @@ COMMANDS = {
 #: Program that keeps a processor core busy.
 BUSY = "while True: pass"
 
-#: Number of specimens of an ensemble, and numbers of threads with which it is timed.
-MEMBERS, THREADS = 1000, (1, 2)
+#: Number of specimens of an ensemble that is timed.
+MEMBERS = 1000
 
 
 @dataclass(frozen=True)
@@ -585,22 +556,17 @@ def _run_in_empty_home(command: str, run_count: int) -> list[TimedProcess]:
     If the command names ``my.toml``, this scene file is written there first. ``run_count``: number of runs.
     """
     with tempfile.TemporaryDirectory() as home:
-        places = {"XDG_CACHE_HOME": "cache", "ROLLBENCH_CACHE": "cache/rollbench", "NUMBA_CACHE_DIR": "cache/numba"}
+        places = {"XDG_CACHE_HOME": "cache", "ROLLBENCH_CACHE": "cache/rollbench"}
         own = {name: str(Path(home) / place) for name, place in places.items()} | {"HOME": home}
         if "my.toml" in command:
             run_timed_python_process(["-m", "rollbench", *NEW.split()], own, home)
         return [run_timed_python_process(["-m", "rollbench", *command.split()], own, home) for _ in range(run_count)]
 
 
-def time_ensemble_with_threads() -> Iterator[RunTimeRow]:
-    """Time the solution of many random draws of the scene ``lin-random`` by the model lin, in one thread, then in two.
+def time_ensemble() -> RunTimeRow:
+    """Time the solution of many random draws of the scene ``lin-random`` by the model lin: the median of three runs.
 
-    Each draw is the scene with one set of random geometric errors. There is one row for each number of threads, with the
-    median time of three runs.
+    Each draw is the scene with one set of random geometric errors.
     """
-    alone = 0.0
-    for threads in THREADS:
-        seconds = median_seconds(partial(solve_random_draws, scene("lin-random"), MEMBERS, threads=threads), 3)
-        alone = alone or seconds
-        name = f"{MEMBERS} members of lin-random, threads: {threads}"
-        yield RunTimeRow(name, seconds, alone / seconds, note="model lin, compiled; ratio: one thread's time over this")
+    seconds = median_seconds(partial(solve_random_draws, scene("lin-random"), MEMBERS), 3)
+    return RunTimeRow(f"{MEMBERS} members of lin-random", seconds, note="model lin")

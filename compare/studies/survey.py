@@ -20,22 +20,29 @@ from rollbench.compare import __version__
 from rollbench.compare.errors import InputError, one_line
 from rollbench.compare.measure import load_error
 from rollbench.compare.models import model_form
-from rollbench.compare.models.applicability import DESCRIPTORS, KNOWN_SCREWS, SURVEY
-from rollbench.compare.models.comparison import solution_from_run
+from rollbench.compare.models.applicability import DESCRIPTORS, DOUBLE_NUT_SURVEY, KNOWN_SCREWS, SURVEY
+from rollbench.compare.models.comparison import (
+    SceneWithReference,
+    references_from_runs,
+    solution_from_run,
+    stored_references,
+)
 from rollbench.compare.models.loading import with_scaled_loads
 from rollbench.compare.models.registry import ModelOptions, run_model
 from rollbench.compare.reference import parallel
 from rollbench.compare.reference.computing import compute_reference_runs
+from rollbench.compare.reference.estimate import largest_uncertainty_percent
 from rollbench.compare.reference.jobs import store_runs_and_condensed_bodies
 from rollbench.compare.reference.store import Run, read_run_file, shipped_store
-from rollbench.compare.reference.tasks import ReferenceTask
-from rollbench.compare.scenes import scene_file
+from rollbench.compare.reference.tasks import ReferenceTask, Solvable
+from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.scenes.from_keys import angle_of_touching_balls
 from rollbench.compare.scenes.template import LOAD, typical_dimensions
 from rollbench.compare.studies.sweep import sample
 from rollbench.lowfi.rating.life import filled_turns
 from rollbench.lowfi.statics.nominal import count_nominal_contacts
-from rollbench.lowfi.statics.result import StaticResult
+from rollbench.lowfi.statics.result import AxisResult, StaticResult
+from rollbench.meshes.axis import Assembly
 from rollbench.meshes.helix import ball_layout, lead_angle
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.solid import dimensions_of_3d_parts
@@ -64,6 +71,28 @@ OVERSIZE = 4.7e-4
 
 #: Circuits and turns per circuit, smallest first, with the allowed number of balls.
 CIRCUITS, BALLS = ((1, 1.0), (1, 1.5), (2, 1.0), (1, 2.5), (2, 1.5), (3, 1.0), (2, 2.5)), 40
+
+#: Number of drawn double nuts; allowed number of balls of each of the two nuts.
+DOUBLE_NUTS, NUT_BALLS = 24, 24
+
+#: Name of the shipped scene of a double nut.
+SHIPPED_DOUBLE_NUT = "double-nut"
+
+#: Kinds of preload of a double nut, of which one is drawn with double probability: axial preload of each nut in per cent of
+#: its dynamic load rating, and offset of the nuts by the spacer.
+BRACED = ("preload", "preload", "offset")
+
+#: Preload of a double nut [% of the dynamic load rating]; dynamic load rating over the typical load of a nut [%].
+PRELOAD_SHARES, TYPICAL_SHARE = (3.0, 8.0), 13.0
+
+#: Surfaces at which the two nuts of a double nut are fixed: at the spacer between them, at their far ends, both at the same
+#: end (the default of a scene file), or both around.
+HELD_NUTS = (
+    ("right face", "left face"),
+    ("left face", "right face"),
+    ("left face", "left face"),
+    ("outer surface", "outer surface"),
+)
 
 #: Kinds of preload or clearance of a single nut; an entry that is listed twice is drawn with double probability.
 PRELOADS = ("none", "oversize", "oversize", "force", "lead offset", "clearance")
@@ -132,6 +161,70 @@ def random_screw_scene_text(seed: int, number: int) -> str:
     return _scene_as_toml(scene)
 
 
+def random_double_nut_scene_text(seed: int, number: int) -> str:
+    """Return the scene file (TOML text) of one randomly drawn double nut, which depends on seed and number only.
+
+    Two equal nuts on one screw, of one start and about `NUT_BALLS` balls each at most, are held by a rigid housing and
+    braced against each other by their preload or by a spacer.
+    ``seed``: seed of the survey; ``number``: number of the double nut, from 0.
+    """
+    rng = np.random.default_rng([seed, SCENES, number])
+    outer = int(rng.choice(list(SIZES)))
+    lead = int(rng.choice(SIZES[outer]))
+    kind = str(rng.choice(BRACED))
+    sizes = typical_dimensions(f"{outer}x{lead}")
+    ball, pitch = sizes["ball"], sizes["pitch"]
+    touching = angle_of_touching_balls(pitch / 2.0, lead, ball)
+    balls, count = _draw_ball_circuits(rng, 1, ball, touching, halved=False, most=NUT_BALLS)
+    length = round(outer * rng.uniform(14.0, 30.0))
+    middle = length * rng.uniform(0.4, 0.6)
+    share = rng.uniform(*PRELOAD_SHARES)
+    force = LOAD * ball**2 * count * np.sin(pi / 4.0) * share / TYPICAL_SHARE
+    track = {
+        "pitch_diameter": f"{pitch:g} mm",
+        "lead": f"{lead} mm",
+        "contact_angle": f"{rng.uniform(40.0, 50.0):.1f} deg",
+        "hand": str(rng.choice(["right", "right", "left"])),
+    }
+    screw = {"length": f"{length} mm", "outer_diameter": f"{outer} mm", "conformity": _draw_conformity(rng)}
+    nut = {
+        "position": f"{middle:.4g} mm",
+        "length": f"{length * 0.58:.4g} mm",
+        "outer_diameter": f"{sizes['outside'] * rng.uniform(0.95, 1.2):.3g} mm",
+        "conformity": _draw_conformity(rng),
+    }
+    material = {"name": "bearing steel"}
+    nut_length = _draw_nut_length(
+        {"title": "one nut", "material": material, "track": track, "screw": screw, "nut": nut, "balls": balls}, rng
+    )
+    apart = nut_length * (1.0 + rng.uniform(0.05, 0.3))
+    held, inwards = HELD_NUTS[int(rng.integers(len(HELD_NUTS)))], bool(rng.random() < 0.5)
+    if rng.random() < 0.25:
+        screw["bore"] = f"{floor(0.4 * outer)} mm"
+    shift = 1e3 * OVERSIZE * ball * _draw_log_uniform(rng, 0.7, 2.5)
+    sets = []
+    for k, sign in enumerate((-1.0, 1.0)):
+        pushed = -sign if inwards else sign
+        braced = {"thrust": "+z" if pushed > 0.0 else "-z", "preload": f"{share:.1f} % of C"}
+        place = {"position": f"{middle + 0.5 * sign * apart:.3f} mm", "length": f"{nut_length:.3f} mm"}
+        sets.append(
+            {"name": f"nut {k + 1}"}
+            | (braced if kind == "preload" else {"offset": f"{pushed * shift:.3g} um"})
+            | {"track": track, "nut": nut | place | {"held": {"at": held[k]}}, "balls": balls}
+            | {"errors": _draw_geometric_errors(rng)}
+        )
+    scene: dict[str, Any] = {
+        "title": f"survey {seed}, double nut {number}: {outer}x{lead}, {kind}",
+        "kind": "axis",
+        "material": material,
+        "screw": screw,
+        "supports": _draw_supports(rng, length),
+        "loads": _draw_loads(rng, force, pitch / 2.0, f"{middle:.4g} mm"),
+        "sets": sets,
+    }
+    return _scene_as_toml(scene)
+
+
 def _draw_flange(rng: np.random.Generator, length: float, tube_diameter: float) -> dict[str, dict[str, str]]:
     """Draw a flange for a nut, and the annulus of its face that is fixed; return the scene keys that describe both.
 
@@ -164,13 +257,14 @@ def _draw_conformity(rng: np.random.Generator) -> float:
 
 
 def _draw_ball_circuits(
-    rng: np.random.Generator, starts: int, ball_diameter: float, touching_angle: float, *, halved: bool
+    rng: np.random.Generator, starts: int, ball_diameter: float, touching_angle: float, *, halved: bool, most: int = BALLS
 ) -> tuple[dict[str, Any], int]:
     """Draw the ball circuits of a nut and their filling; return the scene keys of the balls, then the number of balls.
 
     ``rng``: generator of the random numbers; ``starts``: number of starts of the thread; ``ball_diameter``: ball diameter
     [mm]; ``touching_angle``: difference in azimuth between neighbouring balls that touch [rad]; ``halved``: whether the nut
-    is preloaded by a lead offset between two halves, so that circuits come in pairs.
+    is preloaded by a lead offset between two halves, so that circuits come in pairs; ``most``: number of balls up to which
+    circuits are drawn beyond the smallest ones.
     """
     filling = round(float(rng.uniform(0.8, 0.95)), 2)
 
@@ -179,7 +273,7 @@ def _draw_ball_circuits(
         return starts * circuits * max(1, floor(filling * turns * 2.0 * pi / touching_angle))
 
     allowed = [c for c in CIRCUITS if not (halved and c[0] % 2)]
-    circuits, turns = allowed[int(rng.integers(max(1, sum(balls_in_circuits(*c) <= BALLS for c in allowed))))]
+    circuits, turns = allowed[int(rng.integers(max(1, sum(balls_in_circuits(*c) <= most for c in allowed))))]
     keys = {"diameter": f"{ball_diameter:g} mm", "filling": filling, "turns": turns, "circuits": circuits}
     return keys | ({"circuit_gap": 0.5} if circuits > 1 else {}), balls_in_circuits(circuits, turns)
 
@@ -297,8 +391,33 @@ RAISED = 1.05
 Record = dict[str, Any]
 
 
-def survey_screw(seed: int, number: int, run_folder: Path | None = None) -> Record:
-    """Draw a random ball screw, and compare the low-order models with the 3D reference on it.
+class DrawnKind(NamedTuple):
+    """Kind of scenes of the survey: how they are named and drawn, how many, and where their records are stored."""
+
+    #: Words with which names of these scenes begin.
+    name: str
+    #: Function that returns the text of a scene file, of the survey's seed and the number of the scene.
+    scene_text: Callable[[int, int], str]
+    #: Number of scenes.
+    scenes: int
+    #: Name of the file with the records.
+    file: str
+
+    @property
+    def loads(self) -> str:
+        """Name of the file with the contact loads of the 3D reference, next to the records."""
+        return self.file.replace(".json", "-loads.json")
+
+
+#: Kinds of scenes of the survey.
+KINDS = {
+    "ball screw": DrawnKind("survey", random_screw_scene_text, SCENES, SURVEY),
+    "double nut": DrawnKind("double-nut", random_double_nut_scene_text, DOUBLE_NUTS, DOUBLE_NUT_SURVEY),
+}
+
+
+def survey_screw(seed: int, number: int, run_folder: Path | None = None, kind: str = "ball screw") -> Record:
+    """Draw a random ball screw or double nut, and compare the low-order models with the 3D reference on it.
 
     If a solution fails, the returned record says so; no exception is raised.
 
@@ -310,6 +429,8 @@ def survey_screw(seed: int, number: int, run_folder: Path | None = None) -> Reco
         Number of the screw.
     run_folder
         Folder of stored 3D solutions, which are not computed again; None: no solution is stored.
+    kind
+        Kind of the scene, a key of `KINDS`.
 
     Returns
     -------
@@ -317,18 +438,21 @@ def survey_screw(seed: int, number: int, run_folder: Path | None = None) -> Reco
         Record of the screw as JSON values: its properties, status of the 3D reference, and errors of the models.
     """
     begin = process_time()
-    text, name = random_screw_scene_text(seed, number), f"survey-{seed}-{number}"
+    text, name = KINDS[kind].scene_text(seed, number), f"{KINDS[kind].name}-{seed}-{number}"
     record: Record = {"number": number, "version": __version__}
     try:
         scene, raised = scenes_under_given_and_raised_loads(text, name)
-        record |= screw_properties_for_record(scene)
+        record |= double_nut_properties(scene) if isinstance(scene, Assembly) else screw_properties_for_record(scene)
         found = [run for one in (scene, raised) if (run := stored_run(run_folder, one)) is not None]
         if len(found) < 2:
             task = ReferenceTask((scene, raised), LEVEL, cut_end_cell_ratio=CUT_CELLS)
             found = compute_reference_runs(task)
             if run_folder is not None:
                 store_runs_and_condensed_bodies(run_folder, task, found, None)
-        record |= compare_models_with_reference(scene, raised, found)
+        if isinstance(scene, Assembly) and isinstance(raised, Assembly):
+            record |= compare_models_on_double_nut(scene, raised, found)
+        elif isinstance(scene, Scene) and isinstance(raised, Scene):
+            record |= compare_models_with_reference(scene, raised, found)
     except InputError as error:
         record["status"] = one_line(str(error), 400)
     except Exception as error:  # the survey looks for programming errors too
@@ -336,17 +460,18 @@ def survey_screw(seed: int, number: int, run_folder: Path | None = None) -> Reco
     return record | {"seconds": round(process_time() - begin, 1)}
 
 
-def scenes_under_given_and_raised_loads(text: str, name: str) -> tuple[Scene, Scene]:
+def scenes_under_given_and_raised_loads(text: str, name: str) -> tuple[Solvable, Solvable]:
     """Return a screw under the loads of its scene file, then the same screw under these loads times `RAISED` (1.05).
 
     The axial tangent rigidity follows from the solutions under both loads. ``text``: TOML text of the scene file; ``name``:
     name of the first scene; that of the second ends in "-raised".
     """
-    scene = scene_file.scene_from_text(text, f"{name}.toml")
+    scene = scene_file.parse_scene(text, f"{name}.toml")
+    assert isinstance(scene, Scene | Assembly)
     return scene, replace(with_scaled_loads(scene, RAISED), name=f"{name}-raised")
 
 
-def stored_run(run_folder: Path | None, scene: Scene) -> Run | None:
+def stored_run(run_folder: Path | None, scene: Solvable) -> Run | None:
     """Return the stored solution of a scene by the 3D reference on mesh level 1; None if there is none.
 
     ``run_folder``: folder of stored solutions; None: nothing is stored.
@@ -433,10 +558,129 @@ def compare_models_with_reference(scene: Scene, raised: Scene, runs: Sequence[Ru
         "models": {
             name: _record_of_model_errors(scene, answers[name][0], run, p) | seconds[name] for name, p in points.items()
         },
-        "places": {d.name: round(d.value_of_scene(scene), 4) for d in DESCRIPTORS},
+        "places": descriptors_for_record(scene),
         "points": [asdict(p) for p in points.values()],
     }
     return state
+
+
+def double_nut_properties(assembly: Assembly) -> Record:
+    """Return the properties of a double nut that affect the errors of low-order models, those of its nuts in a list."""
+    nuts = [
+        replace(s.parts, supports=assembly.supports, loads=assembly.loads)
+        for s in assembly.sets
+        if isinstance(s.parts, Scene)
+    ]
+    first = screw_properties_for_record(replace(nuts[0], title=assembly.title))
+    own = ("low_face_radii", "high_face_radii", "nut_held")
+    braced = [{"preload_N": round(s.preload, 2), "offset_of_nut_um": round(1e6 * s.offset, 3)} for s in assembly.sets]
+    each = [{k: screw_properties_for_record(nut)[k] for k in own} | given for nut, given in zip(nuts, braced, strict=True)]
+    return {k: v for k, v in first.items() if k not in own} | {"nuts": each}
+
+
+def compare_models_on_double_nut(assembly: Assembly, raised: Assembly, runs: Sequence[Run]) -> Record:
+    """Compare the models with the 3D reference on a drawn double nut; return status and errors as JSON values.
+
+    Errors of contact loads are in per cent of the mean load of their own nut; the larger of the two nuts is that of the
+    scene. Displacement and rigidity are those of the shaft's cross-section on which the axial load acts.
+
+    ``raised``: the same double nut with raised loads; ``runs``: solutions by the 3D reference under the drawn loads, then
+    under the raised loads. Without two converged solutions, or with a nut without load, the record has the status only.
+    """
+    run, raised_run = runs
+    state: Record = {
+        "status": run.status,
+        "raised_status": raised_run.status,
+        "rest_N": max(run.moving, raised_run.moving),
+        "load_seconds": round(run.solve_seconds, 2),
+    }
+    if not (run.answers and raised_run.answers):
+        return state
+    references = references_from_runs(assembly, (run,))
+    if not all(of.reference.load.any() for of in references):
+        return state
+    options, title = ModelOptions(estimate_beam_mesh_error=False), f"double nut {assembly.name.rpartition('-')[2]}"
+    points, models = [], {}
+    for name in MODELS:
+        begin = process_time()
+        low, seconds = run_model(assembly, name, options), process_time() - begin
+        high = run_model(raised, name, options)
+        if not (low.converged and high.converged):
+            continue
+        of_axis: Any = model_form.errors_of_shaft_section(assembly, raised, (low, high), runs)
+        found = []
+        for (nut, result), of in zip(model_form.nuts_of_double_nut(assembly, low), references, strict=True):
+            words = f"{title}, {of.set_name}"
+            point = model_form.measure_model_error(words, nut, result, of.reference.best, contacts=of.reference.contacts)
+            found.append(replace(point, features=point.features | {model_form.DOUBLE: 1.0}, **of_axis))
+        points += found
+        expected = model_form.estimate_double_nut_error(
+            assembly, low, [p for p in model_form.model_errors_on_compared_scenes() if p.described_scene != title]
+        )
+        models[name] = _record_of_double_nut_errors(low, found, expected, references) | {"seconds": round(seconds, 3)}
+    return state | {
+        "contacts": int((run.load > 0.0).sum()),
+        "mean_N": [round(float(of.reference.load[of.reference.load > 0.0].mean()), 4) for of in references],
+        "uncertainty_percent": [round(largest_uncertainty_percent(of.reference), 3) for of in references],
+        "models": models,
+        "points": [asdict(p) for p in points],
+    }
+
+
+def errors_on_shipped_double_nut() -> list[Record]:
+    """Return the record of the shipped double nut, in a list, as those of the drawn ones: errors of the models on it.
+
+    Its reference is the stored one, on several mesh levels. The list is empty if no run is stored.
+    """
+    assembly = catalogue.shipped_scene(SHIPPED_DOUBLE_NUT)
+    assert isinstance(assembly, Assembly)
+    references = stored_references(assembly, None)
+    if not references:
+        return []
+    models, options = {}, ModelOptions(estimate_beam_mesh_error=False)
+    for name in MODELS:
+        result = run_model(assembly, name, options)
+        found = [
+            model_form.measure_model_error(of.set_name, nut, one, of.reference.best, contacts=of.reference.contacts)
+            for (nut, one), of in zip(model_form.nuts_of_double_nut(assembly, result), references, strict=True)
+        ]
+        expected = model_form.estimate_double_nut_error(assembly, result)
+        models[name] = _record_of_double_nut_errors(result, found, expected, references)
+    bars = [round(largest_uncertainty_percent(of.reference), 3) for of in references]
+    levels = ", ".join(map(str, references[0].reference.levels))
+    words = {"number": SHIPPED_DOUBLE_NUT, "title": f"{assembly.title} (mesh levels {levels})", "status": ANSWERED}
+    return [words | {"uncertainty_percent": bars, "models": models}]
+
+
+def _record_of_double_nut_errors(
+    result: AxisResult,
+    found: Sequence[model_form.MeasuredModelErrors],
+    expected: model_form.ExpectedModelErrors | None,
+    references: Sequence[SceneWithReference],
+) -> Record:
+    """Return a model's errors on a drawn double nut [%], and the errors expected from other scenes.
+
+    ``result``: the model's solution; ``found``: the model's errors on each nut; ``references``: 3D reference of each nut.
+    """
+    places = []
+    for s, of in zip(result.sets, references, strict=True):
+        assert s.balls is not None
+        error = load_error(s.balls.load, of.reference.load, of.reference.contacts)
+        places.append(f"{of.set_name}, {error.ball} {error.side}")
+    worst = max(range(len(found)), key=lambda k: found[k].percent)
+    largest = {
+        name: max(abs(getattr(p, name) or 0.0) for p in found) for name in ("gate_percent", *model_form.QUANTITIES[1:])
+    }
+    wanted = {} if expected is None else {n: _round_or_none(getattr(expected, n)) for n in model_form.QUANTITIES}
+    return {
+        "status": result.status,
+        "largest_percent": found[worst].percent,
+        "at": places[worst],
+        "percent_of_nuts": [p.percent for p in found],
+        **largest,
+        **{name.replace("percent", "expected_percent"): value for name, value in wanted.items()},
+        "not_covered": "" if expected is None or expected.percent is not None else one_line(expected.words[-1], 200),
+    }
 
 
 def _round_or_none(value: float | None, factor: float = 1.0) -> float | None:
@@ -475,22 +719,29 @@ SUMS = ("model", "error", "scenes", "median", "p95", "largest")
 ERRORS = ("largest_percent", "gate_percent", "rms_percent", "displacement_percent", "rigidity_percent", "pressure_percent")
 
 
-def _solve_screw_and_append_record(folder: Path, token: str, seed: int, number: int) -> Record | None:
+def _solve_screw_and_append_record(folder: Path, token: str, seed: int, number: int, kind: str) -> Record | None:
     """Compare the models on a randomly drawn screw, append the record to the survey's folder, and return it.
 
     ``token``: text in the folder that identifies the present execution of the survey; ``seed``: seed of the survey;
-    ``number``: number of the screw. Returns None without solving if a later execution has taken over the folder.
+    ``number``: number of the screw; ``kind``: its kind. Returns None without solving if a later execution has taken
+    over the folder.
     """
     if not sample.is_token_of_current_run(folder, token):
         return None
     with sample.hold_process_lock(folder):
-        record = survey_screw(seed, number, folder / "runs")
+        record = survey_screw(seed, number, folder / "runs", kind)
         sample.RecordWriter(folder, token).append([record])
     return record
 
 
 def solve_screws_of_survey(
-    seed: int, count: int, folder: Path, workers: int, show_progress: Callable[[str], None], record_file: Path | None = None
+    seed: int,
+    count: int,
+    folder: Path,
+    workers: int,
+    show_progress: Callable[[str], None],
+    record_file: Path | None = None,
+    kind: str = "ball screw",
 ) -> list[Record]:
     """Compare the models on the first ``count`` screws of a survey, and return the records; stored records are reused.
 
@@ -508,6 +759,8 @@ def solve_screws_of_survey(
         Function that is called with a line of progress for every screw.
     record_file
         File of an earlier survey, whose records are used if seed, mesh level and version are the same; None: no file.
+    kind
+        Kind of the scenes, a key of `KINDS`.
 
     Returns
     -------
@@ -519,14 +772,15 @@ def solve_screws_of_survey(
     InputError
         If the folder belongs to another survey, or another process works in it.
     """
-    sample.create_or_check_sweep_folder(folder, {"survey": seed, "level": LEVEL, "version": __version__})
+    asked = {"survey": seed, "level": LEVEL, "version": __version__} | ({} if kind == "ball screw" else {"kind": kind})
+    sample.create_or_check_sweep_folder(folder, asked)
     with sample.reserve_sweep_folder(folder) as token:
         before = [*_valid_records_in_file(record_file, seed), *sample.stored_sample_records(folder)]
         known = {record["number"]: record for record in before if not records_without_converged_loads([record])}
         left = [number for number in range(count) if number not in known]
         if len(left) < count:
             show_progress(f"{count - len(left)} scenes of {count} are known")
-        jobs = [(_solve_screw_and_append_record, (folder, token, seed, number)) for number in left]
+        jobs = [(_solve_screw_and_append_record, (folder, token, seed, number, kind)) for number in left]
         for job, record in parallel.run_jobs(jobs, "joblib", None, workers):
             if record is not None:
                 known[left[job]] = record
@@ -537,13 +791,28 @@ def solve_screws_of_survey(
 def _valid_records_in_file(path: Path | None, seed: int) -> list[Record]:
     """Return those records in a survey's file that have this seed and the present mesh level and program version.
 
+    What describes a screw before it is solved is computed anew, so that a new descriptor needs no new solution.
+
     ``path``: the file; None: no file; ``seed``: seed of the survey. The list is empty without such records.
     """
     if path is None or not path.exists():
         return []
     found = json.loads(path.read_text(encoding="utf-8"))
     same = (found.get("seed"), found.get("level")) == (seed, LEVEL)
-    return [record for record in found["scenes"] if same and record["version"] == __version__]
+    return [_with_descriptors(record, seed) for record in found["scenes"] if same and record["version"] == __version__]
+
+
+def _with_descriptors(record: Record, seed: int) -> Record:
+    """Return the record of a random screw of the survey ``seed`` with all present descriptors."""
+    if "places" not in record:
+        return record
+    scene = scene_file.scene_from_text(random_screw_scene_text(seed, record["number"]), "survey.toml")
+    return record | {"places": descriptors_for_record(scene)}
+
+
+def descriptors_for_record(scene: Scene) -> dict[str, float]:
+    """Return the rounded values of all descriptors of a scene (`DESCRIPTORS`), by name."""
+    return {d.name: round(d.value_of_scene(scene), 4) for d in DESCRIPTORS}
 
 
 def records_without_converged_loads(records: Sequence[Record]) -> list[Record]:
@@ -551,27 +820,33 @@ def records_without_converged_loads(records: Sequence[Record]) -> list[Record]:
     return [r for r in records if r["status"] != ANSWERED or r.get("raised_status", ANSWERED) != ANSWERED]
 
 
-def survey_records_as_json(seed: int, records: Sequence[Record]) -> str:
+def survey_records_as_json(seed: int, records: Sequence[Record], kind: str = "ball screw") -> str:
     """Return the records of a survey as JSON text, one screw per line after the numbers of requested and solved screws."""
     asked = 1 + max((r["number"] for r in records), default=-1)
-    head = {"command": f"rollbench stability --survey {asked}", "seed": seed, "level": LEVEL, "solved": len(records)}
+    of = "" if kind == "ball screw" else f" --kind {kind.replace(' ', '-')}"
+    head = {"command": f"rollbench stability --survey {asked}{of}", "seed": seed, "level": LEVEL, "solved": len(records)}
     rows = ",\n".join(json.dumps(r, ensure_ascii=False) for r in records)
     return json.dumps(head)[:-1] + f', "scenes": [\n{rows}\n]}}\n'
 
 
-def built_in_survey() -> dict[str, Any]:
-    """Return the survey of random screws in the package as JSON values; a survey without screws if the file is missing."""
-    path = shipped_store() / SURVEY
+def built_in_survey(kind: str = "ball screw") -> dict[str, Any]:
+    """Return the survey of random screws in the package as JSON values; a survey without screws if the file is missing.
+
+    ``kind``: kind of the scenes, a key of `KINDS`.
+    """
+    path = shipped_store() / KINDS[kind].file
     found: dict[str, Any] = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {"scenes": []}
     return found
 
 
-def records_for_error_estimates() -> list[Record]:
-    """Return the records of the first `KNOWN_SCREWS` screws of the stored survey, from which expected errors are estimated.
-
-    The records of later screws test whether the estimated errors hold.
-    """
+def records_of_screws_known_before() -> list[Record]:
+    """Return the stored records of the first `KNOWN_SCREWS` screws, which were known when the models were last changed."""
     return [record for record in built_in_survey()["scenes"] if record["number"] < KNOWN_SCREWS]
+
+
+def records_of_screws_drawn_later() -> list[Record]:
+    """Return the stored records of the screws that were drawn and compared once, after the last change of the models."""
+    return [record for record in built_in_survey()["scenes"] if record["number"] >= KNOWN_SCREWS]
 
 
 #: Aims for the errors of the refined model on random screws: of the worst contact, and root mean square [% of the mean
@@ -586,9 +861,13 @@ class ModelAccuracy(NamedTuple):
     screw_count: int
     #: Number of screws whose largest and root-mean-square load errors are within the aims `WORST_AIM` and `RMS_AIM`.
     within_aims: int
+    #: Median over the screws of the largest error of a contact load [% of the mean load of the screw].
+    median_error: float
+    #: 95th percentile of this error [%].
+    percentile_95: float
     #: Largest error of a contact load on any of the screws [% of the mean load of the screw].
     largest_error: float
-    #: Number of screws whose largest load error does not exceed the error that was estimated for them beforehand.
+    #: Number of screws whose largest load error does not exceed the error that was expected when they were solved.
     within_expected_error: int
 
 
@@ -598,7 +877,8 @@ def model_accuracy_on_random_screws(records: Sequence[Record], model: str = "ref
     worst = [abs(e["largest_percent"]) for e in errors]
     within = sum(w <= WORST_AIM and e["rms_percent"] <= RMS_AIM for w, e in zip(worst, errors, strict=True))
     held = sum(w <= (e["expected_percent"] or 0.0) for w, e in zip(worst, errors, strict=True))
-    return ModelAccuracy(len(errors), within, max(worst, default=0.0), held)
+    median, most = map(float, np.percentile(worst, [50, 95])) if worst else (0.0, 0.0)
+    return ModelAccuracy(len(errors), within, median, most, max(worst, default=0.0), held)
 
 
 def error_summary_rows_of_all_models(records: Sequence[Record]) -> list[dict[str, Any]]:

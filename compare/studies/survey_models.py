@@ -33,24 +33,22 @@ from rollbench.compare.models.registry import ModelOptions, model_by_name, run_m
 from rollbench.compare.reference import parallel
 from rollbench.compare.reference.computing import compute_reference_runs
 from rollbench.compare.reference.estimate import Reference, largest_uncertainty_percent, reference_from_runs
-from rollbench.compare.reference.store import SCHEMA, UNSAID, MeasuringConditions, measuring_conditions
-from rollbench.compare.reference.tasks import ReferenceTask
+from rollbench.compare.reference.store import SCHEMA, SETS, UNSAID, MeasuringConditions, measuring_conditions
+from rollbench.compare.reference.tasks import ReferenceTask, Solvable, reset_nonstatic_fields
 from rollbench.compare.results.base import add_schema_version
 from rollbench.compare.running import usable_cores
 from rollbench.compare.scenes import scene_file
 from rollbench.compare.studies import survey
 from rollbench.compare.studies.run_times import read_from_first_valid_folder, utc_date_today
-from rollbench.compare.studies.sweep.run import COMPILE_FROM
 from rollbench.lowfi.statics.nominal import count_nominal_contacts
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.axis import Assembly
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.processes import limit_to_one_thread
 from rollbench.meshes.record_keys import digest_of_values
 from rollbench.reports.content import Figure, Panel, Series
 
-#: Name of the file with the contact loads, next to the survey's record.
-LOADS = "survey-loads.json"
 #: Errors that are summarised, by their names in the survey's record, with descriptions; errors of loads are in % of the
 #: mean load.
 ERRORS = {"largest_percent": "worst load", "rms_percent": "loads, RMS", "pressure_percent": "largest pressure"}
@@ -72,16 +70,19 @@ def screw_name(number: int) -> str:
     return f"survey-{survey.SEED}-{number}"
 
 
-def store_reference_loads(path: Path, run_folder: Path, count: int) -> int:
+def store_reference_loads(path: Path, run_folder: Path, count: int, kind: str = "ball screw") -> int:
     """Write the contact loads by the 3D reference on the first ``count`` random screws to a file.
 
-    ``path``: the file; ``run_folder``: folder with stored solutions of the 3D reference. For screws without a solution
+    ``path``: the file; ``run_folder``: folder with stored solutions of the 3D reference; ``kind``: kind of the screws, a
+    key of `survey.KINDS`. For screws without a solution
     there, the loads that the file already has are kept. Returns the number of screws in the file. Raises InputError if the
     file cannot be written.
     """
     before = _read_reference_loads(path)
     for number in range(count):
-        run = survey.stored_run(run_folder, scene := random_screw_scene(number))
+        text, name = survey.KINDS[kind].scene_text(survey.SEED, number), f"{survey.KINDS[kind].name}-{survey.SEED}-{number}"
+        scene, _ = survey.scenes_under_given_and_raised_loads(text, name)
+        run = survey.stored_run(run_folder, scene)
         if run is not None:
             load = [[float(f"{x:.6g}") for x in row] for row in run.load]
             before[number] = {"number": number, "of": _scene_digest(scene), "moving": run.moving, "load": load}
@@ -91,8 +92,10 @@ def store_reference_loads(path: Path, run_folder: Path, count: int) -> int:
     return len(before)
 
 
-def _scene_digest(scene: Scene) -> str:
+def _scene_digest(scene: Solvable) -> str:
     """Return a digest (hash value, 16 hexadecimal digits) of a scene's content and of the version of the 3D reference."""
+    if isinstance(scene, Assembly):
+        return digest_of_values(SCHEMA, SETS, reset_nonstatic_fields(scene, UNSAID))[:16]
     return digest_of_values(SCHEMA, replace(scene, **UNSAID))[:16]
 
 
@@ -111,7 +114,7 @@ def _read_reference_loads(path: Path) -> dict[int, Row]:
 @cache
 def stored_loads() -> dict[int, Row]:
     """Return the contact loads by the 3D reference on random screws, stored in the package, by number of the screw."""
-    return _read_reference_loads(shipped_path(f"references/{LOADS}"))
+    return _read_reference_loads(shipped_path(f"references/{survey.KINDS['ball screw'].loads}"))
 
 
 def reference_from_stored_loads(scene: Scene, number: int) -> Reference | None:
@@ -128,7 +131,7 @@ def reference_from_stored_loads(scene: Scene, number: int) -> Reference | None:
     return reference_from_runs(scene.name, scene, (run,), contacts=count_nominal_contacts(scene))
 
 
-def judge_model_on_random_screw(model: str, number: int, limit: float = LIMIT, engine: str = "interpreted") -> Row:
+def judge_model_on_random_screw(model: str, number: int, limit: float = LIMIT) -> Row:
     """Solve a randomly drawn screw with a model, and compare the contact loads with the stored 3D reference.
 
     Parameters
@@ -139,8 +142,6 @@ def judge_model_on_random_screw(model: str, number: int, limit: float = LIMIT, e
         Number of the screw.
     limit
         Largest allowed error of a contact load [% of the mean load].
-    engine
-        How numerical kernels run: "interpreted" (plain Python) or "compiled" (machine code).
 
     Returns
     -------
@@ -158,7 +159,7 @@ def judge_model_on_random_screw(model: str, number: int, limit: float = LIMIT, e
         return row | {"status": "the model does not describe it"}
     start = perf_counter()
     try:
-        result = run_model(scene, model, ModelOptions(estimate_beam_mesh_error=False, engine=engine))
+        result = run_model(scene, model, ModelOptions(estimate_beam_mesh_error=False))
     except InputError as fault:
         return row | {"status": one_line(str(fault), 300), "error": fault}
     seconds = perf_counter() - start
@@ -254,13 +255,12 @@ def _judge_model_on_screws(
     the mean load]; ``show_progress``: function that is called with each line of progress. Raises the model's error if it
     fails on each of the screws that are tried first.
     """
-    engine = "compiled" if len(numbers) >= COMPILE_FROM else "interpreted"
-    first = [judge_model_on_random_screw(model, number, limit, engine) for number in numbers[:FIRST]]
+    first = [judge_model_on_random_screw(model, number, limit) for number in numbers[:FIRST]]
     errors = [row["error"] for row in first if "error" in row]
     if first and len(errors) == len(first):
         raise errors[0]
     rows, begin, pulse = {row["screw"]: row for row in first}, perf_counter(), 0
-    jobs: list[parallel.Job] = [(judge_model_on_random_screw, (model, number, limit, engine)) for number in numbers[FIRST:]]
+    jobs: list[parallel.Job] = [(judge_model_on_random_screw, (model, number, limit)) for number in numbers[FIRST:]]
     for _, row in parallel.run_jobs(jobs, "joblib", None, workers):
         rows[row["screw"]] = row
         if len(rows) == len(numbers) or perf_counter() - begin > 10.0 * (pulse + 1):
@@ -440,7 +440,10 @@ def load_cases_of_random_screw(number: int) -> tuple[Scene, Scene]:
     The axial tangent rigidity follows from the solutions under both loads.
     """
     text = survey.random_screw_scene_text(survey.SEED, number)
-    return survey.scenes_under_given_and_raised_loads(text, screw_name(number))
+    scene, raised = survey.scenes_under_given_and_raised_loads(text, screw_name(number))
+    assert isinstance(scene, Scene)
+    assert isinstance(raised, Scene)
+    return scene, raised
 
 
 def solve_and_time_mesh_level(number: int, level: int) -> TimedLevelRun:

@@ -10,14 +10,17 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from rollbench.compare.errors import ArgumentError, InputError
 from rollbench.compare.models.answers import TANGENT_OF, results_of_contact_loads, tangent_stiffness_at
+from rollbench.compare.models.loading import with_scaled_loads
 from rollbench.compare.models.model_form import estimate_model_error
-from rollbench.compare.models.registry import AXIS_MODELS, ModelOptions, default_model_name, model_by_name
+from rollbench.compare.models.registry import AXIS_MODELS, ModelOptions, default_model_name, model_by_name, run_model
+from rollbench.compare.models.stiffness import stiffness_of_scene
 from rollbench.compare.quantities import record_as_json
 from rollbench.compare.reference import parallel
 from rollbench.compare.reference.jobs import ComputingSettings, run_jobs_in_fastest_way
@@ -36,21 +39,21 @@ from rollbench.meshes.units import split_quantity_text
 
 #: Quantities that a table can have, with descriptions and the fields of a row that hold them.
 QUANTITIES: dict[str, tuple[str, tuple[str, ...]]] = {
-    "stiffness": ("6 x 6 tangent stiffness and axial rigidity", ("stiffness", "axial_rigidity_N_per_um")),
-    "displacement": ("displacement at the load", ("displacement_um",)),
+    "stiffness": (
+        "6 x 6 tangent stiffness, and tangents of nut and load's point",
+        ("stiffness", "nut_tangent_N_per_um", "load_point_tangent_N_per_um"),
+    ),
+    "displacement": ("displacements of nut and load's point", ("nut_displacement_um", "load_point_displacement_um")),
     "load": ("largest contact load", ("largest_load_N",)),
     "preload": ("axial preload", ("preload_N",)),
     "pressure": ("largest Hertz pressure", ("largest_pressure_MPa",)),
-    "life": ("life L10", ("life_million_revolutions",)),
+    "life": ("life by the contact loads", ("life_million_revolutions",)),
 }
 #: Quantities of a table unless others are requested.
 USUAL = ("stiffness", "preload", "pressure", "life")
 
-#: Largest number of rows of a table, and number of rows from which on numerical kernels are compiled.
-MOST, COMPILE_FROM = 100_000, 4
-
-#: Key that stands for the scene's axial load.
-LOAD = "load"
+#: Largest number of rows of a table.
+MOST = 100_000
 
 
 @dataclass(frozen=True)
@@ -119,7 +122,7 @@ def check_table_request(
     _check_model_for_table(described, model, quantities)
     raw = scene_file.parse_toml(text, origin)
     typed = sweep_keys.read_varied_keys_of_table(over)
-    keys = tuple(replace(x, key=axial_load_key(raw, origin)) if x.key == LOAD else x for x in typed)
+    keys = sweep_keys.with_axial_load_key(typed, raw, origin, "over")
     for vary in keys:
         for value in vary.listed_values:
             scene_tables.validated_keys(sweep_keys.tables_with_varied_keys(raw, [vary], [value]), origin)
@@ -167,27 +170,6 @@ def _position_and_body_of_stiffness(given: str | float | None, scene: Scene | As
     return station, of
 
 
-def axial_load_key(raw: dict[str, Any], origin: str) -> str:
-    """Return the key of the axial component of a scene's only axial load, such as ``loads[0].force[2]``.
-
-    ``raw``: TOML tables of the scene; ``origin``: name of its file for error messages. Raises ArgumentError if the scene
-    has several axial loads or none.
-    """
-    named = ((f"{table}[{k}]", row) for table in ("loads", "housings") for k, row in enumerate(raw.get(table, ())))
-    forces = {f"{name}.force[2]": row["force"] for name, row in named if isinstance(row.get("force"), list)}
-    axial = [key for key, force in forces.items() if len(force) == 3 and _number_without_unit(force[2])] or list(forces)
-    if len(axial) != 1:
-        advice = 'name the key, such as "loads[0].force[2]"'
-        raise ArgumentError("over", LOAD, f"a scene with one axial load; this scene has {len(axial)}", advice, origin)
-    return axial[0]
-
-
-def _number_without_unit(text: Any) -> float:
-    """Return the number in a text such as "5 kN", here 5, whatever the unit; zero for a text without number."""
-    found = split_quantity_text(str(text))
-    return 0.0 if found is None else float(found[0])
-
-
 def _column_of_varied_key(vary: sweep_keys.VariedKey) -> Over:
     """Return the table column with the values of a varied key: numbers if all have the same unit, else texts as written."""
     split = [split_quantity_text(str(x)) if not isinstance(x, bool) else None for x in vary.listed_values]
@@ -198,37 +180,36 @@ def _column_of_varied_key(vary: sweep_keys.VariedKey) -> Over:
     return Over(vary.key, f"{vary.key}_{unit}" if unit else vary.key, tuple(float(x[0]) for x in split if x is not None))
 
 
-def solve_table_row(request: SceneTableRequest, values: Sequence[Any], engine: str) -> TableRow:
+def solve_table_row(request: SceneTableRequest, values: Sequence[Any]) -> TableRow:
     """Solve a scene with one combination of the varied keys' values, and return the row of the table.
 
     If scene or model do not allow the values, the status of the row says why.
 
-    ``request``: checked request; ``values``: a value for each key; ``engine``: whether numerical kernels run as plain
-    Python ("interpreted") or as machine code ("compiled").
+    ``request``: checked request; ``values``: a value for each key.
     """
-    origin = request.scene_origin
+    origin = Path(request.scene_origin).name
     try:
         raw = scene_file.parse_toml(request.scene_text, origin)
         tables = sweep_keys.tables_with_varied_keys(raw, request.varied_keys, values)
         scene = scene_file.scene_or_shaft_or_raise(scene_tables.scene_from_tables(tables, origin), origin)
         if isinstance(scene, Assembly) and isinstance(request.stiffness_position, float):
             scene = replace(scene, stiffness_at=request.stiffness_position)
-        return _solve_scene_for_row(scene, request, engine)
+        return _solve_scene_for_row(scene, request)
     except InputError as error:
         return TableRow(f"refused: {error}")
 
 
-def _solve_scene_for_row(scene: Scene | Assembly, request: SceneTableRequest, engine: str) -> TableRow:
+def _solve_scene_for_row(scene: Scene | Assembly, request: SceneTableRequest) -> TableRow:
     """Solve a scene and return a table row with the requested quantities.
 
-    ``request``: checked request; ``engine``: whether numerical kernels run as plain Python ("interpreted") or as machine
-    code ("compiled").
+    ``request``: checked request.
     """
     names = {name for quantity in request.quantities for name in QUANTITIES[quantity][1]}
-    result, found = sample.solve_load_case_for_outputs(scene, request.model, engine, names)
+    result, found = sample.solve_load_case_for_outputs(scene, request.model, names)
+    sample.compute_torques([found])
     if not result.converged:
         return TableRow(str(result.status))
-    matrix, rigidity, status = None, None, CONVERGED
+    matrix, status = None, CONVERGED
     errors: dict[str, Any] = {"error_words": "no shaft with several nuts or bearings was compared with the 3D reference"}
     tangent: TangentStiffness | None = None
     if isinstance(scene, Scene) and isinstance(result, StaticResult):
@@ -245,14 +226,20 @@ def _solve_scene_for_row(scene: Scene | Assembly, request: SceneTableRequest, en
         status = f"no stiffness: {tangent.status}"
     elif tangent is not None:
         matrix = tangent.matrix
-        rigidity = tangent.rigidity("uz") if math.isfinite(matrix[2, 2]) else None
     pressure = None
     if "pressure" in request.quantities:
         pressure = max(_largest_pressure_of_each_bearing(scene, result), default=None)
-    moved, preload, life = (found.get(name) for name in ("displacement_um", "preload_N", "life_million_revolutions"))
-    moved = None if moved is None else 1e-6 * moved
+    stiffness: tuple[float | None, float | None, float | None, float | None] = None, None, None, None
+    if {"stiffness", "displacement"} & set(request.quantities):
+        options = ModelOptions()
+        bare = run_model(with_scaled_loads(scene, 0.0), request.model, options)
+        points = stiffness_of_scene(scene, result, bare, request.model, options)
+        if points.load_point.along != "z":  # compared along the axis only
+            errors |= {"displacement_error": None, "rigidity_error": None}
+        stiffness = points.nut.tangent, points.load_point.tangent, points.nut.displacement, points.load_point.displacement
+    preload, life = (found.get(name) for name in ("preload_N", "life_million_revolutions"))
     load = found.get("largest_load_N") if "load" in request.quantities else None
-    return TableRow(status, matrix, rigidity, moved, load, preload, pressure, life, **errors)
+    return TableRow(status, matrix, *stiffness, load, preload, pressure, life, **errors)
 
 
 def _largest_pressure_of_each_bearing(scene: Scene | Assembly, result: StaticResult | AxisResult) -> Iterator[float]:
@@ -308,9 +295,8 @@ def solve_table(request: SceneTableRequest, engine: ComputingSettings, show_prog
     for path, other in sweep_keys.varied_and_replaced_keys(raw, request.varied_keys):
         show_progress(f"{path} replaces {other} of the scene")
     places = list(product(*(vary.listed_values for vary in request.varied_keys)))
-    kernels = "compiled" if len(places) >= COMPILE_FROM else "auto"
     rows: dict[int, TableRow] = {}
-    tasks: list[parallel.Job] = [(solve_table_row, (request, place, kernels)) for place in places]
+    tasks: list[parallel.Job] = [(solve_table_row, (request, place)) for place in places]
     for number, row in run_jobs_in_fastest_way(tasks, engine, "places", show_progress):
         rows[number] = row
         show_progress(f"[{len(rows)}/{len(places)}] {', '.join(map(str, places[number])) or 'as it stands'}: {row.status}")

@@ -16,9 +16,17 @@ from typing import Any, cast
 import numpy as np
 
 from rollbench.compare.errors import ArgumentError, InputError, one_line
-from rollbench.compare.files import raise_input_error_if_not_writable, replace_file, write_csv
+from rollbench.compare.files import replace_file, replaced_file, write_csv
 from rollbench.compare.quantities import count_with_noun, quantities_of_record
-from rollbench.compare.results.table import ERROR_OF, Table, TableRow, parameter_values_text, table_from_json
+from rollbench.compare.results.table import (
+    ERROR_OF,
+    FORCE_UNITS,
+    FREEDOM_UNITS,
+    Table,
+    TableRow,
+    parameter_values_text,
+    table_from_json,
+)
 from rollbench.compare.scenes.scene_file import read_scene_text
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.libraries import pip_command, reason_of_failed_import
@@ -35,7 +43,13 @@ ROSS_DROPS = (
     "A BearingElement of ROSS (2.3.0) takes 5 of the 36 terms, kxx, kxy, kyx, kyy and kzz, and drops 31: K_ux_uz, K_uy_uz, "
     "K_uz_ux and K_uz_uy, which couple axial with radial displacement, and all 27 with rx, ry or rz: tilting and torsional "
     "stiffness, and what couples rotations with displacements. kzz is K_uz_uz, the axial stiffness with the other five "
-    "freedoms held: no less than the axial rigidity of the table, where only rz is held."
+    "freedoms held."
+)
+#: What the axial stiffnesses are that stand in the comment beside each row.
+ROSS_TANGENTS = ("nut_tangent_N_per_um", "load_point_tangent_N_per_um")
+ROSS_POINTS = (
+    "Beside each place: axial tangent in N/um of the nut or bearing, which excludes the shaft as a bearing of ROSS does, "
+    "and of the load's point to ground, which contains shaft and supports; both for a change of the scene's own load."
 )
 
 
@@ -60,11 +74,15 @@ def write_table_file(path: Path, table: Table) -> None:
         import pyarrow
         import pyarrow.parquet
 
-        with raise_input_error_if_not_writable(path):
-            pyarrow.parquet.write_table(pyarrow.table(columns), path)
+        plain, units = pyarrow.table(columns), table.units()
+        fields = [field.with_metadata({"unit": units[field.name]} if field.name in units else {}) for field in plain.schema]
+        attrs = json.dumps({"scene": table.scene, "model": table.model, "units": units}, ensure_ascii=False)
+        schema = pyarrow.schema(fields, {"PANDAS_ATTRS": attrs})  # pandas reads it as the attrs of the frame
+        with replaced_file(path) as name:
+            pyarrow.parquet.write_table(plain.cast(schema), name)
     else:
-        with raise_input_error_if_not_writable(path):
-            _netcdf_dataset(table, columns).to_netcdf(path, engine="scipy")
+        with replaced_file(path) as name:
+            _netcdf_dataset(table, columns).to_netcdf(name, engine="scipy")
 
 
 def _netcdf_dataset(table: Table, columns: dict[str, list[Any]]) -> Any:
@@ -77,14 +95,18 @@ def _netcdf_dataset(table: Table, columns: dict[str, list[Any]]) -> Any:
     dims = [x.column for x in table.over]
     shape = [len(x.values) for x in table.over]
     data: dict[str, Any] = {}
+    units = {name: {"units": unit} for name, unit in table.units().items()}
     for name, column in columns.items():
         if name not in dims and not name.startswith("K_"):
             words = any(isinstance(x, str) for x in column)
             values = np.array([x or "" for x in column]) if words else np.array(column, dtype=float)
-            data[name] = (dims, values.reshape(shape))
+            data[name] = (dims, values.reshape(shape), units.get(name))
     if any(name.startswith("K_") for name in columns):
-        data["stiffness"] = ([*dims, "force", "freedom"], table.stiffness.reshape(*shape, 6, 6))
-    coords = {x.column: list(x.values) for x in table.over} | {"force": list(FREEDOMS), "freedom": list(FREEDOMS)}
+        of_term = {"units": "N, m, rad", "comment": "the unit of a term is its force_unit / freedom_unit"}
+        data["stiffness"] = ([*dims, "force", "freedom"], table.stiffness.reshape(*shape, 6, 6), of_term)
+    coords: dict[str, Any] = {x.column: (x.column, list(x.values), units.get(x.column)) for x in table.over}
+    coords |= {"force": list(FREEDOMS), "force_unit": ("force", list(FORCE_UNITS))}
+    coords |= {"freedom": list(FREEDOMS), "freedom_unit": ("freedom", list(FREEDOM_UNITS))}
     return xarray.Dataset(data, coords, {"scene": table.scene, "model": table.model})
 
 
@@ -130,8 +152,10 @@ def _ends_of_error_bars(table: Table, name: str, rows: Sequence[int]) -> tuple[l
 
     ``name``: column of the quantity; ``rows``: indices of the table rows.
     """
+    if ERROR_OF[name] in ("", "load_error"):
+        return None
     errors = [getattr(table.rows[k], ERROR_OF[name]) for k in rows]
-    if ERROR_OF[name] == "load_error" or None in errors:
+    if None in errors:
         return None
     values = [cast("float", table.columns()[name][k]) for k in rows]
     low, high = ([v * (1.0 + sign * 0.01 * e) for v, e in zip(values, errors, strict=True)] for sign in (-1.0, 1.0))
@@ -161,13 +185,17 @@ def ross_module_text(table: Table) -> str:
         raise InputError(
             table.scene, "stiffness", "no stiffness", "a file for ROSS needs a stiffness in at least one row", advice
         )
-    places, lines = table.places, []
+    places, lines, columns = table.places, [], table.columns()
     for k in kept:
         terms = {name: float(f"{matrices[k][at]:.9e}") for name, at in ROSS_TERMS.items()}
-        lines.append(f"    ({parameter_values_text(table.over, places[k])!r}, {terms!r}),")
+        of_row = {
+            name: columns[name][k] for name in ("nut_tangent_N_per_um", "load_point_tangent_N_per_um") if name in columns
+        }
+        lines.append(f"    ({parameter_values_text(table.over, places[k])!r}, {terms!r}),  # {of_row}")
     head = [
         f"Stiffness of {table.scene} by rollbench (model {table.model}) for ROSS, in N/m; z is the axis of rotation.",
         f"The stiffness is that of: {table.stiffness_of}.",
+        *textwrap.wrap(ROSS_POINTS, 100),
         *textwrap.wrap(ROSS_DROPS, 100),
         "Damping is not known here: give cxx and others to `bearing`.",
         *(f"left out: {line}" for line in _reasons_for_missing_results(table)),

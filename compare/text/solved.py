@@ -23,9 +23,9 @@ from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.compare.text import printing
 from rollbench.lowfi.rating.contacts import RACES
 from rollbench.lowfi.statics.nominal import count_nominal_contacts
-from rollbench.lowfi.statics.result import AxisResult, Equilibrium, SolverReport, motion_in_um_and_mrad
+from rollbench.lowfi.statics.result import HEAT, AxisResult, Equilibrium, SolverReport, motion_in_um_and_mrad
 from rollbench.lowfi.statics.tangent import TangentStiffness
-from rollbench.lowfi.warned import join_brief_warnings
+from rollbench.lowfi.warned import ResultWarning, join_brief_warnings
 from rollbench.meshes.parts import FREEDOMS, SIDES
 
 if TYPE_CHECKING:
@@ -36,9 +36,11 @@ if TYPE_CHECKING:
 CURVE_COLUMNS: tuple[printing.Column, ...] = (
     ("load_factor", "load factor", ".3g"),
     ("load_N", "load N", ".5g"),
-    ("displacement_um", "displacement um", ".4f"),
-    ("stiffness_N_per_um", "tangent stiffness N/um", ".5g"),
-    ("largest_load_N", "largest contact load N", ".5g"),
+    ("nut_displacement_um", "nut um", ".4f"),
+    ("nut_tangent_N_per_um", "nut N/um", ".5g"),
+    ("load_point_displacement_um", "point um", ".4f"),
+    ("load_point_tangent_N_per_um", "point N/um", ".5g"),
+    ("largest_load_N", "largest load N", ".5g"),
     ("friction_torque_Nmm", "friction torque N mm", ".3g"),
     ("status", "status", "s"),
 )
@@ -59,11 +61,13 @@ def solved_case_parts(
     """
     result, title, several = solved.result, [], isinstance(solved, ShaftSolution)
     above_all, measured = join_brief_warnings(result.warnings), ""
+    heat: list[str] = []
     behind = [] if result.equilibrium is None else _force_balance_lines(result.equilibrium, several=several)
     details = details or solved.derived_results is None
     if isinstance(solved, ShaftSolution):
         drawn, title = f", {count_with_noun(len(solved.scene.sets), 'set')}", [solved.scene.title]
         tables = _nut_bearing_and_housing_tables(solved, balls=balls, stiffness=details or stiffness)
+        heat = [f"note: left out is the {HEAT}"] if solved.scene.thermal_strain and not details else []
     else:
         drawn = f", specimen {result.member} of its random errors" if has_random_errors(solved.scene) else ""
         tables = _ball_and_flank_tables(solved) if balls and (solved.result.load > 0.0).any() else []
@@ -83,6 +87,7 @@ def solved_case_parts(
         *title,
         *([above_all] if above_all else []),
         *tables,
+        *heat,
         *warning_and_note_lines(result.warnings, behind, result.assumed, result.left_out, details=details, notes=notes),
     ]
 
@@ -101,7 +106,8 @@ def warning_and_note_lines(
     Without ``details``, all lines but the warnings are replaced by one line, which names the option that shows them.
     ``solution_lines``: lines on force balance and solver; ``assumed``, ``left_out``: assumptions and neglected effects.
     """
-    warned = [f"warning: {line}" for line in warnings]
+    remarks = (isinstance(line, ResultWarning) and not line.brief for line in warnings)
+    warned = [f"{'note' if remark else 'warning'}: {line}" for remark, line in zip(remarks, warnings, strict=True)]
     if not details:
         counted = f"{count_with_noun(len(assumed), 'assumption')}, {count_with_noun(len(left_out), 'neglected effect')}"
         return [*warned, f"--verbose also shows: {counted}, force balance, solver, further quantities"]
@@ -119,7 +125,7 @@ def solver_lines(solver_report: SolverReport, measured: str = "") -> list[str]:
         return [f"solver: the scene was rejected before a solution was attempted, in {r.seconds:.3g} s"]
     counted = f"{count_with_noun(r.iterations, 'iteration')}, residual {r.residual:.1e}"
     system = f"{count_with_noun(r.unknowns, 'unknown')}, {count_with_noun(r.elements, 'beam element')}"
-    return [f"solver: {r.formulation}, {r.engine}; {counted}, {system}{measured}, {r.seconds:.3g} s"]
+    return [f"solver: {r.formulation}; {counted}, {system}{measured}, {r.seconds:.3g} s"]
 
 
 def load_curve_parts(curve: LoadCurve, *, details: bool = False) -> list[Any]:
@@ -147,6 +153,7 @@ def load_curve_parts(curve: LoadCurve, *, details: bool = False) -> list[Any]:
         f"lash (backlash between loads of both signs): {lash}; displacement from end to end of the curve "
         f"{size(curve.peak_to_peak, 1e6, 'um')}",
         *([f"stiffness from the ends of the lash to the ends of the curve: {stiff}"] if stiff else []),
+        "um and N/um: displacement and tangent of the nut without its shaft, and of the load's point to ground",
         printing.selected_columns_table("", used, rows),
         *(f"warning: {line}" for line in curve.warnings),
         *([f"assumed: {line}" for line in curve.assumed] if details else []),
@@ -319,6 +326,7 @@ COLUMNS = (
     ("peak pressure MPa", "worst_contact", "pressure_MPa"),
     ("static safety", "static_safety", "factor"),
     ("life L10 1e6 rev", "life", "L10_million_revolutions"),
+    ("life L10r 1e6 rev", "reference_life", "L10r_million_revolutions"),
 )
 
 
@@ -392,7 +400,7 @@ def _parameter_table_rows(found: Table) -> list[dict[str, Any]]:
         for key, field in ERROR_OF.items():
             value = named[key].value(row)
             shown[f"{named[key].label} {named[key].unit}"] = value
-            if field != "load_error":
+            if field not in ("", "load_error"):
                 shown[f"{named[key].label} ± %"] = None if value is None else _round_percent(getattr(row, field))
         rows.append(shown | {"loads ± %": _round_percent(row.load_error)})
     return rows

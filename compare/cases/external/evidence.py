@@ -354,8 +354,9 @@ def equivalent_loads(findings: ComputedEntryValues, cache: SceneResultCache) -> 
     words = f"{found.revolutions:.4g} 10^6 revolutions, of {lives[0]:.4g} and {lives[1]:.4g}"
     findings.add_claim("combined_life", bool(np.isclose(found.revolutions, printed, rtol=1e-12)), words)
     for name, angle in (row.key.split("_") for row in load_printed_table(findings.table) if row.key[0] in "eXY"):
-        factors = life.equivalent_load_factors(float(np.radians(float(angle))))
-        findings.add_number(f"{name}_{angle}", factors["eXY".index(name)])
+        factor = life.equivalent_load_factors(float(np.radians(float(angle))))["eXY".index(name)]
+        of_table = float(angle) <= life.RADIAL_UP_TO  # the standard's table on both sides; above, its formula
+        (findings.follow if of_table else findings.numbers)({f"{name}_{angle}": factor})
 
 
 #: Cells along each axis of the grid of the program CONTACT's example, and width of the grid over that of the contact.
@@ -383,7 +384,7 @@ def ball_of_bearing(findings: ComputedEntryValues, cache: SceneResultCache) -> N
     pitch, rest = 2.0 * track.pitch_radius, track.contact_angle
     bearing = angular_contact.bearing_with_contact_angle(1, d, pitch, grooves, rest, young, poisson)
     angle = np.arccos(external_inputs()["nsk"]["cosine"])
-    findings.add_number("angle", float(np.degrees(angle)))
+    findings.follow({"angle": float(np.degrees(angle))})
     modulus = contact_modulus(young, poisson, young, poisson)
     curvatures = angular_contact.relative_curvatures(bearing, np.array(angle))
     inner, outer = (hertz_constants(*pair, modulus) for pair in curvatures)
@@ -649,7 +650,7 @@ def _compute_double_nut_drag_torque(cache: SceneResultCache, findings: ComputedE
         float(case["friction"]),
     )
     formula = 0.05 * case["tangent"] ** -0.5 * preload * lead / (2.0 * pi)
-    findings.add_number("drag_formula", 1e3 * formula)
+    findings.follow({"drag_formula": 1e3 * formula})
     torque = cache.compute_once(double_nut_drag_torque, preload, mu)
     printed = printed_entry(findings.table, "drag").value or 0.0
     words = (

@@ -78,15 +78,16 @@ def agreement_sentence(found: Sequence[PrintedEntryComparison]) -> str:
 
     ``found``: values and claims published by other programs, makers and textbooks, each with computed value and verdict.
     """
-    judged = [e for e in found if e.printed.entry_class != "open"]
+    identities = sum(e.verdict == "identity" for e in found)
+    judged = [e for e in found if e.printed.entry_class != "open" and e.verdict != "identity"]
     good = sum(e.agrees_with_printed is True for e in judged)
     of = Counter(e.verdict for e in judged)
     return (
         f"{good} of {len(judged)} published values and claims agree with the computed ones. Of these, {of['reproduced']} "
         f"agree to the digits that the same theory must give, {of['band']} within a band whose origin is stated, "
-        f"{of['identity']} by arithmetic on printed numbers, {of['only as printed']} only if the catalogue's "
-        f"simplification is repeated. {len(found) - len(judged)} more are shown but left open, because their basis is not "
-        "printed."
+        f"{of['only as printed']} only if the catalogue's simplification is repeated. {identities} more follow from other "
+        f"printed numbers and judge no model; {len(found) - len(judged) - identities} are shown but open, because their "
+        "basis is not printed."
     )
 
 
@@ -176,7 +177,7 @@ def nut_rigidity_row(cache: SceneResultCache, name: str) -> dict[str, Cell] | No
         return None
     result = cache.solve_once(name, DEFAULT)
     force, moved = axial_force(result), screw_displacement_at_nut(scene, result)
-    bare = solve_with_scaled_loads(scene, 0.0, DEFAULT, ModelOptions(estimate_beam_mesh_error=False, engine="interpreted"))
+    bare = solve_with_scaled_loads(scene, 0.0, DEFAULT, ModelOptions(estimate_beam_mesh_error=False))
     if abs(screw_displacement_at_nut(scene, bare)) > STARTS * abs(moved):
         return None
     try:

@@ -32,7 +32,12 @@ from rollbench.lowfi.friction.as_source.screw import (
     sigmoid_of_moving_or_resting_screw,
 )
 from rollbench.lowfi.friction.bearing import Bearing, solve_ball_of_bearing, solve_bearing
-from rollbench.lowfi.friction.contact.equilibrium import BodyMotionProblem, least_dissipation, motion_by_root
+from rollbench.lowfi.friction.contact.equilibrium import (
+    BodyMotionProblem,
+    least_dissipation,
+    least_dissipations,
+    motion_by_root,
+)
 from rollbench.lowfi.friction.contact.laws import SigmoidLaw
 from rollbench.lowfi.friction.linear import chain as linear_chain
 from rollbench.lowfi.friction.linear.bearing import LinearBearing, contact_angle_deviations, loads_in_equilibrium
@@ -194,7 +199,7 @@ def rotary_ball_problem(bearing: Bearing, axial: float, u_y: float, sharpness: f
     ``bearing``: grooves, balls and friction; ``axial``: axial load on the inner ring [N]; ``u_y``: radial displacement of
     the inner ring [m]; ``sharpness``: k_S of Lin's sigmoid friction law, the larger the closer to Coulomb's law.
     """
-    problem = solve_ball_of_bearing(bearing, axial, u_y, fast=True).problem
+    problem = solve_ball_of_bearing(bearing, axial, u_y).problem
     return BallMotionProblem(problem, sigmoid_of_moving_or_resting_screw(bearing, sharpness))
 
 
@@ -226,18 +231,18 @@ def solve_ball_by_both_methods(
     starts; ``start_distance``: largest relative distance of the starts from the solution of least dissipation.
     """
     tally.cases += 1
-    first = least_dissipation(ball.problem, fast=True)
+    first = least_dissipation(ball.problem)
     motion = first.unknown_velocities
     size = float(np.max(np.abs(motion))) or 1.0
     largest = np.maximum(np.abs(motion), 0.01 * size)
     starts = [motion + start_distance * rng.uniform(-1.0, 1.0, motion.size) * largest for _ in range(STARTS)]
-    for m in (first, *(least_dissipation(ball.problem, q, fast=True) for q in starts)):
+    for m in (first, *least_dissipations([ball.problem] * STARTS, np.array(starts))):
         wrench = np.column_stack([m.friction.force, m.friction.moment])  # friction on the ball at each contact
         power = -float(np.sum(wrench * ball.problem.imposed_contact_motions))  # that the driven surfaces supply [W]
         apart = abs(m.loss - first.loss) / first.loss if first.loss > 0.0 else abs(m.loss)
         tally.count_own_solution(m.status != "failed", power, m.loss, apart)
     for q in starts:
-        tally.source += motion_by_root(ball.problem, ball.friction_law, q, fast=True).status == "exact"
+        tally.source += motion_by_root(ball.problem, ball.friction_law, q).status == "exact"
         tally.source_tries += 1
 
 
@@ -315,7 +320,7 @@ class LinearBearingBalls:
     contact_angles: Array
     loads: Array
 
-    def to_linear_chain(self) -> linear_chain.LinearChain:
+    def to_linear_chain(self) -> linear_chain.LinearBallChain:
         """Convert the balls to the input of the solver for neighbouring balls in a linear bearing."""
         return linear_chain.prepare_linear_chain(self.bearing, self.contact_angles, self.loads)
 
@@ -340,16 +345,15 @@ def solve_linear_group(
         c = case.to_linear_chain()
         first = linear_chain.solve_linear_chain(c).ball_force
         for k in range(random_starts + 1):
-            nominal = c.kernel_arrays.nominal_motion
-            start = None if k == 0 else nominal * rng.uniform(-3.0, 3.0, (c.count, 3))
+            start = None if k == 0 else c.groove.nominal_motion * rng.uniform(-3.0, 3.0, (len(c.force), 4))
             r = linear_chain.solve_linear_chain(c, start)
-            apart = float(np.max(np.abs(r.ball_force - first))) / (c.force_unit or 1.0)
+            apart = float(np.max(np.abs(r.ball_force - first))) / (c.largest_friction_bound or 1.0)
             tally.count_own_solution(r.status == "converged", r.power, r.loss, apart)
-        if c.count > most_balls_by_lin_method:
+        if len(c.force) > most_balls_by_lin_method:
             continue
         starts = case.bearing, case.contact_angles, case.loads, rng, random_starts, FAR_START
         for found in linear_solutions_from_starts(*starts):
-            tally.count_solution_by_lin_method(found, first, c.force_unit)
+            tally.count_solution_by_lin_method(found, first, c.largest_friction_bound)
     return tally.to_group_result(group, model, note)
 
 
@@ -562,11 +566,14 @@ def extreme_linear_pair_rows() -> list[Row]:
         chains = [pair.to_linear_chain() for pair in pairs]
         solved, energy, spread, residual = 0, 0.0, 0.0, 0.0
         for c in chains:
-            starts = [None, *(c.kernel_arrays.nominal_motion * rng.uniform(-3.0, 3.0, (c.count, 3)) for _ in range(2))]
+            nominal = c.groove.nominal_motion
+            starts = [None, *(nominal * rng.uniform(-3.0, 3.0, (len(c.force), 4)) for _ in range(2))]
             found = [linear_chain.solve_linear_chain(c, start) for start in starts]
             solved += sum(r.status == "converged" for r in found)
             energy = max(energy, *(abs(r.power / r.loss - 1.0) for r in found))
-            spread = max(spread, *(float(abs(r.ball_force[0] - found[0].ball_force[0])) / c.force_unit for r in found))
+            spread = max(
+                spread, *(float(abs(r.ball_force[0] - found[0].ball_force[0])) / c.largest_friction_bound for r in found)
+            )
             residual = max(residual, *(max(r.largest_imbalance_ratio, r.largest_closing_speed_ratio) for r in found))
         found_of_all = f"{solved} of {3 * len(chains)}"
         rows.append(
@@ -607,10 +614,10 @@ def root_finding_rows() -> list[Row]:
         }
         for key, words, off in (("near", "1 %", 0.01), ("far", "50 %", 0.5)):
             begin = [s.motion.unknown_velocities * rng.uniform(1.0 - off, 1.0 + off, 3) for _ in range(ROOT_STARTS)]
-            by_root = sum(motion_by_root(s.problem, law, q, fast=True).status == "exact" for q in begin)
+            by_root = sum(motion_by_root(s.problem, law, q).status == "exact" for q in begin)
             heading = f"converged root findings, started up to {words} away from the solution"
             row[TableColumn(key, heading, "", "s")] = f"{by_root} of {ROOT_STARTS}"
-        least = [least_dissipation(s.problem, q, fast=True) for q in begin]
+        least = least_dissipations([s.problem] * ROOT_STARTS, np.array(begin))
         good = sum(m.status == "exact" and abs(m.loss / s.motion.loss - 1.0) < 1e-8 for m in least)
         heading = "converged minimisations of the dissipation, started up to 50 % away"
         rows.append(row | {TableColumn("ours", heading, "", "s"): f"{good} of {ROOT_STARTS}"})

@@ -7,7 +7,7 @@ with empty caches, and its time includes imports. A further run is the next load
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from rollbench.compare.cases.lin.evidence.source_cases import finest_rolling_run
 from rollbench.compare.models.registry import MODELS, ModelOptions
@@ -49,9 +49,9 @@ def measure_run_times(cache: SceneResultCache, step: Callable[[str], None]) -> r
     for name in STATIC.values():
         step(f"{name}, source's model: cold and further")
         cold, model = run_times.time_model_in_new_process(name, "lin", repeats=1), MODELS["lin"]
-        options = ModelOptions(estimate_beam_mesh_error=False, engine="compiled")
+        options = ModelOptions(estimate_beam_mesh_error=False)
         further = further_solution_seconds(model, cache.built_in_scene(name), options)
-        times[name, "lin"] = run_times.RunTime(cold.process, further, cold.memory)
+        times[name, "lin"] = replace(cold, warm=further)
         found = cache.stored_reference(name)
         if found is not None:
             step(f"{name}, level {found.best.level} of the 3D reference: cold and a further load case")
@@ -62,7 +62,7 @@ def measure_run_times(cache: SceneResultCache, step: Callable[[str], None]) -> r
                 step(f"{name}, {way}: cold and further")
                 words = call.format(name=name, mated=name == LINEAR["b"], level=max(LEVELS))
                 times[name, way] = run_times.time_call_in_new_process(imports, words, f"{way} of {name}")
-    return run_times.StoredRunTimes(measuring_conditions(), run_times.utc_date_today(), times, {}, levels)
+    return run_times.StoredRunTimes(measuring_conditions(), run_times.utc_date_today(), times, levels)
 
 
 @dataclass(frozen=True)

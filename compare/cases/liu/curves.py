@@ -13,7 +13,8 @@ import numpy as np
 from rollbench.compare.cases.liu import evidence as liu
 from rollbench.compare.printed import printed_value
 from rollbench.lowfi.random_errors import chain as ball_chain
-from rollbench.lowfi.random_errors.chain import Quantity as Spread
+from rollbench.lowfi.random_errors import ensemble as screw_ensemble
+from rollbench.lowfi.random_errors.ensemble import Quantity as Spread
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.section import screw_section
 from rollbench.reports.content import Figure, Panel, Row, Series, Table, TableColumn
@@ -48,7 +49,7 @@ def _random_ball_errors(half_range: int, number: int = 0) -> Array:
     the screw, from 0.
     """
     return np.asarray(
-        ball_chain.draw_uniform_errors(liu.SEED + half_range, number, 1, liu.ball_count(), 1e-6 * half_range)[0]
+        screw_ensemble.draw_uniform_errors(liu.SEED + half_range, number, 1, liu.ball_count(), 1e-6 * half_range)[0]
     )
 
 
@@ -74,13 +75,13 @@ def _printed_markers(x: Sequence[float], y: Sequence[float], label: str = "print
 
 
 @cache
-def _solve_random_screws(half_range: int) -> ball_chain.ScrewEnsemble:
+def _solve_random_screws(half_range: int) -> screw_ensemble.ScrewEnsemble:
     """Draw 1000 screws (`CURVES`) with random ball errors, and solve their contact loads under several axial loads.
 
     The loads are `TEST_LOADS`. ``half_range``: the errors of the ball diameters are uniform within plus and minus this
     range [um].
     """
-    return ball_chain.solve_ensemble(
+    return screw_ensemble.solve_ensemble(
         liu.calibrated_model(), 1e-6 * half_range, list(TEST_LOADS), CURVES, seed=liu.SEED + half_range
     )
 

@@ -16,9 +16,10 @@ import numpy as np
 
 from rollbench.compare.evidence import ComputedEntryValues
 from rollbench.compare.models.study import SceneResultCache
-from rollbench.compare.printed import PrintedEntry, printed_value
+from rollbench.compare.printed import PrintedEntry
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.random_errors import chain as ball_chain
+from rollbench.lowfi.random_errors import ensemble as screw_ensemble
 from rollbench.lowfi.random_errors.elimination import solve_by_elimination
 from rollbench.lowfi.statics.liu import nut_as_spring_row
 from rollbench.meshes.arrays import Array
@@ -58,12 +59,6 @@ def ball_count() -> int:
     return liu_screw_scene().ball_count
 
 
-@cache
-def printed_last_over_first_load_ratio() -> float:
-    """Return the printed load ratio Q78/Q1 of last and first ball without errors (section 4.1), used for calibration."""
-    return printed_value("liu-4.1", "ratio")
-
-
 def calibration_load() -> float:
     """Return the axial load [N] at which the model's compliance is calibrated: the load of Liu's section 4.1."""
     return liu_screw_scene().loads[0].force[2]
@@ -71,12 +66,16 @@ def calibration_load() -> float:
 
 @cache
 def calibrated_model(contact_angle_law: ball_chain.Law = "implicit") -> ball_chain.BallScrewChain:
-    """Return Liu's axial model of the screw, its segment compliance fitted to the printed load ratio Q78/Q1.
+    """Return Liu's axial model of the screw with the segment stiffness of its scene, which is fitted to the ratio Q78/Q1.
 
-    ``contact_angle_law``: contact-angle law, "implicit" (Liu's), "exact" or "constant".
+    ``contact_angle_law``: contact-angle law: "implicit" (Liu's), for which the scene's value is fitted; "exact" or
+    "constant", whose compliance is fitted to the same load ratio.
     """
     chain = nut_as_spring_row(liu_screw_scene(), law=contact_angle_law).liu_chain
-    return ball_chain.calibrate_compliance(chain, printed_last_over_first_load_ratio(), calibration_load())
+    if contact_angle_law == "implicit":
+        return chain
+    ratio = ball_chain.last_to_first_load_ratio(calibrated_model(), calibration_load())
+    return ball_chain.calibrate_compliance(chain, ratio, calibration_load())
 
 
 def implied_series_cross_section(balls_a_turn: float) -> float:
@@ -109,18 +108,18 @@ def solve_with_error_of_ball_33(
 
 
 @cache
-def solve_screws_with_random_errors(half_range_um: int) -> ball_chain.ScrewEnsemble:
+def solve_screws_with_random_errors(half_range_um: int) -> screw_ensemble.ScrewEnsemble:
     """Draw 5000 screws (`MEMBERS`) with random ball errors, and solve their contact loads under several axial loads.
 
     The loads are `LOADS`. ``half_range_um``: the errors of the ball diameters are uniform within plus and minus this range
     [um].
     """
-    return ball_chain.solve_ensemble(
+    return screw_ensemble.solve_ensemble(
         calibrated_model(), 1e-6 * half_range_um, list(LOADS[half_range_um]), MEMBERS, seed=SEED + half_range_um
     )
 
 
-def random_screw_values(half_range_um: int, quantity: ball_chain.Quantity, load: float) -> Array:
+def random_screw_values(half_range_um: int, quantity: screw_ensemble.Quantity, load: float) -> Array:
     """Return one quantity of all randomly drawn screws under an axial load, (n,) in SI units for n screws.
 
     ``half_range_um``: half range of the ball errors [um]; ``quantity``: name, such as "stiffness"; ``load``: axial load
@@ -131,13 +130,13 @@ def random_screw_values(half_range_um: int, quantity: ball_chain.Quantity, load:
 
 def percentile_with_words(
     values: Array, printed: float, half_step_of_last_digit: float
-) -> tuple[ball_chain.PercentileRank, str]:
+) -> tuple[screw_ensemble.PercentileRank, str]:
     """Return the percentile of a printed number among randomly drawn screws, then the same in words.
 
     ``values``: computed values of these screws, in the unit of the printed number; ``half_step_of_last_digit``: half a step
     of the printed number's last digit.
     """
-    p = ball_chain.percentile_rank(values, printed, half_step_of_last_digit)
+    p = screw_ensemble.percentile_rank(values, printed, half_step_of_last_digit)
     low, high = np.quantile(values, [UNLIKELY, 1.0 - UNLIKELY])
     words = (
         f"percentile {p.percent:.1f} ± {p.standard_error:.1f} of {p.size} drawn screws, median {np.median(values):.4g}, "
@@ -169,7 +168,7 @@ def section_2(findings: ComputedEntryValues, cache: SceneResultCache) -> None:  
     parts = [findings.printed(key) for key in ("v_2pi", "ball_error", "profile_error")]
     findings.numbers(dict(zip(("v_2pi", "ball_error", "profile_error"), parts, strict=True)))
     right = parts[0] * sin(angle) * cos(lead) + parts[1] + parts[2]
-    findings.add_number("range", right, as_printed=sum(parts))
+    findings.add_number("range", None, as_printed=sum(parts), follows=right)
     findings.numbers({f"e_{h}": float(h) for h in LOADS})
     findings.add_claim("plus_or_minus", False, "the plus sign draws in [e, 3 e], the minus sign in [-e, e]")
 
@@ -180,7 +179,7 @@ def compare_with_elimination() -> tuple[int, int, float]:
     Returns, in this order: the number of screws with the same loaded balls by both; the largest number of rounds that the
     elimination takes; the largest difference of a ball's load between both methods, over the screw's largest load.
     """
-    errors = ball_chain.draw_uniform_errors(SEED, 0, FEW, ball_count(), 2e-6)
+    errors = screw_ensemble.draw_uniform_errors(SEED, 0, FEW, ball_count(), 2e-6)
     same, rounds, worst = 0, 0, 0.0
     for e in errors:
         ours, other = (
@@ -199,7 +198,7 @@ def section_3(findings: ComputedEntryValues, cache: SceneResultCache) -> None:  
     ``findings``: receives the computed value to compare with each printed number, and whether each printed claim holds.
     ``cache``: not used here.
     """
-    errors = ball_chain.draw_uniform_errors(SEED, 0, FEW, ball_count(), 2e-6)
+    errors = screw_ensemble.draw_uniform_errors(SEED, 0, FEW, ball_count(), 2e-6)
     steps = max(ball_chain.solve_ball_screw(calibrated_model(), x, 500.0).iterations for x in errors)
     same, rounds, worst = compare_with_elimination()
     words = (
@@ -268,7 +267,7 @@ def section_4_1(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     )
     less = ball_chain.solve_ball_screw(mei_model(), zero, load).load - solve_with_error_of_ball_33(0.0, load).load
     findings.add_claim("smaller", bool(np.all(less > 0.0)), f"by {less.min():.2f} to {less.max():.2f} N")
-    errors = ball_chain.draw_uniform_errors(SEED, 0, FEW, ball_count(), 2e-6)
+    errors = screw_ensemble.draw_uniform_errors(SEED, 0, FEW, ball_count(), 2e-6)
     worst = [largest_deviations_from_mei_percent(calibrated_model(), x)[0] for x in errors]
     words = f"{min(worst):.2f} to {max(worst):.2f} % in {FEW} drawn screws"
     findings.add_claim("deviation_errors", max(worst) <= 2.875, words)
@@ -286,7 +285,7 @@ def last_over_first_ball_load_ratio(error_um: float, load: float) -> float:
 def load_by_other_contact_angle_laws_in_words(error_um: float, load: float) -> str:
     """Return in words the load [N] of ball 33, once with exact contact angles and once with constant contact angles.
 
-    The model is calibrated to the printed ratio Q78/Q1 for each law. ``error_um``: error of the diameter of ball 33 [um];
+    The model is calibrated to the same ratio Q78/Q1 for each law. ``error_um``: error of the diameter of ball 33 [um];
     ``load``: axial load [N].
     """
     found = {
@@ -361,7 +360,7 @@ def section_4_2(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
 
 RANGES = (1, 2, 3)
 
-NAMES: dict[str, ball_chain.Quantity] = {
+NAMES: dict[str, screw_ensemble.Quantity] = {
     "max": "largest",
     "min": "smallest",
     "loaded": "loaded",
@@ -424,7 +423,7 @@ def judge_fraction_of_screws(has_property: np.ndarray[tuple[int, ...], np.dtype[
 
 
 def decreases_with_error_range(
-    quantity: ball_chain.Quantity, load: float
+    quantity: screw_ensemble.Quantity, load: float
 ) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
     """Return for each randomly drawn screw (n,) whether a quantity falls when the half range of ball errors grows.
 
@@ -528,7 +527,9 @@ def secant_stiffness_of_drawn_screws(half_range_um: int, load: float, relative_l
     if relative_load_step == 0.0:
         return 1e-8 * random_screw_values(half_range_um, "stiffness", load)
     ends = [load, (1.0 + relative_load_step) * load]
-    found = ball_chain.solve_ensemble(calibrated_model(), 1e-6 * half_range_um, ends, MEMBERS, seed=SEED + half_range_um)
+    found = screw_ensemble.solve_ensemble(
+        calibrated_model(), 1e-6 * half_range_um, ends, MEMBERS, seed=SEED + half_range_um
+    )
     first, last = (found.values_at("displacement", f) for f in ends)
     return np.asarray(1e-8 * relative_load_step * load / (last - first))
 
@@ -583,9 +584,9 @@ def section_4_4(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     for load in (100, 1100, 2100):
         printed = [findings.printed(f"K_{s}_{load}") for s in SETS]
         _, words = percentile_with_words(stiffness_spreads_of_triples(float(load)), max(printed) - min(printed), 0.0005)
-        findings.add_number(f"spread_{load}", max(printed) - min(printed), words.replace("screws", "triples"))
+        findings.add_number(f"spread_{load}", None, words.replace("screws", "triples"), follows=max(printed) - min(printed))
     low = min(findings.printed(f"K_{s}_1100") for s in SETS)
-    findings.add_number("spread_percent", 100.0 * findings.printed("spread_1100") / low)
+    findings.follow({"spread_percent": 100.0 * findings.printed("spread_1100") / low})
     _check_stiffness_claims(findings)
 
 

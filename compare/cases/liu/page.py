@@ -21,11 +21,12 @@ from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.reference.estimate import largest_uncertainty_percent
 from rollbench.compare.sections import source_tables
 from rollbench.compare.sections.verdicts import misprints_table
-from rollbench.lowfi.random_errors.chain import BallScrewChain, draw_uniform_errors, solve_ball_screw
+from rollbench.lowfi.random_errors.chain import BallScrewChain, solve_ball_screw
+from rollbench.lowfi.random_errors.ensemble import draw_uniform_errors
 from rollbench.lowfi.statics.liu import SpringRow as ModelInputs
 from rollbench.lowfi.statics.liu import nut_as_spring_row
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.parts import Scene
+from rollbench.meshes.parts import Calibration, Scene
 from rollbench.reports.content import Row, Section, Table, TableColumn, Text
 
 #: Sections of the report by name: title, names of the printed tables.
@@ -146,7 +147,7 @@ def axial_model_inputs_with_rigid_nut(scene: Scene) -> ModelInputs:
 
     Exact contact angles follow from the displacements without approximation.
     """
-    row = nut_as_spring_row(scene, law="exact")
+    row = nut_as_spring_row(replace(scene, calibration=Calibration()), law="exact")
     return replace(row, liu_chain=replace(row.liu_chain, compliance=row.screw_compliance_share * row.liu_chain.compliance))
 
 

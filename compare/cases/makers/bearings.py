@@ -12,7 +12,7 @@ from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 
 from rollbench.compare.cases.makers import outside
-from rollbench.compare.scenes import catalogue
+from rollbench.compare.scenes import catalogue, makers
 from rollbench.lowfi.bearings import angular_contact
 from rollbench.lowfi.bearings.axis import HertzPowerLawRow, equal_rows_with_gap, solve_bearing_row_equilibrium
 from rollbench.lowfi.rating.contacts import static_rating
@@ -66,7 +66,7 @@ def compare_nsk_bearing_sets() -> Iterator[outside.PublishedValue]:
     The computed value of a set is the printed value of the pair times the computed ratio of set to pair. The computed value
     of a pair of preload class C9 is the printed value of the pair of class C10, converted to the preload of C9.
     """
-    for source in outside.read_maker_tables("nsk-tac"):
+    for source in makers.read_maker_tables("nsk-tac"):
         named = dict(entry.split("=") for entry in source.header["sets"].split("; "))
         pairs = {(r["bearing"], r["preload_class"]): r for r in source.rows if named[r["arrangement"]] == "DB"}
         for row in source.rows:
@@ -84,11 +84,11 @@ def compare_nsk_bearing_sets() -> Iterator[outside.PublishedValue]:
                     continue
                 half = 0.5 * float(source.header.get(f"{quantity}_step_{cls}", "0"))
                 base = source.parse_number(pair[column])
-                off = max(outside.half_step_of_last_digit(pair[column]), half) / base
+                off = max(makers.half_step_of_last_digit(pair[column]), half) / base
                 if kind == "class":
                     off += power * sum(source.relative_rounding(r["preload_N"]) for r in (row, pair))
                 what = (quantity, "sets and preloads from one pair", f"{row['bearing']} {cls} {name}", unit)
-                rounding = max(outside.half_step_of_last_digit(row[column]), half)
+                rounding = max(makers.half_step_of_last_digit(row[column]), half)
                 band = outside.ComputedBand.from_relative_half_width(ratio * base, off)
                 yield outside.value_of_table_entry(source, row, "line", column, what, band, rounding=rounding)
 
@@ -182,7 +182,7 @@ def compare_nsk_ball_bearings() -> Iterator[outside.PublishedValue]:
     preload. The axial clearance of a preloaded pair is 2 (u(measuring load) - u(preload)), with u the displacement of one
     row under a thrust. Contact angles change under load.
     """
-    source = outside.read_maker_table("nsk-angular")
+    source = makers.read_maker_table("nsk-angular")
     groups: dict[str, list[Mapping[str, str]]] = {}
     for row in source.rows:
         groups.setdefault(row["bearing"], []).append(row)
@@ -200,7 +200,7 @@ def compare_nsk_ball_bearings() -> Iterator[outside.PublishedValue]:
     usual = np.full(len(bearings), CONFORMITY)
     begin = angular_contact.CatalogueBearings(np.round(count), ball, pitch, usual, angle, YOUNG, POISSON)
     forces, rigid, load = column_values("preload_N"), column_values("rigidity_N_per_um"), column_values("measuring_load_N")
-    step = np.array([outside.half_step_of_last_digit(rows[-1]["rigidity_N_per_um"]) for rows in bearings])
+    step = np.array([makers.half_step_of_last_digit(rows[-1]["rigidity_N_per_um"]) for rows in bearings])
     moved, stiff = [], []
     for off in (0.0, step, -step):
         conformity = angular_contact.conformity_from_pair_rigidity(begin, forces[:, -1], 1e6 * (rigid[:, -1] + off))
@@ -217,7 +217,7 @@ def compare_nsk_ball_bearings() -> Iterator[outside.PublishedValue]:
 
 
 def _compare_clearances_and_rigidities(
-    source: outside.MakerTable, rows: list[Mapping[str, str]], preloads: Array, displacements_um: Array, rigidities: Array
+    source: makers.MakerTable, rows: list[Mapping[str, str]], preloads: Array, displacements_um: Array, rigidities: Array
 ) -> Iterator[outside.PublishedValue]:
     """Yield the printed axial clearances and rigidities of one bearing at p preloads, with computed values.
 
@@ -228,7 +228,7 @@ def _compare_clearances_and_rigidities(
     """
     clearance = 2.0 * (displacements_um[:, -1:] - displacements_um[:, :-1])
     for i, row in enumerate(rows):
-        share = outside.half_step_of_last_digit(row["preload_N"]) / preloads[i]
+        share = makers.half_step_of_last_digit(row["preload_N"]) / preloads[i]
         item, law = f"{row['bearing']} {row['preload_class']}", "bearing whose angle turns"
         what, scale = ("displacement", law, item, "um"), float(2.0 * displacements_um[0, -1])
         band = outside.ComputedBand.from_values(clearance[:, i], 4.0 / 3.0 * displacements_um[0, i] * share)
@@ -239,7 +239,7 @@ def _compare_clearances_and_rigidities(
         yield outside.value_of_table_entry(source, row, "line_preload", "rigidity_N_per_um", what, band, left=left)
 
 
-def _published_factor_f0(source: outside.MakerTable, row: Mapping[str, str], factor: float) -> outside.PublishedValue:
+def _published_factor_f0(source: makers.MakerTable, row: Mapping[str, str], factor: float) -> outside.PublishedValue:
     """Return the printed factor f_0 = C_0/(Z D^2 cos alpha) of a bearing together with the computed value.
 
     ``source``: the maker's table; ``row``: texts of the bearing's row, by column; ``factor``: the computed value
@@ -256,7 +256,7 @@ def compare_snfa_pair_rigidities() -> Iterator[outside.PublishedValue]:
 
     The printed values follow the catalogue's formula for a constant contact angle, so they are shown but not judged.
     """
-    source = outside.read_maker_table("snfa-angular")
+    source = makers.read_maker_table("snfa-angular")
 
     def column_values(key: str, factor: float = 1.0) -> Array:
         """Return a column of SNFA's table as an array of numbers, times ``factor``; ``key``: name of the column."""
@@ -280,13 +280,13 @@ def compare_snfa_load_ratings() -> Iterator[outside.PublishedValue]:
     The range (band) of the computed values covers pitch diameters within 2 % of the mean of bore and outside diameter, and
     the rounding of the printed ball diameter.
     """
-    source, done = outside.read_maker_table("snfa-angular"), set[tuple[str, str]]()
+    source, done = makers.read_maker_table("snfa-angular"), set[tuple[str, str]]()
     for row in source.rows:
         if (row["bearing"], row["C33_daN"]) in done:
             continue
         done.add((row["bearing"], row["C33_daN"]))
         ball, count, x = 1e-3 * float(row["ball_diameter_mm"]), int(row["balls"]), 1.0 / np.array([1.0, 0.98, 1.02])
-        off = 2.0 * outside.half_step_of_last_digit(row["ball_diameter_mm"]) / float(row["ball_diameter_mm"])
+        off = 2.0 * makers.half_step_of_last_digit(row["ball_diameter_mm"]) / float(row["ball_diameter_mm"])
         of_dynamic, of_static = rating_factor_splines(radians(float(row["angle_deg"])))
         x *= ball / _mean_of_bore_and_outer_diameter(row)
         maker = f"{source.header['maker']}, series {'VE' if row['bearing'].startswith('VE') else 'S, E'}"

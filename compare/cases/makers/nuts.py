@@ -15,7 +15,7 @@ import numpy as np
 
 from rollbench.compare.cases.makers import outside
 from rollbench.compare.models.registry import ModelOptions, run_model
-from rollbench.compare.scenes import catalogue
+from rollbench.compare.scenes import catalogue, makers
 from rollbench.compare.scenes.from_keys import angle_of_touching_balls, ball_oversize_for_preload
 from rollbench.compare.scenes.template import BEYOND, STOCK, WALL
 from rollbench.lowfi.friction.whole.state import friction_state
@@ -31,9 +31,6 @@ CONFORMITY, CONFORMITIES, ANGLE = 0.5225, (0.515, 0.53), 45.0
 #: Fraction of the turns that is filled with balls, lowest and highest: for circuits of several turns (LONG), and of one
 #: turn (SHORT), whose deflector may take a third of it.
 LONG, SHORT = (0.9, 1.0), (0.65, 1.0)
-
-#: (Pitch diameter - root diameter)/ball diameter, for a ball at 45 deg in a gothic arch of usual conformity.
-DEPTH = 1.03
 
 #: Columns of Rexroth's table with the dimensions of a nut: ball diameter, nominal diameter and lead.
 DIMENSIONS = ("ball_diameter_mm", "nominal_diameter_mm", "lead_mm")
@@ -129,45 +126,20 @@ def nut_displacement(
 # --- dimensions from catalogue entries
 
 
-def read_loaded_turns(row: Mapping[str, str]) -> tuple[float, bool]:
-    """Return the number of loaded turns of a nut in a catalogue, then whether each circuit has only one turn.
-
-    ``row``: texts of the nut's row, by column. Makers print the number of turns in the nut's name, such as ``T4`` or
-    ``K4``; as a product ``2x2.5`` (also without the x); as circuits and turns in separate columns; or as ``1,2x4`` for nuts
-    with several starts.
-    """
-    circuits, turns = row["circuits"], row["turns"].replace(",", ".")
-    if "of the name" in turns:
-        return float(circuits), turns.startswith("T")
-    if turns == "rows x turns":
-        rows, each = circuits.split("x") if "x" in circuits else (circuits[0], circuits[1:])
-        return float(rows) * float(each), float(each) == 1.0
-    if circuits == turns:  # 1x4: four circuits of one turn
-        return float(prod(map(float, turns.split("x")))), True
-    if circuits:
-        return float(circuits) * float(turns), float(turns) == 1.0
-    return float(prod(map(float, turns.split("x")))), False
-
-
-def nut_of_catalogue_row(source: outside.MakerTable, row: Mapping[str, str]) -> CatalogueNut:
+def nut_of_catalogue_row(source: makers.MakerTable, row: Mapping[str, str]) -> CatalogueNut:
     """Return the dimensions of a nut from its row in a catalogue.
 
-    ``source``: table of the catalogue; ``row``: texts of the nut's row, by column. If the ball diameter is not printed, it
-    is the stock size that fits pitch and root diameter. If the pitch diameter is not printed, it is the nominal diameter
-    plus an amount that is usual for the ball diameter.
+    ``source``: table of the catalogue; ``row``: texts of the nut's row, by column. Diameters that are not printed are
+    assumed: see `makers.ball_and_pitch_diameter`.
     """
-    pitch = source.parse_number(row["pitch_mm"]) if row["pitch_mm"] else 0.0
-    if row["ball_mm"]:
-        ball = source.parse_number(row["ball_mm"])
-    else:
-        fits = (pitch - source.parse_number(row["root_mm"])) / DEPTH
-        ball = min(STOCK, key=lambda known: abs(known - fits))
-    pitch = pitch or source.parse_number(row["diameter_mm"]) + 2.0 * BEYOND * ball
-    turns, short = read_loaded_turns(row)
-    return CatalogueNut(1e-3 * ball, 1e-3 * pitch, 1e-3 * source.parse_number(row["lead_mm"]), turns, short)
+    ball, pitch = makers.ball_and_pitch_diameter(source, row)
+    circuits = makers.read_circuits(row)
+    short = circuits.turns == 1.0 and not circuits.on_starts
+    lead = 1e-3 * source.parse_number(row["lead_mm"])
+    return CatalogueNut(1e-3 * ball, 1e-3 * pitch, lead, circuits.number * circuits.turns, short)
 
 
-def maker_and_rated_nut_type(source: outside.MakerTable, row: Mapping[str, str]) -> str:
+def maker_and_rated_nut_type(source: makers.MakerTable, row: Mapping[str, str]) -> str:
     """Return the maker's name, with the type of nut if this maker rates several types by different rules.
 
     ``source``: table of the maker; ``row``: texts of the nut's row, by column.
@@ -189,7 +161,7 @@ def compare_nut_ratings() -> Iterator[outside.PublishedValue]:
     Only nuts whose ball diameter is printed are compared. The computed values have a range (band) over the usual
     conformities and fractions of turns that are filled with balls.
     """
-    for source in outside.read_maker_tables("nuts-"):
+    for source in makers.read_maker_tables("nuts-"):
         for row in source.rows:
             if not row["ball_mm"]:
                 continue
@@ -219,7 +191,7 @@ def compare_nut_rigidity() -> Iterator[outside.PublishedValue]:
     and thick tubes. The number of balls follows from the printed static rating C_0, so that the band of computed values
     only covers the range of conformity and 5 % more or fewer balls.
     """
-    for source in outside.read_maker_tables("nuts-"):
+    for source in makers.read_maker_tables("nuts-"):
         for row in source.rows:
             if not row.get("rigidity"):
                 continue
@@ -257,7 +229,7 @@ def compare_preloaded_nuts() -> Iterator[outside.PublishedValue]:
     At the highest preload, the rigidity is computed from contacts and tubes. At the other preloads, the computed value is
     the printed rigidity at the highest preload times the cube root of the ratio of the preloads.
     """
-    source = outside.read_maker_table("rexroth-preload")
+    source = makers.read_maker_table("rexroth-preload")
     groups: dict[tuple[str, str], list[Mapping[str, str]]] = {}
     for row in source.rows:
         groups.setdefault((row["nut_kind"], row["size"]), []).append(row)
@@ -278,7 +250,7 @@ def compare_preloaded_nuts() -> Iterator[outside.PublishedValue]:
                 law, practice = "contacts and tubes, both nuts loaded", PRACTICE * ends[0]
             else:
                 highest = top["Rnu_N_per_um"]
-                base, step = source.parse_number(highest), outside.half_step_of_last_digit(highest)
+                base, step = source.parse_number(highest), makers.half_step_of_last_digit(highest)
                 growth = np.cbrt(share / source.parse_number(top["preload_percent_of_C"]))
                 ends, law, practice = [x * growth for x in (base, base + step, base - step)], "growth with preload", None
             what = ("rigidity", law, f"{kind} {size}, {share:g} % of C", "N/um")
@@ -286,8 +258,8 @@ def compare_preloaded_nuts() -> Iterator[outside.PublishedValue]:
             yield outside.value_of_table_entry(source, row, "line_values", "Rnu_N_per_um", what, band, practice=practice)
 
 
-#: Coefficient of friction of balls on grooves: default of the command `friction`, and least value of lubricated bearings.
-DEFAULT, LEAST = 0.1, 0.003
+#: Coefficient of sliding friction of balls on grooves: the largest and the smallest value of lubricated contacts.
+DEFAULT, LEAST = 0.1, 0.03
 
 #: Name of the friction model in the tables.
 SLIDING = "sliding of the balls, coefficient 0.1"
@@ -426,7 +398,7 @@ def compare_rexroth_drag_torques() -> Iterator[outside.PublishedValue]:
 
     These ranges are not judged, since the printed torques follow a formula.
     """
-    source = outside.read_maker_table("rexroth-preload")
+    source = makers.read_maker_table("rexroth-preload")
     for row in source.rows:
         ball, outer, lead = (1e-3 * source.parse_number(row[k]) for k in DIMENSIONS)
         if not row["torque_low_Nm"]:
@@ -469,7 +441,7 @@ def compare_measured_drag_torques() -> Iterator[outside.PublishedValue]:
 
     Worn: at the end of the test. Measurements between start and end of the test are left out.
     """
-    source = outside.read_maker_table("xjtu-torque")
+    source = makers.read_maker_table("xjtu-torque")
     band = drag_torque_of_measured_screws()
     ends = {name: [r for r in source.rows if r["screw"] == name] for name in dict.fromkeys(r["screw"] for r in source.rows)}
     for name, rows in ends.items():

@@ -1,16 +1,12 @@
 """Comparison of computed values with values that makers, other programs and textbooks publish; bias and scatter.
 
-Makers' printed tables are CSV files that begin with ``# key: value`` (maker, origin, format).
+Makers' printed tables are read by `compare.scenes.makers`.
 """
 
 from __future__ import annotations
 
-import csv
-import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,69 +14,10 @@ import numpy as np
 from rollbench.compare.evidence import computations_with_function, evidence
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import SceneResultCache
+from rollbench.compare.scenes.makers import MakerTable, half_step_of_last_digit
 from rollbench.reports.content import Cell, Table, TableColumn
 
 MAKER, MEASURED, PROGRAM = "printed by a maker", "measured", "another program"
-#: Folder of the CSV files with makers' printed tables.
-TABLES_FOLDER = Path(__file__).parent / "tables"
-#: Factors from the printed units to SI.
-UNITS = {"N": 1.0, "kN": 1e3, "kgf": 9.80665, "daN": 10.0, "N/um": 1e6, "kgf/um": 9.80665e6}
-
-
-@dataclass(frozen=True)
-class MakerTable:
-    """A table printed by a maker, from one CSV file.
-
-    ``name``: name of the file without ``.csv``; ``header``: texts of the file's first lines by key (maker, origin, class,
-    number format, remarks); ``rows``: for each row, the printed texts by name of the column.
-    """
-
-    name: str
-    header: Mapping[str, str]
-    rows: tuple[Mapping[str, str], ...]
-
-    def parse_number(self, text: str) -> float:
-        """Convert a printed text to a number, with the decimal and thousands separators that the table's header states."""
-        plain = re.sub(r"[\s\u00a0]", "", text).replace(self.header.get("thousands", " "), "")
-        return float(plain.replace(self.header.get("decimal", "."), "."))
-
-    def relative_rounding(self, text: str) -> float:
-        """Return half a unit of the last nonzero digit of a printed number, divided by the number; ``text``: as printed."""
-        return half_step_of_last_digit(text) / self.parse_number(text)
-
-    def unit_factor(self, key: str) -> float:
-        """Return the factor from a printed unit to SI; ``key``: header key of that unit, such as "load_unit"."""
-        return UNITS[self.header[key]]
-
-    def is_listed_as_misprint(self, what: str) -> bool:
-        """Return whether the header of the table lists a printed value as a misprint.
-
-        ``what``: name of a nut or bearing, alone or with a quantity, such as "SFE1632-3 rigidity". A name that is listed
-        without a quantity stands for all its quantities.
-        """
-        return any(what.startswith(known) for known in self.header.get("misprints", "-").split("; "))
-
-
-@cache
-def read_maker_table(name: str) -> MakerTable:
-    """Read a maker's table from the file ``tables/NAME.csv``; ``name``: NAME. Further calls return the same object."""
-    lines = (TABLES_FOLDER / f"{name}.csv").read_text(encoding="utf-8").splitlines()
-    remarks = [line[2:].partition(": ") for line in lines if line.startswith("# ")]
-    body = csv.DictReader(line for line in lines if not line.startswith("#"))
-    return MakerTable(name, {key: text for key, _, text in remarks if key != "note"}, tuple(body))
-
-
-def read_maker_tables(prefix: str) -> list[MakerTable]:
-    """Read all makers' tables whose file name begins with ``prefix``, such as "nuts-", sorted by name."""
-    return [read_maker_table(path.stem) for path in sorted(TABLES_FOLDER.glob(f"{prefix}*.csv"))]
-
-
-def half_step_of_last_digit(text: str) -> float:
-    """Return half a unit of the last nonzero digit of a printed number, such as 5 for ``"2 150"``, 0.005 for ``"0.14"``."""
-    plain = "".join(text.split()).replace(",", ".").lstrip("+-")
-    places = len(plain.partition(".")[2])
-    zeros = 0 if places else len(plain) - len(plain.rstrip("0"))
-    return float(0.5 * 10.0 ** (zeros - places))
 
 
 class ComputedBand(NamedTuple):
@@ -313,7 +250,7 @@ def published_values_table(found: Sequence[PublishedValue]) -> Table:
         for x in found
     ]
     note = (
-        "Makers' tables stand in compare/cases/makers/tables; the first lines of each name repository, commit and file "
+        "Makers' tables stand in compare/scenes/maker_tables; the first lines of each name repository, commit and file "
         "of its origin."
     )
     title = "All published values of makers, measurements and programs, with the computed values"

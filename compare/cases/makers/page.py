@@ -6,10 +6,10 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from rollbench.compare.cases.makers import bearings, nuts, outside
-from rollbench.compare.cases.makers.outside import read_maker_tables
+from rollbench.compare.cases.makers import bearings, from_catalogue, nuts, outside
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import SceneResultCache
+from rollbench.compare.scenes.makers import read_maker_tables
 from rollbench.lowfi.rating.rigidity import PRACTICE
 from rollbench.meshes.arrays import Array
 from rollbench.reports.content import Cell, Figure, Panel, Section, Series, Table, TableColumn, Text
@@ -262,9 +262,11 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     """
     step("outside values")
     found = all_published_values(cache)
+    texts = (clearances_text(found), nut_rigidity_text(found), loaded_balls_text(found), drag_torque_text(found))
     items = (
-        Text((clearances_text(found), nut_rigidity_text(found), loaded_balls_text(found), drag_torque_text(found))),
+        Text((*texts, from_catalogue.catalogue_text())),
         outside.bias_and_scatter_table(found),
+        from_catalogue.catalogue_ratios_table(),
         sorted_errors_figure(found),
         drag_torque_table(),
     )

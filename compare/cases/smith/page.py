@@ -247,6 +247,30 @@ def end_thrusts_and_stiffness_table(cache: SceneResultCache) -> Table:
     return Table.from_rows("smith-layouts", title, rows, LAYOUT_NOTE)
 
 
+TORQUE_NOTE = (
+    "Ours: power lost in film, steel and rib, at Smith's 27 cSt and 1,450 rpm (`rollbench friction smith-axis-taper`: the "
+    "same for each row of the axis). He prints neither friction nor geometry of the rib: 0.03 to 0.15 is assumed, and a "
+    "contact at a point. Thrust: computed, of 5.3 after the stretch."
+)
+
+
+def tapered_row_torque_table() -> Table:
+    """Return the table of the torques of tapered rows that Smith prints, each beside our band."""
+    labels = {f.key: f.label for name in ("smith-3", "smith-5") for f in load_printed_table(name)}
+    rows: list[Row] = [
+        {
+            TableColumn("row", "row of tapered rollers", "", "s"): labels[key],
+            TableColumn("thrust", "thrust, computed", "lbf", ".0f"): thrust,
+            TableColumn("printed", "torque, Smith", "in-lbf", ".4g"): printed,
+            TableColumn("low", "torque, ours, friction of the rib 0.03", "in-lbf", ".3g"): low,
+            TableColumn("high", "torque, ours, friction of the rib 0.15", "in-lbf", ".3g"): high,
+        }
+        for key, thrust, printed, (low, high) in axis.tapered_row_torques()
+    ]
+    title = "Friction torque of a row of tapered rollers: Smith's formula and tests, and ours as a band"
+    return Table.from_rows("smith-taper-torque", title, rows, TORQUE_NOTE)
+
+
 ROLLER_NOTE = (
     "3D: one roller between its races (`rollbench mesh-study smith-axis-taper`), its ends rounded with a radius of 1 mm, "
     "which is assumed. Slices: load-deflection law of roller rows in this package. Line contact: Hertz pressure under the "
@@ -322,7 +346,7 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> tuple[
     listed = source_tables.read_table_layouts(next(case for case in CASES if case.name == "smith"))
     drawn = {
         "smith-ball": (hertz_parameters_figure(), stiffness_figure(found)),
-        "smith-taper": tapered_roller_table_and_figure(cache),
+        "smith-taper": (tapered_row_torque_table(), *tapered_roller_table_and_figure(cache)),
         "smith-axis": (bearing_row_loads_figure(found), end_thrusts_and_stiffness_table(cache)),
     }
     chapters = [

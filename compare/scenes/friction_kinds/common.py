@@ -14,6 +14,7 @@ from rollbench.compare.scenes.fault import Fault, length_text
 from rollbench.compare.scenes.key_checks import groove_definition_faults
 from rollbench.compare.scenes.keys import SceneFileTable, key
 from rollbench.lowfi.friction.screw.groove import Mode, ScrewGroove
+from rollbench.meshes.arrays import RecordWithArrays
 from rollbench.meshes.ranges import Coefficient, QuantityRange
 from rollbench.meshes.scene_text import toml_of_tables
 
@@ -26,7 +27,7 @@ class FrictionSceneKeys(scenes_keys.TitleKeys):
 
 
 @dataclass(frozen=True)
-class FrictionScene:
+class FrictionScene(RecordWithArrays):
     """Scene for which only friction is computed; base class of all such kinds."""
 
     #: Kind of the scene, as its file names it.

@@ -14,7 +14,7 @@ from rollbench.compare.models.friction_sums import friction_results_json, motion
 from rollbench.compare.quantities import json_number
 from rollbench.compare.text.printing import Column
 from rollbench.lowfi.friction.whole.feedback import JAMMED
-from rollbench.lowfi.friction.whole.losses import CAUSES
+from rollbench.lowfi.friction.whole.losses import CAUSES, BallFriction
 from rollbench.lowfi.friction.whole.state import FrictionState
 from rollbench.lowfi.friction.whole.torque import FrictionSums
 from rollbench.lowfi.rating.catalogue_checks import warn_of_overall_friction_coefficient
@@ -41,7 +41,7 @@ WHOLE = (
     "feedback of friction on how the balls share the load: each keeps the load that it carries without friction",
     LUBRICANT,
     HYSTERESIS,
-    "Heathcote slip over the curved contact in torques and losses: losses.heathcote_percent says what it would add",
+    "Heathcote slip over curved contacts, in torques and efficiencies; the losses with it stand beside those without",
     PARTS,
     INERTIA,
     "ripple: the work of loads that change as balls roll over errors, and enter and leave the loaded track",
@@ -129,6 +129,9 @@ NOTHING = 1e-6
 
 #: Text line that the terminal shows: label and text.
 Line = tuple[str, str]
+
+#: Labels of text lines that the terminal always shows.
+ALWAYS = ("touch",)
 
 #: Labels of the text lines on the unbalanced forces of the solver and on the friction law, which --verbose shows.
 BEHIND = ("solver", "law")
@@ -352,12 +355,23 @@ def sentence_on_jammed_states(state: FrictionState) -> str:
     return f"{what} a second, jammed state: {numbers}; this is the one that rolls on"
 
 
+def change_of_losses(flat: BallFriction | None, curved: BallFriction | None) -> float:
+    """Return the ratio of the losses in curved contacts to those in flat ones, less 1; nan if one of them is not known.
+
+    ``flat``, ``curved``: friction of the balls with flat and with curved contact ellipses.
+    """
+    if flat is None or curved is None or not (flat.converged and curved.converged and flat.total_power_lost > 0.0):
+        return float("nan")
+    return curved.total_power_lost / flat.total_power_lost - 1.0
+
+
 def heathcote_slip_clause(loss_increase: float) -> str:
-    """Return a clause that says by how many per cent the neglected Heathcote slip would raise friction.
+    """Return a clause that says by how many per cent the neglected Heathcote slip would change friction.
 
     ``loss_increase``: ratio of the additional losses by Heathcote slip to the losses without it.
     """
-    return f"their curvature (Heathcote slip, left out) would raise friction by {100.0 * loss_increase:.2g} %"
+    percent = f"{100.0 * loss_increase:+.2g} %"
+    return f"their curvature (Heathcote slip) would change the friction torque, which leaves it out, by {percent}"
 
 
 def ball_to_ball_forces_as_json(state: FrictionState) -> dict[str, Any] | None:
@@ -442,23 +456,46 @@ OVER_COLUMNS: tuple[Column, ...] = (
 #: Columns of the terminal's table of friction losses by contact and cause.
 LOSS_COLUMNS: tuple[Column, ...] = (
     ("contact", "contact", "s"),
-    ("loss_W", "loss W", ".5g"),
-    *((name, f"{name.replace('_', ' ')} W", ".4g") for name in CAUSES),
+    ("mean_load_N", "mean load N", ".4g"),
+    ("mean_load_without_friction_N", "without friction N", ".4g"),
+    ("loss_W", "loss W", ".4g"),
+    *((name, f"{name.removeprefix('sliding_')} W", ".4g") for name in CAUSES),
+    ("with_curvature_W", "curved W", ".4g"),
 )
 
 
-def losses_by_contact_and_cause(state: FrictionState) -> list[dict[str, Any]]:
+def losses_by_contact_and_cause(state: FrictionState, curved: BallFriction | None = None) -> list[dict[str, Any]]:
     """Return table rows of the friction losses [W], summed over all balls: one for each flank, and one for all flanks.
 
-    The flanks are SL, SR, NL, NR (screw left and right, nut left and right). Each row has the loss and its parts by cause
-    (sliding across the groove, sliding along it, spin). ``state``: friction of the screw or bearing.
+    The flanks are SL, SR, NL, NR (screw left and right, nut left and right). Each row has the mean load of the balls that
+    carry load, with and without friction [N], the loss and its parts by cause (sliding across the groove, sliding along it,
+    spin), and the loss in contacts that are curved across the groove. ``state``: friction of the screw or bearing;
+    ``curved``: friction of its balls with curved contacts, None if it is not known.
     """
     table = state.ball_friction.loss.sum(axis=0)
-    named = [*zip(SIDES, table, strict=True), ("sum", table.sum(axis=0))]
+    bent = np.full(4, np.nan) if curved is None or not curved.converged else curved.loss.sum(axis=(0, 2))
+    loads = [mean_flank_loads(force) for force in (state.contacts.force, state.loads_without_friction)]
+    named = [*zip(SIDES, *loads, table, bent, strict=True), ("sum", np.nan, np.nan, table.sum(axis=0), bent.sum())]
     return [
-        {"contact": name, "loss_W": json_number(row.sum())} | {c: json_number(v) for c, v in zip(CAUSES, row, strict=True)}
-        for name, row in named
+        {
+            "contact": name,
+            "mean_load_N": json_number(load),
+            "mean_load_without_friction_N": json_number(bare),
+            "loss_W": json_number(row.sum()),
+            **{cause: json_number(value) for cause, value in zip(CAUSES, row, strict=True)},
+            **({} if curved is None else {"with_curvature_W": json_number(in_curved)}),
+        }
+        for name, load, bare, row, in_curved in named
     ]
+
+
+def mean_flank_loads(force: Array) -> Array:
+    """Return the mean load of each flank over the balls that carry load ``(4,)`` [N]; 0 if none does.
+
+    ``force``: contact loads of N balls ``(N, 4)`` [N].
+    """
+    loaded = force.sum(axis=1) > 0.0
+    return force[loaded].mean(axis=0) if loaded.any() else np.zeros(4)
 
 
 def torque_row_for_coefficients(friction: Friction, state: FrictionState, drag: float | None) -> dict[str, Any]:
@@ -495,7 +532,7 @@ def friction_warnings(
     notes += warn_of_overall_friction_coefficient(scene.track, friction)
     notes += contact_warnings(np.where(loaded, at.pressure, 0.0), np.where(loaded, at.a, 0.0), scene.balls.radius)
     if max(friction.screw, friction.nut) >= JAMMED:
-        notes.append(ResultWarning("jam", sentence_on_jammed_states(state)))
+        notes.append(ResultWarning("jam" if state.jammed_balls else "jam search", sentence_on_jammed_states(state)))
     two = (loaded.sum(axis=1) == 2) & (state.ball_friction.total_power_lost > 0.0)
     sums = state.friction_sums
     if two.any() and sums.advance_per_radian != 0.0 and not state.friction_changes_loads:
@@ -504,11 +541,12 @@ def friction_warnings(
             f"{sums.cross_groove_friction_ratio:.2g} of their load, onto other contact angles or a third flank; without "
             "feedback the friction torque may be too small by a factor of two or more"
         )
-        notes.append(ResultWarning("feedback", text))
+        brief = f"friction torque without feedback, which {int(two.sum())} balls on two flanks only have"
+        notes.append(ResultWarning("feedback", text, brief))
     unsure = state.ball_friction.status.count("regularised")
     if unsure:
         text = f"{unsure} balls have a contact on the verge of slip: their friction balances to 1e-6 only"
-        notes.append(ResultWarning("slip", text))
+        notes.append(ResultWarning("balance of slip", text))
     return notes
 
 

@@ -19,8 +19,6 @@ from rollbench.meshes.arrays import Array
 
 #: Largest unbalanced force over the largest force, for loads that count as solved.
 BALANCED = 1e-8
-#: Number of balls from which on compiled kernels are used.
-LONG = 60
 
 
 def linear_bearing_loads(scene: LinearBearingScene) -> tuple[Array, Array, float]:
@@ -112,9 +110,8 @@ def solve_friction_of_linear_bearing(scene: LinearBearingScene) -> answer.Fricti
     chains = [
         linear_chain.prepare_linear_chain(scene.bearing, angles, force, touching) for touching in (False, scene.gap <= 0.0)
     ]
-    fast = force.shape[0] > LONG
-    apart, near = (linear_chain.solve_linear_chain(chain, fast=fast) for chain in chains)
-    second = linear_chain.find_second_equilibrium(chains[1], near, fast) if near.status == "converged" else None
+    apart, near = (linear_chain.solve_linear_chain(chain) for chain in chains)
+    second = linear_chain.find_second_equilibrium(chains[1], near) if near.status == "converged" else None
     loads_good = scene.distribution == "diagonal" or left <= BALANCED
     converged = loads_good and all(r.status == "converged" for r in (apart, near))
     balls = json_rows_of_linear_balls(scene, angles, force, apart, near)
@@ -163,7 +160,9 @@ def jammed_equilibrium_as_json(
     return {"drive_N": json_number(jammed.carriage_drive_force), "pairs": pairs}
 
 
-def sentence_on_jammed_equilibrium(chain: linear_chain.LinearChain, jammed: linear_chain.LinearChainSolution | None) -> str:
+def sentence_on_jammed_equilibrium(
+    chain: linear_chain.LinearBallChain, jammed: linear_chain.LinearChainSolution | None
+) -> str:
     """Return a sentence on whether a second equilibrium was found, in which friction jams the row of balls.
 
     ``chain``: the touching balls; ``jammed``: their second equilibrium, None if none was found.
@@ -192,12 +191,13 @@ def jammed_state_warnings(
     if jammed is None:
         return []
     most, base = jammed.ball_force.max(), touching.ball_force.max()
+    brief = "friction between balls allows a second state"
     text = (
-        f"friction between balls allows a second state: they press on each other by up to {most:.4g} N instead of "
+        f"{brief}: they press on each other by up to {most:.4g} N instead of "
         f"{base:.4g} N, and the carriage needs {jammed.carriage_drive_force:.6g} N instead of "
         f"{touching.carriage_drive_force:.6g} N; which state occurs depends on the motion before"
     )
-    return [ResultWarning("jam", text)]
+    return [ResultWarning("jam", text, brief)]
 
 
 def lines_on_linear_bearing(data: dict[str, Any]) -> list[answer.Line]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -95,7 +96,7 @@ def simulate_friction_over_time(
         raise SceneNotCoveredError(scene.name, "circulation", str(error), advice) from error
     ahead = float(np.sign(balls.grooves.nominal_orbit - balls.grooves.nut_speed)) or 1.0
     loads = load_solver_for_travelling_balls(model, ahead)
-    setting = SceneInMotion(scene, friction, motion, drawn, balls, lambda met, at: loads(scene, met, at, "compiled"))
+    setting = SceneInMotion(scene, friction, motion, drawn, balls, partial(loads, scene))
     return simulate_with_several_step_sizes(setting, motion, time, scene.name)
 
 

@@ -6,7 +6,7 @@ cases of a duty cycle are solved as separate scenes, and the mean torque over al
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -14,7 +14,7 @@ import numpy as np
 
 from rollbench.compare import quantities
 from rollbench.compare.errors import ArgumentError, InputError
-from rollbench.compare.models.answers import ShaftResults, solve_assembly_with_results
+from rollbench.compare.models.answers import RollerLoadResults, ShaftResults, solve_assembly_with_results
 from rollbench.compare.models.friction_sums import friction_results_json
 from rollbench.compare.models.load_cases import motor_torques_and_inertias
 from rollbench.compare.models.registry import ModelOptions, run_model
@@ -26,19 +26,14 @@ from rollbench.compare.studies.friction import answer
 from rollbench.compare.studies.friction import whole as friction_whole
 from rollbench.compare.studies.friction.answer import NOTHING, FrictionAnswer, format_three_digits, power_balance_json
 from rollbench.compare.text.printing import Column
-from rollbench.lowfi.friction.whole.state import FrictionState, friction_state
+from rollbench.lowfi.friction.whole.state import FrictionCase, FrictionState, friction_states
 from rollbench.lowfi.friction.whole.torque import ONE_TURN
 from rollbench.lowfi.statics.result import AxisResult, SetResult
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Friction, Motion, Scene
 
-#: Function that shows a line of progress.
-Say = Callable[[str], None]
 
-
-def solve_friction_of_named_scene(
-    name: str, choices: friction_whole.FrictionChoices, say: Say = lambda _: None
-) -> FrictionAnswer:
+def solve_friction_of_named_scene(name: str, choices: friction_whole.FrictionChoices) -> FrictionAnswer:
     """Compute the friction of a scene that is given by its name in the package or by its file.
 
     Parameters
@@ -47,8 +42,6 @@ def solve_friction_of_named_scene(
         Name or file of the scene.
     choices
         Model, coefficients of friction and number of the specimen (draw of random errors).
-    say
-        Function that is called with a line on the torque once it is known, as in `solve_friction_of_screw_or_bearing`.
 
     Returns
     -------
@@ -60,12 +53,10 @@ def solve_friction_of_named_scene(
     InputError
         If the scene cannot be read, or the choices do not fit it.
     """
-    return solve_friction_of_scene(catalogue.scene_of_any_kind(name), choices, name, say)
+    return solve_friction_of_scene(catalogue.scene_of_any_kind(name), choices, name)
 
 
-def solve_friction_of_scene(
-    scene: Described, choices: friction_whole.FrictionChoices, origin: str, say: Say = lambda _: None
-) -> FrictionAnswer:
+def solve_friction_of_scene(scene: Described, choices: friction_whole.FrictionChoices, origin: str) -> FrictionAnswer:
     """Compute the friction of a scene of any kind.
 
     Parameters
@@ -76,8 +67,6 @@ def solve_friction_of_scene(
         Model, coefficients of friction and number of the specimen (draw of random errors).
     origin
         Name or file of the scene, for an error message.
-    say
-        Function that is called with a line on the torque once it is known, as in `solve_friction_of_screw_or_bearing`.
 
     Returns
     -------
@@ -90,7 +79,7 @@ def solve_friction_of_scene(
         If the choices do not fit the scene.
     """
     if isinstance(scene, Scene):
-        return friction_whole.solve_friction_of_screw_or_bearing(scene, choices, say)
+        return friction_whole.solve_friction_of_screw_or_bearing(scene, choices)
     if isinstance(scene, DutyCycle):
         return solve_friction_of_duty_cycle(scene, choices)
     if isinstance(scene, Assembly):
@@ -133,6 +122,18 @@ DRIVE_COLUMNS: tuple[Column, ...] = (
     ("starting_Nmm", "from rest N mm", "s"),
     ("seals_Nmm", "seals as given N mm", ".4g"),
 )
+#: Columns of the table of rows of tapered rollers.
+ROLLER_COLUMNS: tuple[Column, ...] = (
+    ("name", "name", "s"),
+    ("torque", "friction torque N mm", "s"),
+    ("torque_in_lbf", "in-lbf", "s"),
+    ("timken_Nmm", "by Timken N mm", ".6g"),
+    ("timken_in_lbf", "in-lbf", ".4g"),
+)
+
+#: One inch times one pound-force [N mm].
+INCH_POUND = 25.4 * 4.4482216152605
+
 #: Columns of the table over the coefficient of friction.
 OVER_COLUMNS: tuple[Column, ...] = (
     ("screw", "coefficient", ".4g"),
@@ -167,7 +168,7 @@ def solve_friction_of_shaft(assembly: Assembly, choices: friction_whole.Friction
         return FrictionAnswer(failed, [], [], False)
     if not pairs:
         return _answer_on_shaft(head, assembly, result, answers, (Friction(0.0, 0.0), motion, [], {}))
-    each = [_friction_of_nuts_and_bearings(result, friction, motion) for friction in pairs]
+    each = _friction_of_nuts_and_bearings(result, pairs, motion)
     drag = _drag_torques_of_nuts_and_bearings(assembly, result, pairs[0], motion)
     found = _answer_on_shaft(head, assembly, result, answers, (pairs[0], motion, each[0], drag))
     over = [{"screw": f.screw, "nut": f.nut} | _torques_of_shaft(states, {}) for f, states in zip(pairs, each, strict=True)]
@@ -194,17 +195,16 @@ def _friction_coefficients_of_shaft(assembly: Assembly, mu: Sequence[float]) -> 
     return friction_whole.friction_coefficients(replace(balls[0], name=assembly.name, friction=assembly.friction), mu)
 
 
-def _friction_of_nuts_and_bearings(result: AxisResult, friction: Friction, motion: Motion) -> SolvedSets:
+def _friction_of_nuts_and_bearings(result: AxisResult, frictions: Sequence[Friction], motion: Motion) -> list[SolvedSets]:
     """Compute the friction of every nut and ball bearing on a shaft; return number, static result and friction of each.
 
-    Numbers count nuts and bearings from 0. ``result``: static solution of the shaft; ``friction``: coefficients of
-    friction; ``motion``: motion of the shaft.
+    The result has an entry for each of ``frictions``, coefficients of friction. Numbers count nuts and bearings from 0.
+    ``result``: static solution of the shaft; ``motion``: motion of the shaft.
     """
-    return [
-        (i, s, friction_state(s.of.parts, s.balls, friction, motion, result.member))
-        for i, s in enumerate(result.sets)
-        if s.balls is not None and isinstance(s.of.parts, Scene)
-    ]
+    sets = [(i, s) for i, s in enumerate(result.sets) if s.balls is not None and isinstance(s.of.parts, Scene)]
+    of_sets = [(s.of.parts, s.balls) for _, s in sets if isinstance(s.of.parts, Scene) and s.balls is not None]
+    states = iter(friction_states([FrictionCase(*s, f, motion, result.member) for f in frictions for s in of_sets]))
+    return [[(i, s, next(states)) for i, s in sets] for _ in frictions]
 
 
 def _drag_torques_of_nuts_and_bearings(
@@ -220,11 +220,8 @@ def _drag_torques_of_nuts_and_bearings(
     result = run_model(bare, loaded.model, ModelOptions(member=loaded.member))
     if not result.converged:
         return {}
-    return {
-        i: state.friction_sums.friction_torque
-        for i, _, state in _friction_of_nuts_and_bearings(result, friction, motion)
-        if state.all_balanced
-    }
+    (states,) = _friction_of_nuts_and_bearings(result, [friction], motion)
+    return {i: state.friction_sums.friction_torque for i, _, state in states if state.all_balanced}
 
 
 def _answer_on_shaft(
@@ -298,7 +295,29 @@ def _answer_on_shaft(
         for x in (drive or {}).get("sets", ())
     ]
     tables.append(("torque that turns the shaft", DRIVE_COLUMNS, whole))
+    if rollers := _torques_of_roller_rows(answers):
+        data |= {"roller_torques": rollers}
+        title = "rows of tapered rollers: friction torque (from 0.03 to 0.15 of rib friction where none is given)"
+        tables.append((title, ROLLER_COLUMNS, [_row_of_roller_torque(x) for x in rollers]))
     return FrictionAnswer(data, tables, lines, failed is None, every)
+
+
+def _torques_of_roller_rows(answers: ShaftResults) -> list[dict[str, Any]]:
+    """Return the friction torques of all loaded rows of tapered rollers on a shaft as JSON, with number and name."""
+    found = ((i, x.name, x.load_results) for i, x in enumerate(answers.set_results, 1))
+    return [
+        {"set": i, "name": name, **(quantities.record_as_json(x.torque) or {})}
+        for i, name, x in found
+        if isinstance(x, RollerLoadResults) and x.torque is not None
+    ]
+
+
+def _row_of_roller_torque(torque: dict[str, Any]) -> dict[str, Any]:
+    """Return the cells of `ROLLER_COLUMNS` for one row of rollers, from the JSON of its friction torque."""
+    ends, timken = torque["band_Nmm"], torque["timken_Nmm"]
+    inch_pounds = {"timken_in_lbf": None if timken is None else timken / INCH_POUND}
+    ranges = {"torque": format_range(ends), "torque_in_lbf": format_range([x / INCH_POUND for x in ends])}
+    return torque | ranges | inch_pounds
 
 
 def _powers_of_shaft(solved: SolvedSets) -> dict[str, Any]:
@@ -321,17 +340,32 @@ def _powers_of_shaft(solved: SolvedSets) -> dict[str, Any]:
 
 
 def _torques_of_shaft(solved: SolvedSets, drag: dict[int, float]) -> dict[str, Any]:
-    """Return friction, drag and driving torque [N mm] summed over all nuts and ball bearings of a shaft.
+    """Return friction, drag and driving torques [N mm] of all nuts and ball bearings of a shaft, and their efficiencies.
 
+    Torques in both senses of rotation are those of the contacts: the frictionless torque of all axial loads, and friction.
     ``solved``: nuts and ball bearings with their friction; ``drag``: friction torques without loads [N m] by number of the
     nut or bearing. The sum of the drag torques is None unless all are known.
     """
     torques = [x.friction_sums for _, _, x in solved]
     known = len(drag) == len(solved)
+    rubs = 1e3 * float(np.sum([t.friction_torque for t in torques]))
+    reverse = 1e3 * float(np.sum([t.reverse_power / abs(t.speed) for t in torques]))
+    moved = 1e3 * float(np.sum([t.advance_per_radian * t.axial_load for t in torques]))  # by the axial loads, about -z
+    frictionless, size = abs(moved), 1e3 * sum(abs(t.advance_per_radian * t.axial_load) for t in torques)
+    with_load = bool(torques) and moved * torques[0].speed > 0.0
+    against, back = (reverse, rubs) if with_load else (rubs, reverse)
+    loaded = frictionless > NOTHING * size
     return {
-        "friction_torque_Nmm": json_number(1e3 * float(np.sum([t.friction_torque for t in torques]))),
+        "friction_torque_Nmm": json_number(rubs),
+        "reverse_friction_torque_Nmm": json_number(reverse),
         "drag_torque_Nmm": json_number(1e3 * sum(drag.values())) if known else None,
         "driving_torque_on_screw_Nmm": json_number(1e3 * float(np.sum([t.driving_torque_on_screw for t in torques]))),
+        "forward_torque_Nmm": json_number(frictionless + against) if loaded else None,
+        "backward_torque_Nmm": json_number(frictionless - back) if loaded else None,
+        "efficiency_forward_percent": json_number(100.0 * frictionless / (frictionless + against)) if loaded else None,
+        "efficiency_backward_percent": json_number(100.0 * (frictionless - back) / frictionless)
+        if loaded and back < frictionless
+        else None,
     }
 
 

@@ -6,39 +6,37 @@ torques is also shown.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 from math import pi
 from pathlib import Path
-from time import monotonic
 from typing import Any
 
 import numpy as np
 
 from rollbench.compare.errors import ArgumentError, InputError, SceneNotCoveredError
 from rollbench.compare.models.answers import results_of_contact_loads, validity_warnings
-from rollbench.compare.models.friction_sums import friction_results_json
+from rollbench.compare.models.friction_sums import friction_results_json, without_times_and_warnings
 from rollbench.compare.models.loading import preload_from_unloaded
 from rollbench.compare.models.registry import DEFAULT, ModelOptions, run_model
 from rollbench.compare.quantities import count_with_noun, json_number, record_as_json
 from rollbench.compare.results.data import FrictionOnset
-from rollbench.compare.running import FIRST
 from rollbench.compare.scenes.scene_file import kind_of_scene
 from rollbench.compare.studies.friction import answer as output
 from rollbench.compare.studies.friction import run as friction_run
 from rollbench.compare.studies.friction.answer import FrictionAnswer, Line, format_three_digits, power_balance_json
 from rollbench.lowfi.friction.whole.circuit import contact_onset
-from rollbench.lowfi.friction.whole.losses import WIDE, heathcote_loss_increase
-from rollbench.lowfi.friction.whole.state import FrictionState, friction_state
+from rollbench.lowfi.friction.whole.state import FrictionCase, FrictionState, friction_of_curved_contacts, friction_states
 from rollbench.lowfi.friction.whole.torque import ONE_TURN
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.warned import ResultWarning
-from rollbench.meshes.cache import cached_on_disk
+from rollbench.meshes.cache import each_cached_on_disk
 from rollbench.meshes.helix import lead_angle
 from rollbench.meshes.parts import SIDES, BallErrors, Friction, Motion, Scene, SideErrors, Support
 
-#: Smallest and largest coefficient of friction measured on lubricated rolling contacts.
-MEASURED = (0.003, 0.1)
+#: Smallest and largest coefficient of sliding friction of lubricated contacts. The 0.003 to 0.01 of catalogues are overall
+#: coefficients of a whole screw, which hold for its lead angle and not for sliding.
+MEASURED = (0.03, 0.1)
 
 #: Factor of the makers' formula of a preloaded nut's drag torque (THK, general catalogue; Rexroth, HIWIN alike).
 MAKERS = 0.05
@@ -46,24 +44,37 @@ MAKERS = 0.05
 #: Reduction of the ball radius [m] to show the effect of a play that is not stated.
 SMALLER = 5e-6
 
-#: A warning is given if the torque grows by at least this factor because friction moves the balls.
+#: A note is given if the torque grows by at least this factor because friction moves the balls.
 FED_BACK = 1.5
 
+#: Smaller coefficients of friction at which the note states this factor.
+SMALLER_COEFFICIENTS = (0.03, 0.01)
 
-_friction_state_on_disk = cached_on_disk(FrictionState)(friction_state)
+#: Relative change of the contact losses by Heathcote slip above which a warning is given.
+WIDE = 0.03
 
 
-def cached_friction_state(
-    scene: Scene, result: StaticResult, friction: Friction, motion: Motion, specimen: int
-) -> FrictionState:
-    """Return the friction of a screw or bearing as `friction_state` computes it; results are cached on disk.
+_friction_states_on_disk = each_cached_on_disk(FrictionState)(friction_states)
 
-    A cached result is taken if all arguments are equal. ``result``: static result with the contact loads; ``friction``:
-    coefficients of friction; ``motion``: motion of the screw or the nut; ``specimen``: number, from 0, of the random
-    draw of the scene's geometric errors.
-    """
-    loads = replace(result, solver=replace(result.solver, seconds=0.0, setup_seconds=0.0), warnings=())
-    return _friction_state_on_disk(scene, loads, friction, motion, specimen)
+
+class KnownFriction:
+    """Friction of the cases of one command: those that are asked for at once are solved together, equal ones once."""
+
+    def __init__(self) -> None:
+        """Begin without a solved case."""
+        self._known: dict[object, tuple[FrictionState, StaticResult]] = {}
+
+    def states(self, cases: Sequence[FrictionCase]) -> list[FrictionState]:
+        """Return the friction of several cases as `friction_states` computes it; results are cached on disk.
+
+        Cases are equal if their static results are the same object, and all else is equal.
+        """
+        keys = [(case.scene, case.friction, case.drive, case.member, id(case.result)) for case in cases]
+        new = {key: case for key, case in zip(keys, cases, strict=True) if key not in self._known}
+        timeless = [c._replace(result=without_times_and_warnings(c.result)) for c in new.values()]
+        for (key, case), state in zip(new.items(), _friction_states_on_disk(timeless), strict=True):
+            self._known[key] = state, case.result  # which keeps its id
+        return [self._known[key][0] for key in keys]
 
 
 @dataclass(frozen=True)
@@ -82,18 +93,21 @@ class StaticallySolvedPart:
     motion: Motion
     #: Static result without the loads of the scene.
     unloaded_result: StaticResult
+    #: Friction of the cases that are solved already.
+    known: KnownFriction = field(default_factory=KnownFriction)
 
-    def torque(self, result: StaticResult, friction: Friction, scene: Scene | None = None) -> float:
-        """Return the friction torque [N m] at the contact loads of a static result.
+    def case(self, result: StaticResult, friction: Friction, scene: Scene | None = None) -> FrictionCase:
+        """Return the case of a static result and coefficients of friction; ``scene``: None for the scene of this object."""
+        return FrictionCase(scene or self.scene, result, friction, self.motion, self.options.member)
 
-        ``result``: static result with the contact loads; ``friction``: coefficients of friction; ``scene``: scene of the
-        static result, None for the scene of this object. Nan if the static result did not converge, or if no balance of
-        friction was found.
+    def torques(self, cases: Sequence[FrictionCase]) -> list[float]:
+        """Return the friction torques [N m] of several cases.
+
+        A torque is nan if the static result did not converge, or if no balance of friction was found.
         """
-        if not result.converged:
-            return float("nan")
-        state = cached_friction_state(scene or self.scene, result, friction, self.motion, self.options.member)
-        return state.friction_sums.friction_torque if state.all_balanced else float("nan")
+        states = iter(self.known.states([case for case in cases if case.result.converged]))
+        found = [next(states) if case.result.converged else None for case in cases]
+        return [s.friction_sums.friction_torque if s is not None and s.all_balanced else float("nan") for s in found]
 
 
 def drag_torque_by_makers_formula(scene: Scene, force: float) -> float:
@@ -114,6 +128,22 @@ def drag_torque_by_makers_formula(scene: Scene, force: float) -> float:
     return MAKERS / float(np.sqrt(abs(np.tan(lead_angle(scene.track))))) * force * scene.track.lead / (2.0 * pi)
 
 
+def measured_coefficients(friction: Friction) -> list[Friction]:
+    """Return ``friction`` with the smallest, then the largest coefficient of friction in measurements (`MEASURED`)."""
+    return [with_coefficient(friction, mu) for mu in MEASURED]
+
+
+def with_coefficient(friction: Friction, mu: float) -> Friction:
+    """Return ``friction`` with one coefficient of friction ``mu`` in all contacts."""
+    return replace(friction, screw=mu, nut=mu, balls=None)
+
+
+def axial_preload(solved: StaticallySolvedPart) -> float:
+    """Return the axial preload of a scene [N]; 0 if its static result without loads did not converge."""
+    idle = solved.unloaded_result
+    return preload_from_unloaded(solved.scene, idle).axial if idle.converged else 0.0
+
+
 def torques_at_measured_coefficients(solved: StaticallySolvedPart, result: StaticResult) -> dict[str, Any]:
     """Return friction torques [N mm] at the smallest and largest coefficient of friction in measurements (`MEASURED`).
 
@@ -123,13 +153,15 @@ def torques_at_measured_coefficients(solved: StaticallySolvedPart, result: Stati
     static result under the loads.
     """
     scene, idle = solved.scene, solved.unloaded_result
-    preload = preload_from_unloaded(scene, idle).axial if idle.converged else 0.0
+    preload, ends = axial_preload(solved), measured_coefficients(solved.friction)
     pressed = preload > 0.0 and scene.track.lead > 0.0
-    ends = [replace(solved.friction, screw=mu, nut=mu, balls=None) for mu in MEASURED]
+    drag = None
+    if pressed:
+        drag = [json_number(1e3 * torque) for torque in solved.torques([solved.case(idle, end) for end in ends])]
     return {
         "coefficients": list(MEASURED),
-        "friction_torque_Nmm": [json_number(1e3 * solved.torque(result, end)) for end in ends],
-        "drag_torque_Nmm": [json_number(1e3 * solved.torque(idle, end)) for end in ends] if pressed else None,
+        "friction_torque_Nmm": [json_number(1e3 * x) for x in solved.torques([solved.case(result, end) for end in ends])],
+        "drag_torque_Nmm": drag,
         "preload_N": json_number(preload) if pressed else None,
         "makers_formula_Nmm": json_number(1e3 * drag_torque_by_makers_formula(scene, preload)) if pressed else None,
     }
@@ -151,21 +183,31 @@ def lines_on_drag_torque(data: dict[str, Any]) -> list[Line]:
     return [("drag", text)]
 
 
-def torque_with_play(solved: StaticallySolvedPart, state: FrictionState) -> dict[str, Any] | None:
-    """Return a screw's friction torques with the balls of the scene and with smaller balls, which have play, as JSON.
+def result_with_play(solved: StaticallySolvedPart, result: StaticResult) -> tuple[Scene, StaticResult] | None:
+    """Return a screw with balls that are smaller by `SMALLER` in radius, which have play, and its static result.
 
-    The JSON values have the reduction of the ball radius, which is `SMALLER`, in um, and both torques [N mm]. None if the
-    scene states play or preload, if its balls carry no load, or if they carry load even without the scene's loads.
-    ``solved``: the scene with its static result without loads; ``state``: friction with the balls of the scene.
+    None if the scene states play or preload, if its balls carry no load under its loads, or if they carry load even without
+    them. ``solved``: the scene with its static result without loads; ``result``: static result under the loads.
     """
     scene = solved.scene
     fits = scene.track.lead > 0.0 and scene.errors.balls == BallErrors() and not scene.errors.lead_offset
-    if not fits or not state.loaded or (solved.unloaded_result.load > 0.0).any():
+    if not fits or not (result.load > 0.0).any() or (solved.unloaded_result.load > 0.0).any():
         return None
     balls = replace(scene.errors.balls, oversize=-SMALLER)
     smaller = replace(scene, errors=replace(scene.errors, balls=balls))
-    options = replace(solved.options, estimate_beam_mesh_error=False)
-    torque = solved.torque(run_model(smaller, solved.model, options), solved.friction, smaller)
+    return smaller, run_model(smaller, solved.model, replace(solved.options, estimate_beam_mesh_error=False))
+
+
+def torque_with_play(
+    solved: StaticallySolvedPart, state: FrictionState, with_play: tuple[Scene, StaticResult]
+) -> dict[str, Any]:
+    """Return a screw's friction torques with the balls of the scene and with smaller balls, which have play, as JSON.
+
+    The JSON values have the reduction of the ball radius, which is `SMALLER`, in um, and both torques [N mm]. ``solved``:
+    the scene; ``state``: friction with its balls; ``with_play``: `result_with_play`.
+    """
+    scene, result = with_play
+    (torque,) = solved.torques([solved.case(result, solved.friction, scene)])
     return {
         "smaller_by_um": 1e6 * SMALLER,
         "friction_torque_Nmm": json_number(1e3 * torque),
@@ -215,12 +257,14 @@ def with_scaled_geometric_errors(scene: Scene, factor: float) -> Scene:
     return replace(scene, errors=replace(errors, balls=balls, **sides))
 
 
-def onset_of_ball_to_ball_contact(solved: StaticallySolvedPart, result: StaticResult) -> FrictionOnset | None:
+def onset_of_ball_to_ball_contact(
+    solved: StaticallySolvedPart, result: StaticResult, state: FrictionState
+) -> FrictionOnset | None:
     """Return after which rotation of screw or nut neighbouring balls touch, and how large geometric errors cause it.
 
     The size of the errors is a factor on the geometric errors of the scene. ``solved``: the scene with its model and
-    motion; ``result``: static result with the contact loads. The returned value is None if the balls overlap, or do not fit
-    into their circuits.
+    motion; ``result``: static result with the contact loads; ``state``: friction at these loads. The returned value is None
+    if the balls overlap, or do not fit into their circuits.
     """
 
     def balls_touch_with_scaled_errors(factor: float) -> bool:
@@ -230,8 +274,9 @@ def onset_of_ball_to_ball_contact(solved: StaticallySolvedPart, result: StaticRe
         loads = run_model(scene, solved.model, options)
         return loads.converged and contact_onset(scene, loads, drive=solved.motion).touches_under_load
 
+    orbits = state.orbital_speeds_without_feedback if solved.friction.screw == solved.friction.nut else None
     try:
-        standing, rolling = (contact_onset(solved.scene, result, idle, solved.motion) for idle in (0.0, 1.0))
+        standing, rolling = (contact_onset(solved.scene, result, idle, solved.motion, orbits) for idle in (0.0, 1.0))
     except ValueError:  # overlapping balls or impossible circuits: no statement on neighbours
         return None
     factor = None
@@ -289,19 +334,45 @@ def line_on_ball_to_ball_contact(onset: FrictionOnset, turns: str, errors: bool)
     return "touch", text
 
 
-def warnings_on_friction_feedback(state: FrictionState) -> list[ResultWarning]:
-    """Return a warning if the displacement of balls by friction raises the friction torque by more than factor `FED_BACK`.
+def notes_on_friction_feedback(
+    solved: StaticallySolvedPart, result: StaticResult, state: FrictionState
+) -> list[ResultWarning]:
+    """Return a note if the displacement of balls by friction raises the friction torque by more than factor `FED_BACK`.
 
-    The list is empty otherwise. ``state``: friction of a screw or bearing.
+    The list is empty otherwise. The note names the flank onto which friction presses the balls, that of the reversed
+    motion, and the factor at smaller coefficients of friction. ``solved``: the scene; ``result``: static result under its
+    loads; ``state``: friction at these loads.
     """
-    alone, found = state.sums_without_feedback.friction_torque, state.friction_sums.friction_torque
-    if not state.friction_changes_loads or not alone > 0.0 or found <= FED_BACK * alone:
+    if not state.friction_changes_loads or not factor_of_feedback(state) > FED_BACK:
         return []
-    text = (
-        f"friction that moves the balls across their grooves raises the torque {found / alone:.2g} times, from "
-        f"{1e3 * alone:.4g} to {1e3 * found:.4g} N mm; without that: feedback = false"
+    load, bare, back = (
+        output.mean_flank_loads(force)
+        for force in (state.contacts.force, state.loads_without_friction, state.loads_in_reverse)
     )
-    return [ResultWarning("feedback", text)]
+    flank, reversed_flank = (int(np.argmax(pressed - bare)) for pressed in (load, back))
+    torque, without = (
+        format_three_digits(1e3 * sums.friction_torque) for sums in (state.friction_sums, state.sums_without_feedback)
+    )
+    smaller = [mu for mu in SMALLER_COEFFICIENTS if mu < max(solved.friction.screw, solved.friction.nut)]
+    others = solved.known.states([solved.case(result, with_coefficient(solved.friction, mu)) for mu in smaller])
+    factors = [
+        f"{format_three_digits(factor_of_feedback(other))} at {mu:g}"
+        for mu, other in zip(smaller, others, strict=True)
+        if other.all_balanced
+    ]
+    text = (
+        f"friction presses the balls onto flank {SIDES[flank]}, {load[flank]:.3g} N a ball ({bare[flank]:.3g} without "
+        f"friction), where they slide: torque {torque}, not {without} N mm, factor {factor_of_feedback(state):.3g}"
+        + f" ({', '.join(factors)})" * bool(factors)
+        + f"; reversed, flank {SIDES[reversed_flank]}"
+    )
+    return [ResultWarning("third flank", text)]
+
+
+def factor_of_feedback(state: FrictionState) -> float:
+    """Return the ratio of the friction torque to that at the contact loads without friction; 1 without friction."""
+    alone = state.sums_without_feedback.friction_torque
+    return state.friction_sums.friction_torque / alone if alone > 0.0 else 1.0
 
 
 #: Largest allowed coefficient of friction.
@@ -359,9 +430,28 @@ def friction_coefficients(scene: Scene, mu: Sequence[float]) -> list[Friction]:
     return [scene.friction]
 
 
-def solve_friction_of_screw_or_bearing(
-    scene: Scene, choices: FrictionChoices, say: Callable[[str], None] = lambda _: None
-) -> FrictionAnswer:
+def solve_friction_of_all_cases(
+    solved: StaticallySolvedPart,
+    pairs: Sequence[Friction],
+    result: StaticResult,
+    with_play: tuple[Scene, StaticResult] | None,
+) -> None:
+    """Solve the friction of all cases that an answer needs together, and keep them in ``solved.known``.
+
+    ``pairs``: coefficients of friction that are asked for; ``result``: static result under the loads; ``with_play``: scene
+    with play and its static result, None if it is not needed.
+    """
+    bare, ends = solved.unloaded_result, measured_coefficients(solved.friction)
+    cases = [solved.case(result, friction) for friction in (*pairs, *ends)]
+    if bare.converged:
+        of_drag = [*pairs, *(ends if axial_preload(solved) > 0.0 and solved.scene.track.lead > 0.0 else ())]
+        cases += [solved.case(bare, friction) for friction in of_drag]
+    if with_play is not None and with_play[1].converged:
+        cases.append(solved.case(with_play[1], solved.friction, with_play[0]))
+    solved.known.states(cases)
+
+
+def solve_friction_of_screw_or_bearing(scene: Scene, choices: FrictionChoices) -> FrictionAnswer:
     """Compute contact loads of a screw or bearing by a static model, then its friction for every friction coefficient.
 
     Parameters
@@ -371,9 +461,6 @@ def solve_friction_of_screw_or_bearing(
     choices
         Model, coefficients of friction and number of the specimen (draw of random errors); single balls are shown for the
         first coefficient.
-    say
-        Function that is called with a line on the torque as soon as it is known, because the drag torque and the range of
-        torques may take long.
 
     Returns
     -------
@@ -395,7 +482,6 @@ def solve_friction_of_screw_or_bearing(
         advice = 'leave `model` out: the file selects the model "condensed"'
         raise ArgumentError("condensed", f"{choices.condensed} with the model {model}", allowed, advice)
     options = ModelOptions(member=choices.member, condensed_bodies_file=choices.condensed, estimate_beam_mesh_error=False)
-    begin = monotonic()
     result = run_model(scene, model, options)
     named = {"scene": scene.name, "title": scene.title, "kind": kind_of_scene(scene), "model": result.model}
     head: dict[str, object] = named | {"member": choices.member if scene.errors.random else None}
@@ -404,19 +490,18 @@ def solve_friction_of_screw_or_bearing(
         data = head | {"status": status, "converged": False, "assumed": list(scene.assumed), "left_out": [], "warnings": []}
         return FrictionAnswer(data, [], [], False)
     motion = scene.motion or ONE_TURN
+    bare = result if not has_external_loads(scene) else run_model(replace(scene, loads=()), model, options)
+    solved = StaticallySolvedPart(scene, model, options, pairs[0], motion, bare)
+    with_play = result_with_play(solved, result)
     try:
-        states = [cached_friction_state(scene, result, pair, motion, choices.member) for pair in pairs]
+        solve_friction_of_all_cases(solved, pairs, result, with_play)
+        states = solved.known.states([solved.case(result, pair) for pair in pairs])
     except ValueError as error:  # balls that overlap by their random sizes
         raise SceneNotCoveredError(
             scene.name, "balls", str(error), "increase the angles between the balls, or set friction.neighbours = false"
         ) from error
-    if states[0].all_balanced and monotonic() - begin > FIRST:
-        torque = format_three_digits(1e3 * states[0].friction_sums.friction_torque)
-        say(f"friction torque {torque} N mm; drag torque and range of torques follow")
-    bare = result if not has_external_loads(scene) else run_model(replace(scene, loads=()), model, options)
-    drags = drag_torques(scene, states, pairs, bare, options)
-    idle = StaticallySolvedPart(scene, model, options, pairs[0], motion, bare)
-    answer = _build_friction_answer(scene, result, head, (pairs, states, drags), idle)
+    drags = drag_torques(solved, states, pairs)
+    answer = _build_friction_answer(scene, result, head, (pairs, states, drags), (solved, with_play))
     if scene.time is None:
         return answer
     run = friction_run.simulate_friction_over_time(scene, pairs[0], motion, model, choices.member)
@@ -445,7 +530,7 @@ def has_external_loads(scene: Scene) -> bool:
 
 
 def drag_torques(
-    scene: Scene, states: Sequence[FrictionState], pairs: Sequence[Friction], unloaded: StaticResult, options: ModelOptions
+    solved: StaticallySolvedPart, states: Sequence[FrictionState], pairs: Sequence[Friction]
 ) -> list[DragTorque]:
     """Compute the friction torque without the scene's loads (drag torque), for each pair of friction coefficients.
 
@@ -454,43 +539,39 @@ def drag_torques(
 
     Parameters
     ----------
-    scene
-        Scene of one nut or bearing.
+    solved
+        Scene of one nut or bearing, with its static result without loads.
     states
         Friction under the loads, for each pair of coefficients.
     pairs
         Coefficients of friction of screw and nut.
-    unloaded
-        Static result without the loads.
-    options
-        Options of the model.
 
     Returns
     -------
     list of DragTorque
         Drag torque for each pair of coefficients.
     """
-    bare, motion = replace(scene, loads=()), scene.motion or ONE_TURN
+    scene, unloaded = solved.scene, solved.unloaded_result
 
     def friction_for_each_pair(changed: Scene, result: StaticResult) -> list[FrictionState] | str:
         """Return the friction for each pair of coefficients; the solver's status if contact loads did not converge.
 
-        ``changed``: scene without loads; ``result``: its static result.
+        ``changed``: scene to which the static result without loads belongs; ``result``: this result.
         """
         if not result.converged:
             return result.status
-        return [cached_friction_state(changed, result, pair, motion, options.member) for pair in pairs]
+        return solved.known.states([solved.case(result, pair, changed) for pair in pairs])
 
     without: Sequence[FrictionState] | str = states
     if has_external_loads(scene):
-        without = friction_for_each_pair(bare, unloaded)
+        without = friction_for_each_pair(scene, unloaded)
     if isinstance(without, str):
         return [DragTorque(None, without)] * len(pairs)
     if not any(state.friction_sums.moves_axial_load for state in without):
         return [drag_torque_of_state(state) for state in without]
     pressed = f"its supports press it with {without[0].friction_sums.axial_load:.4g} N along its axis"
-    freed = replace(bare, supports=without_axial_supports(scene.supports))
-    let_go = friction_for_each_pair(freed, run_model(freed, unloaded.model, options))
+    freed = replace(scene, loads=(), supports=without_axial_supports(scene.supports))
+    let_go = friction_for_each_pair(freed, run_model(freed, unloaded.model, solved.options))
     if isinstance(let_go, str):
         return [DragTorque(None, f"{pressed}, and without them: {let_go}")] * len(pairs)
     note = f"the screw left free along its axis: {pressed}"
@@ -533,33 +614,45 @@ SolvedPairs = tuple[list[Friction], list[FrictionState], list[DragTorque]]
 
 
 def _build_friction_answer(
-    scene: Scene, result: StaticResult, head: dict[str, object], solved: SolvedPairs, unloaded: StaticallySolvedPart
+    scene: Scene,
+    result: StaticResult,
+    head: dict[str, object],
+    solved: SolvedPairs,
+    others: tuple[StaticallySolvedPart, tuple[Scene, StaticResult] | None],
 ) -> FrictionAnswer:
     """Return JSON values, tables and lines on the friction of a whole screw or bearing.
 
     ``result``: static result under the loads; ``head``: JSON entries on scene and model; ``solved``: coefficients of
-    friction, then the friction and the drag torque for each pair of them; ``unloaded``: the scene with its static result
-    without loads, from which the torque is also computed for other coefficients of friction and with play.
+    friction, then the friction and the drag torque for each pair of them; ``others``: the scene with its static result
+    without loads, from which the torque is also computed for other coefficients of friction, and what `result_with_play`
+    returns.
     """
     (friction, *_), (state, *_), (drag, *_) = solved
+    unloaded, with_play = others
     motion = scene.motion or ONE_TURN
     good = all(s.all_balanced for s in solved[1])
     status = friction_status(next((s for s in solved[1] if not s.all_balanced), state))
     torque = friction_results_json(state.friction_sums, drag.torque)
-    rows, losses = output.json_rows_of_balls(result, state), output.losses_by_contact_and_cause(state)
+    flat, curved = friction_of_curved_contacts(unloaded.case(result, friction), state) if state.loaded else (None, None)
+    rows, losses = output.json_rows_of_balls(result, state), output.losses_by_contact_and_cause(state, curved)
     over = [output.torque_row_for_coefficients(f, s, d.torque) for f, s, d in zip(*solved, strict=True)]
     # assumptions of the model alone are marked, because the model neglects friction
     of_loads = [line if line in scene.assumed else f"contact loads: {line}" for line in result.assumed]
     assumed = [*friction.assumed, *(() if scene.motion else (NO_SPEED,)), *of_loads]
-    wide, played = torques_at_measured_coefficients(unloaded, result), torque_with_play(unloaded, state)
-    near = onset_of_ball_to_ball_contact(unloaded, result) if state.loaded else None
-    held = preload_from_unloaded(scene, unloaded.unloaded_result).axial if unloaded.unloaded_result.converged else 0.0
-    e, slip = state.friction_sums, heathcote_loss_increase(scene, state.contacts, state.ball_friction, friction, motion)
+    wide = torques_at_measured_coefficients(unloaded, result)
+    played = None if with_play is None else torque_with_play(unloaded, state, with_play)
+    near = onset_of_ball_to_ball_contact(unloaded, result, state) if state.loaded else None
+    held = axial_preload(unloaded)
+    e, slip = state.friction_sums, output.change_of_losses(flat, curved)
     between = 0.0 if state.neighbour_friction is None else state.neighbour_friction.power_lost_between_balls
     loads = results_of_contact_loads(scene, result.load, result.contact_angle, result.member)
     warnings = [] if played is None else [play_warning(played)]
-    warnings += [*result.warnings, *validity_warnings(scene, loads, held), *warnings_on_friction_feedback(state)]
-    if slip > WIDE:
+    warnings += [
+        *result.warnings,
+        *validity_warnings(scene, loads, held),
+        *notes_on_friction_feedback(unloaded, result, state),
+    ]
+    if abs(slip) > WIDE:
         text = f"the contacts are so wide that {output.heathcote_slip_clause(slip)}"
         warnings.append(ResultWarning("slip", text))
     data = head | {
@@ -619,6 +712,6 @@ def _build_friction_answer(
         has_errors = with_scaled_geometric_errors(scene, 0.0) != scene
         lines.append(line_on_ball_to_ball_contact(near, turns, has_errors))
     lines.append(output.line_on_remaining_imbalance(result.solver.residual, state.ball_friction.largest_imbalance_ratio))
-    if e.friction_torque and slip <= WIDE:
+    if e.friction_torque and abs(slip) <= WIDE:
         lines.append(("slip", "contacts are not flat: " + output.heathcote_slip_clause(slip)))
     return FrictionAnswer(data, tables, lines, good, every)

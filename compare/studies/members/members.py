@@ -29,14 +29,12 @@ from rollbench.compare.reference.jobs import ComputingSettings, run_jobs_in_fast
 from rollbench.compare.scenes.duty_cycle import Described, DutyCycle
 from rollbench.compare.scenes.scene_file import scenes_to_solve
 from rollbench.compare.studies.members import ensemble
-from rollbench.lowfi.jit import STATICS, is_machine_code_cached
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import SIDES, Scene
 
-#: Largest and smallest number of specimens of a block; number of specimens from which on numerical kernels are compiled,
-#: and number from which on they are used if they are already compiled.
-BLOCK, LEAST, COMPILE_FROM, USE_FROM = 500, 50, 200, 10
+#: Largest and smallest number of specimens of a block.
+BLOCK, LEAST = 500, 50
 
 #: Number of bins of the histogram of a contact load, and upper end of the histogram over the largest contact load of the
 #: scene without random errors.
@@ -181,11 +179,7 @@ def solve_random_draws_of_scene(
     """
     _check_ensemble_request(scene, model, count)
     start, model = perf_counter(), model or default_model_name(scene)
-    compiled = count >= COMPILE_FROM or (count >= USE_FROM and is_machine_code_cached(STATICS))
-    kernels = "compiled" if compiled else "interpreted"
-    bare = run_model(
-        ensemble.without_random_errors(scene), model, ModelOptions(engine=kernels, estimate_beam_mesh_error=False)
-    )
+    bare = run_model(ensemble.without_random_errors(scene), model, ModelOptions(estimate_beam_mesh_error=False))
     nominal = ensemble.contact_loads_of_all_balls(bare)
     if not bare.converged or not nominal.max(initial=0.0) > 0.0:
         reason = "no contact carries load without the random errors"
@@ -195,7 +189,7 @@ def solve_random_draws_of_scene(
         allowed = "a scene that converges with loaded contacts when it is solved without its random errors"
         raise InputError(scene.name, "scene", reason, allowed, advice)
     bands, rows, failed = LoadDistributions(nominal, END * float(nominal.max()) / BINS), list[Array](), dict[int, str]()
-    done, what, engine = 0, (scene, model, kernels, nominal), engine or ComputingSettings()
+    done, what, engine = 0, (scene, model, nominal), engine or ComputingSettings()
     for first, block in _solve_blocks_of_random_draws(what, count, engine, show_progress):
         bands.add_loads(block.loads)
         rows.append(block.outputs)
@@ -228,16 +222,16 @@ def _check_ensemble_request(scene: Scene | Assembly, model: str, count: int) -> 
 
 
 def _solve_blocks_of_random_draws(
-    block_arguments: tuple[Scene | Assembly, str, str, Array],
+    block_arguments: tuple[Scene | Assembly, str, Array],
     count: int,
     engine: ComputingSettings,
     show_progress: Callable[[str], None],
 ) -> Iterator[tuple[int, ensemble.RandomDrawBlock]]:
     """Solve random draws of a scene's errors in blocks; yield for each block the number of its first draw, and its results.
 
-    Blocks may be finished in any order but are yielded by increasing numbers. ``block_arguments``: scene, model, how
-    numerical kernels run, and contact loads without random errors, as `solve_block_of_random_draws` takes them; ``count``:
-    number of specimens; ``show_progress``: function that is called with each line of progress.
+    Blocks may be finished in any order but are yielded by increasing numbers. ``block_arguments``: scene, model, and
+    contact loads without random errors, as `solve_block_of_random_draws` takes them; ``count``: number of specimens;
+    ``show_progress``: function that is called with each line of progress.
     """
     least = LEAST if isinstance(block_arguments[0], Scene) else 1
     size = max(least, min(BLOCK, count // 16))  # depends on the count only, as the division into blocks affects round-off

@@ -43,7 +43,7 @@ def solve_low_order(scene: FrictionScene) -> tuple[dict[str, float], float, str]
     """Solve a friction scene of rolling balls by the low-order model; return values by name, run time [s] and status.
 
     The values are forces, speeds and losses by names that end in the unit, such as "force 1-2 N". The scene is solved
-    twice; the run time is that of the second solution, for which code is compiled and caches are filled by the first.
+    twice; the run time is that of the second solution, for which caches are filled by the first.
     """
     solver: Callable[[Any], tuple[dict[str, float], str]] = _bearing_ball_values
     if isinstance(scene, LinearBearingScene):
@@ -63,7 +63,7 @@ def _linear_bearing_values(scene: LinearBearingScene) -> tuple[dict[str, float],
     """
     angles, force, _ = linear_bearing_loads(scene)
     chains = (prepare_linear_chain(scene.bearing, angles, force, touch) for touch in (False, scene.gap <= 0.0))
-    apart, near = (solve_linear_chain(chain, fast=False) for chain in chains)
+    apart, near = (solve_linear_chain(chain) for chain in chains)
     out = {f"force {k + 1}-{k + 2} N": float(f) for k, f in enumerate(near.ball_force)}
     out |= {f"deviation {k + 1} apart %": 100.0 * float(v) for k, v in enumerate(apart.velocity_deviation)}
     out |= {"loss apart mW": 1e3 * apart.loss, "loss touching mW": 1e3 * near.loss}

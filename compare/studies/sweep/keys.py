@@ -12,7 +12,7 @@ import math
 import re
 import tomllib
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any, Literal
 
@@ -21,7 +21,7 @@ from scipy.stats import qmc
 
 from rollbench.compare.errors import ArgumentError
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.units import COMMA, has_comma_in_number, split_quantity_text, toml_text
+from rollbench.meshes.units import COMMA, UNDERSCORE, has_comma_in_number, number_advice, split_quantity_text, toml_text
 
 #: Pattern of the path of one key.
 _ONE = r"[A-Za-z_]\w*(\[\d+\])*(\.\w+(\[\d+\])*)*"
@@ -48,6 +48,10 @@ _SAME = (
 
 #: Largest number of varied keys, and of values of a list.
 MOST_KEYS, MOST_VALUES = 20, 1000
+
+
+#: Short name of the axial component of a scene's only axial load.
+LOAD = "load"
 
 
 @dataclass(frozen=True)
@@ -145,6 +149,37 @@ def read_varied_keys(texts: Sequence[str]) -> tuple[VariedKey, ...]:
     return found
 
 
+def with_axial_load_key(
+    keys: Sequence[VariedKey], raw: dict[str, Any], origin: str, argument: str = "vary"
+) -> tuple[VariedKey, ...]:
+    """Return varied keys in which the key `LOAD` is that of the scene's axial load, such as ``loads[0].force[2]``.
+
+    ``raw``: TOML tables of the scene; ``origin``: name of its file, and ``argument``: name of the argument with the keys,
+    for error messages. Raises ArgumentError if the key is used and the scene has several axial loads or none.
+    """
+    return tuple(
+        replace(x, key="+".join(_axial_load_path(raw, origin, argument) if path == LOAD else path for path in x.key_paths))
+        for x in keys
+    )
+
+
+def _axial_load_path(raw: dict[str, Any], origin: str, argument: str) -> str:
+    """Return the path of the axial component of a scene's only axial load. Arguments: see `with_axial_load_key`."""
+    named = ((f"{table}[{k}]", row) for table in ("loads", "housings") for k, row in enumerate(raw.get(table, ())))
+    forces = {f"{name}.force[2]": row["force"] for name, row in named if isinstance(row.get("force"), list)}
+    axial = [key for key, force in forces.items() if len(force) == 3 and _number_without_unit(force[2])] or list(forces)
+    if len(axial) != 1:
+        advice = 'name the key, such as "loads[0].force[2]"'
+        raise ArgumentError(argument, LOAD, f"a scene with one axial load; this scene has {len(axial)}", advice, origin)
+    return axial[0]
+
+
+def _number_without_unit(text: Any) -> float:
+    """Return the number in a text such as "5 kN", here 5, whatever the unit; zero for a text without number."""
+    found = split_quantity_text(str(text))
+    return 0.0 if found is None else float(found[0])
+
+
 def _error_for_vary_text(value: str, allowed: str, advice: str = f"give {_FORM}") -> ArgumentError:
     """Return the ArgumentError for a text of the argument ``vary`` that does not name a key with valid values.
 
@@ -159,6 +194,8 @@ def _read_varied_key(text: str) -> VariedKey:
     if not sign or not _PATH.fullmatch(key) or not values:
         advice = 'write for example `vary="errors.balls.oversize=0 um:7 um"` or `vary="loads[0].force[2]=1 kN,5 kN"`'
         raise _error_for_vary_text(text, _FORM, advice)
+    if any(number_advice(piece, "") == UNDERSCORE for piece in re.split("[:,]", values)):
+        raise _error_for_vary_text(text, "numbers with digits, point and exponent only", UNDERSCORE)
     if ":" in values:
         return _read_range(key, text, values)
     parts = [piece.strip() for piece in values.split(",")]

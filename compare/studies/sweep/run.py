@@ -20,7 +20,7 @@ from scipy.stats import sobol_indices
 
 from rollbench.compare import __version__
 from rollbench.compare.errors import ArgumentError, InputError, ProgramError, SceneNotCoveredError
-from rollbench.compare.files import replace_file, write_figure
+from rollbench.compare.files import replace_file, write_figure, written_together
 from rollbench.compare.models import user_models
 from rollbench.compare.models.registry import AXIS_MODELS, DEFAULT, MODELS, default_model_name, model_by_name
 from rollbench.compare.reference import parallel
@@ -35,9 +35,6 @@ from rollbench.reports.content import Figure, Panel, Series
 
 #: Function that shows a line of progress.
 Step = Callable[[str], None]
-#: Number of samples of a design from which on compiled kernels are used; for so many, plain Python takes about as long as
-#: compiling the kernels.
-COMPILE_FROM = 50
 #: Number of samples that are tried before anything is stored: if all are refused for the same reason, the sweep ends.
 FIRST = 10
 #: Largest number of samples that one job solves and stores together, and smallest number of jobs per worker.
@@ -79,10 +76,15 @@ class SweepDefinition:
         """Return the positions of the m samples in the ranges of the d varied keys, (m, d), from 0 (low end) to 1."""
         return sweep_keys.sample_coordinates(self.method, self.keys, self.samples, self.seed)
 
+    @property
+    def file_name(self) -> str:
+        """Name of the scene file without the folder in which it lies; results name the scene by it."""
+        return Path(self.origin).name
+
     def header(self) -> dict[str, Any]:
         """Return the inputs on which the samples' results depend, as JSON values by which the sweep is recognised."""
         names = ("samples", "method", "seed", "model")
-        what = {"scene": self.origin, "text": self.text, "vary": [vary.stated_text for vary in self.keys]}
+        what = {"scene": self.file_name, "text": self.text, "vary": [vary.stated_text for vary in self.keys]}
         some: dict[str, Any] = {"outputs_kept": list(self.wanted_outputs)} if self.outputs else {}
         if self.model not in MODELS:
             some["model_of"] = user_models.origin_of_model(self.model)
@@ -127,8 +129,7 @@ def solve_missing_samples(
         show_progress(f"{len(places)} samples, {len(have)} stored in {folder}, {len(left)} to solve")
         if not left:
             return have
-        kernels = "compiled" if len(places) >= COMPILE_FROM else "interpreted"
-        what = (sweep.text, sweep.origin, sweep.keys, sweep.model, kernels, sweep.wanted_outputs)
+        what = (sweep.text, sweep.file_name, sweep.keys, sweep.model, sweep.wanted_outputs)
         workers = engine.parallel_jobs or (MANY if engine.scheduler_address else 1)
         size = max(1, min(LARGEST_BATCH, len(left) // (BATCHES * workers)))
         jobs: list[parallel.Job] = []
@@ -156,7 +157,7 @@ def _check_first_samples_are_accepted(sweep: SweepDefinition, coordinates: Array
     for place in coordinates[:FIRST]:
         try:
             values = sweep_keys.key_values_at_coordinates(sweep.keys, place)
-            what = sweep.text, sweep.origin, sweep.keys, values, sweep.model, "interpreted", sweep.wanted_outputs
+            what = sweep.text, sweep.origin, sweep.keys, values, sweep.model, sweep.wanted_outputs
             sample.solve_sample_or_refuse(*what)
             return
         except InputError as error:
@@ -537,7 +538,8 @@ def sweep_definition(
     else:
         text, origin = scene_file.read_scene_text(scene), scene
     model = model or (default_model_name(found) if isinstance(found, Assembly) else DEFAULT)
-    return SweepDefinition(text, origin, sweep_keys.read_varied_keys(vary), samples, method, seed, model, tuple(outputs))
+    keys = sweep_keys.with_axial_load_key(sweep_keys.read_varied_keys(vary), scene_file.parse_toml(text, origin), origin)
+    return SweepDefinition(text, origin, keys, samples, method, seed, model, tuple(outputs))
 
 
 def solve_sweep(
@@ -551,10 +553,11 @@ def solve_sweep(
     """
     records = solve_missing_samples(sweep, out, engine, show_progress)
     found = sweep_summary_json(sweep, records)
-    replace_file(out / "samples.csv", samples_csv(sweep, records))
-    replace_file(out / "summary.json", json.dumps(found, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
-    for figure in sweep_figures("sweep", sweep.keys, found, converged_records(records)):
-        write_figure(out / f"{figure.name}.svg", figure)
+    with written_together():
+        replace_file(out / "samples.csv", samples_csv(sweep, records))
+        replace_file(out / "summary.json", json.dumps(found, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
+        for figure in sweep_figures("sweep", sweep.keys, found, converged_records(records)):
+            write_figure(out / f"{figure.name}.svg", figure)
     return found
 
 

@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import json
 import os
-import platform
 import re
 import zlib
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
@@ -21,7 +20,7 @@ from contextlib import ExitStack, contextmanager, nullcontext
 from functools import cache, lru_cache
 from pathlib import Path
 from time import monotonic
-from typing import Any
+from typing import TYPE_CHECKING, Any
 from uuid import uuid4
 
 import numpy as np
@@ -30,20 +29,24 @@ from rollbench.compare.errors import ArgumentError, InputError
 from rollbench.compare.files import replace_file
 from rollbench.compare.measure import mean_load
 from rollbench.compare.models import loading
-from rollbench.compare.models.answers import displacement_of_unloaded_screw
 from rollbench.compare.models.load_cases import contact_loads_by_nut_or_bearing, rating_life_over_duty_cycle
 from rollbench.compare.models.registry import ModelOptions, run_model
+from rollbench.compare.models.stiffness import secant_of_nuts
 from rollbench.compare.scenes import scene_file, scene_tables
 from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.compare.studies.sweep.keys import VariedKey, tables_with_varied_keys
-from rollbench.lowfi.rating import roller_life
-from rollbench.lowfi.rating.life import basic_rating_life
-from rollbench.lowfi.rating.rigidity import axial_force, screw_displacement_at_nut
+from rollbench.lowfi.rating.displacement import displacement_of_load_point, load_point
+from rollbench.lowfi.rating.iso_lives import roller_reference_life
+from rollbench.lowfi.rating.life import TurningRing, basic_rating_life, turning_ring
 from rollbench.lowfi.statics.nominal import count_nominal_contacts
 from rollbench.lowfi.statics.result import AxisResult, StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, RollerRow
+from rollbench.meshes.files import machine_code
 from rollbench.meshes.parts import SIDES, Scene
+
+if TYPE_CHECKING:
+    from rollbench.compare.models.friction_sums import UnsolvedTorque
 
 #: Outputs of a sample: name of the output, and its heading in tables.
 OUTPUTS = {
@@ -51,12 +54,12 @@ OUTPUTS = {
     "mean_load_N": "mean contact load / N",
     "loaded_contacts": "loaded contacts",
     "idle_balls": "balls without load",
-    "displacement_um": "displacement at the load / um",
+    "displacement_um": "displacement of the load's point to ground / um",
     "largest_approach_um": "largest approach of a contact / um",
-    "rigidity_N_per_um": "axial rigidity / (N/um)",
+    "rigidity_N_per_um": "axial secant rigidity of the nut / (N/um)",
     "preload_N": "axial preload / N",
     "torque_Nmm": "friction torque / (N mm)",
-    "life_million_revolutions": "life L10 / 10^6 revolutions",
+    "life_million_revolutions": "life by the contact loads / 10^6 revolutions",
     "largest_growth": "largest load over that in the first load case, largest ratio of all nuts and bearings",
     "least_growth": "largest load over that in the first load case, smallest ratio of all nuts and bearings",
 }
@@ -88,14 +91,9 @@ def outputs_of_scene(
         """Return the static result of the sample's scene with all external loads set to zero."""
         return loading.solve_with_scaled_loads(scene, 0.0, model, options)
 
-    def secant_rigidity() -> float | None:
-        """Return the axial force over the screw's axial displacement from its unloaded position [N/um]; None if unknown."""
-        start = float(displacement_of_unloaded_screw(scene, unloaded_result())[2])
-        return _secant_rigidity(axial_force(result), screw_displacement_at_nut(scene, result) - start)
-
     makers: Makers = {
-        "displacement_um": lambda: _displacement_along_loads(scene, result),
-        "rigidity_N_per_um": secant_rigidity,
+        "displacement_um": lambda: _displacement_of_load_point(scene, result),
+        "rigidity_N_per_um": lambda: _in_N_per_um(secant_of_nuts(scene, result, unloaded_result())),
         "preload_N": lambda: loading.axial_preload(scene, unloaded_result()) if unloaded_result().converged else None,
     }
     return _compute_wanted_outputs(
@@ -134,6 +132,7 @@ def outputs_of_duty_cycle(
         Values by name.
     """
     case, worst = max(zip(cycle.cases, outputs_by_case, strict=True), key=lambda pair: float(pair[1][MAIN]))
+    compute_torques(outputs_by_case)
     found = worst | {"at": f"case {case.name}: {worst['at']}"}
     if "torque_Nmm" in wanted_outputs:
         pairs = zip(cycle.revolution_shares, (one["torque_Nmm"] for one in outputs_by_case), strict=True)
@@ -158,26 +157,22 @@ def _loads_by_nut_or_bearing(result: StaticResult | AxisResult) -> list[Array]:
     return [result.load] if isinstance(result, StaticResult) else [s.loads for s in result.sets]
 
 
-def outputs_of_shaft(
-    assembly: Assembly, result: AxisResult, engine: str, wanted_outputs: Collection[str]
-) -> dict[str, Any]:
+def outputs_of_shaft(assembly: Assembly, result: AxisResult, wanted_outputs: Collection[str]) -> dict[str, Any]:
     """Return the outputs of a sweep's sample for a shaft with several nuts and bearings, by name.
 
-    ``result``: converged static result; ``engine``: whether numerical kernels run as plain Python ("interpreted") or as
-    machine code ("compiled"); ``wanted_outputs``: names of the outputs, keys of `OUTPUTS`. Loads are those of ball contacts
-    and rollers; "at", the contact with the largest load, begins with the name of the nut or bearing. The displacement is
-    axial, at the section or housing that the scene names; the rigidity is the force over the displacement from the unloaded
-    position. Hertz approaches and friction torque are of balls only, without rollers. Life is the shortest life of a nut or
-    bearing; preload is the largest axial force on a nut or bearing without external loads.
+    ``result``: converged static result; ``wanted_outputs``: names of the outputs, keys of `OUTPUTS`. Loads are those of
+    ball contacts and rollers; "at", the contact with the largest load, begins with the name of the nut or bearing. The
+    displacement is that of the load's point; the rigidity is the secant of the nuts together, or of the bearings where
+    there is no nut. Hertz approaches and friction torque are of balls only, without rollers. Life is the shortest life of a
+    nut or bearing; preload is the largest axial force on a nut or bearing without external loads.
     """
     sets = [(f"{s.of.name}: ", s.of.parts, s.balls) for s in result.sets if s.balls and isinstance(s.of.parts, Scene)]
-    force, moved = loading.sum_of_axial_loads(assembly), loading.displacement_at_scene_position(assembly, result)[2]
     loads = contact_loads_by_nut_or_bearing(result)
 
     @cache
     def unloaded_result() -> AxisResult:
         """Return the static result of the shaft without external loads."""
-        without = run_model(loading.with_scaled_loads(assembly, 0.0), result.model, ModelOptions(engine=engine))
+        without = run_model(loading.with_scaled_loads(assembly, 0.0), result.model, ModelOptions())
         assert isinstance(without, AxisResult)
         return without
 
@@ -186,17 +181,10 @@ def outputs_of_shaft(
         bare = unloaded_result()
         return max((abs(float(s.force[2])) for s in bare.sets), default=0.0) if bare.converged else None
 
-    def rigidity() -> float | None:
-        """Return the axial force over the displacement from the unloaded position [N/um]; None if signs differ."""
-        bare = unloaded_result()
-        if not bare.converged:
-            return None
-        return _secant_rigidity(force, moved - loading.displacement_at_scene_position(assembly, bare)[2])
-
-    lives = [(s.of.parts, loads[s.of.name]) for s in result.sets]
+    lives = [(s.of.parts, loads[s.of.name], turning_ring(assembly, s.of)) for s in result.sets]
     makers: Makers = {
-        "displacement_um": lambda: 1e6 * moved if force else None,
-        "rigidity_N_per_um": rigidity,
+        "displacement_um": lambda: _displacement_of_load_point(assembly, result),
+        "rigidity_N_per_um": lambda: _in_N_per_um(secant_of_nuts(assembly, result, unloaded_result())),
         "preload_N": largest_preload,
         "life_million_revolutions": lambda: _shortest_life_of_bearings(lives),
     }
@@ -242,13 +230,11 @@ def _compute_wanted_outputs(
         one, *side = np.unravel_index(int(load.argmax()), load.shape)
         at = " ".join([f"{name}{one + 1}", *(SIDES[k] for k in side)])
 
-    def friction_torque() -> float | None:
-        """Return the friction torque of all nuts and ball bearings [N mm]; None without friction or convergence."""
-        if friction is None:
-            return None
-        from rollbench.compare.models.friction_sums import total_friction_torque
+    def friction_torque() -> UnsolvedTorque | None:
+        """Return what `compute_torques` computes the friction torque from; None without friction."""
+        from rollbench.compare.models.friction_sums import UnsolvedTorque
 
-        return total_friction_torque(solved, friction, scene.motion, options.member)
+        return None if friction is None else UnsolvedTorque(solved, friction, scene.motion, options.member)
 
     makers: Makers = {
         MAIN: lambda: float(every.max(initial=0.0)),
@@ -257,24 +243,36 @@ def _compute_wanted_outputs(
         "idle_balls": lambda: sum(int(np.count_nonzero(~(x.load > 0.0).any(axis=1))) for _, x in solved),
         "largest_approach_um": lambda: max((_largest_hertz_approach(balls) for _, balls in solved), default=None),
         "torque_Nmm": friction_torque,
-        "life_million_revolutions": lambda: _shortest_life_of_bearings([(parts, balls.load) for parts, balls in solved]),
+        "life_million_revolutions": lambda: _shortest_life_of_bearings(
+            [(parts, balls.load, turning_ring(scene)) for parts, balls in solved]
+        ),
         **dict.fromkeys(GROWTH, lambda: None),
         **functions_of_whole_scene,
     }
     return {name: makers[name]() for name in OUTPUTS if name == MAIN or name in wanted_outputs} | {"at": at}
 
 
-def _displacement_along_loads(scene: Scene, result: StaticResult) -> float | None:
-    """Return the mean displacement of the points of action of the loads, each along its force [um]; None without forces.
+def compute_torques(outputs: Sequence[dict[str, Any]]) -> None:
+    """Replace the friction torques that are not computed yet by numbers [N mm], all together; None without convergence.
 
-    Each load is weighted by the magnitude of its force.
+    ``outputs``: outputs of samples or load cases by name.
     """
-    work = total = 0.0
-    for x in scene.loads:
-        motion = result.centreline[int(np.abs(result.centreline_z - x.at).argmin())]
-        work += float(np.dot(x.force, motion[:3]))
-        total += float(np.linalg.norm(x.force))
-    return 1e6 * work / total if total > 0.0 else None
+    asked = [one for one in outputs if one.get("torque_Nmm") is not None]
+    if not asked:
+        return
+    from rollbench.compare.models.friction_sums import UnsolvedTorque, total_friction_torques
+
+    unsolved = [one for one in asked if isinstance(one["torque_Nmm"], UnsolvedTorque)]
+    torques = total_friction_torques([one["torque_Nmm"] for one in unsolved])
+    for one, torque in zip(unsolved, torques, strict=True):
+        one["torque_Nmm"] = torque
+
+
+def _displacement_of_load_point(scene: Scene | Assembly, result: StaticResult | AxisResult) -> float | None:
+    """Return the displacement of the load's point to ground, from its nominal position [um]; None if not known."""
+    point = load_point(scene)
+    moved = np.nan if point is None else 1e6 * displacement_of_load_point(result, point)
+    return None if np.isnan(moved) else moved
 
 
 def _largest_hertz_approach(balls: StaticResult) -> float:
@@ -282,25 +280,21 @@ def _largest_hertz_approach(balls: StaticResult) -> float:
     return 1e6 * float((balls.hertz_C * np.cbrt(balls.load) ** 2).max(initial=0.0))
 
 
-def _secant_rigidity(force: float, displacement: float) -> float | None:
-    """Return the secant rigidity [N/um]: an axial force over the displacement that it causes.
-
-    ``force``: the force [N]; ``displacement``: the displacement [m]. None if force or displacement is zero, or if they have
-    opposite signs.
-    """
-    return 1e-6 * force / displacement if force * displacement > 0.0 else None
+def _in_N_per_um(stiffness: float | None) -> float | None:
+    """Return a stiffness [N/m] in N/um; None if it is not known."""
+    return None if stiffness is None else 1e-6 * stiffness
 
 
-def _shortest_life_of_bearings(sets: list[tuple[Scene | RollerRow, Array]]) -> float | None:
-    """Return the shortest life of several nuts and bearings [10^6 revolutions].
+def _shortest_life_of_bearings(sets: list[tuple[Scene | RollerRow, Array, TurningRing]]) -> float | None:
+    """Return the shortest life of several nuts (L10) and bearings (L10r) by their contact loads [10^6 revolutions].
 
-    ``sets``: geometry of each nut or bearing, and its contact or roller loads [N]. The result is None if no nut or bearing
-    is loaded, or if a load rating is outside its range of validity.
+    ``sets``: geometry of each nut or bearing, its contact loads [N] or line loads [N/m], and the ring that turns. The
+    result is None if no nut or bearing is loaded, or if a load rating is outside its range of validity.
     """
     try:
         found = [
-            roller_life.basic_rating_life_of_row(x, load) if isinstance(x, RollerRow) else basic_rating_life(x, load)
-            for x, load in sets
+            roller_reference_life(x, load, ring) if isinstance(x, RollerRow) else basic_rating_life(x, load, ring)
+            for x, load, ring in sets
         ]
     except ValueError:
         return None
@@ -388,8 +382,8 @@ def hold_process_lock(folder: Path) -> Iterator[None]:
 
 
 def _machine_and_process_name() -> str:
-    """Return the name of this machine and the number of this process, by which files of a sweep are named."""
-    return f"{platform.node()}-{os.getpid()}"
+    """Return digits for this machine and the number of this process, by which files of a sweep are named."""
+    return f"{machine_code()}-{os.getpid()}"
 
 
 def is_token_of_current_run(folder: Path, token: str) -> bool:
@@ -457,9 +451,6 @@ CONVERGED = "converged"
 #: Pattern of the numbers in a reason for which values are refused.
 _NUMBER = re.compile(r"[0-9][0-9.]*(e[+-]?[0-9]+)?")
 
-#: Number of balls on a shaft from which on machine code is used, as one solution in plain Python takes seconds.
-AXIS_COMPILED = 40
-
 
 @lru_cache(maxsize=8)
 def _cached_toml_tables(text: str, origin: str) -> dict[str, Any]:
@@ -476,20 +467,24 @@ def solve_sample(
     varied_keys: Sequence[VariedKey],
     values: Sequence[Any],
     model: str,
-    engine: str,
     wanted_outputs: Collection[str] = tuple(OUTPUTS),
+    *,
+    torques: bool = True,
 ) -> dict[str, Any]:
     """Solve one sample of a sweep; return its status and, if it is solved, its outputs by name.
 
     ``scene_text``: TOML text of the scene file; ``origin``: name of that file for error messages; ``varied_keys``: varied
-    keys; ``values``: their values in this sample; ``model``: name of the model; ``engine``: whether numerical kernels run
-    as plain Python ("interpreted") or as machine code ("compiled"); ``wanted_outputs``: names of the outputs, keys of
-    `OUTPUTS`. If the scene or the model does not allow the values, status and "reason" say why.
+    keys; ``values``: their values in this sample; ``model``: name of the model; ``wanted_outputs``: names of the outputs,
+    keys of `OUTPUTS`; ``torques``: False to leave the friction torque to `compute_torques`, which is faster for several
+    samples at once. If the scene or the model does not allow the values, status and "reason" say why.
     """
     try:
-        return solve_sample_or_refuse(scene_text, origin, varied_keys, values, model, engine, wanted_outputs)
+        found = solve_sample_or_refuse(scene_text, origin, varied_keys, values, model, wanted_outputs)
     except InputError as error:
-        return {"status": f"refused: {error}", "reason": refusal_reason_without_numbers(error)}
+        found = {"status": f"refused: {error}", "reason": refusal_reason_without_numbers(error)}
+    if torques:
+        compute_torques([found])
+    return found
 
 
 def solve_sample_or_refuse(
@@ -498,20 +493,19 @@ def solve_sample_or_refuse(
     varied_keys: Sequence[VariedKey],
     values: Sequence[Any],
     model: str,
-    engine: str,
     wanted_outputs: Collection[str],
 ) -> dict[str, Any]:
     """Solve one sample of a sweep; return its status and its outputs by name.
 
-    The arguments are those of `solve_sample`. Raises InputError if the scene or the model does not allow the sample's
-    values.
+    The arguments are those of `solve_sample`; friction torques are left to `compute_torques`. Raises InputError if the
+    scene or the model does not allow the sample's values.
     """
     tables = tables_with_varied_keys(_cached_toml_tables(scene_text, origin), varied_keys, values)
     scene = scene_tables.scene_from_tables(tables, origin)
     if isinstance(scene, DutyCycle):
-        return _solve_duty_cycle_sample(scene, model, engine, wanted_outputs)
+        return _solve_duty_cycle_sample(scene, model, wanted_outputs)
     one = scene_file.scene_or_shaft_or_raise(scene, origin)
-    result, kept = solve_load_case_for_outputs(one, model, engine, wanted_outputs)
+    result, kept = solve_load_case_for_outputs(one, model, wanted_outputs)
     return {"status": result.status, **kept}
 
 
@@ -524,13 +518,12 @@ def refusal_reason_without_numbers(error: InputError) -> str:
     return _NUMBER.sub("#", f"{error.key}: {error.allowed or error.value}")
 
 
-def _solve_duty_cycle_sample(cycle: DutyCycle, model: str, engine: str, wanted_outputs: Collection[str]) -> dict[str, Any]:
+def _solve_duty_cycle_sample(cycle: DutyCycle, model: str, wanted_outputs: Collection[str]) -> dict[str, Any]:
     """Solve the load cases of a duty cycle; return the status and the outputs of the cycle by name.
 
-    ``engine``: whether numerical kernels run as plain Python ("interpreted") or as machine code ("compiled");
     ``wanted_outputs``: names of the outputs. If a load case has no solution, only the status of that case is returned.
     """
-    solved = [solve_load_case_for_outputs(case.scene, model, engine, wanted_outputs) for case in cycle.cases]
+    solved = [solve_load_case_for_outputs(case.scene, model, wanted_outputs) for case in cycle.cases]
     for case, (result, _) in zip(cycle.cases, solved, strict=True):
         if not result.converged:
             return {"status": f"case {case.name}: {result.status}"}
@@ -538,18 +531,16 @@ def _solve_duty_cycle_sample(cycle: DutyCycle, model: str, engine: str, wanted_o
 
 
 def solve_load_case_for_outputs(
-    scene: Scene | Assembly, model: str, engine: str, wanted_outputs: Collection[str]
+    scene: Scene | Assembly, model: str, wanted_outputs: Collection[str]
 ) -> tuple[StaticResult | AxisResult, dict[str, Any]]:
     """Solve one load case of a sweep's sample: return its static result, then its outputs by name (empty without solution).
 
-    ``engine``: whether numerical kernels run as plain Python ("interpreted") or as machine code ("compiled"); a shaft with
-    `AXIS_COMPILED` balls or more is always solved with machine code. ``wanted_outputs``: names of the outputs.
+    ``wanted_outputs``: names of the outputs. Friction torques are left to `compute_torques`.
     """
     if isinstance(scene, Assembly):
-        kernels = "compiled" if scene.ball_count >= AXIS_COMPILED else engine
-        found = run_model(scene, model, ModelOptions(engine=kernels))
-        return found, outputs_of_shaft(scene, found, kernels, wanted_outputs) if found.converged else {}
-    options = ModelOptions(estimate_beam_mesh_error=False, engine=engine)
+        found = run_model(scene, model, ModelOptions())
+        return found, outputs_of_shaft(scene, found, wanted_outputs) if found.converged else {}
+    options = ModelOptions(estimate_beam_mesh_error=False)
     result = run_model(scene, model, options)
     return result, outputs_of_scene(scene, result, model, options, wanted_outputs) if result.converged else {}
 
@@ -557,7 +548,7 @@ def solve_load_case_for_outputs(
 def solve_and_append_batch(
     folder: str,
     token: str,
-    sweep: tuple[str, str, tuple[VariedKey, ...], str, str, tuple[str, ...]],
+    sweep: tuple[str, str, tuple[VariedKey, ...], str, tuple[str, ...]],
     batch: list[tuple[int, list[Any]]],
 ) -> tuple[list[Record], bool]:
     """Solve a batch of samples; return their records, and whether they were already appended to the folder of the sweep.
@@ -572,21 +563,22 @@ def solve_and_append_batch(
     token
         Text that identifies the execution of the sweep, as `reserve_sweep_folder` yields it.
     sweep
-        TOML text of the scene file, name of that file, varied keys, name of the model, kind of kernels ("interpreted" or
-        "compiled"), and names of the wanted outputs.
+        TOML text of the scene file, name of that file, varied keys, name of the model, and names of the wanted
+        outputs.
     batch
         For each sample its number, and its values of the varied keys.
     """
     run_folder = Path(folder)
-    text, origin, keys, model, engine, wanted = sweep
+    text, origin, keys, model, wanted = sweep
     here = is_token_of_current_run(run_folder, token)
     found: list[Record] = []
     with hold_process_lock(run_folder) if here else nullcontext():
         try:
             for number, values in batch:
-                solved = solve_sample(text, origin, keys, values, model, engine, wanted)
+                solved = solve_sample(text, origin, keys, values, model, wanted, torques=False)
                 found.append({"sample": number, "values": values, **solved})
         finally:  # of an interrupted batch too
+            compute_torques(found)
             if here and found:
                 RecordWriter(run_folder, token).append(found)
     return found, here

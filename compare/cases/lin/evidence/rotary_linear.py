@@ -54,7 +54,7 @@ def rotary_ball_as_printed(case: str) -> bearing.BearingBallSolution:
     """
     scene = source_cases.rotary_ball_scene(case, printed=True)
     law = lin_sigmoid_law(scene.bearing, scene.sharpness, scene.map_step)
-    return bearing.solve_ball_by_lin_method(scene.bearing, scene.force, scene.displacement, law, fast=True)
+    return bearing.solve_ball_by_lin_method(scene.bearing, scene.force, scene.displacement, law)
 
 
 @cache
@@ -64,7 +64,7 @@ def solve_rotary_ball(case: str, hertz: Mode = "right") -> bearing.BearingBallSo
     ``case``: "I", "II" or "III"; ``hertz``: "right" for exact Hertz constants, "as printed" for those with Lin's faults,
     which give his loads and contact ellipses.
     """
-    return bearing.solve_ball_of_bearing(replace(ROTARY, hertz=hertz), AXIAL, CASES[case], fast=True)
+    return bearing.solve_ball_of_bearing(replace(ROTARY, hertz=hertz), AXIAL, CASES[case])
 
 
 @cache
@@ -192,9 +192,9 @@ def table_3_3(findings: ComputedEntryValues, cache: SceneResultCache) -> None:  
         "young": b.young,
         "poisson": b.poisson,
         "contact_angle": degrees(b.contact_angle),
-        "yaw": abs(SIDE) * VERTICAL * 2e3 * b.ball_radius,
     }
     findings.numbers(values)
+    findings.follow({"yaw": abs(SIDE) * VERTICAL * 2e3 * b.ball_radius})
     _record_largest_friction_loss_increase(findings)
     _check_claims_on_force_and_loss_grid(findings, ball_force_and_loss_over_grid())
 
@@ -305,9 +305,8 @@ def table_3_5(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     for name, ours in (("numerical", solve_linear_ball_pair().ball_to_ball_force), ("analytic", formula["a"])):
         off = [f"{error_percent(ours, other):+.1f} %" for other in (ansys, solid["a"]) if other is not None]
         words = f"computed here: {off[0]} off the printed ANSYS force" + "".join(f", {x} off the 3D force" for x in off[1:])
-        # arithmetic on printed numbers
-        first = printed_value("lin-3.5", "a_force_numerical") if name == "numerical" else ours
-        findings.add_number(f"error_{name}", abs(float(error_percent(first, ansys))), words)
+        follows = abs(float(error_percent(printed_value("lin-3.5", f"a_force_{name}"), ansys)))
+        findings.add_number(f"error_{name}", None, words, follows=follows)
     for model, case in product(("numerical", "analytic", "ansys"), "ab"):
         findings.add_remark(f"{case}_time_{model}", "another machine and language; not compared")
 
@@ -340,7 +339,7 @@ def appendix_g(findings: ComputedEntryValues, cache: SceneResultCache) -> None: 
     )
     findings.add_number("k_f", slope, words)
     findings.add_remark("reach", f"a choice: the cubic term is {0.25 * cubic / slope:.1%} of the linear one there")
-    findings.add_number("pressure", pressure)
+    findings.follow({"pressure": pressure})
     findings.add_number("a_over_R", a_over_r, "the printed digits are those of the exact value, cut off", as_printed=cut)
     eta = degrees(reach * a_over_r)
     findings.add_number("eta", eta, "from the value that was cut off", as_printed=degrees(reach * cut))

@@ -194,7 +194,7 @@ def table_3_7(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
         solid = source_cases.stored_3d_results(cache, source_cases.PAIR_SCENES[case])
         _compute_force_and_increase(findings, case, solid)
         force, ansys = (printed_value("lin-3.7", f"{what}_{case}") for what in ("force", "ansys"))
-        findings.add_number(f"difference_{case}", float(error_percent(force, ansys)), "from the printed forces alone")
+        findings.follow({f"difference_{case}": float(error_percent(force, ansys))})
         _compare_force_with_ansys(findings, cache, case)
         findings.add_remark(f"time_{case}", "another machine and language")
         findings.add_remark(f"time_ansys_{case}", "another machine and program")
@@ -202,7 +202,7 @@ def table_3_7(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
         printed_value("lin-3.5", "error_numerical"),
         *(printed_value("lin-3.7", f"difference_{case}") for case in THETA),
     ]
-    findings.add_number("within", max(printed), "the largest of the printed differences")
+    findings.add_number("within", None, "the largest of the printed differences", follows=max(printed))
 
 
 def _compute_force_and_increase(findings: ComputedEntryValues, case: str, results_in_3d: Mapping[str, float]) -> None:

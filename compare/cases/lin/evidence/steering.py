@@ -105,7 +105,7 @@ def _solve_lash_test(scene: Scene, load_range: str, restrained: Sequence[str]) -
     such as "rz" (rotation about the axis).
     """
     scene = replace(scene, supports=(Support(0.0, tuple((name, 0.0) for name in restrained)),))
-    return compute_load_curve(scene, read_load_range(load_range), "lin", ModelOptions(engine="compiled"))
+    return compute_load_curve(scene, read_load_range(load_range), "lin", ModelOptions())
 
 
 def peak_to_peak_displacement(test: LoadCurve) -> float:
@@ -192,7 +192,7 @@ def solve_gear_at_tie_rod_angle(gear: Assembly, angle: float, *, side_forces_opp
     sides = (1.0, -1.0 if side_forces_opposed else 1.0)
     forces = [(side * 0.5 * RACK_FORCE * float(np.sin(t)), 0.0, 0.5 * RACK_FORCE * float(np.cos(t))) for side in sides]
     loads = tuple(replace(x, force=f) for x, f in zip(gear.loads, forces, strict=True))
-    return run_model(replace(gear, loads=loads), "lin", ModelOptions(engine="compiled"))
+    return run_model(replace(gear, loads=loads), "lin", ModelOptions())
 
 
 def largest_screw_and_bearing_loads(result: AxisResult) -> tuple[float, float]:

@@ -70,8 +70,8 @@ def end_support_table(cache: SceneResultCache) -> Table:
                 }
             rows.append(row)
     note = (
-        "Lin's text prescribes only the x-displacement of the last node (2.4.1.3). A bearing there also restrains the "
-        "y-displacement, as the 3D reference does; whether it restrains rotations is open. Changes are from "
+        "Lin's text prescribes only the x-displacement of the last node (2.4.1.3). A bearing there would also restrain the "
+        "y-displacement, and perhaps rotations. Changes are from "
         "the loads with the support in the first line, with the same displacement of the right end."
     )
     return Table.from_rows(
@@ -218,7 +218,7 @@ def case_study_figures(cache: SceneResultCache) -> tuple[Figure, ...]:
         )
     axes = "z / mm", "displacement / µm"
     straight = Series("Mei (both)", [0.0, 1e3 * float(case1.centreline_z[-1])], [0.0, 0.0], "line")
-    title, three = "lateral displacement of the centreline", cache.solve_once("lin-case3-offset")
+    title, three = "lateral displacement of the centreline", cache.solve_once(chapter_2.END_SUPPORTS[0].offset_scene)
     curves = (*lateral_displacement_curves(case1.centreline_z, case1.centreline), straight)
     line = Panel(f"case 1: {title}", *axes, curves)
     bend = Panel(f"case 3 with offset: {title}", *axes, lateral_displacement_curves(three.centreline_z, three.centreline))
@@ -266,15 +266,15 @@ def cases_section(cache: SceneResultCache, step: Callable[[str], None]) -> Secti
     step("cases 1, 2 and 3 by four models")
     step("case 1 under each modelling choice")
     rows = model_choice_rows(cache.compute_once(chapter_2.solve_case_1_by_model_choice))
-    offset = cache.solve_once("lin-case3-offset")
+    offset = chapter_2.END_SUPPORTS[0].offset_scene
     return Section(
         "cases",
         "Lin 2.4.1: contact loads in case studies 1, 2 and 3",
         (
             *case_study_figures(cache),
             loaded_screw_picture(
-                cache.built_in_scene("lin-case3-offset"),
-                offset,
+                cache.built_in_scene(offset),
+                cache.solve_once(offset),
                 "Arrows: contact loads on the four flanks. Colour of a ball: its largest contact load.",
             ),
             largest_and_smallest_loads_table(cache),

@@ -244,7 +244,7 @@ WHY = {
     "lin-3.2:F_": "none: statics",
     "lin-3.2:P_": "none: no contact",
     "lin-B1:": "none: closed form",
-    "lin-2.4.1:case1_ratio": "",
+    "lin-2.4.1:case1_ratio": "none: is of the low-order model",
     "lin-2.4.1:case": "none: is an error against 3D",
     "lin-2.4.1:": "none: of run times",
     "lin-3.2:": "none: of the table",
@@ -301,13 +301,15 @@ def case_study_loads_figure(cache: SceneResultCache) -> Figure:
     ``cache``: gives solved scenes and stored 3D references.
     """
     panels = []
-    for k, name in STATIC.items():
+    for k, name in {1: STATIC[1], 2: STATIC[2], 3: chapter_2.END_SUPPORTS[0].offset_scene}.items():
         low, found = cache.solve_once(name), cache.stored_reference(name)
         series = [contact_load_curve("low-order (Lin's model)", low, 0, emphasis=True)]
         if found is not None:
             series.append(contact_load_curve(f"3D reference, level {found.best.level}", found, 0, "line"))
         panels.append(contact_load_panel(f"case study {k}, flank SL", *series, *MARKS[k](cache)))
-    plain, offset = cache.solve_once("lin-case3"), cache.solve_once("lin-case3-offset")
+    plain, offset = (
+        cache.solve_once(name) for name in (chapter_2.END_SUPPORTS[0].plain_scene, chapter_2.END_SUPPORTS[0].offset_scene)
+    )
     last = Series("printed: SR and NL of the last few balls increase most", [32.0], [float(offset.load[31, 1])], "markers")
     curves = (
         contact_load_curve("SR, offset of 300 µm", offset, 1, emphasis=True),
@@ -348,7 +350,7 @@ def _case_3_statement_curves(cache: SceneResultCache) -> list[Series]:
 
     ``cache``: gives the solved scenes.
     """
-    return [contact_load_curve("low-order, no offset", cache.solve_once("lin-case3"), 0, "line")]
+    return [contact_load_curve("low-order, no offset", cache.solve_once(chapter_2.END_SUPPORTS[0].plain_scene), 0, "line")]
 
 
 MARKS: Mapping[int, Callable[[SceneResultCache], list[Series]]] = {
@@ -404,15 +406,21 @@ def error_over_cell_size_figure(cache: SceneResultCache) -> Figure:
 def case_study_load_and_error_rows(cache: SceneResultCache) -> Iterator[Row]:
     """Yield table rows of Lin's case studies, one for each model: largest and smallest load, errors against 3D reference.
 
-    ``cache``: gives solved scenes and stored 3D references.
+    Case 3 stands with and without offset, for each support of the right end that has a 3D reference; the first is that of
+    Lin's text. ``cache``: gives solved scenes and stored 3D references.
     """
     ratio = "ratio of largest to smallest contact load on the left flank of the screw (SL)"
-    for k, name in STATIC.items():
+    studies = [("1", STATIC[1]), ("2", STATIC[2])]
+    for reading in chapter_2.END_SUPPORTS:
+        beside = "" if reading.is_stated_by_text else f", other reading: {reading.restraint}"
+        studies += [(f"3{beside}", reading.offset_scene), (f"3 without offset{beside}", reading.plain_scene)]
+    for study, name in studies:
         found = cache.stored_reference(name)
         if found is None:
             continue
-        keys = [f"case{k}_{what}_error" for what in ("max", "rms")] if k < 3 else []
-        answers = {"3D reference": found.load} | {model: cache.solve_once(name, model).load for model in ("lin", "refined")}
+        keys = [f"case{study}_{what}_error" for what in ("max", "rms")] if study in ("1", "2") else []
+        models = ("lin", "refined", *(("mei",) if name == STATIC[1] else ()))
+        answers = {"3D reference": found.load} | {model: cache.solve_once(name, model).load for model in models}
         for model, value in answers.items():
             e = load_error(value, found.load, found.contacts)
             apart = model != "3D reference"
@@ -420,7 +428,7 @@ def case_study_load_and_error_rows(cache: SceneResultCache) -> Iterator[Row]:
             loaded = value[value > 0.0]
             own_max, own_rms, mean_max = (e.own_max_percent, e.own_rms_percent, e.max_percent) if apart else (None,) * 3
             yield {
-                TableColumn("case", "case study", "", "s"): str(k),
+                TableColumn("case", "case study", "", "s"): study,
                 "scene": name,
                 TableColumn("model", "model", "", "s"): model,
                 TableColumn("max", "largest contact load", "N", ".2f"): float(loaded.max()),
@@ -440,8 +448,8 @@ def case_study_loads_and_errors_table(cache: SceneResultCache) -> Table:
     """
     title = "Lin's case studies: largest and smallest contact load, and errors of each model against the 3D reference"
     note = (
-        "Case 3: the right end is restrained in x and y, as by a bearing; table cases-readings has the loads for a "
-        "restraint in x only, as Lin's text says. Command for case 1: rollbench compare lin-case1."
+        "Case 3: the right end is restrained in x only, as Lin's text says; other reading: in x and y, as by a bearing. "
+        "mei: the model of Mei et al., which Lin compares with in case 1. Command for case 1: rollbench compare lin-case1."
     )
     return Table.from_rows("lin-answers", title, case_study_load_and_error_rows(cache), note)
 
@@ -539,8 +547,7 @@ def run_times_note(cache: SceneResultCache) -> str:
     kept = cache.compute_once(run_times_for_report_page, "lin")
     return (
         f"Printed: {MACHINE}. Computed here, cold start: a new process with empty caches, imports included; further load "
-        "case: the next one in that process, with compiled kernels; ANSYS rows: this package's 3D model. A cold start of "
-        "the friction model of a screw is nearly all compiling. Empty: not measured. Earlier measurements have their own "
-        f"column, without a ratio. {'No run times are stored.' if kept is None else kept} To measure them again: "
-        "`rollbench bench --source lin`."
+        "case: the next one in that process; ANSYS rows: this package's 3D model. Empty: not measured. Earlier "
+        "measurements have their own column, without a ratio. "
+        f"{'No run times are stored.' if kept is None else kept} To measure them again: `rollbench bench --source lin`."
     )

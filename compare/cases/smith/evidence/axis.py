@@ -144,7 +144,7 @@ def _solve_layout_scene(
         )
     at = FIRST + nut_position * bearings.screw_bar().length
     loads = tuple(replace(x, at=at, force=(0.0, 0.0, -bearings.APPLIED)) for x in found.loads)
-    result = run_model(replace(found, loads=loads, stiffness_at=at), "lin", ModelOptions(engine="compiled"))
+    result = run_model(replace(found, loads=loads, stiffness_at=at), "lin", ModelOptions())
     if not result.converged or result.stiffness is None:
         raise AssertionError(
             f"scene {layout.scene_name}: expected a converged solution and the stiffness of the screw at the nut, "
@@ -269,10 +269,10 @@ def section_4_1(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
             "stretch": bearings.STRETCH / bearings.INCH,
             "expansion": bearings.EXPANSION * bearings.DEG_F,
             "E": a.young / bearings.PSI,
-            "eps": bearings.STRETCH / a.length,
             "dT": axis.warming_that_removes_tension(a, bearings.STRETCH, bearings.EXPANSION) / bearings.DEG_F,
         }
     )
+    findings.follow({"eps": bearings.STRETCH / a.length})
     stiff = {kind: bearing_set_state(kind, "left", "stretch").stiffness for kind in KINDS}
     elastic = [axis.shaft_tension(bearings.screw_bar(k, k), bearings.STRETCH) / bearings.POUND for k in stiff.values()]
     words = f"{elastic[0]:.0f} and {elastic[1]:.0f} lbf if the stretch is of the ends and the bearings give way"
@@ -294,10 +294,11 @@ def section_4_2(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     least = float(axis.shaft_and_support_stiffness(a, 0.5 * a.length))
     findings.numbers({"screw": least / bearings.POUND_PER_INCH, "nut": bearings.NUT / bearings.POUND_PER_INCH})
     findings.add_number("applied", bearings.APPLIED / bearings.POUND)
-    findings.add_number("package_ball", bearing_set_state("ball", "left", "stretch").stiffness / bearings.POUND_PER_INCH)
-    findings.add_number("package_taper", 2.0 * findings.printed("taper_left_stiffness_1"))
+    ours = {kind: bearing_set_state(kind, "left", "stretch").stiffness / bearings.POUND_PER_INCH for kind in KINDS}
+    findings.add_number("package_ball", ours["ball"])
+    findings.add_number("package_taper", ours["taper"], follows=2.0 * findings.printed("taper_left_stiffness_1"))
     for kind in KINDS:
-        findings.add_number(f"rows_{kind}", 2.0 * sum(len(rows) for rows in bearings.DIRECTIONS[kind].values()))
+        findings.follow({f"rows_{kind}": 2.0 * sum(len(rows) for rows in bearings.DIRECTIONS[kind].values())})
     _compute_axis_stiffness(findings, "ball", results_in_words(cache, TRIPLEX))
     _compute_axis_stiffness(findings, "taper", results_in_words(cache, TAPERED))
     places = np.linspace(0.0, a.length, 53)[1:-1]
@@ -329,8 +330,8 @@ def _compute_bearing_row_loads(findings: ComputedEntryValues, kind: str, end: st
     for i in range(count):
         findings.add_number(f"{kind}_{end}_stiffness_{i + 1}", float(ours.row_stiffness[i]) / bearings.POUND_PER_INCH)
     total = sum(findings.printed(f"{kind}_{end}_stiffness_{i + 1}") for i in range(count))
-    words = f"equilibrium of the rows gives {ours.stiffness / bearings.POUND_PER_INCH / 1e6:.2f}e6 lbf/in"
-    findings.add_number(f"{kind}_{end}_package", total, words)
+    words = "computed from the equilibrium of the rows"
+    findings.add_number(f"{kind}_{end}_package", ours.stiffness / bearings.POUND_PER_INCH, words, follows=total)
 
 
 def stiffness_at_mid_length(support_stiffness: float) -> float:
@@ -353,10 +354,11 @@ def _compute_axis_stiffness(findings: ComputedEntryValues, kind: str, beam_model
     right = stiffness_at_mid_length(package * bearings.POUND_PER_INCH) / bearings.POUND_PER_INCH
     ours = stiffness_at_mid_length(bearing_set_state(kind, "left", "stretch").stiffness) / bearings.POUND_PER_INCH
     off = float(error_percent(printed, right))
-    words = f"both halves of the screw in parallel: {1e-6 * right:.3f}e6 with the printed stiffness of the bearings, "
-    words += f"{1e-6 * ours:.3f}e6 lbf/in with the computed one; "
-    words += f"the formula for springs in series {off:+.0f} %"
-    findings.add_number(f"total_{kind}", right, f"{words}; {beam_model_remark}", as_printed=printed)
+    words = (
+        "computed: both halves of the screw in parallel, with the computed stiffness of the bearings; follows: with the "
+    )
+    words += f"printed one, from which the formula for springs in series is {off:+.0f} % off"
+    findings.add_number(f"total_{kind}", ours, f"{words}; {beam_model_remark}", as_printed=printed, follows=right)
 
 
 def section_4_3(findings: ComputedEntryValues, cache: SceneResultCache) -> None:  # noqa: ARG001 - every table takes the study
@@ -372,11 +374,12 @@ def section_4_3(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     findings.add_number("acceleration", None, words)
     for kind, (count, torque) in rows.items():
         ends = (count * torque,) * 2
+        ours = count * sum(bearings.torque_of_ball_bearing_row()) if kind == "ball" else None
         screw, nut, start = (findings.printed(key) for key in ("screw", "nut", "acceleration"))
         budget = axis.DriveTorqueParts(screw, nut, ends, start)
-        findings.add_number(f"bearings_{kind}", ends[0])
-        findings.add_number(f"constant_{kind}", budget.constant_speed_torque)
-        findings.add_number(f"start_{kind}", budget.accelerating_torque)
+        findings.add_number(f"bearings_{kind}", ours, follows=ends[0])
+        sums = {"constant": budget.constant_speed_torque, "start": budget.accelerating_torque}
+        findings.follow({f"{when}_{kind}": total for when, total in sums.items()})
 
 
 # --- chapter 5
@@ -395,11 +398,11 @@ def _record_axis_and_drive_data(findings: ComputedEntryValues) -> None:
             "base": 35.0,
             "counts": COUNTS,
             "motor": MOTOR,
-            "rpm": axis.screw_angular_speed(TRAVERSE, LEAD) / bearings.RPM,
-            "resolution": 1e6 * LEAD / COUNTS / bearings.INCH,
             "preload_750": REDUCED / bearings.POUND,
         }
     )
+    rpm = axis.screw_angular_speed(TRAVERSE, LEAD) / bearings.RPM
+    findings.follow({"rpm": rpm, "resolution": 1e6 * LEAD / COUNTS / bearings.INCH})
     findings.add_claim("five", 4.5 < warming < 5.0, f"{warming:.2f} degF")
 
 
@@ -414,15 +417,15 @@ def _compare_torque_tests(findings: ComputedEntryValues) -> None:
             key = f"{when}_{kind}"
             predicted = printed_value("smith-4.3", key)
             off[key] = float(error_percent(predicted, findings.printed(key)))
-            findings.add_number(key, predicted, "sum of the printed parts")
-        findings.add_number(f"used_{kind}", 100.0 * findings.printed(f"start_{kind}") / MOTOR)
+            findings.add_number(key, None, "follows: the source's prediction, a sum of printed parts", follows=predicted)
+        findings.follow({f"used_{kind}": 100.0 * findings.printed(f"start_{kind}") / MOTOR})
     words = ", ".join(f"{v:+.1f} %" for v in off.values())
     findings.add_claim("torque_10", all(abs(v) <= 10.0 for v in off.values()), words)
     single = [float(error_percent(printed_value(t, "M"), printed_value(t, "M_test"))) for t in ("smith-2.3", "smith-3")]
     findings.add_claim("torque_10_single", all(abs(v) <= 10.0 for v in single), ", ".join(f"{v:+.0f} %" for v in single))
     ball, taper = (printed_value(t, "M_test") for t in ("smith-2.3", "smith-3"))
     findings.add_claim("four_times", 3.5 <= taper / ball <= 4.0, f"{taper / ball:.1f} times")
-    findings.add_number("disparity", 4.0 * 2.0 / 3.0, f"measured {2.0 * taper / (3.0 * ball):.2f}")
+    findings.add_number("disparity", None, f"measured {2.0 * taper / (3.0 * ball):.2f}", follows=4.0 * 2.0 / 3.0)
 
 
 def _compare_stiffness_tests(findings: ComputedEntryValues) -> None:
@@ -430,16 +433,18 @@ def _compare_stiffness_tests(findings: ComputedEntryValues) -> None:
 
     ``findings``: receives the results.
     """
-    off = []
+    off, ours = [], []
     for kind in KINDS:
         right = stiffness_at_mid_length(bearing_set_state(kind, "left", "stretch").stiffness) / bearings.POUND_PER_INCH
         measured, predicted = findings.printed(f"S_{kind}"), printed_value("smith-4.2", f"total_{kind}")
         off.append(float(error_percent(predicted, measured)))
+        ours.append(right)
         parallel = float(error_percent(right, measured))
         words = f"printed prediction {off[-1]:+.2f} %, both halves of the screw in parallel {parallel:+.0f} %"
         findings.add_number(f"S_{kind}", right, words)
     findings.add_claim("within_2.5", all(abs(v) <= 2.5 for v in off), ", ".join(f"{v:+.2f} %" for v in off))
-    findings.add_number("six", float(error_percent(findings.printed("S_ball"), findings.printed("S_taper"))))
+    follows = float(error_percent(findings.printed("S_ball"), findings.printed("S_taper")))
+    findings.add_number("six", float(error_percent(*ours)), follows=follows)
 
 
 def _compare_temperature_rises(findings: ComputedEntryValues) -> None:
@@ -471,6 +476,23 @@ def carriage_load_that_unloads_row(preload: float) -> float:
     return (lift_off - screw_tension()) / share
 
 
+def tapered_row_torques() -> list[tuple[str, float, float, tuple[float, float]]]:
+    """Return the torques that Smith prints of rows of tapered rollers, each with our band.
+
+    Each entry has the key of the printed number, the thrust on the row [lbf] as computed from equilibrium, the printed
+    torque and our band (low, high) [in-lbf].
+    """
+    found = [(key, "smith-3", bearings.TAPER_TORQUE_LOAD) for key in ("M", "M_test")]
+    for load, preload in (("750", REDUCED), ("1500", bearings.PRELOAD)):
+        for end in ("left", "right"):
+            state = bearing_set_state("taper", end, "stretch", preload)
+            found += [(f"t{load}_{end}_{i}", "smith-5", float(state.row_thrusts[i - 1])) for i in (1, 2)]
+    return [
+        (key, thrust / bearings.POUND, printed_value(table, key), bearings.torque_of_tapered_row_in_lbf(thrust))
+        for key, table, thrust in found
+    ]
+
+
 def _compute_loads_at_reduced_preload(findings: ComputedEntryValues) -> None:
     """Compute the bearing loads with the reduced preload of 750 lbf: section 5.3 of Smith (1994).
 
@@ -482,10 +504,13 @@ def _compute_loads_at_reduced_preload(findings: ComputedEntryValues) -> None:
         for i in range(2):
             thrust = float(ours.row_thrusts[i]) / bearings.POUND
             findings.add_number(f"{end}_stretch_{i + 1}", thrust, as_printed=printed[i])
-        for load in ("750", "1500"):
+        for load, closed in (("750", REDUCED), ("1500", bearings.PRELOAD)):
+            thrusts = bearing_set_state("taper", end, "stretch", closed).row_thrusts
+            for i in (1, 2):
+                findings.add_number(f"t{load}_{end}_{i}", None, bearings.torque_band_words(float(thrusts[i - 1])))
             total = sum(findings.printed(f"t{load}_{end}_{i}") for i in (1, 2))
-            findings.add_number(f"t{load}_{end}", total)
-    findings.add_number("rise_750", findings.printed("t750_left") / findings.printed("t1500_left") * 20.0)
+            findings.follow({f"t{load}_{end}": total})
+    findings.follow({"rise_750": findings.printed("t750_left") / findings.printed("t1500_left") * 20.0})
     least = findings.printed("left_stretch_1")
     words = f"load on the carriage in the middle; {bearings.APPLIED / bearings.POUND:.0f} lbf is applied in 4.2"
     findings.add_number("unseat", carriage_load_that_unloads_row(REDUCED) / bearings.POUND, words, as_printed=2.0 * least)

@@ -19,6 +19,8 @@ from rollbench.compare.printed import load_printed_table
 from rollbench.lowfi import rollers
 from rollbench.lowfi.bearings import angular_contact, as_printed, axis, tapered_roller, torque
 from rollbench.lowfi.statics.validity import DENT_PRESSURE
+from rollbench.meshes.axis import RollerRow
+from rollbench.meshes.parts import Lubricant, Material
 from rollbench.meshes.units import parse_quantity
 
 #: Units that Smith's thesis uses, in SI.
@@ -186,21 +188,21 @@ def table_2_1(findings: ComputedEntryValues, cache: SceneResultCache) -> None:  
 def _compute_ball_bearing_dimensions(findings: ComputedEntryValues) -> None:
     """Compute the ball bearing's dimensions in Smith's Figure 2-10; ``findings`` receives the results."""
     b = smith_ball_bearing()
-    lengths = {
+    given = {
         "D": b.ball_diameter,
         "d_i": b.inner_raceway,
         "d_o": b.outer_raceway,
         "r_i": b.inner_groove,
         "r_o": b.outer_groove,
-        "d_m": b.pitch_diameter,
-        "P_d": b.clearance,
     }
-    for key, value in lengths.items():
-        findings.add_number(key, value / INCH)
-        findings.add_number(f"{key}_mm", 1e3 * value)
+    sums = {"d_m": b.pitch_diameter, "P_d": b.clearance}
+    findings.numbers({key: value / INCH for key, value in given.items()})
+    findings.follow({key: value / INCH for key, value in sums.items()})
+    findings.follow({f"{key}_mm": 1e3 * value for key, value in (given | sums).items()})
     findings.numbers({"Z": float(b.balls), "F": SHEET_LOAD / POUND, "F_p": PRELOAD / POUND, "stretch": 2000.0})
     curvature = b.centre_distance / b.ball_diameter
-    findings.numbers({"B": curvature, "B_mm": curvature, "alpha_0": degrees(b.free_angle), "alpha_0_rad": b.free_angle})
+    findings.follow({"B": curvature, "B_mm": curvature, "alpha_0_rad": float(np.radians(findings.printed("alpha_0")))})
+    findings.add_number("alpha_0", degrees(b.free_angle))
     words = f"{degrees(float(ball_bearing_state(SHEET_LOAD).contact_angle)):.2f} deg under 2040 lbf"
     findings.add_number("alpha_nominal", degrees(b.free_angle), words)
 
@@ -335,6 +337,28 @@ def section_2_2(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     findings.add_claim("parabola", straight, f"differences of 1/S {steps.min():.5f} to {steps.max():.5f} 1e-6 in/lbf a row")
 
 
+def static_rating_of_ball_bearing_row() -> float:
+    """Return Palmgren's static load rating [N] of Smith's ball bearing at its contact angle under `BALL_TORQUE_LOAD`."""
+    b, s = smith_ball_bearing(), ball_bearing_state(BALL_TORQUE_LOAD)
+    (across, along), _ = angular_contact.relative_curvatures(b, s.contact_angle)
+    return torque.palmgren_static_rating(1, b.balls, b.ball_diameter, float(s.contact_angle), float(across), float(along))
+
+
+def load_dependent_torque(static_rating: float, **factors: float) -> float:
+    """Return the torque of Smith's ball bearing by Palmgren's load-dependent part [in-lbf].
+
+    ``static_rating``: static load rating [N]; ``factors``: changed factors of `torque.load_dependent_torque`.
+    """
+    thrust, diameter = BALL_TORQUE_LOAD, smith_ball_bearing().pitch_diameter
+    return torque.load_dependent_torque(thrust, 0.0, diameter, static_rating, **factors).torque / INCH_POUND
+
+
+def torque_of_ball_bearing_row() -> tuple[float, float]:
+    """Return the two parts of the friction torque of one row of Smith's ball bearing [in-lbf]: viscous, and by load."""
+    viscous = torque.load_independent_torque(2.0, smith_ball_bearing().pitch_diameter, VISCOSITY, SPEED)
+    return viscous / INCH_POUND, load_dependent_torque(static_rating_of_ball_bearing_row())
+
+
 def section_2_3(findings: ComputedEntryValues, cache: SceneResultCache) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the friction torque of the ball bearing: section 2.3 of Smith (1994).
 
@@ -346,22 +370,14 @@ def section_2_3(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
         {"nu": 1e6 * VISCOSITY, "n": SPEED / RPM, "f_0": 2.0, "F": BALL_TORQUE_LOAD / POUND, "Y_0": 0.3, "X_0": 0.5}
     )
     findings.add_number("F_kg", BALL_TORQUE_LOAD / 9.80665, "1 kg taken as 2.2 lb", as_printed=1000.0 / 2.2)
-    viscous = torque.load_independent_torque(2.0, b.pitch_diameter, VISCOSITY, SPEED) / INCH_POUND
+    viscous, loaded = torque_of_ball_bearing_row()
     findings.add_number("M_0", viscous)
     product = 1e6 * VISCOSITY * SPEED / RPM
     findings.add_claim("form", product >= 2000.0, f"v n = {product:.0f} cSt rpm")
-    s = ball_bearing_state(BALL_TORQUE_LOAD)
-    (across, along), _ = angular_contact.relative_curvatures(b, s.contact_angle)
-    rating = torque.palmgren_static_rating(1, b.balls, b.ball_diameter, float(s.contact_angle), float(across), float(along))
-
-    def by_load(static_rating: float, **factors: float) -> float:
-        """Return Palmgren's load-dependent torque [in-lbf] with changed ``factors``; ``static_rating``: in N."""
-        found = torque.load_dependent_torque(BALL_TORQUE_LOAD, 0.0, b.pitch_diameter, static_rating, **factors)
-        return found.torque / INCH_POUND
-
+    s, rating = ball_bearing_state(BALL_TORQUE_LOAD), static_rating_of_ball_bearing_row()
     radial = 1.25e6 * torque.KILOGRAM_FORCE * b.balls * b.ball_diameter**2 * float(np.cos(b.free_angle))
-    loaded, whole, three = by_load(rating), by_load(rating, axial_factor=1.0), by_load(3.0 * rating)
-    nearest = by_load(radial, axial_factor=0.5)
+    whole, three = load_dependent_torque(rating, axial_factor=1.0), load_dependent_torque(3.0 * rating)
+    nearest = load_dependent_torque(radial, axial_factor=0.5)
     share = float((s.inner_hertz.pressure(s.ball_load) / DENT_PRESSURE) ** 3)
     thrust = BALL_TORQUE_LOAD, 0.0, share
     row = torque.ball_bearing_torque("angular contact", float(s.contact_angle), b.pitch_diameter, thrust, None)
@@ -372,12 +388,13 @@ def section_2_3(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     )
     words += "by what the text does not say: X_0 in place of Y_0, and Palmgren's radial C_0 = 1.25 kg/mm2 Z D^2 cos(alpha)"
     findings.add_number("M_1", loaded, words)
-    words = f"computed: {viscous:.2f} + {loaded:.2f} = {viscous + loaded:.2f} in-lb"
-    findings.add_number("M", findings.printed("M_0") + findings.printed("M_1"), words)
+    words = f"computed: {viscous:.2f} + {loaded:.2f} in-lb"
+    findings.add_number("M", viscous + loaded, words, follows=findings.printed("M_0") + findings.printed("M_1"))
     pound = 1e-3 * torque.KILOGRAM_FORCE / INCH_POUND
     findings.add_number("unit", pound, "kg mm in in-lbf", as_printed=2.2 / 25.4)
     film = 1e-6 * torque.LEAST_FILM * RPM * DENSITY / ATMOSPHERE
-    findings.add_number("film", film, f"nu n = {torque.LEAST_FILM:g} cSt rpm, oil of {DENSITY:g} kg/m3, one atmosphere")
+    words = f"nu n = {torque.LEAST_FILM:g} cSt rpm, oil of {DENSITY:g} kg/m3, one atmosphere"
+    findings.add_number("film", None, words, follows=film)
     findings.add_number("f_1", 0.0013)
     findings.add_number("k_0", 2.8)
     test = findings.printed("M_test")
@@ -387,7 +404,7 @@ def section_2_3(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     growth = (2000.0 / 500.0) ** (4.0 / 3.0)
     words = f"by (2.33), (2.34) the load's part grows {growth:.1f} times from 500 to 2000 lbf"
     findings.add_claim("insensitive", growth < 1.5, words)
-    findings.add_number("M_test_3", 3.0 * test)
+    findings.add_number("M_test_3", 3.0 * most, follows=3.0 * test)
     percent = float(error_percent(findings.printed("M"), test))
     off = float(error_percent(viscous + loaded, test))
     words = f"{findings.printed('M'):g} is {percent:+.0f} % off {test:g} in-lb, the computed sum {off:+.0f} %"
@@ -535,7 +552,7 @@ def _compute_taper_contacts(findings: ComputedEntryValues) -> None:
     p = as_printed.roller_contact_as_printed(
         SHEET_LOAD / POUND, b.rollers, b.length / INCH, b.diameter / INCH, b.pitch_diameter / INCH, b.cone_angle
     )
-    findings.add_number("a", 0.5 * b.length / INCH)
+    findings.follow({"a": 0.5 * b.length / INCH})
     race = SHEET_LOAD / (b.rollers * float(np.sin(b.cup_angle))) / POUND
     words = f"race load {race:.0f} lbf with the rib's part, {p.roller_load:.0f} as printed"
     findings.add_number("b", float(c.half_widths[0]) / INCH, words, as_printed=p.half_width)
@@ -547,15 +564,37 @@ def _compute_taper_contacts(findings: ComputedEntryValues) -> None:
     for key in ("rib_a", "rib_b", "rib_sigma"):
         findings.add_number(key, None, words)
     words = "pi a b of the printed semi-axes beside a b"
-    findings.add_number("rib_A", np.pi * a_rib * b_rib, words, as_printed=a_rib * b_rib)
+    findings.add_number("rib_A", None, words, as_printed=a_rib * b_rib, follows=np.pi * a_rib * b_rib)
     ours = b.rollers * float(c.areas.sum()) / INCH**2
     inner, outer = (float(a) / INCH**2 for a in ball_bearing_state(SHEET_LOAD).contact_areas())
     balls = smith_ball_bearing().balls * (inner + outer)
     findings.add_number("area_taper", ours, as_printed=2.0 * b.rollers * p.contact_area)
     words = "as printed from 0.0065 in2, itself open"
     findings.add_number("area_ball", balls, words, as_printed=2.0 * smith_ball_bearing().balls * 0.0065)
-    findings.add_number("area_rib", b.rollers * np.pi * a_rib * b_rib, as_printed=b.rollers * area)
+    findings.add_number("area_rib", None, as_printed=b.rollers * area, follows=b.rollers * np.pi * a_rib * b_rib)
     findings.add_claim("less_area", ours < balls, f"{ours:.3f} in2 against {balls:.3f} in2: {ours / balls:.1f} times")
+
+
+def torque_of_tapered_row_in_lbf(thrust: float) -> tuple[float, float]:
+    """Return the friction torque of a row of Smith's tapered bearing at his oil and speed, (low, high) [in-lbf].
+
+    The ends are for coefficients of friction on the rib of 0.03 and 0.15, which are assumed (Smith prints none); the rib's
+    contact is a point. ``thrust``: thrust on the row [N], shared equally by its rollers.
+    """
+    b = smith_tapered_bearing()
+    row = RollerRow(b.rollers, b.diameter, b.length, b.cup_angle, b.roller_angle, b.depth, Material(b.young, b.poisson))
+    even = np.full((b.rollers, row.slices), thrust / (b.rollers * np.sin(b.cup_angle) * b.length))
+    found = torque.roller_bearing_torque(row, even, SPEED, Lubricant(VISCOSITY, DENSITY))
+    assert found is not None
+    assert found.low is not None
+    assert found.high is not None
+    return found.low / INCH_POUND, found.high / INCH_POUND
+
+
+def torque_band_words(thrust: float) -> str:
+    """Return a remark with our band of a tapered row's torque at a thrust [N]."""
+    low, high = torque_of_tapered_row_in_lbf(thrust)
+    return f"ours {low:.2g} to {high:.3g} in-lb, with 0.03 to 0.15 assumed for the rib's friction"
 
 
 def _compute_taper_tests(findings: ComputedEntryValues) -> None:
@@ -582,10 +621,11 @@ def _compute_taper_tests(findings: ComputedEntryValues) -> None:
     viscosity = VISCOSITY * DENSITY
     implied = torque.timken_factor_from_torque(findings.printed("M") * INCH_POUND, viscosity, SPEED, TAPER_TORQUE_LOAD)
     unit = torque.timken_running_torque(1.0, viscosity, SPEED, TAPER_TORQUE_LOAD) / INCH_POUND
-    findings.add_number("M", None, f"{unit:.4f} in-lb times G_1: needs G_1 = {implied:.0f}")
+    ours = torque_band_words(TAPER_TORQUE_LOAD)
+    findings.add_number("M", None, f"{ours}; by Timken {unit:.4f} in-lb times G_1: needs G_1 = {implied:.0f}")
     test = findings.printed("M_test")
-    findings.add_number("M_test", None, f"needs G_1 = {test / unit:.0f}")
-    findings.add_number("M_test_2", 2.0 * test)
+    findings.add_number("M_test", None, f"{ours}; needs G_1 = {test / unit:.0f}")
+    findings.follow({"M_test_2": 2.0 * test})
     percent = float(error_percent(findings.printed("M"), test))
     findings.add_claim("fair", abs(percent) <= 10.0, f"{percent:+.0f} %")
 

@@ -1,26 +1,19 @@
-"""``rollbench verify``: compare the hashes of a report's files and inputs with the hashes in its manifest.
-
-The module also lists the changes between two reports or between two pages.
-"""
+"""Changes between two reports, or between two pages of a scene, as lines of text."""
 
 from __future__ import annotations
 
 import csv
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from rollbench.compare.errors import ArgumentError, InputError, escape_unprintable
+from rollbench.compare.errors import ArgumentError, InputError
 from rollbench.compare.measure import error_percent
-from rollbench.compare.provenance import SCENE, SOURCES, hashes_of_report_inputs, sources_hash
-from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.report.several import INDEX, write_scene_pages
-from rollbench.compare.scenes import catalogue
 from rollbench.compare.text.printing import CommandOutput
-from rollbench.reports.manifest import FILE, hashes_of_report_files, read_manifest, read_report_file, sha256
-from rollbench.reports.scene_page import html_without_manifest, read_page_data, results_hash
+from rollbench.reports.manifest import read_report_file
+from rollbench.reports.scene_page import read_page_data
 
 #: Relative changes of a number [%] that are ignored: between two pages as round-off, between two reports as solver
 #: tolerance.
@@ -124,57 +117,6 @@ def _cell_difference(row_and_column: str, old: str | None, new: str | None) -> I
         yield f"{row_and_column}: {a:.6g} became {b:.6g} ({change:+.3g} %)"
 
 
-@dataclass(frozen=True)
-class HashCheck:
-    """SHA-256 of one input or file of a report, as its manifest states it and as computed now."""
-
-    #: Name of the input or file in the manifest.
-    name: str
-    #: Hash in the manifest; empty: the manifest does not name the file.
-    hash_in_manifest: str
-    #: Hash computed now; empty: the file is missing.
-    hash_now: str
-
-    @property
-    def comparison_result(self) -> str:
-        """Result of the comparison: "ok", "changed", "missing" or "added"."""
-        if not self.hash_in_manifest:
-            return "added"
-        return "missing" if not self.hash_now else "ok" if self.hash_now == self.hash_in_manifest else "changed"
-
-    @property
-    def terminal_line(self) -> str:
-        """Line for the terminal: result of the comparison, name and hash."""
-        now = f", now {self.hash_now[:16]}" if self.comparison_result == "changed" else ""
-        name, stated = escape_unprintable(self.name), escape_unprintable(self.hash_in_manifest[:16])
-        return f"{self.comparison_result:8} {name} {stated}{now}"
-
-
-def report_folder(report: Path) -> Path:
-    """Return the folder of a report, given the path of this folder or of the report's first page."""
-    return report if report.is_dir() else report.parent
-
-
-def check_report_hashes(report: Path, stores: Sequence[Path]) -> Iterator[HashCheck]:
-    """Compare every hash in a report's manifest, of its files and inputs, with the hash computed now.
-
-    ``report``: folder or first page of the report. ``stores``: folders with runs of the 3D reference. Files that the
-    manifest does not name are also yielded. Raises InputError for a damaged manifest.
-    """
-    folder = report_folder(report)
-    try:
-        manifest = read_manifest(folder)
-    except (OSError, ValueError) as error:
-        value = f"an unusable file: {error}"
-        raise InputError(str(folder / FILE), "file", value, "a report's manifest", "write the report again") from None
-    names = [name.removeprefix(SCENE) for name in manifest["inputs"] if name.startswith(SCENE)]
-    texts = {name: catalogue.shipped_scene_text(name) for name in names if name in catalogue.scene_names()}
-    files = hashes_of_report_files(folder)
-    for stated, computed in ((manifest["files"], files), (manifest["inputs"], hashes_of_report_inputs(stores, texts))):
-        yield from (HashCheck(name, value, computed.get(name, "")) for name, value in stated.items())
-    yield from (HashCheck(name, "", files[name]) for name in files.keys() - manifest["files"].keys())
-
-
 def read_scene_page(report: Path) -> tuple[str, dict[str, Any]]:
     """Read a page that `rollbench report SCENE` wrote: return its HTML text and the data that it contains.
 
@@ -188,39 +130,6 @@ def read_scene_page(report: Path) -> tuple[str, dict[str, Any]]:
     except (OSError, ValueError) as error:
         advice = "write a page with a manifest: rollbench report SCENE"
         raise InputError(str(path), "file", f"an unusable file: {error}", "a page with a manifest", advice) from None
-
-
-def check_page_hashes(html: str, page_data: dict[str, Any], stores: Sequence[Path]) -> Iterator[HashCheck]:
-    """Compare every hash in a page's manifest (page, scene, results, code, stored runs) with the hash computed now.
-
-    ``html``: text of the page. ``page_data``: its manifest, scene file and results by these names. ``stores``: folders with
-    runs of the 3D reference.
-    """
-    manifest = page_data["manifest"]
-    carried = {
-        "page": sha256(html_without_manifest(html)),
-        "scene": sha256(page_data["scene"]),
-        "results": results_hash(page_data["results"]),
-    }
-    yield from (HashCheck(name, str(manifest.get(name) or "none"), computed) for name, computed in carried.items())
-    for name, stated in dict(manifest.get("files", {})).items():
-        paths = [p for store in stores if (p := store / Path(name).name).is_file()]
-        yield HashCheck(name, stated, sources_hash() if name == SOURCES else sha256(paths[0].read_bytes()) if paths else "")
-
-
-def verify_report_hashes(report: Path, store: Path) -> CommandOutput:
-    """Check all hashes of a report or page; return lines for the terminal and the exit code: 1 if any hash differs, else 0.
-
-    ``report``: folder or first page of the report. ``store``: folder with runs of the 3D reference, used besides the
-    shipped runs. Raises InputError for a file without manifest.
-    """
-    stores = (store, shipped_store(), report_folder(report))  # the last one: pages of several scenes
-    whole = (report_folder(report) / FILE).is_file()
-    rows = list(check_report_hashes(report, stores) if whole else check_page_hashes(*read_scene_page(report), stores))
-    shown = [row for row in rows if not whole or row.comparison_result != "ok"]  # a whole report has hundreds
-    wrong = sum(row.comparison_result != "ok" for row in rows)
-    count = f"{len(rows) - wrong} of {len(rows)} hashes hold: {'the same inputs and code' if not wrong else 'see above'}"
-    return CommandOutput(texts_and_tables=[*(row.terminal_line for row in shown), count], exit_code=1 if wrong else 0)
 
 
 def write_and_compare_pages(
@@ -260,7 +169,7 @@ def write_and_compare_pages(
     parts.append(f"page: {out / INDEX}")
     if before is not None:
         after = read_scene_page(out)[1]
-        compared = {"manifest": _manifest_without_run_specifics, "results": _results_without_solver_report}
+        compared = {"manifest": _manifest_without_date, "results": _results_without_solver_report}
         lines = [line for key, kept in compared.items() for line in result_differences(kept(before[key]), kept(after[key]))]
         parts += lines or ["nothing changed"]
     return CommandOutput(
@@ -268,10 +177,9 @@ def write_and_compare_pages(
     )
 
 
-def _manifest_without_run_specifics(manifest: dict[str, Any]) -> dict[str, Any]:
-    """Return a page's manifest without the entries that change in every run: date, and hashes of page and results."""
-    kept = {key: value for key, value in manifest.items() if key not in ("page", "results")}
-    return kept | {"provenance": {k: v for k, v in manifest["provenance"].items() if k != "date"}}
+def _manifest_without_date(manifest: dict[str, Any]) -> dict[str, Any]:
+    """Return a page's manifest without the date, which changes in every run."""
+    return manifest | {"provenance": {k: v for k, v in manifest["provenance"].items() if k != "date"}}
 
 
 def _results_without_solver_report(results: dict[str, Any]) -> dict[str, Any]:
