@@ -96,7 +96,7 @@ def with_nominal_arms(parts):
 
 def solved(parts, **options):
     """Result of an assembly that must converge."""
-    result = solve_assembly(parts, engine="compiled", **options)
+    result = solve_assembly(parts, **options)
     assert result.status == "converged"
     return result
 

@@ -1,5 +1,4 @@
-"""Linear algebra on one thread in every worker, as on the command line. What compiles kernels and what takes long is begun
-first."""
+"""Linear algebra on one thread in every worker, as on the command line. What takes long is begun first."""
 
 import gc
 import json
@@ -62,14 +61,9 @@ def pytest_itemcollected(item: pytest.Item) -> None:
         item.add_marker("further")
 
 
-def begun(item: pytest.Item) -> tuple[float, bool]:
-    """Place of a test: those that compile kernels first, the longest before, each worker others, so that one loads what
-    another compiled; then the slow ones, so that none is left at the end with one worker waiting for the other. Those
-    of every run are not among them: they take seconds once their kernels are compiled, and would compile them again."""
-    compiles = item.get_closest_marker("compiles")
-    return -compiles.args[0] if compiles else 0.0, not item.get_closest_marker("slow") or bool(
-        item.get_closest_marker("every_run")
-    )
+def begun(item: pytest.Item) -> bool:
+    """Place of a test: the slow ones first, so that none is left at the end with one worker waiting for the other."""
+    return item.get_closest_marker("slow") is None
 
 
 def keep_group(item: pytest.Item) -> None:
@@ -88,7 +82,7 @@ def pytest_collection() -> Iterator[None]:
         return (yield)
     finally:
         gc.freeze()
-        gc.set_threshold(5000)  # of 700: compiling and solving make many small objects that live on
+        gc.set_threshold(5000)  # of 700: solving makes many small objects that live on
         gc.enable()
 
 
@@ -151,12 +145,3 @@ class Command:
 def command(capsys: pytest.CaptureFixture[str]) -> Command:
     """Runs a command with its words."""
     return Command(capsys)
-
-
-@pytest.fixture
-def friction_of_solve(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Let `solve` sum friction over contacts in plain Python where no kernel is compiled; it leaves the sums out otherwise,
-    and what it answers would depend on the tests that ran before."""
-    from rollbench.compare.models import friction_sums
-
-    monkeypatch.setattr(friction_sums, "is_machine_code_cached", lambda _: True)

@@ -9,7 +9,7 @@ from scipy.special import ellipe
 from rollbench.lowfi.friction.contact.equilibrium import ContactLoadSolution
 from rollbench.lowfi.friction.contact.laws import EllipticalContacts
 from rollbench.lowfi.friction.screw import motion
-from rollbench.lowfi.friction.screw.chain import PATIENCE, solve_loads_and_motion
+from rollbench.lowfi.friction.screw.coupled import PATIENCE, solve_loads_and_motion
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.meshes.arrays import Array
 
@@ -36,9 +36,7 @@ class CoupledBall(NamedTuple):
     converged: bool
 
 
-def coupled_ball(
-    cell: motion.BallsBetweenGrooves, coupling: motion.Coupling = "ball and screw", fast: bool = True
-) -> CoupledBall:
+def coupled_ball(cell: motion.BallsBetweenGrooves, coupling: motion.Coupling = "ball and screw") -> CoupledBall:
     """Loads and motion of the one ball of a cell in agreement, with rest and slip exact; see ``coupled_chain``.
 
     Failure is data: see ``converged``.
@@ -50,7 +48,7 @@ def coupled_ball(
     bare, mixer = (load.ball_displacements, load.inner_body_displacements), motion.AndersonAcceleration()
     push, drag, start, rounds = cell.ball_friction_forces, cell.screw_friction_forces, None, 0
     while True:
-        moved = motion.solve_ball_motion(cell.groove, load.force[0], load.angle[0], start=start, fast=fast)
+        moved = motion.solve_ball_motion(cell.groove, load.force[0], load.angle[0], start=start)
         x = np.append(push, drag)
         g = np.append(*motion.friction_on_balls_and_screw(cell, moved.wrench[None], np.zeros((1, 2)), coupling))
         change, allowed = float(np.max(np.abs(g - x))), motion.AGREED * float(np.sum(load.force))
@@ -58,7 +56,7 @@ def coupled_ball(
         if change <= allowed or rounds == motion.ROUNDS:
             good = load.converged and moved.motion.status != "failed" and change <= allowed
             return CoupledBall(load, moved, good)
-        joint = solve_loads_and_motion(cell, np.full(1, np.inf), bare, None, fast) if rounds == PATIENCE else None
+        joint = solve_loads_and_motion(cell, np.full(1, np.inf), bare) if rounds == PATIENCE else None
         if joint is not None and joint.reached_full_friction:
             push, drag = joint.ball_friction_forces, joint.screw_friction_forces
             displacements = joint.ball_displacements, joint.screw_displacements

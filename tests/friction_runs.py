@@ -1,6 +1,7 @@
 """Shared by tests of transient simulations: screws and bearings whose balls meet, enter and leave; settings."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from tests.helpers import small_screw
@@ -21,11 +22,11 @@ WAVES = Errors(
 
 
 def setting(scene, friction=MU, motion=TURN, solve=contact_loads_by_beam_model):
-    """A run of a scene with a rigid or beam screw, compiled kernels."""
+    """A run of a scene with a rigid or beam screw."""
     scene = replace(scene, motion=motion)
     drawn = draw_errors(scene)
     balls = balls_in_circuits(scene, friction, motion, drawn)
-    return SceneInMotion(scene, friction, motion, drawn, balls, lambda met, at: solve(scene, met, at, "compiled"))
+    return SceneInMotion(scene, friction, motion, drawn, balls, partial(solve, scene))
 
 
 def crowded(clearance=1e-6, count=6, hand="right", **options):

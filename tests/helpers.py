@@ -1,12 +1,11 @@
-"""Shared by the physics tests: small scenes, changes of scenes, and problems ready for the kernels."""
+"""Shared by the physics tests: small scenes, changes of scenes, and problems ready for the solver."""
 
 from dataclasses import replace
 
 import numpy as np
 
-from rollbench.lowfi import jit
 from rollbench.lowfi.statics.problem import build_problem
-from rollbench.lowfi.statics.static import beam_equations, solve_static
+from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes import parts
 from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.groove import GroovedBodySpec
@@ -66,13 +65,11 @@ def with_ingredients(scene, **changes):
     return replace(scene, ingredients=replace(scene.ingredients, **changes))
 
 
-def prepared(scene, engine="interpreted", *, everything=False):
-    """The scene as the kernels take it, with all four flanks built."""
+def four_flank_problem(scene, *, everything=False):
+    """The arrays of a scene's static problem with all four flanks."""
     layout = ball_layout(scene)
-    problem = build_problem(
-        scene, draw_geometry_with_errors(scene, layout), layout, np.ones(4, dtype=bool), everything=everything
-    )
-    return beam_equations(problem, jit.load_kernel_package(jit.STATICS, compiled=engine == "compiled"))
+    drawn = draw_geometry_with_errors(scene, layout)
+    return build_problem(scene, drawn, layout, np.ones(4, dtype=bool), everything=everything)
 
 
 def solved(scene, **options):

@@ -6,9 +6,8 @@ import numpy as np
 from tests.helpers import FLANK_ERRORS, small_screw, with_ingredients
 
 from rollbench.compare.scenes import catalogue
-from rollbench.lowfi import jit
 from rollbench.lowfi.compliance.parts import REFINED
-from rollbench.lowfi.statics.elastic import ElasticInput
+from rollbench.lowfi.statics.equations import StaticInput
 from rollbench.lowfi.statics.held import find_unresisted_motions
 from rollbench.lowfi.statics.static import pin_free_motions
 from rollbench.meshes.errors import draw_geometry_with_errors
@@ -27,11 +26,10 @@ SCENES = {
 }
 
 
-def elastic_equations(scene, backend=REFINED, use=(True,) * 4, *, compiled=False):
+def elastic_equations(scene, backend=REFINED, use=(True,) * 4):
     """Equations of a scene with elastic bodies, with the flanks ``use``."""
     layout = ball_layout(scene)
-    kernels = jit.load_kernel_package(jit.STATICS, compiled=compiled)
     drawn = draw_geometry_with_errors(scene, layout)
-    made = ElasticInput(scene, drawn, layout, np.array(use), kernels, backend=backend)
+    made = StaticInput(scene, drawn, layout, np.array(use), backend=backend)
     problem = made.build_problem()
     return made.build_equations(pin_free_motions(problem, find_unresisted_motions(problem)))

@@ -1,6 +1,6 @@
 """What solves, set-ups and samples cost: ``pytest -n 0 tests/benchmarks/bench_solves.py``.
 
-The plain test run does not collect it. Linear algebra on one thread, kernels compiled before they are timed.
+The plain test run does not collect it. Linear algebra on one thread.
 """
 
 from dataclasses import replace
@@ -25,7 +25,7 @@ from rollbench.lowfi.as_source import solve_by_lin_equations
 from rollbench.lowfi.friction.screw.run import solve_pair_of_screw_balls
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.lowfi.friction.whole.torque import ONE_TURN
-from rollbench.lowfi.random_errors.chain import solve_ensemble
+from rollbench.lowfi.random_errors.ensemble import solve_ensemble
 from rollbench.lowfi.statics.axis.solve import solve_assembly
 from rollbench.lowfi.statics.contacts import clear_nominal_caches
 from rollbench.lowfi.statics.response import clear_compliance_caches
@@ -36,13 +36,12 @@ from rollbench.meshes.parts import Friction
 
 CASE, PAIR = catalogue.scene("lin-case1"), catalogue.shipped_scene("double-nut")
 SCREW_PAIR, RANDOM = oversized_pair(), catalogue.scene("lin-random")
-COMPILED = ModelOptions(engine="compiled", estimate_beam_mesh_error=False)
+WITHOUT_MESH_ERROR = ModelOptions(estimate_beam_mesh_error=False)
 SOLVES = {
-    "lin": lambda: solve_static(CASE, engine="compiled"),
-    "lin, interpreted": lambda: solve_static(CASE, engine="interpreted"),
+    "lin": lambda: solve_static(CASE),
     "the source's Newton": lambda: solve_by_lin_equations(CASE, tolerance=1e-10),
-    "refined, bodies kept": lambda: run_model(CASE, "refined", COMPILED),
-    "double nut": lambda: solve_assembly(PAIR, engine="compiled"),
+    "refined, bodies kept": lambda: run_model(CASE, "refined", WITHOUT_MESH_ERROR),
+    "double nut": lambda: solve_assembly(PAIR),
     "pair of balls of a screw": lambda: solve_pair_of_screw_balls(SCREW_PAIR),
     "thousand members": lambda: solve_random_draws(RANDOM, 1000),
     "thousand members with tolerances": lambda: solve_random_draws(catalogue.scene("lin-case3-tolerances"), 1000),
@@ -51,7 +50,7 @@ SOLVES = {
 
 
 def timed(benchmark, work, setup=None):
-    """Time a work that was done once, so that kernels are compiled; setup: what is done before each round."""
+    """Time a work that was done once, so that caches are filled; setup: what is done before each round."""
     work()
     return benchmark.pedantic(work, setup=setup, rounds=5)
 
@@ -73,7 +72,7 @@ def test_solve_refined_bodies_new(benchmark):
 @pytest.mark.parametrize(("model", "balls"), [("lin", 32), ("lin", 125), ("lin", 500), ("refined", 32), ("refined", 125)])
 def test_growth_with_balls(benchmark, model, balls):
     scene = with_ball_count(CASE, balls)
-    timed(benchmark, lambda: run_model(scene, model, COMPILED))
+    timed(benchmark, lambda: run_model(scene, model, WITHOUT_MESH_ERROR))
 
 
 def row_of_nuts(number):
@@ -90,7 +89,7 @@ def row_of_nuts(number):
 @pytest.mark.parametrize("number", [4, 16])
 def test_nuts_on_one_shaft(benchmark, number):
     row = row_of_nuts(number)
-    timed(benchmark, lambda: solve_assembly(row, engine="compiled"))
+    timed(benchmark, lambda: solve_assembly(row))
 
 
 @pytest.mark.parametrize("varied", ["errors.balls.oversize=0 um:7 um", "nut.outer_diameter=46 mm:60 mm"])
@@ -99,13 +98,13 @@ def test_sample_of_a_sweep(benchmark, varied):
 
     def sample():
         value = vary.value_at_relative_position((0.618 * next(numbers)) % 1.0)
-        solve_sample(text, "lin-pitch.toml", [vary], [value], "refined", "compiled")
+        solve_sample(text, "lin-pitch.toml", [vary], [value], "refined")
 
     timed(benchmark, sample)
 
 
 def test_friction_of_a_whole_screw(benchmark):
-    result = run_model(CASE, "refined", COMPILED)
+    result = run_model(CASE, "refined", WITHOUT_MESH_ERROR)
     timed(benchmark, lambda: friction_state(CASE, result, Friction(0.1, 0.1), ONE_TURN, 0))
 
 

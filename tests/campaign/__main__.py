@@ -2,10 +2,11 @@
 
     python -m tests.campaign --random 2000 --seed 7 --keep compare/studies/campaign.json
     python -m tests.campaign --axes 300 --seed 7
+    python -m tests.campaign --again compare/studies/campaign.json
 
 It prints the counts and every bad outcome, and ends with 1 where there is one. With --keep the counts go to the file that
 the report reads, and an interrupted campaign goes on from the lines it left next to that file, as long as no source has
-changed.
+changed. --again judges the bad scenes of such a file once more, and notes there what became of them.
 """
 
 import argparse
@@ -16,6 +17,8 @@ from contextlib import redirect_stdout
 from pathlib import Path
 
 from tests.campaign import files, scenes
+from tests.campaign.draw import scene_text
+from tests.campaign.draw_axes import axis_text
 from tests.campaign.scenes import Campaign, Part
 
 from rollbench.compare import __version__
@@ -77,18 +80,36 @@ def keep(found: Record, path: Path) -> None:
     replace_file(path, json.dumps([*others, found], indent=1, ensure_ascii=False) + "\n")
 
 
+def judge_bad_scenes_again(path: Path) -> list[Record]:
+    """Judge every bad scene of a file of records again, note outcome, version and day there, and return the bad scenes."""
+    records = read_campaign_records(path)
+    bad = [(record, one) for record in records for one in record["bad"] if "scene" in one]
+    for record, one in bad:
+        draw = axis_text if "--axes" in record["command"] else scene_text
+        now = scenes.judge(record["seed"], one["scene"], record["model"], run_solve, draw)
+        words = one_line(now.words, 400)
+        one["again"] = {"version": __version__, "date": utc_date_today(), "verdict": now.verdict, "words": words}
+    replace_file(path, json.dumps(records, indent=1, ensure_ascii=False) + "\n")
+    return [one for _, one in bad]
+
+
 def main(arguments: list[str] | None = None) -> int:
     """Run a campaign; 1 where any outcome is bad."""
     parser = argparse.ArgumentParser(prog="python -m tests.campaign", description=__doc__.partition("\n")[0])
     what = parser.add_mutually_exclusive_group(required=True)
     what.add_argument("--random", type=int, metavar="COUNT", help="random screws and bearings")
     what.add_argument("--axes", type=int, metavar="COUNT", help="random axes, one to five sets on one shaft")
+    what.add_argument("--again", type=Path, metavar="FILE", help="the bad scenes of a file of records")
     parser.add_argument("--seed", type=int, default=1, help="scene K of a seed is the same whatever else is run")
     parser.add_argument("--model", default="lin", choices=[name for name in MODELS if name != "condensed"])
     parser.add_argument("--files", type=int, default=0, help="mutated scene files, and half as many stored files")
     parser.add_argument("--kills", type=int, default=0, help="how often a writing process is killed")
     parser.add_argument("--keep", type=Path, help="file of records to add the counts to")
     asked = parser.parse_args(arguments)
+    if asked.again:
+        again = judge_bad_scenes_again(asked.again)
+        print("\n".join(map(str, again)))
+        return int(any(one["again"]["verdict"] in BAD for one in again))
     axes = asked.axes is not None
     count = asked.axes if axes else asked.random
     if count < 1 or min(asked.seed, asked.files, asked.kills) < 0:

@@ -8,6 +8,8 @@ from rollbench.meshes.parts import FREEDOMS
 
 def axis_text(seed: int, number: int) -> str:
     """TOML text of axis ``number`` of a campaign; the same for the same seed and number, whatever was drawn before."""
+    if number % 10 == 7:
+        return _warm_axis_text(seed, number)
     rng = np.random.default_rng([seed, 4, number])
     count = int(rng.integers(1, 6))
     ball = log_uniform(rng, 1e-3, 6e-3)
@@ -99,3 +101,29 @@ def _held(rng: np.random.Generator, length: float) -> str:
     """Supports of the shaft: mostly only against turning."""
     held = ["rz"] if rng.random() < 0.6 else [f for f in FREEDOMS if rng.random() < 0.5]
     return f"[[supports]]\nat = {mm(length * rng.choice([0.0, 1.0]), 6)}\nfix = {listed(held)}\n" if held else ""
+
+
+def _warm_axis_text(seed: int, number: int) -> str:
+    """An axis whose only load is warming: two to four rows of balls on a plain shaft, the outer ones against each other."""
+    rng = np.random.default_rng([seed, 6, number])
+    ball = log_uniform(rng, 1e-3, 6e-3)
+    pitch, pace, count = ball * rng.uniform(4.0, 8.0), ball * rng.uniform(15.0, 60.0), int(rng.integers(2, 5))
+    text = (
+        f'title = "campaign {seed}, warm axis {number}"\nkind = "axis"\n'
+        f'[material]\nyoungs_modulus = "{rng.choice([70.0, 210.0, 310.0]):g} GPa"\npoissons_ratio = 0.3\n'
+        f'[screw]\nlength = "{1e3 * pace * (count + 1):.6g} mm"\nouter_diameter = "{2e3 * (pitch - 0.3 * ball):.6g} mm"\n'
+        f"conformity = {rng.uniform(0.51, 0.56):.4g}\n"
+        f'[heat]\nwarming = "{log_uniform(rng, 0.1, 40.0):.3g} K"\nexpansion = 11.5e-6\n'
+        '[[supports]]\nat = "0 mm"\nfix = ["rz"]\n'
+    )
+    around = int(2.0 * np.pi * pitch / (2.1 * ball))
+    for k in range(count):
+        thrust = "-z" if k == 0 else "+z" if k == count - 1 else str(rng.choice(["+z", "-z"]))
+        text += (
+            f'[[sets]]\nname = "s{k}"\nthrust = "{thrust}"\n[sets.track]\npitch_radius = "{1e3 * pitch:.9g} mm"\n'
+            f'lead = "0 mm"\ncontact_angle = "{rng.choice([25, 30, 40, 45, 60])} deg"\n'
+            f'[sets.nut]\nposition = "{1e3 * pace * (k + 1):.6g} mm"\nlength = "{4e3 * ball:.6g} mm"\n'
+            f'outer_diameter = "{3e3 * pitch:.6g} mm"\nconformity = {rng.uniform(0.51, 0.56):.4g}\n'
+            f'[sets.balls]\nradius = "{1e3 * ball:.9g} mm"\ncount = {max(3, int(around * rng.uniform(0.6, 0.95)))}\n'
+        )
+    return text + f'[ingredients]\nhertz = "{rng.choice(["nominal", "actual"])}"\n'

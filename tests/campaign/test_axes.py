@@ -16,6 +16,7 @@ from rollbench.meshes.parts import Scene
 
 #: Axes that were wrong or without an answer, by seed and number: what they are now, by what they needed.
 ONCE_BAD = {
+    (770202, 283): extremes.RIGHT,  # only round-off loads its housing
     (1, 0): extremes.RIGHT,  # a preload by force that other sets exceed without any shift
     (1, 68): extremes.PROVEN,  # a preload by force that nothing holds
     (1, 53): extremes.PROVEN,  # at mounting the shaft screws through its nut, by 30 mm
@@ -31,11 +32,15 @@ ONCE_BAD = {
 }
 
 
-@pytest.mark.compiles(30)
 @pytest.mark.parametrize(("seed", "number"), ONCE_BAD)
 def test_axes_that_were_wrong_once(seed, number):
     found = scenes.judge(seed, number, "lin", draw=axis_text)
     assert found.verdict == ONCE_BAD[seed, number], found.words
+
+
+def test_axes_that_are_only_warm_are_right_and_do_not_jump_under_a_small_load():
+    found = [scenes.judge(5, number, "lin", draw=axis_text) for number in (7, 17)]
+    assert [o.verdict for o in found] == [extremes.RIGHT] * 2, [o.words for o in found]
 
 
 def test_random_axes_are_right_or_refused_with_proof():
@@ -63,7 +68,7 @@ def test_the_judge_sees_what_is_off_at_mounting():
     """A preload on a housing that moves, while another housing is held where it is: loads of the row whose balls cross its
     groove's bottom, the slide of the outer part, what pushes it, and what pushes the housing back, each by a millionth."""
     axis = check_axes.as_mounted(scene_file.parse_scene(axis_text(9301, 160), "campaign.toml"))
-    found = MODELS["lin"].solve_assembly_or_reason(axis, scenes.COMPILED)
+    found = MODELS["lin"].solve_assembly_or_reason(axis, scenes.WITHOUT_MESH_ERROR)
     assert check_axes.faults(axis, found) == ""
     assert check_axes.crossed(axis, found)
     sets = list(found.sets)
@@ -85,11 +90,13 @@ def test_a_scene_is_an_assembly_of_one_set():
         scene = case.scene
         if not isinstance(scene, Scene) or scene.ingredients.partition != "nodal" or scene.ingredients.screw != "beam":
             continue
-        alone, found = solve_static(scene, engine="compiled"), solve_assembly(one_set(scene), engine="compiled")
+        alone, found = solve_static(scene), solve_assembly(one_set(scene))
         if not (alone.converged and found.converged and alone.load.max() > 0.0):
             continue
         apart = abs(found.sets[0].balls.load - alone.load).max() / alone.load.max()
         bound = max(alone.solver.round_off_bound, found.solver.round_off_bound)
-        assert apart <= max(1e-12, 10.0 * bound), (case.name, apart, bound)
+        # the contact forces bend 6 m of shaft by far more than the sum of their motions: 2e-11; all others 1e-12
+        exact = 5e-11 if scene.screw.length > 1.0 else 1e-12
+        assert apart <= max(exact, 10.0 * bound), (case.name, apart, bound)
         compared += 1
     assert compared >= 60

@@ -15,10 +15,9 @@ from tests.golden.means import answered, means, same, write
 #: The answers by their commands: a new command is added with an empty answer and written.
 RECORD = Path(__file__).parent / "answers.json"
 ANSWERS = json.loads(RECORD.read_text(encoding="utf-8"))
-#: What machines, engines and round-off decide, which of equal balls or rollers is named, and the friction that `solve` has
-#: only where kernels are compiled or it was kept; the version of the keys.
+#: What machines and round-off decide, which of equal balls or rollers is named; the version of the keys.
 LEFT_OUT = re.compile(
-    r"second|residual|iteration|memory|version|balance|equilibrium|round_off|evaluations|ball$|roller$|^\.summary\.friction$|^\.schema$"
+    r"second|residual|iteration|memory|version|balance|equilibrium|round_off|evaluations|ball$|roller$|^\.schema$"
 )
 
 
@@ -32,7 +31,6 @@ def marked(command):
     return pytest.param(command, marks=pytest.mark.further if command.startswith("friction") else ())
 
 
-@pytest.mark.usefixtures("friction_of_solve")
 @pytest.mark.parametrize("command", [marked(command) for command in ANSWERS])
 def test_no_number_of_an_answer_moves(command):
     same(kept(command), ANSWERS[command])

@@ -33,20 +33,22 @@ OTHERS = ("lin-cell", "lin-nut", "refined", "source", "mei", "mei-nut", "lin-sou
 ELASTIC, PLAIN = ("refined", "lin-nut", "lin-cell"), ("lin", "source", "mei", "mei-nut")
 #: Share of the moduli by which they differ for the choice of what is kept, and by which that may move; tolerance of a test.
 SHIFT, STEADY, TOLERANCE = 1e-11, 1e-8, 1e-6
+#: Difference of a number, in its unit, that is round-off of forces and lengths that cancel.
+NOISE = 1e-12
 #: Time, memory, round-off and how a solver went.
 LEFT_OUT = re.compile(
-    r"second|residual|iteration|memory|MB|version|balance|equilibrium|round_off|evaluations|ball$|upwind|engine|solver"
+    r"second|residual|iteration|memory|MB|version|balance|equilibrium|round_off|evaluations|ball$|upwind|solver"
     r"|change$|_error$|imbalance|goal|rounds|steps$|slack|\.state|remainder|^\.summary\.friction$"
 )
 MODULUS = re.compile(r'(youngs_modulus = ")([\d.]+)')
-COMPILED = ModelOptions(engine="compiled", estimate_beam_mesh_error=False)
+WITHOUT_MESH_ERROR = ModelOptions(estimate_beam_mesh_error=False)
 Found = tuple[str, dict[str, list[float]]]
 
 
 def weighted(value: Any) -> dict[str, list[float]]:
-    """Of each name below a value: a mean weighted by the places of its finite numbers, and mean size; the count of all."""
+    """Of each name below a value: a mean weighted by the places of its finite numbers, and mean size."""
     numbers = numbers_by_name(value, LEFT_OUT.search, properties=True)
-    out = {"count": [float(sum(x.size for x in numbers.values()))] * 2}
+    out = {}
     for name, every in numbers.items():
         x = every[np.isfinite(every)]
         if x.size:
@@ -134,14 +136,14 @@ def solved(text: str, model: str) -> Any:
     """A result, with all answers for one set of balls that bears loads."""
     described = scene_file.parse_scene(text, "drawn.toml")
     if isinstance(described, Assembly):
-        several = run_model(described, model, COMPILED)
+        several = run_model(described, model, WITHOUT_MESH_ERROR)
         loose = next((text for text in several.left_out if HELD in text), "")
         if re.search("u[xyz]|r[xy]", loose):  # round-off decides where it comes to rest
             return several.status, [s.loads for s in several.sets]
         return (several, compute_shaft_results(described, several)) if several.converged else several
     scene = scene_file.single_nut_scene_or_raise(described, "drawn.toml")
-    result = run_model(scene, model, COMPILED)
-    return (result, compute_scene_results(scene, result, model, COMPILED)) if result.converged else result
+    result = run_model(scene, model, WITHOUT_MESH_ERROR)
+    return (result, compute_scene_results(scene, result, model, WITHOUT_MESH_ERROR)) if result.converged else result
 
 
 def of_kind(number: int) -> str:
@@ -202,7 +204,6 @@ def written(name: str) -> dict[str, Any]:
 
 
 @pytest.mark.slow
-@pytest.mark.compiles(30)
 @pytest.mark.parametrize("name", ITEMS)
 def test_no_number_of_a_drawn_scene_moves(name):
     record = json.loads(RECORD.read_text(encoding="utf-8"))[name]
@@ -212,7 +213,8 @@ def test_no_number_of_a_drawn_scene_moves(name):
         assert not words or said == words, number
         for key, value in zip(record["names"], kept, strict=True):
             if value is not None:
-                assert found[key][0] == pytest.approx(value, rel=TOLERANCE, abs=TOLERANCE * found[key][1]), (number, key)
+                noise = max(TOLERANCE * found[key][1], NOISE)
+                assert found[key][0] == pytest.approx(value, rel=TOLERANCE, abs=noise), (number, key)
 
 
 if __name__ == "__main__":

@@ -24,7 +24,7 @@ def digits(x):
 
 def record(name):
     """Largest and smallest load of the loaded contacts, their ratio, some balls' loads, and the shaft's ends."""
-    result = solved(catalogue.scene(name), engine="interpreted")
+    result = solved(catalogue.scene(name))
     loaded = result.load[result.load > 0.0]
     picks = np.unique(np.linspace(0, result.load.shape[0] - 1, 5).astype(int))
     return {

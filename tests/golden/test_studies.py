@@ -31,7 +31,7 @@ RECORDED = json.loads(RECORD.read_text(encoding="utf-8"))
 STUDY = SceneResultCache()
 scene_of, stored = STUDY.built_in_scene, STUDY.stored_reference
 NAMES = (*REFERENCED, "unseen-flange", "unseen-four-point")
-OPTIONS = ModelOptions(estimate_beam_mesh_error=False, engine="interpreted")
+OPTIONS = ModelOptions(estimate_beam_mesh_error=False)
 
 
 def by_lin(name):

@@ -4,15 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.axes import assembly, bearing, double_nut, fixed_axis, mirrored, nut, one_set, solved
+from tests.axes import assembly, double_nut, fixed_axis, mirrored, nut, one_set, solved
 from tests.helpers import ALL_BUT_AXIAL, FLANK_ERRORS, NO_PROFILES, dense, relative, small_screw, with_ingredients
 
 from rollbench.compare.models.registry import MODELS as REGISTRY
-from rollbench.lowfi.statics.axis import elastic, solve
+from rollbench.lowfi.statics.axis import solve
 from rollbench.lowfi.statics.axis.system import build_assembly_arrays
-from rollbench.lowfi.statics.elastic import solve_elastic
-from rollbench.lowfi.statics.kernel.beam import add_element_stiffness
-from rollbench.lowfi.statics.static import solve_static
+from rollbench.lowfi.statics.beam import beam_stiffness_band
+from rollbench.lowfi.statics.static import solve_elastic, solve_static
 from rollbench.meshes.axis import Housing, Segment, diagonal_stiffness
 from rollbench.meshes.parts import Errors, Load, SideErrors, Support
 
@@ -37,7 +36,7 @@ ONE_SET = {
 #: Solvers of one set and of several, and how near their loads are.
 MODELS = {
     "lin": (solve_static, solve.solve_assembly, 1e-11),
-    "refined": (solve_elastic, elastic.solve_assembly_with_elastic_bodies, 1e-10),
+    "refined": (solve_elastic, solve.solve_assembly_with_elastic_bodies, 1e-10),
 }
 PAIRS = [(name, model) for name in ONE_SET for model in MODELS if (name, model) != ("bearing", "refined")]
 
@@ -45,8 +44,8 @@ PAIRS = [(name, model) for name in ONE_SET for model in MODELS if (name, model) 
 @pytest.mark.parametrize(("case", "model"), PAIRS)
 def test_one_set_is_the_model_of_one_set(case, model):
     scene, (solve_one, solve_several, near) = ONE_SET[case], MODELS[model]
-    alone = solve_one(scene, engine="compiled", everything=True)
-    found = solve_several(one_set(scene), engine="compiled")
+    alone = solve_one(scene, everything=True)
+    found = solve_several(one_set(scene))
     assert alone.status == found.status == "converged"
     of_set = found.sets[0].balls
     assert relative(of_set.load, alone.load) < near
@@ -109,10 +108,7 @@ def on_springs(parts, result, loads):
     s = system.structure
     n = s.nodes.size
     K = np.zeros((6 * n, 6 * n))
-    for e, (length, section) in enumerate(zip(np.diff(s.nodes), system.structure_arrays.sections, strict=True)):
-        band = np.zeros((12, 12))
-        add_element_stiffness(band, 0, length, section)
-        K[6 * e : 6 * e + 12, 6 * e : 6 * e + 12] += dense(band)
+    K += dense(beam_stiffness_band(np.diff(s.nodes), s.section_stiffnesses.T))
     for b, solved_set in zip(system.ball_sets, result.sets, strict=True):
         at = 6 * b.problem.first_nodes[0, 0 if b.problem.used_flanks[0] else 1]
         reach = np.eye(6)
@@ -155,20 +151,3 @@ def test_mirror_image_carries_the_mirrored_loads(parts):
     for a, b in zip(here.sets, there.sets, strict=True):
         assert relative(b.balls.load[:, [1, 0, 3, 2]], a.balls.load) < 1e-10
         assert relative(b.force, a.force * [1.0, 1.0, -1.0]) < 1e-10
-
-
-def test_envelope_grows_in_proportion_to_the_number_of_sets():
-    springs = diagonal_stiffness((1e8,) * 6)
-
-    def size(*sets, housings=()):
-        return int(build_assembly_arrays(assembly(*sets, housings=housings)).structure_arrays.row_offsets[-1])
-
-    def each_in_its_own(count):
-        places = 0.02 + 0.26 * (np.arange(count) + 0.5) / count
-        sets = (bearing(f"b{i}", z, "+z", housing=f"h{i}") for i, z in enumerate(places))
-        return size(*sets, housings=tuple(Housing(f"h{i}", z, (), springs) for i, z in enumerate(places)))
-
-    assert each_in_its_own(32) / each_in_its_own(16) == pytest.approx(2.0, rel=0.03)
-    nuts = [nut(f"n{i}", z) for i, z in enumerate((0.05, 0.1, 0.15, 0.2))]
-    together = size(*(replace(s, housing="h") for s in nuts), housings=(Housing("h", 0.1, (), springs),))
-    assert together < 1.7 * size(*nuts)

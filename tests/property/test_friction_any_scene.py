@@ -9,7 +9,6 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from tests.helpers import mirrored, small_screw
 
-from rollbench.lowfi import jit
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.parts import FourierTerm, Friction, Motion
@@ -33,13 +32,6 @@ def scenes(draw):
     grooves = [2.778e-3 * draw(st.sampled_from((1.02, 1.06, 1.17, 3.0))) for _ in range(2)]
     screw, nut = replace(scene.screw, groove_radius=grooves[0]), replace(scene.nut, groove_radius=grooves[1])
     return replace(scene, errors=errors, screw=screw, nut=nut)
-
-
-@pytest.fixture(scope="module", autouse=True)
-def compiled():
-    """Kernels that are loaded serve small scenes too."""
-    for package in (jit.STATICS, jit.CONTACT):
-        jit.load_kernel_package(package, compiled=True)
 
 
 coefficient = st.sampled_from((1e-4, 0.01, 0.1, 0.5))

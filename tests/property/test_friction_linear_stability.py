@@ -25,12 +25,17 @@ def check(bearing, angles, loads, rng, motion: float = 1e-6) -> LinearChainSolut
     motion: agreement asked of the velocities over the carriage's.
     """
     chain = prepare_linear_chain(bearing, angles, loads)
-    one, two = solve_linear_chain(chain), solve_linear_chain(chain, start=rng.uniform(-3.0, 3.0, (len(angles), 3)))
+    one, two = (
+        solve_linear_chain(chain),
+        solve_linear_chain(
+            chain, start=chain.groove.nominal_motion[0] * rng.uniform(-6.0, 6.0, (len(angles), 4)) / chain.groove.levers
+        ),
+    )
     case = bearing.mu, angles, loads
     for result in (one, two):
         assert result.status == "converged", (case, result.largest_imbalance_ratio, result.largest_closing_speed_ratio)
-        assert abs(result.power - result.loss) <= 1e-8 * chain.force_unit * abs(bearing.speed), case
-    np.testing.assert_allclose(two.ball_force, one.ball_force, atol=1e-6 * chain.force_unit, err_msg=str(case))
+        assert abs(result.power - result.loss) <= 1e-8 * chain.largest_friction_bound * abs(bearing.speed), case
+    np.testing.assert_allclose(two.ball_force, one.ball_force, atol=1e-6 * chain.largest_friction_bound, err_msg=str(case))
     np.testing.assert_allclose(two.velocity, one.velocity, atol=motion * abs(bearing.speed), err_msg=str(case))
     return one
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from rollbench.compare.cases.lin.evidence.source_cases import pair_as_printed, screw_groove
-from rollbench.lowfi.friction.screw.chain import IterationStart
+from rollbench.lowfi.friction.screw.coupled import IterationStart
 from rollbench.lowfi.friction.screw.run import Pair, ScrewPairSolution, solve_pair_of_screw_balls
 
 #: Load [N] and oversize of the ball radii [m], negative for clearance.

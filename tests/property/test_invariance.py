@@ -4,10 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.helpers import FLANK_ERRORS, NO_PROFILES, mirrored, prepared, relative, small_screw, solved, with_ingredients
+from tests.helpers import FLANK_ERRORS, mirrored, relative, small_screw, solved, with_ingredients
 
 from rollbench.compare.scenes import catalogue
-from rollbench.lowfi.statics.kernel_types import SpecimenArrays, SpecimenSolutions
 from rollbench.meshes.parts import SIDES, BallErrors, Errors, Load, Material, SideErrors, Support
 
 COMBINED = replace(
@@ -196,27 +195,6 @@ def test_rigid_screw_is_the_limit_of_a_stiff_one():
     assert errors[0] < 1e-3
     assert errors[1] == pytest.approx(errors[0] / 100, rel=0.05)
     assert errors[2] == pytest.approx(errors[1] / 100, rel=0.05)
-
-
-def test_members_of_an_ensemble_are_single_solutions():
-    """The kernel that runs through many specimens of one screw, against each specimen by itself."""
-    base = small_screw(9, 2.0, force=(0.0, 100.0, 1500.0))
-    errors = (replace(FLANK_ERRORS, balls=BallErrors(oversize=x), **NO_PROFILES) for x in (4e-6, -1e-6, 0.0))
-    scenes = [replace(base, errors=e) for e in errors]
-    ready = [prepared(s, "compiled") for s in scenes]
-    B, geometry, closure = (
-        np.stack([getattr(r.problem, name) for r in ready]) for name in ("B", "geometry", "interference")
-    )
-    members = SpecimenArrays(B, geometry, closure, np.stack([r.kernel_arrays.contacts.r_ball for r in ready]))
-    forces, statuses, residuals = np.empty((3, 9, 4)), np.empty(3, dtype=np.int64), np.empty(3)
-    first = ready[0]
-    motions = (np.empty((3, *x.shape)) for x in (first.state.q, first.state.p))
-    found = SpecimenSolutions(forces, statuses, residuals, *motions)
-    first.engine.solve_specimens(first.kernel_arrays, first.state, first.options, members, found)
-    assert not statuses.any()
-    assert residuals.max() <= 1e-10
-    for scene, force in zip(scenes, forces, strict=True):
-        assert relative(force, solved(scene, everything=True).load) < 1e-9
 
 
 def test_errors_of_no_size_and_the_outer_diameter_of_a_rigid_screw_change_nothing():

@@ -90,7 +90,7 @@ def test_rigid_limit_is_the_low_order_model():
     """Rigid bodies on flat contacts: the low-order model's numbers at the same loads; grids of nearly rigid ones get
     there."""
     bearing = LinearBearing(5e-3, 0.56, 0.25 * np.pi, 0.01, 0.1, 0.1, 210e9, 0.28)
-    low = solve_pair_of_linear_balls(bearing, np.deg2rad(2.0), -0.6, 100.0, fast=False)
+    low = solve_pair_of_linear_balls(bearing, np.deg2rad(2.0), -0.6, 100.0)
     limit = rolling.solve_rigid_rolling(linear_pair(), curved=False)
     assert limit.smoothing_error < 1e-5
     assert limit.ball_to_ball_forces[0] == pytest.approx(low.ball_to_ball_force, rel=3e-4)

@@ -34,7 +34,7 @@ def solved(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     """Numbers of the screws that a survey solves, each with an answer at once but the first, which is refused."""
     done: list[int] = []
 
-    def answered(_: int, number: int, __: Path) -> dict[str, object]:
+    def answered(_: int, number: int, __: Path, ___: str) -> dict[str, object]:
         done.append(number)
         status = "converged" if number else "refused"
         return {"number": number, "version": survey.__version__, "status": status, "seconds": 1.0}
@@ -77,10 +77,10 @@ def test_balls_at_the_face_find_room_for_their_sockets(number: int) -> None:
 def test_an_interrupted_survey_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, solved: list[int]) -> None:
     answered, said = survey.survey_screw, list[str]()
 
-    def interrupted(seed: int, number: int, folder: Path) -> dict[str, object]:
+    def interrupted(seed: int, number: int, folder: Path, kind: str) -> dict[str, object]:
         if number == 2 and not any("known" in line for line in said):
             raise KeyboardInterrupt
-        return answered(seed, number, folder)
+        return answered(seed, number, folder, kind)
 
     monkeypatch.setattr(survey, "survey_screw", interrupted)
     with pytest.raises(KeyboardInterrupt):

@@ -47,6 +47,12 @@ CALLS = [
     ("stored", rollbench.report, (), {"stored": True, "fresh": True}),
     ("quick", rollbench.report, ("two-balls",), {"quick": True}),
     ("scenes", rollbench.side_by_side, (["lin-case1"],), {}),
+    ("scene", rollbench.solve, ({"track": 1},), {}),
+    ("scene", rollbench.friction, (3,), {}),
+    ("max_error", rollbench.check, ("lin-case1",), {"max_error": "7%"}),
+    ("max_error", rollbench.survey, ("lin",), {"max_error": "7%"}),
+    ("mu", rollbench.friction, ("lin-case1",), {"mu": "0.1"}),
+    ("mu", rollbench.friction, ("lin-case1",), {"mu": ["a"]}),
     ("out", rollbench.report, ("lin-case1",), {"out": ROOT}),
 ]
 

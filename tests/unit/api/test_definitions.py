@@ -1,6 +1,5 @@
 """Every number of the output is defined, and every definition is of a number that some command prints."""
 
-import pytest
 from tests.shipped_texts import changed
 
 from rollbench.compare.results.definitions import _definitions_by_path_pattern, definition
@@ -35,6 +34,7 @@ solve lin-case3 --stiffness-at 400_mm
 solve lin-random --members 3 --balls
 friction lin-case3 --mu 0.1
 friction lin-case1 --mu 0.1
+friction smith-axis-taper
 check lin-case1 --no-compute --limit angle=1
 solve lin-case1 --curve=-300N:300N:3
 table lin-case3 --over load=1_kN,2_kN --quantities stiffness,displacement,load,preload,pressure,life
@@ -45,7 +45,6 @@ table lin-case3 --over load=1_kN,2_kN --quantities stiffness,displacement,load,p
 AXIS = '[lubricant]\nviscosity = "50 mm2/s"\n[drive]\nmass = "200 kg"\ntime = "0.1 s"\n[motion]'
 
 
-@pytest.mark.usefixtures("friction_of_solve")
 def test_every_number_is_defined_and_every_definition_is_of_something_printed(command, tmp_path):
     one, two = (shipped_scene_text(name) for name in ("lin-case1", "double-nut"))
     scenes = {

@@ -11,7 +11,7 @@ from rollbench.compare.models.registry import MODELS
 from rollbench.lowfi.bearings import angular_contact, tapered_roller
 from rollbench.lowfi.bearings.axis import BearingRows, solve_bearing_row_equilibrium
 from rollbench.lowfi.rollers import StraightTaperedRow as ThrustRow
-from rollbench.lowfi.statics.axis import elastic, held, system
+from rollbench.lowfi.statics.axis import held, solve, system
 from rollbench.lowfi.statics.axis.solve import solve_assembly
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes import helix, section
@@ -95,7 +95,7 @@ def test_preload_is_set_before_the_shaft_warms():
 
 def test_a_preload_that_cannot_be_met_is_a_failure():
     alone = assembly(bearing("a", 0.03, "+z", preload=700.0), segments=THICK, supports=(GUIDED,))
-    for found in (solve_assembly(alone), elastic.solve_assembly_with_elastic_bodies(alone)):
+    for found in (solve_assembly(alone), solve.solve_assembly_with_elastic_bodies(alone)):
         assert found.status.startswith("not held: preloads by force are not met")
         assert (found.status.cause, len(found.sets)) == ("mounting", 0)
 
@@ -109,11 +109,10 @@ def test_nuts_that_press_one_another_are_preloaded_by_one_force(preload):
     assert found.sets[0].force[2] == pytest.approx(preload - 0.5, abs=0.1)
 
 
-@pytest.mark.compiles(19)
 def test_two_preloads_by_force_are_met_together():
     axis = fixed_axis((0.0, 0.0, 0.0))
     sets = [replace(s, offset=0.0, preload=p) for s, p in zip(axis.sets[:4], (500.0, 0.0, 0.0, 800.0), strict=True)]
-    found = solve_assembly(replace(axis, sets=tuple(sets), housings=()), engine="compiled")
+    found = solve_assembly(replace(axis, sets=tuple(sets), housings=()))
     assert found.converged
     assert [abs(found.sets[k].force[2]) for k in (0, 3)] == pytest.approx([500.0, 800.0], rel=1e-8)
 
@@ -146,7 +145,7 @@ def test_a_support_near_a_contact_stays_where_it_is(away, model):
     scene = MODELS[model].scene_with_settings(small_screw(oversize=2e-6, force=(300.0, 0.0, 900.0)))
     at = float(section.contact_force_positions(scene, helix.ball_layout(scene))[3, 0]) + away
     scene = replace(scene, supports=(*scene.supports, Support(at, (("ux", 0.0), ("uy", 0.0)))))
-    alone = solve_static(scene, engine="compiled")
+    alone = solve_static(scene)
     assert relative(solved(one_set(scene)).sets[0].balls.load, alone.load) < 1e-12
 
 
@@ -181,7 +180,7 @@ def test_linear_program_says_whether_rows_can_carry_a_load(case):
     parts = assembly(*(sets[row] for row in rows), supports=(held_by,), loads=(Load(0.15, force),))
     motion = held.find_opening_motion(system.build_assembly_arrays(parts))
     assert (motion is None) == can
-    found = solve_assembly(parts, engine="interpreted")
+    found = solve_assembly(parts)
     assert found.converged == can
     if not can:
         assert found.status.startswith("not held")

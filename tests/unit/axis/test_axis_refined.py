@@ -4,12 +4,24 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.axes import ROLLERS, assembly, bearing, double_nut, fixed_axis, mirrored, nut, solved, with_nominal_arms
+from tests.axes import (
+    ANGLE,
+    BALL,
+    ROLLERS,
+    TURNING,
+    assembly,
+    bearing,
+    double_nut,
+    fixed_axis,
+    mirrored,
+    nut,
+    solved,
+    with_nominal_arms,
+)
 from tests.helpers import ALL_BUT_AXIAL, relative
 
 from rollbench.lowfi.compliance.parts import LADDER, reduce_to_compliance_geometry, smooth_body
-from rollbench.lowfi.statics import kernel
-from rollbench.lowfi.statics.axis import elastic
+from rollbench.lowfi.statics.axis import equations, solve
 from rollbench.lowfi.statics.axis.system import build_assembly_arrays
 from rollbench.meshes.axis import Housing, RollingSet
 from rollbench.meshes.parts import FREEDOMS, Errors, Load, SideErrors, Support
@@ -20,7 +32,7 @@ COARSE = replace(LADDER["refined"], harmonics=0.4, mesh=0.6)
 
 
 def refined(parts, **options):
-    result = elastic.solve_assembly_with_elastic_bodies(parts, engine="compiled", **options)
+    result = solve.solve_assembly_with_elastic_bodies(parts, **options)
     assert result.status == "converged"
     return result
 
@@ -112,7 +124,7 @@ def test_inner_rings_on_housings_are_rigid_and_refused_on_springs():
     parts = double_nut(count=6)
     carried = replace(bearing("c", 0.14, "both"), carrier="h")
     with pytest.raises(ValueError, match="an inner ring sits on a housing that stands on springs"):
-        elastic.solve_assembly_with_elastic_bodies(replace(parts, sets=(*parts.sets, carried)))
+        solve.solve_assembly_with_elastic_bodies(replace(parts, sets=(*parts.sets, carried)))
 
 
 AXIS = fixed_axis((150.0, 80.0, 600.0))
@@ -142,12 +154,51 @@ def test_contacts_of_one_set_squeeze_those_of_another_through_a_held_bar():
     ends = Support(0.0, tuple((k, 0.0) for k in FREEDOMS)), Support(0.3, (("uz", 0.0),))
     one, other = nut("one", 0.1, count=6, turns=2.0), nut("other", 0.22, count=4, turns=1.0)  # evenly around
     parts = assembly(one, other, supports=ends)
-    system = build_assembly_arrays(parts, section=elastic.grooved_shaft_section(parts, LADDER["refined"]))
-    coupling = elastic.elastic_equations(system, kernel, LADDER["refined"]).coupling
+    system = build_assembly_arrays(parts, section=equations.grooved_shaft_section(parts, LADDER["refined"]))
+    coupling = equations.assembly_equations(system, LADDER["refined"]).coupling
     added = coupling.added_compliance.reshape(2, 10, 2, 2, 10, 2)
     tube = smooth_body(reduce_to_compliance_geometry(one.parts), True, LADDER["refined"])
     plain = tube_section(2.0 * tube.outer_radius, 2.0 * tube.bore_radius, tube.material)
-    bar = elastic.combined_problem(system, elastic.roller_elements([])).element_sections[0]
+    bar = equations.problem_of_beam(system, equations.roller_elements([])).element_sections[0]
     share = tube.material.poissons_ratio * tube.contact_radius / plain.EA
     moved = added[:, 6:, 0, :, :6, 0].sum(axis=(2, 3))  # by forces of 1 N outwards on all flanks of the first nut
     assert moved.mean() == pytest.approx(-12.0 * share**2 * bar.EA / 0.3, rel=0.02)
+
+
+#: A load of nothing between the rows.
+IDLE = Load(0.15)
+
+
+def warm(strain=1.4e-4, squeeze=0.0, load=IDLE):
+    """A shaft between two rows that take its thrust to either side, warmed or squeezed by their outer rings."""
+    rows = bearing("left", 0.05, "-z", offset=squeeze), bearing("right", 0.25, "+z", offset=-squeeze)
+    return assembly(*rows, supports=(TURNING,), loads=(load,), thermal_strain=strain)
+
+
+#: What the shaft grows by between its inner contact points, at either end.
+GROWTH = 1.4e-4 * (0.1 - BALL * np.sin(ANGLE))
+
+
+def test_a_shaft_that_only_warms_is_squeezed_like_one_between_shifted_rings():
+    one, other = refined(warm(), backend=COARSE), refined(warm(0.0, GROWTH), backend=COARSE)
+    for a, b in zip(one.sets, other.sets, strict=True):
+        assert a.force[2] == pytest.approx(b.force[2], rel=2e-3)
+        assert a.balls.load.max() == pytest.approx(b.balls.load.max(), rel=2e-3)
+
+
+@pytest.mark.parametrize("along", [0, 2, 3, 4])
+def test_the_squeeze_of_a_warm_shaft_is_continuous_as_any_load_goes_to_zero(along):
+    least = refined(warm(), backend=COARSE).sets
+    for size in (1e-3, 1.0):
+        load = size * np.eye(6)[along] * np.repeat([1.0, 0.1], 3)
+        found = refined(warm(load=Load(0.15, tuple(load[:3]), tuple(load[3:]))), backend=COARSE).sets
+        for a, b in zip(found, least, strict=True):
+            assert a.force[2] == pytest.approx(b.force[2], abs=2e-4 * abs(b.force[2]) + size)
+    more = refined(warm(load=Load(0.15, (0.0, 0.0, 100.0))), backend=COARSE).sets
+    means = [np.mean([abs(s.force[2]) for s in sets]) for sets in (more, least)]
+    assert means[0] == pytest.approx(means[1], rel=5e-3)
+
+
+def test_what_heat_leaves_out_is_said_of_warm_shafts_only():
+    said = [any("inner rings" in x for x in solved(p).left_out) for p in (warm(), warm(0.0, GROWTH))]
+    assert said == [True, False]

@@ -5,13 +5,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.axes import TURNING, assembly, bearing
+from tests.axes import ROLLERS, TURNING, assembly, bearing
 from tests.shipped_texts import own_text
 
 from rollbench.compare.models.registry import ModelOptions, run_model
 from rollbench.compare.scenes import scene_file
 from rollbench.lowfi.statics.axis import solve
+from rollbench.lowfi.statics.axis.equations import assembly_equations
 from rollbench.lowfi.statics.axis.system import build_assembly_arrays
+from rollbench.lowfi.statics.equilibrium import NOT_HELD
+from rollbench.meshes.axis import Housing, RollingSet
 from rollbench.meshes.parts import Load
 
 pytestmark = pytest.mark.xdist_group("axis verdicts")
@@ -20,18 +23,12 @@ pytestmark = pytest.mark.xdist_group("axis verdicts")
 def run(parts, model):
     """Result of an assembly, or of one that only tests have, by its name."""
     parts = scene_file.parse_scene(own_text(parts), parts) if isinstance(parts, str) else parts
-    found = run_model(parts, model, ModelOptions(engine="compiled"))
+    found = run_model(parts, model, ModelOptions())
     assert found.converged
     return found
 
 
-MODELS = [  # each a group of its own, for a worker of its own: their kernels are most of what tests of the core compile
-    pytest.param("lin", marks=[pytest.mark.compiles(37), pytest.mark.xdist_group("kernels of axes")]),
-    pytest.param("refined", marks=[pytest.mark.compiles(80), pytest.mark.xdist_group("kernels of bodies")]),
-]
-
-
-@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("model", ["lin", "refined"])
 def test_contacts_that_nothing_presses_carry_nothing_and_a_row_that_carries_nothing_is_not_crossed(model):
     """Balls of the second row carry 1e-11 of 14 kN at an angle below zero; contacts alone hold the shaft, metres away
     without."""
@@ -68,9 +65,40 @@ def test_balls_across_the_bottom_of_a_one_way_groove_are_no_equilibrium_of_it():
     forces at nominal contacts could balance the loads."""
     rows = bearing("a", 0.05, "+z"), bearing("b", 0.25, "-z", offset=-0.4e-3)
     loads = (Load(0.25, (2e3, 0.0, 500.0)),)
-    found = solve.solve_assembly(assembly(*rows, supports=(TURNING,), loads=loads), engine="compiled")
+    found = solve.solve_assembly(assembly(*rows, supports=(TURNING,), loads=loads))
     assert found.status.startswith("not held: no equilibrium has all loaded balls of b on the side")
     sent = pickle.loads(pickle.dumps(found.status))  # as a worker of a campaign or a sweep sends it back
     assert (sent, sent.kind, sent.cause) == (found.status, "not held", "crossed row")
     # only a groove of one arc is the same on both sides of its bottom
     assert "4 contact(s) lie beyond the groove's arc" in found.sets[1].balls.warnings[0]
+
+
+def rollers(name, z, thrust, **options):
+    """A tapered roller bearing at z."""
+    return RollingSet(name, "tapered roller bearing", ROLLERS, z, thrust=thrust, **options)
+
+
+@pytest.mark.parametrize("force", [(0.0, 0.0, 500.0), (0.0, 0.0, -500.0), (500.0, 100.0, 0.0)], ids=str)
+@pytest.mark.parametrize("play", [1e-3, 0.5])
+def test_a_shaft_that_moves_far_before_a_row_closes_is_held(play, force):
+    rows = rollers("a", 0.05, "+z", offset=0.5 * play), rollers("b", 0.25, "-z", offset=-0.5 * play)
+    found = solve.solve_assembly(assembly(*rows, supports=(TURNING,), loads=(Load(0.1, force),)))
+    assert found.status == "converged"
+    assert np.abs(found.centreline[:, :3]).max() > 0.4 * play
+    assert np.sum([s.force for s in found.sets], axis=0) == pytest.approx(-np.array(force), abs=1e-6)
+
+
+def test_bodies_that_leave_together_with_their_own_contacts_loaded_are_soon_seen_not_to_be_held():
+    """Shaft and housing, pressed against each other by a pair of bearings, leave the only row on the frame."""
+    pair = tuple(
+        bearing(name, z, way, housing="h", offset=by)
+        for name, z, way, by in (("a", 0.05, "+z", -3e-6), ("b", 0.08, "-z", 3e-6))
+    )
+    housing = Housing("h", 0.06, (("rz", 0.0),))
+    for load, held in ((500.0, True), (-500.0, False)):
+        parts = assembly(
+            *pair, rollers("c", 0.2, "+z"), housings=(housing,), supports=(TURNING,), loads=(Load(0.1, (0.0, 0.0, load)),)
+        )
+        outcome = assembly_equations(build_assembly_arrays(parts), None).solve_by_newton()
+        assert (outcome.status != NOT_HELD) == held
+        assert outcome.iterations < 60

@@ -108,9 +108,12 @@ def test_load_s_part_grows_as_the_friction_of_the_balls_in_their_contacts_does(f
 
 def test_life_of_all_sets_is_that_of_parts_in_series():
     one = solve(driven(), "lin", ModelOptions())
-    lives = np.array([x.load_results.life.revolutions for x in one.derived_results.set_results])
-    life = one.combined_life
-    assert life.revolutions == pytest.approx((lives ** (-10 / 9)).sum() ** -0.9, rel=1e-9)
+    sets, life = [x.load_results for x in one.derived_results.set_results], one.combined_life
+    for found, lives in (
+        (life.revolutions, [x.life_by_loads.revolutions for x in sets]),
+        (life.basic, [x.life.revolutions for x in sets]),
+    ):
+        assert found == pytest.approx((np.array(lives) ** (-10 / 9)).sum() ** -0.9, rel=1e-9)
     assert life.distance == pytest.approx(1e6 * life.revolutions * 10e-3)
     assert life.hours == pytest.approx(1e6 * life.revolutions * 2.0 * np.pi / 120.0 / 3600.0)
 

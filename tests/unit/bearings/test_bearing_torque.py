@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from rollbench.compare.cases.makers.bearings import single_row_bearing_scene
-from rollbench.compare.cases.makers.outside import read_maker_tables
+from rollbench.compare.scenes.makers import read_maker_tables
 from rollbench.lowfi.bearings import torque
 from rollbench.lowfi.rating.contacts import permissible_contact_force
 

@@ -8,7 +8,6 @@ from tests.copies import ROOT
 from tests.processes import ran
 
 from rollbench.compare.commands.doctor import oldest_package_versions
-from rollbench.lowfi import jit
 from rollbench.meshes import libraries
 
 CHECK = ("check", "lin-case1", "--no-compute")
@@ -21,11 +20,14 @@ TABLE = ("table", "two-balls", "--model", "lin", "--quantities", "load")
 #: Package, command, exit code, words of its output; the first few are tried in every run of the tests.
 CASES = [
     ("gmsh", CHECK, 0, "1 pass"),
+    ("scikit-fem", ("check", "--printed"), 2, "pip install 'rollbench[reference]'"),
     ("scikit-fem", COMPARE, 0, "compare.svg"),
     ("matplotlib", SWEEP, 0, "and no figure (matplotlib is not installed: pip install 'rollbench[report]')"),
     ("matplotlib", PAGE, 2, "this computer: matplotlib: got matplotlib is not installed"),
     ("matplotlib", COMPARE, 0, "no figure (matplotlib is not installed"),
     ("scikit-fem", EXPORT, 2, "scikit-fem: got scikit-fem is not installed"),
+    ("scikit-fem", ("audit",), 2, "pip install 'rollbench[reference]'"),
+    ("scikit-fem", ("condense", "two-balls", "--level", "1"), 2, "pip install 'rollbench[reference]'"),
     ("scikit-fem", ("report", "--stored"), 2, "scikit-fem: got scikit-fem is not installed"),
     ("scikit-fem", ("compare", "lin-pair-a"), 2, "scikit-fem: got scikit-fem is not installed"),
     ("gmsh", COMPARE, 0, "compare.svg"),
@@ -41,9 +43,6 @@ CASES = [
     ("distributed", (*SWEEP, "--backend", "dask"), 2, "pip install 'rollbench[cluster]'"),
     ("pyarrow", (*TABLE, "--out", "t.parquet"), 2, "pip install 'rollbench[tables]'"),
     ("xarray", (*TABLE, "--out", "t.nc"), 2, "pip install 'rollbench[tables]'"),
-    ("numba", ("friction", "two-balls", "--mu", "0.1"), 0, "friction"),
-    ("numba", ("solve", "external-thk-bnf-3205-5", "--model", "lin"), 0, "kernels are interpreted"),
-    ("numba", SWEEP, 0, "figures (SVG)"),
 ]
 
 
@@ -52,7 +51,7 @@ def run(words, folder, before=(sys.executable, "-m", "tests.without"), **variabl
     return done.returncode, done.stdout + done.stderr
 
 
-@pytest.mark.parametrize(("package", "words", "code", "said"), CASES[:4])
+@pytest.mark.parametrize(("package", "words", "code", "said"), CASES[:5])
 def test_commands_without_a_package(package, words, code, said, tmp_path):
     found, text = run([package, *words], tmp_path, PYTHONPATH=str(ROOT))
     assert (found, said in text, "Traceback" in text) == (code, True, False), text
@@ -90,13 +89,3 @@ def test_commands_where_a_package_is_truly_not_installed(package, installed, tmp
 
 def test_every_package_that_may_be_absent_is_of_an_extra_and_is_tried():
     assert {case[0] for case in CASES} == set(libraries.ONLY_FOR) == set(libraries.EXTRA) <= set(oldest_package_versions())
-
-
-def test_kernels_are_interpreted_without_numba(monkeypatch, capsys):
-    monkeypatch.setattr(libraries, "reason_of_failed_import", lambda name: f"{name} is not installed")
-    jit._numba_works.cache_clear()
-    try:
-        assert jit.load_kernel_package(jit.CONTACT, compiled=True) is jit.load_kernel_package(jit.CONTACT, compiled=False)
-    finally:
-        jit._numba_works.cache_clear()
-    assert capsys.readouterr().err.count("numba is not installed: kernels are interpreted") == 1

@@ -35,7 +35,7 @@ def kept(monkeypatch):
     found = load_run_times((shipped_store(),))
     monkeypatch.setattr(reference_time, "measure_run_times", lambda *_, **__: found)
     monkeypatch.setattr(reference_time, "COMMANDS", {})
-    monkeypatch.setattr(run_times, "time_ensemble_with_threads", list)
+    monkeypatch.setattr(run_times, "time_ensemble", lambda: run_times.RunTimeRow("members", 1.0))
     return found
 
 
@@ -49,11 +49,11 @@ def test_times_of_typed_commands_are_kept_for_the_report(monkeypatch, tmp_path, 
     assert load_run_times([tmp_path]) is None
 
 
-def test_threads_are_compared_with_one(monkeypatch):
+def test_an_ensemble_is_timed(monkeypatch):
     monkeypatch.setattr(run_times, "MEMBERS", 20)
-    one, two = run_times.time_ensemble_with_threads()
-    assert one.ratio == 1.0
-    assert two.ratio == pytest.approx(one.seconds / two.seconds)
+    row = run_times.time_ensemble()
+    assert row.job.startswith("20 members")
+    assert row.seconds > 0.0
 
 
 def test_models_are_listed_with_errors_beside_their_run_times(kept, tmp_path, command):
@@ -62,7 +62,8 @@ def test_models_are_listed_with_errors_beside_their_run_times(kept, tmp_path, co
     study.computed_values[reference_time.run_times_to_show, print] = kept
     points = reference_time.error_and_time_points("lin-case1", study.stored_reference("lin-case1"), study, print)
     timed = {f"lin-case1: {p.label}": p for p in points if p.cold is not None}
-    assert rows.keys() == timed.keys() > set()
+    assert timed
+    assert rows.keys() == {"members", *timed}
     for name, p in timed.items():
         assert (rows[name]["seconds"], rows[name]["error_percent"]) == (p.cold, pytest.approx(p.error))
     command.answer("bench", "--long", "--store", tmp_path)

@@ -134,3 +134,20 @@ def test_a_mesh_study_uses_shipped_runs_and_closes_with_a_sentence(command, tmp_
 def test_a_refused_command_line_says_why_in_one_line(command, line: str, words: list[str]) -> None:
     said = command.refused(*shlex.split(line))
     assert [word for word in words if word not in said] == []
+
+
+def test_every_option_with_a_number_refuses_underscores(command) -> None:
+    """Python reads 1_000 as a number; a typist may have meant 1.000 or 1e000."""
+    app, count = app_with_commands("completion"), 0
+    for name in (name for group in COMMANDS.values() for name in group):
+        arguments = app[name].assemble_argument_collection()
+        needed = [x for x in arguments if x.field_info.required]
+        words = [y for x in needed for y in ((x.name, "a.b=1,2") if x.field_info.is_keyword_only else ("x",))]
+        for option in arguments:
+            if {"int", "float"} & set(re.findall("[a-z]+", str(option.hint))):
+                code, out, err = command(name, *words, option.name, "1_0")
+                assert (code, out) == (2, ""), name
+                assert option.name in err
+                assert "leave the underscore out" in err
+                count += 1
+    assert count > 30

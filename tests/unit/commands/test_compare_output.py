@@ -71,7 +71,8 @@ def test_compare_measures_what_solve_expects_by_every_kind_of_model(tmp_path) ->
     assert whole.expected.distance > estimate_model_error(scene, result).distance, "not expected of itself"
     said = found_by.comparison_verdict_sentence(whole, found)
     assert f"expected error: {whole.expected.percent:.2f} %" in said
-    assert f"uncertain by {whole.uncertainty.percent:.2f} %" in said
+    assert f"numerical uncertainty (mesh) {whole.uncertainty.discretisation:.2f} % of the mean load" in said
+    assert f"input uncertainty (tolerances) {whole.uncertainty.inputs:.2f} %" in said
     assert whole.uncertainty.choices.scene == "lin-case3", "not varied on these parts: the choices with the largest effect"
     assert condensed.error.max_percent < 0.5 * refined.error.max_percent
     assert whole.reference_loads.axial_displacement == pytest.approx(condensed.axial_displacement, rel=0.01)

@@ -66,3 +66,11 @@ def test_memory_is_what_the_system_and_the_control_group_leave(tmp_path) -> None
         (tmp_path / "memory.max").write_text(f"{limit}\n")
         assert running.available_GB(proc, tmp_path) == pytest.approx(free)
     assert running.available_GB(tmp_path / "nothing", tmp_path / "nothing") is None
+
+
+def test_the_least_python_is_the_same_everywhere():
+    """To its last digit: Debian 12 has 3.11.2, and functions came with later ones."""
+    least = ".".join(map(str, doctor.PYTHON))
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    assert (project["requires-python"], len(doctor.PYTHON)) == (f">={least}", 3)
+    assert f"Python {least} or newer" in (ROOT / "README.md").read_text(encoding="utf-8")

@@ -14,10 +14,10 @@ from rollbench.compare.commands.friction import friction_terminal_parts, solve_a
 from rollbench.compare.results.rows import friction_rows
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies.friction.answer import format_three_digits
-from rollbench.compare.studies.friction.solve import solve_friction_of_named_scene
+from rollbench.compare.studies.friction.solve import solve_friction_of_named_scene, solve_friction_of_scene
 from rollbench.compare.studies.friction.whole import FrictionChoices
 from rollbench.lowfi.friction.whole import feedback as ball_feedback
-from rollbench.meshes.parts import Errors, Friction
+from rollbench.meshes.parts import Errors, Friction, Motion
 
 
 def test_two_start_left_hand_screw_of_a_file(tmp_path):
@@ -52,6 +52,24 @@ def test_powers_of_several_sets_on_a_shaft_add_up():
     assert power["torque_power_W"] == pytest.approx(1e-3 * torque["driving_torque_on_screw_Nmm"] * speed, rel=1e-12)
     assert power["torque_power_W"] + power["axial_load_power_W"] == pytest.approx(power["loss_W"], rel=1e-9)
     assert power["efficiency_percent"] == pytest.approx(100.0 * (1.0 - power["loss_W"] / power["axial_load_power_W"]))
+
+
+@pytest.mark.parametrize("name", ["double-nut", "lin-case3"])
+def test_both_senses_of_rotation_stand_in_one_answer(name):
+    """Torques against and with the load are those that drive and brake the scene turned the one way and the other."""
+    scene = catalogue.scene_of_any_kind(name)
+    there, back = (
+        solve_friction_of_scene(replace(scene, motion=Motion(speed)), FrictionChoices("lin", mu=(0.1,)), name).data
+        for speed in (50.0, -50.0)
+    )
+    for one, other in ((there, back), (back, there)):
+        t, driving = one["torque"], [abs(x["torque"]["driving_torque_on_screw_Nmm"]) for x in (one, other)]
+        assert sorted(driving) == pytest.approx([t["backward_torque_Nmm"], t["forward_torque_Nmm"]], rel=1e-6)
+        assert t["reverse_friction_torque_Nmm"] == pytest.approx(other["torque"]["friction_torque_Nmm"], rel=1e-6)
+        against = max((one, other), key=lambda x: abs(x["torque"]["driving_torque_on_screw_Nmm"]))["torque"]
+        frictionless = t["forward_torque_Nmm"] - against["friction_torque_Nmm"]
+        assert t["efficiency_forward_percent"] == pytest.approx(100.0 * frictionless / t["forward_torque_Nmm"], rel=1e-6)
+        assert ("power lost", "at 477.5 rpm") in [(row.quantity, row.note) for row in friction_rows(one)]
 
 
 def test_nothing_loaded_is_said_and_a_scene_that_is_not_held_ends_with_its_mechanism():
@@ -172,11 +190,34 @@ def test_balls_that_do_not_settle_are_named_and_leave_no_drag(monkeypatch):
     assert found.data["feedback"]["unsettled_balls"] == 20
 
 
+def test_the_note_names_the_flank_that_friction_presses_the_balls_onto():
+    """A note on flank SR with its load, factors at smaller coefficients, and flank NL reversed."""
+    scene = small_screw(8, lead=10e-3, force=(0.0, 0.0, 800.0), oversize=1e-6)
+    there, back = (
+        answer(replace(scene, friction=Friction(0.1, 0.1), motion=Motion(speed))).data
+        for speed in (2.0 * np.pi, -2.0 * np.pi)
+    )
+    notes = [next(w for w in data["warnings"] if w.kind == "third flank") for data in (there, back)]
+    for note, data, flank, other in zip(notes, (there, back), ("SR", "NL"), ("NL", "SR"), strict=True):
+        losses = {row["contact"]: row for row in data["losses"]["by_contact_W"]}
+        assert losses[flank]["mean_load_N"] == pytest.approx(np.mean([b["load_N"][flank] for b in data["balls"]]))
+        assert losses[flank]["mean_load_N"] > losses[flank]["mean_load_without_friction_N"] + 1.0
+        assert losses[flank]["sliding_along"] == max(row["sliding_along"] for name, row in losses.items() if name != "sum")
+        assert f"onto flank {flank}, {losses[flank]['mean_load_N']:.3g} N a ball" in note
+        assert f"reversed, flank {other}" in note
+        smaller = answer(replace(scene, friction=Friction(0.03, 0.03), motion=Motion(data["motion"]["speed_rad_s"]))).data
+        factor = smaller["torque"]["friction_torque_Nmm"] / smaller["feedback"]["friction_torque_without_Nmm"]
+        assert f"{format_three_digits(factor)} at 0.03" in note
+    assert there["losses"]["heathcote_percent"] == pytest.approx(
+        100.0 * (there["losses"]["by_contact_W"][-1]["with_curvature_W"] / there["losses"]["total_W"] - 1.0), rel=1e-6
+    )
+
+
 def test_torques_over_the_measured_coefficients_stand_beside_the_maker_s_formula():
     scene = replace(small_screw(force=(0.0, 0.0, 300.0), oversize=3e-6), friction=Friction(0.05, 0.05))
     found = answer(scene)
     data = found.data["band"]
-    for mu, torque in zip((0.003, 0.1), data["friction_torque_Nmm"], strict=True):
+    for mu, torque in zip((0.03, 0.1), data["friction_torque_Nmm"], strict=True):
         alone = answer(replace(scene, friction=Friction(mu, mu))).data["torque"]
         assert torque == pytest.approx(alone["friction_torque_Nmm"], rel=1e-9)
     assert data["drag_torque_Nmm"][1] == pytest.approx(alone["drag_torque_Nmm"], rel=1e-9)

@@ -117,7 +117,7 @@ def test_a_small_file_that_declares_a_huge_one_is_refused(path, refused, monkeyp
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs named pipes")
-@pytest.mark.parametrize("line", ["solve {}", "friction {}", "solve lin-case1 --condensed {}", "verify {}"])
+@pytest.mark.parametrize("line", ["solve {}", "friction {}", "solve lin-case1 --condensed {}"])
 def test_pipes_and_devices_are_no_files(line, tmp_path, command):
     os.mkfifo(tmp_path / "pipe.toml")
     reading, writing = os.pipe()
@@ -174,16 +174,10 @@ PAGES = {
 @pytest.mark.parametrize("how", PAGES)
 def test_pages_that_no_report_wrote_are_refused(how, tmp_path, command):
     (tmp_path / "x.html").write_text(PAGES[how])
-    assert "a page with a manifest" in command.refused("verify", tmp_path / "x.html")
-
-
-def test_manifests_that_no_report_wrote_are_refused(tmp_path, command):
-    for text in ("[" * 100_000, '{"inputs": "a", "files": {}}', '{"inputs": {}, "files": {"a": 1}}'):
-        (tmp_path / "manifest.json").write_text(text)
-        command.refused("verify", tmp_path)
+    assert "a page with a manifest" in command.refused("report", "two-balls", "--against", tmp_path / "x.html")
 
 
 def test_a_page_of_a_terabyte_is_refused(tmp_path, command):
     with open(tmp_path / "large.html", "wb") as file:
         file.truncate(10**12)
-    assert "largest permitted size" in command.refused("verify", tmp_path / "large.html")
+    assert "largest permitted size" in command.refused("report", "two-balls", "--against", tmp_path / "large.html")

@@ -11,7 +11,7 @@ from tests.copies import ROOT
 from tests.processes import COMMAND, python, ran
 
 from rollbench.compare import cli, errors, files
-from rollbench.compare.report import several, verify
+from rollbench.compare.report import several
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.meshes.files import temporary_path
 from rollbench.reports.cells import escape_formula
@@ -38,6 +38,50 @@ def test_a_reader_who_goes_away_is_told_by_the_code(words):
         assert (process.wait(), said) == (141, b"")
 
 
+def test_nothing_of_a_machine_stands_in_what_is_written(command, tmp_path, monkeypatch):
+    """Neither a path nor the machine's name, in no file and in no name of one: files are committed and passed on."""
+    monkeypatch.setattr("platform.node", lambda: "my-machine")
+    scene, over = tmp_path / "my.toml", "errors.balls.oversize=1:9000:2 um"  # the second is refused
+    command("new", tmp_path / "new.toml", "--kind", "axis")
+    scene.write_text(catalogue.shipped_scene_text("two-balls"), encoding="utf-8")
+    command("solve", scene, "--model", "lin", "--loads-csv", tmp_path / "loads.csv")
+    command("table", scene, "--model", "lin", "--quantities", "load", "--over", over, "--out", tmp_path / "t.json")
+    command(
+        "sweep",
+        scene,
+        "--vary",
+        "errors.balls.oversize=1:7 um",
+        "--samples",
+        "2",
+        "--model",
+        "lin",
+        "--out",
+        tmp_path / "sweep",
+    )
+    command("export", scene, "--format", "json", "--out", tmp_path / "s.json")
+    command("check", scene, "--loads", tmp_path / "loads.csv", "--no-compute", "--markdown", tmp_path / "g.md")
+    found = {path: str(path.relative_to(tmp_path)) for path in tmp_path.rglob("*")}
+    texts = {name: name + path.read_text(encoding="utf-8") for path, name in found.items() if path.is_file()}
+    assert {"new.toml", "t.json", "sweep/summary.json", "s.json", "g.md"} <= texts.keys()
+    words = str(tmp_path), "my-machine", str(Path.home()), str(ROOT), "file:"
+    assert [(name, word) for name, text in texts.items() for word in words if word in text] == []
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "table two-balls --model lin --quantities load --over errors.balls.oversize=4:7:2um --out t.csv",
+        "solve two-balls --model lin --curve=-3kN:3kN:2 --csv t.csv",
+    ],
+)
+def test_of_several_files_none_is_written_where_one_cannot_be(words, tmp_path):
+    """The disc has room for the table (1 KB), not for its figure."""
+    for limit, code, names in (("unlimited", 0, {"t.csv", "t.svg"}), ("8", 2, set())):
+        (tmp_path / limit).mkdir()
+        done = ran("/bin/sh", "-c", f'ulimit -f {limit}; "$@"', "sh", *COMMAND, *words.split(), cwd=tmp_path / limit)
+        assert (done.returncode, {path.name for path in (tmp_path / limit).iterdir()}) == (code, names), done.stderr
+
+
 @pytest.mark.parametrize("end", ["2>&-", pytest.param("2>/dev/full", marks=FULL)])
 @pytest.mark.parametrize("words", [("solve", "no-such-scene"), ("solve", "--no-such-option")])
 def test_bad_input_ends_with_2_whoever_reads_of_it(end, words):
@@ -46,9 +90,9 @@ def test_bad_input_ends_with_2_whoever_reads_of_it(end, words):
 
 
 def test_what_a_killed_process_left_is_removed(tmp_path):
-    path, child = tmp_path / "a.json", subprocess.Popen([sys.executable, "-c", ""])
-    child.wait()
-    mine, alive, dead = temporary_path(path), f"-{os.getpid()}-", f"-{child.pid}-"
+    # no process has this number; that of an ended one may be given to another process
+    path, dead = tmp_path / "a.json", f"-{2**31 - 1}-"
+    mine, alive = temporary_path(path, "json"), f"-{os.getpid()}-"
     left, folder = (Path(str(name).replace(alive, dead)) for name in (mine, temporary_path(path, "new")))
     folder.mkdir()
     for other in (mine, left, tmp_path / ".a.json.notes.tmp", folder / "x"):
@@ -77,8 +121,7 @@ print(run_timed_python_process(["-c", "import numpy; print(numpy.__file__)"], {}
     assert str(tmp_path) not in done.stdout
 
 
-def test_control_characters_of_a_scene_and_of_a_report_s_files_are_escaped():
-    assert verify.HashCheck("x\x1b]0;title", "\x1b", "y").terminal_line.isprintable()
+def test_control_characters_of_a_scene_are_escaped():
     text = catalogue.shipped_scene_text("lin-case1").replace('title = "', 'title = "\\u001b[31m\\u202e', 1)
     scene = scene_file.scene_from_text(text, "bad\x1bname.toml")
     assert scene.title.startswith("\\x1b[31m\\u202e")

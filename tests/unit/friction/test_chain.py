@@ -1,10 +1,11 @@
-"""Chains of balls: equilibrium by vectors, complementarity, energy, symmetries, limits, engines, events in time."""
+"""Chains of balls: equilibrium by vectors, complementarity, energy, symmetries, limits, events in time."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from scipy.optimize import linprog
+from tests.linear_chain_oracle import chain_by_oracle
 
 from rollbench.compare.cases.lin.evidence import source_cases
 from rollbench.lowfi.friction.contact.laws import contacts_from_values, friction_forces
@@ -67,9 +68,8 @@ def sliding_balls(bearing, loads, result):
 
 
 #: Number of balls, seed, spread of the angles [deg], friction between balls; with much of it the path round folds decides.
-FIRST = pytest.param(1, 8, 3.0, 0.1, marks=pytest.mark.compiles(23))
 CHAINS = [
-    FIRST,
+    (1, 8, 3.0, 0.1),
     (2, 2, 3.0, 0.1),
     (7, 8, 3.0, 0.1),
     (50, 50, 3.0, 0.1),
@@ -89,8 +89,9 @@ def test_equilibrium_of_every_ball_and_complementarity(count, seed, spread, mu):
     force, moment = out_of_balance(bearing, angles, loads, result)
     slides = sliding_balls(bearing, loads, result)
     assert slides.mean() > 0.5 if much or count == 50 else slides.all()
-    np.testing.assert_allclose(force[slides], 0.0, atol=1e-6 if much else 1e-7)
-    np.testing.assert_allclose(moment[slides], 0.0, atol=1e-6 if much else 1e-7)
+    # a regularising speed of 1e-7 of the carriage's, where contacts slide by 1e-3 of it: 1e-8 of the friction bounds, 20 N
+    np.testing.assert_allclose(force[slides], 0.0, atol=1e-6 if much else 2e-7)
+    np.testing.assert_allclose(moment[slides], 0.0, atol=1e-6 if much else 2e-7)
     closing = -np.diff(result.velocity)
     assert np.all(result.ball_force >= 0.0)
     assert np.all(result.ball_force[~touching] == 0.0)
@@ -99,6 +100,20 @@ def test_equilibrium_of_every_ball_and_complementarity(count, seed, spread, mu):
     assert count == 1 or result.ball_force.max() > 0.1
     assert (count, mu) != (50, 0.1) or closing[~touching].max() > 0.0
     assert min(result.groove_loss.min(), result.ball_loss.min(initial=0.0)) >= 0.0
+
+
+@pytest.mark.parametrize(("count", "seed", "mu"), [(2, 2, 0.1), (4, 8, 0.3), (6, 5, 0.5)])
+def test_state_is_the_end_of_the_path_that_the_oracle_follows(count, seed, mu):
+    """Equations, regularisation and path of its own; contacts that stick creep ten times as fast here as there."""
+    bearing, touching = replace(BEARING, mu_balls=mu), np.ones(count - 1, dtype=bool)
+    angles, loads = random_chain(count, seed, 5.0)
+    velocity, force, residual = chain_by_oracle(bearing, angles, loads, touching)
+    result = solved(bearing, angles, loads)
+    assert residual < 1e-9
+    assert force.max() > 0.01
+    unit = bearing.mu * loads.sum(axis=1).max()
+    np.testing.assert_allclose(result.ball_force / unit, force, atol=1e-6)
+    np.testing.assert_allclose(result.velocity / bearing.speed, velocity, atol=1e-6)
 
 
 def test_power_does_not_depend_on_the_frame():

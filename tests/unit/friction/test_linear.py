@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from scipy.optimize import fsolve
 from scipy.special import ellipe
+from tests import linear_chain_oracle
 
 from rollbench.compare.cases.lin.evidence import source_cases
 from rollbench.lowfi.friction.contact.laws import contacts_from_values, dissipated_power
 from rollbench.lowfi.friction.linear import bearing as linear_bearing
 from rollbench.lowfi.friction.linear import chain
-from rollbench.lowfi.friction.linear.kernel import equations as kernel
 
 BEARING = source_cases.linear_pair_scene().bearing
 
@@ -20,10 +20,10 @@ BEARING = source_cases.linear_pair_scene().bearing
 @pytest.mark.parametrize("c", [0.0, 0.2, -0.7, 0.999, 1.0001, -3.0, 1e5])
 def test_contact_law_against_the_closed_form(c, conformity):
     """The cubic inside the ellipse against confocal coordinates and Carlson integrals; c: point of no slip over a."""
-    shape = chain.contact_friction_constants(replace(BEARING, conformity=conformity))
+    shape = linear_chain_oracle.contact_friction_constants(replace(BEARING, conformity=conformity))
     for w in (1.0, -2.0):
         d = dissipated_power(contacts_from_values(1.0, shape[0], 1.0, 1.0), np.array([[0.0, c * w, w]]))
-        f, m, *bend = kernel.slide_and_spin_friction(c * w, w, shape)
+        f, m, *bend = linear_chain_oracle.slide_and_spin_friction(c * w, w, shape)
         assert (c * w * f + w * m, f, m) == pytest.approx((d.power[0], *d.gradient[0, 1:]), rel=1e-9, abs=1e-9)
         assert bend == pytest.approx(d.hessian[0, [1, 1, 2], [1, 2, 2]], rel=1e-6, abs=1e-9)
 
@@ -93,7 +93,7 @@ def test_rubbing_speed_and_loss():
 def test_spin_loss_is_that_of_the_numerical_model_without_deviations():
     loads = linear_bearing.loads_equal_on_diagonals(100.0, np.array([0.2]))
     balls = chain.prepare_linear_chain(BEARING, np.full((1, 4), BEARING.contact_angle), loads)
-    numerical = chain.solve_linear_chain(balls, fast=False)
+    numerical = chain.solve_linear_chain(balls)
     assert linear_bearing.groove_spin_loss(BEARING, loads).sum() == pytest.approx(numerical.loss, rel=2e-3)
 
 
@@ -144,4 +144,4 @@ def test_bad_values_are_refused():
     with pytest.raises(ValueError, match="two opposite contacts would have to pull"):
         linear_bearing.loads_equal_on_diagonals(1.0, np.array(1.1))
     with pytest.raises(ValueError, match="semi-axes must lie"):
-        chain.contact_friction_constants(replace(BEARING, conformity=0.5 + 1e-7))
+        chain.prepare_linear_chain(replace(BEARING, conformity=0.5 + 1e-7), np.zeros((1, 4)), np.zeros((1, 4)))

@@ -9,9 +9,8 @@ from tests.friction_oracles import ball_cell, coupled_ball
 from tests.helpers import SCREW_STATES as STATES
 
 from rollbench.compare.cases.lin.evidence import source_cases
-from rollbench.lowfi import jit
 from rollbench.lowfi.friction.bearing import solve_ball_of_bearing
-from rollbench.lowfi.friction.contact.equilibrium import zero_contact_state_arrays
+from rollbench.lowfi.friction.contact.loads import state_of_balls
 from rollbench.lowfi.friction.linear.bearing import LinearBearing
 from rollbench.lowfi.friction.linear.chain import pair_angles_and_loads
 from rollbench.lowfi.friction.linear.chain import solve_pair_of_linear_balls as solve_linear_pair
@@ -105,12 +104,11 @@ def test_loads_are_the_least_energy(rng: np.random.Generator) -> None:
     """Against a search that knows the energy only, and its gradient against differences."""
     pair = replace(source_cases.oversized_pair(TWO), free="rz", force=(3.0, 50.0))
     cell = replace(pair.balls_with_loads(), ball_friction_forces=np.array([[1.0, -2.0], [0.5, 3.0]]))
-    scale, arrays = 1e-6, motion.kernel_arrays_for_contact_loads(cell)
-    state, kernels = zero_contact_state_arrays(arrays), jit.load_kernel_package(jit.CONTACT, compiled=True)
+    scale, arrays = 1e-6, motion.arrays_for_contact_loads(cell)
 
     def energy_at(p, u):
         work = np.sum(cell.ball_friction_forces * p) + cell.external_screw_force @ u
-        return kernels.contact_energy(arrays, p, u, state) - work
+        return state_of_balls(arrays, p, u).energy - work
 
     def energy(x):
         return energy_at(scale * x[:4].reshape(2, 2), scale * x[4:]) / (50.0 * scale)
@@ -122,8 +120,8 @@ def test_loads_are_the_least_energy(rng: np.random.Generator) -> None:
     assert energy(x) <= best.fun + 1e-12 * abs(best.fun)
     assert x == pytest.approx(best.x, abs=1e-3)
     p, u, h = rng.normal(size=(2, 2)) * 1e-6, rng.normal(size=2) * 1e-6, 1e-10
-    energy_at(p, u)
-    slope = np.append(state.ball_unbalanced_forces.ravel(), state.inner_unbalanced_forces)
+    state = state_of_balls(arrays, p, u)
+    slope = np.append(state.on_balls.ravel(), state.on_inner)
     for k in range(6):
         step = np.eye(6)[k] * h
         up, down = (energy_at(p + s * step[:4].reshape(2, 2), u + s * step[4:]) for s in (1.0, -1.0))
@@ -185,7 +183,7 @@ def test_root_of_the_sources_law(rng: np.random.Generator) -> None:
 def test_zero_lead_is_the_rotary_bearing(u_y: float) -> None:
     """Its x, y, z (axis, radius, path) are z3, x3, y3 here; its inner ring is the screw."""
     ring = source_cases.rotary_ball_scene("I").bearing
-    s = solve_ball_of_bearing(ring, 100.0, u_y, fast=True)
+    s = solve_ball_of_bearing(ring, 100.0, u_y)
     screw = ScrewGroove(6.25e-3, 6.75e-3, 35e-3, 0.0, 0.25 * np.pi, 2.1e11, 0.28, 0.1, 0.0, 20.0 * np.pi)
     order = [0, 1, 3, 2]  # IL, IR, OL, OR
     one, loaded = motion.solve_ball_motion(screw, s.load.force[order], s.load.angle[order]), s.load.force[order] > 0.0

@@ -7,7 +7,7 @@ import pytest
 from tests.friction_oracles import ball_cell, coupled_ball
 
 from rollbench.compare.cases.lin.evidence import source_cases
-from rollbench.lowfi.friction.screw import chain, motion
+from rollbench.lowfi.friction.screw import coupled, motion
 from rollbench.lowfi.friction.screw.run import BOTH, Pair, solve_pair_of_screw_balls
 
 #: One of the cases below: the way with the first regularising speed ends in a fold.
@@ -24,7 +24,7 @@ WEDGED = (
 )
 
 
-def out_of_balance(pair: Pair, state: chain.CoupledChainSolution) -> float:
+def out_of_balance(pair: Pair, state: coupled.CoupledChainSolution) -> float:
     """Largest force out of balance of a ball across its path, over the sum of contact forces: from forces alone."""
     n = pair.groove.normals(state.loads_with_friction.angle)
     force = state.motion.wrench[..., :3].sum(axis=1) + state.motion.neighbour_forces
@@ -39,7 +39,7 @@ def test_wedged_pairs_and_balls_converge_and_are_in_equilibrium(case) -> None:
     pair = Pair(groove, deviations, oversize=-clearance, force=(force,), coupling="ball")
     r = solve_pair_of_screw_balls(pair)
     assert r.converged
-    assert r.apart.rounds > chain.PATIENCE
+    assert r.apart.rounds > coupled.PATIENCE
     assert r.apart.loads_with_friction.force.sum() > 5.0 * r.apart.loads_without_friction.force.sum()
     for state in (r.apart, r.touching):
         assert out_of_balance(pair, state) < 1e-8
@@ -54,12 +54,12 @@ def test_one_system_gives_what_rounds_give(make, coupling: str) -> None:
     """Two ways that share the laws only: rounds and Newton's method on everything at once."""
     pair = replace(make(np.radians(2.0)), coupling=coupling)
     rounds = solve_pair_of_screw_balls(pair).touching
-    assert rounds.rounds < chain.PATIENCE
+    assert rounds.rounds < coupled.PATIENCE
     cell = pair.balls_with_loads()
     bare = motion.solve_screw_contact_loads(cell)
     held = motion.balls_with_fixed_screw(cell, bare) if coupling == "ball" else cell
     start = bare.ball_displacements, bare.inner_body_displacements[: held.external_screw_force.size]
-    found = chain.solve_loads_and_motion(held, np.array([0.0, np.inf]), start)
+    found = coupled.solve_loads_and_motion(held, np.array([0.0, np.inf]), start)
     assert found.reached_full_friction
     friction, pushed = rounds.motion.wrench, rounds.motion.neighbour_forces[:, [0, 2]]
     push, drag = motion.friction_on_balls_and_screw(held, friction, pushed, coupling)  # type: ignore[arg-type]
@@ -100,8 +100,8 @@ def test_a_floating_ball_may_wedge_itself() -> None:
     found, rng, cell = [], np.random.default_rng(1), pair.balls_with_loads()
     for _ in range(40):
         push = np.array([[0.0, 0.0], 0.01 * rng.normal(size=2)])
-        guess = chain.IterationStart(push, np.zeros(1), floats.motion.q, np.zeros(2))
-        found.append(chain.solve_coupled_chain(cell, np.full(2, np.inf), "ball", None, 100, guess))
+        guess = coupled.IterationStart(push, np.zeros(1), floats.motion.q, np.zeros(2))
+        found.append(coupled.solve_coupled_chain(cell, np.full(2, np.inf), "ball", None, 100, guess))
     wedged = [s for s in found if s.loads_with_friction.force[1].sum() > 0.1]
     assert wedged
     assert all(s.converged and out_of_balance(pair, s) < 1e-8 for s in found)

@@ -52,7 +52,6 @@ def test_pair_in_equilibrium(make, coupling: str) -> None:
         assert np.abs(seen).max() < 1e-7 * t.loads_with_friction.force.sum()
 
 
-@pytest.mark.compiles(18)
 def test_swapped_balls() -> None:
     """Half a turn about x3 swaps the balls, left and right, and reverses the motion and the axial force."""
     one = run.solve_pair_of_screw_balls(PAIR)
@@ -88,10 +87,10 @@ def test_frictionless_chain_is_a_constrained_least_dissipation() -> None:
         return (drives + np.einsum("kirj,kj->kir", maps, q)).reshape(-1, 3)
 
     def loss(x):
-        return float(np.sum(dissipated_power(at, seen(x), fast=True).power)) / r.loss
+        return float(np.sum(dissipated_power(at, seen(x)).power)) / r.loss
 
     def slope(x):
-        d = dissipated_power(at, seen(x), fast=True).gradient.reshape(3, 4, 3)
+        d = dissipated_power(at, seen(x)).gradient.reshape(3, 4, 3)
         return (np.einsum("kir,kirj->kj", d, maps) * s.speed / s.units).ravel() / r.loss
 
     order = [{"type": "ineq", "fun": lambda x, k=k: x[4 * k + 4] - x[4 * k]} for k in range(2)]

@@ -13,7 +13,7 @@ from rollbench.lowfi.friction.bearing import solve_bearing
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.lowfi.friction.screw.motion import solve_ball_motion
 from rollbench.lowfi.friction.whole.contacts import contacts_of_result
-from rollbench.lowfi.friction.whole.losses import CAUSES, ball_friction
+from rollbench.lowfi.friction.whole.losses import CAUSES, BallsUnderLoad, ball_friction
 from rollbench.lowfi.statics.contacts import hertz_with_errors
 from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout
@@ -50,6 +50,12 @@ def test_ring_under_axial_load_spins_at_one_ring_only():
     assert found.ball_friction.sticking_contacts.sum() == 9
 
 
+def test_a_bearing_without_load_has_no_friction():
+    idle = solve_bearing(replace(four_point_bearing(tilt=False), force=0.0, clearance=1e-6), 0.3)
+    assert idle.torque == idle.input_power == idle.load.force.max() == 0.0
+    assert idle.converged
+
+
 @pytest.mark.parametrize("angle", [0.1, 0.7, 1.4])
 def test_four_point_ring_is_that_of_the_bearing_pairs(angle):
     case = four_point_bearing(tilt=False)
@@ -63,10 +69,10 @@ def test_four_point_ring_is_that_of_the_bearing_pairs(angle):
 
 @pytest.mark.parametrize("lead", [20e-3, -20e-3])
 @pytest.mark.parametrize("force", [FOUR, (0.0, 60.0, 60.0, 0.0), (40.0, 90.0, 130.0, 0.0)])
-def test_ball_of_a_helix_moves_as_in_the_screw_s_kernels(lead, force):
+def test_ball_of_a_helix_moves_as_in_the_screw(lead, force):
     groove, angle = replace(HELIX, lead=lead), HELIX.contact_angle + TURNED
-    expected, at = solve_ball_motion(groove, np.array(force), angle, fast=False), single(force, angle, groove)
-    found = ball_friction(scene_of(groove), at, MU, Motion(7.0, "nut"))
+    expected, at = solve_ball_motion(groove, np.array(force), angle), single(force, angle, groove)
+    found = ball_friction(BallsUnderLoad(scene_of(groove), at, MU, Motion(7.0, "nut")))
     assert found.total_power_lost == pytest.approx(expected.motion.loss, rel=1e-10)
     moving = [found.orbital_speed[0], *found.rotation[0]]
     assert np.allclose(moving, expected.motion.unknown_velocities, rtol=1e-10, atol=1e-10)
@@ -87,7 +93,7 @@ def integral(found, at, i, s, mu):
 @pytest.mark.parametrize("across", [True, False])
 def test_loss_is_the_integral_over_an_ellipse_whichever_way_it_lies(across):
     at = replace(single(FOUR, np.full(4, HELIX.contact_angle), HELIX), across=np.full((1, 4), across))
-    found = ball_friction(scene_of(HELIX), at, MU, Motion(7.0, "nut"))
+    found = ball_friction(BallsUnderLoad(scene_of(HELIX), at, MU, Motion(7.0, "nut")))
     assert not found.sticking_contacts.any()
     assert at.b.max() < 0.5 * at.a.min()
     for s in range(4):

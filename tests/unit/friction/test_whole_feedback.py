@@ -1,18 +1,19 @@
 """Feedback of friction on the loads of whole screws: virtual work, one ball coupled, symmetries, second states."""
 
-from dataclasses import replace
+from dataclasses import astuple, replace
 
 import numpy as np
 import pytest
 from tests.friction_oracles import ball_cell, coupled_ball
 from tests.friction_runs import setting
-from tests.helpers import mirrored, small_screw
-from tests.whole_screws import SCENES, TURN, scene_of, single, state
+from tests.helpers import mirrored, small_screw, solved
+from tests.whole_screws import MU, SCENES, TURN, scene_of, single, state
 
 from rollbench.compare.cases.lin.evidence.source_cases import screw_groove
 from rollbench.compare.scenes import catalogue
-from rollbench.lowfi.friction.whole.feedback import positions_in_grooves, solve_friction_equilibrium
-from rollbench.lowfi.friction.whole.losses import ball_friction
+from rollbench.lowfi.friction.whole.feedback import DisplacedBalls, positions_in_grooves, solve_friction_equilibria
+from rollbench.lowfi.friction.whole.losses import BallsUnderLoad, ball_friction
+from rollbench.lowfi.friction.whole.state import FrictionCase, friction_state, friction_states
 from rollbench.lowfi.friction.whole.torque import axial_forces_and_moments, sum_friction_over_contacts
 from rollbench.meshes.parts import Friction, Motion
 
@@ -30,10 +31,10 @@ def without_friction(groove, oversize, load):
 def coupled(mu, load):
     """A ball whose loads know of its friction: contacts, power lost, torque that drives the screw by sums in space."""
     groove = groove_with(mu)
-    held = coupled_ball(ball_cell(groove, np.zeros(4), 2e-6, "z", np.array([load])), "ball and screw", fast=False)
+    held = coupled_ball(ball_cell(groove, np.zeros(4), 2e-6, "z", np.array([load])), "ball and screw")
     at, scene = single(held.load.force[0], held.load.angle[0], groove), scene_of(groove)
     assert held.converged
-    found = ball_friction(scene, at, Friction(mu, mu), Motion(5.0))
+    found = ball_friction(BallsUnderLoad(scene, at, Friction(mu, mu), Motion(5.0)))
     total = found.contact_wrenches(at.normals)
     total[..., :3] -= at.force[..., None] * at.normals
     axial, moment = axial_forces_and_moments(at, total)
@@ -47,7 +48,8 @@ def test_torque_by_virtual_work_is_exact_with_feedback_and_of_first_order_withou
         assert axial == pytest.approx(load, rel=1e-8), "on the balls: what the load presses with, friction included"
         assert moment == pytest.approx(power / 5.0 - ratio * load, rel=1e-8), "T Omega + F r Omega = P"
         at = without_friction(screw_groove(), 2e-6, load)
-        first = sum_friction_over_contacts(scene, at, ball_friction(scene, at, Friction(mu, mu), Motion(5.0)), Motion(5.0))
+        alone = ball_friction(BallsUnderLoad(scene, at, Friction(mu, mu), Motion(5.0)))
+        first = sum_friction_over_contacts(scene, at, alone, Motion(5.0))
         assert first.axial_load == pytest.approx(load, rel=1e-8)
         left.append(abs(first.driving_torque_on_screw - moment))
     assert left[0] > 0.0
@@ -61,7 +63,8 @@ def fed(groove, load, oversize, mu, drive):
     turned = replace(at, angle=np.full((1, 4), groove.contact_angle))
     centre, reach = -distance * turned.normals[..., [0, 2]], np.full((1, 4), distance - oversize)
     place = positions_in_grooves(at, groove.contact_hertz_constants.C[None, :], reach, centre)
-    return scene, solve_friction_equilibrium(scene, at, place, Friction(mu, mu), drive)
+    still = BallsUnderLoad(scene, at, Friction(mu, mu), drive)
+    return scene, solve_friction_equilibria([DisplacedBalls(still, place)])[0]
 
 
 @pytest.mark.parametrize("mu", [0.02, 0.1, 0.2])
@@ -82,6 +85,29 @@ def test_feedback_on_a_ball_is_that_of_the_coupled_solver(mu, oversize, load):
 
 
 COUPLED = Friction(0.1, 0.1, (), True)
+
+
+def test_cases_together_are_as_each_alone():
+    """Screws and a ring, with and without feedback, coefficients, directions and a case without load, in one call."""
+    free = small_screw(force=(0.0, 0.0, 0.0))
+    asked = [
+        (SCENES["two-point"](), COUPLED, TURN),
+        (SCENES["two-point"](), Friction(0.02, 0.05), Motion(-10.0)),
+        (SCENES["ring"](), COUPLED, TURN),
+        (SCENES["ring"](), COUPLED, Motion(-3.0)),
+        (SCENES["two starts"](), Friction(0.3, 0.3), TURN),
+        (free, COUPLED, TURN),
+        (SCENES["four-point"](), MU, Motion(5.0, "nut")),
+    ]
+    cases = [FrictionCase(scene, solved(scene), friction, motion) for scene, friction, motion in asked]
+    for case, found in zip(cases, friction_states(cases), strict=True):
+        alone = friction_state(*case)
+        sums, sums_alone = (np.hstack(astuple(x.friction_sums)) for x in (found, alone))
+        assert sums == pytest.approx(sums_alone, rel=1e-10, abs=1e-10)
+        assert found.contacts.force == pytest.approx(alone.contacts.force, rel=1e-10)
+        assert found.ball_friction.loss == pytest.approx(alone.ball_friction.loss, rel=1e-8, abs=1e-15)
+        assert found.ball_friction.status == alone.ball_friction.status
+        assert (found.unsettled_balls, found.jammed_balls) == (alone.unsettled_balls, alone.jammed_balls)
 
 
 @pytest.mark.parametrize("name", [n for n in SCENES if n != "ring"])

@@ -18,9 +18,8 @@ from rollbench.lowfi.friction.screw.run import balls_at_instant
 from rollbench.lowfi.friction.screw.travel import simulate
 from rollbench.lowfi.friction.whole.circuit import balls_in_circuits, grooves_of_scene, solve_motion_on_track
 from rollbench.lowfi.friction.whole.state import friction_state
-from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.lowfi.statics.nominal import contact_loads_by_beam_model, contact_loads_with_elastic_bodies
-from rollbench.lowfi.statics.static import solve_static
+from rollbench.lowfi.statics.static import solve_elastic, solve_static
 from rollbench.meshes.errors import draw_errors, draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout, lead_per_radian
 from rollbench.meshes.parts import BallErrors, Circulation, Errors, FourierTerm, Friction, Load, Motion, SideErrors

@@ -8,7 +8,7 @@ from tests.helpers import small_screw, solved
 from tests.whole_screws import AXIAL, MU, SCENES, TURN, state, two_starts
 
 from rollbench.lowfi.friction.whole.contacts import contacts_of_result
-from rollbench.lowfi.friction.whole.losses import ball_friction, ball_kinematics
+from rollbench.lowfi.friction.whole.losses import BallsUnderLoad, ball_friction, ball_kinematics
 from rollbench.meshes.parts import Friction, Motion
 
 
@@ -105,6 +105,6 @@ def test_what_is_refused():
     scene = small_screw(force=AXIAL)
     result = solved(scene)
     with pytest.raises(ValueError, match="at rest"):
-        ball_friction(scene, contacts_of_result(scene, result), MU, Motion(0.0))
+        ball_friction(BallsUnderLoad(scene, contacts_of_result(scene, result), MU, Motion(0.0)))
     with pytest.raises(ValueError, match="not held"):
         contacts_of_result(scene, replace(result, status="not held: it turns"))

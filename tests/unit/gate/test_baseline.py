@@ -1,12 +1,14 @@
 """Files of verdicts; what changed since earlier ones, in text, JSON and Markdown."""
 
 import csv
+import html
 import json
 import re
 from dataclasses import replace
 from xml.etree import ElementTree
 
 import pytest
+from markdown_it import MarkdownIt
 
 from rollbench.compare.errors import InputError
 from rollbench.compare.gate import publish
@@ -71,6 +73,32 @@ def test_the_command_tells_what_changed_since_a_file_of_either_form(command, tmp
     (change,) = data["changed"]
     assert (change["quantity"], change["verdict"]) == ("largest error of a contact load", ["fail", "pass"])
     assert f" a contact load {' -> '.join(change['error'])} %, limit 7" in line
+
+
+#: Names of scenes, models and files in which Markdown, GitHub or GitLab find markup, links, people, issues, labels.
+HOSTILE = [
+    "[click](https://evil.example) ![x](y.png)",
+    "see https://evil.example/a?b and www.evil.example, a@evil.example",
+    "@owner, @org/team and you@owner",
+    "fixes #12, owner/rollbench#12, GH-12, gh-12, !12, &12, ~bug, %4, $5",
+    "<img src=x onerror=y> <!-- --> <details> &lt;b&gt; &#64;owner",
+    "*a* _b_ __c__ **d** ~~e~~ `f` ``g`` $h$ a_b _ \\ \\_ \\| |",
+]
+
+
+@pytest.mark.parametrize("name", HOSTILE)
+def test_names_are_shown_as_they_are_in_markdown(name: str) -> None:
+    """No markup, and nothing that hosts turn into a link or a message to a person."""
+    one = replace(row("fail", 9.0, scene=name), judged=name, note=name, neighbouring_loads=((3, 1.0, 2.0, 0.1),))
+    markdown = MarkdownIt("commonmark", {"html": True}).enable("table")
+    text = publish.markdown_text([one], [name])
+    inline = [child for token in markdown.parse(text) for child in token.children or ()]
+    assert {child.type for child in inline} <= {"text", "text_special"}
+    shown = [re.sub(r"</?\w+>", "", line) for line in markdown.render(text).replace("\u2060", "").splitlines()]
+    assert [html.unescape(line) for line in shown].count(name) == 4  # scene, model, note of the row; note of the table
+    before_fence = html.unescape(markdown.render(text)).partition("xychart-beta")[0]
+    found = re.search(r"[@#!~%$&](?=[a-z0-9])|\bgh-\d|https?://|www\.", before_fence, re.IGNORECASE)
+    assert found is None, found
 
 
 def test_files_of_verdicts(tmp_path) -> None:

@@ -224,8 +224,8 @@ def test_rows_that_are_not_there_are_one_line(command, tmp_path: Path, change: t
 
 
 REFUSED = [
-    ('[[cases.housings]]\nname = "table"\n', "cases[2].housings[0].name"),
-    ('[[cases.loads]]\nat = "900 mm"\n', "cases[2].loads[0].at"),
+    ('[[cases.housings]]\nname = "table"\nforce = ["0 N", "0 N", "1 N"]\n', "cases[2].housings[0].name"),
+    ('[[cases.loads]]\nat = "900 mm"\nforce = ["0 N", "0 N", "1 N"]\n', "cases[2].loads[0].at"),
     ('[[cases.supports]]\nat = "5 mm"\ndisplace = { ux = "1 um" }\n', "cases[2].supports[0].at"),
     ('[[cases]]\nname = "rapid"\nshare = 0\n', "cases[3].name"),
 ]

@@ -76,23 +76,23 @@ def values(path, *rows: str):
 
 
 def test_values_of_the_whole_are_judged_with_the_uncertainty_of_each(tmp_path) -> None:
-    rows = ("displacement,22.5,um,", "displacement,0.0225,mm,300 mm", "rigidity,230,N/um,", "life,9e6,revolutions,")
+    rows = ("displacement,36.2,um,", "displacement,0.0225,mm,300 mm", "rigidity,143,N/um,", "life,9e6,revolutions,")
     file = values(tmp_path / "v.csv", *rows)
     moved, there, stiff, life = judged(values=file, limits=["rigidity=10"])
     found = stored()
-    place, at = np.interp([GIVEN.nut.position, 0.3], found.best.centreline[:, 0], found.best.centreline[:, 3])
-    assert moved.error == pytest.approx(100.0 * (22.5e-6 / place - 1.0))
+    place, at = np.interp([GIVEN.loads[0].at, 0.3], found.best.centreline[:, 0], found.best.centreline[:, 3])
+    assert moved.error == pytest.approx(100.0 * (36.2e-6 / place - 1.0))
     (bar,) = uncertainty.grid_uncertainty(GIVEN, found, uncertainty.QUANTITIES[2])
     assert moved.uncertainty == pytest.approx(float(bar), rel=1e-6)
     assert there.error == pytest.approx(100.0 * (22.5e-6 / at - 1.0))
-    assert stiff.pair == ("rigidity_N_per_um", pytest.approx(230.0), pytest.approx(5e-3 / place, rel=1e-4))
+    assert stiff.pair == ("load_point_secant_N_per_um", pytest.approx(143.0), pytest.approx(5e-3 / place, rel=1e-4))
     assert (stiff.limit, life.limit, life.word) == (10.0, 21.0, "fail")
     assert "formula from the reference's loads" in life.detail
     assert quantities_without_verdict([moved, there, stiff, life]) == ["contact angle", "approach", "pressure", "torque"]
 
 
 def test_torque_is_by_friction_on_the_reference_s_loads(monkeypatch: pytest.MonkeyPatch, tmp_path) -> None:
-    monkeypatch.setattr(friction_sums, "total_friction_torque", lambda sets, *_: float(sets[0][1].load.sum()))
+    monkeypatch.setattr(friction_sums, "total_friction_torques", lambda asked: [float(asked[0].solved[0][1].load.sum())])
     (found,) = judged(values=values(tmp_path / "v.csv", "torque,15,N m,"))
     reference = stored()
     assert found.pair == ("torque_Nmm", pytest.approx(15e3), pytest.approx(reference.load.sum()))
@@ -106,10 +106,10 @@ def test_a_rigidity_curve_is_judged_load_by_load(tmp_path) -> None:
     settings = asdict(tasks.mesh_settings([half], run.level, ""))
     (tmp_path / "store").mkdir()
     store.save_run(tmp_path / "store", half, replace(run, load=0.5 * run.load, centreline=line, settings=settings))
-    file = values(tmp_path / "v.csv", "rigidity,226,N/um,5 kN", "rigidity,206,N/um,2.5 kN", "rigidity,180,N/um,1 kN")
+    file = values(tmp_path / "v.csv", "rigidity,140.5,N/um,5 kN", "rigidity,128,N/um,2.5 kN", "rigidity,112,N/um,1 kN")
     whole, less, least = judged(values=file, store=tmp_path / "store")
     assert (whole.word, less.quantity) == ("pass", "rigidity at 2.5 kN")
-    assert less.pair[2] == pytest.approx(2.5e-3 / float(np.interp(GIVEN.nut.position, line[:, 0], line[:, 3])), rel=1e-3)
+    assert less.pair[2] == pytest.approx(2.5e-3 / float(np.interp(GIVEN.loads[0].at, line[:, 0], line[:, 3])), rel=1e-3)
     assert (less.word, less.uncertainty) == ("undecided", None), "one mesh level leaves it open"
     assert (least.word, least.quantity) == ("not covered", "rigidity at 1 kN")
 

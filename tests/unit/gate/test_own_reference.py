@@ -108,7 +108,7 @@ def test_compare_sets_models_and_ours_beside_it(command, tmp_path) -> None:
     assert all(name in figure for name in ("bench.csv", "stored 3D reference"))
     (scene,) = command.answer(*tokens)["scenes"]
     assert (scene["levels"], scene["uncertainty_percent"]) == ([], pytest.approx(1.0))
-    moved = {name: answer["axial"]["displacement_um"] for name, answer in scene["answers"].items()}
+    moved = {name: answer["load_point"]["displacement_um"] for name, answer in scene["answers"].items()}
     assert (moved["bench.csv"], moved["stored 3D reference"] is None) == (None, False)
 
 

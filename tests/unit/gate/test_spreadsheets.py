@@ -74,6 +74,11 @@ FAULTY = [
     ("1,SL,100", "1,SL,100 N", "line 2: newton", "without unit"),
     ("1,SL,100", "1,SL", "line 2: newton", "nothing"),
     ("1,SL,100", '1,SL,"489,5"', "line 2: newton", "decimal comma"),
+    ("1,SL,100", "1,SL,1_000", "line 2: newton", "underscore"),
+    ("1,SL,100", "1,SL,0.1D+03", "line 2: newton", "Fortran"),
+    ("1,SL,100", "1,SL,0.1234567+103", "line 2: newton", "Fortran"),
+    ("1,SL,100", "1,SL,١٠٠", "line 2: newton", "at least 0"),
+    (GOOD, "ball,flank,newton,angle_deg\n1,SL,100,4_5\n", "line 2: angle_deg", "underscore"),
     ("1,SL,100", '1,SL,"100', "line 5", "quotation mark"),
     ("2,sl,0\n", "", "rows", "no load of ball 2 SL"),
     ("2,NR,80", "1,NR,80", "line 5", "ball 1 NR"),
@@ -111,6 +116,13 @@ def test_a_row_without_the_word_of_its_case_is_not_left_out(tmp_path) -> None:
 def test_a_decimal_comma_in_a_value_is_named(tmp_path, row: str) -> None:
     with pytest.raises(InputError, match="decimal comma"):
         read_user_values(written(tmp_path, "quantity,value,unit,where", row))
+
+
+@pytest.mark.parametrize(("number", "words"), [("1_000", "underscore"), ("1.5D+03", "Fortran")])
+@pytest.mark.parametrize("row", ["rigidity,{},N/um,", "life,{},revolutions,", "rigidity,540,N/um,{} N"])
+def test_another_spelling_of_a_value_is_named(tmp_path, row: str, number: str, words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        read_user_values(written(tmp_path, "quantity,value,unit,where", row.format(number)))
 
 
 def test_a_quantity_that_two_columns_give_is_refused(tmp_path) -> None:

@@ -10,7 +10,7 @@ from tests.unit.statics.test_one_arc import bearing
 from rollbench.compare.reference.tasks import flanks_to_mesh
 from rollbench.hifi.reference import solve_reference
 from rollbench.hifi.setup import mesh_and_condense_geometry
-from rollbench.lowfi.statics.elastic import solve_elastic
+from rollbench.lowfi.statics.static import solve_elastic
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import Support
 from rollbench.meshes.sockets import section_angles_of_flank

@@ -295,3 +295,19 @@ def test_geometries_are_kept_between_commands_only_when_switched_on_and_but_for_
         assert calls == [5, 4, 4]
     finally:
         module.switch_off_geometry_cache()
+
+
+def several(arguments) -> list[Record]:
+    calls.append([number for (number,) in arguments])
+    return [Record(number) for (number,) in arguments]
+
+
+def test_results_of_several_arguments_are_kept_each_and_the_missing_ones_made_in_one_call(tmp_path):
+    calls.clear()
+    store = Cache(tmp_path)
+    assert store.get_each(several, [(1,), (2,)], Record) == [Record(1), Record(2)]
+    assert store.get_each(several, [(3,), (1,), (4,)], Record) == [Record(3), Record(1), Record(4)]
+    assert Cache(tmp_path).get_each(several, [(4,), (2,)], Record) == [Record(4), Record(2)]
+    assert calls == [[1, 2], [3, 4]]
+    assert (store.hits, store.misses) == (1, 4)
+    assert Cache(None).get_each(several, [(5,), (1,)], Record) == [Record(5), Record(1)]

@@ -10,6 +10,7 @@ from tests.helpers import small_screw
 from rollbench.compare.models import model_form
 from rollbench.compare.models.registry import ModelOptions, run_model
 from rollbench.compare.scenes import catalogue
+from rollbench.lowfi.rating.catalogue_checks import shaft_limits
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.parts import Flange, Load, Material, Support
 
@@ -25,7 +26,7 @@ def of(part: str, youngs_modulus: float, poissons_ratio: float = STEEL.poissons_
 
 
 def solved(scene, model: str = "lin"):
-    result = run_model(scene, model, ModelOptions(estimate_beam_mesh_error=False, engine="interpreted"))
+    result = run_model(scene, model, ModelOptions(estimate_beam_mesh_error=False))
     assert result.converged
     return result
 
@@ -55,6 +56,56 @@ def test_materials_that_were_not_compared_are_not_covered(scene, word: str, mode
 def test_steels_and_balls_of_silicon_nitride_are_covered() -> None:
     for scene in (SCENE, of("nut", 200e9, 0.3), of("balls", 310e9, 0.26)):
         assert expected(scene).percent is not None
+
+
+def test_a_shaft_more_slender_than_the_compared_ones_is_not_covered() -> None:
+    held = Support(0.0, tuple((k, 0.0) for k in ("ux", "uy", "rx", "ry", "rz")))
+
+    def of_length(length: float):
+        screw, end = replace(SCENE.screw, length=length), Support(length, (("ux", 0.0), ("uy", 0.0)))
+        return expected(replace(SCENE, screw=screw, supports=(held, end), loads=(Load(0.0, (0.0, 0.0, 500.0)),)))
+
+    assert of_length(0.9).percent is not None
+    assert "span of the shaft" in of_length(1.2).words[-1]
+
+
+def test_a_shaft_near_buckling_is_not_covered() -> None:
+    """Compared shafts are compressed by up to 0.24 of their buckling load; this one carries 0.15 and 0.6 of it."""
+    slim = replace(
+        SCENE,
+        supports=(
+            Support(0.0, tuple((k, 0.0) for k in ("ux", "uy", "rx", "ry", "rz"))),
+            Support(0.4, (("ux", 0.0), ("uy", 0.0))),
+        ),
+    )
+    result = solved(slim)
+    limits = shaft_limits(slim, result)
+    assert limits.compression < 0.25 * limits.buckling
+    assert expected(slim).percent is not None
+    thin = replace(
+        slim,
+        screw=replace(slim.screw, material=Material(slim.screw.material.youngs_modulus, 0.3)),
+        loads=tuple(replace(x, force=(0.0, 0.0, 0.6 * limits.buckling)) for x in slim.loads[:1]),
+    )
+    found = expected(thin)
+    assert (found.percent, "load under which it buckles" in found.words[-1]) == (None, True)
+
+
+@pytest.mark.parametrize("model", ["lin", "refined"])
+def test_screws_that_calibrate_are_not_fitted_and_hold_the_share_of_their_kind(model: str) -> None:
+    points = [p for p in model_form.model_errors_on_compared_scenes() if p.model == model]
+    for kind, fewest in (("screw", 100), (model_form.FLANGE, 59)):
+        like = model_form.ScenesLike.of_kind(kind, points)
+        assert len(like.calibrating) == fewest
+        assert not {p.scene for p in like.fitted} & {p.scene for nuts in like.calibrating for p in nuts}
+        bounds = [
+            model_form._expected_errors(like, np.array([model_form._scaled_features(nuts[0].features, like.scales)]))[
+                "percent"
+            ]
+            for nuts in like.calibrating
+        ]
+        held = sum(nuts[0].percent <= bound * (1.0 + 1e-9) for nuts, bound in zip(like.calibrating, bounds, strict=True))
+        assert held == np.ceil((fewest + 1) * model_form.SHARE)
 
 
 TILTS = [
@@ -92,14 +143,16 @@ def test_nothing_is_expected_of_contacts_without_load() -> None:
 
 @pytest.mark.parametrize("model", ["lin", "refined"])
 def test_as_many_compared_screws_were_within_as_is_promised(model: str) -> None:
-    """Counted by the whole bound made anew from the others, of all screws and of those held by a flange."""
+    """Counted by the whole bound made anew from the others, of the screws that do not calibrate: none of them sets its own
+    bound. The share of n such screws has a standard deviation of 3.5 %: 100 screws calibrate, n is about 150."""
     found = model_form.leave_one_out_errors(model_form.model_errors_on_compared_scenes(), model)
     covered = [one for one in found if one.expected is not None]
     assert len(found) - len(covered) <= UNCOVERED
+    covered = [one for one in covered if not one.point.calibrates]
     flanged = [one for one in covered if model_form.FLANGE in one.point.features]
     assert len(flanged) > 30
     for quantity in model_form.QUANTITIES:
-        for group, share in ((covered, 0.9), (flanged, 0.8)):
+        for group, share in ((covered, model_form.SHARE - 2.0 * 0.035), (flanged, 0.8)):
             pairs = [(getattr(one.point, quantity), one.expected[quantity]) for one in group]
             held = [abs(measured) <= bound for measured, bound in pairs if measured is not None and bound is not None]
             assert np.mean(held) >= share, (quantity, len(held), sum(held))

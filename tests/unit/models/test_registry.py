@@ -10,7 +10,7 @@ from rollbench.compare.models import comparison, model_form
 from rollbench.compare.models.registry import ModelOptions, run_model
 from rollbench.compare.scenes import catalogue
 
-QUIET = ModelOptions(estimate_beam_mesh_error=False, engine="interpreted")
+QUIET = ModelOptions(estimate_beam_mesh_error=False)
 CASE1 = catalogue.scene("lin-case1")
 
 

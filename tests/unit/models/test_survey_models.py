@@ -16,7 +16,7 @@ from rollbench.compare.errors import InputError
 from rollbench.compare.reference.store import measuring_conditions
 from rollbench.compare.studies import survey, survey_models
 
-SHARE = f"awk -f {ROOT / 'docs/examples/programs/share.awk'} {{scene.json}} {{loads.csv}}"
+SHARE = rollbench.model_command(f"awk -f {ROOT / 'docs/examples/programs/share.awk'} {{scene.json}} {{loads.csv}}")
 needs_awk = pytest.mark.skipif(shutil.which("awk") is None, reason="no awk here")
 
 
@@ -69,7 +69,7 @@ def test_a_screw_without_answer_is_a_row_with_its_reason_and_the_exit_code_is_1(
         "open(sys.argv[2], 'w').write('ball,flank,newton\\n' + '\\n'.join(rows))\n"
     )
     (tmp_path / "mine.py").write_text(text, encoding="utf-8")
-    mine = f"{sys.executable} mine.py {{scene.json}} {{loads.csv}}"
+    mine = rollbench.model_command(f"{sys.executable} mine.py {{scene.json}} {{loads.csv}}")
     code, data = command.json("survey", "--count", "12", "--model-command", mine, "--json")
     left = {r["number"] for r in survey.built_in_survey()["scenes"] if r["hand"] == "left"}
     reasons = {r["screw"]: r["status"] for r in data["models"][mine] if r["status"] != "converged"}
@@ -107,7 +107,7 @@ def test_loads_of_runs_are_kept_beside_those_that_a_file_has(tmp_path, monkeypat
     number, row = next(iter(survey_models.stored_loads().items()))
     run = type("Run", (), {"load": np.array(row["load"]) + 1.0, "moving": 0.5})
     monkeypatch.setattr(survey, "stored_run", lambda _, scene: run if scene.name.endswith("-1") else None)
-    path = tmp_path / survey_models.LOADS
+    path = tmp_path / survey.KINDS["ball screw"].loads
     path.write_text(json.dumps({"seed": survey.SEED, "level": survey.LEVEL, "screws": [row]}), encoding="utf-8")
     assert survey_models.store_reference_loads(path, tmp_path, 3) == 2
     found = {r["number"]: r for r in json.loads(path.read_text(encoding="utf-8"))["screws"]}
@@ -124,7 +124,7 @@ def runs_of(number):
 
 
 def test_level_1_and_the_models_are_judged_by_level_2():
-    runs, records = runs_of(survey_models.numbers_of_screws_for_level_2()[0]), survey.records_for_error_estimates()
+    runs, records = runs_of(survey_models.numbers_of_screws_for_level_2()[0]), survey.records_of_screws_known_before()
     found = {(s.name, s.reference_level): s for s in survey_models.errors_and_times_of_models(runs, records)}
     coarse = found["3D level 1", "level 2"]
     assert coarse.gate_errors == pytest.approx([100.0 * 0.02 / 1.02])

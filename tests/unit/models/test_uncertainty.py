@@ -30,11 +30,12 @@ WHOLE = uncertainty.LoadUncertainty(0.3, False, KNOWN["lin-case3"], 0.4, "angle,
 
 def test_parts_add_by_squares_and_the_largest_are_named() -> None:
     assert WHOLE.percent == pytest.approx(np.sqrt(0.3**2 + 2.5**2 + 0.4**2 + 1.2**2))
-    for words in ("2.82 % in total", "modelling choices 2.50 %, mainly held face", "inputs 0.40 %, mainly angle"):
+    parts = ("together 2.82 %", "modelling choices 2.50 %, mainly held face", "input (tolerances) 0.40 %, mainly angle")
+    for words in parts:
         assert words in WHOLE.uncertainty_text
     less = replace(WHOLE, choices=None, inputs=None, by_experience=True, shared=False)
     assert less.percent == pytest.approx(np.hypot(0.3, 1.2))
-    assert "estimated from other scenes; modelling choices not known; inputs not known" in less.uncertainty_text
+    assert "estimated from other scenes; modelling choices not known; input (tolerances) not known" in less.uncertainty_text
     assert (WHOLE.shared_error_sentence == "", less.shared_error_sentence) == (False, "")
     assert record_as_json(less)["modelling_dominated_by"] is None
 
@@ -106,7 +107,7 @@ def test_the_reference_itself_has_no_error_and_a_known_shift_is_found() -> None:
     )
     assert [(one.error, one.within) for one in same.values()] == [(0.0, 1.0)] * len(same)
     assert found["largest load"].error == pytest.approx(2.0)
-    assert found["axial displacement"].error == pytest.approx(5.0)
+    assert found["displacement of the load's point"].error == pytest.approx(5.0)
     assert found[uncertainty.CONTACTS].ratio == pytest.approx([1.02] * 64)
 
 

@@ -7,7 +7,6 @@ import pytest
 from scipy.optimize import brentq, minimize
 
 from rollbench.compare.scenes.catalogue import scene
-from rollbench.lowfi.jit import RANDOM_ERRORS, load_kernel_package
 from rollbench.lowfi.random_errors import chain as chains
 from rollbench.lowfi.statics.contacts import hertz_without_errors
 from rollbench.lowfi.statics.mei import solve_mei
@@ -79,19 +78,13 @@ def test_source_s_implicit_angle(load):
     assert -np.diff(s.motion) == pytest.approx(chain.compliance * tail[1:], rel=1e-9)
 
 
-def axial_force(chain, motion, error, compiled=False):
-    """Force of one ball along the axis, by the kernel."""
-    kernels = load_kernel_package(RANDOM_ERRORS, compiled=compiled)
-    return kernels.ball_force(motion, error, *chain.kernel_parameters[1:])[1]
-
-
 @pytest.mark.parametrize("law", chains.LAWS)
 @pytest.mark.parametrize("load", [30.0, 300.0, 3000.0])
 def test_conditions_of_the_minimum(law, load):
     """Equilibrium, compatibility, no tension, no gap at a loaded ball."""
     chain, e = replace(LONG, law=law), long_errors()
     s = chains.solve_ball_screw(chain, e, load)
-    force = np.array([axial_force(chain, u, x) for u, x in zip(s.motion, e, strict=True)])
+    force = chains.force_of_balls(chain, s.motion, e).axial
     tail = np.cumsum(force[::-1])[::-1]
     assert tail[0] == pytest.approx(load, rel=1e-9)
     assert -np.diff(s.motion) == pytest.approx(chain.compliance * tail[1:], rel=1e-8, abs=1e-18)
@@ -139,13 +132,13 @@ def test_motion_grows_and_falls_back_on_energy(law):
     if law == "constant":
         assert np.all(np.diff([s.stiffness for s in states]) > 0.0)
     fine = np.linspace(1e-3, 4000.0, 801)
-    work = np.trapezoid([chains.solve_ball_screw(chain, e, f, compiled=True).motion[0] for f in fine], fine)
+    work = np.trapezoid(chains.solve_screws(chain, np.tile(e, (801, 1)), fine).motion[:, 0], fine)
     last = states[-1]
     bars = np.diff(last.motion) ** 2 / (2.0 * chain.compliance)
 
     def stored(u, x):
         at = np.linspace(min(chains.axial_motion_at_touch(chain, x), u), u, 101)
-        return np.trapezoid([axial_force(chain, a, x, compiled=True) for a in at], at)
+        return np.trapezoid(chains.force_of_balls(chain, at, x).axial, at)
 
     held = sum(stored(u, x) for u, x in zip(last.motion, e, strict=True)) + bars.sum()
     # complementary energy: the area beside the curve

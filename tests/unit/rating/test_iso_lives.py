@@ -30,37 +30,51 @@ def test_rating_is_b_m_f_c_of_the_standard(gamma):
     assert roller_life.dynamic_rating_of_row(row) / (1.1 * size) == pytest.approx(FACTORS[gamma], rel=2e-3)
 
 
-def life_of(line_loads, row=ROLLERS):
-    """Millions of revolutions under line loads [N/m] of the slices of all rollers."""
-    return roller_life.basic_rating_life_of_row(row, line_loads).revolutions
+def test_L10_of_a_row_is_C_over_its_equivalent_load_and_knows_no_distribution():
+    """own-taper: P = 0.4 F_r + 0.4 cot(16 deg) F_a, (C/P)^(10/3) = 2,810 million revolutions."""
+    angles = {"cup_angle": np.radians(16.0), "roller_angle": np.radians(2.0)}
+    row = replace(ROLLERS, count=21, diameter=9e-3, length=15e-3, **angles)
+    forces = np.array([752.6, 0.0, 5067.0]), np.array([0.0, -752.6, -5067.0])
+    one, two = (roller_life.life_of_row_by_equivalent_loads(row, [1.0], [k * forces[0]]) for k in (1.0, 2.0))
+    assert one.rating == pytest.approx(79_798.95, rel=1e-6)
+    assert one.equivalent == pytest.approx(0.4 * 752.6 + 0.4 / np.tan(np.radians(16.0)) * 5067.0)
+    assert one.revolutions == pytest.approx(2810.0, rel=1e-3)
+    assert one.revolutions / two.revolutions == pytest.approx(2.0 ** (10.0 / 3.0), rel=1e-12)
+    assert (one.standard, two.raceways) == ("ISO 281", {})
+    both = roller_life.life_of_row_by_equivalent_loads(row, [0.3, 0.7], forces)
+    assert both.revolutions == pytest.approx(one.revolutions, rel=1e-12)
+    assert roller_life.life_of_row_by_equivalent_loads(row, [1.0], [np.zeros(3)]) is None
+    thrust = replace(row, cup_angle=np.radians(60.0), roller_angle=np.radians(3.0))
+    assert roller_life.life_of_row_by_equivalent_loads(thrust, [1.0], forces[:1]).standard == "ISO 281 (thrust bearing)"
 
 
-def test_life_falls_with_the_load_and_an_even_load_is_its_thrust_over_the_rating():
-    row = replace(ROLLERS, cup_angle=np.radians(60.0), roller_angle=np.radians(3.0))
-    q = np.full((row.count, 9), 1e5)
-    one, two = (life_of(k * q, row) for k in (1.0, 2.0))
-    assert one / two == pytest.approx(2.0 ** (10.0 / 3.0), rel=1e-12)
-    thrust = row.count * 1e5 * row.length * np.sin(row.cup_angle)
-    assert one == pytest.approx((roller_life.dynamic_rating_of_row(row) / thrust) ** (10.0 / 3.0), rel=1e-9)
-    assert roller_life.basic_rating_life_of_row(row, 0.0 * q) is None
-
-
-def test_life_does_not_depend_on_the_slices_of_an_even_load_and_an_uneven_one_lives_shorter():
-    lives = [life_of(np.full((ROLLERS.count, n), 1e5)) for n in (1, 7, 30)]
-    assert lives == pytest.approx(lives[:1] * 3, rel=1e-12)
-    tilted = 1e5 * (1.0 + 0.5 * np.linspace(-1.0, 1.0, 30)) * np.ones((ROLLERS.count, 1))
-    assert life_of(tilted) < 0.9 * lives[0]
-    half = 2e5 * np.outer(np.arange(ROLLERS.count) < ROLLERS.count / 2, np.ones(30))
-    assert life_of(half) < lives[0]
+def life_of(line_loads, turning="inner"):
+    """Millions of revolutions by ISO/TS 16281 under line loads [N/m] of the slices of all rollers."""
+    return iso_lives.roller_reference_life(ROLLERS, line_loads, turning).revolutions
 
 
 def test_cases_alike_live_as_each_and_shares_count():
     q = np.full((ROLLERS.count, 5), 1e5)
-
     alike = life_of(roller_life.damage_equivalent_line_loads([q, q], [0.3, 0.7]))
     mixed = life_of(roller_life.damage_equivalent_line_loads([q, 0.0 * q], [0.5, 0.5]))
     assert alike == pytest.approx(life_of(q))
-    assert mixed / alike == pytest.approx(2.0 ** (10.0 / 12.0), rel=1e-9), "means of order 4, life to the 10/3"
+    assert mixed / alike == pytest.approx(2.0, rel=1e-9), "means of order 4, life to the 4"
+
+
+def test_the_ring_that_turns_meets_all_rollers_and_the_one_that_stands_its_most_loaded():
+    """ISO/TS 16281: the mean is of order 4 on the turning race, of order 9/2 on the standing one, which it wears more."""
+    q = 2e5 * np.outer(np.arange(ROLLERS.count) < ROLLERS.count / 2, np.ones(30))
+    stress, races = iso_lives.edge_stress_factors(30), {}
+    reduced = roller_life.race_capacities(ROLLERS) / 0.83
+    for turning, orders in (("inner", (4.0, 4.5)), ("outer", (4.5, 4.0))):
+        damage = 0.0
+        for Q, order in zip(reduced, orders, strict=True):
+            mean = stress * 2e5 * ROLLERS.length / 30 * 0.5 ** (1.0 / order)
+            damage += ((mean / (Q * 30 ** (-7 / 9))) ** 4.5).sum()
+        races[turning] = damage ** (-8 / 9)
+        assert life_of(q, turning) == pytest.approx(races[turning], rel=1e-9)
+    assert races["inner"] > 1.02 * races["outer"], "the inner race is the weaker one"
+    assert iso_lives.roller_reference_life(ROLLERS, q, "none") is None
 
 
 def test_equivalent_load_by_hand():
@@ -112,7 +126,9 @@ def test_without_the_edges_an_even_load_has_ISO_281s_load_times_the_reduction(mo
     monkeypatch.setattr(iso_lives, "edge_stress_factors", np.ones)
     row = replace(ROW, cup_angle=np.radians(angle))
     even = np.full((row.count, 15), 1e5)
-    P, C = roller_life.basic_rating_life_of_row(row, even).equivalent, roller_life.dynamic_rating_of_row(row)
+    inner, outer = roller_life.race_capacities(row)
+    C, Q = roller_life.dynamic_rating_of_row(row), 1e5 * row.length
+    P = C * Q * (inner**-4.5 + outer**-4.5) ** (2.0 / 9.0)  # the load of ISO 281's rating for equally loaded rollers
     assert iso_lives.roller_reference_life(row, even).revolutions == pytest.approx((reduced * P / C) ** -4, rel=1e-9)
 
 

@@ -14,7 +14,7 @@ from rollbench.lowfi.rating import contacts, rigidity
 from rollbench.lowfi.rating.life import basic_rating_life, contact_capacity, dynamic_rating, filled_turns
 from rollbench.lowfi.statics import validity
 from rollbench.lowfi.statics.contacts import hertz_without_errors, nominal_curvatures
-from rollbench.lowfi.statics.problem import centre_vectors_and_interference
+from rollbench.lowfi.statics.problem import place_balls
 from rollbench.meshes import errors, helix
 from rollbench.meshes.parts import BallErrors, Balls, Errors, FourierTerm, Material, Nut, Scene, Screw, SideErrors, Track
 
@@ -216,7 +216,7 @@ def test_displacement_by_a_load_far_below_the_preload_is_not_lost_beside_it() ->
     """A load of 1e-12 of the preload, and the linear stiffness N s^2 3 sqrt(c) / C^(3/2) of both diagonals."""
     scene = oversized(catalogue.scene("unseen-40x10"), 5e-6)
     C, s = hertz_without_errors(scene).C, rigidity.approach_per_displacement(scene)
-    closure = float(centre_vectors_and_interference(scene, drawn(scene))[1].mean())
+    closure = float(place_balls(scene, drawn(scene)).interference.mean())
     stiff = 3.0 * scene.ball_count * s**2 * np.sqrt(closure) / (C[0] + C[3]) ** 1.5
     for force in (1.0, 1e-6):
         assert rigidity.displacement_by_contacts_only(scene, force) == pytest.approx(force / stiff, rel=1e-3)

@@ -120,5 +120,6 @@ def test_jobs_run_over_tls(certificates, monkeypatch):
         assert local.scheduler_address.startswith("tls://")
         with pytest.raises(InputError, match="no answer of a scheduler"):
             run([(sleepy, (0.0,))], "dask", local.scheduler_address)
-        parallel.set_tls_certificates(cert, cert, key)
+        tls = "distributed.comm.tls"
+        dask.config.set({f"{tls}.ca-file": cert, f"{tls}.client.cert": cert, f"{tls}.client.key": key})
         assert run([(sleepy, (0.01,)), (sleepy, (0.02,))], "dask", local.scheduler_address) == [0.01, 0.02]

@@ -59,7 +59,7 @@ def test_the_dropped_twist_turns_supports_and_moves_no_load() -> None:
     flexibility = 1.0 / np.sqrt(210e9 * np.pi * core**2 * 210e9 / 2.56 * np.pi * core**4 / 2.0)
     assert after["rz"] == pytest.approx(levels.COUPLING * 5000.0 * 0.4 * flexibility, rel=1e-9)
     assert turned.supports[1] == scene.supports[1]
-    options = ModelOptions(estimate_beam_mesh_error=False, engine="interpreted")
+    options = ModelOptions(estimate_beam_mesh_error=False)
     a, b = (run_model(s, DEFAULT, options).load for s in (CASE1, levels.with_supports_turned_by_coupling(CASE1)))
     assert 0.0 < np.abs(a - b).max() < 2e-5 * a.max()
 

@@ -240,12 +240,3 @@ def test_workers_of_another_version_are_refused(scheduler, monkeypatch, tmp_path
     monkeypatch.setattr(parallel, "_rollbench_version", only_here.version)
     with pytest.raises(InputError, match=r"workers without rollbench .*only_here"):
         run(JOBS, "dask", scheduler)
-
-
-def test_certificates_come_together_and_can_be_read(tmp_path):
-    name = tmp_path / "a.pem"
-    name.write_text("x")
-    for key, message in ((None, "tls_key: "), (tmp_path / "b.pem", "No such file")):
-        with pytest.raises(InputError, match=message):
-            parallel.set_tls_certificates(name, name, key)
-    parallel.set_tls_certificates(None, None, None)

@@ -10,7 +10,7 @@ import pytest
 from tests.report_samples import figure
 
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.sections.sheets import sketch_scene
+from rollbench.compare.sections.sketches import sketch_scene
 from rollbench.reports import figures, pages
 from rollbench.reports.content import Panel, Series, Sketch
 from rollbench.reports.sketch import FORCE, INK, WIDTH, draw_sketch

@@ -9,14 +9,13 @@ from rollbench.compare.reference import store
 from rollbench.compare.reference.store import MeasuringConditions, measuring_conditions, shipped_store
 from rollbench.compare.sections import reference_time
 from rollbench.compare.studies import run_times as kept_times
-from rollbench.compare.studies.run_times import ColdLevelTime, ColdModelTime
+from rollbench.compare.studies.run_times import ColdLevelTime
 
 OLD, OTHER = MeasuringConditions("0.7.0", "", "a machine"), MeasuringConditions("0.9.0", "abc", "a machine")
 KEPT = kept_times.StoredRunTimes(
     OLD,
     "2026-01-02",
     {("lin-case1", "lin"): kept_times.RunTime(0.4, 1e-3, 99.0), ("lin-case1", "mei"): kept_times.RunTime(0.3, 2e-3, None)},
-    {("lin", "compiled"): ColdModelTime(12.0, 11.0, 1e-3, 380.0, "compiled", "converged")},
     (ColdLevelTime(4, 60.0, 118.0, None, "converged", "lin-case1", 64, 0.9),),
 )
 

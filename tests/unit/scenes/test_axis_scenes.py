@@ -65,7 +65,7 @@ def test_sums_of_several_sets(command, small):
     assert two["summary"]["loads"]["max_N"] == largest[two["summary"]["worst_set"] - 1] == max(largest)
     first, second = (s["summary"]["preload"]["axial_N"] for s in two["sets"])
     assert first == pytest.approx(-second, rel=1e-9)
-    axial = two["summary"]["axial"]
+    axial = two["summary"]["load_point"]
     assert axial["force_N"] == 2000.0
     assert axial["lost_motion_um_per_100N"] == pytest.approx(200.0 / axial["tangent_N_per_um"], rel=1e-9)
 
@@ -79,10 +79,10 @@ def test_tables_files_and_stations_of_several_sets(command, small, tmp_path):
     assert len(rows) == 16
     before, last, after = rows[9:12]
     assert float(last["load_N"]) == 2000.0
-    slope = 400.0 / (float(after["displacement_um"]) - float(before["displacement_um"]))
+    slope = 400.0 / (float(after["load_point_displacement_um"]) - float(before["load_point_displacement_um"]))
     matrix = np.asarray(mmread(tmp_path / "k.mtx"))
     assert slope == pytest.approx(1e-6 / np.linalg.inv(matrix)[2, 2], rel=2e-3)
-    assert float(last["stiffness_N_per_um"]) == pytest.approx(1e-6 / np.linalg.inv(matrix)[2, 2], rel=1e-5)
+    assert float(last["load_point_tangent_N_per_um"]) == pytest.approx(1e-6 / np.linalg.inv(matrix)[2, 2], rel=1e-5)
 
 
 def test_commands_say_why_they_do_not_work(command, small):

@@ -3,8 +3,6 @@
 import json
 import re
 import tomllib
-from pathlib import Path
-from urllib.parse import unquote, urlparse
 
 import pytest
 
@@ -20,7 +18,7 @@ from rollbench.compare.scenes.template import commented_template
 
 #: Keys that exclude another key, or that another choice needs.
 EITHER_OR = {"groove_radius", "conformity", "azimuths", "creep", "sharpness", "map_step", "starts", "pitch_diameter"}
-EITHER_OR |= {"diameter", "filling", "circuit_gap", "arcs", "angle", "clearance"}
+EITHER_OR |= {"diameter", "filling", "circuit_gap", "arcs", "angle", "clearance", "washers"}
 
 
 def test_template_loads_as_case_1_and_that_of_an_unknown_kind_is_refused():
@@ -48,14 +46,6 @@ def test_template_of_every_kind_is_of_that_kind_and_names_every_key(kind):
     for line in () if kind == "ball screw" else optional:
         if line.split()[1] not in EITHER_OR:
             scene_file.parse_scene(text.replace(line, line.removeprefix("# "), 1), "my.toml")
-
-
-@pytest.mark.parametrize("words", [("--like", "16x5"), ("--kind", "axis")])
-def test_a_new_scene_names_the_schema(tmp_path, words, command):
-    command("new", tmp_path / "my.toml", *words)
-    first = (tmp_path / "my.toml").read_text(encoding="utf-8").splitlines()[0]
-    (path,) = re.findall(r"^#:schema (file://.*)$", first)
-    assert json.loads(Path(unquote(urlparse(path).path)).read_text(encoding="utf-8"))["$id"] == "urn:rollbench:scene"
 
 
 def test_shipped_schema_is_the_printed_one():

@@ -1,23 +1,20 @@
 """One ball in its grooves: the eliminated centre against scipy's minimum of an independently written energy."""
 
-from dataclasses import replace
+from dataclasses import fields, replace
 from functools import cache
 from itertools import product
 
 import numpy as np
 import pytest
 from scipy.optimize import minimize
-from tests.helpers import FLANK_ERRORS, small_screw
+from tests.helpers import FLANK_ERRORS, four_flank_problem, small_screw
 
-from rollbench.lowfi import jit
 from rollbench.lowfi.statics.contacts import hertz_constants_by_scene_choice
-from rollbench.lowfi.statics.kernel_types import RIGID
-from rollbench.lowfi.statics.problem import pack_contact_data
+from rollbench.lowfi.statics.rolling_elements import Balls, ball_equilibrium, balls_of_problem
 from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import SIDES, BallErrors, Errors, SideErrors
 
-INTERPRETED = jit.load_kernel_package(jit.STATICS, compiled=False)
 DIRECTION = np.array([[-1, -1], [-1, 1], [1, -1], [1, 1]])
 UNEVEN = Errors(**{name: SideErrors(profile=FLANK_ERRORS.side(name).profile) for name in SIDES})
 #: Oversize [m], standard deviation of the flanks' motions [m], and the numbers of contacts that must be met.
@@ -26,24 +23,21 @@ PROFILES = {"arcs": Errors(), "uneven": UNEVEN}
 
 
 class Ball:
-    """The first ball of a small screw: arrays for the kernel, and plain numbers for the test's own energy."""
+    """The first ball of a small screw: arrays for the solver, and plain numbers for the test's own energy."""
 
     def __init__(self, profile, oversize):
         scene = small_screw(count=2)
         self.scene = replace(scene, errors=replace(PROFILES[profile], balls=BallErrors(oversize=oversize)))
         self.drawn = draw_geometry_with_errors(self.scene, ball_layout(self.scene))
         self.C = hertz_constants_by_scene_choice(self.scene, self.drawn)
-        rows, closure = pack_contact_data(self.scene, self.drawn, np.ones(4, dtype=bool))
-        self.geometry, self.closure, self.C = rows[0], closure[0], self.C[0]
+        self.balls, self.C = balls_of_problem(four_flank_problem(self.scene)).one_by_one().take(np.array([0])), self.C[0]
         self.radius = self.scene.balls.radius + oversize
 
-    def settle(self, shift, kernels=INTERPRETED, taking_part=(0, 1, 2, 3), floor=1e-9):
-        """Energy, centre and contact rows of the kernel."""
-        geometry, p, contact = self.geometry.copy(), np.zeros(2), np.zeros((4, 5))
-        geometry[np.isin(np.arange(4), taking_part, invert=True), 5] = 0.0
-        ball = geometry, self.closure, RIGID, self.radius, self.drawn.profile_coefficients
-        energy = kernels.find_ball_equilibrium(p, shift, *ball, floor, contact)
-        return energy, p, contact
+    def settle(self, shift, taking_part=(0, 1, 2, 3), floor=1e-9):
+        """Energy, centre and contacts of the solver."""
+        used = np.isin(np.arange(4), taking_part)[None]
+        x, contacts, energy = ball_equilibrium(replace(self.balls, used=used), shift[None], np.array([floor]))
+        return float(energy[0]), x[0, :2], contacts
 
     def gap(self, p, shift, side):
         """Distance from the moved centre to the flank's closest point, gamma by Newton on a sampled guess."""
@@ -99,8 +93,8 @@ def test_minimum_of_the_energy(state, profile):
     oversize, size, counts_to_meet = STATES[state]
     b, counts = ball(profile, oversize), set()
     for shift in random_shifts(size, 8):
-        energy, p, contact = b.settle(shift)
-        counts.add(int((contact[:, 0] > 0).sum()))
+        energy, p, contacts = b.settle(shift)
+        counts.add(int((contacts.force > 0).sum()))
         least, place = b.minimum(shift, p)
         assert energy == pytest.approx(least, rel=1e-9, abs=1e-15)
         if energy > 0.0:
@@ -109,30 +103,33 @@ def test_minimum_of_the_energy(state, profile):
 
 
 @each_state
-def test_forces_and_balance_of_both_engines(state, profile):
-    """Each force is (delta/C)^1.5 at the settled centre, and they balance; both engines give the same numbers."""
+def test_forces_and_balance(state, profile):
+    """Each force is (delta/C)^1.5 at the settled centre, and they balance."""
     oversize, size, _ = STATES[state]
     b = ball(profile, oversize)
-    engines = [jit.load_kernel_package(jit.STATICS, compiled=compiled) for compiled in (False, True)]
     for shift in random_shifts(size, 20, seed=6):
-        (energy, p, contact), (other, _, rows) = (b.settle(shift, engine) for engine in engines)
-        assert energy == pytest.approx(other, rel=1e-12, abs=1e-24)
-        loaded = contact[:, 0] > 0
-        assert np.array_equal(loaded, rows[:, 0] > 0)
-        assert contact[loaded] == pytest.approx(rows[loaded], rel=1e-9)
-        hessians = np.empty((2, 4, 4))
-        for engine, of_engine, hessian in zip(engines, (contact, rows), hessians, strict=True):
-            engine.ball.write_ball_stiffness(of_engine, hessian)
-        assert hessians[0] == pytest.approx(hessians[1], rel=1e-9, abs=1e-9 * np.abs(hessians[1]).max())
-        force, normal = contact[:, 0], contact[:, 1:3]
+        energy, p, contacts = b.settle(shift)
+        force, normal = contacts.force[0], contacts.normal[0]
         delta = np.array([b.radius - b.gap(p, shift, s) for s in range(4)])
         if energy > 0.0:
             assert force == pytest.approx((np.maximum(delta, 0.0) / b.C) ** 1.5, rel=1e-8, abs=1e-7 * force.max())
-            rounding = 0.0 if profile == "arcs" else 4e-18 * contact[:, 3].max()  # of the radii, times the stiffness
+            rounding = 0.0 if profile == "arcs" else 4e-18 * contacts.stiffness.max()  # of the radii, times the stiffness
             assert np.abs(force @ normal).max() <= 1e-14 * force.max() + rounding
             assert energy == pytest.approx(b.energy(p, shift), rel=1e-9)
         else:
             assert not force.any()
+
+
+@pytest.mark.parametrize("profile", PROFILES)
+def test_balls_that_are_solved_together_are_those_solved_alone(profile):
+    """A ball that takes many steps does not change the others."""
+    b, shifts = ball(profile, 3e-6), np.concatenate([random_shifts(size, 6) for size in (1e-7, 4e-6, 3e-5)])
+    many = Balls(**{x.name: np.repeat(getattr(b.balls, x.name), len(shifts), axis=0) for x in fields(b.balls)})
+    _, contacts, energy = ball_equilibrium(many, shifts, np.full(len(shifts), 1e-9))
+    for k, shift in enumerate(shifts):
+        alone, _, found = b.settle(shift)
+        assert energy[k] == pytest.approx(alone, rel=1e-12)
+        assert contacts.force[k] == pytest.approx(found.force[0], rel=1e-9, abs=1e-9)
 
 
 @pytest.mark.parametrize(("oversize", "pressed"), [(8e-6, 0.0), (0.0, 1e-12), (0.0, 1e-9), (0.0, 1e-6), (0.0, 1e-4)])
@@ -141,5 +138,5 @@ def test_force_grows_with_the_power_three_halves_and_a_flank_that_takes_no_part_
     b, shift = ball("arcs", oversize), np.zeros((4, 2))
     shift[0] = pressed * np.sqrt([0.5, 0.5])
     expected = ((pressed + 2.0 * oversize) / (b.C[0] + b.C[3])) ** 1.5
-    found = b.settle(shift, taking_part=(0, 3), floor=0.0)[2][:, 0]
+    found = b.settle(shift, taking_part=(0, 3), floor=0.0)[2].force[0]
     assert found == pytest.approx([expected, 0.0, 0.0, expected], rel=1e-6 if pressed else 1e-9)

@@ -10,10 +10,11 @@ import pytest
 from rollbench.compare.models.loading import with_scaled_loads
 from rollbench.compare.models.registry import ModelOptions, run_model
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.studies.members.ensemble import work_done_by_loads
-from rollbench.lowfi import jit
 from rollbench.lowfi.compliance.parts import LADDER
-from rollbench.lowfi.statics.elastic import SpecimensWithSharedEquations, can_share_equations
+from rollbench.lowfi.rating.displacement import motion_at
+from rollbench.lowfi.rating.rigidity import axial_force
+from rollbench.lowfi.statics import equilibrium
+from rollbench.lowfi.statics.members import SpecimensOfScene, can_share_equations
 from rollbench.meshes.parts import Load, Scene
 
 RANDOM = catalogue.scene("lin-random")
@@ -27,17 +28,45 @@ SCENES = {
 }
 
 
+def check_motions(found, k, scene, alone, accuracy):
+    """Motions of the sections at the nut and at the load, and the force on the nut, are those of the single solution."""
+    for motion, at in zip(found.motions[k], places(scene), strict=True):
+        expected = motion_at(alone, at)
+        for some in (slice(3), slice(3, 6)):
+            assert np.abs(motion[some] - expected[some]).max() <= accuracy * np.abs(expected[some]).max()
+    assert found.forces[k] == pytest.approx(axial_force(alone), rel=accuracy)
+
+
+def places(scene):
+    return scene.nut.position, scene.loads[0].at
+
+
+@pytest.mark.parametrize("model", ["lin", "refined"])
 @pytest.mark.parametrize("scene", SCENES.values(), ids=SCENES)
-def test_members_on_one_system_are_those_solved_one_by_one(scene: Scene) -> None:
-    assert can_share_equations(scene)
-    kernels = jit.load_kernel_package(jit.STATICS, compiled=False)
-    loads, residuals, works = SpecimensWithSharedEquations(scene, LADDER["refined"], kernels).solve(3, 3)
-    assert not np.isnan(residuals).any()
+def test_members_on_one_system_are_those_solved_one_by_one(scene: Scene, model: str) -> None:
+    assert can_share_equations(scene, LADDER[model])
+    found = SpecimensOfScene(scene, LADDER[model], sections=places(scene)).solve(3, 3)
+    assert not np.isnan(found.residuals).any()
     for k in range(3):
-        alone = run_model(scene, "refined", ModelOptions(member=3 + k, estimate_beam_mesh_error=False))
-        assert np.abs(loads[k] - alone.load).max() <= 1e-11 * alone.load.max()
-        assert works[k] == pytest.approx(work_done_by_loads(scene, alone), rel=1e-11)
+        alone = run_model(scene, model, ModelOptions(member=3 + k, estimate_beam_mesh_error=False))
+        assert np.abs(found.loads[k] - alone.load).max() <= 1e-11 * alone.load.max()
+        check_motions(found, k, scene, alone, 1e-10)
 
 
-def test_grooves_with_random_errors_are_solved_one_by_one() -> None:
-    assert not can_share_equations(catalogue.scene("lin-combined"))
+def test_members_with_grooves_of_their_own_are_those_solved_one_by_one() -> None:
+    """Errors of pitch and roundness move each groove: every specimen has lever arms of its own."""
+    scene = catalogue.scene("lin-case3-tolerances")
+    assert can_share_equations(scene, LADDER["lin"])
+    assert not can_share_equations(scene, LADDER["refined"])
+    found = SpecimensOfScene(scene, LADDER["lin"], sections=places(scene)).solve(2, 3)
+    for k in range(3):
+        alone = run_model(scene, "lin", ModelOptions(member=2 + k, estimate_beam_mesh_error=False))
+        assert np.abs(found.loads[k] - alone.load).max() <= 1e-10 * alone.load.max()
+        check_motions(found, k, scene, alone, 1e-9)
+
+
+def test_blocks_of_members_change_nothing(monkeypatch) -> None:
+    every = SpecimensOfScene(RANDOM, LADDER["refined"]).solve(0, 7)
+    monkeypatch.setattr(equilibrium, "MEMBERS", 2)
+    some = SpecimensOfScene(RANDOM, LADDER["refined"]).solve(0, 7)
+    assert np.abs(some.loads - every.loads).max() <= 1e-12 * every.loads.max()

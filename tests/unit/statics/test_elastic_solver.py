@@ -14,11 +14,10 @@ from rollbench.lowfi.as_source import screw_beam_stiffness_matrix
 from rollbench.lowfi.compliance.parts import LADDER, grooved_section, reduce_to_compliance_geometry
 from rollbench.lowfi.statics import response as model
 from rollbench.lowfi.statics import shaft as statics_shaft
-from rollbench.lowfi.statics.elastic import solve_elastic
-from rollbench.lowfi.statics.kernel import contact as laws
-from rollbench.lowfi.statics.kernel_types import ForceState
+from rollbench.lowfi.statics.contact_law import contact_law
 from rollbench.lowfi.statics.problem import build_problem
-from rollbench.lowfi.statics.static import solve_static
+from rollbench.lowfi.statics.rolling_elements import forces_of_elements
+from rollbench.lowfi.statics.static import solve_elastic
 from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Load
@@ -32,25 +31,19 @@ CASES = SCENES | {
     "hertz at work": with_ingredients(catalogue.scene("lin-case3"), hertz="actual"),
 }
 PAIRS = {"lin-case1": [True, False, False, True], "pushed back": [False, True, True, False]}
-SAME_AS_SOURCE = ("lin-case1", "lin-case2", "lin-case3", "lin-case3-offset", "lin-combined", "bearing-9-preload")
 
 
 def motions(elastic, phi, amplitudes):
     """v0 + G phi + R a by whole matrices."""
-    flanks = elastic.kernel_arrays.bodies
-    v = flanks.v0 + flanks.R @ amplitudes
-    if flanks.second_compliance.size == 0:
-        return v + (flanks.first_compliance @ phi.ravel()).reshape(v.shape)
-    for G, columns in ((flanks.first_compliance, slice(0, 4)), (flanks.second_compliance, slice(4, 8))):
-        v[:, columns] += (G @ phi[:, columns].ravel()).reshape(-1, 4)
-    return v
-
-
-def balls(elastic, v):
-    """Energy and forces of all balls at motions v, states left as they are."""
-    f, state = np.empty_like(v), ForceState(*(x.copy() for x in elastic.state))
-    energy, _ = elastic.engine.evaluate_balls(np.ascontiguousarray(v), elastic.kernel_arrays.contacts, state, f)
-    return energy, f, state
+    bodies = elastic.system.bodies
+    G, free = bodies.compliances, bodies.free
+    v = free.v0[0] + free.R[0] @ amplitudes[0]
+    if v.shape[1] == 1:
+        return v[None] + (G.first[0] @ phi.ravel()).reshape(phi.shape)
+    for matrix, flanks in ((G.first, slice(2)), (G.second, slice(2, 4))):
+        if matrix.size:
+            v[:, flanks] += (matrix[0] @ phi[0, :, flanks].ravel()).reshape(-1, 2, 2)
+    return v[None]
 
 
 @pytest.mark.parametrize("backend", LADDER)
@@ -65,10 +58,10 @@ def test_solution_is_stationary_and_balanced(case, backend):
     elastic = elastic_equations(scene, LADDER[backend])
     assert elastic.solve_by_newton().residual <= 1e-10
     phi, amplitudes = elastic.state.phi, elastic.state.a
-    _, f, _ = balls(elastic, motions(elastic, phi, amplitudes))
+    f = forces_of_elements(elastic.system.elements, motions(elastic, phi, amplitudes)).on_flanks
     assert np.abs(f - phi).max() < 1e-10 * elastic.residual_force_scale
-    bodies = elastic.kernel_arrays.bodies
-    unbalanced = np.einsum("nac,na->c", bodies.R, f) + bodies.work_on_free_motions
+    free = elastic.system.bodies.free
+    unbalanced = np.einsum("nsac,nsa->c", free.R[0], f[0]) + free.work[0]
     assert np.abs(unbalanced).max(initial=0.0) < 1e-10 * elastic.residual_force_scale
 
 
@@ -77,38 +70,15 @@ def test_forces_are_the_gradient_of_the_energy(case):
     """-dE/dv by central differences of the balls' energy, away from the solution."""
     elastic = elastic_equations(CASES[case])
     elastic.solve_by_newton()
-    rng = np.random.default_rng(2)
-    v = motions(elastic, elastic.state.phi, elastic.state.a) + rng.normal(0.0, 2e-7, elastic.kernel_arrays.bodies.v0.shape)
-    _, f, _ = balls(elastic, v)
-    step = 2e-9
-    for i, a in ((0, 0), (1, 1), (2, 2), (3, 6), (4, 7), (5, 4)):
+    rng, of = np.random.default_rng(2), elastic.system.elements
+    v = motions(elastic, elastic.state.phi, elastic.state.a)
+    v = v + rng.normal(0.0, 2e-7, v.shape)
+    f, step = forces_of_elements(of, v).on_flanks, 2e-9
+    for i, s, a in ((0, 0, 0), (1, 0, 1), (2, 1, 0), (3, 3, 0), (4, 3, 1), (5, 2, 0)):
         moved = np.zeros_like(v)
-        moved[i, a] = step
-        slope = (balls(elastic, v + moved)[0] - balls(elastic, v - moved)[0]) / (2.0 * step)
-        assert slope == pytest.approx(-f[i, a], abs=1e-4 * np.abs(f).max())
-
-
-@pytest.mark.parametrize("name", SAME_AS_SOURCE)
-def test_rigid_nut_and_plain_section_is_the_source_model(name):
-    scene = catalogue.scene(name)
-    expected, found = solve_static(scene), solve_elastic(scene, backend=LADDER["lin"], name="lin")
-    assert found.status == expected.status == "converged"
-    assert relative(found.load, expected.load) < 1e-9
-    loaded = expected.load > 1e-3 * expected.load.max()
-    assert np.abs(found.contact_angle - expected.contact_angle)[loaded].max() < 1e-9
-    assert relative(found.centreline, expected.centreline) < 1e-9
-    assert relative(found.centre_shift, expected.centre_shift) < 1e-8
-    assert np.abs(found.equilibrium.reaction_force - expected.equilibrium.reaction_force).max() < 1e-9 * expected.load.max()
-
-
-FIRST = pytest.param("lin-case1", marks=pytest.mark.compiles(50))
-
-
-@pytest.mark.parametrize("case", [FIRST, "lin-case3-offset", "bearing-9-preload", "uneven flanks"])
-def test_engines_agree(case):
-    found = [solve_elastic(CASES[case], engine=engine) for engine in ("interpreted", "compiled")]
-    assert [(x.solver.engine, x.status) for x in found] == [("interpreted", "converged"), ("compiled", "converged")]
-    assert relative(found[1].load, found[0].load) < 1e-9
+        moved[0, i, s, a] = step
+        up, down = (forces_of_elements(of, v + sign * moved).energy[0] for sign in (1.0, -1.0))
+        assert (up - down) / (2.0 * step) == pytest.approx(-f[0, i, s, a], abs=1e-4 * np.abs(f).max())
 
 
 @pytest.mark.parametrize("backend", LADDER)
@@ -156,6 +126,11 @@ def turn(c, e, h):
     return min(real, default=np.inf)
 
 
+def law(delta, c, e, h):
+    """Force, stiffness and energy of one contact."""
+    return [float(x[0]) for x in contact_law(*np.array([[delta], [c], [e], [h]]))]
+
+
 @pytest.mark.parametrize(("c", "e", "h"), LAWS)
 def test_contact_law_inverts_its_formula_and_is_one_energy(c, e, h):
     """Slope, force and energy by finite differences and by the integral of the force, over the switch as well."""
@@ -163,21 +138,21 @@ def test_contact_law_inverts_its_formula_and_is_one_energy(c, e, h):
     edge = c * most**2 + e * most**3 + h * most**4 if most < 1e3 else 4e-6
     for force in np.geomspace(1e-6, 0.99 * min(most**3, 1e4), 12):
         delta = c * force ** (2 / 3) + e * force + h * force ** (4 / 3)
-        assert laws.contact_law(delta, c, e, h)[0] == pytest.approx(force, rel=1e-10)
+        assert law(delta, c, e, h)[0] == pytest.approx(force, rel=1e-10)
     if most < 1e3:
-        force, _, _ = laws.contact_law(3.0 * edge, c, e, h)
+        force, _, _ = law(3.0 * edge, c, e, h)
         assert 0.5 * c * force ** (2 / 3) + edge - 0.5 * c * most**2 == pytest.approx(3.0 * edge, rel=1e-10, abs=0.0)
 
     for delta in edge * np.array([1e-3, 0.1, 0.5, 0.98, 1.02, 2.0, 10.0]):
-        force, slope, energy = laws.contact_law(delta, c, e, h)
+        force, slope, energy = law(delta, c, e, h)
         step = 1e-5 * delta
-        (f0, _, w0), (f1, _, w1) = (laws.contact_law(delta + s * step, c, e, h) for s in (-1.0, 1.0))
+        (f0, _, w0), (f1, _, w1) = (law(delta + s * step, c, e, h) for s in (-1.0, 1.0))
         assert (f1 - f0) / (2 * step) == pytest.approx(slope, rel=1e-7, abs=0.0)
         assert (w1 - w0) / (2 * step) == pytest.approx(force, rel=1e-7, abs=0.0)
         assert slope > 0.0
         node, weight = np.polynomial.legendre.leggauss(60)
         x = 0.5 * (node + 1.0)  # F grows as delta^(3/2): by x = sqrt(delta) the integrand is smooth
-        forces = np.array([laws.contact_law(delta * y * y, c, e, h)[0] for y in x])
+        forces = np.array([law(delta * y * y, c, e, h)[0] for y in x])
         assert delta * (weight * x) @ forces == pytest.approx(energy, rel=2e-5, abs=0.0)
 
 

@@ -10,7 +10,7 @@ from tests.helpers import ALL_BUT_AXIAL, relative, small_screw, solved
 from rollbench.lowfi.rating import rigidity
 from rollbench.lowfi.statics.axis.solve import solve_assembly
 from rollbench.lowfi.statics.contacts import hertz_without_errors
-from rollbench.lowfi.statics.elastic import solve_elastic
+from rollbench.lowfi.statics.static import solve_elastic
 from rollbench.meshes.errors import are_in_shifted_half, draw_errors
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Errors, Load, Support
@@ -74,7 +74,7 @@ def test_preload_stiffens_the_contacts_as_the_solution_says():
 
 
 def test_elastic_bodies_are_pressed_alike_by_forces_this_small():
-    rigid, elastic = solved(halves(screw="rigid")), solve_elastic(halves(), engine="interpreted")
+    rigid, elastic = solved(halves(screw="rigid")), solve_elastic(halves())
     assert elastic.status == "converged"
     assert elastic.load.mean() == pytest.approx(rigid.load.mean(), rel=0.02)
     assert ((elastic.load > 0.0) == (rigid.load > 0.0)).all()

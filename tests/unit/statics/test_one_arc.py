@@ -10,8 +10,7 @@ from tests.shipped_texts import changed, own_text
 from rollbench.compare.scenes import scene_file
 from rollbench.lowfi.compliance.parts import LADDER
 from rollbench.lowfi.statics.contacts import hertz_without_errors
-from rollbench.lowfi.statics.elastic import solve_elastic
-from rollbench.lowfi.statics.static import solve_static
+from rollbench.lowfi.statics.static import solve_elastic, solve_static
 from rollbench.lowfi.statics.tangent import tangent_stiffness
 from rollbench.meshes.one_arc import LEAST, has_single_arc_grooves, with_single_arc_grooves
 from rollbench.meshes.parts import Errors, Load, Scene, SideErrors, Support

@@ -7,9 +7,9 @@ import pytest
 from tests.helpers import small_screw
 
 from rollbench.lowfi.compliance.parts import LADDER
-from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.lowfi.statics.response import cached_compliance
 from rollbench.lowfi.statics.result import StaticResult
+from rollbench.lowfi.statics.static import solve_elastic
 from rollbench.meshes.parts import FREEDOMS, BallErrors, FourierTerm, Load, Scene, SideErrors, Support
 
 BARE = small_screw(count=8, turns=1.5, lead=12e-3, force=(40.0, 20.0, 900.0), oversize=3e-6)
@@ -60,7 +60,7 @@ def test_a_kept_response_gives_the_digits_of_a_new_one(change: str, model: str) 
     scene = (SAME | OTHER)[change]
 
     def solve(scene: Scene) -> StaticResult:
-        return solve_elastic(scene, backend=LADDER[model], engine="interpreted")
+        return solve_elastic(scene, backend=LADDER[model])
 
     cached_compliance.cache_clear()
     new = solve(scene)

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.helpers import FLANK_ERRORS, NO_PROFILES, prepared, relative, small_screw, solved, with_ingredients
+from tests.helpers import FLANK_ERRORS, NO_PROFILES, four_flank_problem, relative, small_screw, solved, with_ingredients
 
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi import as_source
@@ -16,7 +16,7 @@ CASES = ("lin-case1", "lin-case2", "lin-case3", "lin-case3-offset")
 
 
 def system_of(scene, kinematics):
-    layout, problem = ball_layout(scene), prepared(scene).problem
+    layout, problem = ball_layout(scene), four_flank_problem(scene)
     free = np.concatenate([np.arange(6 * layout.z.size), 6 * layout.z.size + np.flatnonzero(~problem.fixed.ravel())])
     axes = np.stack([layout.radial, layout.binormal], axis=1)
     return as_source.LinEquations(problem, kinematics, as_source.screw_beam_stiffness_matrix(problem), free, axes)

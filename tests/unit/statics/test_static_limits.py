@@ -13,7 +13,7 @@ from rollbench.compare.models.registry import run_model
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.compliance.parts import LADDER
 from rollbench.lowfi.statics.contacts import hertz_without_errors
-from rollbench.lowfi.statics.elastic import solve_elastic
+from rollbench.lowfi.statics.static import solve_elastic
 from rollbench.meshes.helix import lead_angle
 from rollbench.meshes.parts import Support
 

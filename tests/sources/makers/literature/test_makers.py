@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from tests.evidence_study import GROUP, STUDY
 
-from rollbench.compare.cases.makers import bearings, nuts, outside, page
+from rollbench.compare.cases.makers import bearings, from_catalogue, nuts, outside, page
+from rollbench.compare.scenes import makers
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 
@@ -61,7 +62,7 @@ def test_balls_come_back_from_their_ratings() -> None:
 def test_two_ratings_of_a_nut_count_the_same_balls() -> None:
     """C and C_0 are two formulas; HIWIN's nuts of deflectors are rated with two thirds of a turn, the others with all."""
     shares: dict[str, list[float]] = {}
-    source = outside.read_maker_table("nuts-hiwin")
+    source = makers.read_maker_table("nuts-hiwin")
     for row in source.rows:
         if not source.is_listed_as_misprint(row["nut"]):
             name, nut = nuts.maker_and_rated_nut_type(source, row), nuts.nut_of_catalogue_row(source, row)
@@ -95,12 +96,43 @@ def test_four_fifths_of_the_computed_rigidity_is_what_makers_print() -> None:
     held_to([x for x in nuts.compare_preloaded_nuts() if x.law == "growth with preload"], 126, 2.0, 2.0)
 
 
-def test_turns_as_printed() -> None:
-    known = {("4", "T4 of the name"): 4.0, ("31", "rows x turns"): 3.0, ("1x4", "1x4"): 4.0}
-    other = {("4", "K4 of the name"): 4.0, ("22.8", "rows x turns"): 5.6, ("2", "1.7"): 3.4, ("", "1,2x4"): 4.8}
-    for (circuits, turns), expected in (known | other).items():
-        found = nuts.read_loaded_turns({"circuits": circuits, "turns": turns})
-        assert found == (pytest.approx(expected), (circuits, turns) in known)
+def test_circuits_as_printed() -> None:
+    known = {
+        ("4", "T4 of the name"): (4, 1.0, False),
+        ("31", "rows x turns"): (3, 1.0, False),
+        ("22.8", "rows x turns"): (2, 2.8, False),
+        ("1x4", "1x4"): (4, 1.0, False),
+        ("4", "K4 of the name"): (1, 4.0, False),
+        ("2", "1.7"): (2, 1.7, False),
+        ("", "1,2x4"): (4, 1.2, True),
+        ("", "6"): (1, 6.0, False),
+    }
+    for (circuits, turns), expected in known.items():
+        assert makers.read_circuits({"circuits": circuits, "turns": turns}) == expected
+
+
+def test_nuts_from_their_names_alone_are_near_what_their_makers_print() -> None:
+    """No ball is counted from a rating; what is far off is named: a nut whose printed C is below that of a smaller one."""
+    table = from_catalogue.catalogue_ratios_table()
+    found = from_catalogue.ratios_of_all_nuts()
+    assert len(found) == 582
+    for key in ("C", "C0", "K"):
+        values = np.array(
+            [x for one in found if not one.group.startswith("Rexroth") and (x := one.ratios[key]) is not None]
+        )
+        assert (0.8 < np.median(values) < 1.25, ((values > 0.7) & (values < 1.4)).mean() > 0.75) == (True, True)
+    named = " ".join(str(cell) for row in table.rows for cell in row.values())
+    assert "R16-2T4-RSI: C 2.39" in named
+    assert "SFE5050-6: C" not in named, "a misprint of C is left out"
+    assert "K of all" in named
+
+
+def test_no_ball_is_counted_from_a_rating() -> None:
+    part = makers.find_part("THK BNF 2005-5")
+    other = replace(part, row=dict(part.row) | {"C": "30", "C0": "70"})
+    first, second = map(from_catalogue.scene_of_part, (part, other))
+    assert second.rating.static == 2.0 * first.rating.static
+    assert replace(second, rating=first.rating) == first
 
 
 def test_drag_torque_of_the_measured_screws() -> None:
@@ -135,7 +167,7 @@ def test_section_says_its_conclusion_first() -> None:
 
 def test_half_of_the_last_step() -> None:
     steps = {"2 150": 5.0, "0.14": 0.005, "7": 0.5, "1,5": 0.05, "-12": 0.5, "300": 50.0}
-    assert {text: outside.half_step_of_last_digit(text) for text in steps} == pytest.approx(steps)
+    assert {text: makers.half_step_of_last_digit(text) for text in steps} == pytest.approx(steps)
 
 
 def test_verdicts_and_what_does_not_count() -> None:
@@ -150,6 +182,6 @@ def test_verdicts_and_what_does_not_count() -> None:
 
 
 def test_numbers_as_tables_write_them() -> None:
-    assert outside.MakerTable("x", {"decimal": ","}, ()).parse_number("1 250,5") == 1250.5
-    assert outside.MakerTable("x", {"thousands": ","}, ()).parse_number("12,500") == 12500.0
-    assert outside.MakerTable("x", {}, ()).parse_number("\u00a02 150") == 2150.0
+    assert makers.MakerTable("x", {"decimal": ","}, ()).parse_number("1 250,5") == 1250.5
+    assert makers.MakerTable("x", {"thousands": ","}, ()).parse_number("12,500") == 12500.0
+    assert makers.MakerTable("x", {}, ()).parse_number("\u00a02 150") == 2150.0

@@ -1,0 +1,99 @@
+"""Loads by the solver, which condenses the bodies to the contacts, against dense equations in the motions of the shaft."""
+
+import numpy as np
+import pytest
+from tests.campaign.draw import scene_text
+from tests.campaign.draw_axes import axis_text
+from tests.dense_beam import frame_of_assembly, frame_of_problem, loads_of
+
+from rollbench.compare.errors import InputError
+from rollbench.compare.scenes import catalogue, scene_file
+from rollbench.compare.studies import extremes
+from rollbench.lowfi.statics import settle, static
+from rollbench.lowfi.statics.axis import solve, system
+from rollbench.lowfi.statics.axis.equations import assembly_equations
+from rollbench.lowfi.statics.axis.held import pin_unrestrained_motions, unrestrained_motions
+from rollbench.lowfi.statics.equations import StaticInput
+from rollbench.lowfi.statics.selection import choose_flanks
+from rollbench.meshes.axis import Assembly
+from rollbench.meshes.errors import draw_geometry_with_errors
+from rollbench.meshes.helix import ball_layout
+
+SEED, SCREWS, AXES, MOST = 20261128, 160, 80, 40
+#: Force [N] below which contacts carry nothing but round-off; largest difference over the largest force.
+NOTHING, NEAR = 1e-6, 1e-8
+
+
+def drawn(draw, number):
+    """A random scene; None where it is refused or large, or its offsets follow from preload forces."""
+    try:
+        scene = scene_file.parse_scene(draw(SEED, number), "drawn.toml")
+    except InputError:
+        return None
+    if scene.ball_count > MOST or (isinstance(scene, Assembly) and any(s.preload for s in scene.sets)):
+        return None
+    return scene
+
+
+def solved_screw(scene):
+    """Solved equations of a screw, or None where there is no equilibrium."""
+    layout = ball_layout(scene)
+    geometry = draw_geometry_with_errors(scene, layout)
+    found = static.solve_with_chosen_flanks(StaticInput(scene, geometry, layout, choose_flanks(scene, geometry)))
+    return found.system if found.status == "converged" else None
+
+
+def solved_axis(assembly):
+    """Solved equations of an axis with the flanks that thrust can load, or None where there is no equilibrium."""
+    places = system.ball_positions_with_errors(assembly)
+    arrays = system.build_assembly_arrays(assembly, solve.flanks_by_thrust_direction(assembly), places)
+    loose = unrestrained_motions(arrays)
+    if loose.is_driven_by_loads:
+        return None
+    found, outcome = settle.solve_with_updated_contacts(assembly_equations(pin_unrestrained_motions(arrays, loose), None))
+    far = solve.moved_too_far(found.mounted_state_and_reactions()[0].q, arrays)
+    return found if settle.is_solve_accepted(outcome, found.round_off_residual()) and not far else None
+
+
+def check(scene):
+    """Whether the loads of a scene were compared: they must agree."""
+    found = solved_axis(scene) if isinstance(scene, Assembly) else solved_screw(scene)
+    if found is None or any(p.drawn.profile_coefficients.shape[1] for p in found.problems):
+        return False
+    if isinstance(scene, Assembly):
+        frame, slices = frame_of_assembly(found.assembly_arrays), found.mounted_state_and_reactions()[0].slice_forces
+    else:
+        frame, slices = frame_of_problem(found.problem), np.zeros(0)
+    balls = [s.force for s in found.contact_states()]
+    mine = np.concatenate([np.zeros((0, 4)), *balls])
+    reach = max((float(p.drawn.ball_radii.max()) for p in found.problems), default=1.0)
+    force, of_slices, unbalanced = loads_of(frame, reach)
+    largest = max(mine.max(initial=0.0), slices.max(initial=0.0))
+    if largest < NOTHING:
+        return False
+    if unbalanced > 0.01 * NEAR * largest:  # the oracle's own round-off
+        return False
+    assert np.abs(force - mine).max(initial=0.0) < NEAR * largest
+    assert np.abs(of_slices - slices).max(initial=0.0) < NEAR * largest
+    return True
+
+
+@pytest.mark.further
+def test_random_screws():
+    assert sum(check(s) for s in (drawn(scene_text, k) for k in range(SCREWS)) if s is not None) > SCREWS // 4
+
+
+@pytest.mark.further
+def test_random_axes():
+    assert sum(check(s) for s in (drawn(axis_text, k) for k in range(AXES)) if s is not None) > AXES // 8
+
+
+@pytest.mark.parametrize("name", ["lin-case1", "lin-case3-offset", "bearing-9-preload", "smith-axis-taper"])
+def test_shipped_scenes(name):
+    assert check(catalogue.shipped_scene(name))
+
+
+@pytest.mark.further
+def test_hard_scenes():
+    cases = [c for c in extremes.hard_scenes() if c.scene.ball_count <= MOST]
+    assert sum(check(c.scene) for c in cases) > len(cases) // 2

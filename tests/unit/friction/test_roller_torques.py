@@ -1,0 +1,38 @@
+"""Friction of rows of tapered rollers as `friction` prints it: a band, in N mm and in-lbf, beside Timken's formula."""
+
+import pytest
+
+from rollbench.compare.scenes.catalogue import shipped_scene_text
+
+INCH_POUND = 25.4 * 4.4482216152605
+
+
+def test_friction_prints_the_band_of_every_row_and_timken_s_torque(command, tmp_path) -> None:
+    file, angle = tmp_path / "g1.toml", 'roller_angle = "4 deg"'
+    given = f'{angle}\ntorque_factor = 51\nend_radius = "58 mm"'
+    file.write_text(shipped_scene_text("smith-axis-taper").replace(angle, given))
+    data, said = command.answer("friction", file), command.said("friction", file)
+    rows = data["roller_torques"]
+    assert [x["name"] for x in rows] == ["left 1", "left 2", "right 1", "right 2"]
+    ends = [[x[key] / INCH_POUND for key in ("low_Nmm", "high_Nmm")] for x in rows]
+    assert [x["band_Nmm"] for x in rows] == [[x["low_Nmm"], x["high_Nmm"]] for x in rows]
+    assert (min(x[0] for x in ends), max(x[1] for x in ends)) == pytest.approx((3.94, 16.4), rel=5e-3)
+    first = next(line for line in said.splitlines() if "in-lbf" not in line and "4.50 to 9.33" in line)
+    assert first.split()[-2:] == [f"{rows[0]['timken_Nmm']:.6g}", f"{rows[0]['timken_Nmm'] / INCH_POUND:.4g}"]
+    row = next(line for line in command.said("solve", file).splitlines() if line.startswith("1 left 1 "))
+    low, high = (f"{rows[0][key]:.3g}" for key in ("low_Nmm", "high_Nmm"))
+    assert f"{float(low):.0f} to {float(high):.0f} " in row
+    assert f" {rows[0]['timken_Nmm']:.0f} " in row
+
+
+def test_ball_or_taper_is_answered_by_one_command(command) -> None:
+    """Stiffness, torque and life of Smith's axis on both kinds of bearings."""
+    balls, rollers = command.answer("solve", "smith-axis", "smith-axis-taper", "--model", "lin")["scenes"]
+    for one in (balls, rollers):
+        torques = one["running_torque_Nmm"], one["starting_torque_Nmm"]
+        lives = one["life_million_revolutions"], one["life_hours"], one["L10_million_revolutions"]
+        assert None not in (one["nut_tangent_N_per_um"], *torques, *lives)
+
+
+def test_the_onset_of_contact_between_balls_is_printed(command) -> None:
+    assert "neighbours do not touch" in " ".join(command.said("friction", "lin-case1", "--mu", "0.1").split())
