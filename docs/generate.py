@@ -71,9 +71,11 @@ def scene_file() -> Iterator[str]:
     yield (
         "# Scene file\n\nA scene is one TOML file. Lengths, forces and angles are texts with a unit:"
         ' `"20 mm"`, `"5 kN"`, `"45 deg"`.'
-        " `rollbench schema` prints the JSON Schema from which this page is made; editors complete and check"
-        " keys with it. `rollbench new FILE` writes a scene with every key as a comment.\n\n"
-        + "\n".join(_figure(*drawing) for drawing in DRAWINGS)
+        " `rollbench schema` prints the JSON Schema from which this page is made. `rollbench new FILE` writes a scene with"
+        " every key as a comment.\n\n"
+        "Editors with a TOML language server (Taplo, Tombi; VS Code: Even Better TOML) complete and check the keys: write"
+        " `rollbench schema > scene.schema.json` beside the scenes, and `#:schema ./scene.schema.json` as the first line of"
+        " a scene.\n\n" + "\n".join(_figure(*drawing) for drawing in DRAWINGS)
     )
     seen: set[str] = set()
     for kind in schema["oneOf"]:

@@ -1,4 +1,4 @@
-"""Manifest of a report: the SHA-256 checksums of its inputs and files, which show whether a file was changed."""
+"""Manifest of a report, with the SHA-256 checksums of its inputs, and the checksums of its files."""
 
 from __future__ import annotations
 
@@ -10,6 +10,8 @@ from typing import Any
 
 #: Name of the manifest file in the folder of a report.
 FILE = "manifest.json"
+#: Name of the file with the checksums of all files of a report, as the program ``sha256sum`` reads it.
+SUMS = "SHA256SUMS"
 #: Size of a report's file above which it is not read [bytes]; about ten times the largest page.
 LARGEST = 200_000_000
 
@@ -19,16 +21,16 @@ def sha256(data: str | bytes) -> str:
     return hashlib.sha256(data.encode("utf-8", "surrogatepass") if isinstance(data, str) else data).hexdigest()
 
 
-def hashes_of_report_files(folder: Path) -> dict[str, str]:
-    """Return the SHA-256 checksum of every file in a report's folder except the manifest, by the file's relative path."""
-    files = sorted(p for p in folder.rglob("*") if p.is_file() and p.name != FILE)
-    return {p.relative_to(folder).as_posix(): sha256(p.read_bytes()) for p in files}
-
-
 def write_manifest(folder: Path, origin: Mapping[str, Any]) -> None:
-    """Write the manifest file of a report: ``origin``, which describes its inputs, and the checksums of its files."""
-    text = json.dumps({**origin, "files": hashes_of_report_files(folder)}, indent=1, ensure_ascii=False)
+    """Write the manifest of a report, which describes its inputs, and the checksums of all its files.
+
+    ``sha256sum -c SHA256SUMS``, in the report's folder, shows whether a file was changed. ``origin``: the report's inputs.
+    """
+    text = json.dumps(origin, indent=1, ensure_ascii=False)
     (folder / FILE).write_text(text + "\n", encoding="utf-8", newline="\n")
+    files = sorted(p for p in folder.rglob("*") if p.is_file() and p.name != SUMS)
+    lines = (f"{sha256(p.read_bytes())}  {p.relative_to(folder).as_posix()}\n" for p in files)
+    (folder / SUMS).write_text("".join(lines), encoding="utf-8", newline="\n")
 
 
 def read_report_file(path: Path) -> str:
@@ -56,14 +58,3 @@ def parse_json(text: str) -> Any:
 def is_mapping_of_texts(found: object) -> bool:
     """Return whether a part of a manifest, as read from its JSON, is a mapping whose values are all texts."""
     return isinstance(found, dict) and all(isinstance(value, str) for value in found.values())
-
-
-def read_manifest(folder: Path) -> dict[str, Any]:
-    """Return the data in the manifest file of a report's folder.
-
-    Raises OSError if there is no manifest, and ValueError if it is damaged.
-    """
-    found = parse_json(read_report_file(folder / FILE))
-    if not isinstance(found, dict) or not all(is_mapping_of_texts(found.get(key)) for key in ("inputs", "files")):
-        raise ValueError(f"the entry 'inputs' or 'files' of {FILE} is missing or damaged")
-    return found

@@ -17,7 +17,7 @@ from rollbench.meshes.files import temporary_path
 from rollbench.reports import cells as reports_cells
 from rollbench.reports import content, field3d, figures, scene3d, sketch, view
 from rollbench.reports.manifest import FILE as MANIFEST
-from rollbench.reports.manifest import write_manifest
+from rollbench.reports.manifest import SUMS, write_manifest
 from rollbench.reports.view import MARKER
 
 #: File of the search index. It is a script because a browser does not load data files for a page opened from disk.
@@ -390,10 +390,10 @@ def check_report_folder(out: Path) -> None:
 
 
 def _is_report_file(entry: Path) -> bool:
-    """Return whether a file belongs to a report: page, search index, manifest, or the PDF of releases up to 0.14."""
+    """Return whether a file belongs to a report: page, search index, manifest, checksums, PDF of releases up to 0.14."""
     if not entry.is_file():
         return False
-    return entry.name in (SEARCH, MANIFEST, "first-pages.pdf") or (
+    return entry.name in (SEARCH, MANIFEST, SUMS, "first-pages.pdf") or (
         entry.suffix == ".html" and MARKER in entry.read_text(encoding="utf-8", errors="replace")
     )
 

@@ -1,8 +1,7 @@
-"""Write the results of one scene as a self-contained HTML page with checksums, and read such a page.
+"""Write the results of one scene as a self-contained HTML page, and read such a page.
 
-The page contains the scene file, the results as JSON, and a manifest: the SHA-256 checksums of both, of the page itself,
-and of every file that was used. `read_page_data` extracts them. The checksums show whether something was changed, but not
-who wrote the page.
+The page contains the scene file, the results as JSON, and a manifest: versions, and the SHA-256 checksum of every file that
+was used. `read_page_data` extracts them.
 """
 
 from __future__ import annotations
@@ -21,7 +20,7 @@ from markupsafe import Markup
 from rollbench.reports import figures, scene3d, sketch
 from rollbench.reports.cells import format_cell, with_typographic_signs
 from rollbench.reports.content import Figure, LoadedScrew, SceneView, Section, Sketch, Table
-from rollbench.reports.manifest import is_mapping_of_texts, parse_json, sha256
+from rollbench.reports.manifest import is_mapping_of_texts, parse_json
 from rollbench.reports.pages import load_templates, svg_as_html_element
 from rollbench.reports.view import MARKER, viewer_elements_html
 
@@ -63,25 +62,6 @@ class ScenePage:
     table: Table | None = None
 
 
-def page_manifest(page: ScenePage, html: str) -> dict[str, Any]:
-    """Return the manifest of a page: its origin, and the SHA-256 checksums of scene file, results, used files and page.
-
-    ``html``: text of the page with an empty manifest, of which the page's checksum is computed.
-    """
-    return {
-        "provenance": dict(page.provenance),
-        "scene": sha256(page.scene_text),
-        "results": results_hash(page.results),
-        "files": dict(page.files),
-        "page": sha256(html),
-    }
-
-
-def results_hash(results: Mapping[str, Any]) -> str:
-    """Return the SHA-256 checksum of the results of a scene, independent of the order of their keys."""
-    return sha256(json.dumps(results, sort_keys=True))
-
-
 def scene_page_html(page: ScenePage) -> str:
     """Return the page of a scene as HTML, with its manifest; raise ValueError if the data of a figure are inconsistent."""
     environment = load_templates()
@@ -89,31 +69,16 @@ def scene_page_html(page: ScenePage) -> str:
     environment.globals["cell"] = format_cell
     environment.globals["drawn"] = _svg_of_item
     picture, missing = _picture_as_base64(page.picture)
-    html = environment.get_template("scene.html.j2").render(
+    return environment.get_template("scene.html.j2").render(
         page=page,
         picture=picture,
         missing=missing,
         viewer=Markup("" if page.view is None else viewer_elements_html(page.view)),
         marker=Markup(MARKER),
+        manifest_json=_json_for_script({"provenance": dict(page.provenance), "files": dict(page.files)}),
         scene_json=_json_for_script(page.scene_text),
         results_json=_json_for_script(page.results),
     )
-    manifest = str(_json_for_script(page_manifest(page, html)))
-    return html.replace(_json_script_element("manifest"), _json_script_element("manifest", manifest), 1)
-
-
-def _json_script_element(name: str, content: str = "") -> str:
-    """Return the HTML script element with the identifier ``name`` that contains the JSON text ``content``.
-
-    The page's data are read back from these elements, see `read_page_data`.
-    """
-    return f'<script type="application/json" id="{name}">{content}</script>'
-
-
-def html_without_manifest(html: str) -> str:
-    """Return the HTML of a scene's page with an empty manifest: the text of which its checksum was computed."""
-    pattern = re.escape(_json_script_element("manifest", "@")).replace("@", ".*?")
-    return re.sub(pattern, lambda _: _json_script_element("manifest"), html, count=1, flags=re.DOTALL)
 
 
 def _json_for_script(data: Any) -> Markup:

@@ -396,7 +396,7 @@
   function answers() {
     const run = runs[caseAt], s = setAt < 0 ? run.summary : summaryOf(setAt), form = setAt < 0 || !several() ? run.model_form : null;
     const whole = several() && setAt < 0, of = whole && s.worst_set ? data.cases[caseAt].sets[s.worst_set - 1].name : "";
-    const worst = s.worst_contact, axial = (setAt < 0 || !several()) && s.axial, number = worst && (worst.ball ?? worst.roller);
+    const worst = s.worst_contact, ofLoad = (setAt < 0 || !several()) && s.load_point, number = worst && (worst.ball ?? worst.roller);
     const rows = [
       ["status", runs[caseAt].status, "", ""],
       ["nut or row with the worst contact", of || null, "", ""],
@@ -404,7 +404,8 @@
       ["mean contact load", whole ? null : s.loads?.mean_N, "N", ""],
       ["largest pressure", worst?.pressure_MPa, "MPa", number ? `${worst.ball ? "ball" : "roller"} ${number}` : ""],
       ["static safety", s.static_safety?.factor, "", ""],
-      ["axial displacement", axial?.displacement_um, "µm", ""],
+      ["axial displacement of nut or bearing", s.nut?.displacement_um, "µm", ""],
+      ["displacement of the load's point", ofLoad?.displacement_um, "µm", ofLoad?.at],
       ["life L10", s.life?.L10_million_revolutions, "10⁶ rev", of],
       ["expected error of a load", form?.largest_percent_of_mean && +form.largest_percent_of_mean.toPrecision(2), "% of mean", ""],
     ];
