@@ -42,6 +42,12 @@ def test_the_torque_is_the_sum_of_nuts_bearings_seals_and_all_else():
     assert 1e3 * np.array(alone.motor_torques.running) == pytest.approx(drive["running_torque_Nmm"], rel=1e-9)
 
 
+@pytest.mark.parametrize("name", ["axis-fixed-fixed", "smith-axis"])
+def test_a_shipped_axis_answers_the_torque_of_its_motor(name):
+    torques = solve(catalogue.shipped_scene(name), "lin", ModelOptions()).motor_torques
+    assert torques is not None and torques.running is not None and 0.0 < torques.running[0] <= torques.running[1]
+
+
 def test_acceleration_puts_in_the_energy_of_all_that_moves():
     time, mass, motor = 0.2, 150.0, 2e-3
     moved = driven(mass=mass, motor_inertia=motor, time=time)
@@ -136,7 +142,9 @@ REFUSED = [
 
 @pytest.mark.parametrize(("name", "tables", "key", "advice"), REFUSED)
 def test_keys_of_an_axis_are_refused_with_what_to_do(name, tables, key, advice):
-    text = catalogue.shipped_scene_text(name).replace('[motion]\nspeed = "1200 rpm"\n', "")
+    text = catalogue.shipped_scene_text(name)
+    for table in ('[motion]\nspeed = "1200 rpm"\n', '[lubricant]\nviscosity = "68 mm2/s"\n'):
+        text = text.replace(table, "")
     with pytest.raises(InputError) as refused:
         scene_file.parse_scene(f"{text}\n{tables}\n", "mine.toml")
     assert key in str(refused.value)
