@@ -42,7 +42,7 @@ table lin-case3 --over load=1_kN,2_kN --quantities stiffness,displacement,load,p
 
 
 #: Of an axis: what its motor turns, and a bearing whose life nothing gives.
-AXIS = '[lubricant]\nviscosity = "50 mm2/s"\n[drive]\nmass = "200 kg"\ntime = "0.1 s"\n[motion]'
+AXIS = '[drive]\nmass = "200 kg"\ntime = "0.1 s"\n[motion]'
 
 
 def test_every_number_is_defined_and_every_definition_is_of_something_printed(command, tmp_path):
