@@ -100,7 +100,7 @@ class WorstContact:
     element: int
     """Number of the ball or roller, counted from 1."""
     side: str
-    """Groove flank that a ball touches: SL, SR, NL, NR (screw or nut, left or right); race of a roller: inner, outer."""
+    """Flank that a ball touches (SL, SR, NL, NR: screw or nut, left or right), or race of a roller (inner, outer)."""
     force: float
     """Contact load [N]."""
     pressure: float
