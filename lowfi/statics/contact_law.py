@@ -149,6 +149,8 @@ def approach_to_profiles(
     """
     u = SIGNS * (to_ball + moved)
     gamma, left = np.arctan2(u[..., 1], u[..., 0]), np.ones(u.shape[:-1], dtype=bool)
+    # the polynomial is no periodic function: its jump lies opposite the middle of the flank, where it meets no contact
+    gamma = np.where(gamma < -0.75 * np.pi, gamma + 2.0 * np.pi, gamma)
     for _ in range(30):  # (u - A(gamma)) . A'(gamma) = 0: the line from u meets the profile at a right angle (Lin 2.27)
         rho, rho1, rho2 = _radius_with_derivatives(gamma, groove_radius, profile)
         c, s = np.cos(gamma), np.sin(gamma)
