@@ -121,6 +121,9 @@ _drawn = False
 STAGES, SELDOM = 100, 30.0
 _logged, _last = START, ""
 
+#: Environment variable that leaves out all progress with the value "off"; warnings stay.
+PROGRESS = "ROLLBENCH_PROGRESS"
+
 #: Exit code of a command that the time limit ends; it is the same as for a scene without equilibrium.
 ENDED = 1
 
@@ -160,7 +163,7 @@ def progress_bar(label: str) -> Iterator[Callable[[str, float], None]]:
 
     def show(what: str, share: float) -> None:
         """Draw the bar with the text ``what`` and the ``share`` of the work that is done (0 to 1)."""
-        if monotonic() - begin >= FIRST and sys.stderr.isatty():
+        if monotonic() - begin >= FIRST and sys.stderr.isatty() and not _is_progress_off():
             _draw_progress_line(f"{label}: {what}{_remaining_time_text(monotonic() - begin, share)}", share)
 
     try:
@@ -175,7 +178,8 @@ def show_progress_message(text: str) -> None:
     On a terminal, a text that states a share of work, such as ``[3/12]`` or ``34%``, replaces the progress line, with a bar
     and the time left; other texts are printed above this line. In a file or pipe, texts that begin with WARNING are printed
     and, after the first two seconds (`FIRST`), a line for each stage. Of texts that are indented, count many steps or
-    differ from the last line in numbers only, one in half a minute is printed.
+    differ from the last line in numbers only, one in half a minute is printed. With ROLLBENCH_PROGRESS=off in the
+    environment, only warnings are printed.
 
     Parameters
     ----------
@@ -183,6 +187,8 @@ def show_progress_message(text: str) -> None:
         The message.
     """
     global _drawn
+    if _is_progress_off() and not text.startswith("WARNING"):
+        return
     found = re.search(r"\[(\d+)/(\d+)\]|(\d+)%", text)
     if not sys.stderr.isatty():
         if text.startswith("WARNING") or _is_due_in_log(text, found):
@@ -201,6 +207,11 @@ def restart_clock() -> None:
     """Count the time of the present command from now: called when a command begins."""
     global START
     START = monotonic()
+
+
+def _is_progress_off() -> bool:
+    """Return whether the environment leaves out progress."""
+    return os.environ.get(PROGRESS) == "off"
 
 
 def _is_due_in_log(text: str, share: re.Match[str] | None) -> bool:
@@ -286,7 +297,7 @@ def _show_running_time(label: str, limit: float | None, done: threading.Event) -
         pause = max(FIRST - spent, AGAIN) if spent < FIRST else AGAIN
         if done.wait(pause if limit is None else min(pause, limit - spent)):
             break
-        if monotonic() - begin >= FIRST and sys.stderr.isatty():
+        if monotonic() - begin >= FIRST and sys.stderr.isatty() and not _is_progress_off():
             _draw_progress_line(f"rollbench: {label}: running for {monotonic() - begin:.0f} s")
     clear_progress_line()
 

@@ -20,6 +20,9 @@ sys.path.insert(0, str(Path(__file__).parent))
 os.environ["PATH"] = str(Path(sys.executable).parent) + os.pathsep + os.environ["PATH"]
 # cells run in an empty folder and find the manual's example programs here
 os.environ["MANUAL"] = str(Path(__file__).parent)
+# what cells print is the answer alone, in lines that fit the page
+os.environ["ROLLBENCH_PROGRESS"] = "off"
+os.environ["COLUMNS"] = "92"
 
 import rollbench
 
