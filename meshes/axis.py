@@ -6,16 +6,15 @@ its degrees of freedom may be fixed, and springs may connect it to the frame or 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from typing import ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.meshes import parts as parts_records
-from rollbench.meshes.parts import FREEDOMS, Friction, Ingredients, Load, Lubricant, Material, Motion, Scene, Screw, Support
-from rollbench.meshes.ranges import Bore, ContactAngle, Density, Duration, Efficiency, Inertia, Mass, Size, Station, Torque
-from rollbench.meshes.record_keys import frozen_default, register_frozen_defaults, scene_key_metadata
+from rollbench.meshes import ranges
+from rollbench.meshes.parts import FREEDOMS, Friction, Ingredients, Lubricant, Material, Motion, Scene, Screw, Support
+from rollbench.meshes.record_keys import frozen_default, frozen_record, scene_key
 
 #: A symmetric 6x6 stiffness matrix as nested tuples; rows and columns are in the order of FREEDOMS [N/m, N, N m].
 Stiffness = tuple[tuple[float, ...], ...]
@@ -41,37 +40,33 @@ ARRANGEMENTS: dict[str, tuple[Literal["+z", "-z"], ...]] = {
 }
 
 
-@register_frozen_defaults
-@dataclass(frozen=True)
+@frozen_record
 class Segment:
     """A cylindrical segment of the shaft without groove.
 
     Axial positions, diameter and bore are in metres.
     """
 
-    start: Station = field(metadata=scene_key_metadata("axial position at which the segment begins", "0 mm"))
-    end: Station = field(metadata=scene_key_metadata("axial position at which the segment ends", "60 mm"))
-    diameter: Size = field(metadata=scene_key_metadata("diameter of the segment", "25 mm"))
-    bore: Bore = frozen_default(0.0, "diameter of the segment's bore", "6 mm")
+    start: ranges.Station = scene_key("axial position at which the segment begins", "0 mm")
+    end: ranges.Station = scene_key("axial position at which the segment ends", "60 mm")
+    diameter: ranges.Size = scene_key("diameter of the segment", "25 mm")
+    bore: ranges.Bore = frozen_default(0.0, "diameter of the segment's bore", "6 mm")
 
 
-@register_frozen_defaults
-@dataclass(frozen=True)
+@frozen_record
 class Housing:
     """Rigid housing that carries nuts or outer rings; its motion is described at a reference point on the shaft's axis."""
 
-    #: Name of the housing, to which rolling sets, joints and results refer.
-    name: str
-    #: Axial position z of the housing's reference point [m].
-    at: float
+    name: ranges.Name = scene_key("name of the housing", "carriage")
+    at: ranges.Station = scene_key("axial position to which motion, springs and loads of the housing refer", "400 mm")
     #: Pairs of a degree of freedom (of `FREEDOMS`) and its prescribed displacement [m] or rotation [rad].
     fixed: tuple[tuple[str, float], ...] = frozen_default(())
     #: Stiffness of the springs between housing and frame, at the reference point; None without springs.
     stiffness: Stiffness | None = frozen_default(None)
-    #: Force on the housing at the reference point [N].
-    force: tuple[float, float, float] = frozen_default((0.0, 0.0, 0.0))
-    #: Moment on the housing [N m].
-    moment: tuple[float, float, float] = frozen_default((0.0, 0.0, 0.0))
+    force: ranges.Forces = frozen_default((0.0, 0.0, 0.0), "force on the housing along x, y, z", ["0 N", "0 N", "5 kN"])
+    moment: ranges.Moments = frozen_default(
+        (0.0, 0.0, 0.0), "moment on the housing about x, y, z", ["0 N m", "3 N m", "0 N m"]
+    )
 
     @property
     def is_fixed(self) -> bool:
@@ -79,7 +74,7 @@ class Housing:
         return {name for name, value in self.fixed if value == 0.0} == set(FREEDOMS)
 
 
-@dataclass(frozen=True)
+@frozen_record
 class Joint:
     """Springs between two housings, as a stiffness matrix at one position on the shaft's axis."""
 
@@ -87,59 +82,59 @@ class Joint:
     first: str
     #: Name of the second of the two housings.
     second: str
-    #: Axial position on the shaft's axis at which the springs act [m].
-    at: float
+    at: ranges.Station = scene_key("axial position at which the springs of the joint act", "400 mm")
     #: Stiffness matrix ``(6, 6)`` for the motion of the second housing relative to the first one at this position.
     stiffness: Stiffness
 
 
-@register_frozen_defaults
-@dataclass(frozen=True)
+@frozen_record
 class RollerRow:
     """One row of tapered rollers with its rings: dimensions, material, and data for friction at the rib."""
 
-    #: Number of rollers.
-    count: int
-    #: Mean diameter of a roller [m].
-    diameter: Size
-    #: Effective length of a roller [m].
-    length: Size
-    #: Half included angle of the raceway of the cup (outer ring) [rad].
-    cup_angle: ContactAngle
-    #: Half included angle of a roller [rad].
-    roller_angle: ContactAngle
+    count: ranges.Count = scene_key("number of rollers", 16)
+    diameter: ranges.Size = scene_key("mean diameter of a roller", "8.4 mm")
+    length: ranges.Size = scene_key("effective length of a roller", "12.4 mm")
+    cup_angle: ranges.ContactAngle = scene_key(
+        "half included angle of the cup: angle between its raceway and the axis", "30.8 deg"
+    )
+    roller_angle: ranges.ContactAngle = scene_key("half included angle of a roller", "4 deg")
     #: Depth below the raceways of both rings down to which their deformation is considered [m].
-    depth: Size
+    depth: ranges.Size
     #: Elastic material of rollers and rings.
     material: Material
     #: Radius of the crowning of the contact lines with both raceways [m]; infinite for straight rollers.
     crown: float = frozen_default(float("inf"))
-    #: Number of slices into which a roller is divided for computing its contact forces.
-    slices: int = frozen_default(15)
+    slices: ranges.Slices = frozen_default(15, "number of slices into which a roller is divided", 15)
     #: Azimuth of the first roller [rad].
     phase: float = frozen_default(0.0)
-    #: Radius of the spherical large end of a roller [m]; None where unknown.
-    end_radius: Size | None = frozen_default(None)
-    #: Height of the contact with the rib above the raceway of the cone (inner ring) [m]; None: a tenth of the roller
-    #: diameter.
-    rib_height: Size | None = frozen_default(None)
-    #: Coefficient of friction between the large end of a roller and the rib; None: 0.1.
-    rib_friction: float | None = frozen_default(None)
-    #: Manufacturer's factor G_1 of Timken's formula for the friction torque; None where unknown.
-    torque_factor: float | None = frozen_default(None)
-    #: Radius of the rounded edges at both ends of the contact line [m]; None for sharp edges.
-    edge_radius: Size | None = frozen_default(None)
+    end_radius: ranges.Size | None = frozen_default(
+        None,
+        "radius of the spherical large end, for the pressure at the rib; usually 0.8 to 0.95 of its distance from the apex",
+        "55 mm",
+    )
+    rib_height: ranges.Size | None = frozen_default(
+        None, "height of the rib contact above the cone's raceway; a tenth of the roller diameter if left out", "0.8 mm"
+    )
+    rib_friction: ranges.Coefficient | None = frozen_default(
+        None, "coefficient of friction between large end and rib; 0.1 if left out", 0.1
+    )
+    torque_factor: ranges.TorqueFactor | None = frozen_default(
+        None, "manufacturer's factor G1 of Timken's formula for the friction torque", 40
+    )
+    edge_radius: ranges.Size | None = frozen_default(
+        None,
+        "radius of the edges at both ends of the effective length, for the roller in 3D; sharp edges if left out",
+        "1 mm",
+    )
     #: Load ratings by the maker.
     rating: parts_records.MakerRating = frozen_default(parts_records.MakerRating())
 
 
-@register_frozen_defaults
-@dataclass(frozen=True)
+@frozen_record
 class RollingSet:
     """Rolling set: one ball nut, ball bearing or row of tapered rollers on the shaft, and how it is mounted."""
 
-    #: Name of the rolling set, to which results refer.
-    name: str
+    name: ranges.Name = scene_key("name of the nut or bearing in results", "nut 1")
     #: Type of the rolling set.
     kind: Literal["ball nut", "bearing", "tapered roller bearing"]
     #: For balls, a scene without supports and loads: track, grooves, balls and errors; its screw is the shaft with this
@@ -147,80 +142,75 @@ class RollingSet:
     parts: Scene | RollerRow
     #: Axial position of the centre of the outer part, or of the middle of the contact lines on the cup [m].
     position: float
-    #: Name of the housing of the outer part; None where the outer part is fixed.
-    housing: str | None = frozen_default(None)
-    #: Displacement of the outer part along +z relative to its housing, fixed at mounting [m].
-    offset: float = frozen_default(0.0)
+    housing: ranges.Name | None = frozen_default(
+        None, "name of the housing that holds the nut or outer ring; if left out, the nut or ring is fixed", "carriage"
+    )
+    offset: ranges.Deviation = frozen_default(
+        0.0, "shift of nut or outer ring relative to its housing, along z (spacer, lead offset)", "4 um"
+    )
     #: Axial preload [N]: at mounting, without external loads, the outer part is displaced until the rolling set carries
     #: this axial force, and is then fixed to its housing; 0 for no preload.
     preload: float = frozen_default(0.0)
     #: Direction of the axial force on the shaft that the rolling set can carry.
     thrust: Thrust = frozen_default("both")
-    #: Name of the housing on which the inner part sits, as the inner ring of a bearing around a nut does; None: it sits on
-    #: the shaft.
-    carrier: str | None = frozen_default(None)
-    #: Friction torque of the seals or wipers [N m].
-    seals: float = frozen_default(0.0)
+    carrier: ranges.Name | None = frozen_default(
+        None, "name of the housing on which its inner ring sits; the shaft if left out", "nut"
+    )
+    seals: ranges.Torque = frozen_default(
+        0.0, "friction torque of the seals or wipers as in catalogues; for an arrangement, of each row", "100 N mm"
+    )
 
 
-@register_frozen_defaults
-@dataclass(frozen=True)
+@frozen_record
 class Drive:
     """Data of a machine axis for motor torque and moment of inertia: moved mass, motor, friction and acceleration."""
 
-    mass: Mass = frozen_default(0.0, "mass that the nut moves along the shaft", "200 kg")
-    motor_inertia: Inertia = frozen_default(0.0, "moment of inertia of motor and coupling", "20 kg cm2")
-    time: Duration | None = frozen_default(
+    mass: ranges.Mass = frozen_default(0.0, "mass that the nut moves along the shaft", "200 kg")
+    motor_inertia: ranges.Inertia = frozen_default(0.0, "moment of inertia of motor and coupling", "20 kg cm2")
+    time: ranges.Duration | None = frozen_default(
         None, "time of the uniform acceleration from rest to the speed in [motion]", "100 ms"
     )
-    efficiency: Efficiency | None = frozen_default(
+    efficiency: ranges.Efficiency | None = frozen_default(
         None, "efficiency of the ball screw during acceleration; 0.90 to 0.95 if left out (Smith 4.3.1)", 0.92
     )
-    torque: Torque = frozen_default(0.0, "friction torque of all other parts: guides, motor, coupling", "0.5 N m")
-    density: Density = frozen_default(7850.0, "density of the shaft", "7850 kg/m3")
+    torque: ranges.Torque = frozen_default(0.0, "friction torque of all other parts: guides, motor, coupling", "0.5 N m")
+    density: ranges.Density = frozen_default(7850.0, "density of the shaft", "7850 kg/m3")
 
 
-@register_frozen_defaults
-@dataclass(frozen=True)
+@frozen_record
 class Assembly:
     """One load case of a shaft with several ball nuts and bearings, in SI units."""
 
     #: Name of the scene.
     name: str
-    #: Title of the scene, for reports.
-    title: str
-    #: Dimensions and material of the shaft.
-    screw: Screw
-    #: Ball nuts and bearings on the shaft.
-    sets: tuple[RollingSet, ...]
+    title: ranges.Sentence = scene_key(parts_records.TITLE, "Screw under 5 kN")
+    screw: Screw = scene_key("screw shaft")
+    sets: tuple[RollingSet, ...] = scene_key("ball nuts and bearings, in any order")
     #: Segments of the shaft without groove.
     segments: tuple[Segment, ...] = frozen_default(())
-    #: Rigid housings that carry nuts or outer rings.
-    housings: tuple[Housing, ...] = frozen_default(())
-    #: Springs between pairs of housings.
-    joints: tuple[Joint, ...] = frozen_default(())
-    #: Supports of the shaft.
-    supports: tuple[Support, ...] = frozen_default(())
-    #: Loads on the shaft.
-    loads: tuple[Load, ...] = frozen_default(())
-    #: Options of the low-order models.
-    ingredients: Ingredients = frozen_default(Ingredients())
-    #: Publication from which the scene is taken.
-    source: str = frozen_default("")
-    #: Assumptions on data that the publication `source` does not give, as sentences.
-    assumed: tuple[str, ...] = frozen_default(())
-    #: Coulomb friction of the balls; None: no friction.
-    friction: Friction | None = frozen_default(None)
-    #: Rotating part and its angular speed.
-    motion: Motion | None = frozen_default(None)
-    #: Oil, or base oil of the grease.
-    lubricant: Lubricant | None = frozen_default(None)
+    housings: tuple[Housing, ...] = frozen_default((), "housings that move", [{"name": "carriage", "at": "400 mm"}])
+    joints: tuple[Joint, ...] = frozen_default((), "springs between housings", [{"between": ["a", "b"], "at": "400 mm"}])
+    supports: tuple[Support, ...] = frozen_default(
+        (), "supports of the shaft other than bearings", [{"at": "0 mm", "fix": ["rz"]}]
+    )
+    loads: parts_records.Loads = frozen_default((), "loads on the shaft", parts_records.LOADED)
+    ingredients: Ingredients = frozen_default(Ingredients(), "options of the low-order models", {"section": "full"})
+    source: ranges.Words = frozen_default("", parts_records.SOURCE, "Lin 2019, 2.4.1.1")
+    assumed: ranges.Sentences = frozen_default((), parts_records.ASSUMED, ["The nut is rigid."])
+    friction: Friction | None = frozen_default(None, "friction of balls and grooves", {"coefficient": 0.1})
+    motion: Motion | None = frozen_default(None, "part that rotates, and its angular speed", {"speed": "600 rpm"})
+    lubricant: Lubricant | None = frozen_default(
+        None, "lubricant, for torques that depend on speed", {"viscosity": "27 mm2/s"}
+    )
     #: Axial position [m], or name of the housing, at which the tangent stiffness is computed; None: where the loads act.
     stiffness_at: float | str | None = frozen_default(None)
     #: Thermal strain of the unconstrained shaft, uniform along it.
     thermal_strain: float = frozen_default(0.0)
-    #: What the motor drives in addition to the shaft: moved mass, inertia, friction torque, and time of acceleration.
-    drive: Drive = frozen_default(Drive())
+    drive: Drive = frozen_default(
+        Drive(),
+        "what the motor drives in addition to the shaft: moved mass, inertia, friction torque, and time of acceleration",
+        {"mass": "200 kg"},
+    )
     #: Kind of the scene, as its file names it.
     kind: ClassVar[str] = "axis"
 

@@ -8,7 +8,7 @@ straight prism in the unrolled coordinates (phi, zeta, r), and nodes of a mesh a
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from functools import cached_property
 from math import cos, sin
 from typing import Literal
@@ -19,11 +19,10 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import lead_angle, lead_per_radian, nominal_groove_centres, nominal_groove_radii
 from rollbench.meshes.one_arc import contacts_merge_at_apex, flanks_with_contacts_of_arcs
 from rollbench.meshes.parts import SIDE_SIGNS, Scene
-from rollbench.meshes.record_keys import frozen_default, register_frozen_defaults
+from rollbench.meshes.record_keys import frozen_default, frozen_record
 
 
-@register_frozen_defaults
-@dataclass(frozen=True, eq=False)
+@frozen_record
 class GrooveMap:
     """Nominal groove surfaces of a scene, with coordinate transformations between space and the groove section."""
 

@@ -5,11 +5,11 @@ The low-order models and the 3D reference both read these records, and share not
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields
+from dataclasses import fields
 from typing import Annotated, Any, ClassVar, Literal
 
 from rollbench.meshes import ranges
-from rollbench.meshes.record_keys import frozen_default, register_frozen_defaults, scene_key_metadata
+from rollbench.meshes.record_keys import frozen_default, frozen_record, scene_key
 
 #: Names of the four flanks in the order of the columns of every ``(n, 4)`` array: screw left, right; nut left, right.
 SIDES = ("SL", "SR", "NL", "NR")
@@ -20,6 +20,11 @@ SIDE_SIGNS = ((-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0))
 
 #: Degrees of freedom of a cross-section of the screw: displacements along x, y, z and small rotations about these axes.
 FREEDOMS = ("ux", "uy", "uz", "rx", "ry", "rz")
+
+#: Descriptions of the keys at the head of every scene file.
+TITLE = "title of the scene, in one line"
+SOURCE = "publication or data sheet from which the data are taken"
+ASSUMED = "assumptions on what the source does not state, as sentences"
 
 #: Surfaces at which a nut may be fixed. The inner and outer halves of a face are the two rings of equal width that form it.
 NutHeld = Literal[
@@ -48,7 +53,7 @@ class UnfitKey(ValueError):
         return str(self.args[1])
 
 
-@dataclass(frozen=True)
+@frozen_record
 class Material:
     """Isotropic linear elastic material."""
 
@@ -69,8 +74,7 @@ class Material:
         return self.youngs_modulus / (2.0 * (1.0 + self.poissons_ratio))
 
 
-@register_frozen_defaults
-@dataclass(frozen=True)
+@frozen_record
 class Washers:
     """Dimensions of both washers of a thrust ball bearing, whose grooves open in their faces; the models assume others."""
 
@@ -82,65 +86,52 @@ class Washers:
     groove_depth: ranges.Size | None = frozen_default(None, "depth of the groove below the washer's face", "1.2 mm")
 
 
-@register_frozen_defaults
-@dataclass(frozen=True)
+@frozen_record
 class Track:
     """Nominal path of the ball centres in a screw or bearing, and number of arcs of each groove.
 
     Lin (2019), equations 2.1, 2.2 and 2.5.
     """
 
-    #: Pitch radius R_p [m].
-    pitch_radius: ranges.Radius
-    #: Lead of the helix [m]; 0 for a bearing.
-    lead: ranges.Lead
-    #: Nominal contact angle beta [rad].
-    contact_angle: ranges.TrackAngle
-    #: Hand of the helix.
-    hand: Literal["right", "left"] = frozen_default("right")
-    #: Number of starts of the screw thread.
-    starts: int = frozen_default(1)
-    #: Azimuth of the helix at the nut's centre [rad].
-    phase: ranges.Azimuth = frozen_default(0.0)
+    pitch_radius: ranges.Size = scene_key("radius of the helix of the ball centres", "16.5 mm")
+    lead: ranges.Lead = scene_key('lead: advance of the helix per turn; "0 mm" for a ball bearing')
+    contact_angle: ranges.TrackAngle = scene_key("nominal angle between contact normal and radius")
+    hand: Literal["right", "left"] = frozen_default("right", "hand of the helix", "right")
+    starts: ranges.Starts = frozen_default(1, "number of thread starts, evenly spaced around the axis", 1)
+    phase: ranges.Azimuth = frozen_default(0.0, "azimuth of the helix at the nut's centre", "0 deg")
     #: Arcs of each groove: ``"two"`` for a gothic arch. A bearing may also have one arc, which carries thrust on the shaft
     #: in the direction ``"+z"`` or ``"-z"``.
     arcs: Literal["two", "+z", "-z"] = frozen_default("two")
-    #: Dimensions of the washers of a thrust ball bearing.
-    washers: Washers = frozen_default(Washers())
+    washers: Washers = frozen_default(
+        Washers(), "dimensions of the washers of a thrust ball bearing, at contact angles above 45 deg", {"bore": "20 mm"}
+    )
 
 
-@register_frozen_defaults
-@dataclass(frozen=True)
+@frozen_record
 class Screw:
     """Dimensions and material of a screw shaft, or of the inner ring of a bearing."""
 
-    #: Length of the shaft or ring [m]; it begins at z = 0.
-    length: ranges.Size
-    #: Diameter of the lands, the cylindrical surface between the turns of the groove [m].
-    outer_diameter: ranges.Size
+    length: ranges.Size = scene_key("length of the screw; positions along the screw run from 0 to this length", "800 mm")
+    outer_diameter: ranges.Size = scene_key("outer diameter of the thread, or of the inner ring's shoulders", "32 mm")
     #: Radius of the groove's arcs [m].
     groove_radius: ranges.Radius
     #: Elastic material.
     material: Material
-    #: Diameter of the bore [m]; 0 for a solid shaft.
-    bore: ranges.Bore = frozen_default(0.0)
+    bore: ranges.Bore = frozen_default(0.0, "diameter of the hole along the axis", "10 mm")
 
 
-@register_frozen_defaults
-@dataclass(frozen=True)
+@frozen_record
 class Flange:
     """Dimensions of the flange at one end of a nut, and how it is fixed; the nut's length includes the flange."""
 
-    #: Outer diameter of the flange [m].
-    diameter: ranges.Size
-    #: Axial thickness of the flange [m].
-    thickness: ranges.Size
+    diameter: ranges.Size = scene_key("outer diameter of the flange", "72 mm")
+    thickness: ranges.Size = scene_key("thickness of the flange", "11 mm")
     #: Inner and outer radius [m] of the ring that may be fixed, on the face towards the rest of the nut.
     seat: tuple[float, float]
-    #: End of the nut at which the flange is.
-    side: Literal["left", "right"] = frozen_default("left")
-    #: Length of the nut's outer surface, beginning at that face, that fits into the bore of the housing [m].
-    centring: ranges.Bore = frozen_default(0.0)
+    side: Literal["left", "right"] = frozen_default("left", "end of the nut at which the flange is", "right")
+    centring: ranges.Bore = frozen_default(
+        0.0, "length of the nut's outer surface, from the flange on, that fits into the bore of the housing", "10 mm"
+    )
     #: Whether the nut is fixed at the centring fit too (True), or is free there.
     bonded: bool = frozen_default(False)
     #: Number of bolts. At each bolt the 3D reference fixes a circle as wide as the ring ``seat``; the first bolt is at
@@ -173,33 +164,31 @@ class Flange:
         return end, end + inwards * self.thickness, end + inwards * (self.thickness + self.centring)
 
 
-@register_frozen_defaults
-@dataclass(frozen=True)
+@frozen_record
 class Nut:
     """Dimensions, position and material of a nut, or of the outer ring of a bearing."""
 
-    #: Axial position z of the centre of nut or ring [m].
-    position: ranges.Station
-    #: Length of the nut, including its flange, or width of the ring [m].
-    length: ranges.Size
-    #: Outer diameter of nut or ring [m]; for a flanged nut, of the part beside the flange.
-    outer_diameter: ranges.Size
+    position: ranges.Station = scene_key("axial position of the nut's centre, from the left end of the screw", "400 mm")
+    length: ranges.Size = scene_key("length of the nut or outer ring", "54 mm")
+    outer_diameter: ranges.Size = scene_key("outer diameter of the nut or outer ring", "48 mm")
     #: Radius of the groove's arcs [m].
     groove_radius: ranges.Radius
     #: Elastic material.
     material: Material
-    #: Angle psi_N from the screw's x axis to the nut's [rad]; the nut's errors are defined in its own axes (Lin 2.9).
-    azimuth: ranges.Azimuth = frozen_default(0.0)
+    azimuth: ranges.Azimuth = frozen_default(
+        0.0,
+        "angle from the screw's x axis to the nut's x axis; the nut's errors are defined in the axes of the nut",
+        "0 deg",
+    )
     #: Flange; None for a nut without flange.
     flange: Flange | None = frozen_default(None)
 
 
-@dataclass(frozen=True)
+@frozen_record
 class Balls:
     """Radius, material and azimuths of the balls of a screw or bearing."""
 
-    #: Nominal radius of the balls [m].
-    radius: ranges.Radius
+    radius: ranges.Radius = scene_key("nominal ball radius")
     #: Elastic material of the balls.
     material: Material
     #: Azimuths of the balls of the first thread start [rad], counted on over whole turns. The balls of each further start
@@ -207,8 +196,7 @@ class Balls:
     azimuths: tuple[ranges.Azimuth, ...]
 
 
-@register_frozen_defaults
-@dataclass(frozen=True)
+@frozen_record
 class FourierTerm:
     """One harmonic of a manufacturing error along the track: sin * sin(harmonic * phi) + cos * cos(harmonic * phi).
 
@@ -218,7 +206,7 @@ class FourierTerm:
     #: Keys of which a scene file states at least one.
     ONE_OF: ClassVar = ("sin", "cos", "sigma")
 
-    harmonic: ranges.Harmonic = field(metadata=scene_key_metadata("cycles per turn; may be a fraction"))
+    harmonic: ranges.Harmonic = scene_key("cycles per turn; may be a fraction")
     sin: ranges.Deviation = frozen_default(0.0, "amplitude of the sine", "3 um")
     cos: ranges.Deviation = frozen_default(0.0, "amplitude of the cosine", "3 um")
     sigma: ranges.Spread = frozen_default(
@@ -230,8 +218,7 @@ class FourierTerm:
 Terms = Annotated[tuple[Annotated[FourierTerm, ranges.OneKeyNeeded(1)], ...], ranges.ListLength(0, 1000)]
 
 
-@register_frozen_defaults
-@dataclass(frozen=True)
+@frozen_record
 class SideErrors:
     """Manufacturing errors of one groove flank: screw left (SL), screw right (SR), nut left (NL) or nut right (NR).
 
@@ -266,38 +253,31 @@ class SideErrors:
     )
 
 
-@register_frozen_defaults
-@dataclass(frozen=True)
+@frozen_record
 class BallErrors:
     """Errors of ball radii: an error common to all balls, additional errors of single balls, and random errors."""
 
-    #: Amount by which all ball radii exceed the nominal radius [m].
-    oversize: ranges.Deviation = frozen_default(0.0)
+    oversize: ranges.Deviation = frozen_default(
+        0.0, "length added to the radius of every ball (preload if positive)", "7 um"
+    )
     #: Number of a ball (from 1) and additional error of its radius [m], one pair for each ball that has such an error.
     listed: tuple[tuple[int, float], ...] = frozen_default(())
-    #: Standard deviation of the random error of each ball radius [m].
-    sigma: ranges.Spread = frozen_default(0.0)
-    #: Distribution of the random errors; a uniform one has the half width sqrt(3) sigma.
-    distribution: Literal["normal", "uniform"] = frozen_default("normal")
+    sigma: ranges.Spread = frozen_default(0.0, "standard deviation of random radius errors", "1 um")
+    #: A uniform distribution has the half width sqrt(3) sigma.
+    distribution: Literal["normal", "uniform"] = frozen_default("normal", "distribution of the random errors", "normal")
 
 
-@register_frozen_defaults
-@dataclass(frozen=True)
+@frozen_record
 class Errors:
     """All manufacturing errors of balls and grooves of a scene, and the seed of the random errors."""
 
     #: Errors of the balls' radii.
     balls: BallErrors = frozen_default(BallErrors())
-    #: Errors of the screw's left flank.
-    SL: SideErrors = frozen_default(SideErrors())
-    #: Errors of the screw's right flank.
-    SR: SideErrors = frozen_default(SideErrors())
-    #: Errors of the nut's left flank.
-    NL: SideErrors = frozen_default(SideErrors())
-    #: Errors of the nut's right flank.
-    NR: SideErrors = frozen_default(SideErrors())
-    #: Seed of the generator of all random errors.
-    seed: int = frozen_default(0)
+    SL: SideErrors = frozen_default(SideErrors(), "errors of the screw's left flank", {"profile": ["3 um"]})
+    SR: SideErrors = frozen_default(SideErrors(), "errors of the screw's right flank", {"profile": ["3 um"]})
+    NL: SideErrors = frozen_default(SideErrors(), "errors of the nut's left flank", {"profile": ["3 um"]})
+    NR: SideErrors = frozen_default(SideErrors(), "errors of the nut's right flank", {"profile": ["3 um"]})
+    seed: ranges.Seed = frozen_default(0, "seed of all random errors", 2019)
     #: Axial offset between the two halves of the nut's groove [m]: shift of the half at larger z than the nut's centre. It
     #: preloads a single nut in two-point contact.
     lead_offset: float = frozen_default(0.0)
@@ -327,18 +307,16 @@ class Errors:
         )
 
 
-@dataclass(frozen=True)
+@frozen_record
 class Support:
     """Support of the screw: displacements and rotations prescribed at one axial position."""
 
-    #: Axial position z of the support [m].
-    at: ranges.Station
+    at: ranges.Station = scene_key("axial position of the support, from the left end of the screw", "0 mm")
     #: Pairs of a degree of freedom (of `FREEDOMS`) and its prescribed displacement [m] or rotation [rad].
     fixed: tuple[tuple[str, float], ...]
 
 
-@register_frozen_defaults
-@dataclass(frozen=True)
+@frozen_record
 class Load:
     """Load on the screw, applied on its axis at one axial position.
 
@@ -348,13 +326,17 @@ class Load:
     #: Keys of which a scene file states at least one.
     ONE_OF: ClassVar = ("force", "moment")
 
-    at: ranges.Station = field(metadata=scene_key_metadata("axial position along the screw, from its left end", "0 mm"))
+    at: ranges.Station = scene_key("axial position along the screw, from its left end", "0 mm")
     force: ranges.Forces = frozen_default((0.0, 0.0, 0.0), "force along x, y, z", ["0 N", "0 N", "5 kN"])
     moment: ranges.Moments = frozen_default((0.0, 0.0, 0.0), "moment about x, y, z", ["0 N m", "3 N m", "0 N m"])
 
 
-@register_frozen_defaults
-@dataclass(frozen=True)
+#: Loads of a scene, and an example of them.
+Loads = Annotated[tuple[Annotated[Load, ranges.OneKeyNeeded(1)], ...], ranges.ListLength(0, 1000)]
+LOADED = [{"at": "0 mm", "force": ["0 N", "0 N", "5 kN"]}]
+
+
+@frozen_record
 class Ingredients:
     """Options of the low-order models: contact constants, screw as a beam or rigid, beam elements, and lever arms.
 
@@ -398,8 +380,7 @@ class Ingredients:
     )
 
 
-@register_frozen_defaults
-@dataclass(frozen=True)
+@frozen_record
 class Solid:
     """Inputs that only the 3D finite-element reference needs; a missing value is assumed, and the assumption printed."""
 
@@ -439,24 +420,30 @@ class Solid:
     )
 
 
-@register_frozen_defaults
-@dataclass(frozen=True)
+@frozen_record
 class Friction:
     """Coefficients of Coulomb friction of the balls, and which effects of friction are computed."""
 
-    #: Coefficient of friction between balls and screw.
-    screw: float
-    #: Coefficient of friction between balls and nut.
-    nut: float
-    #: Sentences for the report on where the coefficients come from.
-    assumed: tuple[str, ...] = frozen_default(())
-    #: Whether friction moves each ball across its grooves and so changes the contact loads (True), or not.
-    feedback: bool = frozen_default(True)
-    #: Coefficient between balls; None for the larger one of the coefficients ``screw`` and ``nut``.
-    balls: float | None = frozen_default(None)
-    #: Whether neighbouring balls that touch exert forces on each other in the quasi-static solution; in a computation over
-    #: time they always do.
-    neighbours: bool = frozen_default(False)
+    screw: ranges.Coefficient = scene_key("coefficient of friction at the screw's groove, if it differs from coefficient")
+    nut: ranges.Coefficient = scene_key("coefficient of friction at the nut's groove, if it differs from coefficient")
+    assumed: ranges.Sentences = frozen_default(
+        (), "sentences on where the coefficients come from", ["Grease-lubricated steel, assumed."]
+    )
+    feedback: ranges.Switch = frozen_default(
+        True,
+        "whether friction displaces each ball across its grooves and so changes its contact loads (the axial load "
+        "of each ball remains that without friction)",
+        False,
+    )
+    balls: ranges.Coefficient | None = frozen_default(
+        None, "coefficient of friction between balls; if left out, the larger one of the coefficients at the two grooves"
+    )
+    neighbours: ranges.Switch = frozen_default(
+        False,
+        "whether touching balls exert forces on each other in the quasi-static solution (in a simulation over "
+        "time they always do)",
+        True,
+    )
 
     @property
     def between_balls(self) -> float:
@@ -464,17 +451,14 @@ class Friction:
         return max(self.screw, self.nut) if self.balls is None else self.balls
 
 
-@register_frozen_defaults
-@dataclass(frozen=True)
+@frozen_record
 class Motion:
     """Which part of a scene rotates, and its angular speed, for the command ``rollbench friction``.
 
     The angular speed is in rad/s.
     """
 
-    speed: ranges.Turning = field(
-        metadata=scene_key_metadata("angular speed of the rotating part about +z; negative for the other direction")
-    )
+    speed: ranges.Turning = scene_key("angular speed of the rotating part about +z; negative for the other direction")
     turns: Literal["screw", "nut"] = frozen_default(
         "screw",
         "part that rotates; the other part does not rotate, and the two move along the axis relative to each "
@@ -483,17 +467,14 @@ class Motion:
     )
 
 
-@register_frozen_defaults
-@dataclass(frozen=True)
+@frozen_record
 class Lubricant:
     """Properties of the oil, or of the base oil of a grease, at operating temperature and ambient pressure.
 
     Viscosity in m^2/s, density in kg/m^3, pressure coefficient in 1/Pa.
     """
 
-    viscosity: ranges.Viscosity = field(
-        metadata=scene_key_metadata("kinematic viscosity at operating temperature", "27 mm2/s")
-    )
+    viscosity: ranges.Viscosity = scene_key("kinematic viscosity at operating temperature", "27 mm2/s")
     density: ranges.Density = frozen_default(900.0, "density", "900 kg/m3")
     pressure_viscosity: ranges.PressureViscosity = frozen_default(
         20e-9, "pressure-viscosity coefficient (Barus), for the film between rollers and raceways", "20 1/GPa"
@@ -520,12 +501,11 @@ class Lubricant:
         return self.viscosity * self.density
 
 
-@register_frozen_defaults
-@dataclass(frozen=True)
+@frozen_record
 class Circulation:
     """Ball circuits of a screw, and how far its balls fill them, for the command ``rollbench friction``."""
 
-    circuits: Annotated[int, ranges.IntegerRange(1, 1000)] = frozen_default(
+    circuits: ranges.Circuits = frozen_default(
         1, "number of closed circuits of each start; each has the same number of balls", 1
     )
     turns: ranges.Turns | None = frozen_default(
@@ -544,8 +524,7 @@ class Circulation:
     )
 
 
-@register_frozen_defaults
-@dataclass(frozen=True)
+@frozen_record
 class Time:
     """Duration and number of steps of a computation over time, for ``rollbench friction``; give angle or duration.
 
@@ -592,8 +571,7 @@ class Time:
         return abs((self.angle or 0.0) / motion.speed)
 
 
-@register_frozen_defaults
-@dataclass(frozen=True)
+@frozen_record
 class GateLimits:
     """Largest accepted errors of the contact loads of this scene, for the command ``rollbench check``."""
 
@@ -605,8 +583,7 @@ class GateLimits:
     )
 
 
-@register_frozen_defaults
-@dataclass(frozen=True)
+@frozen_record
 class Operation:
     """Operating conditions for the modified rating life (ISO 281), and the speed limit of the ball return."""
 
@@ -627,8 +604,7 @@ class Operation:
     )
 
 
-@register_frozen_defaults
-@dataclass(frozen=True)
+@frozen_record
 class Calibration:
     """Values that were fitted to a measured or published result of the screw; that result then confirms no model."""
 
@@ -640,8 +616,7 @@ class Calibration:
     )
 
 
-@register_frozen_defaults
-@dataclass(frozen=True)
+@frozen_record
 class MakerRating:
     """Load ratings of a nut or bearing as its maker gives them, beside which the computed ones stand."""
 
@@ -651,59 +626,51 @@ class MakerRating:
     static: ranges.Rating | None = frozen_default(None, "the maker's basic static load rating C0, likewise", "41 kN")
 
 
-@register_frozen_defaults
-@dataclass(frozen=True)
+@frozen_record
 class Scene:
     """One load case of one ball screw or bearing, in SI units; the input of every model."""
 
     #: Name of the scene.
     name: str
-    #: Title of the scene, for reports.
-    title: str
-    #: Nominal path of the balls.
-    track: Track
-    #: Screw shaft or inner ring.
-    screw: Screw
-    #: Nut or outer ring.
-    nut: Nut
-    #: Radius, material and azimuths of the balls.
-    balls: Balls
-    #: Geometric errors of balls and grooves.
-    errors: Errors = frozen_default(Errors())
-    #: Supports of the screw.
-    supports: tuple[Support, ...] = frozen_default(())
-    #: Loads on the screw.
-    loads: tuple[Load, ...] = frozen_default(())
-    #: Options of the low-order models.
-    ingredients: Ingredients = frozen_default(Ingredients())
-    #: Further inputs of the 3D reference.
-    solid: Solid = frozen_default(Solid())
-    #: Publication from which the scene is taken.
-    source: str = frozen_default("")
-    #: Assumptions on data that the publication `source` does not give, as sentences.
-    assumed: tuple[str, ...] = frozen_default(())
-    #: Number of specimens (screws or bearings with different random errors) that are computed.
-    members: int = frozen_default(1)
-    #: Coulomb friction of the balls; None: no friction.
-    friction: Friction | None = frozen_default(None)
-    #: Part that rotates, and its angular speed; None where not given.
-    motion: Motion | None = frozen_default(None)
-    #: Role in the validation report of a scene that is included in rollbench; empty for other scenes.
-    role: str = frozen_default("", compare=False)
-    #: Number of ball circuits, and how far balls fill them; None where not given.
-    circulation: Circulation | None = frozen_default(None)
-    #: Duration and steps of a computation over time; None where not given.
-    time: Time | None = frozen_default(None)
-    #: Largest accepted errors of contact loads against the 3D reference.
-    gate: GateLimits = frozen_default(GateLimits(), compare=False)
-    #: Operating conditions for the modified life.
-    operation: Operation = frozen_default(Operation(), compare=False)
-    #: Properties of the oil, or of the base oil of a grease; None where not given.
-    lubricant: Lubricant | None = frozen_default(None)
-    #: Values that were fitted to a result, for the model that needs them.
-    calibration: Calibration = frozen_default(Calibration())
-    #: Load ratings by the maker.
-    rating: MakerRating = frozen_default(MakerRating())
+    title: ranges.Sentence = scene_key(TITLE, "Screw under 5 kN")
+    track: Track = scene_key("path of the ball centres")
+    screw: Screw = scene_key("screw shaft, or inner ring")
+    nut: Nut = scene_key("nut, or outer ring")
+    balls: Balls = scene_key("size, number and positions of the balls")
+    errors: Errors = frozen_default(Errors(), "manufacturing errors of balls and grooves", {"seed": 0})
+    supports: tuple[Support, ...] = frozen_default((), "supports of the screw", [{"at": "0 mm", "fix": ["ux", "uy"]}])
+    loads: Loads = frozen_default((), "loads on the screw", LOADED)
+    ingredients: Ingredients = frozen_default(Ingredients(), "options of the low-order models", {"screw": "rigid"})
+    solid: Solid = frozen_default(Solid(), "inputs of the 3D reference only", {"nut_groove": "through"})
+    source: ranges.Words = frozen_default("", SOURCE, "Lin 2019, 2.4.1.1")
+    assumed: ranges.Sentences = frozen_default((), ASSUMED, ["The nut is rigid."])
+    members: ranges.Members = frozen_default(1, "number of specimens, each with its own random errors", 200)
+    friction: Friction | None = frozen_default(None, "friction of balls and grooves", {"coefficient": 0.1})
+    motion: Motion | None = frozen_default(None, "part that rotates, and its angular speed", {"speed": "600 rpm"})
+    role: Literal["", "referenced", "unseen, changed parts", "unseen, catalogue size"] = frozen_default(
+        "",
+        "role in the validation report of a scene that is included in rollbench: case study with a 3D reference, "
+        "or scene that was not used when the models were developed",
+        "referenced",
+        compare=False,
+    )
+    circulation: Circulation | None = frozen_default(
+        None, "number of ball circuits, and how far the balls fill them", {"returning": 4, "filling": 0.8}
+    )
+    time: Time | None = frozen_default(None, "simulation over time", {"angle": "360 deg"})
+    gate: GateLimits = frozen_default(
+        GateLimits(), "largest accepted errors of contact loads, for rollbench check", {"max_error": 7}, compare=False
+    )
+    operation: Operation = frozen_default(
+        Operation(), "reliability, lubrication, speed limit", {"reliability": 95}, compare=False
+    )
+    lubricant: Lubricant | None = frozen_default(
+        None, "lubricant, for torques that depend on speed", {"viscosity": "27 mm2/s"}
+    )
+    calibration: Calibration = frozen_default(
+        Calibration(), "values fitted to a measured or published result of this screw", {"segment_stiffness": "258 kN/um"}
+    )
+    rating: MakerRating = frozen_default(MakerRating(), "load ratings by the maker", {"dynamic": "23.2 kN"})
 
     def __hash__(self) -> int:
         """Return a hash of the fields that ``==`` compares; it is computed once, because many caches look up scenes."""

@@ -247,6 +247,33 @@ class IntegerRange:
 
 
 @dataclass(frozen=True)
+class TextLength:
+    """Allowed number of characters of a text in scene files; used to annotate the type of a field."""
+
+    #: Smallest number of characters.
+    low: int
+    #: Largest number of characters.
+    high: int
+
+    def __get_pydantic_core_schema__(self, _source: object, _handler: GetCoreSchemaHandler) -> Any:
+        """Return pydantic's schema, which accepts only texts of this length."""
+        from pydantic_core import core_schema
+
+        return core_schema.str_schema(strict=True, min_length=self.low or None, max_length=self.high)
+
+
+@dataclass(frozen=True)
+class TrueOrFalse:
+    """Key of a scene file that is true or false, and no number or text; used to annotate the type of a field."""
+
+    def __get_pydantic_core_schema__(self, _source: object, _handler: GetCoreSchemaHandler) -> Any:
+        """Return pydantic's schema, which accepts only true and false."""
+        from pydantic_core import core_schema
+
+        return core_schema.bool_schema(strict=True)
+
+
+@dataclass(frozen=True)
 class ListLength:
     """Allowed number of entries of a list in scene files, which is read as a tuple; used to annotate a field's type."""
 
@@ -311,6 +338,21 @@ def quantity_of_type(annotated_type: Any) -> QuantityRange:
 
 #: Largest number of balls that a scene may have.
 MAX_BALLS = 100_000
+
+#: A key that is true or false; a text of one line or sentence, the name of a nut, bearing or housing, a
+#: text that may be empty, and a list of sentences.
+Switch = Annotated[bool, TrueOrFalse()]
+Sentence = Annotated[str, TextLength(1, 2000)]
+Name = Annotated[str, TextLength(1, 60)]
+Words = Annotated[str, TextLength(0, 2000)]
+Sentences = Annotated[tuple[Sentence, ...], ListLength(0, 100)]
+#: Numbers of balls or rollers, of starts of a thread, of specimens with random errors; seed of random errors.
+Count = Annotated[int, IntegerRange(1, MAX_BALLS)]
+Starts = Annotated[int, IntegerRange(1, 100)]
+Slices = Annotated[int, IntegerRange(1, 200)]
+Circuits = Annotated[int, IntegerRange(1, 1000)]
+Members = Annotated[int, IntegerRange(1, 100_000)]
+Seed = Annotated[int, IntegerRange(0, 2**63 - 1)]
 
 #: Types of lengths: a dimension of a part, a radius of groove, ball or pitch circle, a diameter that may be zero, and an
 #: axial position.

@@ -3,11 +3,11 @@
 A stored run is found again by a key, a digest of the canonical text of its inputs. The text of a record (dataclass or named
 tuple) is its class's name and those fields that differ from their frozen defaults, sorted by name. A frozen default is the
 default on the day on which the field was added. So a new field changes no key of older runs, provided that `frozen_default`
-defines its default; `register_frozen_defaults` raises an error at import otherwise. A default that is changed later changes
+defines its default; `frozen_record` raises an error at import otherwise. A default that is changed later changes
 the keys of all records that used it. Equal numbers have the same text whatever their type; negative zero differs from zero,
 and all NaN values are the same. The module of a record's class does not matter.
 
-For fields that are also keys of a scene file, the type gives unit and range (`meshes.ranges`), and `scene_key_metadata` or
+For fields that are also keys of a scene file, the type gives unit and range (`meshes.ranges`), and `scene_key` or
 `frozen_default` gives description and example.
 """
 
@@ -19,7 +19,7 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import MISSING, dataclass, field, fields, is_dataclass
 from functools import cache
-from typing import Any, TypeVar
+from typing import Any, TypeVar, dataclass_transform
 
 import numpy as np
 
@@ -31,21 +31,28 @@ FROZEN: dict[str, dict[str, object]] = {}
 _NONE: Any = object()
 
 
-def scene_key_metadata(description: str, example: object = None) -> dict[str, Any]:
-    """Return the metadata of a dataclass field that is also a key of scene files: description and example.
+def scene_key(description: str, example: object = None, **more: Any) -> Any:
+    """Return a dataclass field that is also a key of scene files; without a default, a file must have the key.
 
     Parameters
     ----------
     description : str
         Description of the key, for the JSON schema and the manual.
     example : object, default None
-        Example of a value as written in a scene file.
+        Example of a value as written in a scene file; that of the field's type if left out.
+    **more : Any
+        Further arguments of ``dataclasses.field``, such as the default in SI units.
 
     Returns
     -------
-    dict
-        Argument ``metadata`` of ``dataclasses.field``.
+    dataclasses.Field
+        The field, for the body of a dataclass.
     """
+    return field(metadata=_key_metadata(description, example), **more)
+
+
+def _key_metadata(description: str, example: object) -> dict[str, Any]:
+    """Return the metadata of a field that is a key of scene files: its description, and its example if it is not None."""
     return {"description": description} | ({} if example is None else {"examples": [example]})
 
 
@@ -61,7 +68,7 @@ def frozen_default(
     default : Any
         Frozen default, on the day on which the field was added.
     description, example : str and object, optional
-        Description of the field as a key of scene files, and an example of its value, as for `scene_key_metadata`.
+        Description of the field as a key of scene files, and an example of its value, as for `scene_key`.
     present_default : object, optional
         Default that is used today, where it differs from the frozen one.
     compare : bool, default True
@@ -72,28 +79,30 @@ def frozen_default(
     dataclasses.Field
         The field, for the body of a dataclass.
     """
-    metadata = {"usual": default} | (scene_key_metadata(description, example) if description else {})
+    metadata = {"usual": default} | (_key_metadata(description, example) if description else {})
     return field(default=default if present_default is _NONE else present_default, metadata=metadata, compare=compare)
 
 
-def register_frozen_defaults(record: type[T]) -> type[T]:
-    """Register the frozen defaults of a dataclass from whose fields keys of stored 3D runs are made (a class decorator).
+@dataclass_transform(frozen_default=True, field_specifiers=(scene_key,))
+def frozen_record(record: type[T]) -> type[T]:
+    """Make a frozen dataclass of a class from whose fields keys of stored 3D runs are made (a class decorator).
 
     Parameters
     ----------
     record : type[T]
-        The frozen dataclass.
+        The class with its fields.
 
     Returns
     -------
     type
-        The same class; its frozen defaults are now in `FROZEN`.
+        The same class as a dataclass; its frozen defaults are now in `FROZEN`.
 
     Raises
     ------
     TypeError
         The default of a field is not defined by `frozen_default`.
     """
+    dataclass(frozen=True)(record)
     frozen: dict[str, object] = {}
     for each in fields(record):  # type: ignore[arg-type]
         if "usual" in each.metadata:
@@ -206,7 +215,7 @@ def _record_text(record: type, values: Mapping[str, object]) -> str:
 def _frozen_default_texts(record: type) -> Mapping[str, str]:
     """Return the canonical texts of the frozen defaults of the class ``record``, by the names of the fields.
 
-    They are empty for a class that is not decorated by `register_frozen_defaults`.
+    They are empty for a class that is not decorated by `frozen_record`.
     """
     frozen = FROZEN.get(record.__name__, {})
     return {field: f"{type(x).__name__}()" if is_dataclass(x) else canonical_text(x) for field, x in frozen.items()}

@@ -5,13 +5,11 @@ Each assumption is stated in a sentence for the report.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from rollbench.meshes.helix import nominal_groove_centres, nominal_groove_radii
 from rollbench.meshes.parts import Scene, UnfitKey
-from rollbench.meshes.record_keys import frozen_default, register_frozen_defaults
+from rollbench.meshes.record_keys import frozen_default, frozen_record
 from rollbench.meshes.washers import has_washers, washer_of_ring
 
 #: Radius of the hole that is assumed along the axis of a solid screw, as a ratio to the pitch radius. The mesh needs a
@@ -26,8 +24,7 @@ SHAFT = 1.5
 WHOLE, RUN_OUT = 1.0, 1.0
 
 
-@register_frozen_defaults
-@dataclass(frozen=True)
+@frozen_record
 class Dimensions:
     """Dimensions and fixed surfaces of screw and nut in the 3D model, with sentences on those that had to be assumed."""
 

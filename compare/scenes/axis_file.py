@@ -7,7 +7,7 @@ bearing of an arrangement becomes one row; all rows are ground to equal gaps.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import astuple, replace
 from itertools import chain
 from math import pi
 from typing import Any
@@ -19,6 +19,7 @@ from rollbench.compare.scenes import from_keys, key_checks, schema
 from rollbench.compare.scenes.body_checks import geometry_faults, position_beyond_end_faults
 from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.compare.scenes.fault import TOLERANCE, Fault, length_text, raise_scene_error_for_faults
+from rollbench.compare.scenes.keys import record_from_keys
 from rollbench.lowfi.rollers import tapered_bearing_of_row
 from rollbench.meshes import axis
 from rollbench.meshes.one_arc import has_single_arc_grooves, with_single_arc_grooves
@@ -77,39 +78,36 @@ def _checked_shaft_from_keys(
     ``keys``: validated keys of the file; ``raw``: tables of the file, for the faulty values in messages; ``origin``: name
     of the file, for messages; ``name``: name of the scene. SceneError for faults.
     """
-    raise_scene_error_for_faults(origin, raw, [*_conflicting_key_faults(keys), *from_keys.load_case_faults(keys)])
+    raise_scene_error_for_faults(origin, raw, [*_conflicting_key_faults(keys, raw), *from_keys.load_case_faults(keys)])
     sets = tuple(_rolling_set_from_keys(keys, i, raw, origin) for i in range(len(keys.sets)))
     raise_scene_error_for_faults(origin, raw, list(_position_faults(keys, sets)))
     if _describes_one_nut_or_bearing(keys):
         names = ("source", "assumed", "supports", "loads", "friction", "motion", "lubricant")
         shared = {name: getattr(keys, name) for name in names}
-        whole = _scene_keys_of_nut_or_bearing(keys, keys.sets[0]).model_copy(update=shared)
-        raise_scene_error_for_faults(origin, raw, list(key_checks.conflicting_key_faults(whole)))
+        whole = replace(_scene_keys_of_nut_or_bearing(keys, keys.sets[0]), **shared)
+        raise_scene_error_for_faults(origin, raw, list(key_checks.conflicting_key_faults(whole, raw)))
         return from_keys.scene_from_keys(whole, name)
     heat, ask, shaft = keys.heat, keys.stiffness, keys.screw
     material = from_keys.material_from_keys(shaft.material, keys.material)
+    screw = record_from_keys(Screw, shaft, groove_radius=shaft.groove_radius or 0.0, material=material)
     rows = (bearings_of_arrangement(whole, one, len(sets)) for one, whole in zip(keys.sets, sets, strict=True))
-    return axis.Assembly(
+    return record_from_keys(
+        axis.Assembly,
+        keys,
         name=name,
-        title=keys.title,
-        screw=Screw(shaft.length, shaft.outer_diameter, shaft.groove_radius or 0.0, material, shaft.bore),
+        screw=screw,
         sets=tuple(chain.from_iterable(rows)),
-        segments=tuple(shaft.plain),
+        segments=shaft.plain,
         housings=tuple(map(_housing_from_keys, keys.housings)),
         joints=tuple(
             axis.Joint(j.between[0], j.between[1], j.at, _stiffness_from_keys(j) or NO_STIFFNESS) for j in keys.joints
         ),
-        supports=tuple(from_keys.support_from_keys(s) for s in keys.supports),
-        loads=tuple(keys.loads),
-        ingredients=Ingredients(**keys.ingredients.model_dump()),
-        source=keys.source,
+        supports=tuple(map(from_keys.support_from_keys, keys.supports)),
+        ingredients=record_from_keys(Ingredients, keys.ingredients),
         assumed=(*keys.assumed, *_assumptions_on_nuts_and_bearings(keys, sets)),
-        friction=None if keys.friction is None else from_keys.friction_from_keys(keys.friction),
-        motion=keys.motion,
-        lubricant=keys.lubricant,
+        friction=from_keys.friction_from_keys(keys.friction),
         stiffness_at=ask.housing if ask.housing is not None else ask.at,
         thermal_strain=0.0 if heat is None else heat.warming * heat.expansion,
-        drive=keys.drive,
     )
 
 
@@ -129,7 +127,7 @@ def _assumptions_on_nuts_and_bearings(keys: schema.ShaftSceneKeys, sets: Sequenc
 def _housing_from_keys(housing: schema.HousingKeys) -> axis.Housing:
     """Return a housing from its keys in the scene file."""
     fixed, stiffness = from_keys.support_from_keys(housing).fixed, _stiffness_from_keys(housing)
-    return axis.Housing(housing.name, housing.at, fixed, stiffness, housing.force, housing.moment)
+    return record_from_keys(axis.Housing, housing, fixed=fixed, stiffness=stiffness)
 
 
 def _describes_one_nut_or_bearing(keys: schema.ShaftSceneKeys) -> bool:
@@ -147,13 +145,13 @@ def kind_of_nut_or_bearing(set_keys: schema.NutOrBearingKeys) -> str:
     return "bearing" if set_keys.track is not None and set_keys.track.lead == 0.0 else "ball nut"
 
 
-def _conflicting_key_faults(keys: schema.ShaftSceneKeys) -> Iterator[Fault]:
+def _conflicting_key_faults(keys: schema.ShaftSceneKeys, tables: Mapping[str, Any]) -> Iterator[Fault]:
     """Yield faults of a shaft's scene file: keys that exclude or need each other, and names that are missing or used twice.
 
     These are keys of friction, motion, drive, nuts, bearings, housings and joints, and names of housings to which other
     keys refer.
     """
-    yield from key_checks.conflicting_friction_key_faults(keys.friction)
+    yield from key_checks.conflicting_friction_key_faults(keys.friction, tables)
     yield from key_checks.zero_speed_faults(keys.motion)
     yield from _drive_faults(keys)
     for i, one in enumerate(keys.sets):
@@ -335,7 +333,7 @@ def _stiffness_from_keys(keys: schema.StiffnessKeys) -> axis.Stiffness | None:
     """Return the 6 x 6 stiffness of a housing or joint from its keys; None if neither springs nor a matrix are given."""
     if keys.matrix is not None:
         return axis.checked_stiffness(np.array(keys.matrix))
-    return None if keys.springs is None else axis.diagonal_stiffness(tuple(keys.springs.model_dump().values()))
+    return None if keys.springs is None else axis.diagonal_stiffness(astuple(keys.springs))
 
 
 def _scene_keys_of_nut_or_bearing(keys: schema.ShaftSceneKeys, set_keys: schema.NutOrBearingKeys) -> schema.SceneKeys:
@@ -344,29 +342,23 @@ def _scene_keys_of_nut_or_bearing(keys: schema.ShaftSceneKeys, set_keys: schema.
     ``keys``: keys of the shaft's file; ``set_keys``: keys of the nut or bearing, which take precedence for groove, diameter
     and material of the screw. The scene has no supports or loads.
     """
-    shaft = keys.screw
-    fields: dict[str, Any] = {n: getattr(shaft, n) for n in schema.ScrewKeys.model_fields}
-    if set_keys.screw is not None:
-        fields["material"] = set_keys.screw.material or fields["material"]
-        fields["outer_diameter"] = set_keys.screw.outer_diameter or fields["outer_diameter"]
-        fields |= {"groove_radius": set_keys.screw.groove_radius, "conformity": set_keys.screw.conformity}
-    nut = set_keys.nut
+    ring, shaft, nut = set_keys.screw, record_from_keys(schema.ScrewKeys, keys.screw), set_keys.nut
+    if ring is not None:
+        shaft = replace(
+            shaft,
+            material=ring.material or shaft.material,
+            outer_diameter=ring.outer_diameter or shaft.outer_diameter,
+            groove_radius=ring.groove_radius,
+            conformity=ring.conformity,
+        )
     if set_keys.pair_rigidity is not None and nut is not None:
         # a start value; the rigidity determines the conformity later
-        fields |= {"groove_radius": None, "conformity": USUAL_CONFORMITY}
-        nut = nut.model_copy(update={"conformity": USUAL_CONFORMITY})
-    ingredients = Ingredients(**keys.ingredients.model_dump())
-    return schema.SceneKeys.model_construct(
-        title=keys.title,
-        material=keys.material,
-        track=set_keys.track,
-        screw=schema.ScrewKeys.model_construct(**fields),
-        nut=nut,
-        balls=set_keys.balls,
-        errors=set_keys.errors,
-        ingredients=ingredients,
-        rating=set_keys.rating,
-    )
+        shaft = replace(shaft, groove_radius=None, conformity=USUAL_CONFORMITY)
+        nut = replace(nut, conformity=USUAL_CONFORMITY)
+    shared: dict[str, Any] = {name: getattr(keys, name) for name in ("title", "material")}
+    shared |= {name: getattr(set_keys, name) for name in ("track", "balls", "errors", "rating")}
+    shared |= {"screw": shaft, "nut": nut, "ingredients": record_from_keys(Ingredients, keys.ingredients)}
+    return schema.SceneKeys(**shared)
 
 
 def _rolling_set_from_keys(keys: schema.ShaftSceneKeys, i: int, raw: Mapping[str, Any], origin: str) -> axis.RollingSet:
@@ -384,13 +376,13 @@ def _rolling_set_from_keys(keys: schema.ShaftSceneKeys, i: int, raw: Mapping[str
         of_rollers = (one.housing, one.offset, one.preload, thrust)
         return axis.RollingSet(*shared, row, one.position or 0.0, *of_rollers, seals=one.seals)  # type: ignore[arg-type]
     scene_keys = _scene_keys_of_nut_or_bearing(keys, one)
-    if "seed" not in one.errors.model_fields_set:  # without a seed in the file, each set draws different errors
-        scene_keys = scene_keys.model_copy(update={"errors": one.errors.model_copy(update={"seed": i})})
+    if "seed" not in raw["sets"][i].get("errors", {}):  # without a seed in the file, each set draws different errors
+        scene_keys = replace(scene_keys, errors=replace(one.errors, seed=i))
 
     def raise_for(faults: Iterable[Fault]) -> None:
         raise_scene_error_for_faults(origin, raw, [_fault_with_keys_of_shaft_file(f, i, raw) for f in faults])
 
-    raise_for(key_checks.conflicting_key_faults(scene_keys))
+    raise_for(key_checks.conflicting_key_faults(scene_keys, raw["sets"][i]))
     scene = with_groove_radii_from_rigidity(from_keys.scene_from_keys(scene_keys, one.name), one, origin, f"sets[{i}]")
     raise_for(geometry_faults(scene))
     if one.thrust is None and has_single_arc_grooves(scene):
@@ -403,11 +395,8 @@ def _rolling_set_from_keys(keys: schema.ShaftSceneKeys, i: int, raw: Mapping[str
 
 def _roller_row_from_keys(rollers: schema.TaperedRollerKeys, material: Material) -> axis.RollerRow:
     """Return a row of tapered rollers from its keys ``rollers``; ``material``: material of rollers and rings."""
-    names = ["count", "diameter", "length", "cup_angle", "roller_angle", "slices", "edge_radius", "end_radius"]
-    names += ["rib_height", "rib_friction", "torque_factor"]
     crown = float("inf") if rollers.crown is None else rollers.crown
-    same: dict[str, Any] = {name: getattr(rollers, name) for name in names}
-    return axis.RollerRow(**same, depth=rollers.ring_depth, material=material, crown=crown)
+    return record_from_keys(axis.RollerRow, rollers, depth=rollers.ring_depth, material=material, crown=crown)
 
 
 def _with_single_arcs_for_thrust(scene: Scene, thrust: str) -> Scene:

@@ -13,11 +13,11 @@ from copy import deepcopy
 from dataclasses import dataclass
 from typing import Any, NamedTuple, TypeVar
 
-from pydantic import BaseModel, ValidationError
+from pydantic import ValidationError
 
 from rollbench.compare import files
 from rollbench.compare.errors import SceneError
-from rollbench.compare.scenes.keys import scene_schema_of_kind
+from rollbench.compare.scenes.keys import reader_of_tables, scene_schema_of_kind
 from rollbench.meshes.units import toml_text
 
 #: Lengths that differ by less than this [m] count as equal.
@@ -98,7 +98,7 @@ def messages_of_faults(tables: Mapping[str, Any], faults: Sequence[Fault]) -> li
     out = []
     for fault in faults:
         names = [name for key in fault.keys for name in (key, *_alias_keys(key))]
-        present = ((name, value) for name in names if (value := _value_at_path(tables, name)) is not None)
+        present = ((name, value) for name in names if (value := value_at_path(tables, name)) is not None)
         key, given = next(present, (fault.keys[-1], None))
         value = fault.value or ("nothing" if given is None else toml_text(given))
         half = key not in fault.keys and key.endswith("diameter")
@@ -114,14 +114,14 @@ def _alias_keys(key: str) -> Iterator[str]:
             yield from (key.removesuffix(suffix) + other for other in others)
 
 
-def _value_at_path(raw: Any, path: str) -> Any:
+def value_at_path(raw: Any, path: str) -> Any:
     """Return the value of a key in the tables ``raw`` of a scene file; None if the file has no such key.
 
     ``path``: path of the key, such as ``sets[0].balls``.
     """
     for key in re.findall(r"[^.\[\]]+", path):
         if isinstance(raw, list):
-            raw = raw[int(key)] if int(key) < len(raw) else None
+            raw = raw[int(key)] if key.isdecimal() and int(key) < len(raw) else None
         elif isinstance(raw, dict):
             raw = raw.get(key)
         else:
@@ -130,7 +130,7 @@ def _value_at_path(raw: Any, path: str) -> Any:
 
 
 #: Class of the keys of a scene file.
-Keys = TypeVar("Keys", bound=BaseModel)
+Keys = TypeVar("Keys")
 
 #: Tables and keys that do not affect bodies, supports or loads: a fault in them does not hide further faults.
 INDEPENDENT_TABLES = {"title", "source", "assumed", "role", "members", "kind"}
@@ -170,12 +170,12 @@ def validate_or_raise(tables: Mapping[str, Any], key_class: type[Keys], file_nam
     tables
         Tables of the file.
     key_class
-        Pydantic model of the keys.
+        Class of the keys.
     file_name
         Name of the file, for the error message.
     """
     try:
-        return key_class.model_validate(tables)
+        return reader_of_tables(key_class).validate_python(tables)  # type: ignore[no-any-return]
     except ValidationError as error:
         raise scene_error_of_all_faults(file_name, messages_of_key_faults(key_class, error)) from None
 
@@ -183,16 +183,16 @@ def validate_or_raise(tables: Mapping[str, Any], key_class: type[Keys], file_nam
 def validate_and_collect_faults(tables: Mapping[str, Any], key_class: type[Keys]) -> tuple[Keys | None, KeyFaults]:
     """Return the validated keys of a scene file, and the faults of all keys; reading continues after a fault.
 
-    ``tables``: tables of the file; ``key_class``: pydantic model of its keys. A faulty value is replaced by the example of
+    ``tables``: tables of the file; ``key_class``: class of its keys. A faulty value is replaced by the example of
     its key, and an unknown key is left out. The returned keys are None if the file cannot be read even so, for example if a
     whole table is missing.
     """
     try:
-        return key_class.model_validate(tables), KeyFaults()
+        return reader_of_tables(key_class).validate_python(tables), KeyFaults()
     except ValidationError as error:
         faults = error.errors(include_url=False)
         texts = tuple(messages_of_key_faults(key_class, error))
-    schema, rest, names = scene_schema_of_kind(key_class), deepcopy(dict(tables)), set()
+    schema, rest, names = scene_schema_of_kind(key_class), deepcopy(dict(tables)), set()  # type: ignore[arg-type]
     for fault in faults:
         where = fault["loc"]
         whole = len(where) == 1 and fault["type"] in UNKNOWN_KEY_ERRORS  # the key that is probably meant is missing
@@ -200,7 +200,7 @@ def validate_and_collect_faults(tables: Mapping[str, Any], key_class: type[Keys]
         if not where or not _replace_faulty_value(rest, where, fault["type"], schema_part_at_path(schema, where)):
             return None, KeyFaults(texts, frozenset(names))
     try:
-        return key_class.model_validate(rest), KeyFaults(texts, frozenset(names))
+        return reader_of_tables(key_class).validate_python(rest), KeyFaults(texts, frozenset(names))
     except ValidationError:
         return None, KeyFaults(texts, frozenset(names))
 
@@ -227,14 +227,20 @@ def _replace_faulty_value(raw: Any, where: Sequence[int | str], kind: str, node:
     return False
 
 
-def messages_of_key_faults(key_class: type[BaseModel], error: ValidationError) -> list[FaultMessage]:
+def messages_of_key_faults(key_class: type, error: ValidationError) -> list[FaultMessage]:
     """Return key, value, allowed values and advice for each fault that pydantic found in a scene file, unknown keys first.
 
-    ``key_class``: pydantic model of the file's keys; ``error``: pydantic's error. A missing key is not reported if the file
+    ``key_class``: class of the file's keys; ``error``: pydantic's error. A missing key is not reported if the file
     has an unknown key that was probably meant for it, because the advice on the unknown key names it.
     """
-    faults = sorted(error.errors(include_url=False), key=lambda f: f["type"] not in UNKNOWN_KEY_ERRORS)
     schema, named = scene_schema_of_kind(key_class), set()
+    places = {name: place for place, name in enumerate(schema["properties"])}
+
+    def order(fault: Any) -> tuple[bool, int]:
+        """Return the sort key of a fault: unknown keys first, then by the order of the keys in the schema."""
+        return fault["type"] not in UNKNOWN_KEY_ERRORS, places.get(str(next(iter(fault["loc"]), "")), len(places))
+
+    faults = sorted(error.errors(include_url=False), key=order)
     out = []
     for fault in faults:
         where = fault["loc"]

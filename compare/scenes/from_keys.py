@@ -15,7 +15,7 @@ from rollbench.compare.measure import error_percent
 from rollbench.compare.scenes import schema
 from rollbench.compare.scenes.duty_cycle import DutyCycle, LoadCase
 from rollbench.compare.scenes.fault import Fault, length_text, raise_scene_error_for_faults
-from rollbench.compare.scenes.keys import MaterialKeys
+from rollbench.compare.scenes.keys import MaterialKeys, record_from_keys
 from rollbench.meshes import parts
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.helix import evenly_spaced_azimuths, lead_angle
@@ -27,44 +27,33 @@ from rollbench.meshes.section import MERGE
 
 def scene_from_keys(keys: schema.SceneKeys, name: str) -> parts.Scene:
     """Return the scene ``name`` (ball screw or bearing) from the validated keys of its file."""
-    track, e, nut, held = keys.track, keys.errors, keys.nut, keys.solid.nut_held
-    listed = tuple(sorted((int(k), v) for k, v in e.balls.listed.items()))
-    material = material_from_keys(keys.balls.material, keys.material)
-    former = () if held is None else (f'The former key solid.nut_held = "{held}" is read as nut.held.at.',)
-    return parts.Scene(
+    nut, balls, errors, formerly_held = keys.nut, keys.balls, keys.errors, keys.solid.nut_held
+    former = (
+        () if formerly_held is None else (f'The former key solid.nut_held = "{formerly_held}" is read as nut.held.at.',)
+    )
+    listed = tuple(sorted((int(number), error) for number, error in (errors.balls.listed or {}).items()))
+    oversize = errors.balls.oversize + oversize_by_press_fit(keys.track)
+    material = material_from_keys(balls.material, keys.material)
+    return record_from_keys(
+        parts.Scene,
+        keys,
         name=name,
         title=escape_unprintable(keys.title),
-        track=_track_from_keys(keys),
-        screw=parts.Screw(bore=keys.screw.bore, **_fields_of_screw_or_nut(keys, keys.screw)),
-        nut=parts.Nut(
-            position=nut.position, azimuth=nut.azimuth, flange=_flange_from_keys(nut), **_fields_of_screw_or_nut(keys, nut)
-        ),
-        balls=parts.Balls(keys.balls.radius, material, _ball_azimuths(keys.balls, track)),
-        errors=parts.Errors(
-            balls=parts.BallErrors(
-                e.balls.oversize + oversize_by_press_fit(track), listed, e.balls.sigma, e.balls.distribution
-            ),
-            seed=e.seed,
-            lead_offset=0.0 if keys.preload is None else keys.preload.lead_offset or 0.0,
-            **{side: getattr(e, side) for side in parts.SIDES},
-        ),
-        supports=tuple(support_from_keys(s) for s in keys.supports),
-        loads=tuple(keys.loads),
-        ingredients=keys.ingredients,
-        calibration=keys.calibration,
-        solid=replace(keys.solid, nut_held=nut.held.at or held),
         source=escape_unprintable(keys.source),
         assumed=(*map(escape_unprintable, keys.assumed), *former),
-        members=keys.members,
-        friction=None if keys.friction is None else friction_from_keys(keys.friction),
-        motion=keys.motion,
-        lubricant=keys.lubricant,
-        role=keys.role,
-        circulation=keys.circulation,
-        time=keys.time,
-        gate=keys.gate,
-        operation=keys.operation,
-        rating=keys.rating,
+        track=_track_from_keys(keys),
+        screw=record_from_keys(parts.Screw, keys.screw, **_groove_and_material(keys, keys.screw)),
+        nut=record_from_keys(parts.Nut, nut, flange=_flange_from_keys(nut), **_groove_and_material(keys, nut)),
+        balls=parts.Balls(balls.radius, material, _ball_azimuths(balls, keys.track)),
+        errors=record_from_keys(
+            parts.Errors,
+            errors,
+            balls=record_from_keys(parts.BallErrors, errors.balls, oversize=oversize, listed=listed),
+            lead_offset=0.0 if keys.preload is None else keys.preload.lead_offset or 0.0,
+        ),
+        supports=tuple(map(support_from_keys, keys.supports)),
+        solid=replace(keys.solid, nut_held=nut.held.at or formerly_held),
+        friction=friction_from_keys(keys.friction),
     )
 
 
@@ -74,12 +63,13 @@ def _track_from_keys(keys: schema.SceneKeys) -> parts.Track:
     If the file states a clearance, it is the path of a bearing with one arc per groove, whose contact angle follows from
     the clearance.
     """
-    fields, clearance = keys.track.model_dump(exclude={"clearance", "washers"}), keys.track.clearance
-    if clearance is not None:
-        apart, radial = groove_centre_distance(keys), clearance.radial
-        radial = None if radial is None else max(0.0, radial)
-        fields |= {"contact_angle": free_contact_angle(apart, radial, clearance.axial), "arcs": "+z"}
-    return parts.Track(**fields, washers=keys.track.washers)
+    clearance = keys.track.clearance
+    if clearance is None:
+        return record_from_keys(parts.Track, keys.track)
+    apart = groove_centre_distance(keys)
+    radial = None if clearance.radial is None else max(0.0, clearance.radial)
+    angle = free_contact_angle(apart, radial, clearance.axial)
+    return record_from_keys(parts.Track, keys.track, contact_angle=angle, arcs="+z")
 
 
 def oversize_by_press_fit(track: schema.TrackKeys) -> float:
@@ -93,14 +83,13 @@ def oversize_by_press_fit(track: schema.TrackKeys) -> float:
 
 def groove_centre_distance(keys: schema.SceneKeys) -> float:
     """Return the distance [m] between the centres of the screw's and the nut's groove arcs when a ball touches both."""
-    return keys.screw.radius_for(keys.balls) + keys.nut.radius_for(keys.balls) - 2.0 * keys.balls.radius
+    return keys.screw.radius_for(keys.balls.radius) + keys.nut.radius_for(keys.balls.radius) - 2.0 * keys.balls.radius
 
 
-def _fields_of_screw_or_nut(keys: schema.SceneKeys, part: schema.ScrewKeys | schema.NutKeys) -> dict[str, Any]:
-    """Return length, outer diameter, groove radius and material of the screw or nut ``part``, by names of record fields."""
-    shape = {"length": part.length, "outer_diameter": part.outer_diameter}
+def _groove_and_material(keys: schema.SceneKeys, part: schema.ScrewKeys | schema.NutKeys) -> dict[str, Any]:
+    """Return groove radius and material of the screw or nut ``part``, by names of record fields."""
     material = material_from_keys(part.material, keys.material)
-    return {**shape, "groove_radius": part.radius_for(keys.balls), "material": material}
+    return {"groove_radius": part.radius_for(keys.balls.radius), "material": material}
 
 
 def _flange_from_keys(nut: schema.NutKeys) -> parts.Flange | None:
@@ -113,22 +102,20 @@ def _flange_from_keys(nut: schema.NutKeys) -> parts.Flange | None:
     held = nut.held
     low, high = held.inner_diameter or nut.outer_diameter, held.outer_diameter or nut.flange.diameter
     seat, bonded = (0.5 * low, 0.5 * high), held.centring == "bonded"
-    return parts.Flange(**nut.flange.model_dump(), seat=seat, bonded=bonded, bolts=held.bolts)
+    return record_from_keys(parts.Flange, nut.flange, seat=seat, bonded=bonded, bolts=held.bolts)
 
 
-def friction_from_keys(keys: schema.FrictionKeys) -> parts.Friction:
+def friction_from_keys(keys: schema.FrictionKeys | None) -> parts.Friction | None:
     """Return friction coefficients, and whether friction changes the contact loads, from the table [friction] of a file."""
+    if keys is None:
+        return None
     screw, nut = (keys.coefficient if given is None else given for given in (keys.screw, keys.nut))
-    if screw is None or nut is None:  # conflicting_key_faults has refused this
-        raise AssertionError("a groove without a coefficient of friction")
-    assumed, feedback, neighbours = tuple(map(escape_unprintable, keys.assumed)), keys.feedback, keys.neighbours
+    assumed, former = tuple(map(escape_unprintable, keys.assumed)), {}
     if keys.coupling is not None:
-        feedback, neighbours = keys.coupling == "ball", keys.coupling == "balls"
-        assumed += (
-            f'The former key coupling = "{keys.coupling}" is read as feedback = {str(feedback).lower()}, '
-            f"neighbours = {str(neighbours).lower()}.",
-        )
-    return parts.Friction(screw, nut, assumed, feedback, keys.balls, neighbours)
+        former = {"feedback": keys.coupling == "ball", "neighbours": keys.coupling == "balls"}
+        read = ", ".join(f"{name} = {str(value).lower()}" for name, value in former.items())
+        assumed += (f'The former key coupling = "{keys.coupling}" is read as {read}.',)
+    return record_from_keys(parts.Friction, keys, screw=screw, nut=nut, assumed=assumed, **former)
 
 
 def material_from_keys(keys: MaterialKeys | None, default: MaterialKeys) -> parts.Material:
@@ -151,7 +138,7 @@ def _ball_azimuths(balls: schema.BallKeys, track: schema.TrackKeys) -> tuple[flo
     the turns of each circuit. Circuits and the gaps between them are centred on the nut.
     """
     if balls.azimuths is not None:
-        return tuple(balls.azimuths)
+        return balls.azimuths
     if balls.arcs is None:
         n = ball_count_of_circuit(balls, track)
         return evenly_spaced_azimuths(n, balls.turns or 1.0, track.phase, balls.circuits, balls.circuit_gap or 0.0)
@@ -348,7 +335,7 @@ def _scene_under_load_case(scene: parts.Scene | Assembly, keys: schema.LoadCaseK
     case = replace(
         scene,
         name=f"{scene.name}-{keys.name}",
-        loads=scene.loads if keys.loads is None else tuple(keys.loads),
+        loads=scene.loads if keys.loads is None else keys.loads,
         supports=tuple(_displaced_support(s, keys) for s in scene.supports),
         motion=motion,
     )

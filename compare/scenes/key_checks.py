@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from math import pi
+from typing import Any
 
-from rollbench.compare.scenes.fault import TOLERANCE, Fault, length_text
+from rollbench.compare.scenes.fault import TOLERANCE, Fault, length_text, value_at_path
 from rollbench.compare.scenes.from_keys import groove_centre_distance, loaded_ball_count
 from rollbench.compare.scenes.keys import GrooveKeys
 from rollbench.compare.scenes.schema import BallKeys, FrictionKeys, SceneKeys, SupportKeys
@@ -18,21 +19,25 @@ from rollbench.meshes.section import MERGE
 SAME = 1e-9
 
 
-def conflicting_key_faults(keys: SceneKeys) -> Iterator[Fault]:
-    """Yield the faults of a scene file's keys: keys that exclude or need each other, invalid counts and supports."""
+def conflicting_key_faults(keys: SceneKeys, tables: Mapping[str, Any]) -> Iterator[Fault]:
+    """Yield the faults of a scene file's keys: keys that exclude or need each other, invalid counts and supports.
+
+    ``tables``: tables of the file, which show whether a key is given.
+    """
     for part in ("screw", "nut", "balls"):
         yield from _missing_elastic_constant_faults(keys, part)
     yield from _kind_against_lead_faults(keys)
     yield from groove_definition_faults(keys.screw, "screw")
     yield from groove_definition_faults(keys.nut, "nut")
-    for check in (_contact_angle_faults, _nut_fixing_faults, _ball_arrangement_faults):
-        yield from check(keys)
+    yield from _contact_angle_faults(keys)
+    yield from _nut_fixing_faults(keys, tables)
+    yield from _ball_arrangement_faults(keys)
     yield from support_faults(keys.supports)
     yield from zero_speed_faults(keys.motion)
     if keys.lubricant is not None and keys.track.lead != 0.0:
         advice = "leave [lubricant] out: the friction of a nut is given by [friction]"
         yield Fault(("lubricant",), "only for a bearing (track.lead of 0 mm)", advice, "a lubricant for a ball screw")
-    yield from conflicting_friction_key_faults(keys.friction)
+    yield from conflicting_friction_key_faults(keys.friction, tables)
     of_balls = _circulation_and_time_faults, _contradictory_diameter_and_count_faults, _circuit_faults
     for check in (*of_balls, _preload_faults, _life_factor_faults):
         yield from check(keys)
@@ -67,15 +72,19 @@ def simulation_time_faults(time: Time) -> Iterator[Fault]:
         yield Fault(("time.angle", "time"), "either angle or duration", advice, value)
 
 
-def conflicting_friction_key_faults(friction: FrictionKeys | None) -> Iterator[Fault]:
+def conflicting_friction_key_faults(friction: FrictionKeys | None, tables: Mapping[str, Any]) -> Iterator[Fault]:
     """Yield the faults of [friction]: a groove without coefficient, or the former key ``coupling`` beside new keys.
 
-    The new keys, which replace ``coupling``, are ``feedback`` and ``neighbours``.
+    The new keys, which replace ``coupling``, are ``feedback`` and ``neighbours``. ``tables``: tables of the file.
     """
     if friction is not None and friction.coefficient is None and None in (friction.screw, friction.nut):
         advice = "write e.g. coefficient = 0.1, or a coefficient for each groove, screw and nut"
         yield Fault(("friction.coefficient",), "a number from 0 to 2", advice, "nothing")
-    if friction is not None and friction.coupling and friction.model_fields_set & {"feedback", "neighbours"}:
+    if (
+        friction is not None
+        and friction.coupling
+        and any(value_at_path(tables, f"friction.{name}") is not None for name in ("feedback", "neighbours"))
+    ):
         advice = "leave coupling out: it is the former key for feedback and neighbours"
         yield Fault(("friction.coupling",), "only without feedback and neighbours", advice)
 
@@ -133,10 +142,11 @@ def _contact_angle_faults(keys: SceneKeys) -> Iterator[Fault]:
         yield Fault((f"track.clearance.{given[0]}",), f"below {length_text(most)} with these grooves", advice)
 
 
-def _nut_fixing_faults(keys: SceneKeys) -> Iterator[Fault]:
+def _nut_fixing_faults(keys: SceneKeys, tables: Mapping[str, Any]) -> Iterator[Fault]:
     """Yield the faults of the keys that state where the nut is fixed: at its flange's face or at another surface.
 
-    The keys for a fixing at the flange are allowed only for a nut that has a flange and is fixed at its face.
+    The keys for a fixing at the flange are allowed only for a nut that has a flange and is fixed at its face. ``tables``:
+    tables of the file.
     """
     nut, former = keys.nut, keys.solid.nut_held
     if nut.held.at is not None and former is not None:
@@ -147,7 +157,7 @@ def _nut_fixing_faults(keys: SceneKeys) -> Iterator[Fault]:
         yield Fault(("nut.flange",), "only with a lead above 0 mm", advice, "a flange for a bearing")
     by_flange = nut.flange is not None and (nut.held.at or former or "flange face") == "flange face"
     for name in ("inner_diameter", "outer_diameter", "centring", "bolts", "at"):
-        given = nut.held.at == "flange face" if name == "at" else name in nut.held.model_fields_set
+        given = nut.held.at == "flange face" if name == "at" else value_at_path(tables, f"nut.held.{name}") is not None
         if given and not by_flange:
             advice = 'give [nut.flange] and nut.held.at = "flange face", or leave this key out'
             yield Fault((f"nut.held.{name}",), "only for a nut that is fixed at the face of its flange", advice)
@@ -221,7 +231,7 @@ def _listed_ball_error_faults(keys: SceneKeys, ball_count: int) -> Iterator[Faul
         allowed = f"at most {MAX_BALLS} balls"
         yield Fault(("balls.azimuths",), allowed, "list fewer azimuths", f"{ball_count} balls")
     seen: set[int] = set()
-    for text in keys.errors.balls.listed:
+    for text in keys.errors.balls.listed or {}:
         where = (f"errors.balls.listed.{text}",)
         whole = text.isascii() and text.isdecimal() and len(text) <= 9
         if not whole or not 1 <= int(text) <= ball_count:

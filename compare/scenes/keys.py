@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import inspect
+from dataclasses import MISSING, dataclass, field, fields
 from functools import cache
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal, TypeVar, dataclass_transform
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator, model_validator
+from pydantic import ConfigDict, Field, TypeAdapter, ValidationInfo, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from rollbench.meshes import ranges
+from rollbench.meshes.parts import ASSUMED, SOURCE, TITLE
+from rollbench.meshes.record_keys import scene_key
 from rollbench.meshes.units import UnitError, parse_quantity
 
 # --- names of materials and diameters, as catalogues give them, are replaced by moduli and radii before the keys are
@@ -80,15 +84,9 @@ def config_requiring_radius_or_diameter(radius: str, diameter: str) -> ConfigDic
         schema["required"] = [name for name in schema["required"] if name != radius]
         schema["oneOf"] = [{"required": [radius]}, {"required": [diameter]}]
 
-    return ConfigDict(json_schema_extra=require_radius_or_diameter)
+    return ConfigDict(extra="forbid", json_schema_extra=require_radius_or_diameter)
 
 
-#: Number of balls or rollers.
-Count = Annotated[int, Field(ge=1, le=ranges.MAX_BALLS)]
-#: Text of one line or sentence.
-Sentence = Annotated[str, Field(min_length=1, max_length=2000)]
-#: List of sentences.
-Sentences = Annotated[list[Sentence], Field(max_length=100)]
 #: Name of a standard material, also as in drawings and catalogues.
 MaterialName = Literal[
     "bearing steel", "silicon nitride", "zirconia", "100Cr6", "SUJ2", "AISI 52100", "42CrMo4", "50CrMo4", "Si3N4", "ZrO2"
@@ -96,29 +94,71 @@ MaterialName = Literal[
 #: Name of a standard material, whose JSON Schema also mentions other names.
 StandardName = Annotated[MaterialName, Field(json_schema_extra={"x-or": OTHER_NAME})]
 #: Names of degrees of freedom.
-Freedoms = Annotated[list[Literal["ux", "uy", "uz", "rx", "ry", "rz"]], Field(max_length=6)]
+Freedoms = Annotated[tuple[Literal["ux", "uy", "uz", "rx", "ry", "rz"], ...], ranges.ListLength(0, 6)]
+
+#: Keys with which a scene file begins.
+FIRST = ("title", "source", "assumed", "kind", "role", "members", "material")
+
+#: Class of a record.
+Record = TypeVar("Record")
 
 
-def key(description: str, default: Any = ..., example: Any = None) -> Any:
-    """Return the definition of a key of a scene file, with its description and an example of its value.
+def key(description: str, default: Any = MISSING, example: Any = None) -> Any:
+    """Return the definition of a key that only scene files have: its description, its default in SI units, an example.
 
-    ``default``: value as it would be written in a scene file; if it is left out, the key is required.
+    If ``default`` is left out, the key is required.
     """
-    examples = None if example is None else [example]
-    return Field(default=default, description=description, examples=examples)
+    return scene_key(description, example, default=default)
 
 
-class SceneFileTable(BaseModel):
-    """Table of a scene file, in which unknown keys and values of another type are errors."""
+@dataclass_transform(frozen_default=True, kw_only_default=True, field_specifiers=(scene_key,))
+class SceneFileTable:
+    """Table of a scene file, in which unknown keys are errors; its subclasses are frozen dataclasses.
 
-    model_config = ConfigDict(extra="forbid", strict=True, frozen=True, validate_default=True, defer_build=True)
+    A table that inherits from a record has those fields of the record as keys that have a description. It adds keys that
+    only files have, and replaces fields in whose place a file may have another key; an annotation without a value replaces
+    the type only.
+    """
+
+    __pydantic_config__: ClassVar[Any] = {"extra": "forbid"}
+
+    def __init_subclass__(cls) -> None:
+        """Make a dataclass of the subclass; fields of its record that are no keys are left out."""
+        own = inspect.get_annotations(cls)
+        inherited: dict[str, Any] = {}
+        for base in reversed(cls.__mro__[1:]):
+            inherited |= base.__dict__.get("__dataclass_fields__", {})
+        for name, of in inherited.items():
+            if name not in own and "description" not in of.metadata:
+                own = own | {name: ClassVar[Any]}
+            elif name in own and name not in cls.__dict__:
+                setattr(cls, name, field(default=of.default, metadata=of.metadata))
+        cls.__annotations__ = own
+        dataclass(frozen=True, kw_only=True)(cls)
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, schema: Any, handler: Any) -> Any:
+        """Return the JSON Schema of the table, with the keys in the order of the record's fields; a title comes first."""
+        whole = handler(schema)
+        node = handler.resolve_ref_schema(whole)
+        names = {each.name: node["properties"][each.name] for each in fields(cls)}  # type: ignore[arg-type]
+        node["properties"] = {name: names[name] for name in FIRST if "title" in names and name in names} | names
+        return whole
+
+
+def record_from_keys(record: type[Record], table: Any, **values: Any) -> Record:
+    """Return a record of the class ``record`` from the keys of a table; ``values``: fields that do not equal a key."""
+    names = (each.name for each in fields(record))  # type: ignore[arg-type]
+    return record(**{name: values[name] if name in values else getattr(table, name) for name in names})
 
 
 class MaterialKeys(SceneFileTable):
     """Isotropic elastic material; a constant that a part's table does not give is taken from the table [material]."""
 
     name: StandardName | None = key(MATERIAL_NAMES, None, "bearing steel")
-    unusual: bool = key("true: accept a Young's modulus outside the range of materials of machine parts", False, True)
+    unusual: ranges.Switch = key(
+        "true: accept a Young's modulus outside the range of materials of machine parts", False, True
+    )
     youngs_modulus: ranges.Modulus | None = key("Young's modulus", None)
     poissons_ratio: ranges.Poisson | None = key("Poisson's ratio", None)
 
@@ -143,14 +183,18 @@ class MaterialKeys(SceneFileTable):
 MATERIAL = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.28}
 
 
+class PartMaterialKeys(SceneFileTable):
+    """Material of one part."""
+
+    material: MaterialKeys | None = key("material of this part, if it is not that of [material]", None, MATERIAL)
+
+
 class TitleKeys(SceneFileTable):
     """Keys at the beginning of every scene file: title, source of the data, assumptions."""
 
-    title: Sentence = key("title of the scene, in one line", example="Screw under 5 kN")
-    source: Annotated[str, Field(max_length=2000)] = key(
-        "publication or data sheet from which the data are taken", "", "Lin 2019, 2.4.1.1"
-    )
-    assumed: Sentences = key("assumptions on what the source does not state, as sentences", [], ["The nut is rigid."])
+    title: ranges.Sentence = key(TITLE, example="Screw under 5 kN")
+    source: ranges.Words = key(SOURCE, "", "Lin 2019, 2.4.1.1")
+    assumed: ranges.Sentences = key(ASSUMED, (), ["The nut is rigid."])
 
 
 class BallPathKeys(SceneFileTable):
@@ -175,9 +219,9 @@ class GrooveKeys(SceneFileTable):
     )
     conformity: ranges.Conformity | None = key("ratio of groove radius to ball diameter (instead of groove_radius)", None)
 
-    def radius_for(self, balls: BallSizeKeys) -> float:
-        """Return the groove radius [m]: as stated, or as conformity times the diameter of the balls ``balls``."""
-        return self.groove_radius or (self.conformity or 0.0) * (2.0 * balls.radius)
+    def radius_for(self, ball_radius: float) -> float:
+        """Return the groove radius [m]: as stated, or as conformity times the ball diameter, twice ``ball_radius`` [m]."""
+        return self.groove_radius or (self.conformity or 0.0) * (2.0 * ball_radius)
 
 
 class BallSizeKeys(SceneFileTable):
@@ -189,7 +233,7 @@ class BallSizeKeys(SceneFileTable):
 class BallOversizeKeys(SceneFileTable):
     """Deviation from the nominal ball radius that all balls have, such as an oversize for preload."""
 
-    oversize: ranges.Deviation = key("length added to the radius of every ball (preload if positive)", "0 um", "7 um")
+    oversize: ranges.Deviation = key("length added to the radius of every ball (preload if positive)", 0.0, "7 um")
 
 
 class CoulombFrictionKeys(SceneFileTable):
@@ -204,13 +248,24 @@ class RingSpeedKeys(SceneFileTable):
     speed: ranges.Turning = key("angular speed of the rotating part about +z; negative for the other direction")
 
 
+#: Pydantic's readers of tables, by the class of the table's keys.
+_READERS: dict[type, TypeAdapter[Any]] = {}
+
+
+def reader_of_tables(keys: type) -> TypeAdapter[Any]:
+    """Return pydantic's reader of a table with the keys of the class ``keys``."""
+    if keys not in _READERS:
+        _READERS[keys] = TypeAdapter(keys)
+    return _READERS[keys]
+
+
 @cache
-def scene_schema_of_kind(keys: type[BaseModel]) -> dict[str, Any]:
+def scene_schema_of_kind(keys: type) -> dict[str, Any]:
     """Return the JSON Schema (draft 2020-12) of one kind of scene, with description, unit, range and example of every key.
 
     The returned object is cached and must not be changed.
     """
-    schema: dict[str, Any] = schema_without_null(keys.model_json_schema())
+    schema: dict[str, Any] = schema_without_null(reader_of_tables(keys).json_schema())
     return schema
 
 

@@ -88,7 +88,7 @@ def single_nut_scene_from_tables(tables: dict[str, Any], file_name: str) -> Scen
     """
     keys, key_faults = fault.validate_and_collect_faults(tables, SceneKeys)
     texts = list(key_faults.messages)
-    faults = () if keys is None else (*conflicting_key_faults(keys), *load_case_faults(keys))
+    faults = () if keys is None else (*conflicting_key_faults(keys, tables), *load_case_faults(keys))
     texts += fault.messages_of_faults(tables, [one for one in faults if key_faults.concern_values_of_file(one.keys)])
     if keys is None or not key_faults.bodies_unchanged or faults:
         raise fault.scene_error_of_all_faults(file_name, texts)

@@ -12,8 +12,7 @@ from pydantic import Field, model_validator
 
 from rollbench.compare.scenes import keys
 from rollbench.compare.scenes.keys import config_requiring_radius_or_diameter, fill_in_radius, key
-from rollbench.meshes import parts, ranges
-from rollbench.meshes.axis import Drive, Segment
+from rollbench.meshes import axis, parts, ranges
 from rollbench.meshes.ranges import ForceOrRatingShareRange, QuantityRange, RateRange, ShareOfLoadRating
 
 #: Ball diameter [m].
@@ -41,11 +40,12 @@ class ClearanceKeys(keys.SceneFileTable):
     axial: ranges.Clearance | None = key("axial clearance (instead of radial)", None, "96 um")
 
 
-class TrackKeys(keys.BallHelixKeys):
+class TrackKeys(keys.SceneFileTable, parts.Track):
     """Nominal path of the ball centres: a helix, or a circle for a bearing."""
 
-    model_config = config_requiring_radius_or_diameter("pitch_radius", "pitch_diameter")
+    __pydantic_config__ = config_requiring_radius_or_diameter("pitch_radius", "pitch_diameter")
 
+    pitch_diameter: ranges.Size | None = key("diameter of the helix of the ball centres (or pitch_radius)", None, "33 mm")
     contact_angle: ranges.TrackAngle | None = key(  # type: ignore[assignment]
         "nominal angle between contact normal and radius; for a bearing clearance may be given instead", None, "45 deg"
     )
@@ -54,17 +54,6 @@ class TrackKeys(keys.BallHelixKeys):
         None,
         {"radial": "13 um"},
     )
-    washers: parts.Washers = key(
-        "dimensions of the washers of a thrust ball bearing, at contact angles above 45 deg",
-        parts.Washers(),
-        {"bore": "20 mm"},
-    )
-
-    pitch_diameter: Annotated[ranges.Size | None, Field(exclude=True)] = key(
-        "diameter of the helix of the ball centres (or pitch_radius)", None, "33 mm"
-    )
-    starts: Annotated[int, Field(ge=1, le=100)] = key("number of thread starts, evenly spaced around the axis", 1, 1)
-    phase: ranges.Azimuth = key("azimuth of the helix at the nut's centre", "0 deg", "0 deg")
 
     @model_validator(mode="before")
     @classmethod
@@ -73,24 +62,12 @@ class TrackKeys(keys.BallHelixKeys):
         return fill_in_radius(value, "pitch_radius", "pitch_diameter")
 
 
-class ScrewKeys(keys.GrooveKeys):
+class ScrewKeys(keys.GrooveKeys, keys.PartMaterialKeys, parts.Screw):
     """Screw shaft, or inner ring of a bearing."""
 
-    length: ranges.Size = key("length of the screw; positions along the screw run from 0 to this length", example="800 mm")
-    outer_diameter: ranges.Size = key("outer diameter of the thread, or of the inner ring's shoulders", example="32 mm")
-    bore: ranges.Bore = key("diameter of the hole along the axis", "0 mm", "10 mm")
-    material: keys.MaterialKeys | None = key("material of this part, if it is not that of [material]", None, keys.MATERIAL)
 
-
-class FlangeKeys(keys.SceneFileTable):
+class FlangeKeys(keys.SceneFileTable, parts.Flange):
     """Flange at one end of a nut; the length of the nut includes the flange."""
-
-    diameter: ranges.Size = key("outer diameter of the flange", example="72 mm")
-    thickness: ranges.Size = key("thickness of the flange", example="11 mm")
-    side: Literal["left", "right"] = key("end of the nut at which the flange is", parts.Flange.side, "right")
-    centring: ranges.Bore = key(
-        "length of the nut's outer surface, from the flange on, that fits into the bore of the housing", "0 mm", "10 mm"
-    )
 
 
 class NutFixingKeys(keys.SceneFileTable):
@@ -111,7 +88,7 @@ class NutFixingKeys(keys.SceneFileTable):
     centring: Literal["free", "bonded"] = key(
         "whether the nut is free at the centring fit of its flange, or fixed there too", "free", "bonded"
     )
-    bolts: Annotated[int, Field(ge=0, le=100)] = key(
+    bolts: Annotated[int, ranges.IntegerRange(0, 100)] = key(
         "number of bolts of the flange; the 3D reference fixes a circle as wide as the annulus at each bolt, the first "
         "towards x; 0: the whole annulus, as always in low-order models",
         parts.Flange.bolts,
@@ -119,53 +96,41 @@ class NutFixingKeys(keys.SceneFileTable):
     )
 
 
-class NutKeys(keys.GrooveKeys):
+class NutKeys(keys.GrooveKeys, keys.PartMaterialKeys, parts.Nut):
     """Nut, or outer ring of a bearing: dimensions, position, and where it is fixed."""
 
-    position: ranges.Station = key("axial position of the nut's centre, from the left end of the screw", example="400 mm")
-    length: ranges.Size = key("length of the nut or outer ring", example="54 mm")
-    outer_diameter: ranges.Size = key("outer diameter of the nut or outer ring", example="48 mm")
-    azimuth: ranges.Azimuth = key(
-        "angle from the screw's x axis to the nut's x axis; the nut's errors are defined in the axes of the nut",
-        "0 deg",
-        "0 deg",
-    )
     flange: FlangeKeys | None = key("flange of a nut with a lead", None, {"diameter": "72 mm", "thickness": "11 mm"})
     held: NutFixingKeys = key("surface at which the nut or outer ring is fixed", NutFixingKeys(), {"at": "left face"})
-    material: keys.MaterialKeys | None = key("material of this part, if it is not that of [material]", None, keys.MATERIAL)
 
 
 #: Angle range that balls fill: first and last azimuth [rad].
-Arc = Annotated[list[ranges.Azimuth], Field(min_length=2, max_length=2)]
+Arc = Annotated[tuple[ranges.Azimuth, ...], ranges.ListLength(2, 2)]
 
 
-class BallKeys(keys.BallSizeKeys):
+class BallKeys(keys.PartMaterialKeys, parts.Balls):
     """Balls: size and positions, given by count (or filling) and turns, by count and arcs, or by a list of azimuths."""
 
-    model_config = config_requiring_radius_or_diameter("radius", "diameter")
+    __pydantic_config__ = config_requiring_radius_or_diameter("radius", "diameter")
 
-    diameter: Annotated[BallDiameter | None, Field(exclude=True)] = key(
-        "nominal ball diameter (or radius)", None, "5.556 mm"
-    )
-    count: keys.Count | None = key("number of balls in all starts and circuits, evenly spaced (with turns)", None, 32)
+    diameter: BallDiameter | None = key("nominal ball diameter (or radius)", None, "5.556 mm")
+    count: ranges.Count | None = key("number of balls in all starts and circuits, evenly spaced (with turns)", None, 32)
     filling: ranges.Filling | None = key(
         "fraction of the length of the turns that the balls would fill if they touched (instead of count)", None, 0.9
     )
     turns: ranges.Turns | None = key("turns that the balls of each circuit fill, centred on the nut (a bearing: 1)", None)
-    circuits: Annotated[int, Field(ge=1, le=1000)] = key("number of ball circuits of each start, one after the other", 1, 3)
+    circuits: ranges.Circuits = key("number of ball circuits of each start, one after the other", 1, 3)
     circuit_gap: Gap | None = key("number of turns without balls between two circuits", None, 0.5)
-    azimuths: Annotated[list[ranges.Azimuth], Field(min_length=1, max_length=ranges.MAX_BALLS)] | None = key(
+    azimuths: Annotated[tuple[ranges.Azimuth, ...], ranges.ListLength(1, ranges.MAX_BALLS)] | None = key(  # type: ignore[assignment]
         "azimuths of the balls of one thread start, with 360 deg more for each further turn (instead of count and turns)",
         None,
         ["-90 deg", "90 deg"],
     )
-    arcs: Annotated[list[Arc], Field(min_length=1, max_length=1000)] | None = key(
+    arcs: Annotated[tuple[Arc, ...], ranges.ListLength(1, 1000)] | None = key(
         "azimuth ranges, one for each circuit, over which the balls of each thread start are evenly spread "
         "(instead of turns)",
         None,
         [["-900 deg", "-180 deg"], ["180 deg", "900 deg"]],
     )
-    material: keys.MaterialKeys | None = key("material of this part, if it is not that of [material]", None, keys.MATERIAL)
 
     @model_validator(mode="before")
     @classmethod
@@ -174,25 +139,18 @@ class BallKeys(keys.BallSizeKeys):
         return fill_in_radius(value, "radius", "diameter")
 
 
-class BallErrorKeys(keys.BallOversizeKeys):
+class BallErrorKeys(keys.SceneFileTable, parts.BallErrors):
     """Manufacturing errors of the ball radii: of all balls, of single balls, and random ones."""
 
-    listed: dict[str, ranges.Deviation] = key(
-        "errors of the radii of single balls, by ball number from 1 (all balls of start 1 first)", {}, {"17": "1 um"}
+    listed: dict[str, ranges.Deviation] | None = key(  # type: ignore[assignment]
+        "errors of the radii of single balls, by ball number from 1 (all balls of start 1 first)", None, {"17": "1 um"}
     )
-    sigma: ranges.Spread = key("standard deviation of random radius errors", "0 um", "1 um")
-    distribution: Literal["normal", "uniform"] = key("distribution of the random errors", "normal", "normal")
 
 
-class ManufacturingErrorKeys(keys.SceneFileTable):
+class ManufacturingErrorKeys(keys.SceneFileTable, parts.Errors):
     """Manufacturing errors of balls and grooves; all are zero if left out."""
 
-    seed: Annotated[int, Field(ge=0, le=2**63 - 1)] = key("seed of all random errors", 0, 2019)
     balls: BallErrorKeys = key("errors of the ball radii", BallErrorKeys(), {"oversize": "7 um"})
-    SL: parts.SideErrors = key("errors of the screw's left flank", parts.SideErrors(), {"profile": ["3 um"]})
-    SR: parts.SideErrors = key("errors of the screw's right flank", parts.SideErrors(), {"profile": ["3 um"]})
-    NL: parts.SideErrors = key("errors of the nut's left flank", parts.SideErrors(), {"profile": ["3 um"]})
-    NR: parts.SideErrors = key("errors of the nut's right flank", parts.SideErrors(), {"profile": ["3 um"]})
 
 
 class DisplacementKeys(keys.SceneFileTable):
@@ -209,14 +167,13 @@ class DisplacementKeys(keys.SceneFileTable):
     @property
     def given(self) -> dict[str, float]:
         """Prescribed displacements [m] and rotations [rad], by the name of the degree of freedom."""
-        return self.model_dump(exclude_none=True)
+        return {name: value for name in parts.FREEDOMS if (value := getattr(self, name)) is not None}
 
 
-class SupportKeys(keys.SceneFileTable):
+class SupportKeys(keys.SceneFileTable, parts.Support):
     """Support of the screw at one axial position."""
 
-    at: ranges.Station = key("axial position of the support, from the left end of the screw", example="0 mm")
-    fix: keys.Freedoms = key("degrees of freedom fixed at zero", [], ["ux", "uy", "uz"])
+    fix: keys.Freedoms = key("degrees of freedom fixed at zero", (), ["ux", "uy", "uz"])
     displace: DisplacementKeys = key("degrees of freedom fixed at other values", DisplacementKeys(), {"ux": "300 um"})
 
     @property
@@ -226,49 +183,28 @@ class SupportKeys(keys.SceneFileTable):
 
 
 #: List of supports of a scene.
-Supports = Annotated[list[SupportKeys], Field(max_length=1000)]
+Supports = Annotated[tuple[SupportKeys, ...], ranges.ListLength(0, 1000)]
 
-#: List of loads of a scene.
-Loads = Annotated[list[Annotated[parts.Load, ranges.OneKeyNeeded(1)]], Field(max_length=1000)]
-
-#: Examples of loads and of load cases.
-LOADED, CASE = [{"at": "0 mm", "force": ["0 N", "0 N", "5 kN"]}], [{"name": "cutting", "share": 1.0}]
+#: Example of load cases.
+CASE = [{"name": "cutting", "share": 1.0}]
 
 
-class FrictionKeys(keys.SceneFileTable):
+class FrictionKeys(keys.SceneFileTable, parts.Friction):
     """Coulomb friction between balls and grooves, for the command rollbench friction. It does not change static loads."""
 
     coefficient: ranges.Coefficient | None = key(
         "coefficient of friction between balls and grooves; may be zero; needed unless screw and nut are given", None, 0.1
     )
-    screw: ranges.Coefficient | None = key(
+    screw: ranges.Coefficient | None = key(  # type: ignore[assignment]
         "coefficient of friction at the screw's groove, if it differs from coefficient", None
     )
-    nut: ranges.Coefficient | None = key(
+    nut: ranges.Coefficient | None = key(  # type: ignore[assignment]
         "coefficient of friction at the nut's groove, if it differs from coefficient", None
-    )
-    balls: ranges.Coefficient | None = key(
-        "coefficient of friction between balls; if left out, the larger one of the coefficients at the two grooves", None
-    )
-    feedback: bool = key(
-        "whether friction displaces each ball across its grooves and so changes its contact loads (the axial load "
-        "of each ball remains that without friction)",
-        parts.Friction.feedback,
-        False,
-    )
-    neighbours: bool = key(
-        "whether touching balls exert forces on each other in the quasi-static solution (in a simulation over "
-        "time they always do)",
-        parts.Friction.neighbours,
-        True,
     )
     coupling: Literal["none", "ball", "balls"] | None = key(
         'former key: "none" is feedback = false, "ball" feedback = true, "balls" feedback = false and neighbours = true',
         None,
         "ball",
-    )
-    assumed: keys.Sentences = key(
-        "sentences on where the coefficients come from", [], ["Grease-lubricated steel, assumed."]
     )
 
 
@@ -302,67 +238,46 @@ class LoadCaseSupportKeys(keys.SceneFileTable):
 class LoadCaseKeys(keys.SceneFileTable):
     """One of several load cases: its loads, its support displacements, and its fraction of all revolutions."""
 
-    name: keys.Sentence = key("name of the load case in all results: letters, digits, . _ and -", example="cutting")
+    name: ranges.Sentence = key("name of the load case in all results: letters, digits, . _ and -", example="cutting")
     share: Share | None = key(
         "fraction of all revolutions that occur in this load case (sum over load cases: 1); 0: static check only", None, 0.5
     )
     time: CaseTime | None = key("duration in one duty cycle, from which the share follows (with speed)", None, "2 s")
     speed: ranges.Turning | None = key("angular speed of the rotating part in this load case (with time)", None, "600 rpm")
-    loads: Loads | None = key("loads on the screw, instead of those outside [[cases]]", None, LOADED)
-    supports: Annotated[list[LoadCaseSupportKeys], Field(max_length=1000)] = key(
-        "displacements of the scene's supports in this load case", [], [{"at": "0 mm", "displace": {"ux": "300 um"}}]
+    loads: parts.Loads | None = key("loads on the screw, instead of those outside [[cases]]", None, parts.LOADED)
+    supports: Annotated[tuple[LoadCaseSupportKeys, ...], ranges.ListLength(0, 1000)] = key(
+        "displacements of the scene's supports in this load case", (), [{"at": "0 mm", "displace": {"ux": "300 um"}}]
     )
     oversize: ranges.Deviation | None = key(
         "length added to the radius of every ball, instead of the oversize outside [[cases]]", None, "3 um"
     )
 
 
-class SceneKeys(keys.TitleKeys):
+class SharedMaterialKeys(keys.SceneFileTable):
+    """Material of all parts."""
+
+    material: keys.MaterialKeys = key(
+        "material of all parts in whose tables no material is given", keys.MaterialKeys(), keys.MATERIAL
+    )
+
+
+class SceneKeys(SharedMaterialKeys, parts.Scene):
     """One ball screw or bearing, in one load case or several. Lengths, forces and angles are texts with a unit."""
 
     kind: Literal["ball screw", "bearing"] | None = key(
         "what the scene describes; the lead decides if left out", None, "ball screw"
     )
-    role: Literal["", "referenced", "unseen, changed parts", "unseen, catalogue size"] = key(
-        "role in the validation report of a scene that is included in rollbench: case study with a 3D reference, "
-        "or scene that was not used when the models were developed",
-        "",
-        "referenced",
-    )
-    members: Annotated[int, Field(ge=1, le=100_000)] = key("number of specimens, each with its own random errors", 1, 200)
-    material: keys.MaterialKeys = key(
-        "material of all parts in whose tables no material is given", keys.MaterialKeys(), keys.MATERIAL
-    )
-    track: TrackKeys = key("path of the ball centres")
-    screw: ScrewKeys = key("screw shaft, or inner ring")
-    nut: NutKeys = key("nut, or outer ring")
-    balls: BallKeys = key("size, number and positions of the balls")
+    track: TrackKeys
+    screw: ScrewKeys
+    nut: NutKeys
+    balls: BallKeys
     errors: ManufacturingErrorKeys = key("manufacturing errors of balls and grooves", ManufacturingErrorKeys(), {"seed": 0})
-    supports: Supports = key("supports of the screw", [], [{"at": "0 mm", "fix": ["ux", "uy"]}])
-    loads: Loads = key("loads on the screw", [], LOADED)
-    cases: Annotated[list[LoadCaseKeys], Field(max_length=1000)] = key(
-        "load cases of a duty cycle, all with the same bodies", [], CASE
+    supports: Supports
+    friction: FrictionKeys | None
+    cases: Annotated[tuple[LoadCaseKeys, ...], ranges.ListLength(0, 1000)] = key(
+        "load cases of a duty cycle, all with the same bodies", (), CASE
     )
-    ingredients: parts.Ingredients = key("options of the low-order models", parts.Ingredients(), {"screw": "rigid"})
-    calibration: parts.Calibration = key(
-        "values fitted to a measured or published result of this screw",
-        parts.Calibration(),
-        {"segment_stiffness": "258 kN/um"},
-    )
-    solid: parts.Solid = key("inputs of the 3D reference only", parts.Solid(), {"nut_groove": "through"})
-    friction: FrictionKeys | None = key("friction of balls and grooves", None, {"coefficient": 0.1})
-    motion: parts.Motion | None = key("part that rotates, and its angular speed", None, {"speed": "600 rpm"})
-    lubricant: parts.Lubricant | None = key("lubricant, for torques that depend on speed", None, {"viscosity": "27 mm2/s"})
-    circulation: parts.Circulation | None = key(
-        "number of ball circuits, and how far the balls fill them", None, {"returning": 4, "filling": 0.8}
-    )
-    time: parts.Time | None = key("simulation over time", None, {"angle": "360 deg"})
     preload: PreloadKeys | None = key("preload of one nut", None, {"force": "500 N"})
-    gate: parts.GateLimits = key(
-        "largest accepted errors of contact loads, for rollbench check", parts.GateLimits(), {"max_error": 7}
-    )
-    operation: parts.Operation = key("reliability, lubrication, speed limit", parts.Operation(), {"reliability": 95})
-    rating: parts.MakerRating = key("load ratings by the maker", parts.MakerRating(), {"dynamic": "23.2 kN"})
 
 
 #: Temperature rise of the shaft [K].
@@ -374,21 +289,18 @@ Expansion = Annotated[float, QuantityRange("number", 0, 1e-3, 11.5e-6)]
 #: Axial preload of a nut or bearing as a force [N], or as a fraction of the dynamic load rating; may be zero.
 Push = Annotated[float | ShareOfLoadRating, ForceOrRatingShareRange("force", "0 N", "1000 MN", "500 N")]
 
-#: Name of a nut, bearing or housing.
-Name = Annotated[str, Field(min_length=1, max_length=60)]
-
 #: Name of an arrangement of equal bearings, such as DB (back to back).
 Arrangement = Literal["DB", "DF", "DT", "DBD", "DFD", "DBB", "DFF", "DBT", "DFT"]
 
 #: Entry of a stiffness matrix.
-Entry = Annotated[float, Field(allow_inf_nan=False)]
+Entry = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 
 
 class ShaftKeys(ScrewKeys):
     """Screw shaft; groove and diameter of its thread also apply to nuts and bearings for which no others are given."""
 
-    plain: Annotated[list[Segment], Field(max_length=1000)] = key(
-        "cylindrical sections of the shaft without groove", [], [{"start": "0 mm", "end": "60 mm", "diameter": "25 mm"}]
+    plain: Annotated[tuple[axis.Segment, ...], ranges.ListLength(0, 1000)] = key(
+        "cylindrical sections of the shaft without groove", (), [{"start": "0 mm", "end": "60 mm", "diameter": "25 mm"}]
     )
 
 
@@ -403,69 +315,35 @@ class InnerRingKeys(keys.GrooveKeys):
     )
 
 
-class TaperedRollerKeys(keys.SceneFileTable):
+class TaperedRollerKeys(keys.SceneFileTable, axis.RollerRow):
     """One row of tapered rollers with its rings: dimensions, crowning, and contact with the rib."""
 
-    count: keys.Count = key("number of rollers", example=16)
-    diameter: ranges.Size = key("mean diameter of a roller", example="8.4 mm")
-    length: ranges.Size = key("effective length of a roller", example="12.4 mm")
-    cup_angle: ranges.ContactAngle = key(
-        "half included angle of the cup: angle between its raceway and the axis", example="30.8 deg"
-    )
-    roller_angle: ranges.ContactAngle = key("half included angle of a roller", example="4 deg")
+    rating: ClassVar[Any]  # type: ignore[misc]
     ring_depth: ranges.Size = key("depth below both raceways down to which deformation is considered", example="5 mm")
-    crown: ranges.Size | None = key(
+    crown: ranges.Size | None = key(  # type: ignore[assignment]
         "radius of curvature of the roller's crowned profile at both raceways; straight rollers if left out", None, "2 m"
     )
-    slices: Annotated[int, Field(ge=1, le=200)] = key("number of slices into which a roller is divided", 15, 15)
-    edge_radius: ranges.Size | None = key(
-        "radius of the edges at both ends of the effective length, for the roller in 3D; sharp edges if left out",
-        None,
-        "1 mm",
-    )
-    end_radius: ranges.Size | None = key(
-        "radius of the spherical large end, for the pressure at the rib; usually 0.8 to 0.95 of its distance from the apex",
-        None,
-        "55 mm",
-    )
-    rib_height: ranges.Size | None = key(
-        "height of the rib contact above the cone's raceway; a tenth of the roller diameter if left out", None, "0.8 mm"
-    )
-    rib_friction: ranges.Coefficient | None = key(
-        "coefficient of friction between large end and rib; 0.1 if left out", None, 0.1
-    )
-    torque_factor: ranges.TorqueFactor | None = key(
-        "manufacturer's factor G1 of Timken's formula for the friction torque", None, 40
-    )
 
 
-class NutOrBearingKeys(keys.SceneFileTable):
+class NutOrBearingKeys(keys.SceneFileTable, axis.RollingSet):
     """One ball nut, ball bearing (lead of zero) or row of tapered rollers on a shaft, and how it is mounted."""
 
-    name: Name = key("name of the nut or bearing in results", example="nut 1")
-    kind: Literal["ball nut", "bearing", "tapered roller bearing"] | None = key(
+    kind: Literal["ball nut", "bearing", "tapered roller bearing"] | None = key(  # type: ignore[assignment]
         "type of the nut or bearing; if left out, it follows from the lead and from whether there is a table of rollers",
         None,
         "ball nut",
     )
-    housing: Name | None = key(
-        "name of the housing that holds the nut or outer ring; if left out, the nut or ring is fixed", None, "carriage"
-    )
-    carrier: Name | None = key("name of the housing on which its inner ring sits; the shaft if left out", None, "nut")
-    thrust: Literal["both", "+z", "-z", "deep groove"] | None = key(
+    thrust: axis.Thrust | None = key(  # type: ignore[assignment]
         'direction of the axial force on the shaft that the bearing carries: "both" (gothic arch), "+z" or "-z" '
         '(single arc), "deep groove" (single arc, either direction)',
         None,
         "+z",
     )
-    offset: ranges.Deviation = key(
-        "shift of nut or outer ring relative to its housing, along z (spacer, lead offset)", "0 um", "4 um"
-    )
-    preload: Push = key(
+    preload: Push = key(  # type: ignore[assignment]
         "axial preload: without external loads, the nut or outer ring is shifted along z until it carries this "
         "force, and then fixed; or per cent of the computed dynamic load rating of a ball nut or ball bearing: "
         '"5 % of C"',
-        "0 N",
+        0.0,
         "500 N",
     )
     arrangement: Arrangement | None = key(
@@ -476,14 +354,14 @@ class NutOrBearingKeys(keys.SceneFileTable):
         "DBD",
     )
     pair_preload: ranges.Force = key(
-        "preload of a pair of these bearings, from which that of the arrangement follows", "0 N", "2150 N"
+        "preload of a pair of these bearings, from which that of the arrangement follows", 0.0, "2150 N"
     )
     pair_rigidity: ranges.Spring | None = key(
         "axial rigidity of this pair at its preload, as in catalogues: the conformity of both grooves follows from it",
         None,
         "750 N/um",
     )
-    position: ranges.Station | None = key(
+    position: ranges.Station | None = key(  # type: ignore[assignment]
         "for rollers: axial position of the middle of the cup's contact lines", None, "30 mm"
     )
     track: TrackKeys | None = key("path of the ball centres", None)
@@ -497,25 +375,22 @@ class NutOrBearingKeys(keys.SceneFileTable):
     rating: parts.MakerRating = key(
         "load ratings by the maker; for an arrangement, of one row", parts.MakerRating(), {"dynamic": "23.2 kN"}
     )
-    seals: ranges.Torque = key(
-        "friction torque of the seals or wipers as in catalogues; for an arrangement, of each row", "0 N m", "100 N mm"
-    )
 
 
 class SpringKeys(keys.SceneFileTable):
     """Stiffnesses of springs along and about the axes; zero if left out."""
 
     ONE_OF: ClassVar = parts.FREEDOMS
-    ux: ranges.Spring = key("stiffness along x", "0 N/m", "200 N/um")
-    uy: ranges.Spring = key("stiffness along y", "0 N/m", "200 N/um")
-    uz: ranges.Spring = key("stiffness along z", "0 N/m", "200 N/um")
-    rx: ranges.Twist = key("rotational stiffness about x: moment per radian", "0 N m", "5 kN m")
-    ry: ranges.Twist = key("rotational stiffness about y: moment per radian", "0 N m", "5 kN m")
-    rz: ranges.Twist = key("rotational stiffness about z: moment per radian", "0 N m", "5 kN m")
+    ux: ranges.Spring = key("stiffness along x", 0.0, "200 N/um")
+    uy: ranges.Spring = key("stiffness along y", 0.0, "200 N/um")
+    uz: ranges.Spring = key("stiffness along z", 0.0, "200 N/um")
+    rx: ranges.Twist = key("rotational stiffness about x: moment per radian", 0.0, "5 kN m")
+    ry: ranges.Twist = key("rotational stiffness about y: moment per radian", 0.0, "5 kN m")
+    rz: ranges.Twist = key("rotational stiffness about z: moment per radian", 0.0, "5 kN m")
 
 
 #: Stiffness matrix of six rows with six entries.
-Matrix = Annotated[list[Annotated[list[Entry], Field(min_length=6, max_length=6)]], Field(min_length=6, max_length=6)]
+Matrix = Annotated[tuple[Annotated[tuple[Entry, ...], ranges.ListLength(6, 6)], ...], ranges.ListLength(6, 6)]
 
 
 class StiffnessKeys(keys.SceneFileTable):
@@ -527,31 +402,28 @@ class StiffnessKeys(keys.SceneFileTable):
     )
 
 
-class HousingKeys(StiffnessKeys):
+class HousingKeys(StiffnessKeys, axis.Housing):
     """Rigid housing of nuts or outer rings; in directions that are not fixed or displaced, it moves against its springs."""
 
-    name: Name = key("name of the housing", example="carriage")
-    at: ranges.Station = key("axial position to which motion, springs and loads of the housing refer", example="400 mm")
-    fix: keys.Freedoms = key("degrees of freedom fixed at zero", [], ["ux", "uy", "rx", "ry", "rz"])
+    fix: keys.Freedoms = key("degrees of freedom fixed at zero", (), ["ux", "uy", "rx", "ry", "rz"])
     displace: DisplacementKeys = key("degrees of freedom fixed at other values", DisplacementKeys(), {"uz": "20 um"})
-    force: ranges.Forces = key("force on the housing along x, y, z", ["0 N", "0 N", "0 N"], ["0 N", "0 N", "5 kN"])
-    moment: ranges.Moments = key(
-        "moment on the housing about x, y, z", ["0 N m", "0 N m", "0 N m"], ["0 N m", "3 N m", "0 N m"]
-    )
 
 
-class JointKeys(StiffnessKeys):
+class JointKeys(StiffnessKeys, axis.Joint):
     """Elastic connection of two housings, such as a spacer or a bolted joint."""
 
-    between: Annotated[list[Name], Field(min_length=2, max_length=2)] = key("names of the two housings", example=["a", "b"])
-    at: ranges.Station = key("axial position at which the springs of the joint act", example="400 mm")
+    between: Annotated[tuple[ranges.Name, ...], ranges.ListLength(2, 2)] = key(
+        "names of the two housings", example=["a", "b"]
+    )
 
 
 class StiffnessPositionKeys(keys.SceneFileTable):
     """Position at which the stiffness of the whole assembly is reported; if left out, where the loads act."""
 
     at: ranges.Station | None = key("axial position on the shaft at which the stiffness is reported", None, "400 mm")
-    housing: Name | None = key("name of the housing at which the stiffness is reported (instead of at)", None, "carriage")
+    housing: ranges.Name | None = key(
+        "name of the housing at which the stiffness is reported (instead of at)", None, "carriage"
+    )
 
 
 class ShaftHeatingKeys(keys.SceneFileTable):
@@ -561,80 +433,55 @@ class ShaftHeatingKeys(keys.SceneFileTable):
     expansion: Expansion = key("coefficient of thermal expansion per K", example=11.5e-6)
 
 
-class ShaftModelOptionKeys(keys.SceneFileTable):
+class ShaftModelOptionKeys(keys.SceneFileTable, parts.Ingredients):
     """Options of the low-order models of a shaft with nuts and bearings."""
 
-    hertz: Literal["nominal", "error-free", "actual", "as printed"] = key(
-        "Hertz constants: from the radii of each contact, errors included, at the nominal contact angle; from "
-        "dimensions without errors; from the actual geometry at the contact angle under load; or as printed in "
-        "Lin's Table B.1",
-        "nominal",
-        "actual",
-    )
+    screw: ClassVar[Any]  # type: ignore[misc]
+    element_length: ClassVar[Any]  # type: ignore[misc]
+    arm: ClassVar[Any]  # type: ignore[misc]
+    load_step: ClassVar[Any]  # type: ignore[misc]
     partition: Literal["nodal", "source"] = key(
         "nodes of the shaft's beam elements: at every contact, or 15 mm apart in every nut as in Lin's thesis",
         "nodal",
         "source",
     )
-    section: Literal["groove", "groove squared", "full"] = key(
-        "cross-section of the threaded shaft as a beam: outer diameter times k_r, the square root of the volume "
-        "with groove divided by the volume without (Lin C.8); outer diameter times k_r^2; or not reduced",
-        "groove",
-        "full",
-    )
 
 
-class LoadCaseHousingKeys(keys.SceneFileTable):
+class LoadCaseHousingKeys(keys.SceneFileTable, axis.Housing):
     """Loads on one of the scene's housings in one load case."""
 
     ONE_OF: ClassVar = parts.Load.ONE_OF
-    name: Name = key("name of the housing in the scene", example="carriage")
-    force: ranges.Forces = key("force on the housing along x, y, z", ["0 N", "0 N", "0 N"], ["0 N", "0 N", "5 kN"])
-    moment: ranges.Moments = key(
-        "moment on the housing about x, y, z", ["0 N m", "0 N m", "0 N m"], ["0 N m", "3 N m", "0 N m"]
-    )
+    name: ranges.Name = key("name of the housing in the scene", example="carriage")
+    at: ClassVar[Any]  # type: ignore[misc]
 
 
 class ShaftLoadCaseKeys(LoadCaseKeys):
     """One of several load cases of a shaft; its oversize applies to the balls of all nuts and bearings."""
 
-    housings: Annotated[list[Annotated[LoadCaseHousingKeys, ranges.OneKeyNeeded(1)]], Field(max_length=100)] = key(
-        "loads on housings, instead of those outside [[cases]]", [], [{"name": "carriage", "force": ["0 N", "0 N", "5 kN"]}]
+    housings: Annotated[tuple[Annotated[LoadCaseHousingKeys, ranges.OneKeyNeeded(1)], ...], ranges.ListLength(0, 100)] = (
+        key(
+            "loads on housings, instead of those outside [[cases]]",
+            (),
+            [{"name": "carriage", "force": ["0 N", "0 N", "5 kN"]}],
+        )
     )
 
 
-class ShaftSceneKeys(keys.TitleKeys):
+class ShaftSceneKeys(SharedMaterialKeys, axis.Assembly):
     """One shaft with several nuts and bearings, with or without housings, in one load case or several."""
 
-    kind: Literal["axis"] = key("what the scene describes", "axis", "axis")
-    material: keys.MaterialKeys = key(
-        "material of all parts in whose tables no material is given", keys.MaterialKeys(), keys.MATERIAL
-    )
-    screw: ShaftKeys = key("screw shaft")
-    sets: Annotated[list[NutOrBearingKeys], Field(min_length=1, max_length=100)] = key(
-        "ball nuts and bearings, in any order"
-    )
-    housings: Annotated[list[HousingKeys], Field(max_length=100)] = key(
-        "housings that move", [], [{"name": "carriage", "at": "400 mm"}]
-    )
-    joints: Annotated[list[JointKeys], Field(max_length=100)] = key(
-        "springs between housings", [], [{"between": ["a", "b"], "at": "400 mm"}]
-    )
-    supports: Supports = key("supports of the shaft other than bearings", [], [{"at": "0 mm", "fix": ["rz"]}])
-    loads: Loads = key("loads on the shaft", [], LOADED)
-    cases: Annotated[list[ShaftLoadCaseKeys], Field(max_length=1000)] = key(
-        "load cases of a duty cycle, all with the same bodies", [], CASE
+    kind: Literal["axis"] = key("what the scene describes", "axis", "axis")  # type: ignore[misc]
+    screw: ShaftKeys
+    sets: Annotated[tuple[NutOrBearingKeys, ...], ranges.ListLength(1, 100)]
+    housings: Annotated[tuple[HousingKeys, ...], ranges.ListLength(0, 100)]
+    joints: Annotated[tuple[JointKeys, ...], ranges.ListLength(0, 100)]
+    supports: Supports
+    cases: Annotated[tuple[ShaftLoadCaseKeys, ...], ranges.ListLength(0, 1000)] = key(
+        "load cases of a duty cycle, all with the same bodies", (), CASE
     )
     stiffness: StiffnessPositionKeys = key(
         "position at which the stiffness of the assembly is reported", StiffnessPositionKeys(), {"housing": "carriage"}
     )
     heat: ShaftHeatingKeys | None = key("temperature rise of the shaft", None, {"warming": "10 K", "expansion": 11.5e-6})
     ingredients: ShaftModelOptionKeys = key("options of the low-order models", ShaftModelOptionKeys(), {"section": "full"})
-    friction: FrictionKeys | None = key("friction of balls and grooves", None, {"coefficient": 0.1})
-    motion: parts.Motion | None = key("part that rotates, and its angular speed", None, {"speed": "600 rpm"})
-    lubricant: parts.Lubricant | None = key("lubricant, for torques that depend on speed", None, {"viscosity": "27 mm2/s"})
-    drive: Drive = key(
-        "what the motor drives in addition to the shaft: moved mass, inertia, friction torque, and time of acceleration",
-        Drive(),
-        {"mass": "200 kg"},
-    )
+    friction: FrictionKeys | None

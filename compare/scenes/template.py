@@ -117,7 +117,7 @@ def _schema_of_kind(kind: str) -> dict[str, Any]:
         return schema
     from rollbench.compare.scenes.friction_kinds.table import TABLE
 
-    return scene_schema_of_kind(TABLE[kind].key_class)
+    return scene_schema_of_kind(TABLE[kind].key_class)  # type: ignore[arg-type]
 
 
 def _table_lines(node: Node, defs: Node, values: Node, path: str) -> Iterator[str]:

@@ -30,15 +30,14 @@ from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout, lead_angle, nominal_groove_radii
 from rollbench.meshes.one_arc import flanks_of_single_arc_contacts
 from rollbench.meshes.parts import SIDE_SIGNS, Scene
-from rollbench.meshes.record_keys import frozen_default, register_frozen_defaults
+from rollbench.meshes.record_keys import frozen_default, frozen_record
 from rollbench.meshes.solid import dimensions_of_3d_parts
 
 #: Expected semi-axes are rounded to this length [m], so that similar scenes share their patches.
 ROUNDING = 5e-6
 
 
-@register_frozen_defaults
-@dataclass(frozen=True)
+@frozen_record
 class Settings:
     """Mesh settings of the 3D reference: cell sizes at contacts and in bodies, submodels, modes and element type."""
 

@@ -48,7 +48,7 @@ from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.grooved_body import mesh_grooved_body
 from rollbench.meshes.helix import BallLayout
 from rollbench.meshes.parts import SIDE_SIGNS
-from rollbench.meshes.record_keys import frozen_default, register_frozen_defaults
+from rollbench.meshes.record_keys import frozen_default, frozen_record
 
 #: Numbers of the left flanks of screw or inner ring, and of nut or outer ring; right flanks are left ones after half a
 #: turn.
@@ -471,8 +471,7 @@ def half_space_compliance_on_same_nodes(
     return compliance_of_half_space_block(block, nodal_forces_of_tractions(block, zone, degree, (0.0, 0.0)), young, poisson)
 
 
-@register_frozen_defaults
-@dataclass(frozen=True)
+@frozen_record
 class Sizes:
     """Numerical settings for the compliance of finite bodies at a contact (kernels): meshes and polynomial degree."""
 

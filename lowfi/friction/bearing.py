@@ -26,7 +26,7 @@ from rollbench.lowfi.friction.screw import motion as screw_motion
 from rollbench.lowfi.friction.screw.groove import ON_SCREW, SIGN_X, SIGN_Z, GrooveHertzConstants, ScrewGroove, section_axes
 from rollbench.lowfi.hertz import contact_modulus, hertz_constants
 from rollbench.meshes.arrays import Array, Index, Mask
-from rollbench.meshes.record_keys import frozen_default, register_frozen_defaults
+from rollbench.meshes.record_keys import frozen_default, frozen_record
 
 #: Names of a ball's contacts, of which I and O stand for inner and outer ring, L and R for left and right.
 SIDES = ("IL", "IR", "OR", "OL")
@@ -40,8 +40,7 @@ AROUND, TURNS = [0, 1, 3, 2], [0, 3, 1, 2]
 AXIAL, RADIAL, INNER = SIGN_Z[AROUND], SIGN_X[AROUND], ON_SCREW
 
 
-@register_frozen_defaults
-@dataclass(frozen=True)
+@frozen_record
 class Bearing(ScrewGroove):
     """Ball bearing with gothic-arch grooves, described as a ball screw of zero lead.
 
@@ -323,8 +322,7 @@ class BallRow:
     contacts: tuple[bool, bool, bool, bool]
 
 
-@register_frozen_defaults
-@dataclass(frozen=True)
+@frozen_record
 class BearingCase:
     """Ball bearing with a rotating, loaded inner ring and a fixed outer ring: rows of balls, clearance and force."""
 

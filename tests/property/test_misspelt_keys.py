@@ -93,8 +93,11 @@ def test_one_changed_letter_in_any_key_of_the_schema(kind: str) -> None:
     """Also in tables that no shipped scene and no template has."""
     draw, count = random.Random(kind), 0
     name = next(x for x, text in TEXTS.items() if (tomllib.loads(text).get("kind") or "ball screw") == kind)
-    for path in (x for x in keys_of_schema(schema_of(kind)) if x != ("kind",)):
+    known = [path for path in keys_of_schema(schema_of(kind)) if path != ("kind",)]
+    for path in known:
         tables, wrong = tomllib.loads(TEXTS[name]), misspelt(str(path[-1]), draw)
+        if (*path[:-1], wrong) in known:  # ux for rx
+            continue
         put(tables, path, wrong)
         with pytest.raises(InputError) as refused:
             scene_from_tables(tables, f"{name}.toml")

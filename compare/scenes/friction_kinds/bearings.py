@@ -12,7 +12,6 @@ from math import asin, degrees, pi, tan
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
-from pydantic import Field
 
 from rollbench.compare.scenes import keys as scenes_keys
 from rollbench.compare.scenes.fault import Fault
@@ -22,7 +21,7 @@ from rollbench.lowfi.friction.bearing import ALL, DIAGONAL, OTHER, BallRow, Bear
 from rollbench.lowfi.friction.linear.bearing import LinearBearing, Loads, contact_angle_deviations
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.ranges import ContactAngle, QuantityRange, RateRange, Size
+from rollbench.meshes.ranges import ContactAngle, IntegerRange, ListLength, QuantityRange, RateRange, Size, Switch
 
 #: Name of a friction law.
 Law = Literal["coulomb", "regularised", "sigmoid"]
@@ -47,7 +46,7 @@ class InnerRingLoadKeys(SceneFileTable):
     """Axial force and radial displacement of the inner ring."""
 
     axial_force: Axial = key("force on the inner ring along its axis")
-    radial_displacement: Move = key("radial displacement of the inner ring towards the ball", "0 um", "5 um")
+    radial_displacement: Move = key("radial displacement of the inner ring towards the ball", 0.0, "5 um")
 
 
 class FrictionLawKeys(scenes_keys.CoulombFrictionKeys):
@@ -67,12 +66,10 @@ class FrictionLawKeys(scenes_keys.CoulombFrictionKeys):
     )
 
 
-class BearingBallKeys(common.EqualGrooveSceneKeys):
+class BearingBallKeys(common.HertzSceneKeys, common.EqualGrooveKeys):
     """One ball of a rotary bearing; the inner ring turns, the outer ring is fixed."""
 
     kind: Literal["bearing ball"] = key("what the scene describes", example="bearing ball")
-    track: scenes_keys.BallPathKeys = key("path of the ball centres, of zero lead")
-    balls: scenes_keys.BallSizeKeys = key("the ball")
     load: InnerRingLoadKeys = key("force and displacement of the inner ring")
     motion: scenes_keys.RingSpeedKeys = key("motion of the inner ring")
     friction: FrictionLawKeys = key("friction")
@@ -107,7 +104,7 @@ def bearing_ball_faults(keys: BearingBallKeys) -> Iterator[Fault]:
     yield from wrong
     if wrong:
         return
-    reach = keys.screw.radius_for(keys.balls) - keys.balls.radius
+    reach = keys.screw.radius_for(keys.balls.radius) - keys.balls.radius
     yield from common.displacement_faults(reach, keys.load.radial_displacement, "load.radial_displacement")
     yield from _friction_law_faults(keys.friction, keys.motion.speed)
 
@@ -155,21 +152,13 @@ LoadAngle = Annotated[float, QuantityRange("angle", "0 deg", "90 deg", "18 deg")
 class BearingRowBallKeys(scenes_keys.BallSizeKeys):
     """Evenly spaced balls of one bearing row: their size and number."""
 
-    count: Annotated[int, Field(ge=1, le=1000)] = key("balls in a row", example=9)
+    count: Annotated[int, IntegerRange(1, 1000)] = key("balls in a row", example=9)
 
 
-class RotaryBearingKeys(SceneFileTable):
+class RotaryBearingKeys(common.EqualGrooveKeys):
     """Rotary bearing whose inner ring turns and whose outer ring is fixed."""
 
-    track: scenes_keys.BallPathKeys = key("path of the ball centres, of zero lead")
-    screw: scenes_keys.GrooveKeys = key("groove of the inner ring", example={"groove_radius": "6.75 mm"})
-    nut: scenes_keys.GrooveKeys = key(
-        "groove of the outer ring, with the same radius", example={"groove_radius": "6.75 mm"}
-    )
     balls: BearingRowBallKeys = key("balls of each row")
-    errors: common.BallRadiusErrorKeys = key(
-        "geometric errors", common.BallRadiusErrorKeys(), {"balls": {"oversize": "1 um"}}
-    )
 
 
 class BearingRowsKeys(SceneFileTable):
@@ -189,13 +178,13 @@ class InnerRingForceKeys(SceneFileTable):
     """Force on the inner ring through the bearing's centre, at several angles to the axis; whether the ring may tilt."""
 
     force: common.Pressing = key("magnitude of the force on the inner ring")
-    angles: Annotated[list[LoadAngle], Field(min_length=2, max_length=500)] = key(
+    angles: Annotated[tuple[LoadAngle, ...], ListLength(2, 500)] = key(
         "angles between the force and the bearing axis, in ascending order", example=["0 deg", "10 deg", "18 deg"]
     )
-    tilt: bool = key("whether the inner ring is free to tilt", True, True)
+    tilt: Switch = key("whether the inner ring is free to tilt", True, True)
 
 
-class BearingPairKeys(common.FrictionSceneKeys):
+class BearingPairKeys(common.HertzSceneKeys):
     """Four-point bearing and double-row bearing under the same force."""
 
     kind: Literal["bearing pair"] = key("what the scene describes", example="bearing pair")
@@ -204,9 +193,6 @@ class BearingPairKeys(common.FrictionSceneKeys):
     load: InnerRingForceKeys = key("force on the inner ring")
     motion: scenes_keys.RingSpeedKeys = key("motion of the inner ring")
     friction: scenes_keys.CoulombFrictionKeys = key("friction")
-    ingredients: common.HertzConstantKeys = key(
-        "options of the low-order model", common.HertzConstantKeys(), {"hertz": "nominal"}
-    )
 
 
 @dataclass(frozen=True)
@@ -305,7 +291,7 @@ class BottomAngleDeviationKeys(SceneFileTable):
     deviation: common.Theta = key(
         "theta: contact angles are the nominal angle minus theta at bottom left, plus theta at bottom right"
     )
-    mated: bool = key(
+    mated: Switch = key(
         "whether the contact angles at the top groove deviate too, so that the two contacts on each diagonal of a "
         "ball stay diametrically opposite (Lin 3.3.4.2)",
         False,
@@ -317,12 +303,12 @@ class BallOfChainKeys(SceneFileTable):
     """One ball in a chain of balls of a linear bearing: side force, contact angles, and gap to the next ball."""
 
     side_force_ratio: SideRatio = key("side force divided by vertical_force", 0.0)
-    angle_deviations: Annotated[list[common.Theta], Field(min_length=4, max_length=4)] = key(
+    angle_deviations: Annotated[tuple[common.Theta, ...], ListLength(4, 4)] = key(
         "deviations of the contact angles from the nominal angle, at bottom left, bottom right, top right, top left",
-        ["0 deg", "0 deg", "0 deg", "0 deg"],
+        (0.0, 0.0, 0.0, 0.0),
         ["-2 deg", "2 deg", "0 deg", "0 deg"],
     )
-    gap: common.Gap = key("gap to the next ball; 0: the two balls may touch", "0 mm", "0.5 mm")
+    gap: common.Gap = key("gap to the next ball; 0: the two balls may touch", 0.0, "0.5 mm")
 
 
 class LinearBearingKeys(common.FrictionSceneKeys):
@@ -348,7 +334,7 @@ class LinearChainKeys(LinearBearingKeys):
 
     kind: Literal["linear chain"] = key("what the scene describes", example="linear chain")
     load: CarriageForceKeys = key("force of the carriage")
-    chain: Annotated[list[BallOfChainKeys], Field(min_length=1, max_length=500)] = key("balls in order along the track")
+    chain: Annotated[tuple[BallOfChainKeys, ...], ListLength(1, 500)] = key("balls in order along the track")
 
 
 @dataclass(frozen=True)
@@ -458,7 +444,7 @@ def linear_bearing_scene(keys: LinearPairKeys | LinearChainKeys, name: str) -> L
     f, radius = keys.friction, keys.balls.radius
     bearing = LinearBearing(
         radius,
-        keys.grooves.conformity or 0.5 * keys.grooves.radius_for(keys.balls) / radius,
+        keys.grooves.conformity or 0.5 * keys.grooves.radius_for(keys.balls.radius) / radius,
         keys.track.contact_angle,
         keys.motion.carriage,
         f.coefficient,

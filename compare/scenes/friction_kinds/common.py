@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar, Literal, Protocol, TypeVar
+from typing import Annotated, Any, ClassVar, Literal, TypeVar
 
 import numpy as np
 
@@ -114,14 +114,21 @@ class BallFrictionKeys(scenes_keys.CoulombFrictionKeys):
     )
 
 
-class EqualGrooveSceneKeys(FrictionSceneKeys):
-    """Bearing or screw with the same groove radius on both parts, and balls of one size."""
+class EqualGrooveKeys(SceneFileTable):
+    """Ball path, balls, and grooves of equal radius on both parts of a bearing or screw."""
 
+    track: scenes_keys.BallPathKeys = key("path of the ball centres, of zero lead")
     screw: scenes_keys.GrooveKeys = key("groove of the screw, or of the inner ring", example={"conformity": 0.54})
     nut: scenes_keys.GrooveKeys = key(
         "groove of the nut, or of the outer ring, with the same radius", example={"conformity": 0.54}
     )
+    balls: scenes_keys.BallSizeKeys = key("size of the balls")
     errors: BallRadiusErrorKeys = key("geometric errors", BallRadiusErrorKeys(), {"balls": {"oversize": "1.7 um"}})
+
+
+class HertzSceneKeys(FrictionSceneKeys):
+    """Scene for which only friction is computed, with a choice of the Hertz constants."""
+
     ingredients: HertzConstantKeys = key("options of the low-order model", HertzConstantKeys(), {"hertz": "nominal"})
 
 
@@ -145,7 +152,7 @@ def groove_radius_faults(groove: scenes_keys.GrooveKeys, balls: scenes_keys.Ball
     """
     wrong = list(groove_definition_faults(groove, table))
     yield from wrong
-    if not wrong and groove.radius_for(balls) <= balls.radius:
+    if not wrong and groove.radius_for(balls.radius) <= balls.radius:
         advice = "choose a groove radius above the ball's radius"
         yield Fault((f"{table}.groove_radius", f"{table}.conformity"), f"above {length_text(balls.radius)}", advice)
 
@@ -154,27 +161,8 @@ def groove_radius_faults(groove: scenes_keys.GrooveKeys, balls: scenes_keys.Ball
 Grooves = TypeVar("Grooves", bound=ScrewGroove)
 
 
-class BearingOrScrewKeys(Protocol):
-    """Keys of a bearing or screw that `groove_and_path_faults` checks: grooves, ball path, ball size and oversize."""
-
-    #: Groove of the screw or inner ring.
-    screw: scenes_keys.GrooveKeys
-    #: Groove of the nut or outer ring.
-    nut: scenes_keys.GrooveKeys
-    #: Errors of the ball radii.
-    errors: BallRadiusErrorKeys
-
-    @property
-    def track(self) -> scenes_keys.BallPathKeys:
-        """Path of the ball centres."""
-
-    @property
-    def balls(self) -> scenes_keys.BallSizeKeys:
-        """Size of the balls."""
-
-
 def grooves_from_keys(
-    record: type[Grooves], keys: Any, part: BearingOrScrewKeys, lead: float, speeds: tuple[float, float], **more: Any
+    record: type[Grooves], keys: Any, part: EqualGrooveKeys, lead: float, speeds: tuple[float, float], **more: Any
 ) -> Grooves:
     """Return grooves, balls, speeds and friction of a ball screw or bearing as a ``record`` of the friction solvers.
 
@@ -184,7 +172,7 @@ def grooves_from_keys(
     """
     return record(
         part.balls.radius,
-        part.screw.radius_for(part.balls),
+        part.screw.radius_for(part.balls.radius),
         part.track.pitch_radius,
         lead,
         part.track.contact_angle,
@@ -196,7 +184,7 @@ def grooves_from_keys(
     )
 
 
-def groove_and_path_faults(keys: BearingOrScrewKeys, prefix: str = "", *, is_bearing: bool) -> Iterator[Fault]:
+def groove_and_path_faults(keys: EqualGrooveKeys, prefix: str = "", *, is_bearing: bool) -> Iterator[Fault]:
     """Yield the faults of the keys for grooves, ball path and ball oversize of a bearing or screw.
 
     Parameters
@@ -208,13 +196,13 @@ def groove_and_path_faults(keys: BearingOrScrewKeys, prefix: str = "", *, is_bea
     is_bearing
         Whether it is a bearing, whose lead must be zero; else the lead must be positive.
     """
-    track, radius = keys.track, keys.screw.radius_for(keys.balls)
+    track, radius = keys.track, keys.screw.radius_for(keys.balls.radius)
     for name, groove in (("screw", keys.screw), ("nut", keys.nut)):
         wrong = list(groove_radius_faults(groove, keys.balls, prefix + name))
         yield from wrong
         if wrong:
             return
-    if abs(keys.nut.radius_for(keys.balls) / radius - 1.0) > 1e-12:
+    if abs(keys.nut.radius_for(keys.balls.radius) / radius - 1.0) > 1e-12:
         advice = 'give both grooves the same radius: only the kinds "ball screw" and "bearing" allow different ones'
         where = (f"{prefix}nut.groove_radius", f"{prefix}nut.conformity")
         yield Fault(where, f"{length_text(radius)}, as for the groove of the screw or inner ring", advice)

@@ -3,29 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from math import degrees, pi
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
-from pydantic import Field
 
 from rollbench.compare.scenes.fault import Fault, length_text
 from rollbench.compare.scenes.friction_kinds import common
 from rollbench.compare.scenes.friction_kinds.common import FrictionScene, head_of_scene
 from rollbench.compare.scenes.key_checks import simulation_time_faults
-from rollbench.compare.scenes.keys import BallHelixKeys, BallSizeKeys, SceneFileTable, key
+from rollbench.compare.scenes.keys import BallHelixKeys, BallSizeKeys, SceneFileTable, key, record_from_keys
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.lowfi.friction.screw.motion import Coupling
 from rollbench.lowfi.friction.screw.run import Pair, Run
 from rollbench.meshes.parts import Motion, Time
-from rollbench.meshes.ranges import Azimuth, IntegerRange, QuantityRange, Turns
-from rollbench.meshes.record_keys import frozen_default
+from rollbench.meshes.ranges import Azimuth, IntegerRange, ListLength, QuantityRange, Turns
 
 #: Factor on the deviation of a contact angle.
 Share = Annotated[float, QuantityRange("number", -1, 1, 1)]
 #: Factors on the deviation for the contact angles at SL, SR, NL, NR (screw or nut, left or right).
-Pattern = Annotated[list[Share], Field(min_length=4, max_length=4)]
+Pattern = Annotated[tuple[Share, ...], ListLength(4, 4)]
 #: Fraction of the distance between balls.
 Part = Annotated[float, QuantityRange("number", 0, 1, 0.5)]
 #: Number of periods of the angle deviation per turn of the screw.
@@ -64,19 +62,19 @@ class ScrewFrictionKeys(common.BallFrictionKeys):
 class BallPairAngleKeys(SceneFileTable):
     """Deviations of the contact angles of two balls from the nominal contact angle."""
 
-    deviations: Annotated[list[common.Theta], Field(min_length=2, max_length=2)] = key(
+    deviations: Annotated[tuple[common.Theta, ...], ListLength(2, 2)] = key(
         "deviation theta from the nominal angle at the rear ball and at the front ball", example=["0 deg", "2 deg"]
     )
-    pattern: Pattern = key(_PATTERN, [1, 1, 0, 0], [1, 1, 0, 0])
+    pattern: Pattern = key(_PATTERN, (1.0, 1.0, 0.0, 0.0), [1, 1, 0, 0])
 
 
 class AngleVariationKeys(SceneFileTable):
     """Deviation of contact angles from the nominal angle: theta = amplitude * sin(cycles_per_turn * azimuth + phase)."""
 
     amplitude: common.Theta = key("amplitude of theta")
-    cycles_per_turn: Cycles = key("number of periods of theta per turn of the screw", 2, 2)
-    phase: Azimuth = key("phase of theta", "0 deg", "90 deg")
-    pattern: Pattern = key(_PATTERN, [1, 1, 0, 0], [1, 1, 0, 0])
+    cycles_per_turn: Cycles = key("number of periods of theta per turn of the screw", 2.0, 2)
+    phase: Azimuth = key("phase of theta", 0.0, "90 deg")
+    pattern: Pattern = key(_PATTERN, (1.0, 1.0, 0.0, 0.0), [1, 1, 0, 0])
     follows: Literal["screw", "nut"] = key(
         "part to which the pattern of theta is attached, and in whose axes the azimuth is measured", "screw", "nut"
     )
@@ -85,33 +83,32 @@ class AngleVariationKeys(SceneFileTable):
 class CircuitBallKeys(BallSizeKeys):
     """Balls of a closed ball circuit: size, number, and loaded turns."""
 
-    count: Annotated[int, Field(ge=2, le=1000)] = key("number of balls", example=37)
+    count: Annotated[int, IntegerRange(2, 1000)] = key("number of balls", example=37)
     turns: Turns = key("number of turns in the nut over which balls carry load")
 
 
 class BallReturnKeys(SceneFileTable):
     """Return of the balls in a closed circuit: length of the return tube, and position of the first ball."""
 
-    return_tube: common.Gap = key("length of the return tube, in which balls carry no load", "0 mm", "5.6 mm")
+    return_tube: common.Gap = key("length of the return tube, in which balls carry no load", 0.0, "5.6 mm")
     first_ball: Part = key("initial position of the first ball, as a fraction of the distance between balls", 0.5, 0.5)
 
 
-@dataclass(frozen=True)
-class SimulationTimeKeys(Time):
+class SimulationTimeKeys(SceneFileTable, Time):
     """Duration and number of steps of a simulation over time, and iterations between loads and friction in each step.
 
     One iteration solves the contact loads under given friction, then the friction under these loads.
     """
 
-    rounds: Annotated[int, IntegerRange(1, 100)] = frozen_default(
-        1,
+    rounds: Annotated[int, IntegerRange(1, 100)] = key(
         "iterations in each time step, each of the contact loads and then of friction; 1: contact loads under the "
         "friction of the previous time step",
+        1,
         1,
     )
 
 
-class BallScrewFrictionKeys(common.EqualGrooveSceneKeys):
+class BallScrewFrictionKeys(common.HertzSceneKeys, common.EqualGrooveKeys):
     """Ball screw with load, motion and friction; only the speed of nut and screw relative to each other matters."""
 
     track: BallHelixKeys = key("path of the ball centres")
@@ -124,7 +121,6 @@ class ScrewPairKeys(BallScrewFrictionKeys):
     """Two neighbouring balls of a ball screw that touch each other."""
 
     kind: Literal["screw pair"] = key("what the scene describes", example="screw pair")
-    balls: BallSizeKeys = key("the two balls")
     angles: BallPairAngleKeys = key("contact angles")
 
 
@@ -241,7 +237,7 @@ def screw_pair_scene(keys: ScrewPairKeys, name: str) -> ScrewPairScene:
 def screw_run_scene(keys: ScrewSimulationKeys, name: str) -> ScrewRunScene:
     """Return the scene ``name`` of a ball screw simulated over time from the validated keys of its file."""
     groove, a = _screw_groove_from_keys(keys), keys.angles
-    time = Time(**{f.name: getattr(keys.time, f.name) for f in fields(Time)})
+    time = record_from_keys(Time, keys.time)
     run = Run(
         groove,
         keys.balls.count,

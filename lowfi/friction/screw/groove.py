@@ -22,7 +22,7 @@ from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.numerics import brentq
 from rollbench.meshes.parts import SIDE_SIGNS, Balls, Material, Nut, Scene, Screw, Track
-from rollbench.meshes.record_keys import frozen_default, register_frozen_defaults
+from rollbench.meshes.record_keys import frozen_default, frozen_record
 from rollbench.meshes.surface import printed_principal_radii
 
 #: How Hertz constants are computed: exactly ("right"), or with the errors of Lin's Table B.1 ("as printed").
@@ -259,8 +259,7 @@ class GroovesInMotion(HelicalMotion, TrackInMotion):
         return np.array([self.nominal_orbit, 0.0, 0.0, 0.0])
 
 
-@register_frozen_defaults
-@dataclass(frozen=True)
+@frozen_record
 class ScrewGroove(GroovesInMotion):
     """Grooves of a ball screw with four contacts per ball, with coefficients of friction and speeds of screw and nut.
 

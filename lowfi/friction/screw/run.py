@@ -21,7 +21,7 @@ from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.lowfi.friction.screw.travel import BallState, ClosedTrack, InstantSolution, TravelHistory, simulate
 from rollbench.meshes.arrays import Array, Index, Mask
 from rollbench.meshes.numerics import brentq
-from rollbench.meshes.record_keys import frozen_default, register_frozen_defaults
+from rollbench.meshes.record_keys import frozen_default, frozen_record
 
 #: Factors by which theta, the angle by which contact angles differ from the nominal one, is multiplied at the contacts SL,
 #: SR, NL, NR (screw or nut, left or right): both contact angles on the screw differ by the same amount, or by opposite
@@ -29,8 +29,7 @@ from rollbench.meshes.record_keys import frozen_default, register_frozen_default
 BOTH, SHIFTED = (1.0, 1.0, 0.0, 0.0), (1.0, -1.0, 0.0, 0.0)
 
 
-@register_frozen_defaults
-@dataclass(frozen=True)
+@frozen_record
 class Pair:
     """Two neighbouring balls of a ball screw that touch, with their grooves, contact angles and loads."""
 
@@ -214,8 +213,7 @@ def results_over_oversize_and_force(pair: Pair, oversize: Array, axial: Array) -
     return ScrewPairResultGrid(force, increase, converged)
 
 
-@register_frozen_defaults
-@dataclass(frozen=True)
+@frozen_record
 class Run:
     """Ball screw with the data for its simulation over time by `simulate`; azimuths are measured relative to the screw.
 

@@ -32,16 +32,14 @@ def test_frozen_defaults_stay(name: str) -> None:
 
 
 def test_a_default_that_is_not_frozen_fails_at_import_and_one_that_is_changed_later_changes_the_form() -> None:
-    @dataclasses.dataclass(frozen=True)
     class Forgotten:
         known: float
         added: float = 0.25
 
     with pytest.raises(TypeError, match=r"Forgotten\.added: its default is not frozen: write frozen_default"):
-        record_keys.register_frozen_defaults(Forgotten)
+        record_keys.frozen_record(Forgotten)
 
-    @record_keys.register_frozen_defaults
-    @dataclasses.dataclass(frozen=True)
+    @record_keys.frozen_record
     class Later:
         sign: float = record_keys.frozen_default(1.0, present_default=-1.0)
 

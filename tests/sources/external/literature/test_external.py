@@ -96,7 +96,7 @@ def test_double_nut_of_contacts_alone(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_friction_moves_balls_wherever_nothing_else_is_said():
     """One default: of the record, of scene files, of the command, and so of the maker's worked example of drag torque."""
-    assert Friction(0.1, 0.1).feedback is Friction.feedback is FrictionKeys.model_fields["feedback"].default is True
+    assert Friction(0.1, 0.1).feedback is Friction.feedback is FrictionKeys.feedback is True
     nut = catalogue.scene("external-thk-bnf-3205-5")
     assert [f.feedback for f in friction_coefficients(replace(nut, friction=None), (0.1,))] == [True]
     drag = found("external-thk:drag")
