@@ -400,8 +400,8 @@ class Summary:
 
     #: Question that the report answers.
     question: str
-    #: Answer in one sentence.
-    answer: str
+    #: Answers, each with its heading.
+    answers: Sequence[tuple[str, str]]
     #: Figure that shows the answer.
     figure: Figure
     #: The figure that shows the answer, laid out for a narrow screen.

@@ -175,7 +175,7 @@ def _viewer_data_of_nut_or_bearing(one: NutOrBearingView) -> dict[str, Any]:
     if one.reference is not None:
         label, *rows = one.reference
         out["reference"] = {"label": label, **dict(zip(("load", "uncertainty", "error"), map(_rounded, rows), strict=True))}
-    if one.closer is not None and np.abs(one.closer).max(initial=0.0) > 1e-12:
+    if one.closer is not None and one.closer.size and np.ptp(one.closer, axis=0).max() > 1e-12:  # else flat lines
         out["closer"] = _rounded(1e6 * one.closer)
     return out
 

@@ -9,11 +9,11 @@ from operator import attrgetter
 import numpy as np
 
 from rollbench.compare.evidence import all_computations, evidence_of_all_tables
-from rollbench.compare.gate.verdict import LIMIT, ErrorLimits, judge_contact_loads
+from rollbench.compare.gate.verdict import LIMIT
 from rollbench.compare.measure import SMALL, load_scale_of_check_errors
 from rollbench.compare.models.comparison import REFERENCED, RULE
 from rollbench.compare.models.model_form import MeasuredModelErrors, model_errors_on_random_screws
-from rollbench.compare.models.modelling import UNSEEN, RefinementStepResult, solve_refinement_sequence_on_all_scenes
+from rollbench.compare.models.modelling import UNSEEN, solve_refinement_sequence_on_all_scenes
 from rollbench.compare.models.modelling import model_errors_on_built_in_scenes as compared_points
 from rollbench.compare.models.registry import DEFAULT
 from rollbench.compare.models.study import SceneResultCache
@@ -22,7 +22,7 @@ from rollbench.compare.reference.estimate import Reference, largest_uncertainty_
 from rollbench.compare.sections import reference_time
 from rollbench.compare.sections.source_tables import counts_of_reproduced_numbers_table
 from rollbench.compare.sections.u_val import validated_errors_of_models
-from rollbench.compare.studies import survey
+from rollbench.compare.studies import extremes, survey
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDES, Scene
 from rollbench.reports.content import Figure, Panel, Row, Section, Series, Summary, Table, TableColumn, Text, text_column
@@ -84,6 +84,16 @@ ACCURACY_COLUMNS = (
 KINDS = {DEFAULT: "refined", "lin": "lin"}
 #: Names of these models in a sentence.
 NAMES = {DEFAULT: "the refined model", "lin": "Lin's model"}
+#: How the first page introduces them.
+WHOSE = {
+    DEFAULT: "The refined model, rollbench's default (elastic screw, nut and balls)",
+    "lin": "Lin's model, as in the thesis (beam, rigid nut, Hertz springs)",
+}
+#: What no model computes.
+LEFT_OUT = (
+    "No model computes a lubrication film, plastic deformation, wear or the dynamics of the balls' return. Static loads "
+    "are without friction; friction of the balls is computed on request."
+)
 
 
 @dataclass(frozen=True)
@@ -375,69 +385,81 @@ def _is_drawn_in_family(point: reference_time.ErrorAndRunTime, family: str) -> b
     return point.status == "converged" and largest_error_or_mesh_uncertainty(point) > 0.0 and model_family(point) == family
 
 
-def model_accuracy_sentences(
-    largest_errors: Mapping[str, Array],
+def answers(
+    compared_screw_count: int,
     gate_errors: Mapping[str, Array],
-    random_screw_count: int,
     mesh_uncertainties: Sequence[float],
     total_uncertainty: float | None = None,
-) -> str:
-    """Return the sentences on the models' load errors on all compared screws, and on the accuracy of the 3D reference.
+) -> list[tuple[str, str]]:
+    """Return the answers on the first page, each with its heading.
 
     Parameters
     ----------
-    largest_errors
-        Largest error on each screw [% of the mean load], by model.
+    compared_screw_count
+        Number of screws compared with the 3D reference.
     gate_errors
         Largest error on each screw as ``rollbench check`` judges it, by model [% of the contact's reference load or, for a
         nearly unloaded contact, of the mean load].
-    random_screw_count
-        Number of the compared screws that were drawn at random.
     mesh_uncertainties
         Mesh uncertainty of the 3D reference for each scene [% of the mean load].
     total_uncertainty
         Largest uncertainty of a 3D contact load in Lin's case studies by mesh, modelling choices and input tolerances
         together [% of the mean load]; None: not known.
     """
-    largest = []
-    for model, errors in largest_errors.items():
-        if errors.size:
-            median, most = np.percentile(errors, [50, 95])
-            largest.append(f"{median:.1f} and {most:.1f} % with {NAMES[model]}")
     whole = (
         ""
         if total_uncertainty is None
-        else f"; with the modelling choices of the reference and the input tolerances of the scenes added, it is at most "
-        f"{total_uncertainty:.1f} % on Lin's case studies (the limit of {LIMIT:g} % is for the models' errors)"
+        else f"; with modelling choices and the tolerances of the input added, at most {total_uncertainty:.1f} % on Lin's "
+        "case studies"
     )
-    count = " or ".join(sorted({str(errors.size) for errors in largest_errors.values() if errors.size}))
-    return (
-        f"{errors_on_screws_drawn_later_text()}{screws_within_limit_text(gate_errors)}. Median and 95th percentile of the "
-        f"largest contact-load error on all {count} compared screws ({random_screw_count} of them drawn at "
-        f"random): {', '.join(largest)}, in per cent of the mean contact load. "
-        f"{_mesh_uncertainty_clause(mesh_uncertainties)}{whole}."
+    known = (
+        "Each contact load is compared with that of a 3D elastic-contact reference, which shares no code with the models. "
+        f"{_mesh_uncertainty_clause(mesh_uncertainties)}{whole}. In all, {compared_screw_count} screws were compared. "
+        f"{screws_within_limit_text(gate_errors)}."
     )
+    found = {
+        "How wrong": errors_on_screws_drawn_later_text(),
+        "How that is known": known,
+        "Stiff and extreme cases": stability_sentence(extremes.built_in_campaign_records()),
+        "Left out": LEFT_OUT,
+    }
+    return [(heading, text) for heading, text in found.items() if text]
 
 
 def errors_on_screws_drawn_later_text() -> str:
-    """Return the sentence on the models' errors on screws that were drawn after their last change, with a space at its end.
+    """Return the sentences on the models' errors on screws that were drawn after their last change, Lin's model first.
 
-    It is empty if no such screw is stored.
+    They are empty if no such screw is stored.
     """
     records = survey.records_of_screws_drawn_later()
-    found = {name: survey.model_accuracy_on_random_screws(records, name) for name in survey.MODELS}
+    found = {name: survey.model_accuracy_on_random_screws(records, name) for name in reversed(survey.MODELS)}
     texts = [
-        f"{one.median_error:.2g}, {one.percentile_95:.2g} and {one.largest_error:.2g} % with {NAMES[name]}"
+        f"{WHOSE[name]}: {one.median_error:.2g} % of the mean load in the median, at most {one.percentile_95:.2g} % on 19 "
+        f"of 20 screws, at most {one.largest_error:.2g} % on all"
         for name, one in found.items()
         if one.screw_count
     ]
     if not texts:
         return ""
-    count = found[survey.MODELS[0]].screw_count
     return (
-        f"On {count} screws that were drawn after the models were last changed, all with a flanged nut, median, 95th "
-        f"percentile and maximum of the largest contact-load error are {', '.join(texts)}, in per cent of the mean contact "
-        "load. "
+        f"Largest error of a contact load on {found[DEFAULT].screw_count} screws with a flanged nut, drawn after the "
+        f"models last changed and solved once. {'. '.join(texts)}."
+    )
+
+
+def stability_sentence(records: Sequence[extremes.Record]) -> str:
+    """Return the sentence on drawn extreme screws and axes of the newest version; empty without records of campaigns."""
+    if not records:
+        return ""
+    newest = [r for r in records if r["version"] == records[-1]["version"]]
+    counts = [r["scenes"] for r in newest]
+    judged = {v: sum(c.get(v, 0) for c in counts) for v in (*extremes.GOOD, *extremes.BAD)}
+    bad, right = sum(judged[v] for v in extremes.BAD), judged[extremes.RIGHT]
+    return (
+        f"Of {sum(judged.values())} screws and axes drawn at random from far beyond what is built (version "
+        f"{newest[-1]['version']}), {right} are solved, each judged by Hertz's law and the balance of forces computed by "
+        f"other code; {sum(judged.values()) - right - bad} are refused, as impossible input or with a proof; {bad} are "
+        "wrong or end without a reason."
     )
 
 
@@ -452,11 +474,7 @@ def screws_within_limit_text(gate_errors: Mapping[str, Array]) -> str:
     """
     found = {NAMES[model]: of_model for model, of_model in gate_errors.items() if of_model.size}
     counts = [f"{(e <= LIMIT).sum()} of {e.size} with {name}" for name, e in found.items()]
-    return (
-        f"Screws on which every contact load is within {LIMIT:g} % of the 3D reference, {RULE}: {', '.join(counts)}"
-        if counts
-        else ""
-    )
+    return f"Every contact load is within {LIMIT:g} %, {RULE}, on {', '.join(counts)}" if counts else ""
 
 
 def _mesh_uncertainty_clause(mesh_uncertainties: Sequence[float]) -> str:
@@ -468,7 +486,7 @@ def _mesh_uncertainty_clause(mesh_uncertainties: Sequence[float]) -> str:
         return "The uncertainty of the 3D reference by its mesh is unknown (one mesh level only)"
     low, high = f"{min(mesh_uncertainties):.1f}", f"{max(mesh_uncertainties):.1f}"
     text = low if low == high else f"{low} to {high}"
-    return f"Uncertainty of the contact loads of the 3D reference: {text} % of the mean contact load by the mesh alone"
+    return f"The mesh makes the reference uncertain by {text} % of the mean load"
 
 
 def random_screws_paragraph(random_screw_count: int) -> str:
@@ -598,9 +616,9 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
         random_screws_paragraph(drawn),
         *compared_scenes_paragraphs({name: cache.built_in_scene(name) for name in points}, found),
     ]
-    sentence = model_accuracy_sentences(
-        screws, largest_check_errors_on_screws(compared), drawn, bars, largest_total_uncertainty(cache, found)
-    )
+    count = max((errors.size for errors in screws.values()), default=0)
+    total = largest_total_uncertainty(cache, found)
+    told = answers(count, largest_check_errors_on_screws(compared), bars, total)
     limits = (*LIMITS, reference_time.run_time_conditions_sentence(cache, step))
     table = model_accuracy_table(summarise_accuracy_by_model(points))
     step("every model on every quantity")
@@ -608,17 +626,17 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     folders = {name: one.case.folder for name, one in all_computations().items()}
     laid = [f for f in evidence_of_all_tables(cache) if (folders[f.printed.table] / "layout.toml").is_file()]
     items = (
-        error_table_of_all_quantities(cache),
+        *error_tables_of_all_quantities(cache),
         computed_over_reference_load_figure(cache, found),
-        counts_of_reproduced_numbers_table(laid, "printed-values", unfolded=True),
+        counts_of_reproduced_numbers_table(laid, "printed-values"),
     )
-    summary = Summary(QUESTION, sentence, wide, narrow, covered, limits, table, items)
+    summary = Summary(QUESTION, told, wide, narrow, covered, limits, table, items)
     shown = (
         largest_error_bar_chart(summarise_accuracy_by_model(points)),
         table,
         error_over_further_load_case_time_figure(points),
     )
-    return Section("overview", title, shown, conclusion=sentence, summary=summary)
+    return Section("overview", title, shown, conclusion=told[0][1], summary=summary)
 
 
 def largest_total_uncertainty(cache: SceneResultCache, references: Mapping[str, Reference]) -> float | None:
@@ -632,37 +650,15 @@ def largest_total_uncertainty(cache: SceneResultCache, references: Mapping[str, 
     return max(totals, default=None)
 
 
-def error_table_of_all_quantities(cache: SceneResultCache) -> Table:
-    """Return the table of bias, scatter and largest error of the models in each computed quantity.
+def error_tables_of_all_quantities(cache: SceneResultCache) -> tuple[Table, Table]:
+    """Return the tables of bias and scatter of each computed quantity.
 
-    The errors are against the 3D reference and, in the last rows, against published or measured values.
+    The first is against the 3D reference, by model; the second against values that others publish or measured.
     """
-    rungs = cache.compute_once(solve_refinement_sequence_on_all_scenes)
-    rows = validated_errors_of_models(cache, rungs)
     from rollbench.compare.cases.makers.page import first_page
 
-    outside = first_page(cache)
+    rows = validated_errors_of_models(cache, cache.compute_once(solve_refinement_sequence_on_all_scenes))
     cells: list[Row] = []
-    for model in KINDS:
-        of_model = [r for r in rungs if r.model == model]
-        words = [check_verdict_on_model(cache, rung) for rung in of_model]
-        passed = words.count("pass")
-        cells.append(
-            {
-                "quantity": "largest contact-load error by the rule of rollbench check",
-                "model": model,
-                BIAS: None,
-                SCATTER: None,
-                LARGEST: max(r.load_error.gate_percent for r in of_model),
-                text_column("scenes", "number of screws and bearings"): len(of_model),
-                text_column(
-                    "passed", f"number of screws and bearings with all contact-load errors within {LIMIT:g} %"
-                ): f"{passed} of {len(of_model)}",
-                text_column("verdict", f"whether all contact-load errors are within {LIMIT:g} %"): "yes"
-                if passed == len(of_model)
-                else "no",
-            }
-        )
     for s in bias_and_scatter(rows):
         if s.model not in KINDS:
             continue
@@ -679,29 +675,21 @@ def error_table_of_all_quantities(cache: SceneResultCache) -> Table:
             }
         )
     columns = {q.key: q for q in (BIAS, SCATTER)}
-    for quantity, row in outside.items():
-        known: Row = {
-            columns.get(column.key, text_column("values", "number of published or measured values")): v
-            for column, v in row.items()
-        }
-        cells.append({"quantity": quantity, "model": "several, against published or measured values", **known})
-    note = (
-        f"First rows: errors by the rule of rollbench check, {RULE}. Then: errors against the finest mesh level of the 3D "
-        "reference of each screw or bearing. Last rows: errors against values that makers, measurements and other programs "
-        "state, each computed by the model or formula that the table of these values names (section outside)."
+    published: list[Row] = []
+    for quantity, row in first_page(cache).items():
+        known: Row = {columns.get(c.key, text_column("values", "number of values")): v for c, v in row.items()}
+        published.append({"quantity": quantity, **known})
+    note = "Errors against the finest mesh level of the 3D reference of each screw or bearing."
+    against = (
+        "Values that makers, measurements and other programs state, each computed by the model or formula that the table "
+        "of these values names (section outside)."
     )
-    title = "Mean error, standard deviation (scatter) and largest error of each model in each computed quantity"
-    return Table.from_rows("quantities", title, cells, note)
-
-
-def check_verdict_on_model(cache: SceneResultCache, model_solution: RefinementStepResult) -> str:
-    """Return the verdict "pass", "fail" or "undecided" of ``rollbench check`` on a model's contact loads on a scene.
-
-    ``model_solution``: solution of the scene by the model. The error limit is the default.
-    """
-    reference = cache.stored_reference(model_solution.scene)
-    assert reference is not None  # a model is solved only on scenes with a reference
-    return judge_contact_loads(model_solution.model, model_solution.result.load, reference, ErrorLimits())[0].word
+    return (
+        Table.from_rows("quantities", "Errors of the models in each quantity, against the 3D reference", cells, note),
+        Table.from_rows(
+            "published-values", "Errors in each quantity, against published and measured values", published, against
+        ),
+    )
 
 
 def computed_over_reference_load_figure(cache: SceneResultCache, references: Mapping[str, Reference]) -> Figure:

@@ -30,7 +30,7 @@ def small_report() -> Report:
     narrow = Table("narrow", "Tightness of balls", [TableColumn("a", "a")], [{"a": 1.0}])
     first = Figure("first", "Error against time", panels[:1], columns=1, size=(8.0, 3.4))
     other = Figure("second", "Error against time", panels[:1], columns=1, size=(3.75, 3.2))
-    summary = Summary("How far?", "As far as 2.6 % after 1 s. " * 6, first, other, ["all"], ["none"])
+    summary = Summary("How far?", [("How far", "As far as 2.6 % after 1 s. " * 6)], first, other, ["all"], ["none"])
     sections = (
         Section("loads", "Loads", (Text(["Words."]), Figure("both", "Loads", panels)), summary=summary),
         Section("tables", "Tables", (wide, narrow)),

@@ -87,15 +87,25 @@ def test_no_error_of_the_mean_load_has_a_limit_or_a_verdict() -> None:
     assert "contact loads" in fit.sentences_on_accurate_quantities(errors).partition("lin is not accurate")[2]
 
 
-def test_the_first_page_counts_what_passes_the_gate(monkeypatch) -> None:
+def test_the_first_page_has_errors_of_both_models_and_no_empty_cell(monkeypatch) -> None:
     monkeypatch.setattr(modelling, "RUNGS", [MODELS["refined"], MODELS["lin"]])
     monkeypatch.setattr(page, "first_page", lambda _: {})
     study, found = SceneResultCache(), STUDY.stored_reference(CASE)
     solved = modelling.solve_refinement_sequence(study.built_in_scene(CASE), found, study.reference_folders)
     study.computed_values[(modelling.solve_refinement_sequence_on_all_scenes,)] = solved
-    rows = overview.error_table_of_all_quantities(study).rows
-    judged = {row["model"]: (row["passed"], row["verdict"]) for row in rows if row.get("verdict")}
-    assert judged == {"refined": ("1 of 1", "yes"), "lin": ("0 of 1", "no")}
+    rows = overview.error_tables_of_all_quantities(study)[0].rows
+    assert {row["model"] for row in rows} == {"refined", "lin"}
+    assert None not in [cell for row in rows for cell in row.values()]
     of_mean = [row for row in rows if "mean load" in row["quantity"]]
     assert len(of_mean) == 2
-    assert not [row for row in of_mean if row.get("verdict") or row.get("passed")]
+
+
+def test_the_first_page_says_what_became_of_drawn_extreme_scenes() -> None:
+    old = {"version": "1", "scenes": {"right": 9, "wrong": 9}}
+    new = [
+        {"version": "2", "scenes": {"right": 5, "wrong": 1, "refused, proven": 2}},
+        {"version": "2", "scenes": {"right": 4}},
+    ]
+    said = overview.stability_sentence([old, *new])
+    assert [said.count(x) for x in ("12 screws", "9 are solved", "2 are refused", "1 are wrong")] == [1, 1, 1, 1]
+    assert overview.stability_sentence([]) == ""
