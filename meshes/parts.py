@@ -26,6 +26,9 @@ TITLE = "title of the scene, in one line"
 SOURCE = "publication or data sheet from which the data are taken"
 ASSUMED = "assumptions on what the source does not state, as sentences"
 
+#: Keys with which a scene file begins, in order.
+FIRST = ("title", "source", "assumed", "kind", "role", "members", "material")
+
 #: Surfaces at which a nut may be fixed. The inner and outer halves of a face are the two rings of equal width that form it.
 NutHeld = Literal[
     "left face",
@@ -57,10 +60,8 @@ class UnfitKey(ValueError):
 class Material:
     """Isotropic linear elastic material."""
 
-    #: Young's modulus E [Pa].
-    youngs_modulus: ranges.Modulus
-    #: Poisson's ratio nu.
-    poissons_ratio: ranges.Poisson
+    youngs_modulus: ranges.Modulus = scene_key("Young's modulus")
+    poissons_ratio: ranges.Poisson = scene_key("Poisson's ratio")
 
     @property
     def shear_modulus(self) -> float:
@@ -271,13 +272,12 @@ class BallErrors:
 class Errors:
     """All manufacturing errors of balls and grooves of a scene, and the seed of the random errors."""
 
-    #: Errors of the balls' radii.
-    balls: BallErrors = frozen_default(BallErrors())
+    seed: ranges.Seed = frozen_default(0, "seed of all random errors", 2019)
+    balls: BallErrors = frozen_default(BallErrors(), "errors of the ball radii", {"oversize": "7 um"})
     SL: SideErrors = frozen_default(SideErrors(), "errors of the screw's left flank", {"profile": ["3 um"]})
     SR: SideErrors = frozen_default(SideErrors(), "errors of the screw's right flank", {"profile": ["3 um"]})
     NL: SideErrors = frozen_default(SideErrors(), "errors of the nut's left flank", {"profile": ["3 um"]})
     NR: SideErrors = frozen_default(SideErrors(), "errors of the nut's right flank", {"profile": ["3 um"]})
-    seed: ranges.Seed = frozen_default(0, "seed of all random errors", 2019)
     #: Axial offset between the two halves of the nut's groove [m]: shift of the half at larger z than the nut's centre. It
     #: preloads a single nut in two-point contact.
     lead_offset: float = frozen_default(0.0)
@@ -637,22 +637,28 @@ class Scene:
     screw: Screw = scene_key("screw shaft, or inner ring")
     nut: Nut = scene_key("nut, or outer ring")
     balls: Balls = scene_key("size, number and positions of the balls")
-    errors: Errors = frozen_default(Errors(), "manufacturing errors of balls and grooves", {"seed": 0})
-    supports: tuple[Support, ...] = frozen_default((), "supports of the screw", [{"at": "0 mm", "fix": ["ux", "uy"]}])
-    loads: Loads = frozen_default((), "loads on the screw", LOADED)
-    ingredients: Ingredients = frozen_default(Ingredients(), "options of the low-order models", {"screw": "rigid"})
-    solid: Solid = frozen_default(Solid(), "inputs of the 3D reference only", {"nut_groove": "through"})
     source: ranges.Words = frozen_default("", SOURCE, "Lin 2019, 2.4.1.1")
     assumed: ranges.Sentences = frozen_default((), ASSUMED, ["The nut is rigid."])
-    members: ranges.Members = frozen_default(1, "number of specimens, each with its own random errors", 200)
-    friction: Friction | None = frozen_default(None, "friction of balls and grooves", {"coefficient": 0.1})
-    motion: Motion | None = frozen_default(None, "part that rotates, and its angular speed", {"speed": "600 rpm"})
     role: Literal["", "referenced", "unseen, changed parts", "unseen, catalogue size"] = frozen_default(
         "",
         "role in the validation report of a scene that is included in rollbench: case study with a 3D reference, "
         "or scene that was not used when the models were developed",
         "referenced",
         compare=False,
+    )
+    members: ranges.Members = frozen_default(1, "number of specimens, each with its own random errors", 200)
+    errors: Errors = frozen_default(Errors(), "manufacturing errors of balls and grooves", {"seed": 0})
+    supports: tuple[Support, ...] = frozen_default((), "supports of the screw", [{"at": "0 mm", "fix": ["ux", "uy"]}])
+    loads: Loads = frozen_default((), "loads on the screw", LOADED)
+    ingredients: Ingredients = frozen_default(Ingredients(), "options of the low-order models", {"screw": "rigid"})
+    calibration: Calibration = frozen_default(
+        Calibration(), "values fitted to a measured or published result of this screw", {"segment_stiffness": "258 kN/um"}
+    )
+    solid: Solid = frozen_default(Solid(), "inputs of the 3D reference only", {"nut_groove": "through"})
+    friction: Friction | None = frozen_default(None, "friction of balls and grooves", {"coefficient": 0.1})
+    motion: Motion | None = frozen_default(None, "part that rotates, and its angular speed", {"speed": "600 rpm"})
+    lubricant: Lubricant | None = frozen_default(
+        None, "lubricant, for torques that depend on speed", {"viscosity": "27 mm2/s"}
     )
     circulation: Circulation | None = frozen_default(
         None, "number of ball circuits, and how far the balls fill them", {"returning": 4, "filling": 0.8}
@@ -663,12 +669,6 @@ class Scene:
     )
     operation: Operation = frozen_default(
         Operation(), "reliability, lubrication, speed limit", {"reliability": 95}, compare=False
-    )
-    lubricant: Lubricant | None = frozen_default(
-        None, "lubricant, for torques that depend on speed", {"viscosity": "27 mm2/s"}
-    )
-    calibration: Calibration = frozen_default(
-        Calibration(), "values fitted to a measured or published result of this screw", {"segment_stiffness": "258 kN/um"}
     )
     rating: MakerRating = frozen_default(MakerRating(), "load ratings by the maker", {"dynamic": "23.2 kN"})
 

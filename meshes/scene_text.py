@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import fields
+from dataclasses import fields, is_dataclass
 from functools import cache
 from math import cos, pi, sin
 from typing import Any, get_args, get_type_hints
@@ -16,7 +16,7 @@ from rollbench.meshes import ranges
 from rollbench.meshes.axis import Assembly, RollerRow, RollingSet, Stiffness
 from rollbench.meshes.helix import evenly_spaced_azimuths
 from rollbench.meshes.one_arc import distance_of_groove_centres, free_contact_angle
-from rollbench.meshes.parts import FREEDOMS, SIDES, Errors, Friction, Load, Material, Nut, Scene, Screw, Support
+from rollbench.meshes.parts import FIRST, FREEDOMS, Errors, Friction, Load, Material, Nut, Scene, Screw, Support
 
 #: Number of characters up to which a table or list is written on one line with its key.
 LINE = 100
@@ -63,32 +63,21 @@ def scene_file_tables(scene: Scene) -> Table:
     Table
         Keys and tables, without keys that have their default values.
     """
-    offset = scene.errors.lead_offset
-    return without_empty_values(
-        **_title_and_material_keys(scene, scene.screw.material),
-        role=scene.role,
-        members=scene.members if scene.members > 1 else None,
+    shared, offset = scene.screw.material, scene.errors.lead_offset
+    tables = keys_of_record(
+        scene,
+        **_material_table(shared, None),
         track=_track_table(scene),
-        screw=_screw_or_nut_table(scene, scene.screw, scene.screw.material),
-        nut=_nut_table(scene, scene.screw.material),
-        balls=_balls_table(scene, scene.screw.material),
+        screw=_screw_or_nut_table(scene, scene.screw, shared),
+        nut=_nut_table(scene, shared),
+        balls=_balls_table(scene, shared),
         errors=_errors_table(scene.errors),
         supports=[*map(_support_table, scene.supports)],
-        loads=[*map(keys_of_record, scene.loads)],
-        cases=[],
-        ingredients=keys_of_record(scene.ingredients),
-        calibration=keys_of_record(scene.calibration),
         solid=keys_of_record(scene.solid, "nut_held"),
         friction=_friction_table(scene.friction),
-        motion=scene.motion and keys_of_record(scene.motion),
-        lubricant=scene.lubricant and keys_of_record(scene.lubricant),
-        circulation=scene.circulation and (keys_of_record(scene.circulation) or {"circuits": 1}),
-        time=scene.time and keys_of_record(scene.time),
         preload={"lead_offset": with_unit(ranges.Deviation, offset)} if offset else {},
-        gate=keys_of_record(scene.gate),
-        operation=keys_of_record(scene.operation),
-        rating=keys_of_record(scene.rating),
     )
+    return _with_first_keys_first(tables)
 
 
 def scene_file_tables_of_shaft(axis: Assembly) -> Table:
@@ -105,41 +94,35 @@ def scene_file_tables_of_shaft(axis: Assembly) -> Table:
         Keys and tables, without keys that have their default values.
     """
     shared = next((s.parts.material for s in axis.sets if isinstance(s.parts, RollerRow)), axis.screw.material)
-    shaft = keys_of_record(axis.screw, "material", "groove_radius") | _material_table(axis.screw.material, shared)
+    shaft = keys_of_record(axis.screw) | _material_table(axis.screw.material, shared)
     if axis.screw.groove_radius:
         shaft["groove_radius"] = with_unit(ranges.Size, axis.screw.groove_radius)
     at, strain = axis.stiffness_at, axis.thermal_strain
     expansion = STEEL if strain / STEEL == round(strain / STEEL, 9) else abs(strain)
     ask = {"housing": at} if isinstance(at, str) else {} if at is None else {"at": with_unit(ranges.Size, at)}
-    joints = [
-        {"between": [j.first, j.second], "at": with_unit(ranges.Size, j.at), **_stiffness_table(j.stiffness)}
-        for j in axis.joints
-    ]
-    return without_empty_values(
-        **_title_and_material_keys(axis, shared, kind="axis"),
+    tables = keys_of_record(
+        axis,
+        kind="axis",
+        **_material_table(shared, None),
         screw=shaft | without_empty_values(plain=[*map(keys_of_record, axis.segments)]),
         sets=[_rolling_set_table(axis, one, shared) for one in axis.sets],
         housings=[
-            without_empty_values(
-                name=h.name,
-                **_support_table(Support(h.at, h.fixed)),
-                **_stiffness_table(h.stiffness),
-                **(_force_and_moment_keys(h.force, h.moment) if any((*h.force, *h.moment)) else {}),
-            )
+            keys_of_record(h, **_support_table(Support(h.at, h.fixed)), **_stiffness_table(h.stiffness))
             for h in axis.housings
         ],
-        joints=joints,
+        joints=[keys_of_record(j, between=[j.first, j.second], **_stiffness_table(j.stiffness)) for j in axis.joints],
         supports=[*map(_support_table, axis.supports)],
-        loads=[*map(keys_of_record, axis.loads)],
-        cases=[],
-        stiffness=ask,
-        heat={"warming": f"{strain / expansion:.12g} K", "expansion": expansion} if strain else {},
         ingredients=keys_of_record(axis.ingredients, "screw", "element_length", "arm"),
         friction=_friction_table(axis.friction),
-        motion=axis.motion and keys_of_record(axis.motion),
-        lubricant=axis.lubricant and keys_of_record(axis.lubricant),
-        drive=keys_of_record(axis.drive),
+        stiffness=ask,
+        heat={"warming": f"{strain / expansion:.12g} K", "expansion": expansion} if strain else {},
     )
+    return _with_first_keys_first(tables)
+
+
+def _with_first_keys_first(tables: Table) -> Table:
+    """Return the tables of a scene file with the title and the other keys of `FIRST` at the beginning."""
+    return {name: tables[name] for name in FIRST if name in tables} | tables
 
 
 def load_case_table(
@@ -199,16 +182,6 @@ def _displacements_with_unit(values: Iterable[tuple[str, float]]) -> Table:
 # --- tables
 
 
-def _title_and_material_keys(scene: Scene | Assembly, material: Material, kind: str = "") -> Table:
-    """Return the first keys of a scene file: title, source, assumptions, kind of scene, and material of the parts.
-
-    ``material``: material of all parts that have no key for their material; ``kind``: value of the key ``kind``, or empty
-    if the file needs none.
-    """
-    head = {"title": scene.title, "source": scene.source, "assumed": [*scene.assumed], "kind": kind}
-    return head | {"material": _material_table(material, None)["material"]}
-
-
 def _material_table(material: Material, shared: Material | None) -> Table:
     """Return the key ``material`` of a part with its value; empty where the part has the common material ``shared``.
 
@@ -227,11 +200,11 @@ def _track_table(scene: Scene, *, by_thrust: bool = False) -> Table:
     the angle. ``by_thrust``: whether the key ``thrust`` of a rolling set states the direction of the single arcs; then the
     angle is written, and no clearance.
     """
-    track, washers = scene.track, keys_of_record(scene.track.washers)
+    track = scene.track
     if track.arcs == "two" or by_thrust:
-        return keys_of_record(track, "arcs", "washers") | ({"washers": washers} if washers else {})
+        return keys_of_record(track)
     apart, angle = distance_of_groove_centres(scene), track.contact_angle
-    table = keys_of_record(track, "arcs", "contact_angle", "washers")
+    table = keys_of_record(track, "contact_angle", "washers")
     ways = {"radial": 2.0 * apart * (1.0 - cos(angle)), "axial": 2.0 * apart * sin(angle)}
     for digits in range(2, 18):
         for way, size in ways.items():
@@ -273,8 +246,9 @@ def _screw_or_nut_table(scene: Scene, part: Screw | Nut, shared: Material) -> Ta
     ``scene``: scene with the ball radius; ``shared``: material at the head of the scene file; a part of this material gets
     no key for it.
     """
-    table = keys_of_record(part, "groove_radius", "material", "flange")
-    return table | groove_table(part.groove_radius, scene.balls.radius) | _material_table(part.material, shared)
+    return (
+        keys_of_record(part) | groove_table(part.groove_radius, scene.balls.radius) | _material_table(part.material, shared)
+    )
 
 
 def _nut_table(scene: Scene, shared: Material) -> Table:
@@ -289,7 +263,7 @@ def _nut_table(scene: Scene, shared: Material) -> Table:
         for name, radius, whole in zip(("inner_diameter", "outer_diameter"), flange.seat, seat, strict=True):
             held |= {} if radius == whole else {name: with_unit(ranges.Size, 2.0 * radius)}
         held |= ({"centring": "bonded"} if flange.bonded else {}) | ({"bolts": flange.bolts} if flange.bolts else {})
-    own = {} if flange is None else {"flange": keys_of_record(flange, "seat", "bonded", "bolts")}
+    own = {} if flange is None else {"flange": keys_of_record(flange)}
     return _screw_or_nut_table(scene, nut, shared) | own | without_empty_values(held=held)
 
 
@@ -309,16 +283,15 @@ def _balls_table(scene: Scene, shared: Material) -> Table:
         table |= {"count": len(at) * track.starts, "turns": turns}
         table |= {"circuits": circuits, "circuit_gap": gap} if circuits > 1 else {}
     else:
-        table |= {"azimuths": keys_of_record(balls, "radius", "material")["azimuths"]}
+        table |= {"azimuths": [with_unit(ranges.Azimuth, azimuth) for azimuth in at]}
     return table | _material_table(balls.material, shared)
 
 
 def _errors_table(errors: Errors, *, seed: bool = False) -> Table:
     """Return the keys of the table ``errors``; ``seed``: whether the seed of random errors is written even if it is 0."""
     listed = {str(number): with_unit(ranges.Deviation, error) for number, error in errors.balls.listed}
-    balls = keys_of_record(errors.balls, "listed") | without_empty_values(listed=listed)
-    sides = {side: keys_of_record(errors.side(side)) for side in SIDES}
-    return ({"seed": errors.seed} if seed or errors.seed else {}) | without_empty_values(balls=balls, **sides)
+    first = {"seed": errors.seed} if seed else {}
+    return first | keys_of_record(errors, balls=keys_of_record(errors.balls, listed=listed))
 
 
 def _support_table(support: Support) -> Table:
@@ -335,7 +308,7 @@ def _friction_table(friction: Friction | None) -> Table:
     """
     if friction is None:
         return {}
-    table = keys_of_record(friction, "assumed") | without_empty_values(assumed=[*friction.assumed])
+    table = keys_of_record(friction)
     if friction.screw == friction.nut:
         return {"coefficient": friction.screw} | {k: v for k, v in table.items() if k not in ("screw", "nut")}
     return table
@@ -349,24 +322,18 @@ def _rolling_set_table(axis: Assembly, rolling_set: RollingSet, shared: Material
     """
     parts, rollers = rolling_set.parts, isinstance(rolling_set.parts, RollerRow)
     bearing = isinstance(parts, Scene) and parts.track.lead == 0.0
-    table = without_empty_values(
-        name=rolling_set.name,
+    table = keys_of_record(
+        rolling_set,
         kind=rolling_set.kind,
-        housing=rolling_set.housing,
-        carrier=rolling_set.carrier,
         thrust=rolling_set.thrust if bearing or rolling_set.thrust != "both" else "",
-        offset=with_unit(ranges.Deviation, rolling_set.offset) if rolling_set.offset else "",
         preload=with_unit(ranges.Force, rolling_set.preload) if rolling_set.preload else "",
         position=with_unit(ranges.Size, rolling_set.position) if rollers else "",
-        seals=with_unit(ranges.Torque, rolling_set.seals) if rolling_set.seals else "",
         rating=keys_of_record(parts.rating),
     )
     if isinstance(parts, RollerRow):
-        row = keys_of_record(parts, "material", "phase", "depth", "crown", "rating")
-        row["ring_depth"] = with_unit(ranges.Size, parts.depth)
-        if parts.crown != float("inf"):
-            row["crown"] = with_unit(ranges.Size, parts.crown)
-        return table | {"rollers": row}
+        crown = {} if parts.crown == float("inf") else {"crown": with_unit(ranges.Size, parts.crown)}
+        depth = with_unit(ranges.Size, parts.depth)
+        return table | {"rollers": keys_of_record(parts, "rating", ring_depth=depth, **crown)}
     inner, ring = {}, parts.screw
     if ring != axis.screw:
         inner = groove_table(ring.groove_radius, parts.balls.radius) | _material_table(ring.material, axis.screw.material)
@@ -449,10 +416,11 @@ def _quantities_in_type(hint: Any) -> Iterator[ranges.QuantityRange]:
         yield from _quantities_in_type(part)
 
 
-def keys_of_record(record: Any, *left_out: str) -> Table:
+def keys_of_record(record: Any, *left_out: str, **written: Any) -> Table:
     """Return the fields of a record whose values differ from the defaults, as keys of a scene file with their values.
 
-    Of keys of which a file states at least one (class attribute ``ONE_OF``) the first is there even so.
+    Fields without a description are no keys. Of keys of which a file states at least one (class attribute ``ONE_OF``) the
+    first is there even so.
 
     Parameters
     ----------
@@ -460,6 +428,8 @@ def keys_of_record(record: Any, *left_out: str) -> Table:
         Dataclass whose fields are keys of scene files.
     *left_out : str
         Names of fields that are left out.
+    **written : Any
+        Values of keys as in a scene file, in place of fields or in addition; empty ones are left out.
 
     Returns
     -------
@@ -467,25 +437,30 @@ def keys_of_record(record: Any, *left_out: str) -> Table:
         Keys and their values, with units.
     """
     of: type = type(record)
-    quantities = _quantities_of_fields(of)
-    out = {}
+    out: Table = {}
     for each in fields(record):
         value = getattr(record, each.name)
-        if each.name not in left_out and repr(value) != repr(each.default):  # -0 is not 0
-            out[each.name] = _value_with_unit(value, quantities.get(each.name))
+        if each.name in written:
+            out[each.name] = written[each.name]
+        elif "description" in each.metadata and each.name not in left_out and repr(value) != repr(each.default):
+            out[each.name] = _value_with_unit(value, _quantities_of_fields(of).get(each.name))  # repr: -0 is not 0
     needed = getattr(of, "ONE_OF", ())
     if needed and not out.keys() & {*needed}:
-        out[needed[0]] = _value_with_unit(getattr(record, needed[0]), quantities[needed[0]])
-    return out
+        out[needed[0]] = _value_with_unit(getattr(record, needed[0]), _quantities_of_fields(of)[needed[0]])
+    return without_empty_values(**out | written)
 
 
 def _value_with_unit(value: Any, quantity: ranges.QuantityRange | None) -> Any:
-    """Return the value of a record's field with its unit as in a scene file; a tuple becomes a list of such values.
+    """Return the value of a record's field as in a scene file: with its unit, a record as a table, a tuple as a list.
 
-    ``quantity``: quantity of the field, which defines the unit; None for a field without unit.
+    ``quantity``: quantity of the field, which defines the unit; None for a field without unit. A table whose keys all have
+    their defaults states the first key.
     """
     if isinstance(value, tuple):
-        return [keys_of_record(x) if hasattr(x, "__dataclass_fields__") else _value_with_unit(x, quantity) for x in value]
+        return [_value_with_unit(x, quantity) for x in value]
+    if is_dataclass(value):
+        first = fields(value)[0].name
+        return keys_of_record(value) or {first: getattr(value, first)}
     return quantity.text_with_unit(value) if quantity is not None and isinstance(value, float) else value
 
 

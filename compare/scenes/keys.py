@@ -11,7 +11,7 @@ from pydantic import ConfigDict, Field, TypeAdapter, ValidationInfo, field_valid
 from pydantic_core import PydanticCustomError
 
 from rollbench.meshes import ranges
-from rollbench.meshes.parts import ASSUMED, SOURCE, TITLE
+from rollbench.meshes.parts import ASSUMED, FIRST, SOURCE, TITLE
 from rollbench.meshes.record_keys import scene_key
 from rollbench.meshes.units import UnitError, parse_quantity
 
@@ -95,9 +95,6 @@ MaterialName = Literal[
 StandardName = Annotated[MaterialName, Field(json_schema_extra={"x-or": OTHER_NAME})]
 #: Names of degrees of freedom.
 Freedoms = Annotated[tuple[Literal["ux", "uy", "uz", "rx", "ry", "rz"], ...], ranges.ListLength(0, 6)]
-
-#: Keys with which a scene file begins.
-FIRST = ("title", "source", "assumed", "kind", "role", "members", "material")
 
 #: Class of a record.
 Record = TypeVar("Record")
