@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from rollbench.compare.gate.gate import GateCheck
-    from rollbench.compare.gate.publish import VerdictChange, VerdictFileRow
+    from rollbench.compare.gate.publish import Outcome, VerdictChange
     from rollbench.compare.gate.user import GateRequest
     from rollbench.compare.models.study import SceneResultCache
     from rollbench.compare.reference.jobs import ComputingSettings
@@ -37,7 +37,7 @@ class VerdictFiles:
     #: Earlier file of verdicts, with which the new ones are compared; None: no comparison.
     baseline: Path | None = None
 
-    def changes_since_baseline(self, outcomes: Sequence[VerdictFileRow]) -> list[VerdictChange]:
+    def changes_since_baseline(self, outcomes: Sequence[Outcome]) -> list[VerdictChange]:
         """Return the verdicts that differ from those in the baseline file; no verdicts if no baseline was stated.
 
         InputError if the file cannot be read.
@@ -53,7 +53,7 @@ class VerdictFiles:
         lines = [change.line() for change in changed] or ["nothing changed"]
         return [f"since {self.baseline.name}: {line}" for line in lines]
 
-    def write(self, outcomes: Sequence[VerdictFileRow], notes: Sequence[str]) -> list[str]:
+    def write(self, outcomes: Sequence[Outcome], notes: Sequence[str]) -> list[str]:
         """Write the verdicts to all requested files, and return a line that names each file."""
         from rollbench.compare.gate.publish import write_verdicts
 
@@ -70,7 +70,6 @@ def judge_and_report(
     missing runs of the 3D reference. ``files``: files for the verdicts. The exit code is that of the worst verdict. Raises
     InputError if two scenes have the same name.
     """
-    from rollbench.compare.gate.publish import file_row_of_verdict
     from rollbench.compare.gate.verdict import CODES
     from rollbench.compare.results.base import format_table_as_text
     from rollbench.compare.results.verdict import judge_scenes
@@ -86,20 +85,18 @@ def judge_and_report(
                 raise InputError(name, "name", scene.name, "a name that no other scene of the command has", advice)
             taken[scene.name] = name
     found = judge_scenes(described, names, request, engine, show_progress_message)
-    verdicts, left = found.judged, found.not_judged
-    outcomes = [file_row_of_verdict(v) for v in verdicts]
-    changed = files.changes_since_baseline(outcomes)
+    left, changed = found.not_judged, files.changes_since_baseline(found.rows)
     above = [f"WARNING: {warning}" for warning in found.warnings]
     missing = f"quantities not judged, because the file or the reference has no value of them: {', '.join(left)}"
     below = [missing] if left else []
     below += files.baseline_change_lines(changed)
-    written = files.write(outcomes, [*above, *below])
+    written = files.write(found.rows, [*above, *below])
     data: dict[str, Any] = found.to_dict()
     data |= {} if files.baseline is None else {"changed": [change.as_json() for change in changed]}
     worst = [f"worst load case of {x['scene']}: {x['case']}, {x['verdict']}" for x in data.get("worst_cases", ())]
     table = format_table_as_text(found.table(), text_width(), found.headings)
     parts = [found.answer, *above, "", table, "", *worst, *below, *found.advice, *written]
-    return CommandOutput(data, parts, CODES[data["verdict"]])
+    return CommandOutput(data, parts, CODES[found.judgement])
 
 
 def check_shipped_data(cache: SceneResultCache, max_error: float) -> list[GateCheck]:
@@ -134,7 +131,6 @@ def report_shipped_data_checks(max_error: float | None, files: VerdictFiles, *, 
     ``max_error``: largest permitted error of contact loads [%]; None: 7. ``files``: files for the results. ``verbose``:
     also list the checks that pass.
     """
-    from rollbench.compare.gate.publish import file_row_of_check
     from rollbench.compare.gate.user import fraction_limit_warnings
     from rollbench.compare.gate.verdict import LIMIT, ErrorLimits
     from rollbench.compare.models.study import SceneResultCache
@@ -144,18 +140,17 @@ def report_shipped_data_checks(max_error: float | None, files: VerdictFiles, *, 
     cache = SceneResultCache(random_draw_count=0)  # no random specimens are solved: no check is about random errors
     rows = check_shipped_data(cache, limit)
     bad = [row for row in rows if not row.passed]
-    outcomes = [file_row_of_check(row) for row in rows]
-    changed = files.changes_since_baseline(outcomes)
-    written = [*files.baseline_change_lines(changed), *files.write(outcomes, files.baseline_change_lines(changed))]
+    changed = files.changes_since_baseline(rows)
+    written = [*files.baseline_change_lines(changed), *files.write(rows, files.baseline_change_lines(changed))]
     warnings = [*fraction_limit_warnings(ErrorLimits(limit))]
     data = add_schema_version(
         {"max_error_percent": limit, "passed": not bad, "rows": [row.as_json() for row in rows], "warnings": warnings}
     )
     data |= {} if files.baseline is None else {"changed": [change.as_json() for change in changed]}
-    words = [row.verdict for row in rows]
+    words = [row.judgement for row in rows]
     others = "".join(f", {n} {word}" for word in ("undecided", "reported") if (n := words.count(word)))
     line = f"{'FAIL' if bad else 'PASS'}: {words.count('ok')} passed, {len(bad)} failed{others}"
-    shown = [row for row in rows if verbose or row.verdict != "ok"]
+    shown = [row for row in rows if verbose or row.judgement != "ok"]
     more = [] if verbose else ["--verbose, --csv or --json also list the checks that pass"]
     above = [f"WARNING: {warning}" for warning in warnings]
     table = [shipped_checks_table(shown)] if shown else []
@@ -169,11 +164,11 @@ def shipped_checks_table(rows: Sequence[GateCheck]) -> Table:
     """
     texts = (
         (
-            row.verdict,
-            row.name + (f" ({row.detail})" if row.detail and not row.passed else ""),
-            row.kind,
+            row.judgement,
+            row.subject + (f" ({row.note})" if row.note and not row.passed else ""),
+            row.quantity,
             *(format_cell(x, ".6g") for x in (row.value, row.reference)),
-            *(format_cell(x, ".3g") for x in (row.error_percent, row.limit_percent)),
+            *(format_cell(x, ".3g") for x in (row.error, row.limit)),
         )
         for row in sorted(rows, key=lambda row: row.passed)
     )

@@ -8,11 +8,12 @@ from __future__ import annotations
 
 from dataclasses import asdict, dataclass, replace
 from math import cos, hypot, pi, sin
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
 from rollbench.compare.evidence import PrintedEntryComparison, computations_with_function, evidence
+from rollbench.compare.gate.verdict import NeighbouringLoads
 from rollbench.compare.measure import error_percent, load_error
 from rollbench.compare.models.comparison import REFERENCED, contact_load_errors, known_exceedances
 from rollbench.compare.models.modelling import UNSEEN
@@ -184,29 +185,35 @@ class GateCheck:
     """
 
     #: Name of the scene or formula, and of the quantity that is checked.
-    name: str
+    subject: str
     #: Kind of the reference: value printed in a publication, closed form, 3D reference and so on.
-    kind: str
+    quantity: str
     #: Value computed by rollbench.
     value: float | None
     #: Value that the checked quantity should have, in the unit of ``value``.
     reference: float | None
     #: Error of the computed value [%].
-    error_percent: float | None
+    error: float | None
     #: Limit of the error [%].
-    limit_percent: float | None
+    limit: float | None
     #: Whether the magnitude of the error, less the uncertainty of the reference, is at most the limit; for a claim, whether
     #: it holds.
     passed: bool
     #: Further explanation.
-    detail: str = ""
+    note: str = ""
     #: Uncertainty of the reference [%].
-    uncertainty_percent: float | None = None
+    uncertainty: float | None = None
     #: Whether a failure of this check makes ``rollbench check`` fail; if not, the check is only reported.
     gated: bool = True
+    #: What files of verdicts show besides, as for `gate.verdict.VerdictRow`: all errors are in per cent, no ball is named.
+    judged: ClassVar[str] = ""
+    unit: ClassVar[str] = "%"
+    ball: ClassVar[int | None] = None
+    side: ClassVar[str | None] = None
+    near: ClassVar[NeighbouringLoads] = ()
 
     @property
-    def verdict(self) -> str:
+    def judgement(self) -> str:
         """Verdict of the check as text: ``ok``, ``FAIL``, ``undecided`` or ``reported``.
 
         It is ``undecided`` if the error exceeds the limit by less than the uncertainty, and ``reported`` for a passed check
@@ -214,12 +221,14 @@ class GateCheck:
         """
         if not self.passed:
             return "FAIL"
-        over = self.limit_percent is not None and abs(self.error_percent or 0.0) > self.limit_percent
+        over = self.limit is not None and abs(self.error or 0.0) > self.limit
         return "reported" if not self.gated else "undecided" if over else "ok"
 
     def as_json(self) -> dict[str, Any]:
         """Return the fields of the check and its verdict as a dictionary for JSON."""
-        return asdict(self) | {"verdict": self.verdict}
+        keys = {"subject": "name", "quantity": "kind", "note": "detail"}
+        keys |= {name: f"{name}_percent" for name in ("error", "limit", "uncertainty")}
+        return {keys.get(name, name): value for name, value in asdict(self).items()} | {"verdict": self.judgement}
 
 
 def gate_check_of_number(name: str, kind: str, value: float, reference: float, limit: float) -> GateCheck:

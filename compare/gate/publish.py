@@ -11,14 +11,13 @@ import json
 import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 from xml.etree import ElementTree
 
 from rollbench.compare.errors import InputError, one_line
 from rollbench.compare.files import reason_without_figure, replace_file, write_figure, written_together
-from rollbench.compare.gate.verdict import NeighbouringLoads, Verdict, subject_text
+from rollbench.compare.gate.verdict import VerdictRow, subject_text
 from rollbench.compare.models.loads_file import read_csv_text
 from rollbench.reports.cells import escape_formula
 
@@ -26,6 +25,9 @@ if TYPE_CHECKING:
     from rollbench.compare.gate.gate import GateCheck
     from rollbench.reports.content import Figure
 
+
+#: What a row of verdicts in a file is made of: the verdict on a user's scene, or a check of the shipped data.
+Outcome: TypeAlias = "VerdictRow | GateCheck"
 
 #: Environment variables by which continuous-integration services pass the path of a job's summary file.
 SUMMARIES = ("GITHUB_STEP_SUMMARY",)
@@ -35,78 +37,31 @@ NUMBERS = ("error %", "uncertainty %", "limit %")
 HEADINGS = ("verdict", "scene or check", "judged", "quantity", *NUMBERS, "ball", "flank", "note")
 
 
-@dataclass(frozen=True)
-class VerdictFileRow:
-    """Row of a table of verdicts in an output file: a verdict on a user's scene, or a check of the built-in scenes."""
-
-    #: Whether the verdict counts as passed.
-    good: bool
-    #: Verdict as text, such as "pass".
-    word: str
-    #: Name of the scene or check.
-    scene: str
-    #: Model or file whose values are judged.
-    judged: str
-    #: Name of the judged quantity.
-    quantity: str
-    #: Error against the reference in ``unit``; None if there is none.
-    error: float | None
-    #: Uncertainty of the reference in ``unit``; None if not known.
-    uncertainty: float | None
-    #: Limit of the error in ``unit``; None if there is none.
-    limit: float | None
-    #: Unit of error, uncertainty and limit.
-    unit: str = "%"
-    #: Number (from 1) of the ball of the contact that determines the verdict.
-    ball: int | None = None
-    #: Groove flank of the contact that determines the verdict.
-    flank: str = ""
-    #: Explanation of the verdict; may be empty.
-    note: str = ""
-    #: Judged and reference loads on one flank: at the contact that determines the verdict, and on the balls before and
-    #: after.
-    neighbouring_loads: NeighbouringLoads = ()
-
-    @property
-    def cells(self) -> tuple[str, ...]:
-        """Texts of the row's cells, in the order of `HEADINGS`; numbers have their unit unless it is per cent."""
-        numbers = (number_cell_text(x, self.unit) for x in (self.error, self.uncertainty, self.limit))
-        ball = "" if self.ball is None else str(self.ball)
-        cells = (self.word, self.scene, self.judged, self.quantity, *numbers, ball, self.flank, self.note)
-        return tuple(one_line(cell, 2000) for cell in cells)
-
-    def text(self) -> str:
-        """Return the row without its verdict as one line of text: "heading: cell" for each cell that is not empty."""
-        return "; ".join(f"{head}: {cell}" for head, cell in zip(HEADINGS[1:], self.cells[1:], strict=True) if cell)
-
-
 def number_cell_text(value: float | None, unit: str) -> str:
     """Return a number as text with four digits for a table cell, with its unit unless that is per cent; "" for None."""
     return "" if value is None else f"{value:.4g}{'' if unit == '%' else f' {unit}'}"
 
 
-def file_row_of_verdict(v: Verdict) -> VerdictFileRow:
-    """Convert the verdict ``v`` on a user's scene to a row of the table that is written to output files."""
-    note = "; ".join(filter(None, (v.pair_text.strip(", "), v.detail)))
-    numbers = v.error, v.uncertainty, v.limit, v.unit
-    return VerdictFileRow(
-        v.word == "pass", v.word, v.subject, v.judged, v.quantity, *numbers, v.ball, v.flank or "", note, v.near
-    )
+def outcome_cells(o: Outcome) -> tuple[str, ...]:
+    """Return the texts of a row of the table of verdicts, in the order of `HEADINGS`; numbers without unit are per cent."""
+    numbers = (number_cell_text(x, o.unit) for x in (o.error, o.uncertainty, o.limit))
+    ball = "" if o.ball is None else str(o.ball)
+    cells = (str(o.judgement), o.subject, o.judged, o.quantity, *numbers, ball, o.side or "", o.note)
+    return tuple(one_line(cell, 2000) for cell in cells)
 
 
-def file_row_of_check(row: GateCheck) -> VerdictFileRow:
-    """Convert an acceptance check of the built-in scenes to a row of the table that is written to output files."""
-    numbers = (row.error_percent, row.uncertainty_percent, row.limit_percent)
-    return VerdictFileRow(row.passed, row.verdict, row.name, "", row.kind, *numbers, note=row.detail)
+def outcome_text(o: Outcome) -> str:
+    """Return a row without its verdict as one line of text: "heading: cell" for each cell that is not empty."""
+    return "; ".join(f"{head}: {cell}" for head, cell in zip(HEADINGS[1:], outcome_cells(o)[1:], strict=True) if cell)
 
 
-def junit_xml(outcomes: Sequence[VerdictFileRow], notes: Sequence[str] = ()) -> str:
+def junit_xml(outcomes: Sequence[Outcome], notes: Sequence[str] = ()) -> str:
     """Return rows of verdicts as JUnit XML: a test case for each row, and the notes as properties.
 
     ``outcomes``: rows of verdicts; ``notes``: notes on the whole table. A row that did not pass is a failure, whose type is
     its verdict.
     """
-    bad = [o for o in outcomes if not o.good]
+    bad = [o for o in outcomes if not o.passed]
     counts = {"tests": str(len(outcomes)), "failures": str(len(bad)), "errors": "0", "skipped": "0"}
     root = ElementTree.Element("testsuites", counts)
     suite = ElementTree.SubElement(root, "testsuite", {"name": "rollbench check"} | counts)
@@ -115,18 +70,18 @@ def junit_xml(outcomes: Sequence[VerdictFileRow], notes: Sequence[str] = ()) -> 
         for note in notes:
             ElementTree.SubElement(properties, "property", {"name": "note", "value": note})
     for o in outcomes:
-        cells = o.cells
+        cells, words = outcome_cells(o), outcome_text(o)
         name = ", ".join(cell for cell in cells[1:4] if cell)
         case = ElementTree.SubElement(suite, "testcase", {"classname": f"rollbench.{cells[1]}", "name": name})
-        if o.good:
-            ElementTree.SubElement(case, "system-out").text = f"{o.word}; {o.text()}"
+        if o.passed:
+            ElementTree.SubElement(case, "system-out").text = f"{o.judgement}; {words}"
         else:
-            ElementTree.SubElement(case, "failure", {"type": o.word, "message": o.text()}).text = o.text()
+            ElementTree.SubElement(case, "failure", {"type": o.judgement, "message": words}).text = words
     ElementTree.indent(root)
     return ElementTree.tostring(root, encoding="unicode", xml_declaration=True) + "\n"
 
 
-def markdown_text(outcomes: Sequence[VerdictFileRow], notes: Sequence[str] = ()) -> str:
+def markdown_text(outcomes: Sequence[Outcome], notes: Sequence[str] = ()) -> str:
     """Return rows of verdicts as Markdown: counts, notes, a table, and a chart of loads around the ball of largest error.
 
     ``outcomes``: rows of verdicts, of which those that did not pass come first; ``notes``: notes on the whole table. The
@@ -135,37 +90,37 @@ def markdown_text(outcomes: Sequence[VerdictFileRow], notes: Sequence[str] = ())
     """
     counts: dict[str, int] = {}
     for o in outcomes:
-        counts[o.word] = counts.get(o.word, 0) + 1
+        counts[o.judgement] = counts.get(o.judgement, 0) + 1
     head = ", ".join(f"{n} {word}" for word, n in counts.items())
     lines = [f"### rollbench check: {head}", *(f"- {_escape_markup(note)}" for note in notes), ""]
     lines += [_table_line(HEADINGS), _table_line(["---"] * len(HEADINGS))]
-    lines += [_table_line(o.cells) for o in sorted(outcomes, key=lambda o: o.good)]
+    lines += [_table_line(outcome_cells(o)) for o in sorted(outcomes, key=lambda o: o.passed)]
     return "\n".join([*lines, *_load_chart_lines(row_for_load_chart(outcomes))]) + "\n"
 
 
-def row_for_load_chart(outcomes: Sequence[VerdictFileRow]) -> VerdictFileRow | None:
+def row_for_load_chart(outcomes: Sequence[Outcome]) -> Outcome | None:
     """Return the row of verdicts whose contact is drawn in the chart: largest error among failed rows, else among all.
 
     Only rows with loads of the balls around the judged contact count. None if there is no such row.
     """
-    shown = [o for o in outcomes if o.neighbouring_loads]
-    return min(shown, key=lambda o: (o.good, -abs(o.error or 0.0)), default=None)
+    shown = [o for o in outcomes if o.near]
+    return min(shown, key=lambda o: (o.passed, -abs(o.error or 0.0)), default=None)
 
 
-def _chart_title(o: VerdictFileRow) -> str:
+def _chart_title(o: Outcome) -> str:
     """Return the title of the chart of contact loads around a ball: scene, ball, error and limit of the row ``o``."""
-    name = one_line(o.scene, 2000).replace('"', "'")
-    return f"{name}, ball {o.ball} {o.flank}: error {abs(o.error or 0.0):.2f} {o.unit}, limit {o.limit:.4g} {o.unit}"
+    name = one_line(o.subject, 2000).replace('"', "'")
+    return f"{name}, ball {o.ball} {o.side}: error {abs(o.error or 0.0):.2f} {o.unit}, limit {o.limit:.4g} {o.unit}"
 
 
-def _load_chart_lines(o: VerdictFileRow | None) -> list[str]:
+def _load_chart_lines(o: Outcome | None) -> list[str]:
     """Return Markdown lines of a Mermaid chart of the contact loads around a ball; no lines if ``o`` is None.
 
     ``o``: row of verdicts whose ball is drawn.
     """
     if o is None:
         return []
-    balls, loads, reference, _ = zip(*o.neighbouring_loads, strict=True)
+    balls, loads, reference, _ = zip(*o.near, strict=True)
     top = 1.1 * max(*loads, *reference)
     series = [", ".join(f"{x:.4g}" for x in of) for of in (reference, loads)]
     return [
@@ -184,18 +139,18 @@ def _load_chart_lines(o: VerdictFileRow | None) -> list[str]:
     ]
 
 
-def worst_ball_figure(o: VerdictFileRow) -> Figure:
+def worst_ball_figure(o: Outcome) -> Figure:
     """Return a figure of judged and reference contact loads around the ball that determines the verdict of row ``o``."""
     from rollbench.reports.content import Figure, Panel, Series
 
-    balls, loads, reference, bars = (list(x) for x in zip(*o.neighbouring_loads, strict=True))
+    balls, loads, reference, bars = (list(x) for x in zip(*o.near, strict=True))
     low, high = ([r + sign * b for r, b in zip(reference, bars, strict=True)] for sign in (-1.0, 1.0))
     series = (
         Series("reference", balls, reference, "markers", bold=True, error_bars=(low, high)),
         Series(o.judged, balls, loads, "line+markers"),
     )
     panel = Panel(
-        f"contacts on flank {o.flank}", "number of the ball", "contact load / N", series, include_zero=True, integer_x=True
+        f"contacts on flank {o.side}", "number of the ball", "contact load / N", series, include_zero=True, integer_x=True
     )
     return Figure("worst-ball", _chart_title(o), (panel,))
 
@@ -220,18 +175,18 @@ def _escape_markup(text: str) -> str:
     return _MARKUP.sub(lambda found: {"<": "&lt;", "&": "&amp;"}.get(found[0], f"\\{found[0]}"), plain)
 
 
-def verdicts_csv(outcomes: Sequence[VerdictFileRow]) -> str:
+def verdicts_csv(outcomes: Sequence[Outcome]) -> str:
     """Return rows of verdicts as CSV text, with a line of column headings."""
     text = io.StringIO()
     writer = csv.writer(text)
     writer.writerow(HEADINGS)
-    writer.writerows([escape_formula(cell) for cell in o.cells] for o in outcomes)
+    writer.writerows([escape_formula(cell) for cell in outcome_cells(o)] for o in outcomes)
     return text.getvalue()
 
 
 @written_together()
 def write_verdicts(
-    outcomes: Sequence[VerdictFileRow],
+    outcomes: Sequence[Outcome],
     notes: Sequence[str] = (),
     *,
     junit_file: Path | None = None,
@@ -353,7 +308,7 @@ class VerdictChange(NamedTuple):
         return f"{head} {sizes}{unit}{f', limit {limit}' if limit else ''}{words}"
 
 
-def verdict_changes_since_file(path: Path, outcomes: Sequence[VerdictFileRow]) -> list[VerdictChange]:
+def verdict_changes_since_file(path: Path, outcomes: Sequence[Outcome]) -> list[VerdictChange]:
     """Return the changes of verdicts since an earlier file: other verdict or error, new rows, removed rows.
 
     Parameters
@@ -388,9 +343,10 @@ def _rounded_verdict(verdict: str, error: float | None, limit: float | None, uni
     return RoundedVerdict(verdict, error, limit, unit)
 
 
-def _label_and_rounded_verdict(o: VerdictFileRow) -> tuple[Label, RoundedVerdict]:
+def _label_and_rounded_verdict(o: Outcome) -> tuple[Label, RoundedVerdict]:
     """Return the names of scene and quantity that identify the row of verdicts ``o``, and its rounded verdict."""
-    return (one_line(o.scene, 2000), one_line(o.quantity, 2000)), _rounded_verdict(o.word, o.error, o.limit, o.unit)
+    label = one_line(o.subject, 2000), one_line(o.quantity, 2000)
+    return label, _rounded_verdict(str(o.judgement), o.error, o.limit, o.unit)
 
 
 def _read_earlier_verdicts(path: Path) -> dict[Label, RoundedVerdict]:

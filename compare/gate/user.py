@@ -15,7 +15,7 @@ import numpy as np
 from rollbench.compare.errors import ArgumentError, InputError, SceneNotCoveredError
 from rollbench.compare.gate import verdict
 from rollbench.compare.gate.judged import ANGLE, LIFE, OF_CONTACTS, UserValue, parse_error_limits, read_user_values
-from rollbench.compare.gate.verdict import LARGEST, LIMIT, ErrorLimits, Verdict
+from rollbench.compare.gate.verdict import LARGEST, LIMIT, ErrorLimits, Judgement, VerdictRow
 from rollbench.compare.measure import error_percent, mean_load
 from rollbench.compare.models import comparison
 from rollbench.compare.models.comparison import NutOrBearingOnShaft, SceneWithReference
@@ -315,7 +315,7 @@ def check_scenes(
     step: Callable[[str], None],
     warn: Callable[[str], None] = lambda _: None,
     cases: Mapping[str, str] = NO_CASES,
-) -> list[Verdict]:
+) -> list[VerdictRow]:
     """Judge contact loads and other values of a model or a file on each scene, against the 3D or the user's reference.
 
     Missing runs of the 3D reference are computed first, unless the request forbids it.
@@ -337,7 +337,7 @@ def check_scenes(
 
     Returns
     -------
-    list[Verdict]
+    list[VerdictRow]
         Verdicts on each scene, or on each of its nuts or bearings: one on the largest error of a load, one on the RMS error
         if that has a limit, and one on each further quantity that a file gives or that has a limit.
 
@@ -356,7 +356,7 @@ def check_scenes(
     if request.compute_missing_runs:
         scaled = (scene for files in read for scene in files.scenes_by_axial_load.values())
         why = _compute_missing_runs([*scenes, *scaled], request, engine, step)
-    out: list[Verdict] = []
+    out: list[VerdictRow] = []
     for scene, files, limits in zip(scenes, each_files, each_limits, strict=True):
         each: Sequence[SceneWithReference] = files.reference or comparison.stored_references(scene, request.stores)
         reason = why.get(scene.name, NONE_STORED)
@@ -373,7 +373,9 @@ def check_scenes(
     return out
 
 
-def _load_verdicts(one: SceneWithReference, files: UserFiles, limits: ErrorLimits, request: GateRequest) -> list[Verdict]:
+def _load_verdicts(
+    one: SceneWithReference, files: UserFiles, limits: ErrorLimits, request: GateRequest
+) -> list[VerdictRow]:
     """Return the verdicts on the contact loads of one nut or bearing by a model or by a user's file.
 
     ``one``: the nut or bearing with its reference; ``files``: contents of the user's files; ``limits``: error limits;
@@ -389,7 +391,7 @@ def _load_verdicts(one: SceneWithReference, files: UserFiles, limits: ErrorLimit
     return _add_scene_and_set_names(_add_stored_reference_verdict(verdicts, given, one, limits, request) + further, one)
 
 
-def _add_scene_and_set_names(verdicts: list[Verdict], one: SceneWithReference) -> list[Verdict]:
+def _add_scene_and_set_names(verdicts: list[VerdictRow], one: SceneWithReference) -> list[VerdictRow]:
     """Return the verdicts with the name of the scene filled in, and that of the nut or bearing if the scene has several.
 
     ``one``: the nut or bearing to which the verdicts belong.
@@ -398,8 +400,12 @@ def _add_scene_and_set_names(verdicts: list[Verdict], one: SceneWithReference) -
 
 
 def _add_stored_reference_verdict(
-    verdicts: list[Verdict], given: ContactLoadsFromFile, one: SceneWithReference, limits: ErrorLimits, request: GateRequest
-) -> list[Verdict]:
+    verdicts: list[VerdictRow],
+    given: ContactLoadsFromFile,
+    one: SceneWithReference,
+    limits: ErrorLimits,
+    request: GateRequest,
+) -> list[VerdictRow]:
     """Return the verdicts; the explanation of the first now also has the verdict against the stored 3D reference.
 
     This is added only if ``verdicts`` are against a user's reference file and a 3D reference is stored, too. ``given``: the
@@ -409,7 +415,7 @@ def _add_stored_reference_verdict(
     if ours is None:
         return verdicts
     other = verdict.judge_contact_loads("", given.load, ours, limits, given.flanks_with_rows)[0]
-    words = f"by the stored 3D reference: {other.comparison_text()}, {other.word}"
+    words = f"by the stored 3D reference: {other.comparison_text()}, {other.judgement}"
     return [replace(verdicts[0], detail=f"{verdicts[0].detail}; {words}"), *verdicts[1:]]
 
 
@@ -420,7 +426,7 @@ def _verdict_on_user_value(
     limits: ErrorLimits,
     request: GateRequest,
     reason: str,
-) -> Verdict:
+) -> VerdictRow:
     """Return the verdict on a user's value of a quantity of the whole screw (such as life or rigidity).
 
     ``value``: the user's value; ``one``: the nut or bearing that it belongs to, with its reference; if None, the verdict is
@@ -450,12 +456,12 @@ def _accepted_names(assembly: Assembly, k: int) -> tuple[str, str]:
     return str(k + 1), assembly.sets[k].name
 
 
-def _not_covered_verdict(scene: Solvable, judged: str, quantity: str, limit: float, why: str) -> Verdict:
+def _not_covered_verdict(scene: Solvable, judged: str, quantity: str, limit: float, why: str) -> VerdictRow:
     """Return the verdict "not covered" on a quantity of a scene that has no reference.
 
     ``judged``: name of the model or file; ``limit``: error limit of the quantity; ``why``: the reason.
     """
-    return Verdict(scene.name, judged, quantity, "not covered", None, None, limit, detail=why)
+    return VerdictRow(scene.name, judged, quantity, Judgement.NOT_COVERED, None, None, limit, detail=why)
 
 
 def _scenes_with_files(scenes: Sequence[Solvable], request: GateRequest, cases: Mapping[str, str]) -> Sequence[Solvable]:
@@ -656,7 +662,7 @@ def fraction_limit_warnings(limits: ErrorLimits) -> Iterator[str]:
             yield f"the limit of {name} is {limit:g} %: do you mean {100.0 * limit:g} %? Limits are in per cent"
 
 
-def _verdicts_on_model(one: SceneWithReference, limits: ErrorLimits, request: GateRequest) -> list[Verdict]:
+def _verdicts_on_model(one: SceneWithReference, limits: ErrorLimits, request: GateRequest) -> list[VerdictRow]:
     """Return the verdicts on a model's results for one nut or bearing; one "fail" if the model finds no equilibrium.
 
     If the model's result is outside its range of validity, the first verdict says so; if ``request.strict``, it is "fail".
@@ -676,13 +682,13 @@ def _verdicts_on_model(one: SceneWithReference, limits: ErrorLimits, request: Ga
         result, status = solved if solved.converged else None, solved.status
     if result is None:
         limit, why = limits.largest_load_error, f"the model computed no loads: {status}"
-        return [Verdict(scene.name, title, LARGEST, "fail", None, None, limit, levels=ref.levels, detail=why)]
+        return [VerdictRow(scene.name, title, LARGEST, Judgement.FAIL, None, None, limit, levels=ref.levels, detail=why)]
     loads = comparison.solution_from_result(result)
     values = verdict.contact_values_by_model(scene, loads, limits.limits_by_quantity)
     outside = "; ".join(w.brief for w in result.warnings if w.outside_validity)
     detail = outside and f"{OUTSIDE}: {outside}"
     first, *verdicts = verdict.judge_contact_loads(title, result.load, ref, limits, detail=detail)
-    verdicts = [replace(first, word="fail") if outside and request.strict else first, *verdicts]
+    verdicts = [replace(first, judgement=Judgement.FAIL) if outside and request.strict else first, *verdicts]
     verdicts += verdict.judge_contact_quantities(title, values, scene, ref, limits)
     whole = [] if one.place_on_shaft else verdict.screw_values_by_model(scene, loads, limits.limits_by_quantity)
     return verdicts + [verdict.judge_value(title, v, scene, ref, limits) for v in whole]

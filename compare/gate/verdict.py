@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field, replace
-from typing import Any, Literal, NamedTuple, TypeAlias
+from dataclasses import dataclass, field, replace
+from enum import StrEnum
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -18,14 +19,34 @@ from rollbench.meshes.parts import SIDES, Scene
 from rollbench.meshes.quantity import QuantityDescription, result_record
 from rollbench.meshes.quantity import quantity_field as stated
 
-#: Verdict on an error, as text.
-Word = Literal["pass", "fail", "not converged", "undecided", "not covered"]
-
 #: Default limit of the largest contact-load error [%].
 LIMIT = 7.0
 
-#: Exit code of each verdict, the worst verdict first; of several verdicts the worst determines the exit code.
-CODES: dict[Word, int] = {"fail": 1, "not converged": 1, "undecided": 3, "not covered": 4, "pass": 0}
+
+class Judgement(StrEnum):
+    """Judgement of a quantity by its error e against a reference, the reference's uncertainty u, and the error's limit.
+
+    Only `PASS` is true, so that an ``assert`` of a judgement fails on every other one.
+    """
+
+    PASS = "pass"
+    """The error is within the limit even with the uncertainty added: e + u <= limit."""
+    FAIL = "fail"
+    """The error is beyond the limit even with the uncertainty subtracted: e - u > limit."""
+    NOT_CONVERGED = "not converged"
+    """The model found no equilibrium in the load case."""
+    UNDECIDED = "undecided"
+    """The limit lies between e - u and e + u: the reference is not accurate enough to decide."""
+    NOT_COVERED = "not covered"
+    """The reference has no value of the quantity."""
+
+    def __bool__(self) -> bool:
+        """Whether the judgement is `PASS`."""
+        return self is Judgement.PASS
+
+
+#: Exit code of each judgement, the worst one first; of several judgements the worst determines the exit code.
+CODES = {Judgement.FAIL: 1, Judgement.NOT_CONVERGED: 1, Judgement.UNDECIDED: 3, Judgement.NOT_COVERED: 4, Judgement.PASS: 0}
 
 #: Number of balls that a figure shows before, and after, the ball that determines the verdict.
 NEAR = 6
@@ -78,21 +99,17 @@ def subject_text(scene: str, case: str | None, set_: str | None) -> str:
 
 
 @result_record
-class Verdict:
-    """Verdict on one quantity of a scene, of a load case, or of a nut or bearing, with the error and its limit.
+class VerdictRow:
+    """Judgement of one quantity of a scene, of a load case, or of one nut or bearing out of several; true if it passes."""
 
-    It is true if its text is "pass".
-    """
-
-    #: Name of the scene.
     scene: str
-    #: Model or file whose values are judged.
+    """Name of the scene."""
     judged: str
-    #: Name of the judged quantity.
+    """Name of the model or of the file whose values are judged."""
     quantity: str
-    #: Verdict as text, such as "pass".
-    word: Word
-    #: Error of the quantity, or of the contact that determines the verdict [`unit`]; None if it could not be judged.
+    """Name of the judged quantity, such as "largest error of a contact load"."""
+    judgement: Judgement
+    """Judgement of the quantity."""
     error: float | None = stated(
         "error_percent",
         "error of the judged quantity in per cent of the reference value; for contact loads below a tenth of the mean "
@@ -104,61 +121,55 @@ class Verdict:
         ),
         error="`uncertainty_percent` beside it",
     )
-    #: Uncertainty of the reference for this quantity or contact [`unit`]; None: not known.
+    """Error of the quantity, or of the contact that determines the judgement [unit]; None if nothing could be compared."""
     uncertainty: float | None = stated("uncertainty_deg", "uncertainty of the reference's contact angle, by discretisation")
-    #: Limit of the error [`unit`].
+    """Uncertainty of the reference for the judged quantity or contact [unit]; None if not known."""
     limit: float = stated(
         "limit_percent",
         "error limit of the scene or of the command line",
         QuantityDescription("limit_deg", "error limit of the contact angle, 1 deg unless given"),
     )
-    #: Number (from 1) of the ball of the contact that determines the verdict.
+    """Largest permitted error [unit]."""
     ball: int | None = None
-    #: Groove flank of the contact that determines the verdict.
-    flank: str | None = None
-    #: Mesh levels of the reference.
+    """Number of the ball, from 1, of the contact that determines the judgement; None for quantities of the whole scene."""
+    side: str | None = None
+    """Groove flank of the contact that determines the judgement: SL, SR, NL or NR; None for quantities of the whole
+    scene."""
     levels: tuple[int, ...] = ()
-    #: Number of judged contacts.
+    """Mesh levels of the 3D reference."""
     contacts: int = 0
-    #: Further explanation; may be empty.
+    """Number of judged contacts."""
     detail: str = ""
-    #: Largest and RMS error of the contact loads in per cent of the mean load; None for other quantities.
+    """Further explanation of the judgement; may be empty."""
     of_mean: LoadError | None = stated(
         "max_percent_of_mean",
         "error of the worst contact load in per cent of the mean load",
         QuantityDescription("rms_percent_of_mean", "root mean square over all contacts, in per cent of the mean load"),
         default=None,
     )
-    #: Name of the nut or bearing, if there are several.
+    """Largest and RMS error of the contact loads in per cent of the mean load; None for other quantities."""
     set: str | None = None
-    #: Name of the load case; None if the scene has only one.
+    """Name of the nut or bearing; None if the scene has only one."""
     case: str | None = None
-    #: Unit of error, uncertainty and limit.
+    """Name of the load case; None without load cases."""
     unit: str = "%"
-    #: Key of the quantity, its judged value and its value in the reference; None for contact loads.
+    """Unit of error, uncertainty and limit: ``%`` of the reference value (for small contact loads, of the mean load), or
+    the unit in which the limit is stated, such as ``deg``."""
     pair: tuple[str, float, float] | None = None
-    #: Judged and reference loads on one flank: at the contact that determines the verdict, and on the balls before and
-    #: after.
+    """JSON key of the quantity, which ends with the unit of the two values, its judged value and its value in the
+    reference; None for contact loads."""
     near: NeighbouringLoads = ()
+    """Judged and reference loads on one flank: at the contact that determines the judgement, and on the balls before and
+    after: number of the ball, judged load, reference load and its uncertainty [N]."""
 
     def __bool__(self) -> bool:
-        """Whether the verdict is "pass"."""
-        return self.word == "pass"
+        """Whether the quantity passes."""
+        return bool(self.judgement)
 
     @property
-    def error_percent(self) -> float | None:
-        """Error that determines the verdict [%]; None if the quantity is judged in another unit."""
-        return self.error if self.unit == "%" else None
-
-    @property
-    def uncertainty_percent(self) -> float | None:
-        """Uncertainty of the reference [%]; None if it is not known or the quantity is judged in another unit."""
-        return self.uncertainty if self.unit == "%" else None
-
-    @property
-    def limit_percent(self) -> float | None:
-        """Limit of the error [%]; None if the quantity is judged in another unit."""
-        return self.limit if self.unit == "%" else None
+    def passed(self) -> bool:
+        """Whether the quantity passes."""
+        return bool(self.judgement)
 
     @property
     def subject(self) -> str:
@@ -170,34 +181,31 @@ class Verdict:
 
         Keys that end with ``percent`` are null for a quantity that is judged in another unit.
         """
-        data: dict[str, Any] = {}
-        for key, value in asdict(self).items():
-            if key not in ("error", "uncertainty", "limit"):
-                data[key] = value
-                continue
-            data[f"{key}_percent"] = getattr(self, f"{key}_percent")
+        data: dict[str, Any] = {"scene": self.scene, "judged": self.judged, "quantity": self.quantity}
+        data["word"] = str(self.judgement)
+        for key in ("error", "uncertainty", "limit"):
+            data[f"{key}_percent"] = getattr(self, key) if self.unit == "%" else None
             if self.unit != "%":
-                data[f"{key}_{self.unit}"] = value
-        data["levels"] = list(self.levels)
-        for key in ("set", "case"):
-            if data[key] is None:
-                del data[key]
-        del data["unit"], data["near"]
-        pair, e = data.pop("pair"), data.pop("of_mean")
-        keys = ("max_percent", "rms_percent")
-        data |= {f"{key}_of_mean": None if e is None else e[key] for key in keys}
-        return data if pair is None else data | dict(zip(("key", "value", "reference"), pair, strict=True))
+                data[f"{key}_{self.unit}"] = getattr(self, key)
+        data |= {"ball": self.ball, "flank": self.side, "levels": list(self.levels), "contacts": self.contacts}
+        data["detail"] = self.detail
+        data |= {key: name for key, name in (("set", self.set), ("case", self.case)) if name is not None}
+        e = self.of_mean
+        data |= {"max_percent_of_mean": e and e.max_percent, "rms_percent_of_mean": e and e.rms_percent}
+        return data if self.pair is None else data | dict(zip(("key", "value", "reference"), self.pair, strict=True))
 
+    @property
     def line(self) -> str:
-        """Return the verdict as one line of text: verdict, scene, model or file, errors, uncertainty and limit."""
-        head = f"{self.word.upper()}: {self.subject}, {self.judged}"
+        """The judgement as one line of text: scene, model or file, errors, uncertainty and limit."""
+        head = f"{self.judgement.upper()}: {self.subject}, {self.judged}"
         if self.error is None:
             of = "" if self.quantity == LARGEST else f"{self.quantity}: "
             return f"{head}: {of}{self.detail}"
-        at = "" if self.ball is None else f" (ball {self.ball} {self.flank})"
+        at = "" if self.ball is None else f" (ball {self.ball} {self.side})"
         tail = f"; {self.detail}" if self.detail else ""
         if self.of_mean is None:
-            return f"{head}: {self.quantity} {self.comparison_text()}{at}{self.pair_text}{tail}"
+            pair = f", {self.pair_text}" if self.pair_text else ""
+            return f"{head}: {self.quantity} {self.comparison_text()}{at}{pair}{tail}"
         e = self.of_mean
         whole = f"{e.max_percent:.2f} % of the mean load (ball {e.ball} {e.side}), {e.rms_percent:.2f} % RMS"
         return f"{head}: {self.quantity} {self.comparison_text()}{at}, {RULE}; {whole}{tail}"
@@ -208,7 +216,12 @@ class Verdict:
         if self.pair is None:
             return ""
         key, value, reference = self.pair
-        return f", {value:.4g} against {reference:.4g} {words_and_unit_of_key(key)[1]}"
+        return f"{value:.4g} against {reference:.4g} {words_and_unit_of_key(key)[1]}"
+
+    @property
+    def note(self) -> str:
+        """Judged value and reference, and the further explanation, as one text; may be empty."""
+        return "; ".join(filter(None, (self.pair_text, self.detail)))
 
     def comparison_text(self) -> str:
         """Return error, uncertainty and limit as a comparison, such as ``1.4 % + 0.2 % <= 7 %`` for "pass"."""
@@ -216,12 +229,12 @@ class Verdict:
         if self.uncertainty is None:
             return f"{error}, uncertainty unknown, limit {limit}"
         u = f"{self.uncertainty:.2f} {self.unit}"
-        if self.word == "pass":
+        if self.judgement is Judgement.PASS:
             return f"{error} + {u} <= {limit}"
-        return f"{error} - {u} > {limit}" if self.word == "fail" else f"{error} +- {u}, limit {limit}"
+        return f"{error} - {u} > {limit}" if self.judgement is Judgement.FAIL else f"{error} +- {u}, limit {limit}"
 
 
-def verdict_on_error(error: float, uncertainty: float | None, limit: float) -> Word:
+def verdict_on_error(error: float, uncertainty: float | None, limit: float) -> Judgement:
     """Return the verdict on an error, given the uncertainty of the reference and a limit: pass, fail or undecided.
 
     Parameters
@@ -235,20 +248,20 @@ def verdict_on_error(error: float, uncertainty: float | None, limit: float) -> W
 
     Returns
     -------
-    Word
+    Judgement
         "pass" if abs(error) + uncertainty is within the limit, "fail" if abs(error) - uncertainty exceeds it; otherwise, or
         if the uncertainty is not known, "undecided".
 
     Examples
     --------
     >>> verdict_on_error(-6.0, 0.5, 7.0), verdict_on_error(6.8, 0.5, 7.0), verdict_on_error(8.0, 0.5, 7.0)
-    ('pass', 'undecided', 'fail')
+    (<Judgement.PASS: 'pass'>, <Judgement.UNDECIDED: 'undecided'>, <Judgement.FAIL: 'fail'>)
     """
     if uncertainty is None:
-        return "undecided"
+        return Judgement.UNDECIDED
     if abs(error) + uncertainty <= limit:
-        return "pass"
-    return "fail" if abs(error) - uncertainty > limit else "undecided"
+        return Judgement.PASS
+    return Judgement.FAIL if abs(error) - uncertainty > limit else Judgement.UNDECIDED
 
 
 class JudgedContactError(NamedTuple):
@@ -264,34 +277,35 @@ class JudgedContactError(NamedTuple):
     side: str
 
 
-def decisive_contact(points: Sequence[JudgedContactError], limit: float) -> tuple[Word, JudgedContactError]:
+def decisive_contact(points: Sequence[JudgedContactError], limit: float) -> tuple[Judgement, JudgedContactError]:
     """Return the worst verdict on any contact, and the contact that determines it.
 
     ``points``: errors of all judged contacts; ``limit``: error limit, in the unit of these errors. The decisive contact is
     the one that exceeds the limit by most; if none exceeds it, the one nearest to the limit.
     """
     each = [verdict_on_error(p.error, p.uncertainty, limit) for p in points]
-    worst = worst_verdict(each)
-    sign = -1.0 if worst == "fail" else 1.0
+    worst = worst_judgement(each)
+    sign = -1.0 if worst is Judgement.FAIL else 1.0
     gravest = [p for p, kind in zip(points, each, strict=True) if kind == worst]
     return worst, max(gravest, key=lambda p: abs(p.error) + sign * (p.uncertainty or 0.0))
 
 
 def verdict_without_reference(
     reference: Reference, judged: str, quantity: str, limit: float, why: str, unit: str = "%"
-) -> Verdict:
+) -> VerdictRow:
     """Return the verdict "not covered", for a quantity of which the reference has no value.
 
     ``judged``: name of the model or file; ``limit``: error limit in ``unit``; ``why``: the reason.
     """
-    return Verdict(
-        reference.scene, judged, quantity, "not covered", None, None, limit, levels=reference.levels, detail=why, unit=unit
+    word = Judgement.NOT_COVERED
+    return VerdictRow(
+        reference.scene, judged, quantity, word, None, None, limit, levels=reference.levels, detail=why, unit=unit
     )
 
 
 def judge_contact_loads(
     judged: str, load: Array, reference: Reference, limits: ErrorLimits, flanks: Sequence[str] = SIDES, detail: str = ""
-) -> list[Verdict]:
+) -> list[VerdictRow]:
     """Judge the contact loads of a model or file against a reference, by their largest error and their RMS error.
 
     Parameters
@@ -313,7 +327,7 @@ def judge_contact_loads(
 
     Returns
     -------
-    list[Verdict]
+    list[VerdictRow]
         Verdict on the largest error; also one on the RMS error if that has a limit.
     """
     chosen = np.array([side in flanks for side in SIDES])
@@ -332,12 +346,12 @@ def judge_contact_loads(
     kind, at = decisive_contact(points, limit)
     words = "; ".join(filter(None, (detail, reference_notes(reference))))
     shared: dict[str, Any] = {"levels": reference.levels, "contacts": len(points), "detail": words}
-    first = Verdict(name, judged, LARGEST, kind, at.error, at.uncertainty, limit, at.ball, at.side, **shared)
+    first = VerdictRow(name, judged, LARGEST, kind, at.error, at.uncertainty, limit, at.ball, at.side, **shared)
     out = [replace(first, of_mean=of_mean, near=_loads_of_neighbouring_balls(load, reference, at))]
     if rms_limit is not None:
         error, bar = of_mean.rms_percent, reference.parts.uncertainty
         kind = verdict_on_error(error, bar, rms_limit)
-        out.append(Verdict(name, judged, RMS, kind, error, bar, rms_limit, **shared))
+        out.append(VerdictRow(name, judged, RMS, kind, error, bar, rms_limit, **shared))
     return out
 
 
@@ -357,9 +371,9 @@ def reference_notes(reference: Reference) -> str:
     return "; ".join(filter(None, (reference.stated, reference.unsettled, single)))
 
 
-def worst_verdict(words: Sequence[Word]) -> Word:
-    """Return the worst of several verdicts; `CODES` lists them from the worst to "pass"."""
-    return next((w for w in CODES if w in words), "pass")
+def worst_judgement(judgements: Sequence[Judgement]) -> Judgement:
+    """Return the worst of several judgements; `CODES` lists them from the worst to "pass"."""
+    return next((x for x in CODES if x in judgements), Judgement.PASS)
 
 
 def suspected_cause_text(load: Array, reference: Array, flanks: Sequence[str], limit: float) -> str:
@@ -449,7 +463,7 @@ def screw_values_by_model(
 
 def judge_contact_quantities(
     judged: str, given: JudgedContactValues, scene: Scene, ref: Reference, limits: ErrorLimits
-) -> list[Verdict]:
+) -> list[VerdictRow]:
     """Judge contact angles, approaches and pressures against the reference, each by the contact with the worst error.
 
     ``judged``: name of the model or file; ``given``: its values on all contacts; ``ref``: the reference. Quantities that
@@ -462,7 +476,7 @@ def judge_contact_quantities(
 
 def _judge_contact_quantity(
     judged: str, given: JudgedContactValues, name: str, scene: Scene, ref: Reference, limits: ErrorLimits
-) -> Verdict:
+) -> VerdictRow:
     """Judge one contact quantity (angle, approach or pressure) by the contact with the worst error.
 
     ``judged``: name of the model or file; ``given``: its values; ``name``: key of the quantity in `OF_CONTACTS`; ``ref``:
@@ -496,10 +510,10 @@ def _judge_contact_quantity(
     if q is not gate_judged.ANGLE and q.name not in ref.further:
         notes.insert(0, BY_HERTZ)
     where = (at.ball, at.side, ref.levels, len(points), "; ".join(filter(None, notes)))
-    return Verdict(ref.scene, judged, q.name, kind, at.error, at.uncertainty, limit, *where, unit=unit, pair=pair)
+    return VerdictRow(ref.scene, judged, q.name, kind, at.error, at.uncertainty, limit, *where, unit=unit, pair=pair)
 
 
-def judge_value(judged: str, given: gate_judged.UserValue, scene: Scene, ref: Reference, limits: ErrorLimits) -> Verdict:
+def judge_value(judged: str, given: gate_judged.UserValue, scene: Scene, ref: Reference, limits: ErrorLimits) -> VerdictRow:
     """Judge a value of the whole screw (such as its life or rigidity) against that of the reference.
 
     ``judged``: name of the model or file that states the value ``given``; ``ref``: the reference. The error is in per cent
@@ -516,9 +530,9 @@ def judge_value(judged: str, given: gate_judged.UserValue, scene: Scene, ref: Re
     detail = "; ".join(filter(None, (whole.computation_note(q, given.station), reference_notes(ref))))
     pair = (q.key, q.display_factor * given.value, q.display_factor * reference)
     kind = verdict_on_error(error, share, limit)
-    return Verdict(ref.scene, judged, given.name, kind, error, share, limit, levels=ref.levels, detail=detail, pair=pair)
+    return VerdictRow(ref.scene, judged, given.name, kind, error, share, limit, levels=ref.levels, detail=detail, pair=pair)
 
 
-def quantities_without_verdict(verdicts: Sequence[Verdict]) -> list[str]:
+def quantities_without_verdict(verdicts: Sequence[VerdictRow]) -> list[str]:
     """Return the names of the quantities (of all in `QUANTITIES`) on which ``verdicts`` contains no verdict."""
     return [name for name in gate_judged.QUANTITIES if not any(v.quantity.split(" at ")[0] == name for v in verdicts)]

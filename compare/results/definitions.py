@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from functools import cache
 from typing import NamedTuple
 
-from rollbench.compare.gate.verdict import Verdict
+from rollbench.compare.gate.verdict import VerdictRow
 from rollbench.compare.models.answers import ContactLoadResults, ShaftResults
 from rollbench.compare.models.load_cases import AxisDrive, DutyCycleResults, LivesOverDutyCycle, ShaftTorque
 from rollbench.compare.models.loading import LiftOff, LoadPath, Preload, SupportShare
@@ -155,7 +155,7 @@ TABLES = (
             ("", ExpectedError),
             ("", Uncertainty),
             ("uncertainty.", LoadUncertainty),
-            ("verdicts[].", Verdict),
+            ("verdicts[].", VerdictRow),
         ),
     ),
     DefinitionTable("Balance and solver", "", (("equilibrium.", Equilibrium), ("solver.", SolverReport))),

@@ -3,41 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields, replace
-from enum import StrEnum
+from dataclasses import dataclass, replace
 from typing import Any
 
-from rollbench.compare.gate import verdict as gate
 from rollbench.compare.gate.user import GateRequest, check_scenes
-from rollbench.compare.gate.verdict import CODES, LARGEST, Word, quantities_without_verdict, worst_verdict
+from rollbench.compare.gate.verdict import (
+    CODES,
+    LARGEST,
+    Judgement,
+    VerdictRow,
+    quantities_without_verdict,
+    worst_judgement,
+)
 from rollbench.compare.models.comparison import RULE
 from rollbench.compare.reference.jobs import ComputingSettings
 from rollbench.compare.results.base import JSON, Record, add_schema_version
 from rollbench.compare.scenes.duty_cycle import Described, load_cases_by_scene_name
 from rollbench.compare.scenes.scene_file import scenes_to_solve
-
-
-class Judgement(StrEnum):
-    """Judgement of a quantity by its error e against a reference, the reference's uncertainty u, and the error's limit.
-
-    Only `PASS` is true, so that an ``assert`` of a judgement fails on every other one.
-    """
-
-    PASS = "pass"
-    """The error is within the limit even with the uncertainty added: e + u <= limit."""
-    FAIL = "fail"
-    """The error is beyond the limit even with the uncertainty subtracted: e - u > limit."""
-    NOT_CONVERGED = "not converged"
-    """The model found no equilibrium in the load case."""
-    UNDECIDED = "undecided"
-    """The limit lies between e - u and e + u: the reference is not accurate enough to decide."""
-    NOT_COVERED = "not covered"
-    """The reference has no value of the quantity."""
-
-    def __bool__(self) -> bool:
-        """Whether the judgement is `PASS`."""
-        return self is Judgement.PASS
-
 
 #: Advice to the user for each judgement that is not "pass".
 ADVICE = {
@@ -46,50 +28,6 @@ ADVICE = {
     "undecided": "reduce the uncertainty of the reference by more mesh levels: --levels 3",
     "not covered": "compute the 3D reference: --levels 2",
 }
-
-
-@dataclass(frozen=True)
-class VerdictRow:
-    """Judgement of one quantity of a scene, of a load case, or of one nut or bearing out of several; true if it passes."""
-
-    scene: str
-    """Name of the scene."""
-    case: str | None
-    """Name of the load case; None without load cases."""
-    set: str | None
-    """Name of the nut or bearing; None if the scene has only one."""
-    judged: str
-    """Name of the model or of the file whose values are judged."""
-    quantity: str
-    """Name of the judged quantity, such as "largest error of a contact load"."""
-    judgement: Judgement
-    """Judgement of the quantity."""
-    unit: str
-    """Unit of error, uncertainty and limit: ``%`` of the reference value (for small contact loads, of the mean load), or
-    the unit in which the limit is stated, such as ``deg``."""
-    error: float | None
-    """Error of the quantity, or of the contact that determines the judgement [unit]; None if nothing could be compared."""
-    uncertainty: float | None
-    """Uncertainty of the reference for the judged quantity or contact [unit]; None if not known."""
-    limit: float
-    """Largest permitted error [unit]."""
-    ball: int | None
-    """Number of the ball, from 1, of the contact that determines the judgement; None for quantities of the whole scene."""
-    side: str | None
-    """Groove flank of the contact that determines the judgement: SL, SR, NL or NR; None for quantities of the whole
-    scene."""
-    contacts: int
-    """Number of judged contacts."""
-    levels: tuple[int, ...]
-    """Mesh levels of the 3D reference."""
-    detail: str
-    """Further explanation of the judgement; may be empty."""
-    line: str
-    """The judgement as one line of text."""
-
-    def __bool__(self) -> bool:
-        """Whether the quantity passes."""
-        return bool(self.judgement)
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -113,15 +51,13 @@ class Verdict(Record):
     """Warnings, such as those about unknown columns of a file."""
     not_judged: tuple[str, ...]
     """Quantities that are not judged, because the user's file or the reference does not contain them."""
-    judged: tuple[gate.Verdict, ...]
-    """Records of the judgement with further details, one for each row."""
     described: tuple[Described, ...]
     """The judged scenes."""
 
     @property
     def judgement(self) -> Judgement:
         """Worst judgement of all rows."""
-        return Judgement(worst_verdict([row.judgement.value for row in self.rows]))
+        return worst_judgement([row.judgement for row in self.rows])
 
     @property
     def passed(self) -> bool:
@@ -155,7 +91,7 @@ class Verdict(Record):
             JSON values by key.
         """
         rest: dict[str, Any] = {"warnings": list(self.warnings), "not_judged": list(self.not_judged)}
-        return add_schema_version(verdicts_json(self.described, self.judged) | rest)
+        return add_schema_version(verdicts_json(self.described, self.rows) | rest)
 
     headings = ("verdict", "scene", "model or file", "quantity", "error", "uncertainty", "limit", "note")
 
@@ -171,23 +107,23 @@ class Verdict(Record):
             Texts of each row, one for each of `headings`.
         """
         rows = []
-        for v in self.judged:
+        for v in self.rows:
             numbers = (f"{abs(x):.2f} {v.unit}" if x is not None else "–" for x in (v.error, v.uncertainty))
-            ball = "" if v.ball is None else f"ball {v.ball} {v.flank}"
-            note = "; ".join(filter(None, (ball, v.pair_text.strip(", "), v.detail)))
-            rows.append((v.word, v.subject, v.judged, v.quantity, *numbers, f"{v.limit:.4g} {v.unit}", note))
+            ball = "" if v.ball is None else f"ball {v.ball} {v.side}"
+            note = "; ".join(filter(None, (ball, v.note)))
+            rows.append((str(v.judgement), v.subject, v.judged, v.quantity, *numbers, f"{v.limit:.4g} {v.unit}", note))
         same = [len({row[k] for row in rows}) == 1 for k in range(len(self.headings))]
         return [["" if same[k] and k in (1, 2) else text for k, text in enumerate(row)] for row in rows]
 
     @property
     def answer(self) -> str:
         """Verdict as one line: worst judgement, scenes, models, largest error of a contact load, numbers of judgements."""
-        counts = ", ".join(f"{n} {word}" for word in CODES if (n := sum(v.word == word for v in self.judged)))
-        scenes, models = ([getattr(v, name) for v in self.judged] for name in ("subject", "judged"))
+        counts = ", ".join(f"{n} {x}" for x in CODES if (n := sum(v.judgement is x for v in self.rows)))
+        scenes, models = ([getattr(v, name) for v in self.rows] for name in ("subject", "judged"))
         of = f"{', '.join(dict.fromkeys(scenes))} by {', '.join(dict.fromkeys(models))}"
-        loads = [v for v in self.judged if v.of_mean is not None and v.error is not None]
+        loads = [v for v in self.rows if v.of_mean is not None and v.error is not None]
         v = max(loads, key=lambda v: abs(v.error or 0.0), default=None)
-        where = "" if v is None else f"; worst contact {abs(v.error or 0.0):.2f} % off (ball {v.ball} {v.flank})"
+        where = "" if v is None else f"; worst contact {abs(v.error or 0.0):.2f} % off (ball {v.ball} {v.side})"
         if v is not None and v.uncertainty is not None:
             where += f", {'numerical uncertainty (mesh)' if any(v.levels) else 'uncertainty'} {v.uncertainty:.2f} %"
         return f"{self.word.upper()}: {of}{where}; {counts}"
@@ -195,8 +131,8 @@ class Verdict(Record):
     @property
     def advice(self) -> list[str]:
         """Sentences that state to which load the errors are relative, and what to do about quantities that do not pass."""
-        words = {v.word for v in self.judged}
-        rule = [f"errors of contact loads: {RULE}"] if any(v.quantity == LARGEST for v in self.judged) else []
+        words = {v.judgement for v in self.rows}
+        rule = [f"errors of contact loads: {RULE}"] if any(v.quantity == LARGEST for v in self.rows) else []
         return rule + [f"{word}: {ADVICE[word]}" for word in ("fail", "undecided", "not covered") if word in words]
 
     @property
@@ -244,13 +180,7 @@ def judge_scenes(
     warnings: list[str] = []
     judged = judge_load_cases(described, names, request, engine, step, warnings.append)
     left = quantities_without_verdict(judged) if request.loads_file or request.values_file else []
-    return Verdict(tuple(map(_verdict_row, judged)), tuple(warnings), tuple(left), tuple(judged), tuple(described))
-
-
-def _verdict_row(v: gate.Verdict) -> VerdictRow:
-    """Convert the detailed verdict on one quantity to a row of the record that `rollbench.check` returns."""
-    shared = {f.name: getattr(v, f.name) for f in fields(VerdictRow) if f.name not in ("judgement", "side", "line")}
-    return VerdictRow(**shared, judgement=Judgement(v.word), side=v.flank, line=v.line())
+    return Verdict(tuple(judged), tuple(warnings), tuple(left), tuple(described))
 
 
 def judge_load_cases(
@@ -260,8 +190,8 @@ def judge_load_cases(
     engine: ComputingSettings,
     step: Callable[[str], None],
     warn: Callable[[str], None],
-) -> list[gate.Verdict]:
-    """Judge scenes and their load cases, and return a detailed record for each quantity.
+) -> list[VerdictRow]:
+    """Judge scenes and their load cases, and return a row for each quantity.
 
     Parameters
     ----------
@@ -272,8 +202,8 @@ def judge_load_cases(
 
     Returns
     -------
-    list[gate.Verdict]
-        A record for each quantity, with the name of its load case. Its judgement is "not converged" if the model found no
+    list[VerdictRow]
+        A row for each quantity, with the name of its load case. Its judgement is "not converged" if the model found no
         equilibrium in that load case.
 
     Raises
@@ -287,12 +217,12 @@ def judge_load_cases(
     out = []
     for v in check_scenes(scenes, request, engine, step, warn, of_one):
         case = cases.get(v.scene)
-        lost: Word = "not converged" if v.word == "fail" and v.error is None else v.word
-        out.append(v if case is None else replace(v, scene=case.duty_cycle.name, case=case.load_case.name, word=lost))
+        lost = Judgement.NOT_CONVERGED if v.judgement is Judgement.FAIL and v.error is None else v.judgement
+        out.append(v if case is None else replace(v, scene=case.duty_cycle.name, case=case.load_case.name, judgement=lost))
     return out
 
 
-def verdicts_json(described: Sequence[Described], verdicts: Sequence[gate.Verdict]) -> dict[str, Any]:
+def verdicts_json(described: Sequence[Described], verdicts: Sequence[VerdictRow]) -> dict[str, Any]:
     """Convert the judgements of all scenes to JSON values.
 
     Parameters
@@ -308,13 +238,14 @@ def verdicts_json(described: Sequence[Described], verdicts: Sequence[gate.Verdic
         The judgements and the worst of them. With load cases, also the judgements of each case, and the case that
         determines the verdict of each scene.
     """
-    gravest = worst_verdict([v.word for v in verdicts])
-    data: dict[str, Any] = {"verdict": gravest, "passed": gravest == "pass", "verdicts": [v.as_json() for v in verdicts]}
+    gravest = worst_judgement([v.judgement for v in verdicts])
+    data: dict[str, Any] = {"verdict": str(gravest), "passed": bool(gravest), "verdicts": [v.as_json() for v in verdicts]}
     cases, graveness = [], []
     for case in load_cases_by_scene_name(described).values():
         its = [v for v in verdicts if (v.scene, v.case) == (case.duty_cycle.name, case.load_case.name)]
-        word, beyond = worst_verdict([v.word for v in its]), max((abs(v.error or 0.0) / v.limit for v in its), default=0.0)
-        cases.append(case.identifying_values | {"verdict": word, "verdicts": [v.as_json() for v in its]})
+        word = worst_judgement([v.judgement for v in its])
+        beyond = max((abs(v.error or 0.0) / v.limit for v in its), default=0.0)
+        cases.append(case.identifying_values | {"verdict": str(word), "verdicts": [v.as_json() for v in its]})
         graveness.append(([*CODES].index(word), -beyond))
     if not cases:
         return data

@@ -175,8 +175,8 @@ def judge_model_on_random_screw(model: str, number: int, limit: float = LIMIT) -
         "rms_percent": off.rms_percent,
         "pressure_percent": float(error_percent(pressed, 1.0)),
         "uncertainty_percent": largest_uncertainty_percent(found),
-        "gate_percent": verdict.error_percent,
-        "verdict": verdict.word,
+        "gate_percent": verdict.error,
+        "verdict": str(verdict.judgement),
         "seconds": seconds,
     }
 

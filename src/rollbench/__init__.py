@@ -49,7 +49,7 @@ if TYPE_CHECKING:
     from rollbench.compare.results.side_by_side import SideBySide
     from rollbench.compare.results.solved import Result, Status
     from rollbench.compare.results.table import Table
-    from rollbench.compare.results.verdict import Judgement, Verdict
+    from rollbench.compare.results.verdict import Verdict
     from rollbench.meshes.parts import Scene
 
 __all__ = [
@@ -100,7 +100,8 @@ _ELSEWHERE = {
     "__version__": "rollbench.compare",
     **dict.fromkeys(("Ensemble", "Friction", "MeshStudy", "Survey", "Sweep"), "rollbench.compare.results.data"),
     **dict.fromkeys(("Result", "Status"), "rollbench.compare.results.solved"),
-    **dict.fromkeys(("Judgement", "Verdict"), "rollbench.compare.results.verdict"),
+    "Judgement": "rollbench.compare.gate.verdict",
+    "Verdict": "rollbench.compare.results.verdict",
 }
 #: Present names, by the former names that still work.
 _FORMER = {"Solution": "Result", "Judged": "Verdict"}

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 if TYPE_CHECKING:
-    from rollbench.compare.gate.verdict import Verdict
+    from rollbench.compare.gate.verdict import VerdictRow
 
 
 class RollbenchFixture:
@@ -40,7 +40,7 @@ class RollbenchFixture:
         stored: str | Path | None = None,
         store: str | Path = "rollbench-reference",
         compute: bool = True,
-    ) -> list[Verdict]:
+    ) -> list[VerdictRow]:
         """Judge a scene as ``rollbench check`` does, and fail the test unless every verdict is "pass".
 
         The test also fails if a verdict is "undecided" or "not covered", and if an argument or a file is not valid.
@@ -57,7 +57,7 @@ class RollbenchFixture:
 
         Returns
         -------
-        list of Verdict
+        list of VerdictRow
             Verdicts on the scene, all "pass".
         """
         from rollbench.compare.errors import InputError
@@ -86,7 +86,7 @@ class RollbenchFixture:
             verdicts = check_scenes([catalogue.scene(path)], request, engine, lambda _: None)
         except InputError as error:
             pytest.fail(str(error), pytrace=False)
-        bad = [v.line() for v in verdicts if v.word != "pass"]
+        bad = [v.line for v in verdicts if not v]
         if bad:
             pytest.fail("\n".join(bad), pytrace=False)
         return verdicts

@@ -254,7 +254,7 @@ def test_an_answer_with_a_verdict_is_true_if_it_passed(factor: float, max_error:
     scene = replace(scene, track=replace(scene.track, pitch_radius=factor * scene.track.pitch_radius))
     judged = rollbench.check(scene, max_error=max_error, compute=False, store=tmp_path)
     (row,) = judged.rows
-    answers = judged, row, judged.judgement, row.judgement, judged.judged[0]
+    answers = judged, row, judged.judgement, row.judgement
     assert (judged.word, [bool(one) for one in answers]) == (word, [word == "pass"] * len(answers))
 
 

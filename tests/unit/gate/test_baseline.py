@@ -12,12 +12,12 @@ from markdown_it import MarkdownIt
 
 from rollbench.compare.errors import InputError
 from rollbench.compare.gate import publish
-from rollbench.compare.gate.verdict import Verdict
+from rollbench.compare.gate.verdict import Judgement, VerdictRow
 
 
-def row(word: str, error: float, quantity: str = "largest error", scene: str = "mine") -> publish.VerdictFileRow:
+def row(word: str, error: float, quantity: str = "largest error", scene: str = "mine") -> VerdictRow:
     limit, unit = (1.0, "deg") if quantity == "contact angle" else (7.0, "%")
-    return publish.VerdictFileRow(word == "pass", word, scene, "a.csv", quantity, error, 0.1, limit, unit, 4, "SL")
+    return VerdictRow(scene, "a.csv", quantity, Judgement(word), error, 0.1, limit, 4, "SL", unit=unit)
 
 
 def test_what_changed_is_said(tmp_path) -> None:
@@ -32,7 +32,7 @@ def test_what_changed_is_said(tmp_path) -> None:
         "mine: torque: new, pass",
     ]
     assert publish.verdict_changes_since_file(tmp_path / "old.csv", [*before, row("pass", 2, "life")]) == []
-    tighter = replace(before[0], word="fail", good=False, limit=3.0)
+    tighter = replace(before[0], judgement=Judgement.FAIL, limit=3.0)
     (change,) = publish.verdict_changes_since_file(tmp_path / "old.csv", [tighter, *before[1:], row("pass", 2, "life")])
     assert change.as_json()["limit"] == "3"  # that of today
 
@@ -49,10 +49,9 @@ def test_another_file_is_refused(tmp_path, text: str) -> None:
 @pytest.mark.parametrize(("unit", "line"), [("%", "5.12 -> 6.00 %, limit 7"), ("deg", "5.12 deg -> 6.00 deg, limit 7 deg")])
 @pytest.mark.parametrize("of", [{}, {"set": "front"}, {"case": "idle"}, {"set": "front", "case": "idle"}])
 def test_both_forms_name_the_rows_alike(tmp_path, of: dict[str, str], unit: str, line: str) -> None:
-    one = Verdict("mine", "a.csv", "largest error", "pass", -5.12345, 0.1, 7.0, 4, "SL", unit=unit, **of)
-    row = publish.file_row_of_verdict(one)
+    row = VerdictRow("mine", "a.csv", "largest error", Judgement.PASS, -5.12345, 0.1, 7.0, 4, "SL", unit=unit, **of)
     (tmp_path / "a.csv").write_text(publish.verdicts_csv([row]), encoding="utf-8")
-    (tmp_path / "a.json").write_text(json.dumps({"verdicts": [one.as_json()]}), encoding="utf-8")
+    (tmp_path / "a.json").write_text(json.dumps({"verdicts": [row.as_json()]}), encoding="utf-8")
     for file in (tmp_path / "a.csv", tmp_path / "a.json"):
         assert publish.verdict_changes_since_file(file, [row]) == []
         (change,) = publish.verdict_changes_since_file(file, [replace(row, error=-6.0)])
@@ -89,7 +88,7 @@ HOSTILE = [
 @pytest.mark.parametrize("name", HOSTILE)
 def test_names_are_shown_as_they_are_in_markdown(name: str) -> None:
     """No markup, and nothing that hosts turn into a link or a message to a person."""
-    one = replace(row("fail", 9.0, scene=name), judged=name, note=name, neighbouring_loads=((3, 1.0, 2.0, 0.1),))
+    one = replace(row("fail", 9.0, scene=name), judged=name, detail=name, near=((3, 1.0, 2.0, 0.1),))
     markdown = MarkdownIt("commonmark", {"html": True}).enable("table")
     text = publish.markdown_text([one], [name])
     inline = [child for token in markdown.parse(text) for child in token.children or ()]
@@ -103,7 +102,7 @@ def test_names_are_shown_as_they_are_in_markdown(name: str) -> None:
 
 def test_files_of_verdicts(tmp_path) -> None:
     green = replace(row("pass", 8.5), judged="a|b", uncertainty=1.0)
-    rows = [green, replace(green, good=False, word="fail", note="=1+1 <b>")]
+    rows = [green, replace(green, judgement=Judgement.FAIL, detail="=1+1 <b>")]
     suite = ElementTree.fromstring(publish.junit_xml(rows))
     assert (suite.get("tests"), suite.get("failures")) == ("2", "1")
     none, failure = (case.find("failure") for case in suite.iter("testcase"))

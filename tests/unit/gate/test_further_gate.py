@@ -9,7 +9,7 @@ from rollbench.compare.errors import InputError
 from rollbench.compare.gate import judged as judging
 from rollbench.compare.gate.judged import UserValue, read_user_values
 from rollbench.compare.gate.user import check_scenes, gate_request
-from rollbench.compare.gate.verdict import LARGEST, Verdict, quantities_without_verdict
+from rollbench.compare.gate.verdict import LARGEST, VerdictRow, quantities_without_verdict
 from rollbench.compare.models import friction_sums, loading, uncertainty
 from rollbench.compare.models.comparison import stored_references
 from rollbench.compare.reference import jobs, store, tasks
@@ -33,7 +33,7 @@ def table(path, heads: str, cells):
     return path
 
 
-def judged(**what: object) -> list[Verdict]:
+def judged(**what: object) -> list[VerdictRow]:
     return check_scenes([GIVEN], gate_request(compute=False, **what), jobs.ComputingSettings(), lambda _: None)
 
 
@@ -51,15 +51,15 @@ def test_each_quantity_of_contacts_is_judged_by_the_contact_that_decides(tmp_pat
 
     file = table(tmp_path / "a.csv", "kN,contact_angle_rad,approach / mm,pressure_gpa", cells)
     load, turned, closer, less = judged(loads=file)
-    assert (load.quantity, load.word) == (LARGEST, "pass")
-    assert (turned.word, turned.ball, turned.flank, turned.unit, turned.limit) == ("fail", 5, "SL", "deg", 1.0)
+    assert (load.quantity, load.judgement) == (LARGEST, "pass")
+    assert (turned.judgement, turned.ball, turned.side, turned.unit, turned.limit) == ("fail", 5, "SL", "deg", 1.0)
     assert turned.as_json()["error_deg"] == turned.error == pytest.approx(1.2, abs=1e-9)
-    assert turned.error_percent is None
-    assert (closer.word, closer.ball, closer.flank) == ("fail", 8, "NR")
+    assert turned.as_json()["error_percent"] is None
+    assert (closer.judgement, closer.ball, closer.side) == ("fail", 8, "NR")
     assert (closer.error, closer.limit) == pytest.approx((5.0, 14.0 / 3.0))
-    assert (less.word, less.error, less.limit) == ("fail", pytest.approx(-3.0), pytest.approx(7.0 / 3.0))
+    assert (less.judgement, less.error, less.limit) == ("fail", pytest.approx(-3.0), pytest.approx(7.0 / 3.0))
     wider = judged(loads=file, limits=["angle=1.5", "approach=6", "pressure=4"])
-    assert [v.word for v in wider] == ["pass"] * 4
+    assert [v.judgement for v in wider] == ["pass"] * 4
     for verdict, power, at in ((wider[2], 2.0 / 3.0, (7, 3)), (wider[3], 1.0 / 3.0, (9, 0))):
         expected = 100.0 * power * found.uncertainty[at] / found.load[at]
         assert verdict.uncertainty == pytest.approx(expected, rel=2e-3), f"{verdict.quantity} goes as F^{power:.2f}"
@@ -86,7 +86,7 @@ def test_values_of_the_whole_are_judged_with_the_uncertainty_of_each(tmp_path) -
     assert moved.uncertainty == pytest.approx(float(bar), rel=1e-6)
     assert there.error == pytest.approx(100.0 * (22.5e-6 / at - 1.0))
     assert stiff.pair == ("load_point_secant_N_per_um", pytest.approx(143.0), pytest.approx(5e-3 / place, rel=1e-4))
-    assert (stiff.limit, life.limit, life.word) == (10.0, 21.0, "fail")
+    assert (stiff.limit, life.limit, life.judgement) == (10.0, 21.0, "fail")
     assert "formula from the reference's loads" in life.detail
     assert quantities_without_verdict([moved, there, stiff, life]) == ["contact angle", "approach", "pressure", "torque"]
 
@@ -108,16 +108,16 @@ def test_a_rigidity_curve_is_judged_load_by_load(tmp_path) -> None:
     store.save_run(tmp_path / "store", half, replace(run, load=0.5 * run.load, centreline=line, settings=settings))
     file = values(tmp_path / "v.csv", "rigidity,140.5,N/um,5 kN", "rigidity,128,N/um,2.5 kN", "rigidity,112,N/um,1 kN")
     whole, less, least = judged(values=file, store=tmp_path / "store")
-    assert (whole.word, less.quantity) == ("pass", "rigidity at 2.5 kN")
+    assert (whole.judgement, less.quantity) == ("pass", "rigidity at 2.5 kN")
     assert less.pair[2] == pytest.approx(2.5e-3 / float(np.interp(GIVEN.loads[0].at, line[:, 0], line[:, 3])), rel=1e-3)
-    assert (less.word, less.uncertainty) == ("undecided", None), "one mesh level leaves it open"
-    assert (least.word, least.quantity) == ("not covered", "rigidity at 1 kN")
+    assert (less.judgement, less.uncertainty) == ("undecided", None), "one mesh level leaves it open"
+    assert (least.judgement, least.quantity) == ("not covered", "rigidity at 1 kN")
 
 
 def test_a_model_is_judged_on_what_is_given_a_limit() -> None:
     found = judged(model="lin", limits=["approach=1", "displacement=2", "contact_angle=1"])
     expected = [(LARGEST, "fail"), ("contact angle", "pass"), ("approach", "fail"), ("displacement", "fail")]
-    assert [(v.quantity, v.word) for v in found] == expected
+    assert [(v.quantity, v.judgement) for v in found] == expected
 
 
 @pytest.mark.parametrize("text", ["rigidity", "rigidity=x", "rigidity=-1", "rigidity=nan", "load=3", "=1", "life=1 life=2"])

@@ -17,7 +17,7 @@ def test_a_scene_that_passes_and_one_that_does_not(tmp_path) -> None:
     (tmp_path / "two-balls.toml").write_text(shipped_scene_text("two-balls"), encoding="utf-8")
     here = RollbenchFixture(tmp_path)
     (verdict,) = here.check("two-balls.toml", max_error=7, compute=False)
-    assert verdict.word == "pass"
+    assert verdict.judgement == "pass"
     with pytest.raises(pytest.fail.Exception, match=r"UNDECIDED: two-balls, refined: .* limit 0\.4 %"):
         here.check("two-balls.toml", max_error=0.4, compute=False)
 

@@ -51,7 +51,7 @@ def test_a_scene_may_set_its_own_limits() -> None:
     assert limits_for_scene(scene, 9.0).largest_load_error == 9.0
     assert limits_for_scene(TWO, None).largest_load_error == 7.0
     verdicts = check([scene], gate_request(compute=False))
-    assert [(v.word, v.limit_percent) for v in verdicts] == [("undecided", 0.4), ("pass", 1.0)]
+    assert [(v.judgement, v.limit) for v in verdicts] == [("undecided", 0.4), ("pass", 1.0)]
 
 
 def test_missing_levels_are_computed_by_geometry_and_a_refusal_is_not_covered(monkeypatch, tmp_path) -> None:
@@ -66,8 +66,8 @@ def test_missing_levels_are_computed_by_geometry_and_a_refusal_is_not_covered(mo
     mine = scene_file.scene_from_text(text, "mine.toml")
     first, second = check([mine, TWO], GateRequest((tmp_path, gate_request().stores[1])))
     assert sorted(planned) == [("mine", 1), ("mine", 2)], "the stored reference of the other is not computed again"
-    assert (first.word, "no room for the contact" in first.detail) == ("not covered", True)
-    assert second.word == "pass"
+    assert (first.judgement, "no room for the contact" in first.detail) == ("not covered", True)
+    assert second.judgement == "pass"
 
 
 def solved_loads(command, folder) -> list[dict[str, str]]:
@@ -101,16 +101,16 @@ def test_loads_that_solve_writes_are_those_that_check_reads(command, tmp_path) -
     np.testing.assert_array_equal(given.load, run_model(scene, "lin", ModelOptions()).load)
     assert given.renumbered_ball_count == 0
     found = judged(tmp_path, rows)
-    assert (found.word, found.detail) == ("pass", "")
+    assert (found.judgement, found.detail) == ("pass", "")
 
 
 def test_balls_are_matched_by_azimuth_and_station(command, tmp_path) -> None:
     rows = solved_loads(command, tmp_path)
     found, right = judged(tmp_path, changed(rows, "ball", turned)), judged(tmp_path, rows)
-    assert found.error_percent == right.error_percent
+    assert found.error == right.error
     assert "32 balls are numbered differently in the file" in found.detail
     named = judged(tmp_path, changed(rows, "ball", "b".__add__))
-    assert named.error_percent == right.error_percent, "with places, a number may be any name"
+    assert named.error == right.error, "with places, a number may be any name"
     with pytest.raises(InputError, match="the position of a ball; the nearest"):
         judged(tmp_path, changed(rows, "z_mm", lambda z: float(z) + 5.0))
     with pytest.raises(InputError, match="line 2: z_mm: got x"):
@@ -120,7 +120,7 @@ def test_balls_are_matched_by_azimuth_and_station(command, tmp_path) -> None:
 def test_what_loads_look_like_is_said_and_a_file_of_several_cases_is_refused(command, tmp_path) -> None:
     rows = solved_loads(command, tmp_path)
     found = judged(tmp_path, changed(rows, "newton", lambda x: 1e-3 * float(x)))
-    assert (found.word, "look like kilonewtons" in found.line()) == ("fail", True)
+    assert (found.judgement, "look like kilonewtons" in found.line) == ("fail", True)
     found = judged(tmp_path, changed(rows, "ball", turned), "azimuth_deg", "z_mm")
     assert "numbered in reverse order: add the columns azimuth_deg and z_mm" in found.detail
     judged(tmp_path, [{"case": "1"} | row for row in rows])

@@ -25,7 +25,7 @@ def reference(uncertainty: float | None = 1.0) -> estimate.Reference:
     return estimate.Reference("mine", runs, LOAD, np.where(LOAD > 0.0, bar, 0.0), estimate.MeshUncertainty(bar, *own))
 
 
-def judged(change: dict[tuple[int, int], float], found: estimate.Reference, *flanks: str) -> gate_verdict.Verdict:
+def judged(change: dict[tuple[int, int], float], found: estimate.Reference, *flanks: str) -> gate_verdict.VerdictRow:
     """Verdict on the reference's loads but for some, within 7 %."""
     load = LOAD.copy()
     for place, newton in change.items():
@@ -43,13 +43,13 @@ def test_pass_undecided_fail(sign: float) -> None:
 
 def test_the_contact_that_decides_is_named() -> None:
     found = judged({(1, 3): 108.5}, reference())
-    assert (found.word, found.ball, found.flank, found.contacts, found.levels) == ("fail", 2, "NR", 4, (1, 2))
-    assert found.error_percent == pytest.approx(8.5)
-    assert found.line().startswith(f"FAIL: mine, x: {gate_verdict.LARGEST} 8.50 % - 1.00 % > 7 % (ball 2 NR)")
-    assert "8.50 % of the mean load (ball 2 NR), 4.25 % RMS" in found.line()
+    assert (found.judgement, found.ball, found.side, found.contacts, found.levels) == ("fail", 2, "NR", 4, (1, 2))
+    assert found.error == pytest.approx(8.5)
+    assert found.line.startswith(f"FAIL: mine, x: {gate_verdict.LARGEST} 8.50 % - 1.00 % > 7 % (ball 2 NR)")
+    assert "8.50 % of the mean load (ball 2 NR), 4.25 % RMS" in found.line
     found = judged({(1, 3): 105.0}, reference())
-    assert found.word == "pass"
-    assert f"{gate_verdict.LARGEST} 5.00 % + 1.00 % <= 7 % (ball 2 NR)" in found.line()
+    assert found.judgement == "pass"
+    assert f"{gate_verdict.LARGEST} 5.00 % + 1.00 % <= 7 % (ball 2 NR)" in found.line
     assert found.as_json()["max_percent_of_mean"] == pytest.approx(5.0)
 
 
@@ -65,46 +65,46 @@ def test_one_clear_failure_outweighs_a_larger_doubtful_error() -> None:
     found = reference()
     found.uncertainty[0, 0], found.uncertainty[0, 3] = 20.0, 4.5
     verdict = judged({(0, 0): 125.0, (0, 3): 112.0, (1, 0): 109.0}, found)
-    assert (verdict.word, verdict.ball, verdict.flank) == ("fail", 2, "SL")
+    assert (verdict.judgement, verdict.ball, verdict.side) == ("fail", 2, "SL")
 
 
 def test_a_load_that_the_reference_does_not_have_counts_on_the_flanks_that_are_judged() -> None:
     more = {(0, 1): 9.0}
     verdict = judged(more, reference())
-    assert (verdict.word, verdict.ball, verdict.flank) == ("fail", 1, "SR")
-    assert judged(more, reference(), "SL", "NR").word == "pass"
+    assert (verdict.judgement, verdict.ball, verdict.side) == ("fail", 1, "SR")
+    assert judged(more, reference(), "SL", "NR").judgement == "pass"
     none = judged({(0, 0): 0.0}, reference(), "SR")
-    assert (none.word, none.detail) == ("not covered", "the reference has no contact load on the flanks SR")
+    assert (none.judgement, none.detail) == ("not covered", "the reference has no contact load on the flanks SR")
 
 
 def test_one_level_decides_by_experience_and_says_so() -> None:
     verdict = judged({(0, 0): 200.0}, reference(None))
-    assert (verdict.word, verdict.uncertainty_percent) == ("fail", pytest.approx(0.3))
-    assert verdict.line().endswith(gate_verdict.ONE_LEVEL)
+    assert (verdict.judgement, verdict.uncertainty) == ("fail", pytest.approx(0.3))
+    assert verdict.line.endswith(gate_verdict.ONE_LEVEL)
 
 
 def test_rms_is_judged_where_it_has_a_limit() -> None:
     largest, rms = judge_contact_loads("x", 1.04 * LOAD, reference(0.5), ErrorLimits(7.0, rms_load_error=3.0))
-    assert (largest.word, rms.word, rms.quantity) == ("pass", "fail", gate_verdict.RMS)
-    assert (rms.error_percent, rms.uncertainty_percent) == pytest.approx((4.0, 0.5))
+    assert (largest.judgement, rms.judgement, rms.quantity) == ("pass", "fail", gate_verdict.RMS)
+    assert (rms.error, rms.uncertainty) == pytest.approx((4.0, 0.5))
 
 
 def test_the_gravest_verdict_counts() -> None:
     words = ["pass", "not covered", "undecided", "fail"]
-    assert [gate_verdict.worst_verdict(words[: k + 1]) for k in range(4)] == words
+    assert [gate_verdict.worst_judgement(words[: k + 1]) for k in range(4)] == words
     assert [gate_verdict.CODES[word] for word in words] == [0, 4, 3, 1]
 
 
 def test_no_row_of_the_shipped_gate_reads_ok_over_its_line() -> None:
     for error, limit, passed, further, expected in (
         (1.9, 2.0, True, {}, "ok"),
-        (-2.5, 2.0, True, {"uncertainty_percent": 0.7}, "undecided"),
+        (-2.5, 2.0, True, {"uncertainty": 0.7}, "undecided"),
         (14.0, 7.0, True, {"gated": False}, "reported"),
         (14.0, 7.0, False, {"gated": False}, "FAIL"),
         (None, None, True, {}, "ok"),
     ):
         row = GateCheck("a", "k", None, None, error, limit, passed, **further)
-        assert row.verdict == row.as_json()["verdict"] == expected
+        assert row.judgement == row.as_json()["verdict"] == expected
 
 
 DIAGONAL = ("SL", "NR")

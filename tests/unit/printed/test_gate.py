@@ -27,7 +27,7 @@ def test_passes_with_every_kind_of_check() -> None:
 def test_a_stiffness_off_by_20_per_cent_fails(monkeypatch: pytest.MonkeyPatch) -> None:
     right = problem.hertz_constants_by_scene_choice
     monkeypatch.setattr(problem, "hertz_constants_by_scene_choice", lambda *parts: 1.2 * right(*parts))
-    failed = [row.name for row in gate.check_closed_forms(SceneResultCache(), 7.0) if not row.passed]
+    failed = [row.subject for row in gate.check_closed_forms(SceneResultCache(), 7.0) if not row.passed]
     assert any("oversize" in name for name in failed)
 
 

@@ -131,7 +131,7 @@ def test_a_run_that_did_not_settle_is_kept_with_what_it_may_move_by(tmp_path: Pa
     assert status in reference_uncertainty_text(found, uncertainty_of_loads(CASE1, found))
     limits = ErrorLimits(1.0 + float(settled.uncertainty.max()) + 0.2)
     before, after = (judge_contact_loads("mine", np.full((32, 4), 101.0), r, limits)[0] for r in (settled, found))
-    assert (before.word, after.word) == ("pass", "undecided")
+    assert (before.judgement, after.judgement) == ("pass", "undecided")
     assert status in after.detail
 
 

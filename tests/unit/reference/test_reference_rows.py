@@ -44,7 +44,7 @@ def test_gate_passes_and_a_stiffness_off_by_20_per_cent_does_not(monkeypatch: py
     """The gate sees a low-order shaft, or a low-order contact, whose stiffness is off by 20 per cent, on the case studies
     already. (All other scenes pass in the gate's own test.)"""
     monkeypatch.setattr(gate, "UNSEEN", ())
-    assert [row.name for row in gate.check_default_model(SceneResultCache(), 7.0) if not row.passed] == []
+    assert [row.subject for row in gate.check_default_model(SceneResultCache(), 7.0) if not row.passed] == []
     section, hertz = equations.grooved_section, problem.hertz_constants_by_scene_choice
 
     def soft(*parts):
@@ -66,10 +66,10 @@ def test_the_gate_deducts_the_reference_s_uncertainty(monkeypatch: pytest.Monkey
 
     def row(tight: float) -> gate.GateCheck:
         monkeypatch.setattr(gate, "TIGHT", tight)
-        (found,) = (row for row in gate.check_default_model(SceneResultCache(), 7.0) if row.kind == "3D reference, tight")
+        (found,) = (x for x in gate.check_default_model(SceneResultCache(), 7.0) if x.quantity == "3D reference, tight")
         return found
 
-    error, bar = row(1.0).error_percent, row(1.0).uncertainty_percent
+    error, bar = row(1.0).error, row(1.0).uncertainty
     assert error > 2.0 * bar > 0.0
     assert row(error - 0.9 * bar).passed
     assert not row(error - 1.1 * bar).passed
